@@ -1,0 +1,119 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "filter/gpu/device.h"
+#include "filter/gpu/image.h"
+#include "filter/gpu/profiler.h"
+#include "filter/gpu/program.h"
+
+namespace becalm::gpu {
+
+/// An image that lives from frame to frame: a pass writes `next`, and in the following frame that is `previous`.
+/// Filled with zero when built and by Chain::reset_history.
+struct History {
+  ImageId previous;
+  ImageId next;
+};
+
+struct ChainOptions {
+  bool alias_memory = true;                          ///< images whose lifetimes do not meet share memory
+  std::span<const Kernel> kernels = embedded_kernels();
+};
+
+/// A fixed sequence of compute passes over images of known size, built once and run for each frame:
+///
+///     Chain chain(device, "align");
+///     ImageId luma = chain.input("luma.cur", Format::f32, extent);
+///     ImageId half = chain.image("luma.cur.L1", Format::f32, half_extent);
+///     chain.pass("align/downsample").read("fine", luma).write("coarse", half)
+///          .constants(DownsampleParams{...}).dispatch(half_extent);
+///     chain.output(half);
+///     chain.build();
+///
+/// Barriers, lifetimes, memory aliasing, debug labels and timestamps follow from the declarations. `build` checks them:
+/// every binding of a kernel named once and only those, formats, read against write, constants' size, every read
+/// written before, and storage-buffer limits; it throws DeviceError naming the pass and the binding.
+class Chain {
+ public:
+  /// One pass being declared; `dispatch` completes it.
+  class Pass {
+   public:
+    Pass& read(std::string_view binding, ImageId image);
+    Pass& write(std::string_view binding, ImageId image);
+    /// A binding the kernel both reads and writes.
+    Pass& read_write(std::string_view binding, ImageId image);
+    /// Push constants: a plain struct of shaders/shared/, 4-byte scalars only.
+    template <class Params>
+    Pass& constants(const Params& params) {
+      static_assert(std::is_trivially_copyable_v<Params> && sizeof(Params) <= 128);
+      return constant_bytes(std::as_bytes(std::span(&params, 1)));
+    }
+    Pass& specialize(std::string_view constant, std::int32_t value);
+    /// One invocation a pixel of `extent`, rounded up to whole workgroups; kernels check their bounds. Where an
+    /// invocation makes a block of pixels, pass the extent in blocks.
+    void dispatch(Extent extent);
+
+   private:
+    friend class Chain;
+    Pass(Chain& chain, std::size_t index) : chain_(chain), index_(index) {}
+    Pass& constant_bytes(std::span<const std::byte> bytes);
+    Chain& chain_;
+    std::size_t index_;
+  };
+
+  Chain(Device& device, std::string name, const ChainOptions& options = {});
+  ~Chain();
+  Chain(Chain&&) noexcept;
+
+  /// A transient image; its memory may be shared with others.
+  ImageId image(std::string name, Format format, Extent extent);
+  /// An image that the host fills before each run.
+  ImageId input(std::string name, Format format, Extent extent);
+  History history(std::string name, Format format, Extent extent);
+  /// Makes an image downloadable after a run; it is then kept to the end of the chain.
+  void output(ImageId image);
+
+  Pass pass(std::string_view kernel);
+  void build();
+
+  /// Host memory of an input, valid until the next call of upload for it or run.
+  template <class T>
+  std::span<T> upload(ImageId image) {
+    auto bytes = upload_bytes(image);
+    return {reinterpret_cast<T*>(bytes.data()), bytes.size() / sizeof(T)};
+  }
+  /// Runs all passes once and waits. History images swap afterwards.
+  void run();
+  /// An output's pixels, valid until the next run.
+  template <class T>
+  std::span<const T> download(ImageId image) const {
+    auto bytes = download_bytes(image);
+    return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
+  }
+  /// Fills all history images with zero before the next run.
+  void reset_history();
+
+  /// Device time of each pass of the last run.
+  const std::vector<PassTime>& times() const;
+  /// Device bytes held, and what they would be if no images shared memory (both without staging memory).
+  std::uint64_t device_bytes() const;
+  std::uint64_t device_bytes_unaliased() const;
+  /// Host-visible staging bytes of inputs and outputs.
+  std::uint64_t staging_bytes() const;
+
+ private:
+  std::span<std::byte> upload_bytes(ImageId image);
+  std::span<const std::byte> download_bytes(ImageId image) const;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace becalm::gpu

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace becalm::gpu {
+
+/// One storage buffer of a kernel, reflected from its SPIR-V at build time.
+struct BindingInfo {
+  std::string_view name;     ///< the role: the GLSL instance name, such as `offset_coarse`
+  std::uint32_t binding;     ///< in descriptor set 0
+  std::string_view element;  ///< "float", "vec2", "vec4" or "uint"
+  bool reads;
+  bool writes;
+};
+
+struct SpecConstantInfo {
+  std::string_view name;
+  std::uint32_t id;
+  std::string_view type;     ///< "int", "uint", "float" or "bool"
+};
+
+/// A compiled kernel: its SPIR-V and what reflection says of it. Embedded in the executable at build time.
+struct Kernel {
+  std::string_view name;     ///< path below shaders/ without the ending: `align/select_offset`
+  std::span<const std::uint32_t> spirv;
+  std::span<const BindingInfo> bindings;
+  std::span<const SpecConstantInfo> spec_constants;
+  std::uint32_t push_constant_bytes;
+  std::uint32_t local_size[3];
+};
+
+/// Kernels of the whole project, made by shaders/CMakeLists.txt; sorted by name.
+std::span<const Kernel> embedded_kernels();
+
+}  // namespace becalm::gpu

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+
+#include "frame/aov.h"
+#include "frame/image.h"
+
+namespace becalm {
+
+/// One frame of an animation: the beauty and whichever AOVs were asked for or found, all of one size. This, or an EXR
+/// file of it, is all that passes between the tracer and the filter.
+class Frame {
+ public:
+  Frame() = default;
+  Frame(int number, int width, int height) : number_(number), width_(width), height_(height) {}
+
+  int number() const { return number_; }
+  int width() const { return width_; }
+  int height() const { return height_; }
+
+  bool has(Aov aov) const { return !image(aov).empty(); }
+  AovSet aovs() const {
+    AovSet present;
+    for (const AovInfo& entry : kAovTable) present.set(static_cast<std::size_t>(entry.aov), has(entry.aov));
+    return present;
+  }
+
+  /// Adds (or clears) an image of the frame's size with the AOV's channels, every value `fill`.
+  Image& add(Aov aov, float fill = 0.0f) {
+    return image(aov) = Image(width_, height_, channel_count(aov), fill);
+  }
+  void remove(Aov aov) { image(aov) = Image(); }
+
+  /// The AOV's image; empty if the frame does not have it.
+  Image& image(Aov aov) { return images_[static_cast<std::size_t>(aov)]; }
+  const Image& image(Aov aov) const { return images_[static_cast<std::size_t>(aov)]; }
+
+ private:
+  int number_ = 0;
+  int width_ = 0;
+  int height_ = 0;
+  std::array<Image, kAovCount> images_;
+};
+
+}  // namespace becalm

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace becalm::io {
+
+/// Frame numbers of a range such as `1-100`, `1-100x2`, `5`, `-3-4` or `1-10,20-30`, ascending and without duplicates.
+/// Throws Error(usage) naming the text and what is wrong: a descending range, a step below 1, no number.
+std::vector<int> parse_frame_range(std::string_view text);
+
+/// Shortest range text that parse_frame_range turns into `frames` again; `frames` ascends.
+std::string format_frame_range(const std::vector<int>& frames);
+
+/// A file name with at most one frame field: `####`, `@@@@` (digits = characters), `%04d`, `%d` or `$F4`; a lone `#`
+/// takes its padding from the files on disk, and 1 digit where there are none.
+class SequencePattern {
+ public:
+  /// Throws Error(usage) if there are two frame fields in the text.
+  explicit SequencePattern(std::string text);
+
+  const std::string& text() const { return text_; }
+  bool has_frame_field() const { return padding_ > 0; }
+  /// The file of a frame; negative numbers keep their sign before the padding: `shot.-001.exr` for `####` and -1.
+  std::string path(int frame) const;
+  /// Numbers of the files that exist, ascending.
+  std::vector<int> frames_on_disk() const;
+
+ private:
+  std::string text_;
+  std::string prefix_;
+  std::string suffix_;
+  int padding_ = 0;  ///< 0: no frame field
+};
+
+}  // namespace becalm::io

@@ -1,0 +1,28 @@
+# Compiler settings shared by every target, as an interface library that each target links.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+
+set(BECALM_SANITIZE "" CACHE STRING "Sanitizers to build with, as -fsanitize= takes them")
+
+add_library(becalm_options INTERFACE)
+target_compile_options(becalm_options INTERFACE -Wall -Wextra -Werror)
+# x86-64-v2 carries SSE4.2, which every processor that Embree runs well on has; -ffp-contract=off keeps a
+# program's results equal whatever instruction set a later build chooses.
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  target_compile_options(becalm_options INTERFACE -march=x86-64-v2)
+endif()
+target_compile_options(becalm_options INTERFACE -ffp-contract=off)
+if(CMAKE_BUILD_TYPE STREQUAL "Debug")
+  # Debug runs the whole unit suite, so it is optimised as far as stepping through it allows.
+  target_compile_options(becalm_options INTERFACE -Og)
+endif()
+if(BECALM_SANITIZE)
+  target_compile_options(becalm_options INTERFACE -fsanitize=${BECALM_SANITIZE} -fno-sanitize-recover=all
+                                                  -fno-omit-frame-pointer)
+  target_link_options(becalm_options INTERFACE -fsanitize=${BECALM_SANITIZE})
+endif()
