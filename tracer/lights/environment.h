@@ -1,0 +1,65 @@
+#pragma once
+
+#include <Imath/ImathVec.h>
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "frame/image.h"
+#include "tracer/sampling/discrete_distribution.h"
+
+namespace becalm::tracer {
+
+using Imath::V2f;
+using Imath::V3f;
+
+/// Radiance that arrives from infinity. Copies share nothing.
+class Environment {
+ public:
+  struct Sample {
+    V3f dir_world;
+    float pdf_solid_angle;
+  };
+
+  static Environment constant(const V3f& radiance);
+
+  /// Latitude-longitude image: the top row is +y, the centre column -z, columns to its right turn towards +x;
+  /// read bilinearly. `rotate_y_deg` turns it counter-clockwise seen from above. 1 channel is grey, of 3 or
+  /// more the first three count. NaN and negative values become 0, +Inf becomes 65504 (a half that
+  /// overflowed), before scaling.
+  static Environment image(const Image& rgb, float scale, float rotate_y_deg);
+
+  V3f radiance(const V3f& dir_world) const;
+
+  /// Direction towards the light, with a density that follows the radiance; nothing when all of it is black.
+  std::optional<Sample> sample(const V2f& u) const;
+  float pdf_solid_angle(const V3f& dir_world) const;
+
+  /// Radiance integrated over all directions, mean of the channels.
+  double total() const { return total_; }
+
+  /// How many values of the image were NaN, infinite or negative.
+  std::size_t replaced_values() const { return replaced_values_; }
+
+ private:
+  struct Texel {
+    int x;
+    int y;
+  };
+  V3f to_image_frame(const V3f& dir_world) const;
+  Texel texel(const V3f& dir_image) const;
+  void build_distribution();
+
+  V3f constant_{0.0f};
+  Image texels_;  ///< scaled; empty when constant
+  float cos_rotation_ = 1.0f;
+  float sin_rotation_ = 0.0f;
+  double total_ = 0.0;
+  std::size_t replaced_values_ = 0;
+  DiscreteDistribution rows_;
+  std::vector<DiscreteDistribution> columns_;  ///< a row each
+  std::vector<float> row_cos_;                 ///< cos(theta) of the height() + 1 row borders, 1 to -1
+};
+
+}  // namespace becalm::tracer

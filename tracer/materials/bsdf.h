@@ -1,0 +1,75 @@
+#pragma once
+
+#include <Imath/ImathVec.h>
+
+#include <optional>
+#include <variant>
+
+namespace becalm::tracer {
+
+using Imath::V2f;
+using Imath::V3f;
+
+// Directions are unit vectors in the local shading frame: z is the shading normal, and wo (to the eye) and wi
+// (to the light) both point away from the surface, so that |cos| is |w.z|. Paths are traced from the eye:
+// values are those of radiance transport, where crossing an interface scales radiance by (n_wo / n_wi)^2.
+
+/// Lambertian; reflects on both sides.
+struct DiffuseBsdf {
+  V3f reflectance;  ///< [0,1]
+};
+
+/// Metal with the complex index of refraction eta + i k against air; reflects on both sides. GGX microfacets,
+/// a single scattering. eta = 0 reflects everything.
+struct ConductorBsdf {
+  V3f eta;
+  V3f k;
+  float alpha;  ///< GGX width in [0,1]; below kSmoothAlpha a perfect mirror
+};
+
+/// Clear interface: reflects and refracts, GGX microfacets (Walter et al. 2007), a single scattering.
+struct DielectricBsdf {
+  float eta;    ///< index of refraction inside (below the normal) over outside, > 0; 1 lets everything pass
+                ///< straight
+  float alpha;  ///< GGX width in [0,1]; see is_specular
+  V3f transmittance;  ///< [0,1], tint of what crosses the interface
+};
+
+/// A new model is one .inl, one entry here and one case of the scene loader.
+using Bsdf = std::variant<DiffuseBsdf, ConductorBsdf, DielectricBsdf>;
+
+/// Lobes narrower than this many radians are handled as delta functions: 32-bit directions could not resolve
+/// them.
+inline constexpr float kSmoothAlpha = 1e-4f;
+
+struct BsdfSample {
+  V3f wi;
+  V3f weight;            ///< f |cos wi| / pdf, each channel finite and >= 0
+  float pdf;             ///< in solid angle, as pdf_solid_angle gives it; 0 for delta lobes
+  bool specular;         ///< came from a delta lobe
+  bool transmitted;      ///< wi lies on the other side than wo
+  float radiance_scale;  ///< (n_wo / n_wi)^2 as contained in weight; Russian roulette should divide it out
+};
+
+/// f |cos wi|; zero for delta lobes and where wo or wi is tangential to the surface.
+V3f eval(const Bsdf& bsdf, const V3f& wo, const V3f& wi);
+
+/// Density per solid angle with which sample() finds wi; zero for delta lobes.
+float pdf_solid_angle(const Bsdf& bsdf, const V3f& wo, const V3f& wi);
+
+/// Draws wi from u in [0,1)^2 and u_lobe in [0,1), the latter choosing among lobes. Nothing when the drawn
+/// path carries no light: absorbed, masked by the microsurface, or wo tangential; this is part of the
+/// estimate, do not draw again.
+std::optional<BsdfSample> sample(const Bsdf& bsdf, const V3f& wo, const V2f& u, float u_lobe);
+
+/// Whether all lobes are delta functions, so that light sampling can find nothing.
+bool is_specular(const Bsdf& bsdf);
+
+/// Reflectance in [0,1] for the albedo AOV: of conductors at normal incidence, of dielectrics what they
+/// reflect and transmit together there.
+V3f albedo(const Bsdf& bsdf);
+
+/// alpha = roughness^2, clamped to [0,1].
+float roughness_to_alpha(float roughness);
+
+}  // namespace becalm::tracer

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <Imath/ImathVec.h>
+
+#include <cstdint>
+
+#include "tracer/sampling/sobol.h"
+
+namespace becalm::tracer {
+
+using Imath::V2f;
+
+/// Random numbers in [0,1) for one sample of one pixel: a pure function of (seed, frame, pixel, sample,
+/// dimension), whatever was drawn elsewhere. Every call takes the next dimensions. Over the samples 0..2^k-1
+/// of a pixel each next_1d() is stratified in 2^k intervals, and each next_2d() in every grid of 2^i x
+/// 2^(k-i) boxes; different calls, pixels, frames and seeds are independent. Any aligned block of 2^j samples
+/// is as well stratified, so disjoint halves are best taken as first and second half.
+///
+/// Source: Burley, "Practical Hash-based Owen Scrambling", JCGT 9(4), 2020: two Sobol dimensions with nested
+/// uniform scrambling, padded to any number of dimensions by shuffling the sample index for each call.
+class Sampler {
+ public:
+  Sampler(std::uint32_t seed, int frame, int x, int y, std::uint32_t sample)
+      : key_(mix_bits(mix_bits(pack(seed, static_cast<std::uint32_t>(frame))) ^
+                      pack(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y)))),
+        sample_(sample) {}
+
+  float next_1d() {
+    const std::uint64_t bits = next_bits();
+    const std::uint32_t index = owen_scramble(sample_, low(bits));
+    return to_unit_float(reverse_bits(owen_hash(index, high(bits))));
+  }
+
+  V2f next_2d() {
+    const std::uint64_t bits_x = next_bits();
+    const std::uint64_t bits_y = next_bits();
+    const std::uint32_t index = owen_scramble(sample_, low(bits_x));
+    return {to_unit_float(reverse_bits(owen_hash(index, high(bits_x)))),
+            to_unit_float(reverse_bits(owen_hash(sobol_1_reversed(index), low(bits_y))))};
+  }
+
+ private:
+  static std::uint64_t pack(std::uint32_t hi, std::uint32_t lo) {
+    return static_cast<std::uint64_t>(hi) << 32 | lo;
+  }
+  static std::uint32_t low(std::uint64_t bits) { return static_cast<std::uint32_t>(bits); }
+  static std::uint32_t high(std::uint64_t bits) { return static_cast<std::uint32_t>(bits >> 32); }
+
+  /// Scrambling seeds of the next dimension: a SplitMix64 stream that starts at the pixel's key.
+  std::uint64_t next_bits() { return mix_bits(key_ + ++dimension_ * 0x9e3779b97f4a7c15ull); }
+
+  std::uint64_t key_;
+  std::uint32_t sample_;
+  std::uint32_t dimension_ = 0;
+};
+
+}  // namespace becalm::tracer
