@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "filter/gpu/device.h"
@@ -14,25 +13,29 @@ namespace becalm::filter {
 
 /// What happened to one frame.
 struct FrameReport {
-  std::size_t non_finite_pixels = 0;   ///< input pixels with NaN or Inf in beauty or guide; passed through as they came
-  double mean_history_weight = 0.0;    ///< average over pixels, 0 for the first frame and after a reset
-  std::vector<gpu::PassTime> passes;   ///< device time, in order of execution
+  std::size_t non_finite_pixels = 0;  ///< pixels with NaN or Inf in the beauty: passed through as they came
+  std::size_t replaced_variances =
+      0;                              ///< variances that were not finite or negative, taken as 100 % of noise
+  double mean_rejected = 0.0;         ///< share of the history that was rejected, averaged over pixels
+  double mean_sample_count = 0.0;     ///< effective number of frames in a pixel, averaged over pixels
+  std::vector<gpu::PassTime> passes;  ///< device time, in order of execution
 };
 
 struct Denoised {
-  Frame frame;  ///< beauty, the remaining variance, and the diagnostics asked for
+  Frame frame;  ///< beauty, the variance left, and the diagnostics asked for
   FrameReport report;
 };
 
 /// AOVs that the filter uses when a frame has them; what else a frame carries is ignored.
 AovSet wanted_aovs(const Settings& settings);
 
-/// Denoises a sequence forward in time: every frame is aligned with the history of the frames before it and merged.
-/// One frame out for each frame in, in the same order. All frames have the size given at construction, and the AOVs
-/// that the first frame had; a frame that lacks one throws Error(bad_input).
+/// Denoises a sequence forward in time: every frame is aligned with the history of the frames before it and
+/// merged. One frame out for each frame in, in the same order. All frames have the size given at construction
+/// and the AOVs of `available` that the filter wants; a frame that differs throws Error(bad_input).
 class ForwardFilter {
  public:
-  /// Builds the chains for this size. Throws Error(resource) or gpu::DeviceError if the device cannot hold them.
+  /// Builds the chain for this size. `diagnostics` are those of flow, error_mask and sample_count to put into
+  /// the results. Throws gpu::DeviceError if the device cannot hold the chain.
   ForwardFilter(gpu::Device& device, const Settings& settings, int width, int height, AovSet available,
                 AovSet diagnostics = {});
   ~ForwardFilter();
@@ -43,7 +46,7 @@ class ForwardFilter {
   /// Forgets the history: the next frame starts anew, as after a cut or a missing frame.
   void reset();
 
-  /// Bytes of device memory that the chains hold, and what they would hold without aliasing.
+  /// Bytes of device memory that the chain holds, and what it would hold without aliasing.
   std::uint64_t device_bytes() const;
   std::uint64_t device_bytes_unaliased() const;
 

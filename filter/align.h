@@ -1,0 +1,57 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "filter/gpu/chain.h"
+#include "filter/settings.h"
+
+namespace becalm::filter {
+
+/// Sizes of the matching pyramid, the finest level first. Level 0 is the frame over `match_downsample`; each
+/// further level is `pyramid_factor` smaller, rounded up. With `pyramid_levels` 0 there are as many as it
+/// takes to reach 9 % of the longer side (170 px at 1920x1080, as in Hanika et al. 2021, section 3.1), but no
+/// level below 8 px.
+std::vector<gpu::Extent> pyramid_extents(const Settings& settings, int width, int height);
+
+/// Largest motion in full-resolution pixels that the pyramid can find: the sum over levels of the window's
+/// reach.
+int reach_px(const Settings& settings, std::size_t levels);
+
+/// What is matched: planes of features at matching resolution, and for target and source alike.
+struct Features {
+  gpu::ImageId image;
+  int planes = 0;
+};
+
+/// Full-resolution images that features are made from. The guide holds `guide_planes` planes of low-noise
+/// AOVs.
+struct FeatureSources {
+  gpu::ImageId color;                          ///< f32x4, radiance
+  gpu::ImageId exposure;                       ///< f32, 1x1: brings the frame's typical luminance to 1
+  std::optional<gpu::ImageId> guide_features;  ///< as add_guide_pass made them
+  int guide_planes = 0;
+};
+
+/// Guide planes at matching resolution, each multiplied by its weight; `weights` has one entry a plane.
+void add_guide_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full, gpu::ImageId guide,
+                      const std::vector<float>& weights, gpu::ImageId guide_features);
+
+/// Features called `name`: the guide's planes, and the compressed luminance unless its weight is 0.
+Features add_feature_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
+                            const std::string& name, const FeatureSources& sources);
+
+struct Alignment {
+  gpu::ImageId
+      offset;  ///< f32x2, full resolution: source(p + offset) looks like target(p), in full-resolution px
+  /// Patch distance at the offset for each pyramid level (f32, sizes of pyramid_extents): the mean over the
+  /// patch, less the distance of equal pixels.
+  std::vector<gpu::ImageId> residual;
+};
+
+/// Aligns the source's features with the target's by hierarchical patch matching (Hanika et al. 2021,
+/// section 3.1).
+Alignment add_align_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
+                           const Features& target, const Features& source);
+
+}  // namespace becalm::filter

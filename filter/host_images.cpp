@@ -1,0 +1,128 @@
+#include "filter/host_images.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+
+namespace becalm::filter {
+namespace {
+
+/// Variances beyond this would overflow when they are summed over a patch.
+constexpr float kLargestVariance = 1e34f;
+/// Exposures beyond this range make squares of scaled values leave the range of floats.
+constexpr double kLargestExposure = 1e15;
+
+float luminance(std::span<const float> rgb) {
+  return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
+}
+
+bool all_finite(std::span<const float> values) {
+  return std::ranges::all_of(values, [](float v) { return std::isfinite(v); });
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> finite_pixels(const Image& beauty) {
+  std::vector<std::uint8_t> finite(beauty.pixel_count());
+  for (std::size_t i = 0; i < finite.size(); ++i) {
+    finite[i] = all_finite(beauty.data().subspan(i * beauty.channels(), beauty.channels())) ? 1 : 0;
+  }
+  return finite;
+}
+
+void pack_color(const Image& beauty, std::span<const std::uint8_t> finite, std::span<float> rgba) {
+  assert(beauty.channels() == 4 && rgba.size() == beauty.pixel_count() * 4);
+  std::ranges::copy(beauty.data(), rgba.begin());
+  const int width = beauty.width();
+  const int height = beauty.height();
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      if (finite[y * width + x]) continue;
+      std::array<float, 4> mean{};
+      int count = 0;
+      for (int v = std::max(y - 1, 0); v <= std::min(y + 1, height - 1); ++v) {
+        for (int u = std::max(x - 1, 0); u <= std::min(x + 1, width - 1); ++u) {
+          if (!finite[v * width + u]) continue;
+          for (int c = 0; c < 4; ++c) mean[c] += beauty.at(u, v, c);
+          ++count;
+        }
+      }
+      for (int c = 0; c < 4; ++c) rgba[(y * width + x) * 4 + c] = count > 0 ? mean[c] / count : 0.0f;
+    }
+  }
+}
+
+std::size_t pack_variance(const Frame& frame, std::span<const std::uint8_t> finite, std::span<float> pairs) {
+  const bool given = frame.has(Aov::variance);
+  const bool halves = frame.has(Aov::half_a) && frame.has(Aov::half_b);
+  std::size_t replaced = 0;
+  for (std::size_t i = 0; i < finite.size(); ++i) {
+    float variance = 0.0f;
+    if (given) {
+      const auto v = frame.image(Aov::variance).data().subspan(i * 3, 3);
+      variance = (v[0] + v[1] + v[2]) / 3.0f;
+    } else if (halves) {
+      const auto a = frame.image(Aov::half_a).data().subspan(i * 3, 3);
+      const auto b = frame.image(Aov::half_b).data().subspan(i * 3, 3);
+      for (int c = 0; c < 3; ++c) variance += (a[c] - b[c]) * (a[c] - b[c]) / 12.0f;
+    }
+    if (finite[i] && !(std::isfinite(variance) && variance >= 0.0f)) {
+      const float l = luminance(frame.image(Aov::beauty).data().subspan(i * 4, 4));
+      variance = l * l;
+      ++replaced;
+    }
+    pairs[2 * i] = finite[i] ? std::min(variance, kLargestVariance) : 0.0f;
+    pairs[2 * i + 1] = finite[i];
+  }
+  return replaced;
+}
+
+int guide_planes(bool albedo, bool normal) {
+  return (albedo ? 1 : 0) + (normal ? 2 : 0);
+}
+
+void pack_guide(const Frame& frame, bool albedo, bool normal, std::span<float> planes) {
+  const std::size_t count = static_cast<std::size_t>(frame.width()) * frame.height();
+  assert(planes.size() == count * guide_planes(albedo, normal));
+  std::size_t plane = 0;
+  if (albedo) {
+    const auto values = frame.image(Aov::albedo).data();
+    for (std::size_t i = 0; i < count; ++i) {
+      const float l = luminance(values.subspan(3 * i, 3));
+      planes[i] = std::isfinite(l) ? std::clamp(l, 0.0f, 1.0f) : 0.0f;
+    }
+    ++plane;
+  }
+  if (normal) {
+    // Orthonormal axes across the diagonal (1,1,1): no two of the six axis directions look the same along
+    // them.
+    constexpr float kHalfRoot = 0.70710678f;
+    constexpr float kSixthRoot = 0.40824829f;
+    const auto values = frame.image(Aov::normal).data();
+    const auto u = planes.subspan(plane * count, count);
+    const auto v = planes.subspan((plane + 1) * count, count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto n = values.subspan(3 * i, 3);
+      const bool finite = all_finite(n);
+      u[i] = finite ? std::clamp((n[0] - n[1]) * kHalfRoot, -1.0f, 1.0f) : 0.0f;
+      v[i] = finite ? std::clamp((n[0] + n[1] - 2.0f * n[2]) * kSixthRoot, -1.0f, 1.0f) : 0.0f;
+    }
+  }
+}
+
+float exposure(const Image& beauty) {
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < beauty.pixel_count(); ++i) {
+    const float l = luminance(beauty.data().subspan(i * beauty.channels(), beauty.channels()));
+    if (!(l > 0.0f) || !std::isfinite(l)) continue;
+    sum += std::log(static_cast<double>(l));
+    ++count;
+  }
+  if (count == 0) return 1.0f;
+  const double typical = std::exp(sum / static_cast<double>(count));
+  return static_cast<float>(std::clamp(1.0 / typical, 1.0 / kLargestExposure, kLargestExposure));
+}
+
+}  // namespace becalm::filter

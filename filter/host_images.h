@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "frame/frame.h"
+
+namespace becalm::filter {
+
+/// What lies between a Frame and the buffers of the GPU chain, all plain loops over pixels. Non-finite input
+/// follows one rule: such a pixel is counted, takes no part in any decision, and comes out as it went in.
+
+/// One entry a pixel: 1 where all channels of the beauty are finite, else 0.
+std::vector<std::uint8_t> finite_pixels(const Image& beauty);
+
+/// The beauty as RGBA; a pixel that is not finite becomes the mean of its finite neighbours (0 without any),
+/// so that matching sees no hole there.
+void pack_color(const Image& beauty, std::span<const std::uint8_t> finite, std::span<float> rgba);
+
+/// (variance, valid) pairs. The variance is the mean over channels of the `variance` AOV, or of ((a-b)/2)^2
+/// for two half-buffers; 0 where the frame has neither. A variance that is not finite or negative is replaced
+/// by the square of the pixel's luminance: 100 % of noise. Returns how many were.
+std::size_t pack_variance(const Frame& frame, std::span<const std::uint8_t> finite, std::span<float> pairs);
+
+/// Number of guide planes that a frame with these AOVs gives: albedo one, normal two.
+int guide_planes(bool albedo, bool normal);
+
+/// Guide planes: the albedo's luminance, then the normal's components along two axes of no special direction
+/// in the scene (a unit vector has two degrees of freedom). Values that are not finite become 0. Albedo is
+/// clamped to [0,1].
+void pack_guide(const Frame& frame, bool albedo, bool normal, std::span<float> planes);
+
+/// 1 / geometric mean of the positive finite luminances; 1 for a black frame. It brings the frame into a
+/// known range.
+float exposure(const Image& beauty);
+
+}  // namespace becalm::filter

@@ -1,0 +1,135 @@
+#include "filter/merge.h"
+
+#include <algorithm>
+
+#include "shaders/shared/merge_params.h"
+
+namespace becalm::filter {
+namespace {
+
+using gpu::Chain;
+using gpu::Extent;
+using gpu::Format;
+using gpu::ImageId;
+
+struct Warped {
+  ImageId color;
+  ImageId stats;
+};
+
+Warped add_warp(Chain& chain, Extent full, const MergeInputs& inputs, ImageId offset) {
+  const Warped warped{chain.image("warped.color", Format::f32x4, full),
+                      chain.image("warped.stats", Format::f32x2, full)};
+  chain.pass("merge/warp_history")
+      .read("offset", offset)
+      .read("history_color", inputs.history_color.previous)
+      .read("history_stats", inputs.history_stats.previous)
+      .write("warped_color", warped.color)
+      .write("warped_stats", warped.stats)
+      .constants(params::ImageParams{.width = full.width, .height = full.height})
+      .dispatch(full);
+  return warped;
+}
+
+ImageId add_box(Chain& chain, Extent full, ImageId statistics, const char* name, int radius_x, int radius_y) {
+  constexpr int kPlanes = 2;
+  const Extent extent{full.width, full.height, kPlanes};
+  const ImageId sums = chain.image(name, Format::f32x4, extent);
+  chain.pass("merge/box")
+      .read("statistics", statistics)
+      .write("sums", sums)
+      .constants(params::BoxParams{.width = full.width,
+                                   .height = full.height,
+                                   .planes = kPlanes,
+                                   .radius_x = radius_x,
+                                   .radius_y = radius_y})
+      .dispatch(extent);
+  return sums;
+}
+
+ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
+                          const Warped& warped) {
+  const ImageId statistics = chain.image("statistics", Format::f32x4, {full.width, full.height, 2});
+  chain.pass("merge/statistics")
+      .read("color", inputs.color)
+      .read("variance", inputs.variance)
+      .read("warped_color", warped.color)
+      .read("warped_stats", warped.stats)
+      .read("exposure", inputs.exposure)
+      .write("statistics", statistics)
+      .constants(params::ImageParams{.width = full.width, .height = full.height})
+      .dispatch(full);
+  const ImageId rows = add_box(chain, full, statistics, "statistics.rows", settings.patch_radius, 0);
+  const ImageId sums = add_box(chain, full, rows, "statistics.patch", 0, settings.patch_radius);
+  const ImageId decision = chain.image("decision", Format::f32x2, full);
+  chain.pass("merge/variance_gain")
+      .read("color", inputs.color)
+      .read("variance", inputs.variance)
+      .read("warped_color", warped.color)
+      .read("warped_stats", warped.stats)
+      .read("exposure", inputs.exposure)
+      .read("statistics", statistics)
+      .read("sums", sums)
+      .write("merged_color", inputs.history_color.next)
+      .write("merged_stats", inputs.history_stats.next)
+      .write("decision", decision)
+      .constants(params::VarianceGainParams{.width = full.width,
+                                            .height = full.height,
+                                            .max_history = settings.max_history,
+                                            .significance = settings.significance})
+      .dispatch(full);
+  return decision;
+}
+
+ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
+                      const Warped& warped, const Alignment& alignment) {
+  const auto extents = pyramid_extents(settings, full.width, full.height);
+  const std::size_t level = std::min(static_cast<std::size_t>(settings.mask_level), extents.size() - 1);
+  const ImageId decision = chain.image("decision", Format::f32x2, full);
+  chain.pass("merge/mask_gain")
+      .read("color", inputs.color)
+      .read("variance", inputs.variance)
+      .read("warped_color", warped.color)
+      .read("warped_stats", warped.stats)
+      .read("residual", alignment.residual[level])
+      .write("merged_color", inputs.history_color.next)
+      .write("merged_stats", inputs.history_stats.next)
+      .write("decision", decision)
+      .constants(params::MaskGainParams{.width = full.width,
+                                        .height = full.height,
+                                        .residual_width = extents[level].width,
+                                        .residual_height = extents[level].height,
+                                        .alpha = settings.mask_alpha,
+                                        .kappa = settings.mask_kappa,
+                                        .eta = settings.mask_eta,
+                                        .max_history = settings.max_history})
+      .dispatch(full);
+  return decision;
+}
+
+}  // namespace
+
+ImageId add_merge_passes(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
+                         const Alignment& alignment) {
+  const Warped warped = add_warp(chain, full, inputs, alignment.offset);
+  switch (settings.merge) {
+    case MergeMode::variance:
+      return add_variance_gain(chain, settings, full, inputs, warped);
+    case MergeMode::mask:
+      return add_mask_gain(chain, settings, full, inputs, warped, alignment);
+  }
+  return {};
+}
+
+ImageId add_variance_estimate(Chain& chain, Extent full, ImageId color, ImageId valid) {
+  const ImageId variance = chain.image("variance.estimated", Format::f32x2, full);
+  chain.pass("merge/estimate_variance")
+      .read("color", color)
+      .read("valid", valid)
+      .write("variance", variance)
+      .constants(params::ImageParams{.width = full.width, .height = full.height})
+      .dispatch(full);
+  return variance;
+}
+
+}  // namespace becalm::filter

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "filter/align.h"
+#include "filter/gpu/chain.h"
+#include "filter/settings.h"
+
+namespace becalm::filter {
+
+/// Images that the merge works on, all at full resolution.
+struct MergeInputs {
+  gpu::ImageId color;     ///< f32x4: the new frame, pixels that are not finite replaced
+  gpu::ImageId variance;  ///< f32x2: (variance of the pixel's mean, averaged over channels; 1, or 0 for a
+                          ///< pixel that is not finite)
+  gpu::ImageId exposure;  ///< f32, 1x1
+  gpu::History history_color;  ///< f32x4
+  gpu::History
+      history_stats;  ///< f32x2: (variance left, effective sample count); a count of 0 means no history
+};
+
+/// Merges the new frame with the warped history into history_color.next and history_stats.next, and returns
+/// the decisions (f32x2): share of the history rejected, and effective sample count.
+gpu::ImageId add_merge_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
+                              const MergeInputs& inputs, const Alignment& alignment);
+
+/// Variance estimated from one frame alone, for frames that come without; returns an image as
+/// MergeInputs::variance wants it. `valid` is such an image of which only the second value is read.
+gpu::ImageId add_variance_estimate(gpu::Chain& chain, gpu::Extent full, gpu::ImageId color,
+                                   gpu::ImageId valid);
+
+}  // namespace becalm::filter

@@ -1,0 +1,233 @@
+#include "filter/settings.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <array>
+#include <charconv>
+#include <optional>
+#include <variant>
+
+#include "frame/error.h"
+
+namespace becalm::filter {
+namespace {
+
+struct IntRange {
+  int Settings::*member;
+  int lowest;
+  int highest;
+};
+struct IntChoice {
+  int Settings::*member;
+  std::array<int, 3> values;  ///< unused ones repeat the first
+};
+struct IntList {
+  std::vector<int> Settings::*member;
+  int lowest;
+  int highest;
+};
+struct FloatRange {
+  float Settings::*member;
+  float lowest;
+  float highest;
+};
+struct DistanceName {
+  Distance Settings::*member;
+};
+struct MergeName {
+  MergeMode Settings::*member;
+};
+using Field = std::variant<IntRange, IntChoice, IntList, FloatRange, DistanceName, MergeName>;
+
+constexpr std::array<std::string_view, 4> kDistanceNames{"l2", "l1", "log_l1", "log_l1_centered"};
+constexpr std::array<std::string_view, 2> kMergeNames{"mask", "variance"};
+
+struct Row {
+  SettingInfo info;
+  Field field;
+};
+
+const Row kRows[] = {
+    {{"match_downsample", "1, 2 or 4",
+      "matching runs on images so many times smaller: faster, and steadier under noise"},
+     IntChoice{&Settings::match_downsample, {1, 2, 4}}},
+    {{"pyramid_factor", "2 or 4", "each pyramid level is so many times smaller than the one before"},
+     IntChoice{&Settings::pyramid_factor, {2, 4, 2}}},
+    {{"pyramid_levels", "integer 0..12", "levels of the pyramid; 0 takes as many as the image size asks for"},
+     IntRange{&Settings::pyramid_levels, 0, 12}},
+    {{"blur_radius", "integers 0..32 joined by commas",
+      "patch radius of each level, the finest first; the last serves all coarser levels"},
+     IntList{&Settings::blur_radius, 0, 32}},
+    {{"distance", "l2, l1, log_l1 or log_l1_centered", "pixel distance of the matching"},
+     DistanceName{&Settings::distance}},
+    {{"refine_levels", "integer 0..12", "subpixel refinement on so many of the finest levels"},
+     IntRange{&Settings::refine_levels, 0, 12}},
+    {{"weight_radiance", "number 0..100", "weight of the radiance in matching; 0 leaves it out"},
+     FloatRange{&Settings::weight_radiance, 0.0f, 100.0f}},
+    {{"weight_albedo", "number 0..100", "weight of the albedo in matching, where a frame has one"},
+     FloatRange{&Settings::weight_albedo, 0.0f, 100.0f}},
+    {{"weight_normal", "number 0..100", "weight of the normal in matching, where a frame has one"},
+     FloatRange{&Settings::weight_normal, 0.0f, 100.0f}},
+    {{"merge", "mask or variance",
+      "mask: weights from the patch distance; variance: least expected squared error"},
+     MergeName{&Settings::merge}},
+    {{"mask_alpha", "number 0..1", "mask mode: largest weight of the history"},
+     FloatRange{&Settings::mask_alpha, 0.0f, 1.0f}},
+    {{"mask_kappa", "number 0..1000", "mask mode: scale of the patch distance"},
+     FloatRange{&Settings::mask_kappa, 0.0f, 1000.0f}},
+    {{"mask_eta", "number 0..100", "mask mode: threshold that noise alone stays below"},
+     FloatRange{&Settings::mask_eta, 0.0f, 100.0f}},
+    {{"mask_level", "0 or 1",
+      "mask mode: level of the patch distance, 0 the finest, 1 the first downsampled"},
+     IntRange{&Settings::mask_level, 0, 1}},
+    {{"patch_radius", "integer 1..8", "variance mode: radius of the patches that weights are estimated from"},
+     IntRange{&Settings::patch_radius, 1, 8}},
+    {{"significance", "number 0..20",
+      "variance mode: standard errors above noise from which a residual counts as bias"},
+     FloatRange{&Settings::significance, 0.0f, 20.0f}},
+    {{"max_history", "number 1..100000", "largest number of frames that the history may count for"},
+     FloatRange{&Settings::max_history, 1.0f, 100000.0f}},
+};
+
+template <class... Cases>
+struct Overloaded : Cases... {
+  using Cases::operator()...;
+};
+template <class... Cases>
+Overloaded(Cases...) -> Overloaded<Cases...>;
+
+template <class Number>
+std::optional<Number> parse(std::string_view text) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+template <class Enum, std::size_t count>
+bool assign_name(Enum& target, std::string_view text, const std::array<std::string_view, count>& names) {
+  for (std::size_t i = 0; i < count; ++i) {
+    if (names[i] == text) {
+      target = static_cast<Enum>(i);
+      return true;
+    }
+  }
+  return false;
+}
+
+bool assign_list(std::vector<int>& target, std::string_view text, int lowest, int highest) {
+  std::vector<int> values;
+  while (true) {
+    const auto comma = text.find(',');
+    const auto value = parse<int>(text.substr(0, comma));
+    if (!value || *value < lowest || *value > highest) return false;
+    values.push_back(*value);
+    if (comma == std::string_view::npos) break;
+    text.remove_prefix(comma + 1);
+  }
+  target = std::move(values);
+  return true;
+}
+
+/// False if the text is not a value of the field.
+bool assign(Settings& settings, const Field& field, std::string_view text) {
+  return std::visit(
+      Overloaded{
+          [&](const IntRange& f) {
+            const auto value = parse<int>(text);
+            if (!value || *value < f.lowest || *value > f.highest) return false;
+            settings.*f.member = *value;
+            return true;
+          },
+          [&](const IntChoice& f) {
+            const auto value = parse<int>(text);
+            if (!value || std::ranges::find(f.values, *value) == f.values.end()) return false;
+            settings.*f.member = *value;
+            return true;
+          },
+          [&](const IntList& f) { return assign_list(settings.*f.member, text, f.lowest, f.highest); },
+          [&](const FloatRange& f) {
+            const auto value = parse<float>(text);
+            // The comparison is false for NaN too.
+            if (!value || !(*value >= f.lowest && *value <= f.highest)) return false;
+            settings.*f.member = *value;
+            return true;
+          },
+          [&](const DistanceName& f) { return assign_name(settings.*f.member, text, kDistanceNames); },
+          [&](const MergeName& f) { return assign_name(settings.*f.member, text, kMergeNames); },
+      },
+      field);
+}
+
+std::string value_text(const Settings& settings, const Field& field) {
+  return std::visit(
+      Overloaded{
+          [&](const IntRange& f) { return fmt::format("{}", settings.*f.member); },
+          [&](const IntChoice& f) { return fmt::format("{}", settings.*f.member); },
+          [&](const IntList& f) { return fmt::format("{}", fmt::join(settings.*f.member, ",")); },
+          [&](const FloatRange& f) { return fmt::format("{}", settings.*f.member); },
+          [&](const DistanceName& f) {
+            return std::string(kDistanceNames[static_cast<std::size_t>(settings.*f.member)]);
+          },
+          [&](const MergeName& f) {
+            return std::string(kMergeNames[static_cast<std::size_t>(settings.*f.member)]);
+          },
+      },
+      field);
+}
+
+}  // namespace
+
+std::span<const SettingInfo> settings_table() {
+  static const std::vector<SettingInfo> infos = [] {
+    std::vector<SettingInfo> result;
+    for (const Row& row : kRows) result.push_back(row.info);
+    return result;
+  }();
+  return infos;
+}
+
+Settings preset(std::string_view name) {
+  Settings settings;
+  if (name == "draft") {
+    settings.match_downsample = 4;
+  } else if (name == "final") {
+    settings.match_downsample = 1;
+  } else if (name != "balanced") {
+    throw Error(ExitStatus::usage, fmt::format("preset '{}': expected draft, balanced or final", name));
+  }
+  return settings;
+}
+
+void set(Settings& settings, std::string_view assignment) {
+  const auto equals = assignment.find('=');
+  if (equals == std::string_view::npos) {
+    throw Error(ExitStatus::usage, fmt::format("--set '{}': expected KEY=VALUE", assignment));
+  }
+  const std::string_view key = assignment.substr(0, equals);
+  const std::string_view value = assignment.substr(equals + 1);
+  for (const Row& row : kRows) {
+    if (row.info.key != key) continue;
+    if (!assign(settings, row.field, value)) {
+      throw Error(ExitStatus::usage,
+                  fmt::format("--set {}: value '{}': expected {}", key, value, row.info.type));
+    }
+    return;
+  }
+  std::vector<std::string_view> keys;
+  for (const Row& row : kRows) keys.push_back(row.info.key);
+  throw Error(ExitStatus::usage,
+              fmt::format("--set: no setting '{}'; there are {}", key, fmt::join(keys, ", ")));
+}
+
+std::string to_string(const Settings& settings) {
+  std::string text;
+  for (const Row& row : kRows) {
+    if (!text.empty()) text += ' ';
+    text += fmt::format("{}={}", row.info.key, value_text(settings, row.field));
+  }
+  return text;
+}
+
+}  // namespace becalm::filter

@@ -1,0 +1,29 @@
+// Reads a colour image and the frame's exposure, writes one plane of matching features: the range-compressed luminance,
+// averaged over downsample x downsample pixels after compression, so that one firefly moves a feature by at most its
+// pixel's share.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "lib/color.glsl"
+#include "shared/align_params.h"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant) uniform Params { FeatureParams p; };
+layout(std430, set = 0, binding = 0) readonly buffer ColorBuffer { vec4 data[]; } color;
+layout(std430, set = 0, binding = 1) readonly buffer ExposureBuffer { float data[]; } exposure;
+layout(std430, set = 0, binding = 2) writeonly buffer FeaturesBuffer { float data[]; } features;
+
+void main() {
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  if (at.x >= p.width || at.y >= p.height) return;
+  const ivec2 last = min((at + 1) * p.downsample, ivec2(p.width_in, p.height_in));
+  float sum = 0.0;
+  int count = 0;
+  for (int y = at.y * p.downsample; y < last.y; ++y) {
+    for (int x = at.x * p.downsample; x < last.x; ++x) {
+      const vec4 c = color.data[y * p.width_in + x];
+      sum += compress(luminance(c.r, c.g, c.b), exposure.data[0]);
+      ++count;
+    }
+  }
+  features.data[(p.plane * p.height + at.y) * p.width + at.x] = p.weight * sum / float(count);
+}

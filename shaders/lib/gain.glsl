@@ -1,0 +1,22 @@
+// The merge's scalar estimation problem (Philippi et al., eq. 4 and 5).
+#include "lib/language.glsl"
+
+/// Part of a squared quantity that noise does not explain: what is left of `measured` after `noise` and after
+/// `standard_errors` times the spread that the estimate of `noise` has over `count` pixels of Gaussian noise.
+float excess_over_noise(float measured, float noise, float count, float standard_errors) {
+  return max(0.0f, measured - noise * (1.0f + standard_errors * sqrt(2.0f / count)));
+}
+
+/// Weight of the new sample that minimises the expected squared error, eq. 4: `variance_new` is of the new sample's mean,
+/// `variance_history` and `bias_squared` are of the history.
+float gain(float variance_new, float variance_history, float bias_squared) {
+  float history_error = variance_history + bias_squared;
+  float total = history_error + variance_new;
+  // Both exact: nothing to gain either way, and the new sample is certainly of this frame.
+  return total > 0.0f ? history_error / total : 1.0f;
+}
+
+/// Effective sample count after blending one new frame with weight `alpha` into a history of `n` frames, eq. 5.
+float blended_count(float n, float alpha) {
+  return n > 0.0f ? n / (alpha * alpha * n + (1.0f - alpha) * (1.0f - alpha)) : 1.0f;
+}

@@ -1,0 +1,7 @@
+// The functions in shaders/lib/ are pure and compile as GLSL and, behind tests/filter/glsl.h, as C++, where they are
+// unit-tested. OUT marks a parameter that the function writes.
+#ifdef __cplusplus
+#define OUT(type) type&
+#else
+#define OUT(type) out type
+#endif

@@ -1,0 +1,43 @@
+// Reads the new frame, the warped history and the aligner's residual patch distance at one level; writes the merged
+// frame. The history's weight is clamp(alpha (1 - m), 0, 1) with m = kappa eps - eta (Hanika et al. 2021, section 3.2).
+// Differs from the paper: m is clamped to [0,1], since a negative m would raise the weight beyond alpha, up to a history
+// that never ends; and a history of n frames weighs at most n/(n+1), so that the first frames are averaged evenly.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "lib/gain.glsl"
+#include "shared/merge_params.h"
+
+layout(local_size_x = 8, local_size_y = 4) in;
+layout(push_constant) uniform Params { MaskGainParams p; };
+layout(std430, set = 0, binding = 0) readonly buffer ColorBuffer { vec4 data[]; } color;
+layout(std430, set = 0, binding = 1) readonly buffer VarianceBuffer { vec2 data[]; } variance;
+layout(std430, set = 0, binding = 2) readonly buffer WarpedColorBuffer { vec4 data[]; } warped_color;
+layout(std430, set = 0, binding = 3) readonly buffer WarpedStatsBuffer { vec2 data[]; } warped_stats;
+layout(std430, set = 0, binding = 4) readonly buffer ResidualBuffer { float data[]; } residual;
+layout(std430, set = 0, binding = 5) writeonly buffer MergedColorBuffer { vec4 data[]; } merged_color;
+layout(std430, set = 0, binding = 6) writeonly buffer MergedStatsBuffer { vec2 data[]; } merged_stats;
+layout(std430, set = 0, binding = 7) writeonly buffer DecisionBuffer { vec2 data[]; } decision;
+
+#include "lib/blend.glsl"
+
+/// The residual image read bilinearly at the pixel's centre; it may be of a coarser level.
+float read_residual(ivec2 at) {
+  const vec2 size = vec2(p.residual_width, p.residual_height);
+  const vec2 position = (vec2(at) + 0.5) * size / vec2(p.width, p.height) - 0.5;
+  const vec2 base = floor(position);
+  const vec2 t = position - base;
+  const ivec2 lo = clamp(ivec2(base), ivec2(0), ivec2(size) - 1);
+  const ivec2 hi = clamp(ivec2(base) + 1, ivec2(0), ivec2(size) - 1);
+  return mix(mix(residual.data[lo.y * p.residual_width + lo.x], residual.data[lo.y * p.residual_width + hi.x], t.x),
+             mix(residual.data[hi.y * p.residual_width + lo.x], residual.data[hi.y * p.residual_width + hi.x], t.x), t.y);
+}
+
+void main() {
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  if (at.x >= p.width || at.y >= p.height) return;
+  const int index = at.y * p.width + at.x;
+  const float n = min(warped_stats.data[index].y, p.max_history - 1.0);
+  const float mask = clamp(p.kappa * read_residual(at) - p.eta, 0.0, 1.0);
+  const float history_weight = min(p.alpha * (1.0 - mask), n / (n + 1.0));
+  blend(index, 1.0 - history_weight, 0.0, p.max_history, mask);
+}

@@ -1,0 +1,36 @@
+// Reads the new frame, its variance and the warped history; writes what the gain's patch statistics are sums of, as two
+// planes: (difference r, g, b; squared difference) and (variance of the new, variance of the history, 1, 0). All are
+// relative to the history's brightness, so that the brightest pixel of a patch does not drown the rest. Pixels without
+// history or with a non-finite sample count nothing.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "lib/color.glsl"
+#include "shared/merge_params.h"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant) uniform Params { ImageParams p; };
+layout(std430, set = 0, binding = 0) readonly buffer ColorBuffer { vec4 data[]; } color;
+layout(std430, set = 0, binding = 1) readonly buffer VarianceBuffer { vec2 data[]; } variance;
+layout(std430, set = 0, binding = 2) readonly buffer WarpedColorBuffer { vec4 data[]; } warped_color;
+layout(std430, set = 0, binding = 3) readonly buffer WarpedStatsBuffer { vec2 data[]; } warped_stats;
+layout(std430, set = 0, binding = 4) readonly buffer ExposureBuffer { float data[]; } exposure;
+layout(std430, set = 0, binding = 5) writeonly buffer StatisticsBuffer { vec4 data[]; } statistics;
+
+void main() {
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  if (at.x >= p.width || at.y >= p.height) return;
+  const int index = at.y * p.width + at.x;
+  const int plane = p.width * p.height;
+  const vec2 sample_stats = variance.data[index];
+  const vec2 stats = warped_stats.data[index];
+  if (sample_stats.y <= 0.0 || stats.y <= 0.0) {
+    statistics.data[index] = vec4(0.0);
+    statistics.data[plane + index] = vec4(0.0);
+    return;
+  }
+  const vec4 h = warped_color.data[index];
+  const float scale = 1.0 / brightness(h.r, h.g, h.b, exposure.data[0]);
+  const vec3 d = (color.data[index].rgb - h.rgb) * scale;
+  statistics.data[index] = vec4(d, dot(d, d) / 3.0);
+  statistics.data[plane + index] = vec4(sample_stats.x * scale * scale, stats.x * scale * scale, 1.0, 0.0);
+}

@@ -1,0 +1,77 @@
+// Push constants of the kernels in shaders/align/, read by C++ and GLSL alike: 4-byte scalars only, so that both lay
+// them out the same. Sizes are in pixels of the image that the kernel writes unless a name says otherwise.
+#ifndef BECALM_ALIGN_PARAMS_H
+#define BECALM_ALIGN_PARAMS_H
+
+#ifdef __cplusplus
+namespace becalm::filter::params {
+#endif
+
+/// align/radiance_feature, align/guide_feature: full resolution in, matching resolution out.
+struct FeatureParams {
+  int width_in;
+  int height_in;
+  int width;
+  int height;
+  int downsample;  // 1, 2 or 4
+  int plane_in;    // first plane read
+  int plane;       // first plane written
+  int planes;
+  float weight;
+};
+
+/// align/downsample: one pyramid level to the next.
+struct DownsampleParams {
+  int width_in;
+  int height_in;
+  int width;
+  int height;
+  int factor;
+};
+
+/// The bands of one level: rows [first_row, first_row + rows) of 25 distance images are in memory at a time.
+struct DistanceParams {
+  int width;
+  int height;
+  int first_row;  // may be negative: the halo of the blur; rows outside of the image hold zero
+  int rows;
+  int coarse_width;
+  int coarse_height;
+  float coarse_scale;  // coarse offsets times this are offsets of this level
+};
+
+/// align/blur: a box sum along one direction of each of the 25 images.
+struct BlurParams {
+  int width;
+  int rows_in;
+  int rows;
+  int radius_x;  // one of the two radii is zero
+  int radius_y;
+};
+
+/// align/select_offset: the best of the 25 shifts for each pixel of a band.
+struct SelectParams {
+  int width;
+  int height;
+  int first_row;
+  int rows;
+  int radius;
+  int coarse_width;
+  int coarse_height;
+  float coarse_scale;
+  int refine;  // 1: add the minimum of the quadric through the 3x3 costs around the best
+};
+
+/// align/upsample_offset: matching resolution to full resolution.
+struct UpsampleParams {
+  int width_in;
+  int height_in;
+  int width;
+  int height;
+  float scale;
+};
+
+#ifdef __cplusplus
+}  // namespace becalm::filter::params
+#endif
+#endif

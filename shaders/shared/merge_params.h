@@ -1,0 +1,44 @@
+// Push constants of the kernels in shaders/merge/; see align_params.h for the rules.
+#ifndef BECALM_MERGE_PARAMS_H
+#define BECALM_MERGE_PARAMS_H
+
+#ifdef __cplusplus
+namespace becalm::filter::params {
+#endif
+
+struct ImageParams {
+  int width;
+  int height;
+};
+
+/// merge/box: box sums of the patch statistics along one direction.
+struct BoxParams {
+  int width;
+  int height;
+  int planes;
+  int radius_x;  // one of the two radii is zero
+  int radius_y;
+};
+
+struct VarianceGainParams {
+  int width;
+  int height;
+  float max_history;  // largest effective sample count
+  float significance; // standard errors by which a residual must exceed noise to count as bias
+};
+
+struct MaskGainParams {
+  int width;
+  int height;
+  int residual_width;  // the level whose patch distance rejects
+  int residual_height;
+  float alpha;
+  float kappa;
+  float eta;
+  float max_history;
+};
+
+#ifdef __cplusplus
+}  // namespace becalm::filter::params
+#endif
+#endif
