@@ -1,0 +1,102 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tracer/lights/environment.h"
+#include "tracer/materials/bsdf.h"
+#include "tracer/sampling/pixel_filter.h"
+#include "tracer/scene/mesh.h"
+#include "tracer/scene/texture.h"
+#include "tracer/scene/transform.h"
+#include "tracer/scene_needs.h"
+
+namespace becalm::tracer {
+
+struct FrameRange {
+  int first = 1;
+  int last = 1;
+  double rate = 24.0;  ///< frames per second
+};
+
+struct Film {
+  int width = 640;
+  int height = 360;
+  PixelFilter filter;
+};
+
+/// How light that comes straight from an emitter is found; all three have the same expectation.
+enum class Direct { mis, light, material };
+enum class Heuristic { power, balance };
+
+struct Integrator {
+  int max_depth = 8;       ///< scattering events on a path at most; 0 shows emitters alone
+  int roulette_depth = 3;  ///< Russian roulette from this many events on
+  Direct direct = Direct::mis;
+  Heuristic heuristic = Heuristic::power;
+};
+
+struct CameraSettings {
+  double fov_y_deg = 45.0;
+  LookAtCurve look_at{{0, 0, 5, 0, 0, 0, 0, 1, 0}};
+};
+
+struct Material {
+  std::string name;
+  Bsdf bsdf;                             ///< with a texture: whose reflectance the texture replaces
+  std::optional<std::uint32_t> texture;  ///< reflectance of a diffuse material
+};
+
+struct Object {
+  std::string name;
+  std::uint32_t mesh = 0;
+  std::uint32_t material = 0;
+  Curve<3> emission{{0, 0, 0}};  ///< radiance, uniform over the surface and all directions
+  bool emissive = false;         ///< whether the emission is ever positive
+  bool two_sided = false;        ///< emits from the back as well
+  TransformCurve transform{{0, 0, 0, 0, 0, 0, 1, 1, 1}};
+};
+
+/// All that a scene file says, with its meshes and images loaded.
+struct SceneDescription {
+  std::string file;  ///< for messages
+  FrameRange frames;
+  Film film;
+  Integrator integrator;
+  CameraSettings camera;
+  std::optional<Environment> environment;
+  bool environment_is_image = false;
+  std::vector<Material> materials;
+  std::vector<Mesh> meshes;
+  std::vector<Object> objects;
+  Textures textures;
+};
+
+class Snapshot;
+
+/// A scene ready to be rendered: the description, what it needs, and what is kept from frame to frame.
+class Scene {
+ public:
+  explicit Scene(SceneDescription description);
+  ~Scene();
+  Scene(Scene&&) noexcept;
+  Scene& operator=(Scene&&) noexcept;
+
+  const SceneDescription& description() const { return *description_; }
+  const SceneNeeds& needs() const { return needs_; }
+
+  /// The scene at that frame. Only what differs from the frame asked for before is built anew; the reference stays valid
+  /// until the next call. Throws Error(bad_input) for a camera that has no direction there, Error(resource) when the
+  /// geometry does not fit into memory.
+  const Snapshot& at_frame(int frame);
+
+ private:
+  std::unique_ptr<SceneDescription> description_;  ///< its address stays, since the snapshot refers to it
+  SceneNeeds needs_;
+  std::unique_ptr<Snapshot> snapshot_;
+};
+
+}  // namespace becalm::tracer
