@@ -43,12 +43,9 @@ class Environment {
   std::size_t replaced_values() const { return replaced_values_; }
 
  private:
-  struct Texel {
-    int x;
-    int y;
-  };
   V3f to_image_frame(const V3f& dir_world) const;
-  Texel texel(const V3f& dir_image) const;
+  V2f image_position(const V3f& dir_world) const;  ///< in texels from the top left
+  float texel_pdf(std::size_t x, std::size_t y) const;
   void build_distribution();
 
   V3f constant_{0.0f};
@@ -59,7 +56,9 @@ class Environment {
   std::size_t replaced_values_ = 0;
   DiscreteDistribution rows_;
   std::vector<DiscreteDistribution> columns_;  ///< a row each
-  std::vector<float> row_cos_;                 ///< cos(theta) of the height() + 1 row borders, 1 to -1
+  /// cos(theta) of the height + 1 row borders, 1 to -1. Double: 1 - cos of the rows at the poles of a 16k
+  /// image lies below the resolution of float.
+  std::vector<double> row_cos_;
 };
 
 }  // namespace becalm::tracer

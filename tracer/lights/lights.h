@@ -6,24 +6,11 @@
 #include <optional>
 #include <vector>
 
+#include "tracer/lights/area_light.h"
 #include "tracer/lights/environment.h"
 #include "tracer/sampling/discrete_distribution.h"
 
 namespace becalm::tracer {
-
-/// Emits `radiance` from the side from which p0, p1, p2 appear counter-clockwise, or from both.
-struct EmissiveTriangle {
-  V3f p0, p1, p2;
-  V3f radiance;
-  bool two_sided = false;
-};
-
-struct LightSample {
-  V3f dir_world;          ///< unit, from the shaded point to the light
-  float distance;         ///< scene units; inf for the environment
-  V3f radiance;           ///< that arrives if nothing is in between
-  float pdf_solid_angle;  ///< including the probability of having chosen this light; finite and > 0
-};
 
 /// All emitters of a frame. Chosen by power; triangles without area or radiance are never chosen.
 class Lights {
@@ -51,17 +38,9 @@ class Lights {
   V3f environment_radiance(const V3f& dir_world) const;
 
  private:
-  struct AreaLight {
-    V3f p0, edge1, edge2;
-    V3f normal;  ///< unit, on the emitting side
-    float area;  ///< 0: never chosen
-    V3f radiance;
-    bool two_sided;
-  };
-
   std::vector<AreaLight> area_lights_;
   std::optional<Environment> environment_;
-  DiscreteDistribution choice_;  ///< the triangles, then the environment
+  DiscreteDistribution choice_;  ///< the triangles, then the environment if there is one
 };
 
 }  // namespace becalm::tracer

@@ -1,0 +1,45 @@
+#include "tracer/materials/bsdf.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "tracer/materials/fresnel.h"
+#include "tracer/materials/local_direction.h"
+#include "tracer/materials/microfacet.h"
+
+// Each model overloads eval_model, pdf_model, sample_model, is_specular_model and albedo_model; the visitors
+// below have no default, so that one left out fails to compile.
+#include "tracer/materials/conductor.inl"
+#include "tracer/materials/dielectric.inl"
+#include "tracer/materials/diffuse.inl"
+
+namespace becalm::tracer {
+
+V3f eval(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
+  return std::visit([&](const auto& model) { return eval_model(model, wo, wi); }, bsdf);
+}
+
+float pdf_solid_angle(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
+  return std::visit([&](const auto& model) { return pdf_model(model, wo, wi); }, bsdf);
+}
+
+std::optional<BsdfSample> sample(const Bsdf& bsdf, const V3f& wo, const V2f& u, float u_lobe) {
+  return std::visit([&](const auto& model) { return sample_model(model, wo, u, u_lobe); }, bsdf);
+}
+
+bool is_specular(const Bsdf& bsdf) {
+  return std::visit([](const auto& model) { return is_specular_model(model); }, bsdf);
+}
+
+V3f albedo(const Bsdf& bsdf) {
+  const V3f value = std::visit([](const auto& model) { return albedo_model(model); }, bsdf);
+  return {std::clamp(value.x, 0.0f, 1.0f), std::clamp(value.y, 0.0f, 1.0f), std::clamp(value.z, 0.0f, 1.0f)};
+}
+
+float roughness_to_alpha(float roughness) {
+  const float clamped = std::clamp(roughness, 0.0f, 1.0f);
+  return clamped * clamped;
+}
+
+}  // namespace becalm::tracer

@@ -1,0 +1,102 @@
+#include "tracer/sampling/pixel_filter.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace becalm::tracer {
+namespace {
+
+/// The 4-term Blackman-Harris window at distance t in [0,1] of the centre, scaled to integrate to 1/2 over
+/// it. Source: Harris, "On the Use of Windows for Harmonic Analysis", 1978: the constant term is the mean.
+double blackman_harris(double t) {
+  constexpr double kMean = 0.35875;
+  const double phase = std::numbers::pi * t;
+  const double window =
+      kMean + 0.48829 * std::cos(phase) + 0.14128 * std::cos(2.0 * phase) + 0.01168 * std::cos(3.0 * phase);
+  return window / (2.0 * kMean);
+}
+
+/// Half of the window, linear between 257 samples: within 2e-5 of its peak.
+class HalfWindow {
+ public:
+  HalfWindow() {
+    for (int i = 0; i <= kIntervals; ++i) {
+      density_[i] = static_cast<float>(2.0 * blackman_harris(static_cast<double>(i) / kIntervals));
+    }
+    double sum = 0.0;
+    for (int i = 0; i < kIntervals; ++i) {
+      cdf_[i] = static_cast<float>(sum);
+      sum += 0.5 * (static_cast<double>(density_[i]) + density_[i + 1]) / kIntervals;
+    }
+    cdf_[kIntervals] = static_cast<float>(sum);
+  }
+
+  /// Distance in [0,1] at which the integral from the centre reaches u in [0,1].
+  float invert(float u) const {
+    const float target = std::min(u, 1.0f) * cdf_[kIntervals];
+    const auto upper = std::upper_bound(cdf_.begin() + 1, cdf_.end() - 1, target);
+    const std::size_t i = static_cast<std::size_t>(upper - cdf_.begin()) - 1;
+    // Root of density_i x + (density_i+1 - density_i) x^2 / 2 = rest, in the form that does not cancel.
+    const float rest = (target - cdf_[i]) * kIntervals;
+    const float slope = density_[i + 1] - density_[i];
+    const float root = std::sqrt(std::max(0.0f, density_[i] * density_[i] + 2.0f * slope * rest));
+    const float x = std::min(2.0f * rest / (density_[i] + root), 1.0f);
+    return (static_cast<float>(i) + x) / kIntervals;
+  }
+
+ private:
+  static constexpr int kIntervals = 256;
+  std::array<float, kIntervals + 1> density_;
+  std::array<float, kIntervals + 1> cdf_;
+};
+
+const HalfWindow& blackman_harris_half() {
+  static const HalfWindow half;
+  return half;
+}
+
+/// Offset in [-1,1] for u in [0,1], monotone.
+float sample_unit(FilterType type, float u) {
+  const float centred = 2.0f * u - 1.0f;  // the half, and how much of it lies nearer to the centre
+  switch (type) {
+    case FilterType::box:
+      return centred;
+    case FilterType::tent: {
+      const float rest = 1.0f - std::abs(centred);
+      return std::copysign(1.0f - std::sqrt(rest), centred);
+    }
+    case FilterType::blackman_harris:
+      return std::copysign(blackman_harris_half().invert(std::abs(centred)), centred);
+  }
+  return 0.0f;
+}
+
+/// Density on [-1,1].
+float pdf_unit(FilterType type, float t) {
+  const float distance = std::abs(t);
+  if (!(distance <= 1.0f)) return 0.0f;
+  switch (type) {
+    case FilterType::box:
+      return 0.5f;
+    case FilterType::tent:
+      return 1.0f - distance;
+    case FilterType::blackman_harris:
+      return static_cast<float>(blackman_harris(distance));
+  }
+  return 0.0f;
+}
+
+}  // namespace
+
+V2f sample(const PixelFilter& filter, const V2f& u) {
+  return V2f(sample_unit(filter.type, u.x), sample_unit(filter.type, u.y)) * filter.radius_px;
+}
+
+float pdf(const PixelFilter& filter, const V2f& offset_px) {
+  const V2f t = offset_px / filter.radius_px;
+  return pdf_unit(filter.type, t.x) * pdf_unit(filter.type, t.y) / (filter.radius_px * filter.radius_px);
+}
+
+}  // namespace becalm::tracer
