@@ -16,15 +16,15 @@
 
 namespace becalm::gpu {
 
-/// An image that lives from frame to frame: a pass writes `next`, and in the following frame that is `previous`.
-/// Filled with zero when built and by Chain::reset_history.
+/// An image that lives from frame to frame: a pass writes `next`, and in the following frame that is
+/// `previous`. Filled with zero when built and by Chain::reset_history.
 struct History {
   ImageId previous;
   ImageId next;
 };
 
 struct ChainOptions {
-  bool alias_memory = true;                          ///< images whose lifetimes do not meet share memory
+  bool alias_memory = true;  ///< images whose lifetimes do not meet share memory
   std::span<const Kernel> kernels = embedded_kernels();
 };
 
@@ -38,9 +38,10 @@ struct ChainOptions {
 ///     chain.output(half);
 ///     chain.build();
 ///
-/// Barriers, lifetimes, memory aliasing, debug labels and timestamps follow from the declarations. `build` checks them:
-/// every binding of a kernel named once and only those, formats, read against write, constants' size, every read
-/// written before, and storage-buffer limits; it throws DeviceError naming the pass and the binding.
+/// Barriers, lifetimes, memory aliasing, debug labels and timestamps follow from the declarations. `build`
+/// checks them: every binding of a kernel named once and only those, formats, read against write, constants'
+/// size, every read written before, and storage-buffer limits; it throws DeviceError naming the pass and the
+/// binding.
 class Chain {
  public:
   /// One pass being declared; `dispatch` completes it.
@@ -57,8 +58,8 @@ class Chain {
       return constant_bytes(std::as_bytes(std::span(&params, 1)));
     }
     Pass& specialize(std::string_view constant, std::int32_t value);
-    /// One invocation a pixel of `extent`, rounded up to whole workgroups; kernels check their bounds. Where an
-    /// invocation makes a block of pixels, pass the extent in blocks.
+    /// One invocation a pixel of `extent`, rounded up to whole workgroups; kernels check their bounds. Where
+    /// an invocation makes a block of pixels, pass the extent in blocks.
     void dispatch(Extent extent);
 
    private:

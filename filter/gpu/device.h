@@ -8,8 +8,8 @@
 
 namespace becalm::gpu {
 
-/// Trouble with the device: none found, out of memory, lost, or an invalid chain. One line, naming pass and image where
-/// there is one.
+/// Trouble with the device: none found, out of memory, lost, or an invalid chain. One line, naming pass and
+/// image where there is one.
 class DeviceError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -18,7 +18,7 @@ class DeviceError : public std::runtime_error {
 struct DeviceInfo {
   int index = 0;
   std::string name;
-  std::string type;          ///< "discrete GPU", "integrated GPU", "virtual GPU", "software", "other"
+  std::string type;  ///< "discrete GPU", "integrated GPU", "virtual GPU", "software", "other"
   std::string driver;
   std::uint64_t memory_bytes = 0;
   std::uint64_t max_storage_buffer_bytes = 0;
@@ -28,14 +28,15 @@ struct DeviceInfo {
 std::vector<DeviceInfo> list_devices();
 
 struct DeviceOptions {
-  std::string select;       ///< index or part of a name, case-insensitive; empty: a hardware GPU if there is one
+  std::string select;  ///< index or part of a name, case-insensitive; empty: a hardware GPU if there is one
   bool validation = false;  ///< validation layer with synchronization validation; any message is an error
 };
 
 /// An open device with one compute queue. Not copied, shared by reference; one thread at a time.
 class Device {
  public:
-  /// Throws DeviceError: no driver (naming the Debian package to install), no such device, no validation layer.
+  /// Throws DeviceError: no driver (naming the Debian package to install), no such device, no validation
+  /// layer.
   explicit Device(const DeviceOptions& options = {});
   ~Device();
   Device(const Device&) = delete;

@@ -4,15 +4,20 @@
 
 namespace becalm::gpu {
 
-/// Element of a GPU image, as the kernels declare it: `float data[]`, `vec2 data[]`, `vec4 data[]`, `uint data[]`.
+/// Element of a GPU image, as the kernels declare it: `float data[]`, `vec2 data[]`, `vec4 data[]`, `uint
+/// data[]`.
 enum class Format { f32, f32x2, f32x4, u32 };
 
 constexpr std::uint64_t bytes_per_element(Format format) {
   switch (format) {
-    case Format::f32: return 4;
-    case Format::f32x2: return 8;
-    case Format::f32x4: return 16;
-    case Format::u32: return 4;
+    case Format::f32:
+      return 4;
+    case Format::f32x2:
+      return 8;
+    case Format::f32x4:
+      return 16;
+    case Format::u32:
+      return 4;
   }
   return 0;
 }
@@ -23,11 +28,14 @@ struct Extent {
   int height = 0;
   int planes = 1;
 
-  std::uint64_t elements() const { return std::uint64_t(width) * std::uint64_t(height) * std::uint64_t(planes); }
+  std::uint64_t elements() const {
+    return std::uint64_t(width) * std::uint64_t(height) * std::uint64_t(planes);
+  }
   bool operator==(const Extent&) const = default;
 };
 
-/// Names an image of one Chain. Images are storage buffers, row-major, plane after plane (see README.md for why).
+/// Names an image of one Chain. Images are storage buffers, row-major, plane after plane (see README.md for
+/// why).
 struct ImageId {
   int index = -1;
 };

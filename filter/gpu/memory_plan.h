@@ -1,12 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
 namespace becalm::gpu {
 
-/// An image's need: bytes, and the first and last pass that touch it (inclusive).
+/// An image's need: bytes, and the first and last step that touch it (inclusive).
 struct MemoryRequest {
   std::uint64_t bytes = 0;
   int first_pass = 0;
@@ -14,12 +15,17 @@ struct MemoryRequest {
 };
 
 struct MemoryPlan {
-  std::vector<std::uint64_t> offsets;  ///< one a request, multiples of the alignment
-  std::uint64_t total_bytes = 0;       ///< peak of the plan
+  std::vector<std::uint64_t> offsets;      ///< one a request, within its arena, multiples of the alignment
+  std::vector<int> arenas;                 ///< one a request, an index into arena_bytes
+  std::vector<std::uint64_t> arena_bytes;  ///< one arena unless the limit asks for more
+  std::uint64_t total_bytes = 0;           ///< of all arenas: the peak of the plan
 };
 
-/// Places the requests in one arena so that those whose lifetimes meet never overlap. Greedy by size: the largest first,
-/// each at the lowest offset that is free. Pure arithmetic, no device types. `alias` false: all apart.
-MemoryPlan plan_memory(std::span<const MemoryRequest> requests, std::uint64_t alignment, bool alias = true);
+/// Places the requests so that those whose lifetimes meet never overlap. Greedy by size: the largest first,
+/// each at the lowest offset that is free in the first arena where it ends below `max_arena_bytes`. Pure
+/// arithmetic, no device types. `alias` false: all apart. A request larger than the limit is a precondition
+/// violated, and asserted.
+MemoryPlan plan_memory(std::span<const MemoryRequest> requests, std::uint64_t alignment, bool alias = true,
+                       std::uint64_t max_arena_bytes = std::numeric_limits<std::uint64_t>::max());
 
 }  // namespace becalm::gpu

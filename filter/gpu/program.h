@@ -18,12 +18,12 @@ struct BindingInfo {
 struct SpecConstantInfo {
   std::string_view name;
   std::uint32_t id;
-  std::string_view type;     ///< "int", "uint", "float" or "bool"
+  std::string_view type;  ///< "int", "uint", "float" or "bool"
 };
 
 /// A compiled kernel: its SPIR-V and what reflection says of it. Embedded in the executable at build time.
 struct Kernel {
-  std::string_view name;     ///< path below shaders/ without the ending: `align/select_offset`
+  std::string_view name;  ///< path below shaders/ without the ending: `align/select_offset`
   std::span<const std::uint32_t> spirv;
   std::span<const BindingInfo> bindings;
   std::span<const SpecConstantInfo> spec_constants;

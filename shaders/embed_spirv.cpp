@@ -1,0 +1,273 @@
+// embed_spirv OUT.cpp FUNCTION [NAME FILE.spv]...
+// Reads compiled kernels and writes one C++ file that defines becalm::gpu::FUNCTION(): their words and what
+// reflection says of them, as filter/gpu/program.h declares. A kernel that breaks a convention of
+// shaders/README.md stops the build.
+#include <algorithm>
+#include <cstdint>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iomanip>
+#include <iostream>
+#include <spirv_cross.hpp>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace {
+
+using spirv_cross::Compiler;
+using spirv_cross::SPIRType;
+
+struct Binding {
+  std::string name;
+  std::uint32_t binding = 0;
+  std::string element;
+  bool reads = false;
+  bool writes = false;
+};
+
+struct SpecConstant {
+  std::string name;
+  std::uint32_t id = 0;
+  std::string type;
+};
+
+struct Kernel {
+  std::string name;
+  std::vector<std::uint32_t> words;
+  std::vector<Binding> bindings;
+  std::vector<SpecConstant> spec_constants;
+  std::uint32_t push_constant_bytes = 0;
+  std::uint32_t local_size[3] = {1, 1, 1};
+};
+
+/// Vulkan guarantees this many bytes on every device.
+constexpr std::uint32_t kMaxPushConstantBytes = 128;
+
+void require(bool condition, const std::string& message) {
+  if (!condition) throw std::runtime_error(message);
+}
+
+std::vector<std::uint32_t> read_words(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream stream;
+  stream << file.rdbuf();
+  const std::string bytes = stream.str();
+  require(file.good() && !bytes.empty() && bytes.size() % 4 == 0, path + " is no SPIR-V file");
+  std::vector<std::uint32_t> words(bytes.size() / 4);
+  std::copy(bytes.begin(), bytes.end(), reinterpret_cast<char*>(words.data()));
+  return words;
+}
+
+/// GLSL's name of a type that a storage buffer may hold, or an empty string.
+std::string element_name(const SPIRType& type) {
+  const bool plain = type.width == 32 && type.columns == 1;
+  if (plain && type.basetype == SPIRType::Float && type.vecsize == 1) return "float";
+  if (plain && type.basetype == SPIRType::Float && type.vecsize == 2) return "vec2";
+  if (plain && type.basetype == SPIRType::Float && type.vecsize == 4) return "vec4";
+  if (plain && type.basetype == SPIRType::UInt && type.vecsize == 1) return "uint";
+  return "";
+}
+
+Binding reflect_binding(const Compiler& compiler, const spirv_cross::Resource& resource) {
+  Binding result;
+  result.name = compiler.get_name(resource.id);
+  require(!result.name.empty(),
+          "buffer block '" + resource.name + "' needs an instance name, which names its role");
+  const std::string where = "buffer '" + result.name + "': ";
+  require(compiler.get_decoration(resource.id, spv::DecorationDescriptorSet) == 0,
+          where + "must be in set 0");
+  require(compiler.has_decoration(resource.id, spv::DecorationBinding), where + "needs layout(binding = N)");
+  result.binding = compiler.get_decoration(resource.id, spv::DecorationBinding);
+
+  const SPIRType& variable = compiler.get_type(resource.type_id);
+  const SPIRType& block = compiler.get_type(resource.base_type_id);
+  require(variable.array.empty(), where + "arrays of buffers are not supported");
+  require(block.member_types.size() == 1, where + "must hold one array `data[]` and nothing else");
+  const SPIRType& member = compiler.get_type(block.member_types[0]);
+  require(member.array.size() == 1 && member.array[0] == 0,
+          where + "must hold one array `data[]` without a size");
+  result.element = element_name(member);
+  require(!result.element.empty(), where + "elements must be float, vec2, vec4 or uint");
+
+  const spirv_cross::Bitset flags = compiler.get_buffer_block_flags(resource.id);
+  result.reads = !flags.get(spv::DecorationNonReadable);
+  result.writes = !flags.get(spv::DecorationNonWritable);
+  require(result.reads || result.writes, where + "is neither read nor written");
+  return result;
+}
+
+/// Blocks of 4-byte scalars have one layout in C++ and in std430; vectors and matrices do not.
+void require_scalars(const Compiler& compiler, const SPIRType& type, const std::string& where) {
+  for (std::uint32_t i = 0; i < type.member_types.size(); ++i) {
+    const SPIRType& member = compiler.get_type(type.member_types[i]);
+    const std::string name = where + "." + compiler.get_member_name(type.self, i);
+    if (member.basetype == SPIRType::Struct) {
+      require_scalars(compiler, member, name);
+    } else {
+      require(member.vecsize == 1 && member.columns == 1 && member.width == 32,
+              "push constant '" + name + "' must be a 4-byte scalar");
+    }
+  }
+}
+
+std::uint32_t reflect_push_constants(const Compiler& compiler,
+                                     const spirv_cross::ShaderResources& resources) {
+  if (resources.push_constant_buffers.empty()) return 0;
+  const SPIRType& type = compiler.get_type(resources.push_constant_buffers[0].base_type_id);
+  require_scalars(compiler, type, resources.push_constant_buffers[0].name);
+  const auto bytes = static_cast<std::uint32_t>(compiler.get_declared_struct_size(type));
+  require(bytes <= kMaxPushConstantBytes,
+          "push constants take " + std::to_string(bytes) + " bytes, more than the 128 that every device has");
+  return bytes;
+}
+
+SpecConstant reflect_spec_constant(const Compiler& compiler,
+                                   const spirv_cross::SpecializationConstant& constant) {
+  SpecConstant result;
+  result.name = compiler.get_name(constant.id);
+  result.id = constant.constant_id;
+  require(!result.name.empty(), "specialization constant " + std::to_string(result.id) + " needs a name");
+  const SPIRType& type = compiler.get_type(compiler.get_constant(constant.id).constant_type);
+  switch (type.basetype) {
+    case SPIRType::Int:
+      result.type = "int";
+      break;
+    case SPIRType::UInt:
+      result.type = "uint";
+      break;
+    case SPIRType::Float:
+      result.type = "float";
+      break;
+    case SPIRType::Boolean:
+      result.type = "bool";
+      break;
+    default:
+      break;
+  }
+  require(!result.type.empty() && (type.width == 32 || type.basetype == SPIRType::Boolean),
+          "specialization constant '" + result.name + "' must be int, uint, float or bool");
+  return result;
+}
+
+Kernel reflect(const std::string& name, const std::string& path) {
+  Kernel kernel;
+  kernel.name = name;
+  kernel.words = read_words(path);
+  const Compiler compiler(kernel.words);
+
+  for (const spv::Capability capability : compiler.get_declared_capabilities()) {
+    require(capability == spv::CapabilityShader || (capability >= spv::CapabilityGroupNonUniform &&
+                                                    capability <= spv::CapabilityGroupNonUniformQuad),
+            "needs SPIR-V capability " + std::to_string(capability) +
+                ", which filter/gpu/device.cpp does not enable");
+  }
+  const spirv_cross::ShaderResources resources = compiler.get_shader_resources();
+  require(resources.storage_images.empty() && resources.sampled_images.empty() &&
+              resources.separate_images.empty() && resources.separate_samplers.empty() &&
+              resources.uniform_buffers.empty() && resources.atomic_counters.empty(),
+          "images, samplers and uniform buffers are not supported: use storage buffers and push constants");
+  for (const auto& resource : resources.storage_buffers)
+    kernel.bindings.push_back(reflect_binding(compiler, resource));
+  require(!kernel.bindings.empty(), "has no storage buffer");
+  std::ranges::sort(kernel.bindings, {}, &Binding::binding);
+  for (std::size_t i = 0; i < kernel.bindings.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const std::string both =
+          "buffers '" + kernel.bindings[j].name + "' and '" + kernel.bindings[i].name + "' ";
+      require(kernel.bindings[i].binding != kernel.bindings[j].binding, both + "share one binding number");
+      require(kernel.bindings[i].name != kernel.bindings[j].name, both + "share one name");
+    }
+  }
+
+  kernel.push_constant_bytes = reflect_push_constants(compiler, resources);
+  for (const auto& constant : compiler.get_specialization_constants()) {
+    kernel.spec_constants.push_back(reflect_spec_constant(compiler, constant));
+  }
+  std::ranges::sort(kernel.spec_constants, {}, &SpecConstant::id);
+
+  spirv_cross::SpecializationConstant size_constants[3];
+  compiler.get_work_group_size_specialization_constants(size_constants[0], size_constants[1],
+                                                        size_constants[2]);
+  for (int axis = 0; axis < 3; ++axis) {
+    require(size_constants[axis].id == spirv_cross::ID(0), "local_size must be a literal, not a constant_id");
+    kernel.local_size[axis] = compiler.get_execution_mode_argument(spv::ExecutionModeLocalSize, axis);
+  }
+  return kernel;
+}
+
+void write_kernel(std::ostream& out, const Kernel& kernel, std::size_t index) {
+  out << "// " << kernel.name << "\nconstexpr std::uint32_t kWords" << index << "[] = {" << std::hex;
+  for (std::size_t i = 0; i < kernel.words.size(); ++i) {
+    out << (i % 12 == 0 ? "\n  " : " ") << "0x" << kernel.words[i] << ',';
+  }
+  out << std::dec << std::boolalpha << "\n};\n";
+  out << "constexpr BindingInfo kBindings" << index << "[] = {\n";
+  for (const Binding& b : kernel.bindings) {
+    out << "  {" << std::quoted(b.name) << ", " << b.binding << ", " << std::quoted(b.element) << ", "
+        << b.reads << ", " << b.writes << "},\n";
+  }
+  out << "};\n";
+  if (kernel.spec_constants.empty()) return;
+  out << "constexpr SpecConstantInfo kSpecConstants" << index << "[] = {\n";
+  for (const SpecConstant& s : kernel.spec_constants) {
+    out << "  {" << std::quoted(s.name) << ", " << s.id << ", " << std::quoted(s.type) << "},\n";
+  }
+  out << "};\n";
+}
+
+void write_table(std::ostream& out, const std::string& function, const std::vector<Kernel>& kernels) {
+  out << "// Written by shaders/embed_spirv.cpp.\n#include \"filter/gpu/program.h\"\n\nnamespace becalm::gpu "
+         "{\n"
+      << "std::span<const Kernel> " << function << "();\n\nnamespace {\n\n";
+  for (std::size_t i = 0; i < kernels.size(); ++i) write_kernel(out, kernels[i], i);
+  if (!kernels.empty()) {
+    out << "\nconstexpr Kernel kKernels[] = {\n";
+    for (std::size_t i = 0; i < kernels.size(); ++i) {
+      const Kernel& k = kernels[i];
+      out << "  {" << std::quoted(k.name) << ", kWords" << i << ", kBindings" << i << ", ";
+      if (k.spec_constants.empty()) {
+        out << "{}";
+      } else {
+        out << "kSpecConstants" << i;
+      }
+      out << ", " << k.push_constant_bytes << ", {" << k.local_size[0] << ", " << k.local_size[1] << ", "
+          << k.local_size[2] << "}},\n";
+    }
+    out << "};\n";
+  }
+  out << "\n}  // namespace\n\nstd::span<const Kernel> " << function << "() { return "
+      << (kernels.empty() ? "{}" : "kKernels") << "; }\n\n}  // namespace becalm::gpu\n";
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 3 || argc % 2 == 0) {
+    std::cerr << "usage: embed_spirv OUT.cpp FUNCTION [NAME FILE.spv]...\n";
+    return 2;
+  }
+  bool failed = false;
+  std::vector<Kernel> kernels;
+  for (int i = 3; i < argc; i += 2) {
+    try {
+      kernels.push_back(reflect(argv[i], argv[i + 1]));
+    } catch (const std::exception& error) {
+      std::cerr << "shader " << argv[i] << ".comp: " << error.what() << '\n';
+      failed = true;
+    }
+  }
+  if (failed) return 1;
+  std::ranges::sort(kernels, {}, &Kernel::name);
+  std::ofstream out(argv[1]);
+  write_table(out, argv[2], kernels);
+  out.close();
+  if (!out) {
+    std::cerr << "cannot write " << argv[1] << '\n';
+    std::filesystem::remove(argv[1]);
+    return 1;
+  }
+  return 0;
+}
