@@ -1,0 +1,21 @@
+#pragma once
+
+// The functions of shaders/lib/ as C++: the same text that the kernels include, compiled behind the few names
+// that GLSL has and C++ lacks.
+
+#include <algorithm>
+#include <cmath>
+
+namespace becalm::glsl {
+using std::abs;
+using std::exp;
+using std::log;
+using std::max;
+using std::sqrt;
+
+#include "shaders/lib/color.glsl"     // NOLINT(bugprone-suspicious-include)
+#include "shaders/lib/distance.glsl"  // NOLINT(bugprone-suspicious-include)
+#include "shaders/lib/gain.glsl"      // NOLINT(bugprone-suspicious-include)
+#include "shaders/lib/quadric.glsl"   // NOLINT(bugprone-suspicious-include)
+#include "shaders/lib/resample.glsl"  // NOLINT(bugprone-suspicious-include)
+}  // namespace becalm::glsl

@@ -1,0 +1,250 @@
+#include "filter/merge.h"
+
+#include <functional>
+#include <random>
+
+#include "tests/filter/device_fixture.h"
+#include "tests/filter/pattern.h"
+#include "tests/filter/reference/merge.h"
+
+namespace becalm::filter {
+namespace {
+
+using reference::Estimate;
+using reference::Grid;
+using reference::Rgba;
+using reference::Vec2;
+
+constexpr int kWidth = 61;
+constexpr int kHeight = 43;
+constexpr double kExposure = 1.7;
+
+/// The merge's passes alone: offsets and residuals are given.
+class MergeOnDevice {
+ public:
+  MergeOnDevice(gpu::Device& device, const Settings& settings) : chain_(device, "merge test") {
+    const gpu::Extent full{kWidth, kHeight};
+    color_ = chain_.input("color.cur", gpu::Format::f32x4, full);
+    variance_ = chain_.input("variance.cur", gpu::Format::f32x2, full);
+    exposure_ = chain_.input("exposure", gpu::Format::f32, {1, 1});
+    alignment_.offset = chain_.input("offset", gpu::Format::f32x2, full);
+    for (std::size_t l = 0; l < pyramid_extents(settings, kWidth, kHeight).size(); ++l) {
+      alignment_.residual.push_back(alignment_.offset);
+    }
+    if (settings.merge == MergeMode::mask) {
+      alignment_.residual.front() = chain_.input("residual.L0", gpu::Format::f32, full);
+    }
+    const gpu::History color = chain_.history("history.color", gpu::Format::f32x4, full);
+    const gpu::History stats = chain_.history("history.stats", gpu::Format::f32x2, full);
+    decision_ =
+        add_merge_passes(chain_, settings, full, {color_, variance_, exposure_, color, stats}, alignment_);
+    merged_color_ = color.next;
+    merged_stats_ = stats.next;
+    chain_.output(merged_color_);
+    chain_.output(merged_stats_);
+    chain_.output(decision_);
+    chain_.build();
+  }
+
+  reference::Merged run(const Grid<Estimate>& sample, const Grid<Vec2>& offset,
+                        const Grid<double>* residual = nullptr) {
+    const auto color = chain_.upload<float>(color_);
+    const auto variance = chain_.upload<float>(variance_);
+    const auto offsets = chain_.upload<float>(alignment_.offset);
+    for (std::size_t i = 0; i < sample.data.size(); ++i) {
+      std::ranges::copy(sample.data[i].color, color.begin() + 4 * i);
+      variance[2 * i] = static_cast<float>(sample.data[i].variance);
+      variance[2 * i + 1] = static_cast<float>(sample.data[i].count);
+      offsets[2 * i] = static_cast<float>(offset.data[i].x);
+      offsets[2 * i + 1] = static_cast<float>(offset.data[i].y);
+    }
+    chain_.upload<float>(exposure_)[0] = kExposure;
+    if (residual)
+      std::ranges::copy(residual->data, chain_.upload<float>(alignment_.residual.front()).begin());
+    chain_.run();
+    reference::Merged merged{Grid<Estimate>(kWidth, kHeight), Grid<double>(kWidth, kHeight)};
+    const auto out = chain_.download<float>(merged_color_);
+    const auto stats = chain_.download<float>(merged_stats_);
+    const auto decision = chain_.download<float>(decision_);
+    for (std::size_t i = 0; i < merged.estimate.data.size(); ++i) {
+      Estimate& e = merged.estimate.data[i];
+      std::copy_n(out.begin() + 4 * i, 4, e.color.begin());
+      e.variance = stats[2 * i];
+      e.count = stats[2 * i + 1];
+      merged.rejected.data[i] = decision[2 * i];
+    }
+    return merged;
+  }
+
+ private:
+  gpu::Chain chain_;
+  gpu::ImageId color_, variance_, exposure_, merged_color_, merged_stats_, decision_;
+  Alignment alignment_;
+};
+
+/// Noisy samples of a shaded pattern whose noise grows with its value, every value a float.
+Grid<Estimate> noisy_sample(unsigned seed, double brightness = 1.0) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise;
+  Grid<Estimate> sample(kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      Estimate& e = sample.at(x, y);
+      const double value = brightness * (0.05 + pattern(x, y, 4));
+      const double sigma = 0.2 * value;
+      for (int c = 0; c < 3; ++c)
+        e.color[c] = static_cast<float>(value * (1.0 + 0.3 * c) + sigma * noise(random));
+      e.color[3] = 1.0;
+      e.variance = static_cast<float>(sigma * sigma);
+      e.count = 1.0;
+    }
+  }
+  return sample;
+}
+
+Grid<Vec2> wavy_offset() {
+  Grid<Vec2> offset(kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      // Reaches beyond the image at two borders, and holds exact integers too.
+      offset.at(x, y) = x < 20 ? Vec2{-2.0, 1.0}
+                               : Vec2{static_cast<float>(2.0 * std::sin(0.2 * y)),
+                                      static_cast<float>(1.5 * std::cos(0.3 * x))};
+    }
+  }
+  return offset;
+}
+
+class MergeTest : public DeviceTest {};
+
+void expect_agreement(const reference::Merged& found, const reference::Merged& truth, int frame) {
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const Estimate& f = found.estimate.at(x, y);
+      const Estimate& t = truth.estimate.at(x, y);
+      for (int c = 0; c < 4; ++c) {
+        ASSERT_NEAR(f.color[c], t.color[c], 1e-3 * std::abs(t.color[c]) + 1e-6)
+            << "frame " << frame << " pixel " << x << "," << y << " channel " << c;
+      }
+      ASSERT_NEAR(f.count, t.count, 1e-3 * t.count) << "frame " << frame << " pixel " << x << "," << y;
+      ASSERT_NEAR(f.variance, t.variance, 2e-3 * t.variance + 1e-9)
+          << "frame " << frame << " pixel " << x << "," << y;
+      ASSERT_NEAR(found.rejected.at(x, y), truth.rejected.at(x, y), 2e-3)
+          << "frame " << frame << " pixel " << x << "," << y;
+    }
+  }
+}
+
+TEST_F(MergeTest, VarianceGainAgreesWithTheReference) {
+  const Settings settings = preset("balanced");
+  MergeOnDevice merge(device(), settings);
+  Grid<Estimate> history(kWidth, kHeight);
+  const Grid<Vec2> offset = wavy_offset();
+  for (int frame = 0; frame < 5; ++frame) {
+    Grid<Estimate> sample = noisy_sample(frame, frame == 3 ? 1.5 : 1.0);
+    sample.at(30, 20).count = 0.0;  // a pixel that was not finite
+    const reference::Merged found = merge.run(sample, offset);
+    const reference::Merged truth =
+        reference::merge_by_variance(sample, reference::warp(history, offset), kExposure, settings);
+    expect_agreement(found, truth, frame);
+    history = found.estimate;  // both go on from the same floats
+  }
+}
+
+TEST_F(MergeTest, MaskGainAgreesWithTheReference) {
+  Settings settings = preset("balanced");
+  settings.merge = MergeMode::mask;
+  settings.max_history = 3;
+  MergeOnDevice merge(device(), settings);
+  Grid<Estimate> history(kWidth, kHeight);
+  const Grid<Vec2> offset = wavy_offset();
+  Grid<double> residual(kWidth, kHeight);
+  for (std::size_t i = 0; i < residual.data.size(); ++i)
+    residual.data[i] = static_cast<float>((i % 40) * 0.006);
+  for (int frame = 0; frame < 5; ++frame) {
+    const Grid<Estimate> sample = noisy_sample(frame);
+    const reference::Merged found = merge.run(sample, offset, &residual);
+    expect_agreement(
+        found, reference::merge_by_mask(sample, reference::warp(history, offset), residual, settings), frame);
+    history = found.estimate;
+  }
+}
+
+/// What both modes must do on a static scene whose noise is known: the exact running mean of all samples.
+void expect_running_mean(gpu::Device& device, const Settings& settings) {
+  MergeOnDevice merge(device, settings);
+  const Grid<Vec2> still(kWidth, kHeight);
+  const Grid<double> perfect(kWidth, kHeight);
+  Grid<Rgba> sum(kWidth, kHeight);
+  const int frames = 24;
+  reference::Merged merged;
+  for (int frame = 0; frame < frames; ++frame) {
+    Grid<Estimate> sample = noisy_sample(100 + frame);
+    // Equal noise everywhere: the weights then are those of eq. 6.
+    for (Estimate& e : sample.data) e.variance = 0.04;
+    for (std::size_t i = 0; i < sum.data.size(); ++i) {
+      for (int c = 0; c < 4; ++c) sum.data[i][c] += sample.data[i].color[c];
+    }
+    merged = merge.run(sample, still, settings.merge == MergeMode::mask ? &perfect : nullptr);
+  }
+  for (std::size_t i = 0; i < sum.data.size(); ++i) {
+    ASSERT_NEAR(merged.estimate.data[i].count, frames, 1e-3 * frames) << "pixel " << i;
+    for (int c = 0; c < 4; ++c) {
+      const double mean = sum.data[i][c] / frames;
+      ASSERT_NEAR(merged.estimate.data[i].color[c], mean, 1e-5 * std::abs(mean) + 1e-6) << "pixel " << i;
+    }
+  }
+}
+
+TEST_F(MergeTest, VarianceModeConvergesToTheRunningMean) {
+  expect_running_mean(device(), preset("balanced"));
+}
+
+TEST_F(MergeTest, MaskModeConvergesToTheRunningMean) {
+  Settings settings = preset("balanced");
+  settings.merge = MergeMode::mask;
+  settings.mask_alpha = 1.0f;
+  expect_running_mean(device(), settings);
+}
+
+TEST_F(MergeTest, AnUnrelatedImageIsRejectedEverywhere) {
+  MergeOnDevice merge(device(), preset("balanced"));
+  const Grid<Vec2> still(kWidth, kHeight);
+  const auto unrelated = [](unsigned seed) {
+    Grid<Estimate> sample(kWidth, kHeight);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        const double value = 0.05 + pattern(3.0 * x, 3.0 * y, seed);
+        sample.at(x, y) = {{value, value, value, 1.0}, 1e-6, 1.0};
+      }
+    }
+    return sample;
+  };
+  for (int frame = 0; frame < 4; ++frame) merge.run(unrelated(1), still);
+  const Grid<Estimate> other = unrelated(77);
+  const reference::Merged merged = merge.run(other, still);
+  for (std::size_t i = 0; i < merged.rejected.data.size(); ++i) {
+    EXPECT_GT(merged.rejected.data[i], 0.99) << "pixel " << i;
+    EXPECT_NEAR(merged.estimate.data[i].color[0], other.data[i].color[0], 0.01) << "pixel " << i;
+  }
+}
+
+TEST_F(MergeTest, AMovingOffsetNeitherDarkensNorOvershoots) {
+  // One bright pixel on black, moved by half a pixel again and again: negative lobes must not show.
+  MergeOnDevice merge(device(), preset("balanced"));
+  Grid<Estimate> sample(kWidth, kHeight);
+  for (Estimate& e : sample.data) e = {{0, 0, 0, 1}, 1.0, 1.0};
+  sample.at(30, 20).color = {1e6, 1e6, 1e6, 1};
+  Grid<Vec2> offset(kWidth, kHeight);
+  for (int frame = 0; frame < 6; ++frame) {
+    for (Vec2& o : offset.data) o = {frame % 2 ? 0.5 : -0.5, 0.25};
+    const reference::Merged merged = merge.run(sample, offset);
+    for (const Estimate& e : merged.estimate.data) {
+      ASSERT_GE(e.color[0], 0.0);
+      ASSERT_LE(e.color[0], 1e6);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace becalm::filter

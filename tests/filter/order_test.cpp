@@ -1,0 +1,227 @@
+#include "filter/order.h"
+
+#include <limits>
+#include <random>
+
+#include "frame/error.h"
+#include "tests/filter/device_fixture.h"
+#include "tests/filter/pattern.h"
+
+namespace becalm::filter {
+namespace {
+
+constexpr int kWidth = 96;
+constexpr int kHeight = 64;
+
+AovSet aov_set(std::initializer_list<Aov> aovs) {
+  AovSet set;
+  for (const Aov aov : aovs) set.set(static_cast<std::size_t>(aov));
+  return set;
+}
+
+/// The clean value of a pattern that moves by (2, -1) px a frame.
+double clean(int x, int y, int number) {
+  return 0.1 + pattern(x + 2.0 * number, y - 1.0 * number, 9);
+}
+
+/// A frame of that animation with skewed noise (an exponential sample mean, as of rare bright paths) of 4
+/// samples.
+Frame noisy_frame(int number) {
+  std::mt19937 random(number + 1);
+  std::exponential_distribution<double> exponential;
+  Frame frame(number, kWidth, kHeight);
+  Image& beauty = frame.add(Aov::beauty, 1.0f);
+  Image& variance = frame.add(Aov::variance);
+  Image& albedo = frame.add(Aov::albedo);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const double value = clean(x, y, number);
+      for (int c = 0; c < 3; ++c) {
+        double sum = 0, squares = 0;
+        for (int s = 0; s < 4; ++s) {
+          const double radiance = value * exponential(random);
+          sum += radiance;
+          squares += radiance * radiance;
+        }
+        beauty.at(x, y, c) = static_cast<float>(sum / 4);
+        variance.at(x, y, c) = static_cast<float>((squares - sum * sum / 4) / (3 * 4));
+        albedo.at(x, y, c) = static_cast<float>(value / 1.2);
+      }
+    }
+  }
+  return frame;
+}
+
+double squared_error(const Frame& frame) {
+  double sum = 0;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const double d = frame.image(Aov::beauty).at(x, y, 1) - clean(x, y, frame.number());
+      sum += d * d;
+    }
+  }
+  return sum / (kWidth * kHeight);
+}
+
+double mean(const Frame& frame) {
+  double sum = 0;
+  for (std::size_t i = 0; i < frame.image(Aov::beauty).pixel_count(); ++i)
+    sum += frame.image(Aov::beauty).data()[4 * i + 1];
+  return sum / (kWidth * kHeight);
+}
+
+class ForwardFilterTest : public DeviceTest {};
+
+TEST_F(ForwardFilterTest, CalmsAMovingPatternAndKeepsItsEnergy) {
+  for (const char* name : {"draft", "balanced", "final"}) {
+    ForwardFilter filter(device(), preset(name), kWidth, kHeight, noisy_frame(1).aovs());
+    double noisy_error = 0, error = 0, energy = 0, clean_energy = 0;
+    for (int number = 1; number <= 12; ++number) {
+      const Frame noisy = noisy_frame(number);
+      const Denoised denoised = filter.denoise(noisy);
+      EXPECT_EQ(denoised.frame.number(), number);
+      if (number < 8) continue;
+      noisy_error += squared_error(noisy);
+      error += squared_error(denoised.frame);
+      energy += mean(denoised.frame);
+      for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) clean_energy += clean(x, y, number) / (kWidth * kHeight);
+      }
+    }
+    EXPECT_LT(error, noisy_error / 3) << name;
+    EXPECT_NEAR(energy / clean_energy, 1.0, 0.01) << name;
+  }
+}
+
+TEST_F(ForwardFilterTest, TheFirstFrameAndTheFrameAfterAResetAreTheInput) {
+  ForwardFilter filter(device(), preset("balanced"), kWidth, kHeight, noisy_frame(1).aovs(),
+                       aov_set({Aov::sample_count, Aov::error_mask, Aov::flow}));
+  for (const int number : {1, 5}) {
+    const Frame noisy = noisy_frame(number);
+    const Denoised denoised = filter.denoise(noisy);
+    EXPECT_TRUE(
+        std::ranges::equal(denoised.frame.image(Aov::beauty).data(), noisy.image(Aov::beauty).data()));
+    EXPECT_EQ(denoised.report.mean_sample_count, 1.0);
+    EXPECT_EQ(denoised.report.mean_rejected, 1.0);
+    filter.denoise(noisy_frame(number + 1));
+    filter.reset();
+  }
+}
+
+TEST_F(ForwardFilterTest, EqualRunsGiveEqualBytes) {
+  std::vector<float> first;
+  for (int run = 0; run < 2; ++run) {
+    ForwardFilter filter(device(), preset("balanced"), kWidth, kHeight, noisy_frame(1).aovs());
+    Denoised denoised;
+    for (int number = 1; number <= 3; ++number) denoised = filter.denoise(noisy_frame(number));
+    const auto data = denoised.frame.image(Aov::beauty).data();
+    if (run == 0) first.assign(data.begin(), data.end());
+    EXPECT_TRUE(std::ranges::equal(first, data));
+  }
+}
+
+TEST_F(ForwardFilterTest, NonFinitePixelsStayWhereTheyAre) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const float inf = std::numeric_limits<float>::infinity();
+  for (const char* merge : {"merge=variance", "merge=mask"}) {
+    Settings settings = preset("balanced");
+    set(settings, merge);
+    ForwardFilter filter(device(), settings, kWidth, kHeight, noisy_frame(1).aovs());
+    filter.denoise(noisy_frame(1));
+    Frame bad = noisy_frame(2);
+    bad.image(Aov::beauty).at(10, 10, 0) = nan;
+    bad.image(Aov::beauty).at(50, 40, 2) = -inf;
+    bad.image(Aov::beauty).at(0, 0, 1) = inf;
+    bad.image(Aov::variance).at(20, 20, 1) = nan;
+    bad.image(Aov::albedo).at(30, 30, 0) = nan;
+    const Denoised denoised = filter.denoise(bad);
+    EXPECT_EQ(denoised.report.non_finite_pixels, 3u) << merge;
+    for (int frame = 2; frame <= 4; ++frame) {
+      const Denoised result = frame == 2 ? denoised : filter.denoise(noisy_frame(frame));
+      for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) {
+          for (int c = 0; c < 4; ++c) {
+            const float out = result.frame.image(Aov::beauty).at(x, y, c);
+            const float in = bad.image(Aov::beauty).at(x, y, c);
+            const bool stays = frame == 2 && !std::isfinite(in);
+            ASSERT_EQ(std::isfinite(out), !stays)
+                << merge << " frame " << frame << " pixel " << x << "," << y;
+          }
+          ASSERT_TRUE(std::isfinite(result.frame.image(Aov::variance).at(x, y, 0)));
+        }
+      }
+    }
+  }
+}
+
+TEST_F(ForwardFilterTest, FramesWithoutVarianceOrGuidesAreDenoisedToo) {
+  Frame bare = noisy_frame(1);
+  bare.remove(Aov::variance);
+  bare.remove(Aov::albedo);
+  ForwardFilter filter(device(), preset("balanced"), kWidth, kHeight, bare.aovs());
+  double noisy_error = 0, error = 0;
+  for (int number = 1; number <= 8; ++number) {
+    Frame frame = noisy_frame(number);
+    frame.remove(Aov::variance);
+    frame.remove(Aov::albedo);
+    const Denoised denoised = filter.denoise(frame);
+    if (number < 6) continue;
+    noisy_error += squared_error(frame);
+    error += squared_error(denoised.frame);
+  }
+  EXPECT_LT(error, noisy_error / 2);
+}
+
+TEST_F(ForwardFilterTest, HalfBuffersServeInPlaceOfVariance) {
+  std::mt19937 random(3);
+  std::normal_distribution<float> noise(0.0f, 0.1f);
+  ForwardFilter filter(device(), preset("balanced"), kWidth, kHeight, aov_set({Aov::half_a, Aov::half_b}));
+  double variance = 0;
+  Frame frame(1, kWidth, kHeight);
+  Image& beauty = frame.add(Aov::beauty, 1.0f);
+  Image& a = frame.add(Aov::half_a);
+  Image& b = frame.add(Aov::half_b);
+  for (std::size_t i = 0; i < a.data().size(); ++i) {
+    a.data()[i] = 1.0f + noise(random);
+    b.data()[i] = 1.0f + noise(random);
+    beauty.data()[i / 3 * 4 + i % 3] = 0.5f * (a.data()[i] + b.data()[i]);
+  }
+  const Denoised denoised = filter.denoise(frame);
+  for (const float v : denoised.frame.image(Aov::variance).data()) variance += v / (3.0 * kWidth * kHeight);
+  // Two halves with a standard deviation of 0.1 each: their mean has a variance of 0.005.
+  EXPECT_NEAR(variance, 0.005, 0.0005);
+}
+
+TEST_F(ForwardFilterTest, FramesThatDifferAreRefused) {
+  ForwardFilter filter(device(), preset("balanced"), kWidth, kHeight, noisy_frame(1).aovs());
+  Frame other(7, kWidth / 2, kHeight);
+  other.add(Aov::beauty);
+  const auto message = [&](const Frame& frame) -> std::string {
+    try {
+      filter.denoise(frame);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  EXPECT_EQ(message(other), "frame 7: size 48x64: expected 96x64 as the frames before it");
+  Frame lacking = noisy_frame(8);
+  lacking.remove(Aov::albedo);
+  EXPECT_EQ(message(lacking), "frame 8: no layer 'albedo', which the frames before it have");
+}
+
+TEST_F(ForwardFilterTest, SizesFromOnePixelUp) {
+  for (const auto& [width, height] : {std::pair{1, 1}, {1, 37}, {53, 1}, {3, 2}, {17, 16}}) {
+    ForwardFilter filter(device(), preset("balanced"), width, height, {});
+    for (int number = 1; number <= 2; ++number) {
+      Frame frame(number, width, height);
+      frame.add(Aov::beauty, 0.5f);
+      const Denoised denoised = filter.denoise(frame);
+      for (const float v : denoised.frame.image(Aov::beauty).data())
+        ASSERT_EQ(v, 0.5f) << width << "x" << height;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace becalm::filter

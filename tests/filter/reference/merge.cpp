@@ -1,0 +1,155 @@
+#include "tests/filter/reference/merge.h"
+
+#include <limits>
+
+namespace becalm::reference {
+namespace {
+
+double luminance(const Rgba& c) {
+  return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
+}
+
+double brightness(const Rgba& c, double exposure) {
+  return std::max(luminance(c), 0.0) + 0.1 / exposure;
+}
+
+/// Catmull-Rom kernel (Keys with a = -1/2) at a distance from its centre.
+double catmull_rom(double distance) {
+  const double d = std::abs(distance);
+  if (d < 1) return 1.5 * d * d * d - 2.5 * d * d + 1;
+  if (d < 2) return -0.5 * d * d * d + 2.5 * d * d - 4 * d + 2;
+  return 0;
+}
+
+double excess(double measured, double noise, double count, double errors) {
+  return std::max(0.0, measured - noise * (1 + errors * std::sqrt(2 / count)));
+}
+
+double gain(double sample, double history, double bias) {
+  const double total = sample + history + bias;
+  return total > 0 ? 1 - sample / total : 1.0;
+}
+
+Estimate blend(const Estimate& sample, const Estimate& history, double alpha, double bias,
+               double max_history) {
+  if (sample.count <= 0) return history;
+  if (history.count <= 0) return {sample.color, sample.variance, 1.0};
+  Estimate out;
+  for (int c = 0; c < 4; ++c) out.color[c] = (1 - alpha) * history.color[c] + alpha * sample.color[c];
+  out.variance = (1 - alpha) * (1 - alpha) * (history.variance + bias) + alpha * alpha * sample.variance;
+  out.count = std::min(max_history, 1 / (alpha * alpha + (1 - alpha) * (1 - alpha) / history.count));
+  return out;
+}
+
+}  // namespace
+
+Grid<Estimate> warp(const Grid<Estimate>& history, const Grid<Vec2>& offset) {
+  Grid<Estimate> warped(history.width, history.height);
+  for (int y = 0; y < history.height; ++y) {
+    for (int x = 0; x < history.width; ++x) {
+      const double px = x + offset.at(x, y).x;
+      const double py = y + offset.at(x, y).y;
+      if (px < -0.5 || py < -0.5 || px > history.width - 0.5 || py > history.height - 0.5) continue;
+      const int x0 = static_cast<int>(std::floor(px));
+      const int y0 = static_cast<int>(std::floor(py));
+      Rgba sum{};
+      Rgba low;
+      Rgba high;
+      low.fill(std::numeric_limits<double>::infinity());
+      high.fill(-std::numeric_limits<double>::infinity());
+      double weight = 0, linear_weight = 0, variance = 0, count = 0;
+      for (int v = y0 - 1; v <= y0 + 2; ++v) {
+        for (int u = x0 - 1; u <= x0 + 2; ++u) {
+          const Estimate& tap = history.clamped(u, v);
+          if (tap.count <= 0) continue;
+          const double w = catmull_rom(px - u) * catmull_rom(py - v);
+          const double linear = std::max(0.0, 1 - std::abs(px - u)) * std::max(0.0, 1 - std::abs(py - v));
+          weight += w;
+          linear_weight += linear;
+          variance += linear * tap.variance;
+          count += linear * tap.count;
+          for (int c = 0; c < 4; ++c) {
+            sum[c] += w * tap.color[c];
+            if (linear > 0) {
+              low[c] = std::min(low[c], tap.color[c]);
+              high[c] = std::max(high[c], tap.color[c]);
+            }
+          }
+        }
+      }
+      if (!(linear_weight > 0.5) || !(weight > 0.5)) continue;
+      Estimate& out = warped.at(x, y);
+      for (int c = 0; c < 4; ++c) out.color[c] = std::clamp(sum[c] / weight, low[c], high[c]);
+      out.variance = variance / linear_weight;
+      out.count = count / linear_weight;
+    }
+  }
+  return warped;
+}
+
+Merged merge_by_variance(const Grid<Estimate>& sample, const Grid<Estimate>& warped, double exposure,
+                         const filter::Settings& settings) {
+  const int radius = settings.patch_radius;
+  Merged merged{Grid<Estimate>(sample.width, sample.height), Grid<double>(sample.width, sample.height)};
+  for (int y = 0; y < sample.height; ++y) {
+    for (int x = 0; x < sample.width; ++x) {
+      std::array<double, 3> mean{};
+      double squares = 0, variance_new = 0, variance_history = 0;
+      int count = 0;
+      for (int v = std::max(y - radius, 0); v <= std::min(y + radius, sample.height - 1); ++v) {
+        for (int u = std::max(x - radius, 0); u <= std::min(x + radius, sample.width - 1); ++u) {
+          const Estimate& s = sample.at(u, v);
+          const Estimate& h = warped.at(u, v);
+          if ((u == x && v == y) || s.count <= 0 || h.count <= 0) continue;
+          const double scale = 1 / brightness(h.color, exposure);
+          for (int c = 0; c < 3; ++c) {
+            const double d = (s.color[c] - h.color[c]) * scale;
+            mean[c] += d;
+            squares += d * d / 3;
+          }
+          variance_new += s.variance * scale * scale;
+          variance_history += h.variance * scale * scale;
+          ++count;
+        }
+      }
+      double alpha = 1, bias = 0, rejected = 0;
+      if (count > 0) {
+        variance_new /= count;
+        variance_history /= count;
+        const double noise = variance_new + variance_history;
+        double mean_square = 0;
+        for (int c = 0; c < 3; ++c) mean_square += mean[c] * mean[c] / (3.0 * count * count);
+        const double relative_bias = std::max(excess(mean_square, noise / count, 1, settings.significance),
+                                              excess(squares / count, noise, count, settings.significance));
+        const double least = 1 / static_cast<double>(settings.max_history);
+        const double unbiased = std::max(least, gain(variance_new, variance_history, 0));
+        alpha = std::max(least, gain(variance_new, variance_history, relative_bias));
+        rejected = std::clamp(1 - (1 - alpha) / std::max(1 - unbiased, 1e-6), 0.0, 1.0);
+        const double scale = brightness(warped.at(x, y).color, exposure);
+        bias = relative_bias * scale * scale;
+      }
+      const bool sampled = sample.at(x, y).count > 0;
+      const bool held = warped.at(x, y).count > 0;
+      merged.estimate.at(x, y) = blend(sample.at(x, y), warped.at(x, y), alpha, bias, settings.max_history);
+      merged.rejected.at(x, y) = !sampled ? 0.0 : (held ? rejected : 1.0);
+    }
+  }
+  return merged;
+}
+
+Merged merge_by_mask(const Grid<Estimate>& sample, const Grid<Estimate>& warped, const Grid<double>& residual,
+                     const filter::Settings& settings) {
+  Merged merged{Grid<Estimate>(sample.width, sample.height), Grid<double>(sample.width, sample.height)};
+  for (std::size_t i = 0; i < sample.data.size(); ++i) {
+    const Estimate& s = sample.data[i];
+    const Estimate& h = warped.data[i];
+    const double mask = std::clamp(settings.mask_kappa * residual.data[i] - settings.mask_eta, 0.0, 1.0);
+    const double n = std::min<double>(h.count, settings.max_history - 1.0);
+    const double weight = std::min(settings.mask_alpha * (1 - mask), n / (n + 1));
+    merged.estimate.data[i] = blend(s, h, 1 - weight, 0, settings.max_history);
+    merged.rejected.data[i] = s.count <= 0 ? 0.0 : (h.count > 0 ? mask : 1.0);
+  }
+  return merged;
+}
+
+}  // namespace becalm::reference

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <array>
+
+#include "filter/settings.h"
+#include "tests/filter/reference/grid.h"
+
+namespace becalm::reference {
+
+using Rgba = std::array<double, 4>;
+
+/// A pixel's estimate: its value, the variance left in it, and its effective sample count (0: nothing there).
+struct Estimate {
+  Rgba color{};
+  double variance = 0.0;
+  double count = 0.0;
+};
+
+struct Merged {
+  Grid<Estimate> estimate;
+  Grid<double> rejected;
+};
+
+/// The history where the target's pixels are: Catmull-Rom for the colour, bilinear for variance and count.
+Grid<Estimate> warp(const Grid<Estimate>& history, const Grid<Vec2>& offset);
+
+/// Variance gain (Philippi et al., eq. 4) with the bias estimated from the residuals of leave-one-out
+/// patches. The sample's count is 1, or 0 for a pixel that is not finite.
+Merged merge_by_variance(const Grid<Estimate>& sample, const Grid<Estimate>& warped, double exposure,
+                         const filter::Settings& settings);
+
+/// The paper's rejection by the patch distance at full resolution.
+Merged merge_by_mask(const Grid<Estimate>& sample, const Grid<Estimate>& warped, const Grid<double>& residual,
+                     const filter::Settings& settings);
+
+}  // namespace becalm::reference

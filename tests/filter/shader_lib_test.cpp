@@ -1,0 +1,129 @@
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+
+#include "tests/filter/glsl.h"
+
+namespace becalm::glsl {
+namespace {
+
+struct Minimum {
+  bool found;
+  float x;
+  float y;
+};
+
+/// The fit to the values of `f` on the 3x3 grid.
+template <class F>
+Minimum fit(F f) {
+  Minimum m{};
+  m.found = quadric_minimum(f(-1, -1), f(0, -1), f(1, -1), f(-1, 0), f(0, 0), f(1, 0), f(-1, 1), f(0, 1),
+                            f(1, 1), m.x, m.y);
+  return m;
+}
+
+TEST(Quadric, FindsTheMinimumOfEveryQuadric) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> uniform(-1.0f, 1.0f);
+  int tried = 0;
+  while (tried < 200) {
+    const float x0 = 0.7f * uniform(random), y0 = 0.7f * uniform(random);
+    const float a = 0.1f + std::abs(uniform(random)), b = 0.1f + std::abs(uniform(random));
+    const float c = 0.9f * uniform(random) * std::sqrt(a * b);  // keeps it positive definite
+    const auto m = fit([&](float x, float y) {
+      return 3.0f + a * (x - x0) * (x - x0) + b * (y - y0) * (y - y0) + 2.0f * c * (x - x0) * (y - y0);
+    });
+    ++tried;
+    if (x0 * x0 + y0 * y0 > 0.98f) continue;
+    ASSERT_TRUE(m.found) << "a=" << a << " b=" << b << " c=" << c;
+    EXPECT_NEAR(m.x, x0, 2e-3f);
+    EXPECT_NEAR(m.y, y0, 2e-3f);
+  }
+}
+
+TEST(Quadric, DoesNotDependOnTheScaleOfTheCosts) {
+  const auto cost = [](float x, float y) {
+    return (x - 0.25f) * (x - 0.25f) + 2.0f * (y + 0.4f) * (y + 0.4f);
+  };
+  for (const float scale : {1e-12f, 1.0f, 1e12f}) {
+    const auto m = fit([&](float x, float y) { return scale * cost(x, y); });
+    ASSERT_TRUE(m.found) << scale;
+    EXPECT_NEAR(m.x, 0.25f, 1e-4f) << scale;
+    EXPECT_NEAR(m.y, -0.4f, 1e-4f) << scale;
+  }
+}
+
+TEST(Quadric, HasNoMinimumOnPlanesSaddlesValleysAndFarAway) {
+  const auto no_minimum = [](auto f) {
+    const Minimum m = fit(f);
+    return !m.found && m.x == 0.0f && m.y == 0.0f;
+  };
+  EXPECT_TRUE(no_minimum([](float, float) { return 1.0f; }));
+  EXPECT_TRUE(no_minimum([](float x, float y) { return x - 2.0f * y; }));
+  EXPECT_TRUE(no_minimum([](float x, float y) { return x * x - y * y; }));
+  EXPECT_TRUE(no_minimum([](float x, float y) { return (x - y) * (x - y); }));
+  EXPECT_TRUE(no_minimum([](float x, float y) { return (x - 3.0f) * (x - 3.0f) + y * y; }));
+  EXPECT_TRUE(no_minimum([](float x, float y) { return x == 0.0f && y == 0.0f ? std::nanf("") : 1.0f; }));
+}
+
+TEST(Distance, FollowsThePapersEquations) {
+  const float d = 0.3f;
+  EXPECT_FLOAT_EQ(pixel_distance(kDistanceL2, channel_difference(kDistanceL2, -d)), 0.09f);
+  EXPECT_FLOAT_EQ(pixel_distance(kDistanceL1, channel_difference(kDistanceL1, -d)), 0.3f);
+  EXPECT_FLOAT_EQ(pixel_distance(kDistanceLogL1, channel_difference(kDistanceLogL1, -d)), std::log(2.3f));
+  EXPECT_FLOAT_EQ(pixel_distance(kDistanceLogL1Centered, channel_difference(kDistanceLogL1Centered, -d)),
+                  std::log(2.3f));
+  EXPECT_FLOAT_EQ(center_weight(kDistanceLogL1Centered, 2, -1), 2.0f - std::exp(-0.1f));
+  EXPECT_FLOAT_EQ(center_weight(kDistanceLogL1Centered, 0, 0), 1.0f);
+  EXPECT_FLOAT_EQ(center_weight(kDistanceLogL1, 2, 2), 1.0f);
+  for (int kind = 0; kind < 4; ++kind) EXPECT_EQ(pixel_distance(kind, 0.0f), distance_floor(kind)) << kind;
+}
+
+TEST(CatmullRom, ReproducesCubicsAndKeepsTaps) {
+  for (float t = 0.0f; t < 1.0f; t += 0.0625f) {
+    float w0, w1, w2, w3;
+    catmull_rom(t, w0, w1, w2, w3);
+    EXPECT_NEAR(w0 + w1 + w2 + w3, 1.0f, 1e-6f);
+    EXPECT_NEAR(-w0 + w2 + 2.0f * w3, t, 1e-6f);
+    EXPECT_NEAR(w0 + w2 + 4.0f * w3, t * t, 1e-6f);
+  }
+  float w0, w1, w2, w3;
+  catmull_rom(0.0f, w0, w1, w2, w3);
+  EXPECT_EQ(w0, 0.0f);
+  EXPECT_EQ(w1, 1.0f);
+  EXPECT_EQ(w2, 0.0f);
+  EXPECT_EQ(w3, 0.0f);
+}
+
+TEST(Gain, AveragesEvenlyWithoutBias) {
+  // Eq. 6: with equal variances the weights give the running mean.
+  float n = 1.0f;
+  for (int frame = 2; frame < 100; ++frame) {
+    const float alpha = gain(0.5f, 0.5f / n, 0.0f);
+    EXPECT_NEAR(alpha, 1.0f / frame, 1e-6f);
+    n = blended_count(n, alpha);
+    EXPECT_NEAR(n, frame, 1e-3f * frame);
+  }
+}
+
+TEST(Gain, KeepsToItsLimits) {
+  EXPECT_EQ(gain(0.0f, 0.0f, 0.0f), 1.0f);
+  EXPECT_EQ(gain(0.0f, 1.0f, 0.0f), 1.0f);
+  EXPECT_EQ(gain(1.0f, 0.0f, 0.0f), 0.0f);
+  EXPECT_GT(gain(1.0f, 0.1f, 1e6f), 0.999f);
+  EXPECT_EQ(blended_count(0.0f, 0.3f), 1.0f);
+  EXPECT_EQ(blended_count(17.0f, 1.0f), 1.0f);
+  EXPECT_EQ(excess_over_noise(1.0f, 2.0f, 10.0f, 0.0f), 0.0f);
+  EXPECT_FLOAT_EQ(excess_over_noise(3.0f, 1.0f, 8.0f, 2.0f), 1.0f);
+}
+
+TEST(Compress, LiesInUnitRangeWhateverTheRadiance) {
+  EXPECT_EQ(compress(-1.0f, 1.0f), 0.0f);
+  EXPECT_EQ(compress(0.0f, 1e15f), 0.0f);
+  EXPECT_FLOAT_EQ(compress(2.0f, 0.5f), 0.5f);
+  EXPECT_EQ(compress(std::numeric_limits<float>::max(), 1e15f), 1.0f);
+}
+
+}  // namespace
+}  // namespace becalm::glsl
