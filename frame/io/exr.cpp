@@ -1,0 +1,129 @@
+#include "frame/io/exr.h"
+
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfInputPart.h>
+#include <OpenEXR/ImfStringAttribute.h>
+#include <fmt/format.h>
+
+#include <cstring>
+#include <limits>
+#include <map>
+
+#include "frame/error.h"
+#include "frame/io/exr_file.h"
+#include "frame/io/stripe.h"
+
+namespace becalm::io {
+namespace {
+
+/// One channel of a frame's image that a file's channel is read into.
+struct Target {
+  Image* image;
+  int channel;
+  float scale;
+};
+
+using TargetsByChannel = std::map<std::string, std::vector<Target>>;
+
+int width_of(const Imath::Box2i& window) {
+  return window.max.x - window.min.x + 1;
+}
+int height_of(const Imath::Box2i& window) {
+  return window.max.y - window.min.y + 1;
+}
+
+/// The value of the AOV table for pixels that hit nothing, for what lies outside another part's data window.
+float value_of_nothing(Aov aov) {
+  if (aov == Aov::albedo) return 1.0f;
+  if (aov == Aov::depth) return std::numeric_limits<float>::infinity();
+  return 0.0f;
+}
+
+/// Copies what the stripe's lines and the frame's window have in common.
+void copy_lines(const Stripe::Plane& plane, const Imath::Box2i& lines, const Imath::Box2i& frame_window,
+                const Target& target) {
+  const int x_begin = std::max(lines.min.x, frame_window.min.x);
+  const int x_end = std::min(lines.max.x, frame_window.max.x) + 1;
+  for (int y = std::max(lines.min.y, frame_window.min.y); y <= std::min(lines.max.y, frame_window.max.y);
+       ++y) {
+    const std::size_t row = static_cast<std::size_t>(y - lines.min.y) * width_of(lines);
+    for (int x = x_begin; x < x_end; ++x) {
+      float value;
+      std::memcpy(&value, &plane.bytes[(row + (x - lines.min.x)) * sizeof value], sizeof value);
+      target.image->at(x - frame_window.min.x, y - frame_window.min.y, target.channel) = value * target.scale;
+    }
+  }
+}
+
+void read_part(Imf::MultiPartInputFile& file, int part_number, const TargetsByChannel& targets,
+               const Imath::Box2i& frame_window) {
+  Imf::InputPart part(file, part_number);
+  const Imath::Box2i window = part.header().dataWindow();
+  Stripe stripe(window);
+  for (const auto& entry : targets) stripe.add(entry.first, Imf::FLOAT);
+  for_each_stripe(part.header(), [&](int first, int last) {
+    stripe.move_to(first, last);
+    part.setFrameBuffer(stripe.frame_buffer([](const Stripe::Plane&) { return true; }));
+    part.readPixels(first, last);
+    const Imath::Box2i lines(Imath::V2i(window.min.x, first), Imath::V2i(window.max.x, last));
+    for (const Stripe::Plane& plane : stripe.planes()) {
+      for (const Target& target : targets.at(plane.channel)) copy_lines(plane, lines, frame_window, target);
+    }
+  });
+}
+
+void require_flat(const std::string& path, const Imf::MultiPartInputFile& file) {
+  for (int part = 0; part < file.parts(); ++part) {
+    if (!is_deep(file.header(part))) return;
+  }
+  throw Error(ExitStatus::bad_input, fmt::format("{}: a deep image, expected flat pixels", path));
+}
+
+}  // namespace
+
+LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted,
+                     const LayerOverrides& overrides) {
+  LoadedFrame loaded;
+  reading(path, [&] {
+    loaded.contents = std::make_shared<ExrContents>(path, stamp_of(path));
+    const std::unique_ptr<Imf::MultiPartInputFile> file = open_exr(path);
+    require_flat(path, *file);
+    loaded.layers = find_layers(path, channel_names(*file), overrides);
+    require_all_chunks(path);
+
+    const LayerSource& beauty = *loaded.layers[static_cast<std::size_t>(Aov::beauty)];
+    const Imath::Box2i window = file->header(beauty.part).dataWindow();
+    loaded.frame = Frame(frame_number, width_of(window), height_of(window));
+
+    wanted.set(static_cast<std::size_t>(Aov::beauty));
+    std::map<int, TargetsByChannel> parts;
+    for (const AovInfo& entry : kAovTable) {
+      const std::size_t index = static_cast<std::size_t>(entry.aov);
+      if (!wanted.test(index) || !loaded.layers[index]) continue;
+      const LayerSource& source = *loaded.layers[index];
+      // 1 is the alpha of a beauty without; every other channel is read over it.
+      Image& image =
+          loaded.frame.add(entry.aov, entry.aov == Aov::beauty ? 1.0f : value_of_nothing(entry.aov));
+      for (std::size_t c = 0; c < source.channels.size(); ++c) {
+        if (source.channels[c].empty()) continue;
+        const float scale = c == 1 ? source.y_scale : 1.0f;
+        parts[source.part][source.channels[c]].push_back({&image, static_cast<int>(c), scale});
+      }
+    }
+    for (const auto& [part, targets] : parts) read_part(*file, part, targets, window);
+  });
+  return loaded;
+}
+
+std::string read_attribute(const std::string& path, const std::string& name) {
+  std::string value;
+  reading(path, [&] {
+    stamp_of(path);
+    const std::unique_ptr<Imf::MultiPartInputFile> file = open_exr(path);
+    const auto* attribute = file->header(0).findTypedAttribute<Imf::StringAttribute>(name);
+    if (attribute != nullptr) value = attribute->value();
+  });
+  return value;
+}
+
+}  // namespace becalm::io

@@ -10,7 +10,7 @@
 
 namespace becalm::io {
 
-/// All that a file held, kept so that what was not denoised is written again bit for bit. Opaque outside exr.cpp.
+/// What is needed to write again, bit for bit, what was not denoised. Opaque outside frame/io/.
 class ExrContents;
 
 struct LoadedFrame {
@@ -24,12 +24,19 @@ using Attributes = std::vector<std::pair<std::string, std::string>>;
 
 enum class PixelType { half, float32 };
 
-/// Reads one EXR file: the AOVs of `wanted` that it holds (the beauty always), and everything else as contents. The
-/// Frame covers the data window. Throws Error(bad_input) naming the file for: no such file, not an EXR, truncated
-/// or corrupt pixels, no colour, a deep file.
-LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted, const LayerOverrides& overrides = {});
+/// Reads one EXR file: the AOVs of `wanted` that it holds (the beauty always), and everything else as
+/// contents. The Frame covers the data window of the beauty's part; where another part's window is smaller,
+/// its AOV has the value for pixels that hit nothing. Throws Error(bad_input) naming the file for: no such
+/// file, not an EXR, truncated or corrupt pixels, no colour, a deep file, more than 65536 pixels a side.
+LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted,
+                     const LayerOverrides& overrides = {});
 
-/// Layers and parts without reading pixels, for `becalm info`: one line of text each.
+/// Threads with which OpenEXR compresses and decompresses, in the whole process; as many as processors unless
+/// set.
+void set_exr_threads(int count);
+
+/// Parts, windows, channels and what each was taken for, without reading pixels, for `becalm info`: one line
+/// of text each. A file without colour is described, and its last line says so.
 std::vector<std::string> describe_exr(const std::string& path, const LayerOverrides& overrides = {});
 
 /// The value of a text attribute of the first part, or empty. Throws as read_exr does.
@@ -37,17 +44,22 @@ std::string read_attribute(const std::string& path, const std::string& name);
 
 struct WriteReport {
   std::size_t half_overflows = 0;  ///< finite values beyond half's range, written as its largest value
+  /// The beauty's part was compressed by ZIP instead of its source's lossy method, which would have altered
+  /// channels that are passed on.
+  bool lossless_instead = false;
 };
 
-/// Writes every AOV of the frame as a layer of a single-part scanline file with ZIP compression: beauty and other
-/// colours as `color_type`, depth, motion and diagnostics as float. Written beside its place and renamed, so that a
+/// Writes every AOV of the frame as a layer of a single-part scanline file with ZIP compression: beauty,
+/// halves, albedo and normal as `color_type`; variance (whose squares leave half's range long before the
+/// radiance does), depth, motion and diagnostics as float. Written beside its place and renamed, so that a
 /// killed run leaves whole files only; the parent folder is made. Throws Error(resource) naming the path.
 WriteReport write_exr(const std::string& path, const Frame& frame, const Attributes& attributes,
                       PixelType color_type = PixelType::half);
 
-/// Writes `source` again with the beauty's channels replaced by the frame's, in the same parts, types, compression,
-/// windows and attributes, every other channel bit for bit; diagnostics of the frame are added as layers to the
-/// beauty's part. Atomic as write_exr is.
+/// Writes `source` again with the beauty's channels replaced by the frame's, in the same parts, types,
+/// compression, windows and attributes, every other channel bit for bit; diagnostics of the frame are added
+/// as layers to the beauty's part, and of its mipmap levels only the full size is written. The source's file
+/// is read again for this: throws Error(bad_input) naming it if it has changed since. Atomic as write_exr is.
 WriteReport write_denoised_exr(const std::string& path, const Frame& frame, const ExrContents& source,
                                const LayerMap& layers, const Attributes& attributes);
 

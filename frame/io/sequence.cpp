@@ -1,0 +1,232 @@
+#include "frame/io/sequence.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+
+#include "frame/error.h"
+
+namespace becalm::io {
+namespace {
+
+/// More frames than any shot has: a range beyond is a slip of the keyboard, and is refused before it costs
+/// memory.
+constexpr std::int64_t kMaxFrames = 1'000'000;
+
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
+
+/// Takes a number off the front of `text`, with its sign if there is one.
+std::optional<int> take_int(std::string_view& text) {
+  int value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc()) return std::nullopt;
+  text.remove_prefix(end - text.data());
+  return value;
+}
+
+bool take(std::string_view& text, char c) {
+  if (text.empty() || text.front() != c) return false;
+  text.remove_prefix(1);
+  return true;
+}
+
+class RangeParser {
+ public:
+  explicit RangeParser(std::string_view text) : text_(text) {}
+
+  std::vector<int> parse() {
+    std::string_view rest = text_;
+    do {
+      take_item(rest);
+    } while (take(rest, ','));
+    if (!rest.empty()) fail(fmt::format("'{}' was not expected", rest));
+    std::sort(frames_.begin(), frames_.end());
+    frames_.erase(std::unique(frames_.begin(), frames_.end()), frames_.end());
+    return std::move(frames_);
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& why) const {
+    throw Error(
+        ExitStatus::usage,
+        fmt::format("frame range '{}': {}; expected such as 1-100, 1-100x2, 5 or 1-10,20-30", text_, why));
+  }
+
+  int take_number(std::string_view& rest, std::string_view what) const {
+    const std::optional<int> number = take_int(rest);
+    if (!number) fail(fmt::format("no {} at {}", what, rest.empty() ? "its end" : fmt::format("'{}'", rest)));
+    return *number;
+  }
+
+  void take_item(std::string_view& rest) {
+    const std::int64_t first = take_number(rest, "frame number");
+    std::int64_t last = first;
+    std::int64_t step = 1;
+    if (take(rest, '-')) {
+      last = take_number(rest, "last frame number");
+      if (last < first) fail(fmt::format("the range descends from {} to {}", first, last));
+      if (take(rest, 'x')) {
+        step = take_number(rest, "step");
+        if (step < 1) fail(fmt::format("the step {} is below 1", step));
+      }
+    }
+    if ((last - first) / step + 1 + static_cast<std::int64_t>(frames_.size()) > kMaxFrames) {
+      fail(fmt::format("more than {} frames", kMaxFrames));
+    }
+    for (std::int64_t frame = first; frame <= last; frame += step) frames_.push_back(static_cast<int>(frame));
+  }
+
+  std::string_view text_;
+  std::vector<int> frames_;
+};
+
+struct Field {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+  int padding = 1;
+  bool probe_disk = false;  ///< a lone `#`
+};
+
+std::size_t skip_while(std::string_view text, std::size_t from, auto accept) {
+  while (from < text.size() && accept(text[from])) ++from;
+  return from;
+}
+
+/// The frame field that starts at `at`, if one does.
+std::optional<Field> field_at(std::string_view text, std::size_t at) {
+  const char c = text[at];
+  if (c == '#' || c == '@') {
+    const std::size_t end = skip_while(text, at, [c](char other) { return other == c; });
+    const int length = static_cast<int>(end - at);
+    return Field{at, end, length, c == '#' && length == 1};
+  }
+  const bool printf_style = c == '%';
+  if (!printf_style && text.substr(at, 2) != "$F") return std::nullopt;
+  const std::size_t digits_begin = at + (printf_style ? 1 : 2);
+  const std::size_t digits_end = skip_while(text, digits_begin, is_digit);
+  std::string_view digits = text.substr(digits_begin, digits_end - digits_begin);
+  if (printf_style && (digits_end == text.size() || text[digits_end] != 'd')) return std::nullopt;
+  // `%4d` pads with spaces in printf, which no renderer writes; it stays literal text.
+  if (printf_style && !digits.empty() && digits.front() != '0') return std::nullopt;
+  int padding = digits.empty() ? 1 : 0;
+  std::from_chars(digits.data(), digits.data() + digits.size(), padding);
+  if (padding < 1) return std::nullopt;
+  return Field{at, digits_end + (printf_style ? 1 : 0), padding, false};
+}
+
+/// `-?digits` and nothing else.
+bool is_frame_number(std::string_view text) {
+  take(text, '-');
+  return !text.empty() && std::all_of(text.begin(), text.end(), is_digit);
+}
+
+/// What stands between `prefix` and `suffix` in the names of files that exist, where it is a number.
+std::vector<std::string> numbers_on_disk(const std::string& prefix, const std::string& suffix) {
+  namespace fs = std::filesystem;
+  const std::size_t slash = prefix.rfind('/');
+  const std::string folder = slash == std::string::npos ? "." : prefix.substr(0, slash + 1);
+  const std::string stem = slash == std::string::npos ? prefix : prefix.substr(slash + 1);
+  std::vector<std::string> numbers;
+  std::error_code no_such_folder;
+  for (fs::directory_iterator it(folder, no_such_folder), end; !no_such_folder && it != end;
+       it.increment(no_such_folder)) {
+    const std::string name = it->path().filename().string();
+    if (name.size() <= stem.size() + suffix.size() || !name.starts_with(stem) || !name.ends_with(suffix))
+      continue;
+    std::string middle = name.substr(stem.size(), name.size() - stem.size() - suffix.size());
+    if (is_frame_number(middle)) numbers.push_back(std::move(middle));
+  }
+  return numbers;
+}
+
+/// The width that most zero-padded numbers have; without any, the least width of all, since a wider padding
+/// would have padded that one.
+int padding_of(const std::vector<std::string>& numbers) {
+  if (numbers.empty()) return 1;
+  std::map<int, int> zero_padded;
+  std::size_t least = numbers.front().size();
+  for (const std::string& number : numbers) {
+    const bool negative = number.front() == '-';
+    if (number.size() - negative > 1 && number[negative] == '0')
+      ++zero_padded[static_cast<int>(number.size())];
+    least = std::min(least, number.size());
+  }
+  if (zero_padded.empty()) return static_cast<int>(least);
+  return std::max_element(zero_padded.begin(), zero_padded.end(),
+                          [](const auto& a, const auto& b) { return a.second < b.second; })
+      ->first;
+}
+
+}  // namespace
+
+std::vector<int> parse_frame_range(std::string_view text) {
+  return RangeParser(text).parse();
+}
+
+std::string format_frame_range(const std::vector<int>& frames) {
+  std::string text;
+  for (std::size_t begin = 0; begin < frames.size();) {
+    std::size_t end = begin + 1;
+    const std::int64_t step =
+        end < frames.size() ? static_cast<std::int64_t>(frames[end]) - frames[begin] : std::int64_t{0};
+    while (end < frames.size() && static_cast<std::int64_t>(frames[end]) - frames[end - 1] == step) ++end;
+    if (!text.empty()) text += ',';
+    if (end - begin < 3) {
+      end = begin + 1;
+      text += fmt::format("{}", frames[begin]);
+    } else {
+      text += fmt::format("{}-{}", frames[begin], frames[end - 1]);
+      if (step != 1) text += fmt::format("x{}", step);
+    }
+    begin = end;
+  }
+  return text;
+}
+
+SequencePattern::SequencePattern(std::string text) : text_(std::move(text)), prefix_(text_) {
+  // Folders are taken as they are: a field there would make the frames of one shot lie in many folders.
+  const std::size_t slash = text_.rfind('/');
+  std::optional<Field> field;
+  for (std::size_t at = slash == std::string::npos ? 0 : slash + 1; at < text_.size();) {
+    const std::optional<Field> found = field_at(text_, at);
+    if (found && field) {
+      throw Error(ExitStatus::usage,
+                  fmt::format("file pattern '{}': two frame fields, '{}' and '{}'; expected one at most",
+                              text_, text_.substr(field->begin, field->end - field->begin),
+                              text_.substr(found->begin, found->end - found->begin)));
+    }
+    if (found) field = found;
+    at = found ? found->end : at + 1;
+  }
+  if (!field) return;
+  prefix_ = text_.substr(0, field->begin);
+  suffix_ = text_.substr(field->end);
+  padding_ = field->probe_disk ? padding_of(numbers_on_disk(prefix_, suffix_)) : field->padding;
+}
+
+std::string SequencePattern::path(int frame) const {
+  if (!has_frame_field()) return text_;
+  return fmt::format("{}{:0{}}{}", prefix_, frame, padding_, suffix_);
+}
+
+std::vector<int> SequencePattern::frames_on_disk() const {
+  std::vector<int> frames;
+  if (!has_frame_field()) return frames;
+  for (std::string_view number : numbers_on_disk(prefix_, suffix_)) {
+    const std::string_view whole = number;
+    const std::optional<int> frame = take_int(number);
+    // `shot.12.exr` is no frame of `shot.####.exr`: opening frame 12 would look for another file.
+    if (frame && fmt::format("{:0{}}", *frame, padding_) == whole) frames.push_back(*frame);
+  }
+  std::sort(frames.begin(), frames.end());
+  return frames;
+}
+
+}  // namespace becalm::io

@@ -6,15 +6,17 @@
 
 namespace becalm::io {
 
-/// Frame numbers of a range such as `1-100`, `1-100x2`, `5`, `-3-4` or `1-10,20-30`, ascending and without duplicates.
-/// Throws Error(usage) naming the text and what is wrong: a descending range, a step below 1, no number.
+/// Frame numbers of a range such as `1-100`, `1-100x2`, `5`, `-3-4` or `1-10,20-30`, ascending and without
+/// duplicates. Throws Error(usage) naming the text and what is wrong: a descending range, a step below 1, no
+/// number.
 std::vector<int> parse_frame_range(std::string_view text);
 
-/// Shortest range text that parse_frame_range turns into `frames` again; `frames` ascends.
+/// Range text that parse_frame_range turns into `frames` again, equal steps joined; `frames` ascends.
 std::string format_frame_range(const std::vector<int>& frames);
 
-/// A file name with at most one frame field: `####`, `@@@@` (digits = characters), `%04d`, `%d` or `$F4`; a lone `#`
-/// takes its padding from the files on disk, and 1 digit where there are none.
+/// A file name with at most one frame field: `####`, `@@@@` (digits = characters), `%04d`, `%d`, `$F4` or
+/// `$F`; a lone `#` takes its padding from the files on disk, and 1 digit where there are none. Folders hold
+/// no field.
 class SequencePattern {
  public:
   /// Throws Error(usage) if there are two frame fields in the text.
@@ -22,9 +24,10 @@ class SequencePattern {
 
   const std::string& text() const { return text_; }
   bool has_frame_field() const { return padding_ > 0; }
-  /// The file of a frame; negative numbers keep their sign before the padding: `shot.-001.exr` for `####` and -1.
+  /// The file of a frame; negative numbers keep their sign before the padding: `shot.-001.exr` for `####` and
+  /// -1. The text itself where it has no frame field.
   std::string path(int frame) const;
-  /// Numbers of the files that exist, ascending.
+  /// Numbers of the files that exist, ascending; none where the text has no frame field.
   std::vector<int> frames_on_disk() const;
 
  private:

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <string>
+
+namespace becalm::io {
+
+/// A file that appears at its place whole or not at all. It is written as `PATH.partial.PID.N` beside its
+/// place, where no pattern for `.exr` files finds it, and commit() flushes it to the disk and renames it.
+/// Until then, and after any failure, whatever was at `path` before stays there. Every failure throws
+/// Error(resource) naming `path`.
+class AtomicFile {
+ public:
+  /// Makes the parent folders and the partial file.
+  explicit AtomicFile(std::string path);
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+  /// Removes the partial file unless it was committed.
+  ~AtomicFile();
+
+  void write(const char* bytes, std::size_t size);
+  std::uint64_t position() const { return position_; }
+  void seek(std::uint64_t position);
+
+  /// Also throws if an earlier write or seek failed whose exception somebody swallowed.
+  void commit();
+
+ private:
+  [[noreturn]] void fail(const std::string& doing, int error_number);
+  void fail_if_failed() const;
+
+  std::string path_;
+  std::string partial_path_;
+  std::FILE* file_ = nullptr;
+  std::uint64_t position_ = 0;
+  std::string failure_;
+};
+
+}  // namespace becalm::io

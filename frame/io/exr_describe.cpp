@@ -1,0 +1,126 @@
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfTileDescription.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "frame/error.h"
+#include "frame/io/exr.h"
+#include "frame/io/exr_file.h"
+
+namespace becalm::io {
+namespace {
+
+std::string_view name_of(Imf::Compression compression) {
+  switch (compression) {
+    case Imf::NO_COMPRESSION:
+      return "uncompressed";
+    case Imf::RLE_COMPRESSION:
+      return "RLE";
+    case Imf::ZIPS_COMPRESSION:
+      return "ZIPS";
+    case Imf::ZIP_COMPRESSION:
+      return "ZIP";
+    case Imf::PIZ_COMPRESSION:
+      return "PIZ";
+    case Imf::PXR24_COMPRESSION:
+      return "PXR24";
+    case Imf::B44_COMPRESSION:
+      return "B44";
+    case Imf::B44A_COMPRESSION:
+      return "B44A";
+    case Imf::DWAA_COMPRESSION:
+      return "DWAA";
+    case Imf::DWAB_COMPRESSION:
+      return "DWAB";
+    case Imf::NUM_COMPRESSION_METHODS:
+      break;
+  }
+  return "unknown compression";
+}
+
+std::string_view name_of(Imf::PixelType type) {
+  switch (type) {
+    case Imf::UINT:
+      return "uint";
+    case Imf::HALF:
+      return "half";
+    case Imf::FLOAT:
+      return "float";
+    case Imf::NUM_PIXELTYPES:
+      break;
+  }
+  return "unknown type";
+}
+
+std::string text_of(const Imath::Box2i& window) {
+  return fmt::format("{}x{} at ({}, {})", window.max.x - window.min.x + 1, window.max.y - window.min.y + 1,
+                     window.min.x, window.min.y);
+}
+
+std::string storage_of(const Imf::Header& header) {
+  std::string text = is_deep(header) ? "deep " : "";
+  if (!is_tiled(header)) return text + "scanlines";
+  const Imf::TileDescription& tiles = header.tileDescription();
+  text += fmt::format("tiles of {}x{}", tiles.xSize, tiles.ySize);
+  if (tiles.mode == Imf::MIPMAP_LEVELS) text += " with mipmaps";
+  if (tiles.mode == Imf::RIPMAP_LEVELS) text += " with ripmaps";
+  return text;
+}
+
+std::string describe_part(int number, const Imf::Header& header) {
+  const std::string name = header.hasName() ? fmt::format(" '{}'", header.name()) : "";
+  return fmt::format("part {}{}: {}, {}, data window {}, display window {}", number, name, storage_of(header),
+                     name_of(header.compression()), text_of(header.dataWindow()),
+                     text_of(header.displayWindow()));
+}
+
+/// What the channel was taken for, such as `albedo.R`, or that it is passed on.
+std::string use_of(const LayerMap& layers, int part, const std::string& channel) {
+  std::string uses;
+  for (const AovInfo& entry : kAovTable) {
+    const std::optional<LayerSource>& source = layers[static_cast<std::size_t>(entry.aov)];
+    if (!source || source->part != part) continue;
+    const auto at = std::find(source->channels.begin(), source->channels.end(), channel);
+    if (at == source->channels.end()) continue;
+    const std::size_t index = at - source->channels.begin();
+    uses +=
+        fmt::format("{}{}.{}{}", uses.empty() ? "" : ", ", entry.aov == Aov::beauty ? "beauty" : entry.name,
+                    entry.channels[index], index == 1 && source->y_scale < 0.0f ? " negated" : "");
+  }
+  return uses.empty() ? "passed on" : uses;
+}
+
+}  // namespace
+
+std::vector<std::string> describe_exr(const std::string& path, const LayerOverrides& overrides) {
+  std::vector<std::string> lines;
+  reading(path, [&] {
+    stamp_of(path);
+    const std::unique_ptr<Imf::MultiPartInputFile> file = open_exr(path);
+    const std::vector<std::vector<std::string>> names = channel_names(*file);
+    LayerMap layers;
+    std::string failure;
+    try {
+      layers = find_layers(path, names, overrides);
+    } catch (const Error& error) {
+      failure = error.what();
+    }
+    lines.push_back(
+        fmt::format("{}: EXR with {} part{}", path, file->parts(), file->parts() == 1 ? "" : "s"));
+    for (int part = 0; part < file->parts(); ++part) {
+      const Imf::Header& header = file->header(part);
+      lines.push_back(describe_part(part, header));
+      std::size_t width = 0;
+      for (const std::string& name : names[part]) width = std::max(width, name.size());
+      for (const std::string& name : names[part]) {
+        lines.push_back(fmt::format("  {:<{}}  {:<5}  {}", name, width, name_of(header.channels()[name].type),
+                                    use_of(layers, part, name)));
+      }
+    }
+    if (!failure.empty()) lines.push_back(failure);
+  });
+  return lines;
+}
+
+}  // namespace becalm::io

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <Imath/ImathBox.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfMultiPartInputFile.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "frame/io/exr.h"
+
+namespace becalm::io {
+
+/// Wider or higher images than this are refused before anything is allocated for them.
+inline constexpr int kMaxImageSide = 65536;
+
+/// Size and time of a file, to notice that it was exchanged between reading and passing it on.
+struct FileStamp {
+  std::uintmax_t size = 0;
+  std::filesystem::file_time_type time;
+
+  bool operator==(const FileStamp&) const = default;
+};
+
+/// What LoadedFrame keeps of its file: where it lies, not its pixels, so that a window of many frames costs
+/// no more than their AOVs. Channels that are passed on are read when the result is written.
+class ExrContents {
+ public:
+  ExrContents(std::string path, FileStamp stamp) : path_(std::move(path)), stamp_(stamp) {}
+
+  const std::string& path() const { return path_; }
+  const FileStamp& stamp() const { return stamp_; }
+
+ private:
+  std::string path_;
+  FileStamp stamp_;
+};
+
+/// Runs `work`, turning what OpenEXR throws about the file `path` into Error(bad_input).
+void reading(const std::string& path, const std::function<void()>& work);
+
+/// Throws Error(bad_input) where there is no such file, and while reading(): where it is no EXR, or its image
+/// is too large.
+FileStamp stamp_of(const std::string& path);
+std::unique_ptr<Imf::MultiPartInputFile> open_exr(const std::string& path);
+
+/// The channels of each part. A deep part has none that could be used.
+std::vector<std::vector<std::string>> channel_names(const Imf::MultiPartInputFile& file);
+
+bool is_deep(const Imf::Header& header);
+bool is_tiled(const Imf::Header& header);
+
+/// Throws Error(bad_input) where a chunk of pixels is missing or ends behind the file's end. Reads the
+/// chunks' headers only, and must have passed before anything of the image's size is allocated: a header may
+/// claim any size.
+void require_all_chunks(const std::string& path);
+
+}  // namespace becalm::io

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Imath/ImathBox.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace becalm::io {
+
+/// Some channels of a run of whole lines, as planes of the file's own types. Parts are read and written
+/// stripe by stripe, so that a part with many channels never lies in memory whole.
+class Stripe {
+ public:
+  struct Plane {
+    std::string channel;
+    Imf::PixelType type;
+    int x_sampling = 1;
+    int y_sampling = 1;
+    std::vector<char> bytes;
+  };
+
+  /// `window` is the part's data window.
+  explicit Stripe(const Imath::Box2i& window) : lines_(window) {}
+
+  void add(std::string channel, Imf::PixelType type, int x_sampling = 1, int y_sampling = 1);
+  /// Makes room for the lines first..last; what the planes held is lost.
+  void move_to(int first, int last);
+
+  std::vector<Plane>& planes() { return planes_; }
+  /// Where OpenEXR finds the planes for which `wanted` is true. Valid until the next add() or move_to().
+  Imf::FrameBuffer frame_buffer(const std::function<bool(const Plane&)>& wanted) const;
+
+ private:
+  Imath::Box2i lines_;
+  std::vector<Plane> planes_;
+};
+
+/// Calls `work(first, last)` for runs of lines that cover the data window, in the file's line order, so that
+/// each holds whole chunks or whole rows of tiles.
+void for_each_stripe(const Imf::Header& header, const std::function<void(int first, int last)>& work);
+
+}  // namespace becalm::io
