@@ -187,6 +187,7 @@ vk::raii::Device create_device(const Candidate& chosen) {
   }
   vk::PhysicalDeviceVulkan13Features features;
   features.synchronization2 = true;
+  features.maintenance4 = true;  // glslang writes local sizes as LocalSizeId for 1.3
   vk::DeviceCreateInfo create({}, queue, {}, extensions);
   create.pNext = &features;
   return {chosen.device, create};

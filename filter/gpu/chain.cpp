@@ -1,0 +1,202 @@
+#include "filter/gpu/chain.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "filter/gpu/chain_impl.h"
+
+namespace becalm::gpu {
+
+Chain::Impl::~Impl() {
+  if (*device.device == vk::Device()) return;
+  try {
+    device.device.waitIdle();  // nothing may be destroyed that a failed run left in use
+  } catch (const vk::SystemError&) {
+    // A lost device uses nothing any more.
+  }
+}
+
+std::string Chain::Impl::label(std::size_t pass) const {
+  return label() + ": pass " + std::to_string(pass) + " '" + passes[pass].kernel_name + "'";
+}
+
+void Chain::Impl::require_declaring() const {
+  if (is_built) throw DeviceError(label() + ": is built already, nothing can be declared any more");
+}
+
+ImageId Chain::Impl::declare(std::string image_name, Format format, Extent extent, Role role) {
+  require_declaring();
+  const std::string where = label() + ": image '" + image_name + "': ";
+  if (extent.width < 1 || extent.height < 1 || extent.planes < 1) {
+    throw DeviceError(where + "width, height and planes must be positive, not " +
+                      std::to_string(extent.width) + "x" + std::to_string(extent.height) + "x" +
+                      std::to_string(extent.planes));
+  }
+  if (std::ranges::find(images, image_name, &ImageDeclaration::name) != images.end()) {
+    throw DeviceError(where + "is declared twice");
+  }
+  images.push_back({std::move(image_name), format, extent, role});
+  return {static_cast<int>(images.size()) - 1};
+}
+
+const ImageDeclaration& Chain::Impl::image(ImageId id) const {
+  if (id.index < 0 || static_cast<std::size_t>(id.index) >= images.size()) {
+    throw DeviceError(label() + ": image id " + std::to_string(id.index) + " is not of this chain");
+  }
+  return images[static_cast<std::size_t>(id.index)];
+}
+
+Chain::Chain(Device& device, std::string name, const ChainOptions& options)
+    : impl_(std::make_unique<Impl>(device, std::move(name), options)) {}
+
+Chain::~Chain() = default;
+
+Chain::Chain(Chain&&) noexcept = default;
+
+ImageId Chain::image(std::string name, Format format, Extent extent) {
+  return impl_->declare(std::move(name), format, extent, Role::transient);
+}
+
+ImageId Chain::input(std::string name, Format format, Extent extent) {
+  return impl_->declare(std::move(name), format, extent, Role::input);
+}
+
+History Chain::history(std::string name, Format format, Extent extent) {
+  const History result{impl_->declare(name + ".prev", format, extent, Role::history_previous),
+                       impl_->declare(name + ".next", format, extent, Role::history_next)};
+  impl_->images[static_cast<std::size_t>(result.previous.index)].partner = result.next.index;
+  impl_->images[static_cast<std::size_t>(result.next.index)].partner = result.previous.index;
+  impl_->has_history = true;
+  return result;
+}
+
+void Chain::output(ImageId image) {
+  impl_->require_declaring();
+  static_cast<void>(impl_->image(image));
+  impl_->images[static_cast<std::size_t>(image.index)].is_output = true;
+}
+
+Chain::Pass Chain::pass(std::string_view kernel) {
+  impl_->require_declaring();
+  impl_->passes.emplace_back().kernel_name = kernel;
+  return {*this, impl_->passes.size() - 1};
+}
+
+Chain::Pass& Chain::Pass::read(std::string_view binding, ImageId image) {
+  chain_.impl_->passes[index_].uses.push_back({std::string(binding), image.index, Access::read});
+  return *this;
+}
+
+Chain::Pass& Chain::Pass::write(std::string_view binding, ImageId image) {
+  chain_.impl_->passes[index_].uses.push_back({std::string(binding), image.index, Access::write});
+  return *this;
+}
+
+Chain::Pass& Chain::Pass::read_write(std::string_view binding, ImageId image) {
+  chain_.impl_->passes[index_].uses.push_back({std::string(binding), image.index, Access::read_write});
+  return *this;
+}
+
+Chain::Pass& Chain::Pass::constant_bytes(std::span<const std::byte> bytes) {
+  chain_.impl_->passes[index_].constants.assign(bytes.begin(), bytes.end());
+  return *this;
+}
+
+Chain::Pass& Chain::Pass::specialize(std::string_view constant, std::int32_t value) {
+  chain_.impl_->passes[index_].specializations.emplace_back(constant, value);
+  return *this;
+}
+
+void Chain::Pass::dispatch(Extent extent) {
+  chain_.impl_->require_declaring();
+  chain_.impl_->passes[index_].extent = extent;
+}
+
+void Chain::build() {
+  Impl& s = *impl_;
+  s.require_declaring();
+  s.check();
+  guarded(s.label(), [&] {
+    s.plan_steps();
+    s.allocate();
+    s.create_staging();
+    s.create_pipelines();
+    s.create_descriptor_sets();
+    s.record_all();
+  });
+  s.device.check_validation(s.label());
+  s.is_built = true;
+}
+
+std::span<std::byte> Chain::upload_bytes(ImageId image) {
+  Impl& s = *impl_;
+  const ImageDeclaration& declared = s.image(image);
+  const std::string where = s.label() + ": upload of '" + declared.name + "': ";
+  if (declared.role != Role::input) throw DeviceError(where + "it is not an input");
+  if (!s.is_built) throw DeviceError(where + "the chain is not built yet");
+  const auto index = static_cast<std::size_t>(image.index);
+  s.is_filled[index] = true;
+  return {s.staging[index].mapped, s.staging[index].bytes};
+}
+
+std::span<const std::byte> Chain::download_bytes(ImageId image) const {
+  const Impl& s = *impl_;
+  const ImageDeclaration& declared = s.image(image);
+  const std::string where = s.label() + ": download of '" + declared.name + "': ";
+  if (!declared.is_output) throw DeviceError(where + "it is not an output");
+  if (!s.has_run) throw DeviceError(where + "the chain has not run yet");
+  const HostBuffer& host = s.staging[static_cast<std::size_t>(image.index)];
+  return {host.mapped, host.bytes};
+}
+
+void Chain::run() {
+  Impl& s = *impl_;
+  if (!s.is_built) throw DeviceError(s.label() + ": cannot run before it is built");
+  for (std::size_t i = 0; i < s.images.size(); ++i) {
+    if (s.images[i].role == Role::input && !s.is_filled[i]) {
+      throw DeviceError(s.label() + ": input '" + s.images[i].name + "' was never uploaded");
+    }
+  }
+  std::vector<vk::CommandBuffer> commands;
+  if (s.needs_reset) commands.push_back(*s.reset_commands);
+  commands.push_back(*s.commands[static_cast<std::size_t>(s.parity)]);
+  try {
+    s.device.device.resetFences(*s.fence);
+    s.device.queue.submit(vk::SubmitInfo({}, {}, commands), *s.fence);
+    constexpr auto kForever = std::numeric_limits<std::uint64_t>::max();
+    const vk::Result result = s.device.device.waitForFences(*s.fence, true, kForever);
+    if (result != vk::Result::eSuccess)
+      throw DeviceError(s.label() + ": waiting for the device: " + vk::to_string(result));
+    s.timer->read(s.times);
+  } catch (const vk::DeviceLostError&) {
+    throw DeviceError(s.label() + ": device '" + s.device.info.name + "' was lost while it ran");
+  } catch (const vk::SystemError& error) {
+    throw DeviceError(s.label() + ": running it on '" + s.device.info.name + "': " + error.what());
+  }
+  s.device.check_validation(s.label());
+  s.needs_reset = false;
+  s.has_run = true;
+  if (s.has_history) s.parity = 1 - s.parity;
+}
+
+void Chain::reset_history() {
+  impl_->needs_reset = true;
+}
+
+const std::vector<PassTime>& Chain::times() const {
+  return impl_->times;
+}
+
+std::uint64_t Chain::device_bytes() const {
+  return impl_->device_bytes;
+}
+
+std::uint64_t Chain::device_bytes_unaliased() const {
+  return impl_->device_bytes_unaliased;
+}
+
+std::uint64_t Chain::staging_bytes() const {
+  return impl_->staging_bytes;
+}
+
+}  // namespace becalm::gpu

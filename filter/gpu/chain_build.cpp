@@ -1,0 +1,172 @@
+// Steps, memory, pipelines and descriptors of a chain whose declarations have been checked.
+
+#include <algorithm>
+#include <cstring>
+
+#include "filter/gpu/chain_impl.h"
+#include "filter/gpu/memory_plan.h"
+
+namespace becalm::gpu {
+
+namespace {
+
+std::uint32_t bits_of(std::int32_t value, std::string_view type) {
+  if (type == "bool") return value != 0 ? VK_TRUE : VK_FALSE;
+  if (type == "float") {
+    const auto number = static_cast<float>(value);
+    std::uint32_t bits = 0;
+    std::memcpy(&bits, &number, sizeof(bits));
+    return bits;
+  }
+  return static_cast<std::uint32_t>(value);
+}
+
+SpecValues spec_values(const PassDeclaration& pass) {
+  SpecValues values;
+  for (const auto& [name, value] : pass.specializations) {
+    const SpecConstantInfo& info =
+        *std::ranges::find(pass.kernel->spec_constants, name, &SpecConstantInfo::name);
+    values.emplace_back(info.id, bits_of(value, info.type));
+  }
+  std::ranges::sort(values);
+  return values;
+}
+
+}  // namespace
+
+void Chain::Impl::plan_steps() {
+  std::vector<std::size_t> last_write(images.size());
+  for (std::size_t i = 0; i < passes.size(); ++i) {
+    for (const Use& use : passes[i].uses) {
+      if (use.writes()) last_write[static_cast<std::size_t>(use.image)] = i;
+    }
+  }
+  std::vector<bool> is_uploaded(images.size());
+  for (std::size_t i = 0; i < passes.size(); ++i) {
+    for (const Use& use : passes[i].uses) {
+      const auto image = static_cast<std::size_t>(use.image);
+      if (images[image].role != Role::input || is_uploaded[image]) continue;
+      steps.push_back({Step::Kind::upload, use.image});
+      is_uploaded[image] = true;
+    }
+    steps.push_back({Step::Kind::pass, static_cast<int>(i)});
+    for (const Use& use : passes[i].uses) {
+      const auto image = static_cast<std::size_t>(use.image);
+      if (use.writes() && images[image].is_output && last_write[image] == i) {
+        steps.push_back({Step::Kind::download, use.image});
+      }
+    }
+  }
+}
+
+void Chain::Impl::allocate() {
+  constexpr int kNever = -1;
+  const int last_step = static_cast<int>(steps.size()) - 1;
+  std::vector<int> first(images.size(), kNever);
+  std::vector<int> last(images.size(), kNever);
+  const auto touch = [&](int image, int step) {
+    const auto i = static_cast<std::size_t>(image);
+    if (first[i] == kNever) first[i] = step;
+    last[i] = step;
+  };
+  for (int step = 0; step <= last_step; ++step) {
+    const auto [kind, index] = steps[static_cast<std::size_t>(step)];
+    if (kind != Step::Kind::pass) {
+      touch(index, step);
+      continue;
+    }
+    for (const Use& use : passes[static_cast<std::size_t>(index)].uses) touch(use.image, step);
+  }
+
+  using Usage = vk::BufferUsageFlagBits;
+  buffers.resize(images.size());
+  std::vector<MemoryRequest> requests;
+  std::vector<std::size_t> owners;
+  std::uint32_t types = ~0u;
+  std::uint64_t alignment = 1;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    if (images[i].is_history()) {
+      first[i] = 0;
+      last[i] = last_step;
+    }
+    if (first[i] == kNever) continue;
+    const auto usage = Usage::eStorageBuffer | Usage::eTransferSrc | Usage::eTransferDst;
+    buffers[i].buffer = {device.device, vk::BufferCreateInfo({}, images[i].bytes(), usage)};
+    device.set_name(buffers[i].buffer, images[i].name);
+    const vk::MemoryRequirements needs = buffers[i].buffer.getMemoryRequirements();
+    types &= needs.memoryTypeBits;
+    alignment = std::max<std::uint64_t>(alignment, needs.alignment);  // powers of two
+    requests.push_back({needs.size, first[i], last[i]});
+    owners.push_back(i);
+  }
+
+  const MemoryPlan plan = plan_memory(requests, alignment, options.alias_memory, device.max_allocation_bytes);
+  device_bytes = plan.total_bytes;
+  device_bytes_unaliased = plan_memory(requests, alignment, false, device.max_allocation_bytes).total_bytes;
+  const std::uint32_t type = device.memory_type(types, {}, vk::MemoryPropertyFlagBits::eDeviceLocal);
+  guarded(label() + ": " + format_mib(device_bytes) + " of device memory", [&] {
+    for (const std::uint64_t bytes : plan.arena_bytes) {
+      arenas.emplace_back(device.device, vk::MemoryAllocateInfo(bytes, type));
+      device.set_name(arenas.back(), name + " arena " + std::to_string(arenas.size() - 1));
+    }
+  });
+  for (std::size_t i = 0; i < owners.size(); ++i) {
+    DeviceBuffer& buffer = buffers[owners[i]];
+    buffer.arena = plan.arenas[i];
+    buffer.offset = plan.offsets[i];
+    buffer.bytes = requests[i].bytes;
+    buffer.buffer.bindMemory(*arenas[static_cast<std::size_t>(buffer.arena)], buffer.offset);
+  }
+}
+
+void Chain::Impl::create_staging() {
+  using Usage = vk::BufferUsageFlagBits;
+  staging.resize(images.size());
+  is_filled.resize(images.size());
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const bool is_input = images[i].role == Role::input;
+    if (!is_input && !images[i].is_output) continue;
+    staging[i] = device.create_host_buffer(
+        images[i].bytes(), is_input ? Usage::eTransferSrc : Usage::eTransferDst, images[i].name + " (host)");
+    staging_bytes += images[i].bytes();
+  }
+}
+
+void Chain::Impl::create_pipelines() {
+  for (std::size_t i = 0; i < passes.size(); ++i) {
+    guarded(label(i), [&] {
+      const Kernel& kernel = *passes[i].kernel;
+      pipelines.push_back(
+          {programs.pipeline(kernel, spec_values(passes[i])), *programs.layout(kernel).pipeline});
+    });
+  }
+}
+
+void Chain::Impl::create_descriptor_sets() {
+  const std::uint32_t parities = has_history ? 2 : 1;
+  std::uint32_t descriptors = 0;
+  std::vector<vk::DescriptorSetLayout> layouts;
+  for (const PassDeclaration& pass : passes) {
+    layouts.push_back(*programs.layout(*pass.kernel).bindings);
+    descriptors += static_cast<std::uint32_t>(pass.uses.size());
+  }
+  const vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer, descriptors * parities);
+  const auto set_count = static_cast<std::uint32_t>(passes.size()) * parities;
+  constexpr auto kFreed = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet;  // as RAII does
+  descriptor_pool = {device.device, vk::DescriptorPoolCreateInfo(kFreed, set_count, size)};
+  for (std::uint32_t p = 0; p < parities; ++p) {
+    descriptor_sets[p] = device.device.allocateDescriptorSets({*descriptor_pool, layouts});
+    for (std::size_t i = 0; i < passes.size(); ++i) {
+      for (const Use& use : passes[i].uses) {
+        const auto& bindings = passes[i].kernel->bindings;
+        const std::uint32_t binding = std::ranges::find(bindings, use.binding, &BindingInfo::name)->binding;
+        const vk::DescriptorBufferInfo info(*buffer(use.image, static_cast<int>(p)).buffer, 0, VK_WHOLE_SIZE);
+        const vk::WriteDescriptorSet write(*descriptor_sets[p][i], binding, 0,
+                                           vk::DescriptorType::eStorageBuffer, {}, info);
+        device.device.updateDescriptorSets(write, {});
+      }
+    }
+  }
+}
+
+}  // namespace becalm::gpu

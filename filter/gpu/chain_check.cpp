@@ -1,0 +1,186 @@
+// What Chain::build checks before it asks the device for anything.
+
+#include <algorithm>
+#include <array>
+
+#include "filter/gpu/chain_impl.h"
+
+namespace becalm::gpu {
+
+namespace {
+
+std::string_view element_of(Format format) {
+  switch (format) {
+    case Format::f32:
+      return "float";
+    case Format::f32x2:
+      return "vec2";
+    case Format::f32x4:
+      return "vec4";
+    case Format::u32:
+      return "uint";
+  }
+  return "";
+}
+
+std::string to_string(Extent extent) {
+  std::string text = std::to_string(extent.width) + "x" + std::to_string(extent.height);
+  if (extent.planes != 1) text += "x" + std::to_string(extent.planes);
+  return text;
+}
+
+std::string_view access_name(bool reads, bool writes) {
+  return !writes ? "read" : reads ? "read_write" : "write";
+}
+
+const Kernel& find_kernel(std::span<const Kernel> kernels, const PassDeclaration& pass,
+                          const std::string& where) {
+  const auto found = std::ranges::find(kernels, pass.kernel_name, &Kernel::name);
+  if (found == kernels.end()) throw DeviceError(where + "there is no such kernel");
+  return *found;
+}
+
+void check_binding(const Kernel& kernel, const ImageDeclaration& image, const Use& use,
+                   const std::string& where) {
+  const auto found = std::ranges::find(kernel.bindings, use.binding, &BindingInfo::name);
+  if (found == kernel.bindings.end()) {
+    std::string known;
+    for (const BindingInfo& binding : kernel.bindings)
+      known += (known.empty() ? "" : ", ") + std::string(binding.name);
+    throw DeviceError(where + "the kernel has no such binding; it has: " + known);
+  }
+  if (found->element != element_of(image.format)) {
+    throw DeviceError(where + "the kernel's elements are " + std::string(found->element) +
+                      ", those of image '" + image.name + "' " + std::string(element_of(image.format)));
+  }
+  if (found->reads != use.reads() || found->writes != use.writes()) {
+    throw DeviceError(where + "the kernel's access is " +
+                      std::string(access_name(found->reads, found->writes)) + ", the pass declares " +
+                      std::string(access_name(use.reads(), use.writes())));
+  }
+}
+
+/// Each binding of the kernel once; no image both written and otherwise used, which would be a race.
+void check_bindings(const Kernel& kernel, const PassDeclaration& pass,
+                    std::span<const ImageDeclaration> images, const std::string& where) {
+  for (const Use& use : pass.uses) {
+    check_binding(kernel, images[static_cast<std::size_t>(use.image)], use,
+                  where + "binding '" + use.binding + "': ");
+    for (const Use* other = pass.uses.data(); other != &use; ++other) {
+      if (other->binding == use.binding)
+        throw DeviceError(where + "binding '" + use.binding + "' is given twice");
+      if (other->image == use.image && (other->writes() || use.writes())) {
+        throw DeviceError(where + "image '" + images[static_cast<std::size_t>(use.image)].name +
+                          "' is written as '" + (use.writes() ? use : *other).binding + "' and used as '" +
+                          (use.writes() ? *other : use).binding + "' at once");
+      }
+    }
+  }
+  for (const BindingInfo& binding : kernel.bindings) {
+    if (std::ranges::find(pass.uses, binding.name, &Use::binding) == pass.uses.end()) {
+      throw DeviceError(where + "binding '" + std::string(binding.name) + "' has no image");
+    }
+  }
+}
+
+void check_constants(const Kernel& kernel, const PassDeclaration& pass, const std::string& where) {
+  if (pass.constants.size() != kernel.push_constant_bytes) {
+    throw DeviceError(where + "the constants take " + std::to_string(pass.constants.size()) +
+                      " bytes, the kernel's take " + std::to_string(kernel.push_constant_bytes));
+  }
+  for (std::size_t i = 0; i < pass.specializations.size(); ++i) {
+    const std::string& name = pass.specializations[i].first;
+    if (std::ranges::find(kernel.spec_constants, name, &SpecConstantInfo::name) ==
+        kernel.spec_constants.end()) {
+      throw DeviceError(where + "the kernel has no specialization constant '" + name + "'");
+    }
+    for (std::size_t j = 0; j < i; ++j) {
+      if (pass.specializations[j].first == name) {
+        throw DeviceError(where + "specialization constant '" + name + "' is given twice");
+      }
+    }
+  }
+}
+
+void check_dispatch(const Kernel& kernel, const PassDeclaration& pass, const vk::PhysicalDeviceLimits& limits,
+                    const std::string& where) {
+  if (!pass.extent) throw DeviceError(where + "is never dispatched");
+  const std::array<int, 3> extent = {pass.extent->width, pass.extent->height, pass.extent->planes};
+  std::uint64_t invocations = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (extent[axis] < 1)
+      throw DeviceError(where + "the dispatch of " + to_string(*pass.extent) + " is empty");
+    const std::uint32_t groups = workgroups(extent[axis], kernel.local_size[axis]);
+    if (groups > limits.maxComputeWorkGroupCount[axis]) {
+      throw DeviceError(where + "the dispatch of " + to_string(*pass.extent) + " takes " +
+                        std::to_string(groups) + " workgroups along axis " + std::to_string(axis) +
+                        ", the device's limit is " + std::to_string(limits.maxComputeWorkGroupCount[axis]));
+    }
+    invocations *= kernel.local_size[axis];
+  }
+  if (invocations > limits.maxComputeWorkGroupInvocations) {
+    throw DeviceError(where + "a workgroup has " + std::to_string(invocations) +
+                      " invocations, the device's limit is " +
+                      std::to_string(limits.maxComputeWorkGroupInvocations));
+  }
+  if (kernel.bindings.size() > limits.maxPerStageDescriptorStorageBuffers) {
+    throw DeviceError(where + "the kernel has " + std::to_string(kernel.bindings.size()) +
+                      " bindings, the device's limit is " +
+                      std::to_string(limits.maxPerStageDescriptorStorageBuffers));
+  }
+}
+
+}  // namespace
+
+void Chain::Impl::check() {
+  if (passes.empty()) throw DeviceError(label() + ": has no passes");
+  const std::uint64_t limit =
+      std::min({device.info.max_storage_buffer_bytes, device.max_buffer_bytes, device.max_allocation_bytes});
+  for (const ImageDeclaration& image : images) {
+    if (image.bytes() > limit) {
+      throw DeviceError(label() + ": image '" + image.name + "' of " + to_string(image.extent) + " " +
+                        std::string(element_of(image.format)) + " takes " + format_mib(image.bytes()) +
+                        ", more than the " + format_mib(limit) + " that device '" + device.info.name +
+                        "' can bind");
+    }
+  }
+
+  std::vector<bool> has_content(images.size());
+  std::vector<bool> is_written(images.size());
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    has_content[i] = images[i].role == Role::input || images[i].role == Role::history_previous;
+  }
+  for (std::size_t i = 0; i < passes.size(); ++i) {
+    PassDeclaration& pass = passes[i];
+    const std::string where = label(i) + ": ";
+    pass.kernel = &find_kernel(options.kernels, pass, where);
+    for (const Use& use : pass.uses) static_cast<void>(image({use.image}));
+    check_bindings(*pass.kernel, pass, images, where);
+    check_constants(*pass.kernel, pass, where);
+    check_dispatch(*pass.kernel, pass, device.limits, where);
+    for (const Use& use : pass.uses) {
+      const auto index = static_cast<std::size_t>(use.image);
+      const std::string what = where + "binding '" + use.binding + "': image '" + images[index].name + "' ";
+      if (use.reads() && !has_content[index]) throw DeviceError(what + "is read before any pass writes it");
+      if (use.writes() && images[index].role == Role::input)
+        throw DeviceError(what + "is an input and cannot be written");
+      if (use.writes() && images[index].role == Role::history_previous) {
+        throw DeviceError(what + "is the previous frame's and cannot be written");
+      }
+    }
+    for (const Use& use : pass.uses) {
+      if (!use.writes()) continue;
+      has_content[static_cast<std::size_t>(use.image)] = true;
+      is_written[static_cast<std::size_t>(use.image)] = true;
+    }
+  }
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    if (is_written[i]) continue;
+    const std::string where = label() + ": image '" + images[i].name + "' ";
+    if (images[i].is_output) throw DeviceError(where + "is an output, but no pass writes it");
+    if (images[i].role == Role::history_next)
+      throw DeviceError(where + "is a history's, but no pass writes it");
+  }
+}
+
+}  // namespace becalm::gpu

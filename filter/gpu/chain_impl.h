@@ -1,0 +1,145 @@
+#pragma once
+
+// For the files of filter/gpu/ alone: what a Chain holds. chain.cpp declares and runs, chain_check.cpp
+// checks, chain_build.cpp decides memory and makes the Vulkan objects, chain_record.cpp records the commands.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <vulkan/vulkan_raii.hpp>
+
+#include "filter/gpu/chain.h"
+#include "filter/gpu/device_impl.h"
+#include "filter/gpu/hazards.h"
+#include "filter/gpu/profiler_impl.h"
+#include "filter/gpu/program_impl.h"
+
+namespace becalm::gpu {
+
+enum class Role { transient, input, history_previous, history_next };
+enum class Access { read, write, read_write };
+
+struct ImageDeclaration {
+  std::string name;
+  Format format;
+  Extent extent;
+  Role role;
+  bool is_output = false;
+  int partner = -1;  ///< of a history image: the other one of the pair
+
+  std::uint64_t bytes() const { return extent.elements() * bytes_per_element(format); }
+  bool is_history() const { return role == Role::history_previous || role == Role::history_next; }
+};
+
+struct Use {
+  std::string binding;
+  int image;
+  Access access;
+
+  bool reads() const { return access != Access::write; }
+  bool writes() const { return access != Access::read; }
+};
+
+struct PassDeclaration {
+  std::string kernel_name;
+  const Kernel* kernel = nullptr;  ///< found by check()
+  std::vector<Use> uses;
+  std::vector<std::byte> constants;
+  std::vector<std::pair<std::string, std::int32_t>> specializations;
+  std::optional<Extent> extent;
+};
+
+/// What a run does, one after the other: inputs arrive before their first reader, outputs leave after their
+/// last writer, so that neither holds memory longer than it must.
+struct Step {
+  enum class Kind { upload, pass, download } kind;
+  int index;  ///< of the image or of the pass
+};
+
+/// An image's device memory. History images swap: see Chain::Impl::buffer.
+struct DeviceBuffer {
+  vk::raii::Buffer buffer = nullptr;
+  int arena = 0;
+  std::uint64_t offset = 0;
+  std::uint64_t bytes = 0;
+};
+
+struct PassPipeline {
+  vk::Pipeline pipeline;
+  vk::PipelineLayout layout;
+};
+
+/// Workgroups of `local_size` invocations that cover `pixels`.
+constexpr std::uint32_t workgroups(int pixels, std::uint32_t local_size) {
+  return (static_cast<std::uint32_t>(pixels) + local_size - 1) / local_size;
+}
+
+struct Chain::Impl {
+  Impl(Device& device, std::string name, const ChainOptions& options)
+      : device(device.impl()), name(std::move(name)), options(options), programs(device.impl()) {}
+  ~Impl();
+
+  std::string label() const { return "chain '" + name + "'"; }
+  std::string label(std::size_t pass) const;
+  ImageId declare(std::string image_name, Format format, Extent extent, Role role);
+  void require_declaring() const;
+  const ImageDeclaration& image(ImageId id) const;
+
+  void check();
+
+  void plan_steps();
+  void allocate();
+  void create_staging();
+  void create_pipelines();
+  void create_descriptor_sets();
+  void record_all();
+  void record(const vk::raii::CommandBuffer& commands, int parity);
+  void record_pass(const vk::raii::CommandBuffer& commands, std::size_t pass, int parity) const;
+  void record_reset(const vk::raii::CommandBuffer& commands) const;
+  std::vector<MemoryAccess> accesses(const Step& step, int parity) const;
+
+  /// The buffer behind an image in frames of this parity: the two of a history change places every frame.
+  const DeviceBuffer& buffer(int image, int parity) const {
+    const ImageDeclaration& declared = images[static_cast<std::size_t>(image)];
+    return buffers[static_cast<std::size_t>(parity == 1 && declared.is_history() ? declared.partner : image)];
+  }
+
+  Device::Impl& device;
+  std::string name;
+  ChainOptions options;
+  std::vector<ImageDeclaration> images;
+  std::vector<PassDeclaration> passes;
+  bool is_built = false;
+  bool has_history = false;
+
+  std::vector<Step> steps;
+  std::vector<vk::raii::DeviceMemory> arenas;
+  std::vector<DeviceBuffer> buffers;  // one an image; null where nothing touches it
+  std::vector<HostBuffer> staging;    // one an image; null but for inputs and outputs
+  std::vector<bool> is_filled;        // one an image: the host has asked for its upload memory
+  std::uint64_t device_bytes = 0;
+  std::uint64_t device_bytes_unaliased = 0;
+  std::uint64_t staging_bytes = 0;
+
+  Programs programs;
+  std::vector<PassPipeline> pipelines;  // one a pass
+  vk::raii::DescriptorPool descriptor_pool = nullptr;
+  std::array<std::vector<vk::raii::DescriptorSet>, 2> descriptor_sets;  // by parity, then pass
+  std::optional<PassTimer> timer;
+  vk::raii::CommandPool command_pool = nullptr;
+  std::array<vk::raii::CommandBuffer, 2> commands = {nullptr, nullptr};  // by parity
+  vk::raii::CommandBuffer reset_commands = nullptr;
+  vk::raii::Fence fence = nullptr;
+
+  int parity = 0;
+  bool needs_reset = true;
+  bool has_run = false;
+  std::vector<PassTime> times;
+};
+
+}  // namespace becalm::gpu

@@ -1,0 +1,118 @@
+// The commands of a built chain: its steps with the barriers that their hazards ask for.
+
+#include <algorithm>
+
+#include "filter/gpu/chain_impl.h"
+
+namespace becalm::gpu {
+
+namespace {
+
+using Stage = vk::PipelineStageFlagBits2;
+using Flag = vk::AccessFlagBits2;
+
+constexpr vk::PipelineStageFlags2 kWorkStages = Stage::eComputeShader | Stage::eCopy | Stage::eClear;
+constexpr vk::AccessFlags2 kWorkAccesses =
+    Flag::eShaderStorageRead | Flag::eShaderStorageWrite | Flag::eTransferRead | Flag::eTransferWrite;
+
+void barrier(const vk::raii::CommandBuffer& commands, vk::PipelineStageFlags2 from_stages,
+             vk::AccessFlags2 from, vk::PipelineStageFlags2 to_stages, vk::AccessFlags2 to) {
+  const vk::MemoryBarrier2 memory(from_stages, from, to_stages, to);
+  commands.pipelineBarrier2(vk::DependencyInfo({}, memory));
+}
+
+std::string time_name(const PassDeclaration& pass, const std::vector<ImageDeclaration>& images) {
+  const auto written = std::ranges::find_if(pass.uses, [](const Use& use) { return use.writes(); });
+  if (written == pass.uses.end()) return pass.kernel_name;
+  return pass.kernel_name + " " + images[static_cast<std::size_t>(written->image)].name;
+}
+
+}  // namespace
+
+std::vector<MemoryAccess> Chain::Impl::accesses(const Step& step, int parity) const {
+  const auto access = [&](int image, bool writes) {
+    const DeviceBuffer& b = buffer(image, parity);
+    return MemoryAccess{b.arena, b.offset, b.offset + b.bytes, writes};
+  };
+  if (step.kind != Step::Kind::pass) return {access(step.index, step.kind == Step::Kind::upload)};
+  std::vector<MemoryAccess> result;
+  for (const Use& use : passes[static_cast<std::size_t>(step.index)].uses) {
+    result.push_back(access(use.image, use.writes()));
+  }
+  return result;
+}
+
+void Chain::Impl::record_pass(const vk::raii::CommandBuffer& commands, std::size_t pass, int parity) const {
+  constexpr auto kCompute = vk::PipelineBindPoint::eCompute;
+  const PassDeclaration& declared = passes[pass];
+  const auto& [pipeline, layout] = pipelines[pass];
+  commands.bindPipeline(kCompute, pipeline);
+  commands.bindDescriptorSets(kCompute, layout, 0, *descriptor_sets[static_cast<std::size_t>(parity)][pass],
+                              {});
+  if (!declared.constants.empty()) {
+    commands.pushConstants<std::byte>(layout, vk::ShaderStageFlagBits::eCompute, 0, declared.constants);
+  }
+  const auto index = static_cast<std::uint32_t>(pass);
+  const std::uint32_t* size = declared.kernel->local_size;
+  const Extent extent = *declared.extent;
+  timer->begin(commands, index);
+  commands.dispatch(workgroups(extent.width, size[0]), workgroups(extent.height, size[1]),
+                    workgroups(extent.planes, size[2]));
+  timer->end(commands, index);
+}
+
+void Chain::Impl::record(const vk::raii::CommandBuffer& commands, int parity) {
+  commands.begin(vk::CommandBufferBeginInfo());
+  timer->reset(commands);
+  // What the run before left in history images is to be seen, and its reads of shared memory are to be over.
+  barrier(commands, Stage::eAllCommands, Flag::eMemoryWrite, kWorkStages, kWorkAccesses);
+  HazardTracker hazards;
+  for (const Step& step : steps) {
+    if (hazards.step(accesses(step, parity))) {
+      barrier(commands, kWorkStages, kWorkAccesses, kWorkStages, kWorkAccesses);
+    }
+    const auto index = static_cast<std::size_t>(step.index);
+    if (step.kind == Step::Kind::pass) {
+      if (device.has_debug_utils) {
+        commands.beginDebugUtilsLabelEXT(vk::DebugUtilsLabelEXT(times[index].name.c_str()));
+      }
+      record_pass(commands, index, parity);
+      if (device.has_debug_utils) commands.endDebugUtilsLabelEXT();
+      continue;
+    }
+    const vk::Buffer host = *staging[index].buffer;
+    const vk::Buffer image = *buffer(step.index, parity).buffer;
+    const bool is_upload = step.kind == Step::Kind::upload;
+    const vk::BufferCopy whole(0, 0, images[index].bytes());
+    commands.copyBuffer(is_upload ? host : image, is_upload ? image : host, whole);
+  }
+  barrier(commands, Stage::eCopy, Flag::eTransferWrite, Stage::eHost, Flag::eHostRead);
+  commands.end();
+}
+
+void Chain::Impl::record_reset(const vk::raii::CommandBuffer& commands) const {
+  commands.begin(vk::CommandBufferBeginInfo());
+  barrier(commands, Stage::eAllCommands, Flag::eMemoryWrite, Stage::eClear, Flag::eTransferWrite);
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    if (images[i].is_history()) commands.fillBuffer(*buffers[i].buffer, 0, VK_WHOLE_SIZE, 0);
+  }
+  commands.end();
+}
+
+void Chain::Impl::record_all() {
+  for (const PassDeclaration& pass : passes) times.push_back({time_name(pass, images), 0.0});
+  timer.emplace(device, static_cast<std::uint32_t>(passes.size()));
+  command_pool = {device.device, vk::CommandPoolCreateInfo({}, device.queue_family)};
+  const std::uint32_t parities = has_history ? 2 : 1;
+  auto allocated =
+      device.device.allocateCommandBuffers({*command_pool, vk::CommandBufferLevel::ePrimary, parities + 1});
+  for (std::uint32_t p = 0; p < parities; ++p) {
+    commands[p] = std::move(allocated[p]);
+    record(commands[p], static_cast<int>(p));
+  }
+  reset_commands = std::move(allocated[parities]);
+  record_reset(reset_commands);
+  fence = {device.device, vk::FenceCreateInfo()};
+}
+
+}  // namespace becalm::gpu

@@ -1,0 +1,38 @@
+#include "filter/gpu/profiler.h"
+
+#include <cassert>
+
+#include "filter/gpu/profiler_impl.h"
+
+namespace becalm::gpu {
+
+PassTimer::PassTimer(const Device::Impl& device, std::uint32_t passes)
+    : passes_(passes), milliseconds_per_tick_(device.limits.timestampPeriod * 1e-6) {
+  if (device.timestamp_bits == 0 || passes == 0) return;
+  valid_bits_ = ~std::uint64_t{0} >> (64 - device.timestamp_bits);
+  pool_ = {device.device, vk::QueryPoolCreateInfo({}, vk::QueryType::eTimestamp, 2 * passes)};
+}
+
+void PassTimer::reset(const vk::raii::CommandBuffer& commands) const {
+  if (valid_bits_ != 0) commands.resetQueryPool(*pool_, 0, 2 * passes_);
+}
+
+void PassTimer::stamp(const vk::raii::CommandBuffer& commands, std::uint32_t query) const {
+  // After all earlier commands, so that a pass is not charged with the end of the one before it.
+  if (valid_bits_ != 0) commands.writeTimestamp2(vk::PipelineStageFlagBits2::eAllCommands, *pool_, query);
+}
+
+void PassTimer::read(std::vector<PassTime>& times) const {
+  if (valid_bits_ == 0) return;
+  assert(times.size() == passes_);
+  const auto [result, ticks] = pool_.getResults<std::uint64_t>(
+      0, 2 * passes_, 2 * passes_ * sizeof(std::uint64_t), sizeof(std::uint64_t),
+      vk::QueryResultFlagBits::e64 | vk::QueryResultFlagBits::eWait);
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const std::uint64_t elapsed =
+        (ticks[2 * i + 1] - ticks[2 * i]) & valid_bits_;  // right across a wrap, too
+    times[i].milliseconds = static_cast<double>(elapsed) * milliseconds_per_tick_;
+  }
+}
+
+}  // namespace becalm::gpu

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "filter/gpu/chain.h"
+
+namespace becalm::gpu {
+
+/// The kernels of tests/gpu/kernels/, as `kernels/NAME`.
+std::span<const Kernel> test_kernels();
+
+/// One device for all tests of the process, under synchronization validation.
+Device& validated_device();
+
+inline ChainOptions test_options(bool alias_memory = true) {
+  return {.alias_memory = alias_memory, .kernels = test_kernels()};
+}
+
+struct MixParams {
+  std::int32_t width, height, planes, a_count, b_count;
+  std::uint32_t salt;
+};
+
+struct ScaleParams {
+  std::int32_t width, height;
+};
+
+}  // namespace becalm::gpu
