@@ -1,9 +1,12 @@
 #pragma once
 
 #include <atomic>
+#include <compare>
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "frame/frame.h"
 #include "tracer/scene/scene.h"
@@ -11,11 +14,11 @@
 namespace becalm::tracer {
 
 struct RenderOptions {
-  int width = 0;    ///< 0: the scene's
+  int width = 0;  ///< 0: the scene's
   int height = 0;
-  int spp = 8;      ///< samples per pixel, 1..65536
+  int spp = 8;  ///< samples per pixel, 1..65536
   std::uint32_t seed = 0;
-  AovSet aovs;      ///< besides the beauty
+  AovSet aovs;  ///< besides the beauty
   int tile_px = 32;
   /// Called from worker threads as tiles finish, with the share of the frame done in [0,1].
   std::function<void(double)> progress;
@@ -23,16 +26,37 @@ struct RenderOptions {
   const std::atomic<bool>* cancel = nullptr;
 };
 
+/// One sample of one pixel: `--debug-pixel x,y,sample`.
+struct PixelSample {
+  int x = 0;
+  int y = 0;
+  std::uint32_t sample = 0;
+  auto operator<=>(const PixelSample&) const = default;
+};
+
 struct RenderReport {
   double seconds = 0.0;
   std::uint64_t samples = 0;
-  std::size_t non_finite_samples = 0;  ///< samples with NaN or Inf: dropped, counted, replayable by the printed flag
+  std::size_t non_finite_samples =
+      0;  ///< samples with NaN or Inf: dropped, counted, replayable by the printed flag
+  std::optional<PixelSample> first_non_finite;  ///< the least of them by x, y, sample
 };
 
-/// Renders one frame of the scene; nothing if cancelled. The image is a pure function of (scene, frame, size, spp,
-/// seed): it does not depend on threads, tiles or what was rendered before. Threads follow the caller's
+/// Renders one frame of the scene; nothing if cancelled. The image is a pure function of (scene, frame, size,
+/// spp, seed): it does not depend on threads, tiles or what was rendered before. Threads follow the caller's
 /// tbb::global_control.
+///
+/// The variance is that of the pixel's mean, from the samples themselves; of a single sample, its square.
+/// Radiance, albedo, normal and motion are means over the samples, depth over those that hit something.
+/// Samples that are not finite are left out of all of them. Throws Error(usage) for spp out of range, or
+/// halves of a single sample; Error(bad_input) as Scene::at_frame does and for textures whose pixels cannot
+/// be read.
 std::optional<Frame> render_frame(Scene& scene, int frame, const RenderOptions& options,
                                   RenderReport* report = nullptr);
+
+/// The path of one sample in lines of text: every surface met, the throughput on arrival, the radiance so
+/// far. Throws as render_frame does.
+std::vector<std::string> describe_sample(Scene& scene, int frame, const RenderOptions& options,
+                                         const PixelSample& which);
 
 }  // namespace becalm::tracer

@@ -9,27 +9,28 @@ namespace becalm::tracer {
 struct SceneDescription;
 class Scene;
 
-/// What a scene requires of the tracer; what it does not require is neither built nor executed. Computed once, when the
-/// scene is loaded.
+/// What a scene requires of the tracer; what it does not require is neither built nor executed. Computed
+/// once, when the scene is loaded.
 struct SceneNeeds {
-  bool area_lights = false;       ///< an emissive object in some frame
-  bool environment = false;       ///< light from infinity that is not black
-  bool environment_image = false; ///< ... from an image, which is importance-sampled
-  bool specular = false;          ///< perfect mirrors or glass: albedo and normal are followed through them
-  bool rough_specular = false;    ///< microfacet lobes
-  bool transmission = false;      ///< paths that cross surfaces
-  bool textures = false;          ///< image lookups, and the ray cones that choose their MIP level
+  bool area_lights = false;        ///< an emissive object in some frame
+  bool environment = false;        ///< light from infinity that is not black
+  bool environment_image = false;  ///< ... from an image, which is importance-sampled
+  bool specular = false;           ///< perfect mirrors or glass: albedo and normal are followed through them
+  bool rough_specular = false;     ///< microfacet lobes
+  bool transmission = false;       ///< paths that cross surfaces
+  bool textures = false;           ///< image lookups, and the ray cones that choose their MIP level
   bool moving_camera = false;
-  bool moving_objects = false;    ///< instances whose transforms are set for each frame
-  bool changing_emission = false; ///< light lists built for each frame
+  bool moving_objects = false;     ///< instances whose transforms are set for each frame
+  bool changing_emission = false;  ///< light lists built for each frame
   std::size_t static_objects = 0;
-  std::size_t instances = 0;      ///< moving objects
-  std::size_t triangles = 0;      ///< in the bounding volume hierarchies
+  std::size_t instances = 0;  ///< moving objects
+  std::size_t triangles = 0;  ///< in the bounding volume hierarchies
 };
 
 SceneNeeds compute_needs(const SceneDescription& description);
 
-/// Lines of text for `becalm info`: the scene's size, what it requires, and what was left out because of that.
+/// Lines of text for `becalm info`: the scene's size, what it requires, and what was left out because of
+/// that.
 std::vector<std::string> describe_scene(const Scene& scene);
 
 }  // namespace becalm::tracer

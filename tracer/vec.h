@@ -15,9 +15,15 @@ using Imath::V2f;
 using Imath::V3d;
 using Imath::V3f;
 
-inline float max_component(const V3f& v) { return std::max({v.x, v.y, v.z}); }
-inline bool is_black(const V3f& v) { return v.x == 0.0f && v.y == 0.0f && v.z == 0.0f; }
-inline bool is_finite(const V3f& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+inline float max_component(const V3f& v) {
+  return std::max({v.x, v.y, v.z});
+}
+inline bool is_black(const V3f& v) {
+  return v.x == 0.0f && v.y == 0.0f && v.z == 0.0f;
+}
+inline bool is_finite(const V3f& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
 
 // Imath's matrices act on row vectors (p' = p M); these spell out which kind of vector is meant.
 template <class T>

@@ -12,13 +12,13 @@ namespace becalm::tracer {
 
 enum class Interpolation { linear, smooth };
 
-/// N numbers as a function of time, through keys at strictly increasing frames. Before the first and after the last key
-/// their values hold.
+/// N numbers as a function of time, through keys at strictly increasing frames. Before the first and after
+/// the last key their values hold.
 ///
-/// `linear` is piecewise linear. `smooth` is a cubic Hermite spline for each number, with the slopes of Steffen ("A
-/// simple method for monotonic interpolation in one dimension", 1990, eq. 11): C1, monotone between keys, so it never
-/// overshoots. Differs from the paper: the first and last slope are 0, so that motion is C1 through the holds as well
-/// and two keys give an ease in and out.
+/// `linear` is piecewise linear. `smooth` is a cubic Hermite spline for each number, with the slopes of
+/// Steffen ("A simple method for monotonic interpolation in one dimension", 1990, eq. 11): C1, monotone
+/// between keys, so it never overshoots. Differs from the paper: the first and last slope are 0, so that
+/// motion is C1 through the holds as well and two keys give an ease in and out.
 template <std::size_t N>
 class Curve {
  public:
@@ -60,9 +60,8 @@ class Curve {
       } else {
         const double rise = b.value[c] - a.value[c];
         const double slope_a = slopes_[i][c] * span, slope_b = slopes_[i + 1][c] * span;
-        value[c] =
-            a.value[c] + t * (slope_a + t * ((3.0 * rise - 2.0 * slope_a - slope_b) +
-                                             t * (slope_a + slope_b - 2.0 * rise)));
+        value[c] = a.value[c] + t * (slope_a + t * ((3.0 * rise - 2.0 * slope_a - slope_b) +
+                                                    t * (slope_a + slope_b - 2.0 * rise)));
       }
     }
     return value;
@@ -79,7 +78,8 @@ class Curve {
         const double secant_after = (keys_[i + 1].value[c] - keys_[i].value[c]) / after;
         if (secant_before * secant_after <= 0.0) continue;
         const double parabola = (secant_before * after + secant_after * before) / (before + after);
-        const double limit = std::min({std::abs(secant_before), std::abs(secant_after), 0.5 * std::abs(parabola)});
+        const double limit =
+            std::min({std::abs(secant_before), std::abs(secant_after), 0.5 * std::abs(parabola)});
         slopes_[i][c] = std::copysign(2.0 * limit, secant_before);
       }
     }

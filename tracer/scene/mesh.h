@@ -8,7 +8,8 @@
 
 namespace becalm::tracer {
 
-/// Triangles in object space. Normals and uvs are for each vertex or absent; counter-clockwise corners face outward.
+/// Triangles in object space. Normals and uvs are for each vertex or absent; counter-clockwise corners face
+/// outward.
 struct Mesh {
   std::vector<V3f> positions;
   std::vector<V3f> normals;  ///< empty: the triangles are flat

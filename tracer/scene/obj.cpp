@@ -51,8 +51,10 @@ void check_coordinates(const std::string& path, std::string_view text) {
       float value = 0.0f;
       const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
       const bool too_small = error == std::errc::result_out_of_range && std::abs(value) < 1.0f;
-      if (stop != digits.data() + digits.size() || (error != std::errc() && !too_small) || !std::isfinite(value)) {
-        fail(path, fmt::format("line {}: '{}' needs {} finite numbers, found '{}'", line_number, kind, needed, word));
+      if (stop != digits.data() + digits.size() || (error != std::errc() && !too_small) ||
+          !std::isfinite(value)) {
+        fail(path, fmt::format("line {}: '{}' needs {} finite numbers, found '{}'", line_number, kind, needed,
+                               word));
       }
     }
   }
@@ -82,7 +84,8 @@ void check_index(const std::string& path, std::size_t face, const char* what, in
   fail(path, fmt::format("face {}: {} index {} is outside the file's {}", face, what, index + 1, count));
 }
 
-/// Throws for indices out of range. Returns whether all faces are triangles. Faces are counted from 1 in file order.
+/// Throws for indices out of range. Returns whether all faces are triangles. Faces are counted from 1 in file
+/// order.
 bool check_faces(const std::string& path, const Parsed& parsed) {
   const tinyobj::attrib_t& attributes = parsed.attributes;
   bool all_triangles = true;
@@ -138,7 +141,8 @@ Mesh merge_corners(const Parsed& parsed) {
   const auto vertex = [&](tinyobj::index_t corner) {
     if (!with_normals) corner.normal_index = -1;
     if (!with_uvs) corner.texcoord_index = -1;
-    const auto [entry, is_new] = vertices.try_emplace(corner, static_cast<std::uint32_t>(mesh.positions.size()));
+    const auto [entry, is_new] =
+        vertices.try_emplace(corner, static_cast<std::uint32_t>(mesh.positions.size()));
     if (is_new) {
       const float* p = &attributes.vertices[3 * corner.vertex_index];
       mesh.positions.emplace_back(p[0], p[1], p[2]);
@@ -167,7 +171,8 @@ Mesh merge_corners(const Parsed& parsed) {
 Mesh load_obj(const std::string& path) {
   const std::string text = read_text(path);
   check_coordinates(path, text);
-  // tinyobjloader drops faces with bad indices while it triangulates, so faces are checked as they stand in the file.
+  // tinyobjloader drops faces with bad indices while it triangulates, so faces are checked as they stand in
+  // the file.
   Parsed parsed = parse(path, text, false);
   if (!check_faces(path, parsed)) parsed = parse(path, text, true);
   Mesh mesh = merge_corners(parsed);

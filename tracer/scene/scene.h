@@ -41,7 +41,7 @@ struct Integrator {
 
 struct CameraSettings {
   double fov_y_deg = 45.0;
-  LookAtCurve look_at{{0, 0, 5, 0, 0, 0, 0, 1, 0}};
+  LookAtCurve look_at = LookAtCurve::Value{0, 0, 5, 0, 0, 0, 0, 1, 0};
 };
 
 struct Material {
@@ -54,10 +54,10 @@ struct Object {
   std::string name;
   std::uint32_t mesh = 0;
   std::uint32_t material = 0;
-  Curve<3> emission{{0, 0, 0}};  ///< radiance, uniform over the surface and all directions
-  bool emissive = false;         ///< whether the emission is ever positive
-  bool two_sided = false;        ///< emits from the back as well
-  TransformCurve transform{{0, 0, 0, 0, 0, 0, 1, 1, 1}};
+  Curve<3> emission = Curve<3>::Value{0, 0, 0};  ///< radiance, uniform over the surface and all directions
+  bool emissive = false;                         ///< whether the emission is ever positive
+  bool two_sided = false;                        ///< emits from the back as well
+  TransformCurve transform = TransformCurve::Value{0, 0, 0, 0, 0, 0, 1, 1, 1};
 };
 
 /// All that a scene file says, with its meshes and images loaded.
@@ -88,9 +88,9 @@ class Scene {
   const SceneDescription& description() const { return *description_; }
   const SceneNeeds& needs() const { return needs_; }
 
-  /// The scene at that frame. Only what differs from the frame asked for before is built anew; the reference stays valid
-  /// until the next call. Throws Error(bad_input) for a camera that has no direction there, Error(resource) when the
-  /// geometry does not fit into memory.
+  /// The scene at that frame. Only what differs from the frame asked for before is built anew; the reference
+  /// stays valid until the next call. Throws Error(bad_input) for a camera that has no direction there,
+  /// Error(resource) when the geometry does not fit into memory.
   const Snapshot& at_frame(int frame);
 
  private:

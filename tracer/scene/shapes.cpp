@@ -30,7 +30,8 @@ Mesh make_rectangle() {
 Mesh make_disc(int segments) {
   assert(segments >= 3);
   Mesh mesh;
-  // An n-gon of circumradius r has the area n/2 r^2 sin(2 pi/n); this r gives pi, so that a disc light has its power.
+  // An n-gon of circumradius r has the area n/2 r^2 sin(2 pi/n); this r gives pi, so that a disc light has
+  // its power.
   const double radius = std::sqrt(2.0 * kPi / (segments * std::sin(2.0 * kPi / segments)));
   mesh.positions.push_back(V3f(0));
   mesh.uvs.emplace_back(0.5f, 0.5f);
@@ -64,7 +65,8 @@ Mesh make_sphere(int segments) {
   const auto vertex = [around](int row, int i) { return static_cast<std::uint32_t>(row * (around + 1) + i); };
   for (int row = 0; row < rows; ++row) {
     for (int i = 0; i < around; ++i) {
-      if (row + 1 < rows) mesh.triangles.push_back({vertex(row, i), vertex(row + 1, i), vertex(row + 1, i + 1)});
+      if (row + 1 < rows)
+        mesh.triangles.push_back({vertex(row, i), vertex(row + 1, i), vertex(row + 1, i + 1)});
       if (row > 0) mesh.triangles.push_back({vertex(row, i), vertex(row + 1, i + 1), vertex(row, i + 1)});
     }
   }

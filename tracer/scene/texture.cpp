@@ -22,8 +22,8 @@ float srgb_to_linear(float v) {
   return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
 }
 
-/// Presents any image file as three channels of linear half, so that the cache's MIP maps and filters average light and
-/// not code values. Grey is repeated, alpha left out.
+/// Presents any image file as three channels of linear half, so that the cache's MIP maps and filters average
+/// light and not code values. Grey is repeated, alpha left out.
 class LinearInput : public OIIO::ImageInput {
  public:
   explicit LinearInput(ColorSpace space) : space_(space) {}
@@ -54,7 +54,8 @@ class LinearInput : public OIIO::ImageInput {
   }
 
   bool read_native_scanline(int subimage, int miplevel, int y, int /*z*/, void* data) override {
-    if (subimage != 0 || miplevel != 0 || (!(y >= band_begin_ && y < band_end_) && !read_band(y))) return false;
+    if (subimage != 0 || miplevel != 0 || (!(y >= band_begin_ && y < band_end_) && !read_band(y)))
+      return false;
     const int channels = file_->spec().nchannels;
     const float* from = band_.data() + static_cast<std::size_t>(y - band_begin_) * m_spec.width * channels;
     auto* to = static_cast<Imath::half*>(data);
@@ -76,11 +77,11 @@ class LinearInput : public OIIO::ImageInput {
     band_end_ = std::min(band_begin_ + height, source.height);
     band_.resize(static_cast<std::size_t>(source.width) * height * source.nchannels);
     const int top = source.y + band_begin_, bottom = source.y + band_end_;
-    const bool ok =
-        source.tile_height > 0
-            ? file_->read_tiles(0, 0, source.x, source.x + source.width, top, bottom, source.z, source.z + 1, 0,
-                                source.nchannels, OIIO::TypeFloat, band_.data())
-            : file_->read_scanlines(0, 0, top, bottom, source.z, 0, source.nchannels, OIIO::TypeFloat, band_.data());
+    const bool ok = source.tile_height > 0
+                        ? file_->read_tiles(0, 0, source.x, source.x + source.width, top, bottom, source.z,
+                                            source.z + 1, 0, source.nchannels, OIIO::TypeFloat, band_.data())
+                        : file_->read_scanlines(0, 0, top, bottom, source.z, 0, source.nchannels,
+                                                OIIO::TypeFloat, band_.data());
     if (!ok) {
       errorfmt("{}", file_->geterror());
       band_begin_ = band_end_ = 0;
@@ -95,8 +96,12 @@ class LinearInput : public OIIO::ImageInput {
   int band_end_ = 0;
 };
 
-OIIO::ImageInput* make_linear_input() { return new LinearInput(ColorSpace::linear); }
-OIIO::ImageInput* make_srgb_input() { return new LinearInput(ColorSpace::srgb); }
+OIIO::ImageInput* make_linear_input() {
+  return new LinearInput(ColorSpace::linear);
+}
+OIIO::ImageInput* make_srgb_input() {
+  return new LinearInput(ColorSpace::srgb);
+}
 
 }  // namespace
 
@@ -139,7 +144,8 @@ std::uint32_t Textures::add(const TextureSettings& settings) {
   const OIIO::ustring name(std::string(LinearInput::prefix(settings.space)) + settings.path);
   state_->cache->add_file(name, settings.space == ColorSpace::srgb ? make_srgb_input : make_linear_input);
   OIIO::TextureSystem::TextureHandle* handle = state_->system->get_texture_handle(name);
-  if (handle == nullptr || !state_->system->good(handle)) throw std::runtime_error(state_->system->geterror());
+  if (handle == nullptr || !state_->system->good(handle))
+    throw std::runtime_error(state_->system->geterror());
   state_->entries.push_back({handle, settings});
   return count() - 1;
 }

@@ -5,9 +5,9 @@
 
 namespace becalm::tracer {
 
-/// Translation, rotation in degrees about x, y, z, and scale, over time. Angles are interpolated each by itself, as
-/// animation tools do with their curves, so that keys of 0 and 720 degrees mean two full turns; quaternions would
-/// take the shorter way and stand still.
+/// Translation, rotation in degrees about x, y, z, and scale, over time. Angles are interpolated each by
+/// itself, as animation tools do with their curves, so that keys of 0 and 720 degrees mean two full turns;
+/// quaternions would take the shorter way and stand still.
 using TransformCurve = Curve<9>;
 
 /// Object to world at that frame: scale, then rotate about x, y, z, then translate.

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <vector>
+
+#include "tracer/camera.h"
+#include "tracer/sampling/sampler.h"
+#include "tracer/snapshot.h"
+
+namespace becalm::tracer {
+
+/// What a path says about the surfaces it met, for the AOVs of the same names.
+struct Guides {
+  V3f albedo{1.0f};
+  V3f normal{0.0f};
+  float depth = std::numeric_limits<float>::infinity();
+  V2f motion{0.0f};  ///< offset_cur_to_prev_px
+};
+
+struct PathSample {
+  V3f radiance{0.0f};
+  bool covered = false;  ///< whether the primary ray hit a surface or there is an environment behind
+  Guides guides;         ///< only if asked for
+};
+
+/// One scattering event, for whoever replays a path.
+struct PathVertex {
+  std::uint32_t object;
+  V3f position;
+  V3f throughput;  ///< on arrival
+  V3f radiance;    ///< of the path so far, the light found here included
+};
+
+/// What all paths of a tile share.
+struct PathContext {
+  const Snapshot& snapshot;
+  const Integrator& integrator;
+  const Camera& camera;
+  const Camera& previous_camera;
+  Textures::Reader textures;
+  std::vector<PathVertex>* log = nullptr;  ///< filled if not null
+};
+
+/// Estimates the radiance that arrives at that raster position.
+using PathFunction = PathSample (*)(const PathContext& context, const V2f& raster, Sampler& sampler);
+
+/// The variant compiled for just what the scene needs, with guides if asked for.
+PathFunction select_path_function(const SceneNeeds& needs, bool with_guides);
+
+}  // namespace becalm::tracer

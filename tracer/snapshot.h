@@ -1,0 +1,68 @@
+#pragma once
+
+#include <Imath/ImathBox.h>
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "tracer/intersect.h"
+#include "tracer/lights/lights.h"
+#include "tracer/scene/scene.h"
+
+namespace becalm::tracer {
+
+inline constexpr std::uint32_t kNoLight = ~0u;
+
+/// One object at a frame.
+struct ObjectState {
+  const Mesh* mesh = nullptr;
+  const Material* material = nullptr;
+  M44f to_world;
+  M44f normal_to_world;  ///< inverse transpose; outside stays outside under mirroring
+  M44d to_world_exact;   ///< the double matrices serve the motion AOV
+  M44d to_world_previous;
+  float scale = 1.0f;                    ///< bound of |p to_world| / |p| without the translation
+  float translation = 0.0f;              ///< largest coordinate of the translation
+  std::uint32_t first_light = kNoLight;  ///< number of its first triangle among the lights
+  V3f emission{0.0f};
+  bool two_sided = false;
+};
+
+/// The scene at one frame: what a path asks. Kept between frames, and only what differs is evaluated,
+/// committed or built.
+class Snapshot {
+ public:
+  /// The description must outlive the snapshot and keep its address.
+  Snapshot(const SceneDescription& description, int frame);
+
+  /// Throws as Scene::at_frame does.
+  void set_frame(int frame);
+
+  const SceneDescription& description() const { return *description_; }
+  const Intersector& intersector() const { return *intersector_; }
+  const Lights& lights() const { return lights_; }
+  const ObjectState& object(std::uint32_t index) const { return objects_[index]; }
+  const LookAt& camera() const { return camera_; }
+  /// At the frame before.
+  const LookAt& previous_camera() const { return previous_camera_; }
+  /// Largest absolute coordinate of any object, the measure of rounding errors.
+  float extent() const { return extent_; }
+
+ private:
+  void place(std::size_t index, int frame);
+  void measure();
+  void build_lights(int frame);
+
+  const SceneDescription* description_;
+  int frame_ = 0;
+  std::vector<Imath::Box3f> mesh_bounds_;  ///< in object space
+  std::vector<ObjectState> objects_;
+  std::unique_ptr<Intersector> intersector_;
+  Lights lights_;
+  LookAt camera_, previous_camera_;
+  float extent_ = 0.0f;
+  float radius_ = 0.0f;  ///< of a sphere around all objects
+};
+
+}  // namespace becalm::tracer

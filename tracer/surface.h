@@ -1,0 +1,31 @@
+#pragma once
+
+#include "tracer/snapshot.h"
+
+namespace becalm::tracer {
+
+/// The point of a surface that a ray hit, in world space.
+struct Surface {
+  V3f position;
+  V3f normal_geometric;  ///< unit, on the outside: the side from which the triangle is counter-clockwise
+  V3f normal_shading;    ///< unit, interpolated, in the hemisphere of the geometric one
+  V2f uv;
+  float uv_per_length;  ///< how fast uv changes along the triangle, root of the ratio of areas
+  float offset;         ///< bound of the rounding errors in the position and in what Embree makes of it
+};
+
+Surface surface_at(const ObjectState& object, const Hit& hit);
+
+/// Where a ray leaves the surface in this direction: off it by more than rounding errors, on the ray's side.
+inline V3f offset_origin(const Surface& surface, const V3f& dir_world) {
+  const float side = dir_world.dot(surface.normal_geometric) < 0.0f ? -1.0f : 1.0f;
+  return surface.position + surface.normal_geometric * (side * surface.offset);
+}
+
+/// The hit point at the previous frame's place of its object, and at this frame's, in double.
+struct PointMotion {
+  V3d current, previous;
+};
+PointMotion point_motion(const ObjectState& object, const Hit& hit);
+
+}  // namespace becalm::tracer
