@@ -24,8 +24,8 @@ endif()
 # Users get the assertions too: without NDEBUG they stay in the release build, where they are cheap.
 set(CMAKE_CXX_FLAGS_RELEASE "-O3")
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
-  # GCC bug 105651: a false warning about std::string's operator+ when it is inlined.
-  target_compile_options(becalm_options INTERFACE -Wno-restrict)
+  # False warnings once std::string's operator+ (GCC bug 105651) or fmt's parser is inlined at -O3.
+  target_compile_options(becalm_options INTERFACE -Wno-restrict -Wno-stringop-overflow)
 endif()
 if(BECALM_SANITIZE)
   target_compile_options(becalm_options INTERFACE -fsanitize=${BECALM_SANITIZE} -fno-sanitize-recover=all
