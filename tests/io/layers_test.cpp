@@ -1,0 +1,239 @@
+#include "frame/io/layers.h"
+
+#include <gtest/gtest.h>
+
+#include "frame/error.h"
+
+namespace becalm::io {
+namespace {
+
+using Names = std::vector<std::string>;
+
+LayerMap find(const Names& channels, const LayerOverrides& overrides = {}) {
+  return find_layers("file.exr", {channels}, overrides);
+}
+
+const std::optional<LayerSource>& source(const LayerMap& map, Aov aov) {
+  return map[static_cast<std::size_t>(aov)];
+}
+
+Names channels_of(const LayerMap& map, Aov aov) {
+  return source(map, aov) ? source(map, aov)->channels : Names{"not found"};
+}
+
+std::string error_of(ExitStatus status, auto work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.status(), status);
+    return error.what();
+  }
+  return "no error";
+}
+
+const Names kBlender = {"Composite.Combined.A",
+                        "Composite.Combined.B",
+                        "Composite.Combined.G",
+                        "Composite.Combined.R",
+                        "ViewLayer.Combined.A",
+                        "ViewLayer.Combined.B",
+                        "ViewLayer.Combined.G",
+                        "ViewLayer.Combined.R",
+                        "ViewLayer.CryptoObject00.A",
+                        "ViewLayer.CryptoObject00.B",
+                        "ViewLayer.CryptoObject00.G",
+                        "ViewLayer.CryptoObject00.R",
+                        "ViewLayer.Denoising Albedo.B",
+                        "ViewLayer.Denoising Albedo.G",
+                        "ViewLayer.Denoising Albedo.R",
+                        "ViewLayer.Denoising Depth.Z",
+                        "ViewLayer.Denoising Normal.X",
+                        "ViewLayer.Denoising Normal.Y",
+                        "ViewLayer.Denoising Normal.Z",
+                        "ViewLayer.Depth.Z",
+                        "ViewLayer.Normal.X",
+                        "ViewLayer.Normal.Y",
+                        "ViewLayer.Normal.Z",
+                        "ViewLayer.Vector.W",
+                        "ViewLayer.Vector.X",
+                        "ViewLayer.Vector.Y",
+                        "ViewLayer.Vector.Z"};
+
+TEST(Layers, BareColour) {
+  const LayerMap map = find({"A", "B", "G", "R", "Z"});
+  EXPECT_EQ(channels_of(map, Aov::beauty), (Names{"R", "G", "B", "A"}));
+  EXPECT_EQ(channels_of(map, Aov::depth), Names{"Z"});
+  EXPECT_FALSE(source(map, Aov::albedo));
+  EXPECT_FALSE(source(map, Aov::variance));
+}
+
+TEST(Layers, MissingAlphaIsAnEmptyName) {
+  EXPECT_EQ(channels_of(find({"B", "G", "R"}), Aov::beauty), (Names{"R", "G", "B", ""}));
+}
+
+TEST(Layers, BecalmsOwnNames) {
+  Names all;
+  for (const AovInfo& entry : kAovTable) {
+    for (char c : entry.channels)
+      all.push_back((entry.name.empty() ? "" : std::string(entry.name) + ".") + c);
+  }
+  const LayerMap map = find(all);
+  for (const AovInfo& entry : kAovTable) {
+    ASSERT_TRUE(source(map, entry.aov)) << entry.name;
+    EXPECT_EQ(source(map, entry.aov)->y_scale, 1.0f);
+    for (std::size_t c = 0; c < entry.channels.size(); ++c) {
+      EXPECT_EQ(channels_of(map, entry.aov)[c],
+                (entry.name.empty() ? "" : std::string(entry.name) + ".") + entry.channels[c]);
+    }
+  }
+}
+
+TEST(Layers, BlendersViewLayer) {
+  const LayerMap map = find(kBlender);
+  EXPECT_EQ(channels_of(map, Aov::beauty), (Names{"ViewLayer.Combined.R", "ViewLayer.Combined.G",
+                                                  "ViewLayer.Combined.B", "ViewLayer.Combined.A"}));
+  EXPECT_EQ(channels_of(map, Aov::albedo),
+            (Names{"ViewLayer.Denoising Albedo.R", "ViewLayer.Denoising Albedo.G",
+                   "ViewLayer.Denoising Albedo.B"}));
+  EXPECT_EQ(channels_of(map, Aov::normal),
+            (Names{"ViewLayer.Denoising Normal.X", "ViewLayer.Denoising Normal.Y",
+                   "ViewLayer.Denoising Normal.Z"}));
+  EXPECT_EQ(channels_of(map, Aov::depth), Names{"ViewLayer.Depth.Z"});
+  EXPECT_EQ(channels_of(map, Aov::motion), (Names{"ViewLayer.Vector.X", "ViewLayer.Vector.Y"}));
+  EXPECT_EQ(source(map, Aov::motion)->y_scale, -1.0f);
+  EXPECT_FALSE(source(map, Aov::half_a));
+}
+
+TEST(Layers, TheCompositeIsTheLastChoice) {
+  const LayerMap map =
+      find({"Composite.Combined.A", "Composite.Combined.B", "Composite.Combined.G", "Composite.Combined.R"});
+  EXPECT_EQ(channels_of(map, Aov::beauty)[0], "Composite.Combined.R");
+}
+
+TEST(Layers, NoisyImageIsABeautyToo) {
+  EXPECT_EQ(channels_of(find({"V.Noisy Image.B", "V.Noisy Image.G", "V.Noisy Image.R"}), Aov::beauty),
+            (Names{"V.Noisy Image.R", "V.Noisy Image.G", "V.Noisy Image.B", ""}));
+}
+
+TEST(Layers, NamesAreParsedFromTheRight) {
+  const LayerMap map = find({"My.v2 Layer.Combined.B", "My.v2 Layer.Combined.G", "My.v2 Layer.Combined.R",
+                             "My.v2 Layer.Denoising Albedo.B", "My.v2 Layer.Denoising Albedo.G",
+                             "My.v2 Layer.Denoising Albedo.R"});
+  EXPECT_EQ(channels_of(map, Aov::beauty)[0], "My.v2 Layer.Combined.R");
+  EXPECT_EQ(channels_of(map, Aov::albedo)[2], "My.v2 Layer.Denoising Albedo.B");
+}
+
+TEST(Layers, AovsComeFromTheBeautysViewLayer) {
+  const LayerMap map = find({"Back.Denoising Albedo.B", "Back.Denoising Albedo.G", "Back.Denoising Albedo.R",
+                             "Front.Combined.B", "Front.Combined.G", "Front.Combined.R", "depth.Z"});
+  EXPECT_EQ(channels_of(map, Aov::beauty)[0], "Front.Combined.R");
+  EXPECT_FALSE(source(map, Aov::albedo));
+  EXPECT_EQ(channels_of(map, Aov::depth), Names{"depth.Z"});
+}
+
+TEST(Layers, AnyViewLayerGoesWithABareBeauty) {
+  const LayerMap map =
+      find({"B", "G", "R", "V.Denoising Albedo.B", "V.Denoising Albedo.G", "V.Denoising Albedo.R"});
+  EXPECT_EQ(channels_of(map, Aov::beauty)[0], "R");
+  EXPECT_EQ(channels_of(map, Aov::albedo)[0], "V.Denoising Albedo.R");
+}
+
+TEST(Layers, CaseAndSpelledOutSuffixesCount) {
+  const LayerMap map = find({"alpha", "blue", "green", "red", "ALBEDO.Blue", "ALBEDO.Green", "ALBEDO.Red",
+                             "normal.x", "normal.y", "normal.z", "z"});
+  EXPECT_EQ(channels_of(map, Aov::beauty), (Names{"red", "green", "blue", "alpha"}));
+  EXPECT_EQ(channels_of(map, Aov::albedo), (Names{"ALBEDO.Red", "ALBEDO.Green", "ALBEDO.Blue"}));
+  EXPECT_EQ(channels_of(map, Aov::normal), (Names{"normal.x", "normal.y", "normal.z"}));
+  EXPECT_EQ(channels_of(map, Aov::depth), Names{"z"});
+}
+
+TEST(Layers, NormalsMayBeColoursAndDepthAnyLetter) {
+  const LayerMap map = find({"R", "G", "B", "normal.R", "normal.G", "normal.B", "depth.V"});
+  EXPECT_EQ(channels_of(map, Aov::normal), (Names{"normal.R", "normal.G", "normal.B"}));
+  EXPECT_EQ(channels_of(map, Aov::depth), Names{"depth.V"});
+  EXPECT_EQ(channels_of(find({"R", "G", "B", "Depth"}), Aov::depth), Names{"Depth"});
+}
+
+TEST(Layers, IncompleteLayersAreNotTaken) {
+  const LayerMap map = find({"R", "G", "B", "albedo.R", "albedo.G", "motion.X"});
+  EXPECT_FALSE(source(map, Aov::albedo));
+  EXPECT_FALSE(source(map, Aov::motion));
+}
+
+TEST(Layers, PartsAreTold) {
+  const LayerMap map =
+      find_layers("file.exr", {{"Z"}, {"R", "G", "B"}, {"albedo.R", "albedo.G", "albedo.B"}}, {});
+  EXPECT_EQ(source(map, Aov::depth)->part, 0);
+  EXPECT_EQ(source(map, Aov::beauty)->part, 1);
+  EXPECT_EQ(source(map, Aov::albedo)->part, 2);
+}
+
+TEST(Layers, ALayerIsNotPutTogetherFromTwoParts) {
+  EXPECT_THROW(find_layers("file.exr", {{"R", "G"}, {"B"}}, {}), Error);
+}
+
+TEST(Layers, NoColourListsTheChannels) {
+  EXPECT_EQ(error_of(ExitStatus::bad_input,
+                     [] {
+                       find({"Z", "id.U"});
+                     }),
+            "file.exr: no colour: expected channels R G B or LAYER.Combined.R G B, or --layers beauty=NAME; "
+            "channels found: Z, id.U");
+  EXPECT_NE(
+      error_of(ExitStatus::bad_input, [] { find_layers("f.exr", {{}}, {}); }).find("channels found: none"),
+      std::string::npos);
+  const std::string many = error_of(ExitStatus::bad_input, [] { find(Names(100, "x.Y")); });
+  EXPECT_NE(many.find("and 40 more"), std::string::npos);
+}
+
+TEST(Layers, OverridesNameWholeLayersOrTheirEnds) {
+  const LayerMap map = find(
+      kBlender,
+      {{Aov::normal, "ViewLayer.Normal"}, {Aov::depth, "denoising depth"}, {Aov::albedo, "CryptoObject00"}});
+  EXPECT_EQ(channels_of(map, Aov::normal)[0], "ViewLayer.Normal.X");
+  EXPECT_EQ(channels_of(map, Aov::depth), Names{"ViewLayer.Denoising Depth.Z"});
+  EXPECT_EQ(channels_of(map, Aov::albedo)[0], "ViewLayer.CryptoObject00.R");
+  EXPECT_EQ(channels_of(map, Aov::motion)[0], "ViewLayer.Vector.X");
+}
+
+TEST(Layers, AnOverriddenBeautyChoosesTheViewLayer) {
+  const LayerMap map = find({"A.Combined.B", "A.Combined.G", "A.Combined.R", "A.Depth.Z", "B.Combined.B",
+                             "B.Combined.G", "B.Combined.R", "B.Depth.Z"},
+                            {{Aov::beauty, "B.Combined"}});
+  EXPECT_EQ(channels_of(map, Aov::beauty)[0], "B.Combined.R");
+  EXPECT_EQ(channels_of(map, Aov::depth), Names{"B.Depth.Z"});
+}
+
+TEST(Layers, OverridesKeepTheTablesConvention) {
+  EXPECT_EQ(source(find(kBlender, {{Aov::motion, "Vector"}}), Aov::motion)->y_scale, -1.0f);
+  const LayerMap own = find({"R", "G", "B", "mv.X", "mv.Y"}, {{Aov::motion, "mv"}});
+  EXPECT_EQ(source(own, Aov::motion)->y_scale, 1.0f);
+  EXPECT_EQ(channels_of(find({"R", "G", "B", "Z"}, {{Aov::depth, "Z"}}), Aov::depth), Names{"Z"});
+}
+
+TEST(Layers, AnOverrideThatIsNotThereNamesFileAndLayer) {
+  EXPECT_EQ(error_of(ExitStatus::bad_input,
+                     [] {
+                       find({"R", "G", "B"}, {{Aov::albedo, "diffuse"}});
+                     }),
+            "file.exr: no layer 'diffuse' with channels for albedo (RGB); channels found: R, G, B");
+}
+
+TEST(LayerOverrides, Parsed) {
+  const LayerOverrides overrides = parse_layer_overrides("albedo=ViewLayer.Denoising Albedo,beauty=a.b");
+  EXPECT_EQ(overrides, (LayerOverrides{{Aov::albedo, "ViewLayer.Denoising Albedo"}, {Aov::beauty, "a.b"}}));
+  EXPECT_TRUE(parse_layer_overrides("").empty());
+}
+
+TEST(LayerOverrides, Errors) {
+  EXPECT_NE(error_of(ExitStatus::usage, [] { parse_layer_overrides("colour=X"); })
+                .find("no AOV is called 'colour'"),
+            std::string::npos);
+  EXPECT_EQ(error_of(ExitStatus::usage, [] { parse_layer_overrides("albedo="); }),
+            "layers 'albedo=': no layer name; expected albedo=NAME");
+  EXPECT_EQ(error_of(ExitStatus::usage, [] { parse_layer_overrides("albedo"); }),
+            "layers 'albedo': no layer name; expected albedo=NAME");
+}
+
+}  // namespace
+}  // namespace becalm::io

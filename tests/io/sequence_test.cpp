@@ -1,0 +1,157 @@
+#include "frame/io/sequence.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "frame/error.h"
+#include "tests/io/temporary_folder.h"
+
+namespace becalm::io {
+namespace {
+
+using Frames = std::vector<int>;
+
+std::string error_of(auto work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.status(), ExitStatus::usage);
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(FrameRange, NumbersRangesStepsAndLists) {
+  EXPECT_EQ(parse_frame_range("5"), Frames{5});
+  EXPECT_EQ(parse_frame_range("1-4"), (Frames{1, 2, 3, 4}));
+  EXPECT_EQ(parse_frame_range("7-7"), Frames{7});
+  EXPECT_EQ(parse_frame_range("1-10x4"), (Frames{1, 5, 9}));
+  EXPECT_EQ(parse_frame_range("1-3x10"), Frames{1});
+  EXPECT_EQ(parse_frame_range("1-2,20-21"), (Frames{1, 2, 20, 21}));
+  EXPECT_EQ(parse_frame_range("0007"), Frames{7});
+}
+
+TEST(FrameRange, NegativeFrames) {
+  EXPECT_EQ(parse_frame_range("-3"), Frames{-3});
+  EXPECT_EQ(parse_frame_range("-3-1"), (Frames{-3, -2, -1, 0, 1}));
+  EXPECT_EQ(parse_frame_range("-4--2"), (Frames{-4, -3, -2}));
+  EXPECT_EQ(parse_frame_range("-6--1x3,2"), (Frames{-6, -3, 2}));
+}
+
+TEST(FrameRange, ResultAscendsWithoutDuplicates) {
+  EXPECT_EQ(parse_frame_range("9,1-3,2,2-4"), (Frames{1, 2, 3, 4, 9}));
+}
+
+TEST(FrameRange, ErrorsNameTheTextAndTheReason) {
+  const auto error = [](std::string_view text) { return error_of([&] { parse_frame_range(text); }); };
+  EXPECT_EQ(
+      error("9-1"),
+      "frame range '9-1': the range descends from 9 to 1; expected such as 1-100, 1-100x2, 5 or 1-10,20-30");
+  EXPECT_NE(error("1-9x0").find("'1-9x0': the step 0 is below 1"), std::string::npos);
+  EXPECT_NE(error("1-9x-2").find("the step -2 is below 1"), std::string::npos);
+  EXPECT_NE(error("").find("no frame number at its end"), std::string::npos);
+  EXPECT_NE(error("abc").find("no frame number at 'abc'"), std::string::npos);
+  EXPECT_NE(error("1-").find("no last frame number at its end"), std::string::npos);
+  EXPECT_NE(error("1-b").find("no last frame number at 'b'"), std::string::npos);
+  EXPECT_NE(error("1-5x").find("no step at its end"), std::string::npos);
+  EXPECT_NE(error("1,,2").find("no frame number at ',2'"), std::string::npos);
+  EXPECT_NE(error("1-5 ").find("' ' was not expected"), std::string::npos);
+  EXPECT_NE(error("5x2").find("'x2' was not expected"), std::string::npos);
+  EXPECT_NE(error("99999999999").find("no frame number"), std::string::npos);
+  EXPECT_NE(error("1-2000000000").find("more than 1000000 frames"), std::string::npos);
+  EXPECT_NE(error("-2147483648-2147483647").find("more than 1000000 frames"), std::string::npos);
+}
+
+TEST(FrameRange, FormattedRangesParseToTheSameFrames) {
+  EXPECT_EQ(format_frame_range({}), "");
+  EXPECT_EQ(format_frame_range({5}), "5");
+  EXPECT_EQ(format_frame_range({1, 2}), "1,2");
+  EXPECT_EQ(format_frame_range({1, 2, 3, 7}), "1-3,7");
+  EXPECT_EQ(format_frame_range({1, 3, 5, 6, 7, 8}), "1-5x2,6-8");
+  EXPECT_EQ(format_frame_range({-4, -3, -2, 10}), "-4--2,10");
+  EXPECT_EQ(format_frame_range({1, 3, 4, 5}), "1,3-5");
+  for (const Frames& frames : {Frames{-9, -6, -3, 0, 1, 2, 4, 8, 16, 17, 18}, Frames{1, 10, 100},
+                               Frames{-1, 0}, Frames{-2147483647, 0, 2147483647}}) {
+    EXPECT_EQ(parse_frame_range(format_frame_range(frames)), frames) << format_frame_range(frames);
+  }
+}
+
+TEST(SequencePattern, Fields) {
+  EXPECT_EQ(SequencePattern("a/shot.####.exr").path(12), "a/shot.0012.exr");
+  EXPECT_EQ(SequencePattern("shot.@@@.exr").path(12), "shot.012.exr");
+  EXPECT_EQ(SequencePattern("shot.%04d.exr").path(12), "shot.0012.exr");
+  EXPECT_EQ(SequencePattern("shot.%d.exr").path(12), "shot.12.exr");
+  EXPECT_EQ(SequencePattern("shot.$F4.exr").path(12), "shot.0012.exr");
+  EXPECT_EQ(SequencePattern("shot.$F.exr").path(12), "shot.12.exr");
+  EXPECT_EQ(SequencePattern("####").path(3), "0003");
+  EXPECT_EQ(SequencePattern("shot.####.exr").text(), "shot.####.exr");
+}
+
+TEST(SequencePattern, LongAndNegativeNumbers) {
+  EXPECT_EQ(SequencePattern("shot.##.exr").path(12345), "shot.12345.exr");
+  EXPECT_EQ(SequencePattern("shot.####.exr").path(-1), "shot.-001.exr");
+  EXPECT_EQ(SequencePattern("shot.%d.exr").path(-1), "shot.-1.exr");
+}
+
+TEST(SequencePattern, TextWithoutField) {
+  for (const char* text :
+       {"still.exr", "100%.exr", "a%4d.exr", "$HOME.exr", "$G4.exr", "%s.exr", "%04x.exr", ""}) {
+    const SequencePattern pattern(text);
+    EXPECT_FALSE(pattern.has_frame_field()) << text;
+    EXPECT_EQ(pattern.path(7), text);
+    EXPECT_TRUE(pattern.frames_on_disk().empty());
+  }
+  EXPECT_TRUE(SequencePattern("a.#.exr").has_frame_field());
+}
+
+TEST(SequencePattern, FoldersHoldNoField) {
+  EXPECT_EQ(SequencePattern("me@home/v%02d/shot.##.exr").path(3), "me@home/v%02d/shot.03.exr");
+}
+
+TEST(SequencePattern, TwoFieldsAreAnError) {
+  EXPECT_EQ(error_of([] { SequencePattern("shot.####.%d.exr"); }),
+            "file pattern 'shot.####.%d.exr': two frame fields, '####' and '%d'; expected one at most");
+}
+
+class OnDisk : public ::testing::Test {
+ protected:
+  void touch(const std::string& name) { std::ofstream(folder_.path(name)) << 'x'; }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(OnDisk, FramesThatExist) {
+  for (const char* name :
+       {"shot.0003.exr", "shot.0001.exr", "shot.-002.exr", "shot.12.exr", "shot.12345.exr", "shot.00004.exr",
+        "shot.000a.exr", "shot.0005.png", "other.0006.exr", "shot..exr", "shot.0001.exr.partial.12.0"}) {
+    touch(name);
+  }
+  EXPECT_EQ(SequencePattern(folder_.path("shot.####.exr")).frames_on_disk(), (Frames{-2, 1, 3, 12345}));
+  EXPECT_EQ(SequencePattern(folder_.path("shot.%d.exr")).frames_on_disk(), (Frames{12, 12345}));
+  EXPECT_TRUE(SequencePattern(folder_.path("none.####.exr")).frames_on_disk().empty());
+  EXPECT_TRUE(SequencePattern(folder_.path("no_folder/shot.####.exr")).frames_on_disk().empty());
+}
+
+TEST_F(OnDisk, LoneHashTakesThePaddingOfTheFiles) {
+  EXPECT_EQ(SequencePattern(folder_.path("shot.#.exr")).path(7), folder_.path("shot.7.exr"));
+  touch("shot.0998.exr");
+  touch("shot.0999.exr");
+  touch("shot.1000.exr");
+  touch("shot.5.exr");
+  const SequencePattern padded(folder_.path("shot.#.exr"));
+  EXPECT_EQ(padded.path(7), folder_.path("shot.0007.exr"));
+  EXPECT_EQ(padded.frames_on_disk(), (Frames{998, 999, 1000}));
+}
+
+TEST_F(OnDisk, LoneHashOverUnpaddedFiles) {
+  touch("a_9.exr");
+  touch("a_10.exr");
+  const SequencePattern pattern(folder_.path("a_#.exr"));
+  EXPECT_EQ(pattern.path(3), folder_.path("a_3.exr"));
+  EXPECT_EQ(pattern.frames_on_disk(), (Frames{9, 10}));
+}
+
+}  // namespace
+}  // namespace becalm::io
