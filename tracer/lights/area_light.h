@@ -1,17 +1,14 @@
 #pragma once
 
-#include <Imath/ImathVec.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <optional>
 
-namespace becalm::tracer {
+#include "tracer/vec.h"
 
-using Imath::V2f;
-using Imath::V3f;
+namespace becalm::tracer {
 
 /// Emits `radiance` from the side from which p0, p1, p2 appear counter-clockwise, or from both.
 struct EmissiveTriangle {
@@ -41,7 +38,7 @@ struct AreaLight {
         edge2(triangle.p2 - triangle.p0),
         radiance(triangle.radiance),
         two_sided(triangle.two_sided) {
-    const Imath::V3d cross = Imath::V3d(edge1).cross(Imath::V3d(edge2));
+    const V3d cross = V3d(edge1).cross(V3d(edge2));
     const double length = cross.length();
     const bool usable = length > 0.0 && std::isfinite(length);
     area = usable ? 0.5 * length : 0.0;
@@ -72,7 +69,7 @@ struct AreaLight {
     const float b0 = above ? 0.5f * u.x : u.x - 0.5f * u.y;
     const float b1 = above ? u.y - 0.5f * u.x : 0.5f * u.y;
     const V3f position = p0 + edge1 * b1 + edge2 * (1.0f - b0 - b1);
-    const Imath::V3d to_light = Imath::V3d(position) - Imath::V3d(point);
+    const V3d to_light = V3d(position) - V3d(point);
     const double distance = to_light.length();
     if (!(distance > 0.0)) return std::nullopt;
     const V3f dir_world(to_light / distance);

@@ -1,18 +1,14 @@
 #pragma once
 
-#include <Imath/ImathVec.h>
-
 #include <cstddef>
 #include <optional>
 #include <vector>
 
 #include "frame/image.h"
 #include "tracer/sampling/discrete_distribution.h"
+#include "tracer/vec.h"
 
 namespace becalm::tracer {
-
-using Imath::V2f;
-using Imath::V3f;
 
 /// Radiance that arrives from infinity. Copies share nothing.
 class Environment {

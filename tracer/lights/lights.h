@@ -1,7 +1,5 @@
 #pragma once
 
-#include <Imath/ImathVec.h>
-
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -9,6 +7,7 @@
 #include "tracer/lights/area_light.h"
 #include "tracer/lights/environment.h"
 #include "tracer/sampling/discrete_distribution.h"
+#include "tracer/vec.h"
 
 namespace becalm::tracer {
 

@@ -1,14 +1,11 @@
 #pragma once
 
-#include <Imath/ImathVec.h>
-
 #include <optional>
 #include <variant>
 
-namespace becalm::tracer {
+#include "tracer/vec.h"
 
-using Imath::V2f;
-using Imath::V3f;
+namespace becalm::tracer {
 
 // Directions are unit vectors in the local shading frame: z is the shading normal, and wo (to the eye) and wi
 // (to the light) both point away from the surface, so that |cos| is |w.z|. Paths are traced from the eye:

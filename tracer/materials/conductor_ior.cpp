@@ -5,8 +5,8 @@
 
 namespace becalm::tracer {
 
-ConductorIor conductor_from_reflectance(const Imath::V3f& reflectance) {
-  ConductorIor ior{Imath::V3f(1.0f), Imath::V3f(0.0f)};
+ConductorIor conductor_from_reflectance(const V3f& reflectance) {
+  ConductorIor ior{V3f(1.0f), V3f(0.0f)};
   for (int c = 0; c < 3; ++c) {
     // At normal incidence R = k^2 / (4 + k^2) when eta is 1.
     const double r = std::clamp(reflectance[c], 0.0f, 1.0f);
@@ -20,7 +20,7 @@ ConductorIor conductor_from_reflectance(const Imath::V3f& reflectance) {
   return ior;
 }
 
-ConductorIor conductor_from_reflectance(const Imath::V3f& reflectance, const Imath::V3f& edge_tint) {
+ConductorIor conductor_from_reflectance(const V3f& reflectance, const V3f& edge_tint) {
   ConductorIor ior = conductor_from_reflectance(reflectance);
   for (int c = 0; c < 3; ++c) {
     const double r = std::clamp(reflectance[c], 0.0f, 1.0f);

@@ -1,21 +1,21 @@
 #pragma once
 
-#include <Imath/ImathVec.h>
+#include "tracer/vec.h"
 
 namespace becalm::tracer {
 
 /// A metal's complex index of refraction, a channel each.
 struct ConductorIor {
-  Imath::V3f eta;
-  Imath::V3f k;
+  V3f eta;
+  V3f k;
 };
 
 /// The metal with eta = 1 that has exactly this reflectance at normal incidence; brightens to white at
 /// grazing angles. Clamped to [0,1]; a channel of 1 reflects everything at every angle.
-ConductorIor conductor_from_reflectance(const Imath::V3f& reflectance);
+ConductorIor conductor_from_reflectance(const V3f& reflectance);
 
 /// The same with an edge tint in [0,1]: 1 keeps the colour longest towards grazing angles. Source:
 /// Gulbrandsen, "Artist Friendly Metallic Fresnel", JCGT 3(4), 2014.
-ConductorIor conductor_from_reflectance(const Imath::V3f& reflectance, const Imath::V3f& edge_tint);
+ConductorIor conductor_from_reflectance(const V3f& reflectance, const V3f& edge_tint);
 
 }  // namespace becalm::tracer

@@ -9,8 +9,9 @@ namespace becalm::tracer {
 /// wo, `eta_ratio` the index of refraction on the other side over that on this one. 1 where reflection is
 /// total. When `cos_t` is given, it receives the cosine on the other side, 0 where reflection is total.
 inline float fresnel_dielectric(float cos_o, float eta_ratio, float* cos_t = nullptr) {
-  const float sin2_t = std::max(0.0f, 1.0f - cos_o * cos_o) / (eta_ratio * eta_ratio);
-  const float cos2 = 1.0f - sin2_t;
+  // cos^2 across, 1 - sin^2 / eta_ratio^2, arranged so that grazing angles and ratios near 1 keep their
+  // digits.
+  const float cos2 = ((eta_ratio - 1.0f) * (eta_ratio + 1.0f) + cos_o * cos_o) / (eta_ratio * eta_ratio);
   if (cos_t != nullptr) *cos_t = std::sqrt(std::max(0.0f, cos2));
   if (cos2 <= 0.0f) return 1.0f;
   const float cos_across = std::sqrt(cos2);

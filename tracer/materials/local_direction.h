@@ -1,12 +1,10 @@
 #pragma once
 
-#include <Imath/ImathVec.h>
-
 #include <cmath>
 
-namespace becalm::tracer {
+#include "tracer/vec.h"
 
-using Imath::V3f;
+namespace becalm::tracer {
 
 // Helpers for directions in the shading frame.
 

@@ -1,15 +1,12 @@
 #pragma once
 
-#include <Imath/ImathVec.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-namespace becalm::tracer {
+#include "tracer/vec.h"
 
-using Imath::V2f;
-using Imath::V3f;
+namespace becalm::tracer {
 
 // Isotropic GGX microsurface in the shading frame, Smith's masking. w is a direction with w.z > 0, m a
 // microfacet normal with m.z > 0. Everything is written by ggx_s so that grazing angles divide by nothing

@@ -1,10 +1,8 @@
 #pragma once
 
-#include <Imath/ImathVec.h>
+#include "tracer/vec.h"
 
 namespace becalm::tracer {
-
-using Imath::V2f;
 
 enum class FilterType { blackman_harris, box, tent };
 

@@ -1,14 +1,11 @@
 #pragma once
 
-#include <Imath/ImathVec.h>
-
 #include <cstdint>
 
 #include "tracer/sampling/sobol.h"
+#include "tracer/vec.h"
 
 namespace becalm::tracer {
-
-using Imath::V2f;
 
 /// Random numbers in [0,1) for one sample of one pixel: a pure function of (seed, frame, pixel, sample,
 /// dimension), whatever was drawn elsewhere. Every call takes the next dimensions. Over the samples 0..2^k-1

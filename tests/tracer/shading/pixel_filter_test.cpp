@@ -1,0 +1,61 @@
+// Pixel filters: samples follow the filter, keep stratification, and stay inside the radius.
+#include "tracer/sampling/pixel_filter.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "tests/tracer/shading/statistics.h"
+
+namespace becalm::tracer {
+namespace {
+
+const std::vector<PixelFilter> kFilters = {{FilterType::blackman_harris, 1.5f},
+                                           {FilterType::blackman_harris, 3.0f},
+                                           {FilterType::box, 0.5f},
+                                           {FilterType::box, 2.0f},
+                                           {FilterType::tent, 1.0f},
+                                           {FilterType::tent, 1.5f}};
+
+TEST(PixelFilter, samples_match_their_density) {
+  std::uint32_t seed = 500;
+  const double level = sidak_level(0.01, static_cast<int>(kFilters.size()));
+  for (const PixelFilter& filter : kFilters) {
+    Chart chart;
+    const double r = filter.radius_px;
+    chart.domain = {-r, r, -r, r};
+    chart.draw = [&](TestRandom& random) { return std::optional(V2d(sample(filter, random.next_2d()))); };
+    chart.density = [&](V2d p) { return pdf(filter, V2f(p)); };
+    const SamplerTest test = test_sampler(chart, ++seed, 200000);
+    EXPECT_GT(test.result.p_value, level)
+        << "filter " << static_cast<int>(filter.type) << " radius " << r << " " << test.replay;
+    EXPECT_NEAR(test.integral, 1.0, 1e-4);
+  }
+}
+
+TEST(PixelFilter, stays_inside_and_is_monotone) {
+  for (const PixelFilter& filter : kFilters) {
+    float last = -filter.radius_px * 1.000001f;
+    for (int i = 0; i <= 4096; ++i) {
+      const float u = std::min(static_cast<float>(i) / 4096.0f, 0x1.fffffep-1f);
+      const V2f offset = sample(filter, V2f(u, 1.0f - u));
+      EXPECT_LE(std::abs(offset.x), filter.radius_px * 1.000001f);
+      EXPECT_GE(offset.x, last) << "u " << u;
+      EXPECT_NEAR(offset.x, offset.y == 0.0f ? 0.0f : -sample(filter, V2f(1.0f - u)).x, 2e-3f);
+      last = offset.x;
+    }
+    EXPECT_NEAR(sample(filter, V2f(0.5f)).length(), 0.0f, 1e-6f);
+    EXPECT_EQ(pdf(filter, V2f(filter.radius_px * 1.01f, 0.0f)), 0.0f);
+  }
+}
+
+TEST(PixelFilter, blackman_harris_is_the_published_window) {
+  const PixelFilter filter{FilterType::blackman_harris, 1.0f};
+  const float peak = pdf(filter, V2f(0.0f));
+  EXPECT_NEAR(pdf(filter, V2f(0.5f, 0.0f)) / peak, 0.35875 - 0.14128, 1e-5);
+  EXPECT_NEAR(pdf(filter, V2f(1.0f, 0.0f)) / peak, 6e-5, 1e-6);
+}
+
+}  // namespace
+}  // namespace becalm::tracer
