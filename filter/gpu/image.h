@@ -28,7 +28,7 @@ struct Extent {
   int height = 0;
   int planes = 1;
 
-  std::uint64_t elements() const {
+  constexpr std::uint64_t elements() const {
     return std::uint64_t(width) * std::uint64_t(height) * std::uint64_t(planes);
   }
   bool operator==(const Extent&) const = default;

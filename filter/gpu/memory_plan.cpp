@@ -1,9 +1,10 @@
 #include "filter/gpu/memory_plan.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cstddef>
 #include <numeric>
+#include <stdexcept>
+#include <string>
 
 namespace becalm::gpu {
 
@@ -34,7 +35,7 @@ std::uint64_t lowest_free_offset(const std::vector<Placed>& arena, const MemoryR
 
 MemoryPlan plan_memory(std::span<const MemoryRequest> requests, std::uint64_t alignment, bool alias,
                        std::uint64_t max_arena_bytes) {
-  assert(alignment > 0);
+  if (alignment == 0) throw std::invalid_argument("plan_memory: alignment must be positive");
   std::vector<std::size_t> by_size(requests.size());
   std::iota(by_size.begin(), by_size.end(), std::size_t{0});
   std::ranges::stable_sort(by_size, std::greater{}, [&](std::size_t i) { return requests[i].bytes; });
@@ -45,9 +46,12 @@ MemoryPlan plan_memory(std::span<const MemoryRequest> requests, std::uint64_t al
   std::vector<std::vector<Placed>> arenas;
   for (const std::size_t i : by_size) {
     const MemoryRequest& request = requests[i];
-    assert(request.bytes <= max_arena_bytes && request.first_pass <= request.last_pass);
     // Sizes rounded up to the alignment keep every offset a multiple of it.
     const std::uint64_t bytes = (request.bytes + alignment - 1) / alignment * alignment;
+    if (bytes > max_arena_bytes || request.first_pass > request.last_pass) {
+      throw std::invalid_argument("plan_memory: request " + std::to_string(i) +
+                                  " is larger than an arena, or ends before it begins");
+    }
     std::size_t arena = 0;
     std::uint64_t offset = 0;
     for (;; ++arena) {
@@ -56,7 +60,7 @@ MemoryPlan plan_memory(std::span<const MemoryRequest> requests, std::uint64_t al
         plan.arena_bytes.push_back(0);
       }
       offset = lowest_free_offset(arenas[arena], request, bytes, alias);
-      if (offset == 0 || offset + bytes <= max_arena_bytes) break;
+      if (offset + bytes <= max_arena_bytes) break;
     }
     const auto position = std::ranges::lower_bound(arenas[arena], offset, {}, &Placed::begin);
     arenas[arena].insert(position, Placed{offset, offset + bytes, request.first_pass, request.last_pass});

@@ -23,8 +23,8 @@ struct MemoryPlan {
 
 /// Places the requests so that those whose lifetimes meet never overlap. Greedy by size: the largest first,
 /// each at the lowest offset that is free in the first arena where it ends below `max_arena_bytes`. Pure
-/// arithmetic, no device types. `alias` false: all apart. A request larger than the limit is a precondition
-/// violated, and asserted.
+/// arithmetic, no device types. `alias` false: all apart. Throws std::invalid_argument for a request
+/// that is larger than the limit or ends before it begins.
 MemoryPlan plan_memory(std::span<const MemoryRequest> requests, std::uint64_t alignment, bool alias = true,
                        std::uint64_t max_arena_bytes = std::numeric_limits<std::uint64_t>::max());
 

@@ -21,7 +21,7 @@ class PassTimer {
   void end(const vk::raii::CommandBuffer& commands, std::uint32_t pass) const {
     stamp(commands, 2 * pass + 1);
   }
-  /// Of a run that has ended.
+  /// Of a run that has ended; one entry a pass.
   void read(std::vector<PassTime>& times) const;
 
  private:

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numeric>
 #include <vector>
 
@@ -11,28 +12,236 @@
 namespace becalm::gpu {
 namespace {
 
-/// scaled = gain * fine + bias of a ramp, for odd sizes and sizes around the workgroup's 8x8.
-TEST(Chain, RunsAKernelOnEveryPixelOfAnyExtent) {
-  for (const Extent extent : {Extent{1, 1}, Extent{8, 8}, Extent{9, 7}, Extent{7, 9}, Extent{129, 67}}) {
-    Chain chain(validated_device(), "scale", test_options());
-    const ImageId fine = chain.input("fine", Format::f32, extent);
-    const ImageId scaled = chain.image("scaled", Format::f32, extent);
-    chain.pass("kernels/scale")
-        .read("fine", fine)
-        .write("scaled", scaled)
-        .constants(ScaleParams{extent.width, extent.height})
-        .dispatch(extent);
+class ChainTest : public ::testing::Test {
+ protected:
+  void TearDown() override { EXPECT_TRUE(validated_device().validation_messages().empty()); }
+};
+
+struct ScaleChain {
+  ScaleChain(Device& device, Extent extent,
+             const std::vector<std::pair<const char*, int>>& specializations = {})
+      : chain(device, "scale", test_options()) {
+    fine = chain.input("fine", Format::f32, extent);
+    scaled = chain.image("scaled", Format::f32, extent);
+    auto pass = chain.pass("kernels/scale");
+    pass.read("fine", fine).write("scaled", scaled).constants(ScaleParams{extent.width, extent.height});
+    for (const auto& [name, value] : specializations) pass.specialize(name, value);
+    pass.dispatch(extent);
     chain.output(scaled);
     chain.build();
-    const auto values = chain.upload<float>(fine);
+  }
+  Chain chain;
+  ImageId fine;
+  ImageId scaled;
+};
+
+/// A ramp, for odd sizes and sizes around the workgroup's 8x8.
+TEST_F(ChainTest, RunsAKernelOnEveryPixelOfAnyExtent) {
+  for (const Extent extent : {Extent{1, 1}, {8, 8}, {9, 7}, {7, 9}, {1, 300}, {300, 1}, {129, 67}}) {
+    ScaleChain s(validated_device(), extent);
+    const auto values = s.chain.upload<float>(s.fine);
     ASSERT_EQ(values.size(), extent.elements());
     std::iota(values.begin(), values.end(), 1.0f);
-    chain.run();
-    const auto result = chain.download<float>(scaled);
+    s.chain.run();
+    const auto result = s.chain.download<float>(s.scaled);
     ASSERT_EQ(result.size(), extent.elements());
     for (std::size_t i = 0; i < result.size(); ++i) ASSERT_EQ(result[i], static_cast<float>(i) + 11.0f) << i;
   }
-  EXPECT_TRUE(validated_device().validation_messages().empty());
+}
+
+TEST_F(ChainTest, SpecializesConstantsOfEveryTypeByName) {
+  const auto scaled_two = [](const std::vector<std::pair<const char*, int>>& specializations) {
+    ScaleChain s(validated_device(), {1, 1}, specializations);
+    s.chain.upload<float>(s.fine)[0] = 2.0f;
+    s.chain.run();
+    return s.chain.download<float>(s.scaled)[0];
+  };
+  EXPECT_EQ(scaled_two({}), 12.0f);
+  EXPECT_EQ(scaled_two({{"bias", -3}}), -1.0f);
+  EXPECT_EQ(scaled_two({{"gain", 4}}), 18.0f);
+  EXPECT_EQ(scaled_two({{"negate", 7}}), 8.0f);
+  EXPECT_EQ(scaled_two({{"half_steps", 3}}), 15.0f);
+  EXPECT_EQ(scaled_two({{"half_steps", 1}, {"negate", 1}, {"bias", 1}, {"gain", 2}}), -4.0f);
+}
+
+/// Two pipelines of one kernel in one chain, which must not be taken for each other.
+TEST_F(ChainTest, KeepsDifferentlySpecializedPassesApart) {
+  Chain chain(validated_device(), "scales", test_options());
+  const ImageId input = chain.input("input", Format::f32, {1, 1});
+  ImageId last = input;
+  for (const int gain : {2, 3, 2}) {
+    const ImageId next = chain.image("after " + std::to_string(last.index), Format::f32, {1, 1});
+    chain.pass("kernels/scale")
+        .read("fine", last)
+        .write("scaled", next)
+        .specialize("gain", gain)
+        .specialize("bias", 1)
+        .constants(ScaleParams{1, 1})
+        .dispatch({1, 1});
+    last = next;
+  }
+  chain.output(last);
+  chain.build();
+  chain.upload<float>(input)[0] = 1.0f;
+  chain.run();
+  EXPECT_EQ(chain.download<float>(last)[0], 21.0f);  // 2 (3 (2 x 1 + 1) + 1) + 1
+}
+
+TEST_F(ChainTest, BindsVectorElementsAndSeveralOutputs) {
+  constexpr int kCount = 37;
+  Chain chain(validated_device(), "split", test_options());
+  const ImageId color = chain.input("color", Format::f32x4, {kCount, 1});
+  const ImageId sum = chain.image("sum", Format::f32, {kCount, 1});
+  const ImageId first = chain.image("first", Format::f32x2, {kCount, 1});
+  chain.pass("kernels/split")
+      .read("color", color)
+      .write("sum", sum)
+      .write("first", first)
+      .dispatch({kCount, 1});
+  chain.output(sum);
+  chain.output(first);
+  chain.build();
+  const auto values = chain.upload<float>(color);
+  std::iota(values.begin(), values.end(), 0.0f);
+  chain.run();
+  for (int i = 0; i < kCount; ++i) {
+    EXPECT_EQ(chain.download<float>(sum)[i], static_cast<float>(16 * i + 6));
+    EXPECT_EQ(chain.download<float>(first)[2 * i], static_cast<float>(4 * i));
+    EXPECT_EQ(chain.download<float>(first)[2 * i + 1], static_cast<float>(4 * i + 1));
+  }
+}
+
+TEST_F(ChainTest, KeepsUploadedInputsFromRunToRun) {
+  ScaleChain s(validated_device(), {3, 1});
+  std::ranges::fill(s.chain.upload<float>(s.fine), 1.0f);
+  s.chain.run();
+  s.chain.run();
+  EXPECT_EQ(s.chain.download<float>(s.scaled)[2], 11.0f);
+  s.chain.upload<float>(s.fine)[2] = 5.0f;
+  s.chain.run();
+  EXPECT_EQ(s.chain.download<float>(s.scaled)[1], 11.0f);
+  EXPECT_EQ(s.chain.download<float>(s.scaled)[2], 15.0f);
+}
+
+struct AccumulateParams {
+  std::int32_t count;
+};
+
+/// total.next = 3 total.prev + 5 frame + 0, so that a wrong or late history shows at once.
+struct HistoryChain {
+  explicit HistoryChain(bool alias_memory = true)
+      : chain(validated_device(), "history", test_options(alias_memory)) {
+    frame = chain.input("frame", Format::u32, {kCount, 1});
+    total = chain.history("total", Format::u32, {kCount, 1});
+    chain.pass("kernels/mix")
+        .read("a", total.previous)
+        .read("b", frame)
+        .write("result", total.next)
+        .constants(MixParams{kCount, 1, 1, kCount, kCount, 0})
+        .dispatch({kCount, 1});
+    chain.output(total.next);
+    chain.build();
+  }
+  std::uint32_t run(std::uint32_t value) {
+    std::ranges::fill(chain.upload<std::uint32_t>(frame), value);
+    chain.run();
+    const auto result = chain.download<std::uint32_t>(total.next);
+    EXPECT_TRUE(std::ranges::all_of(result, [&](std::uint32_t r) { return r == result[0]; }));
+    return result[0];
+  }
+  static constexpr int kCount = 100;
+  Chain chain;
+  ImageId frame;
+  History total;
+};
+
+TEST_F(ChainTest, HandsAHistoryFromFrameToFrame) {
+  HistoryChain history;
+  std::uint32_t expected = 0;
+  for (std::uint32_t frame = 1; frame <= 7; ++frame) {
+    expected = 3 * expected + 5 * frame;
+    EXPECT_EQ(history.run(frame), expected) << "frame " << frame;
+  }
+}
+
+TEST_F(ChainTest, ResetsAHistoryInEitherParity) {
+  HistoryChain history;
+  for (const int frames_before : {1, 2, 3, 4}) {
+    for (int i = 0; i < frames_before; ++i) history.run(9);
+    history.chain.reset_history();
+    EXPECT_EQ(history.run(2), 10u);
+    EXPECT_EQ(history.run(2), 40u);
+  }
+}
+
+TEST_F(ChainTest, UpdatesAnImageInPlace) {
+  constexpr int kCount = 70;
+  Chain chain(validated_device(), "in place", test_options());
+  const ImageId term = chain.input("term", Format::u32, {kCount, 1});
+  const ImageId sum = chain.image("sum", Format::u32, {kCount, 1});
+  chain.pass("kernels/mix")
+      .read("a", term)
+      .read("b", term)
+      .write("result", sum)
+      .constants(MixParams{kCount, 1, 1, 1, 1, 100})
+      .dispatch({kCount, 1});
+  for (int i = 0; i < 3; ++i) {
+    chain.pass("kernels/accumulate")
+        .read("term", term)
+        .read_write("sum", sum)
+        .constants(AccumulateParams{kCount})
+        .dispatch({kCount, 1});
+  }
+  chain.output(sum);
+  chain.build();
+  const auto terms = chain.upload<std::uint32_t>(term);
+  std::iota(terms.begin(), terms.end(), 0u);
+  chain.run();
+  for (std::uint32_t i = 0; i < kCount; ++i) EXPECT_EQ(chain.download<std::uint32_t>(sum)[i], 100 + 3 * i);
+}
+
+TEST_F(ChainTest, TimesEveryPassAndNamesItByKernelAndImage) {
+  HistoryChain history;
+  ASSERT_EQ(history.chain.times().size(), 1u);
+  EXPECT_EQ(history.chain.times()[0].name, "kernels/mix total.next");
+  history.run(1);
+  EXPECT_GE(history.chain.times()[0].milliseconds, 0.0);
+  EXPECT_LT(history.chain.times()[0].milliseconds, 60'000.0);
+}
+
+TEST_F(ChainTest, SaysWhatMemoryItHolds) {
+  constexpr Extent kExtent{1024, 64};
+  constexpr std::uint64_t kBytes = kExtent.elements() * 4;
+  for (const bool alias : {true, false}) {
+    Chain chain(validated_device(), "memory", test_options(alias));
+    const ImageId input = chain.input("input", Format::f32, kExtent);
+    static_cast<void>(chain.image("never used", Format::f32, kExtent));
+    ImageId last = input;
+    for (int i = 0; i < 6; ++i) {
+      const ImageId next = chain.image("L" + std::to_string(i), Format::f32, kExtent);
+      chain.pass("kernels/scale")
+          .read("fine", last)
+          .write("scaled", next)
+          .constants(ScaleParams{kExtent.width, kExtent.height})
+          .dispatch(kExtent);
+      last = next;
+    }
+    chain.output(last);
+    chain.build();
+    // One image is read while the next is written.
+    EXPECT_EQ(chain.device_bytes(), (alias ? 2 : 7) * kBytes);
+    EXPECT_EQ(chain.device_bytes_unaliased(), 7 * kBytes);
+    EXPECT_EQ(chain.staging_bytes(), 2 * kBytes);
+  }
+}
+
+TEST_F(ChainTest, ServesSeveralChainsOfOneDeviceInTurn) {
+  HistoryChain one;
+  HistoryChain two(false);
+  EXPECT_EQ(one.run(1), 5u);
+  EXPECT_EQ(two.run(2), 10u);
+  EXPECT_EQ(one.run(1), 20u);
+  EXPECT_EQ(two.run(2), 40u);
 }
 
 }  // namespace

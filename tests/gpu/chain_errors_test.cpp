@@ -1,0 +1,215 @@
+// Every mistake in a chain's declaration gives one line that names the pass and what is wrong.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <string>
+
+#include "filter/gpu/chain.h"
+#include "tests/gpu/support.h"
+
+namespace becalm::gpu {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+constexpr Extent kExtent{16, 16};
+
+/// A chain with one correct pass of kernels/scale, which each test spoils in one way.
+class ChainErrors : public ::testing::Test {
+ protected:
+  ChainErrors() : chain_(validated_device(), "wrong", test_options()) {
+    fine_ = chain_.input("fine", Format::f32, kExtent);
+    scaled_ = chain_.image("scaled", Format::f32, kExtent);
+  }
+  Chain::Pass scale(ImageId fine, ImageId scaled) {
+    auto pass = chain_.pass("kernels/scale");
+    pass.read("fine", fine).write("scaled", scaled).constants(ScaleParams{16, 16});
+    return pass;
+  }
+  static std::string error_of(const std::function<void()>& action) {
+    try {
+      action();
+    } catch (const DeviceError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+  void expect_build_error(const std::string& message) {
+    EXPECT_EQ(error_of([&] { chain_.build(); }), "chain 'wrong': " + message);
+  }
+  Chain chain_;
+  ImageId fine_;
+  ImageId scaled_;
+};
+
+TEST_F(ChainErrors, AreNotThrownForACorrectChain) {
+  scale(fine_, scaled_).dispatch(kExtent);
+  EXPECT_EQ(error_of([&] { chain_.build(); }), "no error");
+}
+
+TEST_F(ChainErrors, NameAnUnknownKernel) {
+  chain_.pass("kernels/scael").dispatch(kExtent);
+  expect_build_error("pass 0 'kernels/scael': there is no such kernel");
+}
+
+TEST_F(ChainErrors, NameABindingTheKernelDoesNotHave) {
+  auto pass = chain_.pass("kernels/scale");
+  pass.read("coarse", fine_).write("scaled", scaled_).constants(ScaleParams{}).dispatch(kExtent);
+  expect_build_error(
+      "pass 0 'kernels/scale': binding 'coarse': the kernel has no such binding; it has: scaled, fine");
+}
+
+TEST_F(ChainErrors, NameABindingWithoutAnImage) {
+  chain_.pass("kernels/scale").write("scaled", scaled_).constants(ScaleParams{}).dispatch(kExtent);
+  expect_build_error("pass 0 'kernels/scale': binding 'fine' has no image");
+}
+
+TEST_F(ChainErrors, NameABindingGivenTwice) {
+  scale(fine_, scaled_).read("fine", fine_).dispatch(kExtent);
+  expect_build_error("pass 0 'kernels/scale': binding 'fine' is given twice");
+}
+
+TEST_F(ChainErrors, NameBothFormatsThatDoNotMatch) {
+  const ImageId color = chain_.input("color", Format::f32x4, kExtent);
+  scale(color, scaled_).dispatch(kExtent);
+  expect_build_error(
+      "pass 0 'kernels/scale': binding 'fine': the kernel's elements are float, those of image 'color' vec4");
+}
+
+TEST_F(ChainErrors, NameAccessThatDoesNotMatch) {
+  auto pass = chain_.pass("kernels/scale");
+  pass.read("fine", fine_).read_write("scaled", scaled_).constants(ScaleParams{}).dispatch(kExtent);
+  expect_build_error(
+      "pass 0 'kernels/scale': binding 'scaled': the kernel's access is write, the pass declares read_write");
+}
+
+TEST_F(ChainErrors, NameAnImageReadBeforeItIsWritten) {
+  const ImageId other = chain_.image("other", Format::f32, kExtent);
+  scale(other, scaled_).dispatch(kExtent);
+  scale(fine_, other).dispatch(kExtent);
+  expect_build_error(
+      "pass 0 'kernels/scale': binding 'fine': image 'other' is read before any pass writes it");
+}
+
+TEST_F(ChainErrors, NameAHistoryReadBeforeItIsWritten) {
+  const History history = chain_.history("total", Format::f32, kExtent);
+  scale(history.next, scaled_).dispatch(kExtent);
+  expect_build_error(
+      "pass 0 'kernels/scale': binding 'fine': image 'total.next' is read before any pass writes it");
+}
+
+TEST_F(ChainErrors, NameAnInputThatIsWritten) {
+  const ImageId other = chain_.input("other", Format::f32, kExtent);
+  scale(fine_, other).dispatch(kExtent);
+  expect_build_error(
+      "pass 0 'kernels/scale': binding 'scaled': image 'other' is an input and cannot be written");
+}
+
+TEST_F(ChainErrors, NameAPreviousFrameThatIsWritten) {
+  const History history = chain_.history("total", Format::f32, kExtent);
+  scale(fine_, history.previous).dispatch(kExtent);
+  expect_build_error(
+      "pass 0 'kernels/scale': binding 'scaled': image 'total.prev' is the previous frame's and cannot be "
+      "written");
+}
+
+TEST_F(ChainErrors, NameAHistoryThatNobodyWrites) {
+  const History history = chain_.history("total", Format::f32, kExtent);
+  scale(history.previous, scaled_).dispatch(kExtent);
+  expect_build_error("image 'total.next' is a history's, but no pass writes it");
+}
+
+TEST_F(ChainErrors, NameAnOutputThatNobodyWrites) {
+  scale(fine_, scaled_).dispatch(kExtent);
+  chain_.output(chain_.image("lost", Format::f32, kExtent));
+  expect_build_error("image 'lost' is an output, but no pass writes it");
+}
+
+TEST_F(ChainErrors, NameAnImageReadAndWrittenAtOnce) {
+  scale(fine_, scaled_).dispatch(kExtent);
+  scale(scaled_, scaled_).dispatch(kExtent);
+  expect_build_error(
+      "pass 1 'kernels/scale': image 'scaled' is written as 'scaled' and used as 'fine' at once");
+}
+
+TEST_F(ChainErrors, NameTheSizesOfConstants) {
+  scale(fine_, scaled_).constants(MixParams{}).dispatch(kExtent);
+  expect_build_error("pass 0 'kernels/scale': the constants take 24 bytes, the kernel's take 8");
+}
+
+TEST_F(ChainErrors, NameAnUnknownSpecializationConstant) {
+  scale(fine_, scaled_).specialize("radius", 1).dispatch(kExtent);
+  expect_build_error("pass 0 'kernels/scale': the kernel has no specialization constant 'radius'");
+}
+
+TEST_F(ChainErrors, NameASpecializationConstantGivenTwice) {
+  scale(fine_, scaled_).specialize("bias", 1).specialize("bias", 2).dispatch(kExtent);
+  expect_build_error("pass 0 'kernels/scale': specialization constant 'bias' is given twice");
+}
+
+TEST_F(ChainErrors, NameAPassThatIsNeverDispatched) {
+  static_cast<void>(scale(fine_, scaled_));
+  expect_build_error("pass 0 'kernels/scale': is never dispatched");
+}
+
+TEST_F(ChainErrors, NameAnEmptyDispatch) {
+  scale(fine_, scaled_).dispatch({16, 0});
+  expect_build_error("pass 0 'kernels/scale': the dispatch of 16x0 is empty");
+}
+
+TEST_F(ChainErrors, NameADispatchBeyondTheDevicesLimit) {
+  scale(fine_, scaled_).dispatch({16, 2'000'000'000});
+  EXPECT_THAT(
+      error_of([&] { chain_.build(); }),
+      StartsWith("chain 'wrong': pass 0 'kernels/scale': the dispatch of 16x2000000000 takes 250000000 "
+                 "workgroups along axis 1, the device's limit is "));
+}
+
+TEST_F(ChainErrors, NameAnImageLargerThanTheDeviceCanBind) {
+  const ImageId huge = chain_.input("huge", Format::f32x4, {200'000, 200'000});
+  chain_.pass("kernels/split").read("color", huge).dispatch(kExtent);
+  EXPECT_THAT(
+      error_of([&] { chain_.build(); }),
+      StartsWith("chain 'wrong': image 'huge' of 200000x200000 vec4 takes 610351.6 MiB, more than the "));
+}
+
+TEST_F(ChainErrors, NameAnImageOfAnotherChain) {
+  scale({77}, scaled_).dispatch(kExtent);
+  expect_build_error("image id 77 is not of this chain");
+}
+
+TEST_F(ChainErrors, NameAnEmptyChain) {
+  expect_build_error("has no passes");
+}
+
+TEST_F(ChainErrors, ComeAtOnceForImpossibleImages) {
+  EXPECT_EQ(error_of([&] {
+              chain_.image("flat", Format::f32, {4, 0});
+            }),
+            "chain 'wrong': image 'flat': width, height and planes must be positive, not 4x0x1");
+  EXPECT_EQ(error_of([&] { chain_.image("fine", Format::f32, kExtent); }),
+            "chain 'wrong': image 'fine': is declared twice");
+}
+
+TEST_F(ChainErrors, ComeForUseOutOfOrder) {
+  scale(fine_, scaled_).dispatch(kExtent);
+  EXPECT_EQ(error_of([&] { chain_.run(); }), "chain 'wrong': cannot run before it is built");
+  EXPECT_EQ(error_of([&] { chain_.upload<float>(fine_); }),
+            "chain 'wrong': upload of 'fine': the chain is not built yet");
+  EXPECT_EQ(error_of([&] { static_cast<void>(chain_.download<float>(scaled_)); }),
+            "chain 'wrong': download of 'scaled': it is not an output");
+  chain_.output(scaled_);
+  chain_.build();
+  EXPECT_EQ(error_of([&] { chain_.upload<float>(scaled_); }),
+            "chain 'wrong': upload of 'scaled': it is not an input");
+  EXPECT_EQ(error_of([&] { static_cast<void>(chain_.download<float>(scaled_)); }),
+            "chain 'wrong': download of 'scaled': the chain has not run yet");
+  EXPECT_EQ(error_of([&] { chain_.run(); }), "chain 'wrong': input 'fine' was never uploaded");
+  EXPECT_THAT(error_of([&] { chain_.pass("kernels/scale"); }), HasSubstr("is built already"));
+  EXPECT_THAT(error_of([&] { chain_.build(); }), HasSubstr("is built already"));
+}
+
+}  // namespace
+}  // namespace becalm::gpu
