@@ -20,6 +20,11 @@ constexpr int kWindowReach = 2;
 constexpr int kSmallestLevel = 8;  // px; below, a patch is the whole image
 constexpr double kReachOfLongerSide = 0.09;
 
+// Range of the matching features. The logarithm of eq. 4 bends at differences of about 2 and the center
+// weight of eq. 5 raises the distance of equal pixels, log 2, by up to half of it: on features in [0,1] it
+// would outweigh any contrast.
+constexpr float kFeatureRange = 16.0f;
+
 // The 25 distance images of a level exist for one band of rows at a time; a band of this size stays in the
 // last-level cache of a desktop processor and keeps the memory small whatever the image size.
 constexpr std::int64_t kBandBytes = 16 << 20;
@@ -168,7 +173,7 @@ void add_guide_passes(Chain& chain, const Settings& settings, Extent full, Image
                                          .plane_in = static_cast<int>(plane),
                                          .plane = static_cast<int>(plane),
                                          .planes = 1,
-                                         .weight = weights[plane]})
+                                         .weight = kFeatureRange * weights[plane]})
         .dispatch(extent);
   }
 }
@@ -209,7 +214,7 @@ Features add_feature_passes(Chain& chain, const Settings& settings, Extent full,
                                          .plane_in = 0,
                                          .plane = sources.guide_planes,
                                          .planes = 1,
-                                         .weight = settings.weight_radiance})
+                                         .weight = kFeatureRange * settings.weight_radiance})
         .dispatch(extent);
   }
   return {features, planes};
@@ -227,10 +232,16 @@ Alignment add_align_passes(Chain& chain, const Settings& settings, Extent full, 
   CoarseOffset coarse{chain.image("offset.none", Format::f32x2, {1, 1}), {1, 1}, 1.0f};
   chain.pass("align/zero_offset").write("offset", coarse.image).dispatch({1, 1});
   for (std::size_t l = extents.size(); l-- > 0;) {
-    const ImageId offset = chain.image(fmt::format("offset.L{}", l), Format::f32x2, extents[l]);
+    const ImageId noisy = chain.image(fmt::format("offset_noisy.L{}", l), Format::f32x2, extents[l]);
     alignment.residual[l] = chain.image(fmt::format("residual.L{}", l), Format::f32, extents[l]);
     add_level(chain, settings, l, extents[l], targets[l].image, sources[l].image, target.planes, coarse,
-              offset, alignment.residual[l]);
+              noisy, alignment.residual[l]);
+    const ImageId offset = chain.image(fmt::format("offset.L{}", l), Format::f32x2, extents[l]);
+    chain.pass("align/median_offset")
+        .read("offset_noisy", noisy)
+        .write("offset", offset)
+        .constants(params::MedianParams{.width = extents[l].width, .height = extents[l].height})
+        .dispatch(extents[l]);
     coarse = {offset, extents[l], static_cast<float>(settings.pyramid_factor)};
   }
   alignment.offset = coarse.image;

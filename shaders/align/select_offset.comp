@@ -1,6 +1,8 @@
 // Reads the 25 patch-distance images of a band and the coarser level's offsets; writes each pixel's total offset at this
 // level and its residual patch distance: the mean over the patch, less the distance of equal pixels, so that 0 is a
 // perfect match under every distance. Equal costs prefer the smaller total motion, so flat areas stay still.
+// Differs from the paper: the center weight chooses the shift, but the quadric is fitted to the distances without it,
+// since their weighted minimum lies nearer to the coarser level's offset (README.md has the figures).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/distance.glsl"
@@ -27,16 +29,19 @@ void main() {
   const float patch_pixels = float(patch_width * patch_height);
   const vec2 coarse = read_offset(ivec2(at.x, row), ivec2(p.coarse_width, p.coarse_height), p.coarse_scale);
 
-  float cost[25];
+  float sum[25];
   int best = 0;
+  float best_cost = 0.0;
   float best_motion = 0.0;
   for (int k = 0; k < 25; ++k) {
     const vec2 s = vec2(k % 5 - 2, k / 5 - 2);
-    cost[k] = sums.data[(k * p.rows + at.y) * p.width + at.x] * center_weight(kind, s.x, s.y);
+    sum[k] = sums.data[(k * p.rows + at.y) * p.width + at.x];
+    const float cost = sum[k] * center_weight(kind, s.x, s.y);
     const vec2 total = coarse + s;
     const float motion = dot(total, total);
-    if (k == 0 || cost[k] < cost[best] || (cost[k] == cost[best] && motion < best_motion)) {
+    if (k == 0 || cost < best_cost || (cost == best_cost && motion < best_motion)) {
       best = k;
+      best_cost = cost;
       best_motion = motion;
     }
   }
@@ -44,10 +49,15 @@ void main() {
   vec2 subpixel = vec2(0.0);
   // A minimum on the border of the window has no quadric around it.
   if (p.refine != 0 && abs(s.x) < 2 && abs(s.y) < 2) {
-    quadric_minimum(cost[best - 6], cost[best - 5], cost[best - 4], cost[best - 1], cost[best], cost[best + 1],
-                    cost[best + 4], cost[best + 5], cost[best + 6], subpixel.x, subpixel.y);
+    quadric_minimum(sum[best - 6], sum[best - 5], sum[best - 4], sum[best - 1], sum[best], sum[best + 1],
+                    sum[best + 4], sum[best + 5], sum[best + 6], subpixel.x, subpixel.y);
+    const float least = patch_pixels * distance_floor(kind);
+    const bool squared = kind == kDistanceL2;
+    const vec2 limit = vec2(subpixel_limit(sum[best], sum[best - 1], sum[best + 1], least, squared),
+                            subpixel_limit(sum[best], sum[best - 5], sum[best + 5], least, squared));
+    subpixel = clamp(subpixel, -limit, limit);
   }
   offset.data[row * p.width + at.x] = coarse + vec2(s) + subpixel;
   residual.data[row * p.width + at.x] =
-      sums.data[(best * p.rows + at.y) * p.width + at.x] / patch_pixels - distance_floor(kind);
+      sum[best] / patch_pixels - distance_floor(kind);
 }

@@ -62,6 +62,12 @@ struct SelectParams {
   int refine;  // 1: add the minimum of the quadric through the 3x3 costs around the best
 };
 
+/// align/median_offset.
+struct MedianParams {
+  int width;
+  int height;
+};
+
 /// align/upsample_offset: matching resolution to full resolution.
 struct UpsampleParams {
   int width_in;

@@ -50,6 +50,13 @@ GpuAlignment align_on(gpu::Device& device, const Settings& settings, gpu::Extent
   return result;
 }
 
+/// The pattern in the range that the filter gives to its features.
+Grid<double> feature_image(int width, int height, Vec2 shift, unsigned seed) {
+  Grid<double> image = pattern_image(width, height, shift, seed);
+  for (double& value : image.data) value *= 16.0;
+  return image;
+}
+
 double median(std::vector<double> values) {
   std::ranges::nth_element(values, values.begin() + values.size() / 2);
   return values[values.size() / 2];
@@ -63,8 +70,8 @@ void expect_shift_found(gpu::Device& device, Vec2 truth, double bound_px) {
   const int width = 1920, height = 1080;
   Settings settings = preset("final");
   const GpuAlignment found =
-      align_on(device, settings, {width, height}, {pattern_image(width, height, {}, 3)},
-               {pattern_image(width, height, {-truth.x, -truth.y}, 3)});
+      align_on(device, settings, {width, height}, {feature_image(width, height, {}, 3)},
+               {feature_image(width, height, {-truth.x, -truth.y}, 3)});
   const int border = 200;
   std::vector<double> errors;
   for (int y = border; y < height - border; ++y) {
@@ -90,7 +97,7 @@ TEST_F(AlignTest, FlatAndEqualImagesStayStill) {
     Settings settings = preset("final");
     settings.distance = distance;
     const Grid<double> flat(70, 41, 0.25);
-    const Grid<double> textured = pattern_image(70, 41, {}, 5);
+    const Grid<double> textured = feature_image(70, 41, {}, 5);
     for (const auto& image : {flat, textured}) {
       const GpuAlignment found = align_on(device(), settings, {70, 41}, {image}, {image});
       for (const Vec2& offset : found.offset.data) {
@@ -122,12 +129,12 @@ TEST_P(AlignAgainstReference, OffsetsAndResidualsAgree) {
   const gpu::Extent full{c.width, c.height};
   const auto extents = pyramid_extents(settings, c.width, c.height);
   std::mt19937 random(11);
-  std::normal_distribution<double> noise(0.0, 0.02);
+  std::normal_distribution<double> noise(0.0, 0.3);
   Planes target, source;
   for (int plane = 0; plane < c.planes; ++plane) {
-    target.push_back(pattern_image(extents[0].width, extents[0].height, {}, 20 + plane));
+    target.push_back(feature_image(extents[0].width, extents[0].height, {}, 20 + plane));
     source.push_back(
-        pattern_image(extents[0].width, extents[0].height, {3.3 - 0.1 * plane, -1.6}, 20 + plane));
+        feature_image(extents[0].width, extents[0].height, {3.3 - 0.1 * plane, -1.6}, 20 + plane));
     // Both sides hold the very floats that the device gets.
     for (double& value : target.back().data) value = static_cast<float>(value + noise(random));
     for (double& value : source.back().data) value = static_cast<float>(value + noise(random));
@@ -157,7 +164,8 @@ TEST_P(AlignAgainstReference, OffsetsAndResidualsAgree) {
   }
   for (std::size_t i = 0; i < truth.residual.data.size(); ++i) {
     if (!truth.ambiguous.data[i]) {
-      worst_residual = std::max(worst_residual, std::abs(truth.residual.data[i] - found.residual.data[i]));
+      const double error = std::abs(truth.residual.data[i] - found.residual.data[i]);
+      worst_residual = std::max(worst_residual, error / std::max(1.0, truth.residual.data[i]));
     }
   }
   EXPECT_GE(certain, static_cast<std::size_t>(0.8 * c.width * c.height))
@@ -176,7 +184,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"quarter_resolution", {"match_downsample=4"}, 131, 90, 1},
                     Case{"three_planes", {"pyramid_levels=3"}, 64, 48, 3},
                     Case{"radii_per_level", {"blur_radius=10,4,2", "pyramid_levels=3"}, 80, 60, 1},
-                    Case{"radius_zero", {"blur_radius=0,2", "pyramid_levels=2"}, 64, 48, 1},
+                    Case{"radius_zero", {"blur_radius=2,0", "pyramid_levels=2"}, 64, 48, 1},
                     Case{"unrefined", {"refine_levels=0"}, 64, 48, 1}, Case{"one_row", {}, 64, 1, 1}),
     [](const auto& info) { return info.param.name; });
 
@@ -185,8 +193,8 @@ TEST_F(AlignTest, BandsLeaveNoSeams) {
   Settings settings = preset("final");
   settings.pyramid_levels = 1;
   const int width = 4000, height = 97;
-  const Grid<double> target = pattern_image(width, height, {}, 8);
-  const Grid<double> source = pattern_image(width, height, {1.0, 1.0}, 8);
+  const Grid<double> target = feature_image(width, height, {}, 8);
+  const Grid<double> source = feature_image(width, height, {1.0, 1.0}, 8);
   const GpuAlignment found = align_on(device(), settings, {width, height}, {target}, {source});
   for (int y = 8; y < height - 8; ++y) {
     std::vector<double> errors;

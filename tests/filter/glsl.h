@@ -11,6 +11,7 @@ using std::abs;
 using std::exp;
 using std::log;
 using std::max;
+using std::min;
 using std::sqrt;
 
 #include "shaders/lib/color.glsl"     // NOLINT(bugprone-suspicious-include)

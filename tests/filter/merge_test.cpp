@@ -154,6 +154,7 @@ TEST_F(MergeTest, VarianceGainAgreesWithTheReference) {
 TEST_F(MergeTest, MaskGainAgreesWithTheReference) {
   Settings settings = preset("balanced");
   settings.merge = MergeMode::mask;
+  settings.match_downsample = 1;  // the residual is given at full resolution
   settings.max_history = 3;
   MergeOnDevice merge(device(), settings);
   Grid<Estimate> history(kWidth, kHeight);

@@ -30,15 +30,18 @@ TEST(Quadric, FindsTheMinimumOfEveryQuadric) {
   while (tried < 200) {
     const float x0 = 0.7f * uniform(random), y0 = 0.7f * uniform(random);
     const float a = 0.1f + std::abs(uniform(random)), b = 0.1f + std::abs(uniform(random));
-    const float c = 0.9f * uniform(random) * std::sqrt(a * b);  // keeps it positive definite
+    const float c = 0.5f * uniform(random) * std::min(a, b);  // keeps it positive definite
     const auto m = fit([&](float x, float y) {
       return 3.0f + a * (x - x0) * (x - x0) + b * (y - y0) * (y - y0) + 2.0f * c * (x - x0) * (y - y0);
     });
     ++tried;
     if (x0 * x0 + y0 * y0 > 0.98f) continue;
     ASSERT_TRUE(m.found) << "a=" << a << " b=" << b << " c=" << c;
-    EXPECT_NEAR(m.x, x0, 2e-3f);
-    EXPECT_NEAR(m.y, y0, 2e-3f);
+    // A hundredth of the larger curvature is added to both directions: the offset along the weaker one
+    // shrinks.
+    const float shrink = 0.03f * std::max(a, b) / (std::min(a, b) - std::abs(c));
+    EXPECT_NEAR(m.x, x0, 1e-3f + shrink);
+    EXPECT_NEAR(m.y, y0, 1e-3f + shrink);
   }
 }
 
@@ -49,12 +52,26 @@ TEST(Quadric, DoesNotDependOnTheScaleOfTheCosts) {
   for (const float scale : {1e-12f, 1.0f, 1e12f}) {
     const auto m = fit([&](float x, float y) { return scale * cost(x, y); });
     ASSERT_TRUE(m.found) << scale;
-    EXPECT_NEAR(m.x, 0.25f, 1e-4f) << scale;
-    EXPECT_NEAR(m.y, -0.4f, 1e-4f) << scale;
+    EXPECT_NEAR(m.x, 0.25f, 0.006f) << scale;
+    EXPECT_NEAR(m.y, -0.4f, 0.006f) << scale;
   }
 }
 
-TEST(Quadric, HasNoMinimumOnPlanesSaddlesValleysAndFarAway) {
+TEST(Quadric, TakesTheNearestPointOfAValley) {
+  const auto m = fit([](float x, float y) { return 1.0f + (x + y - 0.6f) * (x + y - 0.6f); });
+  ASSERT_TRUE(m.found);
+  EXPECT_NEAR(m.x, 0.3f, 0.01f);
+  EXPECT_NEAR(m.y, 0.3f, 0.01f);
+}
+
+TEST(Quadric, APerfectMatchHasNoSubpixelPart) {
+  EXPECT_EQ(subpixel_limit(2.0f, 3.0f, 5.0f, 2.0f, false), 0.0f);
+  EXPECT_FLOAT_EQ(subpixel_limit(2.5f, 3.0f, 3.0f, 2.0f, false), 0.5f);
+  EXPECT_FLOAT_EQ(subpixel_limit(2.25f, 3.0f, 3.0f, 2.0f, true), 0.5f);
+  EXPECT_EQ(subpixel_limit(2.0f, 2.0f, 2.0f, 2.0f, false), 0.0f);
+}
+
+TEST(Quadric, HasNoMinimumOnPlanesSaddlesAndFarAway) {
   const auto no_minimum = [](auto f) {
     const Minimum m = fit(f);
     return !m.found && m.x == 0.0f && m.y == 0.0f;
@@ -62,7 +79,6 @@ TEST(Quadric, HasNoMinimumOnPlanesSaddlesValleysAndFarAway) {
   EXPECT_TRUE(no_minimum([](float, float) { return 1.0f; }));
   EXPECT_TRUE(no_minimum([](float x, float y) { return x - 2.0f * y; }));
   EXPECT_TRUE(no_minimum([](float x, float y) { return x * x - y * y; }));
-  EXPECT_TRUE(no_minimum([](float x, float y) { return (x - y) * (x - y); }));
   EXPECT_TRUE(no_minimum([](float x, float y) { return (x - 3.0f) * (x - 3.0f) + y * y; }));
   EXPECT_TRUE(no_minimum([](float x, float y) { return x == 0.0f && y == 0.0f ? std::nanf("") : 1.0f; }));
 }

@@ -41,28 +41,56 @@ double center_weight(Distance kind, int sx, int sy) {
   return kind == Distance::log_l1_centered ? 2.0 - std::exp(-0.02 * (sx * sx + sy * sy)) : 1.0;
 }
 
-/// Position of the quadric's minimum; {0,0} if it has none within a pixel. Least squares over the 3x3 costs
-/// by the normal equations of the six monomials, which on this grid are orthogonal but for 1, x^2 and y^2.
+/// Position of the quadric's minimum; {0,0} if it has none within a pixel. Weighted least squares over the
+/// 3x3 costs, with weights (1,2,1)x(1,2,1) as in Hasinoff et al. 2016, by the normal equations of the six
+/// monomials.
 Vec2 quadric_minimum(const std::array<std::array<double, 3>, 3>& cost) {
-  double s = 0, sx = 0, sy = 0, sxy = 0, sxx = 0, syy = 0;
-  for (int j = -1; j <= 1; ++j) {
-    for (int i = -1; i <= 1; ++i) {
-      const double c = cost[j + 1][i + 1];
-      s += c;
-      sx += i * c;
-      sy += j * c;
-      sxy += i * j * c;
-      sxx += i * i * c;
-      syy += j * j * c;
+  std::array<std::array<double, 7>, 6> equations{};
+  for (int y = -1; y <= 1; ++y) {
+    for (int x = -1; x <= 1; ++x) {
+      const double weight = (x == 0 ? 2 : 1) * (y == 0 ? 2 : 1);
+      const std::array<double, 7> row{1,           double(x),     double(y),         x * x / 2.0,
+                                      y * y / 2.0, double(x * y), cost[y + 1][x + 1]};
+      for (int i = 0; i < 6; ++i) {
+        for (int j = 0; j < 7; ++j) equations[i][j] += weight * row[i] * row[j];
+      }
     }
   }
-  // f = c + bx x + by y + (axx x^2 + ayy y^2)/2 + axy x y
-  const double bx = sx / 6, by = sy / 6, axy = sxy / 4;
-  const double axx = sxx - 2 * s / 3, ayy = syy - 2 * s / 3;
+  for (int pivot = 0; pivot < 6; ++pivot) {
+    for (int i = 0; i < 6; ++i) {
+      if (i == pivot) continue;
+      const double factor = equations[i][pivot] / equations[pivot][pivot];
+      for (int j = pivot; j < 7; ++j) equations[i][j] -= factor * equations[pivot][j];
+    }
+  }
+  const auto coefficient = [&](int i) { return equations[i][6] / equations[i][i]; };
+  const double bx = coefficient(1), by = coefficient(2);
+  // A hundredth of the larger curvature more in every direction takes the nearest point of a valley.
+  const double larger = std::max(coefficient(3), coefficient(4));
+  const double axx = coefficient(3) + 0.01 * larger, ayy = coefficient(4) + 0.01 * larger,
+               axy = coefficient(5);
   const double det = axx * ayy - axy * axy;
-  if (axx <= 0 || ayy <= 0 || det <= 1e-3 * axx * ayy) return {};
+  if (larger <= 1e-5 * cost[1][1] || axx <= 0 || ayy <= 0 || det <= 0) return {};
   const Vec2 m{(axy * by - ayy * bx) / det, (axy * bx - axx * by) / det};
   return m.x * m.x + m.y * m.y <= 1.0 ? m : Vec2{};
+}
+
+/// Median of each component over 3x3 pixels; doubtful where any of the nine is.
+void take_medians(Alignment& level) {
+  const Alignment noisy = level;
+  for (int y = 0; y < noisy.offset.height; ++y) {
+    for (int x = 0; x < noisy.offset.width; ++x) {
+      std::array<double, 9> xs{}, ys{};
+      for (int k = 0; k < 9; ++k) {
+        xs[k] = noisy.offset.clamped(x + k % 3 - 1, y + k / 3 - 1).x;
+        ys[k] = noisy.offset.clamped(x + k % 3 - 1, y + k / 3 - 1).y;
+        level.ambiguous.at(x, y) |= noisy.ambiguous.clamped(x + k % 3 - 1, y + k / 3 - 1);
+      }
+      std::ranges::sort(xs);
+      std::ranges::sort(ys);
+      level.offset.at(x, y) = {xs[4], ys[4]};
+    }
+  }
 }
 
 }  // namespace
@@ -156,14 +184,23 @@ Alignment align(const Planes& target_finest, const Planes& source_finest, const 
         if (static_cast<int>(l) < settings.refine_levels && std::abs(sx) < 2 && std::abs(sy) < 2) {
           std::array<std::array<double, 3>, 3> around{};
           for (int j = -1; j <= 1; ++j) {
-            for (int i = -1; i <= 1; ++i) around[j + 1][i + 1] = cost[best + 5 * j + i];
+            for (int i = -1; i <= 1; ++i) around[j + 1][i + 1] = mean[best + 5 * j + i];
           }
           subpixel = quadric_minimum(around);
+          const auto limit = [&](int step) {
+            const double least = floor_of(settings.distance);
+            const double ratio =
+                (mean[best] - least) / std::max(1e-30, (mean[best - step] + mean[best + step]) / 2 - least);
+            return std::min(1.0, settings.distance == Distance::l2 ? std::sqrt(ratio) : ratio);
+          };
+          subpixel = {std::clamp(subpixel.x, -limit(1), limit(1)),
+                      std::clamp(subpixel.y, -limit(5), limit(5))};
         }
         level.offset.at(x, y) = {start.at(x, y).x + sx + subpixel.x, start.at(x, y).y + sy + subpixel.y};
         level.residual.at(x, y) = mean[best] - floor_of(settings.distance);
       }
     }
+    take_medians(level);
     result = std::move(level);
   }
   return result;
