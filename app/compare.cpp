@@ -1,0 +1,337 @@
+// becalm compare: the figures of a sequence against a reference, and a failure where they pass a limit.
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "app/command.h"
+#include "app/compare_report.h"
+#include "frame/io/exr.h"
+#include "frame/io/sequence.h"
+#include "frame/metrics.h"
+
+namespace becalm::app {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+struct CompareCommand {
+  std::string reference;
+  std::string test;
+  std::string reference_b;
+  std::string frames;
+  std::string report;
+  std::string json;
+  std::optional<double> max_rel_mse;
+  std::optional<double> max_temporal;
+  std::optional<double> max_energy;
+  std::optional<double> min_psnr;
+  std::optional<double> min_ssim;
+};
+
+/// The images of one frame.
+struct Images {
+  int frame = 0;
+  Image test;
+  Image reference;
+  Image reference_b;  ///< empty without --reference-b
+};
+
+Image mean_of(const Image& a, const Image& b) {
+  Image mean = a;
+  for (std::size_t i = 0; i < mean.data().size(); ++i) mean.data()[i] = 0.5f * (a.data()[i] + b.data()[i]);
+  return mean;
+}
+
+FrameFigures measure(const Images& now, const Images* before) {
+  const bool two = !now.reference_b.empty();
+  const Measured error =
+      two ? rel_mse(now.test, now.reference, now.reference_b) : rel_mse(now.test, now.reference);
+  FrameFigures figures{
+      .frame = now.frame, .rel_mse = error.value, .temporal = kNone, .skipped = error.skipped};
+  if (two) {
+    figures.psnr_db = psnr(now.test, now.reference, now.reference_b, 1.0).value;
+    figures.ssim = ssim(now.test, mean_of(now.reference, now.reference_b)).value;
+    figures.energy = energy(now.test, now.reference, now.reference_b).value;
+  } else {
+    figures.psnr_db = psnr(now.test, now.reference).value;
+    figures.ssim = ssim(now.test, now.reference).value;
+    figures.energy = energy(now.test, now.reference).value;
+  }
+  if (before != nullptr && before->frame == now.frame - 1) {
+    figures.temporal = two ? temporal_error(now.test, before->test, now.reference, before->reference,
+                                            now.reference_b, before->reference_b)
+                                 .value
+                           : temporal_error(now.test, before->test, now.reference, before->reference).value;
+  }
+  return figures;
+}
+
+/// One column of the table, and the limit that may be set on it.
+struct Column {
+  const char* title;
+  const char* key;     ///< in the JSON file
+  const char* option;  ///< that sets the limit
+  double FrameFigures::*value;
+  std::function<bool(double value, double limit)> fails;
+  std::string (*format)(double);
+};
+
+/// Comparisons are written so that NaN, which means that no pixel was finite, fails.
+bool above(double value, double limit) {
+  return !(value <= limit);
+}
+bool below(double value, double limit) {
+  return !(value >= limit);
+}
+
+const std::vector<Column>& columns() {
+  static const std::vector<Column> all{
+      {"relMSE", "relmse", "--max-relmse", &FrameFigures::rel_mse, above,
+       [](double v) { return fmt::format("{:.4e}", v); }},
+      {"PSNR dB", "psnr", "--min-psnr", &FrameFigures::psnr_db, below,
+       [](double v) { return fmt::format("{:.2f}", v); }},
+      {"SSIM", "ssim", "--min-ssim", &FrameFigures::ssim, below,
+       [](double v) { return fmt::format("{:.4f}", v); }},
+      {"temporal", "temporal", "--max-temporal", &FrameFigures::temporal, above,
+       [](double v) { return fmt::format("{:.4e}", v); }},
+      {"energy", "energy", "--max-energy", &FrameFigures::energy,
+       [](double value, double limit) { return above(std::abs(value), limit); },
+       [](double v) { return fmt::format("{:+.3f} %", v * 100.0); }},
+  };
+  return all;
+}
+
+std::optional<double> limit_of(const CompareCommand& command, const Column& column) {
+  const std::string option = column.option;
+  if (option == "--max-relmse") return command.max_rel_mse;
+  if (option == "--min-psnr") return command.min_psnr;
+  if (option == "--min-ssim") return command.min_ssim;
+  if (option == "--max-temporal") return command.max_temporal;
+  return command.max_energy;
+}
+
+/// The first frame has no temporal error; that alone is no figure, while NaN elsewhere is one.
+bool has_value(const Column& column, const FrameFigures& figures) {
+  return column.value != &FrameFigures::temporal || !std::isnan(figures.temporal);
+}
+
+/// Mean over the frames; PSNR is a mean of decibels, as tables give it.
+FrameFigures mean_of(const std::vector<FrameFigures>& frames) {
+  FrameFigures mean;
+  for (const Column& column : columns()) {
+    double sum = 0.0;
+    std::size_t count = 0;
+    for (const FrameFigures& figures : frames) {
+      if (!has_value(column, figures)) continue;
+      sum += figures.*column.value;
+      ++count;
+    }
+    mean.*column.value = count == 0 ? kNone : sum / static_cast<double>(count);
+  }
+  for (const FrameFigures& figures : frames) mean.skipped += figures.skipped;
+  return mean;
+}
+
+void print_row(const std::string& name, const FrameFigures& figures) {
+  fmt::print("{:>6}", name);
+  for (const Column& column : columns()) {
+    fmt::print("  {:>11}", has_value(column, figures) ? column.format(figures.*column.value) : "-");
+  }
+  fmt::print("\n");
+}
+
+void print_header() {
+  fmt::print("{:>6}", "frame");
+  for (const Column& column : columns()) fmt::print("  {:>11}", column.title);
+  fmt::print("\n");
+}
+
+nlohmann::ordered_json to_json(const FrameFigures& figures) {
+  nlohmann::ordered_json json;
+  for (const Column& column : columns())
+    json[column.key] = figures.*column.value;  // NaN and infinity become null
+  json["skipped_pixels"] = figures.skipped;
+  return json;
+}
+
+/// One run of `becalm compare`.
+class CompareJob {
+ public:
+  explicit CompareJob(const CompareCommand& command);
+  ExitStatus run();
+
+ private:
+  Images read(int frame) const;
+  Image read_like(const io::SequencePattern& pattern, int frame, const Image& reference) const;
+  std::vector<std::string> find_failures(const std::vector<FrameFigures>& figures) const;
+  void write_json(const std::vector<FrameFigures>& figures, const std::vector<std::string>& failures) const;
+
+  const CompareCommand& command_;
+  const io::SequencePattern reference_;
+  const io::SequencePattern test_;
+  std::optional<io::SequencePattern> reference_b_;
+  std::vector<int> frames_;
+};
+
+CompareJob::CompareJob(const CompareCommand& command)
+    : command_(command), reference_(command.reference), test_(command.test) {
+  if (!command.reference_b.empty()) reference_b_.emplace(command.reference_b);
+  frames_ = !command.frames.empty()        ? io::parse_frame_range(command.frames)
+            : reference_.has_frame_field() ? reference_.frames_on_disk()
+                                           : std::vector<int>{1};
+  if (frames_.empty()) {
+    throw Error(ExitStatus::bad_input,
+                fmt::format("{}: no frame of this sequence is on disk", command.reference));
+  }
+  const io::SequencePattern* second = reference_b_ ? &*reference_b_ : nullptr;
+  for (const io::SequencePattern* pattern : {&reference_, &test_, second}) {
+    if (pattern == nullptr || pattern->has_frame_field() || frames_.size() == 1) continue;
+    throw Error(ExitStatus::usage, fmt::format("{}: {} frames need a frame field, such as ####.exr",
+                                               pattern->text(), frames_.size()));
+  }
+}
+
+Images CompareJob::read(int frame) const {
+  Images images{.frame = frame, .test = {}, .reference = {}, .reference_b = {}};
+  images.reference = io::read_exr(reference_.path(frame), frame, {}).frame.image(Aov::beauty);
+  images.test = read_like(test_, frame, images.reference);
+  if (reference_b_) images.reference_b = read_like(*reference_b_, frame, images.reference);
+  return images;
+}
+
+Image CompareJob::read_like(const io::SequencePattern& pattern, int frame, const Image& reference) const {
+  Image image = io::read_exr(pattern.path(frame), frame, {}).frame.image(Aov::beauty);
+  if (image.width() == reference.width() && image.height() == reference.height()) return image;
+  throw Error(ExitStatus::bad_input,
+              fmt::format("{}: is {}x{}, and {} is {}x{}", pattern.path(frame), image.width(), image.height(),
+                          reference_.path(frame), reference.width(), reference.height()));
+}
+
+ExitStatus CompareJob::run() {
+  std::optional<CompareReport> report;
+  if (!command_.report.empty()) report.emplace(command_.report);
+  std::vector<FrameFigures> figures;
+  std::optional<Images> before;
+  print_header();
+  for (const int frame : frames_) {
+    Images now = read(frame);
+    figures.push_back(measure(now, before ? &*before : nullptr));
+    print_row(std::to_string(frame), figures.back());
+    if (figures.back().skipped > 0) {
+      fmt::print(stderr, "becalm: frame {}: {} pixels are not finite and were left out\n", frame,
+                 figures.back().skipped);
+    }
+    if (report)
+      report->add(frame, now.test, reference_b_ ? mean_of(now.reference, now.reference_b) : now.reference);
+    before = std::move(now);
+  }
+  print_row("mean", mean_of(figures));
+  std::fflush(stdout);
+  if (report) report->finish(fmt::format("{} against {}", command_.test, command_.reference), figures);
+
+  const std::vector<std::string> failures = find_failures(figures);
+  if (!command_.json.empty()) write_json(figures, failures);
+  for (const std::string& failure : failures) fmt::print(stderr, "becalm: {}\n", failure);
+  return failures.empty() ? ExitStatus::done : ExitStatus::comparison_failed;
+}
+
+/// A limit holds for every frame: one bad frame in a hundred is seen, and would not be in the mean.
+std::vector<std::string> CompareJob::find_failures(const std::vector<FrameFigures>& figures) const {
+  std::vector<std::string> failures;
+  for (const Column& column : columns()) {
+    const std::optional<double> limit = limit_of(command_, column);
+    if (!limit) continue;
+    const FrameFigures* worst = nullptr;
+    std::size_t failed = 0;
+    std::size_t measured = 0;
+    for (const FrameFigures& entry : figures) {
+      if (!has_value(column, entry)) continue;
+      ++measured;
+      if (!column.fails(entry.*column.value, *limit)) continue;
+      ++failed;
+      if (worst == nullptr || column.fails(entry.*column.value, worst->*column.value)) worst = &entry;
+    }
+    if (worst == nullptr) continue;
+    failures.push_back(fmt::format("failed: {} of frame {} is {}, and {} is {:g} ({} of {} frames)",
+                                   column.title, worst->frame, column.format(worst->*column.value),
+                                   column.option, *limit, failed, measured));
+  }
+  return failures;
+}
+
+void CompareJob::write_json(const std::vector<FrameFigures>& figures,
+                            const std::vector<std::string>& failures) const {
+  nlohmann::ordered_json json;
+  json["reference"] = command_.reference;
+  if (reference_b_) json["reference_b"] = command_.reference_b;
+  json["test"] = command_.test;
+  json["frames"] = nlohmann::ordered_json::array();
+  for (const FrameFigures& entry : figures) {
+    nlohmann::ordered_json row;
+    row["frame"] = entry.frame;
+    row.update(to_json(entry));
+    json["frames"].push_back(row);
+  }
+  json["mean"] = to_json(mean_of(figures));
+  json["failures"] = failures;
+  std::ofstream file(command_.json);
+  if (!(file << json.dump(2) << '\n') || !file.flush()) {
+    throw Error(ExitStatus::resource, fmt::format("--json {}: cannot write it", command_.json));
+  }
+}
+
+}  // namespace
+
+Command add_compare(CLI::App& becalm) {
+  CLI::App& parser = *becalm.add_subcommand("compare", "Measure a sequence against a reference");
+  auto command = std::make_shared<CompareCommand>();
+  parser.add_option("reference", command->reference, "The reference: a pattern or one file")
+      ->required()
+      ->type_name("REFERENCE");
+  parser.add_option("test", command->test, "What is measured: a pattern or one file")
+      ->required()
+      ->type_name("TEST");
+  parser
+      .add_option("--reference-b", command->reference_b,
+                  "A second, independent reference: its noise and the first one's no longer count as error")
+      ->type_name("SECOND")
+      ->group("Input");
+  parser
+      .add_option("--frames", command->frames, "Frames to compare (default: those of the reference on disk)")
+      ->type_name("RANGE")
+      ->group("Input");
+  parser.add_option("--json", command->json, "Write the figures to this file too")
+      ->type_name("FILE")
+      ->group("Output");
+  parser
+      .add_option("--report", command->report,
+                  "Write pictures of the errors and an index.html into this folder")
+      ->type_name("DIR")
+      ->group("Output");
+  const auto add_limit = [&](const char* name, std::optional<double>& limit, const char* help) {
+    parser.add_option(name, limit, help)
+        ->type_name("X")
+        ->group("Limits (any frame beyond one: exit status 1)");
+  };
+  add_limit("--max-relmse", command->max_rel_mse, "Largest relMSE");
+  add_limit("--max-temporal", command->max_temporal, "Largest temporal error");
+  add_limit("--max-energy", command->max_energy, "Largest share by which the mean may differ: 0.01 is 1 %");
+  add_limit("--min-psnr", command->min_psnr, "Smallest PSNR, in dB for a peak of 1");
+  add_limit("--min-ssim", command->min_ssim, "Smallest SSIM");
+  parser.footer(
+      "Examples:\n"
+      "  becalm compare 'ref/shot.####.exr' 'out/shot.####.exr' --report report\n"
+      "  becalm compare ref.exr out.exr --max-relmse 0.01 --max-energy 0.005\n");
+  return {&parser, [command] { return CompareJob(*command).run(); }};
+}
+
+}  // namespace becalm::app

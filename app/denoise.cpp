@@ -1,0 +1,229 @@
+// becalm denoise: a sequence of EXR files from any renderer, denoised forward in time into another.
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <future>
+#include <memory>
+#include <optional>
+
+#include "app/cancel.h"
+#include "app/command.h"
+#include "app/filter_step.h"
+#include "app/input_frames.h"
+#include "app/options.h"
+#include "app/outputs.h"
+#include "app/profile.h"
+#include "app/progress.h"
+#include "app/stage.h"
+#include "app/writing.h"
+#include "frame/io/exr.h"
+#include "frame/io/layers.h"
+#include "frame/io/sequence.h"
+
+namespace becalm::app {
+namespace {
+
+struct DenoiseCommand {
+  std::string input;
+  OutputOptions output;
+  FilterOptions filter;
+  std::string preset = "balanced";
+  std::string layers;
+  std::string missing = "error";
+};
+
+/// A denoised frame on its way to its files.
+struct Result {
+  Frame frame;
+  io::LoadedFrame source;
+  std::vector<int> outputs;  ///< its own number, and those of the missing frames that hold it
+};
+
+/// One run of `becalm denoise`.
+class DenoiseJob {
+ public:
+  explicit DenoiseJob(const DenoiseCommand& command);
+  ExitStatus run();
+
+ private:
+  void find_existing();
+  io::LoadedFrame read(int frame);
+  void check_like_first(const io::LoadedFrame& loaded);
+  void go_through(const std::vector<InputFrame>& work);
+  void write(Result& result);
+
+  const DenoiseCommand& command_;
+  const ThreadLimit threads_;
+  const io::LayerOverrides layers_;
+  FilterStep filter_;
+  const InputFrames inputs_;
+  Outputs outputs_;
+  io::Attributes attributes_;
+  std::set<int> existing_;
+  std::optional<Progress> progress_;
+  Profile profile_;
+  std::optional<Frame> first_;  ///< without its images: the size that all frames have
+  AovSet first_aovs_;
+};
+
+DenoiseJob::DenoiseJob(const DenoiseCommand& command)
+    : command_(command),
+      threads_(command.output.threads),
+      layers_(io::parse_layer_overrides(command.layers)),
+      filter_(command.preset, command.filter),
+      inputs_(command.input, command.output.frames, parse_missing(command.missing)),
+      outputs_("-o", command.output.pattern, inputs_.outputs()) {
+  std::vector<std::string> paths;
+  for (const InputFrame& frame : inputs_.frames()) paths.push_back(inputs_.path(frame.number));
+  outputs_.keep_apart_from(paths);
+}
+
+ExitStatus DenoiseJob::run() {
+  const std::string first_path = inputs_.path(inputs_.frames().front().number);
+  attributes_ = {{"becalm:version", BECALM_VERSION},
+                 {"becalm:settings", filter_.describe(inputs_.frames().front().number) +
+                                         (command_.layers.empty() ? "" : " layers=" + command_.layers)},
+                 {"becalm:preset", command_.preset}};
+  const std::string rendered_with = io::read_attribute(first_path, "becalm:settings");
+  if (!rendered_with.empty()) attributes_.emplace_back("becalm:input_settings", rendered_with);
+
+  outputs_.prepare();
+  if (command_.output.resume) find_existing();
+  const std::vector<InputFrame> work = inputs_.up_to_last_missing(existing_);
+  const std::size_t asked = outputs_.frames().size();
+  if (work.empty()) return all_there(asked, command_.output.quiet);
+
+  progress_.emplace(ProgressOptions{
+      .total = asked, .existing = existing_.size(), .work = work.size(), .quiet = command_.output.quiet});
+  if (!inputs_.note().empty()) progress_->warn(inputs_.note());
+  catch_signals();
+  go_through(work);
+  filter_.finish(profile_);
+  return conclude(*progress_, asked, command_.output.profile ? &profile_ : nullptr);
+}
+
+void DenoiseJob::find_existing() {
+  Outputs::Existing found = outputs_.find_existing(attributes_);
+  warn_unusable(found.unusable);
+  existing_ = std::move(found.frames);
+}
+
+/// Reading the next frame, filtering and writing the last one go on at the same time.
+void DenoiseJob::go_through(const std::vector<InputFrame>& work) {
+  Stage<Result> writer(
+      1, [this](Result& result) { write(result); }, request_stop);
+  const auto start_reading = [this](int frame) {
+    return std::async(std::launch::async, [this, frame] { return read(frame); });
+  };
+  std::future<io::LoadedFrame> next = start_reading(work.front().number);
+  for (std::size_t i = 0; i < work.size() && !stop_requested(); ++i) {
+    io::LoadedFrame loaded = next.get();
+    check_like_first(loaded);
+    if (i + 1 < work.size()) next = start_reading(work[i + 1].number);
+    if (work[i].new_history && i > 0) filter_.reset();
+    progress_->update(work[i].number, 0.0);
+    filter::Denoised denoised = filter_.denoise(loaded.frame, *progress_, profile_);
+    writer.push({std::move(denoised.frame), std::move(loaded), work[i].outputs});
+  }
+  writer.finish();
+}
+
+io::LoadedFrame DenoiseJob::read(int frame) {
+  const ProfileScope scope(profile_, "read");
+  return io::read_exr(inputs_.path(frame), frame, filter_.wanted(), layers_);
+}
+
+/// The first frame decides the size and the layers; nothing is written of a frame that differs.
+void DenoiseJob::check_like_first(const io::LoadedFrame& loaded) {
+  const Frame& frame = loaded.frame;
+  if (!first_) {
+    first_.emplace(frame.number(), frame.width(), frame.height());
+    first_aovs_ = frame.aovs();
+    filter_.build(frame.width(), frame.height(), first_aovs_);
+    return;
+  }
+  const std::string path = inputs_.path(frame.number());
+  if (frame.width() != first_->width() || frame.height() != first_->height()) {
+    throw Error(ExitStatus::bad_input,
+                fmt::format("{}: is {}x{}, and the frames before it are {}x{}", path, frame.width(),
+                            frame.height(), first_->width(), first_->height()));
+  }
+  for (const AovInfo& entry : kAovTable) {
+    if (!first_aovs_.test(static_cast<std::size_t>(entry.aov)) || frame.has(entry.aov)) continue;
+    throw Error(ExitStatus::bad_input, fmt::format("{}: has no layer '{}', which {} has", path, entry.name,
+                                                   inputs_.path(first_->number())));
+  }
+}
+
+void DenoiseJob::write(Result& result) {
+  for (const int number : result.outputs) {
+    if (existing_.contains(number)) {
+      progress_->frame_kept(number);
+      continue;
+    }
+    io::Attributes attributes = attributes_;
+    if (number != result.frame.number()) {
+      attributes.emplace_back("becalm:held_from", std::to_string(result.frame.number()));
+    }
+    io::WriteReport report;
+    {
+      const ProfileScope scope(profile_, "write");
+      report = io::write_denoised_exr(outputs_.path(number), result.frame, *result.source.contents,
+                                      result.source.layers, attributes);
+    }
+    warn_overflows(*progress_, number, report, "write the input as float to keep them");
+    if (report.lossless_instead) {
+      progress_->warn(
+          fmt::format("frame {}: ZIP instead of the input's lossy compression, which would alter the "
+                      "channels passed on",
+                      number));
+    }
+    progress_->frame_written(number);
+  }
+}
+
+}  // namespace
+
+Command add_denoise(CLI::App& becalm) {
+  CLI::App& parser = *becalm.add_subcommand("denoise", "Denoise a sequence of EXR files of any renderer");
+  auto command = std::make_shared<DenoiseCommand>();
+  parser.add_option("input", command->input, "The EXR files, such as 'in/shot.####.exr', or one file")
+      ->required()
+      ->type_name("INPUT");
+  add_output_options(parser, command->output, "all on disk");
+  parser
+      .add_option("--missing", command->missing,
+                  "A frame of --frames that is not there: error stops before the first frame, skip writes "
+                  "nothing for "
+                  "it, hold writes the denoised frame before it again (default: error)")
+      ->check(CLI::IsMember({"error", "skip", "hold"}))
+      ->type_name("error|skip|hold")
+      ->group("Input");
+  parser
+      .add_option(
+          "--layers", command->layers,
+          "Layers to read where the names are not known, such as albedo=diffcol,normal=N; becalm info tells "
+          "which are taken")
+      ->type_name("AOV=NAME,...")
+      ->group("Input");
+  parser
+      .add_option("--preset", command->preset,
+                  "draft, balanced or final: speed against accuracy (default: balanced)")
+      ->type_name("NAME")
+      ->group("Filter");
+  add_filter_options(parser, command->filter);
+  parser.footer(
+      "Every channel that is not denoised is passed on bit for bit.\n"
+      "Examples:\n"
+      "  becalm denoise 'in/shot.####.exr' -o 'out/shot.####.exr'\n"
+      "  becalm denoise 'in/shot.####.exr' -o 'out/shot.####.exr' --frames 1-48 --preset final --missing "
+      "hold\n" +
+      settings_help());
+  return {&parser, [command] { return DenoiseJob(*command).run(); }};
+}
+
+}  // namespace becalm::app

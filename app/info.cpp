@@ -1,0 +1,84 @@
+// becalm info: what a scene requires, what a file or sequence holds, which devices there are.
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "app/command.h"
+#include "filter/gpu/device.h"
+#include "frame/io/exr.h"
+#include "frame/io/layers.h"
+#include "frame/io/sequence.h"
+#include "tracer/scene/load.h"
+
+namespace becalm::app {
+namespace {
+
+struct InfoCommand {
+  std::string subject;
+  std::string layers;
+};
+
+void print_lines(const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) fmt::print("{}\n", line);
+}
+
+void describe_devices() {
+  constexpr double kMiB = 1024.0 * 1024.0;
+  const gpu::Device chosen;  // says what to install where there is none
+  for (const gpu::DeviceInfo& device : gpu::list_devices()) {
+    fmt::print("{}: {} ({}, {}), {:.0f} MiB memory, storage buffers up to {:.0f} MiB{}\n", device.index,
+               device.name, device.type, device.driver, static_cast<double>(device.memory_bytes) / kMiB,
+               static_cast<double>(device.max_storage_buffer_bytes) / kMiB,
+               device.index == chosen.info().index ? "; taken unless --device says otherwise" : "");
+  }
+}
+
+void describe_sequence(const io::SequencePattern& pattern, const io::LayerOverrides& layers) {
+  const std::vector<int> frames = pattern.frames_on_disk();
+  if (frames.empty()) {
+    throw Error(ExitStatus::bad_input,
+                fmt::format("{}: no frame of this sequence is on disk", pattern.text()));
+  }
+  fmt::print("{}: {} frames, {}\n", pattern.text(), frames.size(), io::format_frame_range(frames));
+  print_lines(io::describe_exr(pattern.path(frames.front()), layers));
+}
+
+ExitStatus describe(const InfoCommand& command) {
+  const io::LayerOverrides layers = io::parse_layer_overrides(command.layers);
+  if (command.subject == "device") {
+    describe_devices();
+  } else if (std::filesystem::path(command.subject).extension() == ".json") {
+    print_lines(tracer::describe_scene(tracer::load_scene(command.subject)));
+  } else if (const io::SequencePattern pattern(command.subject); pattern.has_frame_field()) {
+    describe_sequence(pattern, layers);
+  } else {
+    print_lines(io::describe_exr(command.subject, layers));
+  }
+  return ExitStatus::done;
+}
+
+}  // namespace
+
+Command add_info(CLI::App& becalm) {
+  CLI::App& parser =
+      *becalm.add_subcommand("info", "Describe a scene, an EXR file or sequence, or the devices");
+  auto command = std::make_shared<InfoCommand>();
+  parser.add_option("subject", command->subject, "A scene, an EXR file or pattern, or the word device")
+      ->required()
+      ->type_name("SCENE.json|EXR|device");
+  parser
+      .add_option("--layers", command->layers, "Layers to read where the names are not known, as for denoise")
+      ->type_name("AOV=NAME,...");
+  parser.footer(
+      "Examples:\n"
+      "  becalm info room.json\n"
+      "  becalm info 'out/room.####.exr'\n"
+      "  becalm info device\n");
+  return {&parser, [command] { return describe(*command); }};
+}
+
+}  // namespace becalm::app

@@ -1,0 +1,95 @@
+// The command line: parses, runs one subcommand and turns every failure into one line and an exit status.
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <new>
+#include <string>
+
+#include "app/command.h"
+#include "app/options.h"
+#include "filter/gpu/device.h"
+#include "frame/error.h"
+
+namespace {
+
+using becalm::ExitStatus;
+
+constexpr const char* kDescription = "becalm renders animations with few samples and makes them calm.\n";
+
+constexpr const char* kFooter =
+    "Examples:\n"
+    "  becalm render room.json -o 'noisy/room.####.exr' --frames 1-24 --spp 8 --aovs all\n"
+    "  becalm denoise 'noisy/room.####.exr' -o 'calm/room.####.exr'\n"
+    "  becalm render room.json -o 'calm/room.####.exr' --spp 8 --denoise\n"
+    "  becalm compare 'reference/room.####.exr' 'calm/room.####.exr' --report report\n"
+    "  becalm info device\n"
+    "\n"
+    "Quote patterns such as 'room.####.exr'. Results go to files, data to standard output, progress and\n"
+    "messages to standard error.\n"
+    "Exit status: 0 done; 1 a comparison failed; 2 wrong usage; 3 bad input; 4 device or resource trouble;\n"
+    "130 interrupted.\n"
+    "becalm COMMAND --help tells a command's options.\n";
+
+int fail(ExitStatus status, std::string message) {
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  fmt::print(stderr, "becalm: error: {}\n", message);
+  return static_cast<int>(status);
+}
+
+/// CLI11 says what is wrong but neither for which command nor where to read on.
+std::string usage_message(const CLI::ParseError& error, const std::array<becalm::app::Command, 4>& commands) {
+  std::string command;
+  for (const auto& entry : commands) {
+    if (entry.parser->parsed()) command = entry.parser->get_name();
+  }
+  const std::string message = error.what();
+  const std::string help = command.empty() ? "becalm --help" : fmt::format("becalm {} --help", command);
+  const std::string prefix = command.empty() ? "" : command + ": ";
+  if (error.get_name() == "ExtrasError") {
+    const auto colon = message.find(": ");
+    const std::string what = colon == std::string::npos ? message : message.substr(colon + 2);
+    return fmt::format("{}unknown option or argument: {}; see {}", prefix, what, help);
+  }
+  return fmt::format("{}{}; see {}", prefix, message, help);
+}
+
+int run(int argc, char** argv) {
+  CLI::App parser(kDescription, "becalm");
+  parser.footer(kFooter);
+  parser.set_version_flag("--version", "becalm " BECALM_VERSION, "Print the version and exit");
+  parser.set_help_flag("-h,--help", "Print this help and exit");
+  parser.get_formatter()->column_width(34);
+  parser.require_subcommand(1);
+  const std::array commands{becalm::app::add_render(parser), becalm::app::add_denoise(parser),
+                            becalm::app::add_compare(parser), becalm::app::add_info(parser)};
+  try {
+    parser.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return parser.exit(error);  // --help, --version
+    return fail(ExitStatus::usage, usage_message(error, commands));
+  }
+  const auto chosen = std::find_if(commands.begin(), commands.end(), [](const becalm::app::Command& command) {
+    return command.parser->parsed();
+  });
+  return static_cast<int>(chosen->run());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const becalm::Error& error) {
+    return fail(error.status(), error.what());
+  } catch (const becalm::gpu::DeviceError& error) {
+    return fail(ExitStatus::resource, error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(ExitStatus::resource, "not enough memory; use a smaller --size or fewer --aovs");
+  } catch (const std::exception& error) {
+    return fail(ExitStatus::resource, fmt::format("unexpected: {}", error.what()));
+  }
+}

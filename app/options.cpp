@@ -1,0 +1,97 @@
+#include "app/options.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdlib>
+
+#include "frame/io/exr.h"
+
+namespace becalm::app {
+
+void add_output_options(CLI::App& command, OutputOptions& options, const std::string& frames_default) {
+  command
+      .add_option("-o,--output", options.pattern,
+                  "Where to write: an EXR name with a frame field such as ####")
+      ->required()
+      ->type_name("PATTERN")
+      ->group("Output");
+  command
+      .add_option("--frames", options.frames,
+                  fmt::format("Frames to write: 1-24, 1-100x2, 5, 1-10,20-30; negative ones as --frames=-3-4 "
+                              "(default: {})",
+                              frames_default))
+      ->type_name("RANGE")
+      ->group("Output");
+  command
+      .add_flag("--resume", options.resume, "Keep the frames that are there, after checking their settings")
+      ->group("Output");
+  command.add_option("--threads", options.threads, "Processor threads to use (default: all)")
+      ->check(CLI::Range(1, 4096))
+      ->type_name("N")
+      ->group("Running");
+  command.add_flag("--profile", options.profile, "At the end, tell where time and memory went")
+      ->group("Running");
+  command.add_flag("--quiet", options.quiet, "No progress; warnings and errors stay")->group("Running");
+}
+
+void add_filter_options(CLI::App& command, FilterOptions& options) {
+  command.add_option("--set", options.assignments, "Change one entry of the preset; may be repeated")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false)
+      ->group("Filter");
+  command
+      .add_flag("--diagnostics", options.diagnostics,
+                "Write what the filter decided as layers: flow, error_mask, sample_count")
+      ->group("Filter");
+  command.add_option("--device", options.device, "Vulkan device (default: a hardware GPU if there is one)")
+      ->type_name("N|NAME")
+      ->group("Running");
+  command
+      .add_flag("--validate", options.validate,
+                "Run under the Vulkan validation layers; any message is an error")
+      ->group("Running");
+}
+
+filter::Settings resolve_settings(const std::string& preset, const FilterOptions& options) {
+  filter::Settings settings = filter::preset(preset);
+  for (const std::string& assignment : options.assignments) filter::set(settings, assignment);
+  return settings;
+}
+
+gpu::DeviceOptions device_options(const FilterOptions& options) {
+  return {.select = options.device, .validation = options.validate};
+}
+
+AovSet diagnostics_of(const FilterOptions& options) {
+  AovSet diagnostics;
+  for (const AovInfo& entry : kAovTable) {
+    diagnostics.set(static_cast<std::size_t>(entry.aov), options.diagnostics && entry.diagnostic);
+  }
+  return diagnostics;
+}
+
+std::string settings_help() {
+  std::string text = "Settings that --set changes:\n";
+  for (const filter::SettingInfo& setting : filter::settings_table()) {
+    text += fmt::format("  {:<20} {}\n  {:<20}   {}\n", setting.key, setting.type, "", setting.help);
+  }
+  return text;
+}
+
+void check_validation(const gpu::Device& device) {
+  const auto& messages = device.validation_messages();
+  if (messages.empty()) return;
+  throw gpu::DeviceError(fmt::format("{} message(s) of the Vulkan validation layer, the first: {}",
+                                     messages.size(), messages.front()));
+}
+
+ThreadLimit::ThreadLimit(int threads) {
+  if (threads == 0) return;
+  control_.emplace(tbb::global_control::max_allowed_parallelism, threads);
+  io::set_exr_threads(threads);
+  // The software device has no other way to be told.
+  setenv("LP_NUM_THREADS", std::to_string(threads).c_str(), /*overwrite=*/1);
+}
+
+}  // namespace becalm::app

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <tbb/global_control.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "filter/gpu/device.h"
+#include "filter/settings.h"
+#include "frame/aov.h"
+
+namespace CLI {
+class App;
+}
+
+namespace becalm::app {
+
+/// Options that more than one subcommand has, with one name and one meaning.
+struct OutputOptions {
+  std::string pattern;
+  std::string frames;  ///< as typed; empty: the subcommand's default
+  bool resume = false;
+  bool quiet = false;
+  bool profile = false;
+  int threads = 0;  ///< 0: all processors
+};
+void add_output_options(CLI::App& command, OutputOptions& options, const std::string& frames_default);
+
+struct FilterOptions {
+  std::vector<std::string> assignments;  ///< of --set
+  std::string device;
+  bool validate = false;
+  bool diagnostics = false;
+};
+void add_filter_options(CLI::App& command, FilterOptions& options);
+
+/// The preset with every --set applied. Throws Error(usage).
+filter::Settings resolve_settings(const std::string& preset, const FilterOptions& options);
+gpu::DeviceOptions device_options(const FilterOptions& options);
+/// Every diagnostic AOV, or none.
+AovSet diagnostics_of(const FilterOptions& options);
+/// The settings table as lines of help.
+std::string settings_help();
+
+/// Throws DeviceError if the validation layer had anything to say.
+void check_validation(const gpu::Device& device);
+
+/// Holds --threads for the tracer and the software device as long as it lives; made before the device is
+/// opened.
+class ThreadLimit {
+ public:
+  explicit ThreadLimit(int threads);
+
+ private:
+  std::optional<tbb::global_control> control_;
+};
+
+}  // namespace becalm::app

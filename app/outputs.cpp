@@ -1,0 +1,170 @@
+#include "app/outputs.h"
+
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <filesystem>
+#include <map>
+#include <sstream>
+#include <system_error>
+
+#include "frame/error.h"
+
+namespace becalm::app {
+namespace fs = std::filesystem;
+
+namespace {
+
+bool is_exr_name(const std::string& name) {
+  std::string extension = fs::path(name).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return extension == ".exr";
+}
+
+/// The path with links resolved as far as it exists, so that equal text means the same file.
+std::string resolved(const std::string& path) {
+  std::error_code error;
+  const fs::path canonical = fs::weakly_canonical(fs::absolute(path), error);
+  return error ? path : canonical.string();
+}
+
+/// `NAME.partial.PID.N`, as frame/io writes before it renames: the process, or 0 if the name is another one.
+int partial_owner(const std::string& file, const std::set<std::string>& outputs) {
+  constexpr std::string_view kMark = ".partial.";
+  const auto mark = file.rfind(kMark);
+  if (mark == std::string::npos || !outputs.contains(file.substr(0, mark))) return 0;
+  const char* begin = file.data() + mark + kMark.size();
+  const char* end = file.data() + file.size();
+  int process = 0;
+  unsigned counter = 0;
+  const auto first = std::from_chars(begin, end, process);
+  if (first.ec != std::errc() || first.ptr == end || *first.ptr != '.') return 0;
+  const auto second = std::from_chars(first.ptr + 1, end, counter);
+  return second.ec == std::errc() && second.ptr == end ? process : 0;
+}
+
+bool process_runs(int process) {
+  return ::kill(process, 0) == 0 || errno != ESRCH;
+}
+
+std::map<std::string, std::string> parse_settings(const std::string& text) {
+  std::map<std::string, std::string> settings;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    const auto equals = word.find('=');
+    settings[word.substr(0, equals)] = equals == std::string::npos ? "" : word.substr(equals + 1);
+  }
+  return settings;
+}
+
+/// The first setting that differs, as `spp=4, and this run has spp=8`.
+std::string describe_difference(const std::string& there, const std::string& here) {
+  const auto old_settings = parse_settings(there);
+  const auto new_settings = parse_settings(here);
+  for (const auto& [key, value] : new_settings) {
+    const auto found = old_settings.find(key);
+    if (found != old_settings.end() && found->second == value) continue;
+    if (found == old_settings.end()) return fmt::format("no {}, and this run has {}={}", key, key, value);
+    if (key == "scene") return "another content of the scene or of a file that it names";
+    return fmt::format("{}={}, and this run has {}={}", key, found->second, key, value);
+  }
+  for (const auto& [key, value] : old_settings) {
+    if (!new_settings.contains(key)) return fmt::format("{}={}, and this run has none", key, value);
+  }
+  return "the settings in another order";
+}
+
+bool is_whole(const std::string& path, int frame) {
+  try {
+    io::read_exr(path, frame, {});
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+}  // namespace
+
+Outputs::Outputs(std::string_view option, const std::string& pattern, std::vector<int> frames)
+    : option_(option), pattern_(pattern), frames_(std::move(frames)) {
+  if (!is_exr_name(pattern)) {
+    throw Error(ExitStatus::usage,
+                fmt::format("{} {}: expected a file name that ends in .exr", option_, pattern));
+  }
+  if (frames_.size() > 1 && !pattern_.has_frame_field()) {
+    throw Error(ExitStatus::usage, fmt::format("{} {}: {} frames need a frame field, such as ####.exr",
+                                               option_, pattern, frames_.size()));
+  }
+}
+
+void Outputs::keep_apart_from(const std::vector<std::string>& inputs) const {
+  std::set<std::string> taken;
+  for (const std::string& input : inputs) taken.insert(resolved(input));
+  for (const int frame : frames_) {
+    if (!taken.contains(resolved(path(frame)))) continue;
+    throw Error(ExitStatus::usage,
+                fmt::format("{} {}: would overwrite the input; choose another name", option_, path(frame)));
+  }
+}
+
+void Outputs::prepare() const {
+  const fs::path folder = fs::path(pattern_.text()).parent_path();
+  std::error_code error;
+  if (!folder.empty()) fs::create_directories(folder, error);
+  const fs::path place = folder.empty() ? fs::path(".") : folder;
+  if (!error && ::access(place.c_str(), W_OK | X_OK) != 0) error = {errno, std::generic_category()};
+  if (!error && !fs::is_directory(place)) error = std::make_error_code(std::errc::not_a_directory);
+  if (error) {
+    throw Error(ExitStatus::resource,
+                fmt::format("{} {}: cannot write there: {}", option_, pattern_.text(), error.message()));
+  }
+
+  std::set<std::string> names;
+  for (const int frame : frames_) names.insert(fs::path(path(frame)).filename().string());
+  for (const fs::directory_entry& entry : fs::directory_iterator(place, error)) {
+    const int owner = partial_owner(entry.path().filename().string(), names);
+    if (owner > 0 && !process_runs(owner)) fs::remove(entry.path(), error);
+  }
+}
+
+Outputs::Existing Outputs::find_existing(const io::Attributes& attributes) const {
+  Existing existing;
+  for (const int frame : frames_) {
+    std::error_code error;
+    if (!fs::exists(path(frame), error)) continue;
+    if (!is_whole(path(frame), frame)) {
+      existing.unusable.push_back(path(frame));
+      continue;
+    }
+    check_attributes(path(frame), attributes);
+    existing.frames.insert(frame);
+  }
+  return existing;
+}
+
+void Outputs::check_attributes(const std::string& path, const io::Attributes& attributes) const {
+  for (const auto& [name, value] : attributes) {
+    const std::string found = io::read_attribute(path, name);
+    if (found == value) continue;
+    const std::string difference =
+        found.empty() ? fmt::format("no {}, so becalm did not write it with such a command", name)
+        : value.find('=') == std::string::npos ? fmt::format("{} {}, and this run has {}", name, found, value)
+                                               : describe_difference(found, value);
+    throw Error(ExitStatus::usage,
+                fmt::format("--resume: {} was written with {}; use the same options or another {}", path,
+                            difference, option_));
+  }
+}
+
+std::vector<int> up_to_last_missing(const std::vector<int>& frames, const std::set<int>& existing) {
+  const auto last =
+      std::find_if(frames.rbegin(), frames.rend(), [&](int frame) { return !existing.contains(frame); });
+  return {frames.begin(), last.base()};
+}
+
+}  // namespace becalm::app

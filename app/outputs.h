@@ -1,0 +1,50 @@
+#pragma once
+
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "frame/io/exr.h"
+#include "frame/io/sequence.h"
+
+namespace becalm::app {
+
+/// The files that a command writes, one a frame.
+class Outputs {
+ public:
+  /// Throws Error(usage) unless the pattern is an EXR name, with a frame field if there are several frames.
+  /// `option` is the pattern's name in messages.
+  Outputs(std::string_view option, const std::string& pattern, std::vector<int> frames);
+
+  const std::vector<int>& frames() const { return frames_; }
+  std::string path(int frame) const { return pattern_.path(frame); }
+
+  /// Throws Error(usage) if one of the outputs is one of the inputs, links and all.
+  void keep_apart_from(const std::vector<std::string>& inputs) const;
+
+  /// Makes the folder and removes what killed runs left half-written of these frames. Throws Error(resource),
+  /// before hours of work whose result could not be written.
+  void prepare() const;
+
+  struct Existing {
+    std::set<int> frames;               ///< there, whole, and written with the same attributes
+    std::vector<std::string> unusable;  ///< there, but no longer readable: to be written again
+  };
+  /// What --resume keeps. Throws Error(usage) for a file that was written with other attributes, naming what
+  /// differs.
+  Existing find_existing(const io::Attributes& attributes) const;
+
+ private:
+  void check_attributes(const std::string& path, const io::Attributes& attributes) const;
+
+  std::string option_;
+  io::SequencePattern pattern_;
+  std::vector<int> frames_;
+};
+
+/// The first frames up to the last one that is not among the existing: what a stage with a memory must go
+/// through.
+std::vector<int> up_to_last_missing(const std::vector<int>& frames, const std::set<int>& existing);
+
+}  // namespace becalm::app

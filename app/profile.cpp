@@ -1,0 +1,71 @@
+#include "app/profile.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cstdio>
+
+namespace becalm::app {
+namespace {
+
+constexpr double kMiB = 1024.0 * 1024.0;
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+void Profile::add(const std::string& step, double seconds) {
+  const std::lock_guard lock(mutex_);
+  find(steps_ms_, step).push_back(seconds * 1e3);
+}
+
+void Profile::add(const std::vector<gpu::PassTime>& passes) {
+  const std::lock_guard lock(mutex_);
+  for (const gpu::PassTime& pass : passes) find(passes_ms_, pass.name).push_back(pass.milliseconds);
+}
+
+void Profile::set_device(std::string name, std::uint64_t bytes, std::uint64_t bytes_unaliased) {
+  const std::lock_guard lock(mutex_);
+  device_ = std::move(name);
+  device_bytes_ = bytes;
+  device_bytes_unaliased_ = bytes_unaliased;
+}
+
+void Profile::print() const {
+  const std::lock_guard lock(mutex_);
+  print_table("wall time a frame", steps_ms_);
+  print_table("device time a frame", passes_ms_);
+  if (!device_.empty()) {
+    fmt::print(stderr, "device {}: {:.1f} MiB held, {:.1f} MiB without shared memory\n", device_,
+               static_cast<double>(device_bytes_) / kMiB,
+               static_cast<double>(device_bytes_unaliased_) / kMiB);
+  }
+  rusage usage = {};
+  getrusage(RUSAGE_SELF, &usage);
+  fmt::print(stderr, "peak resident memory: {:.1f} MiB\n", static_cast<double>(usage.ru_maxrss) / 1024.0);
+}
+
+std::vector<double>& Profile::find(Samples& samples, const std::string& name) {
+  const auto found =
+      std::find_if(samples.begin(), samples.end(), [&](const auto& entry) { return entry.first == name; });
+  return found != samples.end() ? found->second : samples.emplace_back(name, std::vector<double>()).second;
+}
+
+void Profile::print_table(const char* title, const Samples& samples) {
+  if (samples.empty()) return;
+  fmt::print(stderr, "{} (median over the frames):\n", title);
+  double total_ms = 0.0;
+  for (const auto& [name, values] : samples) {
+    const double value = median(values);
+    total_ms += value;
+    fmt::print(stderr, "  {:<48} {:>10.2f} ms\n", name, value);
+  }
+  fmt::print(stderr, "  {:<48} {:>10.2f} ms\n", "sum", total_ms);
+}
+
+}  // namespace becalm::app

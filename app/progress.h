@@ -1,0 +1,68 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+namespace becalm::app {
+
+struct ProgressOptions {
+  std::size_t total = 0;        ///< frames asked for
+  std::size_t existing = 0;     ///< of them, those whose files are there already
+  std::size_t work = 0;         ///< frames to go through, written or not
+  std::string unit = "frames";  ///< what the rate counts: "samples" or "frames"
+  double units_per_frame = 1.0;
+  bool quiet = false;  ///< warnings only
+};
+
+/// Progress on standard error: frames done, time left and a rate, as one moving line on a terminal and as one
+/// line a frame elsewhere. May be called from any thread.
+class Progress {
+ public:
+  explicit Progress(const ProgressOptions& options);
+  /// Takes the moving line away.
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// `share` in [0,1] of the frame being worked on is done.
+  void update(int frame, double share);
+  /// The frame was worked on but its file exists already and is not written again.
+  void frame_kept(int frame);
+  void frame_written(int frame);
+  /// A line that --quiet does not silence.
+  void warn(std::string_view line);
+  /// Takes the moving line away; if all is `done`, prints the closing line: frames, time, rate.
+  void finish(bool done);
+
+  /// Files that are there: the existing ones and those of this run.
+  std::size_t written() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  double elapsed_s() const;
+  std::string rate() const;
+  std::string time_left() const;
+  void frame_done(int frame, std::string_view what);
+  void draw();
+  void erase();
+
+  const ProgressOptions options_;
+  const bool terminal_;
+  const Clock::time_point start_ = Clock::now();
+  mutable std::mutex mutex_;
+  Clock::time_point drawn_{};
+  std::size_t written_ = 0;  ///< by this run
+  std::size_t worked_ = 0;   ///< by this run, written or kept
+  int frame_ = 0;
+  double share_ = 0.0;  ///< of the frame after the `worked_` ones
+  bool line_shown_ = false;
+};
+
+/// `0:42`, `12:05`, `3:01:07`.
+std::string format_duration(double seconds);
+
+}  // namespace becalm::app
