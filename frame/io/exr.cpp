@@ -89,7 +89,7 @@ LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted,
     const std::unique_ptr<Imf::MultiPartInputFile> file = open_exr(path);
     require_flat(path, *file);
     loaded.layers = find_layers(path, channel_names(*file), overrides);
-    require_all_chunks(path);
+    require_all_chunks(path, *file);
 
     const LayerSource& beauty = *loaded.layers[static_cast<std::size_t>(Aov::beauty)];
     const Imath::Box2i window = file->header(beauty.part).dataWindow();

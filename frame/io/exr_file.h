@@ -54,9 +54,9 @@ std::vector<std::vector<std::string>> channel_names(const Imf::MultiPartInputFil
 bool is_deep(const Imf::Header& header);
 bool is_tiled(const Imf::Header& header);
 
-/// Throws Error(bad_input) where a chunk of pixels is missing or ends behind the file's end. Reads the
-/// chunks' headers only, and must have passed before anything of the image's size is allocated: a header may
-/// claim any size.
-void require_all_chunks(const std::string& path);
+/// While reading(): throws where a chunk of pixels is missing or ends behind the file's end, in any part.
+/// Reads the chunks' sizes only, and must have passed before anything of the image's size is allocated: a
+/// header may claim any size.
+void require_all_chunks(const std::string& path, const Imf::MultiPartInputFile& file);
 
 }  // namespace becalm::io

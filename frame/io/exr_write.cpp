@@ -113,7 +113,8 @@ void insert_attributes(Imf::Header& header, const Attributes& attributes) {
   }
 }
 
-/// Writes the pixels of one part: the channels that `from_frame` names, and all others from `source`.
+/// Writes the pixels of one part: the channels that `from_frame` names, and all others from `source`, which
+/// may be null if there are none.
 void write_part(Imf::MultiPartOutputFile& file, int part, const FrameChannels& from_frame,
                 Imf::InputPart* source, WriteReport& report) {
   const Imf::Header& header = file.header(part);
@@ -123,11 +124,12 @@ void write_part(Imf::MultiPartOutputFile& file, int part, const FrameChannels& f
     stripe.add(it.name(), it.channel().type, it.channel().xSampling, it.channel().ySampling);
   }
   const auto is_frames = [&](const Stripe::Plane& plane) { return from_frame.contains(plane.channel); };
+  const bool all_frames = std::all_of(stripe.planes().begin(), stripe.planes().end(), is_frames);
 
   const auto write_stripes = [&](auto&& write_lines) {
     for_each_stripe(header, [&](int first, int last) {
       stripe.move_to(first, last);
-      if (source != nullptr) {
+      if (!all_frames) {
         reading(source->fileName(), [&] {
           source->setFrameBuffer(stripe.frame_buffer(std::not_fn(is_frames)));
           source->readPixels(first, last);

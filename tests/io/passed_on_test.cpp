@@ -1,0 +1,375 @@
+#include <Imath/half.h>
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfDeepFrameBuffer.h>
+#include <OpenEXR/ImfDeepScanLineInputPart.h>
+#include <OpenEXR/ImfDeepScanLineOutputPart.h>
+#include <OpenEXR/ImfFloatAttribute.h>
+#include <OpenEXR/ImfMultiPartInputFile.h>
+#include <OpenEXR/ImfMultiPartOutputFile.h>
+#include <OpenEXR/ImfOutputPart.h>
+#include <OpenEXR/ImfPartType.h>
+#include <OpenEXR/ImfStandardAttributes.h>
+#include <OpenEXR/ImfStringAttribute.h>
+#include <OpenEXR/ImfTiledInputPart.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "frame/error.h"
+#include "frame/io/exr.h"
+#include "tests/io/exr_files.h"
+#include "tests/io/temporary_folder.h"
+
+namespace becalm::io {
+namespace {
+
+/// What write_denoised_exr passes on, and what it replaces.
+class PassedOn : public ::testing::Test {
+ protected:
+  /// Reads `source_`, doubles the beauty, adds the diagnostics that are wanted, and writes `result_`.
+  WriteReport denoise(AovSet diagnostics = {}, const LayerOverrides& overrides = {}) {
+    LoadedFrame loaded = read_exr(source_, 1, {}, overrides);
+    for (float& value : loaded.frame.image(Aov::beauty).data()) value = 2.0f * value + 1.0f;
+    for (const AovInfo& entry : kAovTable) {
+      if (diagnostics.test(static_cast<std::size_t>(entry.aov))) loaded.frame.add(entry.aov, 0.3f);
+    }
+    layers_ = loaded.layers;
+    return write_denoised_exr(result_, loaded.frame, *loaded.contents, loaded.layers,
+                              {{"becalm:preset", "final"}});
+  }
+
+  /// Every channel of the part has its bits, but for the named ones.
+  void expect_same_but_for(const std::vector<std::string>& replaced, int part = 0) {
+    const Planes before = read_planes(source_, part);
+    const Planes after = read_planes(result_, part);
+    for (const auto& [name, bytes] : before) {
+      ASSERT_TRUE(after.contains(name)) << name;
+      const bool is_replaced = std::find(replaced.begin(), replaced.end(), name) != replaced.end();
+      EXPECT_EQ(after.at(name) == bytes, !is_replaced) << name;
+    }
+  }
+
+  /// Header of the result equal to the source's, but for becalm's attributes, the channels and the named
+  /// attributes.
+  void expect_same_header(int part = 0, const std::vector<std::string>& but_for = {}) {
+    const Imf::Header before = read_header(source_, part);
+    const Imf::Header after = read_header(result_, part);
+    for (auto it = before.begin(); it != before.end(); ++it) {
+      const std::string name = it.name();
+      if (name == "channels" || std::find(but_for.begin(), but_for.end(), name) != but_for.end()) continue;
+      const Imf::Attribute* other = after.find(it.name()) == after.end() ? nullptr : &after[it.name()];
+      ASSERT_NE(other, nullptr) << name;
+      EXPECT_STREQ(other->typeName(), it.attribute().typeName()) << name;
+      EXPECT_EQ(text_of(*other), text_of(it.attribute())) << name;
+    }
+    for (auto it = after.begin(); it != after.end(); ++it) {
+      if (std::string_view(it.name()).starts_with("becalm:")) continue;
+      EXPECT_TRUE(before.find(it.name()) != before.end()) << it.name() << " was added";
+    }
+  }
+
+  static std::string text_of(const Imf::Attribute& attribute);
+
+  TemporaryFolder folder_;
+  const std::string source_ = folder_.path("source.exr");
+  const std::string result_ = folder_.path("out/result.exr");
+  LayerMap layers_;
+};
+
+/// Counts bytes of an attribute's value as it is stored in a file.
+class MemoryStream : public Imf::OStream {
+ public:
+  MemoryStream() : OStream("memory") {}
+  void write(const char* bytes, int size) override { bytes_.append(bytes, static_cast<std::size_t>(size)); }
+  std::uint64_t tellp() override { return bytes_.size(); }
+  void seekp(std::uint64_t) override {}
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+};
+
+std::string PassedOn::text_of(const Imf::Attribute& attribute) {
+  MemoryStream stream;
+  attribute.writeValueTo(stream, 2);
+  return stream.bytes();
+}
+
+const std::vector<TestChannel> kMixed = {{"R"},
+                                         {"G", Imf::FLOAT},
+                                         {"B"},
+                                         {"A", Imf::FLOAT},
+                                         {"raw.half"},
+                                         {"raw.float", Imf::FLOAT},
+                                         {"raw.id", Imf::UINT},
+                                         {"depth.Z", Imf::FLOAT}};
+const std::vector<std::string> kBeauty = {"R", "G", "B", "A"};
+
+void add_attributes(Imf::Header& header) {
+  header.insert("cryptomatte/1a2b3c4/manifest", Imf::StringAttribute("{\"ball\":\"7fc12345\"}"));
+  header.insert("cryptomatte/1a2b3c4/name", Imf::StringAttribute("CryptoObject"));
+  header.insert("exposure", Imf::FloatAttribute(1.5f));
+  Imf::addOwner(header, "somebody");
+  Imf::addChromaticities(header, Imf::Chromaticities());
+  header.pixelAspectRatio() = 1.25f;
+}
+
+TEST_F(PassedOn, ChannelsAttributesWindowsAndTypes) {
+  Imf::Header header = scanline_part(window(-9, 4, 31, 27), kMixed);
+  header.displayWindow() = window(0, 0, 20, 64);
+  add_attributes(header);
+  write_test_file(source_, {header});
+  EXPECT_FALSE(denoise().lossless_instead);
+  expect_same_but_for(kBeauty);
+  expect_same_header();
+  const Imf::Header after = read_header(result_);
+  for (const TestChannel& channel : kMixed) EXPECT_EQ(after.channels()[channel.name].type, channel.type);
+  EXPECT_EQ(read_attribute(result_, "becalm:preset"), "final");
+}
+
+TEST_F(PassedOn, TheBeautyIsReplacedInItsOwnTypes) {
+  write_test_file(source_, {scanline_part(window(0, 0, 5, 300), kMixed)});
+  denoise();
+  const Planes planes = read_planes(result_);
+  for (int y = 0; y < 300; ++y) {
+    for (int x = 0; x < 5; ++x) {
+      Imath::half red;
+      float green;
+      std::memcpy(&red, &planes.at("R")[(y * 5 + x) * 2], 2);
+      std::memcpy(&green, &planes.at("G")[(y * 5 + x) * 4], 4);
+      EXPECT_EQ(red.bits(), Imath::half(2.0f * test_value("R", x, y) + 1.0f).bits());
+      EXPECT_EQ(green, 2.0f * test_value("G", x, y) + 1.0f);
+    }
+  }
+}
+
+TEST_F(PassedOn, EveryCompressionKeepsTheBits) {
+  for (int i = 0; i < Imf::NUM_COMPRESSION_METHODS; ++i) {
+    const Imf::Compression compression = static_cast<Imf::Compression>(i);
+    write_test_file(source_, {scanline_part(window(0, 0, 37, 70), kMixed, compression)});
+    const bool b44 = compression == Imf::B44_COMPRESSION || compression == Imf::B44A_COMPRESSION;
+    // DWA transforms colours alone, and no colour but the beauty's is here.
+    EXPECT_EQ(denoise().lossless_instead, b44) << i;
+    expect_same_but_for(kBeauty);
+    EXPECT_EQ(read_header(result_).compression(), b44 ? Imf::ZIP_COMPRESSION : compression);
+  }
+}
+
+TEST_F(PassedOn, LossyColoursOfOtherLayersAreKeptByZip) {
+  std::vector<TestChannel> channels = kMixed;
+  channels.push_back({"light.R"});
+  channels.push_back({"light.g", Imf::FLOAT});
+  for (const Imf::Compression compression : {Imf::DWAA_COMPRESSION, Imf::DWAB_COMPRESSION}) {
+    write_test_file(source_, {scanline_part(window(0, 0, 37, 70), channels, compression)});
+    EXPECT_TRUE(denoise().lossless_instead);
+    expect_same_but_for(kBeauty);
+    expect_same_header(0, {"compression"});
+  }
+}
+
+TEST_F(PassedOn, ALossyBeautyAloneStaysLossy) {
+  write_test_file(source_,
+                  {scanline_part(window(0, 0, 16, 16), {{"R"}, {"G"}, {"B"}}, Imf::B44_COMPRESSION)});
+  EXPECT_FALSE(denoise().lossless_instead);
+  expect_same_header();
+}
+
+TEST_F(PassedOn, LineOrders) {
+  for (const Imf::LineOrder order : {Imf::INCREASING_Y, Imf::DECREASING_Y}) {
+    Imf::Header header = scanline_part(window(3, -100, 9, 600), kMixed);
+    header.lineOrder() = order;
+    write_test_file(source_, {header});
+    denoise();
+    expect_same_but_for(kBeauty);
+    expect_same_header();
+  }
+}
+
+TEST_F(PassedOn, Tiles) {
+  for (const Imf::LineOrder order : {Imf::INCREASING_Y, Imf::DECREASING_Y, Imf::RANDOM_Y}) {
+    Imf::Header header = tiled_part(window(-5, -7, 45, 400), kMixed, 16, 24);
+    header.lineOrder() = order;
+    write_test_file(source_, {header});
+    denoise();
+    expect_same_but_for(kBeauty);
+    expect_same_header();
+  }
+}
+
+TEST_F(PassedOn, OfMipmapsTheFullSize) {
+  write_test_file(source_, {tiled_part(window(0, 0, 50, 40), kMixed, 16, 16, Imf::MIPMAP_LEVELS)});
+  denoise();
+  expect_same_but_for(kBeauty);
+  expect_same_header(0, {"tiles"});
+  EXPECT_EQ(read_header(result_).tileDescription().mode, Imf::ONE_LEVEL);
+}
+
+TEST_F(PassedOn, SubsampledChannels) {
+  std::vector<TestChannel> channels = kMixed;
+  channels.push_back({"raw.chroma", Imf::HALF, 2});
+  write_test_file(source_, {scanline_part(window(-4, 2, 22, 300), channels)});
+  denoise();
+  expect_same_but_for(kBeauty);
+}
+
+TEST_F(PassedOn, BlenderWithCryptomatte) {
+  Imf::Header header = scanline_part(window(0, 0, 40, 30), blender_channels("ViewLayer"));
+  add_attributes(header);
+  write_test_file(source_, {header});
+  denoise();
+  expect_same_but_for(
+      {"ViewLayer.Combined.R", "ViewLayer.Combined.G", "ViewLayer.Combined.B", "ViewLayer.Combined.A"});
+  expect_same_header();
+}
+
+TEST_F(PassedOn, PartsKeepTheirChunks) {
+  Imf::Header ids = scanline_part(
+      window(-2, 0, 12, 100), {{"CryptoA.R", Imf::FLOAT}, {"CryptoB.G", Imf::FLOAT}}, Imf::PIZ_COMPRESSION);
+  add_attributes(ids);
+  ids.erase("chromaticities");  // the parts of a file share these two
+  ids.pixelAspectRatio() = 1.0f;
+  write_test_file(source_, {ids, scanline_part(window(0, 0, 20, 30), kMixed),
+                            tiled_part(window(0, 0, 33, 17), {{"N.X"}, {"N.Y"}, {"N.Z"}}, 8, 8,
+                                       Imf::RIPMAP_LEVELS, Imf::B44_COMPRESSION),
+                            scanline_part(window(0, 0, 21, 40), {{"light.R"}, {"light.G"}, {"light.B"}},
+                                          Imf::DWAB_COMPRESSION)});
+  denoise();
+  EXPECT_EQ(layers_[0]->part, 1);
+  expect_same_but_for({}, 0);
+  expect_same_but_for(kBeauty, 1);
+  expect_same_but_for({}, 2);
+  expect_same_but_for({}, 3);
+  for (int part = 0; part < 4; ++part) expect_same_header(part);
+  EXPECT_EQ(read_attribute(result_, "becalm:preset"), "final") << "in the first part too";
+
+  // Lossy parts can only be equal because their chunks were not decompressed; so are the smaller levels.
+  Imf::MultiPartInputFile before(source_.c_str());
+  Imf::MultiPartInputFile after(result_.c_str());
+  Imf::TiledInputPart tiles_before(before, 2);
+  Imf::TiledInputPart tiles_after(after, 2);
+  int x = 0, y = 0, level_x = 2, level_y = 1, size_before = 0, size_after = 0;
+  const char* bytes_before = nullptr;
+  const char* bytes_after = nullptr;
+  tiles_before.rawTileData(x, y, level_x, level_y, bytes_before, size_before);
+  tiles_after.rawTileData(x, y, level_x, level_y, bytes_after, size_after);
+  EXPECT_EQ(std::string(bytes_before, size_before), std::string(bytes_after, size_after));
+}
+
+TEST_F(PassedOn, DeepParts) {
+  constexpr int kWidth = 6;
+  constexpr int kHeight = 40;
+  const Imath::Box2i deep_window = window(0, 0, kWidth, kHeight);
+  Imf::Header deep(deep_window, deep_window);
+  deep.setName("deep");
+  deep.setType(Imf::DEEPSCANLINE);
+  deep.compression() = Imf::ZIPS_COMPRESSION;
+  deep.channels().insert("Z", Imf::Channel(Imf::FLOAT));
+  Imf::Header flat = scanline_part(deep_window, {{"R"}, {"G"}, {"B"}});
+  flat.setName("flat");
+  std::vector<unsigned> counts(kWidth * kHeight);
+  std::vector<float> samples(kWidth * kHeight * 3);
+  std::vector<float*> pointers(kWidth * kHeight);
+  for (std::size_t i = 0; i < samples.size(); ++i) samples[i] = 0.5f * static_cast<float>(i);
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    counts[i] = i % 4;
+    pointers[i] = &samples[i * 3];
+  }
+  const auto buffer = [&] {
+    Imf::DeepFrameBuffer result;
+    result.insertSampleCountSlice(Imf::Slice(Imf::UINT, reinterpret_cast<char*>(counts.data()),
+                                             sizeof(unsigned), kWidth * sizeof(unsigned)));
+    result.insert("Z", Imf::DeepSlice(Imf::FLOAT, reinterpret_cast<char*>(pointers.data()), sizeof(float*),
+                                      kWidth * sizeof(float*), sizeof(float)));
+    return result;
+  };
+  {
+    const Imf::Header headers[] = {deep, flat};
+    Imf::MultiPartOutputFile file(source_.c_str(), headers, 2);
+    Imf::DeepScanLineOutputPart out(file, 0);
+    out.setFrameBuffer(buffer());
+    out.writePixels(kHeight);
+    std::vector<Imath::half> colour(kWidth * kHeight, Imath::half(0.5f));
+    Imf::FrameBuffer pixels;
+    for (const char* name : {"R", "G", "B"}) {
+      pixels.insert(name, Imf::Slice(Imf::HALF, reinterpret_cast<char*>(colour.data()), 2, 2 * kWidth));
+    }
+    Imf::OutputPart flat_out(file, 1);
+    flat_out.setFrameBuffer(pixels);
+    flat_out.writePixels(kHeight);
+  }
+  denoise();
+  const std::vector<float> expected = samples;
+  std::fill(samples.begin(), samples.end(), -1.0f);
+  std::fill(counts.begin(), counts.end(), 9u);
+  Imf::MultiPartInputFile file(result_.c_str());
+  Imf::DeepScanLineInputPart in(file, 0);
+  in.setFrameBuffer(buffer());
+  in.readPixelSampleCounts(0, kHeight - 1);
+  in.readPixels(0, kHeight - 1);
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    ASSERT_EQ(counts[i], i % 4);
+    for (std::size_t s = 0; s < counts[i]; ++s) EXPECT_EQ(samples[i * 3 + s], expected[i * 3 + s]);
+  }
+}
+
+TEST_F(PassedOn, DiagnosticsAreAddedToTheBeautysPart) {
+  write_test_file(source_, {scanline_part(window(0, 0, 4, 4), {{"id.U", Imf::UINT}}),
+                            scanline_part(window(0, 0, 6, 4), kMixed)});
+  AovSet diagnostics;
+  diagnostics.set(static_cast<std::size_t>(Aov::flow));
+  diagnostics.set(static_cast<std::size_t>(Aov::sample_count));
+  denoise(diagnostics);
+  expect_same_but_for({}, 0);
+  expect_same_but_for(kBeauty, 1);
+  const Imf::Header header = read_header(result_, 1);
+  ASSERT_NE(header.channels().findChannel("flow.Y"), nullptr);
+  EXPECT_EQ(header.channels()["sample_count.Y"].type, Imf::FLOAT);
+  EXPECT_EQ(header.channels().findChannel("error_mask.Y"), nullptr);
+  EXPECT_EQ(read_exr(result_, 1, AovSet().set()).frame.image(Aov::flow).at(5, 3, 1), 0.3f);
+}
+
+TEST_F(PassedOn, DenoisingAResultReplacesItsDiagnosticsAndAttributes) {
+  write_test_file(source_,
+                  {scanline_part(window(0, 0, 6, 4), {{"R"}, {"G"}, {"B"}, {"flow.X"}, {"flow.Y"}})});
+  denoise(AovSet().set(static_cast<std::size_t>(Aov::flow)));
+  EXPECT_EQ(read_header(result_).channels()["flow.X"].type, Imf::FLOAT);
+  EXPECT_EQ(read_exr(result_, 1, AovSet().set()).frame.image(Aov::flow).at(5, 3, 0), 0.3f);
+}
+
+TEST_F(PassedOn, OverHalfsRangeIsCounted) {
+  write_test_file(source_, {scanline_part(window(0, 0, 3, 1), {{"R"}, {"G", Imf::FLOAT}, {"B", Imf::UINT}})});
+  LoadedFrame loaded = read_exr(source_, 1, {});
+  for (float& value : loaded.frame.image(Aov::beauty).data()) value = 1e20f;
+  EXPECT_EQ(write_denoised_exr(result_, loaded.frame, *loaded.contents, loaded.layers, {}).half_overflows,
+            3u);
+  const Image beauty = read_exr(result_, 1, {}).frame.image(Aov::beauty);
+  EXPECT_EQ(beauty.at(2, 0, 0), 65504.0f);
+  EXPECT_EQ(beauty.at(2, 0, 1), 1e20f);
+  EXPECT_EQ(beauty.at(2, 0, 2), 4294967295.0f);
+}
+
+TEST_F(PassedOn, TheSourceMayBeOverwritten) {
+  write_test_file(source_, {scanline_part(window(0, 0, 6, 300), kMixed)});
+  const Planes before = read_planes(source_);
+  const LoadedFrame loaded = read_exr(source_, 1, {});
+  write_denoised_exr(source_, loaded.frame, *loaded.contents, loaded.layers, {});
+  EXPECT_EQ(read_planes(source_), before);
+}
+
+TEST_F(PassedOn, AChangedSourceIsAnError) {
+  write_test_file(source_, {scanline_part(window(0, 0, 6, 4), kMixed)});
+  const LoadedFrame loaded = read_exr(source_, 1, {});
+  write_test_file(source_, {scanline_part(window(0, 0, 6, 5), kMixed)});
+  try {
+    write_denoised_exr(result_, loaded.frame, *loaded.contents, loaded.layers, {});
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.status(), ExitStatus::bad_input);
+    EXPECT_EQ(std::string(error.what()),
+              source_ + ": changed after it was read; its other channels cannot be passed on");
+  }
+  EXPECT_EQ(folder_.file_count(), 1u);
+}
+
+}  // namespace
+}  // namespace becalm::io
