@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <utility>
+#include <vector>
 
 #include "frame/error.h"
+#include "tracer/sampling/discrete_distribution.h"
 
 namespace becalm::tracer {
 namespace {
@@ -32,6 +33,57 @@ int wrapped(int x, int width) {
 
 }  // namespace
 
+/// The scaled image and the tables that it is sampled by.
+struct Environment::Map {
+  Image texels;
+  DiscreteDistribution rows;
+  std::vector<DiscreteDistribution> columns;  ///< a row each
+  /// cos(theta) of the height + 1 row borders, 1 to -1. Double: 1 - cos of the rows at the poles of a 16k
+  /// image lies below the resolution of float.
+  std::vector<double> row_cos;
+
+  double solid_angle(std::size_t y) const {
+    return (row_cos[y] - row_cos[y + 1]) * 2.0 * std::numbers::pi / texels.width();
+  }
+  float pdf(std::size_t x, std::size_t y) const {
+    return static_cast<float>(rows.probability(y) * columns[y].probability(x) / solid_angle(y));
+  }
+  double build_tables();
+};
+
+/// Gives the whole radiance. A texel weighs what bilinear reading gives on average over it, (1 6 1)/8 in x
+/// and y, so that every direction of positive radiance can be drawn; rows weigh by their solid angle besides.
+double Environment::Map::build_tables() {
+  const int width = texels.width();
+  const int height = texels.height();
+  row_cos.resize(static_cast<std::size_t>(height) + 1);
+  for (int y = 0; y <= height; ++y) row_cos[y] = std::cos(std::numbers::pi * y / height);
+
+  std::vector<double> row_weights(height);
+  std::vector<double> down(width);  // the row filtered in y
+  std::vector<double> weights(width);
+  columns.reserve(height);
+  double total = 0.0;
+  for (int y = 0; y < height; ++y) {
+    const int above = std::max(y - 1, 0);
+    const int below = std::min(y + 1, height - 1);
+    for (int x = 0; x < width; ++x) {
+      down[x] =
+          (mean(rgb(texels, x, above)) + 6.0 * mean(rgb(texels, x, y)) + mean(rgb(texels, x, below))) / 8.0;
+    }
+    double sum = 0.0;
+    for (int x = 0; x < width; ++x) {
+      weights[x] = (down[wrapped(x - 1, width)] + 6.0 * down[x] + down[wrapped(x + 1, width)]) / 8.0;
+      sum += weights[x];
+    }
+    columns.emplace_back(weights);
+    row_weights[y] = sum * solid_angle(y);
+    total += row_weights[y];
+  }
+  rows = DiscreteDistribution(row_weights);
+  return total;
+}
+
 Environment Environment::constant(const V3f& radiance) {
   Environment environment;
   environment.constant_ = radiance;
@@ -47,7 +99,8 @@ Environment Environment::image(const Image& rgb, float scale, float rotate_y_deg
   const double angle = rotate_y_deg * std::numbers::pi / 180.0;
   environment.cos_rotation_ = static_cast<float>(std::cos(angle));
   environment.sin_rotation_ = static_cast<float>(std::sin(angle));
-  environment.texels_ = Image(rgb.width(), rgb.height(), 3);
+  auto map = std::make_shared<Map>();
+  map->texels = Image(rgb.width(), rgb.height(), 3);
   for (int y = 0; y < rgb.height(); ++y) {
     for (int x = 0; x < rgb.width(); ++x) {
       for (int c = 0; c < 3; ++c) {
@@ -56,113 +109,70 @@ Environment Environment::image(const Image& rgb, float scale, float rotate_y_deg
           ++environment.replaced_values_;
           value = value > 0.0f ? kOverflowedHalf : 0.0f;
         }
-        environment.texels_.at(x, y, c) = std::min(value * scale, kLargestRadiance);
+        map->texels.at(x, y, c) = std::min(value * scale, kLargestRadiance);
       }
     }
   }
-  environment.build_distribution();
+  environment.total_ = map->build_tables();
+  environment.map_ = std::move(map);
   return environment;
 }
 
-void Environment::build_distribution() {
-  const int width = texels_.width();
-  const int height = texels_.height();
-  row_cos_.resize(static_cast<std::size_t>(height) + 1);
-  for (int y = 0; y <= height; ++y) {
-    row_cos_[y] = std::cos(std::numbers::pi * y / height);
-  }
-
-  // A texel weighs what bilinear reading gives on average over it, (1 6 1)/8 in x and y, so that every
-  // direction of positive radiance can be drawn. Rows weigh by their solid angle besides.
-  std::vector<double> row_weights(height);
-  std::vector<double> weights(width);
-  columns_.reserve(height);
-  for (int y = 0; y < height; ++y) {
-    const int above = std::max(y - 1, 0);
-    const int below = std::min(y + 1, height - 1);
-    const auto column_mean = [&](int x) {
-      return (mean(rgb(texels_, x, above)) + 6.0 * mean(rgb(texels_, x, y)) + mean(rgb(texels_, x, below))) /
-             8.0;
-    };
-    double sum = 0.0;
-    for (int x = 0; x < width; ++x) {
-      weights[x] =
-          (column_mean(wrapped(x - 1, width)) + 6.0 * column_mean(x) + column_mean(wrapped(x + 1, width))) /
-          8.0;
-      sum += weights[x];
-    }
-    columns_.emplace_back(weights);
-    row_weights[y] = sum * (2.0 * std::numbers::pi / width) * (row_cos_[y] - row_cos_[y + 1]);
-    total_ += row_weights[y];
-  }
-  rows_ = DiscreteDistribution(row_weights);
-}
-
-V3f Environment::to_image_frame(const V3f& dir_world) const {
-  return {cos_rotation_ * dir_world.x - sin_rotation_ * dir_world.z, dir_world.y,
-          sin_rotation_ * dir_world.x + cos_rotation_ * dir_world.z};
-}
-
 V2f Environment::image_position(const V3f& dir_world) const {
-  const V3f dir = to_image_frame(dir_world);
+  const V3f dir(cos_rotation_ * dir_world.x - sin_rotation_ * dir_world.z, dir_world.y,
+                sin_rotation_ * dir_world.x + cos_rotation_ * dir_world.z);
   // theta by atan2: acos loses half of its digits near the poles.
   const float theta = std::atan2(std::sqrt(dir.x * dir.x + dir.z * dir.z), dir.y);
   const float phi = dir.x == 0.0f && dir.z == 0.0f ? 0.0f : std::atan2(dir.x, -dir.z);
-  return {(0.5f + phi / (2.0f * kPi)) * static_cast<float>(texels_.width()),
-          theta / kPi * static_cast<float>(texels_.height())};
+  return {(0.5f + phi / (2.0f * kPi)) * static_cast<float>(map_->texels.width()),
+          theta / kPi * static_cast<float>(map_->texels.height())};
 }
 
 V3f Environment::radiance(const V3f& dir_world) const {
-  if (texels_.empty()) return constant_;
+  if (!map_) return constant_;
+  const Image& texels = map_->texels;
   const V2f position = image_position(dir_world) - V2f(0.5f);
   const float floor_x = std::floor(position.x);
   const float floor_y = std::floor(position.y);
-  const int x0 = wrapped(static_cast<int>(floor_x), texels_.width());
-  const int x1 = wrapped(x0 + 1, texels_.width());
-  const int y0 = std::clamp(static_cast<int>(floor_y), 0, texels_.height() - 1);
-  const int y1 = std::clamp(static_cast<int>(floor_y) + 1, 0, texels_.height() - 1);
+  const int x0 = wrapped(static_cast<int>(floor_x), texels.width());
+  const int x1 = wrapped(x0 + 1, texels.width());
+  const int y0 = std::clamp(static_cast<int>(floor_y), 0, texels.height() - 1);
+  const int y1 = std::clamp(static_cast<int>(floor_y) + 1, 0, texels.height() - 1);
   const float tx = position.x - floor_x;
   const float ty = position.y - floor_y;
-  return (rgb(texels_, x0, y0) * (1.0f - tx) + rgb(texels_, x1, y0) * tx) * (1.0f - ty) +
-         (rgb(texels_, x0, y1) * (1.0f - tx) + rgb(texels_, x1, y1) * tx) * ty;
-}
-
-float Environment::texel_pdf(std::size_t x, std::size_t y) const {
-  const double solid_angle = (row_cos_[y] - row_cos_[y + 1]) * 2.0 * std::numbers::pi / texels_.width();
-  return static_cast<float>(rows_.probability(y) * columns_[y].probability(x) / solid_angle);
+  return (rgb(texels, x0, y0) * (1.0f - tx) + rgb(texels, x1, y0) * tx) * (1.0f - ty) +
+         (rgb(texels, x0, y1) * (1.0f - tx) + rgb(texels, x1, y1) * tx) * ty;
 }
 
 std::optional<Environment::Sample> Environment::sample(const V2f& u) const {
-  if (texels_.empty()) {
-    if (total_ <= 0.0) return std::nullopt;
+  if (!(total_ > 0.0)) return std::nullopt;
+  if (!map_) {
     const float cos_theta = 1.0f - 2.0f * u.y;
     const float sin_theta = 2.0f * std::sqrt(std::max(0.0f, u.y * (1.0f - u.y)));
     const float phi = 2.0f * kPi * u.x;
     return Sample{V3f(sin_theta * std::sin(phi), cos_theta, -sin_theta * std::cos(phi)), kUniformPdf};
   }
-  if (rows_.empty()) return std::nullopt;
-  const DiscreteDistribution::Choice row = rows_.sample(u.y);
-  const DiscreteDistribution::Choice column = columns_[row.index].sample(u.x);
+  const DiscreteDistribution::Choice row = map_->rows.sample(u.y);
+  const DiscreteDistribution::Choice column = map_->columns[row.index].sample(u.x);
   // Uniform by solid angle inside the texel: linear in the cosine.
-  const double cos_theta = row_cos_[row.index] * (1.0 - row.u) + row_cos_[row.index + 1] * row.u;
+  const double cos_theta = map_->row_cos[row.index] * (1.0 - row.u) + map_->row_cos[row.index + 1] * row.u;
   const auto sin_theta = static_cast<float>(std::sqrt(std::max(0.0, (1.0 - cos_theta) * (1.0 + cos_theta))));
-  const float phi =
-      ((static_cast<float>(column.index) + column.u) / static_cast<float>(texels_.width()) - 0.5f) * 2.0f *
-      kPi;
+  const float turn = (static_cast<float>(column.index) + column.u) / static_cast<float>(map_->texels.width());
+  const float phi = (turn - 0.5f) * 2.0f * kPi;
   const float x = sin_theta * std::sin(phi);
   const float z = -sin_theta * std::cos(phi);
   return Sample{V3f(cos_rotation_ * x + sin_rotation_ * z, static_cast<float>(cos_theta),
                     cos_rotation_ * z - sin_rotation_ * x),
-                texel_pdf(column.index, row.index)};
+                map_->pdf(column.index, row.index)};
 }
 
 float Environment::pdf_solid_angle(const V3f& dir_world) const {
-  if (total_ <= 0.0) return 0.0f;
-  if (texels_.empty()) return kUniformPdf;
+  if (!(total_ > 0.0)) return 0.0f;
+  if (!map_) return kUniformPdf;
   const V2f position = image_position(dir_world);
-  const int x = std::clamp(static_cast<int>(position.x), 0, texels_.width() - 1);
-  const int y = std::clamp(static_cast<int>(position.y), 0, texels_.height() - 1);
-  return texel_pdf(static_cast<std::size_t>(x), static_cast<std::size_t>(y));
+  const int x = std::clamp(static_cast<int>(position.x), 0, map_->texels.width() - 1);
+  const int y = std::clamp(static_cast<int>(position.y), 0, map_->texels.height() - 1);
+  return map_->pdf(static_cast<std::size_t>(x), static_cast<std::size_t>(y));
 }
 
 }  // namespace becalm::tracer

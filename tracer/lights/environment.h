@@ -1,16 +1,15 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <optional>
-#include <vector>
 
 #include "frame/image.h"
-#include "tracer/sampling/discrete_distribution.h"
 #include "tracer/vec.h"
 
 namespace becalm::tracer {
 
-/// Radiance that arrives from infinity. Copies share nothing.
+/// Radiance that arrives from infinity. Copies share the image, so that every frame's Lights may hold one.
 class Environment {
  public:
   struct Sample {
@@ -39,22 +38,16 @@ class Environment {
   std::size_t replaced_values() const { return replaced_values_; }
 
  private:
-  V3f to_image_frame(const V3f& dir_world) const;
+  struct Map;
+
   V2f image_position(const V3f& dir_world) const;  ///< in texels from the top left
-  float texel_pdf(std::size_t x, std::size_t y) const;
-  void build_distribution();
 
   V3f constant_{0.0f};
-  Image texels_;  ///< scaled; empty when constant
+  std::shared_ptr<const Map> map_;  ///< null when constant
   float cos_rotation_ = 1.0f;
   float sin_rotation_ = 0.0f;
   double total_ = 0.0;
   std::size_t replaced_values_ = 0;
-  DiscreteDistribution rows_;
-  std::vector<DiscreteDistribution> columns_;  ///< a row each
-  /// cos(theta) of the height + 1 row borders, 1 to -1. Double: 1 - cos of the rows at the poles of a 16k
-  /// image lies below the resolution of float.
-  std::vector<double> row_cos_;
 };
 
 }  // namespace becalm::tracer
