@@ -31,7 +31,7 @@ inline float fresnel_conductor(float cos_o, float eta, float k) {
   const double n = std::min<double>(eta, kLargest);
   const double kk = std::min<double>(k, kLargest);
   const double real = (n - 1.0) * (n + 1.0) - kk * kk + cos2;
-  const double modulus = std::hypot(real, 2.0 * n * kk);
+  const double modulus = std::sqrt(real * real + 4.0 * n * n * kk * kk);
   // The larger of a and b first, the other from a b = eta k: neither suffers from cancellation.
   double a = std::sqrt(0.5 * (modulus + std::abs(real)));
   if (real < 0.0) a = a > 0.0 ? n * kk / a : 0.0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -29,6 +30,12 @@ class DiscreteDistribution {
     for (const double weight : weights) cdf_.push_back(cdf_.back() + usable(weight) / largest);
     const double sum = cdf_.back();
     for (double& entry : cdf_) entry /= sum;
+    guide_.reserve(weights.size());
+    std::uint32_t index = 0;
+    for (std::size_t k = 0; k < weights.size(); ++k) {
+      while (cdf_[index + 1] <= static_cast<double>(k) / static_cast<double>(weights.size())) ++index;
+      guide_.push_back(index);
+    }
   }
 
   /// Whether there is nothing to choose.
@@ -40,19 +47,23 @@ class DiscreteDistribution {
 
   /// u in [0,1]; not to be called when empty().
   Choice sample(float u) const {
-    // The first entry whose upper bound exceeds u has a positive share; u = 1 falls to the last such entry.
-    auto upper = std::upper_bound(cdf_.begin() + 1, cdf_.end(), static_cast<double>(u));
-    if (upper == cdf_.end()) upper = std::lower_bound(cdf_.begin() + 1, cdf_.end(), 1.0);
-    const std::size_t index = static_cast<std::size_t>(upper - cdf_.begin()) - 1;
+    const double target = std::min(u, kLargestBelowOne);
+    // The first entry whose upper bound exceeds the target; the bound of the last that has a share is 1.
+    std::size_t index = guide_[static_cast<std::size_t>(target * static_cast<double>(guide_.size()))];
+    while (cdf_[index + 1] <= target) ++index;
     const double share = cdf_[index + 1] - cdf_[index];
-    const double inside = (static_cast<double>(u) - cdf_[index]) / share;
-    return {index, static_cast<float>(share), std::min(static_cast<float>(inside), 0x1.fffffep-1f)};
+    const double inside = (target - cdf_[index]) / share;
+    return {index, static_cast<float>(share), std::min(static_cast<float>(inside), kLargestBelowOne)};
   }
 
  private:
+  static constexpr float kLargestBelowOne = 0x1.fffffep-1f;
   static double usable(double weight) { return weight > 0.0 && std::isfinite(weight) ? weight : 0.0; }
 
   std::vector<double> cdf_;  ///< n + 1 entries from 0 to 1
+  /// Where to start looking for a target in [k/n, (k+1)/n): two steps on average, whatever the weights (Chen
+  /// and Asau 1974). An alias table would be as fast, but scatters stratified numbers.
+  std::vector<std::uint32_t> guide_;
 };
 
 }  // namespace becalm::tracer

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 
 namespace becalm::tracer {
@@ -31,13 +32,18 @@ class HalfWindow {
       sum += 0.5 * (static_cast<double>(density_[i]) + density_[i + 1]) / kIntervals;
     }
     cdf_[kIntervals] = static_cast<float>(sum);
+    std::size_t interval = 0;
+    for (int k = 0; k < kIntervals; ++k) {
+      while (cdf_[interval + 1] <= cdf_[kIntervals] * static_cast<float>(k) / kIntervals) ++interval;
+      guide_[k] = static_cast<std::uint8_t>(interval);
+    }
   }
 
   /// Distance in [0,1] at which the integral from the centre reaches u in [0,1].
   float invert(float u) const {
     const float target = std::min(u, 1.0f) * cdf_[kIntervals];
-    const auto upper = std::upper_bound(cdf_.begin() + 1, cdf_.end() - 1, target);
-    const std::size_t i = static_cast<std::size_t>(upper - cdf_.begin()) - 1;
+    std::size_t i = guide_[std::min(static_cast<int>(u * kIntervals), kIntervals - 1)];
+    while (i + 1 < kIntervals && cdf_[i + 1] <= target) ++i;
     // Root of density_i x + (density_i+1 - density_i) x^2 / 2 = rest, in the form that does not cancel.
     const float rest = (target - cdf_[i]) * kIntervals;
     const float slope = density_[i + 1] - density_[i];
@@ -50,6 +56,7 @@ class HalfWindow {
   static constexpr int kIntervals = 256;
   std::array<float, kIntervals + 1> density_;
   std::array<float, kIntervals + 1> cdf_;
+  std::array<std::uint8_t, kIntervals> guide_;  ///< the interval where u in [k, k+1) / kIntervals starts
 };
 
 const HalfWindow& blackman_harris_half() {
