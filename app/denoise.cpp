@@ -125,7 +125,7 @@ void DenoiseJob::go_through(const std::vector<InputFrame>& work) {
     check_like_first(loaded);
     if (i + 1 < work.size()) next = start_reading(work[i + 1].number);
     if (work[i].new_history && i > 0) filter_.reset();
-    progress_->update(work[i].number, 0.0);
+    progress_->update(work[i].number, static_cast<double>(i));
     filter::Denoised denoised = filter_.denoise(loaded.frame, *progress_, profile_);
     writer.push({std::move(denoised.frame), std::move(loaded), work[i].outputs});
   }

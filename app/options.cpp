@@ -9,13 +9,14 @@
 
 namespace becalm::app {
 
-void add_output_options(CLI::App& command, OutputOptions& options, const std::string& frames_default) {
-  command
-      .add_option("-o,--output", options.pattern,
-                  "Where to write: an EXR name with a frame field such as ####")
-      ->required()
-      ->type_name("PATTERN")
-      ->group("Output");
+CLI::Option* add_output_options(CLI::App& command, OutputOptions& options,
+                                const std::string& frames_default) {
+  CLI::Option* output = command
+                            .add_option("-o,--output", options.pattern,
+                                        "Where to write: an EXR name with a frame field such as ####")
+                            ->required()
+                            ->type_name("PATTERN")
+                            ->group("Output");
   command
       .add_option("--frames", options.frames,
                   fmt::format("Frames to write: 1-24, 1-100x2, 5, 1-10,20-30; negative ones as --frames=-3-4 "
@@ -33,6 +34,7 @@ void add_output_options(CLI::App& command, OutputOptions& options, const std::st
   command.add_flag("--profile", options.profile, "At the end, tell where time and memory went")
       ->group("Running");
   command.add_flag("--quiet", options.quiet, "No progress; warnings and errors stay")->group("Running");
+  return output;
 }
 
 void add_filter_options(CLI::App& command, FilterOptions& options) {

@@ -12,7 +12,8 @@
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace becalm::app {
 
@@ -25,7 +26,8 @@ struct OutputOptions {
   bool profile = false;
   int threads = 0;  ///< 0: all processors
 };
-void add_output_options(CLI::App& command, OutputOptions& options, const std::string& frames_default);
+/// The option of the output pattern is returned, and is required.
+CLI::Option* add_output_options(CLI::App& command, OutputOptions& options, const std::string& frames_default);
 
 struct FilterOptions {
   std::vector<std::string> assignments;  ///< of --set

@@ -47,10 +47,10 @@ Progress::~Progress() {
   erase();
 }
 
-void Progress::update(int frame, double share) {
+void Progress::update(int frame, double frames_done) {
   const std::lock_guard lock(mutex_);
   frame_ = frame;
-  share_ = share;
+  frames_done_ = std::max(frames_done_, frames_done);
   if (options_.quiet || !terminal_ || Clock::now() - drawn_ < kRedrawEvery) return;
   draw();
 }
@@ -68,7 +68,7 @@ void Progress::frame_written(int frame) {
 
 void Progress::frame_done(int frame, std::string_view what) {
   ++worked_;
-  share_ = 0.0;
+  frames_done_ = std::max(frames_done_, static_cast<double>(worked_));
   if (options_.quiet) return;
   if (terminal_) {
     frame_ = frame;
@@ -91,8 +91,8 @@ void Progress::finish(bool done) {
   const std::lock_guard lock(mutex_);
   erase();
   if (options_.quiet || !done) return;
-  fmt::print(stderr, "{} of {} frames written in {}, {}\n", written_, options_.total,
-             format_duration(elapsed_s()), rate());
+  fmt::print(stderr, "{} frames written in {}, {}{}\n", written_, format_duration(elapsed_s()), rate(),
+             options_.existing > 0 ? fmt::format("; {} were there already", options_.existing) : "");
 }
 
 std::size_t Progress::written() const {
@@ -105,21 +105,18 @@ double Progress::elapsed_s() const {
 }
 
 std::string Progress::rate() const {
-  const double frames = static_cast<double>(worked_) + share_;
-  return format_rate(frames * options_.units_per_frame / std::max(1e-6, elapsed_s()), options_.unit);
+  return format_rate(frames_done_ * options_.units_per_frame / std::max(1e-6, elapsed_s()), options_.unit);
 }
 
 std::string Progress::time_left() const {
-  const double done = static_cast<double>(worked_) + share_;
-  const double left = static_cast<double>(options_.work) - done;
-  if (done <= 0.0 || left <= 0.0) return "";
-  return fmt::format(", {} left", format_duration(elapsed_s() * left / done));
+  const double left = static_cast<double>(options_.work) - frames_done_;
+  if (frames_done_ <= 0.0 || left <= 0.0) return "";
+  return fmt::format(", {} left", format_duration(elapsed_s() * left / frames_done_));
 }
 
 void Progress::draw() {
   constexpr int kBarWidth = 24;
-  const double done = static_cast<double>(worked_) + share_;
-  const double share = std::clamp(done / static_cast<double>(options_.work), 0.0, 1.0);
+  const double share = std::clamp(frames_done_ / static_cast<double>(options_.work), 0.0, 1.0);
   const int filled = static_cast<int>(share * kBarWidth);
   std::string line =
       fmt::format("[{:#<{}}{:.<{}}] {} of {}, frame {}, {}{}", "", filled, "", kBarWidth - filled,

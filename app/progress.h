@@ -27,8 +27,8 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// `share` in [0,1] of the frame being worked on is done.
-  void update(int frame, double share);
+  /// `frame` is being worked on; `frames_done` of the work, parts of a frame included, are behind us.
+  void update(int frame, double frames_done);
   /// The frame was worked on but its file exists already and is not written again.
   void frame_kept(int frame);
   void frame_written(int frame);
@@ -58,7 +58,7 @@ class Progress {
   std::size_t written_ = 0;  ///< by this run
   std::size_t worked_ = 0;   ///< by this run, written or kept
   int frame_ = 0;
-  double share_ = 0.0;  ///< of the frame after the `worked_` ones
+  double frames_done_ = 0.0;
   bool line_shown_ = false;
 };
 

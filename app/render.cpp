@@ -4,10 +4,8 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <cstdio>
 #include <memory>
-#include <numeric>
 #include <optional>
 
 #include "app/cancel.h"
@@ -17,83 +15,23 @@
 #include "app/outputs.h"
 #include "app/profile.h"
 #include "app/progress.h"
+#include "app/render_arguments.h"
 #include "app/scene_hash.h"
 #include "app/stage.h"
 #include "app/writing.h"
 #include "frame/io/exr.h"
-#include "frame/io/sequence.h"
 #include "tracer/render.h"
 #include "tracer/scene/load.h"
 
 namespace becalm::app {
 namespace {
 
-constexpr int kLargestSide = 65536;
-
-struct RenderCommand {
-  std::string scene;
-  OutputOptions output;
-  FilterOptions filter;
-  int spp = 8;
-  std::string size;
-  std::uint32_t seed = 0;
-  std::string aovs = "none";
-  bool float_colors = false;
-  std::string preset;  ///< of --denoise; empty: no filter
-  std::string keep_noisy;
-};
-
-AovSet parse_aovs(const std::string& text) {
-  AovSet chosen;
-  if (text == "none") return chosen;
-  for (const AovInfo& entry : kAovTable) {
-    if (text == "all")
-      chosen.set(static_cast<std::size_t>(entry.aov), !entry.diagnostic && entry.aov != Aov::beauty);
-  }
-  if (text == "all") return chosen;
-  for (const std::string& name : CLI::detail::split(text, ',')) {
-    const std::optional<Aov> aov = find_aov(name);
-    if (!aov || info(*aov).diagnostic) {
-      std::string known;
-      for (const AovInfo& entry : kAovTable) {
-        if (!entry.diagnostic && entry.aov != Aov::beauty) known += fmt::format("{}, ", entry.name);
-      }
-      throw Error(ExitStatus::usage,
-                  fmt::format("--aovs: no AOV '{}'{}; expected some of {}all or none", name,
-                              aov ? " of the tracer (the filter's come with --diagnostics)" : "", known));
-    }
-    chosen.set(static_cast<std::size_t>(*aov), *aov != Aov::beauty);
-  }
-  return chosen;
-}
-
-std::string format_aovs(const AovSet& aovs) {
-  std::string text;
-  for (const AovInfo& entry : kAovTable) {
-    if (!aovs.test(static_cast<std::size_t>(entry.aov))) continue;
-    text += fmt::format("{}{}", text.empty() ? "" : ",", entry.name);
-  }
-  return text.empty() ? "none" : text;
-}
-
-struct Size {
-  int width = 0;
-  int height = 0;
-};
-
-Size parse_size(const std::string& text) {
-  Size size;
-  const char* end = text.data() + text.size();
-  const auto width = std::from_chars(text.data(), end, size.width);
-  const bool crossed = width.ec == std::errc() && width.ptr != end && *width.ptr == 'x';
-  const auto height = crossed ? std::from_chars(width.ptr + 1, end, size.height) : width;
-  const auto fits = [](int side) { return side >= 1 && side <= kLargestSide; };
-  if (!crossed || height.ec != std::errc() || height.ptr != end || !fits(size.width) || !fits(size.height)) {
-    throw Error(
-        ExitStatus::usage,
-        fmt::format("--size {}: expected WIDTHxHEIGHT, such as 640x360, each 1 to {}", text, kLargestSide));
-  }
-  return size;
+/// What the filter wants of the tracer: a single sample has no halves.
+AovSet filter_input(const FilterStep& filter, int spp) {
+  AovSet wanted = filter.wanted();
+  if (spp == 1)
+    wanted.reset(static_cast<std::size_t>(Aov::half_a)).reset(static_cast<std::size_t>(Aov::half_b));
+  return wanted;
 }
 
 /// One run of `becalm render`.
@@ -118,7 +56,7 @@ class RenderJob {
   const AovSet rendered_;  ///< what was asked for and what the filter wants
   tracer::Scene scene_;
   const std::string scene_hash_;
-  Size size_;
+  const Size size_;
   std::optional<Outputs> outputs_;
   std::optional<Outputs> noisy_outputs_;
   io::Attributes attributes_;
@@ -126,6 +64,7 @@ class RenderJob {
   std::set<int> existing_;
   std::set<int> existing_noisy_;
   std::optional<Progress> progress_;
+  int frames_made_ = 0;  ///< by the tracer or from --keep-noisy, in this run
   Profile profile_;
 };
 
@@ -135,18 +74,11 @@ RenderJob::RenderJob(const RenderCommand& command)
       asked_(parse_aovs(command.aovs)),
       filter_(command.preset.empty() ? std::nullopt
                                      : std::make_optional<FilterStep>(command.preset, command.filter)),
-      rendered_(asked_ | (filter_ ? filter_->wanted() : AovSet())),
+      rendered_(asked_ | (filter_ ? filter_input(*filter_, command.spp) : AovSet())),
       scene_(tracer::load_scene(command.scene)),
-      scene_hash_(scene_hash(command.scene)) {
-  const tracer::SceneDescription& scene = scene_.description();
-  size_ = command.size.empty() ? Size{scene.film.width, scene.film.height} : parse_size(command.size);
-  std::vector<int> frames;
-  if (command.output.frames.empty()) {
-    frames.resize(static_cast<std::size_t>(scene.frames.last - scene.frames.first + 1));
-    std::iota(frames.begin(), frames.end(), scene.frames.first);
-  } else {
-    frames = io::parse_frame_range(command.output.frames);
-  }
+      scene_hash_(scene_hash(command.scene)),
+      size_(size_of(command, scene_.description())) {
+  const std::vector<int> frames = frames_of(command, scene_.description());
   outputs_.emplace("-o", command.output.pattern, frames);
   attributes_ = render_attributes(asked_, command.float_colors);
   if (filter_) {
@@ -203,11 +135,13 @@ ExitStatus RenderJob::run() {
     Stage<Frame> behind_tracer(
         1, [this](Frame& frame) { denoise_and_write(frame); }, request_stop);
     for (const int number : work) {
+      progress_->update(number, frames_made_);
       std::optional<Frame> frame = make_noisy(number);
       if (!frame || stop_requested()) break;
+      ++frames_made_;
       behind_tracer.push(std::move(*frame));
     }
-    behind_tracer.finish(/*drop=*/interrupted());
+    behind_tracer.finish(/*drop=*/interrupted() && filter_);
   }
   if (filter_) filter_->finish(profile_);
   return conclude(*progress_, asked.size(), command_.output.profile ? &profile_ : nullptr);
@@ -224,20 +158,19 @@ std::optional<Frame> RenderJob::make_noisy(int frame) {
 }
 
 std::optional<Frame> RenderJob::trace(int frame) {
-  tracer::RenderOptions options;
-  options.width = size_.width;
-  options.height = size_.height;
-  options.spp = command_.spp;
-  options.seed = command_.seed;
+  tracer::RenderOptions options = render_options(command_, size_);
   options.aovs = rendered_;
-  options.progress = [this, frame](double share) { progress_->update(frame, share); };
+  options.progress = [this, frame](double share) { progress_->update(frame, frames_made_ + share); };
   options.cancel = &stop_requested();
   tracer::RenderReport report;
   const ProfileScope scope(profile_, "render");
   std::optional<Frame> noisy = tracer::render_frame(scene_, frame, options, &report);
   if (report.non_finite_samples > 0) {
-    progress_->warn(fmt::format("frame {}: {} samples were NaN or Inf and were left out", frame,
-                                report.non_finite_samples));
+    const tracer::PixelSample first = report.first_non_finite.value_or(tracer::PixelSample{});
+    progress_->warn(
+        fmt::format("frame {}: {} samples were NaN or Inf and were left out; the first: --frames {} "
+                    "--debug-pixel {},{},{}",
+                    frame, report.non_finite_samples, frame, first.x, first.y, first.sample));
   }
   return noisy;
 }
@@ -275,17 +208,15 @@ void RenderJob::denoise_and_write(Frame& noisy) {
   progress_->frame_written(result.number());
 }
 
-void check_filter_options_unused(const RenderCommand& command) {
-  if (!command.preset.empty()) return;
-  const char* unused = !command.keep_noisy.empty()           ? "--keep-noisy"
-                       : !command.filter.assignments.empty() ? "--set"
-                       : command.filter.diagnostics          ? "--diagnostics"
-                       : !command.filter.device.empty()      ? "--device"
-                       : command.filter.validate             ? "--validate"
-                                                             : nullptr;
-  if (unused != nullptr) {
-    throw Error(ExitStatus::usage, fmt::format("{} says how to denoise, and there is no --denoise", unused));
-  }
+/// --debug-pixel: the path of one sample on standard output, and nothing written.
+ExitStatus debug_pixel(const RenderCommand& command) {
+  const tracer::PixelSample pixel = parse_pixel_sample(command.debug_pixel);
+  tracer::Scene scene = tracer::load_scene(command.scene);
+  const int frame = frames_of(command, scene.description()).front();
+  const tracer::RenderOptions options = render_options(command, size_of(command, scene.description()));
+  for (const std::string& line : tracer::describe_sample(scene, frame, options, pixel))
+    fmt::print("{}\n", line);
+  return ExitStatus::done;
 }
 
 }  // namespace
@@ -294,7 +225,8 @@ Command add_render(CLI::App& becalm) {
   CLI::App& parser = *becalm.add_subcommand("render", "Render a scene to EXR files, denoised or not");
   auto command = std::make_shared<RenderCommand>();
   parser.add_option("scene", command->scene, "The scene, a JSON file")->required()->type_name("SCENE.json");
-  add_output_options(parser, command->output, "the scene's");
+  CLI::Option* output = add_output_options(parser, command->output, "the scene's");
+  output->required(false);  // not with --debug-pixel; check_options_fit asks for it otherwise
   parser
       .add_option(
           "--aovs", command->aovs,
@@ -315,6 +247,12 @@ Command add_render(CLI::App& becalm) {
       ->type_name("N")
       ->group("Rendering");
   parser
+      .add_option("--debug-pixel", command->debug_pixel,
+                  "Print the path of one sample of the first frame, and write nothing; in place of -o")
+      ->type_name("X,Y,SAMPLE")
+      ->group("Rendering")
+      ->excludes(output);
+  parser
       .add_flag("--denoise{balanced}", command->preset,
                 "Denoise while rendering; --denoise=draft, =balanced (default) or =final")
       ->group("Filter");
@@ -332,8 +270,8 @@ Command add_render(CLI::App& becalm) {
       "  becalm render room.json -o 'out/room.####.exr' --spp 4 --denoise=final --resume\n"
       "What --set takes is listed by becalm denoise --help.\n");
   return {&parser, [command] {
-            check_filter_options_unused(*command);
-            return RenderJob(*command).run();
+            check_options_fit(*command);
+            return command->debug_pixel.empty() ? RenderJob(*command).run() : debug_pixel(*command);
           }};
 }
 

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "app/options.h"
+#include "frame/aov.h"
+#include "tracer/render.h"
+#include "tracer/scene/scene.h"
+
+namespace becalm::app {
+
+/// What the user typed after `becalm render`.
+struct RenderCommand {
+  std::string scene;
+  OutputOptions output;
+  FilterOptions filter;
+  int spp = 8;
+  std::string size;
+  std::uint32_t seed = 0;
+  std::string aovs = "none";
+  bool float_colors = false;
+  std::string preset;  ///< of --denoise; empty: no filter
+  std::string keep_noisy;
+  std::string debug_pixel;
+};
+
+struct Size {
+  int width = 0;
+  int height = 0;
+};
+
+/// All of these throw Error(usage) naming the option, the value and what was expected.
+Size size_of(const RenderCommand& command, const tracer::SceneDescription& scene);
+std::vector<int> frames_of(const RenderCommand& command, const tracer::SceneDescription& scene);
+AovSet parse_aovs(const std::string& text);
+tracer::PixelSample parse_pixel_sample(const std::string& text);
+/// Options that say how to denoise, without --denoise; no -o where there must be one.
+void check_options_fit(const RenderCommand& command);
+
+/// What parse_aovs turns into the set again.
+std::string format_aovs(const AovSet& aovs);
+
+/// Everything that decides the value of a sample.
+tracer::RenderOptions render_options(const RenderCommand& command, const Size& size);
+
+}  // namespace becalm::app
