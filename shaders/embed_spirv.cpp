@@ -159,11 +159,18 @@ Kernel reflect(const std::string& name, const std::string& path) {
   const Compiler compiler(kernel.words);
 
   for (const spv::Capability capability : compiler.get_declared_capabilities()) {
-    require(capability == spv::CapabilityShader || (capability >= spv::CapabilityGroupNonUniform &&
-                                                    capability <= spv::CapabilityGroupNonUniformQuad),
+    require(capability == spv::CapabilityShader || capability == spv::CapabilityGroupNonUniform,
             "needs SPIR-V capability " + std::to_string(capability) +
                 ", which filter/gpu/device.cpp does not enable");
   }
+  spirv_cross::SpecializationConstant size_constants[3];
+  compiler.get_work_group_size_specialization_constants(size_constants[0], size_constants[1],
+                                                        size_constants[2]);
+  for (int axis = 0; axis < 3; ++axis) {
+    require(size_constants[axis].id == spirv_cross::ID(0), "local_size must be a literal, not a constant_id");
+    kernel.local_size[axis] = compiler.get_execution_mode_argument(spv::ExecutionModeLocalSize, axis);
+  }
+
   const spirv_cross::ShaderResources resources = compiler.get_shader_resources();
   require(resources.storage_images.empty() && resources.sampled_images.empty() &&
               resources.separate_images.empty() && resources.separate_samplers.empty() &&
@@ -187,14 +194,6 @@ Kernel reflect(const std::string& name, const std::string& path) {
     kernel.spec_constants.push_back(reflect_spec_constant(compiler, constant));
   }
   std::ranges::sort(kernel.spec_constants, {}, &SpecConstant::id);
-
-  spirv_cross::SpecializationConstant size_constants[3];
-  compiler.get_work_group_size_specialization_constants(size_constants[0], size_constants[1],
-                                                        size_constants[2]);
-  for (int axis = 0; axis < 3; ++axis) {
-    require(size_constants[axis].id == spirv_cross::ID(0), "local_size must be a literal, not a constant_id");
-    kernel.local_size[axis] = compiler.get_execution_mode_argument(spv::ExecutionModeLocalSize, axis);
-  }
   return kernel;
 }
 
