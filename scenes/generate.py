@@ -1,0 +1,28 @@
+#!/usr/bin/python3
+"""Writes scenes/meshes and scenes/textures. The same bytes come out every time; they are committed, so that rendering
+needs no Python."""
+
+from pathlib import Path
+
+from generator import courtyard, crossing, penumbra, texture
+from generator.files import write_exr, write_indexed_png, write_obj
+
+HERE = Path(__file__).resolve().parent
+TEXTURES = {
+    "parquet": texture.parquet, "plaster": texture.plaster, "bricks": texture.bricks, "cobbles": texture.cobbles,
+    "rug": texture.rug, "painting": texture.painting, "mosaic": texture.mosaic,
+}
+
+
+def main():
+    for folder in ("meshes", "textures"):
+        (HERE / folder).mkdir(exist_ok=True)
+    for name, make in {**penumbra.MESHES, **crossing.MESHES, **courtyard.MESHES}.items():
+        write_obj(HERE / "meshes" / f"{name}.obj", make())
+    for name, make in TEXTURES.items():
+        write_indexed_png(HERE / "textures" / f"{name}.png", *make())
+    write_exr(HERE / "textures" / "sky.exr", courtyard.sky())
+
+
+if __name__ == "__main__":
+    main()
