@@ -5,12 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <sstream>
 
 #include "frame/error.h"
+#include "tracer/scene/text_file.h"
 
 namespace becalm::tracer {
 
@@ -151,12 +150,9 @@ std::size_t JsonValue::choice(std::initializer_list<std::string_view> choices) c
 }
 
 json parse_json_file(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream buffer;
-  if (!stream || !(buffer << stream.rdbuf())) {
-    throw Error(ExitStatus::bad_input, file + ": cannot read the scene file");
-  }
-  const std::string text = buffer.str();
+  const std::optional<std::string> contents = read_text_file(file);
+  if (!contents) throw Error(ExitStatus::bad_input, file + ": cannot read the scene file");
+  const std::string& text = *contents;
 
   // The library keeps the last of equal keys and drops the others silently.
   std::vector<std::set<std::string>> open_objects;

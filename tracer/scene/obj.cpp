@@ -3,7 +3,6 @@
 #include <tiny_obj_loader.h>
 
 #include <charconv>
-#include <fstream>
 #include <sstream>
 #include <string_view>
 #include <unordered_map>
@@ -11,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "frame/error.h"
+#include "tracer/scene/text_file.h"
 
 namespace becalm::tracer {
 
@@ -18,13 +18,6 @@ namespace {
 
 [[noreturn]] void fail(const std::string& path, const std::string& message) {
   throw Error(ExitStatus::bad_input, path + ": " + message);
-}
-
-std::string read_text(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf())) fail(path, "cannot read the mesh file");
-  return text.str();
 }
 
 /// The next word of the line, removed from it; empty at its end.
@@ -48,11 +41,10 @@ void check_coordinates(const std::string& path, std::string_view text) {
       std::string_view word = take_word(line);
       std::string_view digits = word;
       if (digits.starts_with('+')) digits.remove_prefix(1);
-      float value = 0.0f;
+      double value = 0.0;  // holds denormal floats as well
       const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-      const bool too_small = error == std::errc::result_out_of_range && std::abs(value) < 1.0f;
-      if (stop != digits.data() + digits.size() || (error != std::errc() && !too_small) ||
-          !std::isfinite(value)) {
+      const bool is_number = error == std::errc() && stop == digits.data() + digits.size();
+      if (!is_number || !(std::abs(value) <= std::numeric_limits<float>::max())) {
         fail(path, fmt::format("line {}: '{}' needs {} finite numbers, found '{}'", line_number, kind, needed,
                                word));
       }
@@ -169,7 +161,9 @@ Mesh merge_corners(const Parsed& parsed) {
 }  // namespace
 
 Mesh load_obj(const std::string& path) {
-  const std::string text = read_text(path);
+  const std::optional<std::string> contents = read_text_file(path);
+  if (!contents) fail(path, "cannot read the mesh file");
+  const std::string& text = *contents;
   check_coordinates(path, text);
   // tinyobjloader drops faces with bad indices while it triangulates, so faces are checked as they stand in
   // the file.

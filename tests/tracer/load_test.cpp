@@ -1,0 +1,216 @@
+#include "tracer/scene/load.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "frame/error.h"
+#include "tests/tracer/test_scenes.h"
+
+namespace becalm::tracer::test {
+namespace {
+
+/// A whole scene with the given text in place of one part.
+std::string scene_with(const std::string& camera, const std::string& materials, const std::string& meshes,
+                       const std::string& objects, const std::string& more = "") {
+  return "{'camera': " + camera + ", 'materials': " + materials + ", 'meshes': " + meshes +
+         ", 'objects': " + objects + more + "}";
+}
+
+const std::string kCamera = "{'look_at': {'eye': [0,0,5], 'target': [0,0,0]}}";
+const std::string kMaterials = "{'white': {'type': 'diffuse', 'reflectance': 0.5}}";
+const std::string kMeshes = "{'box': {'shape': 'cube'}}";
+const std::string kObjects = "[{'name': 'a', 'mesh': 'box', 'material': 'white'}]";
+
+std::string with_more(const std::string& more) {
+  return scene_with(kCamera, kMaterials, kMeshes, kObjects, ", " + more);
+}
+std::string with_camera(const std::string& camera) {
+  return scene_with(camera, kMaterials, kMeshes, kObjects);
+}
+std::string with_materials(const std::string& materials) {
+  return scene_with(kCamera, materials, kMeshes, kObjects);
+}
+std::string with_meshes(const std::string& meshes) {
+  return scene_with(kCamera, kMaterials, meshes, kObjects);
+}
+std::string with_objects(const std::string& objects) {
+  return scene_with(kCamera, kMaterials, kMeshes, objects);
+}
+
+TEST(Load, ReadsEveryPart) {
+  write_file("tri.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const Scene scene = load_text(R"({
+    'frames': {'first': -3, 'last': 8, 'rate': 25},
+    'film': {'width': 20, 'height': 10, 'filter': {'type': 'tent', 'radius_px': 2}},
+    'integrator': {'max_depth': 3, 'roulette_depth': 1, 'direct': 'light', 'heuristic': 'balance'},
+    'camera': {'fov_y_deg': 30, 'look_at': {'interpolation': 'smooth', 'keys': [
+        {'frame': 0, 'eye': [0,0,5], 'target': [0,0,0]}, {'frame': 8, 'eye': [1,0,5], 'target': [0,0,0], 'up': [0,0,1]}]}},
+    'environment': {'radiance': [1,2,3]},
+    'materials': {
+      'paint': {'type': 'diffuse', 'reflectance': [0.1,0.2,0.3]},
+      'gold': {'type': 'conductor', 'eta': [0.2,0.4,1.3], 'k': [3,2,1], 'roughness': 0.5},
+      'glass': {'type': 'dielectric', 'ior': 1.33, 'transmittance': 0.9}},
+    'meshes': {'tri': {'obj': 'tri.obj'}, 'ball': {'shape': 'sphere', 'segments': 8}},
+    'objects': [
+      {'name': 'one', 'mesh': 'tri', 'material': 'gold', 'two_sided': true, 'emission': [1,0,2]},
+      {'mesh': 'ball', 'material': 'glass', 'transform': {'interpolation': 'linear', 'keys': [
+          {'frame': 1, 'translate': [1,2,3]}, {'frame': 5, 'rotate_deg': [0,90,0], 'scale': 2}]},
+       'emission': {'keys': [{'frame': 1, 'value': 0}, {'frame': 2, 'value': 1}]}}]})");
+  const SceneDescription& d = scene.description();
+  EXPECT_EQ(d.frames.first, -3);
+  EXPECT_EQ(d.frames.last, 8);
+  EXPECT_EQ(d.frames.rate, 25);
+  EXPECT_EQ(d.film.width, 20);
+  EXPECT_EQ(d.film.filter.type, FilterType::tent);
+  EXPECT_EQ(d.film.filter.radius_px, 2.0f);
+  EXPECT_EQ(d.integrator.max_depth, 3);
+  EXPECT_EQ(d.integrator.direct, Direct::light);
+  EXPECT_EQ(d.integrator.heuristic, Heuristic::balance);
+  EXPECT_EQ(d.environment->radiance(V3f(0, 1, 0)), V3f(1, 2, 3));
+  ASSERT_EQ(d.objects.size(), 2u);
+  const auto& gold = std::get<ConductorBsdf>(d.materials[d.objects[0].material].bsdf);
+  EXPECT_EQ(gold.k, V3f(3, 2, 1));
+  EXPECT_EQ(gold.alpha, roughness_to_alpha(0.5f));
+  EXPECT_EQ(d.meshes[d.objects[0].mesh].triangles.size(), 1u);
+  EXPECT_TRUE(d.objects[0].two_sided);
+  EXPECT_EQ(std::get<DielectricBsdf>(d.materials[d.objects[1].material].bsdf).eta, 1.33f);
+  EXPECT_TRUE(d.objects[1].emissive);
+  const SceneNeeds& needs = scene.needs();
+  EXPECT_TRUE(needs.moving_camera && needs.moving_objects && needs.changing_emission && needs.specular &&
+              needs.rough_specular && needs.transmission && needs.area_lights && needs.environment);
+  EXPECT_FALSE(needs.textures || needs.environment_image);
+  EXPECT_EQ(needs.instances, 1u);
+  EXPECT_EQ(needs.static_objects, 1u);
+}
+
+TEST(Load, DescribesWhatIsRequiredAndWhatIsLeftOut) {
+  const std::vector<std::string> lines =
+      describe_scene(load_text(with_more("'environment': {'radiance': 1}")));
+  const std::vector<std::string> expected = {"frames:    1-1 at 24 per second", "film:      640x360",
+                                             "geometry:  1 static and 0 moving objects, 12 triangles",
+                                             "requires:  environment",
+                                             "left out:  area lights, environment image, perfect mirrors or "
+                                             "glass, microfacets, transmission, textures, moving "
+                                             "camera, instances that move, changing emission"};
+  EXPECT_EQ(lines, expected);
+}
+
+TEST(Load, NamesUnknownKeys) {
+  EXPECT_EQ(
+      load_error(with_more("'envronment': {}")),
+      "scene.json: /envronment: unknown key; expected one of frames, film, integrator, camera, environment, "
+      "materials, meshes, objects");
+  EXPECT_EQ(load_error(with_objects("[{'mesh': 'box', 'material': 'white', 'a/b~': 1}]")),
+            "scene.json: /objects/0/a~1b~0: unknown key; expected one of name, mesh, material, emission, "
+            "two_sided, "
+            "transform");
+}
+
+TEST(Load, NamesMissingThings) {
+  EXPECT_EQ(load_error("{}"), "scene.json: /: 'camera' is missing");
+  EXPECT_EQ(
+      load_error(with_objects("[{'mesh': 'box', 'material': 'white'}, {'mesh': 'box', 'material': 'foo'}]")),
+      "scene.json: /objects/1/material: no material 'foo'");
+  EXPECT_EQ(load_error(with_objects("[{'mesh': 'bax', 'material': 'white'}]")),
+            "scene.json: /objects/0/mesh: no mesh 'bax'");
+  EXPECT_EQ(load_error(with_objects("[{'mesh': 'box'}]")), "scene.json: /objects/0: 'material' is missing");
+  EXPECT_EQ(load_error(with_meshes("{'box': {'obj': 'nowhere.obj'}}")),
+            "scene.json: /meshes/box/obj: no file 'nowhere.obj'");
+  EXPECT_EQ(load_error(with_materials("{'white': {'type': 'diffuse', 'reflectance': {'image': 'no.png'}}}")),
+            "scene.json: /materials/white/reflectance/image: no file 'no.png'");
+  EXPECT_EQ(load_error(with_more("'environment': {'image': 'sky.exr'}")),
+            "scene.json: /environment/image: no file 'sky.exr'");
+  try {
+    load_scene("nowhere/x.json");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "nowhere/x.json: cannot read the scene file");
+  }
+}
+
+TEST(Load, NamesBadValues) {
+  EXPECT_EQ(load_error(with_materials("{'white': {'type': 'diffuse', 'reflectance': 1.5}}")),
+            "scene.json: /materials/white/reflectance: expected a number from 0 to 1, found 1.5");
+  EXPECT_EQ(load_error(with_materials("{'white': {'type': 'diffuse', 'reflectance': [0.5, 'x', 1]}}")),
+            "scene.json: /materials/white/reflectance/1: expected a number from 0 to 1, found \"x\"");
+  EXPECT_EQ(
+      load_error(with_materials("{'white': {'type': 'shiny'}}")),
+      "scene.json: /materials/white/type: expected one of diffuse, conductor, dielectric, found \"shiny\"");
+  EXPECT_EQ(load_error(with_materials("{'white': {'type': 'conductor', 'reflectance': 1, 'k': 3}}")),
+            "scene.json: /materials/white: expected either reflectance, or eta and k");
+  EXPECT_EQ(load_error(with_objects("[{'mesh': 'box', 'material': 'white', 'emission': -1}]")),
+            "scene.json: /objects/0/emission: expected a number of at least 0, found -1");
+  EXPECT_EQ(load_error(with_objects("[{'mesh': 'box', 'material': 'white', 'two_sided': 1}]")),
+            "scene.json: /objects/0/two_sided: expected true or false, found 1");
+  EXPECT_EQ(
+      load_error(with_objects("[{'mesh': 'box', 'material': 'white', 'transform': {'translate': [1, 2]}}]")),
+      "scene.json: /objects/0/transform/translate: expected a list of 3 numbers, found [1,2]");
+  EXPECT_EQ(load_error(with_objects("{}")), "scene.json: /objects: expected a list, found {}");
+  EXPECT_EQ(load_error(with_more("'frames': {'first': 9, 'last': 1}")),
+            "scene.json: /frames/last: expected a whole number from 9 to 1000000000, found 1");
+  EXPECT_EQ(load_error(with_more("'film': {'width': 0, 'height': 4}")),
+            "scene.json: /film/width: expected a whole number from 1 to 65536, found 0");
+  EXPECT_EQ(load_error(with_meshes("{'box': {'shape': 'sphere', 'segments': 2.5}}")),
+            "scene.json: /meshes/box/segments: expected a whole number from 3 to 4096, found 2.5");
+}
+
+TEST(Load, NamesImpossibleMotion) {
+  EXPECT_EQ(load_error(with_camera("{'look_at': {'eye': [1,1,1], 'target': [1,1,1]}}")),
+            "scene.json: /camera/look_at: eye and target must differ, and up must not point along the view");
+  EXPECT_EQ(load_error(with_camera("{'look_at': {'eye': [0,5,0], 'target': [0,0,0]}}")),
+            "scene.json: /camera/look_at: eye and target must differ, and up must not point along the view");
+  const auto transform = [](const std::string& text) {
+    return load_error(with_objects("[{'mesh': 'box', 'material': 'white', 'transform': " + text + "}]"));
+  };
+  EXPECT_EQ(transform("{'scale': [1, 0, 1]}"),
+            "scene.json: /objects/0/transform/scale: a scale must not be 0");
+  EXPECT_EQ(
+      transform("{'keys': [{'frame': 1, 'scale': 1}, {'frame': 2, 'scale': -1}]}"),
+      "scene.json: /objects/0/transform/keys: a scale must not change its sign between keys: it would pass "
+      "through 0");
+  EXPECT_EQ(
+      transform("{'keys': [{'frame': 2}, {'frame': 2}]}"),
+      "scene.json: /objects/0/transform/keys/1/frame: expected a frame after the key before, 2, found 2");
+  EXPECT_EQ(transform("{'keys': []}"), "scene.json: /objects/0/transform/keys: expected at least one key");
+  EXPECT_EQ(
+      transform("{'keys': [{'frame': 2}], 'interpolation': 'cubic'}"),
+      "scene.json: /objects/0/transform/interpolation: expected one of linear, smooth, found \"cubic\"");
+}
+
+TEST(Load, NamesLineAndColumnOfBadSyntax) {
+  const std::string message = load_error("{\n  'film': {'width' 3}\n}");
+  EXPECT_EQ(message.substr(0, message.find(" - ")),
+            "scene.json:2:20: syntax error while parsing object separator");
+  EXPECT_EQ(load_error("").substr(0, 15), "scene.json:1:1:");
+  EXPECT_EQ(load_error(with_more("'film': 1, 'film': 2")),
+            "scene.json: the key \"film\" is given twice in one object");
+  EXPECT_NE(load_error(with_more("'film': 1e999")), "");
+}
+
+TEST(Load, RefusesGeometryBeyondFloats) {
+  Scene scene =
+      load_text(with_objects("[{'mesh': 'box', 'material': 'white', 'transform': {'scale': 1e18}}]"));
+  try {
+    scene.at_frame(1);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.status(), ExitStatus::bad_input);
+    EXPECT_NE(std::string(error.what()).find("/objects: coordinates reach 1e+18"), std::string::npos)
+        << error.what();
+  }
+}
+
+TEST(Load, RefusesACameraThatMeetsItsTargetOnTheWay) {
+  Scene scene =
+      load_text(with_camera("{'look_at': {'keys': [{'frame': 1, 'eye': [0,0,5], 'target': [0,0,0]}, "
+                            "{'frame': 3, 'eye': [0,0,-5], 'target': "
+                            "[0,0,0]}]}}"));
+  scene.at_frame(1);
+  EXPECT_THROW(scene.at_frame(2), Error);
+  EXPECT_THROW(scene.at_frame(3), Error) << "its motion vectors need frame 2";
+  scene.at_frame(4);
+}
+
+}  // namespace
+}  // namespace becalm::tracer::test

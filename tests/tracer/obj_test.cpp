@@ -1,0 +1,93 @@
+#include "tracer/scene/obj.h"
+
+#include <gtest/gtest.h>
+
+#include "frame/error.h"
+#include "tests/tracer/test_scenes.h"
+
+namespace becalm::tracer::test {
+namespace {
+
+std::string obj_error(const std::string& text) {
+  const std::string path = write_file("m.obj", text);
+  try {
+    load_obj(path);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.status(), ExitStatus::bad_input);
+    const std::string message = error.what();
+    EXPECT_EQ(message.find('\n'), std::string::npos) << "one line";
+    return message.rfind(path, 0) == 0 ? "m.obj" + message.substr(path.size()) : message;
+  }
+  return "";
+}
+
+const std::string kCorners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+TEST(Obj, SharesVerticesAndCutsPolygons) {
+  const Mesh mesh = load_obj(write_file("m.obj", kCorners + "v 0 0 5\nf 1 2 3 4\nf 1 2 5\n"));
+  EXPECT_EQ(mesh.positions.size(), 5u);
+  EXPECT_EQ(mesh.triangles.size(), 3u);
+  EXPECT_TRUE(mesh.normals.empty());
+  EXPECT_TRUE(mesh.uvs.empty());
+}
+
+TEST(Obj, CutsConcavePolygonsInside) {
+  // An L of area 3.
+  const Mesh mesh =
+      load_obj(write_file("m.obj", "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf 1 2 3 4 5 6\n"));
+  double area = 0.0;
+  for (const auto& t : mesh.triangles) {
+    const float z =
+        (mesh.positions[t[1]] - mesh.positions[t[0]]).cross(mesh.positions[t[2]] - mesh.positions[t[0]]).z;
+    EXPECT_GE(z, 0.0f) << "winding kept";
+    area += 0.5 * z;
+  }
+  EXPECT_NEAR(area, 3.0, 1e-6);
+}
+
+TEST(Obj, SplitsVerticesWhereNormalsOrUvsDiffer) {
+  const Mesh mesh = load_obj(write_file(
+      "m.obj",
+      kCorners + "vn 0 0 1\nvn 0 1 0\nvt 0 0\nvt 1 0.5\nf 1/1/1 2/1/1 3/1/1\nf 1/1/1 3/2/1 4/1/2\n"));
+  EXPECT_EQ(mesh.positions.size(), 5u);
+  ASSERT_EQ(mesh.normals.size(), 5u);
+  ASSERT_EQ(mesh.uvs.size(), 5u);
+  EXPECT_EQ(mesh.positions[mesh.triangles[1][1]], V3f(1, 1, 0));
+  EXPECT_EQ(mesh.uvs[mesh.triangles[1][1]], V2f(1, 0.5f));
+}
+
+TEST(Obj, CountsBackwardFromNegativeIndicesAndAcceptsWindowsLines) {
+  const Mesh mesh =
+      load_obj(write_file("m.obj", "v 0 0 0\r\nv 1e-40 +1 0 1 1 1\r\nv 1 1 1\r\nf -3 -2 -1\r\n"));
+  EXPECT_EQ(mesh.triangles.size(), 1u);
+  EXPECT_EQ(mesh.positions[mesh.triangles[0][2]], V3f(1, 1, 1));
+}
+
+TEST(Obj, NamesTheFaceOfABadIndex) {
+  EXPECT_EQ(obj_error(kCorners + "f 1 2 3\nf 1 2 9\n"),
+            "m.obj: face 2: vertex index 9 is outside the file's 4");
+  EXPECT_EQ(obj_error(kCorners + "f 1 2 3 4 5\n"), "m.obj: face 1: vertex index 5 is outside the file's 4");
+  EXPECT_EQ(obj_error(kCorners + "f 1//3 2//3 3//3\n"),
+            "m.obj: face 1: normal index 3 is outside the file's 0");
+  EXPECT_EQ(obj_error(kCorners + "f 1/7 2/7 3/7\n"), "m.obj: face 1: uv index 7 is outside the file's 0");
+  EXPECT_EQ(obj_error(kCorners + "f 1 2 -9\n"), "m.obj: face 1: vertex index -4 is outside the file's 4");
+  EXPECT_NE(obj_error(kCorners + "f 0 1 2\n"), "");
+}
+
+TEST(Obj, NamesTheLineOfABadCoordinate) {
+  EXPECT_EQ(obj_error("v 0 0 0\nv 1 nan 0\nv 1 1 0\nf 1 2 3\n"),
+            "m.obj: line 2: 'v' needs 3 finite numbers, found 'nan'");
+  EXPECT_EQ(obj_error("v 0 0 0\nv 1 inf 0\n"), "m.obj: line 2: 'v' needs 3 finite numbers, found 'inf'");
+  EXPECT_EQ(obj_error("v 0 1e99 0\n"), "m.obj: line 1: 'v' needs 3 finite numbers, found '1e99'");
+  EXPECT_EQ(obj_error("v 0 0\n"), "m.obj: line 1: 'v' needs 3 finite numbers, found ''");
+  EXPECT_EQ(obj_error("vt 0 x\n"), "m.obj: line 1: 'vt' needs 2 finite numbers, found 'x'");
+}
+
+TEST(Obj, NeedsAFileWithFaces) {
+  EXPECT_EQ(obj_error(kCorners), "m.obj: has no faces");
+  EXPECT_EQ(obj_error(""), "m.obj: has no faces");
+  EXPECT_THROW(load_obj("nowhere.obj"), Error);
+}
+
+}  // namespace
+}  // namespace becalm::tracer::test
