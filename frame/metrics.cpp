@@ -110,12 +110,12 @@ constexpr int kSsimRadius = 5;
 constexpr int kSsimTaps = 2 * kSsimRadius + 1;
 
 std::array<double, kSsimTaps> ssim_weights() {
-  constexpr double kSigma = 1.5;
+  constexpr double sigma = 1.5;
   std::array<double, kSsimTaps> weights;
   double sum = 0.0;
   for (int i = 0; i < kSsimTaps; ++i) {
     const double d = i - kSsimRadius;
-    sum += weights[i] = std::exp(-d * d / (2.0 * kSigma * kSigma));
+    sum += weights[i] = std::exp(-d * d / (2.0 * sigma * sigma));
   }
   for (double& weight : weights) weight /= sum;
   return weights;
@@ -130,15 +130,15 @@ void add_scaled(Moments& sum, double weight, const Moments& moments) {
 
 /// Wang et al. 2004, eq. 13, with dynamic range 1.
 double ssim_of(const Moments& m) {
-  constexpr double kC1 = 0.01 * 0.01;
-  constexpr double kC2 = 0.03 * 0.03;
+  constexpr double c1 = 0.01 * 0.01;
+  constexpr double c2 = 0.03 * 0.03;
   const double mean_x = m[1] / m[0];
   const double mean_y = m[2] / m[0];
   const double var_x = m[3] / m[0] - mean_x * mean_x;
   const double var_y = m[4] / m[0] - mean_y * mean_y;
   const double cov = m[5] / m[0] - mean_x * mean_y;
-  return (2.0 * mean_x * mean_y + kC1) * (2.0 * cov + kC2) /
-         ((mean_x * mean_x + mean_y * mean_y + kC1) * (var_x + var_y + kC2));
+  return (2.0 * mean_x * mean_y + c1) * (2.0 * cov + c2) /
+         ((mean_x * mean_x + mean_y * mean_y + c1) * (var_x + var_y + c2));
 }
 
 /// One row of the images as moments, then blurred along the row. Pixels that are not finite have no weight.

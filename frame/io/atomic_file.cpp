@@ -37,8 +37,8 @@ AtomicFile::AtomicFile(std::string path) : path_(std::move(path)) {
   // Several threads may write one path, and a killed process of the same number may have left its partial
   // file.
   static std::atomic<unsigned> counter{0};
-  constexpr int kAttempts = 1000;
-  for (int attempt = 0; attempt < kAttempts && file_ == nullptr; ++attempt) {
+  constexpr int max_attempts = 1000;
+  for (int attempt = 0; attempt < max_attempts && file_ == nullptr; ++attempt) {
     partial_path_ = fmt::format("{}.partial.{}.{}", path_, ::getpid(), counter++);
     file_ = std::fopen(partial_path_.c_str(), "wbxe");
     if (file_ == nullptr && errno != EEXIST) break;

@@ -90,6 +90,21 @@ std::vector<std::uint64_t> tiles_by_level(std::uint64_t size, std::uint64_t tile
   return counts;
 }
 
+/// Where the chunk that begins at `offset` ends: its place in the image, the sizes of its data, and the data.
+std::uint64_t chunk_end(const FileBytes& file, std::uint64_t offset, const Imf::Header& header,
+                        bool multi_part) {
+  if (multi_part) offset += sizeof(std::int32_t);  // the part's number
+  offset += sizeof(std::int32_t) * (is_tiled(header) ? 4 : 1);
+  if (!is_deep(header)) return offset + sizeof(std::int32_t) + file.read<std::uint32_t>(offset);
+  const auto counts_size = file.read<std::uint64_t>(offset);
+  const auto data_size = file.read<std::uint64_t>(offset + 8);
+  if (std::max(counts_size, data_size) > (std::uint64_t{1} << 62))
+    throw std::runtime_error("a chunk of absurd size");
+  return offset + 24 + counts_size + data_size;
+}
+
+}  // namespace
+
 std::uint64_t chunk_count(const Imf::Header& header) {
   const Imath::Box2i& window = header.dataWindow();
   const std::uint64_t width = window.max.x - window.min.x + 1;
@@ -109,21 +124,6 @@ std::uint64_t chunk_count(const Imf::Header& header) {
   }
   return count;
 }
-
-/// Where the chunk that begins at `offset` ends: its place in the image, the sizes of its data, and the data.
-std::uint64_t chunk_end(const FileBytes& file, std::uint64_t offset, const Imf::Header& header,
-                        bool multi_part) {
-  if (multi_part) offset += sizeof(std::int32_t);  // the part's number
-  offset += sizeof(std::int32_t) * (is_tiled(header) ? 4 : 1);
-  if (!is_deep(header)) return offset + sizeof(std::int32_t) + file.read<std::uint32_t>(offset);
-  const auto counts_size = file.read<std::uint64_t>(offset);
-  const auto data_size = file.read<std::uint64_t>(offset + 8);
-  if (std::max(counts_size, data_size) > (std::uint64_t{1} << 62))
-    throw std::runtime_error("a chunk of absurd size");
-  return offset + 24 + counts_size + data_size;
-}
-
-}  // namespace
 
 void require_all_chunks(const std::string& path, const Imf::MultiPartInputFile& image) {
   const std::uint64_t file_size = stamp_of(path).size;

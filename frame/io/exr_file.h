@@ -54,6 +54,9 @@ std::vector<std::vector<std::string>> channel_names(const Imf::MultiPartInputFil
 bool is_deep(const Imf::Header& header);
 bool is_tiled(const Imf::Header& header);
 
+/// The number of chunks (runs of lines, or tiles) that a part of this header has.
+std::uint64_t chunk_count(const Imf::Header& header);
+
 /// While reading(): throws where a chunk of pixels is missing or ends behind the file's end, in any part.
 /// Reads the chunks' sizes only, and must have passed before anything of the image's size is allocated: a
 /// header may claim any size.

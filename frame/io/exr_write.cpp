@@ -64,9 +64,9 @@ Imath::half to_half(float value, std::size_t& overflows) {
 }
 
 std::uint32_t to_uint(float value) {
-  constexpr double kLargest = 4294967295.0;
+  constexpr double largest = 4294967295.0;
   return std::isnan(value) ? 0u
-                           : static_cast<std::uint32_t>(std::clamp<double>(std::round(value), 0.0, kLargest));
+                           : static_cast<std::uint32_t>(std::clamp<double>(std::round(value), 0.0, largest));
 }
 
 /// Converts rows of the frame, the first of which is `first_row`, to the plane's type.
@@ -101,14 +101,17 @@ bool may_alter(Imf::Compression compression, std::string_view channel, Imf::Pixe
   std::string letter(channel.substr(channel.rfind('.') + 1));
   std::transform(letter.begin(), letter.end(), letter.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  static constexpr std::string_view kTransformed[] = {"r", "g", "b", "y", "by", "ry", "red", "green", "blue"};
+  static constexpr std::string_view transformed[] = {"r", "g", "b", "y", "by", "ry", "red", "green", "blue"};
   return type != Imf::UINT &&
-         std::find(std::begin(kTransformed), std::end(kTransformed), letter) != std::end(kTransformed);
+         std::find(std::begin(transformed), std::end(transformed), letter) != std::end(transformed);
 }
 
 void insert_attributes(Imf::Header& header, const Attributes& attributes) {
   for (const auto& [name, value] : attributes) {
-    header.erase(name);  // it may be there with another type
+    // OpenEXR refuses to change an attribute's type. Its erase() leaks, so it is called only where it must
+    // be.
+    const bool is_there = header.find(name) != header.end();
+    if (is_there && header.findTypedAttribute<Imf::StringAttribute>(name) == nullptr) header.erase(name);
     header.insert(name, Imf::StringAttribute(value));
   }
 }
@@ -245,6 +248,7 @@ WriteReport write_denoised_exr(const std::string& path, const Frame& frame, cons
 
   const LayerSource& beauty = *layers[static_cast<std::size_t>(Aov::beauty)];
   std::vector<Imf::Header> headers;
+  headers.reserve(from->parts());
   for (int part = 0; part < from->parts(); ++part) headers.push_back(from->header(part));
   Imf::Header& header = headers[beauty.part];
   const Imath::V2i size = header.dataWindow().size() + Imath::V2i(1);
@@ -274,7 +278,7 @@ WriteReport write_denoised_exr(const std::string& path, const Frame& frame, cons
     tiles.mode = Imf::ONE_LEVEL;
     header.setTileDescription(tiles);
   }
-  header.erase("chunkCount");  // OpenEXR counts anew
+  if (header.hasChunkCount()) header.setChunkCount(static_cast<int>(chunk_count(header)));
   insert_attributes(headers.front(), attributes);
   if (beauty.part != 0) insert_attributes(header, attributes);
 

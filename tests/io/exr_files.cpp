@@ -39,9 +39,9 @@ std::uint32_t bits_of(const std::string& channel, Imf::PixelType type, int x, in
   const std::uint32_t h = hash(channel, x, y);
   if (channel.starts_with("Crypto") || channel.starts_with("raw")) {
     // Every seventh sample is one of the values that a conversion would lose.
-    constexpr std::uint32_t kHard32[] = {0x7fc12345u, 0xff800001u, 0x7f800000u, 0x80000000u, 0x00000001u};
-    constexpr std::uint32_t kHard16[] = {0x7e01u, 0xfc01u, 0x7c00u, 0x8000u, 0x0001u};
-    if (h % 7 == 0) return type == Imf::HALF ? kHard16[h / 7 % 5] : kHard32[h / 7 % 5];
+    constexpr std::uint32_t hard32[] = {0x7fc12345u, 0xff800001u, 0x7f800000u, 0x80000000u, 0x00000001u};
+    constexpr std::uint32_t hard16[] = {0x7e01u, 0xfc01u, 0x7c00u, 0x8000u, 0x0001u};
+    if (h % 7 == 0) return type == Imf::HALF ? hard16[h / 7 % 5] : hard32[h / 7 % 5];
     return type == Imf::HALF ? h & 0xffffu : h;
   }
   const float value = test_value(channel, x, y);
@@ -167,7 +167,8 @@ void write_bytes(const std::string& path, const std::string& bytes) {
 std::vector<TestChannel> blender_channels(const std::string& view_layer) {
   std::vector<TestChannel> channels;
   const auto add = [&](const std::string& layer, std::string_view letters, Imf::PixelType type) {
-    for (char letter : letters) channels.push_back({view_layer + "." + layer + "." + letter, type});
+    const std::string prefix = view_layer + "." + layer + ".";
+    for (char letter : letters) channels.push_back({prefix + letter, type});
   };
   add("Combined", "RGBA", Imf::HALF);
   add("Depth", "Z", Imf::FLOAT);
