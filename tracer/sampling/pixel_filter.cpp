@@ -19,7 +19,7 @@ double blackman_harris(double t) {
   return window / (2.0 * kMean);
 }
 
-/// Half of the window, linear between 257 samples: within 2e-5 of its peak.
+/// Half of the window, linear between 257 samples: within 3e-5 of its peak.
 class HalfWindow {
  public:
   HalfWindow() {

@@ -22,15 +22,22 @@ V2f point_2d(std::uint32_t seed, int frame, int x, int y, std::uint32_t sample, 
   return point;
 }
 
+std::uint32_t second_dimension(std::uint32_t index) {
+  std::uint32_t direction = 0x80000000u;
+  std::uint32_t point = 0;
+  for (int bit = 0; bit < 32; ++bit) {
+    if (index >> bit & 1u) point ^= direction;
+    direction ^= direction >> 1;
+  }
+  return point;
+}
+
 TEST(Sobol, second_dimension_follows_its_direction_numbers) {
-  for (std::uint32_t index : {0u, 1u, 2u, 3u, 5u, 77u, 65535u, 65536u, 0x12345678u, 0xffffffffu}) {
-    std::uint32_t direction = 0x80000000u;
-    std::uint32_t expected = 0;
-    for (int bit = 0; bit < 32; ++bit) {
-      if (index >> bit & 1u) expected ^= direction;
-      direction ^= direction >> 1;
-    }
-    EXPECT_EQ(reverse_bits(sobol_1_reversed(index)), expected) << index;
+  for (int bit = 0; bit < 32; ++bit) {
+    EXPECT_EQ(reverse_bits(sobol_1_reversed(1u << bit)), second_dimension(1u << bit)) << "bit " << bit;
+  }
+  for (const std::uint32_t index : {0u, 3u, 77u, 65535u, 0x12345678u, 0xffffffffu}) {
+    EXPECT_EQ(reverse_bits(sobol_1_reversed(index)), second_dimension(index)) << index;
   }
 }
 
