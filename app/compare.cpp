@@ -296,30 +296,30 @@ Command add_compare(CLI::App& becalm) {
   auto command = std::make_shared<CompareCommand>();
   parser.add_option("reference", command->reference, "The reference: a pattern or one file")
       ->required()
-      ->type_name("REFERENCE");
+      ->option_text("REFERENCE");
   parser.add_option("test", command->test, "What is measured: a pattern or one file")
       ->required()
-      ->type_name("TEST");
+      ->option_text("TEST");
   parser
       .add_option("--reference-b", command->reference_b,
                   "A second, independent reference: its noise and the first one's no longer count as error")
-      ->type_name("SECOND")
+      ->option_text("SECOND")
       ->group("Input");
   parser
       .add_option("--frames", command->frames, "Frames to compare (default: those of the reference on disk)")
-      ->type_name("RANGE")
+      ->option_text("RANGE")
       ->group("Input");
   parser.add_option("--json", command->json, "Write the figures to this file too")
-      ->type_name("FILE")
+      ->option_text("FILE")
       ->group("Output");
   parser
       .add_option("--report", command->report,
                   "Write pictures of the errors and an index.html into this folder")
-      ->type_name("DIR")
+      ->option_text("DIR")
       ->group("Output");
   const auto add_limit = [&](const char* name, std::optional<double>& limit, const char* help) {
     parser.add_option(name, limit, help)
-        ->type_name("X")
+        ->option_text("X")
         ->group("Limits (any frame beyond one: exit status 1)");
   };
   add_limit("--max-relmse", command->max_rel_mse, "Largest relMSE");

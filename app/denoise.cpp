@@ -31,6 +31,7 @@ struct DenoiseCommand {
   std::string input;
   OutputOptions output;
   FilterOptions filter;
+  RunningOptions running;
   std::string preset = "balanced";
   std::string layers;
   std::string missing = "error";
@@ -72,7 +73,7 @@ class DenoiseJob {
 
 DenoiseJob::DenoiseJob(const DenoiseCommand& command)
     : command_(command),
-      threads_(command.output.threads),
+      threads_(command.running.threads),
       layers_(io::parse_layer_overrides(command.layers)),
       filter_(command.preset, command.filter),
       inputs_(command.input, command.output.frames, parse_missing(command.missing)),
@@ -95,15 +96,15 @@ ExitStatus DenoiseJob::run() {
   if (command_.output.resume) find_existing();
   const std::vector<InputFrame> work = inputs_.up_to_last_missing(existing_);
   const std::size_t asked = outputs_.frames().size();
-  if (work.empty()) return all_there(asked, command_.output.quiet);
+  if (work.empty()) return all_there(asked, command_.running.quiet);
 
   progress_.emplace(ProgressOptions{
-      .total = asked, .existing = existing_.size(), .work = work.size(), .quiet = command_.output.quiet});
+      .total = asked, .existing = existing_.size(), .work = work.size(), .quiet = command_.running.quiet});
   if (!inputs_.note().empty()) progress_->warn(inputs_.note());
   catch_signals();
   go_through(work);
   filter_.finish(profile_);
-  return conclude(*progress_, asked, command_.output.profile ? &profile_ : nullptr);
+  return conclude(*progress_, asked, command_.running.profile ? &profile_ : nullptr);
 }
 
 void DenoiseJob::find_existing() {
@@ -193,29 +194,30 @@ Command add_denoise(CLI::App& becalm) {
   auto command = std::make_shared<DenoiseCommand>();
   parser.add_option("input", command->input, "The EXR files, such as 'in/shot.####.exr', or one file")
       ->required()
-      ->type_name("INPUT");
-  add_output_options(parser, command->output, "all on disk");
+      ->option_text("INPUT");
   parser
       .add_option("--missing", command->missing,
                   "A frame of --frames that is not there: error stops before the first frame, skip writes "
                   "nothing for "
                   "it, hold writes the denoised frame before it again (default: error)")
       ->check(CLI::IsMember({"error", "skip", "hold"}))
-      ->type_name("error|skip|hold")
+      ->option_text("error|skip|hold")
       ->group("Input");
   parser
       .add_option(
           "--layers", command->layers,
           "Layers to read where the names are not known, such as albedo=diffcol,normal=N; becalm info tells "
           "which are taken")
-      ->type_name("AOV=NAME,...")
+      ->option_text("AOV=NAME,...")
       ->group("Input");
+  add_output_options(parser, command->output, "all on disk");
   parser
       .add_option("--preset", command->preset,
                   "draft, balanced or final: speed against accuracy (default: balanced)")
-      ->type_name("NAME")
+      ->option_text("NAME")
       ->group("Filter");
   add_filter_options(parser, command->filter);
+  add_running_options(parser, command->running);
   parser.footer(
       "Every channel that is not denoised is passed on bit for bit.\n"
       "Examples:\n"

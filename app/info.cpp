@@ -69,10 +69,10 @@ Command add_info(CLI::App& becalm) {
   auto command = std::make_shared<InfoCommand>();
   parser.add_option("subject", command->subject, "A scene, an EXR file or pattern, or the word device")
       ->required()
-      ->type_name("SCENE.json|EXR|device");
+      ->option_text("SCENE.json|EXR|device");
   parser
       .add_option("--layers", command->layers, "Layers to read where the names are not known, as for denoise")
-      ->type_name("AOV=NAME,...");
+      ->option_text("AOV=NAME,...");
   parser.footer(
       "Examples:\n"
       "  becalm info room.json\n"

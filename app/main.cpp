@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <memory>
 #include <new>
 #include <string>
 
 #include "app/command.h"
+#include "app/help.h"
 #include "app/options.h"
 #include "filter/gpu/device.h"
 #include "frame/error.h"
@@ -18,7 +20,8 @@ namespace {
 
 using becalm::ExitStatus;
 
-constexpr const char* kDescription = "becalm renders animations with few samples and makes them calm.\n";
+constexpr const char* kDescription =
+    "becalm renders animations with few samples per pixel and makes them calm.";
 
 constexpr const char* kFooter =
     "Examples:\n"
@@ -62,7 +65,8 @@ int run(int argc, char** argv) {
   parser.footer(kFooter);
   parser.set_version_flag("--version", "becalm " BECALM_VERSION, "Print the version and exit");
   parser.set_help_flag("-h,--help", "Print this help and exit");
-  parser.get_formatter()->column_width(34);
+  parser.formatter(std::make_shared<becalm::app::HelpFormatter>());
+  parser.get_formatter()->column_width(30);
   parser.require_subcommand(1);
   const std::array commands{becalm::app::add_render(parser), becalm::app::add_denoise(parser),
                             becalm::app::add_compare(parser), becalm::app::add_info(parser)};

@@ -15,31 +15,34 @@ CLI::Option* add_output_options(CLI::App& command, OutputOptions& options,
                             .add_option("-o,--output", options.pattern,
                                         "Where to write: an EXR name with a frame field such as ####")
                             ->required()
-                            ->type_name("PATTERN")
+                            ->option_text("PATTERN")
                             ->group("Output");
   command
       .add_option("--frames", options.frames,
                   fmt::format("Frames to write: 1-24, 1-100x2, 5, 1-10,20-30; negative ones as --frames=-3-4 "
                               "(default: {})",
                               frames_default))
-      ->type_name("RANGE")
+      ->option_text("RANGE")
       ->group("Output");
   command
       .add_flag("--resume", options.resume, "Keep the frames that are there, after checking their settings")
       ->group("Output");
+  return output;
+}
+
+void add_running_options(CLI::App& command, RunningOptions& options) {
   command.add_option("--threads", options.threads, "Processor threads to use (default: all)")
       ->check(CLI::Range(1, 4096))
-      ->type_name("N")
+      ->option_text("N")
       ->group("Running");
   command.add_flag("--profile", options.profile, "At the end, tell where time and memory went")
       ->group("Running");
   command.add_flag("--quiet", options.quiet, "No progress; warnings and errors stay")->group("Running");
-  return output;
 }
 
 void add_filter_options(CLI::App& command, FilterOptions& options) {
   command.add_option("--set", options.assignments, "Change one entry of the preset; may be repeated")
-      ->type_name("KEY=VALUE")
+      ->option_text("KEY=VALUE")
       ->allow_extra_args(false)
       ->group("Filter");
   command
@@ -47,7 +50,7 @@ void add_filter_options(CLI::App& command, FilterOptions& options) {
                 "Write what the filter decided as layers: flow, error_mask, sample_count")
       ->group("Filter");
   command.add_option("--device", options.device, "Vulkan device (default: a hardware GPU if there is one)")
-      ->type_name("N|NAME")
+      ->option_text("N|NAME")
       ->group("Running");
   command
       .add_flag("--validate", options.validate,

@@ -22,12 +22,16 @@ struct OutputOptions {
   std::string pattern;
   std::string frames;  ///< as typed; empty: the subcommand's default
   bool resume = false;
-  bool quiet = false;
-  bool profile = false;
-  int threads = 0;  ///< 0: all processors
 };
 /// The option of the output pattern is returned, and is required.
 CLI::Option* add_output_options(CLI::App& command, OutputOptions& options, const std::string& frames_default);
+
+struct RunningOptions {
+  int threads = 0;  ///< 0: all processors
+  bool profile = false;
+  bool quiet = false;
+};
+void add_running_options(CLI::App& command, RunningOptions& options);
 
 struct FilterOptions {
   std::vector<std::string> assignments;  ///< of --set

@@ -70,7 +70,7 @@ class RenderJob {
 
 RenderJob::RenderJob(const RenderCommand& command)
     : command_(command),
-      threads_(command.output.threads),
+      threads_(command.running.threads),
       asked_(parse_aovs(command.aovs)),
       filter_(command.preset.empty() ? std::nullopt
                                      : std::make_optional<FilterStep>(command.preset, command.filter)),
@@ -119,7 +119,7 @@ ExitStatus RenderJob::run() {
 
   std::vector<int> work = up_to_last_missing(asked, existing_);
   if (!filter_) std::erase_if(work, [&](int frame) { return existing_.contains(frame); });
-  if (work.empty()) return all_there(asked.size(), command_.output.quiet);
+  if (work.empty()) return all_there(asked.size(), command_.running.quiet);
 
   if (filter_) filter_->build(size_.width, size_.height, rendered_);
   progress_.emplace(
@@ -128,7 +128,7 @@ ExitStatus RenderJob::run() {
                       .work = work.size(),
                       .unit = "samples",
                       .units_per_frame = static_cast<double>(size_.width) * size_.height * command_.spp,
-                      .quiet = command_.output.quiet});
+                      .quiet = command_.running.quiet});
   catch_signals();
   {
     // The tracer makes frame n+1 while this works on frame n.
@@ -144,7 +144,7 @@ ExitStatus RenderJob::run() {
     behind_tracer.finish(/*drop=*/interrupted() && filter_);
   }
   if (filter_) filter_->finish(profile_);
-  return conclude(*progress_, asked.size(), command_.output.profile ? &profile_ : nullptr);
+  return conclude(*progress_, asked.size(), command_.running.profile ? &profile_ : nullptr);
 }
 
 std::optional<Frame> RenderJob::make_noisy(int frame) {
@@ -224,7 +224,7 @@ ExitStatus debug_pixel(const RenderCommand& command) {
 Command add_render(CLI::App& becalm) {
   CLI::App& parser = *becalm.add_subcommand("render", "Render a scene to EXR files, denoised or not");
   auto command = std::make_shared<RenderCommand>();
-  parser.add_option("scene", command->scene, "The scene, a JSON file")->required()->type_name("SCENE.json");
+  parser.add_option("scene", command->scene, "The scene, a JSON file")->required()->option_text("SCENE.json");
   CLI::Option* output = add_output_options(parser, command->output, "the scene's");
   output->required(false);  // not with --debug-pixel; check_options_fit asks for it otherwise
   parser
@@ -232,38 +232,40 @@ Command add_render(CLI::App& becalm) {
           "--aovs", command->aovs,
           "Layers besides the beauty: albedo, normal, depth, motion, variance, half_a, half_b joined by "
           "commas, all or none (default: none)")
-      ->type_name("LIST")
+      ->option_text("LIST")
       ->group("Output");
   parser.add_flag("--float,!--half-float", command->float_colors, "Colours as 32-bit float (default: half)")
       ->group("Output");
   parser.add_option("--spp", command->spp, "Samples per pixel (default: 8)")
       ->check(CLI::Range(1, 65536))
-      ->type_name("N")
+      ->option_text("N")
       ->group("Rendering");
   parser.add_option("--size", command->size, "Image size in pixels (default: the scene's)")
-      ->type_name("WxH")
+      ->option_text("WxH")
       ->group("Rendering");
   parser.add_option("--seed", command->seed, "Another seed is another, independent noise (default: 0)")
-      ->type_name("N")
+      ->option_text("N")
       ->group("Rendering");
   parser
       .add_option("--debug-pixel", command->debug_pixel,
                   "Print the path of one sample of the first frame, and write nothing; in place of -o")
-      ->type_name("X,Y,SAMPLE")
+      ->option_text("X,Y,SAMPLE")
       ->group("Rendering")
       ->excludes(output);
   parser
       .add_flag("--denoise{balanced}", command->preset,
-                "Denoise while rendering; --denoise=draft, =balanced (default) or =final")
+                "Denoise while rendering: draft, balanced (default) or final, speed against accuracy")
+      ->option_text("[=PRESET]")
       ->group("Filter");
   parser
       .add_option(
           "--keep-noisy", command->keep_noisy,
           "With --denoise, also write the noisy frames, as float with all that the filter reads; --resume "
           "reads them instead of rendering again")
-      ->type_name("PATTERN")
+      ->option_text("PATTERN")
       ->group("Filter");
   add_filter_options(parser, command->filter);
+  add_running_options(parser, command->running);
   parser.footer(
       "Examples:\n"
       "  becalm render room.json -o 'out/room.####.exr' --frames 1-24 --spp 8 --aovs all\n"

@@ -16,6 +16,7 @@ struct RenderCommand {
   std::string scene;
   OutputOptions output;
   FilterOptions filter;
+  RunningOptions running;
   int spp = 8;
   std::string size;
   std::uint32_t seed = 0;
