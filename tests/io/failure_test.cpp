@@ -288,6 +288,19 @@ TEST(AtomicFile, IsRemovedUnlessCommitted) {
   EXPECT_EQ(folder.file_count(), 0u);
 }
 
+TEST(AtomicFile, AFailureThatWasSwallowedIsRemembered) {
+  const TemporaryFolder folder;
+  AtomicFile file(folder.path("file"));
+  const std::string bytes(100000, 'x');
+  {
+    const FullDisk disk(10);
+    EXPECT_THROW(file.write(bytes.data(), bytes.size()), Error);
+  }
+  EXPECT_THROW(file.seek(0), Error);
+  EXPECT_THROW(file.commit(), Error);
+  EXPECT_FALSE(std::filesystem::exists(folder.path("file")));
+}
+
 TEST(AtomicFile, TwoWritersOfOneFileDoNotMeet) {
   const TemporaryFolder folder;
   const std::string path = folder.path("file");
