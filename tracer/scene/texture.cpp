@@ -173,7 +173,11 @@ V3f Textures::Reader::color(std::uint32_t texture, const V2f& uv, float footprin
       1.0f - uv.y * repeat.y, footprint_uv * repeat.x, 0.0f, 0.0f, footprint_uv * repeat.y, 3, &color.x);
   if (!ok) {
     const std::lock_guard lock(state.failure_mutex);
-    if (!state.failed) state.failure = entry.settings.path + ": " + state.system->geterror();
+    if (!state.failed) {
+      std::string reason = state.system->geterror();
+      std::replace(reason.begin(), reason.end(), '\n', ' ');
+      state.failure = entry.settings.path + ": " + reason;
+    }
     state.failed = true;
     return V3f(0.0f);
   }

@@ -1,0 +1,232 @@
+// AOVs of configurations whose values follow from geometry. Samples lie at the pixel centres.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/tracer/test_scenes.h"
+#include "tracer/camera.h"
+
+namespace becalm::tracer::test {
+namespace {
+
+constexpr int kWidth = 40, kHeight = 30;
+constexpr double kFov = 50.0;
+const double kFocal = 0.5 * kHeight / std::tan(0.5 * kFov * std::numbers::pi / 180.0);
+
+std::string scene(const std::string& look_at, const std::string& objects, const std::string& more = "") {
+  return "{'film': {'width': 40, 'height': 30, " + std::string(kPointFilter) + "}, " + more +
+         "'camera': {'fov_y_deg': 50, 'look_at': " + look_at + R"(},
+    'materials': {
+      'white': {'type': 'diffuse', 'reflectance': [0.8,0.6,0.4]}, 'red': {'type': 'diffuse', 'reflectance': [0.5,0.1,0.2]},
+      'mirror': {'type': 'conductor', 'reflectance': [1,0.5,0.25]}, 'glass': {'type': 'dielectric', 'ior': 1},
+      'metal': {'type': 'conductor', 'reflectance': [0.9,0.6,0.3], 'roughness': 0.4}},
+    'meshes': {'plane': {'shape': 'rectangle'}, 'ball': {'shape': 'sphere', 'segments': 128}, 'box': {'shape': 'cube'}},
+    'objects': [)" +
+         objects + "]}";
+}
+
+const std::string kAhead = "{'eye': [0,0,0], 'target': [0,0,-1]}";
+/// A plane at z = -4 that faces the camera and fills the picture.
+const std::string kWall =
+    "{'mesh': 'plane', 'material': 'white', 'transform': {'scale': 20, 'rotate_deg': [90,0,0], 'translate': "
+    "[0,0,-4]}}";
+
+Frame render(const std::string& json, int frame = 1, int spp = 2) {
+  Scene scene = load_text(json);
+  return render_frame(scene, frame, options(spp, {Aov::albedo, Aov::normal, Aov::depth, Aov::motion}))
+      .value();
+}
+
+template <class Check>
+void for_each_pixel(const Check& check) {
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) check(x, y);
+  }
+}
+
+V3f pixel3(const Frame& frame, Aov aov, int x, int y) {
+  const auto p = frame.image(aov).pixel(x, y);
+  return {p[0], p[1], p[2]};
+}
+void expect_near(const V3f& value, const V3f& truth, float tolerance) {
+  EXPECT_NEAR((value - truth).length(), 0.0f, tolerance) << value << " instead of " << truth;
+}
+
+TEST(Aov, WallHasNormalDepthAndAlbedo) {
+  const Frame frame = render(scene(kAhead, kWall));
+  for_each_pixel([&](int x, int y) {
+    expect_near(pixel3(frame, Aov::normal, x, y), V3f(0, 0, 1), 1e-6f);
+    expect_near(pixel3(frame, Aov::albedo, x, y), V3f(0.8f, 0.6f, 0.4f), 1e-6f);
+    const double dx = (x + 0.5 - 0.5 * kWidth) / kFocal, dy = (y + 0.5 - 0.5 * kHeight) / kFocal;
+    EXPECT_NEAR(frame.image(Aov::depth).at(x, y, 0), 4.0 * std::sqrt(1.0 + dx * dx + dy * dy), 1e-5);
+    EXPECT_EQ(frame.image(Aov::motion).at(x, y, 0), 0.0f) << "nothing moves: exactly none";
+    EXPECT_EQ(frame.image(Aov::motion).at(x, y, 1), 0.0f);
+    EXPECT_EQ(frame.image(Aov::beauty).at(x, y, 3), 1.0f);
+  });
+}
+
+TEST(Aov, NormalsFaceTheCameraAndAreInterpolated) {
+  const Frame frame =
+      render(scene("{'eye': [0,0,5], 'target': [0,0,0]}", "{'mesh': 'ball', 'material': 'metal'}"), 1, 1);
+  for_each_pixel([&](int x, int y) {
+    const double dx = (x + 0.5 - 0.5 * kWidth) / kFocal, dy = -(y + 0.5 - 0.5 * kHeight) / kFocal;
+    const V3d dir = V3d(dx, dy, -1.0).normalized();
+    const double b = 5.0 * dir.z, discriminant = b * b - 24.0;
+    if (discriminant < 0.3) return;  // the facets' outline lies inside the sphere's
+    const V3d p = V3d(0, 0, 5) + dir * (-b - std::sqrt(discriminant));
+    expect_near(pixel3(frame, Aov::normal, x, y), V3f(p), 0.02f);
+    expect_near(pixel3(frame, Aov::albedo, x, y), V3f(0.9f, 0.6f, 0.3f), 1e-3f);
+  });
+}
+
+TEST(Aov, NothingHitHasTheTablesValues) {
+  const Frame frame = render(scene(kAhead, ""));
+  for_each_pixel([&](int x, int y) {
+    EXPECT_EQ(pixel3(frame, Aov::albedo, x, y), V3f(1));
+    EXPECT_EQ(pixel3(frame, Aov::normal, x, y), V3f(0));
+    EXPECT_EQ(frame.image(Aov::depth).at(x, y, 0), std::numeric_limits<float>::infinity());
+    EXPECT_EQ(frame.image(Aov::beauty).at(x, y, 3), 0.0f);
+  });
+  const Frame sky = render(scene(kAhead, "", "'environment': {'radiance': [1,2,3]}, "));
+  for_each_pixel([&](int x, int y) {
+    EXPECT_EQ(pixel3(sky, Aov::beauty, x, y), V3f(1, 2, 3));
+    EXPECT_EQ(sky.image(Aov::beauty).at(x, y, 3), 1.0f);
+  });
+}
+
+TEST(Aov, MotionOfAMovingWall) {
+  // From frame 1 to 2 the wall moves by (0.3, -0.2, 0) at distance 4: back by that in the picture, y down.
+  const Frame frame = render(scene(kAhead, R"({'mesh': 'plane', 'material': 'white', 'transform': {'keys': [
+      {'frame': 1, 'scale': 20, 'rotate_deg': [90,0,0], 'translate': [0,0,-4]},
+      {'frame': 2, 'scale': 20, 'rotate_deg': [90,0,0], 'translate': [0.3,-0.2,-4]}]}})"),
+                             2);
+  for_each_pixel([&](int x, int y) {
+    EXPECT_NEAR(frame.image(Aov::motion).at(x, y, 0), -0.3 / 4.0 * kFocal, 1e-3);
+    EXPECT_NEAR(frame.image(Aov::motion).at(x, y, 1), -0.2 / 4.0 * kFocal, 1e-3);
+  });
+}
+
+TEST(Aov, MotionOfATurningAndGrowingWall) {
+  // Turned by 10 degrees about the view and scaled by 1.25: the previous position is turned and shrunk back.
+  const Frame frame = render(scene(kAhead, R"({'mesh': 'plane', 'material': 'white', 'transform': {'keys': [
+      {'frame': 1, 'scale': 20, 'rotate_deg': [90,0,0], 'translate': [0,0,-4]},
+      {'frame': 2, 'scale': 25, 'rotate_deg': [90,0,10], 'translate': [0,0,-4]}]}})"),
+                             2);
+  const double c = std::cos(10 * std::numbers::pi / 180) / 1.25,
+               s = std::sin(10 * std::numbers::pi / 180) / 1.25;
+  for_each_pixel([&](int x, int y) {
+    const double px = x + 0.5 - 0.5 * kWidth, py = 0.5 * kHeight - (y + 0.5);  // y up
+    EXPECT_NEAR(frame.image(Aov::motion).at(x, y, 0), (c * px + s * py) - px, 1e-3);
+    EXPECT_NEAR(frame.image(Aov::motion).at(x, y, 1), -((-s * px + c * py) - py), 1e-3);
+  });
+}
+
+TEST(Aov, MotionOfAPanningCameraAtInfinityAndOfATravellingOne) {
+  // The camera turns by 5 degrees to the right about y: what it sees moves left, and so came from the right.
+  const double angle = 5.0 * std::numbers::pi / 180.0;
+  const std::string look_at =
+      "{'keys': [{'frame': 1, 'eye': [0,0,0], 'target': [0,0,-1]}, {'frame': 2, 'eye': [0,0,0], 'target': [" +
+      std::to_string(std::sin(angle)) + ",0," + std::to_string(-std::cos(angle)) + "]}]}";
+  const Frame frame = render(scene(look_at, ""), 2);
+  for_each_pixel([&](int x, int y) {
+    const double px = (x + 0.5 - 0.5 * kWidth) / kFocal, py = (y + 0.5 - 0.5 * kHeight) / kFocal;
+    const double depth = std::cos(angle) - px * std::sin(angle);
+    const double previous_x = (px * std::cos(angle) + std::sin(angle)) / depth, previous_y = py / depth;
+    EXPECT_NEAR(frame.image(Aov::motion).at(x, y, 0), (previous_x - px) * kFocal, 1e-3);
+    EXPECT_NEAR(frame.image(Aov::motion).at(x, y, 1), (previous_y - py) * kFocal, 1e-3);
+  });
+  const Frame travelling =
+      render(scene("{'keys': [{'frame': 1, 'eye': [0,0,0], 'target': [0,0,-1]}, {'frame': 2, 'eye': "
+                   "[0.5,0,0], 'target': [0.5,0,-1]}]}",
+                   kWall),
+             2);
+  for_each_pixel([&](int x, int y) {
+    EXPECT_NEAR(travelling.image(Aov::motion).at(x, y, 0), 0.5 / 4.0 * kFocal, 1e-3);
+    EXPECT_NEAR(travelling.image(Aov::motion).at(x, y, 1), 0.0, 1e-3);
+  });
+}
+
+TEST(Aov, WhatWasBehindThePreviousCameraCountsAsUnmoved) {
+  const Frame frame = render(
+      scene("{'keys': [{'frame': 1, 'eye': [0,0,-9], 'target': [0,0,-10]}, {'frame': 2, 'eye': [0,0,0], "
+            "'target': [0,0,-1]}]}",
+            kWall),
+      2);
+  for_each_pixel([&](int x, int y) { EXPECT_EQ(frame.image(Aov::motion).at(x, y, 0), 0.0f); });
+}
+
+TEST(Aov, AlbedoAndNormalAreFollowedThroughMirrors) {
+  // The camera looks at a mirror that shows the red wall behind the camera.
+  const Frame frame = render(scene(kAhead, R"(
+      {'mesh': 'plane', 'material': 'mirror', 'transform': {'scale': 9, 'rotate_deg': [90,0,0], 'translate': [0,0,-2]}},
+      {'mesh': 'plane', 'material': 'red', 'transform': {'scale': 90, 'rotate_deg': [-90,0,0], 'translate': [0,0,3]}})"));
+  for_each_pixel([&](int x, int y) {
+    // The mirror's tint is part of what a filter divides out; it grows towards grazing angles.
+    const V3f albedo = pixel3(frame, Aov::albedo, x, y);
+    EXPECT_NEAR(albedo.x, 0.5f, 1e-4f);
+    EXPECT_NEAR(albedo.y, 0.05f, 0.01f);
+    EXPECT_NEAR(albedo.z, 0.05f, 0.01f);
+    expect_near(pixel3(frame, Aov::normal, x, y), V3f(0, 0, -1), 1e-5f);
+    EXPECT_LT(frame.image(Aov::depth).at(x, y, 0), 3.0f) << "depth is the mirror's own";
+  });
+}
+
+TEST(Aov, AlbedoAndNormalAreFollowedThroughGlass) {
+  // Glass of index 1 lets everything pass straight.
+  const Frame frame = render(scene(
+      kAhead,
+      "{'mesh': 'ball', 'material': 'glass', 'transform': {'scale': 0.5, 'translate': [0,0,-2]}}, " + kWall));
+  for_each_pixel([&](int x, int y) {
+    expect_near(pixel3(frame, Aov::albedo, x, y), V3f(0.8f, 0.6f, 0.4f), 1e-5f);
+    expect_near(pixel3(frame, Aov::normal, x, y), V3f(0, 0, 1), 1e-5f);
+  });
+  EXPECT_NEAR(frame.image(Aov::depth).at(kWidth / 2, kHeight / 2, 0), 1.5f, 1e-2f);
+}
+
+TEST(Aov, MirrorsThatShowNothingGiveTheirTint) {
+  const Frame frame = render(scene(kAhead,
+                                   "{'mesh': 'plane', 'material': 'mirror', 'transform': {'scale': 9, "
+                                   "'rotate_deg': [90,0,0], 'translate': [0,0,-2]}}"));
+  const V3f albedo = pixel3(frame, Aov::albedo, kWidth / 2, kHeight / 2);
+  expect_near(albedo, V3f(1, 0.5f, 0.25f), 2e-3f);
+  EXPECT_EQ(pixel3(frame, Aov::normal, kWidth / 2, kHeight / 2), V3f(0));
+}
+
+TEST(Aov, ExistOnlyWhenAskedForAndChangeNothing) {
+  const std::string json =
+      scene("{'eye': [0,0,5], 'target': [0,0,0]}", "{'mesh': 'ball', 'material': 'mirror'}, " + kWall,
+            "'environment': {'radiance': 1}, ");
+  Scene scene = load_text(json);
+  const Frame plain = render_frame(scene, 1, options(4)).value();
+  EXPECT_EQ(plain.aovs().count(), 1u);
+  const Frame all = render_frame(scene, 1,
+                                 options(4, {Aov::albedo, Aov::normal, Aov::depth, Aov::motion, Aov::variance,
+                                             Aov::half_a, Aov::half_b, Aov::flow}))
+                        .value();
+  EXPECT_EQ(all.aovs().count(), 8u) << "the diagnostics are the filter's";
+  for (std::size_t i = 0; i < plain.image(Aov::beauty).data().size(); ++i) {
+    ASSERT_EQ(plain.image(Aov::beauty).data()[i], all.image(Aov::beauty).data()[i]);
+  }
+  for_each_pixel([&](int x, int y) {
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_NEAR(0.5f * (all.image(Aov::half_a).at(x, y, c) + all.image(Aov::half_b).at(x, y, c)),
+                  all.image(Aov::beauty).at(x, y, c), 1e-6f);
+    }
+  });
+}
+
+TEST(Camera, ProjectsWhereItLooks) {
+  const Camera camera({{1, 2, 3}, {4, 1, -2}, {0.2, 1, 0}}, 65.0, 123, 45);
+  for (const V2f& raster : {V2f(0.5f, 0.5f), V2f(61.5f, 22.5f), V2f(120.25f, 3.0f), V2f(-4.0f, 50.0f)}) {
+    const Ray ray = camera.ray(raster);
+    EXPECT_NEAR(ray.dir.length(), 1.0f, 1e-6f);
+    const V2d again = camera.project(V3d(ray.origin) + V3d(ray.dir) * 7.0).value();
+    EXPECT_NEAR(again.x, raster.x, 1e-4);
+    EXPECT_NEAR(again.y, raster.y, 1e-4);
+    EXPECT_FALSE(camera.project(V3d(ray.origin) - V3d(ray.dir)).has_value());
+  }
+}
+
+}  // namespace
+}  // namespace becalm::tracer::test

@@ -1,0 +1,157 @@
+#include "tracer/scene/texture.h"
+
+#include <OpenImageIO/imageio.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+
+#include "frame/error.h"
+#include "tests/tracer/test_scenes.h"
+
+namespace becalm::tracer::test {
+namespace {
+
+std::string write_image(const std::string& name, int width, int height, int channels,
+                        const std::vector<float>& pixels) {
+  const std::string path = file_path(name);
+  auto file = OIIO::ImageOutput::create(path);
+  const bool png = name.ends_with(".png");
+  file->open(path, OIIO::ImageSpec(width, height, channels, png ? OIIO::TypeUInt8 : OIIO::TypeFloat));
+  file->write_image(OIIO::TypeFloat, pixels.data());
+  file->close();
+  return path;
+}
+
+/// Rows from the top: red green / blue grey.
+const std::vector<float> kFour = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0.5f, 0.5f, 0.5f};
+
+V3f lookup(const TextureSettings& settings, const V2f& uv, float footprint = 0.0f) {
+  Textures textures;
+  const std::uint32_t texture = textures.add(settings);
+  const V3f color = Textures::Reader(textures).color(texture, uv, footprint);
+  textures.check();
+  return color;
+}
+
+void expect_near(const V3f& value, const V3f& truth, float tolerance = 2e-3f) {
+  EXPECT_NEAR((value - truth).length(), 0.0f, tolerance) << value << " instead of " << truth;
+}
+
+TEST(Texture, VPointsUpAndSrgbIsDecoded) {
+  const TextureSettings settings{write_image("four.png", 2, 2, 3, kFour), ColorSpace::srgb, {1, 1}, V3f(1)};
+  expect_near(lookup(settings, {0.25f, 0.75f}), V3f(1, 0, 0));
+  expect_near(lookup(settings, {0.75f, 0.75f}), V3f(0, 1, 0));
+  expect_near(lookup(settings, {0.25f, 0.25f}), V3f(0, 0, 1));
+  const float coded = std::round(0.5f * 255.0f) / 255.0f;
+  expect_near(lookup(settings, {0.75f, 0.25f}), V3f(std::pow((coded + 0.055f) / 1.055f, 2.4f)));
+}
+
+TEST(Texture, LinearFilesAreTakenAsTheyAre) {
+  const TextureSettings settings{
+      write_image("four.exr", 2, 2, 3, kFour), ColorSpace::linear, {1, 1}, V3f(1, 0.5f, 4)};
+  expect_near(lookup(settings, {0.75f, 0.25f}), V3f(0.5f, 0.25f, 1.0f));
+}
+
+TEST(Texture, Repeats) {
+  const TextureSettings settings{write_image("four.png", 2, 2, 3, kFour), ColorSpace::srgb, {2, 3}, V3f(1)};
+  expect_near(lookup(settings, {0.125f, 1.0f - 0.25f / 3.0f}), V3f(1, 0, 0));
+  expect_near(lookup(settings, {0.625f, 1.0f - 1.25f / 3.0f}), V3f(1, 0, 0));
+  expect_near(lookup(settings, {-0.875f, 3.0f - 2.25f / 3.0f}), V3f(1, 0, 0));
+}
+
+TEST(Texture, GreyAndAlphaFiles) {
+  expect_near(
+      lookup({write_image("grey.png", 1, 1, 1, {1.0f}), ColorSpace::srgb, {1, 1}, V3f(1)}, {0.5f, 0.5f}),
+      V3f(1));
+  expect_near(lookup({write_image("alpha.png", 1, 1, 4, {1, 1, 0, 1}), ColorSpace::srgb, {1, 1}, V3f(1)},
+                     {0.5f, 0.5f}),
+              V3f(1, 1, 0));
+}
+
+TEST(Texture, DistantDetailAveragesLightAndNotCodes) {
+  // A checkerboard of black and white, 64x64, from far away: half the light, where sRGB codes would give
+  // 0.21.
+  std::vector<float> pixels(64 * 64 * 3);
+  for (int i = 0; i < 64 * 64; ++i) {
+    for (int c = 0; c < 3; ++c) pixels[3 * i + c] = static_cast<float>((i + i / 64) % 2);
+  }
+  const TextureSettings settings{
+      write_image("checks.png", 64, 64, 3, pixels), ColorSpace::srgb, {1, 1}, V3f(1)};
+  expect_near(lookup(settings, {0.51f, 0.52f}, 0.5f), V3f(0.5f), 5e-3f);
+  const V3f sharp = lookup(settings, {0.5f / 64, 0.5f / 64}, 0.0f);
+  EXPECT_TRUE(sharp.x < 0.01f || sharp.x > 0.99f);
+}
+
+TEST(Texture, TiledFilesReadAsScanlineOnes) {
+  std::vector<float> pixels(40 * 50 * 3);
+  for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<float>(i % 97) / 97.0f;
+  const std::string path = file_path("tiled.exr");
+  OIIO::ImageSpec spec(40, 50, 3, OIIO::TypeFloat);
+  spec.tile_width = spec.tile_height = 16;
+  auto file = OIIO::ImageOutput::create(path);
+  file->open(path, spec);
+  file->write_image(OIIO::TypeFloat, pixels.data());
+  file->close();
+  const std::string scanlines = write_image("scanlines.exr", 40, 50, 3, pixels);
+  for (const V2f& uv : {V2f(0.0125f, 0.99f), V2f(0.9875f, 0.01f), V2f(0.5f, 0.35f)}) {
+    const TextureSettings a{path, ColorSpace::linear, {1, 1}, V3f(1)},
+        b{scanlines, ColorSpace::linear, {1, 1}, V3f(1)};
+    EXPECT_EQ(lookup(a, uv), lookup(b, uv));
+    const int x = static_cast<int>(uv.x * 40), y = static_cast<int>((1 - uv.y) * 50);
+    if (uv.x != 0.5f) {  // a texel's centre
+      EXPECT_NEAR(lookup(a, uv).y, pixels[(y * 40 + x) * 3 + 1], 1e-3f);
+    }
+  }
+}
+
+TEST(Texture, DamagedFilesAreReportedWithTheirName) {
+  std::vector<float> pixels(64 * 64 * 3);
+  for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<float>(i * i % 251) / 255.0f;
+  const std::string path = write_image("whole.png", 64, 64, 3, pixels);
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  bytes.resize(bytes.size() / 2);
+  write_file("cut.png", bytes);
+  Scene scene = load_text(R"({'film': {'width': 8, 'height': 8}, 'environment': {'radiance': 1},
+    'camera': {'look_at': {'eye': [0,2,0], 'target': [0,0,0], 'up': [0,0,-1]}},
+    'materials': {'m': {'type': 'diffuse', 'reflectance': {'image': 'cut.png'}}},
+    'meshes': {'p': {'shape': 'rectangle'}}, 'objects': [{'mesh': 'p', 'material': 'm'}]})");
+  try {
+    render_frame(scene, 1, options(1));
+    FAIL() << "half a file was read as a whole one";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.status(), ExitStatus::bad_input);
+    EXPECT_NE(std::string(error.what()).find("cut.png"), std::string::npos) << error.what();
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << "one line";
+  }
+  EXPECT_NE(load_error(R"({'camera': {'look_at': {'eye': [0,2,1], 'target': [0,0,0]}},
+    'materials': {'m': {'type': 'diffuse', 'reflectance': {'image': 'scene.json'}}}, 'meshes': {}, 'objects': []})")
+                .find("scene.json: /materials/m/reflectance/image: cannot read 'scene.json'"),
+            std::string::npos);
+}
+
+TEST(Texture, ShowsOnSurfaces) {
+  // The rectangle seen from above with -z up shows the picture upright.
+  write_image("four.png", 2, 2, 3, kFour);
+  Scene scene = load_text(R"({'film': {'width': 2, 'height': 2, 'filter': {'type': 'box', 'radius_px': 0}},
+    'integrator': {'max_depth': 1}, 'environment': {'radiance': 1},
+    'camera': {'fov_y_deg': 53.13, 'look_at': {'eye': [0,2,0], 'target': [0,0,0], 'up': [0,0,-1]}},
+    'materials': {'m': {'type': 'diffuse', 'reflectance': {'image': 'four.png', 'space': 'srgb'}}},
+    'meshes': {'p': {'shape': 'rectangle'}}, 'objects': [{'mesh': 'p', 'material': 'm'}]})");
+  EXPECT_TRUE(scene.needs().textures);
+  const Frame frame = render_frame(scene, 1, options(16, {Aov::albedo})).value();
+  const auto albedo = [&](int x, int y) {
+    const auto p = frame.image(Aov::albedo).pixel(x, y);
+    return V3f(p[0], p[1], p[2]);
+  };
+  EXPECT_GT(albedo(0, 0).x, 0.99f);
+  EXPECT_GT(albedo(1, 0).y, 0.99f);
+  EXPECT_GT(albedo(0, 1).z, 0.99f);
+  EXPECT_NEAR(frame.image(Aov::beauty).at(0, 0, 0), 1.0f, 0.1f)
+      << "a plane under a sky of 1 shows its reflectance";
+}
+
+}  // namespace
+}  // namespace becalm::tracer::test
