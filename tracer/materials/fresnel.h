@@ -20,16 +20,18 @@ inline float fresnel_dielectric(float cos_o, float eta_ratio, float* cos_t = nul
   return std::min(1.0f, 0.5f * (parallel * parallel + perpendicular * perpendicular));
 }
 
+/// What is above counts as this: such a metal reflects 99.96% at normal incidence.
+inline constexpr double kLargestIndex = 1e4;
+
 /// Share of unpolarised light that a metal with index of refraction eta + i k reflects in air, in [0,1];
-/// exact. `cos_o` in [0,1]; eta, k >= 0, and what is above 1e4 counts as 1e4. Source: Born and Wolf,
+/// exact. `cos_o` in [0,1]; eta, k >= 0 up to kLargestIndex. Source: Born and Wolf,
 /// section 14.2, by real arithmetic: (a + i b)^2 = (eta + i k)^2 - sin^2.
 inline float fresnel_conductor(float cos_o, float eta, float k) {
-  constexpr double kLargest = 1e4;  // reflects 99.96% at normal incidence
   const double c = cos_o;
   const double cos2 = c * c;
   const double sin2 = std::max(0.0, 1.0 - cos2);
-  const double n = std::min<double>(eta, kLargest);
-  const double kk = std::min<double>(k, kLargest);
+  const double n = std::min<double>(eta, kLargestIndex);
+  const double kk = std::min<double>(k, kLargestIndex);
   const double real = (n - 1.0) * (n + 1.0) - kk * kk + cos2;
   const double modulus = std::sqrt(real * real + 4.0 * n * n * kk * kk);
   // The larger of a and b first, the other from a b = eta k: neither suffers from cancellation.

@@ -12,11 +12,11 @@ namespace {
 /// The 4-term Blackman-Harris window at distance t in [0,1] of the centre, scaled to integrate to 1/2 over
 /// it. Source: Harris, "On the Use of Windows for Harmonic Analysis", 1978: the constant term is the mean.
 double blackman_harris(double t) {
-  constexpr double kMean = 0.35875;
+  constexpr double mean = 0.35875;
   const double phase = std::numbers::pi * t;
   const double window =
-      kMean + 0.48829 * std::cos(phase) + 0.14128 * std::cos(2.0 * phase) + 0.01168 * std::cos(3.0 * phase);
-  return window / (2.0 * kMean);
+      mean + 0.48829 * std::cos(phase) + 0.14128 * std::cos(2.0 * phase) + 0.01168 * std::cos(3.0 * phase);
+  return window / (2.0 * mean);
 }
 
 /// Half of the window, linear between 257 samples: within 3e-5 of its peak.

@@ -27,13 +27,13 @@ TEST(AreaLight, samples_are_uniform_by_area) {
   const V3f point(0.3f, -0.2f, 0.4f);
   // In barycentric coordinates of p1 and p2 the density is 2 on a triangle; compared over the unit square by
   // counts.
-  constexpr int kGrid = 12;
-  std::vector<double> observed(kGrid * kGrid, 0.0);
-  std::vector<double> expected(kGrid * kGrid, 0.0);
-  constexpr int kSamples = 100000;
+  constexpr int grid = 12;
+  std::vector<double> observed(grid * grid, 0.0);
+  std::vector<double> expected(grid * grid, 0.0);
+  constexpr int samples = 100000;
   TestRandom random(17);
   const V3d normal = V3d(light.edge1).cross(V3d(light.edge2));
-  for (int i = 0; i < kSamples; ++i) {
+  for (int i = 0; i < samples; ++i) {
     const auto drawn = light.sample(point, random.next_2d());
     ASSERT_TRUE(drawn);
     const V3d offset = V3d(point) + V3d(drawn->dir_world) * drawn->distance - V3d(light.p0);
@@ -42,13 +42,13 @@ TEST(AreaLight, samples_are_uniform_by_area) {
     ASSERT_GT(b1, -1e-5);
     ASSERT_GT(b2, -1e-5);
     ASSERT_LT(b1 + b2, 1.0 + 1e-5);
-    const int x = std::clamp(static_cast<int>(b1 * kGrid), 0, kGrid - 1);
-    const int y = std::clamp(static_cast<int>(b2 * kGrid), 0, kGrid - 1);
-    observed[y * kGrid + x] += 1.0;
+    const int x = std::clamp(static_cast<int>(b1 * grid), 0, grid - 1);
+    const int y = std::clamp(static_cast<int>(b2 * grid), 0, grid - 1);
+    observed[y * grid + x] += 1.0;
   }
-  for (int y = 0; y < kGrid; ++y) {
-    for (int x = 0; x + y < kGrid; ++x) {
-      expected[y * kGrid + x] = kSamples * (x + y == kGrid - 1 ? 1.0 : 2.0) / (kGrid * kGrid);
+  for (int y = 0; y < grid; ++y) {
+    for (int x = 0; x + y < grid; ++x) {
+      expected[y * grid + x] = samples * (x + y == grid - 1 ? 1.0 : 2.0) / (grid * grid);
     }
   }
   // Rounding may put a sample on the diagonal one cell too far: those cells expect nothing and are pooled.
@@ -63,8 +63,8 @@ TEST(AreaLight, density_is_per_solid_angle) {
     TestRandom random(5);
     double sum = 0.0;
     double squares = 0.0;
-    constexpr int kSamples = 100000;
-    for (int i = 0; i < kSamples; ++i) {
+    constexpr int samples = 100000;
+    for (int i = 0; i < samples; ++i) {
       const auto drawn = light.sample(point, random.next_2d());
       ASSERT_TRUE(drawn);
       ASSERT_EQ(drawn->pdf_solid_angle, light.pdf_solid_angle(drawn->dir_world, drawn->distance));
@@ -72,8 +72,8 @@ TEST(AreaLight, density_is_per_solid_angle) {
       sum += value;
       squares += value * value;
     }
-    const double mean = sum / kSamples;
-    const double error = std::sqrt((squares / kSamples - mean * mean) / kSamples);
+    const double mean = sum / samples;
+    const double error = std::sqrt((squares / samples - mean * mean) / samples);
     const V3d p(point);
     EXPECT_NEAR(mean, solid_angle(V3d(kCeiling.p0) - p, V3d(kCeiling.p1) - p, V3d(kCeiling.p2) - p),
                 4 * error)
@@ -92,8 +92,8 @@ TEST(AreaLight, shines_to_one_side_or_both) {
 }
 
 TEST(AreaLight, degenerate_triangles_give_nothing) {
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  for (const V3f& p2 : {V3f(2, 0, 0), V3f(0, 0, 0), V3f(kNan, 0, 0), V3f(INFINITY, 1, 0)}) {
+  constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const V3f& p2 : {V3f(2, 0, 0), V3f(0, 0, 0), V3f(nan, 0, 0), V3f(INFINITY, 1, 0)}) {
     const AreaLight light(EmissiveTriangle{V3f(0, 0, 0), V3f(1, 0, 0), p2, V3f(1), true});
     EXPECT_EQ(light.area, 0.0) << p2;
     EXPECT_EQ(light.power(), 0.0) << p2;

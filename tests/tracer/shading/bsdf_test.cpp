@@ -200,15 +200,15 @@ TEST(Bsdf, finite_at_the_extremes) {
       list.push_back({fmt::format("dielectric {} {}", eta, alpha), DielectricBsdf{eta, alpha, V3f(1.0f)}});
     }
   }
-  constexpr float kLast = 0x1.fffffep-1f;  // the largest float below 1
+  constexpr float last_below_one = 0x1.fffffep-1f;  // the largest float below 1
   for (const auto& [name, bsdf] : list) {
     EXPECT_TRUE(usable(albedo(bsdf))) << name;
     for (const float cos_o : {0.0f, 1e-40f, 1e-20f, 1e-8f, 1e-3f, 0.5f, 1.0f}) {
       for (const float side : {1.0f, -1.0f}) {
         const V3f wo(std::sqrt(1.0f - cos_o * cos_o), 0.0f, side * cos_o);
-        for (const float ux : {0.0f, 0.25f, kLast}) {
-          for (const float uy : {0.0f, 0.5f, kLast}) {
-            for (const float u_lobe : {0.0f, 0.5f, kLast}) {
+        for (const float ux : {0.0f, 0.25f, last_below_one}) {
+          for (const float uy : {0.0f, 0.5f, last_below_one}) {
+            for (const float u_lobe : {0.0f, 0.5f, last_below_one}) {
               const std::string replay = fmt::format("{} wo.z {} u {} {} {}", name, wo.z, ux, uy, u_lobe);
               const auto drawn = sample(bsdf, wo, V2f(ux, uy), u_lobe);
               if (!drawn) continue;

@@ -15,8 +15,7 @@ TEST(DiscreteDistribution, chooses_by_weight) {
   const std::vector<double> weights = {1.0, 0.0, 3.0, 0.5, 2.5, 0.0};
   const DiscreteDistribution distribution(weights);
   std::vector<double> observed(weights.size(), 0.0);
-  std::vector<double> expected;
-  for (const double weight : weights) expected.push_back(weight / 7.0 * 50000);
+  const std::vector<double> expected = {50000 / 7.0, 0.0, 150000 / 7.0, 25000 / 7.0, 125000 / 7.0, 0.0};
   TestRandom random(3);
   for (int i = 0; i < 50000; ++i) {
     const auto choice = distribution.sample(random.next());
@@ -37,15 +36,15 @@ TEST(DiscreteDistribution, passes_on_where_u_fell) {
 }
 
 TEST(DiscreteDistribution, never_chooses_unusable_weights) {
-  constexpr double kInf = std::numeric_limits<double>::infinity();
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  const DiscreteDistribution distribution(std::vector<double>{0.0, kNan, 1e300, -1.0, 1e300, kInf, 0.0});
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  const DiscreteDistribution distribution(std::vector<double>{0.0, nan, 1e300, -1.0, 1e300, inf, 0.0});
   for (const float u : {0.0f, 0.25f, 0.5f, 0.75f, 0x1.fffffep-1f, 1.0f}) {
     const std::size_t index = distribution.sample(u).index;
     EXPECT_TRUE(index == 2 || index == 4) << "u " << u << " index " << index;
     EXPECT_FLOAT_EQ(distribution.sample(u).probability, 0.5f);
   }
-  EXPECT_TRUE(DiscreteDistribution(std::vector<double>{0.0, kNan, kInf}).empty());
+  EXPECT_TRUE(DiscreteDistribution(std::vector<double>{0.0, nan, inf}).empty());
   EXPECT_TRUE(DiscreteDistribution(std::vector<double>{}).empty());
   EXPECT_EQ(DiscreteDistribution(std::vector<double>{0.0}).probability(0), 0.0f);
 }

@@ -82,7 +82,7 @@ TEST(Environment, sample_reports_the_density_of_its_direction) {
 TEST(Environment, sampling_recovers_the_total_radiance) {
   const Environment environment = Environment::image(sky(), 1.0f, 30.0f);
   const double exact = integrate(
-      [&](V2d p) {
+      [&](const V2d& p) {
         const V3d w(std::cos(p.x) * std::sin(p.y), std::cos(p.y), std::sin(p.x) * std::sin(p.y));
         const V3f radiance = environment.radiance(V3f(w));
         return (radiance.x + radiance.y + radiance.z) / 3.0 * std::sin(p.y);
@@ -91,18 +91,18 @@ TEST(Environment, sampling_recovers_the_total_radiance) {
   TestRandom random(4);
   double sum = 0.0;
   double squares = 0.0;
-  constexpr int kSamples = 100000;
-  for (int i = 0; i < kSamples; ++i) {
+  constexpr int samples = 100000;
+  for (int i = 0; i < samples; ++i) {
     const auto drawn = environment.sample(random.next_2d());
     const V3f radiance = environment.radiance(drawn->dir_world);
     const double value = (radiance.x + radiance.y + radiance.z) / 3.0 / drawn->pdf_solid_angle;
     sum += value;
     squares += value * value;
   }
-  const double mean = sum / kSamples;
-  const double error = std::sqrt((squares / kSamples - mean * mean) / kSamples);
+  const double mean = sum / samples;
+  const double error = std::sqrt((squares / samples - mean * mean) / samples);
   EXPECT_NEAR(mean, exact, 4.0 * error);
-  EXPECT_LT(error * std::sqrt(kSamples), mean) << "importance sampling: less than 100% deviation a sample";
+  EXPECT_LT(error * std::sqrt(samples), mean) << "importance sampling: less than 100% deviation a sample";
   EXPECT_NEAR(environment.total() / exact, 1.0, 0.05);
 }
 
@@ -177,15 +177,15 @@ TEST(Environment, damaged_values_are_replaced_and_counted) {
 }
 
 TEST(Environment, finite_at_the_extremes) {
-  constexpr float kLast = 0x1.fffffep-1f;
+  constexpr float last_below_one = 0x1.fffffep-1f;
   Image bright(3, 5, 3, 1e30f);
   Image dim(1, 1, 1, 1e-30f);
   Image tall(1, 16384, 1, 1.0f);
   for (const auto& [image, scale] :
        {std::pair(&bright, 1.0f), std::pair(&bright, 1e10f), std::pair(&dim, 1.0f), std::pair(&tall, 1.0f)}) {
     const Environment environment = Environment::image(*image, scale, 12.0f);
-    for (const float ux : {0.0f, 0.5f, kLast}) {
-      for (const float uy : {0.0f, 1e-7f, 0.5f, kLast}) {
+    for (const float ux : {0.0f, 0.5f, last_below_one}) {
+      for (const float uy : {0.0f, 1e-7f, 0.5f, last_below_one}) {
         const auto drawn = environment.sample(V2f(ux, uy));
         ASSERT_TRUE(drawn) << image->height() << " u " << ux << " " << uy;
         EXPECT_NEAR(drawn->dir_world.length(), 1.0f, 1e-6f);

@@ -32,8 +32,8 @@ TEST(Lights, chosen_by_power_with_matching_densities) {
   const V3f point(0.2f, 0.0f, 0.3f);
   TestRandom random(21);
   std::vector<double> observed(4, 0.0);
-  constexpr int kSamples = 40000;
-  for (int i = 0; i < kSamples; ++i) {
+  constexpr int samples = 40000;
+  for (int i = 0; i < samples; ++i) {
     const float u_light = random.next();
     const auto drawn = lights.sample(point, u_light, random.next_2d());
     ASSERT_TRUE(drawn);
@@ -48,7 +48,7 @@ TEST(Lights, chosen_by_power_with_matching_densities) {
   }
   // Without a radius the environment takes half.
   const ChiSquare result =
-      chi_square(observed, {0.05 * kSamples, 0.25 * kSamples, 0.2 * kSamples, 0.5 * kSamples});
+      chi_square(observed, {0.05 * samples, 0.25 * samples, 0.2 * samples, 0.5 * samples});
   EXPECT_GT(result.p_value, 0.01) << "seed 21 chi^2 " << result.statistic;
 }
 
@@ -129,8 +129,8 @@ TEST(Lights, irradiance_of_a_rectangle_overhead) {
   TestRandom random(77);
   double sum = 0.0;
   double squares = 0.0;
-  constexpr int kSamples = 50000;
-  for (int i = 0; i < kSamples; ++i) {
+  constexpr int samples = 50000;
+  for (int i = 0; i < samples; ++i) {
     const float u_light = random.next();
     const auto drawn = lights.sample(V3f(0), u_light, random.next_2d());
     ASSERT_TRUE(drawn);
@@ -138,8 +138,8 @@ TEST(Lights, irradiance_of_a_rectangle_overhead) {
     sum += value;
     squares += value * value;
   }
-  const double mean = sum / kSamples;
-  const double error = std::sqrt((squares / kSamples - mean * mean) / kSamples);
+  const double mean = sum / samples;
+  const double error = std::sqrt((squares / samples - mean * mean) / samples);
   EXPECT_NEAR(mean, radiance * std::numbers::pi * 4.0 * quarter, 4.0 * error);
 }
 

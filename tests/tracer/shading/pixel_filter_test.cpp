@@ -26,7 +26,7 @@ TEST(PixelFilter, samples_match_their_density) {
     const double r = filter.radius_px;
     chart.domain = {-r, r, -r, r};
     chart.draw = [&](TestRandom& random) { return std::optional(V2d(sample(filter, random.next_2d()))); };
-    chart.density = [&](V2d p) { return pdf(filter, V2f(p)); };
+    chart.density = [&](const V2d& p) { return pdf(filter, V2f(p)); };
     const SamplerTest test = test_sampler(chart, ++seed, 200000);
     EXPECT_GT(test.result.p_value, level)
         << "filter " << static_cast<int>(filter.type) << " radius " << r << " " << test.replay;

@@ -112,8 +112,8 @@ TEST(Sampler, single_numbers_of_a_pixel_are_stratified) {
 
 TEST(Sampler, depends_on_nothing_else) {
   Sampler first(7, 12, 640, 359, 5);
-  std::vector<float> values;
-  for (int i = 0; i < 10; ++i) values.push_back(i % 3 == 0 ? first.next_1d() : first.next_2d().y);
+  std::vector<float> values(10);
+  for (int i = 0; i < 10; ++i) values[i] = i % 3 == 0 ? first.next_1d() : first.next_2d().y;
   Sampler other(8, 12, 640, 359, 5);
   other.next_2d();
   Sampler again(7, 12, 640, 359, 5);
@@ -135,14 +135,14 @@ TEST(Sampler, uniform_over_pixels_seeds_and_frames) {
   for (const std::uint32_t sample : {0u, 1u, 1000003u}) {
     for (int what = 0; what < 3; ++what) {
       std::vector<double> observed(256, 0.0);
-      constexpr int kCount = 65536;
-      for (int i = 0; i < kCount; ++i) {
+      constexpr int count = 65536;
+      for (int i = 0; i < count; ++i) {
         const V2f p = what == 0   ? point_2d(1, 1, i % 256, i / 256, sample, 1)
                       : what == 1 ? point_2d(static_cast<std::uint32_t>(i), 1, 10, 10, sample, 1)
                                   : point_2d(1, i, 10, 10, sample, 1);
         observed[static_cast<int>(p.y * 16.0f) * 16 + static_cast<int>(p.x * 16.0f)] += 1.0;
       }
-      const ChiSquare result = chi_square(observed, std::vector<double>(256, kCount / 256.0));
+      const ChiSquare result = chi_square(observed, std::vector<double>(256, count / 256.0));
       EXPECT_GT(result.p_value, level)
           << "sample " << sample << " over " << what << " chi^2 " << result.statistic;
     }
@@ -160,14 +160,14 @@ double correlation_z(int count, const std::function<std::pair<double, double>(in
 }
 
 TEST(Sampler, pixels_frames_seeds_samples_and_dimensions_are_uncorrelated) {
-  constexpr int kCount = 65536;
+  constexpr int count = 65536;
   // |z| < 4.2: 3e-5 each, below 1e-3 for the suite of 24.
   for (const std::uint32_t sample : {0u, 3u}) {
     const auto value = [&](std::uint32_t seed, int frame, int x, int y, std::uint32_t s, int call) {
       return static_cast<double>(point_2d(seed, frame, x, y, s, call).x);
     };
     const auto check = [&](const char* what, const std::function<double(int, int)>& other) {
-      const double z = correlation_z(kCount, [&](int i) {
+      const double z = correlation_z(count, [&](int i) {
         const int x = i % 256;
         const int y = i / 256;
         return std::pair(value(1, 1, x, y, sample, 0), other(x, y));
@@ -191,8 +191,8 @@ TEST(Sampler, pixels_frames_seeds_samples_and_dimensions_are_uncorrelated) {
 /// shuffled.
 TEST(Sampler, calls_of_one_pixel_are_shuffled_against_each_other) {
   std::vector<double> observed(64, 0.0);
-  constexpr int kPixels = 400;
-  for (int pixel = 0; pixel < kPixels; ++pixel) {
+  constexpr int pixels = 400;
+  for (int pixel = 0; pixel < pixels; ++pixel) {
     for (std::uint32_t s = 0; s < 64; ++s) {
       Sampler sampler(3, 1, pixel, 0, s);
       const float a = sampler.next_2d().x;
@@ -200,7 +200,7 @@ TEST(Sampler, calls_of_one_pixel_are_shuffled_against_each_other) {
       observed[static_cast<int>(b * 8.0f) * 8 + static_cast<int>(a * 8.0f)] += 1.0;
     }
   }
-  const ChiSquare result = chi_square(observed, std::vector<double>(64, kPixels));
+  const ChiSquare result = chi_square(observed, std::vector<double>(64, pixels));
   EXPECT_GT(result.p_value, 0.001) << "chi^2 " << result.statistic;
 }
 
@@ -208,8 +208,8 @@ TEST(Sampler, calls_of_one_pixel_are_shuffled_against_each_other) {
 TEST(Sampler, converges_faster_than_random) {
   const auto deviation = [](const std::function<V2f(int, std::uint32_t)>& point) {
     double squares = 0.0;
-    constexpr int kTrials = 200;
-    for (int trial = 0; trial < kTrials; ++trial) {
+    constexpr int trials = 200;
+    for (int trial = 0; trial < trials; ++trial) {
       double sum = 0.0;
       for (std::uint32_t s = 0; s < 256; ++s) {
         const V2f p = point(trial, s);
@@ -217,7 +217,7 @@ TEST(Sampler, converges_faster_than_random) {
       }
       squares += (sum / 256.0 - 0.25) * (sum / 256.0 - 0.25);
     }
-    return std::sqrt(squares / kTrials);
+    return std::sqrt(squares / trials);
   };
   TestRandom random(6);
   const double independent = deviation([&](int, std::uint32_t) { return random.next_2d(); });

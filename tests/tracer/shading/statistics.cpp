@@ -16,11 +16,11 @@ namespace {
 double gamma_q(double a, double x) {
   if (x <= 0.0) return 1.0;
   const double scale = std::exp(a * std::log(x) - x - std::lgamma(a));
-  constexpr double kPrecision = 1e-14;
+  constexpr double precision = 1e-14;
   if (x < a + 1.0) {
     double term = 1.0 / a;
     double sum = term;
-    for (int n = 1; n < 100000 && term > sum * kPrecision; ++n) {
+    for (int n = 1; n < 100000 && term > sum * precision; ++n) {
       term *= x / (a + n);
       sum += term;
     }
@@ -36,7 +36,7 @@ double gamma_q(double a, double x) {
     d = 1.0 / (numerator * d + b);
     c = b + numerator / c;
     fraction *= c * d;
-    if (std::abs(c * d - 1.0) < kPrecision) break;
+    if (std::abs(c * d - 1.0) < precision) break;
   }
   return scale * fraction;
 }
@@ -46,7 +46,7 @@ constexpr std::array<double, 4> kNode = {-0.8611363115940526, -0.339981043584856
 constexpr std::array<double, 4> kWeight = {0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
                                            0.3478548451374538};
 
-double gauss(const std::function<double(V2d)>& function, const Cell& cell) {
+double gauss(const std::function<double(const V2d&)>& function, const Cell& cell) {
   double sum = 0.0;
   for (int j = 0; j < 4; ++j) {
     for (int i = 0; i < 4; ++i) {
@@ -69,8 +69,8 @@ std::pair<Cell, Cell> halves(const Cell& cell, bool along_x, double at) {
   return {low, high};
 }
 
-double refine(const std::function<double(V2d)>& function, const Cell& cell, double whole, double tolerance,
-              int depth) {
+double refine(const std::function<double(const V2d&)>& function, const Cell& cell, double whole,
+              double tolerance, int depth) {
   const double mid_x = 0.5 * (cell.x0 + cell.x1);
   const double mid_y = 0.5 * (cell.y0 + cell.y1);
   const auto [left, right] = halves(cell, true, mid_x);
@@ -123,7 +123,7 @@ void cut(const Cell& cell, std::vector<V2d>::iterator begin, std::vector<V2d>::i
 
 /// Integral over the leaf's cell, cut at the box of its points: a narrow lobe in a wide cell is not
 /// overlooked.
-double integrate(const std::function<double(V2d)>& function, const Leaf& leaf) {
+double integrate(const std::function<double(const V2d&)>& function, const Leaf& leaf) {
   const double margin_x = 0.1 * (leaf.points.x1 - leaf.points.x0);
   const double margin_y = 0.1 * (leaf.points.y1 - leaf.points.y0);
   const std::array<double, 4> x = {leaf.cell.x0, std::max(leaf.cell.x0, leaf.points.x0 - margin_x),
@@ -208,7 +208,7 @@ Chart sphere_chart(std::function<std::optional<V3f>(TestRandom&)> draw,
     const V3d w(*direction);
     return V2d(std::atan2(w.y, w.x), std::atan2(std::hypot(w.x, w.y), w.z));
   };
-  chart.density = [pdf = std::move(pdf)](V2d p) {
+  chart.density = [pdf = std::move(pdf)](const V2d& p) {
     const double sin_theta = std::sin(p.y);
     const V3d w(std::cos(p.x) * sin_theta, std::sin(p.x) * sin_theta, std::cos(p.y));
     return pdf(V3f(w)) * sin_theta;
@@ -217,7 +217,8 @@ Chart sphere_chart(std::function<std::optional<V3f>(TestRandom&)> draw,
   return chart;
 }
 
-double integrate(const std::function<double(V2d)>& function, const Cell& cell, double relative_tolerance) {
+double integrate(const std::function<double(const V2d&)>& function, const Cell& cell,
+                 double relative_tolerance) {
   // Starting from 4x4 cells keeps a peak between the nodes from being overlooked.
   double estimate = 0.0;
   std::vector<std::pair<Cell, double>> parts;

@@ -53,7 +53,7 @@ struct Cell {
 struct Chart {
   Cell domain;
   std::function<std::optional<V2d>(TestRandom&)> draw;  ///< nothing: the sampler found nothing
-  std::function<double(V2d)> density;                   ///< per unit of the domain's area
+  std::function<double(const V2d&)> density;            ///< per unit of the domain's area
   /// Borders across which the density may jump: no cell crosses them.
   std::vector<double> jumps_x;
   std::vector<double> jumps_y;
@@ -64,7 +64,7 @@ struct Chart {
 Chart sphere_chart(std::function<std::optional<V3f>(TestRandom&)> draw, std::function<float(const V3f&)> pdf);
 
 /// Integral over the cell by adaptive Gauss-Legendre quadrature.
-double integrate(const std::function<double(V2d)>& function, const Cell& cell,
+double integrate(const std::function<double(const V2d&)>& function, const Cell& cell,
                  double relative_tolerance = 1e-4);
 
 /// Draws `samples` and tests them against the density: the domain is cut into cells that hold equal shares of

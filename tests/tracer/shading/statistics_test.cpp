@@ -23,7 +23,7 @@ TEST(Statistics, sidak_level_of_many_tests) {
 }
 
 TEST(Statistics, integrates_a_narrow_peak) {
-  const auto peak = [](V2d p) { return std::exp(-((p.x - 0.3) * (p.x - 0.3) + p.y * p.y) / (2e-4)); };
+  const auto peak = [](const V2d& p) { return std::exp(-((p.x - 0.3) * (p.x - 0.3) + p.y * p.y) / (2e-4)); };
   EXPECT_NEAR(integrate(peak, {-1, 1, -1, 1}) / (2e-4 * std::numbers::pi), 1.0, 1e-3);
 }
 
@@ -56,7 +56,7 @@ TEST(Statistics, sampler_test_rejects_wrong_densities) {
   EXPECT_NEAR(test_sampler(hemisphere(1.02f, 0.0f), 1).integral, 1.02, 1e-4);
   EXPECT_LT(test_sampler(hemisphere(1.0f, 0.02f), 1).result.p_value, 1e-9);
   Chart cosine = hemisphere(1.0f, 0.0f);
-  cosine.density = [](V2d p) {
+  cosine.density = [](const V2d& p) {
     return p.y < 0.5 * std::numbers::pi ? std::cos(p.y) * std::sin(p.y) / std::numbers::pi : 0.0;
   };
   EXPECT_LT(test_sampler(cosine, 1).result.p_value, 1e-9);
