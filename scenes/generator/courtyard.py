@@ -38,7 +38,7 @@ def column():
 
 
 def roof(width=8.4, length=1.5, rows=4, pitch=0.21):
-    """Rows of half-round tiles, each row lapping over the next; slopes down towards +z from the origin."""
+    """Rows of half-round tiles, each row lapping over the next, on boards; slopes down towards +z from the origin."""
     angles = np.linspace(0, np.pi, 5)
     count = int(width / pitch)
     parts = []
@@ -53,7 +53,8 @@ def roof(width=8.4, length=1.5, rows=4, pitch=0.21):
             lower = [(px, py + lift, z1) for px, py in ring]
             faces = [(i, 5 + i, 6 + i, i + 1) for i in range(4)]
             parts.append(Mesh(np.array(upper + lower), faces))
-    return merge(parts)
+    boards = [(-0.2, -0.01, 0), (-0.2, -0.01, length), (width - 0.2, -0.01, length), (width - 0.2, -0.01, 0)]
+    return merge([*parts, polygon(boards)])
 
 
 def fountain():
@@ -114,7 +115,7 @@ def sky(width=512, height=256, sun_elevation=38.0, sun_radius=1.6):
     azimuth = np.radians((np.arange(width) + 0.5) * 360 / width - 180)[None, :]
     up = np.sin(elevation)
     blend = np.clip(up, 0, 1) ** 0.45
-    horizon, zenith = np.array([0.86, 0.90, 0.96]), np.array([0.13, 0.27, 0.60])
+    horizon, zenith = np.array([0.58, 0.72, 0.93]), np.array([0.11, 0.26, 0.64])
     image = horizon + (zenith - horizon) * blend[..., None] + np.zeros((height, width, 1))
 
     sun = np.radians(sun_elevation)
