@@ -8,6 +8,7 @@ extern "C" int dlclose(void*) noexcept {
 
 /// The validation layer of Debian 12 (1.3.239) keeps cycles of shared pointers for the buffers and command
 /// buffers that it has tracked. Drivers are not on this list: what they leave behind counts.
+// NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming): the name is the interface
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:libVkLayer_khronos_validation.so\n";
 }

@@ -61,7 +61,7 @@ ImageId Chain::input(std::string name, Format format, Extent extent) {
   return impl_->declare(std::move(name), format, extent, Role::input);
 }
 
-History Chain::history(std::string name, Format format, Extent extent) {
+History Chain::history(const std::string& name, Format format, Extent extent) {
   const History result{impl_->declare(name + ".prev", format, extent, Role::history_previous),
                        impl_->declare(name + ".next", format, extent, Role::history_next)};
   impl_->images[static_cast<std::size_t>(result.previous.index)].partner = result.next.index;
@@ -163,8 +163,8 @@ void Chain::run() {
   try {
     s.device.device.resetFences(*s.fence);
     s.device.queue.submit(vk::SubmitInfo({}, {}, commands), *s.fence);
-    constexpr auto kForever = std::numeric_limits<std::uint64_t>::max();
-    const vk::Result result = s.device.device.waitForFences(*s.fence, true, kForever);
+    constexpr auto forever = std::numeric_limits<std::uint64_t>::max();
+    const vk::Result result = s.device.device.waitForFences(*s.fence, true, forever);
     if (result != vk::Result::eSuccess)
       throw DeviceError(s.label() + ": waiting for the device: " + vk::to_string(result));
     s.timer->read(s.times);

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -25,6 +26,8 @@ struct History {
 
 struct ChainOptions {
   bool alias_memory = true;  ///< images whose lifetimes do not meet share memory
+  /// No allocation is larger than this, unless one image is; the device's own limit applies as well.
+  std::uint64_t max_arena_bytes = std::numeric_limits<std::uint64_t>::max();
   std::span<const Kernel> kernels = embedded_kernels();
 };
 
@@ -78,22 +81,23 @@ class Chain {
   ImageId image(std::string name, Format format, Extent extent);
   /// An image that the host fills before each run.
   ImageId input(std::string name, Format format, Extent extent);
-  History history(std::string name, Format format, Extent extent);
-  /// Makes an image downloadable after a run; it is then kept to the end of the chain.
+  History history(const std::string& name, Format format, Extent extent);
+  /// Makes an image downloadable after a run, as its last writer left it.
   void output(ImageId image);
 
   Pass pass(std::string_view kernel);
   void build();
 
-  /// Host memory of an input, valid until the next call of upload for it or run.
+  /// Host memory of an input: fill it, or keep what earlier runs were given. Valid as long as the chain.
   template <class T>
   std::span<T> upload(ImageId image) {
     auto bytes = upload_bytes(image);
     return {reinterpret_cast<T*>(bytes.data()), bytes.size() / sizeof(T)};
   }
-  /// Runs all passes once and waits. History images swap afterwards.
+  /// Runs all passes once and waits. History images swap afterwards. Throws DeviceError if an input was never
+  /// uploaded, if the device is lost, and for validation messages.
   void run();
-  /// An output's pixels, valid until the next run.
+  /// An output's pixels; the next run overwrites them.
   template <class T>
   std::span<const T> download(ImageId image) const {
     auto bytes = download_bytes(image);

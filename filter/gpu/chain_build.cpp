@@ -60,13 +60,13 @@ void Chain::Impl::plan_steps() {
 }
 
 void Chain::Impl::allocate() {
-  constexpr int kNever = -1;
+  constexpr int never = -1;
   const int last_step = static_cast<int>(steps.size()) - 1;
-  std::vector<int> first(images.size(), kNever);
-  std::vector<int> last(images.size(), kNever);
+  std::vector<int> first(images.size(), never);
+  std::vector<int> last(images.size(), never);
   const auto touch = [&](int image, int step) {
     const auto i = static_cast<std::size_t>(image);
-    if (first[i] == kNever) first[i] = step;
+    if (first[i] == never) first[i] = step;
     last[i] = step;
   };
   for (int step = 0; step <= last_step; ++step) {
@@ -89,7 +89,7 @@ void Chain::Impl::allocate() {
       first[i] = 0;
       last[i] = last_step;
     }
-    if (first[i] == kNever) continue;
+    if (first[i] == never) continue;
     const auto usage = Usage::eStorageBuffer | Usage::eTransferSrc | Usage::eTransferDst;
     buffers[i].buffer = {device.device, vk::BufferCreateInfo({}, images[i].bytes(), usage)};
     device.set_name(buffers[i].buffer, images[i].name);
@@ -100,9 +100,13 @@ void Chain::Impl::allocate() {
     owners.push_back(i);
   }
 
-  const MemoryPlan plan = plan_memory(requests, alignment, options.alias_memory, device.max_allocation_bytes);
+  const auto largest = std::ranges::max_element(requests, {}, &MemoryRequest::bytes);
+  const std::uint64_t largest_bytes = (largest->bytes + alignment - 1) / alignment * alignment;
+  const std::uint64_t limit =
+      std::min(device.max_allocation_bytes, std::max(options.max_arena_bytes, largest_bytes));
+  const MemoryPlan plan = plan_memory(requests, alignment, options.alias_memory, limit);
   device_bytes = plan.total_bytes;
-  device_bytes_unaliased = plan_memory(requests, alignment, false, device.max_allocation_bytes).total_bytes;
+  device_bytes_unaliased = plan_memory(requests, alignment, false, limit).total_bytes;
   const std::uint32_t type = device.memory_type(types, {}, vk::MemoryPropertyFlagBits::eDeviceLocal);
   guarded(label() + ": " + format_mib(device_bytes) + " of device memory", [&] {
     for (const std::uint64_t bytes : plan.arena_bytes) {
@@ -152,8 +156,8 @@ void Chain::Impl::create_descriptor_sets() {
   }
   const vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer, descriptors * parities);
   const auto set_count = static_cast<std::uint32_t>(passes.size()) * parities;
-  constexpr auto kFreed = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet;  // as RAII does
-  descriptor_pool = {device.device, vk::DescriptorPoolCreateInfo(kFreed, set_count, size)};
+  constexpr auto freed_one_by_one = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet;  // as RAII does
+  descriptor_pool = {device.device, vk::DescriptorPoolCreateInfo(freed_one_by_one, set_count, size)};
   for (std::uint32_t p = 0; p < parities; ++p) {
     descriptor_sets[p] = device.device.allocateDescriptorSets({*descriptor_pool, layouts});
     for (std::size_t i = 0; i < passes.size(); ++i) {

@@ -83,23 +83,21 @@ void check_bindings(const Kernel& kernel, const PassDeclaration& pass,
   }
 }
 
+void check_specialization(const Kernel& kernel, const PassDeclaration& pass, const std::string& constant,
+                          const std::string& where) {
+  const auto known = std::ranges::count(kernel.spec_constants, constant, &SpecConstantInfo::name);
+  if (known == 0) throw DeviceError(where + "the kernel has no specialization constant '" + constant + "'");
+  const auto given =
+      std::ranges::count_if(pass.specializations, [&](const auto& other) { return other.first == constant; });
+  if (given > 1) throw DeviceError(where + "specialization constant '" + constant + "' is given twice");
+}
+
 void check_constants(const Kernel& kernel, const PassDeclaration& pass, const std::string& where) {
   if (pass.constants.size() != kernel.push_constant_bytes) {
     throw DeviceError(where + "the constants take " + std::to_string(pass.constants.size()) +
                       " bytes, the kernel's take " + std::to_string(kernel.push_constant_bytes));
   }
-  for (std::size_t i = 0; i < pass.specializations.size(); ++i) {
-    const std::string& name = pass.specializations[i].first;
-    if (std::ranges::find(kernel.spec_constants, name, &SpecConstantInfo::name) ==
-        kernel.spec_constants.end()) {
-      throw DeviceError(where + "the kernel has no specialization constant '" + name + "'");
-    }
-    for (std::size_t j = 0; j < i; ++j) {
-      if (pass.specializations[j].first == name) {
-        throw DeviceError(where + "specialization constant '" + name + "' is given twice");
-      }
-    }
-  }
+  for (const auto& given : pass.specializations) check_specialization(kernel, pass, given.first, where);
 }
 
 void check_dispatch(const Kernel& kernel, const PassDeclaration& pass, const vk::PhysicalDeviceLimits& limits,

@@ -43,11 +43,11 @@ std::vector<MemoryAccess> Chain::Impl::accesses(const Step& step, int parity) co
 }
 
 void Chain::Impl::record_pass(const vk::raii::CommandBuffer& commands, std::size_t pass, int parity) const {
-  constexpr auto kCompute = vk::PipelineBindPoint::eCompute;
+  constexpr auto compute = vk::PipelineBindPoint::eCompute;
   const PassDeclaration& declared = passes[pass];
   const auto& [pipeline, layout] = pipelines[pass];
-  commands.bindPipeline(kCompute, pipeline);
-  commands.bindDescriptorSets(kCompute, layout, 0, *descriptor_sets[static_cast<std::size_t>(parity)][pass],
+  commands.bindPipeline(compute, pipeline);
+  commands.bindDescriptorSets(compute, layout, 0, *descriptor_sets[static_cast<std::size_t>(parity)][pass],
                               {});
   if (!declared.constants.empty()) {
     commands.pushConstants<std::byte>(layout, vk::ShaderStageFlagBits::eCompute, 0, declared.constants);

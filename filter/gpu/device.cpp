@@ -111,8 +111,8 @@ std::string type_name(vk::PhysicalDeviceType type) {
 
 /// The lowest is taken when nobody asks for a device by name.
 int preference(const DeviceInfo& info) {
-  constexpr std::array kOrder = {"discrete GPU", "integrated GPU", "virtual GPU", "other", "software"};
-  return static_cast<int>(std::ranges::find(kOrder, info.type) - kOrder.begin());
+  constexpr std::array order = {"discrete GPU", "integrated GPU", "virtual GPU", "other", "software"};
+  return static_cast<int>(std::ranges::find(order, info.type) - order.begin());
 }
 
 std::optional<Candidate> examine(const vk::raii::PhysicalDevice& device) {
@@ -181,9 +181,9 @@ vk::raii::Device create_device(const Candidate& chosen) {
   const float priority = 1.0f;
   const vk::DeviceQueueCreateInfo queue({}, chosen.queue_family, 1, &priority);
   std::vector<const char*> extensions;
-  constexpr const char* kPortability = "VK_KHR_portability_subset";  // must be enabled where a device has it
-  if (has_extension(chosen.device.enumerateDeviceExtensionProperties(), kPortability)) {
-    extensions.push_back(kPortability);
+  constexpr const char* portability = "VK_KHR_portability_subset";  // must be enabled where a device has it
+  if (has_extension(chosen.device.enumerateDeviceExtensionProperties(), portability)) {
+    extensions.push_back(portability);
   }
   vk::PhysicalDeviceVulkan13Features features;
   features.synchronization2 = true;

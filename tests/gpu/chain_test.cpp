@@ -88,23 +88,23 @@ TEST_F(ChainTest, KeepsDifferentlySpecializedPassesApart) {
 }
 
 TEST_F(ChainTest, BindsVectorElementsAndSeveralOutputs) {
-  constexpr int kCount = 37;
+  constexpr int count = 37;
   Chain chain(validated_device(), "split", test_options());
-  const ImageId color = chain.input("color", Format::f32x4, {kCount, 1});
-  const ImageId sum = chain.image("sum", Format::f32, {kCount, 1});
-  const ImageId first = chain.image("first", Format::f32x2, {kCount, 1});
+  const ImageId color = chain.input("color", Format::f32x4, {count, 1});
+  const ImageId sum = chain.image("sum", Format::f32, {count, 1});
+  const ImageId first = chain.image("first", Format::f32x2, {count, 1});
   chain.pass("kernels/split")
       .read("color", color)
       .write("sum", sum)
       .write("first", first)
-      .dispatch({kCount, 1});
+      .dispatch({count, 1});
   chain.output(sum);
   chain.output(first);
   chain.build();
   const auto values = chain.upload<float>(color);
   std::iota(values.begin(), values.end(), 0.0f);
   chain.run();
-  for (int i = 0; i < kCount; ++i) {
+  for (int i = 0; i < count; ++i) {
     EXPECT_EQ(chain.download<float>(sum)[i], static_cast<float>(16 * i + 6));
     EXPECT_EQ(chain.download<float>(first)[2 * i], static_cast<float>(4 * i));
     EXPECT_EQ(chain.download<float>(first)[2 * i + 1], static_cast<float>(4 * i + 1));
@@ -175,29 +175,29 @@ TEST_F(ChainTest, ResetsAHistoryInEitherParity) {
 }
 
 TEST_F(ChainTest, UpdatesAnImageInPlace) {
-  constexpr int kCount = 70;
+  constexpr int count = 70;
   Chain chain(validated_device(), "in place", test_options());
-  const ImageId term = chain.input("term", Format::u32, {kCount, 1});
-  const ImageId sum = chain.image("sum", Format::u32, {kCount, 1});
+  const ImageId term = chain.input("term", Format::u32, {count, 1});
+  const ImageId sum = chain.image("sum", Format::u32, {count, 1});
   chain.pass("kernels/mix")
       .read("a", term)
       .read("b", term)
       .write("result", sum)
-      .constants(MixParams{kCount, 1, 1, 1, 1, 100})
-      .dispatch({kCount, 1});
+      .constants(MixParams{count, 1, 1, 1, 1, 100})
+      .dispatch({count, 1});
   for (int i = 0; i < 3; ++i) {
     chain.pass("kernels/accumulate")
         .read("term", term)
         .read_write("sum", sum)
-        .constants(AccumulateParams{kCount})
-        .dispatch({kCount, 1});
+        .constants(AccumulateParams{count})
+        .dispatch({count, 1});
   }
   chain.output(sum);
   chain.build();
   const auto terms = chain.upload<std::uint32_t>(term);
   std::iota(terms.begin(), terms.end(), 0u);
   chain.run();
-  for (std::uint32_t i = 0; i < kCount; ++i) EXPECT_EQ(chain.download<std::uint32_t>(sum)[i], 100 + 3 * i);
+  for (std::uint32_t i = 0; i < count; ++i) EXPECT_EQ(chain.download<std::uint32_t>(sum)[i], 100 + 3 * i);
 }
 
 TEST_F(ChainTest, TimesEveryPassAndNamesItByKernelAndImage) {
@@ -210,28 +210,28 @@ TEST_F(ChainTest, TimesEveryPassAndNamesItByKernelAndImage) {
 }
 
 TEST_F(ChainTest, SaysWhatMemoryItHolds) {
-  constexpr Extent kExtent{1024, 64};
-  constexpr std::uint64_t kBytes = kExtent.elements() * 4;
+  constexpr Extent extent{1024, 64};
+  constexpr std::uint64_t bytes = extent.elements() * 4;
   for (const bool alias : {true, false}) {
     Chain chain(validated_device(), "memory", test_options(alias));
-    const ImageId input = chain.input("input", Format::f32, kExtent);
-    static_cast<void>(chain.image("never used", Format::f32, kExtent));
+    const ImageId input = chain.input("input", Format::f32, extent);
+    static_cast<void>(chain.image("never used", Format::f32, extent));
     ImageId last = input;
     for (int i = 0; i < 6; ++i) {
-      const ImageId next = chain.image("L" + std::to_string(i), Format::f32, kExtent);
+      const ImageId next = chain.image("L" + std::to_string(i), Format::f32, extent);
       chain.pass("kernels/scale")
           .read("fine", last)
           .write("scaled", next)
-          .constants(ScaleParams{kExtent.width, kExtent.height})
-          .dispatch(kExtent);
+          .constants(ScaleParams{extent.width, extent.height})
+          .dispatch(extent);
       last = next;
     }
     chain.output(last);
     chain.build();
     // One image is read while the next is written.
-    EXPECT_EQ(chain.device_bytes(), (alias ? 2 : 7) * kBytes);
-    EXPECT_EQ(chain.device_bytes_unaliased(), 7 * kBytes);
-    EXPECT_EQ(chain.staging_bytes(), 2 * kBytes);
+    EXPECT_EQ(chain.device_bytes(), (alias ? 2 : 7) * bytes);
+    EXPECT_EQ(chain.device_bytes_unaliased(), 7 * bytes);
+    EXPECT_EQ(chain.staging_bytes(), 2 * bytes);
   }
 }
 

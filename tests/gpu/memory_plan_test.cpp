@@ -91,15 +91,15 @@ TEST(MemoryPlan, WithoutAliasingEverythingLiesApart) {
 }
 
 TEST(MemoryPlan, SplitsIntoArenasNoLargerThanTheLimit) {
-  constexpr std::uint64_t kLimit = 150'000;
+  constexpr std::uint64_t limit = 150'000;
   for (unsigned seed = 0; seed < 200; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937 random(seed);
     const auto requests = random_requests(random);
     for (const bool alias : {true, false}) {
-      const MemoryPlan plan = plan_memory(requests, kAlignment, alias, kLimit);
+      const MemoryPlan plan = plan_memory(requests, kAlignment, alias, limit);
       expect_valid(requests, plan);
-      EXPECT_LE(std::ranges::max(plan.arena_bytes), kLimit);
+      EXPECT_LE(std::ranges::max(plan.arena_bytes), limit);
       EXPECT_GE(plan.total_bytes, peak_of_live_bytes(requests));
       EXPECT_LE(plan.total_bytes, sum_of_bytes(requests));
     }
@@ -109,11 +109,13 @@ TEST(MemoryPlan, SplitsIntoArenasNoLargerThanTheLimit) {
 TEST(MemoryPlan, ReachesThePeakOfEasyChains) {
   // A pipeline: each pass reads what the one before wrote, so two neighbours are alive at a time.
   std::vector<MemoryRequest> pipeline;
+  pipeline.reserve(10);
   for (int i = 0; i < 10; ++i) pipeline.push_back({1024, i, i + 1});
   EXPECT_EQ(plan_memory(pipeline, kAlignment).total_bytes, 2048u);
 
   // A pyramid whose levels are read again from coarse to fine: everything is alive at the turn.
   std::vector<MemoryRequest> pyramid;
+  pyramid.reserve(4);
   for (int level = 0; level < 4; ++level)
     pyramid.push_back({std::uint64_t{65536} >> 2 * level, level, 8 - level});
   EXPECT_EQ(plan_memory(pyramid, kAlignment).total_bytes, 65536u + 16384u + 4096u + 1024u);

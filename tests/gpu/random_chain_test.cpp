@@ -91,8 +91,8 @@ Values expected_outputs(const Program& program) {
   return results;
 }
 
-Values chain_outputs(const Program& program, bool alias_memory) {
-  Chain chain(validated_device(), "random", test_options(alias_memory));
+Values chain_outputs(const Program& program, const ChainOptions& options) {
+  Chain chain(validated_device(), "random", options);
   std::vector<ImageId> images;
   std::vector<ImageId> next;
   const std::size_t first_written = program.inputs + program.histories;
@@ -141,13 +141,16 @@ Values chain_outputs(const Program& program, bool alias_memory) {
   return results;
 }
 
-TEST(RandomChain, ComputesTheSameAsTheCpuWithAndWithoutSharedMemory) {
+TEST(RandomChain, ComputesTheSameAsTheCpuHoweverItsMemoryIsLaidOut) {
+  ChainOptions several_arenas = test_options(true);
+  several_arenas.max_arena_bytes = 20'000;
   for (unsigned seed = 0; seed < 25; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const Program program = random_program(seed);
     const Values expected = expected_outputs(program);
-    ASSERT_EQ(chain_outputs(program, true), expected);
-    ASSERT_EQ(chain_outputs(program, false), expected);
+    ASSERT_EQ(chain_outputs(program, test_options(true)), expected);
+    ASSERT_EQ(chain_outputs(program, test_options(false)), expected);
+    ASSERT_EQ(chain_outputs(program, several_arenas), expected);
   }
   EXPECT_TRUE(validated_device().validation_messages().empty());
 }

@@ -14,7 +14,10 @@ std::span<const Kernel> test_kernels();
 Device& validated_device();
 
 inline ChainOptions test_options(bool alias_memory = true) {
-  return {.alias_memory = alias_memory, .kernels = test_kernels()};
+  ChainOptions options;
+  options.alias_memory = alias_memory;
+  options.kernels = test_kernels();
+  return options;
 }
 
 struct MixParams {
