@@ -24,8 +24,8 @@ inline float fresnel_dielectric(float cos_o, float eta_ratio, float* cos_t = nul
 inline constexpr double kLargestIndex = 1e4;
 
 /// Share of unpolarised light that a metal with index of refraction eta + i k reflects in air, in [0,1];
-/// exact. `cos_o` in [0,1]; eta, k >= 0 up to kLargestIndex. Source: Born and Wolf,
-/// section 14.2, by real arithmetic: (a + i b)^2 = (eta + i k)^2 - sin^2.
+/// exact. `cos_o` in [0,1]; eta and k >= 0, at most kLargestIndex. Source: Born and Wolf, section 14.2, by
+/// real arithmetic: (a + i b)^2 = (eta + i k)^2 - sin^2.
 inline float fresnel_conductor(float cos_o, float eta, float k) {
   const double c = cos_o;
   const double cos2 = c * c;
