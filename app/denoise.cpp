@@ -101,7 +101,6 @@ ExitStatus DenoiseJob::run() {
   progress_.emplace(ProgressOptions{
       .total = asked, .existing = existing_.size(), .work = work.size(), .quiet = command_.running.quiet});
   if (!inputs_.note().empty()) progress_->warn(inputs_.note());
-  catch_signals();
   go_through(work);
   filter_.finish(profile_);
   return conclude(*progress_, asked, command_.running.profile ? &profile_ : nullptr);
@@ -225,7 +224,10 @@ Command add_denoise(CLI::App& becalm) {
       "  becalm denoise 'in/shot.####.exr' -o 'out/shot.####.exr' --frames 1-48 --preset final --missing "
       "hold\n" +
       settings_help());
-  return {&parser, [command] { return DenoiseJob(*command).run(); }};
+  return {&parser, [command] {
+            catch_signals();
+            return DenoiseJob(*command).run();
+          }};
 }
 
 }  // namespace becalm::app

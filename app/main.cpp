@@ -68,6 +68,7 @@ int run(int argc, char** argv) {
   parser.formatter(std::make_shared<becalm::app::HelpFormatter>());
   parser.get_formatter()->column_width(30);
   parser.require_subcommand(1);
+  parser.option_defaults()->take_last();  // so that scripts may append to a command
   const std::array commands{becalm::app::add_render(parser), becalm::app::add_denoise(parser),
                             becalm::app::add_compare(parser), becalm::app::add_info(parser)};
   try {

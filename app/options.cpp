@@ -43,6 +43,7 @@ void add_running_options(CLI::App& command, RunningOptions& options) {
 void add_filter_options(CLI::App& command, FilterOptions& options) {
   command.add_option("--set", options.assignments, "Change one entry of the preset; may be repeated")
       ->option_text("KEY=VALUE")
+      ->take_all()
       ->allow_extra_args(false)
       ->group("Filter");
   command

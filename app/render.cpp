@@ -129,7 +129,6 @@ ExitStatus RenderJob::run() {
                       .unit = "samples",
                       .units_per_frame = static_cast<double>(size_.width) * size_.height * command_.spp,
                       .quiet = command_.running.quiet});
-  catch_signals();
   {
     // The tracer makes frame n+1 while this works on frame n.
     Stage<Frame> behind_tracer(
@@ -273,7 +272,9 @@ Command add_render(CLI::App& becalm) {
       "What --set takes is listed by becalm denoise --help.\n");
   return {&parser, [command] {
             check_options_fit(*command);
-            return command->debug_pixel.empty() ? RenderJob(*command).run() : debug_pixel(*command);
+            if (!command->debug_pixel.empty()) return debug_pixel(*command);
+            catch_signals();
+            return RenderJob(*command).run();
           }};
 }
 

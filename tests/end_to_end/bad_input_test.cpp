@@ -1,0 +1,195 @@
+// What a user may get wrong: each gives one line that names the culprit, and its exit status.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "tests/end_to_end/harness.h"
+
+namespace becalm::test {
+namespace {
+
+constexpr int kUsage = 2;
+constexpr int kBadInput = 3;
+constexpr int kResource = 4;
+
+class BadInput : public testing::Test {
+ protected:
+  void write_noise(const std::string& name, int number, int width = 48, int height = 32) const {
+    io::write_exr(folder_ / name, noise_frame(number, width, height), {});
+  }
+  void replace_in_scene(const std::string& from, const std::string& to) const {
+    std::ifstream file(scene_);
+    std::string text{std::istreambuf_iterator<char>(file), {}};
+    text.replace(text.find(from), from.size(), to);
+    write_text(scene_, text);
+  }
+  Outcome render(const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments{"render", scene_, "-o", folder_ / "out.####.exr", "--spp", "1"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return becalm(arguments);
+  }
+
+  TempFolder folder_;
+  std::string scene_ = write_scene(folder_);
+};
+
+TEST_F(BadInput, MissingScene) {
+  expect_error(becalm({"render", folder_ / "none.json", "-o", folder_ / "out.####.exr"}), kBadInput,
+               {"none.json"});
+}
+
+TEST_F(BadInput, MissingFile) {
+  expect_error(becalm({"denoise", folder_ / "none.exr", "-o", folder_ / "out.exr"}), kBadInput, {"none.exr"});
+}
+
+TEST_F(BadInput, SequenceThatIsNotThere) {
+  expect_error(becalm({"denoise", folder_ / "none.####.exr", "-o", folder_ / "out.####.exr"}), kBadInput,
+               {"none.####.exr", "no frame"});
+}
+
+TEST_F(BadInput, MissingFrameOfRange) {
+  write_noise("in.0001.exr", 1);
+  write_noise("in.0003.exr", 3);
+  expect_error(
+      becalm({"denoise", folder_ / "in.####.exr", "-o", folder_ / "out.####.exr", "--frames", "1-3"}),
+      kBadInput, {"in.####.exr", "frame 2", "--missing"});
+  EXPECT_FALSE(fs::exists(folder_ / "out.0001.exr"));
+}
+
+TEST_F(BadInput, TruncatedExr) {
+  write_noise("in.0001.exr", 1);
+  fs::resize_file(folder_ / "in.0001.exr", fs::file_size(folder_ / "in.0001.exr") / 2);
+  expect_error(becalm({"denoise", folder_ / "in.0001.exr", "-o", folder_ / "out.exr"}), kBadInput,
+               {"in.0001.exr"});
+  EXPECT_FALSE(fs::exists(folder_ / "out.exr"));
+}
+
+TEST_F(BadInput, NotAnExr) {
+  write_text(folder_ / "in.exr", "no image at all");
+  expect_error(becalm({"denoise", folder_ / "in.exr", "-o", folder_ / "out.exr"}), kBadInput, {"in.exr"});
+}
+
+TEST_F(BadInput, ExrWithoutColor) {
+  Frame frame(1, 8, 8);
+  frame.add(Aov::depth, 1.0f);
+  io::write_exr(folder_ / "depth.exr", frame, {});
+  expect_error(becalm({"denoise", folder_ / "depth.exr", "-o", folder_ / "out.exr"}), kBadInput,
+               {"depth.exr", "depth.Z"});
+}
+
+TEST_F(BadInput, FramesOfDifferentSizes) {
+  write_noise("in.0001.exr", 1);
+  write_noise("in.0002.exr", 2, 40, 32);
+  const Outcome outcome =
+      becalm({"denoise", folder_ / "in.####.exr", "-o", folder_ / "out.####.exr", "--quiet"});
+  expect_error(outcome, kBadInput, {"in.0002.exr", "40x32", "48x32"});
+  EXPECT_FALSE(fs::exists(folder_ / "out.0002.exr"));
+}
+
+TEST_F(BadInput, UnknownSceneKey) {
+  replace_in_scene("\"materials\"", "\"colour\": 1, \"materials\"");
+  expect_error(render({}), kBadInput, {"scene.json", "/colour"});
+}
+
+TEST_F(BadInput, SceneSyntax) {
+  replace_in_scene("\"materials\": {", "\"materials\": ");
+  expect_error(render({}), kBadInput, {"scene.json"});
+}
+
+TEST_F(BadInput, MeshWithIndexOutOfRange) {
+  write_text(folder_ / "broken.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n");
+  replace_in_scene(R"({"shape": "sphere", "segments": 16})", R"({"obj": "broken.obj"})");
+  expect_error(render({}), kBadInput, {"broken.obj", "7"});
+}
+
+TEST_F(BadInput, DescendingRange) {
+  expect_error(render({"--frames", "9-1"}), kUsage, {"9-1"});
+}
+
+TEST_F(BadInput, UnknownOption) {
+  expect_error(render({"--spectral"}), kUsage, {"render", "--spectral"});
+}
+
+TEST_F(BadInput, OptionsOfLaterWorkAreNotSwallowed) {
+  for (const char* option :
+       {"--context=1-2", "--segment=8", "--warmup=2", "--cuts=auto", "--motion=swap", "--memory=1G"}) {
+    expect_error(becalm({"denoise", folder_ / "in.####.exr", "-o", folder_ / "out.####.exr", option}), kUsage,
+                 {std::string(option).substr(0, 6)});
+  }
+}
+
+TEST_F(BadInput, MissingOutput) {
+  expect_error(becalm({"render", scene_}), kUsage, {"-o"});
+  expect_error(becalm({"denoise", scene_}), kUsage, {"--output"});
+}
+
+TEST_F(BadInput, NoSubcommand) {
+  expect_error(becalm({}), kUsage, {"subcommand"});
+}
+
+TEST_F(BadInput, OutputFolderThatCannotBe) {
+  expect_error(becalm({"render", scene_, "-o", scene_ + "/out.####.exr"}), kResource,
+               {"scene.json/out.####.exr"});
+  write_noise("in.0001.exr", 1);
+  expect_error(becalm({"denoise", folder_ / "in.0001.exr", "-o", scene_ + "/out.exr"}), kResource,
+               {"scene.json/out.exr"});
+}
+
+TEST_F(BadInput, OutputThatIsAFolder) {
+  fs::create_directories(folder_ / "out.0001.exr");
+  expect_error(render({"--frames", "1", "--quiet"}), kResource, {"out.0001.exr"});
+}
+
+TEST_F(BadInput, OutputWithoutFrameField) {
+  expect_error(becalm({"render", scene_, "-o", folder_ / "out.exr"}), kUsage,
+               {"out.exr", "4 frames", "####"});
+}
+
+TEST_F(BadInput, OutputOfAnotherFormat) {
+  expect_error(becalm({"render", scene_, "-o", folder_ / "out.####.png"}), kUsage, {"out.####.png", ".exr"});
+}
+
+TEST_F(BadInput, OutputOverInput) {
+  write_noise("in.0001.exr", 1);
+  fs::create_directory_symlink(folder_.path(), folder_ / "link");
+  for (const char* output : {"in.####.exr", "./in.%04d.exr", "link/in.####.exr"}) {
+    expect_error(becalm({"denoise", folder_ / "in.####.exr", "-o", folder_ / output}), kUsage,
+                 {"overwrite the input"});
+  }
+}
+
+TEST_F(BadInput, ValuesOutOfRange) {
+  expect_error(render({"--size", "640by360"}), kUsage, {"--size", "640by360", "WIDTHxHEIGHT"});
+  expect_error(render({"--size", "0x360"}), kUsage, {"--size", "0x360"});
+  expect_error(becalm({"render", scene_, "-o", folder_ / "o.####.exr", "--spp", "0"}), kUsage, {"--spp"});
+  expect_error(render({"--aovs", "albedo,colour"}), kUsage, {"--aovs", "colour", "albedo"});
+  expect_error(render({"--denoise=best"}), kUsage, {"best"});
+  expect_error(render({"--denoise", "--set", "distance=far"}), kUsage, {"distance", "far"});
+  expect_error(render({"--set", "distance=l2"}), kUsage, {"--set", "--denoise"});
+  expect_error(render({"--debug-pixel", "1,2,0"}), kUsage, {"--debug-pixel"});
+}
+
+TEST_F(BadInput, NoSuchDevice) {
+  expect_error(render({"--denoise", "--device", "no such device"}), kResource, {"no such device"});
+}
+
+TEST_F(BadInput, LayerThatIsNotThere) {
+  write_noise("in.0001.exr", 1);
+  expect_error(
+      becalm({"denoise", folder_ / "in.0001.exr", "-o", folder_ / "out.exr", "--layers", "albedo=diffcol"}),
+      kBadInput, {"in.0001.exr", "diffcol"});
+}
+
+TEST_F(BadInput, LayerThatOneFrameLacks) {
+  write_noise("in.0001.exr", 1);
+  Frame frame = noise_frame(2);
+  frame.remove(Aov::albedo);
+  io::write_exr(folder_ / "in.0002.exr", frame, {});
+  expect_error(becalm({"denoise", folder_ / "in.####.exr", "-o", folder_ / "out.####.exr", "--quiet"}),
+               kBadInput, {"in.0002.exr", "albedo", "in.0001.exr"});
+}
+
+}  // namespace
+}  // namespace becalm::test

@@ -1,0 +1,153 @@
+// becalm compare, info, --help and --version.
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "tests/end_to_end/harness.h"
+
+namespace becalm::test {
+namespace {
+
+class Compare : public testing::Test {
+ protected:
+  /// A reference and a test that is brighter by the factor.
+  void write_frames(int count, float factor) const {
+    for (int number = 1; number <= count; ++number) {
+      Frame frame = noise_frame(number);
+      io::write_exr(frame_path(reference_, number), frame, {}, io::PixelType::float32);
+      for (float& value : frame.image(Aov::beauty).data()) value *= factor;
+      io::write_exr(frame_path(test_, number), frame, {}, io::PixelType::float32);
+    }
+  }
+
+  TempFolder folder_;
+  std::string reference_ = folder_ / "reference.####.exr";
+  std::string test_ = folder_ / "test.####.exr";
+};
+
+TEST_F(Compare, EqualSequencesHaveNoError) {
+  write_frames(2, 1.0f);
+  const Outcome outcome =
+      becalm_done({"compare", reference_, test_, "--max-relmse", "0", "--max-temporal", "0", "--max-energy",
+                   "0", "--min-ssim", "0.9999", "--min-psnr", "100"});
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 4) << outcome.out;
+  for (const char* word : {"relMSE", "PSNR", "SSIM", "temporal", "energy", "mean"}) {
+    EXPECT_NE(outcome.out.find(word), std::string::npos) << word;
+  }
+}
+
+TEST_F(Compare, EveryLimitFailsOnItsOwnLine) {
+  write_frames(3, 1.2f);
+  const Outcome outcome =
+      becalm({"compare", reference_, test_, "--max-relmse", "0.001", "--max-temporal", "0.001",
+              "--max-energy", "0.1", "--min-ssim", "0.99999", "--min-psnr", "60"});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 5) << outcome.err;
+  for (const char* option : {"--max-relmse", "--max-temporal", "--max-energy", "--min-ssim", "--min-psnr"}) {
+    EXPECT_NE(outcome.err.find(option), std::string::npos) << option << "\n" << outcome.err;
+  }
+  EXPECT_EQ(becalm({"compare", reference_, test_, "--max-energy", "0.21"}).status, 0);
+  EXPECT_EQ(becalm({"compare", reference_, test_, "--max-energy", "0.19"}).status, 1);
+}
+
+TEST_F(Compare, OneBadFrameFailsALimit) {
+  write_frames(3, 1.0f);
+  Frame frame = noise_frame(2);
+  for (float& value : frame.image(Aov::beauty).data()) value *= 2.0f;
+  io::write_exr(frame_path(test_, 2), frame, {}, io::PixelType::float32);
+  const Outcome outcome = becalm({"compare", reference_, test_, "--max-relmse", "0.5"});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_NE(outcome.err.find("frame 2"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("1 of 3 frames"), std::string::npos) << outcome.err;
+}
+
+TEST_F(Compare, NothingFiniteIsAFailure) {
+  write_frames(1, std::numeric_limits<float>::quiet_NaN());
+  const Outcome outcome = becalm({"compare", reference_, test_, "--max-relmse", "1"});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_NE(outcome.err.find("not finite"), std::string::npos) << outcome.err;
+}
+
+TEST_F(Compare, TheNoiseOfTwoReferencesIsNoError) {
+  const std::string second = folder_ / "second.0001.exr";
+  Frame truth(1, 64, 64);
+  for (float& value : truth.add(Aov::beauty).data()) value = 0.5f;
+  const auto write_noisy = [&](const std::string& path, int number) {
+    const Frame noise = noise_frame(number, 64, 64);
+    Frame frame = truth;
+    for (std::size_t i = 0; i < frame.image(Aov::beauty).data().size(); ++i) {
+      frame.image(Aov::beauty).data()[i] += 0.2f * (noise.image(Aov::beauty).data()[i] - 0.5f);
+    }
+    io::write_exr(path, frame, {}, io::PixelType::float32);
+  };
+  io::write_exr(frame_path(test_, 1), truth, {}, io::PixelType::float32);
+  write_noisy(frame_path(reference_, 1), 1);
+  write_noisy(second, 2);
+  EXPECT_EQ(becalm({"compare", reference_, test_, "--max-relmse", "0.002"}).status, 1);
+  EXPECT_EQ(becalm({"compare", reference_, test_, "--reference-b", second, "--max-relmse", "0.002"}).status,
+            0);
+}
+
+TEST_F(Compare, WritesAReportAndJson) {
+  write_frames(2, 1.1f);
+  becalm_done(
+      {"compare", reference_, test_, "--report", folder_ / "report", "--json", folder_ / "figures.json"});
+  EXPECT_EQ(files_in(folder_.path() / "report"),
+            (std::vector<std::string>{"error.0001.png", "error.0002.png", "index.html", "reference.0001.png",
+                                      "reference.0002.png", "test.0001.png", "test.0002.png"}));
+  std::ifstream file(folder_ / "figures.json");
+  const auto json = nlohmann::json::parse(file);
+  ASSERT_EQ(json["frames"].size(), 2u);
+  EXPECT_TRUE(json["frames"][0]["temporal"].is_null());
+  EXPECT_GT(json["frames"][1]["temporal"].get<double>(), 0.0);
+  EXPECT_NEAR(json["mean"]["energy"].get<double>(), 0.1, 1e-4);
+}
+
+TEST_F(Compare, NamesFilesThatDoNotFit) {
+  write_frames(1, 1.0f);
+  io::write_exr(frame_path(test_, 1), noise_frame(1, 40, 32), {});
+  const Outcome sizes = becalm({"compare", frame_path(reference_, 1), frame_path(test_, 1)});
+  EXPECT_EQ(sizes.status, 3);
+  for (const char* word : {"test.0001.exr", "40x32", "48x32"})
+    EXPECT_NE(sizes.err.find(word), std::string::npos);
+  fs::remove(frame_path(test_, 1));
+  const Outcome missing = becalm({"compare", reference_, test_});
+  EXPECT_EQ(missing.status, 3);
+  EXPECT_NE(missing.err.find("test.0001.exr"), std::string::npos) << missing.err;
+}
+
+TEST(Info, DescribesScenesFilesSequencesAndDevices) {
+  const TempFolder folder;
+  const std::string scene = becalm_done({"info", write_scene(folder)}).out;
+  EXPECT_NE(scene.find("48x32"), std::string::npos) << scene;
+  EXPECT_NE(scene.find("left out"), std::string::npos) << scene;
+  io::write_exr(folder / "a.0001.exr", noise_frame(1), {});
+  io::write_exr(folder / "a.0002.exr", noise_frame(2), {});
+  EXPECT_NE(becalm_done({"info", folder / "a.0001.exr"}).out.find("albedo.R"), std::string::npos);
+  EXPECT_NE(becalm_done({"info", folder / "a.####.exr"}).out.find("2 frames, 1,2"), std::string::npos);
+  EXPECT_EQ(becalm_done({"info", "device"}).out.rfind("0: ", 0), 0u);
+  expect_error(becalm({"info", folder / "none.exr"}), 3, {"none.exr"});
+}
+
+TEST(Help, IsOnStandardOutputAndListsEverything) {
+  const Outcome top = becalm_done({"--help"});
+  for (const char* word : {"render", "denoise", "compare", "info", "Examples", "130 interrupted"}) {
+    EXPECT_NE(top.out.find(word), std::string::npos) << word;
+  }
+  EXPECT_EQ(top.err, "");
+  EXPECT_EQ(becalm_done({"--version"}).out.rfind("becalm ", 0), 0u);
+  for (const char* command : {"render", "denoise", "compare", "info"}) {
+    const Outcome outcome = becalm_done({command, "--help"});
+    EXPECT_NE(outcome.out.find(std::string("Usage: becalm ") + command), std::string::npos) << outcome.out;
+    std::istringstream lines(outcome.out);
+    for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 106u) << line;
+  }
+  EXPECT_NE(becalm_done({"denoise", "--help"}).out.find("match_downsample"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace becalm::test

@@ -1,0 +1,175 @@
+// becalm denoise: what it passes on, what it does about gaps, and how it goes on.
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
+#include <ImfOutputFile.h>
+#include <ImfStringAttribute.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/end_to_end/harness.h"
+
+namespace becalm::test {
+namespace {
+
+constexpr int kWidth = 48;
+constexpr int kHeight = 32;
+
+class Denoise : public testing::Test {
+ protected:
+  void write_frames(const std::vector<int>& numbers) const {
+    for (const int number : numbers) {
+      io::write_exr(frame_path(input_, number), noise_frame(number), {}, io::PixelType::float32);
+    }
+  }
+  std::vector<std::string> command(const std::string& pattern,
+                                   const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments{"denoise", input_, "-o", folder_ / pattern};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+  bool same_frame(const std::string& a, const std::string& b) const {
+    return same_pixels(read_frame(folder_ / a).image(Aov::beauty),
+                       read_frame(folder_ / b).image(Aov::beauty));
+  }
+
+  TempFolder folder_;
+  std::string input_ = folder_ / "in.####.exr";
+};
+
+/// Ids beside half colours, as Cryptomatte has them, and somebody else's attribute.
+void write_with_ids(const std::string& path, std::vector<std::uint32_t> ids) {
+  const Frame frame = noise_frame(1);
+  std::vector<Imath::half> colors(3 * ids.size());
+  for (std::size_t pixel = 0; pixel < ids.size(); ++pixel) {
+    for (std::size_t c = 0; c < 3; ++c)
+      colors[3 * pixel + c] = Imath::half(frame.image(Aov::beauty).data()[4 * pixel + c]);
+  }
+  Imf::Header header(kWidth, kHeight);
+  header.insert("cryptomatte/name", Imf::StringAttribute("objects"));
+  Imf::FrameBuffer buffer;
+  const char* names[] = {"R", "G", "B"};
+  for (std::size_t c = 0; c < 3; ++c) {
+    header.channels().insert(names[c], Imf::Channel(Imf::HALF));
+    buffer.insert(names[c], Imf::Slice(Imf::HALF, reinterpret_cast<char*>(colors.data() + c), 6, 6 * kWidth));
+  }
+  header.channels().insert("crypto.id", Imf::Channel(Imf::UINT));
+  buffer.insert("crypto.id", Imf::Slice(Imf::UINT, reinterpret_cast<char*>(ids.data()), 4, 4 * kWidth));
+  Imf::OutputFile file(path.c_str(), header);
+  file.setFrameBuffer(buffer);
+  file.writePixels(kHeight);
+}
+
+TEST_F(Denoise, PassesOnWhatItDoesNotDenoise) {
+  std::vector<std::uint32_t> ids(kWidth * kHeight);
+  for (std::size_t i = 0; i < ids.size(); ++i) ids[i] = 0xfff00000u + static_cast<std::uint32_t>(i * 7919);
+  write_with_ids(folder_ / "in.0001.exr", ids);
+  write_with_ids(folder_ / "in.0002.exr", ids);
+  becalm_done(command("out.####.exr", {"--set", "max_history=8", "--quiet"}));
+
+  Imf::InputFile file((folder_ / "out.0002.exr").c_str());
+  ASSERT_NE(file.header().channels().findChannel("crypto.id"), nullptr);
+  EXPECT_EQ(file.header().channels().findChannel("crypto.id")->type, Imf::UINT);
+  EXPECT_EQ(file.header().channels().findChannel("R")->type, Imf::HALF);
+  EXPECT_EQ(file.header().typedAttribute<Imf::StringAttribute>("cryptomatte/name").value(), "objects");
+  std::vector<std::uint32_t> passed(ids.size());
+  Imf::FrameBuffer buffer;
+  buffer.insert("crypto.id", Imf::Slice(Imf::UINT, reinterpret_cast<char*>(passed.data()), 4, 4 * kWidth));
+  file.setFrameBuffer(buffer);
+  file.readPixels(0, kHeight - 1);
+  EXPECT_EQ(passed, ids);
+
+  EXPECT_EQ(io::read_attribute(folder_ / "out.0002.exr", "becalm:preset"), "balanced");
+  EXPECT_NE(io::read_attribute(folder_ / "out.0002.exr", "becalm:settings").find("max_history=8"),
+            std::string::npos);
+  EXPECT_NE(io::read_attribute(folder_ / "out.0002.exr", "becalm:version"), "");
+}
+
+TEST_F(Denoise, WritesEveryFrameOnDiskAndTellsOfGaps) {
+  write_frames({1, 2, 5});
+  const Outcome outcome = becalm_done(command("out/a.####.exr"));
+  EXPECT_EQ(files_in(folder_.path() / "out"),
+            (std::vector<std::string>{"a.0001.exr", "a.0002.exr", "a.0005.exr"}));
+  EXPECT_NE(outcome.err.find("only frames 1,2,5 are on disk"), std::string::npos) << outcome.err;
+}
+
+TEST_F(Denoise, MissingSkipStartsAnewAfterTheGap) {
+  write_frames({1, 2, 4});
+  becalm_done(command("skip.####.exr", {"--frames", "1-4", "--missing", "skip", "--quiet"}));
+  EXPECT_FALSE(fs::exists(folder_ / "skip.0003.exr"));
+  EXPECT_TRUE(same_frame("skip.0004.exr", "in.0004.exr")) << "without history the frame stays as it is";
+}
+
+TEST_F(Denoise, MissingHoldWritesOneOutputForEachInput) {
+  write_frames({1, 2, 5});
+  const Outcome outcome = becalm_done(command("hold.####.exr", {"--frames", "1-6", "--missing", "hold"}));
+  EXPECT_NE(outcome.err.find("6 frames written"), std::string::npos) << outcome.err;
+  EXPECT_TRUE(same_frame("hold.0003.exr", "hold.0002.exr"));
+  EXPECT_TRUE(same_frame("hold.0004.exr", "hold.0002.exr"));
+  EXPECT_TRUE(same_frame("hold.0006.exr", "hold.0005.exr"));
+  EXPECT_EQ(io::read_attribute(folder_ / "hold.0003.exr", "becalm:held_from"), "2");
+  EXPECT_EQ(io::read_attribute(folder_ / "hold.0002.exr", "becalm:held_from"), "");
+  expect_error(becalm(command("b.####.exr", {"--frames", "0-2", "--missing", "hold"})), 3,
+               {"frame 0", "hold"});
+}
+
+TEST_F(Denoise, ResumeGivesTheSamePixels) {
+  write_frames({1, 2, 3, 4});
+  becalm_done(command("whole.####.exr"));
+  becalm_done(command("a.####.exr"));
+  fs::remove(folder_ / "a.0002.exr");
+  fs::remove(folder_ / "a.0003.exr");
+  const auto first = fs::last_write_time(folder_ / "a.0001.exr");
+  becalm_done(command("a.####.exr", {"--resume"}));
+  EXPECT_EQ(fs::last_write_time(folder_ / "a.0001.exr"), first);
+  expect_same_beauty(folder_ / "whole.####.exr", folder_ / "a.####.exr", 1, 4);
+  const Outcome again = becalm_done(command("a.####.exr", {"--resume"}));
+  EXPECT_NE(again.err.find("all 4 frames are there"), std::string::npos) << again.err;
+
+  expect_error(becalm(command("a.####.exr", {"--resume", "--set", "patch_radius=5"})), 2,
+               {"a.0001.exr", "patch_radius=5"});
+  // The history would begin elsewhere, and other pixels would come out.
+  expect_error(becalm(command("a.####.exr", {"--resume", "--frames", "2-4"})), 2,
+               {"a.0002.exr", "first_frame=2"});
+}
+
+TEST_F(Denoise, StepsAreNotGaps) {
+  write_frames({1, 3, 5});
+  const Outcome outcome = becalm_done(command("a.####.exr"));
+  EXPECT_EQ(outcome.err.find("on disk"), std::string::npos) << outcome.err;
+  EXPECT_FALSE(same_frame("a.0003.exr", "in.0003.exr")) << "the history was dropped";
+}
+
+TEST_F(Denoise, NonFinitePixelsStayAndAreReportedOnce) {
+  Frame frame = noise_frame(1);
+  frame.image(Aov::beauty).at(10, 10, 1) = std::numeric_limits<float>::quiet_NaN();
+  frame.image(Aov::beauty).at(20, 10, 0) = std::numeric_limits<float>::infinity();
+  io::write_exr(frame_path(input_, 1), frame, {}, io::PixelType::float32);
+  write_frames({2});
+  const Outcome outcome = becalm_done(command("a.####.exr", {"--quiet"}));
+  EXPECT_EQ(outcome.err, "becalm: frame 1: 2 pixels with NaN or Inf stay as they came\n");
+  const Frame after = read_frame(folder_ / "a.0002.exr");
+  for (const float value : after.image(Aov::beauty).data()) ASSERT_TRUE(std::isfinite(value));
+}
+
+TEST_F(Denoise, ProfileTellsWhereTimeAndMemoryWent) {
+  write_frames({1, 2});
+  const Outcome outcome = becalm_done(command("a.####.exr", {"--profile", "--quiet"}));
+  for (const char* words : {"read", "filter", "write", "device time a frame", "align/", "merge/", "MiB held",
+                            "peak resident memory"}) {
+    EXPECT_NE(outcome.err.find(words), std::string::npos) << words << "\n" << outcome.err;
+  }
+}
+
+TEST_F(Denoise, OneFile) {
+  write_frames({7});
+  becalm_done({"denoise", folder_ / "in.0007.exr", "-o", folder_ / "one.exr", "--quiet"});
+  EXPECT_TRUE(same_frame("one.exr", "in.0007.exr"));
+}
+
+}  // namespace
+}  // namespace becalm::test

@@ -1,0 +1,175 @@
+// becalm render: what it writes, and how it goes on.
+
+#include <gtest/gtest.h>
+
+#include "tests/end_to_end/harness.h"
+
+namespace becalm::test {
+namespace {
+
+class Render : public testing::Test {
+ protected:
+  std::vector<std::string> command(const std::string& pattern,
+                                   const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments{"render", scene_, "-o", folder_ / pattern, "--spp", "2", "--quiet"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+  Outcome render(const std::string& pattern, const std::vector<std::string>& more = {}) const {
+    return becalm_done(command(pattern, more));
+  }
+
+  TempFolder folder_;
+  std::string scene_ = write_scene(folder_);
+};
+
+TEST_F(Render, WritesTheScenesFramesWithTheLayersAskedFor) {
+  const Outcome outcome = render("new/folder/a.####.exr", {"--aovs", "albedo,depth"});
+  EXPECT_EQ(files_in(folder_.path() / "new" / "folder"),
+            (std::vector<std::string>{"a.0001.exr", "a.0002.exr", "a.0003.exr", "a.0004.exr"}));
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(outcome.err, "");
+  const std::string path = folder_ / "new/folder/a.0003.exr";
+  const Frame frame = read_frame(path, all_aovs());
+  EXPECT_EQ(frame.width(), 48);
+  EXPECT_EQ(frame.height(), 32);
+  for (const AovInfo& entry : kAovTable) {
+    const bool expected = entry.aov == Aov::beauty || entry.aov == Aov::albedo || entry.aov == Aov::depth;
+    EXPECT_EQ(frame.has(entry.aov), expected) << entry.name;
+  }
+  EXPECT_NE(io::read_attribute(path, "becalm:version"), "");
+  const std::string settings = io::read_attribute(path, "becalm:settings");
+  for (const char* word : {"scene=", "size=48x32", "spp=2", "seed=0", "aovs=albedo,depth", "color=half"}) {
+    EXPECT_NE(settings.find(word), std::string::npos) << word << " in " << settings;
+  }
+}
+
+TEST_F(Render, OneFrameNeedsNoFieldAndSizeIsAChoice) {
+  render("a.exr", {"--frames", "2", "--size", "9x7"});
+  const Frame frame = read_frame(folder_ / "a.exr");
+  EXPECT_EQ(frame.width(), 9);
+  EXPECT_EQ(frame.height(), 7);
+}
+
+TEST_F(Render, SeedChangesTheNoiseAndThreadsDoNot) {
+  render("a.####.exr", {"--frames", "1", "--threads", "1"});
+  render("b.####.exr", {"--frames", "1", "--threads", "2"});
+  render("c.####.exr", {"--frames", "1", "--seed", "7"});
+  const Frame a = read_frame(folder_ / "a.0001.exr");
+  EXPECT_TRUE(same_pixels(a.image(Aov::beauty), read_frame(folder_ / "b.0001.exr").image(Aov::beauty)));
+  EXPECT_FALSE(same_pixels(a.image(Aov::beauty), read_frame(folder_ / "c.0001.exr").image(Aov::beauty)));
+}
+
+TEST_F(Render, ProgressIsOneLineAFrameOffTheTerminal) {
+  const Outcome outcome = becalm_done({"render", scene_, "-o", folder_ / "a.####.exr", "--spp", "1"});
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 5) << outcome.err;
+  EXPECT_EQ(outcome.err.find('\r'), std::string::npos);
+  EXPECT_NE(outcome.err.find("frame 2: written, 2 of 4 done"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("samples/s"), std::string::npos) << outcome.err;
+}
+
+TEST_F(Render, DebugPixelPrintsAPathAndWritesNothing) {
+  const Outcome outcome = becalm_done({"render", scene_, "--frames", "2", "--debug-pixel", "24,20,1"});
+  EXPECT_NE(outcome.out.find("throughput"), std::string::npos) << outcome.out;
+  EXPECT_EQ(files_in(folder_.path()), std::vector<std::string>{"scene.json"});
+}
+
+TEST_F(Render, ResumeWritesOnlyWhatIsMissing) {
+  render("whole.####.exr");
+  render("a.####.exr");
+  fs::remove(folder_ / "a.0003.exr");
+  const auto written_before = fs::last_write_time(folder_ / "a.0002.exr");
+  const Outcome outcome =
+      becalm_done({"render", scene_, "-o", folder_ / "a.####.exr", "--spp", "2", "--resume"});
+  EXPECT_NE(outcome.err.find("3 were there already"), std::string::npos) << outcome.err;
+  EXPECT_EQ(fs::last_write_time(folder_ / "a.0002.exr"), written_before);
+  expect_same_beauty(folder_ / "whole.####.exr", folder_ / "a.####.exr", 1, 4);
+  const Outcome again =
+      becalm_done({"render", scene_, "-o", folder_ / "a.####.exr", "--spp", "2", "--resume"});
+  EXPECT_NE(again.err.find("all 4 frames are there"), std::string::npos) << again.err;
+}
+
+TEST_F(Render, ResumeRendersDamagedFramesAgain) {
+  render("whole.####.exr", {"--frames", "1-2"});
+  render("a.####.exr", {"--frames", "1-2"});
+  fs::resize_file(folder_ / "a.0001.exr", fs::file_size(folder_ / "a.0001.exr") - 200);
+  const Outcome outcome = render("a.####.exr", {"--frames", "1-2", "--resume"});
+  EXPECT_NE(outcome.err.find("a.0001.exr is damaged"), std::string::npos) << outcome.err;
+  expect_same_beauty(folder_ / "whole.####.exr", folder_ / "a.####.exr", 1, 2);
+}
+
+TEST_F(Render, ResumeRefusesOtherSettingsAndNamesThem) {
+  render("a.####.exr", {"--frames", "1-2"});
+  const auto resume = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = command("a.####.exr", {"--resume"});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return becalm(arguments);
+  };
+  expect_error(resume({"--seed", "5"}), 2, {"a.0001.exr", "seed=0", "seed=5"});
+  expect_error(resume({"--size", "24x16"}), 2, {"a.0001.exr", "size=48x32", "size=24x16"});
+  expect_error(resume({"--aovs", "normal"}), 2, {"a.0001.exr", "aovs=none", "aovs=normal"});
+  expect_error(resume({"--denoise"}), 2, {"a.0001.exr"});
+}
+
+TEST_F(Render, ResumeNoticesAnEditedMesh) {
+  write_text(folder_ / "mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  write_text(
+      scene_,
+      R"({"film": {"width": 16, "height": 16}, "camera": {"look_at": {"eye": [0, 0, 4], "target": [0, 0, 0]}}, "environment": {"radiance": [1, 1, 1]},
+    "frames": {"first": 1, "last": 2}, "materials": {"m": {"type": "diffuse", "reflectance": 0.5}},
+    "meshes": {"t": {"obj": "mesh.obj"}}, "objects": [{"name": "o", "mesh": "t", "material": "m"}]})");
+  render("a.####.exr", {"--frames", "1"});
+  write_text(folder_ / "mesh.obj", "v 0 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\n");
+  expect_error(becalm(command("a.####.exr", {"--resume"})), 2, {"a.0001.exr", "scene"});
+}
+
+TEST_F(Render, DenoiseWhileRenderingIsRenderThenDenoise) {
+  render("both.####.exr",
+         {"--float", "--denoise", "--keep-noisy", folder_ / "kept.####.exr", "--aovs", "albedo"});
+  render("noisy.####.exr", {"--float", "--aovs", "albedo,normal,variance,half_a,half_b"});
+  becalm_done({"denoise", folder_ / "noisy.####.exr", "-o", folder_ / "then.####.exr", "--quiet"});
+  expect_same_beauty(folder_ / "both.####.exr", folder_ / "then.####.exr", 1, 4);
+  expect_same_beauty(folder_ / "kept.####.exr", folder_ / "noisy.####.exr", 1, 4);
+  const Frame second = read_frame(folder_ / "both.0002.exr", all_aovs());
+  EXPECT_FALSE(
+      same_pixels(second.image(Aov::beauty), read_frame(folder_ / "noisy.0002.exr").image(Aov::beauty)))
+      << "the filter did nothing";
+  EXPECT_TRUE(second.has(Aov::albedo));
+  EXPECT_FALSE(second.has(Aov::normal)) << "rendered for the filter, and not asked for";
+  EXPECT_EQ(io::read_attribute(folder_ / "both.0002.exr", "becalm:preset"), "balanced");
+}
+
+TEST_F(Render, ResumedDenoiseWhileRenderingIsTheSame) {
+  const std::vector<std::string> options{"--denoise=draft", "--spp", "1", "--keep-noisy",
+                                         folder_ / "kept.####.exr"};
+  const auto go = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"render", scene_, "-o", folder_ / "a.####.exr", "--profile"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return becalm_done(arguments);
+  };
+  go({});
+  for (int frame = 1; frame <= 4; ++frame) {
+    fs::copy_file(frame_path(folder_ / "a.####.exr", frame), frame_path(folder_ / "whole.####.exr", frame));
+  }
+  fs::remove(folder_ / "a.0002.exr");
+  fs::remove(folder_ / "a.0003.exr");
+  fs::remove(folder_ / "kept.0003.exr");
+  const auto fourth = fs::last_write_time(folder_ / "a.0004.exr");
+  const Outcome outcome = go({"--resume"});
+  EXPECT_NE(outcome.err.find("frame 1: exists"), std::string::npos) << outcome.err;
+  expect_same_beauty(folder_ / "whole.####.exr", folder_ / "a.####.exr", 1, 4);
+  EXPECT_EQ(fs::last_write_time(folder_ / "a.0004.exr"), fourth);
+}
+
+TEST_F(Render, ValidationIsSilent) {
+  const Outcome outcome =
+      render("a.####.exr", {"--denoise", "--validate", "--diagnostics", "--frames", "1-2"});
+  EXPECT_EQ(outcome.err, "");
+  const Frame frame = read_frame(folder_ / "a.0002.exr", all_aovs());
+  EXPECT_TRUE(frame.has(Aov::flow) && frame.has(Aov::error_mask) && frame.has(Aov::sample_count));
+}
+
+}  // namespace
+}  // namespace becalm::test
