@@ -109,21 +109,21 @@ TEST(Texture, TiledFilesReadAsScanlineOnes) {
 TEST(Texture, DamagedFilesAreReportedWithTheirName) {
   std::vector<float> pixels(64 * 64 * 3);
   for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<float>(i * i % 251) / 255.0f;
-  const std::string path = write_image("whole.png", 64, 64, 3, pixels);
+  const std::string path = write_image("whole.exr", 64, 64, 3, pixels);
   std::ifstream file(path, std::ios::binary);
   std::string bytes{std::istreambuf_iterator<char>(file), {}};
   bytes.resize(bytes.size() / 2);
-  write_file("cut.png", bytes);
+  write_file("cut.exr", bytes);
   Scene scene = load_text(R"({'film': {'width': 8, 'height': 8}, 'environment': {'radiance': 1},
     'camera': {'look_at': {'eye': [0,2,0], 'target': [0,0,0], 'up': [0,0,-1]}},
-    'materials': {'m': {'type': 'diffuse', 'reflectance': {'image': 'cut.png'}}},
+    'materials': {'m': {'type': 'diffuse', 'reflectance': {'image': 'cut.exr'}}},
     'meshes': {'p': {'shape': 'rectangle'}}, 'objects': [{'mesh': 'p', 'material': 'm'}]})");
   try {
     render_frame(scene, 1, options(1));
     FAIL() << "half a file was read as a whole one";
   } catch (const Error& error) {
     EXPECT_EQ(error.status(), ExitStatus::bad_input);
-    EXPECT_NE(std::string(error.what()).find("cut.png"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("cut.exr"), std::string::npos) << error.what();
     EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << "one line";
   }
   EXPECT_NE(load_error(R"({'camera': {'look_at': {'eye': [0,2,1], 'target': [0,0,0]}},

@@ -111,7 +111,9 @@ struct Textures::State {
     TextureSettings settings;
   };
 
-  State() : cache(OIIO::ImageCache::create(false)), system(OIIO::TextureSystem::create(false, cache)) {
+  // One cache serves the process, as OpenImageIO means it; a private one is deleted by 2.4 through a type
+  // without a virtual destructor.
+  State() : cache(OIIO::ImageCache::create(true)), system(OIIO::TextureSystem::create(true)) {
     cache->attribute("max_memory_MB", kCacheMegabytes);
     cache->attribute("autotile", 64);
     cache->attribute("automip", 1);
@@ -142,7 +144,9 @@ std::uint32_t Textures::add(const TextureSettings& settings) {
   if (!OIIO::ImageInput::open(settings.path)) throw std::runtime_error(OIIO::geterror());
   if (!state_) state_ = std::make_unique<State>();
   const OIIO::ustring name(std::string(LinearInput::prefix(settings.space)) + settings.path);
-  state_->cache->add_file(name, settings.space == ColorSpace::srgb ? make_srgb_input : make_linear_input);
+  // Read anew even if another scene of this process knows the file, which may have changed since.
+  state_->cache->add_file(name, settings.space == ColorSpace::srgb ? make_srgb_input : make_linear_input,
+                          nullptr, true);
   OIIO::TextureSystem::TextureHandle* handle = state_->system->get_texture_handle(name);
   if (handle == nullptr || !state_->system->good(handle))
     throw std::runtime_error(state_->system->geterror());
