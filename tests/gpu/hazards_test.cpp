@@ -21,12 +21,12 @@ bool step(HazardTracker& tracker, MemoryAccess access) {
 }
 
 TEST(Hazards, AreReadAfterWriteWriteAfterReadAndWriteAfterWrite) {
-  constexpr auto kFirst = read(0, 64);
-  constexpr auto kFirstWrite = write(0, 64);
-  for (const auto& [before, after, hazard] : {std::tuple{kFirst, kFirst, false},
-                                              {kFirst, kFirstWrite, true},
-                                              {kFirstWrite, kFirst, true},
-                                              {kFirstWrite, kFirstWrite, true}}) {
+  constexpr auto first = read(0, 64);
+  constexpr auto first_write = write(0, 64);
+  for (const auto& [before, after, hazard] : {std::tuple{first, first, false},
+                                              {first, first_write, true},
+                                              {first_write, first, true},
+                                              {first_write, first_write, true}}) {
     HazardTracker tracker;
     EXPECT_FALSE(step(tracker, before));
     EXPECT_EQ(step(tracker, after), hazard);
