@@ -21,17 +21,17 @@ struct Settings {
   int match_downsample = 2;
   int pyramid_factor = 2;
   int pyramid_levels = 0;
-  std::vector<int> blur_radius = {3, 2};
+  std::vector<int> blur_radius = {5};
   Distance distance = Distance::log_l1_centered;
-  int refine_levels = 2;
+  int refine_levels = 12;
   float weight_radiance = 1.0f;
   float weight_albedo = 1.0f;
   float weight_normal = 0.5f;
 
   MergeMode merge = MergeMode::variance;
   float mask_alpha = 0.9f;
-  float mask_kappa = 8.0f;
-  float mask_eta = 0.4f;
+  float mask_kappa = 2.0f;
+  float mask_eta = 2.0f;
   int mask_level = 0;
   int patch_radius = 3;
   float significance = 3.0f;

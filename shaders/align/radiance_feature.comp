@@ -1,6 +1,7 @@
-// Reads a colour image and the frame's exposure, writes one plane of matching features: the range-compressed luminance,
-// averaged over downsample x downsample pixels after compression, so that one firefly moves a feature by at most its
-// pixel's share.
+// Reads a colour image and the frame's exposure, writes one plane of matching features: the luminance averaged over
+// downsample x downsample pixels, then range-compressed. In that order, since the mean of compressed noisy values lies
+// below the compressed mean: a target that is noisier than the history would look darker than it and choose its darker
+// pixels (README.md has the figures).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/color.glsl"
@@ -21,9 +22,9 @@ void main() {
   for (int y = at.y * p.downsample; y < last.y; ++y) {
     for (int x = at.x * p.downsample; x < last.x; ++x) {
       const vec4 c = color.data[y * p.width_in + x];
-      sum += compress(luminance(c.r, c.g, c.b), exposure.data[0]);
+      sum += luminance(c.r, c.g, c.b);
       ++count;
     }
   }
-  features.data[(p.plane * p.height + at.y) * p.width + at.x] = p.weight * sum / float(count);
+  features.data[(p.plane * p.height + at.y) * p.width + at.x] = p.weight * compress(sum / float(count), exposure.data[0]);
 }
