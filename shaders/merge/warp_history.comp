@@ -38,8 +38,8 @@ void main() {
   float weight = 0.0;
   vec2 stats = vec2(0.0);
   float stats_weight = 0.0;
-  vec4 lowest = vec4(1.0 / 0.0);
-  vec4 highest = vec4(-1.0 / 0.0);
+  vec4 lowest = vec4(3.4e38);
+  vec4 highest = vec4(-3.4e38);
   for (int j = 0; j < 4; ++j) {
     for (int i = 0; i < 4; ++i) {
       const float w = wx[i] * wy[j];
