@@ -7,8 +7,8 @@ namespace {
 /// Variances of radiances beyond 1e19 do not fit into float; they become its largest value instead of
 /// infinity.
 float to_float(double v) {
-  constexpr double kLargest = std::numeric_limits<float>::max();
-  return static_cast<float>(std::clamp(v, -kLargest, kLargest));
+  constexpr double largest = std::numeric_limits<float>::max();
+  return static_cast<float>(std::clamp(v, -largest, largest));
 }
 
 template <class Vec>

@@ -71,11 +71,11 @@ float mis_weight(Heuristic heuristic, float pdf, float other_pdf) {
 V3f visible_normal(const Surface& surface, const V3f& wo) {
   const V3f& ns = surface.normal_shading;
   const float side = wo.dot(surface.normal_geometric) < 0.0f ? -1.0f : 1.0f;
-  constexpr float kLeastCos = 0.01f;
+  constexpr float least_cos = 0.01f;
   const float cos_wo = side * ns.dot(wo);
-  if (cos_wo >= kLeastCos || side * wo.dot(surface.normal_geometric) < kLeastCos)
+  if (cos_wo >= least_cos || side * wo.dot(surface.normal_geometric) < least_cos)
     return cos_wo > 0.0f ? ns : surface.normal_geometric;
-  return (ns + wo * (side * (kLeastCos - cos_wo))).normalized();
+  return (ns + wo * (side * (least_cos - cos_wo))).normalized();
 }
 
 /// Radiance that the hit surface emits along the ray backward.
@@ -268,8 +268,8 @@ constexpr std::array<PathFunction, sizeof...(I)> make_variants(std::index_sequen
 }  // namespace
 
 PathFunction select_path_function(const SceneNeeds& needs, bool with_guides) {
-  static constexpr auto kVariants = make_variants(std::make_index_sequence<8>());
-  return kVariants[(needs.specular ? 1 : 0) | (needs.textures ? 2 : 0) | (with_guides ? 4 : 0)];
+  static constexpr auto variants = make_variants(std::make_index_sequence<8>());
+  return variants[(needs.specular ? 1 : 0) | (needs.textures ? 2 : 0) | (with_guides ? 4 : 0)];
 }
 
 }  // namespace becalm::tracer

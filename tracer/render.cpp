@@ -167,6 +167,7 @@ std::vector<std::string> describe_sample(Scene& scene, int frame_number, const R
 
   const auto text = [](const V3f& v) { return fmt::format("[{}, {}, {}]", v.x, v.y, v.z); };
   std::vector<std::string> lines;
+  lines.reserve(path.size() + 2);
   for (const PathVertex& vertex : path) {
     lines.push_back(fmt::format("{}: object '{}' at {}, throughput {}, radiance so far {}", lines.size() + 1,
                                 setup.description.objects[vertex.object].name, text(vertex.position),

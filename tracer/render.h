@@ -1,11 +1,11 @@
 #pragma once
 
 #include <atomic>
-#include <compare>
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "frame/frame.h"
@@ -31,7 +31,9 @@ struct PixelSample {
   int x = 0;
   int y = 0;
   std::uint32_t sample = 0;
-  auto operator<=>(const PixelSample&) const = default;
+  friend bool operator<(const PixelSample& a, const PixelSample& b) {
+    return std::tie(a.x, a.y, a.sample) < std::tie(b.x, b.y, b.sample);
+  }
 };
 
 struct RenderReport {

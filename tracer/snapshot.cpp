@@ -10,7 +10,7 @@ namespace becalm::tracer {
 namespace {
 
 LookAt checked_look_at(const SceneDescription& description, int frame) {
-  const LookAt view = look_at(description.camera.look_at, frame);
+  LookAt view = look_at(description.camera.look_at, frame);
   if (!is_valid(view)) {
     throw Error(
         ExitStatus::bad_input,

@@ -80,6 +80,26 @@ TEST(Aov, NormalsFaceTheCameraAndAreInterpolated) {
   });
 }
 
+TEST(Aov, NormalsOfStretchedAndTurnedSpheresAreThoseOfTheEllipsoid) {
+  const Frame frame = render(scene("{'eye': [0,0,5], 'target': [0,0,0]}",
+                                   "{'mesh': 'ball', 'material': 'metal', 'transform': {'scale': [2,1,0.5], "
+                                   "'rotate_deg': [0,0,30]}}"),
+                             1, 1);
+  const double c = std::cos(std::numbers::pi / 6), s = std::sin(std::numbers::pi / 6);
+  int hits = 0;
+  for_each_pixel([&](int x, int y) {
+    if (frame.image(Aov::beauty).at(x, y, 3) == 0.0f) return;
+    const double dx = (x + 0.5 - 0.5 * kWidth) / kFocal, dy = -(y + 0.5 - 0.5 * kHeight) / kFocal;
+    const V3d p = V3d(0, 0, 5) + V3d(dx, dy, -1.0).normalized() * double(frame.image(Aov::depth).at(x, y, 0));
+    const V3d local(c * p.x + s * p.y, -s * p.x + c * p.y, p.z);
+    const V3d gradient(local.x / 4.0, local.y, local.z / 0.25);
+    const V3d normal(c * gradient.x - s * gradient.y, s * gradient.x + c * gradient.y, gradient.z);
+    expect_near(pixel3(frame, Aov::normal, x, y), V3f(normal.normalized()), 0.03f);
+    ++hits;
+  });
+  EXPECT_GT(hits, 50);
+}
+
 TEST(Aov, NothingHitHasTheTablesValues) {
   const Frame frame = render(scene(kAhead, ""));
   for_each_pixel([&](int x, int y) {

@@ -181,21 +181,21 @@ TEST(Variance, AgreesWithTheSpreadAmongSeeds) {
   // what the samples' own spread tells: on edges, where stratification helps most, several times less;
   // elsewhere little less.
   Scene scene = load_text(room(1.0, "'width': 20, 'height': 15"));
-  constexpr int kSeeds = 96, kPixels = 20 * 15;
+  constexpr int seeds = 96, pixels = 20 * 15;
   for (const int spp : {2, 8}) {
-    std::vector<double> sum(kPixels), squares(kPixels), reported(kPixels), ratios;
-    for (std::uint32_t seed = 0; seed < kSeeds; ++seed) {
+    std::vector<double> sum(pixels), squares(pixels), reported(pixels), ratios;
+    for (std::uint32_t seed = 0; seed < seeds; ++seed) {
       const Frame frame = render_frame(scene, 1, options(spp, {Aov::variance}, seed)).value();
-      for (int i = 0; i < kPixels; ++i) {
+      for (int i = 0; i < pixels; ++i) {
         const double v = frame.image(Aov::beauty).data()[4 * i + 1];
         sum[i] += v;
         squares[i] += v * v;
-        reported[i] += frame.image(Aov::variance).data()[3 * i + 1] / kSeeds;
+        reported[i] += frame.image(Aov::variance).data()[3 * i + 1] / seeds;
       }
     }
     double among_seeds = 0.0, all_reported = 0.0;
-    for (int i = 0; i < kPixels; ++i) {
-      const double truth = (squares[i] - sum[i] * sum[i] / kSeeds) / (kSeeds - 1);
+    for (int i = 0; i < pixels; ++i) {
+      const double truth = (squares[i] - sum[i] * sum[i] / seeds) / (seeds - 1);
       among_seeds += truth;
       all_reported += reported[i];
       if (truth > 0.0) ratios.push_back(reported[i] / truth);

@@ -15,7 +15,7 @@ namespace {
 
 std::string folder() {
   const testing::TestInfo* info = testing::UnitTest::GetInstance()->current_test_info();
-  const std::string path =
+  std::string path =
       testing::TempDir() + "becalm-" + std::to_string(getpid()) + "/" + info->name() + "/";
   std::filesystem::create_directories(path);
   return path;
@@ -37,7 +37,7 @@ std::string file_path(const std::string& name) {
 }
 
 std::string write_file(const std::string& name, const std::string& text) {
-  const std::string path = file_path(name);
+  std::string path = file_path(name);
   std::ofstream(path, std::ios::binary) << text;
   return path;
 }
@@ -56,7 +56,7 @@ std::string load_error(const std::string& json) {
   } catch (const Error& error) {
     EXPECT_EQ(error.status(), ExitStatus::bad_input);
     std::string message = error.what();
-    const std::string path = folder();
+    std::string path = folder();
     for (std::size_t at; (at = message.find(path)) != std::string::npos;) message.erase(at, path.size());
     return message;
   }

@@ -15,7 +15,7 @@ namespace {
 
 std::string write_image(const std::string& name, int width, int height, int channels,
                         const std::vector<float>& pixels) {
-  const std::string path = file_path(name);
+  std::string path = file_path(name);
   auto file = OIIO::ImageOutput::create(path);
   const bool png = name.ends_with(".png");
   file->open(path, OIIO::ImageSpec(width, height, channels, png ? OIIO::TypeUInt8 : OIIO::TypeFloat));

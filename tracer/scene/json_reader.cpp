@@ -35,8 +35,8 @@ std::string escape(std::string_view key) {
 /// The value as it stands in the file, cut to a length that leaves a message readable.
 std::string brief(const json& value) {
   std::string text = value.dump(-1, ' ', false, json::error_handler_t::replace);
-  constexpr std::size_t kLongest = 40;
-  if (text.size() > kLongest) text = text.substr(0, kLongest) + "...";
+  constexpr std::size_t longest = 40;
+  if (text.size() > longest) text = text.substr(0, longest) + "...";
   return text;
 }
 
@@ -111,9 +111,10 @@ bool JsonValue::boolean() const {
 double JsonValue::number(double low, double high) const {
   const double value = value_->is_number() ? value_->get<double>() : std::nan("");
   if (value >= low && value <= high) return value;
-  constexpr double kAny = std::numeric_limits<float>::max();
-  if (low == -kAny && high == kAny) fail("expected a number, found " + brief(*value_));
-  if (high == kAny) fail(fmt::format("expected a number of at least {}, found {}", low, brief(*value_)));
+  constexpr double any_number = std::numeric_limits<float>::max();
+  if (low == -any_number && high == any_number) fail("expected a number, found " + brief(*value_));
+  if (high == any_number)
+    fail(fmt::format("expected a number of at least {}, found {}", low, brief(*value_)));
   fail(fmt::format("expected a number from {} to {}, found {}", low, high, brief(*value_)));
 }
 

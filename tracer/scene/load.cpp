@@ -120,20 +120,20 @@ CameraSettings read_camera(const JsonValue& json) {
 
 FrameRange read_frames(const JsonValue& json) {
   json.allow_keys({"first", "last", "rate"});
-  constexpr int kFurthest = 1'000'000'000;
+  constexpr int furthest = 1'000'000'000;
   FrameRange frames;
-  frames.first = json.at("first").integer(-kFurthest, kFurthest);
-  frames.last = json.at("last").integer(frames.first, kFurthest);
+  frames.first = json.at("first").integer(-furthest, furthest);
+  frames.last = json.at("last").integer(frames.first, furthest);
   if (const auto rate = json.find("rate")) frames.rate = rate->number(1e-3, 1e6);
   return frames;
 }
 
 Film read_film(const JsonValue& json) {
   json.allow_keys({"width", "height", "filter"});
-  constexpr int kLargestSize = 65536;
+  constexpr int largest_size = 65536;
   Film film;
-  film.width = json.at("width").integer(1, kLargestSize);
-  film.height = json.at("height").integer(1, kLargestSize);
+  film.width = json.at("width").integer(1, largest_size);
+  film.height = json.at("height").integer(1, largest_size);
   if (const auto filter = json.find("filter")) {
     filter->allow_keys({"type", "radius_px"});
     film.filter.type = static_cast<FilterType>(filter->at("type").choice({"blackman_harris", "box", "tent"}));

@@ -22,9 +22,9 @@ namespace {
 
 /// The next word of the line, removed from it; empty at its end.
 std::string_view take_word(std::string_view& line) {
-  constexpr std::string_view kBlank = " \t\r";
-  line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
-  const std::string_view word = line.substr(0, line.find_first_of(kBlank));
+  constexpr std::string_view blank = " \t\r";
+  line.remove_prefix(std::min(line.find_first_not_of(blank), line.size()));
+  const std::string_view word = line.substr(0, line.find_first_of(blank));
   line.remove_prefix(word.size());
   return word;
 }
