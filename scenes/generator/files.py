@@ -32,6 +32,7 @@ def write_exr(path, image):
     height, width, channels = image.shape
     spec = oiio.ImageSpec(width, height, channels, "half")
     spec["compression"] = "piz"
+    spec["DateTime"] = "1970:01:01 00:00:00"  # otherwise the time of writing, and other bytes every time
     output = oiio.ImageOutput.create(str(path))
     if not output or not output.open(str(path), spec):
         raise OSError(f"{path}: {oiio.geterror()}")
