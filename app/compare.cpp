@@ -260,6 +260,10 @@ std::vector<std::string> CompareJob::find_failures(const std::vector<FrameFigure
       ++failed;
       if (worst == nullptr || column.fails(entry.*column.value, worst->*column.value)) worst = &entry;
     }
+    if (measured == 0) {
+      failures.push_back(fmt::format("failed: no {} could be measured for {}: no frame follows another",
+                                     column.title, column.option));
+    }
     if (worst == nullptr) continue;
     failures.push_back(fmt::format("failed: {} of frame {} is {}, and {} is {:g} ({} of {} frames)",
                                    column.title, worst->frame, column.format(worst->*column.value),

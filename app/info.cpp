@@ -17,6 +17,8 @@
 namespace becalm::app {
 namespace {
 
+constexpr double kMiB = 1024.0 * 1024.0;
+
 struct InfoCommand {
   std::string subject;
   std::string layers;
@@ -27,7 +29,6 @@ void print_lines(const std::vector<std::string>& lines) {
 }
 
 void describe_devices() {
-  constexpr double kMiB = 1024.0 * 1024.0;
   const gpu::Device chosen;  // says what to install where there is none
   for (const gpu::DeviceInfo& device : gpu::list_devices()) {
     fmt::print("{}: {} ({}, {}), {:.0f} MiB memory, storage buffers up to {:.0f} MiB{}\n", device.index,

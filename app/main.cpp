@@ -80,7 +80,11 @@ int run(int argc, char** argv) {
   const auto chosen = std::find_if(commands.begin(), commands.end(), [](const becalm::app::Command& command) {
     return command.parser->parsed();
   });
-  return static_cast<int>(chosen->run());
+  const ExitStatus status = chosen->run();
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+    return fail(ExitStatus::resource, "standard output cannot be written to");
+  }
+  return static_cast<int>(status);
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 #include "filter/settings.h"
 #include "frame/aov.h"
 
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): the library's
 class App;
 class Option;
 }  // namespace CLI

@@ -33,9 +33,10 @@ std::string resolved(const std::string& path) {
   return error ? path : canonical.string();
 }
 
+constexpr std::string_view kMark = ".partial.";
+
 /// `NAME.partial.PID.N`, as frame/io writes before it renames: the process, or 0 if the name is another one.
 int partial_owner(const std::string& file, const std::set<std::string>& outputs) {
-  constexpr std::string_view kMark = ".partial.";
   const auto mark = file.rfind(kMark);
   if (mark == std::string::npos || !outputs.contains(file.substr(0, mark))) return 0;
   const char* begin = file.data() + mark + kMark.size();

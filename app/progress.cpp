@@ -13,6 +13,7 @@ namespace becalm::app {
 namespace {
 
 constexpr std::chrono::milliseconds kRedrawEvery{100};
+constexpr int kBarWidth = 24;
 
 /// A terminal that understands carriage return and erase-to-end.
 bool is_terminal() {
@@ -71,7 +72,6 @@ void Progress::frame_done(int frame, std::string_view what) {
   frames_done_ = std::max(frames_done_, static_cast<double>(worked_));
   if (options_.quiet) return;
   if (terminal_) {
-    frame_ = frame;
     draw();
     return;
   }
@@ -115,7 +115,6 @@ std::string Progress::time_left() const {
 }
 
 void Progress::draw() {
-  constexpr int kBarWidth = 24;
   const double share = std::clamp(frames_done_ / static_cast<double>(options_.work), 0.0, 1.0);
   const int filled = static_cast<int>(share * kBarWidth);
   std::string line =

@@ -88,6 +88,7 @@ RenderJob::RenderJob(const RenderCommand& command)
   if (!command.keep_noisy.empty()) {
     noisy_outputs_.emplace("--keep-noisy", command.keep_noisy, frames);
     std::vector<std::string> written;
+    written.reserve(frames.size());
     for (const int frame : frames) written.push_back(outputs_->path(frame));
     noisy_outputs_->keep_apart_from(written);
     noisy_attributes_ = render_attributes(rendered_, /*float_colors=*/true);

@@ -23,8 +23,8 @@ class Stage {
         on_failure_(std::move(on_failure)),
         thread_([this] { run(); }) {}
 
-  /// Drops what waits and joins.
-  ~Stage() { close(/*drop=*/true); }
+  /// Works off what waits, as when the pusher failed: what is done already is not lost.
+  ~Stage() { close(/*drop=*/false); }
   Stage(const Stage&) = delete;
   Stage& operator=(const Stage&) = delete;
 

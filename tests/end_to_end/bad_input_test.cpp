@@ -85,6 +85,7 @@ TEST_F(BadInput, FramesOfDifferentSizes) {
   const Outcome outcome =
       becalm({"denoise", folder_ / "in.####.exr", "-o", folder_ / "out.####.exr", "--quiet"});
   expect_error(outcome, kBadInput, {"in.0002.exr", "40x32", "48x32"});
+  EXPECT_TRUE(fs::exists(folder_ / "out.0001.exr")) << "what was done before is lost";
   EXPECT_FALSE(fs::exists(folder_ / "out.0002.exr"));
 }
 

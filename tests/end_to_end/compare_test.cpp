@@ -65,6 +65,13 @@ TEST_F(Compare, OneBadFrameFailsALimit) {
   EXPECT_NE(outcome.err.find("1 of 3 frames"), std::string::npos) << outcome.err;
 }
 
+TEST_F(Compare, ALimitThatNothingWasMeasuredForFails) {
+  write_frames(1, 1.0f);
+  const Outcome outcome = becalm({"compare", reference_, test_, "--max-temporal", "1"});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_NE(outcome.err.find("--max-temporal"), std::string::npos) << outcome.err;
+}
+
 TEST_F(Compare, NothingFiniteIsAFailure) {
   write_frames(1, std::numeric_limits<float>::quiet_NaN());
   const Outcome outcome = becalm({"compare", reference_, test_, "--max-relmse", "1"});

@@ -25,6 +25,8 @@ std::string read_text(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
+constexpr mode_t kMode = 0600;  ///< of the files that take a process's streams
+
 /// Integer hash (Wellons, lowbias32) to [0,1).
 float random_unit(std::uint32_t x) {
   x = (x ^ (x >> 16)) * 0x7feb352du;
@@ -50,13 +52,13 @@ Process::Process(const std::vector<std::string>& arguments) : command_("becalm")
   std::vector<std::string> words{BECALM_EXECUTABLE};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
+  pointers.reserve(words.size() + 1);
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   for (const std::string& argument : arguments) command_ += " '" + argument + "'";
 
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  constexpr int kMode = 0600;
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, (streams_ / "out").c_str(), O_WRONLY | O_CREAT,
                                    kMode);
@@ -114,7 +116,7 @@ void write_text(const std::string& path, const std::string& text) {
 }
 
 std::string write_scene(const TempFolder& folder) {
-  const std::string path = folder / "scene.json";
+  std::string path = folder / "scene.json";
   write_text(path, R"({
     "frames": {"first": 1, "last": 4},
     "film": {"width": 48, "height": 32},

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <fstream>
+
 #include "tests/end_to_end/harness.h"
 
 namespace becalm::test {
@@ -67,6 +70,18 @@ TEST_F(Render, ProgressIsOneLineAFrameOffTheTerminal) {
   EXPECT_EQ(outcome.err.find('\r'), std::string::npos);
   EXPECT_NE(outcome.err.find("frame 2: written, 2 of 4 done"), std::string::npos) << outcome.err;
   EXPECT_NE(outcome.err.find("samples/s"), std::string::npos) << outcome.err;
+}
+
+TEST_F(Render, HalfOverflowsAreReportedOnceAFrame) {
+  std::ifstream file(scene_);
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  text.replace(text.find("[8, 8, 7]"), 9, "[1e7, 1e7, 1e7]");
+  write_text(scene_, text);
+  const Outcome outcome = render("a.####.exr", {"--frames", "1-2"});
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 2) << outcome.err;
+  EXPECT_NE(outcome.err.find("frame 1: "), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("beyond half's range"), std::string::npos) << outcome.err;
+  EXPECT_EQ(render("b.####.exr", {"--frames", "1-2", "--float"}).err, "");
 }
 
 TEST_F(Render, DebugPixelPrintsAPathAndWritesNothing) {
