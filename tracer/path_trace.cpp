@@ -176,7 +176,7 @@ PathSample trace_path(const PathContext& context, const V2f& raster, Sampler& sa
             throughput * radiance * weight([&] { return snapshot.lights().pdf_environment(ray.dir); });
       }
       if constexpr (F.guides) {
-        if (specular_so_far) result.guides.albedo = clamp_to_unit(throughput);
+        if (specular_so_far) result.guides.albedo = clamp_to_unit(throughput / radiance_scale);
         if (depth == 0) {
           result.guides.motion = motion(context.camera.project_direction(V3d(ray.dir)),
                                         context.previous_camera.project_direction(V3d(ray.dir)));
@@ -218,8 +218,10 @@ PathSample trace_path(const PathContext& context, const V2f& raster, Sampler& sa
     const V3f normal = visible_normal(surface, wo_world);
     const bool specular = F.specular && is_specular(bsdf);
     if (wants_guides && (!specular || depth == integrator.max_depth)) {
-      result.guides.albedo = clamp_to_unit(throughput * albedo(bsdf));
+      result.guides.albedo = clamp_to_unit(throughput / radiance_scale * albedo(bsdf));
       result.guides.normal = normal.dot(wo_world) < 0.0f ? -normal : normal;
+    } else if (wants_guides) {
+      result.guides.albedo = V3f(0.0f);  // stays if the path ends inside the mirror or glass
     }
     if (depth == integrator.max_depth) break;
 

@@ -20,6 +20,7 @@ std::string scene(const std::string& look_at, const std::string& objects, const 
     'materials': {
       'white': {'type': 'diffuse', 'reflectance': [0.8,0.6,0.4]}, 'red': {'type': 'diffuse', 'reflectance': [0.5,0.1,0.2]},
       'mirror': {'type': 'conductor', 'reflectance': [1,0.5,0.25]}, 'glass': {'type': 'dielectric', 'ior': 1},
+      'crown': {'type': 'dielectric', 'ior': 1.5},
       'metal': {'type': 'conductor', 'reflectance': [0.9,0.6,0.3], 'roughness': 0.4}},
     'meshes': {'plane': {'shape': 'rectangle'}, 'ball': {'shape': 'sphere', 'segments': 128}, 'box': {'shape': 'cube'}},
     'objects': [)" +
@@ -202,6 +203,20 @@ TEST(Aov, AlbedoAndNormalAreFollowedThroughGlass) {
     expect_near(pixel3(frame, Aov::normal, x, y), V3f(0, 0, 1), 1e-5f);
   });
   EXPECT_NEAR(frame.image(Aov::depth).at(kWidth / 2, kHeight / 2, 0), 1.5f, 1e-2f);
+}
+
+TEST(Aov, AlbedoInsideGlassIsThatOfTheSurface) {
+  // Radiance shrinks by 1/1.5^2 where it enters the block; reflectance does not. What the block reflects sees
+  // nothing and counts as 1.
+  const Frame frame = render(
+      scene(kAhead,
+            "{'mesh': 'box', 'material': 'crown', 'transform': {'scale': 30, 'translate': [0,0,-31]}}, " +
+                kWall),
+      1, 16);
+  V3f mean(0.0f);
+  for_each_pixel([&](int x, int y) { mean += pixel3(frame, Aov::albedo, x, y) / float(kWidth * kHeight); });
+  const float reflected = 0.043f;  // unpolarised, averaged over the picture's angles of up to 31 degrees
+  expect_near(mean, V3f(0.8f, 0.6f, 0.4f) * (1.0f - reflected) + V3f(reflected), 0.01f);
 }
 
 TEST(Aov, MirrorsThatShowNothingGiveTheirTint) {
