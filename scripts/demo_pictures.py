@@ -50,6 +50,16 @@ def mask_colours(mask):
     return colormaps["inferno"](np.clip(mask[..., 0], 0.0, 1.0))[..., :3]
 
 
+def strip(noisy, denoised, reference, gap_px=4):
+    """One picture of the frame in three bands, each from its own version, with light lines between."""
+    width = noisy.shape[1]
+    picture = np.concatenate([noisy[:, : width // 3], denoised[:, width // 3 : 2 * width // 3],
+                              reference[:, 2 * width // 3 :]], axis=1)
+    for edge in (width // 3, 2 * width // 3):
+        picture[:, edge - gap_px // 2 : edge + gap_px // 2] = 0.9
+    return picture
+
+
 def write_picture(path, colours):
     height, width, _ = colours.shape
     spec = oiio.ImageSpec(width, height, 3, "uint8")
@@ -87,6 +97,9 @@ def make_pictures(path_of, out, frames, measured):
     for f in measured:
         halves = [read_layers(path_of(f"reference_{half}", f))[""] for half in "ab"]
         kinds["reference"][f] = display((halves[0] + halves[1]) / 2)
+
+    last = measured[-1]
+    write_picture(folder / "strip.jpg", strip(*(kinds[kind][last] for kind in ("noisy", "denoised", "reference"))))
 
     uris = {}
     for kind, pictures in kinds.items():
