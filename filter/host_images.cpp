@@ -8,8 +8,7 @@
 namespace becalm::filter {
 namespace {
 
-/// Variances beyond this would overflow when they are summed over a patch.
-constexpr float kLargestVariance = 1e34f;
+constexpr float kLargestVariance = 1e34f;  // as in shaders/lib/gain.glsl
 /// Exposures beyond this range make squares of scaled values leave the range of floats.
 constexpr double kLargestExposure = 1e15;
 
@@ -53,9 +52,10 @@ void pack_color(const Image& beauty, std::span<const std::uint8_t> finite, std::
   }
 }
 
-std::size_t pack_variance(const Frame& frame, std::span<const std::uint8_t> finite, std::span<float> pairs) {
-  const bool given = frame.has(Aov::variance);
-  const bool halves = frame.has(Aov::half_a) && frame.has(Aov::half_b);
+std::size_t pack_variance(const Frame& frame, const AovSet& used, std::span<const std::uint8_t> finite,
+                          std::span<float> pairs) {
+  const bool given = contains(used, Aov::variance);
+  const bool halves = contains(used, Aov::half_a) && contains(used, Aov::half_b);
   std::size_t replaced = 0;
   for (std::size_t i = 0; i < finite.size(); ++i) {
     float variance = 0.0f;
@@ -112,14 +112,21 @@ void pack_guide(const Frame& frame, bool albedo, bool normal, std::span<float> p
 }
 
 float exposure(const Image& beauty) {
+  const auto for_each_luminance = [&](const auto& use) {
+    for (std::size_t i = 0; i < beauty.pixel_count(); ++i) {
+      const float l = luminance(beauty.data().subspan(i * beauty.channels(), beauty.channels()));
+      if (l > 0.0f && std::isfinite(l)) use(static_cast<double>(l));
+    }
+  };
+  double mean = 0.0;
+  for_each_luminance([&](double l) { mean += l / static_cast<double>(beauty.pixel_count()); });
   double sum = 0.0;
   std::size_t count = 0;
-  for (std::size_t i = 0; i < beauty.pixel_count(); ++i) {
-    const float l = luminance(beauty.data().subspan(i * beauty.channels(), beauty.channels()));
-    if (!(l > 0.0f) || !std::isfinite(l)) continue;
-    sum += std::log(static_cast<double>(l));
+  for_each_luminance([&](double l) {
+    if (l < 1e-6 * mean) return;
+    sum += std::log(l);
     ++count;
-  }
+  });
   if (count == 0) return 1.0f;
   const double typical = std::exp(sum / static_cast<double>(count));
   return static_cast<float>(std::clamp(1.0 / typical, 1.0 / kLargestExposure, kLargestExposure));

@@ -19,9 +19,10 @@ std::vector<std::uint8_t> finite_pixels(const Image& beauty);
 void pack_color(const Image& beauty, std::span<const std::uint8_t> finite, std::span<float> rgba);
 
 /// (variance, valid) pairs. The variance is the mean over channels of the `variance` AOV, or of ((a-b)/2)^2
-/// for two half-buffers; 0 where the frame has neither. A variance that is not finite or negative is replaced
+/// for two half-buffers; 0 where neither is in `used`. A variance that is not finite or negative is replaced
 /// by the square of the pixel's luminance: 100 % of noise. Returns how many were.
-std::size_t pack_variance(const Frame& frame, std::span<const std::uint8_t> finite, std::span<float> pairs);
+std::size_t pack_variance(const Frame& frame, const AovSet& used, std::span<const std::uint8_t> finite,
+                          std::span<float> pairs);
 
 /// Number of guide planes that a frame with these AOVs gives: albedo one, normal two.
 int guide_planes(bool albedo, bool normal);
@@ -31,8 +32,8 @@ int guide_planes(bool albedo, bool normal);
 /// clamped to [0,1].
 void pack_guide(const Frame& frame, bool albedo, bool normal, std::span<float> planes);
 
-/// 1 / geometric mean of the positive finite luminances; 1 for a black frame. It brings the frame into a
-/// known range.
+/// 1 / geometric mean of the finite luminances above a millionth of their mean (traces of light on black
+/// would decide it otherwise); 1 for a black frame. It brings the frame into a known range.
 float exposure(const Image& beauty);
 
 }  // namespace becalm::filter

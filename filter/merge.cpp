@@ -1,6 +1,7 @@
 #include "filter/merge.h"
 
 #include <algorithm>
+#include <string>
 
 #include "shaders/shared/merge_params.h"
 
@@ -31,36 +32,43 @@ Warped add_warp(Chain& chain, Extent full, const MergeInputs& inputs, ImageId of
   return warped;
 }
 
-ImageId add_box(Chain& chain, Extent full, ImageId statistics, const char* name, int radius_x, int radius_y) {
-  constexpr int kPlanes = 2;
-  const Extent extent{full.width, full.height, kPlanes};
-  const ImageId sums = chain.image(name, Format::f32x4, extent);
-  chain.pass("merge/box")
-      .read("statistics", statistics)
-      .write("sums", sums)
-      .constants(params::BoxParams{.width = full.width,
-                                   .height = full.height,
-                                   .planes = kPlanes,
-                                   .radius_x = radius_x,
-                                   .radius_y = radius_y})
-      .dispatch(extent);
+/// Sums over the rows above and below of a patch; variance_gain adds the pixel's own row.
+ImageId add_patch_sums(Chain& chain, const Settings& settings, Extent full, ImageId statistics,
+                       const std::string& name) {
+  const ImageId rows = chain.image(name + ".rows", Format::f32x4, full);
+  const ImageId sums = chain.image(name + ".sums", Format::f32x4, full);
+  const auto box = [&](ImageId in, ImageId out, int radius_x, int radius_y, int without_own_row) {
+    chain.pass("merge/box")
+        .read("statistics", in)
+        .write("sums", out)
+        .constants(params::BoxParams{.width = full.width,
+                                     .height = full.height,
+                                     .radius_x = radius_x,
+                                     .radius_y = radius_y,
+                                     .without_own_row = without_own_row})
+        .dispatch(full);
+  };
+  box(statistics, rows, settings.patch_radius, 0, 0);
+  box(rows, sums, 0, settings.patch_radius, 1);
   return sums;
 }
 
 ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
                           const Warped& warped) {
-  const ImageId statistics = chain.image("statistics", Format::f32x4, {full.width, full.height, 2});
+  const ImageId difference = chain.image("difference", Format::f32x4, full);
+  const ImageId noise = chain.image("noise", Format::f32x4, full);
   chain.pass("merge/statistics")
       .read("color", inputs.color)
       .read("variance", inputs.variance)
       .read("warped_color", warped.color)
       .read("warped_stats", warped.stats)
       .read("exposure", inputs.exposure)
-      .write("statistics", statistics)
+      .write("difference", difference)
+      .write("noise", noise)
       .constants(params::ImageParams{.width = full.width, .height = full.height})
       .dispatch(full);
-  const ImageId rows = add_box(chain, full, statistics, "statistics.rows", settings.patch_radius, 0);
-  const ImageId sums = add_box(chain, full, rows, "statistics.patch", 0, settings.patch_radius);
+  const ImageId difference_sums = add_patch_sums(chain, settings, full, difference, "difference");
+  const ImageId noise_sums = add_patch_sums(chain, settings, full, noise, "noise");
   const ImageId decision = chain.image("decision", Format::f32x2, full);
   chain.pass("merge/variance_gain")
       .read("color", inputs.color)
@@ -68,13 +76,16 @@ ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, c
       .read("warped_color", warped.color)
       .read("warped_stats", warped.stats)
       .read("exposure", inputs.exposure)
-      .read("statistics", statistics)
-      .read("sums", sums)
+      .read("difference", difference)
+      .read("noise", noise)
+      .read("difference_sums", difference_sums)
+      .read("noise_sums", noise_sums)
       .write("merged_color", inputs.history_color.next)
       .write("merged_stats", inputs.history_stats.next)
       .write("decision", decision)
       .constants(params::VarianceGainParams{.width = full.width,
                                             .height = full.height,
+                                            .radius = settings.patch_radius,
                                             .max_history = settings.max_history,
                                             .significance = settings.significance})
       .dispatch(full);
@@ -95,14 +106,17 @@ ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const
       .write("merged_color", inputs.history_color.next)
       .write("merged_stats", inputs.history_stats.next)
       .write("decision", decision)
-      .constants(params::MaskGainParams{.width = full.width,
-                                        .height = full.height,
-                                        .residual_width = extents[level].width,
-                                        .residual_height = extents[level].height,
-                                        .alpha = settings.mask_alpha,
-                                        .kappa = settings.mask_kappa,
-                                        .eta = settings.mask_eta,
-                                        .max_history = settings.max_history})
+      .constants(params::MaskGainParams{
+          .width = full.width,
+          .height = full.height,
+          .residual_width = extents[level].width,
+          .residual_height = extents[level].height,
+          .residual_scale =
+              static_cast<float>(settings.match_downsample * (level > 0 ? settings.pyramid_factor : 1)),
+          .alpha = settings.mask_alpha,
+          .kappa = settings.mask_kappa,
+          .eta = settings.mask_eta,
+          .max_history = settings.max_history})
       .dispatch(full);
   return decision;
 }

@@ -17,10 +17,6 @@ using gpu::Extent;
 using gpu::Format;
 using gpu::ImageId;
 
-bool contains(const AovSet& set, Aov aov) {
-  return set.test(static_cast<std::size_t>(aov));
-}
-
 }  // namespace
 
 AovSet wanted_aovs(const Settings& settings) {
@@ -28,9 +24,7 @@ AovSet wanted_aovs(const Settings& settings) {
   const auto want = [&](Aov aov, bool needed) { wanted.set(static_cast<std::size_t>(aov), needed); };
   want(Aov::albedo, settings.weight_albedo > 0.0f);
   want(Aov::normal, settings.weight_normal > 0.0f);
-  want(Aov::variance, settings.merge == MergeMode::variance);
-  want(Aov::half_a, settings.merge == MergeMode::variance);
-  want(Aov::half_b, settings.merge == MergeMode::variance);
+  for (const Aov aov : {Aov::variance, Aov::half_a, Aov::half_b}) want(aov, true);
   return wanted;
 }
 
@@ -76,11 +70,10 @@ struct ForwardFilter::State {
 
     const bool variance_known =
         contains(used, Aov::variance) || (contains(used, Aov::half_a) && contains(used, Aov::half_b));
-    const bool estimate = settings.merge == MergeMode::variance && !variance_known;
     decision = add_merge_passes(
         chain, settings, full,
         {.color = color,
-         .variance = estimate ? add_variance_estimate(chain, full, color, variance) : variance,
+         .variance = variance_known ? variance : add_variance_estimate(chain, full, color, variance),
          .exposure = exposure_image,
          .history_color = history_color,
          .history_stats = history_stats},
@@ -142,7 +135,7 @@ Denoised ForwardFilter::denoise(const Frame& frame) {
   FrameReport& report = result.report;
   report.non_finite_pixels = static_cast<std::size_t>(std::ranges::count(finite, 0));
   pack_color(beauty, finite, s.chain.upload<float>(s.color));
-  report.replaced_variances = pack_variance(frame, finite, s.chain.upload<float>(s.variance));
+  report.replaced_variances = pack_variance(frame, s.used, finite, s.chain.upload<float>(s.variance));
   s.chain.upload<float>(s.exposure_image)[0] = exposure(beauty);
   if (s.guide) pack_guide(frame, s.albedo, s.normal, s.chain.upload<float>(*s.guide));
 

@@ -28,29 +28,43 @@ using AovSet = std::bitset<kAovCount>;
 
 struct AovInfo {
   Aov aov;
-  std::string_view name;          ///< layer name in files and on the command line; empty for the bare beauty
-  std::string_view channels;      ///< one letter a channel, in memory order
-  bool diagnostic;                ///< written by the filter, not by the tracer
-  std::string_view description;   ///< meaning and unit
+  std::string_view name;         ///< layer name in files and on the command line; empty for the bare beauty
+  std::string_view channels;     ///< one letter a channel, in memory order
+  bool diagnostic;               ///< written by the filter, not by the tracer
+  std::string_view description;  ///< meaning and unit
 };
 
 /// The AOV table: the contract between the tracer, the filter and the files.
 inline constexpr std::array<AovInfo, kAovCount> kAovTable{{
-    {Aov::beauty, "", "RGBA", false, "radiance; A is coverage, 0 where nothing is hit and there is no environment"},
-    {Aov::variance, "variance", "RGB", false, "variance of the pixel's mean, with the beauty's filter weights"},
-    {Aov::albedo, "albedo", "RGB", false, "reflectance of the first non-specular hit, in [0,1]; 1 where nothing is hit"},
+    {Aov::beauty, "", "RGBA", false,
+     "radiance; A is coverage, 0 where nothing is hit and there is no environment"},
+    {Aov::variance, "variance", "RGB", false,
+     "variance of the pixel's mean, with the beauty's filter weights"},
+    {Aov::albedo, "albedo", "RGB", false,
+     "reflectance of the first non-specular hit, in [0,1]; 1 where nothing is hit"},
     {Aov::normal, "normal", "XYZ", false, "world-space normal of the albedo's hit; 0 where nothing is hit"},
-    {Aov::depth, "depth", "Z", false, "distance along the primary ray in scene units; +inf where nothing is hit"},
-    {Aov::motion, "motion", "XY", false, "offset_cur_to_prev_px: add to a pixel's position to find the point in the previous frame"},
+    {Aov::depth, "depth", "Z", false,
+     "distance along the primary ray in scene units; +inf where nothing is hit"},
+    {Aov::motion, "motion", "XY", false,
+     "offset_cur_to_prev_px: add to a pixel's position to find the point in the previous frame"},
     {Aov::half_a, "half_a", "RGB", false, "beauty of the first of two disjoint halves of the samples"},
     {Aov::half_b, "half_b", "RGB", false, "beauty of the second half of the samples"},
-    {Aov::flow, "flow", "XY", true, "offset into the history that the aligner found, in pixels; +x right, +y down"},
+    {Aov::flow, "flow", "XY", true,
+     "offset into the history that the aligner found, in pixels; +x right, +y down"},
     {Aov::error_mask, "error_mask", "Y", true, "share of the history that the merge rejected, in [0,1]"},
     {Aov::sample_count, "sample_count", "Y", true, "effective number of frames merged into the pixel"},
 }};
 
-constexpr const AovInfo& info(Aov aov) { return kAovTable[static_cast<std::size_t>(aov)]; }
-constexpr int channel_count(Aov aov) { return static_cast<int>(info(aov).channels.size()); }
+constexpr const AovInfo& info(Aov aov) {
+  return kAovTable[static_cast<std::size_t>(aov)];
+}
+constexpr int channel_count(Aov aov) {
+  return static_cast<int>(info(aov).channels.size());
+}
+
+constexpr bool contains(const AovSet& set, Aov aov) {
+  return set[static_cast<std::size_t>(aov)];
+}
 
 /// The AOV of that table name ("beauty" for the bare one), or nothing.
 constexpr std::optional<Aov> find_aov(std::string_view name) {

@@ -6,10 +6,17 @@
 namespace becalm {
 
 /// Exit statuses of the command line; the numbers are part of its contract.
-enum class ExitStatus { done = 0, comparison_failed = 1, usage = 2, bad_input = 3, resource = 4, interrupted = 130 };
+enum class ExitStatus {
+  done = 0,
+  comparison_failed = 1,
+  usage = 2,
+  bad_input = 3,
+  resource = 4,
+  interrupted = 130
+};
 
-/// The one exception type at the boundaries (command line, files, scenes). `what()` is a single line that names the
-/// file, the field and the offending value, and what was expected instead. Caught in `main` alone.
+/// The one exception type at the boundaries (command line, files, scenes). `what()` is a single line that
+/// names the file, the field and the offending value, and what was expected instead. Caught in `main` alone.
 class Error : public std::runtime_error {
  public:
   Error(ExitStatus status, const std::string& message) : std::runtime_error(message), status_(status) {}

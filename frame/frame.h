@@ -7,8 +7,8 @@
 
 namespace becalm {
 
-/// One frame of an animation: the beauty and whichever AOVs were asked for or found, all of one size. This, or an EXR
-/// file of it, is all that passes between the tracer and the filter.
+/// One frame of an animation: the beauty and whichever AOVs were asked for or found, all of one size. This,
+/// or an EXR file of it, is all that passes between the tracer and the filter.
 class Frame {
  public:
   Frame() = default;

@@ -1,6 +1,10 @@
 // The merge's scalar estimation problem (Philippi et al., eq. 4 and 5).
 #include "lib/language.glsl"
 
+/// Limits that keep squares and sums of them within the range of floats: of a relative difference, and of a variance.
+const float kLargestDifference = 1e9f;
+const float kLargestVariance = 1e34f;
+
 /// Part of a squared quantity that noise does not explain: what is left of `measured` after `noise` and after
 /// `standard_errors` times the spread that the estimate of `noise` has over `count` pixels of Gaussian noise.
 float excess_over_noise(float measured, float noise, float count, float standard_errors) {

@@ -4,6 +4,7 @@
 // that never ends; and a history of n frames weighs at most n/(n+1), so that the first frames are averaged evenly.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "lib/bilinear.glsl"
 #include "lib/gain.glsl"
 #include "shared/merge_params.h"
 
@@ -22,14 +23,11 @@ layout(std430, set = 0, binding = 7) writeonly buffer DecisionBuffer { vec2 data
 
 /// The residual image read bilinearly at the pixel's centre; it may be of a coarser level.
 float read_residual(ivec2 at) {
-  const vec2 size = vec2(p.residual_width, p.residual_height);
-  const vec2 position = (vec2(at) + 0.5) * size / vec2(p.width, p.height) - 0.5;
-  const vec2 base = floor(position);
-  const vec2 t = position - base;
-  const ivec2 lo = clamp(ivec2(base), ivec2(0), ivec2(size) - 1);
-  const ivec2 hi = clamp(ivec2(base) + 1, ivec2(0), ivec2(size) - 1);
-  return mix(mix(residual.data[lo.y * p.residual_width + lo.x], residual.data[lo.y * p.residual_width + hi.x], t.x),
-             mix(residual.data[hi.y * p.residual_width + lo.x], residual.data[hi.y * p.residual_width + hi.x], t.x), t.y);
+  const ivec2 size = ivec2(p.residual_width, p.residual_height);
+  const BilinearTaps taps = bilinear_taps(at, size, p.residual_scale);
+  const float top = mix(residual.data[taps.lo.y * size.x + taps.lo.x], residual.data[taps.lo.y * size.x + taps.hi.x], taps.t.x);
+  const float bottom = mix(residual.data[taps.hi.y * size.x + taps.lo.x], residual.data[taps.hi.y * size.x + taps.hi.x], taps.t.x);
+  return mix(top, bottom, taps.t.y);
 }
 
 void main() {

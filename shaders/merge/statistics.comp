@@ -1,10 +1,11 @@
-// Reads the new frame, its variance and the warped history; writes what the gain's patch statistics are sums of, as two
-// planes: (difference r, g, b; squared difference) and (variance of the new, variance of the history, 1, 0). All are
-// relative to the history's brightness, so that the brightest pixel of a patch does not drown the rest. Pixels without
-// history or with a non-finite sample count nothing.
+// Reads the new frame, its variance and the warped history; writes what the gain's patch statistics are sums of:
+// (difference r, g, b; squared difference) and (variance of the new, variance of the history, 1, 0). All are relative to
+// the history's brightness, so that the brightest pixel of a patch does not drown the rest, and limited so that no square
+// or sum leaves the range of floats. Pixels without history or with a non-finite sample count nothing.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/color.glsl"
+#include "lib/gain.glsl"
 #include "shared/merge_params.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -14,23 +15,24 @@ layout(std430, set = 0, binding = 1) readonly buffer VarianceBuffer { vec2 data[
 layout(std430, set = 0, binding = 2) readonly buffer WarpedColorBuffer { vec4 data[]; } warped_color;
 layout(std430, set = 0, binding = 3) readonly buffer WarpedStatsBuffer { vec2 data[]; } warped_stats;
 layout(std430, set = 0, binding = 4) readonly buffer ExposureBuffer { float data[]; } exposure;
-layout(std430, set = 0, binding = 5) writeonly buffer StatisticsBuffer { vec4 data[]; } statistics;
+layout(std430, set = 0, binding = 5) writeonly buffer DifferenceBuffer { vec4 data[]; } difference;
+layout(std430, set = 0, binding = 6) writeonly buffer NoiseBuffer { vec4 data[]; } noise;
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= p.width || at.y >= p.height) return;
   const int index = at.y * p.width + at.x;
-  const int plane = p.width * p.height;
   const vec2 sample_stats = variance.data[index];
   const vec2 stats = warped_stats.data[index];
   if (sample_stats.y <= 0.0 || stats.y <= 0.0) {
-    statistics.data[index] = vec4(0.0);
-    statistics.data[plane + index] = vec4(0.0);
+    difference.data[index] = vec4(0.0);
+    noise.data[index] = vec4(0.0);
     return;
   }
   const vec4 h = warped_color.data[index];
   const float scale = 1.0 / brightness(h.r, h.g, h.b, exposure.data[0]);
-  const vec3 d = (color.data[index].rgb - h.rgb) * scale;
-  statistics.data[index] = vec4(d, dot(d, d) / 3.0);
-  statistics.data[plane + index] = vec4(sample_stats.x * scale * scale, stats.x * scale * scale, 1.0, 0.0);
+  const vec3 d = clamp((color.data[index].rgb - h.rgb) * scale, -kLargestDifference, kLargestDifference);
+  difference.data[index] = vec4(d, dot(d, d) / 3.0);
+  const vec2 variances = min(vec2(sample_stats.x, stats.x) * scale * scale, kLargestDifference * kLargestDifference);
+  noise.data[index] = vec4(variances, 1.0, 0.0);
 }

@@ -15,11 +15,13 @@ layout(std430, set = 0, binding = 1) readonly buffer VarianceBuffer { vec2 data[
 layout(std430, set = 0, binding = 2) readonly buffer WarpedColorBuffer { vec4 data[]; } warped_color;
 layout(std430, set = 0, binding = 3) readonly buffer WarpedStatsBuffer { vec2 data[]; } warped_stats;
 layout(std430, set = 0, binding = 4) readonly buffer ExposureBuffer { float data[]; } exposure;
-layout(std430, set = 0, binding = 5) readonly buffer StatisticsBuffer { vec4 data[]; } statistics;
-layout(std430, set = 0, binding = 6) readonly buffer SumBuffer { vec4 data[]; } sums;
-layout(std430, set = 0, binding = 7) writeonly buffer MergedColorBuffer { vec4 data[]; } merged_color;
-layout(std430, set = 0, binding = 8) writeonly buffer MergedStatsBuffer { vec2 data[]; } merged_stats;
-layout(std430, set = 0, binding = 9) writeonly buffer DecisionBuffer { vec2 data[]; } decision;
+layout(std430, set = 0, binding = 5) readonly buffer DifferenceBuffer { vec4 data[]; } difference;
+layout(std430, set = 0, binding = 6) readonly buffer NoiseBuffer { vec4 data[]; } noise;
+layout(std430, set = 0, binding = 7) readonly buffer DifferenceSumBuffer { vec4 data[]; } difference_sums;
+layout(std430, set = 0, binding = 8) readonly buffer NoiseSumBuffer { vec4 data[]; } noise_sums;
+layout(std430, set = 0, binding = 9) writeonly buffer MergedColorBuffer { vec4 data[]; } merged_color;
+layout(std430, set = 0, binding = 10) writeonly buffer MergedStatsBuffer { vec2 data[]; } merged_stats;
+layout(std430, set = 0, binding = 11) writeonly buffer DecisionBuffer { vec2 data[]; } decision;
 
 #include "lib/blend.glsl"
 
@@ -27,30 +29,35 @@ void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= p.width || at.y >= p.height) return;
   const int index = at.y * p.width + at.x;
-  const int plane = p.width * p.height;
-  const vec4 difference = sums.data[index] - statistics.data[index];
-  const vec4 noise = sums.data[plane + index] - statistics.data[plane + index];
-  const float count = noise.z;
+  // The rows above and below are summed already; of the pixel's own row all but the pixel.
+  vec4 difference_sum = difference_sums.data[index];
+  vec4 noise_sum = noise_sums.data[index];
+  for (int x = max(at.x - p.radius, 0); x <= min(at.x + p.radius, p.width - 1); ++x) {
+    if (x == at.x) continue;
+    difference_sum += difference.data[at.y * p.width + x];
+    noise_sum += noise.data[at.y * p.width + x];
+  }
+  const float count = noise_sum.z;
   float alpha = 1.0;
   float bias_squared = 0.0;
   float rejected = 0.0;
   if (count >= 1.0) {
-    const float variance_new = max(noise.x / count, 0.0);
-    const float variance_history = max(noise.y / count, 0.0);
+    const float variance_new = noise_sum.x / count;
+    const float variance_history = noise_sum.y / count;
     const float expected = variance_new + variance_history;
     // Two views of the bias: what all pixels of the patch share shows in the mean difference, whose noise averages out;
     // misaligned detail shows in the squared differences alone.
-    const vec3 mean = difference.rgb / count;
+    const vec3 mean = difference_sum.rgb / count;
     // Grey noise gives the mean's square one degree of freedom, whatever the number of channels.
     const float of_mean = excess_over_noise(dot(mean, mean) / 3.0, expected / count, 1.0, p.significance);
-    const float of_pixels = excess_over_noise(max(difference.a / count, 0.0), expected, count, p.significance);
+    const float of_pixels = excess_over_noise(difference_sum.a / count, expected, count, p.significance);
     const float relative_bias = max(of_mean, of_pixels);
-    const float unbiased = max(gain(variance_new, variance_history, 0.0), 1.0 / p.max_history);
     alpha = max(gain(variance_new, variance_history, relative_bias), 1.0 / p.max_history);
-    rejected = clamp(1.0 - (1.0 - alpha) / max(1.0 - unbiased, 1e-6), 0.0, 1.0);
+    // The share of the weight that the history would have without bias: 1 - (1 - alpha) / (1 - alpha of no bias).
+    rejected = relative_bias > 0.0 ? relative_bias / (expected + relative_bias) : 0.0;
     const vec4 h = warped_color.data[index];
     const float scale = brightness(h.r, h.g, h.b, exposure.data[0]);
-    bias_squared = relative_bias * scale * scale;
+    bias_squared = min(relative_bias * scale * scale, kLargestVariance);
   }
   blend(index, alpha, bias_squared, p.max_history, rejected);
 }

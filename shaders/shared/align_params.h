@@ -1,5 +1,6 @@
-// Push constants of the kernels in shaders/align/, read by C++ and GLSL alike: 4-byte scalars only, so that both lay
-// them out the same. Sizes are in pixels of the image that the kernel writes unless a name says otherwise.
+// Push constants of the kernels in shaders/align/, read by C++ and GLSL alike: 4-byte scalars only, so that
+// both lay them out the same. Sizes are in pixels of the image that the kernel writes unless a name says
+// otherwise.
 #ifndef BECALM_ALIGN_PARAMS_H
 #define BECALM_ALIGN_PARAMS_H
 

@@ -15,16 +15,17 @@ struct ImageParams {
 struct BoxParams {
   int width;
   int height;
-  int planes;
   int radius_x;  // one of the two radii is zero
   int radius_y;
+  int without_own_row;  // 1: sum over the rows above and below only
 };
 
 struct VarianceGainParams {
   int width;
   int height;
-  float max_history;  // largest effective sample count
-  float significance; // standard errors by which a residual must exceed noise to count as bias
+  int radius;          // of the patch
+  float max_history;   // largest effective sample count
+  float significance;  // standard errors by which a residual must exceed noise to count as bias
 };
 
 struct MaskGainParams {
@@ -32,6 +33,7 @@ struct MaskGainParams {
   int height;
   int residual_width;  // the level whose patch distance rejects
   int residual_height;
+  float residual_scale;  // full-resolution pixels in one of the residual's
   float alpha;
   float kappa;
   float eta;

@@ -15,8 +15,7 @@ namespace {
 
 std::string folder() {
   const testing::TestInfo* info = testing::UnitTest::GetInstance()->current_test_info();
-  std::string path =
-      testing::TempDir() + "becalm-" + std::to_string(getpid()) + "/" + info->name() + "/";
+  std::string path = testing::TempDir() + "becalm-" + std::to_string(getpid()) + "/" + info->name() + "/";
   std::filesystem::create_directories(path);
   return path;
 }

@@ -32,7 +32,8 @@ double gain(double sample, double history, double bias) {
 
 Estimate blend(const Estimate& sample, const Estimate& history, double alpha, double bias,
                double max_history) {
-  if (sample.count <= 0) return history;
+  if (sample.count <= 0 && history.count > 0) return history;
+  if (sample.count <= 0) return {sample.color, 0.0, 0.0};
   if (history.count <= 0) return {sample.color, sample.variance, 1.0};
   Estimate out;
   for (int c = 0; c < 4; ++c) out.color[c] = (1 - alpha) * history.color[c] + alpha * sample.color[c];
@@ -122,9 +123,10 @@ Merged merge_by_variance(const Grid<Estimate>& sample, const Grid<Estimate>& war
         const double relative_bias = std::max(excess(mean_square, noise / count, 1, settings.significance),
                                               excess(squares / count, noise, count, settings.significance));
         const double least = 1 / static_cast<double>(settings.max_history);
-        const double unbiased = std::max(least, gain(variance_new, variance_history, 0));
         alpha = std::max(least, gain(variance_new, variance_history, relative_bias));
-        rejected = std::clamp(1 - (1 - alpha) / std::max(1 - unbiased, 1e-6), 0.0, 1.0);
+        const double unbiased = gain(variance_new, variance_history, 0);
+        const double biased = gain(variance_new, variance_history, relative_bias);
+        rejected = noise > 0 ? 1 - (1 - biased) / (1 - unbiased) : (relative_bias > 0 ? 1 : 0);
         const double scale = brightness(warped.at(x, y).color, exposure);
         bias = relative_bias * scale * scale;
       }
