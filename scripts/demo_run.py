@@ -112,7 +112,7 @@ def print_table(rows):
 def main():
     demo = Demo(*sys.argv[1:])
     demo.render("noisy", "render", FRAMES, SPP, 0, "--aovs", "albedo,normal,motion,variance")
-    profile = demo.run("denoise", f"{len(FRAMES)} frames, preset balanced", "denoise", demo.pattern("noisy"), "-o",
+    profile = demo.run("denoise", f"{len(FRAMES)} frames, preset final", "denoise", "--preset", "final", demo.pattern("noisy"), "-o",
                        demo.pattern("denoised"), "--diagnostics", "--profile")
     spp = demo.reference_spp()
     for half, seed in (("a", 1), ("b", 2)):
