@@ -29,7 +29,7 @@ struct Features {
 struct FeatureSources {
   gpu::ImageId color;                          ///< f32x4, radiance
   gpu::ImageId exposure;                       ///< f32, 1x1: brings the frame's typical luminance to 1
-  std::optional<gpu::ImageId> guide_features;  ///< as add_guide_pass made them
+  std::optional<gpu::ImageId> guide_features;  ///< as add_guide_passes made them
   int guide_planes = 0;
 };
 
