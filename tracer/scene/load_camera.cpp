@@ -1,0 +1,39 @@
+#include "tracer/scene/load_sections.h"
+
+namespace becalm::tracer {
+
+namespace {
+
+LookAtCurve::Value read_look_at_value(const JsonValue& json) {
+  LookAtCurve::Value value;
+  const auto eye = json.at("eye").numbers<3>();
+  const auto target = json.at("target").numbers<3>();
+  const auto up = json.has("up") ? json.at("up").numbers<3>() : std::array<double, 3>{0, 1, 0};
+  std::copy(eye.begin(), eye.end(), value.begin());
+  std::copy(target.begin(), target.end(), value.begin() + 3);
+  std::copy(up.begin(), up.end(), value.begin() + 6);
+  if (!is_valid(look_at(value, 0.0)))
+    json.fail("eye and target must differ, and up must not point along the view");
+  return value;
+}
+
+}  // namespace
+
+CameraSettings read_camera(const JsonValue& json) {
+  json.allow_keys({"fov_y_deg", "look_at"});
+  CameraSettings camera;
+  if (const auto fov = json.find("fov_y_deg")) camera.fov_y_deg = fov->number(0.01, 179.0);
+  const JsonValue view = json.at("look_at");
+  if (view.has("keys")) {
+    camera.look_at = read_keys<9>(view, [](const JsonValue& key) {
+      key.allow_keys({"frame", "eye", "target", "up"});
+      return read_look_at_value(key);
+    });
+  } else {
+    view.allow_keys({"eye", "target", "up"});
+    camera.look_at = read_look_at_value(view);
+  }
+  return camera;
+}
+
+}  // namespace becalm::tracer

@@ -1,0 +1,28 @@
+#include "tracer/scene/load_sections.h"
+#include "tracer/scene/obj.h"
+#include "tracer/scene/shapes.h"
+
+namespace becalm::tracer {
+
+Mesh read_mesh(const JsonValue& json, const std::string& scene_file) {
+  if (json.has("obj")) {
+    json.allow_keys({"obj"});
+    const std::string path = beside(scene_file, json.at("obj").string());
+    expect_file(json.at("obj"), path);
+    return load_obj(path);
+  }
+  json.allow_keys({"shape", "segments"});
+  const int segments = json.has("segments") ? json.at("segments").integer(3, 4096) : 64;
+  switch (json.at("shape").choice({"rectangle", "disc", "sphere", "cube"})) {
+    case 0:
+      return make_rectangle();
+    case 1:
+      return make_disc(segments);
+    case 2:
+      return make_sphere(segments);
+    default:
+      return make_cube();
+  }
+}
+
+}  // namespace becalm::tracer

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "tracer/scene/load_values.h"
+#include "tracer/scene/scene.h"
+
+// One reader for each section of the scene file. All throw Error(bad_input) at the JSON value that is wrong.
+
+namespace becalm::tracer {
+
+FrameRange read_frames(const JsonValue& json);
+Film read_film(const JsonValue& json);
+Integrator read_integrator(const JsonValue& json);
+CameraSettings read_camera(const JsonValue& json);
+
+/// Sets the scene's environment.
+void read_environment(const JsonValue& json, SceneDescription& scene);
+
+/// Adds the images that the material names to the scene's textures.
+Material read_material(const std::string& name, const JsonValue& json, SceneDescription& scene);
+
+Mesh read_mesh(const JsonValue& json, const std::string& scene_file);
+
+Object read_object(const JsonValue& json, const Names& meshes, const Names& materials);
+
+}  // namespace becalm::tracer

@@ -1,0 +1,39 @@
+#include "tracer/scene/load_values.h"
+
+#include <filesystem>
+
+namespace becalm::tracer {
+
+V3f to_v3f(const std::array<double, 3>& v) {
+  return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
+}
+
+V3f read_color(const JsonValue& json, double high) {
+  return to_v3f(json.triple(0.0, high));
+}
+
+std::string beside(const std::string& scene_file, const std::string& path) {
+  return (std::filesystem::path(scene_file).parent_path() / path).string();
+}
+
+void expect_file(const JsonValue& json, const std::string& path) {
+  if (!std::filesystem::is_regular_file(path)) json.fail(fmt::format("no file '{}'", path));
+}
+
+std::uint32_t read_reference(const JsonValue& json, const Names& names, const char* what) {
+  const std::string name = json.string();
+  const auto found = names.find(name);
+  if (found == names.end()) json.fail(fmt::format("no {} '{}'", what, name));
+  return found->second;
+}
+
+Curve<1> read_number_curve(const JsonValue& json, double low, double high) {
+  return read_curve<1>(json,
+                       [&](const JsonValue& value) { return Curve<1>::Value{value.number(low, high)}; });
+}
+
+Curve<3> read_triple_curve(const JsonValue& json, double low, double high) {
+  return read_curve<3>(json, [&](const JsonValue& value) { return value.triple(low, high); });
+}
+
+}  // namespace becalm::tracer
