@@ -18,11 +18,15 @@ enum class Aov {
   motion,
   half_a,
   half_b,
+  direct,
+  indirect,
+  object_id,
+  material_id,
   flow,
   error_mask,
   sample_count,
 };
-inline constexpr std::size_t kAovCount = 11;
+inline constexpr std::size_t kAovCount = 15;
 
 using AovSet = std::bitset<kAovCount>;
 
@@ -49,6 +53,12 @@ inline constexpr std::array<AovInfo, kAovCount> kAovTable{{
      "offset_cur_to_prev_px: add to a pixel's position to find the point in the previous frame"},
     {Aov::half_a, "half_a", "RGB", false, "beauty of the first of two disjoint halves of the samples"},
     {Aov::half_b, "half_b", "RGB", false, "beauty of the second half of the samples"},
+    {Aov::direct, "direct", "RGB", false,
+     "radiance of light that scattered at most once on its way to the eye, mirrors and glass not counted"},
+    {Aov::indirect, "indirect", "RGB", false, "the rest of the beauty"},
+    {Aov::object_id, "object_id", "Y", false,
+     "number of the scene's object that most samples hit, from 1; 0 where nothing is hit"},
+    {Aov::material_id, "material_id", "Y", false, "the same of the material"},
     {Aov::flow, "flow", "XY", true,
      "offset into the history that the aligner found, in pixels; +x right, +y down"},
     {Aov::error_mask, "error_mask", "Y", true, "share of the history that the merge rejected, in [0,1]"},

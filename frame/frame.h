@@ -1,11 +1,19 @@
 #pragma once
 
 #include <array>
+#include <string>
+#include <vector>
 
 #include "frame/aov.h"
 #include "frame/image.h"
 
 namespace becalm {
+
+/// Radiance that one group of lights sends to the eye; all groups of a frame add up to the beauty.
+struct LightGroup {
+  std::string name;
+  Image radiance;  ///< RGB
+};
 
 /// One frame of an animation: the beauty and whichever AOVs were asked for or found, all of one size. This,
 /// or an EXR file of it, is all that passes between the tracer and the filter.
@@ -35,11 +43,16 @@ class Frame {
   Image& image(Aov aov) { return images_[static_cast<std::size_t>(aov)]; }
   const Image& image(Aov aov) const { return images_[static_cast<std::size_t>(aov)]; }
 
+  /// Empty unless asked for.
+  std::vector<LightGroup>& light_groups() { return light_groups_; }
+  const std::vector<LightGroup>& light_groups() const { return light_groups_; }
+
  private:
   int number_ = 0;
   int width_ = 0;
   int height_ = 0;
   std::array<Image, kAovCount> images_;
+  std::vector<LightGroup> light_groups_;
 };
 
 }  // namespace becalm

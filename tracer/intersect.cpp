@@ -1,12 +1,18 @@
 #include "tracer/intersect.h"
 
 #include <embree3/rtcore.h>
+#include <tbb/parallel_for.h>
 
+#include <atomic>
 #include <cassert>
+#include <cmath>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "frame/error.h"
+#include "tracer/alpha_test.h"
+#include "tracer/unit_sphere.h"
 
 namespace becalm::tracer {
 
@@ -24,6 +30,17 @@ using ScenePtr = std::unique_ptr<RTCSceneTy, SceneRelease>;
 
 constexpr std::uint32_t kNotAnInstance = ~0u;
 
+/// Static copies of a mesh are instances when baking them all would store this many triangles more: an instance
+/// costs each ray that enters it about as much as a few levels of the hierarchy.
+constexpr std::size_t kInstancedTriangles = 100'000;
+
+/// Geometry in object space, and what its filter functions need to know.
+struct Source {
+  const Geometry* geometry;
+  const Material* material;
+  friend auto operator<=>(const Source&, const Source&) = default;
+};
+
 RTCRay to_embree(const Ray& ray) {
   RTCRay r;
   r.org_x = ray.origin.x;
@@ -34,11 +51,69 @@ RTCRay to_embree(const Ray& ray) {
   r.dir_z = ray.dir.z;
   r.tnear = 0.0f;
   r.tfar = ray.t_max;
-  r.time = 0.0f;
+  r.time = ray.time;
   r.mask = ~0u;
-  r.id = 0;
+  r.id = ray.seed;
   r.flags = 0;
   return r;
+}
+
+/// The first distance in (0, tfar) at which the ray meets the geometry, in object space.
+std::optional<float> first_distance(const Geometry& geometry, const RTCRay& ray) {
+  const V3f origin(ray.org_x, ray.org_y, ray.org_z), dir(ray.dir_x, ray.dir_y, ray.dir_z);
+  return std::holds_alternative<UnitSphere>(geometry) ? intersect_unit_sphere(origin, dir, ray.tfar)
+                                                      : std::nullopt;
+}
+
+void user_bounds(const RTCBoundsFunctionArguments* args) {
+  const Imath::Box3f box = bounds(*static_cast<const Source*>(args->geometryUserPtr)->geometry);
+  RTCBounds& b = *args->bounds_o;
+  b.lower_x = box.min.x;
+  b.lower_y = box.min.y;
+  b.lower_z = box.min.z;
+  b.upper_x = box.max.x;
+  b.upper_y = box.max.y;
+  b.upper_z = box.max.z;
+}
+
+void user_intersect(const RTCIntersectFunctionNArguments* args) {
+  if (args->valid[0] == 0) return;
+  assert(args->N == 1);
+  auto& query = *reinterpret_cast<RTCRayHit*>(args->rayhit);
+  const Geometry& geometry = *static_cast<const Source*>(args->geometryUserPtr)->geometry;
+  const std::optional<float> t = first_distance(geometry, query.ray);
+  if (!t) return;
+  query.ray.tfar = *t;
+  query.hit.u = query.hit.v = 0.0f;
+  // The place of the normal, which Embree passes on as it is, carries the point in object space.
+  query.hit.Ng_x = query.ray.org_x + *t * query.ray.dir_x;
+  query.hit.Ng_y = query.ray.org_y + *t * query.ray.dir_y;
+  query.hit.Ng_z = query.ray.org_z + *t * query.ray.dir_z;
+  query.hit.primID = 0;
+  query.hit.geomID = args->geomID;
+  query.hit.instID[0] = args->context->instID[0];
+}
+
+void user_occluded(const RTCOccludedFunctionNArguments* args) {
+  if (args->valid[0] == 0) return;
+  assert(args->N == 1);
+  auto& ray = *reinterpret_cast<RTCRay*>(args->ray);
+  const Geometry& geometry = *static_cast<const Source*>(args->geometryUserPtr)->geometry;
+  if (first_distance(geometry, ray)) ray.tfar = -std::numeric_limits<float>::infinity();
+}
+
+/// Lets rays pass where the surface is not there.
+void filter_opacity(const RTCFilterFunctionNArguments* args) {
+  if (args->valid[0] == 0) return;
+  assert(args->N == 1);
+  const auto& source = *static_cast<const Source*>(args->geometryUserPtr);
+  const auto& hit = *reinterpret_cast<const RTCHit*>(args->hit);
+  const auto& ray = *reinterpret_cast<const RTCRay*>(args->ray);
+  const std::uint32_t surface = hit.geomID ^ (hit.instID[0] * 0x9e3779b9u);
+  if (!alpha_test(*source.material, std::get<Mesh>(*source.geometry), hit.primID, hit.u, hit.v,
+                  alpha_random(ray.id, surface, hit.primID))) {
+    args->valid[0] = 0;
+  }
 }
 
 }  // namespace
@@ -46,6 +121,13 @@ RTCRay to_embree(const Ray& ray) {
 struct Intersector::State {
   State() : device(rtcNewDevice(nullptr)) {
     if (!device) throw Error(ExitStatus::resource, "Embree cannot start on this machine");
+    rtcSetDeviceMemoryMonitorFunction(
+        device.get(),
+        [](void* counter, ssize_t bytes, bool) {
+          static_cast<std::atomic<std::int64_t>*>(counter)->fetch_add(bytes, std::memory_order_relaxed);
+          return true;
+        },
+        &embree_bytes);
   }
 
   ScenePtr new_scene(RTCSceneFlags flags, RTCBuildQuality quality) const {
@@ -65,99 +147,190 @@ struct Intersector::State {
                     : "Embree error " + std::to_string(error) + " while building geometry");
   }
 
-  /// Attaches the mesh's triangles under that geometry number, moved by `to_world` unless it is null.
-  void attach(RTCScene scene, unsigned number, const Mesh& mesh, const M44f* to_world) const {
+  /// A mesh's triangles, moved by `to_world` unless it is null.
+  RTCGeometry new_triangles(const Mesh& mesh, const M44f* to_world) const {
     RTCGeometry geometry = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
         geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.positions.size()));
-    auto* indices = static_cast<std::uint32_t*>(
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                3 * sizeof(std::uint32_t), mesh.triangles.size()));
-    if (vertices != nullptr && indices != nullptr) {
+    // Indices are needed as they are, so Embree reads ours.
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
+                               3 * sizeof(std::uint32_t), mesh.triangles.size());
+    if (vertices != nullptr) {
       for (const V3f& position : mesh.positions) {
         const V3f p = to_world ? transform_point(position, *to_world) : position;
         vertices = std::copy(&p.x, &p.x + 3, vertices);
       }
-      for (const auto& triangle : mesh.triangles)
-        indices = std::copy(triangle.begin(), triangle.end(), indices);
-      rtcCommitGeometry(geometry);
-      rtcAttachGeometryByID(scene, geometry, number);
     }
+    return geometry;
+  }
+
+  RTCGeometry new_user_geometry() const {
+    RTCGeometry geometry = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_USER);
+    rtcSetGeometryUserPrimitiveCount(geometry, 1);
+    rtcSetGeometryBoundsFunction(geometry, user_bounds, nullptr);
+    rtcSetGeometryIntersectFunction(geometry, user_intersect);
+    rtcSetGeometryOccludedFunction(geometry, user_occluded);
+    return geometry;
+  }
+
+  /// Attaches the geometry under that number. The source must keep its address.
+  void attach(RTCScene scene, unsigned number, const Source& source, const M44f* to_world) const {
+    const Mesh* mesh = std::get_if<Mesh>(source.geometry);
+    RTCGeometry geometry = mesh != nullptr ? new_triangles(*mesh, to_world) : new_user_geometry();
+    rtcSetGeometryUserData(geometry, const_cast<Source*>(&source));
+    if (mesh != nullptr && has_opacity(*source.material)) {
+      rtcSetGeometryIntersectFilterFunction(geometry, filter_opacity);
+      rtcSetGeometryOccludedFilterFunction(geometry, filter_opacity);
+    }
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(scene, geometry, number);
     rtcReleaseGeometry(geometry);
-    check();
+  }
+
+  static void set_transforms(RTCGeometry instance, std::span<const M44f> to_world) {
+    // Imath's row vectors and row-major order lay a matrix out as column vectors in column-major order do.
+    for (unsigned step = 0; step < to_world.size(); ++step) {
+      rtcSetGeometryTransform(instance, step, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, to_world[step].getValue());
+    }
+    rtcCommitGeometry(instance);
   }
 
   /// Attaches a scene as an instance under that number.
-  RTCGeometry attach_instance(unsigned number, RTCScene instanced, const M44f& to_world) const {
+  RTCGeometry attach_instance(unsigned number, RTCScene instanced, std::span<const M44f> to_world) const {
     RTCGeometry instance = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(instance, instanced);
-    // Imath's row vectors and row-major order lay a matrix out as column vectors in column-major order do.
-    rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, to_world.getValue());
-    rtcCommitGeometry(instance);
+    if (to_world.size() > 1) rtcSetGeometryTimeStepCount(instance, static_cast<unsigned>(to_world.size()));
+    set_transforms(instance, to_world);
     rtcAttachGeometryByID(root, instance, number);
     rtcReleaseGeometry(instance);  // the scene keeps it
-    check();
     return instance;
   }
 
-  DevicePtr device;
-  ScenePtr static_scene;
-  std::map<const Mesh*, ScenePtr> mesh_scenes;
-  ScenePtr instances_scene;
-  RTCScene root = nullptr;  ///< what rays are traced against: static_scene alone if nothing moves
+  void bake(std::span<const Placement> placements, const std::vector<bool>& instanced);
+  void build_instanced_geometry(std::span<const Placement> placements, const std::vector<bool>& instanced);
+  void attach_instances(std::span<const Placement> placements, const std::vector<bool>& instanced);
 
-  std::vector<std::uint32_t> static_objects;  ///< object of each geometry of static_scene
-  std::vector<std::uint32_t> moving_objects;  ///< object of each instance; the first instance is static_scene
-  std::vector<RTCGeometry> instance_of_object;  ///< null for static ones
+  std::atomic<std::int64_t> embree_bytes{0};  // before the device, which counts in it to the end
+  DevicePtr device;
+  std::vector<Source> baked_sources;  ///< of each geometry of baked_scene
+  ScenePtr baked_scene;
+  std::map<Source, ScenePtr> instanced_scenes;
+  ScenePtr instances_scene;
+  RTCScene root = nullptr;  ///< what rays are traced against: baked_scene alone if there are no instances
+
+  std::vector<std::uint32_t> baked_objects;      ///< object of each geometry of baked_scene
+  std::vector<std::uint32_t> instanced_objects;  ///< object of each instance; the first instance is baked_scene
+  std::vector<RTCGeometry> instance_of_object;   ///< null for baked ones
+  GeometrySize size;
   bool dirty = true;
 };
 
+namespace {
+
+std::vector<bool> choose_instanced(std::span<const Placement> placements) {
+  std::map<Source, std::size_t> copies;
+  for (const Placement& p : placements) ++copies[{p.geometry, p.material}];
+  std::vector<bool> instanced;
+  instanced.reserve(placements.size());
+  for (const Placement& p : placements) {
+    const std::size_t spared = (copies[{p.geometry, p.material}] - 1) * triangle_count(*p.geometry);
+    instanced.push_back(p.moving || p.to_world.size() > 1 || !std::holds_alternative<Mesh>(*p.geometry) ||
+                        spared > kInstancedTriangles);
+  }
+  return instanced;
+}
+
+}  // namespace
+
+void Intersector::State::bake(std::span<const Placement> placements, const std::vector<bool>& instanced) {
+  // High quality builds with spatial splits: a hierarchy is built once and traced for a whole shot.
+  baked_scene = new_scene(RTC_SCENE_FLAG_ROBUST, RTC_BUILD_QUALITY_HIGH);
+  root = baked_scene.get();
+  for (std::uint32_t object = 0; object < placements.size(); ++object) {
+    if (!instanced[object]) baked_objects.push_back(object);
+  }
+  for (const std::uint32_t object : baked_objects)
+    baked_sources.push_back({placements[object].geometry, placements[object].material});
+  tbb::parallel_for(std::size_t{0}, baked_objects.size(), [&](std::size_t i) {
+    attach(baked_scene.get(), static_cast<unsigned>(i), baked_sources[i],
+           &placements[baked_objects[i]].to_world.front());
+  });
+  for (const Source& source : baked_sources) size.stored_triangles += triangle_count(*source.geometry);
+  size.baked_objects = baked_objects.size();
+  size.visible_triangles = size.stored_triangles;
+  check();
+  rtcCommitScene(baked_scene.get());
+  check();
+}
+
+void Intersector::State::build_instanced_geometry(std::span<const Placement> placements,
+                                                  const std::vector<bool>& instanced) {
+  for (std::size_t object = 0; object < placements.size(); ++object) {
+    if (instanced[object])
+      instanced_scenes.try_emplace({placements[object].geometry, placements[object].material});
+  }
+  for (auto& [source, scene] : instanced_scenes) {
+    scene = new_scene(RTC_SCENE_FLAG_ROBUST, RTC_BUILD_QUALITY_HIGH);
+    attach(scene.get(), 0, source, nullptr);
+    check();
+    rtcCommitScene(scene.get());
+    check();
+    size.stored_triangles += triangle_count(*source.geometry);
+  }
+}
+
+void Intersector::State::attach_instances(std::span<const Placement> placements,
+                                          const std::vector<bool>& instanced) {
+  instances_scene = new_scene(static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC),
+                              RTC_BUILD_QUALITY_MEDIUM);
+  root = instances_scene.get();
+  instanced_objects.push_back(kNotAnInstance);
+  const M44f identity;
+  if (!baked_objects.empty()) attach_instance(0, baked_scene.get(), {&identity, 1});
+  for (std::uint32_t object = 0; object < placements.size(); ++object) {
+    if (!instanced[object]) continue;
+    const Placement& p = placements[object];
+    instance_of_object[object] =
+        attach_instance(static_cast<unsigned>(instanced_objects.size()),
+                        instanced_scenes.at({p.geometry, p.material}).get(), p.to_world);
+    instanced_objects.push_back(object);
+    size.visible_triangles += triangle_count(*p.geometry);
+    ++size.instances;
+    if (p.to_world.size() > 1) ++size.motion_instances;
+  }
+  check();
+}
+
 Intersector::Intersector(std::span<const Placement> placements) : state_(std::make_unique<State>()) {
   State& s = *state_;
-  // High quality builds with spatial splits: a hierarchy is built once and traced for a whole shot.
-  s.static_scene = s.new_scene(RTC_SCENE_FLAG_ROBUST, RTC_BUILD_QUALITY_HIGH);
-  s.root = s.static_scene.get();
   s.instance_of_object.assign(placements.size(), nullptr);
-  for (std::uint32_t object = 0; object < placements.size(); ++object) {
-    const Placement& placement = placements[object];
-    if (placement.moving) continue;
-    s.attach(s.static_scene.get(), static_cast<unsigned>(s.static_objects.size()), *placement.mesh,
-             &placement.to_world);
-    s.static_objects.push_back(object);
-  }
-  rtcCommitScene(s.static_scene.get());
-  s.check();
-  if (s.static_objects.size() == placements.size()) return;
-
-  s.instances_scene = s.new_scene(static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC),
-                                  RTC_BUILD_QUALITY_LOW);
-  s.root = s.instances_scene.get();
-  s.moving_objects.push_back(kNotAnInstance);
-  s.attach_instance(0, s.static_scene.get(), M44f());
-  for (std::uint32_t object = 0; object < placements.size(); ++object) {
-    const Placement& placement = placements[object];
-    if (!placement.moving) continue;
-    ScenePtr& mesh_scene = s.mesh_scenes[placement.mesh];
-    if (!mesh_scene) {
-      mesh_scene = s.new_scene(RTC_SCENE_FLAG_ROBUST, RTC_BUILD_QUALITY_HIGH);
-      s.attach(mesh_scene.get(), 0, *placement.mesh, nullptr);
-      rtcCommitScene(mesh_scene.get());
-      s.check();
-    }
-    s.instance_of_object[object] = s.attach_instance(static_cast<unsigned>(s.moving_objects.size()),
-                                                     mesh_scene.get(), placement.to_world);
-    s.moving_objects.push_back(object);
-  }
+  const std::vector<bool> instanced = choose_instanced(placements);
+  s.bake(placements, instanced);
+  if (s.baked_objects.size() == placements.size()) return;
+  s.build_instanced_geometry(placements, instanced);
+  s.attach_instances(placements, instanced);
 }
 
 Intersector::~Intersector() = default;
 
-void Intersector::move(std::uint32_t object, const M44f& to_world) {
+void Intersector::move(std::uint32_t object, std::span<const M44f> to_world) {
   RTCGeometry instance = state_->instance_of_object[object];
   assert(instance != nullptr);
-  rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, to_world.getValue());
-  rtcCommitGeometry(instance);
+  State::set_transforms(instance, to_world);
   state_->dirty = true;
+}
+
+void Intersector::reshape(const Geometry* geometry) {
+  for (auto& [source, scene] : state_->instanced_scenes) {
+    if (source.geometry != geometry) continue;
+    rtcCommitGeometry(rtcGetGeometry(scene.get(), 0));
+    rtcCommitScene(scene.get());
+    state_->dirty = true;
+  }
+  for (std::size_t i = 1; i < state_->instanced_objects.size(); ++i) {
+    // Instances take the new bounds when they are committed.
+    rtcCommitGeometry(rtcGetGeometry(state_->root, static_cast<unsigned>(i)));
+  }
 }
 
 void Intersector::commit() {
@@ -177,10 +350,10 @@ std::optional<Hit> Intersector::closest(const Ray& ray) const {
   rtcIntersect1(state_->root, &context, &query);
   const RTCHit& hit = query.hit;
   if (hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-  const bool is_static = hit.instID[0] == RTC_INVALID_GEOMETRY_ID || hit.instID[0] == 0;
+  const bool is_baked = hit.instID[0] == RTC_INVALID_GEOMETRY_ID || hit.instID[0] == 0;
   const std::uint32_t object =
-      is_static ? state_->static_objects[hit.geomID] : state_->moving_objects[hit.instID[0]];
-  return Hit{object, hit.primID, hit.u, hit.v, query.ray.tfar};
+      is_baked ? state_->baked_objects[hit.geomID] : state_->instanced_objects[hit.instID[0]];
+  return Hit{object, hit.primID, hit.u, hit.v, query.ray.tfar, V3f(hit.Ng_x, hit.Ng_y, hit.Ng_z)};
 }
 
 bool Intersector::occluded(const Ray& ray) const {
@@ -189,6 +362,12 @@ bool Intersector::occluded(const Ray& ray) const {
   RTCRay query = to_embree(ray);
   rtcOccluded1(state_->root, &context, &query);
   return query.tfar < 0.0f;  // Embree's mark of a hit: -inf
+}
+
+GeometrySize Intersector::size() const {
+  GeometrySize size = state_->size;
+  size.embree_bytes = state_->embree_bytes;
+  return size;
 }
 
 }  // namespace becalm::tracer

@@ -9,35 +9,71 @@ namespace becalm::tracer {
 
 namespace {
 
-LookAt checked_look_at(const SceneDescription& description, int frame) {
-  LookAt view = look_at(description.camera.look_at, frame);
-  if (!is_valid(view)) {
-    throw Error(
-        ExitStatus::bad_input,
-        fmt::format("{}: /camera/look_at: at frame {} the eye meets the target, or up points along the view",
-                    description.file, frame));
+/// Throws unless the camera has a direction at the shutter's opening and closing of this frame and the one
+/// before.
+void check_camera(const SceneDescription& description, int frame) {
+  for (const int f : {frame, frame - 1}) {
+    for (const double time : {0.0, 1.0}) {
+      if (is_valid(look_at(description.camera.look_at, description.camera.shutter.at(f, time)))) continue;
+      throw Error(
+          ExitStatus::bad_input,
+          fmt::format(
+              "{}: /camera/look_at: at frame {} the eye meets the target, or up points along the view",
+              description.file, f));
+    }
   }
-  return view;
+}
+
+/// The inverse transpose up to a positive factor: the cofactors, turned around where space is mirrored. Needs no
+/// division, so that flattened objects have normals too.
+M44f normal_matrix(const M44d& m) {
+  const V3d x(m[0][0], m[0][1], m[0][2]), y(m[1][0], m[1][1], m[1][2]), z(m[2][0], m[2][1], m[2][2]);
+  const V3d rows[3] = {y.cross(z), z.cross(x), x.cross(y)};
+  const double sign = x.dot(rows[0]) < 0.0 ? -1.0 : 1.0;
+  double largest = 0.0;
+  for (const V3d& row : rows) largest = std::max({largest, std::abs(row.x), std::abs(row.y), std::abs(row.z)});
+  M44f result;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j)
+      result[i][j] = largest > 0.0 ? static_cast<float>(sign * rows[i][j] / largest) : 0.0f;
+  }
+  return result;
+}
+
+MotionSteps<float> to_float(const MotionSteps<double>& steps) {
+  return MotionSteps<float>(std::vector<M44f>(steps.steps().begin(), steps.steps().end()));
+}
+
+bool geometry_moves(const Object& object) {
+  return object.transform.animated();
 }
 
 }  // namespace
 
+Place ObjectState::at(float time) const {
+  if (!blurred()) return place;
+  const M44f to_world = blur.at(time);
+  return {to_world, normal_matrix(M44d(to_world))};
+}
+
 Snapshot::Snapshot(const SceneDescription& description, int frame)
     : description_(&description), frame_(frame), objects_(description.objects.size()) {
-  camera_ = checked_look_at(description, frame);
-  previous_camera_ = checked_look_at(description, frame - 1);
-  for (const Mesh& mesh : description.meshes) {
-    Imath::Box3f& box = mesh_bounds_.emplace_back();
-    for (const V3f& position : mesh.positions) box.extendBy(position);
-  }
+  check_camera(description, frame);
+  for (const Geometry& geometry : description.meshes) geometry_bounds_.push_back(bounds(geometry));
   std::vector<Placement> placements;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     const Object& object = description.objects[i];
-    objects_[i].mesh = &description.meshes[object.mesh];
-    objects_[i].material = &description.materials[object.material];
-    objects_[i].two_sided = object.two_sided;
+    ObjectState& state = objects_[i];
+    state.geometry = &description.meshes[object.mesh];
+    state.mesh = std::get_if<Mesh>(state.geometry);
+    state.material = &description.materials[object.material];
+    state.two_sided = object.two_sided;
     place(i, frame);
-    placements.push_back({objects_[i].mesh, objects_[i].to_world, object.transform.animated()});
+  }
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    const ObjectState& state = objects_[i];
+    placements.push_back(
+        {state.geometry, state.material, state.blur.steps(), geometry_moves(description.objects[i])});
   }
   measure();
   intersector_ = std::make_unique<Intersector>(placements);
@@ -47,16 +83,15 @@ Snapshot::Snapshot(const SceneDescription& description, int frame)
 
 void Snapshot::set_frame(int frame) {
   if (frame == frame_) return;
-  camera_ = checked_look_at(*description_, frame);
-  previous_camera_ = checked_look_at(*description_, frame - 1);
+  check_camera(*description_, frame);
   bool moved = false, lights_changed = false;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     const Object& object = description_->objects[i];
-    if (object.transform.animated()) {
-      const M44f before = objects_[i].to_world;
+    if (geometry_moves(object)) {
+      const std::vector<M44f> before = objects_[i].blur.steps();
       place(i, frame);
-      if (objects_[i].to_world != before) {
-        intersector_->move(static_cast<std::uint32_t>(i), objects_[i].to_world);
+      if (objects_[i].blur.steps() != before) {
+        intersector_->move(static_cast<std::uint32_t>(i), objects_[i].blur.steps());
         moved = true;
         lights_changed = lights_changed || object.emissive;
       }
@@ -73,26 +108,34 @@ void Snapshot::set_frame(int frame) {
 }
 
 void Snapshot::place(std::size_t index, int frame) {
-  const TransformCurve& transform = description_->objects[index].transform;
+  const Object& object = description_->objects[index];
+  const Shutter& shutter = description_->camera.shutter;
+  const Imath::Box3f& box = geometry_bounds_[object.mesh];
+  const double radius = box.isEmpty() ? 1.0 : std::max(std::max(box.max.length(), box.min.length()), 1e-30f);
+  const int segments = motion_segments(object.transform, frame, shutter, radius);
   ObjectState& state = objects_[index];
-  state.to_world_exact = transform_at(transform, frame);
-  state.to_world_previous = transform.animated() ? transform_at(transform, frame - 1) : state.to_world_exact;
-  state.to_world = M44f(state.to_world_exact);
-  state.normal_to_world = M44f(state.to_world_exact.inverse().transposed());
+  state.exact = motion_steps(object.transform, frame, shutter, segments);
+  state.exact_previous =
+      geometry_moves(object) ? motion_steps(object.transform, frame - 1, shutter, segments) : state.exact;
+  state.blur = to_float(state.exact);
+  state.place = {state.blur.first(), normal_matrix(state.exact.first())};
   state.scale = state.translation = 0.0f;
-  for (int column = 0; column < 3; ++column) {
-    float sum = 0.0f;
-    for (int row = 0; row < 3; ++row) sum += std::abs(state.to_world[row][column]);
-    state.scale = std::max(state.scale, sum);
-    state.translation = std::max(state.translation, std::abs(state.to_world[3][column]));
+  for (const M44f& m : state.blur.steps()) {
+    for (int column = 0; column < 3; ++column) {
+      float sum = 0.0f;
+      for (int row = 0; row < 3; ++row) sum += std::abs(m[row][column]);
+      state.scale = std::max(state.scale, sum);
+      state.translation = std::max(state.translation, std::abs(m[3][column]));
+    }
   }
 }
 
 void Snapshot::measure() {
   Imath::Box3f bounds;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    const Imath::Box3f& box = mesh_bounds_[description_->objects[i].mesh];
-    if (!box.isEmpty()) bounds.extendBy(Imath::affineTransform(box, objects_[i].to_world));
+    const Imath::Box3f& box = geometry_bounds_[description_->objects[i].mesh];
+    if (box.isEmpty()) continue;
+    for (const M44f& to_world : objects_[i].blur.steps()) bounds.extendBy(Imath::affineTransform(box, to_world));
   }
   extent_ = radius_ = 0.0f;
   if (bounds.isEmpty()) return;
@@ -119,10 +162,10 @@ void Snapshot::build_lights(int frame) {
     if (is_black(object.emission)) continue;
     object.first_light = static_cast<std::uint32_t>(triangles.size());
     // Mirroring turns the winding around, but not what is outside.
-    const bool mirrored = object.to_world_exact.determinant() < 0.0;
+    const bool mirrored = object.exact.first().determinant() < 0.0;
     for (const auto& corners : object.mesh->triangles) {
       V3f p[3];
-      for (int k = 0; k < 3; ++k) p[k] = transform_point(object.mesh->positions[corners[k]], object.to_world);
+      for (int k = 0; k < 3; ++k) p[k] = transform_point(object.mesh->positions[corners[k]], object.place.to_world);
       if (mirrored) std::swap(p[1], p[2]);
       triangles.push_back({p[0], p[1], p[2], object.emission, object.two_sided});
     }

@@ -8,25 +8,37 @@
 
 #include "tracer/intersect.h"
 #include "tracer/lights/lights.h"
+#include "tracer/motion_steps.h"
 #include "tracer/scene/scene.h"
 
 namespace becalm::tracer {
 
 inline constexpr std::uint32_t kNoLight = ~0u;
 
+/// An object's transforms at one moment.
+struct Place {
+  M44f to_world;
+  M44f normal_to_world;  ///< the inverse transpose's directions; outside stays outside under mirroring
+};
+
 /// One object at a frame.
 struct ObjectState {
-  const Mesh* mesh = nullptr;
+  const Geometry* geometry = nullptr;
+  const Mesh* mesh = nullptr;  ///< null where there are no triangles
   const Material* material = nullptr;
-  M44f to_world;
-  M44f normal_to_world;  ///< inverse transpose; outside stays outside under mirroring
-  M44d to_world_exact;   ///< the double matrices serve the motion AOV
-  M44d to_world_previous;
+  Place place;               ///< when the shutter opens; all of it if the object does not move meanwhile
+  MotionSteps<float> blur;   ///< while the shutter is open
+  MotionSteps<double> exact; ///< the same in double, and a frame before: for the motion AOV
+  MotionSteps<double> exact_previous;
   float scale = 1.0f;                    ///< bound of |p to_world| / |p| without the translation
   float translation = 0.0f;              ///< largest coordinate of the translation
   std::uint32_t first_light = kNoLight;  ///< number of its first triangle among the lights
   V3f emission{0.0f};
   bool two_sided = false;
+
+  bool blurred() const { return blur.moving(); }
+  /// The place at that time in [0,1] of the shutter's interval.
+  Place at(float time) const;
 };
 
 /// The scene at one frame: what a path asks. Kept between frames, and only what differs is evaluated,
@@ -43,9 +55,7 @@ class Snapshot {
   const Intersector& intersector() const { return *intersector_; }
   const Lights& lights() const { return lights_; }
   const ObjectState& object(std::uint32_t index) const { return objects_[index]; }
-  const LookAt& camera() const { return camera_; }
-  /// At the frame before.
-  const LookAt& previous_camera() const { return previous_camera_; }
+  int frame() const { return frame_; }
   /// Largest absolute coordinate of any object, the measure of rounding errors.
   float extent() const { return extent_; }
 
@@ -56,11 +66,10 @@ class Snapshot {
 
   const SceneDescription* description_;
   int frame_ = 0;
-  std::vector<Imath::Box3f> mesh_bounds_;  ///< in object space
+  std::vector<Imath::Box3f> geometry_bounds_;  ///< in object space
   std::vector<ObjectState> objects_;
   std::unique_ptr<Intersector> intersector_;
   Lights lights_;
-  LookAt camera_, previous_camera_;
   float extent_ = 0.0f;
   float radius_ = 0.0f;  ///< of a sphere around all objects
 };

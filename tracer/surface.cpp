@@ -1,5 +1,7 @@
 #include "tracer/surface.h"
 
+#include <numbers>
+
 namespace becalm::tracer {
 
 namespace {
@@ -9,7 +11,8 @@ namespace {
 /// as much leaves room for rotated and scaled instances. Verified by the closed-box tests at three scales.
 constexpr float kRelativeOffset = 0x1p-20f;
 
-V3d interpolate_exact(const ObjectState& object, const Hit& hit) {
+V3d local_position(const ObjectState& object, const Hit& hit) {
+  if (object.mesh == nullptr) return V3d(hit.local);
   const auto& corners = object.mesh->triangles[hit.triangle];
   const V3d p0(object.mesh->positions[corners[0]]);
   const V3d p1(object.mesh->positions[corners[1]]);
@@ -17,9 +20,11 @@ V3d interpolate_exact(const ObjectState& object, const Hit& hit) {
   return p0 + (p1 - p0) * hit.u + (p2 - p0) * hit.v;
 }
 
-}  // namespace
+float rounding_error(const ObjectState& object, float largest_coordinate) {
+  return kRelativeOffset * (largest_coordinate * object.scale + object.translation);
+}
 
-Surface surface_at(const ObjectState& object, const Hit& hit) {
+Surface mesh_surface(const ObjectState& object, const Place& place, const Hit& hit) {
   const Mesh& mesh = *object.mesh;
   const auto& corners = mesh.triangles[hit.triangle];
   const V3f& p0 = mesh.positions[corners[0]];
@@ -29,14 +34,14 @@ Surface surface_at(const ObjectState& object, const Hit& hit) {
   const float w0 = 1.0f - hit.u - hit.v;
 
   Surface surface;
-  surface.position = transform_point(p0 + edge1 * hit.u + edge2 * hit.v, object.to_world);
+  surface.position = transform_point(p0 + edge1 * hit.u + edge2 * hit.v, place.to_world);
   const V3f cross = edge1.cross(edge2);
-  surface.normal_geometric = transform_vector(cross, object.normal_to_world).normalized();
+  surface.normal_geometric = transform_vector(cross, place.normal_to_world).normalized();
   surface.normal_shading = surface.normal_geometric;
   if (!mesh.normals.empty()) {
     const V3f interpolated =
         mesh.normals[corners[0]] * w0 + mesh.normals[corners[1]] * hit.u + mesh.normals[corners[2]] * hit.v;
-    const V3f normal = transform_vector(interpolated, object.normal_to_world).normalized();
+    const V3f normal = transform_vector(interpolated, place.normal_to_world).normalized();
     // Normals that cancel out leave the geometric one; files whose normals point inward still mean the same
     // surface.
     const float cos_angle = normal.dot(surface.normal_geometric);
@@ -50,7 +55,7 @@ Surface surface_at(const ObjectState& object, const Hit& hit) {
     surface.uv = uv0 * w0 + uv1 * hit.u + uv2 * hit.v;
     const V2f duv1 = uv1 - uv0, duv2 = uv2 - uv0;
     const V3f cross_world =
-        transform_vector(edge1, object.to_world).cross(transform_vector(edge2, object.to_world));
+        transform_vector(edge1, place.to_world).cross(transform_vector(edge2, place.to_world));
     const float area_uv = std::abs(duv1.x * duv2.y - duv1.y * duv2.x);
     const float area_world = cross_world.length();
     if (area_world > 0.0f) surface.uv_per_length = std::sqrt(area_uv / area_world);
@@ -60,13 +65,35 @@ Surface surface_at(const ObjectState& object, const Hit& hit) {
   for (const V3f* p : {&p0, &p1, &p2}) {
     largest = std::max({largest, std::abs(p->x), std::abs(p->y), std::abs(p->z)});
   }
-  surface.offset = kRelativeOffset * (largest * object.scale + object.translation);
+  surface.offset = rounding_error(object, largest);
   return surface;
 }
 
-PointMotion point_motion(const ObjectState& object, const Hit& hit) {
-  const V3d point = interpolate_exact(object, hit);
-  return {transform_point(point, object.to_world_exact), transform_point(point, object.to_world_previous)};
+Surface sphere_surface(const ObjectState& object, const Place& place, const Hit& hit) {
+  constexpr float pi = std::numbers::pi_v<float>;
+  const V3f local = hit.local.normalized();  // back onto the sphere
+  Surface surface;
+  surface.position = transform_point(local, place.to_world);
+  surface.normal_geometric = transform_vector(local, place.normal_to_world).normalized();
+  surface.normal_shading = surface.normal_geometric;
+  const float around = std::atan2(local.x, local.z) / (2.0f * pi);
+  surface.uv = V2f(around < 0.0f ? around + 1.0f : around,
+                   1.0f - std::acos(std::clamp(local.y, -1.0f, 1.0f)) / pi);
+  // The whole square of uv lies on 4 pi of area.
+  surface.uv_per_length = 1.0f / (std::sqrt(4.0f * pi) * object.scale);
+  surface.offset = rounding_error(object, 1.0f);
+  return surface;
+}
+
+}  // namespace
+
+Surface surface_at(const ObjectState& object, const Place& place, const Hit& hit) {
+  return object.mesh != nullptr ? mesh_surface(object, place, hit) : sphere_surface(object, place, hit);
+}
+
+PointMotion point_motion(const ObjectState& object, const Hit& hit, float time) {
+  const V3d point = local_position(object, hit);
+  return {transform_point(point, object.exact.at(time)), transform_point(point, object.exact_previous.at(time))};
 }
 
 }  // namespace becalm::tracer

@@ -14,7 +14,8 @@ struct Surface {
   float offset;         ///< bound of the rounding errors in the position and in what Embree makes of it
 };
 
-Surface surface_at(const ObjectState& object, const Hit& hit);
+/// `place` is the object's at the ray's time.
+Surface surface_at(const ObjectState& object, const Place& place, const Hit& hit);
 
 /// Where a ray leaves the surface in this direction: off it by more than rounding errors, on the ray's side.
 inline V3f offset_origin(const Surface& surface, const V3f& dir_world) {
@@ -22,10 +23,10 @@ inline V3f offset_origin(const Surface& surface, const V3f& dir_world) {
   return surface.position + surface.normal_geometric * (side * surface.offset);
 }
 
-/// The hit point at the previous frame's place of its object, and at this frame's, in double.
+/// The hit point at this frame's place of its object, and at the previous frame's, in double.
 struct PointMotion {
   V3d current, previous;
 };
-PointMotion point_motion(const ObjectState& object, const Hit& hit);
+PointMotion point_motion(const ObjectState& object, const Hit& hit, float time);
 
 }  // namespace becalm::tracer

@@ -209,8 +209,27 @@ void add_layer(const Frame& frame, Aov aov, Imf::PixelType type, Imf::Header& he
   }
 }
 
+/// Adds a light group's radiance as the layer light.NAME.
+void add_light_group(const LightGroup& group, Imf::PixelType type, Imf::Header& header,
+                     FrameChannels& channels) {
+  for (int c = 0; c < 3; ++c) {
+    const std::string name = fmt::format("light.{}.{}", group.name, "RGB"[c]);
+    header.channels().insert(name, Imf::Channel(type));
+    channels[name] = {&group.radiance, c};
+  }
+}
+
 bool is_always_float(Aov aov) {
-  return info(aov).diagnostic || aov == Aov::variance || aov == Aov::depth || aov == Aov::motion;
+  switch (aov) {
+    case Aov::variance:
+    case Aov::depth:
+    case Aov::motion:
+    case Aov::object_id:  // half counts to 2048 only
+    case Aov::material_id:
+      return true;
+    default:
+      return info(aov).diagnostic;
+  }
 }
 
 }  // namespace
@@ -227,6 +246,7 @@ WriteReport write_exr(const std::string& path, const Frame& frame, const Attribu
     if (!frame.has(entry.aov)) continue;
     add_layer(frame, entry.aov, is_always_float(entry.aov) ? Imf::FLOAT : color, header, channels);
   }
+  for (const LightGroup& group : frame.light_groups()) add_light_group(group, color, header, channels);
   WriteReport report;
   writing(path, {header},
           [&](Imf::MultiPartOutputFile& file) { write_part(file, 0, channels, nullptr, report); });

@@ -9,7 +9,8 @@
 #include "tracer/lights/environment.h"
 #include "tracer/materials/bsdf.h"
 #include "tracer/sampling/pixel_filter.h"
-#include "tracer/scene/mesh.h"
+#include "tracer/scene/geometry.h"
+#include "tracer/scene/shutter.h"
 #include "tracer/scene/texture.h"
 #include "tracer/scene/transform.h"
 #include "tracer/scene_needs.h"
@@ -42,6 +43,13 @@ struct Integrator {
 struct CameraSettings {
   double fov_y_deg = 45.0;
   LookAtCurve look_at = LookAtCurve::Value{0, 0, 5, 0, 0, 0, 0, 1, 0};
+  Shutter shutter;
+  Curve<1> aperture_radius = Curve<1>::Value{0.0};   ///< scene units; 0: a pinhole
+  std::optional<Curve<1>> focus_distance;            ///< along the view, scene units; none: the target's
+  int blades = 0;                                    ///< sides of the aperture; 0: a disc
+  double blade_rotation_deg = 0.0;
+
+  bool has_lens() const;  ///< whether the aperture is ever open
 };
 
 struct Material {
@@ -70,7 +78,7 @@ struct SceneDescription {
   std::optional<Environment> environment;
   bool environment_is_image = false;
   std::vector<Material> materials;
-  std::vector<Mesh> meshes;
+  std::vector<Geometry> meshes;
   std::vector<Object> objects;
   Textures textures;
 };
