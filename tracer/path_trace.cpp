@@ -48,6 +48,9 @@ struct Features {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
+/// Position in the shutter interval.
+constexpr float kShutterTime = 0.0f;
+
 /// Rays that left a rough surface see textures blurred by this angle in radians: about the spacing of the few
 /// directions that a pixel sends into the hemisphere.
 constexpr float kScatteredSpread = 0.1f;
@@ -124,13 +127,14 @@ struct Vertex {
 /// The light sample's part of the direct light, without the throughput.
 V3f direct_light(const PathContext& context, const Vertex& vertex, float u_light, const V2f& u) {
   const Snapshot& snapshot = context.snapshot;
-  const std::optional<LightSample> light = snapshot.lights().sample(vertex.surface.position, u_light, u);
+  const std::optional<LightSample> light =
+      snapshot.lights().sample(vertex.surface.position, kShutterTime, u_light, u);
   if (!light) return V3f(0.0f);
   const V3f wi = vertex.frame.to_local(light->dir_world);
   if (!vertex.consistent(wi, light->dir_world)) return V3f(0.0f);
   V3f contribution = eval(vertex.bsdf, vertex.wo, wi) * light->radiance / light->pdf_solid_angle;
   if (is_black(contribution)) return V3f(0.0f);
-  if (context.integrator.direct == Direct::mis) {
+  if (context.integrator.direct == Direct::mis && !light->delta) {
     contribution *= mis_weight(context.integrator.heuristic, light->pdf_solid_angle,
                                pdf_solid_angle(vertex.bsdf, vertex.wo, wi));
   }
@@ -170,11 +174,9 @@ PathSample trace_path(const PathContext& context, const V2f& raster, Sampler& sa
     const std::optional<Hit> hit = snapshot.intersector().closest(ray);
     if (!hit) {
       if (depth == 0) result.covered = snapshot.description().environment.has_value();
-      const V3f radiance = snapshot.lights().environment_radiance(ray.dir);
-      if (!is_black(radiance)) {
-        result.radiance +=
-            throughput * radiance * weight([&] { return snapshot.lights().pdf_environment(ray.dir); });
-      }
+      snapshot.lights().for_each_infinite(ray.dir, [&](const V3f& radiance, float pdf, std::uint16_t) {
+        result.radiance += throughput * radiance * weight([&] { return pdf; });
+      });
       if constexpr (F.guides) {
         if (specular_so_far) result.guides.albedo = clamp_to_unit(throughput / radiance_scale);
         if (depth == 0) {
@@ -200,12 +202,12 @@ PathSample trace_path(const PathContext& context, const V2f& raster, Sampler& sa
 
     const V3f radiance = emitted(object, surface, ray.dir);
     if (!is_black(radiance)) {
-      result.radiance +=
-          throughput * radiance * weight([&] {
-            const std::size_t triangle = object.first_light + std::size_t{hit->triangle};
-            const float distance = (surface.position - previous_position).length();
-            return snapshot.lights().pdf_triangle(triangle, previous_position, ray.dir, distance);
-          });
+      result.radiance += throughput * radiance * weight([&] {
+                           const std::size_t triangle = object.first_light + std::size_t{hit->triangle};
+                           const float distance = (surface.position - previous_position).length();
+                           return snapshot.lights().pdf_triangle(triangle, previous_position, ray.dir,
+                                                                 distance, kShutterTime);
+                         });
     }
     if (context.log != nullptr) {
       context.log->push_back({hit->object, surface.position, throughput, result.radiance});

@@ -152,7 +152,7 @@ void Snapshot::measure() {
 }
 
 void Snapshot::build_lights(int frame) {
-  std::vector<EmissiveTriangle> triangles;
+  LightList list;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     ObjectState& object = objects_[i];
     const Curve<3>::Value emission = description_->objects[i].emission.at(frame);
@@ -160,17 +160,19 @@ void Snapshot::build_lights(int frame) {
                        static_cast<float>(emission[2])};
     object.first_light = kNoLight;
     if (is_black(object.emission)) continue;
-    object.first_light = static_cast<std::uint32_t>(triangles.size());
+    object.first_light = static_cast<std::uint32_t>(list.triangles.size());
     // Mirroring turns the winding around, but not what is outside.
     const bool mirrored = object.exact.first().determinant() < 0.0;
     for (const auto& corners : object.mesh->triangles) {
       V3f p[3];
       for (int k = 0; k < 3; ++k) p[k] = transform_point(object.mesh->positions[corners[k]], object.place.to_world);
       if (mirrored) std::swap(p[1], p[2]);
-      triangles.push_back({p[0], p[1], p[2], object.emission, object.two_sided});
+      list.triangles.push_back({p[0], p[1], p[2], object.emission, object.two_sided});
     }
   }
-  lights_ = Lights(std::move(triangles), description_->environment, radius_);
+  list.environment = description_->environment;
+  list.scene_radius = radius_;
+  lights_ = Lights(std::move(list));
 }
 
 }  // namespace becalm::tracer

@@ -1,11 +1,14 @@
 #pragma once
 
-#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <optional>
 
+#include "tracer/lights/light_sample.h"
+#include "tracer/lights/motion_keys.h"
 #include "tracer/vec.h"
 
 namespace becalm::tracer {
@@ -15,14 +18,12 @@ struct EmissiveTriangle {
   V3f p0, p1, p2;
   V3f radiance;
   bool two_sided = false;
+  std::uint16_t group = 0;
+  MotionKeys motion = {};  ///< among LightList::triangle_keys
 };
 
-struct LightSample {
-  V3f dir_world;          ///< unit, from the shaded point to the light
-  float distance;         ///< scene units; inf for the environment
-  V3f radiance;           ///< that arrives if nothing is in between
-  float pdf_solid_angle;  ///< including the probability of having chosen this light; finite and > 0
-};
+/// A place of a moving triangle: its corners.
+using TriangleKey = std::array<V3f, 3>;
 
 /// An emissive triangle, prepared for sampling uniformly by area.
 struct AreaLight {
@@ -31,13 +32,15 @@ struct AreaLight {
   double area;  ///< 0 when degenerate or not finite; double, since squares of edges leave the range of float
   V3f radiance;
   bool two_sided;
+  std::uint16_t group;
 
   explicit AreaLight(const EmissiveTriangle& triangle)
       : p0(triangle.p0),
         edge1(triangle.p1 - triangle.p0),
         edge2(triangle.p2 - triangle.p0),
         radiance(triangle.radiance),
-        two_sided(triangle.two_sided) {
+        two_sided(triangle.two_sided),
+        group(triangle.group) {
     const V3d cross = V3d(edge1).cross(V3d(edge2));
     const double length = cross.length();
     const bool usable = length > 0.0 && std::isfinite(length);
@@ -46,10 +49,7 @@ struct AreaLight {
   }
 
   /// Emitted flux, mean of the channels.
-  double power() const {
-    const double mean = (static_cast<double>(radiance.x) + radiance.y + radiance.z) / 3.0;
-    return std::numbers::pi * area * mean * (two_sided ? 2.0 : 1.0);
-  }
+  double power() const { return std::numbers::pi * area * channel_mean(radiance) * (two_sided ? 2.0 : 1.0); }
 
   /// Density per solid angle, seen from `distance` away along the unit direction `dir_world`, of points
   /// uniform by area: distance^2 / (|cos| area). 0 on the dark side, edge-on and beyond the range of float.
@@ -75,7 +75,7 @@ struct AreaLight {
     const V3f dir_world(to_light / distance);
     const float pdf = pdf_solid_angle(dir_world, static_cast<float>(distance));
     if (pdf == 0.0f) return std::nullopt;
-    return LightSample{dir_world, static_cast<float>(distance), radiance, pdf};
+    return LightSample{dir_world, static_cast<float>(distance), radiance, pdf, group, false};
   }
 };
 

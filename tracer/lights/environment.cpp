@@ -129,9 +129,12 @@ V2f Environment::image_position(const V3f& dir_world) const {
 }
 
 V3f Environment::radiance(const V3f& dir_world) const {
-  if (!map_) return constant_;
+  return map_ ? radiance_at(image_position(dir_world)) : constant_;
+}
+
+V3f Environment::radiance_at(const V2f& image_position) const {
   const Image& texels = map_->texels;
-  const V2f position = image_position(dir_world) - V2f(0.5f);
+  const V2f position = image_position - V2f(0.5f);
   const float floor_x = std::floor(position.x);
   const float floor_y = std::floor(position.y);
   const int x0 = wrapped(static_cast<int>(floor_x), texels.width());
@@ -168,8 +171,17 @@ std::optional<Environment::Sample> Environment::sample(const V2f& u) const {
 
 float Environment::pdf_solid_angle(const V3f& dir_world) const {
   if (!(total_ > 0.0)) return 0.0f;
-  if (!map_) return kUniformPdf;
+  return map_ ? pdf_at(image_position(dir_world)) : kUniformPdf;
+}
+
+Environment::Lookup Environment::look_up(const V3f& dir_world) const {
+  if (!(total_ > 0.0)) return {V3f(0.0f), 0.0f};
+  if (!map_) return {constant_, kUniformPdf};
   const V2f position = image_position(dir_world);
+  return {radiance_at(position), pdf_at(position)};
+}
+
+float Environment::pdf_at(const V2f& position) const {
   const int x = std::clamp(static_cast<int>(position.x), 0, map_->texels.width() - 1);
   const int y = std::clamp(static_cast<int>(position.y), 0, map_->texels.height() - 1);
   return map_->pdf(static_cast<std::size_t>(x), static_cast<std::size_t>(y));

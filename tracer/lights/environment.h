@@ -31,6 +31,13 @@ class Environment {
   std::optional<Sample> sample(const V2f& u) const;
   float pdf_solid_angle(const V3f& dir_world) const;
 
+  struct Lookup {
+    V3f radiance;
+    float pdf_solid_angle;
+  };
+  /// Both at once, for less.
+  Lookup look_up(const V3f& dir_world) const;
+
   /// Radiance integrated over all directions, mean of the channels.
   double total() const { return total_; }
 
@@ -40,7 +47,10 @@ class Environment {
  private:
   struct Map;
 
-  V2f image_position(const V3f& dir_world) const;  ///< in texels from the top left
+  // Positions on the image are in texels from the top left.
+  V2f image_position(const V3f& dir_world) const;
+  V3f radiance_at(const V2f& position) const;
+  float pdf_at(const V2f& position) const;
 
   V3f constant_{0.0f};
   std::shared_ptr<const Map> map_;  ///< null when constant

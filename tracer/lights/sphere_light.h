@@ -1,0 +1,97 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+#include "tracer/lights/cone.h"
+#include "tracer/lights/light_sample.h"
+#include "tracer/lights/motion_keys.h"
+#include "tracer/vec.h"
+
+namespace becalm::tracer {
+
+/// A place of a moving sphere.
+struct SphereKey {
+  V3f center;
+  float radius;
+};
+
+/// Emits `radiance` outward, or inward as well. Sampled uniformly over the directions in which it is seen:
+/// the cone that it subtends, or all around from inside. Works in double from the float positions on, so that
+/// spheres from far below to far above their distance in size are sampled to the precision of a direction.
+struct EmissiveSphere {
+  V3f center;
+  float radius;
+  V3f radiance;
+  bool two_sided = false;
+  std::uint16_t group = 0;
+  MotionKeys motion = {};  ///< among LightList::sphere_keys
+
+  /// Emitted flux, mean of the channels; 0 without a radius.
+  double power() const {
+    if (!(radius > 0.0f)) return 0.0;
+    const double area = 4.0 * std::numbers::pi * static_cast<double>(radius) * radius;
+    return std::numbers::pi * area * channel_mean(radiance) * (two_sided ? 2.0 : 1.0);
+  }
+
+  /// Density per solid angle of any direction in which the sphere is seen from `point`. 0 where sample()
+  /// gives nothing: inside if one-sided, and when the sphere subtends so little that the density leaves the
+  /// range of float (a radius below 1e-19 of the distance).
+  float pdf_solid_angle(const V3f& point) const {
+    const Seen seen(*this, point);
+    return seen.visible ? density(seen) : 0.0f;
+  }
+
+  std::optional<LightSample> sample(const V3f& point, const V2f& u) const {
+    const Seen seen(*this, point);
+    const float pdf = seen.visible ? density(seen) : 0.0f;
+    if (pdf == 0.0f) return std::nullopt;
+    const Cone::Direction drawn = seen.cone.sample(u);
+    // The ray meets the sphere at the roots of t^2 - 2 t along + beyond: outside the nearer one counts,
+    // inside the only positive one, each written so that nothing cancels.
+    const double r = radius;
+    const double along = seen.distance * drawn.cosine;
+    const double beyond = (seen.distance - r) * (seen.distance + r);
+    const double half_chord =
+        std::sqrt(std::max(0.0, r * r - seen.distance * seen.distance * drawn.sine_squared));
+    const double distance = seen.inside && along > 0.0 ? along + half_chord
+                            : seen.inside              ? beyond / (along - half_chord)
+                                                       : beyond / (along + half_chord);
+    if (!(distance > 0.0)) return std::nullopt;
+    return LightSample{V3f(drawn.dir), static_cast<float>(distance), radiance, pdf, group, false};
+  }
+
+ private:
+  /// The sphere as a point sees it.
+  struct Seen {
+    double distance;  ///< of the centre
+    bool inside;
+    bool visible;
+    Cone cone;
+
+    Seen(const EmissiveSphere& sphere, const V3f& point) {
+      const V3d to_center = V3d(sphere.center) - V3d(point);
+      const double r = sphere.radius;
+      distance = to_center.length();
+      inside = distance <= r;
+      visible = r > 0.0 && std::isfinite(distance) && (!inside || sphere.two_sided);
+      if (inside) {
+        cone = {distance > 0.0 ? to_center / distance : V3d(0.0, 0.0, 1.0), 2.0};
+        return;
+      }
+      const double sine = r / distance;
+      const double cosine = std::sqrt((distance - r) / distance * ((distance + r) / distance));
+      cone = {to_center / distance, sine * sine / (1.0 + cosine)};
+    }
+  };
+
+  static float density(const Seen& seen) {
+    const double pdf = 1.0 / seen.cone.solid_angle();
+    return pdf <= std::numeric_limits<float>::max() ? static_cast<float>(pdf) : 0.0f;
+  }
+};
+
+}  // namespace becalm::tracer

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <numbers>
+#include <optional>
+
+#include "tracer/lights/cone.h"
+#include "tracer/lights/point_light.h"
+
+namespace becalm::tracer {
+
+/// A place of a moving spot.
+struct SpotKey {
+  V3f position;
+  V3f direction;  ///< any length but 0
+};
+
+/// Shines from a point into a cone: with its whole intensity up to `inner_deg` from the direction, then less,
+/// by a smoothstep in the cosine, to nothing at `outer_deg`. 0 <= inner_deg <= outer_deg <= 180.
+struct SpotLight {
+  V3f position;
+  V3f direction;  ///< in which it shines; any length but 0
+  V3f intensity;  ///< W/sr, inside the inner cone
+  float inner_deg;
+  float outer_deg;
+  std::uint16_t group = 0;
+  MotionKeys motion = {};  ///< among LightList::spot_keys
+};
+
+/// A spot light, prepared for sampling.
+struct SpotEmitter {
+  V3f position;
+  V3d axis;             ///< unit; 0 without a direction
+  double inner, outer;  ///< versines: a spot of 0.01 degrees has an edge as smooth as any
+  V3f intensity;
+  std::uint16_t group;
+  MotionKeys motion;
+
+  explicit SpotEmitter(const SpotLight& spot)
+      : position(spot.position),
+        axis(V3d(spot.direction).normalized()),
+        inner(versine(spot.inner_deg * std::numbers::pi / 180.0)),
+        outer(versine(spot.outer_deg * std::numbers::pi / 180.0)),
+        intensity(spot.intensity),
+        group(spot.group),
+        motion(spot.motion) {}
+
+  /// The share of the intensity that leaves along the unit direction.
+  double falloff(const V3d& dir) const {
+    const double v = 0.5 * (dir - axis).length2();  // versine of the angle between unit vectors
+    if (v >= outer) return 0.0;
+    if (v <= inner) return 1.0;
+    const double t = (outer - v) / (outer - inner);
+    return t * t * (3.0 - 2.0 * t);
+  }
+
+  /// Emitted flux, mean of the channels: the smoothstep is 1/2 on average over the solid angle between the
+  /// cones.
+  double power() const {
+    return axis == V3d(0.0) ? 0.0 : std::numbers::pi * (inner + outer) * channel_mean(intensity);
+  }
+
+  std::optional<LightSample> sample(const V3f& point) const {
+    const V3d to_light = V3d(position) - V3d(point);
+    const double share = falloff(-to_light.normalized());
+    if (share == 0.0) return std::nullopt;
+    return sample_position(to_light, V3d(intensity) * share, group);
+  }
+};
+
+}  // namespace becalm::tracer
