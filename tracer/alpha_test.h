@@ -1,5 +1,6 @@
 #pragma once
 
+#include "tracer/sampling/sobol.h"
 #include "tracer/scene/mesh.h"
 #include "tracer/scene/scene.h"
 

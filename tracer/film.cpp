@@ -12,33 +12,82 @@ float to_float(double v) {
 }
 
 template <class Vec>
-void store(Frame& frame, Aov aov, int x, int y, const Vec& value) {
-  if (!frame.has(aov)) return;
-  const std::span<float> pixel = frame.image(aov).pixel(x, y);
+void store(Image& image, int x, int y, const Vec& value) {
+  const std::span<float> pixel = image.pixel(x, y);
   for (unsigned c = 0; c < Vec::dimensions(); ++c) pixel[c] = to_float(value[c]);
+}
+
+template <class Vec>
+void store(Frame& frame, Aov aov, int x, int y, const Vec& value) {
+  if (frame.has(aov)) store(frame.image(aov), x, y, value);
+}
+
+void store_id(Frame& frame, Aov aov, int x, int y, std::uint32_t id) {
+  if (frame.has(aov)) frame.image(aov).at(x, y, 0) = static_cast<float>(id);
 }
 
 }  // namespace
 
+void MajorityVote::add(std::uint32_t number) {
+  for (auto& [candidate, count] : votes_) {
+    if (candidate != number) continue;
+    ++count;
+    return;
+  }
+  votes_.emplace_back(number, 1);
+}
+
+std::uint32_t MajorityVote::winner() const {
+  std::pair<std::uint32_t, std::uint32_t> best{0, 0};
+  for (const auto& vote : votes_) {
+    if (vote.second > best.second || (vote.second == best.second && vote.first < best.first)) best = vote;
+  }
+  return best.first;
+}
+
+void SplitStatistics::clear() {
+  count_ = 0;
+  direct_ = indirect_ = V3d(0.0);
+  std::fill(groups_.begin(), groups_.end(), V3d(0.0));
+}
+
+void SplitStatistics::add(const RadianceSplit& split) {
+  ++count_;
+  direct_ += V3d(split.direct);
+  indirect_ += V3d(split.indirect);
+  for (std::size_t i = 0; i < groups_.size(); ++i) groups_[i] += V3d(split.groups[i]);
+}
+
+void SplitStatistics::write(Frame& frame, int x, int y) const {
+  const double weight = count_ > 0 ? 1.0 / count_ : 0.0;
+  store(frame, Aov::direct, x, y, direct_ * weight);
+  store(frame, Aov::indirect, x, y, indirect_ * weight);
+  for (std::size_t i = 0; i < frame.light_groups().size(); ++i) {
+    store(frame.light_groups()[i].radiance, x, y, groups_[i] * weight);
+  }
+}
+
 V3d PixelStatistics::variance_of_mean() const {
-  const double n = count_;
+  const double n = sums_.count;
   // One sample says nothing about its spread. Its square is the second moment's estimate and so at least the
   // variance on average: too much noise is assumed rather than none.
-  return count_ >= 2 ? squares_ / (n * (n - 1.0)) : mean_ * mean_;
+  return sums_.count >= 2 ? sums_.squares / (n * (n - 1.0)) : sums_.mean * sums_.mean;
 }
 
 void PixelStatistics::write(Frame& frame, int x, int y) const {
-  const double weight = count_ > 0 ? 1.0 / count_ : 0.0;
-  store(frame, Aov::beauty, x, y, Imath::Vec4<double>(mean_.x, mean_.y, mean_.z, covered_ * weight));
+  const double weight = sums_.count > 0 ? 1.0 / sums_.count : 0.0;
+  store(frame, Aov::beauty, x, y, Imath::Vec4<double>(sums_.mean.x, sums_.mean.y, sums_.mean.z, sums_.covered * weight));
   store(frame, Aov::variance, x, y, variance_of_mean());
-  store(frame, Aov::half_a, x, y, half_count_[0] > 0 ? half_sum_[0] / half_count_[0] : V3d(0.0));
-  store(frame, Aov::half_b, x, y, half_count_[1] > 0 ? half_sum_[1] / half_count_[1] : V3d(0.0));
-  store(frame, Aov::albedo, x, y, count_ > 0 ? albedo_ * weight : V3d(1.0));
-  store(frame, Aov::normal, x, y, normal_ * weight);
-  store(frame, Aov::motion, x, y, motion_ * weight);
+  store(frame, Aov::half_a, x, y, sums_.half_count[0] > 0 ? sums_.half_sum[0] / sums_.half_count[0] : V3d(0.0));
+  store(frame, Aov::half_b, x, y, sums_.half_count[1] > 0 ? sums_.half_sum[1] / sums_.half_count[1] : V3d(0.0));
+  store(frame, Aov::albedo, x, y, sums_.count > 0 ? sums_.albedo * weight : V3d(1.0));
+  store(frame, Aov::normal, x, y, sums_.normal * weight);
+  store(frame, Aov::motion, x, y, sums_.motion * weight);
+  store_id(frame, Aov::object_id, x, y, objects_.winner());
+  store_id(frame, Aov::material_id, x, y, materials_.winner());
   if (frame.has(Aov::depth)) {
     frame.image(Aov::depth).at(x, y, 0) =
-        depth_count_ > 0 ? to_float(depth_ / depth_count_) : std::numeric_limits<float>::infinity();
+        sums_.depth_count > 0 ? to_float(sums_.depth / sums_.depth_count) : std::numeric_limits<float>::infinity();
   }
 }
 

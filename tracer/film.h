@@ -1,31 +1,71 @@
 #pragma once
 
 #include "frame/frame.h"
+#include <utility>
+#include <vector>
+
 #include "tracer/path_trace.h"
 
 namespace becalm::tracer {
 
-/// Everything that one pixel's samples add up to, in double. All samples weigh the same.
+/// Which of some numbers most samples gave: numbers cannot be averaged.
+class MajorityVote {
+ public:
+  void add(std::uint32_t number);
+  /// Of equals the least; 0 without votes.
+  std::uint32_t winner() const;
+  void clear() { votes_.clear(); }
+
+ private:
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> votes_;  ///< number, count
+};
+
+/// The parts of the radiance that the samples of a pixel add up to, in double.
+class SplitStatistics {
+ public:
+  explicit SplitStatistics(std::size_t group_count) : groups_(group_count, V3d(0.0)) {}
+  void clear();
+  void add(const RadianceSplit& split);
+  /// Writes what the frame has images for.
+  void write(Frame& frame, int x, int y) const;
+
+ private:
+  std::uint32_t count_ = 0;
+  V3d direct_{0.0}, indirect_{0.0};
+  std::vector<V3d> groups_;
+};
+
+/// Everything that one pixel's samples add up to, in double. All samples weigh the same. One serves a whole tile,
+/// so that the votes' memory is allocated once.
 class PixelStatistics {
  public:
+  /// Ready for the next pixel.
+  void clear() {
+    sums_ = {};
+    objects_.clear();
+    materials_.clear();
+  }
+
   /// `half` tells to which of the two halves of the samples this one belongs.
   void add(const PathSample& sample, int half) {
     const V3d radiance(sample.radiance);
-    ++count_;
-    const V3d delta = radiance - mean_;
-    mean_ += delta / static_cast<double>(count_);
-    squares_ += delta * (radiance - mean_);
-    ++half_count_[half];
-    half_sum_[half] += radiance;
-    covered_ += sample.covered ? 1.0 : 0.0;
+    ++sums_.count;
+    const V3d delta = radiance - sums_.mean;
+    sums_.mean += delta / static_cast<double>(sums_.count);
+    sums_.squares += delta * (radiance - sums_.mean);
+    ++sums_.half_count[half];
+    sums_.half_sum[half] += radiance;
+    sums_.covered += sample.covered ? 1.0 : 0.0;
   }
   void add_guides(const Guides& guides) {
-    albedo_ += V3d(guides.albedo);
-    normal_ += V3d(guides.normal);
-    motion_ += V2d(guides.motion);
+    objects_.add(guides.ids.object);
+    materials_.add(guides.ids.material);
+    sums_.albedo += V3d(guides.albedo);
+    sums_.normal += V3d(guides.normal);
+    sums_.motion += V2d(guides.motion);
     if (std::isfinite(guides.depth)) {
-      depth_ += guides.depth;
-      ++depth_count_;
+      sums_.depth += guides.depth;
+      ++sums_.depth_count;
     }
   }
 
@@ -35,16 +75,20 @@ class PixelStatistics {
  private:
   V3d variance_of_mean() const;
 
-  std::uint32_t count_ = 0;
-  std::uint32_t half_count_[2] = {0, 0};
-  std::uint32_t depth_count_ = 0;
-  V3d mean_{0.0};
-  V3d squares_{0.0};  ///< sum of squared differences from the mean (Welford 1962)
-  V3d half_sum_[2] = {V3d(0.0), V3d(0.0)};
-  V3d albedo_{0.0}, normal_{0.0};
-  V2d motion_{0.0};
-  double depth_ = 0.0;
-  double covered_ = 0.0;
+  struct Sums {
+    std::uint32_t count = 0;
+    std::uint32_t half_count[2] = {0, 0};
+    std::uint32_t depth_count = 0;
+    V3d mean{0.0};
+    V3d squares{0.0};  ///< sum of squared differences from the mean (Welford 1962)
+    V3d half_sum[2] = {V3d(0.0), V3d(0.0)};
+    V3d albedo{0.0}, normal{0.0};
+    V2d motion{0.0};
+    double depth = 0.0;
+    double covered = 0.0;
+  };
+  Sums sums_;
+  MajorityVote objects_, materials_;
 };
 
 }  // namespace becalm::tracer

@@ -188,6 +188,7 @@ struct Intersector::State {
   }
 
   static void set_transforms(RTCGeometry instance, std::span<const M44f> to_world) {
+    rtcSetGeometryTimeStepCount(instance, static_cast<unsigned>(to_world.size()));
     // Imath's row vectors and row-major order lay a matrix out as column vectors in column-major order do.
     for (unsigned step = 0; step < to_world.size(); ++step) {
       rtcSetGeometryTransform(instance, step, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, to_world[step].getValue());
@@ -199,7 +200,6 @@ struct Intersector::State {
   RTCGeometry attach_instance(unsigned number, RTCScene instanced, std::span<const M44f> to_world) const {
     RTCGeometry instance = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(instance, instanced);
-    if (to_world.size() > 1) rtcSetGeometryTimeStepCount(instance, static_cast<unsigned>(to_world.size()));
     set_transforms(instance, to_world);
     rtcAttachGeometryByID(root, instance, number);
     rtcReleaseGeometry(instance);  // the scene keeps it

@@ -60,7 +60,7 @@ class Intersector {
   explicit Intersector(std::span<const Placement> placements);
   ~Intersector();
 
-  /// Gives a moving object a new place from the next commit() on; as many times as before.
+  /// Gives a moving object a new place from the next commit() on.
   void move(std::uint32_t object, std::span<const M44f> to_world);
   /// The geometry's shape in object space has changed; only for what is not made of triangles.
   void reshape(const Geometry* geometry);

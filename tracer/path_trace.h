@@ -2,11 +2,18 @@
 
 #include <vector>
 
-#include "tracer/camera.h"
+#include "tracer/camera_animation.h"
+#include "tracer/radiance_split.h"
 #include "tracer/sampling/sampler.h"
 #include "tracer/snapshot.h"
 
 namespace becalm::tracer {
+
+/// Numbers of the object and the material that a path met first; 0 where there was none.
+struct SurfaceIds {
+  std::uint32_t object = 0;
+  std::uint32_t material = 0;
+};
 
 /// What a path says about the surfaces it met, for the AOVs of the same names.
 struct Guides {
@@ -14,6 +21,7 @@ struct Guides {
   V3f normal{0.0f};
   float depth = std::numeric_limits<float>::infinity();
   V2f motion{0.0f};  ///< offset_cur_to_prev_px
+  SurfaceIds ids;
 };
 
 struct PathSample {
@@ -30,14 +38,21 @@ struct PathVertex {
   V3f radiance;    ///< of the path so far, the light found here included
 };
 
+/// A ray query as it was made, for benchmarks that replay a frame's rays.
+struct RecordedRay {
+  Ray ray;
+  bool occlusion;  ///< whether any hit sufficed
+};
+
 /// What all paths of a tile share.
 struct PathContext {
   const Snapshot& snapshot;
   const Integrator& integrator;
-  const Camera& camera;
-  const Camera& previous_camera;
+  const CameraAnimation& cameras;
   Textures::Reader textures;
-  std::vector<PathVertex>* log = nullptr;  ///< filled if not null
+  RadianceSplit* split = nullptr;             ///< the path's radiance is added to it if not null
+  std::vector<PathVertex>* log = nullptr;     ///< filled if not null
+  std::vector<RecordedRay>* rays = nullptr;   ///< filled if not null
 };
 
 /// Estimates the radiance that arrives at that raster position.

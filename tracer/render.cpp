@@ -1,7 +1,6 @@
 #include "tracer/render.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range2d.h>
 #include <tbb/parallel_for.h>
 
 #include <chrono>
@@ -18,10 +17,15 @@ namespace {
 constexpr int kMostSamples = 65536;
 
 bool wants_guides(const AovSet& aovs) {
-  for (const Aov aov : {Aov::albedo, Aov::normal, Aov::depth, Aov::motion}) {
-    if (aovs.test(static_cast<std::size_t>(aov))) return true;
+  for (const Aov aov :
+       {Aov::albedo, Aov::normal, Aov::depth, Aov::motion, Aov::object_id, Aov::material_id}) {
+    if (contains(aovs, aov)) return true;
   }
   return false;
+}
+
+bool wants_split(const RenderOptions& options) {
+  return contains(options.aovs, Aov::direct) || contains(options.aovs, Aov::indirect) || options.light_groups;
 }
 
 bool is_finite(const PathSample& sample) {
@@ -38,49 +42,76 @@ struct FrameSetup {
         frame(frame_number),
         width(options.width > 0 ? options.width : description.film.width),
         height(options.height > 0 ? options.height : description.film.height),
+        spp(static_cast<std::uint32_t>(options.spp)),
         seed(options.seed),
-        camera(snapshot.camera(), description.camera.fov_y_deg, width, height),
-        previous_camera(snapshot.previous_camera(), description.camera.fov_y_deg, width, height),
+        cameras(description.camera, frame_number, width, height),
         guides(wants_guides(options.aovs)),
         trace(select_path_function(scene.needs(), guides)) {}
 
   PathContext context() const {
-    return {snapshot, description.integrator, camera, previous_camera,
-            Textures::Reader(description.textures)};
+    return {snapshot, description.integrator, cameras, Textures::Reader(description.textures)};
   }
 
   PathSample sample_pixel(const PathContext& context, int x, int y, std::uint32_t index) const {
     Sampler sampler(seed, frame, x, y, index);
-    const V2f offset = sample(description.film.filter, sampler.next_2d());
+    const V2f offset = sample(description.film.filter, filter_point(sampler, index));
     const V2f raster(static_cast<float>(x) + 0.5f + offset.x, static_cast<float>(y) + 0.5f + offset.y);
     return trace(context, raster, sampler);
+  }
+
+  /// Where in the pixel filter the sample falls, in [0,1)^2: anywhere, or where the jitter puts all pixels' samples
+  /// of this number.
+  V2f filter_point(Sampler& sampler, std::uint32_t index) const {
+    const V2f u = sampler.next_2d();
+    const Jitter& jitter = description.film.jitter;
+    return jitter.cycle == 0 ? u : jitter.point(frame - description.frames.first, spp, index);
   }
 
   const Snapshot& snapshot;
   const SceneDescription& description;
   int frame;
   int width, height;
+  std::uint32_t spp;
   std::uint32_t seed;
-  Camera camera, previous_camera;
+  CameraAnimation cameras;
   bool guides;
   PathFunction trace;
 };
+
+/// A block of pixels that one thread renders at a time.
+struct Tile {
+  int x0, y0, x1, y1;
+  std::size_t pixels() const { return static_cast<std::size_t>(x1 - x0) * static_cast<std::size_t>(y1 - y0); }
+};
+
+std::vector<Tile> make_tiles(int width, int height, int tile_px) {
+  const int side = std::max(1, tile_px);
+  std::vector<Tile> tiles;
+  for (int y = 0; y < height; y += side) {
+    for (int x = 0; x < width; x += side)
+      tiles.push_back({x, y, std::min(x + side, width), std::min(y + side, height)});
+  }
+  return tiles;
+}
 
 void check(const RenderOptions& options) {
   if (options.spp < 1 || options.spp > kMostSamples) {
     throw Error(ExitStatus::usage, fmt::format("spp: {}: expected 1 to {}", options.spp, kMostSamples));
   }
-  const bool halves = options.aovs.test(static_cast<std::size_t>(Aov::half_a)) ||
-                      options.aovs.test(static_cast<std::size_t>(Aov::half_b));
+  const bool halves = contains(options.aovs, Aov::half_a) || contains(options.aovs, Aov::half_b);
   if (halves && options.spp < 2)
     throw Error(ExitStatus::usage, "half_a, half_b: expected at least 2 samples per pixel");
 }
 
-Frame make_frame(const FrameSetup& setup, const AovSet& aovs) {
+Frame make_frame(const FrameSetup& setup, const RenderOptions& options) {
   Frame frame(setup.frame, setup.width, setup.height);
   frame.add(Aov::beauty);
   for (const AovInfo& entry : kAovTable) {
-    if (!entry.diagnostic && aovs.test(static_cast<std::size_t>(entry.aov))) frame.add(entry.aov);
+    if (!entry.diagnostic && contains(options.aovs, entry.aov)) frame.add(entry.aov);
+  }
+  if (options.light_groups) {
+    for (const std::string& name : setup.description.light_groups)
+      frame.light_groups().push_back({name, Image(setup.width, setup.height, 3)});
   }
   return frame;
 }
@@ -92,7 +123,7 @@ std::optional<Frame> render_frame(Scene& scene, int frame_number, const RenderOp
   const auto start = std::chrono::steady_clock::now();
   check(options);
   const FrameSetup setup(scene, frame_number, options);
-  Frame frame = make_frame(setup, options.aovs);
+  Frame frame = make_frame(setup, options);
 
   const auto cancelled = [&] {
     return options.cancel != nullptr && options.cancel->load(std::memory_order_relaxed);
@@ -104,15 +135,23 @@ std::optional<Frame> render_frame(Scene& scene, int frame_number, const RenderOp
   std::mutex report_mutex;
   RenderReport total;
 
-  const auto render_tile = [&](const tbb::blocked_range2d<int>& tile) {
-    const PathContext context = setup.context();
+  const std::vector<Tile> tiles = make_tiles(setup.width, setup.height, options.tile_px);
+  const auto render_tile = [&](std::size_t number) {
+    const Tile& tile = tiles[number];
+    PathContext context = setup.context();
+    RadianceSplit split(setup.description.light_groups.size());
+    if (wants_split(options)) context.split = &split;
+    PixelStatistics pixel;
+    SplitStatistics pixel_split(split.groups.size());
     std::size_t non_finite = 0;
     std::optional<PixelSample> first_non_finite;
-    for (int y = tile.rows().begin(); y != tile.rows().end(); ++y) {
-      for (int x = tile.cols().begin(); x != tile.cols().end(); ++x) {
+    for (int y = tile.y0; y < tile.y1; ++y) {
+      for (int x = tile.x0; x < tile.x1; ++x) {
         if (cancelled()) return;
-        PixelStatistics pixel;
+        pixel.clear();
+        pixel_split.clear();
         for (std::uint32_t i = 0; i < spp; ++i) {
+          split.clear();
           const PathSample sample = setup.sample_pixel(context, x, y, i);
           if (!is_finite(sample)) {
             ++non_finite;
@@ -121,8 +160,10 @@ std::optional<Frame> render_frame(Scene& scene, int frame_number, const RenderOp
           }
           pixel.add(sample, i < half ? 0 : 1);
           if (setup.guides) pixel.add_guides(sample.guides);
+          if (context.split != nullptr) pixel_split.add(split);
         }
         pixel.write(frame, x, y);
+        if (context.split != nullptr) pixel_split.write(frame, x, y);
       }
     }
     if (non_finite > 0) {
@@ -132,13 +173,11 @@ std::optional<Frame> render_frame(Scene& scene, int frame_number, const RenderOp
         total.first_non_finite = first_non_finite;
       }
     }
-    const std::size_t done = pixels_done += tile.rows().size() * tile.cols().size();
+    const std::size_t done = pixels_done += tile.pixels();
     if (options.progress)
       options.progress(static_cast<double>(done) / (std::size_t(setup.width) * setup.height));
   };
-  const std::size_t tile_px = static_cast<std::size_t>(std::max(1, options.tile_px));
-  tbb::parallel_for(tbb::blocked_range2d<int>(0, setup.height, tile_px, 0, setup.width, tile_px),
-                    render_tile);
+  tbb::parallel_for(std::size_t{0}, tiles.size(), render_tile, tbb::simple_partitioner());
   if (cancelled()) return std::nullopt;
   setup.description.textures.check();
 
@@ -148,6 +187,25 @@ std::optional<Frame> render_frame(Scene& scene, int frame_number, const RenderOp
     *report = total;
   }
   return frame;
+}
+
+std::vector<std::vector<RecordedRay>> record_rays(Scene& scene, int frame_number,
+                                                  const RenderOptions& options) {
+  check(options);
+  const FrameSetup setup(scene, frame_number, options);
+  const std::vector<Tile> tiles = make_tiles(setup.width, setup.height, options.tile_px);
+  std::vector<std::vector<RecordedRay>> rays(tiles.size());
+  tbb::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t number) {
+    PathContext context = setup.context();
+    context.rays = &rays[number];
+    const Tile& tile = tiles[number];
+    for (int y = tile.y0; y < tile.y1; ++y) {
+      for (int x = tile.x0; x < tile.x1; ++x) {
+        for (std::uint32_t i = 0; i < setup.spp; ++i) setup.sample_pixel(context, x, y, i);
+      }
+    }
+  });
+  return rays;
 }
 
 std::vector<std::string> describe_sample(Scene& scene, int frame_number, const RenderOptions& options,

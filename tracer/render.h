@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "frame/frame.h"
+#include "tracer/path_trace.h"
 #include "tracer/scene/scene.h"
 
 namespace becalm::tracer {
@@ -19,6 +20,7 @@ struct RenderOptions {
   int spp = 8;  ///< samples per pixel, 1..65536
   std::uint32_t seed = 0;
   AovSet aovs;  ///< besides the beauty
+  bool light_groups = false;
   int tile_px = 32;
   /// Called from worker threads as tiles finish, with the share of the frame done in [0,1].
   std::function<void(double)> progress;
@@ -55,6 +57,10 @@ struct RenderReport {
 /// be read.
 std::optional<Frame> render_frame(Scene& scene, int frame, const RenderOptions& options,
                                   RenderReport* report = nullptr);
+
+/// The ray queries that rendering the frame makes, of each tile in their order: what benchmarks replay to learn how
+/// long the queries alone take. 48 bytes a ray.
+std::vector<std::vector<RecordedRay>> record_rays(Scene& scene, int frame, const RenderOptions& options);
 
 /// The path of one sample in lines of text: every surface met, the throughput on arrival, the radiance so
 /// far. Throws as render_frame does.

@@ -21,12 +21,15 @@ SceneNeeds compute_needs(const SceneDescription& description) {
     needs.changing_emission = needs.changing_emission || (object.emissive && object.emission.animated());
     const bool moving = object.transform.animated();
     needs.moving_objects = needs.moving_objects || moving;
-    ++(moving ? needs.instances : needs.static_objects);
-    needs.triangles += description.meshes[object.mesh].triangles.size();
+    ++(moving ? needs.moving_object_count : needs.static_objects);
+    needs.triangles += triangle_count(description.meshes[object.mesh]);
   }
   needs.environment = description.environment && description.environment->total() > 0.0;
   needs.environment_image = needs.environment && description.environment_is_image;
-  needs.moving_camera = description.camera.look_at.animated();
+  const CameraSettings& camera = description.camera;
+  needs.moving_camera = camera.look_at.animated();
+  needs.motion_blur = camera.shutter.blurs() && (needs.moving_objects || camera.moves());
+  needs.depth_of_field = camera.has_lens();
   return needs;
 }
 
@@ -44,6 +47,8 @@ std::vector<std::string> describe_scene(const Scene& scene) {
   sort(needs.textures, "textures");
   sort(needs.moving_camera, "moving camera");
   sort(needs.moving_objects, "instances that move");
+  sort(needs.motion_blur, "motion blur");
+  sort(needs.depth_of_field, "depth of field");
   sort(needs.changing_emission, "changing emission");
   const auto list = [](const std::vector<std::string>& names) {
     return names.empty() ? std::string("nothing") : fmt::format("{}", fmt::join(names, ", "));
@@ -54,7 +59,7 @@ std::vector<std::string> describe_scene(const Scene& scene) {
                               description.frames.last, description.frames.rate));
   lines.push_back(fmt::format("film:      {}x{}", description.film.width, description.film.height));
   lines.push_back(fmt::format("geometry:  {} static and {} moving objects, {} triangles",
-                              needs.static_objects, needs.instances, needs.triangles));
+                              needs.static_objects, needs.moving_object_count, needs.triangles));
   lines.push_back("requires:  " + list(required));
   lines.push_back("left out:  " + list(left_out));
   if (description.environment && description.environment->replaced_values() > 0) {

@@ -21,10 +21,12 @@ struct SceneNeeds {
   bool textures = false;           ///< image lookups, and the ray cones that choose their MIP level
   bool moving_camera = false;
   bool moving_objects = false;     ///< instances whose transforms are set for each frame
+  bool motion_blur = false;        ///< the camera or an object moves while the shutter is open
+  bool depth_of_field = false;     ///< a lens with a width
   bool changing_emission = false;  ///< light lists built for each frame
   std::size_t static_objects = 0;
-  std::size_t instances = 0;  ///< moving objects
-  std::size_t triangles = 0;  ///< in the bounding volume hierarchies
+  std::size_t moving_object_count = 0;
+  std::size_t triangles = 0;  ///< of all objects, each counted by itself
 };
 
 SceneNeeds compute_needs(const SceneDescription& description);

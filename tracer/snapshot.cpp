@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "frame/error.h"
+#include "tracer/emissive_objects.h"
 
 namespace becalm::tracer {
 
@@ -68,6 +69,7 @@ Snapshot::Snapshot(const SceneDescription& description, int frame)
     state.mesh = std::get_if<Mesh>(state.geometry);
     state.material = &description.materials[object.material];
     state.two_sided = object.two_sided;
+    state.light_group = object.light_group;
     place(i, frame);
   }
   for (std::size_t i = 0; i < objects_.size(); ++i) {
@@ -153,24 +155,9 @@ void Snapshot::measure() {
 
 void Snapshot::build_lights(int frame) {
   LightList list;
-  for (std::size_t i = 0; i < objects_.size(); ++i) {
-    ObjectState& object = objects_[i];
-    const Curve<3>::Value emission = description_->objects[i].emission.at(frame);
-    object.emission = {static_cast<float>(emission[0]), static_cast<float>(emission[1]),
-                       static_cast<float>(emission[2])};
-    object.first_light = kNoLight;
-    if (is_black(object.emission)) continue;
-    object.first_light = static_cast<std::uint32_t>(list.triangles.size());
-    // Mirroring turns the winding around, but not what is outside.
-    const bool mirrored = object.exact.first().determinant() < 0.0;
-    for (const auto& corners : object.mesh->triangles) {
-      V3f p[3];
-      for (int k = 0; k < 3; ++k) p[k] = transform_point(object.mesh->positions[corners[k]], object.place.to_world);
-      if (mirrored) std::swap(p[1], p[2]);
-      list.triangles.push_back({p[0], p[1], p[2], object.emission, object.two_sided});
-    }
-  }
+  add_emissive_objects(*description_, frame, objects_, list);
   list.environment = description_->environment;
+  list.environment_group = description_->environment_group;
   list.scene_radius = radius_;
   lights_ = Lights(std::move(list));
 }

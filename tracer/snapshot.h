@@ -32,8 +32,9 @@ struct ObjectState {
   MotionSteps<double> exact_previous;
   float scale = 1.0f;                    ///< bound of |p to_world| / |p| without the translation
   float translation = 0.0f;              ///< largest coordinate of the translation
-  std::uint32_t first_light = kNoLight;  ///< number of its first triangle among the lights
+  std::uint32_t first_light = kNoLight;  ///< its first triangle's number among the lights' triangles, or its number among the spheres
   V3f emission{0.0f};
+  std::uint16_t light_group = 0;
   bool two_sided = false;
 
   bool blurred() const { return blur.moving(); }

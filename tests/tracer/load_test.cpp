@@ -72,7 +72,7 @@ TEST(Load, ReadsEveryPart) {
   const auto& gold = std::get<ConductorBsdf>(d.materials[d.objects[0].material].bsdf);
   EXPECT_EQ(gold.k, V3f(3, 2, 1));
   EXPECT_EQ(gold.alpha, roughness_to_alpha(0.5f));
-  EXPECT_EQ(d.meshes[d.objects[0].mesh].triangles.size(), 1u);
+  EXPECT_EQ(triangle_count(d.meshes[d.objects[0].mesh]), 1u);
   EXPECT_TRUE(d.objects[0].two_sided);
   EXPECT_EQ(std::get<DielectricBsdf>(d.materials[d.objects[1].material].bsdf).eta, 1.33f);
   EXPECT_TRUE(d.objects[1].emissive);
@@ -80,7 +80,7 @@ TEST(Load, ReadsEveryPart) {
   EXPECT_TRUE(needs.moving_camera && needs.moving_objects && needs.changing_emission && needs.specular &&
               needs.rough_specular && needs.transmission && needs.area_lights && needs.environment);
   EXPECT_FALSE(needs.textures || needs.environment_image);
-  EXPECT_EQ(needs.instances, 1u);
+  EXPECT_EQ(needs.moving_object_count, 1u);
   EXPECT_EQ(needs.static_objects, 1u);
 }
 

@@ -22,6 +22,9 @@ class Sampler {
                       pack(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y)))),
         sample_(sample) {}
 
+  /// A number of this sample that is none of its dimensions, for the random choices of ray queries.
+  std::uint32_t seed_of_rays() const { return high(mix_bits(key_ ^ (std::uint64_t{sample_} << 32 | 0xa11fau))); }
+
   float next_1d() {
     const std::uint64_t bits = next_bits();
     const std::uint32_t index = owen_scramble(sample_, low(bits));

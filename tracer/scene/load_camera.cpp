@@ -20,7 +20,8 @@ LookAtCurve::Value read_look_at_value(const JsonValue& json) {
 }  // namespace
 
 CameraSettings read_camera(const JsonValue& json) {
-  json.allow_keys({"fov_y_deg", "look_at"});
+  json.allow_keys({"fov_y_deg", "look_at", "shutter", "aperture_radius", "focus_distance", "blades",
+                   "blade_rotation_deg"});
   CameraSettings camera;
   if (const auto fov = json.find("fov_y_deg")) camera.fov_y_deg = fov->number(0.01, 179.0);
   const JsonValue view = json.at("look_at");
@@ -33,6 +34,20 @@ CameraSettings read_camera(const JsonValue& json) {
     view.allow_keys({"eye", "target", "up"});
     camera.look_at = read_look_at_value(view);
   }
+  if (const auto shutter = json.find("shutter")) {
+    const auto interval = shutter->numbers<2>(-1000.0, 1000.0);
+    if (interval[1] < interval[0]) shutter->fail("expected [open, close] with open <= close");
+    camera.shutter = {interval[0], interval[1]};
+  }
+  if (const auto v = json.find("aperture_radius"))
+    camera.aperture_radius = read_number_curve(*v, 0.0, kLargestNumber);
+  if (const auto v = json.find("focus_distance"))
+    camera.focus_distance = read_number_curve(*v, std::numeric_limits<float>::min(), kLargestNumber);
+  if (const auto v = json.find("blades")) {
+    camera.blades = v->integer(0, 64);
+    if (camera.blades == 1 || camera.blades == 2) v->fail("expected 0 for a disc, or 3 to 64 sides");
+  }
+  if (const auto v = json.find("blade_rotation_deg")) camera.blade_rotation_deg = v->number();
   return camera;
 }
 

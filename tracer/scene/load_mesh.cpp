@@ -4,7 +4,7 @@
 
 namespace becalm::tracer {
 
-Mesh read_mesh(const JsonValue& json, const std::string& scene_file) {
+Geometry read_mesh(const JsonValue& json, const std::string& scene_file) {
   if (json.has("obj")) {
     json.allow_keys({"obj"});
     const std::string path = beside(scene_file, json.at("obj").string());
@@ -13,15 +13,17 @@ Mesh read_mesh(const JsonValue& json, const std::string& scene_file) {
   }
   json.allow_keys({"shape", "segments"});
   const int segments = json.has("segments") ? json.at("segments").integer(3, 4096) : 64;
-  switch (json.at("shape").choice({"rectangle", "disc", "sphere", "cube"})) {
+  switch (json.at("shape").choice({"rectangle", "disc", "sphere", "cube", "exact_sphere"})) {
     case 0:
       return make_rectangle();
     case 1:
       return make_disc(segments);
     case 2:
       return make_sphere(segments);
-    default:
+    case 3:
       return make_cube();
+    default:
+      return UnitSphere{};
   }
 }
 

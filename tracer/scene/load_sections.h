@@ -18,7 +18,7 @@ void read_environment(const JsonValue& json, SceneDescription& scene);
 /// Adds the images that the material names to the scene's textures.
 Material read_material(const std::string& name, const JsonValue& json, SceneDescription& scene);
 
-Mesh read_mesh(const JsonValue& json, const std::string& scene_file);
+Geometry read_mesh(const JsonValue& json, const std::string& scene_file);
 
 Object read_object(const JsonValue& json, const Names& meshes, const Names& materials);
 

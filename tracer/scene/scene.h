@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -8,6 +9,7 @@
 
 #include "tracer/lights/environment.h"
 #include "tracer/materials/bsdf.h"
+#include "tracer/sampling/jitter.h"
 #include "tracer/sampling/pixel_filter.h"
 #include "tracer/scene/geometry.h"
 #include "tracer/scene/shutter.h"
@@ -27,6 +29,7 @@ struct Film {
   int width = 640;
   int height = 360;
   PixelFilter filter;
+  Jitter jitter;
 };
 
 /// How light that comes straight from an emitter is found; all three have the same expectation.
@@ -49,6 +52,7 @@ struct CameraSettings {
   int blades = 0;                                    ///< sides of the aperture; 0: a disc
   double blade_rotation_deg = 0.0;
 
+  bool moves() const { return look_at.animated() || (focus_distance && focus_distance->animated()); }
   bool has_lens() const;  ///< whether the aperture is ever open
 };
 
@@ -64,6 +68,7 @@ struct Object {
   std::uint32_t material = 0;
   Curve<3> emission = Curve<3>::Value{0, 0, 0};  ///< radiance, uniform over the surface and all directions
   bool emissive = false;                         ///< whether the emission is ever positive
+  std::uint16_t light_group = 0;
   bool two_sided = false;                        ///< emits from the back as well
   TransformCurve transform = TransformCurve::Value{0, 0, 0, 0, 0, 0, 1, 1, 1};
 };
@@ -75,13 +80,19 @@ struct SceneDescription {
   Film film;
   Integrator integrator;
   CameraSettings camera;
+  std::vector<std::string> light_groups;  ///< names by number
   std::optional<Environment> environment;
+  std::uint16_t environment_group = 0;
   bool environment_is_image = false;
   std::vector<Material> materials;
   std::vector<Geometry> meshes;
   std::vector<Object> objects;
   Textures textures;
 };
+
+inline bool CameraSettings::has_lens() const {
+  return std::ranges::any_of(aperture_radius.keys(), [](const auto& key) { return key.value[0] > 0.0; });
+}
 
 class Snapshot;
 
