@@ -67,8 +67,12 @@ void Snapshot::set_frame(int frame) {
     measure();
     intersector_->commit();
   }
-  // The environment's share of the samples depends on the scene's size, so any motion counts beside one.
-  if (lights_changed || (moved && description_->environment)) build_lights(frame);
+  for (const LightDescription& light : description_->lights) {
+    lights_changed = lights_changed || animated(light);
+  }
+  // The share of light from infinity depends on the scene's size, so any motion counts beside it.
+  if (lights_changed || (moved && (description_->environment || !description_->lights.empty())))
+    build_lights(frame);
   frame_ = frame;
 }
 
@@ -127,7 +131,9 @@ void Snapshot::build_lights(int frame) {
       list.triangles.push_back({p[0], p[1], p[2], object.emission, object.two_sided});
     }
   }
+  add_lights(description_->lights, {static_cast<double>(frame), static_cast<double>(frame), 0}, list);
   list.environment = description_->environment;
+  list.environment_group = description_->environment_group;
   list.scene_radius = radius_;
   lights_ = Lights(std::move(list));
 }

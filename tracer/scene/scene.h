@@ -9,6 +9,7 @@
 #include "tracer/lights/environment.h"
 #include "tracer/materials/bsdf.h"
 #include "tracer/sampling/pixel_filter.h"
+#include "tracer/scene/light_description.h"
 #include "tracer/scene/mesh.h"
 #include "tracer/scene/texture.h"
 #include "tracer/scene/transform.h"
@@ -69,6 +70,9 @@ struct SceneDescription {
   CameraSettings camera;
   std::optional<Environment> environment;
   bool environment_is_image = false;
+  std::uint16_t environment_group = 0;
+  std::vector<LightDescription> lights;   ///< beside the environment and the objects that emit
+  std::vector<std::string> light_groups;  ///< names, in the order in which the file brings them up
   std::vector<Material> materials;
   std::vector<Mesh> meshes;
   std::vector<Object> objects;
