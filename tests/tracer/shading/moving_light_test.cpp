@@ -130,6 +130,15 @@ TEST(MovingLight, point_and_spot) {
   }
 }
 
+TEST(MovingLight, spots_without_a_direction_for_a_moment_are_dark_then) {
+  LightList list;
+  list.spots = {{V3f(0, 2, 0), V3f(0), V3f(1.0f), 150.0f, 180.0f, 0, {0, 1}}};
+  list.spot_keys = {{V3f(0, 2, 0), V3f(0, -1, 0)}, {V3f(0, 2, 0), V3f(0, 1, 0)}};
+  const Lights lights{list};
+  EXPECT_TRUE(lights.sample(kPoint, 0.25f, 0.5f, V2f(0.5f)));
+  EXPECT_FALSE(lights.sample(kPoint, 0.5f, 0.5f, V2f(0.5f)));
+}
+
 /// The share of samples that a sphere of varying size takes beside a static one of the same radiance.
 TEST(MovingLight, is_chosen_by_its_mean_power) {
   LightList list;
