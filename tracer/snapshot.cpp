@@ -10,6 +10,9 @@ namespace becalm::tracer {
 
 namespace {
 
+/// Linear pieces of the motion of lights without a surface while the shutter is open.
+constexpr std::uint32_t kLightSegments = 8;
+
 /// Throws unless the camera has a direction at the shutter's opening and closing of this frame and the one
 /// before.
 void check_camera(const SceneDescription& description, int frame) {
@@ -104,8 +107,12 @@ void Snapshot::set_frame(int frame) {
     measure();
     intersector_->commit();
   }
-  // The environment's share of the samples depends on the scene's size, so any motion counts beside one.
-  if (lights_changed || (moved && description_->environment)) build_lights(frame);
+  for (const LightDescription& light : description_->lights) {
+    lights_changed = lights_changed || animated(light);
+  }
+  // The share of light from infinity depends on the scene's size, so any motion counts beside it.
+  if (lights_changed || (moved && (description_->environment || !description_->lights.empty())))
+    build_lights(frame);
   frame_ = frame;
 }
 
@@ -156,6 +163,9 @@ void Snapshot::measure() {
 void Snapshot::build_lights(int frame) {
   LightList list;
   add_emissive_objects(*description_, frame, objects_, list);
+  const Shutter& shutter = description_->camera.shutter;
+  add_lights(description_->lights, {shutter.at(frame, 0.0), shutter.at(frame, 1.0), shutter.blurs() ? kLightSegments : 0},
+             list);
   list.environment = description_->environment;
   list.environment_group = description_->environment_group;
   list.scene_radius = radius_;

@@ -101,7 +101,7 @@ TEST(Load, NamesUnknownKeys) {
   EXPECT_EQ(
       load_error(with_more("'envronment': {}")),
       "scene.json: /envronment: unknown key; expected one of frames, film, integrator, camera, environment, "
-      "materials, meshes, objects");
+      "lights, materials, meshes, objects");
   EXPECT_EQ(load_error(with_objects("[{'mesh': 'box', 'material': 'white', 'a/b~': 1}]")),
             "scene.json: /objects/0/a~1b~0: unknown key; expected one of name, mesh, material, emission, "
             "two_sided, "

@@ -14,6 +14,11 @@ inline double versine(double angle_rad) {
   return 2.0 * s * s;
 }
 
+/// Whether an axis that was normalized is one: false for what came from 0 or NaN.
+inline bool has_direction(const V3d& axis) {
+  return axis.length2() > 0.5;
+}
+
 /// The directions within an angle of an axis. Angles are kept as versines (1 - cos), which is what solid
 /// angles are linear in and what stays exact for cones of any size.
 struct Cone {

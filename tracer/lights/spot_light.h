@@ -47,6 +47,7 @@ struct SpotEmitter {
 
   /// The share of the intensity that leaves along the unit direction.
   double falloff(const V3d& dir) const {
+    if (!has_direction(axis)) return 0.0;
     const double v = 0.5 * (dir - axis).length2();  // versine of the angle between unit vectors
     if (v >= outer) return 0.0;
     if (v <= inner) return 1.0;
@@ -57,7 +58,7 @@ struct SpotEmitter {
   /// Emitted flux, mean of the channels: the smoothstep is 1/2 on average over the solid angle between the
   /// cones.
   double power() const {
-    return axis == V3d(0.0) ? 0.0 : std::numbers::pi * (inner + outer) * channel_mean(intensity);
+    return has_direction(axis) ? std::numbers::pi * (inner + outer) * channel_mean(intensity) : 0.0;
   }
 
   std::optional<LightSample> sample(const V3f& point) const {

@@ -50,7 +50,7 @@ struct SunEmitter {
   bool delta() const { return disc.rim == 0.0; }
 
   /// Irradiance at normal incidence, mean of the channels; 0 without a direction.
-  double total() const { return disc.axis == V3d(0.0) ? 0.0 : channel_mean(irradiance); }
+  double total() const { return has_direction(disc.axis) ? channel_mean(irradiance) : 0.0; }
 
   /// Whether the unit direction points at the disc.
   bool contains(const V3f& dir_world) const {

@@ -10,7 +10,7 @@ Scene load_scene(const std::string& file) {
   const nlohmann::json document = parse_json_file(file);
   const JsonValue json(document, file, "");
   json.allow_keys(
-      {"frames", "film", "integrator", "camera", "environment", "materials", "meshes", "objects"});
+      {"frames", "film", "integrator", "camera", "environment", "lights", "materials", "meshes", "objects"});
 
   SceneDescription scene;
   scene.file = file;
@@ -19,6 +19,7 @@ Scene load_scene(const std::string& file) {
   if (const auto v = json.find("integrator")) scene.integrator = read_integrator(*v);
   scene.camera = read_camera(json.at("camera"));
   if (const auto v = json.find("environment")) read_environment(*v, scene);
+  if (const auto v = json.find("lights")) read_lights(*v, scene);
 
   Names materials, meshes;
   for (const auto& [name, value] : json.at("materials").members()) {

@@ -12,6 +12,9 @@ Film read_film(const JsonValue& json);
 Integrator read_integrator(const JsonValue& json);
 CameraSettings read_camera(const JsonValue& json);
 
+/// Adds the lights that are no objects: {"name": {"type": "point", ...}, ...} or a list of them.
+void read_lights(const JsonValue& json, SceneDescription& scene);
+
 /// Sets the scene's environment.
 void read_environment(const JsonValue& json, SceneDescription& scene);
 

@@ -1,5 +1,6 @@
 #include "tracer/scene/load_values.h"
 
+#include <algorithm>
 #include <filesystem>
 
 namespace becalm::tracer {
@@ -25,6 +26,19 @@ std::uint32_t read_reference(const JsonValue& json, const Names& names, const ch
   const auto found = names.find(name);
   if (found == names.end()) json.fail(fmt::format("no {} '{}'", what, name));
   return found->second;
+}
+
+std::uint16_t read_light_group(const JsonValue& owner, std::vector<std::string>& groups) {
+  const auto json = owner.find("group");
+  const std::string name = json ? json->string() : "default";
+  if (name.empty()) json->fail("expected a name, found \"\"");
+  const auto found = std::find(groups.begin(), groups.end(), name);
+  const auto number = static_cast<std::size_t>(found - groups.begin());
+  if (found == groups.end()) {
+    if (number > std::numeric_limits<std::uint16_t>::max()) owner.fail("expected at most 65536 light groups");
+    groups.push_back(name);
+  }
+  return static_cast<std::uint16_t>(number);
 }
 
 Curve<1> read_number_curve(const JsonValue& json, double low, double high) {

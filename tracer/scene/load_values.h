@@ -64,6 +64,9 @@ Curve<N> read_curve(const JsonValue& json, const ReadValue& read_value) {
   });
 }
 
+/// The number of the light group that `owner` names by "group", "default" without one; new names are added.
+std::uint16_t read_light_group(const JsonValue& owner, std::vector<std::string>& groups);
+
 /// One number in [low, high] over time.
 Curve<1> read_number_curve(const JsonValue& json, double low, double high);
 

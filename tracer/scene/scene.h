@@ -12,6 +12,7 @@
 #include "tracer/sampling/jitter.h"
 #include "tracer/sampling/pixel_filter.h"
 #include "tracer/scene/geometry.h"
+#include "tracer/scene/light_description.h"
 #include "tracer/scene/shutter.h"
 #include "tracer/scene/texture.h"
 #include "tracer/scene/transform.h"
@@ -80,10 +81,11 @@ struct SceneDescription {
   Film film;
   Integrator integrator;
   CameraSettings camera;
-  std::vector<std::string> light_groups;  ///< names by number
   std::optional<Environment> environment;
-  std::uint16_t environment_group = 0;
   bool environment_is_image = false;
+  std::uint16_t environment_group = 0;
+  std::vector<LightDescription> lights;   ///< beside the environment and the objects that emit
+  std::vector<std::string> light_groups;  ///< names, in the order in which the file brings them up
   std::vector<Material> materials;
   std::vector<Geometry> meshes;
   std::vector<Object> objects;

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/tracer/shading/light_estimate.h"
 #include "tests/tracer/shading/statistics.h"
 
 namespace becalm::tracer {
@@ -128,6 +129,160 @@ TEST(Lights, extreme_radiances_stay_finite) {
     ASSERT_TRUE(drawn) << "u_light " << u_light;
     ASSERT_TRUE(std::isfinite(drawn->pdf_solid_angle) && drawn->pdf_solid_angle > 0.0f);
     ASSERT_TRUE(is_finite(drawn->radiance));
+  }
+}
+
+/// One light of each kind, each of its own group and radiance.
+LightList one_of_each() {
+  LightList list;
+  list.triangles = {{V3f(-1, 3, -1), V3f(1, 3, -1), V3f(0, 3, 1), V3f(1.0f), false, 11, {}}};
+  list.spheres = {{V3f(2, 3, 0), 0.5f, V3f(2.0f), false, 12, {}}};
+  list.points = {{V3f(0, 2, 2), V3f(3.0f), 13, {}}};
+  list.spots = {{V3f(0, 2, -2), V3f(0, -1, 1), V3f(4.0f), 20.0f, 60.0f, 14, {}}};
+  list.suns = {{V3f(1, 1, 0), 10.0f, V3f(0.5f), 15}, {V3f(-1, 1, 0), 0.0f, V3f(0.25f), 16}};
+  list.environment = Environment::constant(V3f(0.125f));
+  list.environment_group = 17;
+  list.scene_radius = 3.0f;
+  return list;
+}
+
+TEST(Lights, samples_carry_their_group_and_density) {
+  const LightList list = one_of_each();
+  const Lights lights{list};
+  const V3f point(0.1f, 0.2f, -0.1f);
+  TestRandom random(31);
+  std::vector<int> seen(18, 0);
+  double share_of_deltas = 0.0;
+  for (int i = 0; i < 20000; ++i) {
+    const float u_light = random.next();
+    const auto drawn = lights.sample(point, 0.0f, u_light, random.next_2d());
+    ASSERT_TRUE(drawn);
+    ++seen.at(drawn->group);
+    ASSERT_EQ(drawn->delta, drawn->group == 13 || drawn->group == 14 || drawn->group == 16);
+    ASSERT_EQ(std::isinf(drawn->distance), drawn->group >= 15);
+    if (drawn->delta && seen[drawn->group] == 1) share_of_deltas += drawn->pdf_solid_angle;
+    if (drawn->group == 11) {
+      ASSERT_EQ(drawn->pdf_solid_angle,
+                lights.pdf_triangle(0, point, drawn->dir_world, drawn->distance, 0.0f));
+    } else if (drawn->group == 12) {
+      ASSERT_EQ(drawn->pdf_solid_angle, lights.pdf_sphere(0, point, 0.0f));
+    } else if (drawn->group == 15 || drawn->group == 17) {
+      lights.for_each_infinite(drawn->dir_world, [&](const V3f& radiance, float pdf, std::uint16_t group) {
+        if (group != drawn->group) return;
+        ASSERT_EQ(drawn->pdf_solid_angle, pdf);
+        ASSERT_EQ(drawn->radiance, radiance);
+      });
+    }
+  }
+  for (int group = 11; group <= 17; ++group) EXPECT_GT(seen[group], 0) << group;
+  // The pdf of a delta light is the probability of having chosen it.
+  EXPECT_NEAR(seen[13] + seen[14] + seen[16], 20000 * share_of_deltas, 4.0 * std::sqrt(20000.0 * 0.25));
+}
+
+TEST(Lights, rays_that_escape_see_the_environment_and_the_discs) {
+  const Lights lights{one_of_each()};
+  const auto groups = [&](const V3f& dir) {
+    std::vector<std::pair<int, float>> found;
+    lights.for_each_infinite(dir.normalized(), [&](const V3f& radiance, float, std::uint16_t group) {
+      found.emplace_back(group, radiance.x);
+    });
+    return found;
+  };
+  const double sine = std::sin(5.0 * std::numbers::pi / 180.0);
+  const auto in_disc = groups(V3f(1, 1.05f, 0));
+  ASSERT_EQ(in_disc.size(), 2u);
+  EXPECT_EQ(in_disc[0], std::pair(17, 0.125f));
+  EXPECT_EQ(in_disc[1].first, 15);
+  EXPECT_NEAR(in_disc[1].second, 0.5 / (std::numbers::pi * sine * sine), 1e-4);
+  // A sun without size is seen by nobody.
+  EXPECT_EQ(groups(V3f(-1, 1, 0)).size(), 1u);
+}
+
+/// All that one_of_each() sends to a horizontal surface is found by one estimator.
+TEST(Lights, irradiance_of_all_kinds_together) {
+  const LightList list = one_of_each();
+  const V3f point(0.1f, 0.2f, -0.1f);
+  double expected = 0.0;
+  std::vector<LightList> alone(7);
+  alone[0].triangles = list.triangles;
+  alone[1].spheres = list.spheres;
+  alone[2].points = list.points;
+  alone[3].spots = list.spots;
+  alone[4].suns = {list.suns[0]};
+  alone[5].suns = {list.suns[1]};
+  alone[6].environment = list.environment;
+  const V3f up(0, 1, 0);
+  double error = 0.0;
+  const auto found_by = [&](const Lights& lights, std::uint32_t seed) {
+    return estimate(seed, 40000, [&](TestRandom& random) {
+      const float u_light = random.next();
+      return irradiance(lights.sample(point, 0.0f, u_light, random.next_2d()), up);
+    });
+  };
+  for (std::uint32_t i = 0; i < alone.size(); ++i) {
+    const Estimate part = found_by(Lights{alone[i]}, 50 + i);
+    expected += part.mean;
+    error += part.error * part.error;
+  }
+  const Estimate whole = found_by(Lights{list}, 60);
+  EXPECT_NEAR(whole.mean, expected, 4.0 * std::sqrt(error + whole.error * whole.error));
+  EXPECT_LT(whole.error, 0.01 * whole.mean);
+}
+
+TEST(Lights, no_kind_is_starved) {
+  // Shares of the sun (a delta: its pdf), the sphere and the environment.
+  const auto shares = [](float sphere, float sun, float environment, float radius = 1.0f) {
+    LightList list;
+    list.spheres = {{V3f(0, 3, 0), 1.0f, V3f(sphere), false, 0, {}}};
+    list.suns = {{V3f(0, 1, 0), 0.0f, V3f(sun), 1}};
+    list.environment = Environment::constant(V3f(environment));
+    list.scene_radius = radius;
+    const Lights lights{list};
+    double sun_share = 0.0;
+    for (int i = 0; i < 1000; ++i) {
+      const auto drawn = lights.sample(V3f(0), 0.0f, (i + 0.5f) / 1000.0f, V2f(0.5f));
+      if (drawn && drawn->group == 1) sun_share = drawn->pdf_solid_angle;
+    }
+    return V3d(lights.pdf_sphere(0, V3f(0), 0.0f) / list.spheres[0].pdf_solid_angle(V3f(0)), sun_share,
+               environment_share(lights));
+  };
+  const auto expect_near = [](const V3d& found, const V3d& expected) {
+    EXPECT_LT((found - expected).length(), 1e-5) << found << " instead of " << expected;
+  };
+  // Powers: sphere 4 pi^2 L, sun pi E, environment 4 pi^2 L.
+  const float e = 4.0f * std::numbers::pi_v<float>;
+  expect_near(shares(1.0f, e, 1.0f), V3d(1, 1, 1) / 3.0);
+  expect_near(shares(3.0f, 2.0f * e, 5.0f), V3d(0.3, 0.2, 0.5));
+  expect_near(shares(1e-6f, e, 1.0f), V3d(0.1, 0.45, 0.45));
+  expect_near(shares(1e-6f, e, 1e30f), V3d(0.1, 0.1, 0.8));
+  expect_near(shares(1.0f, 2.0f * e, 16.0f), V3d(0.1, 0.1, 0.8));
+  // Raising the first to a tenth pushes the second below it: 4%, 10.1%, 85.9%.
+  expect_near(shares(4.0f, 10.1f * e, 85.9f), V3d(0.1, 0.1, 0.8));
+  expect_near(shares(0.0f, e, 3.0f), V3d(0, 0.25, 0.75));
+  expect_near(shares(1e30f, e, 0.0f), V3d(0.9, 0.1, 0));
+  expect_near(shares(1e30f, e, 1e-30f, 0.0f), V3d(1, 1, 1) / 3.0);
+}
+
+TEST(Lights, broken_emitters_are_never_chosen) {
+  LightList list;
+  list.spheres = {{V3f(0, 3, 0), 0.0f, V3f(1.0f), true, 0, {}},
+                  {V3f(0, 3, 0), NAN, V3f(1.0f), true, 0, {}},
+                  {V3f(0, 3, NAN), 1.0f, V3f(1.0f), true, 0, {}},
+                  {V3f(0, 3, 0), INFINITY, V3f(1.0f), true, 0, {}}};
+  list.points = {{V3f(0, NAN, 0), V3f(1.0f), 0, {}}, {V3f(0), V3f(0.0f), 0, {}}, {V3f(0), V3f(NAN), 0, {}}};
+  list.spots = {{V3f(0), V3f(0), V3f(1.0f), 10.0f, 20.0f, 0, {}},
+                {V3f(0), V3f(0, 1, 0), V3f(1.0f), 0.0f, 0.0f, 0, {}},
+                {V3f(0), V3f(NAN, 1, 0), V3f(1.0f), 0.0f, 9.0f, 0, {}}};
+  list.suns = {
+      {V3f(0), 1.0f, V3f(1.0f), 0}, {V3f(0, 1, 0), 1.0f, V3f(0.0f), 0}, {V3f(NAN), 0.0f, V3f(1.0f), 0}};
+  EXPECT_TRUE(Lights{list}.empty());
+  list.points.push_back({V3f(0, 2, 0), V3f(5.0f), 3, {}});
+  const Lights lights{list};
+  for (int i = 0; i < 64; ++i) {
+    const auto drawn = lights.sample(V3f(0), 0.0f, i / 64.0f, V2f(0.5f));
+    ASSERT_TRUE(drawn);
+    EXPECT_EQ(drawn->group, 3);
+    EXPECT_EQ(drawn->pdf_solid_angle, 1.0f);
   }
 }
 
