@@ -93,10 +93,8 @@ V2f motion(const std::optional<V2d>& current, const std::optional<V2d>& previous
 template <Features F>
 Bsdf bsdf_at(const PathContext& context, const Material& material, const Surface& surface, float cone_width) {
   if constexpr (F.textures) {
-    if (material.texture) {
-      return DiffuseBsdf{
-          context.textures.color(*material.texture, surface.uv, cone_width * surface.uv_per_length)};
-    }
+    const float width = cone_width * surface.uv_per_length;
+    return evaluate_material(material, context.textures, {surface.uv, {width, 0.0f}, {0.0f, width}});
   }
   return material.bsdf;
 }

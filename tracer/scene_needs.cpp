@@ -16,7 +16,7 @@ SceneNeeds compute_needs(const SceneDescription& description) {
     needs.rough_specular =
         needs.rough_specular || (!delta && !std::holds_alternative<DiffuseBsdf>(material.bsdf));
     needs.transmission = needs.transmission || std::holds_alternative<DielectricBsdf>(material.bsdf);
-    needs.textures = needs.textures || material.texture.has_value();
+    needs.textures = needs.textures || has_textures(material);
     needs.area_lights = needs.area_lights || object.emissive;
     needs.changing_emission = needs.changing_emission || (object.emissive && object.emission.animated());
     const bool moving = object.transform.animated();

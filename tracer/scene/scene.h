@@ -7,10 +7,9 @@
 #include <vector>
 
 #include "tracer/lights/environment.h"
-#include "tracer/materials/bsdf.h"
 #include "tracer/sampling/pixel_filter.h"
+#include "tracer/scene/material.h"
 #include "tracer/scene/mesh.h"
-#include "tracer/scene/texture.h"
 #include "tracer/scene/transform.h"
 #include "tracer/scene_needs.h"
 
@@ -42,12 +41,6 @@ struct Integrator {
 struct CameraSettings {
   double fov_y_deg = 45.0;
   LookAtCurve look_at = LookAtCurve::Value{0, 0, 5, 0, 0, 0, 0, 1, 0};
-};
-
-struct Material {
-  std::string name;
-  Bsdf bsdf;                             ///< with a texture: whose reflectance the texture replaces
-  std::optional<std::uint32_t> texture;  ///< reflectance of a diffuse material
 };
 
 struct Object {
