@@ -1,18 +1,29 @@
 #pragma once
 
 #include "tracer/sampling/sobol.h"
+#include "tracer/scene/material.h"
 #include "tracer/scene/mesh.h"
-#include "tracer/scene/scene.h"
 
 namespace becalm::tracer {
 
-/// Whether rays may pass through surfaces of this material.
-inline bool has_opacity(const Material&) { return false; }
-
-inline float alpha_random(std::uint32_t seed, std::uint32_t geometry, std::uint32_t triangle) {
-  return to_unit_float(seed ^ geometry ^ triangle);
+/// In [0,1): the same for a ray and a triangle however often it is asked, since hierarchies with spatial
+/// splits ask more than once.
+inline float alpha_random(std::uint32_t ray_seed, std::uint32_t geometry, std::uint32_t triangle) {
+  const std::uint64_t bits =
+      mix_bits((std::uint64_t{ray_seed} << 32 | triangle) ^ (std::uint64_t{geometry} << 16));
+  return to_unit_float(static_cast<std::uint32_t>(bits >> 32));
 }
 
-inline bool alpha_test(const Material&, const Mesh&, std::uint32_t, float, float, float) { return true; }
+/// Whether a ray meets the triangle at these barycentrics: with the probability of its opacity, so that what
+/// passes is right on average and every surface behind is found with its share.
+inline bool alpha_test(const Material& material, const Mesh& mesh, std::uint32_t triangle, float u, float v,
+                       float random) {
+  V2f uv(0.0f);
+  if (!mesh.uvs.empty()) {
+    const auto& corners = mesh.triangles[triangle];
+    uv = mesh.uvs[corners[0]] * (1.0f - u - v) + mesh.uvs[corners[1]] * u + mesh.uvs[corners[2]] * v;
+  }
+  return random < opacity(material, uv);
+}
 
 }  // namespace becalm::tracer

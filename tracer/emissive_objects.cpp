@@ -6,8 +6,7 @@ namespace {
 
 MotionKeys motion_keys(const ObjectState& object, std::size_t key_count) {
   if (!object.blurred()) return {};
-  return {static_cast<std::uint32_t>(key_count),
-          static_cast<std::uint32_t>(object.blur.steps().size() - 1)};
+  return {static_cast<std::uint32_t>(key_count), static_cast<std::uint32_t>(object.blur.steps().size() - 1)};
 }
 
 TriangleKey triangle_at(const ObjectState& object, const std::array<std::uint32_t, 3>& corners,

@@ -76,18 +76,21 @@ V3d PixelStatistics::variance_of_mean() const {
 
 void PixelStatistics::write(Frame& frame, int x, int y) const {
   const double weight = sums_.count > 0 ? 1.0 / sums_.count : 0.0;
-  store(frame, Aov::beauty, x, y, Imath::Vec4<double>(sums_.mean.x, sums_.mean.y, sums_.mean.z, sums_.covered * weight));
+  store(frame, Aov::beauty, x, y,
+        Imath::Vec4<double>(sums_.mean.x, sums_.mean.y, sums_.mean.z, sums_.covered * weight));
   store(frame, Aov::variance, x, y, variance_of_mean());
-  store(frame, Aov::half_a, x, y, sums_.half_count[0] > 0 ? sums_.half_sum[0] / sums_.half_count[0] : V3d(0.0));
-  store(frame, Aov::half_b, x, y, sums_.half_count[1] > 0 ? sums_.half_sum[1] / sums_.half_count[1] : V3d(0.0));
+  store(frame, Aov::half_a, x, y,
+        sums_.half_count[0] > 0 ? sums_.half_sum[0] / sums_.half_count[0] : V3d(0.0));
+  store(frame, Aov::half_b, x, y,
+        sums_.half_count[1] > 0 ? sums_.half_sum[1] / sums_.half_count[1] : V3d(0.0));
   store(frame, Aov::albedo, x, y, sums_.count > 0 ? sums_.albedo * weight : V3d(1.0));
   store(frame, Aov::normal, x, y, sums_.normal * weight);
   store(frame, Aov::motion, x, y, sums_.motion * weight);
   store_id(frame, Aov::object_id, x, y, objects_.winner());
   store_id(frame, Aov::material_id, x, y, materials_.winner());
   if (frame.has(Aov::depth)) {
-    frame.image(Aov::depth).at(x, y, 0) =
-        sums_.depth_count > 0 ? to_float(sums_.depth / sums_.depth_count) : std::numeric_limits<float>::infinity();
+    frame.image(Aov::depth).at(x, y, 0) = sums_.depth_count > 0 ? to_float(sums_.depth / sums_.depth_count)
+                                                                : std::numeric_limits<float>::infinity();
   }
 }
 

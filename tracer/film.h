@@ -1,8 +1,8 @@
 #pragma once
 
-#include "frame/frame.h"
 #include <utility>
 #include <vector>
+#include "frame/frame.h"
 
 #include "tracer/path_trace.h"
 
@@ -35,8 +35,8 @@ class SplitStatistics {
   std::vector<V3d> groups_;
 };
 
-/// Everything that one pixel's samples add up to, in double. All samples weigh the same. One serves a whole tile,
-/// so that the votes' memory is allocated once.
+/// Everything that one pixel's samples add up to, in double. All samples weigh the same. One serves a whole
+/// tile, so that the votes' memory is allocated once.
 class PixelStatistics {
  public:
   /// Ready for the next pixel.

@@ -30,8 +30,8 @@ using ScenePtr = std::unique_ptr<RTCSceneTy, SceneRelease>;
 
 constexpr std::uint32_t kNotAnInstance = ~0u;
 
-/// Static copies of a mesh are instances when baking them all would store this many triangles more: an instance
-/// costs each ray that enters it about as much as a few levels of the hierarchy.
+/// Static copies of a mesh are instances when baking them all would store this many triangles more: an
+/// instance costs each ray that enters it about as much as a few levels of the hierarchy.
 constexpr std::size_t kInstancedTriangles = 100'000;
 
 /// Geometry in object space, and what its filter functions need to know.
@@ -178,7 +178,7 @@ struct Intersector::State {
     const Mesh* mesh = std::get_if<Mesh>(source.geometry);
     RTCGeometry geometry = mesh != nullptr ? new_triangles(*mesh, to_world) : new_user_geometry();
     rtcSetGeometryUserData(geometry, const_cast<Source*>(&source));
-    if (mesh != nullptr && has_opacity(*source.material)) {
+    if (mesh != nullptr && has_alpha(*source.material)) {
       rtcSetGeometryIntersectFilterFunction(geometry, filter_opacity);
       rtcSetGeometryOccludedFilterFunction(geometry, filter_opacity);
     }
@@ -218,9 +218,10 @@ struct Intersector::State {
   ScenePtr instances_scene;
   RTCScene root = nullptr;  ///< what rays are traced against: baked_scene alone if there are no instances
 
-  std::vector<std::uint32_t> baked_objects;      ///< object of each geometry of baked_scene
-  std::vector<std::uint32_t> instanced_objects;  ///< object of each instance; the first instance is baked_scene
-  std::vector<RTCGeometry> instance_of_object;   ///< null for baked ones
+  std::vector<std::uint32_t> baked_objects;  ///< object of each geometry of baked_scene
+  std::vector<std::uint32_t>
+      instanced_objects;  ///< object of each instance; the first instance is baked_scene
+  std::vector<RTCGeometry> instance_of_object;  ///< null for baked ones
   GeometrySize size;
   bool dirty = true;
 };

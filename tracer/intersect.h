@@ -39,24 +39,24 @@ struct Placement {
 
 /// What the hierarchies hold.
 struct GeometrySize {
-  std::size_t baked_objects = 0;       ///< in the one hierarchy of world space
-  std::size_t instances = 0;           ///< everything else: references to a hierarchy of their geometry
-  std::size_t motion_instances = 0;    ///< those of them that move while the shutter is open
-  std::size_t stored_triangles = 0;    ///< in memory
-  std::size_t visible_triangles = 0;   ///< counted for each instance
-  std::int64_t embree_bytes = 0;       ///< as Embree counts its memory: hierarchies and the buffers it owns
+  std::size_t baked_objects = 0;      ///< in the one hierarchy of world space
+  std::size_t instances = 0;          ///< everything else: references to a hierarchy of their geometry
+  std::size_t motion_instances = 0;   ///< those of them that move while the shutter is open
+  std::size_t stored_triangles = 0;   ///< in memory
+  std::size_t visible_triangles = 0;  ///< counted for each instance
+  std::int64_t embree_bytes = 0;      ///< as Embree counts its memory: hierarchies and the buffers it owns
 };
 
 /// Ray queries against all objects: the only code that sees Embree. Traversal is watertight along the edges
 /// of a mesh.
 ///
 /// Triangle meshes that stand still are baked into one hierarchy in world space. What moves, what has no
-/// triangles, and meshes of which so many copies stand still that baking them would cost memory are instances of
-/// a hierarchy in object space.
+/// triangles, and meshes of which so many copies stand still that baking them would cost memory are instances
+/// of a hierarchy in object space.
 class Intersector {
  public:
-  /// Builds the hierarchies of everything; call commit() before the first query. Geometries and materials must
-  /// outlive this. Throws Error(resource) if memory does not suffice.
+  /// Builds the hierarchies of everything; call commit() before the first query. Geometries and materials
+  /// must outlive this. Throws Error(resource) if memory does not suffice.
   explicit Intersector(std::span<const Placement> placements);
   ~Intersector();
 

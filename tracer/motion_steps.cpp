@@ -22,7 +22,8 @@ double distance(const M44d& a, const M44d& b, double radius) {
 /// Size of a ball of that radius after the linear part.
 double linear_size(const M44d& m, double radius) {
   double largest = 0.0;
-  for (int row = 0; row < 3; ++row) largest = std::max(largest, V3d(m[row][0], m[row][1], m[row][2]).length());
+  for (int row = 0; row < 3; ++row)
+    largest = std::max(largest, V3d(m[row][0], m[row][1], m[row][2]).length());
   return largest * radius;
 }
 
@@ -33,7 +34,8 @@ double error(const TransformCurve& curve, double frame, const Shutter& shutter, 
   for (int i = 0; i < 4 * segments; ++i) {
     const double time = i / (4.0 * segments);
     const M44d exact = transform_at(curve, shutter.at(frame, time));
-    worst = std::max(worst, distance(exact, steps.at(static_cast<float>(time)), radius) / linear_size(exact, radius));
+    worst = std::max(
+        worst, distance(exact, steps.at(static_cast<float>(time)), radius) / linear_size(exact, radius));
   }
   return worst;
 }
@@ -47,7 +49,8 @@ int motion_segments(const TransformCurve& curve, double frame, const Shutter& sh
   for (int i = 1; i <= 4 && !moves; ++i) moves = transform_at(curve, shutter.at(frame, i / 4.0)) != first;
   if (!moves) return 0;
   int segments = 1;
-  while (segments < kMostSegments && error(curve, frame, shutter, segments, radius) > kTolerance) segments *= 2;
+  while (segments < kMostSegments && error(curve, frame, shutter, segments, radius) > kTolerance)
+    segments *= 2;
   return segments;
 }
 
@@ -55,7 +58,8 @@ MotionSteps<double> motion_steps(const TransformCurve& curve, double frame, cons
                                  int segments) {
   std::vector<M44d> steps;
   for (int i = 0; i <= segments; ++i) {
-    steps.push_back(transform_at(curve, shutter.at(frame, segments > 0 ? static_cast<double>(i) / segments : 0.5)));
+    steps.push_back(
+        transform_at(curve, shutter.at(frame, segments > 0 ? static_cast<double>(i) / segments : 0.5)));
   }
   return MotionSteps<double>(std::move(steps));
 }

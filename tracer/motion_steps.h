@@ -8,8 +8,8 @@
 
 namespace becalm::tracer {
 
-/// Transforms at equally spaced times from the shutter's opening to its closing, linear between them, as Embree
-/// interpolates the motion of instances. A single one when nothing moves in that time.
+/// Transforms at equally spaced times from the shutter's opening to its closing, linear between them, as
+/// Embree interpolates the motion of instances. A single one when nothing moves in that time.
 template <class T>
 class MotionSteps {
  public:

@@ -3,8 +3,10 @@
 #include <array>
 #include <cassert>
 
-#include "tracer/materials/shading_frame.h"
-#include "tracer/surface.h"
+#include "tracer/mis.h"
+#include "tracer/ray_differential.h"
+#include "tracer/scene/relief.h"
+#include "tracer/shading_vertex.h"
 
 // The estimator
 //
@@ -41,6 +43,7 @@ namespace {
 /// What a variant of the integrator can do; false removes the code.
 struct Features {
   bool surfaces;  ///< materials other than plain diffuse ones
+  bool textures;  ///< what varies over a surface, and the ray differentials that say how far to average it
   bool blur;      ///< the shutter is open for a time, or the lens has a width
   bool guides;
 };
@@ -51,31 +54,8 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// directions that a pixel sends into the hemisphere.
 constexpr float kScatteredSpread = 0.1f;
 
-/// Width in pixels over which textures are averaged. The pixel filter averages the rest, so half a pixel
-/// neither blurs nor aliases, and it does not depend on the sample count, so that more samples converge to
-/// the same image.
-constexpr float kTextureFootprintPx = 0.5f;
-
 /// Shadow rays end short of the light by this share of the way (and by rounding errors), so as not to hit it.
 constexpr float kShadowShortening = 1e-4f;
-
-float mis_weight(Heuristic heuristic, float pdf, float other_pdf) {
-  assert(pdf > 0.0f);
-  const float ratio = other_pdf / pdf;  // in this form nothing overflows to NaN
-  return 1.0f / (1.0f + (heuristic == Heuristic::power ? ratio * ratio : ratio));
-}
-
-/// The shading normal, turned as far towards `wo` as needed for both normals to see `wo` on the same side.
-/// Near the silhouettes of smooth meshes the interpolated normal may face away.
-V3f visible_normal(const Surface& surface, const V3f& wo) {
-  const V3f& ns = surface.normal_shading;
-  const float side = wo.dot(surface.normal_geometric) < 0.0f ? -1.0f : 1.0f;
-  constexpr float least_cos = 0.01f;
-  const float cos_wo = side * ns.dot(wo);
-  if (cos_wo >= least_cos || side * wo.dot(surface.normal_geometric) < least_cos)
-    return cos_wo > 0.0f ? ns : surface.normal_geometric;
-  return (ns + wo * (side * (least_cos - cos_wo))).normalized();
-}
 
 /// Radiance that the hit surface emits along the ray backward.
 V3f emitted(const ObjectState& object, const Surface& surface, const V3f& ray_dir) {
@@ -93,22 +73,6 @@ V3f clamp_to_unit(const V3f& v) {
   return {std::clamp(v.x, 0.0f, 1.0f), std::clamp(v.y, 0.0f, 1.0f), std::clamp(v.z, 0.0f, 1.0f)};
 }
 
-/// The vertex that a path scatters at.
-struct Vertex {
-  const Surface& surface;
-  const Bsdf& bsdf;
-  ShadingFrame frame;
-  V3f wo_world;
-  V3f wo;  ///< local
-
-  /// Whether the shading and the geometric normal agree on the side of wi; light that would leak through is
-  /// dropped.
-  bool consistent(const V3f& wi, const V3f& wi_world) const {
-    const float geometric = wi_world.dot(surface.normal_geometric) * wo_world.dot(surface.normal_geometric);
-    return geometric * (wi.z * wo.z) > 0.0f;
-  }
-};
-
 /// One path from the eye on, and what it has gathered so far.
 template <Features F>
 class Path {
@@ -123,18 +87,13 @@ class Path {
       // Drawn whichever of them the scene has, so that the dimensions of what follows do not depend on it.
       time_ = sampler.next_1d();
       const V2f u_lens = sampler.next_2d();
-      if (context.cameras.moves()) {
-        const Camera camera = context.cameras.current(time_);
-        ray_ = camera.ray(raster, u_lens);
-      } else {
-        ray_ = context.cameras.current().ray(raster, u_lens);
-      }
+      start(context.cameras.moves() ? context.cameras.current(time_) : context.cameras.current(), raster,
+            u_lens);
       ray_.time = time_;
     } else {
-      ray_ = context.cameras.current().ray(raster);
+      start(context.cameras.current(), raster, std::nullopt);
     }
     if constexpr (F.surfaces) ray_.seed = sampler.seed_of_rays();
-    cone_spread_ = kTextureFootprintPx / static_cast<float>(context.cameras.current().focal_px());
   }
 
   PathSample trace() {
@@ -143,13 +102,29 @@ class Path {
   }
 
  private:
+  void start(const Camera& camera, const V2f& raster, const std::optional<V2f>& u_lens) {
+    ray_ = u_lens ? camera.ray(raster, *u_lens) : camera.ray(raster);
+    if constexpr (F.textures) {
+      // Those of the pinhole: what the lens adds, its samples average.
+      const V3f dir(camera.direction(raster));
+      const RayDifferential pixel{.dpdx = V3f(0.0f),
+                                  .dpdy = V3f(0.0f),
+                                  .dddx = unit_derivative(dir, V3f(camera.right())),
+                                  .dddy = unit_derivative(dir, V3f(camera.down()))};
+      differential_ = pixel * context_.footprint_scale;
+    }
+  }
+
   /// Follows the ray to what it meets and scatters there; false when the path ends.
   bool step();
   void escape();
   void see_primary_hit(const ObjectState& object, const Hit& hit);
   void gather_emission(const ObjectState& object, const Hit& hit, const Surface& surface);
-  bool scatter(const ObjectState& object, const Surface& surface);
-  void gather_direct_light(const Vertex& vertex, float u_light, const V2f& u);
+  bool scatter(const ObjectState& object, const Hit& hit, Surface& surface);
+  Bsdf shade(const ObjectState& object, const Hit& hit, Surface& surface, float u_mix, V3f& tangent);
+  void bend_differential(const ObjectState& object, const Hit& hit, const V3f& normal,
+                         const BsdfSample& scattered, const V3f& wi_world);
+  void gather_direct_light(const ShadingVertex& vertex, float u_light, const V2f& u);
 
   /// Each ray decides anew what it passes through.
   void next_ray_seed() { ray_.seed += 0x9e3779b9u; }
@@ -163,19 +138,12 @@ class Path {
     return snapshot_.intersector().occluded(ray);
   }
 
+  Place place_of(const ObjectState& object) const {
+    return F.blur && object.blurred() ? object.at(time_) : object.place;
+  }
   Surface surface_of(const ObjectState& object, const Hit& hit) const {
     if (F.blur && object.blurred()) return surface_at(object, object.at(time_), hit);
     return surface_at(object, object.place, hit);
-  }
-
-  auto bsdf_of(const Material& material, const Surface& surface) const {
-    if constexpr (F.surfaces) {
-      if (material.texture) {
-        return Bsdf(DiffuseBsdf{context_.textures.color(*material.texture, surface.uv,
-                                                        cone_width_ * surface.uv_per_length)});
-      }
-    }
-    return material.bsdf;
   }
 
   /// Radiance that reached the eye after so many scatterings other than at perfect mirrors and glass.
@@ -188,8 +156,9 @@ class Path {
   template <class LightPdf>
   float weight(const LightPdf& light_pdf) const {
     if (material_pdf_ == 0.0f || integrator_.direct == Direct::material) return 1.0f;
-    return integrator_.direct == Direct::light ? 0.0f
-                                               : mis_weight(integrator_.heuristic, material_pdf_, light_pdf());
+    return integrator_.direct == Direct::light
+               ? 0.0f
+               : mis_weight(integrator_.heuristic, material_pdf_, light_pdf());
   }
 
   const PathContext& context_;
@@ -202,13 +171,12 @@ class Path {
   Ray ray_;
   float time_ = 0.0f;
   V3f throughput_{1.0f};
-  float radiance_scale_ = 1.0f;  // squared index of refraction contained in the throughput
-  float cone_width_ = 0.0f;      // diameter of the ray cone at the ray's origin
-  float cone_spread_;
-  V3f previous_position_;      // of the vertex that the ray left, without the offset
-  float material_pdf_ = 0.0f;  // of the ray's direction; 0 where light sampling had no chance
-  int depth_ = 0;              // scattering events so far
-  int scatterings_ = 0;        // those other than at perfect mirrors and glass
+  float radiance_scale_ = 1.0f;   // squared index of refraction contained in the throughput
+  RayDifferential differential_;  // only with textures
+  V3f previous_position_;         // of the vertex that the ray left, without the offset
+  float material_pdf_ = 0.0f;     // of the ray's direction; 0 where light sampling had no chance
+  int depth_ = 0;                 // scattering events so far
+  int scatterings_ = 0;           // those other than at perfect mirrors and glass
 };
 
 template <Features F>
@@ -219,21 +187,23 @@ bool Path<F>::step() {
     return false;
   }
   const ObjectState& object = snapshot_.object(hit->object);
-  const Surface surface = surface_of(object, *hit);
-  cone_width_ += cone_spread_ * hit->t;
+  Surface surface = surface_of(object, *hit);
+  if constexpr (F.textures)
+    differential_ = transferred(differential_, ray_.dir, hit->t, surface.normal_geometric);
   if (depth_ == 0) see_primary_hit(object, *hit);
   gather_emission(object, *hit, surface);
   if (context_.log != nullptr) {
     context_.log->push_back({hit->object, surface.position, throughput_, result_.radiance});
   }
-  return scatter(object, surface);
+  return scatter(object, *hit, surface);
 }
 
 template <Features F>
 void Path<F>::escape() {
   if (depth_ == 0) result_.covered = snapshot_.description().environment.has_value();
   snapshot_.lights().for_each_infinite(ray_.dir, [&](const V3f& radiance, float pdf, std::uint16_t group) {
-    if (!is_black(radiance)) gather(throughput_ * radiance * weight([&] { return pdf; }), scatterings_, group);
+    if (!is_black(radiance))
+      gather(throughput_ * radiance * weight([&] { return pdf; }), scatterings_, group);
   });
   if constexpr (F.guides) {
     if (scatterings_ == 0) result_.guides.albedo = clamp_to_unit(throughput_ / radiance_scale_);
@@ -263,7 +233,8 @@ void Path<F>::gather_emission(const ObjectState& object, const Hit& hit, const S
   const V3f radiance = emitted(object, surface, ray_.dir);
   if (is_black(radiance)) return;
   const float mis = weight([&] {
-    if (object.mesh == nullptr) return snapshot_.lights().pdf_sphere(object.first_light, previous_position_, time_);
+    if (object.mesh == nullptr)
+      return snapshot_.lights().pdf_sphere(object.first_light, previous_position_, time_);
     const float distance = (surface.position - previous_position_).length();
     return snapshot_.lights().pdf_triangle(object.first_light + std::size_t{hit.triangle}, previous_position_,
                                            ray_.dir, distance, time_);
@@ -271,12 +242,38 @@ void Path<F>::gather_emission(const ObjectState& object, const Hit& hit, const S
   gather(throughput_ * radiance * mis, scatterings_, object.light_group);
 }
 
+/// The BSDF at the hit; the surface's normal becomes that of its relief.
 template <Features F>
-bool Path<F>::scatter(const ObjectState& object, const Surface& surface) {
+Bsdf Path<F>::shade(const ObjectState& object, const Hit& hit, Surface& surface, float u_mix, V3f& tangent) {
+  if constexpr (F.textures) {
+    if (object.material_varies) {
+      const std::span<const Material> materials = snapshot_.description().materials;
+      const SurfaceDifferentials around = differentials_at(object, place_of(object), hit);
+      ParameterFootprint footprint;
+      if (around.has_uvs)
+        footprint = parameter_footprint(differential_.dpdx, differential_.dpdy, around.dpdu, around.dpdv);
+      const TexturePoint point{surface.uv, footprint.duv_dx, footprint.duv_dy};
+      const Material& material = resolve_mix(materials, *object.material, context_.textures, point, u_mix);
+      if (has_relief(material)) {
+        surface.normal_shading = perturbed_normal(
+            material, context_.textures,
+            {point, around.dpdu, around.dpdv, surface.normal_shading, surface.normal_geometric});
+      }
+      tangent = around.dpdu;
+      return evaluate_material(material, context_.textures, point);
+    }
+  }
+  return object.material->bsdf;
+}
+
+template <Features F>
+bool Path<F>::scatter(const ObjectState& object, const Hit& hit, Surface& surface) {
   const bool wants_guides = F.guides && scatterings_ == 0;
   const bool last = depth_ == integrator_.max_depth;
   if (last && !wants_guides) return false;
-  const Bsdf bsdf = bsdf_of(*object.material, surface);
+  V3f tangent(0.0f);
+  const float u_mix = F.textures && context_.mixes ? sampler_.next_1d() : 0.0f;
+  const Bsdf bsdf = shade(object, hit, surface, u_mix, tangent);
   const V3f wo_world = -ray_.dir;
   const V3f normal = visible_normal(surface, wo_world);
   const bool specular = F.surfaces && is_specular(bsdf);
@@ -296,8 +293,10 @@ bool Path<F>::scatter(const ObjectState& object, const Surface& surface) {
   const float u_lobe = sampler_.next_1d();
   const float u_roulette = sampler_.next_1d();
 
-  const ShadingFrame frame = ShadingFrame::from_normal(normal);
-  const Vertex vertex{surface, bsdf, frame, wo_world, frame.to_local(wo_world)};
+  const ShadingFrame frame = F.textures && object.material_varies
+                                 ? ShadingFrame::from_normal_and_tangent(normal, tangent)
+                                 : ShadingFrame::from_normal(normal);
+  const ShadingVertex vertex(surface, bsdf, frame, wo_world);
   if (draws_lights_ && !specular) gather_direct_light(vertex, u_light, u_light_point);
 
   const std::optional<BsdfSample> scattered = sample(bsdf, vertex.wo, u_material, u_lobe);
@@ -309,7 +308,7 @@ bool Path<F>::scatter(const ObjectState& object, const Surface& surface) {
   radiance_scale_ *= scattered->radiance_scale;
   if (!specular) ++scatterings_;
   material_pdf_ = scattered->specular ? 0.0f : scattered->pdf;
-  if (!scattered->specular) cone_spread_ = std::max(cone_spread_, kScatteredSpread);
+  if constexpr (F.textures) bend_differential(object, hit, normal, *scattered, wi_world);
   previous_position_ = surface.position;
 
   // A path that may still meet the surface of albedo and normal must get there.
@@ -324,9 +323,27 @@ bool Path<F>::scatter(const ObjectState& object, const Surface& surface) {
   return true;
 }
 
+/// The differentials of the ray that leaves the hit.
+template <Features F>
+void Path<F>::bend_differential(const ObjectState& object, const Hit& hit, const V3f& normal,
+                                const BsdfSample& scattered, const V3f& wi_world) {
+  if (!scattered.specular) {
+    differential_ = becalm::tracer::scattered(differential_, wi_world, kScatteredSpread);
+    return;
+  }
+  const SurfaceDifferentials around = differentials_at(object, place_of(object), hit);
+  const ParameterFootprint footprint =
+      parameter_footprint(differential_.dpdx, differential_.dpdy, around.dpdu, around.dpdv);
+  const V3f dndx = around.dndu * footprint.duv_dx.x + around.dndv * footprint.duv_dx.y;
+  const V3f dndy = around.dndu * footprint.duv_dy.x + around.dndv * footprint.duv_dy.y;
+  differential_ = scattered.transmitted ? refracted(differential_, ray_.dir, normal, dndx, dndy,
+                                                    std::sqrt(scattered.radiance_scale))
+                                        : reflected(differential_, ray_.dir, normal, dndx, dndy);
+}
+
 /// The light sample's part of the direct light.
 template <Features F>
-void Path<F>::gather_direct_light(const Vertex& vertex, float u_light, const V2f& u) {
+void Path<F>::gather_direct_light(const ShadingVertex& vertex, float u_light, const V2f& u) {
   const V3f& position = vertex.surface.position;
   const std::optional<LightSample> light = snapshot_.lights().sample(position, time_, u_light, u);
   if (!light) return;
@@ -363,22 +380,22 @@ struct Variant {
 template <Features F>
 constexpr Variant kVariant{F, &trace_path<F>};
 
+template <bool kGuides>
 constexpr std::array kVariants = {
-    kVariant<Features{.surfaces = false, .blur = false, .guides = false}>,
-    kVariant<Features{.surfaces = false, .blur = false, .guides = true}>,
-    kVariant<Features{.surfaces = true, .blur = false, .guides = false}>,
-    kVariant<Features{.surfaces = true, .blur = false, .guides = true}>,
-    kVariant<Features{.surfaces = true, .blur = true, .guides = false}>,
-    kVariant<Features{.surfaces = true, .blur = true, .guides = true}>,
+    kVariant<Features{.surfaces = false, .textures = false, .blur = false, .guides = kGuides}>,
+    kVariant<Features{.surfaces = true, .textures = false, .blur = false, .guides = kGuides}>,
+    kVariant<Features{.surfaces = true, .textures = true, .blur = false, .guides = kGuides}>,
+    kVariant<Features{.surfaces = true, .textures = true, .blur = true, .guides = kGuides}>,
 };
 
 }  // namespace
 
 PathFunction select_path_function(const SceneNeeds& needs, bool with_guides) {
-  const bool surfaces = needs.specular || needs.rough_specular || needs.textures;
+  const bool textures = needs.textures || needs.relief || needs.mix || needs.tangents;
+  const bool surfaces = needs.specular || needs.rough_specular || needs.alpha;
   const bool blur = needs.motion_blur || needs.depth_of_field;
-  for (const auto& [has, function] : kVariants) {
-    if (has.surfaces >= surfaces && has.blur >= blur && has.guides >= with_guides) return function;
+  for (const auto& [has, function] : with_guides ? kVariants<true> : kVariants<false>) {
+    if (has.surfaces >= surfaces && has.textures >= textures && has.blur >= blur) return function;
   }
   assert(false);
   return nullptr;

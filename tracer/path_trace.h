@@ -50,9 +50,11 @@ struct PathContext {
   const Integrator& integrator;
   const CameraAnimation& cameras;
   Textures::Reader textures;
-  RadianceSplit* split = nullptr;             ///< the path's radiance is added to it if not null
-  std::vector<PathVertex>* log = nullptr;     ///< filled if not null
-  std::vector<RecordedRay>* rays = nullptr;   ///< filled if not null
+  float footprint_scale = 1.0f;              ///< see scene/texture.h
+  bool mixes = false;                         ///< whether materials are mixed: one more random number an event
+  RadianceSplit* split = nullptr;            ///< the path's radiance is added to it if not null
+  std::vector<PathVertex>* log = nullptr;    ///< filled if not null
+  std::vector<RecordedRay>* rays = nullptr;  ///< filled if not null
 };
 
 /// Estimates the radiance that arrives at that raster position.

@@ -46,10 +46,12 @@ struct FrameSetup {
         seed(options.seed),
         cameras(description.camera, frame_number, width, height),
         guides(wants_guides(options.aovs)),
+        mixes(scene.needs().mix),
         trace(select_path_function(scene.needs(), guides)) {}
 
   PathContext context() const {
-    return {snapshot, description.integrator, cameras, Textures::Reader(description.textures)};
+    return {snapshot, description.integrator, cameras, Textures::Reader(description.textures),
+            footprint_scale(static_cast<int>(spp)), mixes};
   }
 
   PathSample sample_pixel(const PathContext& context, int x, int y, std::uint32_t index) const {
@@ -59,8 +61,8 @@ struct FrameSetup {
     return trace(context, raster, sampler);
   }
 
-  /// Where in the pixel filter the sample falls, in [0,1)^2: anywhere, or where the jitter puts all pixels' samples
-  /// of this number.
+  /// Where in the pixel filter the sample falls, in [0,1)^2: anywhere, or where the jitter puts all pixels'
+  /// samples of this number.
   V2f filter_point(Sampler& sampler, std::uint32_t index) const {
     const V2f u = sampler.next_2d();
     const Jitter& jitter = description.film.jitter;
@@ -75,6 +77,7 @@ struct FrameSetup {
   std::uint32_t seed;
   CameraAnimation cameras;
   bool guides;
+  bool mixes;
   PathFunction trace;
 };
 

@@ -58,8 +58,8 @@ struct RenderReport {
 std::optional<Frame> render_frame(Scene& scene, int frame, const RenderOptions& options,
                                   RenderReport* report = nullptr);
 
-/// The ray queries that rendering the frame makes, of each tile in their order: what benchmarks replay to learn how
-/// long the queries alone take. 48 bytes a ray.
+/// The ray queries that rendering the frame makes, of each tile in their order: what benchmarks replay to
+/// learn how long the queries alone take. 48 bytes a ray.
 std::vector<std::vector<RecordedRay>> record_rays(Scene& scene, int frame, const RenderOptions& options);
 
 /// The path of one sample in lines of text: every surface met, the throughput on arrival, the radiance so

@@ -10,13 +10,16 @@ namespace becalm::tracer {
 SceneNeeds compute_needs(const SceneDescription& description) {
   SceneNeeds needs;
   for (const Object& object : description.objects) {
-    const Material& material = description.materials[object.material];
-    const bool delta = is_specular(material.bsdf);
-    needs.specular = needs.specular || delta;
-    needs.rough_specular =
-        needs.rough_specular || (!delta && !std::holds_alternative<DiffuseBsdf>(material.bsdf));
-    needs.transmission = needs.transmission || std::holds_alternative<DielectricBsdf>(material.bsdf);
-    needs.textures = needs.textures || material.texture.has_value();
+    const MaterialNeeds material =
+        material_needs(description.materials, description.materials[object.material]);
+    needs.specular = needs.specular || material.specular;
+    needs.rough_specular = needs.rough_specular || material.rough_specular;
+    needs.transmission = needs.transmission || material.transmission;
+    needs.textures = needs.textures || material.textures;
+    needs.relief = needs.relief || material.relief;
+    needs.mix = needs.mix || material.mix;
+    needs.tangents = needs.tangents || material.tangents;
+    needs.alpha = needs.alpha || material.alpha;
     needs.area_lights = needs.area_lights || object.emissive;
     needs.changing_emission = needs.changing_emission || (object.emissive && object.emission.animated());
     const bool moving = object.transform.animated();
@@ -45,6 +48,10 @@ std::vector<std::string> describe_scene(const Scene& scene) {
   sort(needs.rough_specular, "microfacets");
   sort(needs.transmission, "transmission");
   sort(needs.textures, "textures");
+  sort(needs.relief, "bump and normal maps");
+  sort(needs.mix, "mixed materials");
+  sort(needs.tangents, "tangent frames");
+  sort(needs.alpha, "opacity");
   sort(needs.moving_camera, "moving camera");
   sort(needs.moving_objects, "instances that move");
   sort(needs.motion_blur, "motion blur");

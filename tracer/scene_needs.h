@@ -18,7 +18,11 @@ struct SceneNeeds {
   bool specular = false;           ///< perfect mirrors or glass: albedo and normal are followed through them
   bool rough_specular = false;     ///< microfacet lobes
   bool transmission = false;       ///< paths that cross surfaces
-  bool textures = false;           ///< image lookups, and the ray cones that choose their MIP level
+  bool textures = false;           ///< image lookups, and the ray differentials that choose their MIP level
+  bool relief = false;             ///< bump and normal maps
+  bool mix = false;                ///< materials mixed of others
+  bool tangents = false;           ///< anisotropic lobes: shading frames follow uv
+  bool alpha = false;              ///< filter functions for rays that pass through cut-out surfaces
   bool moving_camera = false;
   bool moving_objects = false;     ///< instances whose transforms are set for each frame
   bool motion_blur = false;        ///< the camera or an object moves while the shutter is open

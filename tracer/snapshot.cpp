@@ -28,14 +28,15 @@ void check_camera(const SceneDescription& description, int frame) {
   }
 }
 
-/// The inverse transpose up to a positive factor: the cofactors, turned around where space is mirrored. Needs no
-/// division, so that flattened objects have normals too.
+/// The inverse transpose up to a positive factor: the cofactors, turned around where space is mirrored. Needs
+/// no division, so that flattened objects have normals too.
 M44f normal_matrix(const M44d& m) {
   const V3d x(m[0][0], m[0][1], m[0][2]), y(m[1][0], m[1][1], m[1][2]), z(m[2][0], m[2][1], m[2][2]);
   const V3d rows[3] = {y.cross(z), z.cross(x), x.cross(y)};
   const double sign = x.dot(rows[0]) < 0.0 ? -1.0 : 1.0;
   double largest = 0.0;
-  for (const V3d& row : rows) largest = std::max({largest, std::abs(row.x), std::abs(row.y), std::abs(row.z)});
+  for (const V3d& row : rows)
+    largest = std::max({largest, std::abs(row.x), std::abs(row.y), std::abs(row.z)});
   M44f result;
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j)
@@ -71,6 +72,8 @@ Snapshot::Snapshot(const SceneDescription& description, int frame)
     state.geometry = &description.meshes[object.mesh];
     state.mesh = std::get_if<Mesh>(state.geometry);
     state.material = &description.materials[object.material];
+    const MaterialNeeds needs = material_needs(description.materials, *state.material);
+    state.material_varies = needs.textures || needs.relief || needs.mix || needs.tangents;
     state.two_sided = object.two_sided;
     state.light_group = object.light_group;
     place(i, frame);
@@ -144,7 +147,8 @@ void Snapshot::measure() {
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     const Imath::Box3f& box = geometry_bounds_[description_->objects[i].mesh];
     if (box.isEmpty()) continue;
-    for (const M44f& to_world : objects_[i].blur.steps()) bounds.extendBy(Imath::affineTransform(box, to_world));
+    for (const M44f& to_world : objects_[i].blur.steps())
+      bounds.extendBy(Imath::affineTransform(box, to_world));
   }
   extent_ = radius_ = 0.0f;
   if (bounds.isEmpty()) return;
@@ -164,8 +168,8 @@ void Snapshot::build_lights(int frame) {
   LightList list;
   add_emissive_objects(*description_, frame, objects_, list);
   const Shutter& shutter = description_->camera.shutter;
-  add_lights(description_->lights, {shutter.at(frame, 0.0), shutter.at(frame, 1.0), shutter.blurs() ? kLightSegments : 0},
-             list);
+  add_lights(description_->lights,
+             {shutter.at(frame, 0.0), shutter.at(frame, 1.0), shutter.blurs() ? kLightSegments : 0}, list);
   list.environment = description_->environment;
   list.environment_group = description_->environment_group;
   list.scene_radius = radius_;

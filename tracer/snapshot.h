@@ -26,13 +26,15 @@ struct ObjectState {
   const Geometry* geometry = nullptr;
   const Mesh* mesh = nullptr;  ///< null where there are no triangles
   const Material* material = nullptr;
-  Place place;               ///< when the shutter opens; all of it if the object does not move meanwhile
-  MotionSteps<float> blur;   ///< while the shutter is open
-  MotionSteps<double> exact; ///< the same in double, and a frame before: for the motion AOV
+  bool material_varies = false;  ///< over the surface, or by a random choice
+  Place place;                   ///< when the shutter opens; all of it if the object does not move meanwhile
+  MotionSteps<float> blur;       ///< while the shutter is open
+  MotionSteps<double> exact;     ///< the same in double, and a frame before: for the motion AOV
   MotionSteps<double> exact_previous;
-  float scale = 1.0f;                    ///< bound of |p to_world| / |p| without the translation
-  float translation = 0.0f;              ///< largest coordinate of the translation
-  std::uint32_t first_light = kNoLight;  ///< its first triangle's number among the lights' triangles, or its number among the spheres
+  float scale = 1.0f;        ///< bound of |p to_world| / |p| without the translation
+  float translation = 0.0f;  ///< largest coordinate of the translation
+  std::uint32_t first_light =
+      kNoLight;  ///< its first triangle's number among the lights' triangles, or its number among the spheres
   V3f emission{0.0f};
   std::uint16_t light_group = 0;
   bool two_sided = false;

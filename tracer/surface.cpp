@@ -49,17 +49,8 @@ Surface mesh_surface(const ObjectState& object, const Place& place, const Hit& h
   }
 
   surface.uv = V2f(0.0f);
-  surface.uv_per_length = 0.0f;
-  if (!mesh.uvs.empty()) {
-    const V2f &uv0 = mesh.uvs[corners[0]], &uv1 = mesh.uvs[corners[1]], &uv2 = mesh.uvs[corners[2]];
-    surface.uv = uv0 * w0 + uv1 * hit.u + uv2 * hit.v;
-    const V2f duv1 = uv1 - uv0, duv2 = uv2 - uv0;
-    const V3f cross_world =
-        transform_vector(edge1, place.to_world).cross(transform_vector(edge2, place.to_world));
-    const float area_uv = std::abs(duv1.x * duv2.y - duv1.y * duv2.x);
-    const float area_world = cross_world.length();
-    if (area_world > 0.0f) surface.uv_per_length = std::sqrt(area_uv / area_world);
-  }
+  if (!mesh.uvs.empty())
+    surface.uv = mesh.uvs[corners[0]] * w0 + mesh.uvs[corners[1]] * hit.u + mesh.uvs[corners[2]] * hit.v;
 
   float largest = 0.0f;
   for (const V3f* p : {&p0, &p1, &p2}) {
@@ -77,15 +68,31 @@ Surface sphere_surface(const ObjectState& object, const Place& place, const Hit&
   surface.normal_geometric = transform_vector(local, place.normal_to_world).normalized();
   surface.normal_shading = surface.normal_geometric;
   const float around = std::atan2(local.x, local.z) / (2.0f * pi);
-  surface.uv = V2f(around < 0.0f ? around + 1.0f : around,
-                   1.0f - std::acos(std::clamp(local.y, -1.0f, 1.0f)) / pi);
-  // The whole square of uv lies on 4 pi of area.
-  surface.uv_per_length = 1.0f / (std::sqrt(4.0f * pi) * object.scale);
+  surface.uv =
+      V2f(around < 0.0f ? around + 1.0f : around, 1.0f - std::acos(std::clamp(local.y, -1.0f, 1.0f)) / pi);
   surface.offset = rounding_error(object, 1.0f);
   return surface;
 }
 
+/// Of the unit sphere, whose normal is its position.
+SurfaceDifferentials sphere_differentials(const V3f& p) {
+  constexpr float pi = std::numbers::pi_v<float>;
+  const float ring = std::sqrt(p.x * p.x + p.z * p.z);
+  // At the poles u has no direction; any will do.
+  const V3f around = ring > 0.0f ? V3f(p.z / ring, 0.0f, -p.x / ring) : V3f(1.0f, 0.0f, 0.0f);
+  const V3f dpdu = around * (2.0f * pi * std::max(ring, 1e-6f));
+  const V3f dpdv = p.cross(around) * pi;
+  return {dpdu, dpdv, p, dpdu, dpdv, true};
+}
+
 }  // namespace
+
+SurfaceDifferentials differentials_at(const ObjectState& object, const Place& place, const Hit& hit) {
+  const SurfaceDifferentials local = object.mesh != nullptr
+                                         ? surface_differentials(*object.mesh, hit.triangle, hit.u, hit.v)
+                                         : sphere_differentials(hit.local.normalized());
+  return transformed(local, place.to_world, place.normal_to_world);
+}
 
 Surface surface_at(const ObjectState& object, const Place& place, const Hit& hit) {
   return object.mesh != nullptr ? mesh_surface(object, place, hit) : sphere_surface(object, place, hit);
@@ -93,7 +100,8 @@ Surface surface_at(const ObjectState& object, const Place& place, const Hit& hit
 
 PointMotion point_motion(const ObjectState& object, const Hit& hit, float time) {
   const V3d point = local_position(object, hit);
-  return {transform_point(point, object.exact.at(time)), transform_point(point, object.exact_previous.at(time))};
+  return {transform_point(point, object.exact.at(time)),
+          transform_point(point, object.exact_previous.at(time))};
 }
 
 }  // namespace becalm::tracer

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "tracer/snapshot.h"
+#include "tracer/surface_differentials.h"
 
 namespace becalm::tracer {
 
@@ -10,12 +11,14 @@ struct Surface {
   V3f normal_geometric;  ///< unit, on the outside: the side from which the triangle is counter-clockwise
   V3f normal_shading;    ///< unit, interpolated, in the hemisphere of the geometric one
   V2f uv;
-  float uv_per_length;  ///< how fast uv changes along the triangle, root of the ratio of areas
-  float offset;         ///< bound of the rounding errors in the position and in what Embree makes of it
+  float offset;  ///< bound of the rounding errors in the position and in what Embree makes of it
 };
 
 /// `place` is the object's at the ray's time.
 Surface surface_at(const ObjectState& object, const Place& place, const Hit& hit);
+
+/// How the surface changes around the hit, in world space.
+SurfaceDifferentials differentials_at(const ObjectState& object, const Place& place, const Hit& hit);
 
 /// Where a ray leaves the surface in this direction: off it by more than rounding errors, on the ray's side.
 inline V3f offset_origin(const Surface& surface, const V3f& dir_world) {

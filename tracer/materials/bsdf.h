@@ -32,8 +32,29 @@ struct DielectricBsdf {
   V3f transmittance;  ///< [0,1], tint of what crosses the interface
 };
 
+/// Layers of a clear coat and a sheen over a base of metal, glass and diffuse reflection under a dielectric's
+/// highlight; made by make_principled (principled.h), which names the parameters. Everything reflects on both
+/// sides. The model is derived in principled.inl.
+struct PrincipledBsdf {
+  V3f base_color;
+  float metal;    ///< share of the base
+  float glass;    ///< share of the base; the rest is diffuse under a dielectric
+  float eta;      ///< as DielectricBsdf's
+  float f0;       ///< reflectance of the dielectric at normal incidence
+  float alpha_x;  ///< GGX width along the tangent, turned by the rotation; below kSmoothAlpha a mirror
+  float alpha_y;  ///< <= alpha_x
+  float rotation_cos;
+  float rotation_sin;
+  V3f multiple;        ///< colour of what metal and dielectric scatter more than once, over 1 - mean albedo
+  float multiple_f0;   ///< of the dielectric alone, without that divisor
+  float diffuse_gain;  ///< 1 / (1 - mean albedo of the dielectric)
+  V3f sheen;
+  float coat;
+  float coat_alpha;
+};
+
 /// A new model is one .inl, one entry here and one case of the scene loader.
-using Bsdf = std::variant<DiffuseBsdf, ConductorBsdf, DielectricBsdf>;
+using Bsdf = std::variant<DiffuseBsdf, ConductorBsdf, DielectricBsdf, PrincipledBsdf>;
 
 /// Lobes narrower than this many radians are handled as delta functions: 32-bit directions could not resolve
 /// them.

@@ -22,6 +22,18 @@ struct ShadingFrame {
     return {{1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
   }
 
+  /// With the tangent along the part of `along` that is perpendicular to the normal: what anisotropic lobes
+  /// follow. from_normal's where `along` has no such part.
+  static ShadingFrame from_normal_and_tangent(const V3f& unit_normal, const V3f& along) {
+    const V3d n(unit_normal), a(along);  // lengths of 1e30 must have squares
+    const V3d tangent = a - n * n.dot(a);
+    const double length2 = tangent.dot(tangent);
+    constexpr double least_sine2 = 1e-10;
+    if (!(length2 > least_sine2 * a.dot(a)) || !std::isfinite(length2)) return from_normal(unit_normal);
+    const V3f unit(tangent / std::sqrt(length2));
+    return {unit, unit_normal.cross(unit), unit_normal};
+  }
+
   V3f to_local(const V3f& world) const {
     return {world.dot(tangent), world.dot(bitangent), world.dot(normal)};
   }

@@ -21,11 +21,8 @@ Scene load_scene(const std::string& file) {
   if (const auto v = json.find("environment")) read_environment(*v, scene);
   if (const auto v = json.find("lights")) read_lights(*v, scene);
 
-  Names materials, meshes;
-  for (const auto& [name, value] : json.at("materials").members()) {
-    materials.emplace(name, static_cast<std::uint32_t>(scene.materials.size()));
-    scene.materials.push_back(read_material(name, value, scene));
-  }
+  const Names materials = read_materials(json.at("materials"), scene);
+  Names meshes;
   for (const auto& [name, value] : json.at("meshes").members()) {
     meshes.emplace(name, static_cast<std::uint32_t>(scene.meshes.size()));
     scene.meshes.push_back(read_mesh(value, file));

@@ -18,8 +18,8 @@ void read_lights(const JsonValue& json, SceneDescription& scene);
 /// Sets the scene's environment.
 void read_environment(const JsonValue& json, SceneDescription& scene);
 
-/// Adds the images that the material names to the scene's textures.
-Material read_material(const std::string& name, const JsonValue& json, SceneDescription& scene);
+/// Adds the materials, and the images that they name, to the scene. Returns their numbers.
+Names read_materials(const JsonValue& json, SceneDescription& scene);
 
 Geometry read_mesh(const JsonValue& json, const std::string& scene_file);
 

@@ -8,13 +8,12 @@
 #include <vector>
 
 #include "tracer/lights/environment.h"
-#include "tracer/materials/bsdf.h"
 #include "tracer/sampling/jitter.h"
 #include "tracer/sampling/pixel_filter.h"
 #include "tracer/scene/geometry.h"
 #include "tracer/scene/light_description.h"
+#include "tracer/scene/material.h"
 #include "tracer/scene/shutter.h"
-#include "tracer/scene/texture.h"
 #include "tracer/scene/transform.h"
 #include "tracer/scene_needs.h"
 
@@ -55,12 +54,6 @@ struct CameraSettings {
 
   bool moves() const { return look_at.animated() || (focus_distance && focus_distance->animated()); }
   bool has_lens() const;  ///< whether the aperture is ever open
-};
-
-struct Material {
-  std::string name;
-  Bsdf bsdf;                             ///< with a texture: whose reflectance the texture replaces
-  std::optional<std::uint32_t> texture;  ///< reflectance of a diffuse material
 };
 
 struct Object {

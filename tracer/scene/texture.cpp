@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "frame/error.h"
+#include "tracer/scene/image_channel.h"
 
 namespace becalm::tracer {
 
@@ -22,27 +23,47 @@ float srgb_to_linear(float v) {
   return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
 }
 
+/// The largest footprint that says anything: from one picture's width on everything is averaged.
+constexpr float kWholePicture = 1.0f;
+
+/// Longest over shortest side of what a lookup averages; OpenImageIO spends as many probes.
+constexpr int kAnisotropy = 4;
+
+/// The cache knows a file as `PREFIX:path`, since one file may be used in several ways.
+std::string_view prefix(const TextureSettings& settings) {
+  constexpr std::string_view of_content[] = {"linear", "data", "r", "g", "b", "a"};
+  const bool coded = settings.content == TextureContent::color && settings.space == ColorSpace::srgb;
+  return coded ? "srgb" : of_content[static_cast<std::size_t>(settings.content)];
+}
+
+float finite_or_zero(float v) {
+  return std::isfinite(v) ? v : 0.0f;
+}
+
 /// Presents any image file as three channels of linear half, so that the cache's MIP maps and filters average
-/// light and not code values. Grey is repeated, alpha left out.
+/// light and not code values, or as one or three channels of float as they are. Grey is repeated.
 class LinearInput : public OIIO::ImageInput {
  public:
-  explicit LinearInput(ColorSpace space) : space_(space) {}
-
-  /// The cache knows the file as `prefix:path`, since one file may be used in both spaces.
-  static constexpr std::string_view prefix(ColorSpace space) {
-    return space == ColorSpace::srgb ? "srgb:" : "linear:";
-  }
-
   const char* format_name() const override { return "linear"; }
 
   bool open(const std::string& name, OIIO::ImageSpec& spec) override {
-    file_ = OIIO::ImageInput::open(name.substr(prefix(space_).size()));
+    const std::size_t colon = name.find(':');
+    const std::string what = name.substr(0, colon);
+    file_ = open_image(name.substr(colon + 1));
     if (!file_) {
       errorfmt("{}", OIIO::geterror());
       return false;
     }
     const OIIO::ImageSpec& source = file_->spec();
-    m_spec = OIIO::ImageSpec(source.width, source.height, 3, OIIO::TypeHalf);
+    srgb_ = what == "srgb";
+    half_ = srgb_ || what == "linear";
+    channels_.clear();
+    for (const char* channel : {"r", "g", "b", "a"}) {
+      const bool wanted = what.size() == 1 ? what == channel : *channel != 'a';
+      if (wanted) channels_.push_back(std::max(0, find_channel(source, channel)));
+    }
+    m_spec = OIIO::ImageSpec(source.width, source.height, static_cast<int>(channels_.size()),
+                             half_ ? OIIO::TypeHalf : OIIO::TypeFloat);
     spec = m_spec;
     band_begin_ = band_end_ = 0;
     return true;
@@ -56,19 +77,26 @@ class LinearInput : public OIIO::ImageInput {
   bool read_native_scanline(int subimage, int miplevel, int y, int /*z*/, void* data) override {
     if (subimage != 0 || miplevel != 0 || (!(y >= band_begin_ && y < band_end_) && !read_band(y)))
       return false;
-    const int channels = file_->spec().nchannels;
-    const float* from = band_.data() + static_cast<std::size_t>(y - band_begin_) * m_spec.width * channels;
-    auto* to = static_cast<Imath::half*>(data);
-    for (int x = 0; x < m_spec.width; ++x, from += channels, to += 3) {
-      for (int c = 0; c < 3; ++c) {
-        const float v = channels >= 3 ? from[c] : from[0];
-        to[c] = space_ == ColorSpace::srgb ? srgb_to_linear(v) : v;
+    const int stride = file_->spec().nchannels;
+    const float* from = band_.data() + static_cast<std::size_t>(y - band_begin_) * m_spec.width * stride;
+    auto* halves = static_cast<Imath::half*>(data);
+    auto* floats = static_cast<float*>(data);
+    for (int x = 0; x < m_spec.width; ++x, from += stride) {
+      for (const int c : channels_) {
+        const float v = finite_or_zero(srgb_ ? srgb_to_linear(from[c]) : from[c]);
+        if (half_) {
+          *halves++ = std::clamp(v, -kLargestHalf, kLargestHalf);
+        } else {
+          *floats++ = v;
+        }
       }
     }
     return true;
   }
 
  private:
+  static constexpr float kLargestHalf = 65504.0f;
+
   /// Reads the rows of tiles, or the one scanline, that hold row y.
   bool read_band(int y) {
     const OIIO::ImageSpec& source = file_->spec();
@@ -89,18 +117,17 @@ class LinearInput : public OIIO::ImageInput {
     return ok;
   }
 
-  ColorSpace space_;
+  bool srgb_ = false;
+  bool half_ = false;
+  std::vector<int> channels_;  ///< of the file, those presented
   std::unique_ptr<OIIO::ImageInput> file_;
   std::vector<float> band_;
   int band_begin_ = 0;
   int band_end_ = 0;
 };
 
-OIIO::ImageInput* make_linear_input() {
-  return new LinearInput(ColorSpace::linear);
-}
-OIIO::ImageInput* make_srgb_input() {
-  return new LinearInput(ColorSpace::srgb);
+OIIO::ImageInput* make_input() {
+  return new LinearInput;
 }
 
 }  // namespace
@@ -109,6 +136,8 @@ struct Textures::State {
   struct Entry {
     OIIO::TextureSystem::TextureHandle* handle;
     TextureSettings settings;
+    OIIO::ustring name;
+    V2f texel;
   };
 
   // One cache serves the process, as OpenImageIO means it; a private one is deleted by 2.4 through a type
@@ -141,16 +170,24 @@ std::uint32_t Textures::count() const {
 }
 
 std::uint32_t Textures::add(const TextureSettings& settings) {
-  if (!OIIO::ImageInput::open(settings.path)) throw std::runtime_error(OIIO::geterror());
+  const std::unique_ptr<OIIO::ImageInput> file = open_image(settings.path);
+  if (!file) throw std::runtime_error(OIIO::geterror());
+  const std::string_view what = prefix(settings);
+  if (what.size() == 1 && find_channel(file->spec(), what) < 0)
+    throw std::runtime_error("it has no channel '" + std::string(what) + "'");
   if (!state_) state_ = std::make_unique<State>();
-  const OIIO::ustring name(std::string(LinearInput::prefix(settings.space)) + settings.path);
+  const OIIO::ustring name(std::string(what) + ":" + settings.path);
+  const bool known = std::any_of(state_->entries.begin(), state_->entries.end(),
+                                 [&](const State::Entry& entry) { return entry.name == name; });
   // Read anew even if another scene of this process knows the file, which may have changed since.
-  state_->cache->add_file(name, settings.space == ColorSpace::srgb ? make_srgb_input : make_linear_input,
-                          nullptr, true);
+  if (!known) state_->cache->add_file(name, make_input, nullptr, true);
   OIIO::TextureSystem::TextureHandle* handle = state_->system->get_texture_handle(name);
   if (handle == nullptr || !state_->system->good(handle))
     throw std::runtime_error(state_->system->geterror());
-  state_->entries.push_back({handle, settings});
+  const V2f texel =
+      V2f(1.0f) / (V2f(static_cast<float>(file->spec().width), static_cast<float>(file->spec().height)) *
+                   settings.repeat);
+  state_->entries.push_back({handle, settings, name, V2f(std::abs(texel.x), std::abs(texel.y))});
   return count() - 1;
 }
 
@@ -162,32 +199,62 @@ Textures::Reader::Reader(const Textures& textures)
     : textures_(&textures),
       thread_info_(textures.state_ ? textures.state_->system->get_perthread_info() : nullptr) {}
 
-V3f Textures::Reader::color(std::uint32_t texture, const V2f& uv, float footprint_uv) const {
+void Textures::Reader::read(std::uint32_t texture, const TexturePoint& point, int channels,
+                            float* values) const {
   State& state = *textures_->state_;
   const State::Entry& entry = state.entries[texture];
   const V2f& repeat = entry.settings.repeat;
   OIIO::TextureOpt options;
   options.swrap = options.twrap = OIIO::TextureOpt::WrapPeriodic;
   options.interpmode = OIIO::TextureOpt::InterpBilinear;
-  options.mipmode = OIIO::TextureOpt::MipModeTrilinear;
-  V3f color(0.0f);
+  options.mipmode = OIIO::TextureOpt::MipModeAniso;
+  options.anisotropic = kAnisotropy;
+  // Into the unit square here: OpenImageIO counts texels in int.
+  const auto wrap = [](float v) { return finite_or_zero(v - std::floor(v)); };
+  const auto limit = [](float v) {
+    return std::isnan(v) ? kWholePicture : std::clamp(v, -kWholePicture, kWholePicture);
+  };
   // OpenImageIO's t runs down the picture, v runs up.
   const bool ok = state.system->texture(
-      entry.handle, static_cast<OIIO::TextureSystem::Perthread*>(thread_info_), options, uv.x * repeat.x,
-      1.0f - uv.y * repeat.y, footprint_uv * repeat.x, 0.0f, 0.0f, footprint_uv * repeat.y, 3, &color.x);
-  if (!ok) {
-    const std::lock_guard lock(state.failure_mutex);
-    if (!state.failed) {
-      std::string reason = state.system->geterror();
-      std::replace(reason.begin(), reason.end(), '\n', ' ');
-      state.failure = entry.settings.path + ": " + reason;
-    }
-    state.failed = true;
-    return V3f(0.0f);
+      entry.handle, static_cast<OIIO::TextureSystem::Perthread*>(thread_info_), options,
+      wrap(point.uv.x * repeat.x), 1.0f - wrap(point.uv.y * repeat.y), limit(point.duv_dx.x * repeat.x),
+      limit(-point.duv_dx.y * repeat.y), limit(point.duv_dy.x * repeat.x), limit(-point.duv_dy.y * repeat.y),
+      channels, values);
+  if (ok) return;
+  std::fill(values, values + channels, 0.0f);
+  const std::lock_guard lock(state.failure_mutex);
+  if (!state.failed) {
+    std::string reason = state.system->geterror();
+    std::replace(reason.begin(), reason.end(), '\n', ' ');
+    state.failure = entry.settings.path + ": " + reason;
   }
-  color *= entry.settings.scale;
+  state.failed = true;
+}
+
+V3f Textures::Reader::color(std::uint32_t texture, const TexturePoint& point) const {
+  V3f color = data(texture, point);
   for (float* c = &color.x; c != &color.x + 3; ++c) *c = std::clamp(*c, 0.0f, 1.0f);
   return color;
+}
+
+V3f Textures::Reader::data(std::uint32_t texture, const TexturePoint& point) const {
+  V3f value(0.0f);
+  read(texture, point, 3, &value.x);
+  return value * textures_->state_->entries[texture].settings.scale;
+}
+
+float Textures::Reader::scalar(std::uint32_t texture, const TexturePoint& point) const {
+  float value = 0.0f;
+  read(texture, point, 1, &value);
+  return value * textures_->state_->entries[texture].settings.scale.x;
+}
+
+V2f Textures::Reader::texel(std::uint32_t texture) const {
+  return textures_->state_->entries[texture].texel;
+}
+
+float footprint_scale(int spp) {
+  return std::max(kLeastFootprintScale, 1.0f / std::sqrt(static_cast<float>(std::max(1, spp))));
 }
 
 }  // namespace becalm::tracer

@@ -1,0 +1,76 @@
+#include "tracer/materials/principled.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "tracer/materials/principled_albedo.h"
+
+namespace becalm::tracer {
+
+namespace {
+
+float unit(float v) {
+  return v > 0.0f ? std::min(v, 1.0f) : 0.0f;
+}
+
+/// The colour of light that a microsurface of conductors with mean Fresnel reflectance F sends out after two
+/// and more bounces, where one of F = 1 would send out all (Kulla and Conty, "Revisiting Physically Based
+/// Shading at Imageworks", 2017: F^2 E / (1 - F (1 - E)) with the mean albedo E).
+float multiple_scattering(float f0, float f90, float mean) {
+  const float fresnel = f0 + (f90 - f0) / 21.0f;  // 2 int F(cos) cos dcos of Schlick's
+  return fresnel * fresnel * mean / (1.0f - fresnel * (1.0f - mean));
+}
+
+}  // namespace
+
+PrincipledBsdf make_principled(const PrincipledParameters& parameters) {
+  PrincipledBsdf bsdf;
+  const V3f& color = parameters.base_color;
+  bsdf.base_color = {unit(color.x), unit(color.y), unit(color.z)};
+  bsdf.metal = unit(parameters.metallic);
+  bsdf.glass = (1.0f - bsdf.metal) * unit(parameters.transmission);
+  // Beyond these, which reflect 99.9%, 32-bit numbers lose the rest.
+  const float ior = parameters.ior;
+  bsdf.eta = ior > 0.0f && std::isfinite(ior) ? std::clamp(ior, 1e-3f, 1e3f) : 1.0f;
+  const float ratio = (bsdf.eta - 1.0f) / (bsdf.eta + 1.0f);
+  bsdf.f0 = ratio * ratio;
+
+  // The lobe is longer along the tangent by 1 / (1 - 0.9 anisotropy) (Burley, "Physically-Based Shading at
+  // Disney", 2012). Roughness limits the length at 1.
+  const float alpha = roughness_to_alpha(unit(parameters.roughness));
+  const float aspect = std::sqrt(1.0f - 0.9f * unit(parameters.anisotropy));
+  bsdf.alpha_x = std::min(1.0f, alpha / aspect);
+  bsdf.alpha_y = alpha * aspect;
+  if (bsdf.alpha_x >= kSmoothAlpha) bsdf.alpha_y = std::max(bsdf.alpha_y, kSmoothAlpha);
+  const float turns = parameters.anisotropy_rotation;
+  const float angle =
+      2.0f * std::numbers::pi_v<float> * (std::isfinite(turns) ? turns - std::floor(turns) : 0.0f);
+  bsdf.rotation_cos = std::cos(angle);
+  bsdf.rotation_sin = std::sin(angle);
+
+  const GgxAlbedo mean_parts = PrincipledTables::get().mean_albedo(albedo_alpha(bsdf));
+  const float mean = mean_parts.f0 + mean_parts.f90;
+  const float metal_f90 = f90_of(max_component(bsdf.base_color));
+  const float f90 = f90_of(bsdf.f0);
+  bsdf.multiple_f0 = multiple_scattering(bsdf.f0, f90, mean);
+  const float dielectric = 1.0f - bsdf.metal - bsdf.glass;
+  const float lost = 1.0f - mean;
+  constexpr float least_lost = 1e-5f;  // of microsurfaces so smooth that nothing is scattered twice
+  for (int c = 0; c < 3; ++c) {
+    const float colored =
+        bsdf.metal * multiple_scattering(bsdf.base_color[c], metal_f90, mean) + dielectric * bsdf.multiple_f0;
+    bsdf.multiple[c] = lost > least_lost ? colored / lost : 0.0f;
+  }
+  const float dielectric_mean = bsdf.f0 * mean_parts.f0 + f90 * mean_parts.f90 + bsdf.multiple_f0 * lost;
+  bsdf.diffuse_gain = 1.0f / std::max(1e-5f, 1.0f - dielectric_mean);
+
+  const float strongest = max_component(bsdf.base_color);
+  const V3f hue = strongest > 0.0f ? bsdf.base_color / strongest : V3f(1.0f);
+  const float tint = unit(parameters.sheen_tint);
+  bsdf.sheen = (V3f(1.0f - tint) + hue * tint) * (unit(parameters.sheen) * (1.0f - bsdf.metal));
+  bsdf.coat = unit(parameters.clearcoat);
+  bsdf.coat_alpha = roughness_to_alpha(unit(parameters.clearcoat_roughness));
+  return bsdf;
+}
+
+}  // namespace becalm::tracer

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tracer/scene/texture.h"
+#include "tracer/vec.h"
+
+namespace becalm::tracer {
+
+/// How much of a surface is there: an image of 8-bit numbers in memory, looked up while rays are traced. No
+/// MIP levels: what passes between the texels of one lookup is found by the samples of a pixel, and
+/// converges.
+class AlphaMask {
+ public:
+  /// Reads one channel of the image: `content` r, g, b or a; `color` stands for the alpha channel, or the
+  /// luminance where there is none. Numbers count as they are in the file, clamped to [0,1]; NaN is 0. Throws
+  /// std::runtime_error with the reason if it cannot be read or has no such channel.
+  static AlphaMask read(const std::string& path, TextureContent content, const V2f& repeat);
+
+  /// In [0,1], between the four texels around uv; the picture repeats. 0 where uv is not finite. May be
+  /// called by any number of threads.
+  float opacity(const V2f& uv) const;
+
+  std::size_t bytes() const { return texels_.size(); }
+
+ private:
+  int width_ = 0;
+  int height_ = 0;
+  V2f repeat_{1.0f};
+  std::vector<std::uint8_t> texels_;  ///< rows from the top
+};
+
+}  // namespace becalm::tracer

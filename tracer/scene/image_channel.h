@@ -1,0 +1,30 @@
+#pragma once
+
+#include <OpenImageIO/imageio.h>
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace becalm::tracer {
+
+/// Opens an image file with its colours as they are beside their alpha: multiplied by it, the edges of
+/// cut-out leaves would be dark. Null if it cannot; OIIO::geterror() says why.
+inline std::unique_ptr<OIIO::ImageInput> open_image(const std::string& path) {
+  OIIO::ImageSpec config;
+  config["oiio:UnassociatedAlpha"] = 1;
+  return OIIO::ImageInput::open(path, &config);
+}
+
+/// Whether the file has three colours; grey otherwise, with or without alpha.
+inline bool has_colors(const OIIO::ImageSpec& spec) {
+  return spec.nchannels >= 3;
+}
+
+/// The file's channel that is `name` ("r", "g", "b" or "a"); -1 if there is none. Grey serves as r, g and b.
+inline int find_channel(const OIIO::ImageSpec& spec, std::string_view name) {
+  if (name == "a") return spec.alpha_channel;
+  return has_colors(spec) ? static_cast<int>(std::string_view("rgb").find(name)) : 0;
+}
+
+}  // namespace becalm::tracer

@@ -1,0 +1,191 @@
+#include "tracer/scene/material.h"
+
+#include <algorithm>
+
+namespace becalm::tracer {
+
+namespace {
+
+/// Of inputs: their constants.
+struct Constants {
+  template <class T>
+  T operator()(const MaterialInput<T>& input) const {
+    return input.value;
+  }
+};
+
+/// Of inputs: their values at a place.
+struct Lookup {
+  const Textures::Reader& textures;
+  const TexturePoint& point;
+
+  V3f operator()(const ColorInput& input) const {
+    return input.texture == kNoTexture ? input.value : textures.color(input.texture, point);
+  }
+  float operator()(const ScalarInput& input) const {
+    return input.texture == kNoTexture ? input.value
+                                       : std::clamp(textures.scalar(input.texture, point), 0.0f, 1.0f);
+  }
+};
+
+template <class Values>
+Bsdf make_bsdf(const DiffuseMaterial& m, const Values& at) {
+  return DiffuseBsdf{at(m.reflectance)};
+}
+
+template <class Values>
+Bsdf make_bsdf(const ConductorMaterial& m, const Values& at) {
+  const ConductorIor ior = m.ior ? *m.ior : conductor_from_reflectance(at(m.reflectance));
+  return ConductorBsdf{ior.eta, ior.k, roughness_to_alpha(at(m.roughness))};
+}
+
+template <class Values>
+Bsdf make_bsdf(const DielectricMaterial& m, const Values& at) {
+  return DielectricBsdf{m.ior, roughness_to_alpha(at(m.roughness)), at(m.transmittance)};
+}
+
+template <class Values>
+Bsdf make_bsdf(const PrincipledMaterial& m, const Values& at) {
+  return make_principled({.base_color = at(m.base_color),
+                          .metallic = at(m.metallic),
+                          .roughness = at(m.roughness),
+                          .ior = m.ior,
+                          .anisotropy = at(m.anisotropy),
+                          .anisotropy_rotation = at(m.anisotropy_rotation),
+                          .sheen = at(m.sheen),
+                          .sheen_tint = at(m.sheen_tint),
+                          .clearcoat = at(m.clearcoat),
+                          .clearcoat_roughness = at(m.clearcoat_roughness),
+                          .transmission = at(m.transmission)});
+}
+
+/// A mix has no BSDF of its own; it is resolved first.
+template <class Values>
+Bsdf make_bsdf(const MixMaterial&, const Values&) {
+  return DiffuseBsdf{V3f(0.0f)};
+}
+
+template <class... Inputs>
+bool any_texture(const Inputs&... inputs) {
+  return ((inputs.texture != kNoTexture) || ...);
+}
+
+bool is_textured(const DiffuseMaterial& m) {
+  return any_texture(m.reflectance);
+}
+bool is_textured(const ConductorMaterial& m) {
+  return any_texture(m.reflectance, m.roughness);
+}
+bool is_textured(const DielectricMaterial& m) {
+  return any_texture(m.roughness, m.transmittance);
+}
+bool is_textured(const PrincipledMaterial& m) {
+  return any_texture(m.base_color, m.metallic, m.roughness, m.anisotropy, m.anisotropy_rotation, m.sheen,
+                     m.sheen_tint, m.clearcoat, m.clearcoat_roughness, m.transmission);
+}
+bool is_textured(const MixMaterial& m) {
+  return any_texture(m.factor);
+}
+
+// Where a parameter is textured, it may take any value.
+bool may_be_smooth(const ScalarInput& roughness) {
+  return any_texture(roughness) || roughness_to_alpha(roughness.value) < kSmoothAlpha;
+}
+bool may_be_rough(const ScalarInput& roughness) {
+  return any_texture(roughness) || roughness_to_alpha(roughness.value) >= kSmoothAlpha;
+}
+bool may_be_positive(const ScalarInput& weight) {
+  return any_texture(weight) || weight.value > 0.0f;
+}
+
+void add_lobes(MaterialNeeds&, const DiffuseMaterial&) {}
+
+void add_lobes(MaterialNeeds& needs, const ConductorMaterial& m) {
+  needs.delta_lobes |= may_be_smooth(m.roughness);
+  needs.rough_specular |= may_be_rough(m.roughness);
+}
+
+void add_lobes(MaterialNeeds& needs, const DielectricMaterial& m) {
+  // Narrow refraction is smooth as well: ask the BSDF.
+  const auto smooth_at = [&](float roughness) {
+    return is_specular(DielectricBsdf{m.ior, roughness_to_alpha(roughness), V3f(1.0f)});
+  };
+  const bool varies = any_texture(m.roughness);
+  needs.delta_lobes |= varies || smooth_at(m.roughness.value);
+  needs.rough_specular |= !smooth_at(varies ? 1.0f : m.roughness.value);
+  needs.transmission = true;
+}
+
+void add_lobes(MaterialNeeds& needs, const PrincipledMaterial& m) {
+  const bool coated = may_be_positive(m.clearcoat);
+  needs.delta_lobes |= may_be_smooth(m.roughness) || (coated && may_be_smooth(m.clearcoat_roughness));
+  needs.rough_specular |= may_be_rough(m.roughness) || (coated && may_be_rough(m.clearcoat_roughness));
+  needs.transmission |=
+      may_be_positive(m.transmission) && (any_texture(m.metallic) || m.metallic.value < 1.0f);
+  needs.tangents |= may_be_positive(m.anisotropy);
+}
+
+void add_lobes(MaterialNeeds& needs, const MixMaterial&) {
+  needs.mix = true;
+}
+
+void add_needs(MaterialNeeds& needs, std::span<const Material> materials, const Material& material) {
+  needs.textures |= material.textured || has_relief(material);
+  needs.relief |= has_relief(material);
+  needs.tangents |= has_relief(material);
+  if (material.is_interface) {
+    needs.interface = needs.transmission = true;
+    return;
+  }
+  MaterialNeeds own;
+  std::visit([&](const auto& model) { add_lobes(own, model); }, material.model);
+  needs.delta_lobes |= own.delta_lobes;
+  needs.rough_specular |= own.rough_specular;
+  needs.transmission |= own.transmission;
+  needs.tangents |= own.tangents;
+  needs.mix |= own.mix;
+  needs.specular |= material.textured ? own.delta_lobes : is_specular(material.bsdf);
+  if (const auto* mix = std::get_if<MixMaterial>(&material.model)) {
+    add_needs(needs, materials, materials[mix->first]);
+    add_needs(needs, materials, materials[mix->second]);
+  }
+}
+
+}  // namespace
+
+void finish_material(Material& material) {
+  material.textured = std::visit([](const auto& model) { return is_textured(model); }, material.model);
+  material.bsdf = std::visit([](const auto& model) { return make_bsdf(model, Constants{}); }, material.model);
+}
+
+Bsdf evaluate_material(const Material& material, const Textures::Reader& textures,
+                       const TexturePoint& point) {
+  if (!material.textured) return material.bsdf;
+  return std::visit(
+      [&](const auto& model) {
+        return make_bsdf(model, Lookup{textures, point});
+      },
+      material.model);
+}
+
+const Material& resolve_mix(std::span<const Material> materials, const Material& material,
+                            const Textures::Reader& textures, const TexturePoint& point, float& u) {
+  constexpr float last_below_one = 0x1.fffffep-1f;
+  const Material* chosen = &material;
+  while (const auto* mix = std::get_if<MixMaterial>(&chosen->model)) {
+    const float first_share = 1.0f - Lookup{textures, point}(mix->factor);
+    const bool first = u < first_share;
+    u = std::min(last_below_one, first ? u / first_share : (u - first_share) / (1.0f - first_share));
+    chosen = &materials[first ? mix->first : mix->second];
+  }
+  return *chosen;
+}
+
+MaterialNeeds material_needs(std::span<const Material> materials, const Material& material) {
+  MaterialNeeds needs;
+  add_needs(needs, materials, material);
+  needs.alpha = has_alpha(material);
+  return needs;
+}
+
+}  // namespace becalm::tracer
