@@ -15,10 +15,16 @@ namespace {
 /// Share of the box's height that lies below the clouds' base, and where the base has become solid.
 constexpr float kBaseHeight = 0.08f;
 constexpr float kBaseSolid = 0.14f;
-/// What the threshold gains from the base to the box's top: more than field and detail can reach.
+/// Share of the box's height above which clouds are thinned out, so that the highest are not cut off.
+constexpr float kTopFade = 0.8f;
+/// What the threshold gains from the base to the box's top.
 constexpr float kTopThreshold = 1.6f;
-/// What the threshold gains at the sides.
-constexpr float kEdgeThreshold = 1.0f;
+/// What the threshold gains towards the border. Together with the factor min(1, kRimSlope * rim), which takes
+/// away what is left there.
+constexpr float kRimThreshold = 1.0f;
+constexpr float kRimSlope = 4.0f;
+/// Weight of the first octave.
+constexpr float kFieldWeight = 1.5f;
 /// The field's bias at coverage 0 and 1.
 constexpr float kClearBias = -1.2f;
 constexpr float kOvercastBias = 0.6f;
@@ -57,17 +63,16 @@ float cloud_density(const CloudShape& shape, const V3f& point) {
 
   const float above_base = (height - kBaseHeight) / (1.0f - kBaseHeight);
   const float bias = kClearBias + shape.coverage * (kOvercastBias - kClearBias);
+  const float rim = smooth_step(0.0f, shape.edge, side) * (1.0f - smooth_step(kTopFade, 1.0f, height));
   float field = bias - kTopThreshold * above_base * above_base;
-  if (shape.edge > 0.0f) field -= kEdgeThreshold * (1.0f - smooth_step(0.0f, shape.edge, side));
-  field += 1.5f * gradient_noise(noise_point(shape, point, 0), octave_seed(shape, 0));
+  field -= kRimThreshold * (1.0f - rim);
+  field += kFieldWeight * gradient_noise(noise_point(shape, point, 0), octave_seed(shape, 0));
 
-  float amplitude = kDetailWeight;
-  float remaining = 0.0f;
-  for (int octave = 1; octave < shape.octaves; ++octave) {
-    amplitude *= shape.gain;
-    remaining += amplitude;
+  float remaining = 0.0f;  // amplitude of the octaves to come
+  for (int octave = shape.octaves - 1; octave > 0; --octave) {
+    remaining = shape.gain * (kDetailWeight + remaining);
   }
-  amplitude = kDetailWeight;
+  float amplitude = kDetailWeight;
   for (int octave = 1; octave < shape.octaves; ++octave) {
     // Most points are clear or solid whatever the octaves to come add.
     if (field + remaining * kBillowBound <= 0.0f || field - remaining * kBillowMean >= shape.softness) break;
@@ -76,7 +81,8 @@ float cloud_density(const CloudShape& shape, const V3f& point) {
     const float noise = gradient_noise(noise_point(shape, point, octave), octave_seed(shape, octave));
     field += amplitude * (std::abs(noise) - kBillowMean);
   }
-  return std::clamp(field / shape.softness, 0.0f, 1.0f) * smooth_step(kBaseHeight, kBaseSolid, height);
+  return std::clamp(field / shape.softness, 0.0f, 1.0f) * std::min(1.0f, kRimSlope * rim) *
+         smooth_step(kBaseHeight, kBaseSolid, height);
 }
 
 DensityGrid bake_cloud(const CloudShape& shape) {

@@ -20,8 +20,9 @@ struct CloudShape {
   int octaves = 6;
   float lacunarity = 2.1f;  ///< ratio of frequencies from octave to octave
   float gain = 0.5f;        ///< ratio of amplitudes
-  float softness = 0.2f;    ///< how far the field rises from the cloud's surface to density 1, in (0, ...)
-  float edge = 0.3f;        ///< width of the clear rim along the sides, in the box's coordinates
+  float softness =
+      0.2f;  ///< rise of the field from the clouds' surface to density 1, above 0; noise is of size 1
+  float edge = 0.3f;  ///< width of the clear rim along the sides in the box's coordinates, above 0
   std::uint32_t seed = 0;
 
   bool operator==(const CloudShape&) const = default;
