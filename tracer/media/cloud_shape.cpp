@@ -29,7 +29,7 @@ constexpr float kFieldWeight = 1.5f;
 constexpr float kClearBias = -1.2f;
 constexpr float kOvercastBias = 0.6f;
 /// Mean of a billow octave, |noise|, which is taken off so that detail neither grows nor shrinks the clouds,
-/// and a bound of what is left.
+/// and a bound of what is left: |noise| < 1.1.
 constexpr float kBillowMean = 0.2f;
 constexpr float kBillowBound = 0.9f;
 /// Weight of the detail beside the first octave.
@@ -66,7 +66,9 @@ float cloud_density(const CloudShape& shape, const V3f& point) {
   const float rim = smooth_step(0.0f, shape.edge, side) * (1.0f - smooth_step(kTopFade, 1.0f, height));
   float field = bias - kTopThreshold * above_base * above_base;
   field -= kRimThreshold * (1.0f - rim);
-  field += kFieldWeight * gradient_noise(noise_point(shape, point, 0), octave_seed(shape, 0));
+  // Slower along y: clouds stand on their base, and few fly off.
+  const V3f flattened(point.x, 0.75f * point.y, point.z);
+  field += kFieldWeight * gradient_noise(noise_point(shape, flattened, 0), octave_seed(shape, 0));
 
   float remaining = 0.0f;  // amplitude of the octaves to come
   for (int octave = shape.octaves - 1; octave > 0; --octave) {

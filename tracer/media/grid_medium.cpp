@@ -2,6 +2,12 @@
 
 namespace becalm::tracer {
 
+M44f world_to_voxels(const M44d& medium_to_world, const V3i& voxels) {
+  M44d box_to_voxels;
+  for (int a = 0; a < 3; ++a) box_to_voxels[a][a] = box_to_voxels[3][a] = 0.5 * (voxels[a] - 1);
+  return M44f(medium_to_world.inverse() * box_to_voxels);
+}
+
 namespace {
 
 /// The tentative collisions of a ray with the medium, in order: a Poisson process whose rate is the majorant.

@@ -24,6 +24,10 @@ struct GridMedium {
   std::size_t bytes() const { return density.bytes(); }
 };
 
+/// From world space to voxel coordinates, for a medium whose box [-1,1]^3 is placed by `medium_to_world`,
+/// which must be invertible.
+M44f world_to_voxels(const M44d& medium_to_world, const V3i& voxels);
+
 /// The longest step of the tracking that is told apart from 0 is 1/256 of a voxel: where the mean free path
 /// would be shorter, the extinction is reduced to that. Below a voxel the density is a straight line by
 /// definition, so that nothing but the depth to which light enters that line's first percent depends on it;

@@ -4,12 +4,6 @@ namespace becalm::tracer {
 
 namespace {
 
-M44f world_to_voxels(const M44d& medium_to_world, const V3i& voxels) {
-  M44d box_to_voxels;
-  for (int a = 0; a < 3; ++a) box_to_voxels[a][a] = box_to_voxels[3][a] = 0.5 * (voxels[a] - 1);
-  return M44f(medium_to_world.inverse() * box_to_voxels);
-}
-
 void update(const CloudDescription& cloud, double frame, const M44d& medium_to_world, Medium& medium) {
   CloudShape shape = cloud.shape;
   const auto offset = cloud.offset.at(frame);
