@@ -87,32 +87,34 @@ GridSpan clip_to_grid(const DensityGrid& grid, const V3f& origin, const V3f& dir
 /// three numbers of blocks, since every step goes on by one block along one axis and never back.
 template <class Visit>
 void visit_blocks(const DensityGrid& grid, const GridSpan& span, const Visit& visit) {
-  constexpr float infinity = std::numeric_limits<float>::infinity();
-  constexpr float block_cells = DensityGrid::kBlockCells;
-  V3i block, step;
-  V3f t_face;
+  // Plain arrays: an axis is an index here, which Imath's vectors would put through memory as a whole.
+  float origin[3], dir_inverse[3], t_face[3];
+  int block[3], step[3], end[3], face[3];
   for (int a = 0; a < 3; ++a) {
-    const float at = span.origin[a] / block_cells;
-    block[a] = std::clamp(static_cast<int>(at), 0, grid.blocks()[a] - 1);
+    // Along what is parallel but for rounding there are no faces.
+    const bool parallel = std::abs(span.dir[a]) < 1e-30f;
     step[a] = span.dir[a] < 0.0f ? -1 : 1;
+    end[a] = step[a] < 0 ? -1 : grid.blocks()[a];
+    origin[a] = span.origin[a];
+    dir_inverse[a] = parallel ? 0.0f : 1.0f / span.dir[a];
+    block[a] = std::clamp(static_cast<int>(origin[a] / DensityGrid::kBlockCells), 0, grid.blocks()[a] - 1);
+    face[a] = (block[a] + (step[a] > 0 ? 1 : 0)) * DensityGrid::kBlockCells;
+    t_face[a] = parallel ? std::numeric_limits<float>::infinity()
+                         : (static_cast<float>(face[a]) - origin[a]) * dir_inverse[a];
   }
-  const auto distance_to_face = [&](int a) {
-    if (span.dir[a] == 0.0f) return infinity;
-    const int face = block[a] + (step[a] > 0 ? 1 : 0);
-    return (static_cast<float>(face * DensityGrid::kBlockCells) - span.origin[a]) / span.dir[a];
-  };
-  for (int a = 0; a < 3; ++a) t_face[a] = distance_to_face(a);
-
   float t_in = 0.0f;
   while (t_in < span.length) {
-    const int axis = t_face.x <= t_face.y ? (t_face.x <= t_face.z ? 0 : 2) : (t_face.y <= t_face.z ? 1 : 2);
+    const int first = t_face[0] <= t_face[1] ? 0 : 1;
+    const int axis = t_face[first] <= t_face[2] ? first : 2;
     const float t_out = std::min(t_face[axis], span.length);
-    const float majorant = grid.majorant(block);
-    if (majorant > 0.0f && t_out > t_in && !visit(block, majorant, t_in, t_out)) return;
+    const V3i at(block[0], block[1], block[2]);
+    const float majorant = grid.majorant(at);
+    if (majorant > 0.0f && t_out > t_in && !visit(at, majorant, t_in, t_out)) return;
     t_in = std::max(t_in, t_out);
     block[axis] += step[axis];
-    if (block[axis] < 0 || block[axis] >= grid.blocks()[axis]) return;
-    t_face[axis] = distance_to_face(axis);
+    if (block[axis] == end[axis]) return;
+    face[axis] += step[axis] * DensityGrid::kBlockCells;
+    t_face[axis] = (static_cast<float>(face[axis]) - origin[axis]) * dir_inverse[axis];
   }
 }
 
