@@ -49,6 +49,7 @@ class Camera {
   V3d direction(const V2f& raster) const {
     return forward_ * focal_px_ + right_ * (raster.x - center_.x) + up_ * (center_.y - raster.y);
   }
+  V3f eye() const { return V3f(eye_); }
   const V3d& right() const { return right_; }
   V3d down() const { return -up_; }
   double focal_px() const { return focal_px_; }

@@ -44,6 +44,7 @@ namespace {
 struct Features {
   bool surfaces;  ///< materials other than plain diffuse ones
   bool textures;  ///< what varies over a surface, and the ray differentials that say how far to average it
+  bool media;     ///< scattering inside objects, and interfaces that only bound them
   bool blur;      ///< the shutter is open for a time, or the lens has a width
   bool guides;
 };
@@ -56,6 +57,12 @@ constexpr float kScatteredSpread = 0.1f;
 
 /// Shadow rays end short of the light by this share of the way (and by rounding errors), so as not to hit it.
 constexpr float kShadowShortening = 1e-4f;
+
+/// Interfaces that a path crosses at most: rounding may find one again and again.
+constexpr int kMostCrossings = 1000;
+
+/// Between the seeds of a path's rays.
+constexpr std::uint32_t kRaySeedStep = 0x9e3779b9u;
 
 /// Radiance that the hit surface emits along the ray backward.
 V3f emitted(const ObjectState& object, const Surface& surface, const V3f& ray_dir) {
@@ -94,10 +101,12 @@ class Path {
       start(context.cameras.current(), raster, std::nullopt);
     }
     if constexpr (F.surfaces) ray_.seed = sampler.seed_of_rays();
+    if constexpr (F.media) interiors_ = context.eye_interiors;
   }
 
   PathSample trace() {
-    while (step()) ++depth_;
+    while (step()) {
+    }
     return result_;
   }
 
@@ -118,20 +127,26 @@ class Path {
   /// Follows the ray to what it meets and scatters there; false when the path ends.
   bool step();
   void escape();
-  void see_primary_hit(const ObjectState& object, const Hit& hit);
+  void see_primary(std::uint32_t object, float distance, const PointMotion& point);
+  bool cross_interface(const ObjectState& object, const Hit& hit, const Surface& surface);
+  bool scatter_in_medium(const Medium& medium, float t);
+  void gather_direct_light_in_medium(const V3f& position, float g, float u_light, const V2f& u);
   void gather_emission(const ObjectState& object, const Hit& hit, const Surface& surface);
   bool scatter(const ObjectState& object, const Hit& hit, Surface& surface);
   Bsdf shade(const ObjectState& object, const Hit& hit, Surface& surface, float u_mix, V3f& tangent);
   void bend_differential(const ObjectState& object, const Hit& hit, const V3f& normal,
                          const BsdfSample& scattered, const V3f& wi_world);
+  V3f transmission(Ray shadow);
+  V3f visibility(const V3f& from, const V3f& position, const LightSample& light);
+  bool survives_roulette(float u);
   void gather_direct_light(const ShadingVertex& vertex, float u_light, const V2f& u);
 
   /// Each ray decides anew what it passes through.
-  void next_ray_seed() { ray_.seed += 0x9e3779b9u; }
+  void next_ray_seed() { ray_.seed += kRaySeedStep; }
 
-  std::optional<Hit> closest() const {
-    if (context_.rays != nullptr) context_.rays->push_back({ray_, false});
-    return snapshot_.intersector().closest(ray_);
+  std::optional<Hit> closest(const Ray& ray) const {
+    if (context_.rays != nullptr) context_.rays->push_back({ray, false});
+    return snapshot_.intersector().closest(ray);
   }
   bool occluded(const Ray& ray) const {
     if (context_.rays != nullptr) context_.rays->push_back({ray, true});
@@ -175,13 +190,27 @@ class Path {
   RayDifferential differential_;  // only with textures
   V3f previous_position_;         // of the vertex that the ray left, without the offset
   float material_pdf_ = 0.0f;     // of the ray's direction; 0 where light sampling had no chance
+  Interiors interiors_;           // what the ray's origin lies in; only with media
+  float travelled_ = 0.0f;        // to the ray's origin from the last scattering, through interfaces
+  int crossings_ = 0;             // of interfaces
   int depth_ = 0;                 // scattering events so far
   int scatterings_ = 0;           // those other than at perfect mirrors and glass
 };
 
 template <Features F>
 bool Path<F>::step() {
-  const std::optional<Hit> hit = closest();
+  const std::optional<Hit> hit = closest(ray_);
+  if constexpr (F.media) {
+    MediumRandom random(sampler_.next_2d());
+    if (!interiors_.empty()) {
+      const Medium& medium = *snapshot_.object(interiors_.innermost()).interior;
+      const MediumSample event =
+          sample_distance(medium, ray_.origin, ray_.dir, hit ? hit->t : kInfinity, random, throughput_);
+      throughput_ *= event.weight;
+      if (is_black(throughput_)) return false;
+      if (event.scattered) return scatter_in_medium(medium, event.t);
+    }
+  }
   if (!hit) {
     escape();
     return false;
@@ -190,12 +219,24 @@ bool Path<F>::step() {
   Surface surface = surface_of(object, *hit);
   if constexpr (F.textures)
     differential_ = transferred(differential_, ray_.dir, hit->t, surface.normal_geometric);
-  if (depth_ == 0) see_primary_hit(object, *hit);
+  if (F.media && object.material->is_interface) return cross_interface(object, *hit, surface);
+  if (depth_ == 0)
+    see_primary(hit->object, hit->t, F.guides ? point_motion(object, *hit, time_) : PointMotion{});
   gather_emission(object, *hit, surface);
   if (context_.log != nullptr) {
     context_.log->push_back({hit->object, surface.position, throughput_, result_.radiance});
   }
   return scatter(object, *hit, surface);
+}
+
+template <Features F>
+bool Path<F>::cross_interface(const ObjectState& object, const Hit& hit, const Surface& surface) {
+  if (++crossings_ > kMostCrossings) return false;
+  cross_boundary(interiors_, object, hit.object, ray_.dir, surface);
+  travelled_ += hit.t;
+  ray_.origin = offset_origin(surface, ray_.dir);
+  next_ray_seed();
+  return true;
 }
 
 template <Features F>
@@ -215,16 +256,16 @@ void Path<F>::escape() {
   }
 }
 
+/// What the eye sees first, so far along the ray.
 template <Features F>
-void Path<F>::see_primary_hit(const ObjectState& object, const Hit& hit) {
+void Path<F>::see_primary(std::uint32_t object, float distance, const PointMotion& point) {
   result_.covered = true;
   if constexpr (F.guides) {
-    const PointMotion point = point_motion(object, hit, time_);
     Guides& guides = result_.guides;
-    guides.depth = hit.t;
+    guides.depth = travelled_ + distance;
     guides.motion = motion(context_.cameras.current(time_).project(point.current),
                            context_.cameras.previous(time_).project(point.previous));
-    guides.ids = {hit.object + 1, snapshot_.description().objects[hit.object].material + 1};
+    guides.ids = {object + 1, snapshot_.description().objects[object].material + 1};
   }
 }
 
@@ -311,15 +352,23 @@ bool Path<F>::scatter(const ObjectState& object, const Hit& hit, Surface& surfac
   if constexpr (F.textures) bend_differential(object, hit, normal, *scattered, wi_world);
   previous_position_ = surface.position;
 
-  // A path that may still meet the surface of albedo and normal must get there.
-  if (depth_ + 1 >= integrator_.roulette_depth && scatterings_ > 0) {
-    const float survival = std::min(0.95f, max_component(throughput_) / radiance_scale_);
-    if (u_roulette >= survival) return false;
-    throughput_ /= survival;
-  }
+  if (F.media && scattered->transmitted) cross_boundary(interiors_, object, hit.object, wi_world, surface);
   ray_.origin = offset_origin(surface, wi_world);
   ray_.dir = wi_world;
+  return survives_roulette(u_roulette);
+}
+
+/// Counts the scattering that has just happened and decides whether the path goes on after it.
+template <Features F>
+bool Path<F>::survives_roulette(float u) {
+  ++depth_;
+  travelled_ = 0.0f;
   next_ray_seed();
+  // A path that may still meet the surface of albedo and normal must get there.
+  if (depth_ < integrator_.roulette_depth || scatterings_ == 0) return true;
+  const float survival = std::min(0.95f, max_component(throughput_) / radiance_scale_);
+  if (u >= survival) return false;
+  throughput_ /= survival;
   return true;
 }
 
@@ -355,16 +404,94 @@ void Path<F>::gather_direct_light(const ShadingVertex& vertex, float u_light, co
     contribution *= mis_weight(integrator_.heuristic, light->pdf_solid_angle,
                                pdf_solid_angle(vertex.bsdf, vertex.wo, wi));
   }
+  gather(throughput_ * contribution *
+             visibility(offset_origin(vertex.surface, light->dir_world), position, *light),
+         scatterings_ + 1, light->group);
+}
+
+/// Share of the light sample's radiance that arrives at `from`, which is `position` off its surface.
+template <Features F>
+V3f Path<F>::visibility(const V3f& from, const V3f& position, const LightSample& light) {
   next_ray_seed();
   Ray shadow = ray_;
-  shadow.origin = offset_origin(vertex.surface, light->dir_world);
-  shadow.dir = light->dir_world;
-  if (light->distance < kInfinity) {
-    shadow.dir = position + light->dir_world * light->distance - shadow.origin;
-    shadow.t_max = 1.0f - kShadowShortening - snapshot_.extent() * 0x1p-18f / light->distance;
+  shadow.origin = from;
+  shadow.dir = light.dir_world;
+  shadow.t_max = kInfinity;
+  if (light.distance < kInfinity) {
+    shadow.dir = position + light.dir_world * light.distance - from;
+    shadow.t_max = 1.0f - kShadowShortening - snapshot_.extent() * 0x1p-18f / light.distance;
   }
-  if (shadow.t_max > 0.0f && occluded(shadow)) return;
-  gather(throughput_ * contribution, scatterings_ + 1, light->group);
+  if constexpr (F.media) return transmission(shadow);
+  return shadow.t_max > 0.0f && occluded(shadow) ? V3f(0.0f) : V3f(1.0f);
+}
+
+/// What the shadow ray's media let pass; nothing if it meets more than interfaces.
+template <Features F>
+V3f Path<F>::transmission(Ray shadow) {
+  Interiors interiors = interiors_;
+  MediumRandom random(sampler_.next_2d());
+  const float length = shadow.dir.length();  // finite lights' directions reach from here to there
+  shadow.dir /= length;
+  shadow.t_max *= length;
+  V3f share(1.0f);
+  for (int crossing = 0; shadow.t_max > 0.0f && crossing < kMostCrossings; ++crossing) {
+    const std::optional<Hit> hit = closest(shadow);
+    if (hit && !snapshot_.object(hit->object).material->is_interface) return V3f(0.0f);
+    if (!interiors.empty()) {
+      const Medium& medium = *snapshot_.object(interiors.innermost()).interior;
+      share *= transmittance(medium, shadow.origin, shadow.dir, hit ? hit->t : shadow.t_max, random);
+      if (is_black(share)) return share;
+    }
+    if (!hit) return share;
+    const ObjectState& object = snapshot_.object(hit->object);
+    const Surface surface = surface_of(object, *hit);
+    cross_boundary(interiors, object, hit->object, shadow.dir, surface);
+    shadow.origin = offset_origin(surface, shadow.dir);
+    shadow.t_max -= hit->t;
+    shadow.seed += kRaySeedStep;
+  }
+  return share;
+}
+
+template <Features F>
+bool Path<F>::scatter_in_medium(const Medium& medium, float t) {
+  const V3f position = ray_.origin + ray_.dir * t;
+  if (depth_ == 0) {
+    // The medium is taken to stand still.
+    see_primary(interiors_.innermost(), t, {V3d(position), V3d(position)});
+    if constexpr (F.guides) result_.guides.albedo = clamp_to_unit(throughput_);
+  } else if (F.guides && scatterings_ == 0) {
+    result_.guides.albedo = clamp_to_unit(throughput_ / radiance_scale_);
+  }
+  if (depth_ == integrator_.max_depth) return false;
+
+  const float u_light = sampler_.next_1d();
+  const V2f u_light_point = sampler_.next_2d();
+  const V2f u_phase = sampler_.next_2d();
+  const float u_roulette = sampler_.next_1d();
+  const float g = mean_cosine(medium);
+  if (draws_lights_) gather_direct_light_in_medium(position, g, u_light, u_light_point);
+  const PhaseSample scattered = sample_henyey_greenstein(g, -ray_.dir, u_phase);
+  ++scatterings_;
+  material_pdf_ = scattered.pdf_solid_angle;
+  previous_position_ = position;
+  if constexpr (F.textures)
+    differential_ = becalm::tracer::scattered(differential_, scattered.wi, kScatteredSpread);
+  ray_.origin = position;
+  ray_.dir = scattered.wi;
+  return survives_roulette(u_roulette);
+}
+
+template <Features F>
+void Path<F>::gather_direct_light_in_medium(const V3f& position, float g, float u_light, const V2f& u) {
+  const std::optional<LightSample> light = snapshot_.lights().sample(position, time_, u_light, u);
+  if (!light) return;
+  const float phase = phase_henyey_greenstein(g, -ray_.dir, light->dir_world);
+  V3f contribution = light->radiance * (phase / light->pdf_solid_angle);
+  if (is_black(contribution)) return;
+  if (integrator_.direct == Direct::mis && !light->delta)
+    contribution *= mis_weight(integrator_.heuristic, light->pdf_solid_angle, phase);
+  gather(throughput_ * contribution * visibility(position, position, *light), scatterings_ + 1, light->group);
 }
 
 template <Features F>
@@ -382,10 +509,11 @@ constexpr Variant kVariant{F, &trace_path<F>};
 
 template <bool kGuides>
 constexpr std::array kVariants = {
-    kVariant<Features{.surfaces = false, .textures = false, .blur = false, .guides = kGuides}>,
-    kVariant<Features{.surfaces = true, .textures = false, .blur = false, .guides = kGuides}>,
-    kVariant<Features{.surfaces = true, .textures = true, .blur = false, .guides = kGuides}>,
-    kVariant<Features{.surfaces = true, .textures = true, .blur = true, .guides = kGuides}>,
+    kVariant<Features{false, false, false, false, kGuides}>,
+    kVariant<Features{.surfaces = true, .textures = false, .media = false, .blur = false, .guides = kGuides}>,
+    kVariant<Features{.surfaces = true, .textures = true, .media = false, .blur = false, .guides = kGuides}>,
+    kVariant<Features{.surfaces = true, .textures = true, .media = false, .blur = true, .guides = kGuides}>,
+    kVariant<Features{.surfaces = true, .textures = true, .media = true, .blur = true, .guides = kGuides}>,
 };
 
 }  // namespace
@@ -395,7 +523,8 @@ PathFunction select_path_function(const SceneNeeds& needs, bool with_guides) {
   const bool surfaces = needs.specular || needs.rough_specular || needs.alpha;
   const bool blur = needs.motion_blur || needs.depth_of_field;
   for (const auto& [has, function] : with_guides ? kVariants<true> : kVariants<false>) {
-    if (has.surfaces >= surfaces && has.textures >= textures && has.blur >= blur) return function;
+    if (has.surfaces >= surfaces && has.textures >= textures && has.media >= needs.media && has.blur >= blur)
+      return function;
   }
   assert(false);
   return nullptr;

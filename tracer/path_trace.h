@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "tracer/camera_animation.h"
+#include "tracer/interiors.h"
 #include "tracer/radiance_split.h"
 #include "tracer/sampling/sampler.h"
 #include "tracer/snapshot.h"
@@ -49,9 +50,10 @@ struct PathContext {
   const Snapshot& snapshot;
   const Integrator& integrator;
   const CameraAnimation& cameras;
+  const Interiors& eye_interiors;  ///< what the camera stands in
   Textures::Reader textures;
   float footprint_scale = 1.0f;              ///< see scene/texture.h
-  bool mixes = false;                         ///< whether materials are mixed: one more random number an event
+  bool mixes = false;                        ///< whether materials are mixed: one more random number an event
   RadianceSplit* split = nullptr;            ///< the path's radiance is added to it if not null
   std::vector<PathVertex>* log = nullptr;    ///< filled if not null
   std::vector<RecordedRay>* rays = nullptr;  ///< filled if not null

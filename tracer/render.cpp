@@ -45,13 +45,19 @@ struct FrameSetup {
         spp(static_cast<std::uint32_t>(options.spp)),
         seed(options.seed),
         cameras(description.camera, frame_number, width, height),
+        eye_interiors(scene.needs().media ? interiors_at(snapshot, cameras.current().eye()) : Interiors()),
         guides(wants_guides(options.aovs)),
         mixes(scene.needs().mix),
         trace(select_path_function(scene.needs(), guides)) {}
 
   PathContext context() const {
-    return {snapshot, description.integrator, cameras, Textures::Reader(description.textures),
-            footprint_scale(static_cast<int>(spp)), mixes};
+    return {snapshot,
+            description.integrator,
+            cameras,
+            eye_interiors,
+            Textures::Reader(description.textures),
+            footprint_scale(static_cast<int>(spp)),
+            mixes};
   }
 
   PathSample sample_pixel(const PathContext& context, int x, int y, std::uint32_t index) const {
@@ -76,6 +82,7 @@ struct FrameSetup {
   std::uint32_t spp;
   std::uint32_t seed;
   CameraAnimation cameras;
+  Interiors eye_interiors;
   bool guides;
   bool mixes;
   PathFunction trace;

@@ -5,6 +5,7 @@
 
 #include "frame/error.h"
 #include "tracer/emissive_objects.h"
+#include "tracer/media/update_medium.h"
 
 namespace becalm::tracer {
 
@@ -87,6 +88,9 @@ Snapshot::Snapshot(const SceneDescription& description, int frame)
   intersector_ = std::make_unique<Intersector>(placements);
   intersector_->commit();
   build_lights(frame);
+  interiors_.resize(
+      std::ranges::count_if(description.objects, [](const Object& o) { return o.interior.has_value(); }));
+  update_media(frame);
 }
 
 void Snapshot::set_frame(int frame) {
@@ -116,7 +120,24 @@ void Snapshot::set_frame(int frame) {
   // The share of light from infinity depends on the scene's size, so any motion counts beside it.
   if (lights_changed || (moved && (description_->environment || !description_->lights.empty())))
     build_lights(frame);
+  update_media(frame);
   frame_ = frame;
+}
+
+void Snapshot::update_media(int frame) {
+  auto medium = interiors_.begin();
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    const std::optional<std::uint32_t>& interior = description_->objects[i].interior;
+    if (!interior) continue;
+    update_medium(description_->media[*interior], frame, objects_[i].exact.first(), *medium);
+    objects_[i].interior = &*medium++;
+  }
+}
+
+std::size_t Snapshot::media_bytes() const {
+  std::size_t sum = 0;
+  for (const Medium& medium : interiors_) sum += bytes(medium);
+  return sum;
 }
 
 void Snapshot::place(std::size_t index, int frame) {

@@ -8,6 +8,7 @@
 
 #include "tracer/intersect.h"
 #include "tracer/lights/lights.h"
+#include "tracer/media/medium.h"
 #include "tracer/motion_steps.h"
 #include "tracer/scene/scene.h"
 
@@ -26,6 +27,7 @@ struct ObjectState {
   const Geometry* geometry = nullptr;
   const Mesh* mesh = nullptr;  ///< null where there are no triangles
   const Material* material = nullptr;
+  const Medium* interior = nullptr;
   bool material_varies = false;  ///< over the surface, or by a random choice
   Place place;                   ///< when the shutter opens; all of it if the object does not move meanwhile
   MotionSteps<float> blur;       ///< while the shutter is open
@@ -59,6 +61,8 @@ class Snapshot {
   const Lights& lights() const { return lights_; }
   const ObjectState& object(std::uint32_t index) const { return objects_[index]; }
   int frame() const { return frame_; }
+  /// Memory of what is kept for the frame: hierarchies, media.
+  std::size_t media_bytes() const;
   /// Largest absolute coordinate of any object, the measure of rounding errors.
   float extent() const { return extent_; }
 
@@ -66,6 +70,7 @@ class Snapshot {
   void place(std::size_t index, int frame);
   void measure();
   void build_lights(int frame);
+  void update_media(int frame);
 
   const SceneDescription* description_;
   int frame_ = 0;
@@ -73,6 +78,7 @@ class Snapshot {
   std::vector<ObjectState> objects_;
   std::unique_ptr<Intersector> intersector_;
   Lights lights_;
+  std::vector<Medium> interiors_;  ///< of each object that has one, in their order
   float extent_ = 0.0f;
   float radius_ = 0.0f;  ///< of a sphere around all objects
 };

@@ -36,6 +36,7 @@ class Curve {
   }
 
   const std::vector<Key>& keys() const { return keys_; }
+  Interpolation interpolation() const { return interpolation_; }
 
   /// Whether the value ever changes.
   bool animated() const {

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tracer/scene/load_media.h"
 #include "tracer/scene/load_sections.h"
 
 namespace becalm::tracer {
@@ -9,8 +10,8 @@ namespace becalm::tracer {
 Scene load_scene(const std::string& file) {
   const nlohmann::json document = parse_json_file(file);
   const JsonValue json(document, file, "");
-  json.allow_keys(
-      {"frames", "film", "integrator", "camera", "environment", "lights", "materials", "meshes", "objects"});
+  json.allow_keys({"frames", "film", "integrator", "camera", "environment", "lights", "materials", "media",
+                   "meshes", "objects"});
 
   SceneDescription scene;
   scene.file = file;
@@ -21,15 +22,19 @@ Scene load_scene(const std::string& file) {
   if (const auto v = json.find("environment")) read_environment(*v, scene);
   if (const auto v = json.find("lights")) read_lights(*v, scene);
 
-  const Names materials = read_materials(json.at("materials"), scene);
-  Names meshes;
+  SceneNames names;
+  names.materials = read_materials(json.at("materials"), scene);
+  if (const auto media = json.find("media")) {
+    for (const auto& [name, value] : media->members()) {
+      names.media.emplace(name, static_cast<std::uint32_t>(scene.media.size()));
+      scene.media.push_back(read_medium(value));
+    }
+  }
   for (const auto& [name, value] : json.at("meshes").members()) {
-    meshes.emplace(name, static_cast<std::uint32_t>(scene.meshes.size()));
+    names.meshes.emplace(name, static_cast<std::uint32_t>(scene.meshes.size()));
     scene.meshes.push_back(read_mesh(value, file));
   }
-  for (const JsonValue& value : json.at("objects").elements()) {
-    scene.objects.push_back(read_object(value, meshes, materials));
-  }
+  for (const JsonValue& value : json.at("objects").elements()) read_objects(value, names, scene);
   return Scene(std::move(scene));
 }
 

@@ -23,6 +23,15 @@ Names read_materials(const JsonValue& json, SceneDescription& scene);
 
 Geometry read_mesh(const JsonValue& json, const std::string& scene_file);
 
-Object read_object(const JsonValue& json, const Names& meshes, const Names& materials);
+/// Numbers of what objects refer to.
+struct SceneNames {
+  Names materials, media, meshes;
+};
+
+/// Adds the light group that the object names.
+Object read_object(const JsonValue& json, const SceneNames& names, SceneDescription& scene);
+
+/// Adds the object, or the copies of it that "scatter" asks for. `objects` are those read so far, by name.
+void read_objects(const JsonValue& json, const SceneNames& names, SceneDescription& scene);
 
 }  // namespace becalm::tracer

@@ -13,6 +13,7 @@
 #include "tracer/scene/geometry.h"
 #include "tracer/scene/light_description.h"
 #include "tracer/scene/material.h"
+#include "tracer/scene/medium_description.h"
 #include "tracer/scene/shutter.h"
 #include "tracer/scene/transform.h"
 #include "tracer/scene_needs.h"
@@ -47,9 +48,9 @@ struct CameraSettings {
   double fov_y_deg = 45.0;
   LookAtCurve look_at = LookAtCurve::Value{0, 0, 5, 0, 0, 0, 0, 1, 0};
   Shutter shutter;
-  Curve<1> aperture_radius = Curve<1>::Value{0.0};   ///< scene units; 0: a pinhole
-  std::optional<Curve<1>> focus_distance;            ///< along the view, scene units; none: the target's
-  int blades = 0;                                    ///< sides of the aperture; 0: a disc
+  Curve<1> aperture_radius = Curve<1>::Value{0.0};  ///< scene units; 0: a pinhole
+  std::optional<Curve<1>> focus_distance;           ///< along the view, scene units; none: the target's
+  int blades = 0;                                   ///< sides of the aperture; 0: a disc
   double blade_rotation_deg = 0.0;
 
   bool moves() const { return look_at.animated() || (focus_distance && focus_distance->animated()); }
@@ -60,10 +61,11 @@ struct Object {
   std::string name;
   std::uint32_t mesh = 0;
   std::uint32_t material = 0;
+  std::optional<std::uint32_t> interior;         ///< medium that fills it
   Curve<3> emission = Curve<3>::Value{0, 0, 0};  ///< radiance, uniform over the surface and all directions
   bool emissive = false;                         ///< whether the emission is ever positive
   std::uint16_t light_group = 0;
-  bool two_sided = false;                        ///< emits from the back as well
+  bool two_sided = false;  ///< emits from the back as well
   TransformCurve transform = TransformCurve::Value{0, 0, 0, 0, 0, 0, 1, 1, 1};
 };
 
@@ -80,6 +82,7 @@ struct SceneDescription {
   std::vector<LightDescription> lights;   ///< beside the environment and the objects that emit
   std::vector<std::string> light_groups;  ///< names, in the order in which the file brings them up
   std::vector<Material> materials;
+  std::vector<MediumDescription> media;
   std::vector<Geometry> meshes;
   std::vector<Object> objects;
   Textures textures;
