@@ -13,6 +13,9 @@ namespace {
 /// it.
 constexpr double kSmallestShare = 0.1;
 
+/// From so many lights within the scene on they are chosen by a tree.
+constexpr std::ptrdiff_t kSmallestTree = 16;
+
 /// Lights within the scene, suns, the environment.
 using Kinds = std::array<double, 3>;
 
@@ -97,6 +100,13 @@ Lights::Lights(LightList list)
   if (sums[0] > 0.0) give(weights.begin(), suns, sums[0], share[0]);
   if (sums[1] > 0.0) give(suns, environment, sums[1], share[1]);
   if (sums[2] > 0.0) give(environment, weights.end(), sums[2], share[2]);
+  first_infinite_ = first_sun();
+  if (std::count_if(weights.begin(), suns, [](double w) { return w > 0.0; }) >= kSmallestTree) {
+    tree_ = LightTree(finite_bounds({weights.data(), first_sun()}));
+    weights.erase(weights.begin() + 1, suns);
+    weights.front() = share[0];
+    first_infinite_ = 1;
+  }
   choice_ = DiscreteDistribution(weights);
 }
 
@@ -128,6 +138,51 @@ std::vector<double> Lights::finite_powers() const {
     });
   }
   return powers;
+}
+
+/// What moves may face anywhere while it does.
+std::vector<LightBounds> Lights::finite_bounds(std::span<const double> powers) const {
+  std::vector<LightBounds> all(powers.size());
+  // Linear motion stays in the box of its keys.
+  const auto extend = [](LightBounds& bounds, const MotionKeys& motion, const auto& extend_at) {
+    for (std::uint32_t i = 0; i <= motion.segments; ++i) {
+      extend_at(bounds.box,
+                motion.moving() ? static_cast<float>(i) / static_cast<float>(motion.segments) : 0.0f);
+    }
+  };
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    LightBounds& bounds = all[i];
+    bounds.power = powers[i];
+    if (powers[i] == 0.0) continue;
+    if (i < first_sphere()) {
+      bounds.two_sided = triangles_[i].two_sided;
+      if (!moving(i)) bounds.facing = {V3d(triangles_[i].normal), 0.0};
+      extend(bounds, moving(i) ? triangle_motion_[i] : MotionKeys{}, [&](Imath::Box3d& box, float time) {
+        const AreaLight light = moving(i) ? triangle_at(i, time) : triangles_[i];
+        box.extendBy(V3d(light.p0));
+        box.extendBy(V3d(light.p0) + V3d(light.edge1));
+        box.extendBy(V3d(light.p0) + V3d(light.edge2));
+      });
+    } else if (i < first_point()) {
+      const EmissiveSphere& sphere = spheres_[i - first_sphere()];
+      extend(bounds, sphere.motion, [&](Imath::Box3d& box, float time) {
+        const EmissiveSphere now = sphere_at(sphere, time);
+        box.extendBy(V3d(now.center) - V3d(now.radius));
+        box.extendBy(V3d(now.center) + V3d(now.radius));
+      });
+    } else if (i < first_spot()) {
+      const PointLight& point = points_[i - first_point()];
+      extend(bounds, point.motion,
+             [&](Imath::Box3d& box, float time) { box.extendBy(V3d(point_at(point, time).position)); });
+    } else {
+      const SpotEmitter& spot = spots_[i - first_spot()];
+      if (!spot.motion.moving()) bounds.facing = {spot.axis, 0.0};
+      bounds.emission_rad = std::acos(1.0 - spot.outer);
+      extend(bounds, spot.motion,
+             [&](Imath::Box3d& box, float time) { box.extendBy(V3d(spot_at(spot, time).position)); });
+    }
+  }
+  return all;
 }
 
 AreaLight Lights::triangle_at(std::size_t triangle, float time) const {
@@ -189,19 +244,25 @@ std::optional<LightSample> Lights::sample_emitter(std::size_t number, const V3f&
 std::optional<LightSample> Lights::sample(const V3f& point, float time, float u_light, const V2f& u) const {
   if (empty()) return std::nullopt;
   const DiscreteDistribution::Choice choice = choice_.sample(u_light);
-  return chosen(sample_emitter(choice.index, point, time, u), choice.probability);
+  if (!tree_.empty() && choice.index == 0) {
+    const std::optional<LightTree::Choice> emitter = tree_.sample(point, choice.u);
+    if (!emitter) return std::nullopt;
+    return chosen(sample_emitter(emitter->index, point, time, u), choice.probability * emitter->probability);
+  }
+  return chosen(sample_emitter(choice.index - first_infinite_ + first_sun(), point, time, u),
+                choice.probability);
 }
 
-float Lights::pdf_triangle(std::size_t triangle, const V3f&, const V3f& dir_world, float distance,
+float Lights::pdf_triangle(std::size_t triangle, const V3f& point, const V3f& dir_world, float distance,
                            float time) const {
   const float pdf = moving(triangle) ? triangle_at(triangle, time).pdf_solid_angle(dir_world, distance)
                                      : triangles_[triangle].pdf_solid_angle(dir_world, distance);
-  return pdf * choice_.probability(triangle);
+  return pdf * probability(triangle, point);
 }
 
 float Lights::pdf_sphere(std::size_t sphere, const V3f& point, float time) const {
   return sphere_at(spheres_[sphere], time).pdf_solid_angle(point) *
-         choice_.probability(first_sphere() + sphere);
+         probability(first_sphere() + sphere, point);
 }
 
 }  // namespace becalm::tracer

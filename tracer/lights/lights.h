@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "tracer/lights/area_light.h"
 #include "tracer/lights/environment.h"
+#include "tracer/lights/light_tree.h"
 #include "tracer/lights/point_light.h"
 #include "tracer/lights/sphere_light.h"
 #include "tracer/lights/spot_light.h"
@@ -37,11 +39,11 @@ struct LightList {
   std::vector<SpotKey> spot_keys;
 };
 
-/// All emitters of a frame. Chosen by power, that of moving ones on average over the shutter interval;
-/// emitters without size, without power or with values that are not finite are never chosen. Light from
-/// within the scene, from suns and from the environment each take at least a tenth of the samples where they
-/// exist, and equal parts where the scene's radius is unknown. `time` is the position in the shutter
-/// interval, in [0,1].
+/// All emitters of a frame. Chosen by power, that of moving ones on average over the shutter interval, and
+/// where many are within the scene by what they may send to the point (see LightTree). Emitters without size,
+/// without power or with values that are not finite are never chosen. Light from within the scene, from suns
+/// and from the environment each take at least a tenth of the samples where they exist, and equal parts where
+/// the scene's radius is unknown. `time` is the position in the shutter interval, in [0,1].
 class Lights {
  public:
   Lights() = default;
@@ -68,13 +70,13 @@ class Lights {
   void for_each_infinite(const V3f& dir_world, const F& f) const {
     if (environment_) {
       const Environment::Lookup seen = environment_->look_up(dir_world);
-      const std::size_t number = first_sun() + suns_.size();
-      f(seen.radiance, seen.pdf_solid_angle * choice_.probability(number), environment_group_);
+      const float chosen = choice_.probability(first_infinite_ + suns_.size());
+      f(seen.radiance, seen.pdf_solid_angle * chosen, environment_group_);
     }
     for (std::size_t i = 0; i < suns_.size(); ++i) {
       const SunEmitter& sun = suns_[i];
       if (sun.contains(dir_world)) {
-        f(sun.radiance, sun.pdf_solid_angle() * choice_.probability(first_sun() + i), sun.group);
+        f(sun.radiance, sun.pdf_solid_angle() * choice_.probability(first_infinite_ + i), sun.group);
       }
     }
   }
@@ -96,6 +98,12 @@ class Lights {
   PointLight point_at(const PointLight& point, float time) const;
   SpotEmitter spot_at(const SpotEmitter& spot, float time) const;
   std::vector<double> finite_powers() const;
+  std::vector<LightBounds> finite_bounds(std::span<const double> powers) const;
+  /// Of choosing a light within the scene.
+  float probability(std::size_t number, const V3f& point) const {
+    return tree_.empty() ? choice_.probability(number)
+                         : choice_.probability(0) * tree_.probability(number, point);
+  }
 
   std::vector<AreaLight> triangles_;
   std::vector<EmissiveSphere> spheres_;
@@ -111,7 +119,10 @@ class Lights {
   std::vector<V3f> point_keys_;
   std::vector<SpotKey> spot_keys_;
 
+  LightTree tree_;  ///< of the lights within the scene, if they are many
+  /// Each emitter by its number; with a tree, all of the tree as the first entry, then suns and environment.
   DiscreteDistribution choice_;
+  std::size_t first_infinite_ = 0;  ///< entry of the first sun
 };
 
 }  // namespace becalm::tracer

@@ -1,0 +1,221 @@
+#include "tracer/lights/light_tree.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace becalm::tracer {
+namespace {
+
+/// Trail of an emitter that is not in the tree; a real one has less than 64 turns.
+constexpr std::uint64_t kNoTrail = ~std::uint64_t{0};
+/// From here on clusters are halved, so that trails of 2^32 emitters fit into 64 bits.
+constexpr int kDeepestUneven = 31;
+constexpr int kBuckets = 12;
+/// Clusters of no more than this are halved: the best cut is not worth the search.
+constexpr std::size_t kSmallestBinned = 5;
+/// What is dark by less than this in the cosine may be so by rounding of the bounds.
+constexpr float kCosineTolerance = 1e-3f;
+/// Least cosine that the importance counts: at grazing angles bounds say little.
+constexpr float kLeastCosine = 0.05f;
+
+/// An angle by its cosine and sine.
+struct Angle {
+  float cosine;
+  float sine;
+};
+
+float other_leg(float cosine_or_sine) {
+  return std::sqrt(std::max(0.0f, 1.0f - cosine_or_sine * cosine_or_sine));
+}
+
+/// max(0, a - b) of angles in [0, pi].
+Angle less(const Angle& a, const Angle& b) {
+  if (a.cosine > b.cosine) return {1.0f, 0.0f};
+  return {a.cosine * b.cosine + a.sine * b.sine, a.sine * b.cosine - a.cosine * b.sine};
+}
+
+}  // namespace
+
+LightTree::Node::Node(const LightBounds& bounds, double whole)
+    : center(bounds.box.center()),
+      axis(bounds.facing.axis),
+      cos_facing(static_cast<float>(std::cos(bounds.facing.angle_rad))),
+      sin_facing(static_cast<float>(std::sin(bounds.facing.angle_rad))),
+      cos_emission(static_cast<float>(std::cos(bounds.emission_rad))),
+      two_sided(bounds.two_sided),
+      right(0),
+      emitter(0),
+      power(bounds.power / whole) {
+  // Around the rounded centre, and rounded up: the sphere must hold the box.
+  const V3d c(center);
+  const double exact = std::max((bounds.box.max - c).length(), (bounds.box.min - c).length());
+  constexpr float largest = std::numeric_limits<float>::max();
+  radius = exact < largest ? std::nextafter(static_cast<float>(exact), largest) : largest;
+}
+
+double LightTree::Node::importance(const V3d& point) const {
+  const V3d to_point = point - V3d(center);
+  const double squared = to_point.length2();
+  const double radius_squared = static_cast<double>(radius) * radius;
+  // As far as a sphere around the cluster at least: inside it the distance to the centre says nothing.
+  constexpr double least_squared = 1e-80;
+  const double falloff = power / std::max({squared, radius_squared, least_squared});
+  if (squared <= radius_squared || cos_facing <= -1.0f) return falloff;
+  const double inverse = 1.0 / std::sqrt(squared);
+  const auto along_axis = static_cast<float>(to_point.dot(V3d(axis)) * inverse);
+  const float cosine = two_sided ? std::abs(along_axis) : along_axis;
+  const auto sine_subtended = static_cast<float>(radius * inverse);
+  const Angle least = less(less({cosine, other_leg(cosine)}, {cos_facing, sin_facing}),
+                           {other_leg(sine_subtended), sine_subtended});
+  if (least.cosine < cos_emission - kCosineTolerance) return 0.0;
+  return falloff * std::max(least.cosine, kLeastCosine);
+}
+
+/// Binned top-down construction.
+class LightTree::Builder {
+ public:
+  Builder(LightTree& tree, std::span<const LightBounds> emitters) : tree_(tree), emitters_(emitters) {
+    for (std::size_t i = 0; i < emitters.size(); ++i) {
+      if (emitters[i].power > 0.0) order_.push_back(static_cast<std::uint32_t>(i));
+    }
+    tree_.trails_.assign(emitters.size(), kNoTrail);
+    if (order_.empty()) return;
+    tree_.nodes_.reserve(2 * order_.size() - 1);
+    for (const std::uint32_t i : order_) whole_ += emitters[i].power;
+    build(0, order_.size(), 0, 0);
+  }
+
+ private:
+  V3d center(std::uint32_t emitter) const { return emitters_[emitter].box.center(); }
+
+  void build(std::size_t begin, std::size_t end, int depth, std::uint64_t trail) {
+    LightBounds bounds;
+    for (std::size_t i = begin; i < end; ++i) bounds = unite(bounds, emitters_[order_[i]]);
+    const std::size_t node = tree_.nodes_.size();
+    tree_.nodes_.emplace_back(bounds, whole_);
+    if (end - begin == 1) {
+      tree_.nodes_[node].emitter = order_[begin];
+      tree_.trails_[order_[begin]] = trail;
+      return;
+    }
+    const std::size_t middle = split(begin, end, depth);
+    build(begin, middle, depth + 1, trail);
+    tree_.nodes_[node].right = static_cast<std::uint32_t>(tree_.nodes_.size());
+    build(middle, end, depth + 1, trail | std::uint64_t{1} << depth);
+  }
+
+  /// Orders the range and says where its second part begins.
+  std::size_t split(std::size_t begin, std::size_t end, int depth) {
+    Imath::Box3d centers;
+    for (std::size_t i = begin; i < end; ++i) centers.extendBy(center(order_[i]));
+    const int widest = static_cast<int>(centers.majorAxis());
+    const auto first = order_.begin() + static_cast<std::ptrdiff_t>(begin);
+    const auto last = order_.begin() + static_cast<std::ptrdiff_t>(end);
+    if (depth < kDeepestUneven && end - begin >= kSmallestBinned && centers.size()[widest] > 0.0) {
+      const auto [axis, bucket] = cheapest(begin, end, centers);
+      const auto middle = std::partition(
+          first, last, [&, a = axis, b = bucket](std::uint32_t i) { return bucket_of(i, a, centers) <= b; });
+      if (middle != first && middle != last) return static_cast<std::size_t>(middle - order_.begin());
+    }
+    const auto middle = first + (last - first) / 2;
+    std::nth_element(first, middle, last,
+                     [&](std::uint32_t a, std::uint32_t b) { return center(a)[widest] < center(b)[widest]; });
+    return static_cast<std::size_t>(middle - order_.begin());
+  }
+
+  int bucket_of(std::uint32_t emitter, int axis, const Imath::Box3d& centers) const {
+    const double share = (center(emitter)[axis] - centers.min[axis]) / centers.size()[axis];
+    return std::min(static_cast<int>(share * kBuckets), kBuckets - 1);
+  }
+
+  /// The axis, and the last bucket of the first part, of the least cost. Long boxes are rather cut across
+  /// (the paper's k_r).
+  std::pair<int, int> cheapest(std::size_t begin, std::size_t end, const Imath::Box3d& centers) const {
+    const V3d size = centers.size();
+    const double longest = std::max({size.x, size.y, size.z});
+    std::pair<int, int> best{0, 0};
+    double least = std::numeric_limits<double>::infinity();
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!(size[axis] > 0.0)) continue;
+      std::array<LightBounds, kBuckets> buckets, above;
+      for (std::size_t i = begin; i < end; ++i) {
+        LightBounds& bucket = buckets[bucket_of(order_[i], axis, centers)];
+        bucket = unite(bucket, emitters_[order_[i]]);
+      }
+      above.back() = buckets.back();
+      for (int b = kBuckets - 2; b >= 0; --b) above[b] = unite(buckets[b], above[b + 1]);
+      LightBounds below;
+      for (int b = 0; b + 1 < kBuckets; ++b) {
+        below = unite(below, buckets[b]);
+        if (below.power == 0.0 || above[b + 1].power == 0.0) continue;
+        const double cost = longest / size[axis] * (cluster_cost(below) + cluster_cost(above[b + 1]));
+        if (cost < least) {
+          least = cost;
+          best = {axis, b};
+        }
+      }
+    }
+    return best;
+  }
+
+  LightTree& tree_;
+  std::span<const LightBounds> emitters_;
+  std::vector<std::uint32_t> order_;
+  double whole_ = 0.0;
+};
+
+LightTree::LightTree(std::span<const LightBounds> emitters) {
+  Builder(*this, emitters);
+}
+
+std::optional<double> LightTree::first_share(std::size_t node, const V3d& point) const {
+  const double first = nodes_[node + 1].importance(point);
+  const double second = nodes_[nodes_[node].right].importance(point);
+  const double sum = first + second;
+  if (!(sum > 0.0)) return std::nullopt;
+  return first / sum;
+}
+
+std::optional<LightTree::Choice> LightTree::sample(const V3f& point, float u) const {
+  constexpr double largest_below_one = 1.0 - 0x1p-53;
+  const V3d p(point);
+  double target = std::min(static_cast<double>(u), largest_below_one);
+  double probability = 1.0;
+  std::size_t node = 0;
+  while (nodes_[node].right != 0) {
+    const std::optional<double> share = first_share(node, p);
+    if (!share) return std::nullopt;
+    if (target < *share) {
+      target /= *share;
+      probability *= *share;
+      ++node;
+    } else {
+      target = (target - *share) / (1.0 - *share);
+      probability *= 1.0 - *share;
+      node = nodes_[node].right;
+    }
+    target = std::min(target, largest_below_one);
+  }
+  const auto rounded = static_cast<float>(probability);
+  if (rounded == 0.0f) return std::nullopt;
+  return Choice{nodes_[node].emitter, rounded};
+}
+
+float LightTree::probability(std::size_t index, const V3f& point) const {
+  std::uint64_t trail = trails_[index];
+  if (trail == kNoTrail) return 0.0f;
+  const V3d p(point);
+  double probability = 1.0;
+  for (std::size_t node = 0; nodes_[node].right != 0; trail >>= 1) {
+    const std::optional<double> share = first_share(node, p);
+    if (!share) return 0.0f;
+    const bool second = (trail & 1) != 0;
+    probability *= second ? 1.0 - *share : *share;
+    node = second ? nodes_[node].right : node + 1;
+  }
+  return static_cast<float>(probability);
+}
+
+}  // namespace becalm::tracer

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "tracer/lights/light_bounds.h"
+#include "tracer/vec.h"
+
+namespace becalm::tracer {
+
+/// Chooses one of many emitters by what it may send to a point: down a binary tree of bounds, in proportion
+/// to power / distance^2 and to the cosine of the least angle at which the cluster shines. An emitter that
+/// cannot shine on the point is passed over where its bounds tell; one that can is always in reach. Monotone
+/// in u for a given point. Emitters without power are not in the tree.
+///
+/// Source: Conty Estevez and Kulla 2018 (see LightBounds) with one light a leaf and no splitting at run time,
+/// as in Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th ed., section 12.6.3.
+class LightTree {
+ public:
+  struct Choice {
+    std::size_t index;
+    float probability;  ///< > 0
+  };
+
+  LightTree() = default;
+  explicit LightTree(std::span<const LightBounds> emitters);
+
+  bool empty() const { return nodes_.empty(); }
+
+  /// u in [0,1]. Nothing where no emitter can shine on the point.
+  std::optional<Choice> sample(const V3f& point, float u) const;
+
+  /// With which sample() chooses that emitter, exactly.
+  float probability(std::size_t index, const V3f& point) const;
+
+ private:
+  struct Node {
+    V3f center;
+    float radius;  ///< of a sphere around the bounds
+    V3f axis;
+    float cos_facing, sin_facing;
+    float cos_emission;
+    bool two_sided;
+    std::uint32_t right;  ///< the second child, the first being the next node; of a leaf: 0
+    std::uint32_t emitter;
+    double power;  ///< part of the whole
+
+    Node(const LightBounds& bounds, double whole);
+    double importance(const V3d& point) const;
+  };
+  class Builder;
+
+  /// Part of the first child; nothing where neither can shine on the point.
+  std::optional<double> first_share(std::size_t node, const V3d& point) const;
+
+  std::vector<Node> nodes_;  ///< depth first
+  /// The turns from the root to each emitter, the first in the lowest bit, 1 to the second child.
+  std::vector<std::uint64_t> trails_;
+};
+
+}  // namespace becalm::tracer
