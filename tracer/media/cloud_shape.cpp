@@ -23,8 +23,10 @@ constexpr float kTopThreshold = 1.6f;
 /// away what is left there.
 constexpr float kRimThreshold = 1.0f;
 constexpr float kRimSlope = 4.0f;
-/// Weight of the first octave.
+/// Weight of the first octave, and its frequency along y beside the given one: slower, so that clouds stand
+/// on their base and few fly off.
 constexpr float kFieldWeight = 1.5f;
+constexpr double kFieldStretch = 0.75;
 /// The field's bias at coverage 0 and 1.
 constexpr float kClearBias = -1.2f;
 constexpr float kOvercastBias = 0.6f;
@@ -40,55 +42,60 @@ float smooth_step(float low, float high, float x) {
   return t * t * (3.0f - 2.0f * t);
 }
 
-NoisePoint noise_point(const CloudShape& shape, const V3f& point, int octave) {
-  const double scale = std::pow(shape.lacunarity, octave);
-  NoisePoint p;
-  for (int a = 0; a < 3; ++a) p[a] = (double{point[a]} - shape.offset[a]) * shape.frequency[a] * scale;
-  // An eddy's turnover time falls with its size to the power 2/3 (Kolmogorov 1941): small bulges live short.
-  p[3] = shape.evolution * std::pow(scale, 2.0 / 3.0);
-  return p;
-}
-
-std::uint32_t octave_seed(const CloudShape& shape, int octave) {
-  return static_cast<std::uint32_t>(
-      mix_bits(std::uint64_t{shape.seed} << 32 | static_cast<unsigned>(octave)));
-}
-
 }  // namespace
 
-float cloud_density(const CloudShape& shape, const V3f& point) {
+CloudDensity::CloudDensity(const CloudShape& shape)
+    : shape_(shape), bias_(kClearBias + shape.coverage * (kOvercastBias - kClearBias)) {
+  double scale = 1.0;
+  float amplitude = kDetailWeight;
+  for (int i = 0; i < shape.octaves; ++i) {
+    Octave& octave = octaves_[i];
+    octave.frequency = V3d(shape.frequency) * scale;
+    // An eddy's turnover time falls with its size to the power 2/3 (Kolmogorov 1941): small bulges live
+    // short.
+    octave.evolution = shape.evolution * std::pow(scale, 2.0 / 3.0);
+    octave.seed =
+        static_cast<std::uint32_t>(mix_bits(std::uint64_t{shape.seed} << 32 | static_cast<unsigned>(i)));
+    octave.amplitude = i == 0 ? kFieldWeight : amplitude *= shape.gain;
+    scale *= shape.lacunarity;
+  }
+  octaves_[0].frequency.y *= kFieldStretch;
+  float remaining = 0.0f;
+  for (int i = shape.octaves - 1; i >= 0; --i) {
+    octaves_[i].remaining = remaining += octaves_[i].amplitude;
+  }
+}
+
+float CloudDensity::noise(int octave, const V3f& point) const {
+  const V3d p = (V3d(point) - V3d(shape_.offset)) * octaves_[octave].frequency;
+  return gradient_noise({p.x, p.y, p.z, octaves_[octave].evolution}, octaves_[octave].seed);
+}
+
+float CloudDensity::operator()(const V3f& point) const {
   const float side = 1.0f - std::max(std::abs(point.x), std::abs(point.z));
   const float height = 0.5f * (point.y + 1.0f);
   if (side <= 0.0f || height <= kBaseHeight || height >= 1.0f) return 0.0f;
 
   const float above_base = (height - kBaseHeight) / (1.0f - kBaseHeight);
-  const float bias = kClearBias + shape.coverage * (kOvercastBias - kClearBias);
-  const float rim = smooth_step(0.0f, shape.edge, side) * (1.0f - smooth_step(kTopFade, 1.0f, height));
-  float field = bias - kTopThreshold * above_base * above_base;
-  field -= kRimThreshold * (1.0f - rim);
-  // Slower along y: clouds stand on their base, and few fly off.
-  const V3f flattened(point.x, 0.75f * point.y, point.z);
-  field += kFieldWeight * gradient_noise(noise_point(shape, flattened, 0), octave_seed(shape, 0));
-
-  float remaining = 0.0f;  // amplitude of the octaves to come
-  for (int octave = shape.octaves - 1; octave > 0; --octave) {
-    remaining = shape.gain * (kDetailWeight + remaining);
-  }
-  float amplitude = kDetailWeight;
-  for (int octave = 1; octave < shape.octaves; ++octave) {
+  const float rim = smooth_step(0.0f, shape_.edge, side) * (1.0f - smooth_step(kTopFade, 1.0f, height));
+  float field = bias_ - kTopThreshold * above_base * above_base - kRimThreshold * (1.0f - rim);
+  field += octaves_[0].amplitude * noise(0, point);
+  for (int i = 1; i < shape_.octaves; ++i) {
     // Most points are clear or solid whatever the octaves to come add.
-    if (field + remaining * kBillowBound <= 0.0f || field - remaining * kBillowMean >= shape.softness) break;
-    amplitude *= shape.gain;
-    remaining -= amplitude;
-    const float noise = gradient_noise(noise_point(shape, point, octave), octave_seed(shape, octave));
-    field += amplitude * (std::abs(noise) - kBillowMean);
+    const Octave& octave = octaves_[i];
+    if (field + octave.remaining * kBillowBound <= 0.0f ||
+        field - octave.remaining * kBillowMean >= shape_.softness) {
+      break;
+    }
+    field += octave.amplitude * (std::abs(noise(i, point)) - kBillowMean);
   }
-  return std::clamp(field / shape.softness, 0.0f, 1.0f) * std::min(1.0f, kRimSlope * rim) *
+  return std::clamp(field / shape_.softness, 0.0f, 1.0f) * std::min(1.0f, kRimSlope * rim) *
          smooth_step(kBaseHeight, kBaseSolid, height);
 }
 
 DensityGrid bake_cloud(const CloudShape& shape) {
   const V3i& size = shape.resolution;
+  const CloudDensity density(shape);
   std::vector<float> values(static_cast<std::size_t>(size.x) * size.y * size.z);
   const auto coordinate = [&](int i, int axis) {
     return 2.0f * static_cast<float>(i) / static_cast<float>(size[axis] - 1) - 1.0f;
@@ -97,7 +104,7 @@ DensityGrid bake_cloud(const CloudShape& shape) {
     float* value = &values[static_cast<std::size_t>(row) * size.x];
     const float y = coordinate(row % size.y, 1);
     const float z = coordinate(row / size.y, 2);
-    for (int x = 0; x < size.x; ++x) *value++ = cloud_density(shape, {coordinate(x, 0), y, z});
+    for (int x = 0; x < size.x; ++x) *value++ = density({coordinate(x, 0), y, z});
   });
   return {size, std::move(values)};
 }

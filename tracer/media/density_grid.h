@@ -87,6 +87,7 @@ GridSpan clip_to_grid(const DensityGrid& grid, const V3f& origin, const V3f& dir
 /// three numbers of blocks, since every step goes on by one block along one axis and never back.
 template <class Visit>
 void visit_blocks(const DensityGrid& grid, const GridSpan& span, const Visit& visit) {
+  if (!(span.length > 0.0f)) return;
   // Plain arrays: an axis is an index here, which Imath's vectors would put through memory as a whole.
   float origin[3], dir_inverse[3], t_face[3];
   int block[3], step[3], end[3], face[3];

@@ -20,7 +20,6 @@ void visit_tentative_collisions(const GridMedium& medium, const V3f& origin, con
   const V3f dir_voxels = transform_vector(dir, medium.world_to_voxels);
   const GridSpan span =
       clip_to_grid(medium.density, transform_point(origin, medium.world_to_voxels), dir_voxels, t_max);
-  if (!(span.length > 0.0f)) return;
   const float extinction =
       std::min(medium.extinction, kLargestDepthPerVoxel * dir_voxels.length() / medium.density.largest());
   float depth = random.next_exponential();

@@ -5,14 +5,14 @@ namespace becalm::tracer {
 namespace {
 
 constexpr double kLargestExtinction = 1e30;
-/// 512 MiB of 32-bit densities, or 1 KiB along an axis of nothing but thin slices.
+/// 512 MiB of 32-bit densities.
 constexpr double kMostVoxels = 1 << 27;
 constexpr int kMostVoxelsOnAxis = 4096;
-/// Noise coordinates stay below 2^52, where lattice cells are exact: 1e6 * 1e3 * 4^10 is half of it.
+/// Noise coordinates stay below 2^52, where lattice cells are exact: 1e6 * 1e3 * 4^10 is a quarter of it.
 constexpr double kLargestOffset = 1e6;
 constexpr double kLargestFrequency = 1e3;
 constexpr double kLargestLacunarity = 4.0;
-constexpr int kMostOctaves = 11;
+static_assert(kMostCloudOctaves == 11);
 
 /// In (-1,1). Float leaves no number between 1 - 2^-24 and 1, and near 1 the lobe is narrower than directions
 /// of 32 bits can tell apart.
@@ -62,7 +62,7 @@ CloudDescription read_cloud(const JsonValue& json) {
   };
   if (const auto v = json.find("resolution")) shape.resolution = read_resolution(*v);
   if (const auto v = json.find("frequency")) shape.frequency = to_v3f(v->triple(0.0, kLargestFrequency));
-  if (const auto v = json.find("octaves")) shape.octaves = v->integer(1, kMostOctaves);
+  if (const auto v = json.find("octaves")) shape.octaves = v->integer(1, kMostCloudOctaves);
   number("lacunarity", 1.0, kLargestLacunarity, shape.lacunarity);
   number("gain", 0.0, 1.0, shape.gain);
   number("softness", 1e-3, 1e3, shape.softness);

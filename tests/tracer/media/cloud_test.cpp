@@ -123,13 +123,14 @@ TEST(Cloud, SolidPartsEndEarlyAndExactly) {
   const CloudShape shape = small_cloud();
   CloudShape unhurried = shape;
   unhurried.softness = 100.0f;  // nothing is ever solid
+  const CloudDensity density(shape), unhurried_density(unhurried);
   TestRandom random(61);
   int partial = 0;
   for (int i = 0; i < 20000; ++i) {
     // Above the base's ramp.
     const V3f p(random.next() - 0.5f, 0.9f * random.next() - 0.7f, random.next() - 0.5f);
-    const float value = cloud_density(shape, p);
-    const float expected = cloud_density(unhurried, p) * unhurried.softness / shape.softness;
+    const float value = density(p);
+    const float expected = unhurried_density(p) * unhurried.softness / shape.softness;
     ASSERT_NEAR(std::min(1.0f, expected), value, 1e-4f);
     partial += value > 0.0f && value < 1.0f ? 1 : 0;
   }
@@ -140,14 +141,15 @@ TEST(Cloud, DriftMovesThePattern) {
   CloudShape shape = small_cloud();
   CloudShape moved = shape;
   moved.offset = V3f(0.1f, 0.0f, -0.05f);
+  const CloudDensity density(shape), moved_density(moved);
   TestRandom random(62);
   int inside = 0;
   for (int i = 0; i < 5000; ++i) {
     // Within the rim, where the pattern alone decides.
     const V3f p(0.8f * random.next() - 0.4f, random.next() - 0.8f, 0.8f * random.next() - 0.4f);
-    const float value = cloud_density(shape, p);
+    const float value = density(p);
     inside += value > 0.0f ? 1 : 0;
-    ASSERT_NEAR(cloud_density(moved, p + moved.offset), value, 1e-3f);
+    ASSERT_NEAR(moved_density(p + moved.offset), value, 1e-3f);
   }
   EXPECT_GT(inside, 500);
 }
