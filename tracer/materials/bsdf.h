@@ -37,12 +37,12 @@ struct DielectricBsdf {
 /// sides. The model is derived in principled.inl.
 struct PrincipledBsdf {
   V3f base_color;
-  float metal;    ///< share of the base
-  float glass;    ///< share of the base; the rest is diffuse under a dielectric
-  float eta;      ///< as DielectricBsdf's
-  float f0;       ///< reflectance of the dielectric at normal incidence
-  float alpha_x;  ///< GGX width along the tangent, turned by the rotation; below kSmoothAlpha a mirror
-  float alpha_y;  ///< <= alpha_x
+  float metal;   ///< share of the base
+  float glass;   ///< share of the base; the rest is diffuse under a dielectric
+  float eta;     ///< as DielectricBsdf's
+  float f0;      ///< reflectance of the dielectric at normal incidence
+  float alpha;   ///< geometric mean of the GGX widths; below kSmoothAlpha a mirror
+  float aspect;  ///< root of the ratio of the widths across and along the tangent, turned by the rotation
   float rotation_cos;
   float rotation_sin;
   V3f multiple;        ///< colour of what metal and dielectric scatter more than once, over 1 - mean albedo

@@ -51,7 +51,7 @@ std::optional<V3f> facet_between(const V3f& wo, const V3f& wi, float n) {
   V3f m = wi.z > 0.0f ? wo + wi : wo + wi * n;
   const float length = m.length();
   if (wo.z == 0.0f || wi.z == 0.0f || length == 0.0f) return std::nullopt;
-  m *= std::copysign(1.0f / length, m.z);
+  m /= std::copysign(length, m.z);  // the inverse of a tiny length would be infinite
   if (wo.dot(m) <= 0.0f || wi.dot(m) * wi.z <= 0.0f) return std::nullopt;
   return m;
 }

@@ -36,30 +36,33 @@ PrincipledBsdf make_principled(const PrincipledParameters& parameters) {
   bsdf.f0 = ratio * ratio;
 
   // The lobe is longer along the tangent by 1 / (1 - 0.9 anisotropy) (Burley, "Physically-Based Shading at
-  // Disney", 2012). Roughness limits the length at 1.
-  const float alpha = roughness_to_alpha(unit(parameters.roughness));
-  const float aspect = std::sqrt(1.0f - 0.9f * unit(parameters.anisotropy));
-  bsdf.alpha_x = std::min(1.0f, alpha / aspect);
-  bsdf.alpha_y = alpha * aspect;
-  if (bsdf.alpha_x >= kSmoothAlpha) bsdf.alpha_y = std::max(bsdf.alpha_y, kSmoothAlpha);
+  // Disney", 2012), but not longer than 1.
+  bsdf.alpha = roughness_to_alpha(unit(parameters.roughness));
+  bsdf.aspect = std::max(kLeastAspect, std::sqrt(1.0f - 0.9f * unit(parameters.anisotropy)));
+  if (bsdf.alpha > bsdf.aspect) {
+    const float alpha_y = bsdf.alpha * bsdf.aspect;
+    bsdf.alpha = bsdf.aspect = std::sqrt(alpha_y);
+  }
   const float turns = parameters.anisotropy_rotation;
   const float angle =
       2.0f * std::numbers::pi_v<float> * (std::isfinite(turns) ? turns - std::floor(turns) : 0.0f);
   bsdf.rotation_cos = std::cos(angle);
   bsdf.rotation_sin = std::sin(angle);
 
-  const GgxAlbedo mean_parts = PrincipledTables::get().mean_albedo(albedo_alpha(bsdf));
+  const GgxAlbedo mean_parts = PrincipledTables::get().mean_albedo(specular_shape(bsdf));
   const float mean = mean_parts.f0 + mean_parts.f90;
   const float metal_f90 = f90_of(max_component(bsdf.base_color));
   const float f90 = f90_of(bsdf.f0);
-  bsdf.multiple_f0 = multiple_scattering(bsdf.f0, f90, mean);
   const float dielectric = 1.0f - bsdf.metal - bsdf.glass;
-  const float lost = 1.0f - mean;
-  constexpr float least_lost = 1e-5f;  // of microsurfaces so smooth that nothing is scattered twice
+  const float lost = std::max(0.0f, 1.0f - mean);
+  // Smooth surfaces lose light at grazing angles alone, where few samples look for what is given back: its
+  // weight would be large. So less is given back where little is lost on average.
+  constexpr float least_lost = 0.01f;
+  bsdf.multiple_f0 = multiple_scattering(bsdf.f0, f90, mean) * std::min(1.0f, lost / least_lost);
   for (int c = 0; c < 3; ++c) {
-    const float colored =
-        bsdf.metal * multiple_scattering(bsdf.base_color[c], metal_f90, mean) + dielectric * bsdf.multiple_f0;
-    bsdf.multiple[c] = lost > least_lost ? colored / lost : 0.0f;
+    const float metal = multiple_scattering(bsdf.base_color[c], metal_f90, mean);
+    bsdf.multiple[c] = bsdf.metal * metal / std::max(lost, least_lost) +
+                       (lost > 0.0f ? dielectric * bsdf.multiple_f0 / lost : 0.0f);
   }
   const float dielectric_mean = bsdf.f0 * mean_parts.f0 + f90 * mean_parts.f90 + bsdf.multiple_f0 * lost;
   bsdf.diffuse_gain = 1.0f / std::max(1e-5f, 1.0f - dielectric_mean);

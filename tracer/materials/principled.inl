@@ -28,10 +28,13 @@ float schlick(float cosine) {
 }
 
 bool specular_is_smooth(const PrincipledBsdf& bsdf) {
-  return bsdf.alpha_x < kSmoothAlpha;
+  return bsdf.alpha < kSmoothAlpha;
 }
 bool coat_is_smooth(const PrincipledBsdf& bsdf) {
   return bsdf.coat_alpha < kSmoothAlpha;
+}
+GgxAlpha specular_alpha(const PrincipledBsdf& bsdf) {
+  return {bsdf.alpha / bsdf.aspect, bsdf.alpha * bsdf.aspect};
 }
 float diffuse_share(const PrincipledBsdf& bsdf) {
   return std::max(0.0f, 1.0f - bsdf.metal - bsdf.glass);
@@ -39,8 +42,7 @@ float diffuse_share(const PrincipledBsdf& bsdf) {
 
 DielectricBsdf glass_of(const PrincipledBsdf& bsdf) {
   const V3f& c = bsdf.base_color;
-  return {bsdf.eta, std::sqrt(bsdf.alpha_x * bsdf.alpha_y),
-          V3f(std::sqrt(c.x), std::sqrt(c.y), std::sqrt(c.z))};
+  return {bsdf.eta, bsdf.alpha, V3f(std::sqrt(c.x), std::sqrt(c.y), std::sqrt(c.z))};
 }
 
 /// The frame of the lobe's axes.
@@ -118,7 +120,7 @@ Response respond(const PrincipledBsdf& bsdf, const PrincipledAlbedo& at_o, const
                     bsdf.sheen * (below_coat * schlick(cos_m) * i.z);
   response.pdf += p[kCosine] * cos_pi;
   if (!specular_is_smooth(bsdf)) {
-    const GgxAlpha alpha(bsdf.alpha_x, bsdf.alpha_y);
+    const GgxAlpha alpha = specular_alpha(bsdf);
     const V3f lobe_o = turned_to_lobe(bsdf, o), lobe_i = turned_to_lobe(bsdf, i);
     const V3f lobe_m = turned_to_lobe(bsdf, m);
     response.value += specular_fresnel(bsdf, cos_m) * (base * mirrored(lobe_o, lobe_i, lobe_m, alpha));
@@ -181,7 +183,7 @@ std::optional<BsdfSample> sample_model(const PrincipledBsdf& bsdf, const V3f& wo
         return mirror_sample(wo, specular_fresnel(bsdf, cos_o) * (base / p[kSpecular]));
       }
       const V3f lobe_o = turned_to_lobe(bsdf, o);
-      const V3f m = ggx_sample_visible_normal(lobe_o, {bsdf.alpha_x, bsdf.alpha_y}, u);
+      const V3f m = ggx_sample_visible_normal(lobe_o, specular_alpha(bsdf), u);
       wi = turned_from_lobe(bsdf, reflect(lobe_o, m)).normalized();
       if (wi.z <= 0.0f) return std::nullopt;
       wi.z = std::copysign(wi.z, wo.z);
@@ -233,7 +235,7 @@ V3f albedo_model(const PrincipledBsdf& bsdf) {
   const float below_coat = 1.0f - at.coat;
   const float dielectric = diffuse_share(bsdf);
   const float f90 = bsdf.metal * f90_of(max_component(bsdf.base_color)) + dielectric * f90_of(bsdf.f0);
-  const GgxAlbedo mean = PrincipledTables::get().mean_albedo(albedo_alpha(bsdf));
+  const GgxAlbedo mean = PrincipledTables::get().mean_albedo(specular_shape(bsdf));
   const V3f once = (bsdf.base_color * bsdf.metal + V3f(dielectric * bsdf.f0)) * at.specular.f0 +
                    V3f(f90 * at.specular.f90);
   const V3f multiple = bsdf.multiple * (at.lost() * (1.0f - mean.f0 - mean.f90));

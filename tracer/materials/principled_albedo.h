@@ -18,10 +18,9 @@ inline float f90_of(float f0) {
 /// Reflectance of the clear coat at normal incidence, of index 1.5.
 inline constexpr float kCoatF0 = 0.04f;
 
-/// The width of the isotropic lobe whose albedo stands for the base's: the narrower one of an anisotropic
-/// lobe, whose albedo is larger from every side, so that what is given back never exceeds what was lost.
-inline float albedo_alpha(const PrincipledBsdf& bsdf) {
-  return bsdf.alpha_x < kSmoothAlpha ? 0.0f : bsdf.alpha_y;
+/// The base's lobe. Delta lobes lose nothing.
+inline GgxShape specular_shape(const PrincipledBsdf& bsdf) {
+  return bsdf.alpha < kSmoothAlpha ? GgxShape{0.0f, 1.0f} : GgxShape{bsdf.alpha, bsdf.aspect};
 }
 
 /// What the layers reflect of uniform light, seen at one cosine.
@@ -41,13 +40,13 @@ struct PrincipledAlbedo {
 inline PrincipledAlbedo principled_albedo(const PrincipledBsdf& bsdf, float cosine) {
   const PrincipledTables& tables = PrincipledTables::get();
   PrincipledAlbedo at;
-  at.specular = tables.albedo(cosine, albedo_alpha(bsdf));
+  at.specular = tables.albedo(cosine, specular_shape(bsdf));
   at.dielectric = bsdf.f0 * at.specular.f0 + f90_of(bsdf.f0) * at.specular.f90 + bsdf.multiple_f0 * at.lost();
   const float sheen = std::max({bsdf.sheen.x, bsdf.sheen.y, bsdf.sheen.z});
   at.sheen = sheen > 0.0f ? sheen * tables.sheen_albedo(cosine) : 0.0f;
   at.coat = 0.0f;
   if (bsdf.coat > 0.0f) {
-    const GgxAlbedo coat = tables.albedo(cosine, bsdf.coat_alpha);
+    const GgxAlbedo coat = tables.albedo(cosine, {bsdf.coat_alpha, 1.0f});
     at.coat = bsdf.coat * (kCoatF0 * coat.f0 + coat.f90);
   }
   return at;

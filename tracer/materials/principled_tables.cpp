@@ -1,5 +1,6 @@
 #include "tracer/materials/principled_tables.h"
 
+#include <memory>
 #include <numbers>
 
 #include "tracer/materials/local_direction.h"
@@ -9,29 +10,28 @@ namespace becalm::tracer {
 
 namespace {
 
-constexpr int kSteps = 48;  ///< of each number that draws a direction
+constexpr int kSteps = 32;  ///< of each number that draws a direction
+
+/// Added to the albedos: more than the largest errors of interpolation, so that no material returns more
+/// light than it receives. Costs as much of the light that metals would return.
+constexpr float kMargin = 0.003f;
 
 float fifth_power(float v) {
   const float v2 = v * v;
   return v2 * v2 * v;
 }
 
-V3f direction_at(float cosine) {
-  return {std::sqrt(std::max(0.0f, 1.0f - cosine * cosine)), 0.0f, cosine};
+/// Along the tangent, or across it.
+V3f direction_at(float cosine, bool across = false) {
+  const float sine = std::sqrt(std::max(0.0f, 1.0f - cosine * cosine));
+  return across ? V3f(0.0f, sine, cosine) : V3f(sine, 0.0f, cosine);
 }
 
-GgxAlbedo integrate_ggx(float cosine, float alpha) {
-  if (alpha == 0.0f) {
-    const float schlick = fifth_power(1.0f - cosine);
-    return {1.0f - schlick, schlick};
-  }
-  // The limit at the horizon is approached, not reached.
-  const V3f wo = direction_at(std::max(cosine, 1e-5f));
+GgxAlbedo integrate_ggx(const V3f& wo, const GgxAlpha& alpha) {
   double f0 = 0.0, f90 = 0.0;
   for (int j = 0; j < kSteps; ++j) {
     for (int i = 0; i < kSteps; ++i) {
-      // Both halves of the azimuth are alike.
-      const V2f u(0.5f * (static_cast<float>(i) + 0.5f) / kSteps, (static_cast<float>(j) + 0.5f) / kSteps);
+      const V2f u((static_cast<float>(i) + 0.5f) / kSteps, (static_cast<float>(j) + 0.5f) / kSteps);
       const V3f m = ggx_sample_visible_normal(wo, alpha, u);
       const V3f wi = reflect(wo, m);
       if (wi.z <= 0.0f) continue;
@@ -43,6 +43,25 @@ GgxAlbedo integrate_ggx(float cosine, float alpha) {
   }
   constexpr double count = kSteps * kSteps;
   return {static_cast<float>(f0 / count), static_cast<float>(f90 / count)};
+}
+
+GgxAlbedo integrate_ggx(float cosine, float alpha, float aspect) {
+  if (alpha == 0.0f) {
+    const float schlick = fifth_power(1.0f - cosine);
+    return {1.0f - schlick, schlick};
+  }
+  cosine = std::max(cosine, 1e-5f);  // the limit at the horizon is approached, not reached
+  const GgxAlpha widths(alpha / aspect, alpha * aspect);
+  const auto with_margin = [](float whole, float f90) {
+    const float more = std::min(1.0f, whole + kMargin), more_f90 = std::min(more, f90 + kMargin);
+    return GgxAlbedo{more - more_f90, more_f90};
+  };
+  const GgxAlbedo along = integrate_ggx(direction_at(cosine), widths);
+  if (aspect == 1.0f) return with_margin(along.f0 + along.f90, along.f90);
+  // The largest of the whole and of the grazing part, which bounds f0 F0 + f90 F90 for every F90 >= F0.
+  const GgxAlbedo across = integrate_ggx(direction_at(cosine, true), widths);
+  const float f90 = std::max(along.f90, across.f90);
+  return with_margin(std::max(along.f0 + along.f90, across.f0 + across.f90), f90);
 }
 
 float integrate_sheen(float cosine) {
@@ -57,7 +76,13 @@ float integrate_sheen(float cosine) {
       sum += fifth_power(1.0f - std::clamp(wo.dot((wo + wi).normalized()), 0.0f, 1.0f));
     }
   }
-  return static_cast<float>(std::numbers::pi * sum / (kSteps * kSteps));
+  return static_cast<float>(std::numbers::pi * sum / (kSteps * kSteps)) + kMargin;
+}
+
+/// The axes' values at the nodes.
+float squared_axis(int index, int size) {
+  const float root = static_cast<float>(index) / static_cast<float>(size - 1);
+  return root * root;
 }
 
 }  // namespace
@@ -67,30 +92,42 @@ const PrincipledTables& PrincipledTables::get() {
   return tables;
 }
 
-PrincipledTables::PrincipledTables() {
-  const auto axis = [](int i) {
-    const float root = static_cast<float>(i) / (kSize - 1);
-    return root * root;
-  };
-  for (int i = 0; i < kSize; ++i) {
-    sheen_[i] = integrate_sheen(axis(i));
-    for (int j = 0; j < kSize; ++j) ggx_[i][j] = integrate_ggx(axis(j), axis(i));
+const PrincipledTables::Slices& PrincipledTables::anisotropic() {
+  static const std::unique_ptr<const Slices> slices = [] {
+    auto made = std::make_unique<Slices>();
+    for (int i = 0; i < kAspects - 1; ++i) {
+      (*made)[i].integrate(kLeastAspect + (1.0f - kLeastAspect) * static_cast<float>(i) / (kAspects - 1));
+    }
+    return made;
+  }();
+  return *slices;
+}
 
+PrincipledTables::PrincipledTables() {
+  isotropic_.integrate(1.0f);
+  for (int j = 0; j < kCosines; ++j) sheen_[j] = integrate_sheen(squared_axis(j, kCosines));
+}
+
+void PrincipledTables::Slice::integrate(float aspect) {
+  for (int i = 0; i < kAlphas; ++i) {
+    for (int j = 0; j < kCosines; ++j) {
+      albedo[i][j] = integrate_ggx(squared_axis(j, kCosines), squared_axis(i, kAlphas), aspect);
+    }
     // 2 int E(cos) cos dcos = 4 int E(x^2) x^3 dx, x the root of the cosine, and E linear between the nodes:
     // in each interval a polynomial of degree 4, for which three points of Gauss are exact.
-    constexpr double step = 1.0 / (kSize - 1);
+    constexpr double step = 1.0 / (kCosines - 1);
     double f0 = 0.0, f90 = 0.0;
-    for (int j = 0; j + 1 < kSize; ++j) {
+    for (int j = 0; j + 1 < kCosines; ++j) {
       for (const int k : {-1, 0, 1}) {
         const double t = 0.5 + 0.5 * k * 0.7745966692414834;
         const double weight = k == 0 ? 4.0 / 9.0 : 5.0 / 18.0;
         const double x = (j + t) * step;
-        const GgxAlbedo at = mix(ggx_[i][j], ggx_[i][j + 1], static_cast<float>(t));
+        const GgxAlbedo at = mix(albedo[i][j], albedo[i][j + 1], static_cast<float>(t));
         f0 += 4.0 * weight * step * x * x * x * at.f0;
         f90 += 4.0 * weight * step * x * x * x * at.f90;
       }
     }
-    ggx_mean_[i] = {static_cast<float>(f0), static_cast<float>(f90)};
+    mean[i] = {static_cast<float>(f0), static_cast<float>(f90)};
   }
 }
 

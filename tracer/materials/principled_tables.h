@@ -13,54 +13,88 @@ struct GgxAlbedo {
   float f90;
 };
 
-/// Albedos of the principled model's lobes, integrated when first asked for (about 0.1 s) and interpolated
-/// linearly. Axes are the square roots of alpha and of the cosine, since albedos bend where cos is about
-/// alpha.
+/// Widths of a GGX lobe by their geometric mean and the root of their ratio: alpha_x = mean / aspect along
+/// the tangent, alpha_y = mean * aspect across.
+struct GgxShape {
+  float alpha;   ///< [0,1]
+  float aspect;  ///< [kLeastAspect, 1]
+};
+
+/// Of full anisotropy: a lobe ten times as long as wide.
+inline constexpr float kLeastAspect = 0.316227766f;
+
+/// Albedos of the principled model's lobes, interpolated linearly; integrated when first asked for, those of
+/// anisotropic lobes apart. Axes are the square roots of alpha and of the cosine, since albedos bend where
+/// cos is about alpha, and the aspect. Of an anisotropic lobe the table has the largest albedo over all
+/// azimuths, so that what is given back for what is lost never exceeds it.
 class PrincipledTables {
  public:
   static const PrincipledTables& get();
 
-  /// At a cosine in [0,1] of an isotropic lobe of width alpha in [0,1].
-  GgxAlbedo albedo(float cosine, float alpha) const {
-    const Position row = position(alpha), column = position(cosine);
-    const GgxAlbedo low =
-        mix(ggx_[row.index][column.index], ggx_[row.index][column.index + 1], column.fraction);
-    const GgxAlbedo high =
-        mix(ggx_[row.index + 1][column.index], ggx_[row.index + 1][column.index + 1], column.fraction);
-    return mix(low, high, row.fraction);
+  /// At a cosine in [0,1].
+  GgxAlbedo albedo(float cosine, const GgxShape& shape) const {
+    return at_shape(shape, [&](const Slice& slice, const Position& row) {
+      const Position column = position(std::sqrt(cosine), kCosines);
+      const auto &low = slice.albedo[row.index], &high = slice.albedo[row.index + 1];
+      return mix(mix(low[column.index], low[column.index + 1], column.fraction),
+                 mix(high[column.index], high[column.index + 1], column.fraction), row.fraction);
+    });
   }
   /// Its mean over the hemisphere, weighed by the cosine: exactly that of the interpolated numbers.
-  GgxAlbedo mean_albedo(float alpha) const {
-    const Position row = position(alpha);
-    return mix(ggx_mean_[row.index], ggx_mean_[row.index + 1], row.fraction);
+  GgxAlbedo mean_albedo(const GgxShape& shape) const {
+    return at_shape(shape, [&](const Slice& slice, const Position& row) {
+      return mix(slice.mean[row.index], slice.mean[row.index + 1], row.fraction);
+    });
   }
-  /// Of a sheen (1 - cos(difference))^5, which is its value and not divided by pi; below 0.4.
+  /// Of a sheen (1 - cos(difference))^5, which is its value and not divided by pi; below 0.1.
   float sheen_albedo(float cosine) const {
-    const Position at = position(cosine);
+    const Position at = position(std::sqrt(cosine), kCosines);
     return sheen_[at.index] + at.fraction * (sheen_[at.index + 1] - sheen_[at.index]);
   }
 
  private:
-  static constexpr int kSize = 33;
+  static constexpr int kAlphas = 33;
+  static constexpr int kCosines = 49;
+  static constexpr int kAspects = 9;
+
+  /// Of one aspect.
+  struct Slice {
+    std::array<std::array<GgxAlbedo, kCosines>, kAlphas> albedo;
+    std::array<GgxAlbedo, kAlphas> mean;
+    void integrate(float aspect);
+  };
+  using Slices = std::array<Slice, kAspects - 1>;  ///< from kLeastAspect on; the last aspect is 1
 
   struct Position {
     int index;
     float fraction;
   };
-  static Position position(float v) {
-    const float x = std::sqrt(v) * (kSize - 1);
-    const int index = std::min(static_cast<int>(x), kSize - 2);
+  static Position position(float v, int size) {
+    const float x = v * static_cast<float>(size - 1);
+    const int index = std::min(static_cast<int>(x), size - 2);
     return {index, x - static_cast<float>(index)};
   }
   static GgxAlbedo mix(const GgxAlbedo& a, const GgxAlbedo& b, float t) {
     return {a.f0 + t * (b.f0 - a.f0), a.f90 + t * (b.f90 - a.f90)};
   }
 
-  PrincipledTables();
+  /// `look_up` at the two slices around the aspect.
+  template <class LookUp>
+  GgxAlbedo at_shape(const GgxShape& shape, const LookUp& look_up) const {
+    const Position row = position(std::sqrt(shape.alpha), kAlphas);
+    if (shape.aspect >= 1.0f) return look_up(isotropic_, row);
+    const float share = (shape.aspect - kLeastAspect) / (1.0f - kLeastAspect);
+    const Position slice = position(std::max(0.0f, share), kAspects);
+    const Slices& slices = anisotropic();
+    const Slice& above = slice.index + 1 < kAspects - 1 ? slices[slice.index + 1] : isotropic_;
+    return mix(look_up(slices[slice.index], row), look_up(above, row), slice.fraction);
+  }
 
-  std::array<std::array<GgxAlbedo, kSize>, kSize> ggx_;  ///< [alpha][cosine]
-  std::array<GgxAlbedo, kSize> ggx_mean_;
-  std::array<float, kSize> sheen_;
+  PrincipledTables();
+  static const Slices& anisotropic();
+
+  Slice isotropic_;
+  std::array<float, kCosines> sheen_;
 };
 
 }  // namespace becalm::tracer

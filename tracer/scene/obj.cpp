@@ -52,9 +52,45 @@ void check_coordinates(const std::string& path, std::string_view text) {
   }
 }
 
+/// The words of the lines that begin with `keyword`: the rest of such a line, without blanks around it.
+std::vector<std::string> rests_of_lines(std::string_view text, std::string_view keyword) {
+  std::vector<std::string> rests;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    std::string_view line = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (take_word(line) != keyword) continue;
+    constexpr std::string_view blank = " \t\r";
+    line.remove_prefix(std::min(line.find_first_not_of(blank), line.size()));
+    rests.emplace_back(line.substr(0, line.find_last_not_of(blank) + 1));
+  }
+  return rests;
+}
+
+/// Numbers the materials that the faces name, without reading any file of them: tinyobjloader gives faces of
+/// unknown materials no number.
+class MaterialNames : public tinyobj::MaterialReader {
+ public:
+  explicit MaterialNames(std::string_view text) {
+    for (std::string& name : rests_of_lines(text, "usemtl")) {
+      if (numbers_.try_emplace(name, static_cast<int>(names.size())).second) names.push_back(std::move(name));
+    }
+  }
+  bool operator()(const std::string&, std::vector<tinyobj::material_t>*, std::map<std::string, int>* numbers,
+                  std::string*, std::string*) override {
+    *numbers = numbers_;
+    return true;
+  }
+  std::vector<std::string> names;
+
+ private:
+  std::map<std::string, int> numbers_;
+};
+
 struct Parsed {
   tinyobj::attrib_t attributes;
   std::vector<tinyobj::shape_t> shapes;
+  std::vector<std::string> materials;  ///< of the shapes' material numbers
 };
 
 Parsed parse(const std::string& path, const std::string& text, bool triangulate) {
