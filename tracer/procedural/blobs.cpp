@@ -22,8 +22,8 @@ double uniform(std::uint32_t seed, int ball, int k) {
   return static_cast<double>(mix_bits(key + 0x9e3779b97f4a7c15ull) >> 11) * 0x1p-53;
 }
 
-/// A closed path inside the unit sphere: a Lissajous curve on each axis, of turns that differ by up to a half from the
-/// mean.
+/// A closed path inside the unit sphere: a Lissajous curve on each axis, of turns that differ by up to a half
+/// from the mean.
 V3d path(std::uint32_t seed, int ball, double turns) {
   V3d p;
   for (int axis = 0; axis < 3; ++axis) {
@@ -67,8 +67,8 @@ bool Blobs::update(const BlobsDescription& description, double frame) {
   return true;
 }
 
-/// Where a plane across an axis is so far out that even a point of it beside all balls would have f > 0. Balls
-/// are no nearer to any point of the plane than the plane is to their centres.
+/// Where a plane across an axis is so far out that even a point of it beside all balls would have f > 0.
+/// Balls are no nearer to any point of the plane than the plane is to their centres.
 Imath::Box3f Blobs::make_bounds() const {
   Imath::Box3f box;
   const float* centres[3] = {balls_.x, balls_.y, balls_.z};
@@ -150,7 +150,8 @@ Blobs::Field Blobs::field(const V3f& p) const {
     sum += weight[lane];
     gradient += V3f(gx[lane], gy[lane], gz[lane]);
   }
-  return {smallest - blend_ * std::log(sum), gradient / sum, *std::min_element(nearest, nearest + kBallLanes)};
+  return {smallest - blend_ * std::log(sum), gradient / sum,
+          *std::min_element(nearest, nearest + kBallLanes)};
 }
 
 std::optional<float> Blobs::intersect(const V3f& origin, const V3f& dir, float t_min, float t_max) const {
@@ -168,7 +169,8 @@ std::optional<float> Blobs::intersect(const V3f& origin, const V3f& dir, float t
     if (side == Side::above) {
       step = safe_step({g, dg, 1.0f / blend_});
     } else {
-      // Inside, -f bends by at most 1 / (distance from the nearest centre), which at most doubles within half of it.
+      // Inside, -f bends by at most 1 / (distance from the nearest centre), which at most doubles within half
+      // of it.
       const float room = 0.5f * f.nearest_centre;
       step = std::min(room, safe_step({g, dg, 1.0f / std::max(room, 1e-12f)}));
     }

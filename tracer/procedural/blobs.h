@@ -24,8 +24,8 @@ struct Balls {
 
 /// Melting balls at one frame: the surface where
 ///   f(p) = -b ln(sum over balls of exp(-(|p - c| - r) / b))
-/// is 0. Its gradient is a convex combination of unit vectors, so |f(p)| is never more than p's distance from the
-/// surface; along a ray its second derivative is at least -1/b.
+/// is 0. Its gradient is a convex combination of unit vectors, so |f(p)| is never more than p's distance from
+/// the surface; along a ray its second derivative is at least -1/b.
 class Blobs {
  public:
   /// Returns whether the surface changed.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 namespace becalm::tracer {
 
@@ -14,7 +13,8 @@ inline Side side_of(float value) {
   return value >= 0.0f ? Side::above : Side::below;
 }
 
-/// What is known of a field ahead of one t of a ray, counted positive on the ray's side. At t + dt it is at least
+/// What is known of a field ahead of one t of a ray, counted positive on the ray's side. At t + dt it is at
+/// least
 ///   value + slope dt - curvature dt^2 / 2   and   value + slope dt + second dt^2 / 2 - third dt^3 / 6.
 struct Ahead {
   float value, slope, curvature;
@@ -30,8 +30,9 @@ inline float first_root_of_parabola(float value, float slope, float curvature) {
   return denominator > 0.0f ? 2.0f * value / denominator : HUGE_VALF;
 }
 
-/// A dt before which the bounds have no root; value > 0. Near a root of the field it is Newton's step up to second
-/// order, or third where the second derivative is known: a march by it converges fast and never passes the first root.
+/// A dt before which the bounds have no root; value > 0. Near a root of the field it is Newton's step up to
+/// second order, or third where the second derivative is known: a march by it converges fast and never passes
+/// the first root.
 inline float safe_step(const Ahead& ahead) {
   const float sure = first_root_of_parabola(ahead.value, ahead.slope, ahead.curvature);
   // Up to a reach, the cubic is above the parabola that bends by the most it does there.
@@ -41,20 +42,20 @@ inline float safe_step(const Ahead& ahead) {
   return std::min(reach, first_root_of_parabola(ahead.value, ahead.slope, curvature));
 }
 
-/// The first t in [t0, t1) at which the field along a ray is on the other side or within `tolerance` of it.
-/// `look(t, side)` says what is Ahead, and which side it is if that is not known; a value within the tolerance must be
-/// the field's own and no lower bound of it.
+/// Moves t, which is less than t1, to the first place from there on at which the field along a ray is on the
+/// other side or within `tolerance` of it, and returns true; or to one not before t1 up to which there is
+/// none, and returns false. `look(t, side)` says what is Ahead, and which side it is if that is not known; a
+/// value within the tolerance must be the field's own and no lower bound of it.
 template <class Look>
-std::optional<float> first_root(const Look& look, float t0, float t1, float tolerance, Side& side) {
-  float t = t0;
-  for (;;) {
+bool march(const Look& look, float& t, float t1, float tolerance, Side& side) {
+  while (t < t1) {
     const Ahead ahead = look(t, side);
-    if (!(ahead.value > tolerance)) return t;
+    if (!(ahead.value > tolerance)) return true;
     const float next = t + safe_step(ahead);
-    if (!(next < t1)) return std::nullopt;
-    if (next == t) return t;  // closer than t can tell
+    if (next == t) return true;  // closer than t can tell
     t = next;
   }
+  return false;
 }
 
 }  // namespace becalm::tracer

@@ -30,7 +30,8 @@ void HeightPyramid::reduce() {
         for (int i = 0; i < n; ++i) {
           const HeightRange a = at(level - 1, 2 * i, 2 * j), b = at(level - 1, 2 * i + 1, 2 * j);
           const HeightRange c = at(level - 1, 2 * i, 2 * j + 1), d = at(level - 1, 2 * i + 1, 2 * j + 1);
-          at(level, i, j) = {std::min({a.low, b.low, c.low, d.low}), std::max({a.high, b.high, c.high, d.high})};
+          at(level, i, j) = {std::min({a.low, b.low, c.low, d.low}),
+                             std::max({a.high, b.high, c.high, d.high})};
         }
       }
     });

@@ -9,19 +9,19 @@
 
 namespace becalm::tracer {
 
-/// Distance from a height field below which a point counts as on it: what floats lose in coordinates up to 1 and
-/// heights up to `highest`.
+/// Distance from a height field below which a point counts as on it: what floats lose in coordinates up to 1
+/// and heights up to `highest`.
 inline float height_tolerance(float highest) {
   return 0x1p-21f * std::max(1.0f, highest);
 }
 
 /// The first crossing of a height field over the unit square (x, z in [0,1]), whose heights are `scale`
-/// times those of the pyramid; what is within `tolerance` counts as touched. `leaf(i, j, t0, t1, side)` looks for a crossing over a cell of level 0.
+/// XX
 ///
 /// Walks the cells along the ray and goes up a level at each parent's border, as Tevs, Ihrke and Seidel,
-/// "Maximum mipmaps for fast, accurate, and scalable dynamic height field rendering", 2008. Cells whose range the
-/// ray does not meet are passed as a whole. The side on which the ray runs is carried from cell to cell: a
-/// crossing that rounding hides between two cells is seen as a change of side.
+/// "Maximum mipmaps for fast, accurate, and scalable dynamic height field rendering", 2008. Cells whose range
+/// the ray does not meet are passed as a whole. The side on which the ray runs is carried from cell to cell:
+/// a crossing that rounding hides between two cells is seen as a change of side.
 template <class Leaf>
 std::optional<float> trace_heights(const HeightPyramid& pyramid, const UnitRay& ray, float scale,
                                    float tolerance, const Leaf& leaf) {
@@ -34,8 +34,12 @@ std::optional<float> trace_heights(const HeightPyramid& pyramid, const UnitRay& 
   const float per_resolution = 1.0f / static_cast<float>(pyramid.resolution());
   // When the ray meets the plane at that multiple of a level-0 cell. The same plane gives the same bits for
   // all cells beside it, so that their intervals join.
-  const auto plane_x = [&](int i) { return (static_cast<float>(i) * per_resolution - ray.origin.x) * per_dx; };
-  const auto plane_z = [&](int j) { return (static_cast<float>(j) * per_resolution - ray.origin.z) * per_dz; };
+  const auto plane_x = [&](int i) {
+    return (static_cast<float>(i) * per_resolution - ray.origin.x) * per_dx;
+  };
+  const auto plane_z = [&](int j) {
+    return (static_cast<float>(j) * per_resolution - ray.origin.z) * per_dz;
+  };
 
   int level = pyramid.last_level(), i = 0, j = 0;
   float t = 0.0f;
@@ -64,7 +68,7 @@ std::optional<float> trace_heights(const HeightPyramid& pyramid, const UnitRay& 
         j = 2 * j + (past_z == (step_z > 0) ? 1 : 0);
         continue;
       }
-      if (const auto hit = leaf(i, j, t, t_exit, side)) return hit;
+      if (float t_hit = t; leaf(i, j, t_hit, t_exit, side)) return t_hit;
     }
     if (t_exit >= ray.t_end) return std::nullopt;
     const int i_before = i, j_before = j;

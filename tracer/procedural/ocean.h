@@ -11,7 +11,8 @@
 
 namespace becalm::tracer {
 
-/// Trains whose sums are made side by side; `count` is a multiple of kTrainLanes, and what fills it up is flat.
+/// Trains whose sums are made side by side; `count` is a multiple of kTrainLanes, and what fills it up is
+/// flat.
 inline constexpr int kTrainLanes = 8;
 
 /// Plane waves: height = sum of amplitude sin(2 pi (kx x + kz z + phase)), all in units of the ocean's side.
@@ -23,9 +24,9 @@ struct WaveTrains {
   alignas(16) float phase[kMostTrains];  ///< turns in [0, 1)
 };
 
-/// The trains of an ocean at a time. Wavelengths divide the given range evenly in their logarithm, jittered; their
-/// energies follow the spectrum of Pierson and Moskowitz (1964) in the form S(w) ~ w^-5 exp(-5/4 (w_peak/w)^4), scaled
-/// to the significant height; angular frequencies are deep water's, w^2 = g k.
+/// The trains of an ocean at a time. Wavelengths divide the given range evenly in their logarithm, jittered;
+/// their energies follow the spectrum of Pierson and Moskowitz (1964) in the form S(w) ~ w^-5 exp(-5/4
+/// (w_peak/w)^4), scaled to the significant height; angular frequencies are deep water's, w^2 = g k.
 WaveTrains make_wave_trains(const OceanDescription& description, double frame);
 
 /// The ocean at one frame. Rays are marched against the sum of all trains itself; what is baked are ranges of

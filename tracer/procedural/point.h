@@ -9,11 +9,11 @@ struct ProceduralPoint {
   V3f position;  ///< on the surface
   V3f normal;    ///< outward (up), of length 1; of the surface as averaged over the footprint
   V2f uv;
-  /// A ray that starts this far from `position` along the unaveraged normal, or further, does not meet the surface
-  /// again at once.
+  /// A ray that starts this far from `position` along the unaveraged normal, or further, does not meet the
+  /// surface again at once.
   float error;
-  /// Variance of the slope (both axes together, about its mean) that averaging took out of the normal. Widening a
-  /// microfacet lobe's alpha^2 by it keeps what the averaged slopes reflected.
+  /// Variance of the slope (both axes together, about its mean) that averaging took out of the normal.
+  /// Widening a microfacet lobe's alpha^2 by it keeps what the averaged slopes reflected.
   float slope_variance;
 };
 

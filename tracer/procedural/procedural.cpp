@@ -39,7 +39,8 @@ Imath::Box3f bounds(const Procedural& procedural) {
 
 std::optional<float> intersect(const Procedural& procedural, const V3f& origin, const V3f& dir, float t_min,
                                float t_max) {
-  return std::visit([&](const auto& field) { return field.intersect(origin, dir, t_min, t_max); }, procedural);
+  return std::visit([&](const auto& field) { return field.intersect(origin, dir, t_min, t_max); },
+                    procedural);
 }
 
 ProceduralPoint point(const Procedural& procedural, const V3f& p, float footprint) {

@@ -35,8 +35,8 @@ struct SplinePatch {
     return {v0 * r0 + v1 * r1 + v2 * r2, v0 * x0 + v1 * x1 + v2 * x2, (1.0f - v) * (r1 - r0) + v * (r2 - r1)};
   }
 
-  /// Bound of the second derivative along the direction (du, dv), anywhere in the cell: each of the three second
-  /// derivatives is a convex combination of differences of controls.
+  /// Bound of the second derivative along the direction (du, dv), anywhere in the cell: each of the three
+  /// second derivatives is a convex combination of differences of controls.
   float curvature(float du, float dv) const {
     float uu = 0.0f, vv = 0.0f, uv = 0.0f;
     for (int k = 0; k < 3; ++k) {

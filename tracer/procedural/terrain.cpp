@@ -25,8 +25,7 @@ void for_rows(int first, int last, const Body& body) {
 bool Terrain::update(const TerrainDescription& description, double frame) {
   const float scale = static_cast<float>(description.height.at(frame)[0] / description.size);
   const TerrainShape shape{description.seed, static_cast<float>(description.mountains), description.octaves,
-                           static_cast<float>(description.erosion.at(frame)[0]),
-                           static_cast<float>(description.resolution)};
+                           static_cast<float>(description.erosion.at(frame)[0]), description.resolution};
   const bool same_noise = !levels_.empty() && shape == shape_;
   if (same_noise && scale == scale_ && description.size == size_) return false;
   size_ = description.size;
@@ -40,20 +39,8 @@ bool Terrain::update(const TerrainDescription& description, double frame) {
 }
 
 void Terrain::bake() {
-  const int n = static_cast<int>(shape_.resolution);
   levels_.resize(1);
-  Level& finest = levels_[0];
-  finest.resolution = n;
-  finest.controls.resize(finest.stride() * finest.stride());
-  finest.squared_slope.clear();
-  for_rows(-1, n + 1, [&](int j) {
-    float* row = &finest.controls[static_cast<std::size_t>(j + 1) * finest.stride()];
-    const float per_n = 1.0f / static_cast<float>(n);
-    for (int i = -1; i <= n; ++i) {
-      row[i + 1] = terrain_height(shape_, (static_cast<float>(i) + 0.5f) * per_n,
-                                  (static_cast<float>(j) + 0.5f) * per_n);
-    }
-  });
+  levels_[0] = {shape_.resolution, make_mountains(shape_), {}};
   bake_ranges();
   while (levels_.back().resolution > kCoarsest) {
     Level coarse;
@@ -68,12 +55,13 @@ void Terrain::bake_ranges() {
   pyramid_.resize(finest.resolution, 1);
   for_rows(0, pyramid_.resolution(1), [&](int j) {
     for (int i = 0; i < pyramid_.resolution(1); ++i) {
-      HeightRange range{finest.controls[0], finest.controls[0]};
       const float* first =
-          &finest.controls[static_cast<std::size_t>(2 * j) * finest.stride() + static_cast<std::size_t>(2 * i)];
-      range = {*first, *first};
+          &finest
+               .controls[static_cast<std::size_t>(2 * j) * finest.stride() + static_cast<std::size_t>(2 * i)];
+      HeightRange range{*first, *first};
       for (std::size_t row = 0; row < 4; ++row) {
-        const auto [low, high] = std::minmax_element(first + row * finest.stride(), first + row * finest.stride() + 4);
+        const auto [low, high] =
+            std::minmax_element(first + row * finest.stride(), first + row * finest.stride() + 4);
         range = {std::min(range.low, *low), std::max(range.high, *high)};
       }
       pyramid_.at(1, i, j) = range;
@@ -104,7 +92,8 @@ void Terrain::bake_coarser(const Level& fine, Level& coarse) {
       const int a = 2 * i, b = 2 * j;
       coarse.controls[static_cast<std::size_t>(j + 1) * coarse.stride() + static_cast<std::size_t>(i + 1)] =
           0.25f * (fine_at(a, b) + fine_at(a + 1, b) + fine_at(a, b + 1) + fine_at(a + 1, b + 1));
-      coarse.squared_slope[static_cast<std::size_t>(j) * static_cast<std::size_t>(n) + static_cast<std::size_t>(i)] =
+      coarse.squared_slope[static_cast<std::size_t>(j) * static_cast<std::size_t>(n) +
+                           static_cast<std::size_t>(i)] =
           0.25f * (fine_squared_slope(a, b) + fine_squared_slope(a + 1, b) + fine_squared_slope(a, b + 1) +
                    fine_squared_slope(a + 1, b + 1));
     }
@@ -146,21 +135,24 @@ std::optional<float> Terrain::intersect(const V3f& origin, const V3f& dir, float
   const Level& finest = levels_[0];
   const float n = static_cast<float>(finest.resolution);
   const float du = ray->dir.x * n, dv = ray->dir.z * n;
-  const auto t = trace_heights(pyramid_, *ray, scale_, tolerance_, [&](int i, int j, float t0, float t1, Side& side) {
-    const SplinePatch patch(
-        &finest.controls[static_cast<std::size_t>(j) * finest.stride() + static_cast<std::size_t>(i)],
-        finest.stride());
-    const float u = ray->origin.x * n - static_cast<float>(i), v = ray->origin.z * n - static_cast<float>(j);
-    const float curvature = scale_ * patch.curvature(du, dv);
-    const auto look = [&](float t, Side& side) {
-      const HeightSlope h = patch.at(u + t * du, v + t * dv);
-      const float value = ray->origin.y + t * ray->dir.y - scale_ * h.height;
-      if (side == Side::unknown) side = side_of(value);
-      const float sign = static_cast<float>(side);
-      return Ahead{sign * value, sign * (ray->dir.y - scale_ * (h.slope_x * du + h.slope_z * dv)), curvature};
-    };
-    return first_root(look, t0, t1, tolerance_, side);
-  });
+  const auto t =
+      trace_heights(pyramid_, *ray, scale_, tolerance_, [&](int i, int j, float& t, float t1, Side& side) {
+        const SplinePatch patch(
+            &finest.controls[static_cast<std::size_t>(j) * finest.stride() + static_cast<std::size_t>(i)],
+            finest.stride());
+        const float u = ray->origin.x * n - static_cast<float>(i),
+                    v = ray->origin.z * n - static_cast<float>(j);
+        const float curvature = scale_ * patch.curvature(du, dv);
+        const auto look = [&](float t, Side& side) {
+          const HeightSlope h = patch.at(u + t * du, v + t * dv);
+          const float value = ray->origin.y + t * ray->dir.y - scale_ * h.height;
+          if (side == Side::unknown) side = side_of(value);
+          const float sign = static_cast<float>(side);
+          return Ahead{sign * value, sign * (ray->dir.y - scale_ * (h.slope_x * du + h.slope_z * dv)),
+                       curvature};
+        };
+        return march(look, t, t1, tolerance_, side);
+      });
   if (!t) return std::nullopt;
   return ray->outer_t(*t);
 }
@@ -171,7 +163,8 @@ HeightSlope Terrain::heights_at(const Level& level, float x, float z) const {
   const int i = std::clamp(static_cast<int>(u), 0, level.resolution - 1);
   const int j = std::clamp(static_cast<int>(v), 0, level.resolution - 1);
   const SplinePatch patch(
-      &level.controls[static_cast<std::size_t>(j) * level.stride() + static_cast<std::size_t>(i)], level.stride());
+      &level.controls[static_cast<std::size_t>(j) * level.stride() + static_cast<std::size_t>(i)],
+      level.stride());
   const HeightSlope h = patch.at(u - static_cast<float>(i), v - static_cast<float>(j));
   return {h.height, h.slope_x * n, h.slope_z * n};
 }
@@ -183,10 +176,11 @@ Terrain::Averaged Terrain::averaged_at(const Level& level, float x, float z) con
   const float n = static_cast<float>(level.resolution);
   const int i = std::clamp(static_cast<int>(x * n), 0, level.resolution - 1);
   const int j = std::clamp(static_cast<int>(z * n), 0, level.resolution - 1);
-  return {h.slope_x, h.slope_z,
-          std::max(own, level.squared_slope[static_cast<std::size_t>(j) *
-                                                static_cast<std::size_t>(level.resolution) +
-                                            static_cast<std::size_t>(i)])};
+  return {
+      h.slope_x, h.slope_z,
+      std::max(own,
+               level.squared_slope[static_cast<std::size_t>(j) * static_cast<std::size_t>(level.resolution) +
+                                   static_cast<std::size_t>(i)])};
 }
 
 /// Between the two levels whose cells are next to the footprint.
@@ -211,8 +205,8 @@ ProceduralPoint Terrain::point(const V3f& p, float footprint) const {
   const Averaged slope = averaged_at(x, z, footprint / size);
   const float sx = scale_ * slope.slope_x, sz = scale_ * slope.slope_z;
   const float variance = scale_ * scale_ * slope.squared_slope - sx * sx - sz * sz;
-  return {V3f(p.x, height * size, p.z), V3f(-sx, 1.0f, -sz).normalized(), V2f(x, z),
-          8.0f * tolerance_ * size, std::max(variance, 0.0f)};
+  return {V3f(p.x, height * size, p.z), V3f(-sx, 1.0f, -sz).normalized(), V2f(x, z), 8.0f * tolerance_ * size,
+          std::max(variance, 0.0f)};
 }
 
 std::size_t Terrain::bytes() const {

@@ -13,8 +13,8 @@
 
 namespace becalm::tracer {
 
-/// Mountains at one frame: a biquadratic B-spline surface through baked noise. Its controls stand at the cells'
-/// centres and one ring around.
+/// Mountains at one frame: a biquadratic B-spline surface through baked noise. Its controls stand at the
+/// cells' centres and one ring around.
 class Terrain {
  public:
   /// Bakes again only if the noise differs from what is baked; another height or size is a scale. Returns
@@ -27,8 +27,8 @@ class Terrain {
   std::size_t bytes() const;
 
  private:
-  /// Controls of a spline of `resolution` cells a side, and the mean of the squared slopes (both axes) of the finest
-  /// spline over each cell, in heights per side.
+  /// Controls of a spline of `resolution` cells a side, and the mean of the squared slopes (both axes) of the
+  /// finest spline over each cell, in heights per side.
   struct Level {
     int resolution = 0;
     std::vector<float> controls;

@@ -22,8 +22,7 @@ inline SinCos sin_cos_turns(float turns) {
   const float z = y * y;
   const float s =
       y * (3.14159264f + z * (-5.16771008f + z * (2.55007739f + z * (-0.598290411f + z * 0.0776559123f))));
-  const float c =
-      1.0f + z * (-4.9347928f + z * (4.05841079f + z * (-1.33187297f + z * 0.219682424f)));
+  const float c = 1.0f + z * (-4.9347928f + z * (4.05841079f + z * (-1.33187297f + z * 0.219682424f)));
   const std::uint32_t sign = std::bit_cast<std::uint32_t>(shifted) << 31;
   return {std::bit_cast<float>(std::bit_cast<std::uint32_t>(s) ^ sign),
           std::bit_cast<float>(std::bit_cast<std::uint32_t>(c) ^ sign)};
@@ -35,8 +34,8 @@ inline float exp2_fast(float x) {
   const float shifted = bounded + 12582912.0f;
   const float y = bounded - (shifted - 12582912.0f);
   const float fraction =
-      1.0f +
-      y * (0.693147188f + y * (0.240221075f + y * (0.0555035711f + y * (0.00967603192f + y * 0.00133908634f))));
+      1.0f + y * (0.693147188f +
+                  y * (0.240221075f + y * (0.0555035711f + y * (0.00967603192f + y * 0.00133908634f))));
   return std::bit_cast<float>(std::bit_cast<std::uint32_t>(fraction) +
                               (std::bit_cast<std::uint32_t>(shifted) << 23));
 }

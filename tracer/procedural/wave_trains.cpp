@@ -40,8 +40,9 @@ WaveTrains make_wave_trains(const OceanDescription& description, double frame) {
     // Short waves run more ways than long ones.
     const double gauss = std::sqrt(-2.0 * std::log(uniform(description.seed, n, 1))) *
                          std::cos(kTurn * uniform(description.seed, n, 2));
-    const double angle = (description.wind_deg + description.spread_deg * gauss * std::pow(relative_k, 0.25)) *
-                         std::numbers::pi / 180.0;
+    const double angle =
+        (description.wind_deg + description.spread_deg * gauss * std::pow(relative_k, 0.25)) *
+        std::numbers::pi / 180.0;
     const double turns_a_side = description.size / wavelength;
     trains.kx[n] = static_cast<float>(turns_a_side * std::cos(angle));
     trains.kz[n] = static_cast<float>(turns_a_side * std::sin(angle));
