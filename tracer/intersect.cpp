@@ -36,7 +36,7 @@ constexpr std::size_t kInstancedTriangles = 100'000;
 
 /// Geometry in object space, and what its filter functions need to know.
 struct Source {
-  const Geometry* geometry;
+  Shape shape;
   const Material* material;
   friend auto operator<=>(const Source&, const Source&) = default;
 };
@@ -58,15 +58,16 @@ RTCRay to_embree(const Ray& ray) {
   return r;
 }
 
-/// The first distance in (0, tfar) at which the ray meets the geometry, in object space.
-std::optional<float> first_distance(const Geometry& geometry, const RTCRay& ray) {
+/// The first distance in (0, tfar) at which the ray meets a shape without triangles, in object space.
+std::optional<float> first_distance(const Shape& shape, const RTCRay& ray) {
   const V3f origin(ray.org_x, ray.org_y, ray.org_z), dir(ray.dir_x, ray.dir_y, ray.dir_z);
-  return std::holds_alternative<UnitSphere>(geometry) ? intersect_unit_sphere(origin, dir, ray.tfar)
-                                                      : std::nullopt;
+  if (const Procedural* procedural = procedural_of(shape))
+    return intersect(*procedural, origin, dir, ray.tnear, ray.tfar);
+  return intersect_unit_sphere(origin, dir, ray.tfar);
 }
 
 void user_bounds(const RTCBoundsFunctionArguments* args) {
-  const Imath::Box3f box = bounds(*static_cast<const Source*>(args->geometryUserPtr)->geometry);
+  const Imath::Box3f box = bounds(static_cast<const Source*>(args->geometryUserPtr)->shape);
   RTCBounds& b = *args->bounds_o;
   b.lower_x = box.min.x;
   b.lower_y = box.min.y;
@@ -80,8 +81,8 @@ void user_intersect(const RTCIntersectFunctionNArguments* args) {
   if (args->valid[0] == 0) return;
   assert(args->N == 1);
   auto& query = *reinterpret_cast<RTCRayHit*>(args->rayhit);
-  const Geometry& geometry = *static_cast<const Source*>(args->geometryUserPtr)->geometry;
-  const std::optional<float> t = first_distance(geometry, query.ray);
+  const Shape& shape = static_cast<const Source*>(args->geometryUserPtr)->shape;
+  const std::optional<float> t = first_distance(shape, query.ray);
   if (!t) return;
   query.ray.tfar = *t;
   query.hit.u = query.hit.v = 0.0f;
@@ -98,8 +99,8 @@ void user_occluded(const RTCOccludedFunctionNArguments* args) {
   if (args->valid[0] == 0) return;
   assert(args->N == 1);
   auto& ray = *reinterpret_cast<RTCRay*>(args->ray);
-  const Geometry& geometry = *static_cast<const Source*>(args->geometryUserPtr)->geometry;
-  if (first_distance(geometry, ray)) ray.tfar = -std::numeric_limits<float>::infinity();
+  const Shape& shape = static_cast<const Source*>(args->geometryUserPtr)->shape;
+  if (first_distance(shape, ray)) ray.tfar = -std::numeric_limits<float>::infinity();
 }
 
 /// Lets rays pass where the surface is not there.
@@ -110,7 +111,7 @@ void filter_opacity(const RTCFilterFunctionNArguments* args) {
   const auto& hit = *reinterpret_cast<const RTCHit*>(args->hit);
   const auto& ray = *reinterpret_cast<const RTCRay*>(args->ray);
   const std::uint32_t surface = hit.geomID ^ (hit.instID[0] * 0x9e3779b9u);
-  if (!alpha_test(*source.material, std::get<Mesh>(*source.geometry), hit.primID, hit.u, hit.v,
+  if (!alpha_test(*source.material, *mesh_of(source.shape), hit.primID, hit.u, hit.v,
                   alpha_random(ray.id, surface, hit.primID))) {
     args->valid[0] = 0;
   }
@@ -175,7 +176,7 @@ struct Intersector::State {
 
   /// Attaches the geometry under that number. The source must keep its address.
   void attach(RTCScene scene, unsigned number, const Source& source, const M44f* to_world) const {
-    const Mesh* mesh = std::get_if<Mesh>(source.geometry);
+    const Mesh* mesh = mesh_of(source.shape);
     RTCGeometry geometry = mesh != nullptr ? new_triangles(*mesh, to_world) : new_user_geometry();
     rtcSetGeometryUserData(geometry, const_cast<Source*>(&source));
     if (mesh != nullptr && has_alpha(*source.material)) {
@@ -230,12 +231,12 @@ namespace {
 
 std::vector<bool> choose_instanced(std::span<const Placement> placements) {
   std::map<Source, std::size_t> copies;
-  for (const Placement& p : placements) ++copies[{p.geometry, p.material}];
+  for (const Placement& p : placements) ++copies[{p.shape, p.material}];
   std::vector<bool> instanced;
   instanced.reserve(placements.size());
   for (const Placement& p : placements) {
-    const std::size_t spared = (copies[{p.geometry, p.material}] - 1) * triangle_count(*p.geometry);
-    instanced.push_back(p.moving || p.to_world.size() > 1 || !std::holds_alternative<Mesh>(*p.geometry) ||
+    const std::size_t spared = (copies[{p.shape, p.material}] - 1) * triangle_count(p.shape);
+    instanced.push_back(p.moving || p.to_world.size() > 1 || mesh_of(p.shape) == nullptr ||
                         spared > kInstancedTriangles);
   }
   return instanced;
@@ -251,12 +252,12 @@ void Intersector::State::bake(std::span<const Placement> placements, const std::
     if (!instanced[object]) baked_objects.push_back(object);
   }
   for (const std::uint32_t object : baked_objects)
-    baked_sources.push_back({placements[object].geometry, placements[object].material});
+    baked_sources.push_back({placements[object].shape, placements[object].material});
   tbb::parallel_for(std::size_t{0}, baked_objects.size(), [&](std::size_t i) {
     attach(baked_scene.get(), static_cast<unsigned>(i), baked_sources[i],
            &placements[baked_objects[i]].to_world.front());
   });
-  for (const Source& source : baked_sources) size.stored_triangles += triangle_count(*source.geometry);
+  for (const Source& source : baked_sources) size.stored_triangles += triangle_count(source.shape);
   size.baked_objects = baked_objects.size();
   size.visible_triangles = size.stored_triangles;
   check();
@@ -268,7 +269,7 @@ void Intersector::State::build_instanced_geometry(std::span<const Placement> pla
                                                   const std::vector<bool>& instanced) {
   for (std::size_t object = 0; object < placements.size(); ++object) {
     if (instanced[object])
-      instanced_scenes.try_emplace({placements[object].geometry, placements[object].material});
+      instanced_scenes.try_emplace({placements[object].shape, placements[object].material});
   }
   for (auto& [source, scene] : instanced_scenes) {
     scene = new_scene(RTC_SCENE_FLAG_ROBUST, RTC_BUILD_QUALITY_HIGH);
@@ -276,7 +277,7 @@ void Intersector::State::build_instanced_geometry(std::span<const Placement> pla
     check();
     rtcCommitScene(scene.get());
     check();
-    size.stored_triangles += triangle_count(*source.geometry);
+    size.stored_triangles += triangle_count(source.shape);
   }
 }
 
@@ -293,9 +294,9 @@ void Intersector::State::attach_instances(std::span<const Placement> placements,
     const Placement& p = placements[object];
     instance_of_object[object] =
         attach_instance(static_cast<unsigned>(instanced_objects.size()),
-                        instanced_scenes.at({p.geometry, p.material}).get(), p.to_world);
+                        instanced_scenes.at({p.shape, p.material}).get(), p.to_world);
     instanced_objects.push_back(object);
-    size.visible_triangles += triangle_count(*p.geometry);
+    size.visible_triangles += triangle_count(p.shape);
     ++size.instances;
     if (p.to_world.size() > 1) ++size.motion_instances;
   }
@@ -321,9 +322,9 @@ void Intersector::move(std::uint32_t object, std::span<const M44f> to_world) {
   state_->dirty = true;
 }
 
-void Intersector::reshape(const Geometry* geometry) {
+void Intersector::reshape(const Shape& shape) {
   for (auto& [source, scene] : state_->instanced_scenes) {
-    if (source.geometry != geometry) continue;
+    if (source.shape != shape) continue;
     rtcCommitGeometry(rtcGetGeometry(scene.get(), 0));
     rtcCommitScene(scene.get());
     state_->dirty = true;

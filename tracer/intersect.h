@@ -30,7 +30,7 @@ struct Hit {
 
 /// Where an object stands.
 struct Placement {
-  const Geometry* geometry;
+  Shape shape;
   const Material* material;  ///< its opacity decides what rays pass through
   /// One, or more at equally spaced times from the shutter's opening to its closing, linear between them.
   std::span<const M44f> to_world;
@@ -62,8 +62,8 @@ class Intersector {
 
   /// Gives a moving object a new place from the next commit() on.
   void move(std::uint32_t object, std::span<const M44f> to_world);
-  /// The geometry's shape in object space has changed; only for what is not made of triangles.
-  void reshape(const Geometry* geometry);
+  /// What the shape refers to has changed; only for what is not made of triangles.
+  void reshape(const Shape& shape);
   /// Rebuilds what moved; nothing if nothing did.
   void commit();
 

@@ -156,9 +156,15 @@ class Path {
   Place place_of(const ObjectState& object) const {
     return F.blur && object.blurred() ? object.at(time_) : object.place;
   }
-  Surface surface_of(const ObjectState& object, const Hit& hit) const {
-    if (F.blur && object.blurred()) return surface_at(object, object.at(time_), hit);
-    return surface_at(object, object.place, hit);
+  Surface surface_of(const ObjectState& object, const Hit& hit, float footprint) const {
+    if (F.blur && object.blurred()) return surface_at(object, object.at(time_), hit, footprint);
+    return surface_at(object, object.place, hit, footprint);
+  }
+  /// Width of the ray's share of a pixel so far along it.
+  float footprint_at(float t) const {
+    return F.textures ? std::max((differential_.dpdx + differential_.dddx * t).length(),
+                                 (differential_.dpdy + differential_.dddy * t).length())
+                      : 0.0f;
   }
 
   /// Radiance that reached the eye after so many scatterings other than at perfect mirrors and glass.
@@ -216,7 +222,7 @@ bool Path<F>::step() {
     return false;
   }
   const ObjectState& object = snapshot_.object(hit->object);
-  Surface surface = surface_of(object, *hit);
+  Surface surface = surface_of(object, *hit, object.mesh == nullptr ? footprint_at(hit->t) : 0.0f);
   if constexpr (F.textures)
     differential_ = transferred(differential_, ray_.dir, hit->t, surface.normal_geometric);
   if (F.media && object.material->is_interface) return cross_interface(object, *hit, surface);
@@ -314,7 +320,8 @@ bool Path<F>::scatter(const ObjectState& object, const Hit& hit, Surface& surfac
   if (last && !wants_guides) return false;
   V3f tangent(0.0f);
   const float u_mix = F.textures && context_.mixes ? sampler_.next_1d() : 0.0f;
-  const Bsdf bsdf = shade(object, hit, surface, u_mix, tangent);
+  Bsdf bsdf = shade(object, hit, surface, u_mix, tangent);
+  if (F.textures && surface.slope_variance > 0.0f) widen(bsdf, surface.slope_variance);
   const V3f wo_world = -ray_.dir;
   const V3f normal = visible_normal(surface, wo_world);
   const bool specular = F.surfaces && is_specular(bsdf);
@@ -444,7 +451,7 @@ V3f Path<F>::transmission(Ray shadow) {
     }
     if (!hit) return share;
     const ObjectState& object = snapshot_.object(hit->object);
-    const Surface surface = surface_of(object, *hit);
+    const Surface surface = surface_of(object, *hit, object.mesh == nullptr ? footprint_at(hit->t) : 0.0f);
     cross_boundary(interiors, object, hit->object, shadow.dir, surface);
     shadow.origin = offset_origin(surface, shadow.dir);
     shadow.t_max -= hit->t;
@@ -519,7 +526,7 @@ constexpr std::array kVariants = {
 }  // namespace
 
 PathFunction select_path_function(const SceneNeeds& needs, bool with_guides) {
-  const bool textures = needs.textures || needs.relief || needs.mix || needs.tangents;
+  const bool textures = needs.textures || needs.procedurals || needs.relief || needs.mix || needs.tangents;
   const bool surfaces = needs.specular || needs.rough_specular || needs.alpha;
   const bool blur = needs.motion_blur || needs.depth_of_field;
   for (const auto& [has, function] : with_guides ? kVariants<true> : kVariants<false>) {

@@ -20,6 +20,8 @@ SceneNeeds compute_needs(const SceneDescription& description) {
     needs.mix = needs.mix || material.mix;
     needs.tangents = needs.tangents || material.tangents;
     needs.alpha = needs.alpha || material.alpha;
+    needs.procedurals =
+        needs.procedurals || std::holds_alternative<ProceduralDescription>(description.meshes[object.mesh]);
     needs.media = needs.media || object.interior.has_value() || material.interface;
     needs.area_lights = needs.area_lights || object.emissive;
     needs.changing_emission = needs.changing_emission || (object.emissive && object.emission.animated());
@@ -53,6 +55,7 @@ std::vector<std::string> describe_scene(const Scene& scene) {
   sort(needs.mix, "mixed materials");
   sort(needs.tangents, "tangent frames");
   sort(needs.alpha, "opacity");
+  sort(needs.procedurals, "procedural surfaces");
   sort(needs.media, "media");
   sort(needs.moving_camera, "moving camera");
   sort(needs.moving_objects, "instances that move");

@@ -23,6 +23,7 @@ struct SceneNeeds {
   bool mix = false;                ///< materials mixed of others
   bool tangents = false;           ///< anisotropic lobes: shading frames follow uv
   bool alpha = false;              ///< filter functions for rays that pass through cut-out surfaces
+  bool procedurals = false;        ///< marched surfaces: user geometry, normals averaged over footprints
   bool media = false;              ///< scattering and absorption inside objects
   bool moving_camera = false;
   bool moving_objects = false;     ///< instances whose transforms are set for each frame

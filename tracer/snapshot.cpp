@@ -63,15 +63,17 @@ Place ObjectState::at(float time) const {
 }
 
 Snapshot::Snapshot(const SceneDescription& description, int frame)
-    : description_(&description), frame_(frame), objects_(description.objects.size()) {
+    : description_(&description),
+      frame_(frame),
+      shapes_(description.meshes, frame),
+      objects_(description.objects.size()) {
   check_camera(description, frame);
-  for (const Geometry& geometry : description.meshes) geometry_bounds_.push_back(bounds(geometry));
   std::vector<Placement> placements;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     const Object& object = description.objects[i];
     ObjectState& state = objects_[i];
-    state.geometry = &description.meshes[object.mesh];
-    state.mesh = std::get_if<Mesh>(state.geometry);
+    state.shape = shapes_[object.mesh];
+    state.mesh = mesh_of(state.shape);
     state.material = &description.materials[object.material];
     const MaterialNeeds needs = material_needs(description.materials, *state.material);
     state.material_varies = needs.textures || needs.relief || needs.mix || needs.tangents;
@@ -82,7 +84,7 @@ Snapshot::Snapshot(const SceneDescription& description, int frame)
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     const ObjectState& state = objects_[i];
     placements.push_back(
-        {state.geometry, state.material, state.blur.steps(), geometry_moves(description.objects[i])});
+        {state.shape, state.material, state.blur.steps(), geometry_moves(description.objects[i])});
   }
   measure();
   intersector_ = std::make_unique<Intersector>(placements);
@@ -97,6 +99,10 @@ void Snapshot::set_frame(int frame) {
   if (frame == frame_) return;
   check_camera(*description_, frame);
   bool moved = false, lights_changed = false;
+  for (const std::size_t geometry : shapes_.set_frame(frame)) {
+    intersector_->reshape(shapes_[geometry]);
+    moved = true;
+  }
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     const Object& object = description_->objects[i];
     if (geometry_moves(object)) {
@@ -143,7 +149,7 @@ std::size_t Snapshot::media_bytes() const {
 void Snapshot::place(std::size_t index, int frame) {
   const Object& object = description_->objects[index];
   const Shutter& shutter = description_->camera.shutter;
-  const Imath::Box3f& box = geometry_bounds_[object.mesh];
+  const Imath::Box3f& box = shapes_.bounds(object.mesh);
   const double radius = box.isEmpty() ? 1.0 : std::max(std::max(box.max.length(), box.min.length()), 1e-30f);
   const int segments = motion_segments(object.transform, frame, shutter, radius);
   ObjectState& state = objects_[index];
@@ -166,7 +172,7 @@ void Snapshot::place(std::size_t index, int frame) {
 void Snapshot::measure() {
   Imath::Box3f bounds;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    const Imath::Box3f& box = geometry_bounds_[description_->objects[i].mesh];
+    const Imath::Box3f& box = shapes_.bounds(description_->objects[i].mesh);
     if (box.isEmpty()) continue;
     for (const M44f& to_world : objects_[i].blur.steps())
       bounds.extendBy(Imath::affineTransform(box, to_world));

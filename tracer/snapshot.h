@@ -11,6 +11,7 @@
 #include "tracer/media/medium.h"
 #include "tracer/motion_steps.h"
 #include "tracer/scene/scene.h"
+#include "tracer/shapes.h"
 
 namespace becalm::tracer {
 
@@ -24,7 +25,7 @@ struct Place {
 
 /// One object at a frame.
 struct ObjectState {
-  const Geometry* geometry = nullptr;
+  Shape shape;
   const Mesh* mesh = nullptr;  ///< null where there are no triangles
   const Material* material = nullptr;
   const Medium* interior = nullptr;
@@ -61,7 +62,8 @@ class Snapshot {
   const Lights& lights() const { return lights_; }
   const ObjectState& object(std::uint32_t index) const { return objects_[index]; }
   int frame() const { return frame_; }
-  /// Memory of what is kept for the frame: hierarchies, media.
+  /// Memory of procedural surfaces and media.
+  std::size_t procedural_bytes() const { return shapes_.procedural_bytes(); }
   std::size_t media_bytes() const;
   /// Largest absolute coordinate of any object, the measure of rounding errors.
   float extent() const { return extent_; }
@@ -74,7 +76,7 @@ class Snapshot {
 
   const SceneDescription* description_;
   int frame_ = 0;
-  std::vector<Imath::Box3f> geometry_bounds_;  ///< in object space
+  Shapes shapes_;
   std::vector<ObjectState> objects_;
   std::unique_ptr<Intersector> intersector_;
   Lights lights_;

@@ -2,6 +2,8 @@
 
 #include <numbers>
 
+#include "tracer/materials/shading_frame.h"
+
 namespace becalm::tracer {
 
 namespace {
@@ -74,6 +76,22 @@ Surface sphere_surface(const ObjectState& object, const Place& place, const Hit&
   return surface;
 }
 
+Surface procedural_surface(const ObjectState& object, const Procedural& procedural, const Place& place,
+                           const Hit& hit, float footprint) {
+  const ProceduralPoint local = point(procedural, hit.local, footprint / object.scale);
+  Surface surface;
+  surface.position = transform_point(local.position, place.to_world);
+  surface.normal_geometric = transform_vector(local.normal, place.normal_to_world).normalized();
+  surface.normal_shading = surface.normal_geometric;
+  surface.uv = local.uv;
+  surface.slope_variance = local.slope_variance;
+  surface.offset =
+      rounding_error(object, max_component({std::abs(local.position.x), std::abs(local.position.y),
+                                            std::abs(local.position.z)})) +
+      local.error * object.scale;
+  return surface;
+}
+
 /// Of the unit sphere, whose normal is its position.
 SurfaceDifferentials sphere_differentials(const V3f& p) {
   constexpr float pi = std::numbers::pi_v<float>;
@@ -85,17 +103,30 @@ SurfaceDifferentials sphere_differentials(const V3f& p) {
   return {dpdu, dpdv, p, dpdu, dpdv, true};
 }
 
+/// A frame in the plane of the normal: good for tangents, not for textures. Taken as flat.
+SurfaceDifferentials procedural_differentials(const Procedural& procedural, const V3f& p) {
+  const ShadingFrame frame = ShadingFrame::from_normal(point(procedural, p).normal);
+  return {frame.tangent, frame.bitangent, frame.normal, V3f(0.0f), V3f(0.0f), false};
+}
+
 }  // namespace
 
 SurfaceDifferentials differentials_at(const ObjectState& object, const Place& place, const Hit& hit) {
-  const SurfaceDifferentials local = object.mesh != nullptr
-                                         ? surface_differentials(*object.mesh, hit.triangle, hit.u, hit.v)
-                                         : sphere_differentials(hit.local.normalized());
-  return transformed(local, place.to_world, place.normal_to_world);
+  if (object.mesh != nullptr) {
+    return transformed(surface_differentials(*object.mesh, hit.triangle, hit.u, hit.v), place.to_world,
+                       place.normal_to_world);
+  }
+  if (const Procedural* procedural = procedural_of(object.shape))
+    return transformed(procedural_differentials(*procedural, hit.local), place.to_world,
+                       place.normal_to_world);
+  return transformed(sphere_differentials(hit.local.normalized()), place.to_world, place.normal_to_world);
 }
 
-Surface surface_at(const ObjectState& object, const Place& place, const Hit& hit) {
-  return object.mesh != nullptr ? mesh_surface(object, place, hit) : sphere_surface(object, place, hit);
+Surface surface_at(const ObjectState& object, const Place& place, const Hit& hit, float footprint) {
+  if (object.mesh != nullptr) return mesh_surface(object, place, hit);
+  if (const Procedural* procedural = procedural_of(object.shape))
+    return procedural_surface(object, *procedural, place, hit, footprint);
+  return sphere_surface(object, place, hit);
 }
 
 PointMotion point_motion(const ObjectState& object, const Hit& hit, float time) {

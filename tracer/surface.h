@@ -11,11 +11,14 @@ struct Surface {
   V3f normal_geometric;  ///< unit, on the outside: the side from which the triangle is counter-clockwise
   V3f normal_shading;    ///< unit, interpolated, in the hemisphere of the geometric one
   V2f uv;
+  float slope_variance = 0.0f;  ///< of the slopes that averaging over the footprint took out of the normal
+  float slope_variance = 0.0f;  ///< of what averaging over the footprint took out of the normal
   float offset;  ///< bound of the rounding errors in the position and in what Embree makes of it
 };
 
-/// `place` is the object's at the ray's time.
-Surface surface_at(const ObjectState& object, const Place& place, const Hit& hit);
+/// `place` is the object's at the ray's time. `footprint` is the length, in world space, over which
+/// procedural surfaces average their normals.
+Surface surface_at(const ObjectState& object, const Place& place, const Hit& hit, float footprint = 0.0f);
 
 /// How the surface changes around the hit, in world space.
 SurfaceDifferentials differentials_at(const ObjectState& object, const Place& place, const Hit& hit);

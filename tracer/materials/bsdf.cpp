@@ -41,6 +41,31 @@ V3f albedo(const Bsdf& bsdf) {
   return {std::clamp(value.x, 0.0f, 1.0f), std::clamp(value.y, 0.0f, 1.0f), std::clamp(value.z, 0.0f, 1.0f)};
 }
 
+namespace {
+
+void widen_alpha(float& alpha, float slope_variance) {
+  alpha = std::min(1.0f, std::sqrt(alpha * alpha + slope_variance));
+}
+void widen_model(DiffuseBsdf&, float) {}
+void widen_model(ConductorBsdf& bsdf, float slope_variance) {
+  widen_alpha(bsdf.alpha, slope_variance);
+}
+void widen_model(DielectricBsdf& bsdf, float slope_variance) {
+  widen_alpha(bsdf.alpha, slope_variance);
+}
+void widen_model(PrincipledBsdf& bsdf, float slope_variance) {
+  // What is scattered more than once stays that of the narrower lobe: the little that is missing is lost.
+  widen_alpha(bsdf.alpha, slope_variance);
+  bsdf.alpha = std::min(bsdf.alpha, bsdf.aspect);  // so that neither width exceeds 1
+  widen_alpha(bsdf.coat_alpha, slope_variance);
+}
+
+}  // namespace
+
+void widen(Bsdf& bsdf, float slope_variance) {
+  std::visit([&](auto& model) { widen_model(model, slope_variance); }, bsdf);
+}
+
 float roughness_to_alpha(float roughness) {
   const float clamped = std::clamp(roughness, 0.0f, 1.0f);
   return clamped * clamped;

@@ -87,6 +87,10 @@ bool is_specular(const Bsdf& bsdf);
 /// reflect and transmit together there.
 V3f albedo(const Bsdf& bsdf);
 
+/// Widens microfacet lobes by slopes of that variance, which are no longer in the normal (alpha^2 grows by it, as in
+/// LEAN mapping: Olano and Baker 2010).
+void widen(Bsdf& bsdf, float slope_variance);
+
 /// alpha = roughness^2, clamped to [0,1].
 float roughness_to_alpha(float roughness);
 

@@ -1,3 +1,4 @@
+#include "tracer/scene/load_procedural.h"
 #include "tracer/scene/load_sections.h"
 #include "tracer/scene/obj.h"
 #include "tracer/scene/shapes.h"
@@ -11,6 +12,7 @@ Geometry read_mesh(const JsonValue& json, const std::string& scene_file) {
     expect_file(json.at("obj"), path);
     return load_obj(path);
   }
+  if (json.has("procedural")) return read_procedural(json);
   json.allow_keys({"shape", "segments"});
   const int segments = json.has("segments") ? json.at("segments").integer(3, 4096) : 64;
   switch (json.at("shape").choice({"rectangle", "disc", "sphere", "cube", "exact_sphere"})) {

@@ -7,6 +7,7 @@
 
 #include "tracer/intersect.h"
 #include "tracer/sampling/sobol.h"
+#include "tracer/shapes.h"
 
 namespace becalm::tracer {
 
@@ -26,11 +27,12 @@ class CopyRandom {
 class Ground {
  public:
   Ground(const SceneDescription& scene, const Object& object)
-      : geometry_(scene.meshes[object.mesh]), to_world_(transform_at(object.transform, 0.0)) {
-    const Placement placement{&geometry_, &opaque_, {&to_world_, 1}, false};
+      : shapes_({&scene.meshes[object.mesh], 1}, scene.frames.first),
+        to_world_(transform_at(object.transform, 0.0)) {
+    const Placement placement{shapes_[0], &opaque_, {&to_world_, 1}, false};
     intersector_.emplace(std::span(&placement, 1));
     intersector_->commit();
-    const Imath::Box3f box = bounds(geometry_);
+    const Imath::Box3f& box = shapes_.bounds(0);
     const double reach = std::max(box.max.length(), box.min.length());
     double scale = 0.0;
     for (int row = 0; row < 3; ++row)
@@ -47,7 +49,7 @@ class Ground {
   }
 
  private:
-  const Geometry& geometry_;
+  Shapes shapes_;
   const Material opaque_{};
   M44f to_world_;
   std::optional<Intersector> intersector_;
