@@ -16,7 +16,7 @@ Mesh load_obj(const std::string& path);
 /// The faces of one material.
 struct ObjPart {
   std::string material;  ///< as `usemtl` names it; empty before the first
-  Mesh mesh;             ///< has the vertices that its faces use, and normals and uvs as its own corners allow
+  Mesh mesh;  ///< has the vertices that its faces use, and normals and uvs as its own corners allow
 };
 
 /// What an OBJ file consists of, by material in the order of their first faces.
