@@ -137,7 +137,8 @@ TEST(Load, NamesBadValues) {
             "scene.json: /materials/white/reflectance/1: expected a number from 0 to 1, found \"x\"");
   EXPECT_EQ(
       load_error(with_materials("{'white': {'type': 'shiny'}}")),
-      "scene.json: /materials/white/type: expected one of diffuse, conductor, dielectric, found \"shiny\"");
+      "scene.json: /materials/white/type: expected one of diffuse, conductor, dielectric, principled, mix, "
+      "interface, found \"shiny\"");
   EXPECT_EQ(load_error(with_materials("{'white': {'type': 'conductor', 'reflectance': 1, 'k': 3}}")),
             "scene.json: /materials/white: expected either reflectance, or eta and k");
   EXPECT_EQ(load_error(with_objects("[{'mesh': 'box', 'material': 'white', 'emission': -1}]")),

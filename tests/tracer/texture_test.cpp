@@ -6,23 +6,15 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <limits>
+#include <stdexcept>
 
 #include "frame/error.h"
+#include "tests/tracer/test_images.h"
 #include "tests/tracer/test_scenes.h"
 
 namespace becalm::tracer::test {
 namespace {
-
-std::string write_image(const std::string& name, int width, int height, int channels,
-                        const std::vector<float>& pixels) {
-  std::string path = file_path(name);
-  auto file = OIIO::ImageOutput::create(path);
-  const bool png = name.ends_with(".png");
-  file->open(path, OIIO::ImageSpec(width, height, channels, png ? OIIO::TypeUInt8 : OIIO::TypeFloat));
-  file->write_image(OIIO::TypeFloat, pixels.data());
-  file->close();
-  return path;
-}
 
 /// Rows from the top: red green / blue grey.
 const std::vector<float> kFour = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0.5f, 0.5f, 0.5f};
@@ -30,7 +22,7 @@ const std::vector<float> kFour = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0.5f, 0.5f, 0.5f};
 V3f lookup(const TextureSettings& settings, const V2f& uv, float footprint = 0.0f) {
   Textures textures;
   const std::uint32_t texture = textures.add(settings);
-  const V3f color = Textures::Reader(textures).color(texture, uv, footprint);
+  const V3f color = Textures::Reader(textures).color(texture, {uv, {footprint, 0.0f}, {0.0f, footprint}});
   textures.check();
   return color;
 }
@@ -104,6 +96,65 @@ TEST(Texture, TiledFilesReadAsScanlineOnes) {
       EXPECT_NEAR(lookup(a, uv).y, pixels[(y * 40 + x) * 3 + 1], 1e-3f);
     }
   }
+}
+
+TEST(Texture, ChannelsAreTakenAsTheyAre) {
+  const std::string path = write_image("channels.exr", 1, 1, 4, {0.125f, 2.5f, -3.0f, 0.75f});
+  const auto channel = [&](TextureContent content) {
+    Textures textures;
+    const std::uint32_t texture = textures.add({.path = path, .scale = V3f(2.0f), .content = content});
+    return Textures::Reader(textures).scalar(texture, {{0.5f, 0.5f}});
+  };
+  EXPECT_EQ(channel(TextureContent::r), 0.25f);
+  EXPECT_EQ(channel(TextureContent::g), 5.0f);
+  EXPECT_EQ(channel(TextureContent::b), -6.0f);
+  EXPECT_EQ(channel(TextureContent::a), 1.5f);
+  Textures textures;
+  EXPECT_THROW(textures.add({.path = write_image("grey.exr", 1, 1, 1, {1.0f}), .content = TextureContent::a}),
+               std::runtime_error);
+  const std::uint32_t grey = textures.add({.path = file_path("grey.exr"), .content = TextureContent::b});
+  EXPECT_EQ(Textures::Reader(textures).scalar(grey, {{0.5f, 0.5f}}), 1.0f) << "grey serves as b";
+}
+
+TEST(Texture, FootprintsAreAnisotropic) {
+  // Columns of black and white: blurred across by a footprint along u, sharp under one along v.
+  std::vector<float> pixels(64 * 64 * 3);
+  for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<float>(i / 3 % 2);
+  const std::string path = write_image("columns.exr", 64, 64, 3, pixels);
+  Textures textures;
+  const std::uint32_t texture = textures.add({.path = path, .space = ColorSpace::linear});
+  const Textures::Reader reader(textures);
+  const V2f white(1.5f / 64, 0.5f);
+  EXPECT_GT(reader.color(texture, {white, {0.0f, 4.0f / 64}, {1.0f / 64, 0.0f}}).x, 0.8f);
+  EXPECT_NEAR(reader.color(texture, {white, {4.0f / 64, 0.0f}, {0.0f, 1.0f / 64}}).x, 0.5f, 0.1f);
+}
+
+TEST(Texture, AnyNumberIsAPlace) {
+  Textures textures;
+  const std::uint32_t texture =
+      textures.add({.path = write_image("four.exr", 2, 2, 3, kFour), .space = ColorSpace::linear});
+  const Textures::Reader reader(textures);
+  constexpr float nan = std::numeric_limits<float>::quiet_NaN(),
+                  infinity = std::numeric_limits<float>::infinity();
+  for (const float bad : {nan, infinity, -infinity, 1e30f, -1e30f, 1e-30f}) {
+    EXPECT_TRUE(is_finite(reader.color(texture, {V2f(bad), {0.1f, 0.0f}, {0.0f, 0.1f}}))) << bad;
+    EXPECT_TRUE(is_finite(reader.color(texture, {V2f(0.3f), V2f(bad), V2f(bad)}))) << bad;
+  }
+  expect_near(reader.color(texture, {V2f(0.3f), V2f(infinity), V2f(nan)}), V3f(0.375f), 0.01f);
+  const std::uint32_t broken = textures.add(
+      {.path = write_image("broken.exr", 1, 1, 3, {nan, infinity, 1e30f}), .space = ColorSpace::linear});
+  EXPECT_EQ(reader.color(broken, {V2f(0.5f)}), V3f(0, 0, 1)) << "what is not finite counts as 0";
+}
+
+TEST(Texture, FootprintsShrinkWithTheSampleCount) {
+  // The area of n lookups is that of one with all of the pixel: a bias of -log2(n) / 2 levels.
+  EXPECT_EQ(footprint_scale(1), 1.0f);
+  EXPECT_EQ(footprint_scale(4), 0.5f);
+  for (const int n : {2, 3, 9, 100, 1024}) {
+    EXPECT_NEAR(std::log2(footprint_scale(n)), -0.5 * std::log2(n), 1e-6) << n;
+  }
+  EXPECT_EQ(footprint_scale(4096), kLeastFootprintScale);
+  EXPECT_EQ(footprint_scale(0), 1.0f);
 }
 
 TEST(Texture, DamagedFilesAreReportedWithTheirName) {

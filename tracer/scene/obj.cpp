@@ -2,7 +2,7 @@
 
 #include <tiny_obj_loader.h>
 
-#include <charconv>
+#include <map>
 #include <sstream>
 #include <string_view>
 #include <unordered_map>
@@ -11,6 +11,7 @@
 
 #include "frame/error.h"
 #include "tracer/scene/text_file.h"
+#include "tracer/scene/text_words.h"
 
 namespace becalm::tracer {
 
@@ -20,31 +21,15 @@ namespace {
   throw Error(ExitStatus::bad_input, path + ": " + message);
 }
 
-/// The next word of the line, removed from it; empty at its end.
-std::string_view take_word(std::string_view& line) {
-  constexpr std::string_view blank = " \t\r";
-  line.remove_prefix(std::min(line.find_first_not_of(blank), line.size()));
-  const std::string_view word = line.substr(0, line.find_first_of(blank));
-  line.remove_prefix(word.size());
-  return word;
-}
-
 /// tinyobjloader reads what is not a number as 0, so coordinates are checked here first.
 void check_coordinates(const std::string& path, std::string_view text) {
   for (int line_number = 1; !text.empty(); ++line_number) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    std::string_view line = text.substr(0, end);
-    text.remove_prefix(std::min(end + 1, text.size()));
+    std::string_view line = take_line(text);
     const std::string_view kind = take_word(line);
     const int needed = kind == "v" || kind == "vn" ? 3 : kind == "vt" ? 2 : 0;
     for (int i = 0; i < needed; ++i) {
-      std::string_view word = take_word(line);
-      std::string_view digits = word;
-      if (digits.starts_with('+')) digits.remove_prefix(1);
-      double value = 0.0;  // holds denormal floats as well
-      const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-      const bool is_number = error == std::errc() && stop == digits.data() + digits.size();
-      if (!is_number || !(std::abs(value) <= std::numeric_limits<float>::max())) {
+      const std::string_view word = take_word(line);
+      if (!is_float(word)) {
         fail(path, fmt::format("line {}: '{}' needs {} finite numbers, found '{}'", line_number, kind, needed,
                                word));
       }
@@ -52,28 +37,16 @@ void check_coordinates(const std::string& path, std::string_view text) {
   }
 }
 
-/// The words of the lines that begin with `keyword`: the rest of such a line, without blanks around it.
-std::vector<std::string> rests_of_lines(std::string_view text, std::string_view keyword) {
-  std::vector<std::string> rests;
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    std::string_view line = text.substr(0, end);
-    text.remove_prefix(std::min(end + 1, text.size()));
-    if (take_word(line) != keyword) continue;
-    constexpr std::string_view blank = " \t\r";
-    line.remove_prefix(std::min(line.find_first_not_of(blank), line.size()));
-    rests.emplace_back(line.substr(0, line.find_last_not_of(blank) + 1));
-  }
-  return rests;
-}
-
-/// Numbers the materials that the faces name, without reading any file of them: tinyobjloader gives faces of
+/// Numbers the materials that faces may name, without reading any file of them: tinyobjloader gives faces of
 /// unknown materials no number.
 class MaterialNames : public tinyobj::MaterialReader {
  public:
   explicit MaterialNames(std::string_view text) {
-    for (std::string& name : rests_of_lines(text, "usemtl")) {
-      if (numbers_.try_emplace(name, static_cast<int>(names.size())).second) names.push_back(std::move(name));
+    while (!text.empty()) {
+      std::string_view line = take_line(text);
+      if (take_word(line) != "usemtl") continue;
+      const std::string name(take_word(line));
+      if (numbers_.try_emplace(name, static_cast<int>(names_.size())).second) names_.push_back(name);
     }
   }
   bool operator()(const std::string&, std::vector<tinyobj::material_t>*, std::map<std::string, int>* numbers,
@@ -81,24 +54,29 @@ class MaterialNames : public tinyobj::MaterialReader {
     *numbers = numbers_;
     return true;
   }
-  std::vector<std::string> names;
+  /// Of a face's number; empty for faces before the first material.
+  const std::string& name(int number) const {
+    static const std::string none;
+    return number < 0 ? none : names_[static_cast<std::size_t>(number)];
+  }
 
  private:
+  std::vector<std::string> names_;
   std::map<std::string, int> numbers_;
 };
 
 struct Parsed {
   tinyobj::attrib_t attributes;
   std::vector<tinyobj::shape_t> shapes;
-  std::vector<std::string> materials;  ///< of the shapes' material numbers
 };
 
-Parsed parse(const std::string& path, const std::string& text, bool triangulate) {
+Parsed parse(const std::string& path, const std::string& text, MaterialNames* names, bool triangulate) {
   Parsed parsed;
   std::vector<tinyobj::material_t> materials;
   std::string warning, error;
-  std::istringstream stream(text);
-  if (!tinyobj::LoadObj(&parsed.attributes, &parsed.shapes, &materials, &warning, &error, &stream, nullptr,
+  // The reader of materials is asked for each library that is named.
+  std::istringstream stream(names != nullptr ? "mtllib names\n" + text : text);
+  if (!tinyobj::LoadObj(&parsed.attributes, &parsed.shapes, &materials, &warning, &error, &stream, names,
                         triangulate, false)) {
     while (!error.empty() && (error.back() == '\n' || error.back() == '\r')) error.pop_back();
     std::replace(error.begin(), error.end(), '\n', ' ');
@@ -154,16 +132,17 @@ struct SameCorner {
   }
 };
 
-/// Corners that agree in position, normal and uv become one vertex.
-Mesh merge_corners(const Parsed& parsed) {
-  const tinyobj::attrib_t& attributes = parsed.attributes;
+/// Corners that agree in position, normal and uv become one vertex. `faces(visit)` calls visit(corners) with
+/// the three corners of each triangle.
+template <class Faces>
+Mesh merge_corners(const tinyobj::attrib_t& attributes, const Faces& faces) {
   bool with_normals = true, with_uvs = true;
-  for (const tinyobj::shape_t& shape : parsed.shapes) {
-    for (const tinyobj::index_t& corner : shape.mesh.indices) {
-      with_normals = with_normals && corner.normal_index >= 0;
-      with_uvs = with_uvs && corner.texcoord_index >= 0;
+  faces([&](const tinyobj::index_t* corners) {
+    for (int i = 0; i < 3; ++i) {
+      with_normals = with_normals && corners[i].normal_index >= 0;
+      with_uvs = with_uvs && corners[i].texcoord_index >= 0;
     }
-  }
+  });
   Mesh mesh;
   std::unordered_map<tinyobj::index_t, std::uint32_t, CornerHash, SameCorner> vertices;
   const auto vertex = [&](tinyobj::index_t corner) {
@@ -185,29 +164,72 @@ Mesh merge_corners(const Parsed& parsed) {
     }
     return entry->second;
   };
-  for (const tinyobj::shape_t& shape : parsed.shapes) {
-    const std::vector<tinyobj::index_t>& corners = shape.mesh.indices;
-    for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
-      mesh.triangles.push_back({vertex(corners[i]), vertex(corners[i + 1]), vertex(corners[i + 2])});
-    }
-  }
+  faces([&](const tinyobj::index_t* corners) {
+    mesh.triangles.push_back({vertex(corners[0]), vertex(corners[1]), vertex(corners[2])});
+  });
   return mesh;
+}
+
+std::string read_text(const std::string& path) {
+  std::optional<std::string> contents = read_text_file(path);
+  if (!contents) fail(path, "cannot read the mesh file");
+  return std::move(*contents);
+}
+
+/// Triangles, with materials' numbers if names are given.
+Parsed parse_checked(const std::string& path, const std::string& text, MaterialNames* names) {
+  check_coordinates(path, text);
+  // tinyobjloader drops faces with bad indices while it triangulates, so faces are checked as they stand in
+  // the file.
+  Parsed parsed = parse(path, text, names, false);
+  if (!check_faces(path, parsed)) parsed = parse(path, text, names, true);
+  return parsed;
 }
 
 }  // namespace
 
 Mesh load_obj(const std::string& path) {
-  const std::optional<std::string> contents = read_text_file(path);
-  if (!contents) fail(path, "cannot read the mesh file");
-  const std::string& text = *contents;
-  check_coordinates(path, text);
-  // tinyobjloader drops faces with bad indices while it triangulates, so faces are checked as they stand in
-  // the file.
-  Parsed parsed = parse(path, text, false);
-  if (!check_faces(path, parsed)) parsed = parse(path, text, true);
-  Mesh mesh = merge_corners(parsed);
+  const Parsed parsed = parse_checked(path, read_text(path), nullptr);
+  Mesh mesh = merge_corners(parsed.attributes, [&](const auto& visit) {
+    for (const tinyobj::shape_t& shape : parsed.shapes) {
+      const std::vector<tinyobj::index_t>& corners = shape.mesh.indices;
+      for (std::size_t i = 0; i + 2 < corners.size(); i += 3) visit(&corners[i]);
+    }
+  });
   if (mesh.triangles.empty()) fail(path, "has no faces");
   return mesh;
+}
+
+ObjParts load_obj_parts(const std::string& path) {
+  const std::string text = read_text(path);
+  MaterialNames names(text);
+  const Parsed parsed = parse_checked(path, text, &names);
+
+  ObjParts result;
+  std::map<int, std::size_t> numbers;  // of the parts, by material
+  std::vector<std::vector<const tinyobj::index_t*>> faces;
+  for (const tinyobj::shape_t& shape : parsed.shapes) {
+    for (std::size_t i = 0; i < shape.mesh.material_ids.size(); ++i) {
+      const int material = shape.mesh.material_ids[i];
+      const auto [part, is_new] = numbers.try_emplace(material, faces.size());
+      if (is_new) {
+        faces.emplace_back();
+        result.parts.push_back({names.name(material), {}});
+      }
+      faces[part->second].push_back(&shape.mesh.indices[3 * i]);
+    }
+  }
+  if (faces.empty()) fail(path, "has no faces");
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    result.parts[i].mesh = merge_corners(parsed.attributes, [&](const auto& visit) {
+      for (const tinyobj::index_t* corners : faces[i]) visit(corners);
+    });
+  }
+  for (std::string_view rest = text; !rest.empty();) {
+    std::string_view line = take_line(rest);
+    if (take_word(line) == "mtllib") result.material_libraries.emplace_back(trimmed(line));
+  }
+  return result;
 }
 
 }  // namespace becalm::tracer

@@ -1,0 +1,204 @@
+// Wavefront materials, and meshes by material.
+#include "tracer/scene/mtl.h"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "frame/error.h"
+#include "tests/tracer/test_images.h"
+#include "tests/tracer/test_scenes.h"
+
+namespace becalm::tracer::test {
+namespace {
+
+struct Loaded {
+  Textures textures;
+  std::vector<MtlMaterial> materials;
+};
+Loaded load(const std::string& text) {
+  Loaded loaded;
+  loaded.materials = load_mtl(write_file("m.mtl", text), loaded.textures);
+  return loaded;
+}
+Material only(const std::string& text) {
+  Loaded loaded = load(text);
+  EXPECT_EQ(loaded.materials.size(), 1u);
+  return loaded.materials.at(0).material;
+}
+
+template <class Function>
+std::string error_of(const Function& function) {
+  try {
+    function();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.status(), ExitStatus::bad_input);
+    std::string message = error.what();
+    EXPECT_EQ(message.find('\n'), std::string::npos) << "one line";
+    const std::string folder = file_path("");
+    for (std::size_t at; (at = message.find(folder)) != std::string::npos;) message.erase(at, folder.size());
+    return message;
+  }
+  return "";
+}
+std::string mtl_error(const std::string& text) {
+  return error_of([&] { load(text); });
+}
+
+TEST(Mtl, PhysicallyBasedFields) {
+  const Loaded loaded = load(
+      "newmtl paint\nKd 0.1 0.2 0.3\nPr 0.25\nPm 0.5\nPs 0.125\nPc 0.75\nPcr 0.0625\naniso 0.5\nanisor 0.25\n"
+      "Ni 1.6\nKe 1 2 3\nd 0.5\nillum 5\n");
+  const Material& material = loaded.materials.at(0).material;
+  EXPECT_EQ(material.name, "paint");
+  const auto& m = std::get<PrincipledMaterial>(material.model);
+  EXPECT_EQ(m.base_color.value, V3f(0.1f, 0.2f, 0.3f));
+  EXPECT_EQ(m.roughness.value, 0.25f);
+  EXPECT_EQ(m.metallic.value, 0.5f);
+  EXPECT_EQ(m.sheen.value, 0.125f);
+  EXPECT_EQ(m.clearcoat.value, 0.75f);
+  EXPECT_EQ(m.clearcoat_roughness.value, 0.0625f);
+  EXPECT_EQ(m.anisotropy.value, 0.5f);
+  EXPECT_EQ(m.anisotropy_rotation.value, 0.25f);
+  EXPECT_EQ(m.ior, 1.6f);
+  EXPECT_EQ(material.opacity, 0.5f);
+  EXPECT_EQ(loaded.materials.at(0).emission, V3f(1, 2, 3));
+  EXPECT_EQ(std::get<PrincipledBsdf>(material.bsdf).coat, 0.75f) << "ready";
+}
+
+TEST(Mtl, IlluminationModels) {
+  for (const char* illum : {"4", "6", "7", "9"}) {
+    const Material glass =
+        only(std::string("newmtl g\nKd 0 0 0\nTf 0.9 0.8 0.7\nNi 1.3\nd 0.1\nillum ") + illum + "\n");
+    const auto& m = std::get<DielectricMaterial>(glass.model);
+    EXPECT_EQ(m.ior, 1.3f);
+    EXPECT_EQ(m.transmittance.value, V3f(0.9f, 0.8f, 0.7f));
+    EXPECT_EQ(m.roughness.value, 0.0f);
+    EXPECT_FALSE(has_alpha(glass)) << "d of glass is no hole";
+  }
+  EXPECT_EQ(std::get<DielectricMaterial>(only("newmtl g\nillum 4\n").model).ior, 1.5f);
+  for (const char* illum : {"3", "5"}) {
+    const Material mirror = only(std::string("newmtl m\nKs 0.9 0.8 0.7\nillum ") + illum + "\n");
+    EXPECT_EQ(std::get<ConductorMaterial>(mirror.model).reflectance.value, V3f(0.9f, 0.8f, 0.7f));
+    EXPECT_TRUE(is_specular(mirror.bsdf));
+  }
+  EXPECT_TRUE(std::holds_alternative<PrincipledMaterial>(only("newmtl m\nKs 1 1 1\nPr 0.5\nillum 3\n").model))
+      << "the physically based fields decide";
+}
+
+TEST(Mtl, PhongBecomesRoughness) {
+  const auto roughness = [](const std::string& lines) {
+    return std::get<PrincipledMaterial>(only("newmtl m\nKd 1 1 1\nillum 2\n" + lines).model).roughness.value;
+  };
+  EXPECT_FLOAT_EQ(roughness("Ns 0\n"), 1.0f);
+  EXPECT_FLOAT_EQ(roughness("Ns 30\n"), 0.5f) << "alpha = sqrt(2 / 32) = 0.5^2";
+  EXPECT_FLOAT_EQ(roughness(""), 1.0f);
+  EXPECT_FLOAT_EQ(roughness("Ns 30\nPr 0.7\n"), 0.7f);
+  const auto ior = [](const std::string& lines) {
+    return std::get<PrincipledMaterial>(only("newmtl m\nillum 2\n" + lines).model).ior;
+  };
+  EXPECT_NEAR(ior("Ks 0.04 0.04 0.04\n"), 1.5f, 1e-5f);
+  EXPECT_EQ(ior("Ks 0 0 0\n"), 1.0f);
+  EXPECT_EQ(ior("Ks 0.5 0.5 0.5\nNi 1.45\n"), 1.45f);
+  EXPECT_EQ(ior(""), 1.5f);
+}
+
+TEST(Mtl, Images) {
+  write_image("rgb.exr", 2, 1, 3, {0.25f, 0.5f, 0.75f, 0.25f, 0.5f, 0.75f});
+  write_image("mask.exr", 1, 1, 1, {0.25f});
+  const Loaded loaded = load(
+      "newmtl m\nKd 0.5 0.5 0.5\nmap_Kd -s 3 2 1 rgb.exr\nmap_Pr -imfchan g rgb.exr\nmap_Pm rgb.exr\nmap_d "
+      "mask.exr\n"
+      "map_Ke rgb.exr\nKe 2 2 2\nnorm rgb.exr\nmap_bump -bm 0.125 mask.exr\n");
+  const Material& material = loaded.materials.at(0).material;
+  const Textures::Reader reader(loaded.textures);
+  const auto bsdf = std::get<PrincipledBsdf>(evaluate_material(material, reader, {{0.3f, 0.3f}}));
+  const auto decoded = [](float v) { return std::pow((v + 0.055f) / 1.055f, 2.4f); };
+  EXPECT_NEAR(bsdf.base_color.y, 0.5f * decoded(0.5f), 1e-3f) << "times Kd";
+  EXPECT_NEAR(bsdf.alpha, 0.25f, 1e-6f);
+  EXPECT_NEAR(bsdf.metal, 0.25f, 1e-6f);
+  EXPECT_NEAR(opacity(material, {0.5f, 0.5f}), 0.25f, 0.5f / 255.0f);
+  ASSERT_TRUE(material.bump && material.normal_map);
+  EXPECT_EQ(material.bump->scale, 0.125f);
+  EXPECT_EQ(reader.data(material.normal_map->texture, {{0.5f, 0.5f}}), V3f(0.25f, 0.5f, 0.75f));
+  EXPECT_NEAR(loaded.materials.at(0).emission.z, 2.0f * decoded(0.75f), 2e-3f);
+}
+
+TEST(Mtl, Errors) {
+  EXPECT_EQ(mtl_error("newmtl a\nKd 0.1 nan 0.3\n"),
+            "m.mtl: line 2: 'Kd' needs 3 finite numbers, found 'nan'");
+  EXPECT_EQ(mtl_error("newmtl a\nPr x\n"), "m.mtl: line 2: 'Pr' needs 1 finite numbers, found 'x'");
+  EXPECT_EQ(mtl_error("newmtl a\nmap_Kd sub\\no.png\n"), "m.mtl: material 'a': no file 'sub/no.png'");
+  write_file("text.png", "no picture");
+  EXPECT_EQ(mtl_error("newmtl a\nmap_d text.png\n").find("m.mtl: material 'a': cannot read 'text.png': "),
+            0u);
+  EXPECT_EQ(mtl_error("newmtl a\nmap_Pr text.png\n").find("m.mtl: material 'a': cannot read 'text.png': "),
+            0u);
+  Textures textures;
+  EXPECT_EQ(error_of([&] { load_mtl(file_path("nowhere.mtl"), textures); }),
+            "nowhere.mtl: cannot read the material file");
+  EXPECT_TRUE(load("").materials.empty());
+  EXPECT_TRUE(load("Kd 1 1 1\n").materials.empty());
+}
+
+const std::string kObj =
+    "mtllib one.mtl two.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\n"
+    "f 1 2 3\nusemtl red\nf 1/1 2/1 3/1 4/1\no second\nusemtl blue\nf 1 2 4\nusemtl red\nf 1/1 3/1 4/1\n";
+
+TEST(Mtl, PartsByMaterial) {
+  const std::string path = write_file("m.obj", kObj);
+  write_file("one.mtl", "newmtl red\nKd 1 0 0\n");
+  write_file("two.mtl", "newmtl unused\nKd 0 1 0\nnewmtl blue\nKd 0 0 1\n");
+  const ObjParts obj = load_obj_parts(path);
+  ASSERT_EQ(obj.parts.size(), 3u);
+  EXPECT_EQ(obj.parts[0].material, "");
+  EXPECT_EQ(obj.parts[1].material, "red");
+  EXPECT_EQ(obj.parts[2].material, "blue");
+  EXPECT_EQ(obj.parts[0].mesh.triangles.size(), 1u);
+  EXPECT_EQ(obj.parts[1].mesh.triangles.size(), 3u) << "from both groups, the polygon cut";
+  EXPECT_EQ(obj.parts[1].mesh.positions.size(), 4u);
+  EXPECT_EQ(obj.parts[1].mesh.uvs.size(), 4u) << "its own corners have uvs, though others do not";
+  EXPECT_EQ(obj.parts[2].mesh.positions.size(), 3u);
+  EXPECT_TRUE(obj.parts[2].mesh.uvs.empty());
+  EXPECT_EQ(load_obj(path).triangles.size(), 5u);
+
+  Textures textures;
+  const std::vector<MtlMaterial> materials = load_part_materials(path, obj, textures);
+  ASSERT_EQ(materials.size(), 3u);
+  EXPECT_EQ(std::get<DiffuseBsdf>(materials[0].material.bsdf).reflectance, V3f(0.8f));
+  EXPECT_EQ(std::get<PrincipledBsdf>(materials[1].material.bsdf).base_color, V3f(1, 0, 0));
+  EXPECT_EQ(std::get<PrincipledBsdf>(materials[2].material.bsdf).base_color, V3f(0, 0, 1));
+}
+
+TEST(Mtl, UnknownMaterialsAreNamed) {
+  Textures textures;
+  const std::string path = write_file("m.obj", kObj);
+  write_file("one.mtl", "newmtl red\nKd 1 0 0\n");
+  write_file("two.mtl", "newmtl green\nKd 1 0 0\n");
+  const auto error = [&](const std::string& obj) {
+    return error_of([&] { load_part_materials(obj, load_obj_parts(obj), textures); });
+  };
+  EXPECT_EQ(error(path), "m.obj: no material 'blue' in 'one.mtl two.mtl'");
+  EXPECT_EQ(error(write_file("n.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl x\nf 1 2 3\n")),
+            "n.obj: no material 'x' in it, since it names no mtllib");
+  EXPECT_EQ(error(write_file("o.obj", "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl x\nf 1 2 3\n")),
+            "gone.mtl: cannot read the material file");
+  EXPECT_EQ(error_of([&] { load_obj_parts(write_file("p.obj", "v 0 0 0\nusemtl x\n")); }),
+            "p.obj: has no faces");
+}
+
+TEST(Mtl, FilesLoadInParallel) {
+  const std::string path = write_file("m.obj", kObj);
+  std::vector<std::thread> threads;
+  std::vector<std::size_t> counts(4);
+  for (std::size_t& count : counts) {
+    threads.emplace_back([&path, &count] {
+      for (int i = 0; i < 50; ++i) count += load_obj_parts(path).parts.size();
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const std::size_t count : counts) EXPECT_EQ(count, 150u);
+}
+
+}  // namespace
+}  // namespace becalm::tracer::test
