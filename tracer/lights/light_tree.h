@@ -30,7 +30,8 @@ class LightTree {
 
   bool empty() const { return nodes_.empty(); }
 
-  /// u in [0,1]. Nothing where no emitter can shine on the point.
+  /// u in [0,1]. Nothing where no emitter of the cluster that u leads to can shine on the point, or the
+  /// probability leaves the range of float.
   std::optional<Choice> sample(const V3f& point, float u) const;
 
   /// With which sample() chooses that emitter, exactly.

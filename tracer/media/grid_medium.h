@@ -28,10 +28,10 @@ struct GridMedium {
 /// which must be invertible.
 M44f world_to_voxels(const M44d& medium_to_world, const V3i& voxels);
 
-/// The longest step of the tracking that is told apart from 0 is 1/256 of a voxel: where the mean free path
-/// would be shorter, the extinction is reduced to that. Below a voxel the density is a straight line by
-/// definition, so that nothing but the depth to which light enters that line's first percent depends on it;
-/// without this bound, a ray at an extinction of 1e30 would take 1e30 steps in the thin edge of a block.
+/// Where the mean free path at the grid's largest density would be shorter than 1/256 of a voxel, the
+/// extinction is reduced to that, along each ray. Below a voxel the density is a straight line by definition,
+/// so that only the faintest fringe of such a medium passes light that it should not; without this bound, a
+/// ray at an extinction of 1e30 would take 1e30 steps in the thin edge of a block.
 inline constexpr float kLargestDepthPerVoxel = 256.0f;
 
 /// Unbiased estimate of the share of the radiance that passes from origin to origin + t_max dir, `dir` of

@@ -116,7 +116,7 @@ bool Ocean::update(const OceanDescription& description, double frame) {
   trains_ = trains;
   // Eight cells a strongest wave: ranges are then tight but for small waves, and cost what a picture can
   // afford.
-  const double cells = std::clamp(8.0 * description.size / description.wavelength, 64.0, 1024.0);
+  const double cells = std::clamp(8.0 * description.size / description.wavelength, 256.0, 1024.0);
   bake_ranges(static_cast<int>(std::bit_ceil(static_cast<unsigned>(cells))));
   return true;
 }

@@ -201,13 +201,17 @@ Grid carved(const TerrainShape& shape, const Grid& land, int octave, float frequ
 
 std::vector<float> make_mountains(const TerrainShape& shape) {
   const float highest = static_cast<float>(shape.resolution) / 3.0f;
-  const int massif_octaves = std::min(shape.octaves, kMassifOctaves);
+  int massif_octaves = 1;
+  while (massif_octaves < std::min(shape.octaves, kMassifOctaves) &&
+         shape.mountains * static_cast<float>(1 << massif_octaves) < highest) {
+    ++massif_octaves;
+  }
   // Each octave is added on the coarsest grid that holds it well; finer ones continue from there.
   int cells = shape.resolution;
   const auto holds = [&](int count, float frequency) {
     return static_cast<float>(count) >= kCellsAPeriod * frequency;
   };
-  float frequency = shape.mountains * static_cast<float>(1 << std::max(0, massif_octaves - 1));
+  float frequency = shape.mountains * static_cast<float>(1 << (massif_octaves - 1));
   // Ridges are creases, for which a few cells are not enough.
   while (cells > kCoarsestCells && holds(cells / 8, frequency)) cells /= 2;
   Grid land = make_massif(shape, massif_octaves, cells);
