@@ -10,7 +10,14 @@ namespace becalm::tracer {
 
 namespace {
 
-constexpr int kSteps = 32;  ///< of each number that draws a direction
+/// Points of a Fibonacci lattice: what is integrated is periodic in the first number, the azimuth.
+constexpr int kPoints = 610;
+constexpr int kPointsBefore = 377;  ///< the Fibonacci number before
+
+V2f lattice_point(int i) {
+  return {static_cast<float>(i * kPointsBefore % kPoints) / kPoints,
+          (static_cast<float>(i) + 0.5f) / kPoints};
+}
 
 /// Added to the albedos: more than the largest errors of interpolation, so that no material returns more
 /// light than it receives. Costs as much of the light that metals would return.
@@ -29,20 +36,16 @@ V3f direction_at(float cosine, bool across = false) {
 
 GgxAlbedo integrate_ggx(const V3f& wo, const GgxAlpha& alpha) {
   double f0 = 0.0, f90 = 0.0;
-  for (int j = 0; j < kSteps; ++j) {
-    for (int i = 0; i < kSteps; ++i) {
-      const V2f u((static_cast<float>(i) + 0.5f) / kSteps, (static_cast<float>(j) + 0.5f) / kSteps);
-      const V3f m = ggx_sample_visible_normal(wo, alpha, u);
-      const V3f wi = reflect(wo, m);
-      if (wi.z <= 0.0f) continue;
-      const double weight = mirrored_weight(wo, wi, alpha);
-      const double schlick = fifth_power(1.0f - std::clamp(wo.dot(m), 0.0f, 1.0f));
-      f0 += weight * (1.0 - schlick);
-      f90 += weight * schlick;
-    }
+  for (int i = 0; i < kPoints; ++i) {
+    const V3f m = ggx_sample_visible_normal(wo, alpha, lattice_point(i));
+    const V3f wi = reflect(wo, m);
+    if (wi.z <= 0.0f) continue;
+    const double weight = mirrored_weight(wo, wi, alpha);
+    const double schlick = fifth_power(1.0f - std::clamp(wo.dot(m), 0.0f, 1.0f));
+    f0 += weight * (1.0 - schlick);
+    f90 += weight * schlick;
   }
-  constexpr double count = kSteps * kSteps;
-  return {static_cast<float>(f0 / count), static_cast<float>(f90 / count)};
+  return {static_cast<float>(f0 / kPoints), static_cast<float>(f90 / kPoints)};
 }
 
 GgxAlbedo integrate_ggx(float cosine, float alpha, float aspect) {
@@ -67,16 +70,13 @@ GgxAlbedo integrate_ggx(float cosine, float alpha, float aspect) {
 float integrate_sheen(float cosine) {
   const V3f wo = direction_at(cosine);
   double sum = 0.0;
-  for (int j = 0; j < kSteps; ++j) {
-    for (int i = 0; i < kSteps; ++i) {
-      const float radius2 = (static_cast<float>(j) + 0.5f) / kSteps;
-      const float phi = std::numbers::pi_v<float> * (static_cast<float>(i) + 0.5f) / kSteps;
-      const V3f wi(std::sqrt(radius2) * std::cos(phi), std::sqrt(radius2) * std::sin(phi),
-                   std::sqrt(1.0f - radius2));
-      sum += fifth_power(1.0f - std::clamp(wo.dot((wo + wi).normalized()), 0.0f, 1.0f));
-    }
+  for (int i = 0; i < kPoints; ++i) {
+    const V2f u = lattice_point(i);
+    const float radius = std::sqrt(u.y), phi = 2.0f * std::numbers::pi_v<float> * u.x;
+    const V3f wi(radius * std::cos(phi), radius * std::sin(phi), std::sqrt(1.0f - u.y));
+    sum += fifth_power(1.0f - std::clamp(wo.dot((wo + wi).normalized()), 0.0f, 1.0f));
   }
-  return static_cast<float>(std::numbers::pi * sum / (kSteps * kSteps)) + kMargin;
+  return static_cast<float>(std::numbers::pi * sum / kPoints) + kMargin;
 }
 
 /// The axes' values at the nodes.

@@ -154,6 +154,9 @@ void add_needs(MaterialNeeds& needs, std::span<const Material> materials, const 
 }  // namespace
 
 void finish_material(Material& material) {
+  // The tables of anisotropic lobes are made now and not when the first path needs them.
+  if (const auto* m = std::get_if<PrincipledMaterial>(&material.model); m && any_texture(m->anisotropy))
+    make_principled({.anisotropy = 1.0f});
   material.textured = std::visit([](const auto& model) { return is_textured(model); }, material.model);
   material.bsdf = std::visit([](const auto& model) { return make_bsdf(model, Constants{}); }, material.model);
 }
