@@ -47,11 +47,11 @@ class RenderJob {
   void write_noisy(const Frame& frame);
   void denoise_and_write(Frame& noisy);
 
-  io::Attributes render_attributes(const AovSet& aovs, bool float_colors) const;
+  io::Attributes render_attributes(const AskedAovs& aovs, bool float_colors) const;
 
   const RenderCommand& command_;
   const ThreadLimit threads_;
-  const AovSet asked_;
+  const AskedAovs asked_;
   std::optional<FilterStep> filter_;
   const AovSet rendered_;  ///< what was asked for and what the filter wants
   tracer::Scene scene_;
@@ -74,7 +74,7 @@ RenderJob::RenderJob(const RenderCommand& command)
       asked_(parse_aovs(command.aovs)),
       filter_(command.preset.empty() ? std::nullopt
                                      : std::make_optional<FilterStep>(command.preset, command.filter)),
-      rendered_(asked_ | (filter_ ? filter_input(*filter_, command.spp) : AovSet())),
+      rendered_(asked_.aovs | (filter_ ? filter_input(*filter_, command.spp) : AovSet())),
       scene_(tracer::load_scene(command.scene)),
       scene_hash_(scene_hash(command.scene)),
       size_(size_of(command, scene_.description())) {
@@ -86,16 +86,20 @@ RenderJob::RenderJob(const RenderCommand& command)
     attributes_.emplace_back("becalm:preset", command.preset);
   }
   if (!command.keep_noisy.empty()) {
+    if (asked_.light_groups) {
+      throw Error(ExitStatus::usage,
+                  "--keep-noisy: light groups cannot be read back; leave light_groups out of --aovs");
+    }
     noisy_outputs_.emplace("--keep-noisy", command.keep_noisy, frames);
     std::vector<std::string> written;
     written.reserve(frames.size());
     for (const int frame : frames) written.push_back(outputs_->path(frame));
     noisy_outputs_->keep_apart_from(written);
-    noisy_attributes_ = render_attributes(rendered_, /*float_colors=*/true);
+    noisy_attributes_ = render_attributes({rendered_, asked_.light_groups}, /*float_colors=*/true);
   }
 }
 
-io::Attributes RenderJob::render_attributes(const AovSet& aovs, bool float_colors) const {
+io::Attributes RenderJob::render_attributes(const AskedAovs& aovs, bool float_colors) const {
   return {{"becalm:version", BECALM_VERSION},
           {"becalm:settings", fmt::format("scene={} size={}x{} spp={} seed={} aovs={} color={}", scene_hash_,
                                           size_.width, size_.height, command_.spp, command_.seed,
@@ -160,6 +164,7 @@ std::optional<Frame> RenderJob::make_noisy(int frame) {
 std::optional<Frame> RenderJob::trace(int frame) {
   tracer::RenderOptions options = render_options(command_, size_);
   options.aovs = rendered_;
+  options.light_groups = asked_.light_groups;
   options.progress = [this, frame](double share) { progress_->update(frame, frames_made_ + share); };
   options.cancel = &stop_requested();
   tracer::RenderReport report;
@@ -195,9 +200,9 @@ void RenderJob::denoise_and_write(Frame& noisy) {
   // What was asked for comes from the tracer as it is, as `becalm denoise` passes it on from a file.
   for (const AovInfo& entry : kAovTable) {
     if (entry.diagnostic || entry.aov == Aov::beauty) continue;
-    result.image(entry.aov) =
-        asked_.test(static_cast<std::size_t>(entry.aov)) ? std::move(noisy.image(entry.aov)) : Image();
+    result.image(entry.aov) = contains(asked_.aovs, entry.aov) ? std::move(noisy.image(entry.aov)) : Image();
   }
+  result.light_groups() = std::move(noisy.light_groups());
   io::WriteReport report;
   {
     const ProfileScope scope(profile_, "write");
@@ -230,8 +235,9 @@ Command add_render(CLI::App& becalm) {
   parser
       .add_option(
           "--aovs", command->aovs,
-          "Layers besides the beauty: albedo, normal, depth, motion, variance, half_a, half_b joined by "
-          "commas, all or none (default: none)")
+          "Layers besides the beauty: albedo, normal, depth, motion, variance, half_a, half_b, direct, "
+          "indirect, object_id, material_id, light_groups (light.NAME for each group of the scene) joined by "
+          "commas, all (but light groups) or none (default: none)")
       ->option_text("LIST")
       ->group("Output");
   parser.add_flag("--float,!--half-float", command->float_colors, "Colours as 32-bit float (default: half)")

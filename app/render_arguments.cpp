@@ -16,6 +16,8 @@ namespace becalm::app {
 namespace {
 
 constexpr int kLargestSide = 65536;
+/// The word of --aovs for one layer a light group.
+constexpr std::string_view kLightGroups = "light_groups";
 
 /// Reads exactly `numbers.size()` integers with `separator` between them.
 template <class Integer>
@@ -56,7 +58,7 @@ std::vector<int> frames_of(const RenderCommand& command, const tracer::SceneDesc
   return frames;
 }
 
-AovSet parse_aovs(const std::string& text) {
+AskedAovs parse_aovs(const std::string& text) {
   AovSet all;
   std::string names;
   for (const AovInfo& entry : kAovTable) {
@@ -64,20 +66,25 @@ AovSet parse_aovs(const std::string& text) {
     all.set(static_cast<std::size_t>(entry.aov));
     names += fmt::format("{}, ", entry.name);
   }
-  if (text == "all") return all;
-  AovSet chosen;
+  if (text == "all") return {all, false};
+  AskedAovs chosen;
   if (text == "none") return chosen;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t comma = std::min(text.find(',', begin), text.size());
     const std::string name = text.substr(begin, comma - begin);
     begin = comma + 1;
+    if (name == kLightGroups) {
+      chosen.light_groups = true;
+      continue;
+    }
     const std::optional<Aov> aov = find_aov(name);
     if (!aov || info(*aov).diagnostic) {
       throw Error(ExitStatus::usage,
-                  fmt::format("--aovs: no AOV '{}'{}; expected some of {}all or none", name,
-                              aov ? " of the tracer (the filter's come with --diagnostics)" : "", names));
+                  fmt::format("--aovs: no AOV '{}'{}; expected some of {}{}, all or none", name,
+                              aov ? " of the tracer (the filter's come with --diagnostics)" : "", names,
+                              kLightGroups));
     }
-    chosen.set(static_cast<std::size_t>(*aov), *aov != Aov::beauty);
+    chosen.aovs.set(static_cast<std::size_t>(*aov), *aov != Aov::beauty);
   }
   return chosen;
 }
@@ -107,12 +114,13 @@ void check_options_fit(const RenderCommand& command) {
   throw Error(ExitStatus::usage, fmt::format("{} says how to denoise, and there is no --denoise", unused));
 }
 
-std::string format_aovs(const AovSet& aovs) {
+std::string format_aovs(const AskedAovs& asked) {
   std::string text;
   for (const AovInfo& entry : kAovTable) {
-    if (!aovs.test(static_cast<std::size_t>(entry.aov))) continue;
+    if (!contains(asked.aovs, entry.aov)) continue;
     text += fmt::format("{}{}", text.empty() ? "" : ",", entry.name);
   }
+  if (asked.light_groups) text += fmt::format("{}{}", text.empty() ? "" : ",", kLightGroups);
   return text.empty() ? "none" : text;
 }
 

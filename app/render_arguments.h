@@ -35,13 +35,18 @@ struct Size {
 /// All of these throw Error(usage) naming the option, the value and what was expected.
 Size size_of(const RenderCommand& command, const tracer::SceneDescription& scene);
 std::vector<int> frames_of(const RenderCommand& command, const tracer::SceneDescription& scene);
-AovSet parse_aovs(const std::string& text);
+/// What --aovs names: AOVs of the tracer, and whether the radiance of each light group.
+struct AskedAovs {
+  AovSet aovs;
+  bool light_groups = false;
+};
+AskedAovs parse_aovs(const std::string& text);
 tracer::PixelSample parse_pixel_sample(const std::string& text);
 /// Options that say how to denoise, without --denoise; no -o where there must be one.
 void check_options_fit(const RenderCommand& command);
 
 /// What parse_aovs turns into the set again.
-std::string format_aovs(const AovSet& aovs);
+std::string format_aovs(const AskedAovs& asked);
 
 /// Everything that decides the value of a sample.
 tracer::RenderOptions render_options(const RenderCommand& command, const Size& size);

@@ -78,13 +78,17 @@ Surface sphere_surface(const ObjectState& object, const Place& place, const Hit&
 
 Surface procedural_surface(const ObjectState& object, const Procedural& procedural, const Place& place,
                            const Hit& hit, float footprint) {
-  const ProceduralPoint local = point(procedural, hit.local, footprint / object.scale);
+  const ProceduralPoint local = point(procedural, hit.local);
+  const ProceduralPoint averaged =
+      footprint > 0.0f ? point(procedural, hit.local, footprint / object.scale) : local;
   Surface surface;
   surface.position = transform_point(local.position, place.to_world);
   surface.normal_geometric = transform_vector(local.normal, place.normal_to_world).normalized();
-  surface.normal_shading = surface.normal_geometric;
+  surface.normal_shading = transform_vector(averaged.normal, place.normal_to_world).normalized();
+  if (surface.normal_shading.dot(surface.normal_geometric) <= 0.0f)
+    surface.normal_shading = surface.normal_geometric;
   surface.uv = local.uv;
-  surface.slope_variance = local.slope_variance;
+  surface.slope_variance = averaged.slope_variance;
   surface.offset =
       rounding_error(object, max_component({std::abs(local.position.x), std::abs(local.position.y),
                                             std::abs(local.position.z)})) +

@@ -12,7 +12,6 @@ struct Surface {
   V3f normal_shading;    ///< unit, interpolated, in the hemisphere of the geometric one
   V2f uv;
   float slope_variance = 0.0f;  ///< of the slopes that averaging over the footprint took out of the normal
-  float slope_variance = 0.0f;  ///< of what averaging over the footprint took out of the normal
   float offset;  ///< bound of the rounding errors in the position and in what Embree makes of it
 };
 

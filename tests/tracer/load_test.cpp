@@ -89,8 +89,8 @@ TEST(Load, DescribesWhatIsRequiredAndWhatIsLeftOut) {
       describe_scene(load_text(with_more("'environment': {'radiance': 1}")));
   const std::string left_out =
       "left out:  area lights, environment image, perfect mirrors or glass, microfacets, transmission, "
-      "textures, "
-      "moving camera, instances that move, changing emission";
+      "textures, bump and normal maps, mixed materials, tangent frames, opacity, procedural surfaces, media, "
+      "moving camera, instances that move, motion blur, depth of field, changing emission";
   const std::vector<std::string> expected = {"frames:    1-1 at 24 per second", "film:      640x360",
                                              "geometry:  1 static and 0 moving objects, 12 triangles",
                                              "requires:  environment", left_out};
@@ -101,11 +101,10 @@ TEST(Load, NamesUnknownKeys) {
   EXPECT_EQ(
       load_error(with_more("'envronment': {}")),
       "scene.json: /envronment: unknown key; expected one of frames, film, integrator, camera, environment, "
-      "lights, materials, meshes, objects");
+      "lights, materials, media, meshes, objects");
   EXPECT_EQ(load_error(with_objects("[{'mesh': 'box', 'material': 'white', 'a/b~': 1}]")),
-            "scene.json: /objects/0/a~1b~0: unknown key; expected one of name, mesh, material, emission, "
-            "two_sided, "
-            "transform");
+            "scene.json: /objects/0/a~1b~0: unknown key; expected one of name, mesh, material, interior, "
+            "emission, group, two_sided, transform, scatter");
 }
 
 TEST(Load, NamesMissingThings) {

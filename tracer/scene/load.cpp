@@ -30,11 +30,8 @@ Scene load_scene(const std::string& file) {
       scene.media.push_back(read_medium(value));
     }
   }
-  for (const auto& [name, value] : json.at("meshes").members()) {
-    names.meshes.emplace(name, static_cast<std::uint32_t>(scene.meshes.size()));
-    scene.meshes.push_back(read_mesh(value, file));
-  }
-  for (const JsonValue& value : json.at("objects").elements()) read_objects(value, names, scene);
+  read_meshes(json.at("meshes"), names, scene);
+  for (const JsonValue& value : json.at("objects").elements()) read_object(value, names, scene);
   return Scene(std::move(scene));
 }
 

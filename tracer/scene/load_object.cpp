@@ -65,33 +65,57 @@ void check_fits(const JsonValue& json, Object& object, const SceneDescription& s
   object.transform = TransformCurve(std::move(keys), object.transform.interpolation());
 }
 
-}  // namespace
-
-Object read_object(const JsonValue& json, const SceneNames& names, SceneDescription& scene) {
+/// What objects of one mesh or of several parts share.
+Object read_shared(const JsonValue& json, const SceneNames& names) {
   json.allow_keys(
       {"name", "mesh", "material", "interior", "emission", "group", "two_sided", "transform", "scatter"});
   Object object;
   if (const auto name = json.find("name")) object.name = name->string();
   object.mesh = read_reference(json.at("mesh"), names.meshes, "mesh");
-  object.material = read_reference(json.at("material"), names.materials, "material");
   if (const auto emission = json.find("emission"))
     object.emission = read_triple_curve(*emission, 0.0, kLargestNumber);
-  for (const Curve<3>::Key& key : object.emission.keys()) {
-    object.emissive = object.emissive || key.value != Curve<3>::Value{0, 0, 0};
-  }
   if (const auto interior = json.find("interior"))
     object.interior = read_reference(*interior, names.media, "medium");
-  if (object.emissive)
-    object.light_group = read_light_group(json, scene.light_groups);
-  else if (json.has("group"))
-    json.at("group").fail("only what emits is of a light group");
   if (const auto two_sided = json.find("two_sided")) object.two_sided = two_sided->boolean();
   if (const auto transform = json.find("transform")) object.transform = read_transform(*transform);
-  check_fits(json, object, scene);
   return object;
 }
 
-namespace {
+/// Settles whether the object emits, and in which light group.
+void finish_emission(const JsonValue& json, Object& object, SceneDescription& scene) {
+  object.emissive = std::ranges::any_of(object.emission.keys(), [](const Curve<3>::Key& key) {
+    return key.value != Curve<3>::Value{0, 0, 0};
+  });
+  if (object.emissive) object.light_group = read_light_group(json, scene.light_groups);
+}
+
+/// The object, or one for each part of its mesh.
+std::vector<Object> read_parts(const JsonValue& json, const SceneNames& names, SceneDescription& scene) {
+  Object object = read_shared(json, names);
+  const auto parts = names.parts.find(object.mesh);
+  std::vector<Object> objects;
+  if (parts == names.parts.end()) {
+    object.material = read_reference(json.at("material"), names.materials, "material");
+    objects.push_back(std::move(object));
+  } else {
+    for (const char* key : {"material", "emission"}) {
+      if (json.has(key)) json.at(key).fail("the mesh brings its own materials (\"materials\": \"mtl\")");
+    }
+    for (const MeshPart& part : parts->second) {
+      Object& made = objects.emplace_back(object);
+      made.mesh = part.mesh;
+      made.material = part.material;
+      made.emission = Curve<3>::Value{part.emission.x, part.emission.y, part.emission.z};
+    }
+  }
+  for (Object& made : objects) {
+    finish_emission(json, made, scene);
+    check_fits(json, made, scene);
+  }
+  if (json.has("group") && std::ranges::none_of(objects, &Object::emissive))
+    json.at("group").fail("only what emits is of a light group");
+  return objects;
+}
 
 Scatter read_scatter(const JsonValue& json) {
   json.allow_keys({"count", "seed", "area", "scale", "tilt_deg", "on"});
@@ -128,19 +152,21 @@ const Object& read_ground(const JsonValue& json, const SceneDescription& scene) 
 
 }  // namespace
 
-void read_objects(const JsonValue& json, const SceneNames& names, SceneDescription& scene) {
-  Object object = read_object(json, names, scene);
+void read_object(const JsonValue& json, const SceneNames& names, SceneDescription& scene) {
+  std::vector<Object> objects = read_parts(json, names, scene);
   const auto settings = json.find("scatter");
   if (!settings) {
-    scene.objects.push_back(std::move(object));
+    std::ranges::move(objects, std::back_inserter(scene.objects));
     return;
   }
-  if (object.transform.animated()) json.at("transform").fail("what is scattered must stand still");
+  if (objects.front().transform.animated()) json.at("transform").fail("what is scattered must stand still");
   const Scatter scatter = read_scatter(*settings);
   const auto on = settings->find("on");
-  const std::vector<Object> copies =
-      scattered_copies(object, scatter, scene, on ? &read_ground(*on, scene) : nullptr);
-  scene.objects.insert(scene.objects.end(), copies.begin(), copies.end());
+  const std::optional<Object> ground = on ? std::make_optional(read_ground(*on, scene)) : std::nullopt;
+  for (const Object& object : objects) {
+    std::ranges::move(scattered_copies(object, scatter, scene, ground ? &*ground : nullptr),
+                      std::back_inserter(scene.objects));
+  }
 }
 
 }  // namespace becalm::tracer

@@ -21,17 +21,24 @@ void read_environment(const JsonValue& json, SceneDescription& scene);
 /// Adds the materials, and the images that they name, to the scene. Returns their numbers.
 Names read_materials(const JsonValue& json, SceneDescription& scene);
 
-Geometry read_mesh(const JsonValue& json, const std::string& scene_file);
+/// A part of a mesh whose file brings its own materials.
+struct MeshPart {
+  std::uint32_t mesh;
+  std::uint32_t material;
+  V3f emission;
+};
 
 /// Numbers of what objects refer to.
 struct SceneNames {
   Names materials, media, meshes;
+  std::map<std::uint32_t, std::vector<MeshPart>> parts;  ///< by the mesh's number
 };
 
-/// Adds the light group that the object names.
-Object read_object(const JsonValue& json, const SceneNames& names, SceneDescription& scene);
+/// Adds the section's meshes, and the materials that they bring.
+void read_meshes(const JsonValue& json, SceneNames& names, SceneDescription& scene);
 
-/// Adds the object, or the copies of it that "scatter" asks for. `objects` are those read so far, by name.
-void read_objects(const JsonValue& json, const SceneNames& names, SceneDescription& scene);
+/// Adds the object with the light group that it names: an object for each part of its mesh, and the copies
+/// that "scatter" asks for.
+void read_object(const JsonValue& json, const SceneNames& names, SceneDescription& scene);
 
 }  // namespace becalm::tracer
