@@ -56,16 +56,17 @@ TEST(Material, EveryParameterMayBeAnImage) {
   EXPECT_NEAR(glass.alpha, roughness_to_alpha(0.25f), 1e-6f);
   EXPECT_NEAR(glass.transmittance.z, 0.75f, 1e-3f);
 
+  constexpr float kTextureStep = 2e-5f;  // texels are 16-bit steps
   const auto left_p = evaluate<PrincipledBsdf>(scene, "p", left);
   const PrincipledBsdf expected = make_principled({.base_color = V3f(0.25f, 0.5f, 0.75f),
                                                    .metallic = 0.25f,
                                                    .roughness = 0.25f,
                                                    .sheen = 0.25f,
                                                    .clearcoat = 0.75f});
-  EXPECT_EQ(left_p.base_color, expected.base_color);
-  EXPECT_EQ(left_p.metal, expected.metal);
-  EXPECT_EQ(left_p.alpha, expected.alpha);
-  EXPECT_EQ(left_p.coat, expected.coat);
+  EXPECT_NEAR((left_p.base_color - expected.base_color).length(), 0.0f, kTextureStep);
+  EXPECT_NEAR(left_p.metal, expected.metal, kTextureStep);
+  EXPECT_NEAR(left_p.alpha, expected.alpha, kTextureStep);
+  EXPECT_NEAR(left_p.coat, expected.coat, kTextureStep);
   EXPECT_EQ(left_p.sheen, expected.sheen);
   EXPECT_EQ(evaluate<PrincipledBsdf>(scene, "p", right).metal, 1.0f);
 }

@@ -12,6 +12,7 @@
 #include "frame/error.h"
 #include "tests/tracer/test_images.h"
 #include "tests/tracer/test_scenes.h"
+#include "tracer/scene/mip_texture.h"
 
 namespace becalm::tracer::test {
 namespace {
@@ -157,6 +158,44 @@ TEST(Texture, FootprintsShrinkWithTheSampleCount) {
   EXPECT_EQ(footprint_scale(0), 1.0f);
 }
 
+TEST(Texture, ResidentOnesReadAsThoseOnDemand) {
+  // Odd sizes, so that levels are not of two by two.
+  const int width = 37, height = 21;
+  std::vector<float> pixels(width * height * 3);
+  for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<float>(i * 7919 % 101) / 101.0f;
+  const TextureSettings settings{.path = write_image("odd.exr", width, height, 3, pixels),
+                                 .space = ColorSpace::linear};
+  Textures on_demand, resident;
+  const std::uint32_t texture = on_demand.add(settings);
+  resident.add(settings);
+  resident.make_resident(1 << 20);
+  EXPECT_EQ(resident.resident_bytes(), MipTexture::bytes(width, height, 3));
+  EXPECT_EQ(on_demand.resident_bytes(), 0u);
+  const Textures::Reader a(on_demand), b(resident);
+  for (const float u : {0.0f, 0.013f, 0.4f, 0.77f, 0.999f, -3.3f}) {
+    for (const float v : {0.0f, 0.021f, 0.5f, 0.93f, 1.0f, 12.6f})
+      expect_near(b.color(texture, {V2f(u, v)}), a.color(texture, {V2f(u, v)}), 3e-3f);
+  }
+  // From afar every place shows the mean.
+  double mean = 0.0;
+  for (std::size_t i = 0; i < pixels.size(); i += 3) mean += pixels[i] / (width * height);
+  for (const float u : {0.1f, 0.6f}) {
+    EXPECT_NEAR(b.color(texture, {V2f(u), {1.0f, 0.0f}, {0.0f, 1.0f}}).x, mean, 2e-4);
+  }
+}
+
+TEST(Texture, WhatDoesNotFitIsReadOnDemand) {
+  const std::vector<float> pixels(64 * 64 * 3, 0.25f);
+  Textures textures;
+  const std::uint32_t large = textures.add({.path = write_image("large.exr", 64, 64, 3, pixels)});
+  const std::uint32_t small = textures.add({.path = write_image("small.exr", 2, 2, 3, kFour)});
+  textures.make_resident(MipTexture::bytes(2, 2, 3));
+  EXPECT_EQ(textures.resident_bytes(), MipTexture::bytes(2, 2, 3));
+  const Textures::Reader reader(textures);
+  EXPECT_GT(reader.color(large, {V2f(0.5f)}).x, 0.0f);
+  EXPECT_GT(reader.color(small, {V2f(0.25f, 0.75f)}).x, 0.9f);
+}
+
 TEST(Texture, DamagedFilesAreReportedWithTheirName) {
   std::vector<float> pixels(64 * 64 * 3);
   for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<float>(i * i % 251) / 255.0f;
@@ -165,18 +204,27 @@ TEST(Texture, DamagedFilesAreReportedWithTheirName) {
   std::string bytes{std::istreambuf_iterator<char>(file), {}};
   bytes.resize(bytes.size() / 2);
   write_file("cut.exr", bytes);
-  Scene scene = load_text(R"({'film': {'width': 8, 'height': 8}, 'environment': {'radiance': 1},
-    'camera': {'look_at': {'eye': [0,2,0], 'target': [0,0,0], 'up': [0,0,-1]}},
-    'materials': {'m': {'type': 'diffuse', 'reflectance': {'image': 'cut.exr'}}},
-    'meshes': {'p': {'shape': 'rectangle'}}, 'objects': [{'mesh': 'p', 'material': 'm'}]})");
-  try {
-    render_frame(scene, 1, options(1));
-    FAIL() << "half a file was read as a whole one";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.status(), ExitStatus::bad_input);
-    EXPECT_NE(std::string(error.what()).find("cut.exr"), std::string::npos) << error.what();
-    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << "one line";
-  }
+  const auto expect_named = [](const auto& reading) {
+    try {
+      reading();
+      FAIL() << "half a file was read as a whole one";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.status(), ExitStatus::bad_input);
+      EXPECT_NE(std::string(error.what()).find("cut.exr"), std::string::npos) << error.what();
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << "one line";
+    }
+  };
+  expect_named([&] {
+    load_text(R"({'camera': {'look_at': {'eye': [0,2,0], 'target': [0,0,0], 'up': [0,0,-1]}},
+      'materials': {'m': {'type': 'diffuse', 'reflectance': {'image': 'cut.exr'}}},
+      'meshes': {'p': {'shape': 'rectangle'}}, 'objects': [{'mesh': 'p', 'material': 'm'}]})");
+  });
+  expect_named([&] {  // what is read on demand
+    Textures textures;
+    const std::uint32_t texture = textures.add({.path = file_path("cut.exr")});
+    Textures::Reader(textures).color(texture, {V2f(0.5f, 0.01f)});
+    textures.check();
+  });
   EXPECT_NE(load_error(R"({'camera': {'look_at': {'eye': [0,2,1], 'target': [0,0,0]}},
     'materials': {'m': {'type': 'diffuse', 'reflectance': {'image': 'scene.json'}}}, 'meshes': {}, 'objects': []})")
                 .find("scene.json: /materials/m/reflectance/image: cannot read 'scene.json'"),

@@ -7,6 +7,13 @@
 
 namespace becalm::tracer {
 
+namespace {
+
+/// What exceeds it is read on demand.
+constexpr std::size_t kResidentTextureBytes = std::size_t{1} << 30;
+
+}  // namespace
+
 Scene load_scene(const std::string& file) {
   const nlohmann::json document = parse_json_file(file);
   const JsonValue json(document, file, "");
@@ -32,6 +39,7 @@ Scene load_scene(const std::string& file) {
   }
   read_meshes(json.at("meshes"), names, scene);
   for (const JsonValue& value : json.at("objects").elements()) read_object(value, names, scene);
+  scene.textures.make_resident(kResidentTextureBytes);
   return Scene(std::move(scene));
 }
 

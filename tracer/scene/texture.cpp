@@ -5,13 +5,18 @@
 #include <OpenImageIO/imageio.h>
 #include <OpenImageIO/texture.h>
 
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
 #include <atomic>
 #include <mutex>
+#include <set>
 #include <stdexcept>
 #include <vector>
 
 #include "frame/error.h"
 #include "tracer/scene/image_channel.h"
+#include "tracer/scene/mip_texture.h"
 
 namespace becalm::tracer {
 
@@ -25,9 +30,6 @@ float srgb_to_linear(float v) {
 
 /// The largest footprint that says anything: from one picture's width on everything is averaged.
 constexpr float kWholePicture = 1.0f;
-
-/// Longest over shortest side of what a lookup averages; OpenImageIO spends as many probes.
-constexpr int kAnisotropy = 4;
 
 /// The cache knows a file as `PREFIX:path`, since one file may be used in several ways.
 std::string_view prefix(const TextureSettings& settings) {
@@ -126,6 +128,15 @@ class LinearInput : public OIIO::ImageInput {
   int band_end_ = 0;
 };
 
+int channels_of(const TextureSettings& settings) {
+  return settings.content == TextureContent::color || settings.content == TextureContent::data ? 3 : 1;
+}
+
+std::string one_line(std::string text) {
+  std::ranges::replace(text, '\n', ' ');
+  return text;
+}
+
 OIIO::ImageInput* make_input() {
   return new LinearInput;
 }
@@ -138,6 +149,8 @@ struct Textures::State {
     TextureSettings settings;
     OIIO::ustring name;
     V2f texel;
+    int width, height;
+    std::shared_ptr<const MipTexture> resident = nullptr;  ///< shared by entries of one name
   };
 
   // One cache serves the process, as OpenImageIO means it; a private one is deleted by 2.4 through a type
@@ -187,8 +200,54 @@ std::uint32_t Textures::add(const TextureSettings& settings) {
   const V2f texel =
       V2f(1.0f) / (V2f(static_cast<float>(file->spec().width), static_cast<float>(file->spec().height)) *
                    settings.repeat);
-  state_->entries.push_back({handle, settings, name, V2f(std::abs(texel.x), std::abs(texel.y))});
+  state_->entries.push_back({handle, settings, name, V2f(std::abs(texel.x), std::abs(texel.y)),
+                             file->spec().width, file->spec().height});
   return count() - 1;
+}
+
+void Textures::make_resident(std::size_t most_bytes) {
+  if (!state_) return;
+  std::vector<State::Entry*> chosen;
+  std::size_t sum = 0;
+  for (State::Entry& entry : state_->entries) {
+    const auto same = [&](const State::Entry* other) { return other->name == entry.name; };
+    if (std::ranges::any_of(chosen, same)) continue;
+    const std::size_t bytes = MipTexture::bytes(entry.width, entry.height, channels_of(entry.settings));
+    if (sum + bytes > most_bytes) continue;
+    sum += bytes;
+    chosen.push_back(&entry);
+  }
+  std::vector<std::string> errors(chosen.size());
+  tbb::parallel_for(std::size_t{0}, chosen.size(), [&](std::size_t i) {
+    State::Entry& entry = *chosen[i];
+    const int channels = channels_of(entry.settings);
+    std::vector<float> texels(static_cast<std::size_t>(entry.width) * entry.height * channels);
+    if (state_->cache->get_pixels(entry.name, 0, 0, 0, entry.width, 0, entry.height, 0, 1, 0, channels,
+                                  OIIO::TypeFloat, texels.data())) {
+      entry.resident = std::make_shared<MipTexture>(entry.width, entry.height, channels, texels);
+    } else {
+      errors[i] = entry.settings.path + ": " + one_line(state_->cache->geterror());
+    }
+    state_->cache->invalidate(entry.name, false);
+  });
+  for (const std::string& error : errors) {
+    if (!error.empty()) throw Error(ExitStatus::bad_input, error);
+  }
+  for (State::Entry& entry : state_->entries) {
+    for (const State::Entry* other : chosen) {
+      if (other->name == entry.name) entry.resident = other->resident;
+    }
+  }
+}
+
+std::size_t Textures::resident_bytes() const {
+  std::set<const MipTexture*> counted;
+  std::size_t sum = 0;
+  for (const State::Entry& entry : state_ ? state_->entries : std::vector<State::Entry>()) {
+    if (entry.resident && counted.insert(entry.resident.get()).second)
+      sum += MipTexture::bytes(entry.width, entry.height, channels_of(entry.settings));
+  }
+  return sum;
 }
 
 void Textures::check() const {
@@ -204,29 +263,32 @@ void Textures::Reader::read(std::uint32_t texture, const TexturePoint& point, in
   State& state = *textures_->state_;
   const State::Entry& entry = state.entries[texture];
   const V2f& repeat = entry.settings.repeat;
-  OIIO::TextureOpt options;
-  options.swrap = options.twrap = OIIO::TextureOpt::WrapPeriodic;
-  options.interpmode = OIIO::TextureOpt::InterpBilinear;
-  options.mipmode = OIIO::TextureOpt::MipModeAniso;
-  options.anisotropic = kAnisotropy;
-  // Into the unit square here: OpenImageIO counts texels in int.
+  // Into the unit square: texels are counted in int.
   const auto wrap = [](float v) { return finite_or_zero(v - std::floor(v)); };
   const auto limit = [](float v) {
     return std::isnan(v) ? kWholePicture : std::clamp(v, -kWholePicture, kWholePicture);
   };
-  // OpenImageIO's t runs down the picture, v runs up.
-  const bool ok = state.system->texture(
-      entry.handle, static_cast<OIIO::TextureSystem::Perthread*>(thread_info_), options,
-      wrap(point.uv.x * repeat.x), 1.0f - wrap(point.uv.y * repeat.y), limit(point.duv_dx.x * repeat.x),
-      limit(-point.duv_dx.y * repeat.y), limit(point.duv_dy.x * repeat.x), limit(-point.duv_dy.y * repeat.y),
-      channels, values);
+  // t runs down the picture, v runs up.
+  const V2f st(wrap(point.uv.x * repeat.x), 1.0f - wrap(point.uv.y * repeat.y));
+  const V2f st_dx(limit(point.duv_dx.x * repeat.x), limit(-point.duv_dx.y * repeat.y));
+  const V2f st_dy(limit(point.duv_dy.x * repeat.x), limit(-point.duv_dy.y * repeat.y));
+  if (entry.resident) {
+    entry.resident->read(st, st_dx, st_dy, values);
+    return;
+  }
+  OIIO::TextureOpt options;
+  options.swrap = options.twrap = OIIO::TextureOpt::WrapPeriodic;
+  options.interpmode = OIIO::TextureOpt::InterpBilinear;
+  options.mipmode = OIIO::TextureOpt::MipModeAniso;
+  options.anisotropic = MipTexture::kAnisotropy;
+  const bool ok =
+      state.system->texture(entry.handle, static_cast<OIIO::TextureSystem::Perthread*>(thread_info_), options,
+                            st.x, st.y, st_dx.x, st_dx.y, st_dy.x, st_dy.y, channels, values);
   if (ok) return;
   std::fill(values, values + channels, 0.0f);
   const std::lock_guard lock(state.failure_mutex);
   if (!state.failed) {
-    std::string reason = state.system->geterror();
-    std::replace(reason.begin(), reason.end(), '\n', ' ');
-    state.failure = entry.settings.path + ": " + reason;
+    state.failure = entry.settings.path + ": " + one_line(state.system->geterror());
   }
   state.failed = true;
 }

@@ -42,8 +42,9 @@ float footprint_scale(int spp);
 /// and finer levels cost memory.
 inline constexpr float kLeastFootprintScale = 1.0f / 32.0f;
 
-/// Image textures, read through OpenImageIO's texture system: tiled and MIP-mapped on demand, within a fixed
-/// cache. Files are decoded to linear light before anything filters them; what is not finite in them counts
+/// Image textures. Those that make_resident() has read are looked up in memory; the others are read through
+/// OpenImageIO's texture system, tiled and MIP-mapped on demand within a fixed cache, which is several times
+/// slower. Files are decoded to linear light before anything filters them; what is not finite in them counts
 /// as 0.
 class Textures {
  public:
@@ -56,6 +57,11 @@ class Textures {
   /// a readable image or has no such channel; pixels are read when they are needed.
   std::uint32_t add(const TextureSettings& settings);
   std::uint32_t count() const;
+
+  /// Reads the textures in parallel, in the order in which they were added, as long as they fit into so many
+  /// bytes. Throws Error(bad_input) naming the file whose pixels cannot be read.
+  void make_resident(std::size_t most_bytes);
+  std::size_t resident_bytes() const;
 
   /// Reads textures on one thread; made for each tile, since it knows the thread's part of the cache. The
   /// file's pixels that cannot be read are 0, and remembered for check(). uv may be any number; what is not
