@@ -53,7 +53,8 @@ ExitStatus describe(const InfoCommand& command) {
   if (command.subject == "device") {
     describe_devices();
   } else if (std::filesystem::path(command.subject).extension() == ".json") {
-    print_lines(tracer::describe_scene(tracer::load_scene(command.subject)));
+    tracer::Scene scene = tracer::load_scene(command.subject);
+    print_lines(tracer::describe_scene(scene));
   } else if (const io::SequencePattern pattern(command.subject); pattern.has_frame_field()) {
     describe_sequence(pattern, layers);
   } else {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "tracer/camera_animation.h"
@@ -62,7 +63,22 @@ struct PathContext {
 /// Estimates the radiance that arrives at that raster position.
 using PathFunction = PathSample (*)(const PathContext& context, const V2f& raster, Sampler& sampler);
 
-/// The variant compiled for just what the scene needs, with guides if asked for.
-PathFunction select_path_function(const SceneNeeds& needs, bool with_guides);
+/// The integrator compiled for some of what scenes need.
+struct PathVariant {
+  const char* name;
+  bool surfaces;  ///< materials other than plain diffuse ones
+  bool textures;  ///< what varies over a surface, and the ray differentials that say how far to average it
+  bool media;     ///< scattering inside objects, and interfaces that only bound them
+  bool blur;      ///< the shutter is open for a time, or the lens has a width
+  bool guides;    ///< AOVs of the surfaces met
+  PathFunction function;
+};
+
+/// All of them, each doing more than those before; a variant that does too much gives the same radiance up to
+/// noise.
+std::span<const PathVariant> path_variants(bool with_guides);
+
+/// The first that does all that the scene needs, with guides if asked for.
+const PathVariant& select_path_variant(const SceneNeeds& needs, bool with_guides);
 
 }  // namespace becalm::tracer

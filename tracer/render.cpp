@@ -48,7 +48,8 @@ struct FrameSetup {
         eye_interiors(scene.needs().media ? interiors_at(snapshot, cameras.current().eye()) : Interiors()),
         guides(wants_guides(options.aovs)),
         mixes(scene.needs().mix),
-        trace(select_path_function(scene.needs(), guides)) {}
+        trace((options.variant != nullptr ? *options.variant : select_path_variant(scene.needs(), guides))
+                  .function) {}
 
   PathContext context() const {
     return {snapshot,

@@ -22,6 +22,7 @@ struct RenderOptions {
   AovSet aovs;  ///< besides the beauty
   bool light_groups = false;
   int tile_px = 32;
+  const PathVariant* variant = nullptr;  ///< in place of the one that the scene needs: for benchmarks
   /// Called from worker threads as tiles finish, with the share of the frame done in [0,1].
   std::function<void(double)> progress;
   /// Rendering stops soon after this becomes true.

@@ -13,6 +13,8 @@ class Scene;
 /// once, when the scene is loaded.
 struct SceneNeeds {
   bool area_lights = false;        ///< an emissive object in some frame
+  bool punctual_lights = false;    ///< points and spots: light that paths cannot run into
+  bool suns = false;               ///< discs at infinity
   bool environment = false;        ///< light from infinity that is not black
   bool environment_image = false;  ///< ... from an image, which is importance-sampled
   bool specular = false;           ///< perfect mirrors or glass: albedo and normal are followed through them
@@ -29,7 +31,7 @@ struct SceneNeeds {
   bool moving_objects = false;     ///< instances whose transforms are set for each frame
   bool motion_blur = false;        ///< the camera or an object moves while the shutter is open
   bool depth_of_field = false;     ///< a lens with a width
-  bool changing_emission = false;  ///< light lists built for each frame
+  bool changing_emission = false;  ///< lights whose light or place changes: light lists built for each frame
   std::size_t static_objects = 0;
   std::size_t moving_object_count = 0;
   std::size_t triangles = 0;  ///< of all objects, each counted by itself
@@ -37,8 +39,9 @@ struct SceneNeeds {
 
 SceneNeeds compute_needs(const SceneDescription& description);
 
-/// Lines of text for `becalm info`: the scene's size, what it requires, and what was left out because of
-/// that.
-std::vector<std::string> describe_scene(const Scene& scene);
+/// Lines of text for `becalm info`: the scene's size, what it requires, what was left out because of that,
+/// and what follows: the integrator's variant, and hierarchies and memory at the first frame, which it
+/// builds. Throws as Scene::at_frame does.
+std::vector<std::string> describe_scene(Scene& scene);
 
 }  // namespace becalm::tracer

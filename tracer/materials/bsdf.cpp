@@ -24,6 +24,23 @@ V3f eval(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
   return std::visit([&](const auto& model) { return eval_model(model, wo, wi); }, bsdf);
 }
 
+namespace {
+
+template <class Model>
+BsdfValue evaluate_model(const Model& model, const V3f& wo, const V3f& wi) {
+  return {eval_model(model, wo, wi), pdf_model(model, wo, wi)};
+}
+BsdfValue evaluate_model(const PrincipledBsdf& bsdf, const V3f& wo, const V3f& wi) {
+  const Response response = respond(bsdf, wo, wi);
+  return {response.value, response.pdf};
+}
+
+}  // namespace
+
+BsdfValue evaluate(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
+  return std::visit([&](const auto& model) { return evaluate_model(model, wo, wi); }, bsdf);
+}
+
 float pdf_solid_angle(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
   return std::visit([&](const auto& model) { return pdf_model(model, wo, wi); }, bsdf);
 }

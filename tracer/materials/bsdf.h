@@ -72,6 +72,13 @@ struct BsdfSample {
 /// f |cos wi|; zero for delta lobes and where wo or wi is tangential to the surface.
 V3f eval(const Bsdf& bsdf, const V3f& wo, const V3f& wi);
 
+/// eval() and pdf_solid_angle() together, for less than both.
+struct BsdfValue {
+  V3f f_cos;
+  float pdf_solid_angle;
+};
+BsdfValue evaluate(const Bsdf& bsdf, const V3f& wo, const V3f& wi);
+
 /// Density per solid angle with which sample() finds wi; zero for delta lobes.
 float pdf_solid_angle(const Bsdf& bsdf, const V3f& wo, const V3f& wi);
 
@@ -87,8 +94,8 @@ bool is_specular(const Bsdf& bsdf);
 /// reflect and transmit together there.
 V3f albedo(const Bsdf& bsdf);
 
-/// Widens microfacet lobes by slopes of that variance, which are no longer in the normal (alpha^2 grows by it, as in
-/// LEAN mapping: Olano and Baker 2010).
+/// Widens microfacet lobes by slopes of that variance, which are no longer in the normal (alpha^2 grows by
+/// it, as in LEAN mapping: Olano and Baker 2010).
 void widen(Bsdf& bsdf, float slope_variance);
 
 /// alpha = roughness^2, clamped to [0,1].

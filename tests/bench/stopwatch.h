@@ -1,0 +1,57 @@
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <vector>
+
+namespace becalm::bench {
+
+/// How long something took.
+struct Duration {
+  double wall_s = 0.0;
+  double processor_s = 0.0;  ///< of all threads together: what other programs on the machine change least
+};
+
+template <class F>
+Duration time_of(const F& work) {
+  timespec before{}, after{};
+  const auto start = std::chrono::steady_clock::now();
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &before);
+  work();
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &after);
+  const auto seconds = [](const timespec& t) {
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+  };
+  return {std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
+          seconds(after) - seconds(before)};
+}
+
+/// Of an odd number of values the middle one.
+inline double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+/// Medians over runs, wall and processor time each by itself.
+class Runs {
+ public:
+  void add(const Duration& duration) {
+    wall_.push_back(duration.wall_s);
+    processor_.push_back(duration.processor_s);
+  }
+  Duration middle() const { return {median(wall_), median(processor_)}; }
+
+  /// Median of the ratios of runs with the same number, whose conditions were alike: of processor times.
+  double ratio_to(const Runs& other) const {
+    std::vector<double> ratios;
+    for (std::size_t i = 0; i < processor_.size(); ++i) ratios.push_back(processor_[i] / other.processor_[i]);
+    return median(ratios);
+  }
+
+ private:
+  std::vector<double> wall_, processor_;
+};
+
+}  // namespace becalm::bench

@@ -1,0 +1,85 @@
+// What a path does inside objects: interfaces, scattering, shadow rays that media dim. Included by
+// path_trace.cpp alone.
+
+namespace becalm::tracer {
+
+template <Features F>
+bool Path<F>::cross_interface(const ObjectState& object, const Hit& hit, const Surface& surface) {
+  if (++crossings_ > kMostCrossings) return false;
+  cross_boundary(interiors_, object, hit.object, ray_.dir, surface);
+  travelled_ += hit.t;
+  ray_.origin = offset_origin(surface, ray_.dir);
+  next_ray_seed();
+  return true;
+}
+
+template <Features F>
+bool Path<F>::scatter_in_medium(const Medium& medium, float t) {
+  const V3f position = ray_.origin + ray_.dir * t;
+  if (depth_ == 0) {
+    // The medium is taken to stand still.
+    see_primary(interiors_.innermost(), t, {V3d(position), V3d(position)});
+    if constexpr (F.guides) result_.guides.albedo = clamp_to_unit(throughput_);
+  } else if (F.guides && scatterings_ == 0) {
+    result_.guides.albedo = clamp_to_unit(throughput_ / radiance_scale_);
+  }
+  if (depth_ == integrator_.max_depth) return false;
+
+  const float u_light = sampler_.next_1d();
+  const V2f u_light_point = sampler_.next_2d();
+  const V2f u_phase = sampler_.next_2d();
+  const float u_roulette = sampler_.next_1d();
+  const float g = mean_cosine(medium);
+  if (draws_lights_) gather_direct_light_in_medium(position, g, u_light, u_light_point);
+  const PhaseSample scattered = sample_henyey_greenstein(g, -ray_.dir, u_phase);
+  ++scatterings_;
+  material_pdf_ = scattered.pdf_solid_angle;
+  previous_position_ = position;
+  if constexpr (F.textures)
+    differential_ = becalm::tracer::scattered(differential_, scattered.wi, kScatteredSpread);
+  ray_.origin = position;
+  ray_.dir = scattered.wi;
+  return survives_roulette(u_roulette);
+}
+
+template <Features F>
+void Path<F>::gather_direct_light_in_medium(const V3f& position, float g, float u_light, const V2f& u) {
+  const std::optional<LightSample> light = snapshot_.lights().sample(position, time_, u_light, u);
+  if (!light) return;
+  const float phase = phase_henyey_greenstein(g, -ray_.dir, light->dir_world);
+  V3f contribution = light->radiance * (phase / light->pdf_solid_angle);
+  if (is_black(contribution)) return;
+  if (integrator_.direct == Direct::mis && !light->delta)
+    contribution *= mis_weight(integrator_.heuristic, light->pdf_solid_angle, phase);
+  gather(throughput_ * contribution * visibility(position, position, *light), scatterings_ + 1, light->group);
+}
+
+/// What the shadow ray's media let pass; nothing if it meets more than interfaces.
+template <Features F>
+V3f Path<F>::transmission(Ray shadow) {
+  Interiors interiors = interiors_;
+  MediumRandom random(sampler_.next_2d());
+  const float length = shadow.dir.length();  // finite lights' directions reach from here to there
+  shadow.dir /= length;
+  shadow.t_max *= length;
+  V3f share(1.0f);
+  for (int crossing = 0; shadow.t_max > 0.0f && crossing < kMostCrossings; ++crossing) {
+    const std::optional<Hit> hit = closest(shadow);
+    if (hit && !snapshot_.object(hit->object).material->is_interface) return V3f(0.0f);
+    if (!interiors.empty()) {
+      const Medium& medium = *snapshot_.object(interiors.innermost()).interior;
+      share *= transmittance(medium, shadow.origin, shadow.dir, hit ? hit->t : shadow.t_max, random);
+      if (is_black(share)) return share;
+    }
+    if (!hit) return share;
+    const ObjectState& object = snapshot_.object(hit->object);
+    const Surface surface = surface_of(object, *hit, object.mesh == nullptr ? footprint_at(hit->t) : 0.0f);
+    cross_boundary(interiors, object, hit->object, shadow.dir, surface);
+    shadow.origin = offset_origin(surface, shadow.dir);
+    shadow.t_max -= hit->t;
+    shadow.seed += kRaySeedStep;
+  }
+  return share;
+}
+
+}  // namespace becalm::tracer
