@@ -6,12 +6,12 @@
 #include <memory>
 #include <vector>
 
+#include "tracer/frame_shapes.h"
 #include "tracer/intersect.h"
 #include "tracer/lights/lights.h"
 #include "tracer/media/medium.h"
 #include "tracer/motion_steps.h"
 #include "tracer/scene/scene.h"
-#include "tracer/shapes.h"
 
 namespace becalm::tracer {
 
@@ -76,7 +76,7 @@ class Snapshot {
 
   const SceneDescription* description_;
   int frame_ = 0;
-  Shapes shapes_;
+  FrameShapes shapes_;
   std::vector<ObjectState> objects_;
   std::unique_ptr<Intersector> intersector_;
   Lights lights_;

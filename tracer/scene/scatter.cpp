@@ -5,9 +5,9 @@
 #include <numbers>
 #include <optional>
 
+#include "tracer/frame_shapes.h"
 #include "tracer/intersect.h"
 #include "tracer/sampling/sobol.h"
-#include "tracer/shapes.h"
 
 namespace becalm::tracer {
 
@@ -49,7 +49,7 @@ class Ground {
   }
 
  private:
-  Shapes shapes_;
+  FrameShapes shapes_;
   const Material opaque_{};
   M44f to_world_;
   std::optional<Intersector> intersector_;

@@ -1,10 +1,10 @@
-#include "tracer/shapes.h"
+#include "tracer/frame_shapes.h"
 
 #include <algorithm>
 
 namespace becalm::tracer {
 
-Shapes::Shapes(std::span<const Geometry> geometries, int frame) : geometries_(geometries) {
+FrameShapes::FrameShapes(std::span<const Geometry> geometries, int frame) : geometries_(geometries) {
   procedurals_.resize(std::ranges::count_if(
       geometries, [](const Geometry& g) { return std::holds_alternative<ProceduralDescription>(g); }));
   auto procedural = procedurals_.begin();
@@ -21,7 +21,7 @@ Shapes::Shapes(std::span<const Geometry> geometries, int frame) : geometries_(ge
   }
 }
 
-std::vector<std::size_t> Shapes::set_frame(int frame) {
+std::vector<std::size_t> FrameShapes::set_frame(int frame) {
   std::vector<std::size_t> changed;
   auto procedural = procedurals_.begin();
   for (std::size_t i = 0; i < geometries_.size(); ++i) {
@@ -33,7 +33,7 @@ std::vector<std::size_t> Shapes::set_frame(int frame) {
   return changed;
 }
 
-std::size_t Shapes::procedural_bytes() const {
+std::size_t FrameShapes::procedural_bytes() const {
   std::size_t sum = 0;
   for (const Procedural& procedural : procedurals_) sum += bytes(procedural);
   return sum;

@@ -8,12 +8,12 @@
 namespace becalm::tracer {
 
 /// The shapes of a scene's geometries at a frame. Meshes are referred to; procedural surfaces are kept here
-/// and made anew only where their parameters have changed. Shapes stay valid and keep their addresses from
-/// frame to frame.
-class Shapes {
+/// and made anew only where their parameters have changed. FrameShapes stay valid and keep their addresses
+/// from frame to frame.
+class FrameShapes {
  public:
   /// The geometries must outlive this.
-  Shapes(std::span<const Geometry> geometries, int frame);
+  FrameShapes(std::span<const Geometry> geometries, int frame);
 
   const Shape& operator[](std::size_t geometry) const { return shapes_[geometry]; }
   const Imath::Box3f& bounds(std::size_t geometry) const { return bounds_[geometry]; }
