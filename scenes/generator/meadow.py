@@ -126,7 +126,7 @@ def flower_hearts():
     return _on_heads(Mesh(dome.positions, dome.faces))
 
 
-def crown(cards=260):
+def crown(cards=240):
     """The leaves of a tree on trunk.obj: square cards of a twig each, in clumps around the ends of the branches."""
     random = np.random.RandomState(9)
     clumps = np.array([(0.0, 3.05, 0.0, 0.85), (0.85, 2.45, -0.3, 0.68), (-0.75, 2.65, -0.45, 0.66),

@@ -13,7 +13,7 @@ from .mesh import grid
 FRAMES = 24
 GRAVITY = 0.030  # scene units per frame squared: toys, so faster than the eye expects of a metre
 BOUNCE = 0.86    # of the vertical speed
-COUNT = 84
+COUNT = 80
 CAMERA = [(-5, (-4.6, 1.05, 7.6), (0.5, 0.75, -1.6)), (13, (-0.6, 0.85, 6.3), (0.2, 0.72, -1.6)),
           (30, (4.2, 1.25, 5.2), (-0.9, 0.70, -1.8))]
 FOCUS = (0.1, 0.7, -0.6)  # the middle of the crowd stays sharp
@@ -103,8 +103,8 @@ def scene():
                  "backdrop": {"type": "diffuse", "reflectance": [0.36, 0.44, 0.50]},
                  "lamp": {"type": "diffuse", "reflectance": [0, 0, 0]}}
     for name, colour in COLOURS.items():
-        materials[name] = {"type": "principled", "base_color": list(colour), "roughness": 0.5, "clearcoat": 0.5,
-                           "clearcoat_roughness": 0.12}
+        materials[name] = {"type": "principled", "base_color": list(colour), "roughness": 0.35, "clearcoat": 0.4,
+                           "clearcoat_roughness": 0.35}
     names = list(COLOURS)
     camera_keys = [{"frame": f, "eye": list(eye), "target": list(target)} for f, eye, target in CAMERA]
     focus = [{"frame": f, "value": round(_along_view(eye, target, FOCUS), 3)} for f, eye, target in CAMERA]
