@@ -14,8 +14,8 @@ FRAMES = 24
 GRAVITY = 0.030  # scene units per frame squared: toys, so faster than the eye expects of a metre
 BOUNCE = 0.86    # of the vertical speed
 COUNT = 80
-CAMERA = [(-5, (-4.6, 1.05, 7.6), (0.5, 0.75, -1.6)), (13, (-0.6, 0.85, 6.3), (0.2, 0.72, -1.6)),
-          (30, (4.2, 1.25, 5.2), (-0.9, 0.70, -1.8))]
+CAMERA = [(-5, (-4.6, 1.05, 7.6), (-0.7, 0.75, -1.6)), (13, (-0.6, 0.85, 6.3), (0.2, 0.72, -1.6)),
+          (30, (4.2, 1.25, 5.2), (1.0, 0.70, -1.8))]
 FOCUS = (0.1, 0.7, -0.6)  # the middle of the crowd stays sharp
 COLOURS = {
     "vermilion": (0.72, 0.09, 0.04), "orange": (0.85, 0.33, 0.03), "sun yellow": (0.86, 0.62, 0.06),
@@ -27,9 +27,9 @@ COLOURS = {
 def sweep():
     """The floor's far end bends up into a wall, as in a studio."""
     angle = np.linspace(0, np.pi / 2, 13)
-    profile = np.array([*np.stack([-9 - 5 * np.sin(angle), 5 - 5 * np.cos(angle)], axis=1), (-14, 18)])
+    profile = np.array([*np.stack([-9 - 5 * np.sin(angle), 5 - 5 * np.cos(angle)], axis=1), (-14, 12)])
     tangent = np.array([*np.stack([np.cos(angle), np.sin(angle)], axis=1), (0, 1)])
-    x = np.array([-40.0, 40.0]) + np.zeros((len(profile), 1))
+    x = np.array([-22.0, 22.0]) + np.zeros((len(profile), 1))
     z, y, across, up = (np.repeat(v[:, None], 2, axis=1) for v in (*profile.T, *tangent.T))
     return grid(np.stack([x, y, z], axis=-1), normals=np.stack([0 * x, across, up], axis=-1))
 
@@ -99,7 +99,7 @@ def _object(number, sphere, material):
 def scene():
     random = np.random.RandomState(7)
     materials = {"floor": {"type": "diffuse", "reflectance": {"image": "textures/truchet.png", "space": "srgb",
-                                                               "repeat": [8, 2.4]}},
+                                                               "repeat": [4.4, 1.9]}},
                  "backdrop": {"type": "diffuse", "reflectance": [0.36, 0.44, 0.50]},
                  "lamp": {"type": "diffuse", "reflectance": [0, 0, 0]}}
     for name, colour in COLOURS.items():
@@ -121,7 +121,7 @@ def scene():
                    "sphere": {"shape": "exact_sphere"}},
         "objects": [
             {"name": "floor", "mesh": "rectangle", "material": "floor",
-             "transform": {"scale": [40, 1, 12], "translate": [0, 0, 3]}},
+             "transform": {"scale": [22, 1, 9.5], "translate": [0, 0, 0.5]}},
             {"name": "backdrop", "mesh": "sweep", "material": "backdrop"},
             {"name": "lamp", "mesh": "sphere", "material": "lamp", "emission": [150, 126, 96],
              "transform": {"scale": 1.0, "translate": [-5.5, 8, 4.0]}},
