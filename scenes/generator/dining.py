@@ -8,9 +8,9 @@ from .mesh import Mesh, bezier, box, grid, lathe, limb, merge, rotation
 
 def tablecloth(length=19.0, depth=12.0, drop=2.6):
     """Lies at y = 0 and hangs down in folds; uv run with the cloth, one unit a decimetre."""
-    corners, counts = [(-1, 1), (1, 1), (1, -1), (-1, -1)], (24, 15, 24, 15)
-    rim = np.concatenate([np.linspace(a, b, n, endpoint=False) for a, b, n in zip(corners, np.roll(corners, -1, 0), counts)])
-    rim = np.concatenate([rim, rim[:1]])
+    corners = np.array([(-1, 1), (1, 1), (1, -1), (-1, -1)])
+    edges = zip(corners, np.roll(corners, -1, axis=0), (24, 15, 24, 15))
+    rim = np.concatenate([np.linspace(a, b, count, endpoint=False) for a, b, count in edges] + [corners[:1]])
     outward = np.where(np.abs(rim) > 1 - 1e-9, np.sign(rim), 0.0)
     rim *= [length / 2, depth / 2]
     along = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(rim, axis=0), axis=1))])
@@ -32,7 +32,7 @@ def plate(radius=1.35):
              bezier([(0.62 * radius, 0.05), (0.8 * radius, 0.08), (radius, 0.17)], 4)]
     over = bezier([(radius, 0.17), (1.01 * radius, 0.205), (0.98 * radius, 0.20), (0.80 * radius, 0.14)], 5)
     well = [(0.72 * radius, 0.13), (0.66 * radius, 0.08), (0.0, 0.075)]
-    return lathe([*under, np.array([*over, *well])], 22)
+    return lathe([*under, np.array([*over, *well])], 20)
 
 
 def goblet():
@@ -60,13 +60,13 @@ def bottle():
     side = [(0.37, 0.04), (0.38, 0.2), (0.38, 1.9)]
     shoulder = bezier([(0.38, 1.9), (0.38, 2.25), (0.14, 2.2), (0.14, 2.6)], 6)[1:]
     return lathe([[(0.0, 0.0), (0.34, 0.0), (0.37, 0.04)], np.array([*side, *shoulder, (0.135, 3.0)]),
-                  [(0.135, 3.0), (0.16, 3.0)], [(0.16, 3.0), (0.16, 3.1), (0.0, 3.1)]], 16)
+                  [(0.135, 3.0), (0.16, 3.0)], [(0.16, 3.0), (0.16, 3.1), (0.0, 3.1)]], 14)
 
 
 def jug():
     outside = bezier([(0.45, 0.0), (1.05, 0.15), (0.75, 1.3), (0.30, 1.4), (0.48, 2.15)], 11)
     inside = [(0.46, 2.15), (0.34, 1.85), (0.30, 1.6), (0.0, 1.5)]
-    body = lathe([[(0.0, 0.0), (0.45, 0.0)], outside, inside], 18)
+    body = lathe([[(0.0, 0.0), (0.45, 0.0)], outside, inside], 16)
     handle = limb(bezier([(0.40, 1.95, 0), (1.25, 2.1, 0), (1.15, 0.9, 0), (0.66, 0.7, 0)], 10),
                   [0.085, 0.08, 0.075, 0.075, 0.075, 0.075, 0.075, 0.08, 0.085, 0.09], 8)
     return merge([body, _with_normals(handle)])
@@ -133,7 +133,7 @@ def candlestick():
             bezier([(0.10, 0.30), (0.22, 0.40), (0.05, 0.6), (0.08, 1.0), (0.13, 1.35)], 7)]
     cup = [[(0.13, 1.35), (0.30, 1.40), (0.31, 1.44)], [(0.31, 1.44), (0.14, 1.43)], [(0.14, 1.43), (0.14, 1.62)],
            [(0.14, 1.62), (0.0, 1.62)]]
-    return lathe([*foot, *cup], 14)
+    return lathe([*foot, *cup], 12)
 
 
 def flame():

@@ -1,8 +1,8 @@
 """Writes spheres.json: many spheres that fly and bounce, none through another, before a camera that rushes past.
 
-Every flight is a parabola. Its keys lie half way between frames, every other frame, and at the moments of impact, linear
-between them. So every frame is at a quarter of a chord, the same small distance below the parabola, and while the shutter
-is open a sphere's path bends only where it hits the floor."""
+Every flight is a parabola. Its keys, linear between, lie half way between frames, every other frame, and at the moments
+of impact. So every frame is at a quarter of a chord, the same small distance below the parabola, and a sphere's path
+bends while the shutter is open only where it hits the floor."""
 
 import json
 
@@ -29,12 +29,13 @@ def sweep():
     angle = np.linspace(0, np.pi / 2, 13)
     profile = np.array([*np.stack([-9 - 5 * np.sin(angle), 5 - 5 * np.cos(angle)], axis=1), (-14, 12)])
     tangent = np.array([*np.stack([np.cos(angle), np.sin(angle)], axis=1), (0, 1)])
-    x = np.array([-22.0, 22.0]) + np.zeros((len(profile), 1))
+    x = np.array([-25.0, 25.0]) + np.zeros((len(profile), 1))
     z, y, across, up = (np.repeat(v[:, None], 2, axis=1) for v in (*profile.T, *tangent.T))
     return grid(np.stack([x, y, z], axis=-1), normals=np.stack([0 * x, across, up], axis=-1))
 
 
 def eye_at(frame):
+    """Linear between the keys, which is close enough to the smooth path for keeping clear of it."""
     frames, eyes, _ = zip(*CAMERA)
     return np.array([np.interp(frame, frames, [e[axis] for e in eyes]) for axis in range(3)])
 
@@ -99,7 +100,7 @@ def _object(number, sphere, material):
 def scene():
     random = np.random.RandomState(7)
     materials = {"floor": {"type": "diffuse", "reflectance": {"image": "textures/truchet.png", "space": "srgb",
-                                                               "repeat": [4.4, 1.9]}},
+                                                               "repeat": [5, 1.9]}},
                  "backdrop": {"type": "diffuse", "reflectance": [0.36, 0.44, 0.50]},
                  "lamp": {"type": "diffuse", "reflectance": [0, 0, 0]}}
     for name, colour in COLOURS.items():
@@ -121,7 +122,7 @@ def scene():
                    "sphere": {"shape": "exact_sphere"}},
         "objects": [
             {"name": "floor", "mesh": "rectangle", "material": "floor",
-             "transform": {"scale": [22, 1, 9.5], "translate": [0, 0, 0.5]}},
+             "transform": {"scale": [25, 1, 9.5], "translate": [0, 0, 0.5]}},
             {"name": "backdrop", "mesh": "sweep", "material": "backdrop"},
             {"name": "lamp", "mesh": "sphere", "material": "lamp", "emission": [150, 126, 96],
              "transform": {"scale": 1.0, "translate": [-5.5, 8, 4.0]}},
