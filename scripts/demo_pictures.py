@@ -60,10 +60,10 @@ def strip(noisy, denoised, reference, gap_px=4):
     return picture
 
 
-def write_picture(path, colours):
+def write_picture(path, colours, jpeg_quality=90):
     height, width, _ = colours.shape
     spec = oiio.ImageSpec(width, height, 3, "uint8")
-    spec["CompressionQuality"] = 90
+    spec["CompressionQuality"] = jpeg_quality
     spec["jpeg:subsampling"] = "4:4:4"
     image = oiio.ImageBuf(spec)
     image.set_pixels(oiio.ROI(0, width, 0, height, 0, 1, 0, 3), np.ascontiguousarray(colours, np.float32))

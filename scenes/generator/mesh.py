@@ -47,6 +47,17 @@ def polygon(corners, uvs=None):
     return Mesh(corners, [tuple(range(len(corners)))], None if uvs is None else np.asarray(uvs, float))
 
 
+def grid(positions, uvs=None, normals=None):
+    """positions: (rows, columns, 3), and alike the others. Faces are seen from where columns run to the right and rows
+    up or away."""
+    rows, columns, _ = positions.shape
+    index = np.arange(rows * columns).reshape(rows, columns)
+    corners = (index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1])
+    faces = [tuple(face) for face in np.stack(corners, axis=-1).reshape(-1, 4)]
+    return Mesh(positions.reshape(-1, 3), faces, None if uvs is None else uvs.reshape(-1, 2),
+                None if normals is None else normals.reshape(-1, 3))
+
+
 def box(low, high):
     """Six faces, without uvs."""
     low, high = np.asarray(low, float), np.asarray(high, float)

@@ -161,5 +161,65 @@ def mosaic(size=512, cells=8):
     return np.where(inside, figure[j, i], ground[j, i]).astype(np.uint8), _palette(colours)
 
 
+def truchet(size=256, cells=8):
+    """Tiles with two quarter rings, turned at random, so that the rings join into winding bands."""
+    turned = np.random.RandomState(14).randint(0, 2, (cells, cells))
+    y, x = np.mgrid[0:size, 0:size] * (cells / size)
+    i, j = x.astype(int), y.astype(int)
+    u, v = x - i, y - j
+    u = np.where(turned[j, i] == 1, 1 - u, u)
+    ring = np.minimum(abs(np.hypot(u, v) - 0.5), abs(np.hypot(1 - u, 1 - v) - 0.5))
+    ground = np.where((i + j) % 2 == 0, 0, 1)
+    picture = np.where(ring < 0.17, np.where(ring < 0.055, 3, 2), ground)
+    return picture.astype(np.uint8), _palette(["#d9d2c4", "#cfc6b5", "#51606e", "#c9a25a"])
+
+
+def gingham(size=128):
+    """Stripes of two widths crossing in a weave."""
+    y, x = np.mgrid[0:size, 0:size] / size
+
+    def stripe(t):
+        return np.where(abs(t - 0.5) < 0.2, 2, np.where(abs(t - 0.08) < 0.02, 1, 0))
+
+    weave = (np.mgrid[0:size, 0:size].sum(axis=0) // 2) % 2
+    picture = stripe(x) + stripe(y)
+    picture = np.where((picture == 0) & (weave == 1), 5, picture)
+    return picture.astype(np.uint8), _palette(["#e9e3d6", "#a9b6c4", "#8fa5bb", "#7d93ab", "#3f5f80", "#e2dbcc"])
+
+
+def _leaves(size):
+    """Of the picture of a twig with leaves: whether a leaf is there, how far along and across it."""
+    v, u = np.mgrid[0:size, 0:size][:, ::-1] / size
+    inside, along, across, tone = (np.zeros((size, size)) for _ in range(4))
+    leaves = [(0.5, 0.60, 90, 0.36, 0.13)]
+    for k in range(5):
+        at, reach = 0.08 + 0.15 * k, 0.42 - 0.035 * k
+        leaves += [(0.5, at, 90 - 52 + 3 * k, reach, 0.11), (0.5, at + 0.06, 90 + 54 - 3 * k, reach, 0.11)]
+    for k, (u0, v0, turn, length, width) in enumerate(leaves):
+        c, s = np.cos(np.radians(turn)), np.sin(np.radians(turn))
+        a = ((u - u0) * c + (v - v0) * s) / length
+        b = ((v - v0) * c - (u - u0) * s) / width
+        half = 1.9 * np.clip(a, 0, 1) ** 0.7 * np.clip(1 - a, 0, 1) ** 0.9
+        here = (a > 0) & (a < 1) & (np.abs(b) < half)
+        inside = np.where(here, 1.0, inside)
+        along, across = np.where(here, a, along), np.where(here, np.abs(b) / np.maximum(half, 1e-6), across)
+        tone = np.where(here, (k * 0.618) % 1.0, tone)
+    twig = (np.abs(u - 0.5) < 0.012) & (v < 0.62)
+    return np.where(twig, 1.0, inside), along, across, tone
+
+
+def twig_mask(size=128):
+    """1 where there is leaf; grey at the edges, where a texel is part of both."""
+    inside = _leaves(4 * size)[0].reshape(size, 4, size, 4).mean(axis=(1, 3))
+    return to_indices(inside), ramp([(0, "#000000"), (1, "#ffffff")])
+
+
+def twig(size=128):
+    """Leaf green everywhere, so that nothing else bleeds in at the edges of the mask."""
+    inside, along, across, tone = _leaves(size)
+    field = 0.45 + 0.3 * (tone - 0.5) + 0.25 * (along - 0.5) + np.where(across < 0.08, 0.25, 0.0)
+    return to_indices(np.where(inside > 0, field, 0.45)), ramp([(0, "#3c5a1d"), (0.5, "#628434"), (1, "#a9bb62")])
+
+
 def _palette(colours):
     return np.array([[int(c[i : i + 2], 16) for i in (1, 3, 5)] for c in colours])
