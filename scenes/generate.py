@@ -4,24 +4,29 @@ needs no Python."""
 
 from pathlib import Path
 
-from generator import courtyard, crossing, penumbra, texture
+from generator import courtyard, crossing, fence, ocean, penumbra, sky, slab, texture
 from generator.files import write_exr, write_indexed_png, write_obj
 
 HERE = Path(__file__).resolve().parent
 TEXTURES = {
     "parquet": texture.parquet, "plaster": texture.plaster, "bricks": texture.bricks, "cobbles": texture.cobbles,
     "rug": texture.rug, "painting": texture.painting, "mosaic": texture.mosaic,
+    **fence.TEXTURES,
 }
+SCENES = (penumbra, crossing, courtyard, fence, ocean, slab)
 
 
 def main():
     for folder in ("meshes", "textures"):
         (HERE / folder).mkdir(exist_ok=True)
-    for name, make in {**penumbra.MESHES, **crossing.MESHES, **courtyard.MESHES}.items():
-        write_obj(HERE / "meshes" / f"{name}.obj", make())
+    for scene in SCENES:
+        for name, make in scene.MESHES.items():
+            write_obj(HERE / "meshes" / f"{name}.obj", make())
     for name, make in TEXTURES.items():
         write_indexed_png(HERE / "textures" / f"{name}.png", *make())
     write_exr(HERE / "textures" / "sky.exr", courtyard.sky())
+    for name, make in sky.SKIES.items():
+        write_exr(HERE / "textures" / f"{name}.exr", make())
 
 
 if __name__ == "__main__":
