@@ -74,7 +74,7 @@ def lawn(size=256):
 
 
 def paving(size=256, rows=6):
-    """Slabs of two lengths in rows, each of a tone of its own, with sandy joints."""
+    """Slabs of several lengths in rows, each of a tone of its own, with sandy joints."""
     y, x = np.mgrid[0:size, 0:size] / size
     wobble = 0.05 * (fractal(size, 16, 3, 5) - 0.5)
     row_position = y * rows + wobble
@@ -83,12 +83,14 @@ def paving(size=256, rows=6):
     u = (x * 4 + shift + wobble) % 4
     starts = np.array([0, 1.2, 2.0, 3.1, 4.0])
     slab = np.searchsorted(starts, u, side="right") - 1
-    edge = np.minimum(np.minimum(u - starts[slab], starts[slab + 1] - u) * rows / 4, np.minimum(row_position - row, row + 1 - row_position))
+    along = np.minimum(u - starts[slab], starts[slab + 1] - u) * rows / 4
+    edge = np.minimum(along, np.minimum(row_position - row, row + 1 - row_position))
     tone = np.random.RandomState(3).rand(rows, 4)[row % rows, slab]
     grain = noise(size, 128, 13)
     field = 0.5 + 0.32 * (tone - 0.5) + 0.2 * (grain - 0.5) + 0.25 * (fractal(size, 8, 4, 70) - 0.5)
     field = np.where(edge < 0.045, 0.03 + 0.15 * grain, np.clip(field, 0.25, 1))
-    return to_indices(field), ramp([(0, "#4f4636"), (0.2, "#6b604c"), (0.25, "#84796a"), (0.6, "#b3a794"), (1, "#d9cfba")])
+    return to_indices(field), ramp(
+        [(0, "#4f4636"), (0.2, "#6b604c"), (0.25, "#84796a"), (0.6, "#b3a794"), (1, "#d9cfba")])
 
 
 MESHES = {

@@ -20,10 +20,14 @@ def beacon_band():
 def beacon_lantern():
     """Railing, mullions and roof of the lantern."""
     angles = 2 * np.pi * np.arange(8) / 8
-    posts = [beam((0.9 * np.cos(a), 5.3, 0.9 * np.sin(a)), (0.9 * np.cos(a), 5.75, 0.9 * np.sin(a)), 0.04) for a in angles]
-    rim = [(0.9 * np.cos(a), 5.75, 0.9 * np.sin(a)) for a in angles]
+
+    def around(radius, height):
+        return [(radius * np.cos(a), height, radius * np.sin(a)) for a in angles]
+
+    rim = around(0.9, 5.75)
+    posts = [beam(p, q, 0.04) for p, q in zip(around(0.9, 5.3), rim)]
     rails = [beam(p, q, 0.04) for p, q in zip(rim, rim[1:] + rim[:1])]
-    mullions = [beam((0.42 * np.cos(a), 5.3, 0.42 * np.sin(a)), (0.42 * np.cos(a), 6.25, 0.42 * np.sin(a)), 0.05) for a in angles[::2]]
+    mullions = [beam(p, q, 0.05) for p, q in zip(around(0.42, 5.3)[::2], around(0.42, 6.25)[::2])]
     roof = lathe([[(0.0, 6.25), (0.58, 6.25)], [(0.58, 6.25), (0.35, 6.55), (0.06, 6.75), (0.05, 7.1), (0.0, 7.1)]], 20)
     roof.normals = None
     return merge([*posts, *rails, *mullions, roof])

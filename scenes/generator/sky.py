@@ -15,7 +15,8 @@ def clear_sky(horizon, zenith, glow, ground, sun_elevation, streaks=0.0, width=2
     up = np.sin(elevation)
     horizon, zenith, glow, ground = (np.array(c, float) for c in (horizon, zenith, glow, ground))
     image = horizon + (zenith - horizon) * (np.clip(up, 0, 1) ** 0.4)[..., None] + np.zeros((height, width, 1))
-    image = np.where((up < 0)[..., None], ground + (horizon - ground) * np.exp(np.clip(up, -1, 0) * 14)[..., None], image)
+    below = ground + (horizon - ground) * np.exp(14 * np.clip(up, -1, 0))[..., None]
+    image = np.where((up < 0)[..., None], below, image)
 
     sun = np.radians(sun_elevation)
     cosine = np.cos(elevation) * np.cos(azimuth) * np.cos(sun) + up * np.sin(sun)
