@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from .files import few_bits
 from .mesh import Mesh, bezier, box, lathe, limb, merge, polygon, rotation
 from .texture import fractal
 
@@ -131,13 +132,7 @@ def sky(width=512, height=256, sun_elevation=38.0, sun_radius=1.6):
     image = np.where((up < 0)[..., None], ground, image)
     disc = np.clip((sun_radius + 0.35 - angle) / 0.7, 0, 1)
     image += np.array([1.0, 0.86, 0.66]) * (3200.0 * disc)[..., None]
-    return _few_bits(image)
-
-
-def _few_bits(image):
-    """Rounds to 5 bits of mantissa: steps of 3% are below what shading shows, and the file shrinks to a third."""
-    mantissa, exponent = np.frexp(image)
-    return np.ldexp((mantissa * 64).round() / 64, exponent)
+    return few_bits(image)
 
 
 MESHES = {
