@@ -29,7 +29,7 @@
 // A delta lobe has no density that lights could be drawn against: after it, and at x_1, where no light was
 // drawn, Le counts whole. `direct: light` and `direct: material` set one weight to 1 and the other to 0, so
 // that the three must agree in expectation, which tests hold. The path ends after max_depth scattering
-// events; from roulette_depth on it survives with probability q = min(0.95, max T), after which T is divided
+// events; from roulette_depth on it survives with probability q = min(1, max T), after which T is divided
 // by q, which keeps the expectation. Radiance grows and shrinks by the squared index of refraction while
 // inside glass; q leaves that factor out.
 

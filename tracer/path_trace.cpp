@@ -99,7 +99,7 @@ bool Path<F>::survives_roulette(float u) {
   next_ray_seed();
   // A path that may still meet the surface of albedo and normal must get there.
   if (depth_ < integrator_.roulette_depth || scatterings_ == 0) return true;
-  const float survival = std::min(0.95f, max_component(throughput_) / radiance_scale_);
+  const float survival = std::min(1.0f, max_component(throughput_) / radiance_scale_);
   if (u >= survival) return false;
   throughput_ /= survival;
   return true;

@@ -98,7 +98,7 @@ PathSample minimal_path(const PathContext& context, const V2f& raster, Sampler& 
     pdf = cos_i * std::numbers::inv_pi_v<float>;
     previous = surface.position;
     if (depth + 1 >= integrator.roulette_depth) {
-      const float survival = std::min(0.95f, max_component(throughput));
+      const float survival = std::min(1.0f, max_component(throughput));
       if (u_roulette >= survival) return result;
       throughput /= survival;
     }

@@ -167,19 +167,31 @@ void measure_needs(const std::string& folder) {
   }
 }
 
-int run(const std::vector<std::string>& scenes) {
-  fmt::print(
-      "one frame at the scene's size, 4 samples a pixel; medians of {} runs; ratios of processor time\n\n",
-      kRuns);
+void run_scenes(const std::vector<std::string>& scenes) {
   for (const std::string& scene : scenes) measure_floor(scene);
-  if (!scenes.empty()) {
-    fmt::print("\n");
-    measure_threads(scenes.front());
-  }
+  fmt::print("\n");
+  measure_threads(scenes.front());
+}
+
+void run_needs() {
   const std::string folder = std::filesystem::temp_directory_path() / "becalm-bench";
   std::filesystem::create_directories(folder);
   measure_needs(folder);
   std::filesystem::remove_all(folder);
+}
+
+/// `bench_tracer needs`, or scenes.
+int run(const std::vector<std::string>& arguments) {
+  if (arguments.empty()) throw Error(ExitStatus::usage, "expected the word needs, or scenes");
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // lines appear as they are measured
+  fmt::print(
+      "one frame at the scene's size, 4 samples a pixel; medians of {} runs; ratios of processor time\n",
+      kRuns);
+  if (arguments.front() == "needs") {
+    run_needs();
+  } else {
+    run_scenes(arguments);
+  }
   return 0;
 }
 
