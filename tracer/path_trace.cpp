@@ -66,7 +66,7 @@ constexpr std::uint32_t kRaySeedStep = 0x9e3779b9u;
 
 /// Radiance that the hit surface emits along the ray backward.
 V3f emitted(const ObjectState& object, const Surface& surface, const V3f& ray_dir) {
-  if (object.first_light == kNoLight) return V3f(0.0f);
+  if (is_black(object.emission)) return V3f(0.0f);
   return object.two_sided || ray_dir.dot(surface.normal_geometric) < 0.0f ? object.emission : V3f(0.0f);
 }
 
@@ -177,9 +177,9 @@ class Path {
   template <class LightPdf>
   float weight(const LightPdf& light_pdf) const {
     if (material_pdf_ == 0.0f || integrator_.direct == Direct::material) return 1.0f;
-    return integrator_.direct == Direct::light
-               ? 0.0f
-               : mis_weight(integrator_.heuristic, material_pdf_, light_pdf());
+    const float pdf = light_pdf();
+    if (integrator_.direct == Direct::light) return pdf > 0.0f ? 0.0f : 1.0f;
+    return mis_weight(integrator_.heuristic, material_pdf_, pdf);
   }
 
   const PathContext& context_;
@@ -280,6 +280,7 @@ void Path<F>::gather_emission(const ObjectState& object, const Hit& hit, const S
   const V3f radiance = emitted(object, surface, ray_.dir);
   if (is_black(radiance)) return;
   const float mis = weight([&] {
+    if (object.first_light == kNoLight) return 0.0f;
     if (object.mesh == nullptr)
       return snapshot_.lights().pdf_sphere(object.first_light, previous_position_, time_);
     const float distance = (surface.position - previous_position_).length();
