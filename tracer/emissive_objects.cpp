@@ -53,7 +53,9 @@ void add_emissive_objects(const SceneDescription& description, int frame, std::s
     object.emission = {static_cast<float>(emission[0]), static_cast<float>(emission[1]),
                        static_cast<float>(emission[2])};
     object.first_light = kNoLight;
-    if (is_black(object.emission)) continue;
+    // Points chosen on a light are taken to be there, so what has holes is left to rays that meet it by
+    // chance.
+    if (is_black(object.emission) || has_alpha(*object.material)) continue;
     if (object.mesh != nullptr) {
       object.first_light = static_cast<std::uint32_t>(lights.triangles.size());
       add_triangles(object, lights);

@@ -13,8 +13,7 @@ constexpr int kMostCrossings = 10'000;
 }  // namespace
 
 Interiors interiors_at(const Snapshot& snapshot, const V3f& point) {
-  Interiors around;
-  std::vector<std::uint32_t> entered;
+  std::vector<std::uint32_t> around, entered;  // from the inside out; those met on the way
   // Along no axis, so that it does not run in the faces of boxes.
   Ray ray{point, V3f(0.3713907f, 0.7427814f, 0.5570860f)};
   for (int i = 0; i < kMostCrossings; ++i, ray.seed += 0x9e3779b9u) {
@@ -27,12 +26,15 @@ Interiors interiors_at(const Snapshot& snapshot, const V3f& point) {
       if (enters) {
         entered.push_back(hit->object);
       } else if (std::erase(entered, hit->object) == 0) {
-        around.enter(hit->object);
+        around.push_back(hit->object);
       }
     }
     ray.origin = offset_origin(surface, ray.dir);
   }
-  return around;
+  // A path to the point would have entered the outermost first.
+  Interiors interiors;
+  for (auto object = around.rbegin(); object != around.rend(); ++object) interiors.enter(*object);
+  return interiors;
 }
 
 }  // namespace becalm::tracer

@@ -211,6 +211,13 @@ struct Intersector::State {
   void build_instanced_geometry(std::span<const Placement> placements, const std::vector<bool>& instanced);
   void attach_instances(std::span<const Placement> placements, const std::vector<bool>& instanced);
 
+  /// Notes whether the instance moves while the shutter is open.
+  void count_motion(std::uint32_t object, bool moves) {
+    if (moves && !motion_of_object[object]) ++size.motion_instances;
+    if (!moves && motion_of_object[object]) --size.motion_instances;
+    motion_of_object[object] = moves;
+  }
+
   std::atomic<std::int64_t> embree_bytes{0};  // before the device, which counts in it to the end
   DevicePtr device;
   std::vector<Source> baked_sources;  ///< of each geometry of baked_scene
@@ -223,6 +230,7 @@ struct Intersector::State {
   std::vector<std::uint32_t>
       instanced_objects;  ///< object of each instance; the first instance is baked_scene
   std::vector<RTCGeometry> instance_of_object;  ///< null for baked ones
+  std::vector<bool> motion_of_object;
   GeometrySize size;
   bool dirty = true;
 };
@@ -298,7 +306,7 @@ void Intersector::State::attach_instances(std::span<const Placement> placements,
     instanced_objects.push_back(object);
     size.visible_triangles += triangle_count(p.shape);
     ++size.instances;
-    if (p.to_world.size() > 1) ++size.motion_instances;
+    count_motion(object, p.to_world.size() > 1);
   }
   check();
 }
@@ -306,6 +314,7 @@ void Intersector::State::attach_instances(std::span<const Placement> placements,
 Intersector::Intersector(std::span<const Placement> placements) : state_(std::make_unique<State>()) {
   State& s = *state_;
   s.instance_of_object.assign(placements.size(), nullptr);
+  s.motion_of_object.assign(placements.size(), false);
   const std::vector<bool> instanced = choose_instanced(placements);
   s.bake(placements, instanced);
   if (s.baked_objects.size() == placements.size()) return;
@@ -319,6 +328,7 @@ void Intersector::move(std::uint32_t object, std::span<const M44f> to_world) {
   RTCGeometry instance = state_->instance_of_object[object];
   assert(instance != nullptr);
   State::set_transforms(instance, to_world);
+  state_->count_motion(object, to_world.size() > 1);
   state_->dirty = true;
 }
 

@@ -27,12 +27,24 @@ double linear_size(const M44d& m, double radius) {
   return largest * radius;
 }
 
-/// Largest distance between the curve and its steps between their times, relative to the object's size.
-double error(const TransformCurve& curve, double frame, const Shutter& shutter, int segments, double radius) {
+/// Times in [0,1] of the shutter's interval at which the curve may bend or turn back.
+std::vector<double> times_of_keys(const TransformCurve& curve, double frame, const Shutter& shutter) {
+  std::vector<double> times;
+  for (const TransformCurve::Key& key : curve.keys()) {
+    const double time = (key.frame - shutter.at(frame, 0.0)) / (shutter.close - shutter.open);
+    if (time > 0.0 && time < 1.0) times.push_back(time);
+  }
+  return times;
+}
+
+/// Largest distance between the curve and its steps at the times given and between those of the steps,
+/// relative to the object's size.
+double error(const TransformCurve& curve, double frame, const Shutter& shutter, int segments, double radius,
+             std::vector<double> times) {
   const MotionSteps<double> steps = motion_steps(curve, frame, shutter, segments);
+  for (int i = 0; i < 4 * segments; ++i) times.push_back(i / (4.0 * segments));
   double worst = 0.0;
-  for (int i = 0; i < 4 * segments; ++i) {
-    const double time = i / (4.0 * segments);
+  for (const double time : times) {
     const M44d exact = transform_at(curve, shutter.at(frame, time));
     worst = std::max(
         worst, distance(exact, steps.at(static_cast<float>(time)), radius) / linear_size(exact, radius));
@@ -44,12 +56,14 @@ double error(const TransformCurve& curve, double frame, const Shutter& shutter, 
 
 int motion_segments(const TransformCurve& curve, double frame, const Shutter& shutter, double radius) {
   if (!shutter.blurs() || !curve.animated()) return 0;
-  const M44d first = transform_at(curve, shutter.at(frame, 0.0));
-  bool moves = false;
-  for (int i = 1; i <= 4 && !moves; ++i) moves = transform_at(curve, shutter.at(frame, i / 4.0)) != first;
-  if (!moves) return 0;
+  const std::vector<double> times = times_of_keys(curve, frame, shutter);
+  // Between keys the values are monotone, so what is the same at the keys and at both ends is so all the
+  // time.
+  const TransformCurve::Value first = curve.at(shutter.at(frame, 0.0));
+  const auto same = [&](double time) { return curve.at(shutter.at(frame, time)) == first; };
+  if (same(1.0) && std::ranges::all_of(times, same)) return 0;
   int segments = 1;
-  while (segments < kMostSegments && error(curve, frame, shutter, segments, radius) > kTolerance)
+  while (segments < kMostSegments && error(curve, frame, shutter, segments, radius, times) > kTolerance)
     segments *= 2;
   return segments;
 }

@@ -157,9 +157,9 @@ class Path {
   template <class LightPdf>
   float weight(const LightPdf& light_pdf) const {
     if (material_pdf_ == 0.0f || integrator_.direct == Direct::material) return 1.0f;
-    return integrator_.direct == Direct::light
-               ? 0.0f
-               : mis_weight(integrator_.heuristic, material_pdf_, light_pdf());
+    const float pdf = light_pdf();
+    if (integrator_.direct == Direct::light) return pdf > 0.0f ? 0.0f : 1.0f;
+    return mis_weight(integrator_.heuristic, material_pdf_, pdf);
   }
 
   const PathContext& context_;

@@ -8,6 +8,7 @@ void Path<F>::gather_emission(const ObjectState& object, const Hit& hit, const S
   const V3f radiance = emitted(object, surface, ray_.dir);
   if (is_black(radiance)) return;
   const float mis = weight([&] {
+    if (object.first_light == kNoLight) return 0.0f;
     if (object.mesh == nullptr)
       return snapshot_.lights().pdf_sphere(object.first_light, previous_position_, time_);
     const float distance = (surface.position - previous_position_).length();

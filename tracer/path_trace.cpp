@@ -13,7 +13,7 @@ namespace {
 
 /// Radiance that the hit surface emits along the ray backward.
 V3f emitted(const ObjectState& object, const Surface& surface, const V3f& ray_dir) {
-  if (object.first_light == kNoLight) return V3f(0.0f);
+  if (is_black(object.emission)) return V3f(0.0f);
   return object.two_sided || ray_dir.dot(surface.normal_geometric) < 0.0f ? object.emission : V3f(0.0f);
 }
 

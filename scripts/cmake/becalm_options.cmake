@@ -32,3 +32,12 @@ if(BECALM_SANITIZE)
                                                   -fno-omit-frame-pointer)
   target_link_options(becalm_options INTERFACE -fsanitize=${BECALM_SANITIZE})
 endif()
+if(BECALM_SANITIZE MATCHES thread)
+  # In front of oneTBB's own parallel_for.h.
+  target_include_directories(becalm_options BEFORE INTERFACE ${PROJECT_SOURCE_DIR}/tests/thread_sanitizer)
+endif()
+if(BECALM_FUZZ)
+  # Every object counts its branches for libFuzzer; only the targets link its main(). Another compiler has other
+  # warnings, which are none of a fuzzer's business.
+  target_compile_options(becalm_options INTERFACE -fsanitize=fuzzer-no-link -Wno-error)
+endif()

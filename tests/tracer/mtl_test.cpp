@@ -187,6 +187,13 @@ TEST(Mtl, UnknownMaterialsAreNamed) {
             "p.obj: has no faces");
 }
 
+TEST(Mtl, FoldersAreNoLibraries) {
+  Textures textures;
+  const std::string obj = write_file("f.obj", "mtllib .\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n");
+  EXPECT_THROW(load_part_materials(obj, load_obj_parts(obj), textures), Error);
+  EXPECT_THROW(load_obj(file_path("")), Error);
+}
+
 TEST(Mtl, FilesLoadInParallel) {
   const std::string path = write_file("m.obj", kObj);
   std::vector<std::thread> threads;

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <numbers>
 #include <optional>
 
 #include "tracer/frame_shapes.h"
@@ -82,7 +81,7 @@ std::vector<Object> scattered_copies(const Object& object, const Scatter& scatte
     const double z = scatter.z0 + point.y * (scatter.z1 - scatter.z0);
     const double yaw = random.next() * 360.0;
     const double lean = random.next() * scatter.tilt_deg;
-    const double lean_to = random.next() * 2.0 * std::numbers::pi;
+    const double lean_to = random.next() * 360.0;
     const double scale = scatter.scale_low + random.next() * (scatter.scale_high - scatter.scale_low);
     double y = 0.0;
     if (heights) {
@@ -90,14 +89,22 @@ std::vector<Object> scattered_copies(const Object& object, const Scatter& scatte
       if (!height) continue;
       y = *height;
     }
+    // Upright, leaned towards a direction, turned about the upright axis.
+    const M44d turn = transform_at(TransformCurve::Value{0, 0, 0, 0, yaw, 0, 1, 1, 1}, 0.0);
+    const M44d towards = transform_at(TransformCurve::Value{0, 0, 0, 0, lean_to, 0, 1, 1, 1}, 0.0);
+    const M44d away = transform_at(TransformCurve::Value{0, 0, 0, 0, -lean_to, 0, 1, 1, 1}, 0.0);
+    const M44d leaned =
+        away * transform_at(TransformCurve::Value{0, 0, 0, lean, 0, 0, 1, 1, 1}, 0.0) * towards * turn;
     TransformCurve::Value value = object.transform.at(0.0);
-    value[0] = x + value[0] * scale;
-    value[1] = y + value[1] * scale;
-    value[2] = z + value[2] * scale;
-    value[3] += lean * std::cos(lean_to);
-    value[4] += yaw;
-    value[5] += lean * std::sin(lean_to);
-    for (int axis = 6; axis < 9; ++axis) value[axis] *= scale;
+    const V3d own = transform_vector(V3d(value[0], value[1], value[2]), leaned) * scale;
+    const M44d own_rotation =
+        transform_at(TransformCurve::Value{0, 0, 0, value[3], value[4], value[5], 1, 1, 1}, 0.0);
+    const V3d rotation_deg = rotation_angles_deg(own_rotation * leaned);
+    for (int axis = 0; axis < 3; ++axis) {
+      value[axis] = V3d(x, y, z)[axis] + own[axis];
+      value[3 + axis] = rotation_deg[axis];
+      value[6 + axis] *= scale;
+    }
     Object& copy = copies.emplace_back(object);
     copy.name = fmt::format("{} {}", object.name, i + 1);
     copy.transform = value;

@@ -11,9 +11,11 @@ namespace becalm::tracer {
 inline std::optional<std::string> read_text_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return std::nullopt;
-  std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (file.bad()) return std::nullopt;
-  return text;
+  try {
+    return std::string{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  } catch (const std::ios_base::failure&) {  // a folder opens as a file would, and cannot be read
+    return std::nullopt;
+  }
 }
 
 }  // namespace becalm::tracer

@@ -31,6 +31,17 @@ M44d transform_at(const TransformCurve& curve, double frame) {
   return m;
 }
 
+V3d rotation_angles_deg(const M44d& m) {
+  // Rows are the axes' images: x becomes (cos y cos z, cos y sin z, -sin y).
+  const double cos_y = std::hypot(m[0][0], m[0][1]);
+  const double y = std::atan2(-m[0][2], cos_y);
+  // Looking along the turned x axis only the difference of the other two angles counts.
+  const bool locked = cos_y < 1e-9;
+  const double x = locked ? std::atan2(-m[2][1], m[1][1]) : std::atan2(m[1][2], m[2][2]);
+  const double z = locked ? 0.0 : std::atan2(m[0][1], m[0][0]);
+  return V3d(x, y, z) * (180.0 / std::numbers::pi);
+}
+
 LookAt look_at(const LookAtCurve& curve, double frame) {
   const LookAtCurve::Value v = curve.at(frame);
   return {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}, {v[6], v[7], v[8]}};

@@ -13,6 +13,9 @@ using TransformCurve = Curve<9>;
 /// Object to world at that frame: scale, then rotate about x, y, z, then translate.
 M44d transform_at(const TransformCurve& curve, double frame);
 
+/// Angles in degrees about x, y, z, in this order, that make the rotation, which must be one.
+V3d rotation_angles_deg(const M44d& rotation);
+
 /// Eye, target and up over time.
 using LookAtCurve = Curve<9>;
 
