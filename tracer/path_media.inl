@@ -23,7 +23,7 @@ bool Path<F>::scatter_in_medium(const Medium& medium, float t) {
   } else if (F.guides && scatterings_ == 0) {
     result_.guides.albedo = clamp_to_unit(throughput_ / radiance_scale_);
   }
-  if (depth_ == integrator_.max_depth) return false;
+  if (depth_ == integrator_.max_depth || is_black(throughput_)) return false;
 
   const float u_light = sampler_.next_1d();
   const V2f u_light_point = sampler_.next_2d();

@@ -39,8 +39,11 @@ bool Path<F>::step() {
       const MediumSample event =
           sample_distance(medium, ray_.origin, ray_.dir, hit ? hit->t : kInfinity, random, throughput_);
       throughput_ *= event.weight;
-      if (is_black(throughput_)) return false;
       if (event.scattered) return scatter_in_medium(medium, event.t);
+      if (is_black(throughput_)) {  // too deep for any light to pass
+        result_.covered = result_.covered || depth_ == 0;
+        return false;
+      }
     }
   }
   if (!hit) {

@@ -23,7 +23,9 @@ class Sampler {
         sample_(sample) {}
 
   /// A number of this sample that is none of its dimensions, for the random choices of ray queries.
-  std::uint32_t seed_of_rays() const { return high(mix_bits(key_ ^ (std::uint64_t{sample_} << 32 | 0xa11fau))); }
+  std::uint32_t seed_of_rays() const {
+    return high(mix_bits(key_ ^ (std::uint64_t{sample_} << 32 | 0xa11fau)));
+  }
 
   float next_1d() {
     const std::uint64_t bits = next_bits();
