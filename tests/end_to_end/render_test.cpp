@@ -47,6 +47,17 @@ TEST_F(Render, WritesTheScenesFramesWithTheLayersAskedFor) {
   }
 }
 
+TEST_F(Render, LightGroupsAreLayers) {
+  render("a.exr", {"--frames", "1", "--aovs", "light_groups"});
+  const Outcome info = becalm_done({"info", folder_ / "a.exr"});
+  EXPECT_NE(info.out.find("light.default"), std::string::npos) << info.out;
+  render("b.exr", {"--frames", "1", "--aovs", "all"});
+  EXPECT_EQ(becalm_done({"info", folder_ / "b.exr"}).out.find("light."), std::string::npos);
+  expect_error(becalm(command("c.exr", {"--frames", "1", "--aovs", "light_groups", "--denoise=draft",
+                                        "--keep-noisy", folder_ / "noisy.exr"})),
+               2, {"--keep-noisy", "light_groups"});
+}
+
 TEST_F(Render, OneFrameNeedsNoFieldAndSizeIsAChoice) {
   render("a.exr", {"--frames", "2", "--size", "9x7"});
   const Frame frame = read_frame(folder_ / "a.exr");
