@@ -122,6 +122,14 @@ void filter_opacity(const RTCFilterFunctionNArguments* args) {
 struct Intersector::State {
   State() : device(rtcNewDevice(nullptr)) {
     if (!device) throw Error(ExitStatus::resource, "Embree cannot start on this machine");
+    // Embree keeps errors for each thread; the first of any thread is what check() wants.
+    rtcSetDeviceErrorFunction(
+        device.get(),
+        [](void* first, RTCError error, const char*) {
+          RTCError none = RTC_ERROR_NONE;
+          static_cast<std::atomic<RTCError>*>(first)->compare_exchange_strong(none, error);
+        },
+        &first_error);
     rtcSetDeviceMemoryMonitorFunction(
         device.get(),
         [](void* counter, ssize_t bytes, bool) {
@@ -139,8 +147,8 @@ struct Intersector::State {
   }
 
   /// Throws if Embree reported trouble since the last call.
-  void check() const {
-    const RTCError error = rtcGetDeviceError(device.get());
+  void check() {
+    const RTCError error = first_error.exchange(RTC_ERROR_NONE);
     if (error == RTC_ERROR_NONE) return;
     throw Error(ExitStatus::resource,
                 error == RTC_ERROR_OUT_OF_MEMORY
@@ -218,6 +226,7 @@ struct Intersector::State {
     motion_of_object[object] = moves;
   }
 
+  std::atomic<RTCError> first_error{RTC_ERROR_NONE};
   std::atomic<std::int64_t> embree_bytes{0};  // before the device, which counts in it to the end
   DevicePtr device;
   std::vector<Source> baked_sources;  ///< of each geometry of baked_scene

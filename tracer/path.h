@@ -116,10 +116,11 @@ class Path {
                     std::optional<Bsdf>& local, V3f& tangent);
   void bend_differential(const ObjectState& object, const Hit& hit, const V3f& normal,
                          const BsdfSample& scattered, const V3f& wi_world);
-  V3f transmission(Ray shadow);
-  V3f visibility(const V3f& from, const V3f& position, const LightSample& light);
+  V3f transmission(Ray shadow, Interiors interiors);
+  V3f visibility(const V3f& from, const V3f& position, const LightSample& light, const Interiors& interiors);
   bool survives_roulette(float u);
-  void gather_direct_light(const ShadingVertex& vertex, float u_light, const V2f& u);
+  void gather_direct_light(const ObjectState& object, std::uint32_t number, const ShadingVertex& vertex,
+                           float u_light, const V2f& u);
 
   /// Each ray decides anew what it passes through.
   void next_ray_seed() { ray_.seed += kRaySeedStep; }

@@ -51,13 +51,14 @@ void Path<F>::gather_direct_light_in_medium(const V3f& position, float g, float 
   if (is_black(contribution)) return;
   if (integrator_.direct == Direct::mis && !light->delta)
     contribution *= mis_weight(integrator_.heuristic, light->pdf_solid_angle, phase);
-  gather(throughput_ * contribution * visibility(position, position, *light), scatterings_ + 1, light->group);
+  gather(throughput_ * contribution * visibility(position, position, *light, interiors_), scatterings_ + 1,
+         light->group);
 }
 
-/// What the shadow ray's media let pass; nothing if it meets more than interfaces.
+/// What the shadow ray's media let pass, from those that it starts in; nothing if it meets more than
+/// interfaces.
 template <Features F>
-V3f Path<F>::transmission(Ray shadow) {
-  Interiors interiors = interiors_;
+V3f Path<F>::transmission(Ray shadow, Interiors interiors) {
   MediumRandom random(sampler_.next_2d());
   const float length = shadow.dir.length();  // finite lights' directions reach from here to there
   shadow.dir /= length;

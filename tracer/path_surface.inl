@@ -81,7 +81,7 @@ bool Path<F>::scatter(const ObjectState& object, const Hit& hit, Surface& surfac
                                  ? ShadingFrame::from_normal_and_tangent(normal, tangent)
                                  : ShadingFrame::from_normal(normal);
   const ShadingVertex vertex(surface, bsdf, frame, wo_world);
-  if (draws_lights_ && !specular) gather_direct_light(vertex, u_light, u_light_point);
+  if (draws_lights_ && !specular) gather_direct_light(object, hit.object, vertex, u_light, u_light_point);
 
   const std::optional<BsdfSample> scattered = sample(bsdf, vertex.wo, u_material, u_lobe);
   if (!scattered) return false;
@@ -121,7 +121,8 @@ void Path<F>::bend_differential(const ObjectState& object, const Hit& hit, const
 
 /// The light sample's part of the direct light.
 template <Features F>
-void Path<F>::gather_direct_light(const ShadingVertex& vertex, float u_light, const V2f& u) {
+void Path<F>::gather_direct_light(const ObjectState& object, std::uint32_t number,
+                                  const ShadingVertex& vertex, float u_light, const V2f& u) {
   const V3f& position = vertex.surface.position;
   const std::optional<LightSample> light = snapshot_.lights().sample(position, time_, u_light, u);
   if (!light) return;
@@ -132,9 +133,12 @@ void Path<F>::gather_direct_light(const ShadingVertex& vertex, float u_light, co
   if (is_black(contribution)) return;
   if (integrator_.direct == Direct::mis && !light->delta)
     contribution *= mis_weight(integrator_.heuristic, light->pdf_solid_angle, bsdf.pdf_solid_angle);
-  gather(throughput_ * contribution *
-             visibility(offset_origin(vertex.surface, light->dir_world), position, *light),
-         scatterings_ + 1, light->group);
+  Interiors interiors = interiors_;
+  if (F.media && wi.z * vertex.wo.z < 0.0f)
+    cross_boundary(interiors, object, number, light->dir_world, vertex.surface);
+  const V3f from = offset_origin(vertex.surface, light->dir_world);
+  gather(throughput_ * contribution * visibility(from, position, *light, interiors), scatterings_ + 1,
+         light->group);
 }
 
 }  // namespace becalm::tracer

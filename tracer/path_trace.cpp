@@ -110,7 +110,8 @@ bool Path<F>::survives_roulette(float u) {
 
 /// Share of the light sample's radiance that arrives at `from`, which is `position` off its surface.
 template <Features F>
-V3f Path<F>::visibility(const V3f& from, const V3f& position, const LightSample& light) {
+V3f Path<F>::visibility(const V3f& from, const V3f& position, const LightSample& light,
+                        const Interiors& interiors) {
   next_ray_seed();
   Ray shadow = ray_;
   shadow.origin = from;
@@ -118,9 +119,12 @@ V3f Path<F>::visibility(const V3f& from, const V3f& position, const LightSample&
   shadow.t_max = kInfinity;
   if (light.distance < kInfinity) {
     shadow.dir = position + light.dir_world * light.distance - from;
-    shadow.t_max = 1.0f - kShadowShortening - snapshot_.extent() * 0x1p-18f / light.distance;
+    // A point that is on no surface is not hit. Elsewhere the ray ends short of the light, by rounding errors
+    // of the light's coordinates and its own.
+    const float size = std::max(light.extent, largest_coordinate(from));
+    shadow.t_max = light.delta ? 1.0f : 1.0f - kShadowShortening - size * 0x1p-18f / light.distance;
   }
-  if constexpr (F.media) return transmission(shadow);
+  if constexpr (F.media) return transmission(shadow, interiors);
   return shadow.t_max > 0.0f && occluded(shadow) ? V3f(0.0f) : V3f(1.0f);
 }
 

@@ -73,7 +73,7 @@ struct FrameSetup {
   V2f filter_point(Sampler& sampler, std::uint32_t index) const {
     const V2f u = sampler.next_2d();
     const Jitter& jitter = description.film.jitter;
-    return jitter.cycle == 0 ? u : jitter.point(frame - description.frames.first, spp, index);
+    return jitter.cycle == 0 ? u : jitter.point(std::int64_t{frame} - description.frames.first, spp, index);
   }
 
   const Snapshot& snapshot;
@@ -150,8 +150,9 @@ std::optional<Frame> render_frame(Scene& scene, int frame_number, const RenderOp
   const auto render_tile = [&](std::size_t number) {
     const Tile& tile = tiles[number];
     PathContext context = setup.context();
-    RadianceSplit split(setup.description.light_groups.size());
-    if (wants_split(options)) context.split = &split;
+    const bool splits = wants_split(options);
+    RadianceSplit split(splits ? setup.description.light_groups.size() : 0);
+    if (splits) context.split = &split;
     PixelStatistics pixel;
     SplitStatistics pixel_split(split.groups.size());
     std::size_t non_finite = 0;
@@ -160,9 +161,9 @@ std::optional<Frame> render_frame(Scene& scene, int frame_number, const RenderOp
       for (int x = tile.x0; x < tile.x1; ++x) {
         if (cancelled()) return;
         pixel.clear();
-        pixel_split.clear();
+        if (splits) pixel_split.clear();
         for (std::uint32_t i = 0; i < spp; ++i) {
-          split.clear();
+          if (splits) split.clear();
           const PathSample sample = setup.sample_pixel(context, x, y, i);
           if (!is_finite(sample)) {
             ++non_finite;
@@ -171,10 +172,10 @@ std::optional<Frame> render_frame(Scene& scene, int frame_number, const RenderOp
           }
           pixel.add(sample, i < half ? 0 : 1);
           if (setup.guides) pixel.add_guides(sample.guides);
-          if (context.split != nullptr) pixel_split.add(split);
+          if (splits) pixel_split.add(split);
         }
         pixel.write(frame, x, y);
-        if (context.split != nullptr) pixel_split.write(frame, x, y);
+        if (splits) pixel_split.write(frame, x, y);
       }
     }
     if (non_finite > 0) {

@@ -37,12 +37,14 @@ SceneNeeds compute_needs(const SceneDescription& description) {
     needs.suns = needs.suns || sun;
     needs.punctual_lights = needs.punctual_lights || !sun;
     needs.changing_emission = needs.changing_emission || animated(light);
+    needs.moving_lights = needs.moving_lights || moves(light);
   }
   needs.environment = description.environment && description.environment->total() > 0.0;
   needs.environment_image = needs.environment && description.environment_is_image;
   const CameraSettings& camera = description.camera;
   needs.moving_camera = camera.look_at.animated();
-  needs.motion_blur = camera.shutter.blurs() && (needs.moving_objects || camera.moves());
+  needs.motion_blur =
+      camera.shutter.blurs() && (needs.moving_objects || needs.moving_lights || camera.moves());
   needs.depth_of_field = camera.has_lens();
   return needs;
 }

@@ -31,6 +31,7 @@ struct SceneNeeds {
   bool moving_objects = false;     ///< instances whose transforms are set for each frame
   bool motion_blur = false;        ///< the camera or an object moves while the shutter is open
   bool depth_of_field = false;     ///< a lens with a width
+  bool moving_lights = false;      ///< points and spots whose place changes
   bool changing_emission = false;  ///< lights whose light or place changes: light lists built for each frame
   std::size_t static_objects = 0;
   std::size_t moving_object_count = 0;

@@ -96,9 +96,11 @@ Snapshot::Snapshot(const SceneDescription& description, int frame)
 }
 
 void Snapshot::set_frame(int frame) {
-  if (frame == frame_) return;
+  if (frame == frame_ && whole_) return;
   check_camera(*description_, frame);
-  bool moved = false, lights_changed = false;
+  // What an exception leaves half done is made anew from everything that may have changed.
+  const bool all = !std::exchange(whole_, false);
+  bool moved = all, lights_changed = all;
   for (const std::size_t geometry : shapes_.set_frame(frame)) {
     intersector_->reshape(shapes_[geometry]);
     moved = true;
@@ -108,7 +110,7 @@ void Snapshot::set_frame(int frame) {
     if (geometry_moves(object)) {
       const std::vector<M44f> before = objects_[i].blur.steps();
       place(i, frame);
-      if (objects_[i].blur.steps() != before) {
+      if (all || objects_[i].blur.steps() != before) {
         intersector_->move(static_cast<std::uint32_t>(i), objects_[i].blur.steps());
         moved = true;
         lights_changed = lights_changed || object.emissive;
@@ -128,6 +130,7 @@ void Snapshot::set_frame(int frame) {
     build_lights(frame);
   update_media(frame);
   frame_ = frame;
+  whole_ = true;
 }
 
 void Snapshot::update_media(int frame) {
@@ -177,17 +180,15 @@ void Snapshot::measure() {
     for (const M44f& to_world : objects_[i].blur.steps())
       bounds.extendBy(Imath::affineTransform(box, to_world));
   }
-  extent_ = radius_ = 0.0f;
+  radius_ = 0.0f;
   if (bounds.isEmpty()) return;
-  for (int axis = 0; axis < 3; ++axis) {
-    extent_ = std::max({extent_, std::abs(bounds.min[axis]), std::abs(bounds.max[axis])});
-  }
+  const float extent = std::max(largest_coordinate(bounds.min), largest_coordinate(bounds.max));
   radius_ = 0.5f * bounds.size().length();
   // Embree leaves out what is larger than 2^60, and squared distances must stay finite.
-  if (!(extent_ < 1e17f)) {
+  if (!(extent < 1e17f)) {
     throw Error(ExitStatus::bad_input,
                 fmt::format("{}: /objects: coordinates reach {:g}, expected less than 1e17",
-                            description_->file, extent_));
+                            description_->file, extent));
   }
 }
 

@@ -65,8 +65,6 @@ class Snapshot {
   /// Memory of procedural surfaces and media.
   std::size_t procedural_bytes() const { return shapes_.procedural_bytes(); }
   std::size_t media_bytes() const;
-  /// Largest absolute coordinate of any object, the measure of rounding errors.
-  float extent() const { return extent_; }
 
  private:
   void place(std::size_t index, int frame);
@@ -76,13 +74,13 @@ class Snapshot {
 
   const SceneDescription* description_;
   int frame_ = 0;
+  bool whole_ = true;  ///< whether everything is that frame's
   FrameShapes shapes_;
   std::vector<ObjectState> objects_;
   std::unique_ptr<Intersector> intersector_;
   Lights lights_;
   std::vector<Medium> interiors_;  ///< of each object that has one, in their order
-  float extent_ = 0.0f;
-  float radius_ = 0.0f;  ///< of a sphere around all objects
+  float radius_ = 0.0f;            ///< of a sphere around all objects
 };
 
 }  // namespace becalm::tracer

@@ -18,6 +18,10 @@ using Imath::V3f;
 inline float max_component(const V3f& v) {
   return std::max({v.x, v.y, v.z});
 }
+/// Of any sign.
+inline float largest_coordinate(const V3f& v) {
+  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
 inline bool is_black(const V3f& v) {
   return v.x == 0.0f && v.y == 0.0f && v.z == 0.0f;
 }

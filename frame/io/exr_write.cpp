@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -128,6 +129,8 @@ void write_part(Imf::MultiPartOutputFile& file, int part, const FrameChannels& f
   }
   const auto is_frames = [&](const Stripe::Plane& plane) { return from_frame.contains(plane.channel); };
   const bool all_frames = std::all_of(stripe.planes().begin(), stripe.planes().end(), is_frames);
+
+  assert(all_frames || source != nullptr);
 
   const auto write_stripes = [&](auto&& write_lines) {
     for_each_stripe(header, [&](int first, int last) {

@@ -79,7 +79,9 @@ PathSample minimal_path(const PathContext& context, const V2f& raster, Sampler& 
         Ray shadow{offset_origin(surface, light->dir_world), light->dir_world};
         if (light->distance < kInfinity) {
           shadow.dir = surface.position + light->dir_world * light->distance - shadow.origin;
-          shadow.t_max = 1.0f - 1e-4f - snapshot.extent() * 0x1p-18f / light->distance;
+          shadow.t_max =
+              1.0f - 1e-4f -
+              std::max(light->extent, largest_coordinate(shadow.origin)) * 0x1p-18f / light->distance;
         }
         if (!is_black(direct) && !(shadow.t_max > 0.0f && snapshot.intersector().occluded(shadow)))
           result.radiance += throughput * direct;

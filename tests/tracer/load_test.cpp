@@ -1,5 +1,6 @@
 #include "tracer/scene/load.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -111,6 +112,49 @@ TEST(Load, NamesUnknownKeys) {
   EXPECT_EQ(load_error(with_objects("[{'mesh': 'box', 'material': 'white', 'a/b~': 1}]")),
             "scene.json: /objects/0/a~1b~0: unknown key; expected one of name, mesh, material, interior, "
             "emission, group, two_sided, transform, scatter");
+}
+
+TEST(Load, LimitsWhatHostileFilesNest) {
+  const std::string deep = std::string(50'000, '[') + std::string(50'000, ']');
+  EXPECT_EQ(load_error("{'camera': " + deep + "}"), "scene.json: values are nested more than 100 deep");
+  // Each the mix of the next one twice: to look at every part of every part would take 2^60 steps.
+  std::string mixes;
+  for (int i = 0; i < 60; ++i)
+    mixes += fmt::format("'m{0:02}': {{'type': 'mix', 'materials': ['m{1:02}', 'm{1:02}']}}, ", i, i + 1);
+  const auto scene = [&](const std::string& more) {
+    return "{'camera': {'look_at': {'eye': [0,2,1], 'target': [0,0,0]}}, 'materials': {" + more +
+           "'m60': {'type': 'diffuse', 'reflectance': 0.5}}, 'meshes': {'b': {'shape': 'cube'}}, "
+           "'objects': [{'mesh': 'b', 'material': 'm00'}]}";
+  };
+  EXPECT_TRUE(load_text(scene(mixes)).needs().mix);
+  std::string chain;
+  for (int i = 0; i < 70; ++i) {
+    chain += fmt::format("'a{0:02}': {{'type': 'mix', 'materials': ['{1}', 'm60']}}, ", i,
+                         i == 69 ? std::string("m60") : fmt::format("a{:02}", i + 1));
+  }
+  EXPECT_NE(load_error(scene(chain)).find("mixes are nested more than 64 deep"), std::string::npos);
+}
+
+TEST(Load, LightGroupsHaveNamesThatFilesCanHold) {
+  for (const std::string& name : {std::string(300, 'g'), std::string("a.b"), std::string("a\\u0007b")}) {
+    EXPECT_NE(load_error(with_more("'environment': {'radiance': 1, 'group': '" + name + "'}"))
+                  .find("scene.json: /environment/group: expected a name of 1 to 200 bytes"),
+              std::string::npos)
+        << name;
+  }
+}
+
+TEST(Load, LightsThatMoveWhileTheShutterIsOpenNeedMotionBlur) {
+  const auto needs = [](const char* position) {
+    return load_text(std::string(
+                         "{'camera': {'shutter': [0, 0.5], 'look_at': {'eye': [0,2,1], 'target': [0,0,0]}}, "
+                         "'lights': [{'type': 'point', 'intensity': 1, 'position': ") +
+                     position + "}], 'materials': {}, 'meshes': {}, 'objects': []}")
+        .needs();
+  };
+  EXPECT_FALSE(needs("[0, 1, 0]").motion_blur);
+  EXPECT_TRUE(
+      needs("{'keys': [{'frame': 1, 'value': [0, 1, 0]}, {'frame': 2, 'value': [1, 1, 0]}]}").motion_blur);
 }
 
 TEST(Load, NamesMissingThings) {

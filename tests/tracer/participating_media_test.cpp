@@ -230,6 +230,18 @@ TEST(Media, LightIsFoundEitherWayInsideFog) {
       16, 20, 4);
 }
 
+TEST(Media, LightIsFoundEitherWayThroughRoughGlass) {
+  // What a shadow ray passes is the medium on its side of the surface, not on the eye's.
+  expect_direct_modes_agree(
+      R"({'film': {'width': 16, 'height': 16}, 'integrator': {'max_depth': 4, 'direct': 'DIRECT'},
+    'camera': {'fov_y_deg': 30, 'look_at': {'eye': [0,0,5], 'target': [0,0,0]}}, 'environment': {'radiance': 1},
+    'materials': {'glass': {'type': 'dielectric', 'ior': 1.3, 'roughness': 0.6}},
+    'meshes': {'ball': {'shape': 'exact_sphere'}},
+    'media': {'fog': {'type': 'homogeneous', 'extinction': 0.5, 'albedo': 1}},
+    'objects': [{'mesh': 'ball', 'material': 'glass', 'interior': 'fog'}]})",
+      16, 20, 4);
+}
+
 TEST(Media, HideWhatIsBehindWithTheirGuides) {
   // A dense black cloud is a surface to the eye: it covers, and its albedo is 0.
   Scene scene =

@@ -185,5 +185,20 @@ TEST(Radiance, ExtremeEmissionStaysFinite) {
   }
 }
 
+TEST(Radiance, ShadowsNearLampsDoNotDependOnTheSizeOfTheScene) {
+  // A blocker just below a point light leaves the ground dark, however far the ground reaches.
+  for (const char* ground : {"1", "1e3", "1e6"}) {
+    Scene scene = load_text(std::string(R"({'film': {'width': 4, 'height': 4}, 'integrator': {'max_depth': 1},
+      'camera': {'fov_y_deg': 1, 'look_at': {'eye': [0,2,0], 'target': [0,0,0], 'up': [0,0,-1]}},
+      'lights': [{'type': 'point', 'position': [0,5,0], 'intensity': 100}],
+      'materials': {'white': {'type': 'diffuse', 'reflectance': 0.8}}, 'meshes': {'plane': {'shape': 'rectangle'}},
+      'objects': [{'mesh': 'plane', 'material': 'white', 'transform': {'scale': )") +
+                            ground + R"(}},
+                  {'mesh': 'plane', 'material': 'white', 'transform': {'scale': 0.5, 'translate': [0,4.9,0]}}]})");
+    EXPECT_EQ(mean_radiance(render_frame(scene, 1, options(2, {Aov::variance})).value()).value, 0.0)
+        << ground;
+  }
+}
+
 }  // namespace
 }  // namespace becalm::tracer::test

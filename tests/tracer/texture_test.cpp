@@ -191,7 +191,13 @@ TEST(Texture, WhatDoesNotFitIsReadOnDemand) {
   const std::uint32_t small = textures.add({.path = write_image("small.exr", 2, 2, 3, kFour)});
   textures.make_resident(MipTexture::bytes(2, 2, 3));
   EXPECT_EQ(textures.resident_bytes(), MipTexture::bytes(2, 2, 3));
+  const std::uint32_t hot =
+      textures.add({.path = write_image("hot.exr", 2, 1, 3, {0.3f, 0.3f, 0.3f, 60000, 0, 0}),
+                    .space = ColorSpace::linear});
+  textures.make_resident(MipTexture::bytes(2, 2, 3) + MipTexture::bytes(2, 1, 3));
   const Textures::Reader reader(textures);
+  EXPECT_NEAR(reader.color(hot, {V2f(0.25f, 0.5f)}).y, 0.3f, 1e-3f)
+      << "one hot pixel costs the others nothing";
   EXPECT_GT(reader.color(large, {V2f(0.5f)}).x, 0.0f);
   EXPECT_GT(reader.color(small, {V2f(0.25f, 0.75f)}).x, 0.9f);
 }

@@ -75,7 +75,14 @@ struct AreaLight {
     const V3f dir_world(to_light / distance);
     const float pdf = pdf_solid_angle(dir_world, static_cast<float>(distance));
     if (pdf == 0.0f) return std::nullopt;
-    return LightSample{dir_world, static_cast<float>(distance), radiance, pdf, group, false};
+    return LightSample{
+        dir_world,
+        static_cast<float>(distance),
+        radiance,
+        pdf,
+        group,
+        false,
+        std::max({largest_coordinate(p0), largest_coordinate(p0 + edge1), largest_coordinate(p0 + edge2)})};
   }
 };
 

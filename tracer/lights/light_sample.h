@@ -18,6 +18,8 @@ struct LightSample {
   float pdf_solid_angle;
   std::uint16_t group;
   bool delta;
+  float extent =
+      0.0f;  ///< largest coordinate of the emitter's surface: the measure of where it is off by rounding
 };
 
 /// Mean of the channels, the measure of light for choices among lights.

@@ -61,7 +61,8 @@ struct EmissiveSphere {
                             : seen.inside              ? beyond / (along - half_chord)
                                                        : beyond / (along + half_chord);
     if (!(distance > 0.0)) return std::nullopt;
-    return LightSample{V3f(drawn.dir), static_cast<float>(distance), radiance, pdf, group, false};
+    return LightSample{V3f(drawn.dir), static_cast<float>(distance),       radiance, pdf, group,
+                       false,          largest_coordinate(center) + radius};
   }
 
  private:

@@ -32,6 +32,7 @@ AlphaMask AlphaMask::read(const std::string& path, TextureContent content, const
   const std::unique_ptr<OIIO::ImageInput> file = open_image(path);
   if (!file) throw std::runtime_error(OIIO::geterror());
   const OIIO::ImageSpec& spec = file->spec();
+  require_flat(spec);
   constexpr std::string_view names[] = {"a", "", "r", "g", "b", "a"};
   const std::string_view name = names[static_cast<std::size_t>(content)];
   const int channel = find_channel(spec, name);

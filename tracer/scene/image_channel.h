@@ -3,6 +3,7 @@
 #include <OpenImageIO/imageio.h>
 
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
@@ -14,6 +15,13 @@ inline std::unique_ptr<OIIO::ImageInput> open_image(const std::string& path) {
   OIIO::ImageSpec config;
   config["oiio:UnassociatedAlpha"] = 1;
   return OIIO::ImageInput::open(path, &config);
+}
+
+/// Throws std::runtime_error for what is not one picture of flat pixels: reading it would give more than its
+/// width times its height.
+inline void require_flat(const OIIO::ImageSpec& spec) {
+  if (spec.depth > 1 || spec.deep || spec.width < 1 || spec.height < 1)
+    throw std::runtime_error("it is a volume or has deep pixels, expected a flat image");
 }
 
 /// Whether the file has three colours; grey otherwise, with or without alpha.

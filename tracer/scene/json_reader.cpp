@@ -157,7 +157,12 @@ json parse_json_file(const std::string& file) {
 
   // The library keeps the last of equal keys and drops the others silently.
   std::vector<std::set<std::string>> open_objects;
-  const auto reject_duplicates = [&](int, json::parse_event_t event, json& parsed) {
+  const auto reject = [&](int depth, json::parse_event_t event, json& parsed) {
+    // What reads the document later recurses into it.
+    constexpr int deepest = 100;
+    if (depth > deepest)
+      throw Error(ExitStatus::bad_input,
+                  fmt::format("{}: values are nested more than {} deep", file, deepest));
     if (event == json::parse_event_t::object_start) open_objects.emplace_back();
     if (event == json::parse_event_t::object_end) open_objects.pop_back();
     if (event == json::parse_event_t::key && !open_objects.back().insert(parsed.get<std::string>()).second) {
@@ -167,7 +172,7 @@ json parse_json_file(const std::string& file) {
     return true;
   };
   try {
-    return json::parse(text, reject_duplicates);
+    return json::parse(text, reject);
   } catch (const json::parse_error& error) {
     const std::size_t at = std::min(error.byte > 0 ? error.byte - 1 : 0, text.size());
     const auto begin = text.begin(), end = text.begin() + static_cast<std::ptrdiff_t>(at);

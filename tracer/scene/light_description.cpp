@@ -117,6 +117,13 @@ SunLight evaluate(const SunDescription& sun, double frame) {
           sun.group};
 }
 
+bool moves(const LightDescription& light) {
+  if (const auto* point = std::get_if<PointDescription>(&light)) return point->position.animated();
+  if (const auto* spot = std::get_if<SpotDescription>(&light))
+    return spot->position.animated() || spot->aim.animated();
+  return false;
+}
+
 bool animated(const LightDescription& light) {
   return std::visit(IsAnimated{}, light);
 }

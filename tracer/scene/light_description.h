@@ -50,6 +50,9 @@ SunLight evaluate(const SunDescription& sun, double frame);
 /// Whether the light ever changes.
 bool animated(const LightDescription& light);
 
+/// Whether it moves while the shutter is open, if that is at the right time: suns do not.
+bool moves(const LightDescription& light);
+
 /// When the shutter is open, in frames, and into how many linear pieces motion in it is cut.
 struct ShutterInterval {
   double open;

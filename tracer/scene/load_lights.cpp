@@ -1,5 +1,6 @@
 #include <OpenImageIO/imageio.h>
 
+#include "tracer/scene/image_channel.h"
 #include "tracer/scene/load_sections.h"
 
 namespace becalm::tracer {
@@ -15,6 +16,11 @@ Image read_image(const JsonValue& json, const std::string& path) {
   const auto file = OIIO::ImageInput::open(path);
   if (!file) json.fail(fmt::format("cannot read '{}': {}", path, OIIO::geterror()));
   const OIIO::ImageSpec& spec = file->spec();
+  try {
+    require_flat(spec);
+  } catch (const std::runtime_error& error) {
+    json.fail(fmt::format("cannot read '{}': {}", path, error.what()));
+  }
   Image image(spec.width, spec.height, spec.nchannels);
   if (!file->read_image(0, 0, 0, spec.nchannels, OIIO::TypeFloat, image.data().data())) {
     json.fail(fmt::format("cannot read '{}': {}", path, file->geterror()));

@@ -223,7 +223,10 @@ Material read_material(const std::string& name, const JsonValue& json, SceneDesc
 void check_mixes(const JsonValue& json, const std::vector<Material>& materials) {
   enum class State { unseen, open, done };
   std::vector<State> states(materials.size(), State::unseen);
-  const std::function<void(std::uint32_t)> visit = [&](std::uint32_t index) {
+  constexpr int deepest = 64;
+  const std::function<void(std::uint32_t, int)> visit = [&](std::uint32_t index, int depth) {
+    if (depth > deepest)
+      json.at(materials[index].name).fail(fmt::format("mixes are nested more than {} deep", deepest));
     states[index] = State::open;
     if (const auto* mix = std::get_if<MixMaterial>(&materials[index].model)) {
       const std::vector<JsonValue> parts = json.at(materials[index].name).at("materials").elements();
@@ -235,13 +238,13 @@ void check_mixes(const JsonValue& json, const std::vector<Material>& materials) 
           parts[i].fail(fmt::format("expected a material that scatters, '{}' is an interface", name));
         if (has_alpha(materials[part]))
           parts[i].fail(fmt::format("'{}' has an opacity; give it to the mix instead", name));
-        if (states[part] == State::unseen) visit(part);
+        if (states[part] == State::unseen) visit(part, depth + 1);
       }
     }
     states[index] = State::done;
   };
   for (std::uint32_t i = 0; i < materials.size(); ++i) {
-    if (states[i] == State::unseen) visit(i);
+    if (states[i] == State::unseen) visit(i, 0);
   }
 }
 

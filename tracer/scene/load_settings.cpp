@@ -8,6 +8,9 @@ FrameRange read_frames(const JsonValue& json) {
   FrameRange frames;
   frames.first = json.at("first").integer(-furthest, furthest);
   frames.last = json.at("last").integer(frames.first, furthest);
+  constexpr std::int64_t most_frames = 1'000'000;
+  if (std::int64_t{frames.last} - frames.first >= most_frames)
+    json.at("last").fail(fmt::format("expected at most {} frames", most_frames));
   if (const auto rate = json.find("rate")) frames.rate = rate->number(1e-3, 1e6);
   return frames;
 }

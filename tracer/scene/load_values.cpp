@@ -18,7 +18,8 @@ std::string beside(const std::string& scene_file, const std::string& path) {
 }
 
 void expect_file(const JsonValue& json, const std::string& path) {
-  if (!std::filesystem::is_regular_file(path)) json.fail(fmt::format("no file '{}'", path));
+  std::error_code unreadable;
+  if (!std::filesystem::is_regular_file(path, unreadable)) json.fail(fmt::format("no file '{}'", path));
 }
 
 std::uint32_t read_reference(const JsonValue& json, const Names& names, const char* what) {
@@ -32,6 +33,11 @@ std::uint16_t read_light_group(const JsonValue& owner, std::vector<std::string>&
   const auto json = owner.find("group");
   const std::string name = json ? json->string() : "default";
   if (name.empty()) json->fail("expected a name, found \"\"");
+  // It becomes part of the names of channels, which EXR files cut at 255 bytes.
+  constexpr std::size_t longest = 200;
+  if (name.size() > longest ||
+      std::ranges::any_of(name, [](unsigned char c) { return c < 0x20 || c == '.'; }))
+    json->fail(fmt::format("expected a name of 1 to {} bytes without dots or control characters", longest));
   const auto found = std::find(groups.begin(), groups.end(), name);
   const auto number = static_cast<std::size_t>(found - groups.begin());
   if (found == groups.end()) {

@@ -1,6 +1,7 @@
 #include "tracer/scene/material.h"
 
 #include <algorithm>
+#include <set>
 
 namespace becalm::tracer {
 
@@ -129,7 +130,11 @@ void add_lobes(MaterialNeeds& needs, const MixMaterial&) {
   needs.mix = true;
 }
 
-void add_needs(MaterialNeeds& needs, std::span<const Material> materials, const Material& material) {
+/// Of a material that was not yet `seen`: what is mixed of one part twice, level upon level, must not double
+/// the work with each.
+void add_needs(MaterialNeeds& needs, std::span<const Material> materials, const Material& material,
+               std::set<const Material*>& seen) {
+  if (!seen.insert(&material).second) return;
   needs.textures |= material.textured || has_relief(material);
   needs.relief |= has_relief(material);
   needs.tangents |= has_relief(material);
@@ -146,8 +151,8 @@ void add_needs(MaterialNeeds& needs, std::span<const Material> materials, const 
   needs.mix |= own.mix;
   needs.specular |= material.textured ? own.delta_lobes : is_specular(material.bsdf);
   if (const auto* mix = std::get_if<MixMaterial>(&material.model)) {
-    add_needs(needs, materials, materials[mix->first]);
-    add_needs(needs, materials, materials[mix->second]);
+    add_needs(needs, materials, materials[mix->first], seen);
+    add_needs(needs, materials, materials[mix->second], seen);
   }
 }
 
@@ -186,7 +191,8 @@ const Material& resolve_mix(std::span<const Material> materials, const Material&
 
 MaterialNeeds material_needs(std::span<const Material> materials, const Material& material) {
   MaterialNeeds needs;
-  add_needs(needs, materials, material);
+  std::set<const Material*> seen;
+  add_needs(needs, materials, material, seen);
   needs.alpha = has_alpha(material);
   return needs;
 }

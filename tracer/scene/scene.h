@@ -53,7 +53,9 @@ struct CameraSettings {
   int blades = 0;                                   ///< sides of the aperture; 0: a disc
   double blade_rotation_deg = 0.0;
 
-  bool moves() const { return look_at.animated() || (focus_distance && focus_distance->animated()); }
+  bool moves() const {
+    return look_at.animated() || aperture_radius.animated() || (focus_distance && focus_distance->animated());
+  }
   bool has_lens() const;  ///< whether the aperture is ever open
 };
 

@@ -28,6 +28,10 @@ float srgb_to_linear(float v) {
   return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
 }
 
+/// Between an image's least and largest number, for its texels to be steps in between: a hot pixel must not
+/// cost all others their precision.
+constexpr float kWidestRange = 16.0f;
+
 /// The largest footprint that says anything: from one picture's width on everything is averaged.
 constexpr float kWholePicture = 1.0f;
 
@@ -185,6 +189,7 @@ std::uint32_t Textures::count() const {
 std::uint32_t Textures::add(const TextureSettings& settings) {
   const std::unique_ptr<OIIO::ImageInput> file = open_image(settings.path);
   if (!file) throw std::runtime_error(OIIO::geterror());
+  require_flat(file->spec());
   const std::string_view what = prefix(settings);
   if (what.size() == 1 && find_channel(file->spec(), what) < 0)
     throw std::runtime_error("it has no channel '" + std::string(what) + "'");
@@ -224,7 +229,9 @@ void Textures::make_resident(std::size_t most_bytes) {
     std::vector<float> texels(static_cast<std::size_t>(entry.width) * entry.height * channels);
     if (state_->cache->get_pixels(entry.name, 0, 0, 0, entry.width, 0, entry.height, 0, 1, 0, channels,
                                   OIIO::TypeFloat, texels.data())) {
-      entry.resident = std::make_shared<MipTexture>(entry.width, entry.height, channels, texels);
+      const auto [least, largest] = std::ranges::minmax(texels);
+      if (largest - least <= kWidestRange)
+        entry.resident = std::make_shared<MipTexture>(entry.width, entry.height, channels, texels);
     } else {
       errors[i] = entry.settings.path + ": " + one_line(state_->cache->geterror());
     }
