@@ -87,9 +87,8 @@ TEST(LoadLights, FollowsKeys) {
   EXPECT_LT((list.suns[0].direction - V3f(1, 0, 0)).length(), 1e-6f);
   EXPECT_EQ(list.spots[0].direction, V3f(0, -1, 0));
   EXPECT_EQ(list.spots[0].inner_deg, 10.0f);
-  for (const LightDescription& light : load_text(plane_under(lights)).description().lights) {
-    EXPECT_TRUE(animated(light));
-  }
+  const Scene scene = load_text(plane_under(lights));
+  for (const LightDescription& light : scene.description().lights) EXPECT_TRUE(animated(light));
   for (const char* still : {"[{'type': 'point', 'position': [0,1,0], 'intensity': 1}]",
                             "[{'type': 'sun', 'direction': [0,1,0], 'irradiance': 1}]",
                             "[{'type': 'spot', 'position': [0,1,0], 'target': [0,0,0], 'outer_deg': 9, "
