@@ -1,15 +1,9 @@
 #pragma once
 
-#include <numbers>
-
-#include "tracer/materials/local_direction.h"
 #include "tracer/mis.h"
 #include "tracer/path_trace.h"
 #include "tracer/ray_differential.h"
 #include "tracer/shading_vertex.h"
-
-// The one model that the plainest variants call without asking which it is.
-#include "tracer/materials/diffuse.inl"
 
 // The estimator
 //
@@ -138,26 +132,6 @@ class Path {
   bool occluded(const Ray& ray) const {
     if (context_.rays != nullptr) context_.rays->push_back({ray, true});
     return snapshot_.intersector().occluded(ray);
-  }
-
-  // Where all materials are diffuse, which of the models a BSDF holds need not be asked.
-  static constexpr bool kDiffuse = !F.surfaces && !F.textures;
-  static bool specular_of(const Bsdf& bsdf) {
-    return kDiffuse ? is_specular_model(std::get<DiffuseBsdf>(bsdf)) : F.surfaces && is_specular(bsdf);
-  }
-  static V3f albedo_of(const Bsdf& bsdf) {
-    return kDiffuse ? albedo_model(std::get<DiffuseBsdf>(bsdf)) : albedo(bsdf);
-  }
-  static BsdfValue evaluate_of(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
-    if constexpr (kDiffuse) {
-      const DiffuseBsdf& diffuse = std::get<DiffuseBsdf>(bsdf);
-      return {eval_model(diffuse, wo, wi), pdf_model(diffuse, wo, wi)};
-    } else {
-      return evaluate(bsdf, wo, wi);
-    }
-  }
-  static std::optional<BsdfSample> sample_of(const Bsdf& bsdf, const V3f& wo, const V2f& u, float u_lobe) {
-    return kDiffuse ? sample_model(std::get<DiffuseBsdf>(bsdf), wo, u, u_lobe) : sample(bsdf, wo, u, u_lobe);
   }
 
   Place place_of(const ObjectState& object) const {

@@ -60,9 +60,9 @@ bool Path<F>::scatter(const ObjectState& object, const Hit& hit, Surface& surfac
   const Bsdf& bsdf = shade(object, hit, surface, u_mix, local, tangent);
   const V3f wo_world = -ray_.dir;
   const V3f normal = visible_normal(surface, wo_world);
-  const bool specular = specular_of(bsdf);
+  const bool specular = F.surfaces && is_specular(bsdf);
   if (wants_guides && (!specular || last)) {
-    result_.guides.albedo = clamp_to_unit(throughput_ / radiance_scale_ * albedo_of(bsdf));
+    result_.guides.albedo = clamp_to_unit(throughput_ / radiance_scale_ * albedo(bsdf));
     result_.guides.normal = normal.dot(wo_world) < 0.0f ? -normal : normal;
   } else if (wants_guides) {
     result_.guides.albedo = V3f(0.0f);  // stays if the path ends inside the mirror or glass
@@ -83,7 +83,7 @@ bool Path<F>::scatter(const ObjectState& object, const Hit& hit, Surface& surfac
   const ShadingVertex vertex(surface, bsdf, frame, wo_world);
   if (draws_lights_ && !specular) gather_direct_light(object, hit.object, vertex, u_light, u_light_point);
 
-  const std::optional<BsdfSample> scattered = sample_of(bsdf, vertex.wo, u_material, u_lobe);
+  const std::optional<BsdfSample> scattered = sample(bsdf, vertex.wo, u_material, u_lobe);
   if (!scattered) return false;
   const V3f wi_world = frame.to_world(scattered->wi).normalized();
   if (!vertex.consistent(scattered->wi, wi_world)) return false;
@@ -128,7 +128,7 @@ void Path<F>::gather_direct_light(const ObjectState& object, std::uint32_t numbe
   if (!light) return;
   const V3f wi = vertex.frame.to_local(light->dir_world);
   if (!vertex.consistent(wi, light->dir_world)) return;
-  const BsdfValue bsdf = evaluate_of(vertex.bsdf, vertex.wo, wi);
+  const BsdfValue bsdf = evaluate(vertex.bsdf, vertex.wo, wi);
   V3f contribution = bsdf.f_cos * light->radiance / light->pdf_solid_angle;
   if (is_black(contribution)) return;
   if (integrator_.direct == Direct::mis && !light->delta)

@@ -21,7 +21,7 @@ namespace {
 
 using namespace becalm::tracer;
 
-constexpr int kRuns = 3;
+constexpr int kRuns = 5;
 
 RenderOptions frame_options() {
   RenderOptions options;

@@ -1,4 +1,4 @@
-// Lambertian reflection f = reflectance / pi, sampled by the cosine. Included by bsdf.cpp and path_trace.cpp.
+// Lambertian reflection f = reflectance / pi, sampled by the cosine. Included by bsdf.cpp alone.
 
 namespace becalm::tracer {
 namespace {
