@@ -61,6 +61,13 @@ std::vector<std::uint32_t> read_words(const std::string& path) {
   return words;
 }
 
+void require_binding(const Compiler& compiler, const spirv_cross::Resource& resource,
+                     const std::string& where) {
+  require(compiler.get_decoration(resource.id, spv::DecorationDescriptorSet) == 0,
+          where + "must be in set 0");
+  require(compiler.has_decoration(resource.id, spv::DecorationBinding), where + "needs layout(binding = N)");
+}
+
 /// GLSL's name of a type that a storage buffer may hold, or an empty string.
 std::string element_name(const SPIRType& type) {
   const bool plain = type.width == 32 && type.columns == 1;
@@ -77,9 +84,7 @@ Binding reflect_binding(const Compiler& compiler, const spirv_cross::Resource& r
   require(!result.name.empty(),
           "buffer block '" + resource.name + "' needs an instance name, which names its role");
   const std::string where = "buffer '" + result.name + "': ";
-  require(compiler.get_decoration(resource.id, spv::DecorationDescriptorSet) == 0,
-          where + "must be in set 0");
-  require(compiler.has_decoration(resource.id, spv::DecorationBinding), where + "needs layout(binding = N)");
+  require_binding(compiler, resource, where);
   result.binding = compiler.get_decoration(resource.id, spv::DecorationBinding);
 
   const SPIRType& variable = compiler.get_type(resource.type_id);
@@ -111,6 +116,23 @@ void require_scalars(const Compiler& compiler, const SPIRType& type, const std::
               "push constant '" + name + "' must be a 4-byte scalar");
     }
   }
+}
+
+/// `uniform samplerBuffer name` or `usamplerBuffer`: read as texels of any float or uint format.
+Binding reflect_texel_buffer(const Compiler& compiler, const spirv_cross::Resource& resource) {
+  Binding result;
+  result.name = compiler.get_name(resource.id);
+  const std::string where = "texel buffer '" + result.name + "': ";
+  const SPIRType& type = compiler.get_type(resource.type_id);
+  const SPIRType::BaseType kind = compiler.get_type(type.image.type).basetype;
+  require(type.image.dim == spv::DimBuffer && type.array.empty() &&
+              (kind == SPIRType::Float || kind == SPIRType::UInt),
+          where + "of images and samplers only samplerBuffer and usamplerBuffer are supported");
+  require_binding(compiler, resource, where);
+  result.binding = compiler.get_decoration(resource.id, spv::DecorationBinding);
+  result.element = kind == SPIRType::Float ? "texel" : "utexel";
+  result.reads = true;
+  return result;
 }
 
 std::uint32_t reflect_push_constants(const Compiler& compiler,
@@ -159,7 +181,8 @@ Kernel reflect(const std::string& name, const std::string& path) {
   const Compiler compiler(kernel.words);
 
   for (const spv::Capability capability : compiler.get_declared_capabilities()) {
-    require(capability == spv::CapabilityShader || capability == spv::CapabilityGroupNonUniform,
+    require(capability == spv::CapabilityShader || capability == spv::CapabilityGroupNonUniform ||
+                capability == spv::CapabilitySampledBuffer,
             "needs SPIR-V capability " + std::to_string(capability) +
                 ", which filter/gpu/device.cpp does not enable");
   }
@@ -172,12 +195,16 @@ Kernel reflect(const std::string& name, const std::string& path) {
   }
 
   const spirv_cross::ShaderResources resources = compiler.get_shader_resources();
-  require(resources.storage_images.empty() && resources.sampled_images.empty() &&
-              resources.separate_images.empty() && resources.separate_samplers.empty() &&
+  require(resources.storage_images.empty() && resources.separate_samplers.empty() &&
               resources.uniform_buffers.empty() && resources.atomic_counters.empty(),
-          "images, samplers and uniform buffers are not supported: use storage buffers and push constants");
+          "images, samplers and uniform buffers are not supported: use storage buffers, texel buffers and push "
+          "constants");
   for (const auto& resource : resources.storage_buffers)
     kernel.bindings.push_back(reflect_binding(compiler, resource));
+  for (const auto* textures : {&resources.sampled_images, &resources.separate_images}) {
+    for (const auto& resource : *textures)
+      kernel.bindings.push_back(reflect_texel_buffer(compiler, resource));
+  }
   require(!kernel.bindings.empty(), "has no storage buffer");
   std::ranges::sort(kernel.bindings, {}, &Binding::binding);
   for (std::size_t i = 0; i < kernel.bindings.size(); ++i) {

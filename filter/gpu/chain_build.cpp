@@ -10,6 +10,20 @@ namespace becalm::gpu {
 
 namespace {
 
+vk::Format texel_format(Format format) {
+  switch (format) {
+    case Format::f32:
+      return vk::Format::eR32Sfloat;
+    case Format::f32x2:
+      return vk::Format::eR32G32Sfloat;
+    case Format::f32x4:
+      return vk::Format::eR32G32B32A32Sfloat;
+    case Format::u32:
+      return vk::Format::eR32Uint;
+  }
+  return vk::Format::eUndefined;
+}
+
 std::uint32_t bits_of(std::int32_t value, std::string_view type) {
   if (type == "bool") return value != 0 ? VK_TRUE : VK_FALSE;
   if (type == "float") {
@@ -90,7 +104,8 @@ void Chain::Impl::allocate() {
       last[i] = last_step;
     }
     if (first[i] == never) continue;
-    const auto usage = Usage::eStorageBuffer | Usage::eTransferSrc | Usage::eTransferDst;
+    const auto usage =
+        Usage::eStorageBuffer | Usage::eUniformTexelBuffer | Usage::eTransferSrc | Usage::eTransferDst;
     buffers[i].buffer = {device.device, vk::BufferCreateInfo({}, images[i].bytes(), usage)};
     device.set_name(buffers[i].buffer, images[i].name);
     const vk::MemoryRequirements needs = buffers[i].buffer.getMemoryRequirements();
@@ -120,6 +135,11 @@ void Chain::Impl::allocate() {
     buffer.offset = plan.offsets[i];
     buffer.bytes = requests[i].bytes;
     buffer.buffer.bindMemory(*arenas[static_cast<std::size_t>(buffer.arena)], buffer.offset);
+    const ImageDeclaration& image = images[owners[i]];
+    if (image.extent.elements() <= device.limits.maxTexelBufferElements) {
+      buffer.texels = {device.device, vk::BufferViewCreateInfo({}, *buffer.buffer, texel_format(image.format),
+                                                               0, VK_WHOLE_SIZE)};
+    }
   }
 }
 
@@ -148,25 +168,38 @@ void Chain::Impl::create_pipelines() {
 
 void Chain::Impl::create_descriptor_sets() {
   const std::uint32_t parities = has_history ? 2 : 1;
-  std::uint32_t descriptors = 0;
+  std::uint32_t storage_buffers = 0;
+  std::uint32_t texel_buffers = 0;
   std::vector<vk::DescriptorSetLayout> layouts;
   for (const PassDeclaration& pass : passes) {
     layouts.push_back(*programs.layout(*pass.kernel).bindings);
-    descriptors += static_cast<std::uint32_t>(pass.uses.size());
+    for (const BindingInfo& binding : pass.kernel->bindings) {
+      ++(binding.is_texel_buffer() ? texel_buffers : storage_buffers);
+    }
   }
-  const vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer, descriptors * parities);
+  std::vector<vk::DescriptorPoolSize> sizes{
+      {vk::DescriptorType::eStorageBuffer, storage_buffers * parities}};
+  if (texel_buffers > 0) {
+    sizes.emplace_back(vk::DescriptorType::eUniformTexelBuffer, texel_buffers * parities);
+  }
   const auto set_count = static_cast<std::uint32_t>(passes.size()) * parities;
   constexpr auto freed_one_by_one = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet;  // as RAII does
-  descriptor_pool = {device.device, vk::DescriptorPoolCreateInfo(freed_one_by_one, set_count, size)};
+  descriptor_pool = {device.device, vk::DescriptorPoolCreateInfo(freed_one_by_one, set_count, sizes)};
   for (std::uint32_t p = 0; p < parities; ++p) {
     descriptor_sets[p] = device.device.allocateDescriptorSets({*descriptor_pool, layouts});
     for (std::size_t i = 0; i < passes.size(); ++i) {
       for (const Use& use : passes[i].uses) {
         const auto& bindings = passes[i].kernel->bindings;
-        const std::uint32_t binding = std::ranges::find(bindings, use.binding, &BindingInfo::name)->binding;
-        const vk::DescriptorBufferInfo info(*buffer(use.image, static_cast<int>(p)).buffer, 0, VK_WHOLE_SIZE);
-        const vk::WriteDescriptorSet write(*descriptor_sets[p][i], binding, 0,
-                                           vk::DescriptorType::eStorageBuffer, {}, info);
+        const BindingInfo& binding = *std::ranges::find(bindings, use.binding, &BindingInfo::name);
+        const DeviceBuffer& memory = buffer(use.image, static_cast<int>(p));
+        const vk::DescriptorBufferInfo whole(*memory.buffer, 0, VK_WHOLE_SIZE);
+        const vk::BufferView texels = *memory.texels;
+        vk::WriteDescriptorSet write(*descriptor_sets[p][i], binding.binding, 0, 1, descriptor_type(binding));
+        if (binding.is_texel_buffer()) {
+          write.setTexelBufferView(texels);
+        } else {
+          write.setBufferInfo(whole);
+        }
         device.device.updateDescriptorSets(write, {});
       }
     }

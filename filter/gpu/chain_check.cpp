@@ -41,7 +41,7 @@ const Kernel& find_kernel(std::span<const Kernel> kernels, const PassDeclaration
 }
 
 void check_binding(const Kernel& kernel, const ImageDeclaration& image, const Use& use,
-                   const std::string& where) {
+                   const vk::PhysicalDeviceLimits& limits, const std::string& where) {
   const auto found = std::ranges::find(kernel.bindings, use.binding, &BindingInfo::name);
   if (found == kernel.bindings.end()) {
     std::string known;
@@ -49,7 +49,17 @@ void check_binding(const Kernel& kernel, const ImageDeclaration& image, const Us
       known += (known.empty() ? "" : ", ") + std::string(binding.name);
     throw DeviceError(where + "the kernel has no such binding; it has: " + known);
   }
-  if (found->element != element_of(image.format)) {
+  if (found->is_texel_buffer()) {
+    if ((found->element == "utexel") != (image.format == Format::u32)) {
+      throw DeviceError(where + "the kernel reads texels of another kind than image '" + image.name + "' of " +
+                        std::string(element_of(image.format)) + " has");
+    }
+    if (image.extent.elements() > limits.maxTexelBufferElements) {
+      throw DeviceError(where + "image '" + image.name + "' has " + std::to_string(image.extent.elements()) +
+                        " elements, the device reads at most " +
+                        std::to_string(limits.maxTexelBufferElements) + " as texels");
+    }
+  } else if (found->element != element_of(image.format)) {
     throw DeviceError(where + "the kernel's elements are " + std::string(found->element) +
                       ", those of image '" + image.name + "' " + std::string(element_of(image.format)));
   }
@@ -62,9 +72,10 @@ void check_binding(const Kernel& kernel, const ImageDeclaration& image, const Us
 
 /// Each binding of the kernel once; no image both written and otherwise used, which would be a race.
 void check_bindings(const Kernel& kernel, const PassDeclaration& pass,
-                    std::span<const ImageDeclaration> images, const std::string& where) {
+                    std::span<const ImageDeclaration> images, const vk::PhysicalDeviceLimits& limits,
+                    const std::string& where) {
   for (const Use& use : pass.uses) {
-    check_binding(kernel, images[static_cast<std::size_t>(use.image)], use,
+    check_binding(kernel, images[static_cast<std::size_t>(use.image)], use, limits,
                   where + "binding '" + use.binding + "': ");
     for (const Use* other = pass.uses.data(); other != &use; ++other) {
       if (other->binding == use.binding)
@@ -121,11 +132,17 @@ void check_dispatch(const Kernel& kernel, const PassDeclaration& pass, const vk:
                       " invocations, the device's limit is " +
                       std::to_string(limits.maxComputeWorkGroupInvocations));
   }
-  if (kernel.bindings.size() > limits.maxPerStageDescriptorStorageBuffers) {
-    throw DeviceError(where + "the kernel has " + std::to_string(kernel.bindings.size()) +
-                      " bindings, the device's limit is " +
-                      std::to_string(limits.maxPerStageDescriptorStorageBuffers));
-  }
+  const auto texel_buffers =
+      static_cast<std::size_t>(std::ranges::count_if(kernel.bindings, &BindingInfo::is_texel_buffer));
+  const auto check_count = [&](std::size_t count, std::uint32_t limit, const char* what) {
+    if (count > limit) {
+      throw DeviceError(where + "the kernel has " + std::to_string(count) + what + ", the device's limit is " +
+                        std::to_string(limit));
+    }
+  };
+  check_count(kernel.bindings.size() - texel_buffers, limits.maxPerStageDescriptorStorageBuffers,
+              " storage buffers");
+  check_count(texel_buffers, limits.maxPerStageDescriptorSampledImages, " texel buffers");
 }
 
 }  // namespace
@@ -153,7 +170,7 @@ void Chain::Impl::check() {
     const std::string where = label(i) + ": ";
     pass.kernel = &find_kernel(options.kernels, pass, where);
     for (const Use& use : pass.uses) static_cast<void>(image({use.image}));
-    check_bindings(*pass.kernel, pass, images, where);
+    check_bindings(*pass.kernel, pass, images, device.limits, where);
     check_constants(*pass.kernel, pass, where);
     check_dispatch(*pass.kernel, pass, device.limits, where);
     for (const Use& use : pass.uses) {

@@ -64,6 +64,7 @@ struct Step {
 /// An image's device memory. History images swap: see Chain::Impl::buffer.
 struct DeviceBuffer {
   vk::raii::Buffer buffer = nullptr;
+  vk::raii::BufferView texels = nullptr;  ///< null where the device cannot read so many elements as texels
   int arena = 0;
   std::uint64_t offset = 0;
   std::uint64_t bytes = 0;

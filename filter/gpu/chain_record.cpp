@@ -12,8 +12,9 @@ using Stage = vk::PipelineStageFlagBits2;
 using Flag = vk::AccessFlagBits2;
 
 constexpr vk::PipelineStageFlags2 kWorkStages = Stage::eComputeShader | Stage::eCopy | Stage::eClear;
-constexpr vk::AccessFlags2 kWorkAccesses =
-    Flag::eShaderStorageRead | Flag::eShaderStorageWrite | Flag::eTransferRead | Flag::eTransferWrite;
+constexpr vk::AccessFlags2 kWorkAccesses = Flag::eShaderStorageRead | Flag::eShaderStorageWrite |
+                                           Flag::eShaderSampledRead | Flag::eTransferRead |
+                                           Flag::eTransferWrite;
 
 void barrier(const vk::raii::CommandBuffer& commands, vk::PipelineStageFlags2 from_stages,
              vk::AccessFlags2 from, vk::PipelineStageFlags2 to_stages, vk::AccessFlags2 to) {

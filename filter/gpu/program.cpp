@@ -14,8 +14,7 @@ const ProgramLayout& Programs::layout(const Kernel& kernel) {
                    vk::ShaderModuleCreateInfo({}, kernel.spirv.size_bytes(), kernel.spirv.data())};
   std::vector<vk::DescriptorSetLayoutBinding> bindings;
   for (const BindingInfo& binding : kernel.bindings) {
-    bindings.emplace_back(binding.binding, vk::DescriptorType::eStorageBuffer, 1,
-                          vk::ShaderStageFlagBits::eCompute);
+    bindings.emplace_back(binding.binding, descriptor_type(binding), 1, vk::ShaderStageFlagBits::eCompute);
   }
   result.bindings = {device_.device, vk::DescriptorSetLayoutCreateInfo({}, bindings)};
   const vk::PushConstantRange constants(vk::ShaderStageFlagBits::eCompute, 0, kernel.push_constant_bytes);

@@ -18,6 +18,11 @@ namespace becalm::gpu {
 /// Constant id and its 32 bits, in order of id.
 using SpecValues = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
+constexpr vk::DescriptorType descriptor_type(const BindingInfo& binding) {
+  return binding.is_texel_buffer() ? vk::DescriptorType::eUniformTexelBuffer
+                                   : vk::DescriptorType::eStorageBuffer;
+}
+
 /// What all pipelines of one kernel share.
 struct ProgramLayout {
   vk::raii::ShaderModule module = nullptr;

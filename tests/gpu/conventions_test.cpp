@@ -106,11 +106,19 @@ TEST_F(Conventions, WantBuffersOfOneArrayOfKnownElements) {
 
 TEST_F(Conventions, WantNothingButBuffersAndPushConstants) {
   const std::string message =
-      "images, samplers and uniform buffers are not supported: use storage buffers and push constants";
+      "images, samplers and uniform buffers are not supported: use storage buffers, texel buffers and "
+      "push constants";
   expect_rejected(message, kGood + "layout(binding = 1, r32f) uniform image2D image;",
                   "imageStore(image, ivec2(0), vec4(1.0));");
-  expect_rejected(message, kGood + "layout(binding = 1) uniform sampler2D image;",
+  const std::string sampler =
+      "texel buffer 'image': of images and samplers only samplerBuffer and usamplerBuffer are supported";
+  expect_rejected(sampler, kGood + "layout(binding = 1) uniform sampler2D image;",
                   "made.data[0] = textureLod(image, vec2(0.0), 0.0).x;");
+  expect_rejected(sampler, kGood + "layout(binding = 1) uniform isamplerBuffer image;",
+                  "made.data[0] = float(texelFetch(image, 0).x);");
+  expect_rejected("texel buffer 'texels': must be in set 0",
+                  kGood + "layout(set = 1, binding = 1) uniform samplerBuffer texels;",
+                  "made.data[0] = texelFetch(texels, 0).x;");
   expect_rejected(message, kGood + "layout(binding = 1) uniform U { float x; } u;", "made.data[0] = u.x;");
 }
 
