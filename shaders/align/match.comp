@@ -94,7 +94,7 @@ void main() {
       }
     }
     const int y = row - radius;
-    // A loop, since a driver may strip_rows a branch that no invocation takes.
+    // A loop, since a driver may run a branch that no invocation takes.
     for (bool is_complete = y >= at.y; is_complete; is_complete = false) {
       float cost[strip_columns][25];
       [[unroll]] for (int k = 0; k < 25; ++k) {
