@@ -6,7 +6,7 @@ import sys
 
 import numpy as np
 
-from align_peers import PEERS, timed
+from align_peers import timed
 from align_report import figure, markdown
 from align_service import AlignError, Aligner
 from align_stages import MIB, MODES, floor_bytes, stage_table

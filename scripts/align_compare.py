@@ -1,10 +1,14 @@
-"""Ours against optical flow on the same noisy pairs (the paper's figures 13 and 14, with numbers)."""
+"""Ours against optical flow on the same noisy pairs (the paper's figures 13 and 14, in numbers)."""
 
 import numpy as np
 
+import align_pictures as pictures
 from align_measure import measure
 from align_peers import PEERS, eight_bit_pair, timed
 from align_report import figure, markdown
+from align_warp import warp
+from demo_pictures import write_picture
+from picture_panel import panel
 
 OURS = "ours"
 VARIANTS = {  # settings over the default preset, and whether the frames' guides may be used
@@ -22,13 +26,6 @@ def _zero(pair):
     return np.zeros((*pair.clean_target.shape[:2], 2), np.float32)
 
 
-def run_ours(aligners, pair, settings, with_guides):
-    aligner = aligners.get(pair.size, settings, aovs=pair.aovs if with_guides else [], preset=PRESET)
-    aligner.load(pair.target, pair.source)
-    report = aligner.run()
-    return aligner.result()[0], report["device_ms"]
-
-
 def compare(aligners, pair, variants, peers):
     """A row for each method, and the offsets by method. Ours and the peers take turns."""
     grey = eight_bit_pair(pair)
@@ -38,16 +35,36 @@ def compare(aligners, pair, variants, peers):
         offsets[method] = offset
         rows.append({"pair": pair.name, "noise": pair.noise, "method": method, "ms": milliseconds} | measure(pair, offset))
 
+    built = []
     for name, (settings, with_guides) in variants.items():
-        if with_guides and not pair.aovs and name != OURS:
-            continue  # the same as without guides
-        add(name, *run_ours(aligners, pair, settings, with_guides))
+        aligner = aligners.get(pair.size, settings, aovs=pair.aovs if with_guides else [], preset=PRESET)
+        same = (aligner.built["settings"], aligner.aovs)
+        if same in built:
+            continue  # the default under another name, or without the guides that the pair lacks
+        built.append(same)
+        aligner.load(pair.target, pair.source)
+        report = aligner.run()
+        add(name, aligner.result()[0], report["device_ms"])
     for name in peers:
         add(name, *timed(name, *grey))
     add("no motion", _zero(pair))
     if pair.motion is not None:
         add("motion vectors", pair.motion)
     return rows, offsets
+
+
+def write_panel(path, pair, offsets):
+    """Frames, and for each method the warped clean source, its difference from the clean target, and the offsets."""
+    like = pair.clean_target
+    scale_px = max(1.0, float(np.percentile(np.hypot(*np.moveaxis(pair.motion, -1, 0)), 95)))
+    rows = [[("noisy target", pictures.shown(pair.target["beauty"], like)), ("clean source", pictures.shown(pair.clean_source, like)),
+             (f"disoccluded; offsets' full colour is {scale_px:.0f} px", pictures.mask(~pair.visible * 1.0))]]
+    for method, offset in offsets.items():
+        warped = warp(pair.clean_source, offset)
+        rows.append([(method, pictures.shown(warped, like)),
+                     (f"difference x{pictures.DIFFERENCE_GAIN:g}", pictures.difference(warped, pair.clean_target, like)),
+                     ("offsets", pictures.flow(offset, scale_px))])
+    write_picture(path, panel([[(text, pictures.halved(picture)) for text, picture in row] for row in rows]))
 
 
 def verdicts(rows):

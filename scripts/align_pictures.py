@@ -1,5 +1,6 @@
 """What the experiments' pictures show, as colours."""
 
+import cv2
 import numpy as np
 
 from align_space import compressed, exposure
@@ -31,3 +32,7 @@ def flow(offset, scale_px):
 
 def mask(values):
     return mask_colours(values[..., None])
+
+
+def halved(picture):
+    return cv2.resize(picture, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)

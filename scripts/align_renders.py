@@ -1,5 +1,6 @@
 """Pairs of consecutive frames of our scenes, rendered by becalm and kept between runs."""
 
+import functools
 import subprocess
 from pathlib import Path
 
@@ -37,6 +38,7 @@ class Renders:
                             "--float", "--quiet", "--aovs", ",".join(AOVS)], check=True)
         return [_named(read_layers(path)) for path in paths]
 
+    @functools.lru_cache(maxsize=1)  # the pairs of one scene follow one another
     def reference(self, scene, spp):
         """Layers of source and target whose beauty is the mean of batches; the other layers are the first batch's."""
         batches = max(1, round(spp / BATCH_SPP))

@@ -5,6 +5,10 @@ import sys
 from pathlib import Path
 
 import align_compare
+import align_distances
+import align_downsampling
+import align_radii
+import align_refinement
 from align_peers import PEERS
 from align_renders import Renders
 from align_report import Report
@@ -12,12 +16,23 @@ from align_service import AlignError, Aligners
 from align_synthetic import shift_pair, zoom_pair
 
 SCENES = ["spheres", "ocean", "penumbra", "crossing", "dining", "fence"]
+PICTURED_SPP = 4
+LARGE = "1920x1080"
+EXPERIMENTS = ["compare", "distances", "radii", "refinement", "downsampling"]
 SLOW_PEER = "Dual TV-L1"
 SYNTHETIC_NOISE = (0.02, 0.1)
 
 
 def _words(text):
     return text.split(",")
+
+
+def _experiments(text):
+    names = text.split(",")
+    for name in names:
+        if name not in EXPERIMENTS:
+            raise argparse.ArgumentTypeError(f"no experiment '{name}'; expected some of {','.join(EXPERIMENTS)}")
+    return names
 
 
 def _variant(text):
@@ -33,6 +48,7 @@ def arguments():
                         help="report.md, report.json, pictures, and the renders, which later runs take up (default: out/align)")
     parser.add_argument("--quick", action="store_true",
                         help="for tuning: the comparison with the peers alone, at 1 and 4 spp, without Dual TV-L1")
+    parser.add_argument("--only", type=_experiments, metavar="LIST", help=f"some of {','.join(EXPERIMENTS)} (default: all)")
     parser.add_argument("--scenes", type=_words, metavar="LIST", default=SCENES, help=f"default: {','.join(SCENES)}")
     parser.add_argument("--spp", type=_words, metavar="LIST", help="of the noisy frames (default: 1,2,4,8,16; --quick: 1,4)")
     parser.add_argument("--reference-spp", type=int, metavar="N", help="of the clean frames, in steps of 64 (default: 256; --quick: 64)")
@@ -45,6 +61,8 @@ def arguments():
     parser.add_argument("--becalm", default="build/release/becalm", metavar="PATH", help="renders the frames")
     parser.add_argument("--bench-align", default="build/release/tests/bench/bench_align", metavar="PATH", help="aligns them")
     asked = parser.parse_args()
+    asked.only = asked.only or (["compare"] if asked.quick else EXPERIMENTS)
+    asked.folder = asked.output / "quick" if asked.quick else asked.output
     asked.spp = [int(n) for n in asked.spp or (["1", "4"] if asked.quick else ["1", "2", "4", "8", "16"])]
     asked.reference_spp = asked.reference_spp or (64 if asked.quick else 256)
     return asked
@@ -59,7 +77,11 @@ def comparison(asked, aligners, renders, report):
     rows, synthetic = [], []
     for scene in asked.scenes:
         for spp in asked.spp:
-            rows += align_compare.compare(aligners, renders.pair(scene, spp, asked.reference_spp), variants, peers)[0]
+            pair = renders.pair(scene, spp, asked.reference_spp)
+            measured, offsets = align_compare.compare(aligners, pair, variants, peers)
+            rows += measured
+            if spp == PICTURED_SPP:
+                align_compare.write_panel(asked.folder / f"compare.{scene}.png", pair, offsets)
     for make in (shift_pair, zoom_pair):
         for sigma in SYNTHETIC_NOISE:
             synthetic += align_compare.compare(aligners, make((height, width), sigma), variants, peers)[0]
@@ -71,11 +93,22 @@ def comparison(asked, aligners, renders, report):
 
 def main():
     asked = arguments()
+    asked.folder.mkdir(parents=True, exist_ok=True)
     aligners = Aligners(asked.bench_align, asked.device)
-    renders = Renders(asked.becalm, asked.output / "renders", asked.size)
-    report = Report(asked.output / "quick" if asked.quick else asked.output)
-    comparison(asked, aligners, renders, report)
-    aligners.close()
+    folder = asked.output / "renders"
+    renders = Renders(asked.becalm, folder, asked.size)
+    report = Report(asked.folder)
+    experiments = {
+        "compare": lambda: comparison(asked, aligners, renders, report),
+        "distances": lambda: align_distances.run(aligners, renders, report, asked.folder, asked.reference_spp),
+        "radii": lambda: align_radii.run(aligners, report, asked.folder),
+        "refinement": lambda: align_refinement.run(aligners, report, asked.folder),
+        "downsampling": lambda: align_downsampling.run(aligners, Renders(asked.becalm, folder, LARGE), report, asked.folder),
+    }
+    for name in asked.only:
+        experiments[name]()
+        aligners.close()
+    print(asked.folder / "report.md")
 
 
 if __name__ == "__main__":
