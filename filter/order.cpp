@@ -1,14 +1,13 @@
 #include "filter/order.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <optional>
 
 #include "filter/align.h"
+#include "filter/frame_check.h"
+#include "filter/guides.h"
 #include "filter/host_images.h"
 #include "filter/merge.h"
-#include "frame/error.h"
 
 namespace becalm::filter {
 namespace {
@@ -33,13 +32,7 @@ struct ForwardFilter::State {
         AovSet diagnostics_)
       : settings(settings_), full{width, height}, diagnostics(diagnostics_), chain(device, "filter") {
     used = available & wanted_aovs(settings);
-    albedo = contains(used, Aov::albedo);
-    normal = contains(used, Aov::normal);
-    if (guide_planes(albedo, normal) == 0 && settings.weight_radiance == 0.0f) {
-      throw Error(
-          ExitStatus::usage,
-          "nothing to match: weight_radiance is 0 and the frames have no albedo or normal that is weighted");
-    }
+    guides = guides_of(settings, used);
     color = chain.input("color.cur", Format::f32x4, full);
     exposure_image = chain.input("exposure", Format::f32, {1, 1});
     variance = chain.input("variance.cur", Format::f32x2, full);
@@ -50,15 +43,12 @@ struct ForwardFilter::State {
         .color = color, .exposure = exposure_image, .guide_features = {}, .guide_planes = 0};
     FeatureSources source{
         .color = history_color.previous, .exposure = exposure_image, .guide_features = {}, .guide_planes = 0};
-    if (const int planes = guide_planes(albedo, normal); planes > 0) {
+    if (const int planes = guides.planes(); planes > 0) {
       guide = chain.input("guide.cur", Format::f32, {width, height, planes});
       Extent extent = pyramid_extents(settings, width, height).front();
       extent.planes = planes;
       const gpu::History features = chain.history("guide.features", Format::f32, extent);
-      std::vector<float> weights;
-      if (albedo) weights.push_back(settings.weight_albedo);
-      if (normal) weights.insert(weights.end(), 2, settings.weight_normal);
-      add_guide_passes(chain, settings, full, *guide, weights, features.next);
+      add_guide_passes(chain, settings, full, *guide, guides.weights, features.next);
       target.guide_features = features.next;
       source.guide_features = features.previous;
       target.guide_planes = source.guide_planes = planes;
@@ -87,27 +77,11 @@ struct ForwardFilter::State {
     chain.build();
   }
 
-  void check(const Frame& frame) const {
-    if (frame.width() != full.width || frame.height() != full.height) {
-      throw Error(ExitStatus::bad_input,
-                  fmt::format("frame {}: size {}x{}: expected {}x{} as the frames before it", frame.number(),
-                              frame.width(), frame.height(), full.width, full.height));
-    }
-    for (const AovInfo& entry : kAovTable) {
-      if (contains(used, entry.aov) && !frame.has(entry.aov)) {
-        throw Error(ExitStatus::bad_input,
-                    fmt::format("frame {}: no layer '{}', which the frames before it have", frame.number(),
-                                entry.name));
-      }
-    }
-  }
-
   Settings settings;
   Extent full;
   AovSet diagnostics;
   AovSet used;
-  bool albedo = false;
-  bool normal = false;
+  Guides guides;
   gpu::Chain chain;
   ImageId color;
   ImageId exposure_image;
@@ -127,7 +101,7 @@ ForwardFilter::ForwardFilter(ForwardFilter&&) noexcept = default;
 
 Denoised ForwardFilter::denoise(const Frame& frame) {
   State& s = *state_;
-  s.check(frame);
+  check_frame(frame, s.full.width, s.full.height, s.used, "the frames before it");
   const Image& beauty = frame.image(Aov::beauty);
   const std::vector<std::uint8_t> finite = finite_pixels(beauty);
 
@@ -137,7 +111,7 @@ Denoised ForwardFilter::denoise(const Frame& frame) {
   pack_color(beauty, finite, s.chain.upload<float>(s.color));
   report.replaced_variances = pack_variance(frame, s.used, finite, s.chain.upload<float>(s.variance));
   s.chain.upload<float>(s.exposure_image)[0] = exposure(beauty);
-  if (s.guide) pack_guide(frame, s.albedo, s.normal, s.chain.upload<float>(*s.guide));
+  if (s.guide) pack_guide(frame, s.guides.albedo, s.guides.normal, s.chain.upload<float>(*s.guide));
 
   s.chain.run();
   report.passes = s.chain.times();

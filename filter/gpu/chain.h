@@ -86,6 +86,8 @@ class Chain {
   void output(ImageId image);
 
   Pass pass(std::string_view kernel);
+  /// The device that the chain runs on.
+  const DeviceInfo& device() const;
   /// Checks the declarations and decides where in device memory each image goes, without asking the device
   /// for any: device_bytes and staging_bytes then tell what `build` will take. Nothing can be declared
   /// afterwards.

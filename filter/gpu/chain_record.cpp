@@ -1,6 +1,7 @@
 // The commands of a built chain: its steps with the barriers that their hazards ask for.
 
 #include <algorithm>
+#include <set>
 
 #include "filter/gpu/chain_impl.h"
 
@@ -26,6 +27,14 @@ std::string time_name(const PassDeclaration& pass, const std::vector<ImageDeclar
   const auto written = std::ranges::find_if(pass.uses, [](const Use& use) { return use.writes(); });
   if (written == pass.uses.end()) return pass.kernel_name;
   return pass.kernel_name + " " + images[static_cast<std::size_t>(written->image)].name;
+}
+
+std::uint64_t image_bytes(const PassDeclaration& pass, const std::vector<ImageDeclaration>& images) {
+  std::set<int> bound;
+  for (const Use& use : pass.uses) bound.insert(use.image);
+  std::uint64_t bytes = 0;
+  for (const int image : bound) bytes += images[static_cast<std::size_t>(image)].bytes();
+  return bytes;
 }
 
 }  // namespace
@@ -101,7 +110,9 @@ void Chain::Impl::record_reset(const vk::raii::CommandBuffer& commands) const {
 }
 
 void Chain::Impl::record_all() {
-  for (const PassDeclaration& pass : passes) times.push_back({time_name(pass, images), 0.0});
+  for (const PassDeclaration& pass : passes) {
+    times.push_back({.name = time_name(pass, images), .image_bytes = image_bytes(pass, images)});
+  }
   timer.emplace(device, static_cast<std::uint32_t>(passes.size()));
   command_pool = {device.device, vk::CommandPoolCreateInfo({}, device.queue_family)};
   const std::uint32_t parities = has_history ? 2 : 1;

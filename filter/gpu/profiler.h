@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 namespace becalm::gpu {
@@ -8,6 +9,7 @@ namespace becalm::gpu {
 struct PassTime {
   std::string name;  ///< kernel and the first image it writes: `align/downsample luma.cur.L1`
   double milliseconds = 0.0;
+  std::uint64_t image_bytes = 0;  ///< size of all images that it binds, each once
 };
 
 }  // namespace becalm::gpu

@@ -198,6 +198,8 @@ TEST_F(ChainTest, UpdatesAnImageInPlace) {
   std::iota(terms.begin(), terms.end(), 0u);
   chain.run();
   for (std::uint32_t i = 0; i < count; ++i) EXPECT_EQ(chain.download<std::uint32_t>(sum)[i], 100 + 3 * i);
+  // Bound twice, counted once.
+  EXPECT_EQ(chain.times()[0].image_bytes, 2 * count * sizeof(std::uint32_t));
 }
 
 TEST_F(ChainTest, TimesEveryPassAndNamesItByKernelAndImage) {

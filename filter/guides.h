@@ -1,0 +1,22 @@
+#pragma once
+
+#include <vector>
+
+#include "filter/settings.h"
+#include "frame/aov.h"
+
+namespace becalm::filter {
+
+/// The low-noise AOVs that guide the matching: those that the frames have and that the settings weigh.
+struct Guides {
+  bool albedo = false;
+  bool normal = false;
+  std::vector<float> weights;  ///< one entry a plane, in the order of pack_guide
+
+  int planes() const { return static_cast<int>(weights.size()); }
+};
+
+/// Throws Error(usage) if neither guides nor radiance are left to match.
+Guides guides_of(const Settings& settings, const AovSet& available);
+
+}  // namespace becalm::filter

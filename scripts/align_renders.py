@@ -1,0 +1,74 @@
+"""Pairs of consecutive frames of our scenes, rendered by becalm and kept between runs."""
+
+import functools
+import subprocess
+from pathlib import Path
+
+import numpy as np
+
+from align_pair import Pair
+from align_warp import nearest
+from demo_pictures import read_layers
+
+SCENES = Path(__file__).resolve().parent.parent / "scenes"
+SOURCE, TARGET = 10, 11  # in the middle of the animations
+AOVS = ["albedo", "normal", "depth", "motion", "object_id"]
+MATCHED_AOVS = ["albedo", "normal"]
+NOISY_SEED = 0
+REFERENCE_SEED = 101  # of the first batch; references are means of batches, so that more samples can be added
+BATCH_SPP = 64
+SAME_DEPTH = 0.1      # relative difference of depths up to which they may be of one surface
+
+
+class Renders:
+    def __init__(self, becalm, folder, size):
+        self.becalm, self.size = becalm, size
+        self.folder = Path(folder) / size
+
+    def frames(self, scene, spp, seed):
+        """Layers of source and target. Renders them unless files newer than the scene are there."""
+        scene_file = SCENES / f"{scene}.json"
+        name = f"{spp}spp.seed{seed}"
+        paths = [self.folder / scene / f"{name}.{number:04d}.exr" for number in (SOURCE, TARGET)]
+        if not all(path.exists() and path.stat().st_mtime > scene_file.stat().st_mtime for path in paths):
+            print(f"render {scene} {self.size}, {spp} spp, seed {seed}", flush=True)
+            paths[0].parent.mkdir(parents=True, exist_ok=True)
+            subprocess.run([self.becalm, "render", scene_file, "-o", self.folder / scene / f"{name}.####.exr",
+                            "--frames", f"{SOURCE}-{TARGET}", "--size", self.size, "--spp", str(spp), "--seed", str(seed),
+                            "--float", "--quiet", "--aovs", ",".join(AOVS)], check=True)
+        return [_named(read_layers(path)) for path in paths]
+
+    @functools.lru_cache(maxsize=1)  # the pairs of one scene follow one another
+    def reference(self, scene, spp):
+        """Layers of source and target whose beauty is the mean of batches; the other layers are the first batch's."""
+        batches = max(1, round(spp / BATCH_SPP))
+        frames = self.frames(scene, BATCH_SPP, REFERENCE_SEED)
+        for batch in range(1, batches):
+            for frame, more in zip(frames, self.frames(scene, BATCH_SPP, REFERENCE_SEED + batch)):
+                frame["beauty"] = frame["beauty"] + more["beauty"]
+        for frame in frames:
+            frame["beauty"] /= batches
+        return frames
+
+    def pair(self, scene, spp, reference_spp):
+        source, target = self.frames(scene, spp, NOISY_SEED)
+        clean_source, clean_target = self.reference(scene, reference_spp)
+        return Pair(name=scene, noise=f"{spp} spp", target=target, source=source, clean_target=clean_target["beauty"],
+                    clean_source=clean_source["beauty"], visible=visible_pixels(clean_target, clean_source),
+                    motion=clean_target["motion"], aovs=MATCHED_AOVS)
+
+
+def _named(layers):
+    layers["beauty"] = layers.pop("")[..., :3]
+    return {name: np.ascontiguousarray(layer, np.float32) for name, layer in layers.items()}
+
+
+def visible_pixels(target, source):
+    """Pixels whose motion vector leads to the same object at about the same depth in the source."""
+    object_there, inside = nearest(source["object_id"][..., 0], target["motion"])
+    depth_there, _ = nearest(source["depth"][..., 0], target["motion"])
+    depth = target["depth"][..., 0]
+    with np.errstate(invalid="ignore"):
+        same_depth = np.abs(depth_there - depth) <= SAME_DEPTH * depth
+    both_miss = ~np.isfinite(depth) & ~np.isfinite(depth_there)
+    return inside & (object_there == target["object_id"][..., 0]) & (same_depth | both_miss)

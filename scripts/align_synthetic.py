@@ -1,0 +1,99 @@
+"""Synthetic pairs whose motion is known everywhere."""
+
+import numpy as np
+
+from align_pair import Pair
+from align_warp import pixel_grid
+
+NOISE_SEED = 7
+
+
+def _lattice(ix, iy, seed):
+    """Random numbers in [0,1) at integer points."""
+    mask = np.uint64(0xFFFFFFFFFFFFFFFF)
+    h = (ix.astype(np.int64).astype(np.uint64) * np.uint64(0x9E3779B97F4A7C15)
+         ^ iy.astype(np.int64).astype(np.uint64) * np.uint64(0xC2B2AE3D27D4EB4F) ^ np.uint64(seed)) & mask
+    h = (h ^ (h >> np.uint64(31))) * np.uint64(0xD6E8FEB86659FD93)
+    h = (h ^ (h >> np.uint64(32))) * np.uint64(0xD6E8FEB86659FD93)
+    return (h >> np.uint64(40)).astype(np.float64) / 2**24
+
+
+def _value_noise(x, y, seed):
+    fx, fy = np.floor(x), np.floor(y)
+    tx, ty = x - fx, y - fy
+    tx, ty = (t * t * t * (t * (6 * t - 15) + 10) for t in (tx, ty))
+    a, b = _lattice(fx, fy, seed), _lattice(fx + 1, fy, seed)
+    c, d = _lattice(fx, fy + 1, seed), _lattice(fx + 1, fy + 1, seed)
+    return (a * (1 - tx) + b * tx) * (1 - ty) + (c * (1 - tx) + d * tx) * ty
+
+
+def texture(x, y, seed=3):
+    """Smooth, defined between pixels too: octaves with wavelengths of 6, 24 and 96 px, in [0,1]."""
+    return sum(w * _value_noise(x / s, y / s, seed + i) for i, (w, s) in enumerate([(0.4, 6), (0.3, 24), (0.3, 96)]))
+
+
+def noisy(plane, sigma, seed):
+    """White Gaussian noise of a standard deviation relative to the largest value, 1; clipped there and at 0."""
+    return np.clip(plane + np.random.default_rng(seed).normal(0.0, sigma, plane.shape), 0.0, 1.0).astype(np.float32)
+
+
+def _grey(plane):
+    return np.repeat(plane[..., None], 3, axis=2).astype(np.float32)
+
+
+def _pair(name, sigma, clean_target, clean_source, truth, visible):
+    layers = [{"beauty": _grey(noisy(clean, sigma, NOISE_SEED + i))} for i, clean in enumerate((clean_target, clean_source))]
+    return Pair(name=name, noise=f"{100 * sigma:g} %", target=layers[0], source=layers[1], clean_target=_grey(clean_target),
+                clean_source=_grey(clean_source), visible=visible, truth=truth.astype(np.float32))
+
+
+def _inside(x, y, shape):
+    return (x >= 0) & (x <= shape[1] - 1) & (y >= 0) & (y <= shape[0] - 1)
+
+
+def shift_pair(shape, sigma, shift=(7.25, -12.5)):
+    """Texture displaced by less than a pixel and more."""
+    x, y = pixel_grid(shape)
+    truth = np.broadcast_to(np.array(shift, np.float32), (*shape, 2))
+    return _pair("shift", sigma, texture(x, y), texture(x - shift[0], y - shift[1]), truth,
+                 _inside(x + shift[0], y + shift[1], shape))
+
+
+def zoom_pair(shape, sigma, zoom=1.04, angle_deg=3.0):
+    """Texture zoomed and rotated about the centre."""
+    x, y = pixel_grid(shape)
+    cx, cy = (shape[1] - 1) / 2, (shape[0] - 1) / 2
+    c, s = zoom * np.cos(np.radians(angle_deg)), zoom * np.sin(np.radians(angle_deg))
+    # The target's point p lies at M p in the source, so the source's point q shows what is at M^-1 q.
+    truth = np.stack([c * (x - cx) - s * (y - cy) + cx - x, s * (x - cx) + c * (y - cy) + cy - y], axis=-1)
+    d = c * c + s * s
+    back = ((c * (x - cx) + s * (y - cy)) / d + cx, (-s * (x - cx) + c * (y - cy)) / d + cy)
+    return _pair("zoom", sigma, texture(x, y), texture(*back), truth, _inside(x + truth[..., 0], y + truth[..., 1], shape))
+
+
+class Disc:
+    """A disc that moves to the right over a flat ground; flat itself, or with a texture that moves along."""
+
+    def __init__(self, shape, textured=False):
+        self.shape, self.textured = shape, textured
+        self.centre, self.radius = (shape[1] / 2, shape[0] / 2), shape[0] / 4
+
+    def from_edge(self, position_px):
+        """Distance of each pixel outwards from the disc's edge, and the edge's normal there."""
+        x, y = pixel_grid(self.shape)
+        x, y = x - self.centre[0] - position_px, y - self.centre[1]
+        distance = np.maximum(np.hypot(x, y), 1e-6)
+        return distance - self.radius, np.stack([x, y], axis=-1) / distance[..., None]
+
+    def plane(self, position_px, inside=0.75, outside=0.25):
+        """The image with the disc's centre position_px to the right of its own; the edge is one pixel wide."""
+        coverage = np.clip(0.5 - self.from_edge(position_px)[0], 0.0, 1.0)
+        if self.textured:
+            x, y = pixel_grid(self.shape)
+            inside = 0.5 + 0.5 * texture(x - position_px, y)
+        return outside + (inside - outside) * coverage
+
+    def truth(self, position_px, motion_px):
+        """Offsets into a frame where the disc lies motion_px further right; 0 outside the disc."""
+        on_disc = self.from_edge(position_px)[0] <= 0.0
+        return np.stack([on_disc * motion_px, np.zeros(self.shape)], axis=-1).astype(np.float32)
