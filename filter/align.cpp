@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <utility>
+#include <numeric>
 
 #include "shaders/shared/align_params.h"
 
@@ -40,39 +40,12 @@ Extent shrink(Extent extent, int factor) {
   return {ceil_div(extent.width, factor), ceil_div(extent.height, factor)};
 }
 
-Extent with_planes(Extent extent, int planes) {
-  extent.planes = planes;
-  return extent;
-}
-
 int blur_radius(const Settings& settings, std::size_t level) {
   return settings.blur_radius[std::min(level, settings.blur_radius.size() - 1)];
 }
 
 int refines(const Settings& settings, std::size_t level) {
   return static_cast<int>(level) < settings.refine_levels ? 1 : 0;
-}
-
-/// Features of levels `finest` to `end` - 1 of images that are `full` at full resolution.
-std::vector<Features> add_pyramid(Chain& chain, const Settings& settings, std::size_t finest, std::size_t end,
-                                  Extent full, const Features& features, const char* name) {
-  std::vector<Features> levels{features};
-  for (std::size_t l = finest + 1; l < end; ++l) {
-    const Extent fine = level_extent(settings, full, l - 1);
-    const Extent extent = with_planes(level_extent(settings, full, l), features.planes);
-    const ImageId coarse = chain.image(fmt::format("features.{}.L{}", name, l), Format::f32, extent);
-    chain.pass("align/downsample")
-        .read("fine", levels.back().image)
-        .write("coarse", coarse)
-        .constants(params::DownsampleParams{.width_in = fine.width,
-                                            .height_in = fine.height,
-                                            .width = extent.width,
-                                            .height = extent.height,
-                                            .factor = settings.pyramid_factor})
-        .dispatch(extent);
-    levels.push_back({coarse, features.planes});
-  }
-  return levels;
 }
 
 struct CoarseOffset {
@@ -86,7 +59,7 @@ ImageId add_warp(Chain& chain, const Settings& settings, std::size_t level, Exte
                  const Features& source, const SourceWindow& window, const CoarseOffset& coarse) {
   const Extent source_extent = level_extent(settings, window.full, level);
   const ImageId warped =
-      chain.image(fmt::format("features.warped.L{}", level), Format::f32, with_planes(extent, source.planes));
+      chain.image(fmt::format("features.warped.L{}", level), Format::f32, extent.with_planes(source.planes));
   chain.pass("align/warp_source")
       .read("source", source.image)
       .read("offset_coarse", coarse.image)
@@ -319,6 +292,27 @@ Features add_feature_passes(Chain& chain, const Settings& settings, Extent full,
   return {features, planes};
 }
 
+std::vector<Features> add_pyramid(Chain& chain, const Settings& settings, const LevelRange& levels,
+                                  Extent full, const Features& finest, const std::string& name) {
+  std::vector<Features> pyramid{finest};
+  for (std::size_t l = levels.finest + 1; l < levels.end; ++l) {
+    const Extent fine = level_extent(settings, full, l - 1);
+    const Extent extent = level_extent(settings, full, l).with_planes(finest.planes);
+    const ImageId coarse = chain.image(fmt::format("features.{}.L{}", name, l), Format::f32, extent);
+    chain.pass("align/downsample")
+        .read("fine", pyramid.back().image)
+        .write("coarse", coarse)
+        .constants(params::DownsampleParams{.width_in = fine.width,
+                                            .height_in = fine.height,
+                                            .width = extent.width,
+                                            .height = extent.height,
+                                            .factor = settings.pyramid_factor})
+        .dispatch(extent);
+    pyramid.push_back({coarse, finest.planes});
+  }
+  return pyramid;
+}
+
 SourceWindow add_same_window(Chain& chain, Extent full, const std::string& name) {
   const ImageId origin = chain.image(name, Format::f32x2, {1, 1});
   chain.pass("align/zero_offset").write("offset", origin).dispatch({1, 1});
@@ -326,12 +320,12 @@ SourceWindow add_same_window(Chain& chain, Extent full, const std::string& name)
 }
 
 SearchResult add_search_passes(Chain& chain, const Settings& settings, const Search& search) {
-  assert(search.target.planes == search.source.planes && search.finest < search.end);
-  const auto [finest, end] = std::pair(search.finest, search.end);
+  assert(search.target.planes == search.source.planes && search.levels.finest < search.levels.end);
+  const auto [finest, end] = search.levels;
   const std::vector<Features> targets =
-      add_pyramid(chain, settings, finest, end, search.full, search.target, "target");
+      add_pyramid(chain, settings, search.levels, search.full, search.target, "target");
   const std::vector<Features> sources =
-      add_pyramid(chain, settings, finest, end, search.window.full, search.source, "source");
+      add_pyramid(chain, settings, search.levels, search.window.full, search.source, "source");
 
   SearchResult result;
   result.residual.resize(end - finest);
@@ -374,6 +368,33 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
   return result;
 }
 
+TileRules search_tile_rules(const Settings& settings, const gpu::DeviceInfo& device, std::size_t levels,
+                            std::size_t end, int margin_px) {
+  TileRules rules{.grid = level_px(settings, end), .core_grid = level_px(settings, end)};
+  // In pixels of the level: how far from the core its offsets must be right. One more for a bilinear read.
+  int margin = ceil_div(margin_px, settings.match_downsample) + 1;
+  for (std::size_t l = 0; l < end; ++l) {
+    const int px = level_px(settings, l);
+    const int radius = blur_radius(settings, l);
+    margin += 1;  // the median
+    // Sums slide along runs. Tiles begin where runs do, and their first run lacks what came before it.
+    const bool in_bands = radius > kLargestMatchRadius;
+    const int run_y = in_bands ? kBlurRun : match_strip(device).rows;
+    const int run_x = in_bands ? kBlurRun : 0;
+    rules.grid = std::lcm(rules.grid, std::lcm(run_y, std::max(run_x, 1)) * px);
+    rules.left = std::max(rules.left, (margin + run_x) * px);
+    rules.above = std::max(rules.above, (margin + run_y) * px);
+    margin += radius + kWindowReach;
+    // One more for a bilinear read, and one for the last pixel: a part of it may lie beyond the tile.
+    margin = ceil_div(margin, settings.pyramid_factor) + 2;
+  }
+  rules.after = margin * level_px(settings, end);
+  rules.left = std::max(rules.left, rules.after);
+  rules.above = std::max(rules.above, rules.after);
+  rules.reach = reach_px(settings, levels);
+  return rules;
+}
+
 ImageId add_upsample_pass(Chain& chain, const Settings& settings, Extent full, ImageId offset) {
   if (settings.match_downsample == 1) return offset;
   const Extent extent = level_extent(settings, full, 0);
@@ -394,8 +415,7 @@ Alignment add_align_passes(Chain& chain, const Settings& settings, Extent full, 
                            const Features& source) {
   const SearchResult found =
       add_search_passes(chain, settings,
-                        {.finest = 0,
-                         .end = pyramid_extents(settings, full.width, full.height).size(),
+                        {.levels = {0, pyramid_extents(settings, full.width, full.height).size()},
                          .full = full,
                          .window = add_same_window(chain, full, "origin.align"),
                          .target = target,

@@ -6,6 +6,7 @@
 
 #include "filter/gpu/chain.h"
 #include "filter/settings.h"
+#include "filter/tiles.h"
 
 namespace becalm::filter {
 
@@ -58,10 +59,19 @@ struct SourceWindow {
 /// A window of which the target's images are all: the origin is zero.
 SourceWindow add_same_window(gpu::Chain& chain, gpu::Extent full, const std::string& name);
 
-/// The search from level `end` - 1 down to level `finest`.
-struct Search {
+/// Levels `finest` to `end` - 1 of a pyramid.
+struct LevelRange {
   std::size_t finest = 0;
   std::size_t end = 0;
+};
+
+/// Features of each level of the range, of images that are `full` at full resolution; `finest` are given.
+std::vector<Features> add_pyramid(gpu::Chain& chain, const Settings& settings, const LevelRange& levels,
+                                  gpu::Extent full, const Features& finest, const std::string& name);
+
+/// The search of a range of levels, from coarse to fine.
+struct Search {
+  LevelRange levels;
   gpu::Extent full;  ///< the target's images at full resolution
   SourceWindow window;
   Features target;  ///< of level `finest`, as is the source
@@ -75,6 +85,12 @@ struct SearchResult {
   std::vector<gpu::ImageId> residual;  ///< from level `finest` on, as in Alignment
 };
 SearchResult add_search_passes(gpu::Chain& chain, const Settings& settings, const Search& search);
+
+/// What tiles must keep that search levels below `end` by themselves, from offsets of level `end` that are
+/// the whole frame's, if full-resolution offsets are wanted `margin_px` around their cores. Their offsets
+/// then are bit for bit those of the whole frame.
+TileRules search_tile_rules(const Settings& settings, const gpu::DeviceInfo& device, std::size_t levels,
+                            std::size_t end, int margin_px);
 
 /// Offsets of level 0 at full resolution, in full-resolution pixels.
 gpu::ImageId add_upsample_pass(gpu::Chain& chain, const Settings& settings, gpu::Extent full,

@@ -126,6 +126,11 @@ ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const
 
 }  // namespace
 
+int merge_margin_px(const Settings& settings) {
+  constexpr int variance_estimate = 1;
+  return variance_estimate + (settings.merge == MergeMode::variance ? settings.patch_radius : 0);
+}
+
 ImageId add_merge_passes(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
                          const Alignment& alignment) {
   const Warped warped = add_warp(chain, full, inputs, alignment.offset);

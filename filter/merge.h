@@ -22,6 +22,9 @@ struct MergeInputs {
       {};  ///< where the previous history shows more than the new frame
 };
 
+/// How far from a pixel the merge reads offsets, the new frame and its variance.
+int merge_margin_px(const Settings& settings);
+
 /// Merges the new frame with the warped history into history_color.next and history_stats.next, and returns
 /// the decisions (f32x2): share of the history rejected, and effective sample count.
 gpu::ImageId add_merge_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
