@@ -41,7 +41,7 @@ filter::Denoised FilterStep::denoise(const Frame& frame, Progress& progress, Pro
 
 void FilterStep::finish(Profile& profile) const {
   if (!filter_) return;
-  profile.set_device(device_->info().name, filter_->device_bytes(), filter_->device_bytes_unaliased());
+  profile.set_device(device_->info().name, filter_->memory());
   check_validation(*device_);
 }
 

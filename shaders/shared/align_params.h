@@ -43,6 +43,9 @@ struct DownsampleParams {
 struct WarpSourceParams {
   int width;
   int height;
+  int source_width;
+  int source_height;
+  int level_px;  // full-resolution pixels in one of the level
   int planes;
   int coarse_width;
   int coarse_height;
