@@ -119,6 +119,7 @@ void TiledFrame::plan(gpu::Device& device, std::uint64_t memory_limit) {
   const std::size_t first =
       settings.merge == MergeMode::mask ? static_cast<std::size_t>(settings.mask_level) + 1 : 1;
   std::uint64_t least_work = std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t least_bytes = std::numeric_limits<std::uint64_t>::max();
   std::string reason;
   for (std::size_t coarse = std::min(first, levels); coarse <= levels; ++coarse) {
     const PyramidSplit split{.levels = levels, .coarse = coarse};
@@ -129,13 +130,16 @@ void TiledFrame::plan(gpu::Device& device, std::uint64_t memory_limit) {
       try {
         chains = std::make_unique<Chains>(device, task_, split, tile);
       } catch (const gpu::DeviceLimitError& error) {
-        reason = error.what();
+        if (reason.empty()) reason = error.what();
         return false;
       }
       const std::uint64_t bytes = chains->device_bytes();
-      reason =
-          fmt::format("tiles of {}x{} take {:.1f} MiB of device memory, more than the {:.1f} MiB allowed",
-                      tile.target.width, tile.target.height, mib(bytes), mib(memory_limit));
+      if (bytes < least_bytes) {
+        least_bytes = bytes;
+        reason = fmt::format(
+            "even tiles of {}x{} px take {:.1f} MiB of device memory, more than the {:.1f} MiB allowed",
+            tile.target.width, tile.target.height, mib(bytes), mib(memory_limit));
+      }
       return bytes <= memory_limit;
     };
     std::vector<Tile> tiles = plan_tiles(full, rules, fits);
@@ -151,7 +155,7 @@ void TiledFrame::plan(gpu::Device& device, std::uint64_t memory_limit) {
   }
   if (tiles_.empty()) {
     throw gpu::DeviceLimitError(
-        fmt::format("a frame of {}x{} cannot be cut small enough: {}", full.width, full.height, reason));
+        fmt::format("frames of {}x{} px cannot be cut small enough: {}", full.width, full.height, reason));
   }
 }
 
