@@ -6,6 +6,8 @@
 #include <cassert>
 #include <cmath>
 #include <numeric>
+#include <tuple>
+#include <utility>
 
 #include "shaders/shared/align_params.h"
 
@@ -250,6 +252,49 @@ void add_guide_passes(Chain& chain, const Settings& settings, Extent full, Image
   }
 }
 
+namespace {
+
+/// The compressed luminance as the last plane of `features`, smoothed along the guides by `prefilter` steps.
+void add_radiance_feature(Chain& chain, const Settings& settings, Extent full, const std::string& name,
+                          const FeatureSources& sources, ImageId features) {
+  const Extent extent = shrink(full, settings.match_downsample);
+  const auto target_of = [&](int step) {
+    return step == settings.prefilter
+               ? std::pair(features, sources.guide_planes)
+               : std::pair(chain.image(fmt::format("radiance.{}.step{}", name, step), Format::f32, extent),
+                           0);
+  };
+  auto [radiance, plane] = target_of(0);
+  chain.pass("align/radiance_feature")
+      .read("color", sources.color)
+      .read("exposure", sources.exposure)
+      .write("features", radiance)
+      .constants(params::FeatureParams{.width_in = full.width,
+                                       .height_in = full.height,
+                                       .width = extent.width,
+                                       .height = extent.height,
+                                       .downsample = settings.match_downsample,
+                                       .plane_in = 0,
+                                       .plane = plane,
+                                       .planes = 1,
+                                       .weight = kFeatureRange * settings.weight_radiance})
+      .dispatch(extent);
+  for (int step = 1; step <= settings.prefilter; ++step) {
+    const ImageId unfiltered = radiance;
+    std::tie(radiance, plane) = target_of(step);
+    chain.pass("align/prefilter")
+        .read("radiance", unfiltered)
+        .read("guides", sources.guide_planes > 0 ? *sources.guide_features : unfiltered)
+        .write("filtered", radiance)
+        .specialize("guide_planes", sources.guide_planes)
+        .constants(params::PrefilterParams{
+            .width = extent.width, .height = extent.height, .step = 1 << (step - 1), .plane = plane})
+        .dispatch(extent);
+  }
+}
+
+}  // namespace
+
 Features add_feature_passes(Chain& chain, const Settings& settings, Extent full, const std::string& name,
                             const FeatureSources& sources) {
   const bool radiance = settings.weight_radiance > 0.0f;
@@ -273,22 +318,7 @@ Features add_feature_passes(Chain& chain, const Settings& settings, Extent full,
                                          .weight = 1.0f})
         .dispatch({extent.width, extent.height, sources.guide_planes});
   }
-  if (radiance) {
-    chain.pass("align/radiance_feature")
-        .read("color", sources.color)
-        .read("exposure", sources.exposure)
-        .write("features", features)
-        .constants(params::FeatureParams{.width_in = full.width,
-                                         .height_in = full.height,
-                                         .width = extent.width,
-                                         .height = extent.height,
-                                         .downsample = settings.match_downsample,
-                                         .plane_in = 0,
-                                         .plane = sources.guide_planes,
-                                         .planes = 1,
-                                         .weight = kFeatureRange * settings.weight_radiance})
-        .dispatch(extent);
-  }
+  if (radiance) add_radiance_feature(chain, settings, full, name, sources, features);
   return {features, planes};
 }
 
@@ -366,6 +396,13 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
   }
   result.offset = coarse.image;
   return result;
+}
+
+int feature_margin_px(const Settings& settings) {
+  if (settings.weight_radiance == 0.0f || settings.prefilter == 0) return 0;
+  // Two taps to either side, twice as far apart with every step, and the pixel of which a part may lie beyond
+  // the tile.
+  return (2 * ((1 << settings.prefilter) - 1) + 1) * settings.match_downsample;
 }
 
 TileRules search_tile_rules(const Settings& settings, const gpu::DeviceInfo& device, std::size_t levels,

@@ -24,6 +24,7 @@ struct Settings {
   std::vector<int> blur_radius = {5};
   Distance distance = Distance::log_l1_centered;
   int refine_levels = 12;
+  int prefilter = 1;
   float weight_radiance = 1.0f;
   float weight_albedo = 1.0f;
   float weight_normal = 0.5f;

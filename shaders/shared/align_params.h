@@ -21,6 +21,14 @@ struct FeatureParams {
   float weight;
 };
 
+/// align/prefilter.
+struct PrefilterParams {
+  int width;
+  int height;
+  int step;   // distance of the taps
+  int plane;  // written
+};
+
 /// align/downsample: one pyramid level to the next.
 struct DownsampleParams {
   int width_in;
