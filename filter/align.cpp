@@ -264,6 +264,9 @@ void add_radiance_feature(Chain& chain, const Settings& settings, Extent full, c
                : std::pair(chain.image(fmt::format("radiance.{}.step{}", name, step), Format::f32, extent),
                            0);
   };
+  const auto weight_of = [&](int step) {
+    return step == settings.prefilter ? kFeatureRange * settings.weight_radiance : 0.0f;
+  };
   auto [radiance, plane] = target_of(0);
   chain.pass("align/radiance_feature")
       .read("color", sources.color)
@@ -277,7 +280,7 @@ void add_radiance_feature(Chain& chain, const Settings& settings, Extent full, c
                                        .plane_in = 0,
                                        .plane = plane,
                                        .planes = 1,
-                                       .weight = kFeatureRange * settings.weight_radiance})
+                                       .weight = weight_of(0)})
       .dispatch(extent);
   for (int step = 1; step <= settings.prefilter; ++step) {
     const ImageId unfiltered = radiance;
@@ -288,7 +291,7 @@ void add_radiance_feature(Chain& chain, const Settings& settings, Extent full, c
         .write("filtered", radiance)
         .specialize("guide_planes", sources.guide_planes)
         .constants(params::PrefilterParams{
-            .width = extent.width, .height = extent.height, .step = 1 << (step - 1), .plane = plane})
+            .width = extent.width, .height = extent.height, .step = 1 << (step - 1), .plane = plane, .weight = weight_of(step)})
         .dispatch(extent);
   }
 }

@@ -1,9 +1,10 @@
-// One step of an a-trous filter on the radiance feature (Dammertz et al. 2010, "Edge-avoiding a-trous wavelet transform for
+// One step of an a-trous filter on the exposed luminance; the last makes it a matching feature (Dammertz et al. 2010, "Edge-avoiding a-trous wavelet transform for
 // fast global illumination filtering"): B3-spline taps `step` pixels apart, weighted by how alike the guides are. Averaged
 // before it is compared, noise finds less to match, and patches may be smaller (README.md has the figures).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
+#include "lib/color.glsl"
 #include "shared/align_params.h"
 
 layout(constant_id = 0) const int guide_planes = 0;
@@ -39,5 +40,5 @@ void main() {
       weights += weight;
     }
   }
-  filtered.data[p.plane * plane_size + here] = sum / weights;
+  filtered.data[p.plane * plane_size + here] = radiance_feature(sum / weights, p.weight);
 }

@@ -1,7 +1,7 @@
-// Reads a colour image and the frame's exposure, writes one plane of matching features: the luminance averaged over
-// downsample x downsample pixels, then range-compressed. In that order, since the mean of compressed noisy values lies
-// below the compressed mean: a target that is noisier than the history would look darker than it and choose its darker
-// pixels (README.md has the figures).
+// Reads a colour image and the frame's exposure, writes the exposed luminance averaged over downsample x downsample pixels:
+// as a matching feature, or as it is for prefilter steps to follow. Compression comes last, since the mean of compressed
+// noisy values lies below the compressed mean: a target that is noisier than the history would look darker than it and
+// choose its darker pixels (README.md has the figures).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/color.glsl"
@@ -17,14 +17,15 @@ void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= p.width || at.y >= p.height) return;
   const ivec2 last = min((at + 1) * p.downsample, ivec2(p.width_in, p.height_in));
+  const float e = texelFetch(exposure, 0).x;
   float sum = 0.0;
   int count = 0;
   for (int y = at.y * p.downsample; y < last.y; ++y) {
     for (int x = at.x * p.downsample; x < last.x; ++x) {
       const vec4 c = texelFetch(color, y * p.width_in + x);
-      sum += luminance(c.r, c.g, c.b);
+      sum += exposed(luminance(c.r, c.g, c.b), e);
       ++count;
     }
   }
-  features.data[(p.plane * p.height + at.y) * p.width + at.x] = p.weight * compress(sum / float(count), texelFetch(exposure, 0).x);
+  features.data[(p.plane * p.height + at.y) * p.width + at.x] = radiance_feature(sum / float(count), p.weight);
 }

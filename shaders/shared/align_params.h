@@ -18,15 +18,16 @@ struct FeatureParams {
   int plane_in;    // first plane read
   int plane;       // first plane written
   int planes;
-  float weight;
+  float weight;  // of the feature; of radiance, 0 if prefilter steps follow
 };
 
 /// align/prefilter.
 struct PrefilterParams {
   int width;
   int height;
-  int step;   // distance of the taps
-  int plane;  // written
+  int step;      // distance of the taps
+  int plane;     // written
+  float weight;  // as in FeatureParams
 };
 
 /// align/downsample: one pyramid level to the next.
