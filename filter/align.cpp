@@ -403,6 +403,13 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
   return result;
 }
 
+int feature_margin_px(const Settings& settings) {
+  if (settings.weight_radiance == 0.0f || settings.prefilter == 0) return 0;
+  // Two taps to either side, twice as far apart with every step, and the pixel of which a part may lie beyond
+  // the tile.
+  return (2 * ((1 << settings.prefilter) - 1) + 1) * settings.match_downsample;
+}
+
 TileRules search_tile_rules(const Settings& settings, const gpu::DeviceInfo& device, std::size_t levels,
                             std::size_t end, int margin_px) {
   TileRules rules{.grid = level_px(settings, end), .core_grid = level_px(settings, end)};

@@ -96,6 +96,9 @@ TileRules search_tile_rules(const Settings& settings, const gpu::DeviceInfo& dev
 gpu::ImageId add_upsample_pass(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
                                gpu::ImageId offset);
 
+/// How far from a pixel its features depend on the images that they are made from.
+int feature_margin_px(const Settings& settings);
+
 struct Alignment {
   gpu::ImageId
       offset;  ///< f32x2, full resolution: source(p + offset) looks like target(p), in full-resolution px

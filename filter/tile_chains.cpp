@@ -1,5 +1,6 @@
 #include "filter/tile_chains.h"
 
+#include <string>
 #include <vector>
 
 #include "filter/merge.h"
@@ -16,19 +17,24 @@ Features feature_input(gpu::Chain& chain, const std::string& name, Extent extent
 
 }  // namespace
 
-FeatureChain::FeatureChain(gpu::Device& device, const FilterTask& task, const PyramidSplit& split,
-                           const std::string& name, Extent part, int guide_planes)
-    : chain(device, "features of the " + name) {
+FeatureChain::FeatureChain(gpu::Device& device, const FilterTask& task, const PyramidSplit& split, Of of,
+                           Extent part)
+    : chain(device, of == Of::history ? "features of the history" : "features of the frame") {
   const Settings& settings = task.settings;
+  const std::string name = of == Of::history ? "source" : "target";
+  const int planes = task.guides.planes();
   color = chain.input("color", Format::f32x4, part);
   exposure = chain.input("exposure", Format::f32, {1, 1});
-  FeatureSources sources{
-      .color = color, .exposure = exposure, .guide_features = {}, .guide_planes = guide_planes};
-  if (guide_planes > 0) {
-    guide = chain.input("guide", Format::f32, part.with_planes(guide_planes));
-    sources.guide_features =
-        chain.image("guide.features", Format::f32, level_extent(settings, part, 0).with_planes(guide_planes));
-    add_guide_passes(chain, settings, part, *guide, task.guides.weights, *sources.guide_features);
+  FeatureSources sources{.color = color, .exposure = exposure, .guide_features = {}, .guide_planes = planes};
+  if (planes > 0) {
+    const Extent matching = level_extent(settings, part, 0).with_planes(planes);
+    if (of == Of::history) {
+      guide = sources.guide_features = chain.input("guide.features", Format::f32, matching);
+    } else {
+      guide = chain.input("guide", Format::f32, part.with_planes(planes));
+      sources.guide_features = chain.image("guide.features", Format::f32, matching);
+      add_guide_passes(chain, settings, part, *guide, task.guides.weights, *sources.guide_features);
+    }
   }
   finest = add_feature_passes(chain, settings, part, name, sources);
   chain.output(finest.image);

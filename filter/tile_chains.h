@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <optional>
-#include <string>
 
 #include "filter/align.h"
 #include "filter/frame_merger.h"
@@ -21,15 +20,18 @@ struct PyramidSplit {
   bool has_coarse() const { return coarse < levels; }
 };
 
-/// Matching features of a part of a frame, from its colour and, for new frames, its guides.
+/// Matching features of a part of a frame, from its colour and its guides. The guides of a history are those
+/// of the frame before, which are features already.
 struct FeatureChain {
-  FeatureChain(gpu::Device& device, const FilterTask& task, const PyramidSplit& split,
-               const std::string& name, gpu::Extent part, int guide_planes);
+  enum class Of { new_frame, history };
+  FeatureChain(gpu::Device& device, const FilterTask& task, const PyramidSplit& split, Of of,
+               gpu::Extent part);
 
   gpu::Chain chain;
   gpu::ImageId color;
   gpu::ImageId exposure;
-  std::optional<gpu::ImageId> guide;
+  std::optional<gpu::ImageId>
+      guide;  ///< at full resolution for a new frame, at matching resolution for a history
   Features finest;
   std::optional<Features> coarse;  ///< of level `coarse` of the split
 };

@@ -37,10 +37,10 @@ PixelView<const float> view(const Image& image) {
   return {image.data(), {image.width(), image.height()}, image.channels()};
 }
 
-/// The last planes of an image.
-PixelView<float> last_planes(HostPlanes& image, int planes) {
+/// The first planes of an image.
+PixelView<const float> first_planes(const HostPlanes& image, int planes) {
   const Extent extent = image.extent.with_planes(planes);
-  return {std::span(image.values).last(extent.elements()), extent};
+  return {std::span(image.values).first(extent.elements()), extent};
 }
 
 void upload(gpu::Chain& chain, ImageId image, const PixelView<const float>& from, const Rect& rect) {
@@ -63,10 +63,11 @@ void add_times(FrameReport& report, const gpu::Chain& chain) {
 
 struct TiledFrame::Chains {
   Chains(gpu::Device& device, const FilterTask& task, const PyramidSplit& split, const Tile& tile)
-      : new_frame(device, task, split, "target", tile.target.extent(), task.guides.planes()) {
-    const bool radiance = task.settings.weight_radiance > 0.0f;
-    const int planes = task.guides.planes() + (radiance ? 1 : 0);
-    if (radiance) history.emplace(device, task, split, "source", tile.target.extent(), 0);
+      : new_frame(device, task, split, FeatureChain::Of::new_frame, tile.target.extent()) {
+    if (task.settings.weight_radiance > 0.0f) {
+      history.emplace(device, task, split, FeatureChain::Of::history, tile.target.extent());
+    }
+    const int planes = new_frame.finest.planes;
     if (split.has_coarse()) coarse.emplace(device, task, split, planes);
     this->tile.emplace(device, task, split, planes, tile.target.extent(), tile.source.extent());
   }
@@ -86,7 +87,7 @@ struct TiledFrame::Chains {
   }
 
   FeatureChain new_frame;
-  std::optional<FeatureChain> history;  ///< its radiance alone: its guides are those of the frame before
+  std::optional<FeatureChain> history;  ///< none if radiance is not matched: its guides are there already
   std::optional<CoarseChain> coarse;
   std::optional<TileChain> tile;
 };
@@ -119,24 +120,36 @@ void TiledFrame::plan(gpu::Device& device, std::uint64_t memory_limit) {
   const std::size_t first =
       settings.merge == MergeMode::mask ? static_cast<std::size_t>(settings.mask_level) + 1 : 1;
   std::uint64_t least_work = std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t least_bytes = std::numeric_limits<std::uint64_t>::max();
   std::string reason;
   for (std::size_t coarse = std::min(first, levels); coarse <= levels; ++coarse) {
     const PyramidSplit split{.levels = levels, .coarse = coarse};
     const TileRules rules =
         search_tile_rules(settings, device.info(), levels, coarse, merge_margin_px(settings));
+    const int margin = feature_margin_px(settings);
+    const TileRules feature_rules{.grid = rules.core_grid,
+                                  .core_grid = rules.core_grid,
+                                  .left = margin,
+                                  .above = margin,
+                                  .after = margin};
     std::unique_ptr<Chains> chains;
+    std::vector<Tile> feature_tiles;
     const auto fits = [&](const Tile& tile) {
       try {
         chains = std::make_unique<Chains>(device, task_, split, tile);
       } catch (const gpu::DeviceLimitError& error) {
-        reason = error.what();
+        if (reason.empty()) reason = error.what();
         return false;
       }
+      feature_tiles = cut_tiles(full, tile.target.extent(), feature_rules);
       const std::uint64_t bytes = chains->device_bytes();
-      reason =
-          fmt::format("tiles of {}x{} take {:.1f} MiB of device memory, more than the {:.1f} MiB allowed",
-                      tile.target.width, tile.target.height, mib(bytes), mib(memory_limit));
-      return bytes <= memory_limit;
+      if (bytes < least_bytes) {
+        least_bytes = bytes;
+        reason = fmt::format(
+            "even tiles of {}x{} px take {:.1f} MiB of device memory, more than the {:.1f} MiB allowed",
+            tile.target.width, tile.target.height, mib(bytes), mib(memory_limit));
+      }
+      return bytes <= memory_limit && !feature_tiles.empty();
     };
     std::vector<Tile> tiles = plan_tiles(full, rules, fits);
     if (tiles.empty()) continue;
@@ -145,13 +158,12 @@ void TiledFrame::plan(gpu::Device& device, std::uint64_t memory_limit) {
     least_work = work;
     split_ = split;
     chains_ = std::move(chains);
-    feature_tiles_ = cut_tiles(full, tiles.front().target.extent(),
-                               {.grid = rules.core_grid, .core_grid = rules.core_grid});
+    feature_tiles_ = std::move(feature_tiles);
     tiles_ = std::move(tiles);
   }
   if (tiles_.empty()) {
     throw gpu::DeviceLimitError(
-        fmt::format("a frame of {}x{} cannot be cut small enough: {}", full.width, full.height, reason));
+        fmt::format("frames of {}x{} px cannot be cut small enough: {}", full.width, full.height, reason));
   }
 }
 
@@ -171,8 +183,7 @@ void TiledFrame::find_features(const Tile& tile, const NewFrame& frame, FrameRep
       const Extent extent = level_extent(task_.settings, tile.target.extent(), level);
       const Rect core = at_level(tile.core, px);
       copy_rect({from.chain.download<float>(features.image), extent.with_planes(features.planes)},
-                within(core, at_level(tile.target, px)), last_planes(planes, features.planes), core.x,
-                core.y);
+                within(core, at_level(tile.target, px)), planes.view(), core.x, core.y);
     };
     keep_level(from.finest, 0, to.finest);
     if (from.coarse) keep_level(*from.coarse, split_.coarse, to.coarse);
@@ -191,6 +202,10 @@ void TiledFrame::find_features(const Tile& tile, const NewFrame& frame, FrameRep
   if (!chains_->history) return;
   FeatureChain& history = *chains_->history;
   upload(history.chain, history.color, view(std::as_const(history_.color)), tile.target);
+  if (history.guide) {
+    upload(history.chain, *history.guide, first_planes(history_.features.finest, task_.guides.planes()),
+           at_level(tile.target, level_px(task_.settings, 0)));
+  }
   history.chain.upload<float>(history.exposure)[0] = frame.exposure;
   history.chain.run();
   keep(history, history_.features);

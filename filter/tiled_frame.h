@@ -59,7 +59,7 @@ class TiledFrame : public FrameMerger {
   FilterTask task_;
   PyramidSplit split_;
   std::vector<Tile> tiles_;
-  std::vector<Tile> feature_tiles_;  ///< without surroundings
+  std::vector<Tile> feature_tiles_;  ///< of which features are made
   std::unique_ptr<Chains> chains_;
   HostHistory history_;
   HostFeatures features_;  ///< of the new frame
