@@ -240,14 +240,14 @@ void add_guide_passes(Chain& chain, const Settings& settings, Extent full, Image
         .read("guide", guide)
         .write("features", guide_features)
         .constants(params::GuideFeatureParams{.width_in = full.width,
-                                         .height_in = full.height,
-                                         .width = extent.width,
-                                         .height = extent.height,
-                                         .downsample = settings.match_downsample,
-                                         .plane_in = static_cast<int>(plane),
-                                         .plane = static_cast<int>(plane),
-                                         .planes = 1,
-                                         .weight = kFeatureRange * weights[plane]})
+                                              .height_in = full.height,
+                                              .width = extent.width,
+                                              .height = extent.height,
+                                              .downsample = settings.match_downsample,
+                                              .plane_in = static_cast<int>(plane),
+                                              .plane = static_cast<int>(plane),
+                                              .planes = 1,
+                                              .weight = kFeatureRange * weights[plane]})
         .dispatch(extent);
   }
 }
@@ -268,7 +268,8 @@ void add_radiance_feature(Chain& chain, const Settings& settings, Extent full, c
     return step == settings.prefilter ? kFeatureRange * settings.weight_radiance : 0.0f;
   };
   auto [radiance, plane] = target_of(0);
-  const bool demodulates = settings.demodulate != 0 && sources.guide_planes > 0 && settings.weight_albedo > 0.0f;
+  const bool demodulates =
+      settings.demodulate != 0 && sources.guide_planes > 0 && settings.weight_albedo > 0.0f;
   chain.pass("align/radiance_feature")
       .read("color", sources.color)
       .read("exposure", sources.exposure)
@@ -292,8 +293,11 @@ void add_radiance_feature(Chain& chain, const Settings& settings, Extent full, c
         .read("guides", sources.guide_planes > 0 ? *sources.guide_features : unfiltered)
         .write("filtered", radiance)
         .specialize("guide_planes", sources.guide_planes)
-        .constants(params::PrefilterParams{
-            .width = extent.width, .height = extent.height, .step = 1 << (step - 1), .plane = plane, .weight = weight_of(step)})
+        .constants(params::PrefilterParams{.width = extent.width,
+                                           .height = extent.height,
+                                           .step = 1 << (step - 1),
+                                           .plane = plane,
+                                           .weight = weight_of(step)})
         .dispatch(extent);
   }
 }
@@ -313,14 +317,14 @@ Features add_feature_passes(Chain& chain, const Settings& settings, Extent full,
         .read("guide", *sources.guide_features)
         .write("features", features)
         .constants(params::GuideFeatureParams{.width_in = extent.width,
-                                         .height_in = extent.height,
-                                         .width = extent.width,
-                                         .height = extent.height,
-                                         .downsample = 1,
-                                         .plane_in = 0,
-                                         .plane = 0,
-                                         .planes = sources.guide_planes,
-                                         .weight = 1.0f})
+                                              .height_in = extent.height,
+                                              .width = extent.width,
+                                              .height = extent.height,
+                                              .downsample = 1,
+                                              .plane_in = 0,
+                                              .plane = 0,
+                                              .planes = sources.guide_planes,
+                                              .weight = 1.0f})
         .dispatch({extent.width, extent.height, sources.guide_planes});
   }
   if (radiance) add_radiance_feature(chain, settings, full, name, sources, features);

@@ -199,6 +199,7 @@ Settings preset(std::string_view name) {
   if (name == "draft") {
     settings.match_downsample = 4;
     settings.prefilter = 0;
+    settings.blur_radius = {5};
   } else if (name == "final") {
     settings.match_downsample = 1;
     settings.prefilter = 2;
