@@ -239,15 +239,15 @@ void add_guide_passes(Chain& chain, const Settings& settings, Extent full, Image
     chain.pass("align/guide_feature")
         .read("guide", guide)
         .write("features", guide_features)
-        .constants(params::FeatureParams{.width_in = full.width,
-                                         .height_in = full.height,
-                                         .width = extent.width,
-                                         .height = extent.height,
-                                         .downsample = settings.match_downsample,
-                                         .plane_in = static_cast<int>(plane),
-                                         .plane = static_cast<int>(plane),
-                                         .planes = 1,
-                                         .weight = kFeatureRange * weights[plane]})
+        .constants(params::GuideFeatureParams{.width_in = full.width,
+                                              .height_in = full.height,
+                                              .width = extent.width,
+                                              .height = extent.height,
+                                              .downsample = settings.match_downsample,
+                                              .plane_in = static_cast<int>(plane),
+                                              .plane = static_cast<int>(plane),
+                                              .planes = 1,
+                                              .weight = kFeatureRange * weights[plane]})
         .dispatch(extent);
   }
 }
@@ -268,19 +268,22 @@ void add_radiance_feature(Chain& chain, const Settings& settings, Extent full, c
     return step == settings.prefilter ? kFeatureRange * settings.weight_radiance : 0.0f;
   };
   auto [radiance, plane] = target_of(0);
+  const bool demodulates =
+      settings.demodulate != 0 && sources.guide_planes > 0 && settings.weight_albedo > 0.0f;
   chain.pass("align/radiance_feature")
       .read("color", sources.color)
       .read("exposure", sources.exposure)
+      .read("guides", demodulates ? *sources.guide_features : sources.exposure)
+      .specialize("demodulates", demodulates ? 1 : 0)
       .write("features", radiance)
-      .constants(params::FeatureParams{.width_in = full.width,
-                                       .height_in = full.height,
-                                       .width = extent.width,
-                                       .height = extent.height,
-                                       .downsample = settings.match_downsample,
-                                       .plane_in = 0,
-                                       .plane = plane,
-                                       .planes = 1,
-                                       .weight = weight_of(0)})
+      .constants(params::RadianceFeatureParams{.width_in = full.width,
+                                               .height_in = full.height,
+                                               .width = extent.width,
+                                               .height = extent.height,
+                                               .downsample = settings.match_downsample,
+                                               .plane = plane,
+                                               .weight = weight_of(0),
+                                               .albedo_weight = kFeatureRange * settings.weight_albedo})
       .dispatch(extent);
   for (int step = 1; step <= settings.prefilter; ++step) {
     const ImageId unfiltered = radiance;
@@ -313,15 +316,15 @@ Features add_feature_passes(Chain& chain, const Settings& settings, Extent full,
     chain.pass("align/guide_feature")
         .read("guide", *sources.guide_features)
         .write("features", features)
-        .constants(params::FeatureParams{.width_in = extent.width,
-                                         .height_in = extent.height,
-                                         .width = extent.width,
-                                         .height = extent.height,
-                                         .downsample = 1,
-                                         .plane_in = 0,
-                                         .plane = 0,
-                                         .planes = sources.guide_planes,
-                                         .weight = 1.0f})
+        .constants(params::GuideFeatureParams{.width_in = extent.width,
+                                              .height_in = extent.height,
+                                              .width = extent.width,
+                                              .height = extent.height,
+                                              .downsample = 1,
+                                              .plane_in = 0,
+                                              .plane = 0,
+                                              .planes = sources.guide_planes,
+                                              .weight = 1.0f})
         .dispatch({extent.width, extent.height, sources.guide_planes});
   }
   if (radiance) add_radiance_feature(chain, settings, full, name, sources, features);

@@ -1,17 +1,20 @@
 // Reads a colour image and the frame's exposure, writes the exposed luminance averaged over downsample x downsample pixels:
 // as a matching feature, or as it is for prefilter steps to follow. Compression comes last, since the mean of compressed
 // noisy values lies below the compressed mean: a target that is noisier than the history would look darker than it and
-// choose its darker pixels (README.md has the figures).
+// choose its darker pixels (README.md has the figures). With `demodulates` the albedo is divided out, where there is any.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/color.glsl"
 #include "shared/align_params.h"
 
+layout(constant_id = 0) const bool demodulates = false;
+
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(push_constant) uniform Params { FeatureParams p; };
+layout(push_constant) uniform Params { RadianceFeatureParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer color;
 layout(set = 0, binding = 1) uniform samplerBuffer exposure;
-layout(std430, set = 0, binding = 2) writeonly buffer FeaturesBuffer { float data[]; } features;
+layout(set = 0, binding = 2) uniform samplerBuffer guides;
+layout(std430, set = 0, binding = 3) writeonly buffer FeaturesBuffer { float data[]; } features;
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
@@ -27,5 +30,7 @@ void main() {
       ++count;
     }
   }
-  features.data[(p.plane * p.height + at.y) * p.width + at.x] = radiance_feature(sum / float(count), p.weight);
+  float x = sum / float(count);
+  if (demodulates) x = demodulated(x, texelFetch(guides, at.y * p.width + at.x).x / p.albedo_weight);
+  features.data[(p.plane * p.height + at.y) * p.width + at.x] = radiance_feature(x, p.weight);
 }

@@ -10,6 +10,10 @@ float exposed(float radiance, float exposure) { return min(max(radiance * exposu
 /// Range compression of an exposed radiance to [0,1).
 float compress(float x) { return x / (1.0f + x); }
 
+/// Radiance without the texture; where the albedo is nearly black, light that did not come from it would be blown up, and
+/// the radiance stays as it is.
+float demodulated(float radiance, float albedo) { return albedo > 0.02f ? radiance / albedo : radiance; }
+
 /// The matching feature of an exposed radiance; a weight of 0 leaves it as it is, for prefilter steps to follow.
 float radiance_feature(float x, float weight) { return weight > 0.0f ? weight * compress(x) : x; }
 

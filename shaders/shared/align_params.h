@@ -8,8 +8,8 @@
 namespace becalm::filter::params {
 #endif
 
-/// align/radiance_feature, align/guide_feature: full resolution in, matching resolution out.
-struct FeatureParams {
+/// align/guide_feature: full resolution in, matching resolution out.
+struct GuideFeatureParams {
   int width_in;
   int height_in;
   int width;
@@ -18,7 +18,19 @@ struct FeatureParams {
   int plane_in;    // first plane read
   int plane;       // first plane written
   int planes;
-  float weight;  // of the feature; of radiance, 0 if prefilter steps follow
+  float weight;
+};
+
+/// align/radiance_feature: full resolution in, matching resolution out.
+struct RadianceFeatureParams {
+  int width_in;
+  int height_in;
+  int width;
+  int height;
+  int downsample;  // 1, 2 or 4
+  int plane;       // written
+  float weight;    // 0 if prefilter steps follow
+  float albedo_weight;
 };
 
 /// align/prefilter.
@@ -27,7 +39,7 @@ struct PrefilterParams {
   int height;
   int step;      // distance of the taps
   int plane;     // written
-  float weight;  // as in FeatureParams
+  float weight;  // as in RadianceFeatureParams
 };
 
 /// align/downsample: one pyramid level to the next.

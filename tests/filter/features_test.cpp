@@ -18,6 +18,7 @@ TEST_P(FeaturesTest, AreCompressedLuminanceAndWeightedGuides) {
   Settings settings = preset("final");
   settings.match_downsample = downsample;
   settings.weight_radiance = 0.5f;
+  settings.prefilter = 0;
   const gpu::Extent full{kWidth, kHeight};
   gpu::Extent extent = pyramid_extents(settings, kWidth, kHeight).front();
   extent.planes = 2;
