@@ -447,28 +447,39 @@ int feature_margin_px(const Settings& settings) {
 
 TileRules search_tile_rules(const Settings& settings, const gpu::DeviceInfo& device, std::size_t levels,
                             std::size_t end, int margin_px) {
-  TileRules rules{.grid = level_px(settings, end), .core_grid = level_px(settings, end)};
-  // In pixels of the level: how far from the core its offsets must be right. One more for a bilinear read.
-  int margin = ceil_div(margin_px, settings.match_downsample) + 1;
+  // Sums slide along runs to the right and down. Tiles begin where runs do.
+  struct Runs {
+    int x;
+    int y;
+  };
+  const auto runs_of = [&](std::size_t level) {
+    return blur_radius(settings, level) > kLargestMatchRadius ? Runs{kBlurRun, kBlurRun}
+                                                              : Runs{1, match_strip(device).rows};
+  };
+  // How far from the core the offsets of level `end` must be right, in full-resolution pixels.
+  const auto margin_at_end = [&](const auto& run_of) {
+    constexpr int bilinear = 1;
+    constexpr int median = 1;
+    constexpr int cut_pixel = 1;  // of a level's last pixel in a tile a part may lie beyond the tile
+    int margin = ceil_div(margin_px, settings.match_downsample) + bilinear;
+    for (std::size_t l = 0; l < end; ++l) {
+      // Every sum of a run has the rounding of all that was ever in it: a run is right as a whole or not at
+      // all.
+      margin += median + (run_of(runs_of(l)) - 1) + blur_radius(settings, l) + kWindowReach;
+      margin = ceil_div(margin, settings.pyramid_factor) + bilinear + cut_pixel;
+    }
+    return margin * level_px(settings, end);
+  };
+  TileRules rules{.grid = level_px(settings, end),
+                  .core_grid = level_px(settings, end),
+                  .left = margin_at_end([](const Runs& runs) { return runs.x; }),
+                  .above = margin_at_end([](const Runs& runs) { return runs.y; }),
+                  .after = margin_at_end([](const Runs&) { return 1; }),
+                  .reach = reach_px(settings, levels)};
   for (std::size_t l = 0; l < end; ++l) {
-    const int px = level_px(settings, l);
-    const int radius = blur_radius(settings, l);
-    margin += 1;  // the median
-    // Sums slide along runs. Tiles begin where runs do, and their first run lacks what came before it.
-    const bool in_bands = radius > kLargestMatchRadius;
-    const int run_y = in_bands ? kBlurRun : match_strip(device).rows;
-    const int run_x = in_bands ? kBlurRun : 0;
-    rules.grid = std::lcm(rules.grid, std::lcm(run_y, std::max(run_x, 1)) * px);
-    rules.left = std::max(rules.left, (margin + run_x) * px);
-    rules.above = std::max(rules.above, (margin + run_y) * px);
-    margin += radius + kWindowReach;
-    // One more for a bilinear read, and one for the last pixel: a part of it may lie beyond the tile.
-    margin = ceil_div(margin, settings.pyramid_factor) + 2;
+    const Runs runs = runs_of(l);
+    rules.grid = std::lcm(rules.grid, std::lcm(runs.x, runs.y) * level_px(settings, l));
   }
-  rules.after = margin * level_px(settings, end);
-  rules.left = std::max(rules.left, rules.after);
-  rules.above = std::max(rules.above, rules.after);
-  rules.reach = reach_px(settings, levels);
   return rules;
 }
 

@@ -93,7 +93,8 @@ TEST(Tiles, OfTheSearchBeginWhereItsSumsBegin) {
       const TileRules rules = search_tile_rules(settings, {}, 5, end, 4);
       EXPECT_EQ(rules.grid % rules.core_grid, 0);
       EXPECT_EQ(rules.grid % (16 * level_px(settings, end - 1)), 0);
-      EXPECT_GT(rules.above, 16 * level_px(settings, end - 1)) << "the first run lacks what came before it";
+      EXPECT_GT(rules.above, rules.left + (15 - factor) * level_px(settings, end - 1))
+          << "runs are right as a whole";
       EXPECT_GT(rules.after, settings.blur_radius.front() * level_px(settings, end - 1));
       EXPECT_EQ(rules.reach, reach_px(settings, 5));
     }
