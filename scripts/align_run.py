@@ -19,6 +19,7 @@ SCENES = ["spheres", "ocean", "penumbra", "crossing", "dining", "fence"]
 PICTURED_SPP = 4
 LARGE = "1920x1080"
 EXPERIMENTS = ["compare", "distances", "radii", "refinement", "downsampling"]
+SECTIONS = ["rendered", "synthetic", *EXPERIMENTS[1:]]  # of the report
 SLOW_PEER = "Dual TV-L1"
 SYNTHETIC_NOISE = (0.02, 0.1)
 
@@ -85,7 +86,7 @@ def comparison(asked, aligners, renders, report):
     for make in (shift_pair, zoom_pair):
         for sigma in SYNTHETIC_NOISE:
             synthetic += align_compare.compare(aligners, make((height, width), sigma), variants, peers)[0]
-    for key, title, of in (("compare", "Rendered pairs", rows), ("synthetic", "Synthetic pairs", synthetic)):
+    for key, title, of in (("rendered", "Rendered pairs", rows), ("synthetic", "Synthetic pairs", synthetic)):
         found = align_compare.verdicts(of)
         report.add(key, title, align_compare.row_table(of) + "\n" + align_compare.verdict_table(found) + "\n"
                    + align_compare.goal_line(found) + "\n", {"rows": of, "verdicts": found})
@@ -93,11 +94,10 @@ def comparison(asked, aligners, renders, report):
 
 def main():
     asked = arguments()
-    asked.folder.mkdir(parents=True, exist_ok=True)
     aligners = Aligners(asked.bench_align, asked.device)
     folder = asked.output / "renders"
     renders = Renders(asked.becalm, folder, asked.size)
-    report = Report(asked.folder)
+    report = Report(asked.folder, SECTIONS)
     experiments = {
         "compare": lambda: comparison(asked, aligners, renders, report),
         "distances": lambda: align_distances.run(aligners, renders, report, asked.folder, asked.reference_spp),
