@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 
 #include "shaders/shared/align_params.h"
 
@@ -42,6 +43,10 @@ int blur_radius(const Settings& settings, std::size_t level) {
   return settings.blur_radius[std::min(level, settings.blur_radius.size() - 1)];
 }
 
+int refines(const Settings& settings, std::size_t level) {
+  return static_cast<int>(level) < settings.refine_levels ? 1 : 0;
+}
+
 std::vector<Features> add_pyramid(Chain& chain, const Settings& settings, const std::vector<Extent>& extents,
                                   const Features& finest, const char* name) {
   std::vector<Features> levels{finest};
@@ -69,68 +74,141 @@ struct CoarseOffset {
   float scale;
 };
 
-/// One level: distances, blur and choice, band after band.
-void add_level(Chain& chain, const Settings& settings, std::size_t level, Extent extent, ImageId target,
-               ImageId source, int channels, const CoarseOffset& coarse, ImageId offset, ImageId residual) {
-  const int radius = blur_radius(settings, level);
-  const int kind = static_cast<int>(settings.distance);
-  const std::int64_t row_bytes = std::int64_t(extent.width) * kShifts * sizeof(float);
-  const int band = std::clamp(static_cast<int>(kBandBytes / row_bytes) - 2 * radius,
-                              std::min(16, extent.height), extent.height);
-  const ImageId distances = chain.image(fmt::format("distances.L{}", level), Format::f32,
-                                        {extent.width, band + 2 * radius, kShifts});
-  const ImageId row_sums = chain.image(fmt::format("row_sums.L{}", level), Format::f32,
-                                       {extent.width, band + 2 * radius, kShifts});
-  const ImageId patch_sums =
-      chain.image(fmt::format("patch_sums.L{}", level), Format::f32, {extent.width, band, kShifts});
-
-  for (int first_row = 0; first_row < extent.height; first_row += band) {
-    const int rows = std::min(band, extent.height - first_row);
-    const int rows_in = rows + 2 * radius;
-    chain.pass("align/distance")
-        .read("target", target)
-        .read("source", source)
-        .read("offset_coarse", coarse.image)
-        .write("distances", distances)
-        .specialize("kind", kind)
-        .specialize("channels", channels)
-        .constants(params::DistanceParams{.width = extent.width,
+/// The source's features as the target's pixels see them from where the level starts.
+ImageId add_warp(Chain& chain, std::size_t level, Extent extent, const Features& source,
+                 const CoarseOffset& coarse) {
+  const ImageId warped = chain.image(fmt::format("features.warped.L{}", level), Format::f32,
+                                     {extent.width, extent.height, source.planes});
+  chain.pass("align/warp_source")
+      .read("source", source.image)
+      .read("offset_coarse", coarse.image)
+      .write("warped", warped)
+      .constants(params::WarpSourceParams{.width = extent.width,
                                           .height = extent.height,
-                                          .first_row = first_row - radius,
-                                          .rows = rows_in,
+                                          .planes = source.planes,
                                           .coarse_width = coarse.extent.width,
                                           .coarse_height = coarse.extent.height,
                                           .coarse_scale = coarse.scale})
-        .dispatch({extent.width, rows_in});
+      .dispatch(extent);
+  return warped;
+}
+
+/// What a level is searched in and where its result goes.
+struct Level {
+  std::size_t index;
+  Extent extent;
+  int radius;
+  int channels;
+  ImageId target;
+  ImageId warped;
+  CoarseOffset coarse;
+  ImageId offset;
+  ImageId residual;
+};
+
+/// Largest radius that `match` is faster for than the bands (shaders/align/README.md has the figures).
+constexpr int kLargestMatchRadius = 10;
+
+/// How many factors 1 + d/2 a product may have before it leaves the range of floats (log_of in
+/// align/match.comp).
+int log_of(int radius, double largest_difference) {
+  constexpr double largest_log2 = 126.0;
+  const double factor_log2 = std::log2(1.0 + 0.5 * largest_difference);
+  const int side = 2 * radius + 1;
+  return factor_log2 * side * side < largest_log2 ? 0 : factor_log2 * side < largest_log2 ? 1 : 2;
+}
+
+/// What one invocation of align/match makes.
+struct Strip {
+  int columns;
+  int rows;
+};
+
+/// A software device has eight lanes, no registers to run out of and pays for every read; hardware wants many
+/// small invocations whose 25 sums a column stay in registers.
+Strip match_strip(const gpu::DeviceInfo& device) {
+  return device.type == "software" ? Strip{8, 32} : Strip{2, 16};
+}
+
+/// The level in one pass whose distances never leave the processor.
+void add_match(Chain& chain, const Settings& settings, const Level& level, double largest_difference) {
+  const Strip strip = match_strip(chain.device());
+  chain.pass("align/match")
+      .read("target", level.target)
+      .read("warped", level.warped)
+      .read("offset_coarse", level.coarse.image)
+      .write("offset", level.offset)
+      .write("residual", level.residual)
+      .specialize("kind", static_cast<int>(settings.distance))
+      .specialize("channels", level.channels)
+      .specialize("radius", level.radius)
+      .specialize("strip_columns", strip.columns)
+      .specialize("strip_rows", strip.rows)
+      .specialize("log_of", log_of(level.radius, largest_difference))
+      .constants(params::MatchParams{.width = level.extent.width,
+                                     .height = level.extent.height,
+                                     .coarse_width = level.coarse.extent.width,
+                                     .coarse_height = level.coarse.extent.height,
+                                     .coarse_scale = level.coarse.scale,
+                                     .refine = refines(settings, level.index)})
+      .dispatch({ceil_div(level.extent.width, strip.columns), ceil_div(level.extent.height, strip.rows)});
+}
+
+/// The level in bands: distances, blur and choice. The cost hardly depends on the radius, since sums slide.
+void add_bands(Chain& chain, const Settings& settings, const Level& level) {
+  const auto [width, height, planes] = level.extent;
+  const int radius = level.radius;
+  const int kind = static_cast<int>(settings.distance);
+  const std::int64_t row_bytes = std::int64_t(width) * kShifts * sizeof(float);
+  const int band =
+      std::clamp(static_cast<int>(kBandBytes / row_bytes) - 2 * radius, std::min(16, height), height);
+  const ImageId distances = chain.image(fmt::format("distances.L{}", level.index), Format::f32,
+                                        {width, band + 2 * radius, kShifts});
+  const ImageId row_sums =
+      chain.image(fmt::format("row_sums.L{}", level.index), Format::f32, {width, band + 2 * radius, kShifts});
+  const ImageId patch_sums =
+      chain.image(fmt::format("patch_sums.L{}", level.index), Format::f32, {width, band, kShifts});
+
+  for (int first_row = 0; first_row < height; first_row += band) {
+    const int rows = std::min(band, height - first_row);
+    const int rows_in = rows + 2 * radius;
+    chain.pass("align/distance")
+        .read("target", level.target)
+        .read("warped", level.warped)
+        .write("distances", distances)
+        .specialize("kind", kind)
+        .specialize("channels", level.channels)
+        .constants(params::DistanceParams{
+            .width = width, .height = height, .first_row = first_row - radius, .rows = rows_in})
+        .dispatch({width, rows_in});
     chain.pass("align/blur")
         .read("distances", distances)
         .write("sums", row_sums)
         .constants(params::BlurParams{
-            .width = extent.width, .rows_in = rows_in, .rows = rows_in, .radius_x = radius, .radius_y = 0})
-        .dispatch({ceil_div(extent.width, kBlurRun), rows_in, kShifts});
+            .width = width, .rows_in = rows_in, .rows = rows_in, .radius_x = radius, .radius_y = 0})
+        .dispatch({ceil_div(width, kBlurRun), rows_in, kShifts});
     chain.pass("align/blur")
         .read("distances", row_sums)
         .write("sums", patch_sums)
         .constants(params::BlurParams{
-            .width = extent.width, .rows_in = rows_in, .rows = rows, .radius_x = 0, .radius_y = radius})
-        .dispatch(radius > 0 ? Extent{extent.width, ceil_div(rows, kBlurRun), kShifts}
-                             : Extent{ceil_div(extent.width, kBlurRun), rows, kShifts});
+            .width = width, .rows_in = rows_in, .rows = rows, .radius_x = 0, .radius_y = radius})
+        .dispatch({width, ceil_div(rows, kBlurRun), kShifts});
     chain.pass("align/select_offset")
         .read("sums", patch_sums)
-        .read("offset_coarse", coarse.image)
-        .write("offset", offset)
-        .write("residual", residual)
+        .read("offset_coarse", level.coarse.image)
+        .write("offset", level.offset)
+        .write("residual", level.residual)
         .specialize("kind", kind)
-        .constants(params::SelectParams{.width = extent.width,
-                                        .height = extent.height,
+        .constants(params::SelectParams{.width = width,
+                                        .height = height,
                                         .first_row = first_row,
                                         .rows = rows,
                                         .radius = radius,
-                                        .coarse_width = coarse.extent.width,
-                                        .coarse_height = coarse.extent.height,
-                                        .coarse_scale = coarse.scale,
-                                        .refine = static_cast<int>(level) < settings.refine_levels ? 1 : 0})
-        .dispatch({extent.width, rows});
+                                        .coarse_width = level.coarse.extent.width,
+                                        .coarse_height = level.coarse.extent.height,
+                                        .coarse_scale = level.coarse.scale,
+                                        .refine = refines(settings, level.index)})
+        .dispatch({width, rows});
   }
 }
 
@@ -232,17 +310,29 @@ Alignment add_align_passes(Chain& chain, const Settings& settings, Extent full, 
   CoarseOffset coarse{chain.image("offset.none", Format::f32x2, {1, 1}), {1, 1}, 1.0f};
   chain.pass("align/zero_offset").write("offset", coarse.image).dispatch({1, 1});
   for (std::size_t l = extents.size(); l-- > 0;) {
-    const ImageId noisy = chain.image(fmt::format("offset_noisy.L{}", l), Format::f32x2, extents[l]);
-    alignment.residual[l] = chain.image(fmt::format("residual.L{}", l), Format::f32, extents[l]);
-    add_level(chain, settings, l, extents[l], targets[l].image, sources[l].image, target.planes, coarse,
-              noisy, alignment.residual[l]);
-    const ImageId offset = chain.image(fmt::format("offset.L{}", l), Format::f32x2, extents[l]);
+    const Extent extent = extents[l];
+    alignment.residual[l] = chain.image(fmt::format("residual.L{}", l), Format::f32, extent);
+    const Level level{.index = l,
+                      .extent = extent,
+                      .radius = blur_radius(settings, l),
+                      .channels = target.planes,
+                      .target = targets[l].image,
+                      .warped = add_warp(chain, l, extent, sources[l], coarse),
+                      .coarse = coarse,
+                      .offset = chain.image(fmt::format("offset_noisy.L{}", l), Format::f32x2, extent),
+                      .residual = alignment.residual[l]};
+    if (level.radius <= kLargestMatchRadius) {
+      add_match(chain, settings, level, kFeatureRange * 8.0);
+    } else {
+      add_bands(chain, settings, level);
+    }
+    const ImageId offset = chain.image(fmt::format("offset.L{}", l), Format::f32x2, extent);
     chain.pass("align/median_offset")
-        .read("offset_noisy", noisy)
+        .read("offset_noisy", level.offset)
         .write("offset", offset)
-        .constants(params::MedianParams{.width = extents[l].width, .height = extents[l].height})
-        .dispatch(extents[l]);
-    coarse = {offset, extents[l], static_cast<float>(settings.pyramid_factor)};
+        .constants(params::MedianParams{.width = extent.width, .height = extent.height})
+        .dispatch(extent);
+    coarse = {offset, extent, static_cast<float>(settings.pyramid_factor)};
   }
   alignment.offset = coarse.image;
   if (settings.match_downsample > 1) {

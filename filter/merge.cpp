@@ -37,19 +37,17 @@ ImageId add_patch_sums(Chain& chain, const Settings& settings, Extent full, Imag
                        const std::string& name) {
   const ImageId rows = chain.image(name + ".rows", Format::f32x4, full);
   const ImageId sums = chain.image(name + ".sums", Format::f32x4, full);
-  const auto box = [&](ImageId in, ImageId out, int radius_x, int radius_y, int without_own_row) {
+  const auto box = [&](ImageId in, ImageId out, bool along_y) {
     chain.pass("merge/box")
         .read("statistics", in)
         .write("sums", out)
-        .constants(params::BoxParams{.width = full.width,
-                                     .height = full.height,
-                                     .radius_x = radius_x,
-                                     .radius_y = radius_y,
-                                     .without_own_row = without_own_row})
+        .specialize("radius", settings.patch_radius)
+        .specialize("along_y", along_y ? 1 : 0)
+        .constants(params::ImageParams{.width = full.width, .height = full.height})
         .dispatch(full);
   };
-  box(statistics, rows, settings.patch_radius, 0, 0);
-  box(rows, sums, 0, settings.patch_radius, 1);
+  box(statistics, rows, false);
+  box(rows, sums, true);
   return sums;
 }
 
@@ -83,9 +81,9 @@ ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, c
       .write("merged_color", inputs.history_color.next)
       .write("merged_stats", inputs.history_stats.next)
       .write("decision", decision)
+      .specialize("radius", settings.patch_radius)
       .constants(params::VarianceGainParams{.width = full.width,
                                             .height = full.height,
-                                            .radius = settings.patch_radius,
                                             .max_history = settings.max_history,
                                             .significance = settings.significance})
       .dispatch(full);

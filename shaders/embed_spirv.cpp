@@ -195,10 +195,11 @@ Kernel reflect(const std::string& name, const std::string& path) {
   }
 
   const spirv_cross::ShaderResources resources = compiler.get_shader_resources();
-  require(resources.storage_images.empty() && resources.separate_samplers.empty() &&
-              resources.uniform_buffers.empty() && resources.atomic_counters.empty(),
-          "images, samplers and uniform buffers are not supported: use storage buffers, texel buffers and push "
-          "constants");
+  require(
+      resources.storage_images.empty() && resources.separate_samplers.empty() &&
+          resources.uniform_buffers.empty() && resources.atomic_counters.empty(),
+      "images, samplers and uniform buffers are not supported: use storage buffers, texel buffers and push "
+      "constants");
   for (const auto& resource : resources.storage_buffers)
     kernel.bindings.push_back(reflect_binding(compiler, resource));
   for (const auto* textures : {&resources.sampled_images, &resources.separate_images}) {

@@ -82,6 +82,10 @@ Chain::Pass Chain::pass(std::string_view kernel) {
   return {*this, impl_->passes.size() - 1};
 }
 
+const DeviceInfo& Chain::device() const {
+  return impl_->device.info;
+}
+
 Chain::Pass& Chain::Pass::read(std::string_view binding, ImageId image) {
   chain_.impl_->passes[index_].uses.push_back({std::string(binding), image.index, Access::read});
   return *this;

@@ -86,6 +86,8 @@ class Chain {
   void output(ImageId image);
 
   Pass pass(std::string_view kernel);
+  /// The device that the chain runs on.
+  const DeviceInfo& device() const;
   void build();
 
   /// Host memory of an input: fill it, or keep what earlier runs were given. Valid as long as the chain.

@@ -177,8 +177,7 @@ void Chain::Impl::create_descriptor_sets() {
       ++(binding.is_texel_buffer() ? texel_buffers : storage_buffers);
     }
   }
-  std::vector<vk::DescriptorPoolSize> sizes{
-      {vk::DescriptorType::eStorageBuffer, storage_buffers * parities}};
+  std::vector<vk::DescriptorPoolSize> sizes{{vk::DescriptorType::eStorageBuffer, storage_buffers * parities}};
   if (texel_buffers > 0) {
     sizes.emplace_back(vk::DescriptorType::eUniformTexelBuffer, texel_buffers * parities);
   }

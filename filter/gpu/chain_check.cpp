@@ -51,8 +51,8 @@ void check_binding(const Kernel& kernel, const ImageDeclaration& image, const Us
   }
   if (found->is_texel_buffer()) {
     if ((found->element == "utexel") != (image.format == Format::u32)) {
-      throw DeviceError(where + "the kernel reads texels of another kind than image '" + image.name + "' of " +
-                        std::string(element_of(image.format)) + " has");
+      throw DeviceError(where + "the kernel reads texels of another kind than image '" + image.name +
+                        "' of " + std::string(element_of(image.format)) + " has");
     }
     if (image.extent.elements() > limits.maxTexelBufferElements) {
       throw DeviceError(where + "image '" + image.name + "' has " + std::to_string(image.extent.elements()) +
@@ -136,8 +136,8 @@ void check_dispatch(const Kernel& kernel, const PassDeclaration& pass, const vk:
       static_cast<std::size_t>(std::ranges::count_if(kernel.bindings, &BindingInfo::is_texel_buffer));
   const auto check_count = [&](std::size_t count, std::uint32_t limit, const char* what) {
     if (count > limit) {
-      throw DeviceError(where + "the kernel has " + std::to_string(count) + what + ", the device's limit is " +
-                        std::to_string(limit));
+      throw DeviceError(where + "the kernel has " + std::to_string(count) + what +
+                        ", the device's limit is " + std::to_string(limit));
     }
   };
   check_count(kernel.bindings.size() - texel_buffers, limits.maxPerStageDescriptorStorageBuffers,

@@ -8,8 +8,8 @@ namespace becalm::gpu {
 
 /// One buffer of a kernel, reflected from its SPIR-V at build time.
 struct BindingInfo {
-  std::string_view name;     ///< the role: the GLSL instance name, such as `offset_coarse`
-  std::uint32_t binding;     ///< in descriptor set 0
+  std::string_view name;  ///< the role: the GLSL instance name, such as `offset_coarse`
+  std::uint32_t binding;  ///< in descriptor set 0
   /// "float", "vec2", "vec4" or "uint" for a storage buffer; "texel" or "utexel" for a texel
   /// buffer of any float or uint format.
   std::string_view element;

@@ -9,7 +9,7 @@ const int kRun = 16;
 
 layout(local_size_x = 8, local_size_y = 4) in;
 layout(push_constant) uniform Params { BlurParams p; };
-layout(std430, set = 0, binding = 0) readonly buffer DistanceBuffer { float data[]; } distances;
+layout(set = 0, binding = 0) uniform samplerBuffer distances;
 layout(std430, set = 0, binding = 1) writeonly buffer SumBuffer { float data[]; } sums;
 
 // One invocation a run and image; the extent is in runs along the blurred direction.
@@ -26,11 +26,11 @@ void main() {
     const int end = min(begin + kRun, p.width);
     const int line = in_first + at.y * p.width;
     float sum = 0.0;
-    for (int x = max(begin - radius, 0); x < min(begin + radius, p.width); ++x) sum += distances.data[line + x];
+    for (int x = max(begin - radius, 0); x < min(begin + radius, p.width); ++x) sum += texelFetch(distances, line + x).x;
     for (int x = begin; x < end; ++x) {
-      if (x + radius < p.width) sum += distances.data[line + x + radius];
+      if (x + radius < p.width) sum += texelFetch(distances, line + x + radius).x;
       sums.data[out_first + at.y * p.width + x] = sum;
-      if (x - radius >= 0) sum -= distances.data[line + x - radius];
+      if (x - radius >= 0) sum -= texelFetch(distances, line + x - radius).x;
     }
   } else {
     if (at.x >= p.width || at.y * kRun >= p.rows) return;
@@ -38,11 +38,11 @@ void main() {
     const int end = min(begin + kRun, p.rows);
     const int column = in_first + at.x;
     float sum = 0.0;
-    for (int y = begin - radius; y < begin + radius; ++y) sum += distances.data[column + y * p.width];
+    for (int y = begin - radius; y < begin + radius; ++y) sum += texelFetch(distances, column + y * p.width).x;
     for (int y = begin; y < end; ++y) {
-      sum += distances.data[column + (y + radius) * p.width];
+      sum += texelFetch(distances, column + (y + radius) * p.width).x;
       sums.data[out_first + y * p.width + at.x] = sum;
-      sum -= distances.data[column + (y - radius) * p.width];
+      sum -= texelFetch(distances, column + (y - radius) * p.width).x;
     }
   }
 }

@@ -7,7 +7,7 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant) uniform Params { DownsampleParams p; };
-layout(std430, set = 0, binding = 0) readonly buffer FineBuffer { float data[]; } fine;
+layout(set = 0, binding = 0) uniform samplerBuffer fine;
 layout(std430, set = 0, binding = 1) writeonly buffer CoarseBuffer { float data[]; } coarse;
 
 void main() {
@@ -18,7 +18,7 @@ void main() {
   int count = 0;
   for (int y = at.y * p.factor; y < last.y; ++y) {
     for (int x = at.x * p.factor; x < last.x; ++x) {
-      sum += fine.data[(at.z * p.height_in + y) * p.width_in + x];
+      sum += texelFetch(fine, (at.z * p.height_in + y) * p.width_in + x).x;
       ++count;
     }
   }

@@ -6,7 +6,7 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant) uniform Params { FeatureParams p; };
-layout(std430, set = 0, binding = 0) readonly buffer GuideBuffer { float data[]; } guide;
+layout(set = 0, binding = 0) uniform samplerBuffer guide;
 layout(std430, set = 0, binding = 1) writeonly buffer FeaturesBuffer { float data[]; } features;
 
 void main() {
@@ -17,7 +17,7 @@ void main() {
   int count = 0;
   for (int y = at.y * p.downsample; y < last.y; ++y) {
     for (int x = at.x * p.downsample; x < last.x; ++x) {
-      sum += guide.data[((p.plane_in + at.z) * p.height_in + y) * p.width_in + x];
+      sum += texelFetch(guide, ((p.plane_in + at.z) * p.height_in + y) * p.width_in + x).x;
       ++count;
     }
   }

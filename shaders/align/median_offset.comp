@@ -4,11 +4,12 @@
 // estimation and their principles", find the same for the warping steps of optical flow).
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #include "shared/align_params.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant) uniform Params { MedianParams p; };
-layout(std430, set = 0, binding = 0) readonly buffer NoisyBuffer { vec2 data[]; } offset_noisy;
+layout(set = 0, binding = 0) uniform samplerBuffer offset_noisy;
 layout(std430, set = 0, binding = 1) writeonly buffer OffsetBuffer { vec2 data[]; } offset;
 
 void sort(inout vec2 a, inout vec2 b) {
@@ -21,17 +22,17 @@ void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= p.width || at.y >= p.height) return;
   vec2 v[9];
-  for (int j = 0; j < 3; ++j) {
-    for (int i = 0; i < 3; ++i) {
+  [[unroll]] for (int j = 0; j < 3; ++j) {
+    [[unroll]] for (int i = 0; i < 3; ++i) {
       const ivec2 tap = clamp(at + ivec2(i, j) - 1, ivec2(0), ivec2(p.width, p.height) - 1);
-      v[3 * j + i] = offset_noisy.data[tap.y * p.width + tap.x];
+      v[3 * j + i] = texelFetch(offset_noisy, tap.y * p.width + tap.x).xy;
     }
   }
   // Sort the columns of a 3x3 square, then its rows; the median lies on the other diagonal.
-  for (int pass = 0; pass < 2; ++pass) {
+  [[unroll]] for (int pass = 0; pass < 2; ++pass) {
     const int step = pass == 0 ? 3 : 1;
     const int next = pass == 0 ? 1 : 3;
-    for (int line = 0; line < 3; ++line) {
+    [[unroll]] for (int line = 0; line < 3; ++line) {
       const int first = line * next;
       sort(v[first], v[first + step]);
       sort(v[first + step], v[first + 2 * step]);

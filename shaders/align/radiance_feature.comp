@@ -9,8 +9,8 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant) uniform Params { FeatureParams p; };
-layout(std430, set = 0, binding = 0) readonly buffer ColorBuffer { vec4 data[]; } color;
-layout(std430, set = 0, binding = 1) readonly buffer ExposureBuffer { float data[]; } exposure;
+layout(set = 0, binding = 0) uniform samplerBuffer color;
+layout(set = 0, binding = 1) uniform samplerBuffer exposure;
 layout(std430, set = 0, binding = 2) writeonly buffer FeaturesBuffer { float data[]; } features;
 
 void main() {
@@ -21,10 +21,10 @@ void main() {
   int count = 0;
   for (int y = at.y * p.downsample; y < last.y; ++y) {
     for (int x = at.x * p.downsample; x < last.x; ++x) {
-      const vec4 c = color.data[y * p.width_in + x];
+      const vec4 c = texelFetch(color, y * p.width_in + x);
       sum += luminance(c.r, c.g, c.b);
       ++count;
     }
   }
-  features.data[(p.plane * p.height + at.y) * p.width + at.x] = p.weight * compress(sum / float(count), exposure.data[0]);
+  features.data[(p.plane * p.height + at.y) * p.width + at.x] = p.weight * compress(sum / float(count), texelFetch(exposure, 0).x);
 }

@@ -5,7 +5,7 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant) uniform Params { UpsampleParams p; };
-layout(std430, set = 0, binding = 0) readonly buffer CoarseBuffer { vec2 data[]; } offset_coarse;
+layout(set = 0, binding = 0) uniform samplerBuffer offset_coarse;
 layout(std430, set = 0, binding = 1) writeonly buffer OffsetBuffer { vec2 data[]; } offset;
 
 #include "lib/offset_field.glsl"
@@ -13,5 +13,5 @@ layout(std430, set = 0, binding = 1) writeonly buffer OffsetBuffer { vec2 data[]
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= p.width || at.y >= p.height) return;
-  offset.data[at.y * p.width + at.x] = read_offset(at, ivec2(p.width_in, p.height_in), p.scale);
+  offset.data[at.y * p.width + at.x] = read_offset(vec2(at), ivec2(p.width_in, p.height_in), p.scale);
 }

@@ -1,4 +1,4 @@
-// Where a pixel lies in a smaller image.
+// Where a position lies between the pixels of an image.
 
 struct BilinearTaps {
   ivec2 lo;
@@ -6,10 +6,14 @@ struct BilinearTaps {
   vec2 t;
 };
 
-/// Taps around the centre of pixel `at` in an image that is `scale` times smaller; its size may be rounded up.
-BilinearTaps bilinear_taps(ivec2 at, ivec2 size, float scale) {
-  const vec2 position = (vec2(at) + 0.5) / scale - 0.5;
+/// Taps around a position, where pixel (x, y) has its centre at (x, y); outside of the image its border repeats.
+BilinearTaps bilinear_taps(vec2 position, ivec2 size) {
   const vec2 base = floor(position);
   return BilinearTaps(clamp(ivec2(base), ivec2(0), size - 1), clamp(ivec2(base) + 1, ivec2(0), size - 1),
                       position - base);
+}
+
+/// The same in an image that is `scale` times smaller than the one that `position` is of; its size may be rounded up.
+BilinearTaps bilinear_taps(vec2 position, ivec2 size, float scale) {
+  return bilinear_taps((position + 0.5) / scale - 0.5, size);
 }

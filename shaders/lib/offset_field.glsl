@@ -1,11 +1,13 @@
-// Bilinear read of an offset field at another resolution. Not a pure function: the including kernel declares the buffer
-// `offset_coarse`.
+// Bilinear read of an offset field at another resolution. Not a pure function: the including kernel declares the texel
+// buffer `offset_coarse`.
 #include "lib/bilinear.glsl"
 
-/// Offset at the centre of pixel `at` of an image whose size is `scale` times that of the field.
-vec2 read_offset(ivec2 at, ivec2 size, float scale) {
-  const BilinearTaps taps = bilinear_taps(at, size, scale);
-  const vec2 top = mix(offset_coarse.data[taps.lo.y * size.x + taps.lo.x], offset_coarse.data[taps.lo.y * size.x + taps.hi.x], taps.t.x);
-  const vec2 bottom = mix(offset_coarse.data[taps.hi.y * size.x + taps.lo.x], offset_coarse.data[taps.hi.y * size.x + taps.hi.x], taps.t.x);
-  return scale * mix(top, bottom, taps.t.y);
+/// Offset at a position of an image whose size is `scale` times that of the field.
+vec2 read_offset(vec2 position, ivec2 size, float scale) {
+  const BilinearTaps taps = bilinear_taps(position, size, scale);
+  const int top = taps.lo.y * size.x;
+  const int bottom = taps.hi.y * size.x;
+  return scale * mix(mix(texelFetch(offset_coarse, top + taps.lo.x).xy, texelFetch(offset_coarse, top + taps.hi.x).xy, taps.t.x),
+                     mix(texelFetch(offset_coarse, bottom + taps.lo.x).xy, texelFetch(offset_coarse, bottom + taps.hi.x).xy, taps.t.x),
+                     taps.t.y);
 }

@@ -3,11 +3,10 @@
 
 /// Weighted least-squares fit, weights (1,2,1)x(1,2,1), of c + b.x + x.A.x/2 to the 3x3 costs, row-major from (-1,-1).
 /// True if the fit has a minimum within one pixel of the centre, which `x` and `y` then are; false leaves them 0.
-/// Everything is relative to the costs, so that their scale does not matter: a hundredth of the larger curvature added to
-/// the diagonal takes the nearest point of a valley (an edge fixes one direction only), and curvatures below 1e-5 of the
-/// cost are rounding.
+/// The scale of the costs does not matter: a hundredth of the larger curvature added to the diagonal takes the nearest
+/// point of a valley (an edge fixes one direction only); curvatures up to `rounding` mean nothing.
 bool quadric_minimum(float c00, float c10, float c20, float c01, float c11, float c21, float c02, float c12, float c22,
-                     OUT(float) x, OUT(float) y) {
+                     float rounding, OUT(float) x, OUT(float) y) {
   x = 0.0f;
   y = 0.0f;
   float axx = 0.25f * ((c00 - 2.0f * c10 + c20) + 2.0f * (c01 - 2.0f * c11 + c21) + (c02 - 2.0f * c12 + c22));
@@ -16,7 +15,7 @@ bool quadric_minimum(float c00, float c10, float c20, float c01, float c11, floa
   float bx = 0.125f * ((c20 - c00) + 2.0f * (c21 - c01) + (c22 - c02));
   float by = 0.125f * ((c02 - c00) + 2.0f * (c12 - c10) + (c22 - c20));
   float larger = max(axx, ayy);
-  if (!(larger > 1e-5f * c11)) return false;
+  if (!(larger > rounding)) return false;
   axx += 0.01f * larger;
   ayy += 0.01f * larger;
   float det = axx * ayy - axy * axy;
@@ -29,11 +28,11 @@ bool quadric_minimum(float c00, float c10, float c20, float c01, float c11, floa
   return true;
 }
 
-/// Largest subpixel offset along one axis that the costs allow, given the cost `here`, its two neighbours and the cost
-/// `least` of a perfect match. An image displaced by m costs about |m| times what a whole pixel costs (m^2 times under
+/// Largest subpixel offset along one axis that the costs allow, given the cost `here` and its two neighbours, all counted
+/// from that of a perfect match. An image displaced by m costs about |m| times what a whole pixel costs (m^2 times under
 /// L2), so that a perfect match has no subpixel part, however uneven its surroundings; noise raises `here` and with it
 /// the limit.
-float subpixel_limit(float here, float before, float after, float least, bool squared) {
-  float ratio = max(here - least, 0.0f) / max(0.5f * (before + after) - least, 1e-30f);
+float subpixel_limit(float here, float before, float after, bool squared) {
+  float ratio = here / max(0.5f * (before + after), 1e-30f);
   return min(squared ? sqrt(ratio) : ratio, 1.0f);
 }

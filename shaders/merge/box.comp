@@ -1,25 +1,33 @@
 // Reads an image of patch statistics, writes its box sums along one direction; two passes sum a square patch. The second
-// may leave out the pixel's own row: variance_gain adds what belongs to the patch of it, so that the pixel itself is never
+// leaves out the pixel's own row: variance_gain adds what belongs to the patch of it, so that the pixel itself is never
 // part of its sums (taking it out again would leave the rounding of a firefly's square). Patches are small (radius 1 to
 // 8), so each sum is taken anew and no rounding residue travels along a row.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #include "shared/merge_params.h"
 
+layout(constant_id = 0) const int radius = 3;
+layout(constant_id = 1) const int along_y = 0;  // 1: over the rows above and below, without the pixel's own
+
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(push_constant) uniform Params { BoxParams p; };
-layout(std430, set = 0, binding = 0) readonly buffer StatisticsBuffer { vec4 data[]; } statistics;
+layout(push_constant) uniform Params { ImageParams p; };
+layout(set = 0, binding = 0) uniform samplerBuffer statistics;
 layout(std430, set = 0, binding = 1) writeonly buffer SumBuffer { vec4 data[]; } sums;
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= p.width || at.y >= p.height) return;
+  const int index = at.y * p.width + at.x;
+  const int position = along_y != 0 ? at.y : at.x;
+  const int size = along_y != 0 ? p.height : p.width;
+  const int stride = along_y != 0 ? p.width : 1;
   vec4 sum = vec4(0.0);
-  for (int y = max(at.y - p.radius_y, 0); y <= min(at.y + p.radius_y, p.height - 1); ++y) {
-    if (p.without_own_row != 0 && y == at.y) continue;
-    for (int x = max(at.x - p.radius_x, 0); x <= min(at.x + p.radius_x, p.width - 1); ++x) {
-      sum += statistics.data[y * p.width + x];
-    }
+  [[unroll]] for (int i = -radius; i <= radius; ++i) {
+    if (along_y != 0 && i == 0) continue;
+    const bool inside = position + i >= 0 && position + i < size;
+    const vec4 value = texelFetch(statistics, inside ? index + i * stride : index);
+    sum += inside ? value : vec4(0.0);
   }
-  sums.data[at.y * p.width + at.x] = sum;
+  sums.data[index] = sum;
 }

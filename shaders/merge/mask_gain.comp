@@ -10,23 +10,24 @@
 
 layout(local_size_x = 8, local_size_y = 4) in;
 layout(push_constant) uniform Params { MaskGainParams p; };
-layout(std430, set = 0, binding = 0) readonly buffer ColorBuffer { vec4 data[]; } color;
-layout(std430, set = 0, binding = 1) readonly buffer VarianceBuffer { vec2 data[]; } variance;
-layout(std430, set = 0, binding = 2) readonly buffer WarpedColorBuffer { vec4 data[]; } warped_color;
-layout(std430, set = 0, binding = 3) readonly buffer WarpedStatsBuffer { vec2 data[]; } warped_stats;
-layout(std430, set = 0, binding = 4) readonly buffer ResidualBuffer { float data[]; } residual;
+layout(set = 0, binding = 0) uniform samplerBuffer color;
+layout(set = 0, binding = 1) uniform samplerBuffer variance;
+layout(set = 0, binding = 2) uniform samplerBuffer warped_color;
+layout(set = 0, binding = 3) uniform samplerBuffer warped_stats;
+layout(set = 0, binding = 4) uniform samplerBuffer residual;
 layout(std430, set = 0, binding = 5) writeonly buffer MergedColorBuffer { vec4 data[]; } merged_color;
 layout(std430, set = 0, binding = 6) writeonly buffer MergedStatsBuffer { vec2 data[]; } merged_stats;
 layout(std430, set = 0, binding = 7) writeonly buffer DecisionBuffer { vec2 data[]; } decision;
 
 #include "lib/blend.glsl"
 
+float residual_at(int x, int y) { return texelFetch(residual, y * p.residual_width + x).x; }
+
 /// The residual image read bilinearly at the pixel's centre; it may be of a coarser level.
 float read_residual(ivec2 at) {
-  const ivec2 size = ivec2(p.residual_width, p.residual_height);
-  const BilinearTaps taps = bilinear_taps(at, size, p.residual_scale);
-  const float top = mix(residual.data[taps.lo.y * size.x + taps.lo.x], residual.data[taps.lo.y * size.x + taps.hi.x], taps.t.x);
-  const float bottom = mix(residual.data[taps.hi.y * size.x + taps.lo.x], residual.data[taps.hi.y * size.x + taps.hi.x], taps.t.x);
+  const BilinearTaps taps = bilinear_taps(at, ivec2(p.residual_width, p.residual_height), p.residual_scale);
+  const float top = mix(residual_at(taps.lo.x, taps.lo.y), residual_at(taps.hi.x, taps.lo.y), taps.t.x);
+  const float bottom = mix(residual_at(taps.lo.x, taps.hi.y), residual_at(taps.hi.x, taps.hi.y), taps.t.x);
   return mix(top, bottom, taps.t.y);
 }
 
@@ -34,7 +35,7 @@ void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= p.width || at.y >= p.height) return;
   const int index = at.y * p.width + at.x;
-  const float n = min(warped_stats.data[index].y, p.max_history - 1.0);
+  const float n = min(texelFetch(warped_stats, index).y, p.max_history - 1.0);
   const float mask = clamp(p.kappa * read_residual(at) - p.eta, 0.0, 1.0);
   const float history_weight = min(p.alpha * (1.0 - mask), n / (n + 1.0));
   blend(index, 1.0 - history_weight, 0.0, p.max_history, mask);

@@ -10,11 +10,11 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant) uniform Params { ImageParams p; };
-layout(std430, set = 0, binding = 0) readonly buffer ColorBuffer { vec4 data[]; } color;
-layout(std430, set = 0, binding = 1) readonly buffer VarianceBuffer { vec2 data[]; } variance;
-layout(std430, set = 0, binding = 2) readonly buffer WarpedColorBuffer { vec4 data[]; } warped_color;
-layout(std430, set = 0, binding = 3) readonly buffer WarpedStatsBuffer { vec2 data[]; } warped_stats;
-layout(std430, set = 0, binding = 4) readonly buffer ExposureBuffer { float data[]; } exposure;
+layout(set = 0, binding = 0) uniform samplerBuffer color;
+layout(set = 0, binding = 1) uniform samplerBuffer variance;
+layout(set = 0, binding = 2) uniform samplerBuffer warped_color;
+layout(set = 0, binding = 3) uniform samplerBuffer warped_stats;
+layout(set = 0, binding = 4) uniform samplerBuffer exposure;
 layout(std430, set = 0, binding = 5) writeonly buffer DifferenceBuffer { vec4 data[]; } difference;
 layout(std430, set = 0, binding = 6) writeonly buffer NoiseBuffer { vec4 data[]; } noise;
 
@@ -22,17 +22,13 @@ void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= p.width || at.y >= p.height) return;
   const int index = at.y * p.width + at.x;
-  const vec2 sample_stats = variance.data[index];
-  const vec2 stats = warped_stats.data[index];
-  if (sample_stats.y <= 0.0 || stats.y <= 0.0) {
-    difference.data[index] = vec4(0.0);
-    noise.data[index] = vec4(0.0);
-    return;
-  }
-  const vec4 h = warped_color.data[index];
-  const float scale = 1.0 / brightness(h.r, h.g, h.b, exposure.data[0]);
-  const vec3 d = clamp((color.data[index].rgb - h.rgb) * scale, -kLargestDifference, kLargestDifference);
-  difference.data[index] = vec4(d, dot(d, d) / 3.0);
+  const vec2 sample_stats = texelFetch(variance, index).xy;
+  const vec2 stats = texelFetch(warped_stats, index).xy;
+  const bool counts = sample_stats.y > 0.0 && stats.y > 0.0;
+  const vec4 h = texelFetch(warped_color, index);
+  const float scale = 1.0 / brightness(h.r, h.g, h.b, texelFetch(exposure, 0).x);
+  const vec3 d = clamp((texelFetch(color, index).rgb - h.rgb) * scale, -kLargestDifference, kLargestDifference);
   const vec2 variances = min(vec2(sample_stats.x, stats.x) * scale * scale, kLargestDifference * kLargestDifference);
-  noise.data[index] = vec4(variances, 1.0, 0.0);
+  difference.data[index] = counts ? vec4(d, dot(d, d) / 3.0) : vec4(0.0);
+  noise.data[index] = counts ? vec4(variances, 1.0, 0.0) : vec4(0.0);
 }

@@ -4,21 +4,24 @@
 // Carlo sample's variance grows with its value, so weights made from the value that they weigh would darken the image.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #include "lib/color.glsl"
 #include "lib/gain.glsl"
 #include "shared/merge_params.h"
 
+layout(constant_id = 0) const int radius = 3;
+
 layout(local_size_x = 8, local_size_y = 4) in;
 layout(push_constant) uniform Params { VarianceGainParams p; };
-layout(std430, set = 0, binding = 0) readonly buffer ColorBuffer { vec4 data[]; } color;
-layout(std430, set = 0, binding = 1) readonly buffer VarianceBuffer { vec2 data[]; } variance;
-layout(std430, set = 0, binding = 2) readonly buffer WarpedColorBuffer { vec4 data[]; } warped_color;
-layout(std430, set = 0, binding = 3) readonly buffer WarpedStatsBuffer { vec2 data[]; } warped_stats;
-layout(std430, set = 0, binding = 4) readonly buffer ExposureBuffer { float data[]; } exposure;
-layout(std430, set = 0, binding = 5) readonly buffer DifferenceBuffer { vec4 data[]; } difference;
-layout(std430, set = 0, binding = 6) readonly buffer NoiseBuffer { vec4 data[]; } noise;
-layout(std430, set = 0, binding = 7) readonly buffer DifferenceSumBuffer { vec4 data[]; } difference_sums;
-layout(std430, set = 0, binding = 8) readonly buffer NoiseSumBuffer { vec4 data[]; } noise_sums;
+layout(set = 0, binding = 0) uniform samplerBuffer color;
+layout(set = 0, binding = 1) uniform samplerBuffer variance;
+layout(set = 0, binding = 2) uniform samplerBuffer warped_color;
+layout(set = 0, binding = 3) uniform samplerBuffer warped_stats;
+layout(set = 0, binding = 4) uniform samplerBuffer exposure;
+layout(set = 0, binding = 5) uniform samplerBuffer difference;
+layout(set = 0, binding = 6) uniform samplerBuffer noise;
+layout(set = 0, binding = 7) uniform samplerBuffer difference_sums;
+layout(set = 0, binding = 8) uniform samplerBuffer noise_sums;
 layout(std430, set = 0, binding = 9) writeonly buffer MergedColorBuffer { vec4 data[]; } merged_color;
 layout(std430, set = 0, binding = 10) writeonly buffer MergedStatsBuffer { vec2 data[]; } merged_stats;
 layout(std430, set = 0, binding = 11) writeonly buffer DecisionBuffer { vec2 data[]; } decision;
@@ -30,12 +33,16 @@ void main() {
   if (at.x >= p.width || at.y >= p.height) return;
   const int index = at.y * p.width + at.x;
   // The rows above and below are summed already; of the pixel's own row all but the pixel.
-  vec4 difference_sum = difference_sums.data[index];
-  vec4 noise_sum = noise_sums.data[index];
-  for (int x = max(at.x - p.radius, 0); x <= min(at.x + p.radius, p.width - 1); ++x) {
-    if (x == at.x) continue;
-    difference_sum += difference.data[at.y * p.width + x];
-    noise_sum += noise.data[at.y * p.width + x];
+  vec4 difference_sum = texelFetch(difference_sums, index);
+  vec4 noise_sum = texelFetch(noise_sums, index);
+  [[unroll]] for (int i = -radius; i <= radius; ++i) {
+    if (i == 0) continue;
+    const bool inside = at.x + i >= 0 && at.x + i < p.width;
+    const int tap = inside ? index + i : index;
+    const vec4 tap_difference = texelFetch(difference, tap);
+    const vec4 tap_noise = texelFetch(noise, tap);
+    difference_sum += inside ? tap_difference : vec4(0.0);
+    noise_sum += inside ? tap_noise : vec4(0.0);
   }
   const float count = noise_sum.z;
   float alpha = 1.0;
@@ -55,8 +62,8 @@ void main() {
     alpha = max(gain(variance_new, variance_history, relative_bias), 1.0 / p.max_history);
     // The share of the weight that the history would have without bias: 1 - (1 - alpha) / (1 - alpha of no bias).
     rejected = relative_bias > 0.0 ? relative_bias / (expected + relative_bias) : 0.0;
-    const vec4 h = warped_color.data[index];
-    const float scale = brightness(h.r, h.g, h.b, exposure.data[0]);
+    const vec4 h = texelFetch(warped_color, index);
+    const float scale = brightness(h.r, h.g, h.b, texelFetch(exposure, 0).x);
     bias_squared = min(relative_bias * scale * scale, kLargestVariance);
   }
   blend(index, alpha, bias_squared, p.max_history, rejected);

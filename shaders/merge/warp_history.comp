@@ -4,14 +4,15 @@
 // Statistics are (variance, effective sample count); a count of 0 means that there is no history.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #include "lib/resample.glsl"
 #include "shared/merge_params.h"
 
 layout(local_size_x = 8, local_size_y = 4) in;
 layout(push_constant) uniform Params { ImageParams p; };
-layout(std430, set = 0, binding = 0) readonly buffer OffsetBuffer { vec2 data[]; } offset;
-layout(std430, set = 0, binding = 1) readonly buffer ColorBuffer { vec4 data[]; } history_color;
-layout(std430, set = 0, binding = 2) readonly buffer StatsBuffer { vec2 data[]; } history_stats;
+layout(set = 0, binding = 0) uniform samplerBuffer offset;
+layout(set = 0, binding = 1) uniform samplerBuffer history_color;
+layout(set = 0, binding = 2) uniform samplerBuffer history_stats;
 layout(std430, set = 0, binding = 3) writeonly buffer WarpedColorBuffer { vec4 data[]; } warped_color;
 layout(std430, set = 0, binding = 4) writeonly buffer WarpedStatsBuffer { vec2 data[]; } warped_stats;
 
@@ -19,16 +20,11 @@ void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= p.width || at.y >= p.height) return;
   const int index = at.y * p.width + at.x;
-  const vec2 position = vec2(at) + offset.data[index];
+  const vec2 position = vec2(at) + texelFetch(offset, index).xy;
   const ivec2 size = ivec2(p.width, p.height);
-  // Half a pixel of grace at the border: a tap there is still nearest to a pixel that exists.
-  if (any(lessThan(position, vec2(-0.5))) || any(greaterThan(position, vec2(size) - 0.5))) {
-    warped_color.data[index] = vec4(0.0);
-    warped_stats.data[index] = vec2(0.0);
-    return;
-  }
   const vec2 base = floor(position);
   const vec2 t = position - base;
+  const ivec2 corner = ivec2(base) - 1;
   float wx[4];
   float wy[4];
   catmull_rom(t.x, wx[0], wx[1], wx[2], wx[3]);
@@ -40,27 +36,30 @@ void main() {
   float stats_weight = 0.0;
   vec4 lowest = vec4(3.4e38);
   vec4 highest = vec4(-3.4e38);
-  for (int j = 0; j < 4; ++j) {
-    for (int i = 0; i < 4; ++i) {
-      const float w = wx[i] * wy[j];
-      const ivec2 tap = clamp(ivec2(base) + ivec2(i, j) - 1, ivec2(0), size - 1);
-      const vec2 tap_stats = history_stats.data[tap.y * p.width + tap.x];
-      if (tap_stats.y <= 0.0) continue;
-      const vec4 tap_color = history_color.data[tap.y * p.width + tap.x];
+  [[unroll]] for (int j = 0; j < 4; ++j) {
+    const int row = clamp(corner.y + j, 0, p.height - 1) * p.width;
+    [[unroll]] for (int i = 0; i < 4; ++i) {
+      const int tap = row + clamp(corner.x + i, 0, p.width - 1);
+      const vec2 tap_stats = texelFetch(history_stats, tap).xy;
+      const vec4 tap_color = texelFetch(history_color, tap);
+      const bool holds = tap_stats.y > 0.0;
+      const float w = holds ? wx[i] * wy[j] : 0.0;
       color += w * tap_color;
       weight += w;
-      const bool inner = (i == 1 || i == 2) && (j == 1 || j == 2);
-      const float bilinear = inner ? (i == 1 ? 1.0 - t.x : t.x) * (j == 1 ? 1.0 - t.y : t.y) : 0.0;
+      if (i < 1 || i > 2 || j < 1 || j > 2) continue;
+      const float bilinear = holds ? (i == 1 ? 1.0 - t.x : t.x) * (j == 1 ? 1.0 - t.y : t.y) : 0.0;
+      stats += bilinear * tap_stats;
+      stats_weight += bilinear;
       if (bilinear > 0.0) {
-        stats += bilinear * tap_stats;
-        stats_weight += bilinear;
         lowest = min(lowest, tap_color);
         highest = max(highest, tap_color);
       }
     }
   }
-  // Without half of the bilinear weight the pixel is mostly hole; a small Catmull-Rom weight would amplify the rest.
-  const bool holds = stats_weight > 0.5 && weight > 0.5;
-  warped_color.data[index] = holds ? clamp(color / weight, lowest, highest) : vec4(0.0);
-  warped_stats.data[index] = holds ? stats / stats_weight : vec2(0.0);
+  // Half a pixel of grace at the border: a tap there is still nearest to a pixel that exists. Without half of the
+  // bilinear weight the pixel is mostly hole; a small Catmull-Rom weight would amplify the rest.
+  const bool inside = all(greaterThanEqual(position, vec2(-0.5))) && all(lessThanEqual(position, vec2(size) - 0.5));
+  const bool found = inside && stats_weight > 0.5 && weight > 0.5;
+  warped_color.data[index] = found ? clamp(color / weight, lowest, highest) : vec4(0.0);
+  warped_stats.data[index] = found ? stats / stats_weight : vec2(0.0);
 }

@@ -30,15 +30,34 @@ struct DownsampleParams {
   int factor;
 };
 
-/// The bands of one level: rows [first_row, first_row + rows) of 25 distance images are in memory at a time.
+/// align/warp_source: the source as one level starts from. Coarse offsets times `coarse_scale` are offsets of
+/// this level.
+struct WarpSourceParams {
+  int width;
+  int height;
+  int planes;
+  int coarse_width;
+  int coarse_height;
+  float coarse_scale;
+};
+
+/// align/match: one level of the search.
+struct MatchParams {
+  int width;
+  int height;
+  int coarse_width;
+  int coarse_height;
+  float coarse_scale;
+  int refine;  // 1: add the minimum of the quadric through the 3x3 costs around the best
+};
+
+/// align/distance: rows [first_row, first_row + rows) of a level's 25 distance images, which are in memory a
+/// band at a time.
 struct DistanceParams {
   int width;
   int height;
   int first_row;  // may be negative: the halo of the blur; rows outside of the image hold zero
   int rows;
-  int coarse_width;
-  int coarse_height;
-  float coarse_scale;  // coarse offsets times this are offsets of this level
 };
 
 /// align/blur: a box sum along one direction of each of the 25 images.
@@ -60,7 +79,7 @@ struct SelectParams {
   int coarse_width;
   int coarse_height;
   float coarse_scale;
-  int refine;  // 1: add the minimum of the quadric through the 3x3 costs around the best
+  int refine;  // as in MatchParams
 };
 
 /// align/median_offset.

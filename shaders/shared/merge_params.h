@@ -11,19 +11,9 @@ struct ImageParams {
   int height;
 };
 
-/// merge/box: box sums of the patch statistics along one direction.
-struct BoxParams {
-  int width;
-  int height;
-  int radius_x;  // one of the two radii is zero
-  int radius_y;
-  int without_own_row;  // 1: sum over the rows above and below only
-};
-
 struct VarianceGainParams {
   int width;
   int height;
-  int radius;          // of the patch
   float max_history;   // largest effective sample count
   float significance;  // standard errors by which a residual must exceed noise to count as bias
 };

@@ -9,7 +9,7 @@
 namespace becalm::glsl {
 using std::abs;
 using std::exp;
-using std::log;
+using std::log2;
 using std::max;
 using std::min;
 using std::sqrt;

@@ -19,7 +19,7 @@ template <class F>
 Minimum fit(F f) {
   Minimum m{};
   m.found = quadric_minimum(f(-1, -1), f(0, -1), f(1, -1), f(-1, 0), f(0, 0), f(1, 0), f(-1, 1), f(0, 1),
-                            f(1, 1), m.x, m.y);
+                            f(1, 1), 1e-5f * f(0, 0), m.x, m.y);
   return m;
 }
 
@@ -65,10 +65,10 @@ TEST(Quadric, TakesTheNearestPointOfAValley) {
 }
 
 TEST(Quadric, APerfectMatchHasNoSubpixelPart) {
-  EXPECT_EQ(subpixel_limit(2.0f, 3.0f, 5.0f, 2.0f, false), 0.0f);
-  EXPECT_FLOAT_EQ(subpixel_limit(2.5f, 3.0f, 3.0f, 2.0f, false), 0.5f);
-  EXPECT_FLOAT_EQ(subpixel_limit(2.25f, 3.0f, 3.0f, 2.0f, true), 0.5f);
-  EXPECT_EQ(subpixel_limit(2.0f, 2.0f, 2.0f, 2.0f, false), 0.0f);
+  EXPECT_EQ(subpixel_limit(0.0f, 1.0f, 3.0f, false), 0.0f);
+  EXPECT_FLOAT_EQ(subpixel_limit(0.5f, 1.0f, 1.0f, false), 0.5f);
+  EXPECT_FLOAT_EQ(subpixel_limit(0.25f, 1.0f, 1.0f, true), 0.5f);
+  EXPECT_EQ(subpixel_limit(0.0f, 0.0f, 0.0f, false), 0.0f);
 }
 
 TEST(Quadric, HasNoMinimumOnPlanesSaddlesAndFarAway) {
@@ -84,16 +84,18 @@ TEST(Quadric, HasNoMinimumOnPlanesSaddlesAndFarAway) {
 }
 
 TEST(Distance, FollowsThePapersEquations) {
+  const auto distance = [](int kind, float d) {
+    return distance_unit(kind) * (distance_floor(kind) + distance_excess(kind, channel_difference(kind, d)));
+  };
   const float d = 0.3f;
-  EXPECT_FLOAT_EQ(pixel_distance(kDistanceL2, channel_difference(kDistanceL2, -d)), 0.09f);
-  EXPECT_FLOAT_EQ(pixel_distance(kDistanceL1, channel_difference(kDistanceL1, -d)), 0.3f);
-  EXPECT_FLOAT_EQ(pixel_distance(kDistanceLogL1, channel_difference(kDistanceLogL1, -d)), std::log(2.3f));
-  EXPECT_FLOAT_EQ(pixel_distance(kDistanceLogL1Centered, channel_difference(kDistanceLogL1Centered, -d)),
-                  std::log(2.3f));
+  EXPECT_FLOAT_EQ(distance(kDistanceL2, -d), 0.09f);
+  EXPECT_FLOAT_EQ(distance(kDistanceL1, -d), 0.3f);
+  EXPECT_FLOAT_EQ(distance(kDistanceLogL1, -d), std::log(2.3f));
+  EXPECT_FLOAT_EQ(distance(kDistanceLogL1Centered, -d), std::log(2.3f));
   EXPECT_FLOAT_EQ(center_weight(kDistanceLogL1Centered, 2, -1), 2.0f - std::exp(-0.1f));
   EXPECT_FLOAT_EQ(center_weight(kDistanceLogL1Centered, 0, 0), 1.0f);
   EXPECT_FLOAT_EQ(center_weight(kDistanceLogL1, 2, 2), 1.0f);
-  for (int kind = 0; kind < 4; ++kind) EXPECT_EQ(pixel_distance(kind, 0.0f), distance_floor(kind)) << kind;
+  for (int kind = 0; kind < 4; ++kind) EXPECT_EQ(distance_excess(kind, 0.0f), 0.0f) << kind;
 }
 
 TEST(CatmullRom, ReproducesCubicsAndKeepsTaps) {

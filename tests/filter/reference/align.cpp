@@ -37,6 +37,13 @@ double floor_of(Distance kind) {
   return distance(kind, {});
 }
 
+constexpr double kMotionPenalty = 1e-5;
+
+/// Costs of the kernels are to base 2.
+double cost_unit(Distance kind) {
+  return kind == Distance::log_l1 || kind == Distance::log_l1_centered ? std::log(2.0) : 1.0;
+}
+
 double center_weight(Distance kind, int sx, int sy) {
   return kind == Distance::log_l1_centered ? 2.0 - std::exp(-0.02 * (sx * sx + sy * sy)) : 1.0;
 }
@@ -74,6 +81,32 @@ Vec2 quadric_minimum(const std::array<std::array<double, 3>, 3>& cost) {
   const Vec2 m{(axy * by - ayy * bx) / det, (axy * bx - axx * by) / det};
   return m.x * m.x + m.y * m.y <= 1.0 ? m : Vec2{};
 }
+
+/// Where a level starts from: the coarser level's offsets, bilinearly; nothing where `factor` is 0.
+class Start {
+ public:
+  Start(const Alignment& coarse, int factor)
+      : factor_(factor), x_(coarse.offset.width, coarse.offset.height), y_(x_), doubt_(x_) {
+    for (std::size_t i = 0; i < x_.data.size(); ++i) {
+      x_.data[i] = coarse.offset.data[i].x;
+      y_.data[i] = coarse.offset.data[i].y;
+      doubt_.data[i] = coarse.ambiguous.data[i];
+    }
+  }
+  Vec2 offset(double x, double y) const {
+    if (factor_ == 0) return {};
+    return {factor_ * bilinear(x_, coarse(x), coarse(y)), factor_ * bilinear(y_, coarse(x), coarse(y))};
+  }
+  bool is_ambiguous(double x, double y) const {
+    return factor_ > 0 && bilinear(doubt_, coarse(x), coarse(y)) > 0.0;
+  }
+
+ private:
+  double coarse(double position) const { return (position + 0.5) / factor_ - 0.5; }
+
+  int factor_;
+  Grid<double> x_, y_, doubt_;
+};
 
 /// Median of each component over 3x3 pixels; doubtful where any of the nine is.
 void take_medians(Alignment& level) {
@@ -114,25 +147,17 @@ Alignment align(const Planes& target_finest, const Planes& source_finest, const 
     const int height = target[0].height;
     const int radius = settings.blur_radius[std::min(l, settings.blur_radius.size() - 1)];
 
-    // Where this level starts from, and whether that is certain.
-    Grid<Vec2> start(width, height);
+    // The source as the target's pixels see it from where this level starts.
+    const Start start(result, l + 1 < levels ? settings.pyramid_factor : 0);
+    std::vector<Grid<double>> warped;
     Grid<char> ambiguous(width, height, false);
-    if (l + 1 < levels) {
-      const int f = settings.pyramid_factor;
-      Grid<double> ox(result.offset.width, result.offset.height);
-      Grid<double> oy = ox;
-      Grid<double> doubt = ox;
-      for (std::size_t i = 0; i < ox.data.size(); ++i) {
-        ox.data[i] = result.offset.data[i].x;
-        oy.data[i] = result.offset.data[i].y;
-        doubt.data[i] = result.ambiguous.data[i];
-      }
+    for (const Grid<double>& plane : source) {
+      warped.emplace_back(width, height);
       for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {
-          const double cx = (x + 0.5) / f - 0.5;
-          const double cy = (y + 0.5) / f - 0.5;
-          start.at(x, y) = {f * bilinear(ox, cx, cy), f * bilinear(oy, cx, cy)};
-          ambiguous.at(x, y) = bilinear(doubt, cx, cy) > 0.0;
+          const Vec2 offset = start.offset(x, y);
+          warped.back().at(x, y) = bilinear(plane, x + offset.x, y + offset.y);
+          ambiguous.at(x, y) = start.is_ambiguous(x, y);
         }
       }
     }
@@ -143,8 +168,7 @@ Alignment align(const Planes& target_finest, const Planes& source_finest, const 
         for (int k = 0; k < 25; ++k) {
           std::vector<double> differences;
           for (std::size_t c = 0; c < target.size(); ++c) {
-            differences.push_back(target[c].at(x, y) - bilinear(source[c], x + start.at(x, y).x + k % 5 - 2,
-                                                                y + start.at(x, y).y + k / 5 - 2));
+            differences.push_back(target[c].at(x, y) - warped[c].clamped(x + k % 5 - 2, y + k / 5 - 2));
           }
           pixel[k].at(x, y) = distance(settings.distance, differences);
         }
@@ -166,11 +190,14 @@ Alignment align(const Planes& target_finest, const Planes& source_finest, const 
             }
           }
           mean[k] /= count;
-          cost[k] = mean[k] * center_weight(settings.distance, k % 5 - 2, k / 5 - 2);
-          const auto motion = [&](int i) {
-            return std::hypot(start.at(x, y).x + i % 5 - 2, start.at(x, y).y + i / 5 - 2);
-          };
-          if (cost[k] < cost[best] || (cost[k] == cost[best] && motion(k) < motion(best))) best = k;
+          const int sx = k % 5 - 2, sy = k / 5 - 2;
+          const Vec2 from = start.offset(x, y);
+          // The penalty of motion, to second order as in shaders/lib/choice.glsl.
+          const double motion =
+              (from.x * sx + from.y * sy + 0.5 * (sx * sx + sy * sy)) / (1.0 + std::hypot(from.x, from.y));
+          cost[k] = mean[k] * center_weight(settings.distance, sx, sy) +
+                    kMotionPenalty * cost_unit(settings.distance) * motion;
+          if (cost[k] < cost[best]) best = k;
         }
         double second = std::numeric_limits<double>::infinity();
         for (int k = 0; k < 25; ++k) {
@@ -196,7 +223,13 @@ Alignment align(const Planes& target_finest, const Planes& source_finest, const 
           subpixel = {std::clamp(subpixel.x, -limit(1), limit(1)),
                       std::clamp(subpixel.y, -limit(5), limit(5))};
         }
-        level.offset.at(x, y) = {start.at(x, y).x + sx + subpixel.x, start.at(x, y).y + sy + subpixel.y};
+        // What the warped source shows at the match came from the start there.
+        const Vec2 shift{sx + subpixel.x, sy + subpixel.y};
+        const double matched_x = std::clamp(x + shift.x, 0.0, width - 1.0);
+        const double matched_y = std::clamp(y + shift.y, 0.0, height - 1.0);
+        const Vec2 from = start.offset(matched_x, matched_y);
+        level.offset.at(x, y) = {shift.x + from.x, shift.y + from.y};
+        if (start.is_ambiguous(matched_x, matched_y)) level.ambiguous.at(x, y) = true;
         level.residual.at(x, y) = mean[best] - floor_of(settings.distance);
       }
     }

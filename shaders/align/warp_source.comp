@@ -1,0 +1,28 @@
+// Reads the source's features of one level and the coarser level's offsets; writes the source as the target's pixels see
+// it from there, source(p + start(p)), so that a level searches a regular image (the warp of Hanika et al. 2021, figure 4).
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared/align_params.h"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant) uniform Params { WarpSourceParams p; };
+layout(set = 0, binding = 0) uniform samplerBuffer source;
+layout(set = 0, binding = 1) uniform samplerBuffer offset_coarse;
+layout(std430, set = 0, binding = 2) writeonly buffer WarpedBuffer { float data[]; } warped;
+
+#include "lib/offset_field.glsl"
+
+void main() {
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  if (at.x >= p.width || at.y >= p.height) return;
+  const vec2 position = vec2(at) + read_offset(vec2(at), ivec2(p.coarse_width, p.coarse_height), p.coarse_scale);
+  const BilinearTaps taps = bilinear_taps(position, ivec2(p.width, p.height));
+  for (int plane = 0; plane < p.planes; ++plane) {
+    const int first = plane * p.height;
+    const int top = (first + taps.lo.y) * p.width;
+    const int bottom = (first + taps.hi.y) * p.width;
+    warped.data[(first + at.y) * p.width + at.x] =
+        mix(mix(texelFetch(source, top + taps.lo.x).x, texelFetch(source, top + taps.hi.x).x, taps.t.x),
+            mix(texelFetch(source, bottom + taps.lo.x).x, texelFetch(source, bottom + taps.hi.x).x, taps.t.x), taps.t.y);
+  }
+}
