@@ -14,7 +14,7 @@ SCENES = Path(__file__).resolve().parent.parent / "scenes"
 SOURCE, TARGET = 10, 11  # in the middle of the animations
 AOVS = ["albedo", "normal", "depth", "motion", "object_id"]
 MATCHED_AOVS = ["albedo", "normal"]
-NOISY_SEED = 0
+NOISY_SEED, OTHER_NOISY_SEED = 0, 1
 REFERENCE_SEED = 101  # of the first batch; references are means of batches, so that more samples can be added
 BATCH_SPP = 64
 SAME_DEPTH = 0.1      # relative difference of depths up to which they may be of one surface
@@ -52,10 +52,11 @@ class Renders:
 
     def pair(self, scene, spp, reference_spp):
         source, target = self.frames(scene, spp, NOISY_SEED)
+        other_source, other_target = self.frames(scene, spp, OTHER_NOISY_SEED)
         clean_source, clean_target = self.reference(scene, reference_spp)
-        return Pair(name=scene, noise=f"{spp} spp", target=target, source=source, clean_target=clean_target["beauty"],
-                    clean_source=clean_source["beauty"], visible=visible_pixels(clean_target, clean_source),
-                    motion=clean_target["motion"], aovs=MATCHED_AOVS)
+        return Pair(name=scene, noise=f"{spp} spp", target=target, source=source, other_target=other_target["beauty"],
+                    other_source=other_source["beauty"], clean_target=clean_target["beauty"], clean_source=clean_source["beauty"],
+                    visible=visible_pixels(clean_target, clean_source), motion=clean_target["motion"], aovs=MATCHED_AOVS)
 
 
 def _named(layers):
