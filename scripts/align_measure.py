@@ -50,3 +50,13 @@ def measure(pair, offset):
         "average_visible": _rms(error_average[pair.visible]) / _rms(noise_target[pair.visible]),
         "epe": epe,
     }
+
+
+def reference_floor(pair):
+    """The clean difference that the noise of the clean images alone would make; None where there is none, or it is not known."""
+    if pair.clean_halves is None:
+        return None
+    scale = exposure(pair.clean_target)
+    a, b = (compressed(half, scale) for half in pair.clean_halves)
+    # The halves' difference has four times the variance of the mean; target and source differ by twice of it.
+    return float(np.abs(a - b).mean() / np.sqrt(2.0))

@@ -52,7 +52,7 @@ def arguments():
     parser.add_argument("--only", type=_experiments, metavar="LIST", help=f"some of {','.join(EXPERIMENTS)} (default: all)")
     parser.add_argument("--scenes", type=_words, metavar="LIST", default=SCENES, help=f"default: {','.join(SCENES)}")
     parser.add_argument("--spp", type=_words, metavar="LIST", help="of the noisy frames (default: 1,2,4,8,16; --quick: 1,4)")
-    parser.add_argument("--reference-spp", type=int, metavar="N", help="of the clean frames, in steps of 64 (default: 256; --quick: 64)")
+    parser.add_argument("--reference-spp", type=int, metavar="N", default=256, help="of the clean frames, in steps of 64 (default: 256)")
     parser.add_argument("--size", default="640x360", metavar="WxH", help="of rendered and synthetic pairs (default: 640x360)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="change this setting in all of our variants")
     parser.add_argument("--variant", action="append", default=[], type=_variant, metavar="'NAME KEY=VALUE ...'",
@@ -65,7 +65,6 @@ def arguments():
     asked.only = asked.only or (["compare"] if asked.quick else EXPERIMENTS)
     asked.folder = asked.output / "quick" if asked.quick else asked.output
     asked.spp = [int(n) for n in asked.spp or (["1", "4"] if asked.quick else ["1", "2", "4", "8", "16"])]
-    asked.reference_spp = asked.reference_spp or (64 if asked.quick else 256)
     return asked
 
 
