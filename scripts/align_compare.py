@@ -111,6 +111,31 @@ def verdict_table(found):
                      "50/50 (goal below 1)", "of the clean diff. is noise"), cells)
 
 
+def _geometric_mean(values):
+    return float(np.exp(np.mean(np.log(values))))
+
+
+def overview_table(rows):
+    """Clean differences over the best peer's of the same pair and noise, as geometric means by pair and by noise."""
+    def of(row):
+        return row["pair"], row["noise"]
+
+    best = {}
+    for row in rows:
+        if row["method"] in PEERS:
+            best[of(row)] = min(row["clean"], best.get(of(row), np.inf))
+    groups = list(dict.fromkeys([row["pair"] for row in rows] + [row["noise"] for row in rows]))
+    cells = []
+    for method in dict.fromkeys(row["method"] for row in rows):
+        mine = [row for row in rows if row["method"] == method]
+        ratios = {of(row): row["clean"] / best[of(row)] for row in mine}
+        by_group = [[ratio for key, ratio in ratios.items() if group in key] for group in groups]
+        cells.append((method, *(figure(_geometric_mean(r) if r else None, 3) for r in by_group),
+                      figure(_geometric_mean(list(ratios.values())), 3), figure(max(abs(row["correlation"]) for row in mine), 3),
+                      figure(max(row["average"] for row in mine), 3)))
+    return markdown(("clean diff. over the best peer's", *groups, "all", "largest noise corr.", "worst 50/50"), cells)
+
+
 def goal_line(found):
     counts = [(sum(row[key] for row in found), text) for key, text in (
         ("lowest", "ours has the lowest clean difference"), ("lowest_visible", "also where nothing is disoccluded"),

@@ -87,8 +87,8 @@ def comparison(asked, aligners, renders, report):
             synthetic += align_compare.compare(aligners, make((height, width), sigma), variants, peers)[0]
     for key, title, of in (("rendered", "Rendered pairs", rows), ("synthetic", "Synthetic pairs", synthetic)):
         found = align_compare.verdicts(of)
-        report.add(key, title, align_compare.row_table(of) + "\n" + align_compare.verdict_table(found) + "\n"
-                   + align_compare.goal_line(found) + "\n", {"rows": of, "verdicts": found})
+        tables = [align_compare.row_table(of), align_compare.overview_table(of), align_compare.verdict_table(found)]
+        report.add(key, title, "\n".join([*tables, align_compare.goal_line(found)]) + "\n", {"rows": of, "verdicts": found})
 
 
 def main():
