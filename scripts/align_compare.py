@@ -58,7 +58,8 @@ def compare(aligners, pair, variants, peers):
 def write_panel(path, pair, offsets):
     """Frames, and for each method the warped clean source, its difference from the clean target, and the offsets."""
     like = pair.clean_target
-    scale_px = max(1.0, float(np.percentile(np.hypot(*np.moveaxis(pair.motion, -1, 0)), 95)))
+    long_px = [np.percentile(np.hypot(*np.moveaxis(offset, -1, 0)), 95) for offset in offsets.values()]
+    scale_px = max(1.0, float(np.median(long_px)))
     rows = [[("noisy target", pictures.shown(pair.target["beauty"], like)), ("clean source", pictures.shown(pair.clean_source, like)),
              (f"disoccluded; offsets' full colour is {scale_px:.0f} px", pictures.mask(~pair.visible * 1.0))]]
     for method, offset in offsets.items():
