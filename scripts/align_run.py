@@ -1,6 +1,7 @@
 """The experiments of Hanika et al. 2021, figures 5, 6, 13-16 and tables 1-2, on our own scenes. Called by scripts/align_experiments."""
 
 import argparse
+import subprocess
 import sys
 from pathlib import Path
 
@@ -113,5 +114,5 @@ def main():
 if __name__ == "__main__":
     try:
         main()
-    except (AlignError, OSError) as error:
+    except (AlignError, OSError, subprocess.CalledProcessError) as error:
         sys.exit(f"align_experiments: {error}")
