@@ -7,7 +7,8 @@ namespace becalm::app {
 FilterStep::FilterStep(const std::string& preset, const FilterOptions& options)
     : settings_(resolve_settings(preset, options)),
       diagnostics_(diagnostics_of(options)),
-      device_options_(device_options(options)) {}
+      device_options_(device_options(options)),
+      memory_limit_(memory_limit(options)) {}
 
 std::string FilterStep::describe(int first_frame) const {
   return fmt::format("{} diagnostics={} first_frame={}", filter::to_string(settings_),
@@ -16,7 +17,7 @@ std::string FilterStep::describe(int first_frame) const {
 
 void FilterStep::build(int width, int height, AovSet available) {
   device_.emplace(device_options_);
-  filter_.emplace(*device_, settings_, width, height, available, diagnostics_);
+  filter_.emplace(*device_, settings_, width, height, available, diagnostics_, memory_limit_);
 }
 
 filter::Denoised FilterStep::denoise(const Frame& frame, Progress& progress, Profile& profile) {
@@ -41,7 +42,7 @@ filter::Denoised FilterStep::denoise(const Frame& frame, Progress& progress, Pro
 
 void FilterStep::finish(Profile& profile) const {
   if (!filter_) return;
-  profile.set_device(device_->info().name, filter_->device_bytes(), filter_->device_bytes_unaliased());
+  profile.set_device(device_->info().name, filter_->memory());
   check_validation(*device_);
 }
 

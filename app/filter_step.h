@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -16,7 +17,7 @@ namespace becalm::app {
 /// reports what happened to each frame.
 class FilterStep {
  public:
-  /// Throws Error(usage) for a preset or setting that does not exist.
+  /// Throws Error(usage) for a preset or setting that does not exist, and a size that is none.
   FilterStep(const std::string& preset, const FilterOptions& options);
 
   AovSet wanted() const { return filter::wanted_aovs(settings_); }
@@ -36,6 +37,7 @@ class FilterStep {
   filter::Settings settings_;
   AovSet diagnostics_;
   gpu::DeviceOptions device_options_;
+  std::uint64_t memory_limit_;
   std::optional<gpu::Device> device_;
   std::optional<filter::ForwardFilter> filter_;
 };

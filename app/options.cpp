@@ -3,8 +3,13 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <charconv>
+#include <cmath>
 #include <cstdlib>
+#include <limits>
+#include <string_view>
 
+#include "frame/error.h"
 #include "frame/io/exr.h"
 
 namespace becalm::app {
@@ -54,6 +59,13 @@ void add_filter_options(CLI::App& command, FilterOptions& options) {
       ->option_text("N|NAME")
       ->group("Running");
   command
+      .add_option(
+          "--memory", options.memory,
+          "Device memory that the filter may take: 512M, 2G, 1.5G (default: what the device has); larger "
+          "frames are cut into tiles, which the results do not show")
+      ->option_text("SIZE")
+      ->group("Running");
+  command
       .add_flag("--validate", options.validate,
                 "Run under the Vulkan validation layers; any message is an error")
       ->group("Running");
@@ -67,6 +79,23 @@ filter::Settings resolve_settings(const std::string& preset, const FilterOptions
 
 gpu::DeviceOptions device_options(const FilterOptions& options) {
   return {.select = options.device, .validation = options.validate};
+}
+
+std::uint64_t memory_limit(const FilterOptions& options) {
+  constexpr std::string_view kUnits = "KMGT";
+  const std::string& text = options.memory;
+  if (text.empty()) return std::numeric_limits<std::uint64_t>::max();
+  double bytes = 0.0;
+  const auto [end, error] =
+      std::from_chars(text.data(), text.data() + text.size(), bytes, std::chars_format::fixed);
+  const std::string_view rest(end, text.data() + text.size());
+  const std::size_t unit = rest.size() == 1 ? kUnits.find(rest[0]) : std::string_view::npos;
+  bytes = std::ldexp(bytes, 10 * (static_cast<int>(unit) + 1));
+  if (error != std::errc() || unit == std::string_view::npos || !(bytes >= 1.0 && bytes < 1e18)) {
+    throw Error(ExitStatus::usage,
+                fmt::format("--memory {}: expected a size with its unit, such as 512M or 1.5G", text));
+  }
+  return static_cast<std::uint64_t>(bytes);
 }
 
 AovSet diagnostics_of(const FilterOptions& options) {

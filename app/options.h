@@ -2,6 +2,7 @@
 
 #include <tbb/global_control.h>
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,6 +37,7 @@ void add_running_options(CLI::App& command, RunningOptions& options);
 struct FilterOptions {
   std::vector<std::string> assignments;  ///< of --set
   std::string device;
+  std::string memory;  ///< of --memory; empty: what the device has
   bool validate = false;
   bool diagnostics = false;
 };
@@ -44,6 +46,8 @@ void add_filter_options(CLI::App& command, FilterOptions& options);
 /// The preset with every --set applied. Throws Error(usage).
 filter::Settings resolve_settings(const std::string& preset, const FilterOptions& options);
 gpu::DeviceOptions device_options(const FilterOptions& options);
+/// Bytes that --memory allows the filter. Throws Error(usage).
+std::uint64_t memory_limit(const FilterOptions& options);
 /// Every diagnostic AOV, or none.
 AovSet diagnostics_of(const FilterOptions& options);
 /// The settings table as lines of help.

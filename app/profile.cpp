@@ -29,11 +29,10 @@ void Profile::add(const std::vector<gpu::PassTime>& passes) {
   for (const gpu::PassTime& pass : passes) find(passes_ms_, pass.name).push_back(pass.milliseconds);
 }
 
-void Profile::set_device(std::string name, std::uint64_t bytes, std::uint64_t bytes_unaliased) {
+void Profile::set_device(std::string name, const filter::FilterMemory& memory) {
   const std::lock_guard lock(mutex_);
   device_ = std::move(name);
-  device_bytes_ = bytes;
-  device_bytes_unaliased_ = bytes_unaliased;
+  memory_ = memory;
 }
 
 void Profile::print() const {
@@ -41,9 +40,14 @@ void Profile::print() const {
   print_table("wall time a frame", steps_ms_);
   print_table("device time a frame", passes_ms_);
   if (!device_.empty()) {
-    fmt::print(stderr, "device {}: {:.1f} MiB held, {:.1f} MiB without shared memory\n", device_,
-               static_cast<double>(device_bytes_) / kMiB,
-               static_cast<double>(device_bytes_unaliased_) / kMiB);
+    fmt::print(
+        stderr,
+        "device {}: {} of {}x{} px, {:.1f} MiB held ({:.1f} MiB without shared memory), {:.1f} MiB of host "
+        "memory for transfers\n",
+        device_, memory_.tiles == 1 ? "1 tile" : fmt::format("{} tiles", memory_.tiles), memory_.tile.width,
+        memory_.tile.height, static_cast<double>(memory_.device_bytes) / kMiB,
+        static_cast<double>(memory_.device_bytes_unaliased) / kMiB,
+        static_cast<double>(memory_.staging_bytes) / kMiB);
   }
   rusage usage = {};
   getrusage(RUSAGE_SELF, &usage);

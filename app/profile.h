@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "filter/gpu/profiler.h"
+#include "filter/frame_merger.h"
 
 namespace becalm::app {
 
@@ -20,7 +20,7 @@ class Profile {
   void add(const std::string& step, double seconds);
   /// One frame's device times.
   void add(const std::vector<gpu::PassTime>& passes);
-  void set_device(std::string name, std::uint64_t bytes, std::uint64_t bytes_unaliased);
+  void set_device(std::string name, const filter::FilterMemory& memory);
   /// Medians over the frames, the device's memory and the process's peak.
   void print() const;
 
@@ -33,8 +33,7 @@ class Profile {
   Samples steps_ms_;
   Samples passes_ms_;
   std::string device_;
-  std::uint64_t device_bytes_ = 0;
-  std::uint64_t device_bytes_unaliased_ = 0;
+  filter::FilterMemory memory_;
 };
 
 /// Adds the time of its own life to a step.

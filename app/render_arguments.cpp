@@ -108,6 +108,7 @@ void check_options_fit(const RenderCommand& command) {
                        : !command.filter.assignments.empty() ? "--set"
                        : command.filter.diagnostics          ? "--diagnostics"
                        : !command.filter.device.empty()      ? "--device"
+                       : !command.filter.memory.empty()      ? "--memory"
                        : command.filter.validate             ? "--validate"
                                                              : nullptr;
   if (unused == nullptr) return;

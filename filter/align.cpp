@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numeric>
+#include <tuple>
+#include <utility>
 
 #include "shaders/shared/align_params.h"
 
@@ -47,27 +50,6 @@ int refines(const Settings& settings, std::size_t level) {
   return static_cast<int>(level) < settings.refine_levels ? 1 : 0;
 }
 
-std::vector<Features> add_pyramid(Chain& chain, const Settings& settings, const std::vector<Extent>& extents,
-                                  const Features& finest, const char* name) {
-  std::vector<Features> levels{finest};
-  for (std::size_t l = 1; l < extents.size(); ++l) {
-    Extent extent = extents[l];
-    extent.planes = finest.planes;
-    const ImageId coarse = chain.image(fmt::format("features.{}.L{}", name, l), Format::f32, extent);
-    chain.pass("align/downsample")
-        .read("fine", levels.back().image)
-        .write("coarse", coarse)
-        .constants(params::DownsampleParams{.width_in = extents[l - 1].width,
-                                            .height_in = extents[l - 1].height,
-                                            .width = extent.width,
-                                            .height = extent.height,
-                                            .factor = settings.pyramid_factor})
-        .dispatch(extent);
-    levels.push_back({coarse, finest.planes});
-  }
-  return levels;
-}
-
 struct CoarseOffset {
   ImageId image;
   Extent extent;
@@ -75,16 +57,21 @@ struct CoarseOffset {
 };
 
 /// The source's features as the target's pixels see them from where the level starts.
-ImageId add_warp(Chain& chain, std::size_t level, Extent extent, const Features& source,
-                 const CoarseOffset& coarse) {
-  const ImageId warped = chain.image(fmt::format("features.warped.L{}", level), Format::f32,
-                                     {extent.width, extent.height, source.planes});
+ImageId add_warp(Chain& chain, const Settings& settings, std::size_t level, Extent extent,
+                 const Features& source, const SourceWindow& window, const CoarseOffset& coarse) {
+  const Extent source_extent = level_extent(settings, window.full, level);
+  const ImageId warped =
+      chain.image(fmt::format("features.warped.L{}", level), Format::f32, extent.with_planes(source.planes));
   chain.pass("align/warp_source")
       .read("source", source.image)
       .read("offset_coarse", coarse.image)
+      .read("target_origin", window.target_origin)
       .write("warped", warped)
       .constants(params::WarpSourceParams{.width = extent.width,
                                           .height = extent.height,
+                                          .source_width = source_extent.width,
+                                          .source_height = source_extent.height,
+                                          .level_px = level_px(settings, level),
                                           .planes = source.planes,
                                           .coarse_width = coarse.extent.width,
                                           .coarse_height = coarse.extent.height,
@@ -160,8 +147,9 @@ void add_bands(Chain& chain, const Settings& settings, const Level& level) {
   const int radius = level.radius;
   const int kind = static_cast<int>(settings.distance);
   const std::int64_t row_bytes = std::int64_t(width) * kShifts * sizeof(float);
-  const int band =
-      std::clamp(static_cast<int>(kBandBytes / row_bytes) - 2 * radius, std::min(16, height), height);
+  // Whole runs, so that runs begin at the same rows whatever the width.
+  const int runs = std::max((static_cast<int>(kBandBytes / row_bytes) - 2 * radius) / kBlurRun, 1);
+  const int band = std::min(runs * kBlurRun, height);
   const ImageId distances = chain.image(fmt::format("distances.L{}", level.index), Format::f32,
                                         {width, band + 2 * radius, kShifts});
   const ImageId row_sums =
@@ -228,12 +216,20 @@ std::vector<Extent> pyramid_extents(const Settings& settings, int width, int hei
 
 int reach_px(const Settings& settings, std::size_t levels) {
   int reach = 0;
-  int scale = settings.match_downsample;
-  for (std::size_t l = 0; l < levels; ++l) {
-    reach += kWindowReach * scale;
-    scale *= settings.pyramid_factor;
-  }
+  for (std::size_t l = 0; l < levels; ++l) reach += kWindowReach * level_px(settings, l);
   return reach;
+}
+
+Extent level_extent(const Settings& settings, Extent full, std::size_t level) {
+  Extent extent = shrink(full, settings.match_downsample);
+  for (std::size_t l = 0; l < level; ++l) extent = shrink(extent, settings.pyramid_factor);
+  return extent;
+}
+
+int level_px(const Settings& settings, std::size_t level) {
+  int px = settings.match_downsample;
+  for (std::size_t l = 0; l < level; ++l) px *= settings.pyramid_factor;
+  return px;
 }
 
 void add_guide_passes(Chain& chain, const Settings& settings, Extent full, ImageId guide,
@@ -243,18 +239,70 @@ void add_guide_passes(Chain& chain, const Settings& settings, Extent full, Image
     chain.pass("align/guide_feature")
         .read("guide", guide)
         .write("features", guide_features)
-        .constants(params::FeatureParams{.width_in = full.width,
-                                         .height_in = full.height,
-                                         .width = extent.width,
-                                         .height = extent.height,
-                                         .downsample = settings.match_downsample,
-                                         .plane_in = static_cast<int>(plane),
-                                         .plane = static_cast<int>(plane),
-                                         .planes = 1,
-                                         .weight = kFeatureRange * weights[plane]})
+        .constants(params::GuideFeatureParams{.width_in = full.width,
+                                              .height_in = full.height,
+                                              .width = extent.width,
+                                              .height = extent.height,
+                                              .downsample = settings.match_downsample,
+                                              .plane_in = static_cast<int>(plane),
+                                              .plane = static_cast<int>(plane),
+                                              .planes = 1,
+                                              .weight = kFeatureRange * weights[plane]})
         .dispatch(extent);
   }
 }
+
+namespace {
+
+/// The compressed luminance as the last plane of `features`, smoothed along the guides by `prefilter` steps.
+void add_radiance_feature(Chain& chain, const Settings& settings, Extent full, const std::string& name,
+                          const FeatureSources& sources, ImageId features) {
+  const Extent extent = shrink(full, settings.match_downsample);
+  const auto target_of = [&](int step) {
+    return step == settings.prefilter
+               ? std::pair(features, sources.guide_planes)
+               : std::pair(chain.image(fmt::format("radiance.{}.step{}", name, step), Format::f32, extent),
+                           0);
+  };
+  const auto weight_of = [&](int step) {
+    return step == settings.prefilter ? kFeatureRange * settings.weight_radiance : 0.0f;
+  };
+  auto [radiance, plane] = target_of(0);
+  const bool demodulates =
+      settings.demodulate != 0 && sources.guide_planes > 0 && settings.weight_albedo > 0.0f;
+  chain.pass("align/radiance_feature")
+      .read("color", sources.color)
+      .read("exposure", sources.exposure)
+      .read("guides", demodulates ? *sources.guide_features : sources.exposure)
+      .specialize("demodulates", demodulates ? 1 : 0)
+      .write("features", radiance)
+      .constants(params::RadianceFeatureParams{.width_in = full.width,
+                                               .height_in = full.height,
+                                               .width = extent.width,
+                                               .height = extent.height,
+                                               .downsample = settings.match_downsample,
+                                               .plane = plane,
+                                               .weight = weight_of(0),
+                                               .albedo_weight = kFeatureRange * settings.weight_albedo})
+      .dispatch(extent);
+  for (int step = 1; step <= settings.prefilter; ++step) {
+    const ImageId unfiltered = radiance;
+    std::tie(radiance, plane) = target_of(step);
+    chain.pass("align/prefilter")
+        .read("radiance", unfiltered)
+        .read("guides", sources.guide_planes > 0 ? *sources.guide_features : unfiltered)
+        .write("filtered", radiance)
+        .specialize("guide_planes", sources.guide_planes)
+        .constants(params::PrefilterParams{.width = extent.width,
+                                           .height = extent.height,
+                                           .step = 1 << (step - 1),
+                                           .plane = plane,
+                                           .weight = weight_of(step)})
+        .dispatch(extent);
+  }
+}
+
+}  // namespace
 
 Features add_feature_passes(Chain& chain, const Settings& settings, Extent full, const std::string& name,
                             const FeatureSources& sources) {
@@ -268,59 +316,80 @@ Features add_feature_passes(Chain& chain, const Settings& settings, Extent full,
     chain.pass("align/guide_feature")
         .read("guide", *sources.guide_features)
         .write("features", features)
-        .constants(params::FeatureParams{.width_in = extent.width,
-                                         .height_in = extent.height,
-                                         .width = extent.width,
-                                         .height = extent.height,
-                                         .downsample = 1,
-                                         .plane_in = 0,
-                                         .plane = 0,
-                                         .planes = sources.guide_planes,
-                                         .weight = 1.0f})
+        .constants(params::GuideFeatureParams{.width_in = extent.width,
+                                              .height_in = extent.height,
+                                              .width = extent.width,
+                                              .height = extent.height,
+                                              .downsample = 1,
+                                              .plane_in = 0,
+                                              .plane = 0,
+                                              .planes = sources.guide_planes,
+                                              .weight = 1.0f})
         .dispatch({extent.width, extent.height, sources.guide_planes});
   }
-  if (radiance) {
-    chain.pass("align/radiance_feature")
-        .read("color", sources.color)
-        .read("exposure", sources.exposure)
-        .write("features", features)
-        .constants(params::FeatureParams{.width_in = full.width,
-                                         .height_in = full.height,
-                                         .width = extent.width,
-                                         .height = extent.height,
-                                         .downsample = settings.match_downsample,
-                                         .plane_in = 0,
-                                         .plane = sources.guide_planes,
-                                         .planes = 1,
-                                         .weight = kFeatureRange * settings.weight_radiance})
-        .dispatch(extent);
-  }
+  if (radiance) add_radiance_feature(chain, settings, full, name, sources, features);
   return {features, planes};
 }
 
-Alignment add_align_passes(Chain& chain, const Settings& settings, Extent full, const Features& target,
-                           const Features& source) {
-  assert(target.planes == source.planes);
-  const std::vector<Extent> extents = pyramid_extents(settings, full.width, full.height);
-  const std::vector<Features> targets = add_pyramid(chain, settings, extents, target, "target");
-  const std::vector<Features> sources = add_pyramid(chain, settings, extents, source, "source");
+std::vector<Features> add_pyramid(Chain& chain, const Settings& settings, const LevelRange& levels,
+                                  Extent full, const Features& finest, const std::string& name) {
+  std::vector<Features> pyramid{finest};
+  for (std::size_t l = levels.finest + 1; l < levels.end; ++l) {
+    const Extent fine = level_extent(settings, full, l - 1);
+    const Extent extent = level_extent(settings, full, l).with_planes(finest.planes);
+    const ImageId coarse = chain.image(fmt::format("features.{}.L{}", name, l), Format::f32, extent);
+    chain.pass("align/downsample")
+        .read("fine", pyramid.back().image)
+        .write("coarse", coarse)
+        .constants(params::DownsampleParams{.width_in = fine.width,
+                                            .height_in = fine.height,
+                                            .width = extent.width,
+                                            .height = extent.height,
+                                            .factor = settings.pyramid_factor})
+        .dispatch(extent);
+    pyramid.push_back({coarse, finest.planes});
+  }
+  return pyramid;
+}
 
-  Alignment alignment;
-  alignment.residual.resize(extents.size());
-  CoarseOffset coarse{chain.image("offset.none", Format::f32x2, {1, 1}), {1, 1}, 1.0f};
-  chain.pass("align/zero_offset").write("offset", coarse.image).dispatch({1, 1});
-  for (std::size_t l = extents.size(); l-- > 0;) {
-    const Extent extent = extents[l];
-    alignment.residual[l] = chain.image(fmt::format("residual.L{}", l), Format::f32, extent);
-    const Level level{.index = l,
-                      .extent = extent,
-                      .radius = blur_radius(settings, l),
-                      .channels = target.planes,
-                      .target = targets[l].image,
-                      .warped = add_warp(chain, l, extent, sources[l], coarse),
-                      .coarse = coarse,
-                      .offset = chain.image(fmt::format("offset_noisy.L{}", l), Format::f32x2, extent),
-                      .residual = alignment.residual[l]};
+SourceWindow add_same_window(Chain& chain, Extent full, const std::string& name) {
+  const ImageId origin = chain.image(name, Format::f32x2, {1, 1});
+  chain.pass("align/zero_offset").write("offset", origin).dispatch({1, 1});
+  return {full, origin};
+}
+
+SearchResult add_search_passes(Chain& chain, const Settings& settings, const Search& search) {
+  assert(search.target.planes == search.source.planes && search.levels.finest < search.levels.end);
+  const auto [finest, end] = search.levels;
+  const std::vector<Features> targets =
+      add_pyramid(chain, settings, search.levels, search.full, search.target, "target");
+  const std::vector<Features> sources =
+      add_pyramid(chain, settings, search.levels, search.window.full, search.source, "source");
+
+  SearchResult result;
+  result.residual.resize(end - finest);
+  CoarseOffset coarse;
+  if (search.start) {
+    coarse = {*search.start, level_extent(settings, search.full, end),
+              static_cast<float>(settings.pyramid_factor)};
+  } else {
+    coarse = {chain.image("offset.none", Format::f32x2, {1, 1}), {1, 1}, 1.0f};
+    chain.pass("align/zero_offset").write("offset", coarse.image).dispatch({1, 1});
+  }
+  for (std::size_t l = end; l-- > finest;) {
+    const Extent extent = level_extent(settings, search.full, l);
+    const ImageId residual = chain.image(fmt::format("residual.L{}", l), Format::f32, extent);
+    result.residual[l - finest] = residual;
+    const Level level{
+        .index = l,
+        .extent = extent,
+        .radius = blur_radius(settings, l),
+        .channels = search.target.planes,
+        .target = targets[l - finest].image,
+        .warped = add_warp(chain, settings, l, extent, sources[l - finest], search.window, coarse),
+        .coarse = coarse,
+        .offset = chain.image(fmt::format("offset_noisy.L{}", l), Format::f32x2, extent),
+        .residual = residual};
     if (level.radius <= kLargestMatchRadius) {
       add_match(chain, settings, level, kFeatureRange * 8.0);
     } else {
@@ -334,20 +403,71 @@ Alignment add_align_passes(Chain& chain, const Settings& settings, Extent full, 
         .dispatch(extent);
     coarse = {offset, extent, static_cast<float>(settings.pyramid_factor)};
   }
-  alignment.offset = coarse.image;
-  if (settings.match_downsample > 1) {
-    alignment.offset = chain.image("offset.full", Format::f32x2, full);
-    chain.pass("align/upsample_offset")
-        .read("offset_coarse", coarse.image)
-        .write("offset", alignment.offset)
-        .constants(params::UpsampleParams{.width_in = coarse.extent.width,
-                                          .height_in = coarse.extent.height,
-                                          .width = full.width,
-                                          .height = full.height,
-                                          .scale = static_cast<float>(settings.match_downsample)})
-        .dispatch(full);
+  result.offset = coarse.image;
+  return result;
+}
+
+int feature_margin_px(const Settings& settings) {
+  if (settings.weight_radiance == 0.0f || settings.prefilter == 0) return 0;
+  // Two taps to either side, twice as far apart with every step, and the pixel of which a part may lie beyond
+  // the tile.
+  return (2 * ((1 << settings.prefilter) - 1) + 1) * settings.match_downsample;
+}
+
+TileRules search_tile_rules(const Settings& settings, const gpu::DeviceInfo& device, std::size_t levels,
+                            std::size_t end, int margin_px) {
+  TileRules rules{.grid = level_px(settings, end), .core_grid = level_px(settings, end)};
+  // In pixels of the level: how far from the core its offsets must be right. One more for a bilinear read.
+  int margin = ceil_div(margin_px, settings.match_downsample) + 1;
+  for (std::size_t l = 0; l < end; ++l) {
+    const int px = level_px(settings, l);
+    const int radius = blur_radius(settings, l);
+    margin += 1;  // the median
+    // Sums slide along runs. Tiles begin where runs do, and their first run lacks what came before it.
+    const bool in_bands = radius > kLargestMatchRadius;
+    const int run_y = in_bands ? kBlurRun : match_strip(device).rows;
+    const int run_x = in_bands ? kBlurRun : 0;
+    rules.grid = std::lcm(rules.grid, std::lcm(run_y, std::max(run_x, 1)) * px);
+    rules.left = std::max(rules.left, (margin + run_x) * px);
+    rules.above = std::max(rules.above, (margin + run_y) * px);
+    margin += radius + kWindowReach;
+    // One more for a bilinear read, and one for the last pixel: a part of it may lie beyond the tile.
+    margin = ceil_div(margin, settings.pyramid_factor) + 2;
   }
-  return alignment;
+  rules.after = margin * level_px(settings, end);
+  rules.left = std::max(rules.left, rules.after);
+  rules.above = std::max(rules.above, rules.after);
+  rules.reach = reach_px(settings, levels);
+  return rules;
+}
+
+ImageId add_upsample_pass(Chain& chain, const Settings& settings, Extent full, ImageId offset) {
+  if (settings.match_downsample == 1) return offset;
+  const Extent extent = level_extent(settings, full, 0);
+  const ImageId upsampled = chain.image("offset.full", Format::f32x2, full);
+  chain.pass("align/upsample_offset")
+      .read("offset_coarse", offset)
+      .write("offset", upsampled)
+      .constants(params::UpsampleParams{.width_in = extent.width,
+                                        .height_in = extent.height,
+                                        .width = full.width,
+                                        .height = full.height,
+                                        .scale = static_cast<float>(settings.match_downsample)})
+      .dispatch(full);
+  return upsampled;
+}
+
+Alignment add_align_passes(Chain& chain, const Settings& settings, Extent full, const Features& target,
+                           const Features& source) {
+  const SearchResult found =
+      add_search_passes(chain, settings,
+                        {.levels = {0, pyramid_extents(settings, full.width, full.height).size()},
+                         .full = full,
+                         .window = add_same_window(chain, full, "origin.align"),
+                         .target = target,
+                         .source = source,
+                         .start = {}});
+  return {add_upsample_pass(chain, settings, full, found.offset), found.residual};
 }
 
 }  // namespace becalm::filter

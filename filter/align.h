@@ -1,10 +1,12 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "filter/gpu/chain.h"
 #include "filter/settings.h"
+#include "filter/tiles.h"
 
 namespace becalm::filter {
 
@@ -40,6 +42,62 @@ void add_guide_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent f
 /// Features called `name`: the guide's planes, and the compressed luminance unless its weight is 0.
 Features add_feature_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
                             const std::string& name, const FeatureSources& sources);
+
+/// Size at pyramid level `level` of images that are `full` at full resolution, rounded up at every level.
+gpu::Extent level_extent(const Settings& settings, gpu::Extent full, std::size_t level);
+
+/// Full-resolution pixels in one of a level, along each axis.
+int level_px(const Settings& settings, std::size_t level);
+
+/// Source images that show more of the frame than the target's.
+struct SourceWindow {
+  gpu::Extent full;  ///< their size at full resolution
+  gpu::ImageId
+      target_origin;  ///< f32x2, 1x1: where the target's first pixel lies in them, in full-resolution px
+};
+
+/// A window of which the target's images are all: the origin is zero.
+SourceWindow add_same_window(gpu::Chain& chain, gpu::Extent full, const std::string& name);
+
+/// Levels `finest` to `end` - 1 of a pyramid.
+struct LevelRange {
+  std::size_t finest = 0;
+  std::size_t end = 0;
+};
+
+/// Features of each level of the range, of images that are `full` at full resolution; `finest` are given.
+std::vector<Features> add_pyramid(gpu::Chain& chain, const Settings& settings, const LevelRange& levels,
+                                  gpu::Extent full, const Features& finest, const std::string& name);
+
+/// The search of a range of levels, from coarse to fine.
+struct Search {
+  LevelRange levels;
+  gpu::Extent full;  ///< the target's images at full resolution
+  SourceWindow window;
+  Features target;  ///< of level `finest`, as is the source
+  Features source;
+  std::optional<gpu::ImageId>
+      start;  ///< offsets of level `end`, to start from; else the search starts from zero
+};
+
+struct SearchResult {
+  gpu::ImageId offset;                 ///< f32x2, of level `finest` and in its pixels
+  std::vector<gpu::ImageId> residual;  ///< from level `finest` on, as in Alignment
+};
+SearchResult add_search_passes(gpu::Chain& chain, const Settings& settings, const Search& search);
+
+/// What tiles must keep that search levels below `end` by themselves, from offsets of level `end` that are
+/// the whole frame's, if full-resolution offsets are wanted `margin_px` around their cores. Their offsets
+/// then are bit for bit those of the whole frame.
+TileRules search_tile_rules(const Settings& settings, const gpu::DeviceInfo& device, std::size_t levels,
+                            std::size_t end, int margin_px);
+
+/// Offsets of level 0 at full resolution, in full-resolution pixels.
+gpu::ImageId add_upsample_pass(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
+                               gpu::ImageId offset);
+
+/// How far from a pixel its features depend on the images that they are made from.
+int feature_margin_px(const Settings& settings);
 
 struct Alignment {
   gpu::ImageId

@@ -16,6 +16,16 @@ float luminance(std::span<const float> rgb) {
   return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
 }
 
+/// Calls `use(index in an image of that width, index in the rectangle)` for each pixel, row by row.
+template <class Use>
+void for_each_pixel(const Rect& rect, int image_width, const Use& use) {
+  std::size_t in_rect = 0;
+  for (int y = rect.y; y < rect.y + rect.height; ++y) {
+    std::size_t in_image = static_cast<std::size_t>(y) * image_width + rect.x;
+    for (int x = 0; x < rect.width; ++x) use(in_image++, in_rect++);
+  }
+}
+
 bool all_finite(std::span<const float> values) {
   return std::ranges::all_of(values, [](float v) { return std::isfinite(v); });
 }
@@ -30,51 +40,59 @@ std::vector<std::uint8_t> finite_pixels(const Image& beauty) {
   return finite;
 }
 
-void pack_color(const Image& beauty, std::span<const std::uint8_t> finite, std::span<float> rgba) {
-  assert(beauty.channels() == 4 && rgba.size() == beauty.pixel_count() * 4);
-  std::ranges::copy(beauty.data(), rgba.begin());
+void pack_color(const Image& beauty, std::span<const std::uint8_t> finite, const Rect& rect,
+                std::span<float> rgba) {
+  assert(beauty.channels() == 4 && rgba.size() == rect.extent().elements() * 4);
   const int width = beauty.width();
   const int height = beauty.height();
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      if (finite[y * width + x]) continue;
-      std::array<float, 4> mean{};
-      int count = 0;
-      for (int v = std::max(y - 1, 0); v <= std::min(y + 1, height - 1); ++v) {
-        for (int u = std::max(x - 1, 0); u <= std::min(x + 1, width - 1); ++u) {
-          if (!finite[v * width + u]) continue;
-          for (int c = 0; c < 4; ++c) mean[c] += beauty.at(u, v, c);
-          ++count;
-        }
-      }
-      for (int c = 0; c < 4; ++c) rgba[(y * width + x) * 4 + c] = count > 0 ? mean[c] / count : 0.0f;
-    }
+  for (int y = 0; y < rect.height; ++y) {
+    const std::size_t row = static_cast<std::size_t>(rect.y + y) * width + rect.x;
+    const std::size_t row_floats = static_cast<std::size_t>(rect.width) * 4;
+    std::ranges::copy(beauty.data().subspan(4 * row, row_floats), rgba.subspan(y * row_floats).begin());
   }
+  for_each_pixel(rect, width, [&](std::size_t in, std::size_t out) {
+    if (finite[in]) return;
+    const auto pixel = rgba.subspan(4 * out, 4);
+    const int x = static_cast<int>(in % width);
+    const int y = static_cast<int>(in / width);
+    std::array<float, 4> mean{};
+    int count = 0;
+    for (int v = std::max(y - 1, 0); v <= std::min(y + 1, height - 1); ++v) {
+      for (int u = std::max(x - 1, 0); u <= std::min(x + 1, width - 1); ++u) {
+        if (!finite[static_cast<std::size_t>(v) * width + u]) continue;
+        for (int c = 0; c < 4; ++c) mean[c] += beauty.at(u, v, c);
+        ++count;
+      }
+    }
+    for (int c = 0; c < 4; ++c) pixel[c] = count > 0 ? mean[c] / count : 0.0f;
+  });
 }
 
 std::size_t pack_variance(const Frame& frame, const AovSet& used, std::span<const std::uint8_t> finite,
-                          std::span<float> pairs) {
+                          const Tile& tile, std::span<float> pairs) {
   const bool given = contains(used, Aov::variance);
   const bool halves = contains(used, Aov::half_a) && contains(used, Aov::half_b);
   std::size_t replaced = 0;
-  for (std::size_t i = 0; i < finite.size(); ++i) {
+  for_each_pixel(tile.target, frame.width(), [&](std::size_t in, std::size_t out) {
     float variance = 0.0f;
     if (given) {
-      const auto v = frame.image(Aov::variance).data().subspan(i * 3, 3);
+      const auto v = frame.image(Aov::variance).data().subspan(in * 3, 3);
       variance = (v[0] + v[1] + v[2]) / 3.0f;
     } else if (halves) {
-      const auto a = frame.image(Aov::half_a).data().subspan(i * 3, 3);
-      const auto b = frame.image(Aov::half_b).data().subspan(i * 3, 3);
+      const auto a = frame.image(Aov::half_a).data().subspan(in * 3, 3);
+      const auto b = frame.image(Aov::half_b).data().subspan(in * 3, 3);
       for (int c = 0; c < 3; ++c) variance += (a[c] - b[c]) * (a[c] - b[c]) / 12.0f;
     }
-    if (finite[i] && !(std::isfinite(variance) && variance >= 0.0f)) {
-      const float l = luminance(frame.image(Aov::beauty).data().subspan(i * 4, 4));
+    if (finite[in] && !(std::isfinite(variance) && variance >= 0.0f)) {
+      const float l = luminance(frame.image(Aov::beauty).data().subspan(in * 4, 4));
       variance = l * l;
-      ++replaced;
+      const int x = static_cast<int>(in % frame.width());
+      const int y = static_cast<int>(in / frame.width());
+      if (tile.core.contains(x, y)) ++replaced;
     }
-    pairs[2 * i] = finite[i] ? std::min(variance, kLargestVariance) : 0.0f;
-    pairs[2 * i + 1] = finite[i];
-  }
+    pairs[2 * out] = finite[in] ? std::min(variance, kLargestVariance) : 0.0f;
+    pairs[2 * out + 1] = finite[in];
+  });
   return replaced;
 }
 
@@ -82,16 +100,16 @@ int guide_planes(bool albedo, bool normal) {
   return (albedo ? 1 : 0) + (normal ? 2 : 0);
 }
 
-void pack_guide(const Frame& frame, bool albedo, bool normal, std::span<float> planes) {
-  const std::size_t count = static_cast<std::size_t>(frame.width()) * frame.height();
+void pack_guide(const Frame& frame, bool albedo, bool normal, const Rect& rect, std::span<float> planes) {
+  const auto count = static_cast<std::size_t>(rect.extent().elements());
   assert(planes.size() == count * guide_planes(albedo, normal));
   std::size_t plane = 0;
   if (albedo) {
     const auto values = frame.image(Aov::albedo).data();
-    for (std::size_t i = 0; i < count; ++i) {
-      const float l = luminance(values.subspan(3 * i, 3));
-      planes[i] = std::isfinite(l) ? std::clamp(l, 0.0f, 1.0f) : 0.0f;
-    }
+    for_each_pixel(rect, frame.width(), [&](std::size_t in, std::size_t out) {
+      const float l = luminance(values.subspan(3 * in, 3));
+      planes[out] = std::isfinite(l) ? std::clamp(l, 0.0f, 1.0f) : 0.0f;
+    });
     ++plane;
   }
   if (normal) {
@@ -102,12 +120,12 @@ void pack_guide(const Frame& frame, bool albedo, bool normal, std::span<float> p
     const auto values = frame.image(Aov::normal).data();
     const auto u = planes.subspan(plane * count, count);
     const auto v = planes.subspan((plane + 1) * count, count);
-    for (std::size_t i = 0; i < count; ++i) {
-      const auto n = values.subspan(3 * i, 3);
+    for_each_pixel(rect, frame.width(), [&](std::size_t in, std::size_t out) {
+      const auto n = values.subspan(3 * in, 3);
       const bool finite = all_finite(n);
-      u[i] = finite ? std::clamp((n[0] - n[1]) * kHalfRoot, -1.0f, 1.0f) : 0.0f;
-      v[i] = finite ? std::clamp((n[0] + n[1] - 2.0f * n[2]) * kSixthRoot, -1.0f, 1.0f) : 0.0f;
-    }
+      u[out] = finite ? std::clamp((n[0] - n[1]) * kHalfRoot, -1.0f, 1.0f) : 0.0f;
+      v[out] = finite ? std::clamp((n[0] + n[1] - 2.0f * n[2]) * kSixthRoot, -1.0f, 1.0f) : 0.0f;
+    });
   }
 }
 

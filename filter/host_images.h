@@ -4,33 +4,37 @@
 #include <span>
 #include <vector>
 
+#include "filter/tiles.h"
 #include "frame/frame.h"
 
 namespace becalm::filter {
 
-/// What lies between a Frame and the buffers of the GPU chain, all plain loops over pixels. Non-finite input
-/// follows one rule: such a pixel is counted, takes no part in any decision, and comes out as it went in.
+/// What lies between a Frame, or a rectangle of it, and the buffers of the GPU chain, all plain loops over
+/// pixels. Non-finite input follows one rule: such a pixel is counted, takes no part in any decision, and
+/// comes out as it went in.
 
 /// One entry a pixel: 1 where all channels of the beauty are finite, else 0.
 std::vector<std::uint8_t> finite_pixels(const Image& beauty);
 
-/// The beauty as RGBA; a pixel that is not finite becomes the mean of its finite neighbours (0 without any),
-/// so that matching sees no hole there.
-void pack_color(const Image& beauty, std::span<const std::uint8_t> finite, std::span<float> rgba);
+/// A rectangle of the beauty as RGBA; a pixel that is not finite becomes the mean of its finite neighbours (0
+/// without any), so that matching sees no hole there.
+void pack_color(const Image& beauty, std::span<const std::uint8_t> finite, const Rect& rect,
+                std::span<float> rgba);
 
-/// (variance, valid) pairs. The variance is the mean over channels of the `variance` AOV, or of ((a-b)/2)^2
-/// for two half-buffers; 0 where neither is in `used`. A variance that is not finite or negative is replaced
-/// by the square of the pixel's luminance: 100 % of noise. Returns how many were.
+/// (variance, valid) pairs of a tile's target rectangle. The variance is the mean over channels of the
+/// `variance` AOV, or of ((a-b)/2)^2 for two half-buffers; 0 where neither is in `used`. A variance that is
+/// not finite or negative is replaced by the square of the pixel's luminance: 100 % of noise. Returns how
+/// many of the tile's core were.
 std::size_t pack_variance(const Frame& frame, const AovSet& used, std::span<const std::uint8_t> finite,
-                          std::span<float> pairs);
+                          const Tile& tile, std::span<float> pairs);
 
 /// Number of guide planes that a frame with these AOVs gives: albedo one, normal two.
 int guide_planes(bool albedo, bool normal);
 
-/// Guide planes: the albedo's luminance, then the normal's components along two axes of no special direction
-/// in the scene (a unit vector has two degrees of freedom). Values that are not finite become 0. Albedo is
-/// clamped to [0,1].
-void pack_guide(const Frame& frame, bool albedo, bool normal, std::span<float> planes);
+/// Guide planes of a rectangle: the albedo's luminance, then the normal's components along two axes of no
+/// special direction in the scene (a unit vector has two degrees of freedom). Values that are not finite
+/// become 0. Albedo is clamped to [0,1].
+void pack_guide(const Frame& frame, bool albedo, bool normal, const Rect& rect, std::span<float> planes);
 
 /// 1 / geometric mean of the finite luminances above a millionth of their mean (traces of light on black
 /// would decide it otherwise); 1 for a black frame. It brings the frame into a known range.

@@ -21,13 +21,19 @@ struct Warped {
 Warped add_warp(Chain& chain, Extent full, const MergeInputs& inputs, ImageId offset) {
   const Warped warped{chain.image("warped.color", Format::f32x4, full),
                       chain.image("warped.stats", Format::f32x2, full)};
+  const SourceWindow window =
+      inputs.history_window ? *inputs.history_window : add_same_window(chain, full, "origin.merge");
   chain.pass("merge/warp_history")
       .read("offset", offset)
       .read("history_color", inputs.history_color.previous)
       .read("history_stats", inputs.history_stats.previous)
+      .read("target_origin", window.target_origin)
       .write("warped_color", warped.color)
       .write("warped_stats", warped.stats)
-      .constants(params::ImageParams{.width = full.width, .height = full.height})
+      .constants(params::WarpHistoryParams{.width = full.width,
+                                           .height = full.height,
+                                           .history_width = window.full.width,
+                                           .history_height = window.full.height})
       .dispatch(full);
   return warped;
 }
@@ -92,8 +98,9 @@ ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, c
 
 ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
                       const Warped& warped, const Alignment& alignment) {
-  const auto extents = pyramid_extents(settings, full.width, full.height);
-  const std::size_t level = std::min(static_cast<std::size_t>(settings.mask_level), extents.size() - 1);
+  const std::size_t level =
+      std::min(static_cast<std::size_t>(settings.mask_level), alignment.residual.size() - 1);
+  const Extent extent = level_extent(settings, full, level);
   const ImageId decision = chain.image("decision", Format::f32x2, full);
   chain.pass("merge/mask_gain")
       .read("color", inputs.color)
@@ -104,22 +111,25 @@ ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const
       .write("merged_color", inputs.history_color.next)
       .write("merged_stats", inputs.history_stats.next)
       .write("decision", decision)
-      .constants(params::MaskGainParams{
-          .width = full.width,
-          .height = full.height,
-          .residual_width = extents[level].width,
-          .residual_height = extents[level].height,
-          .residual_scale =
-              static_cast<float>(settings.match_downsample * (level > 0 ? settings.pyramid_factor : 1)),
-          .alpha = settings.mask_alpha,
-          .kappa = settings.mask_kappa,
-          .eta = settings.mask_eta,
-          .max_history = settings.max_history})
+      .constants(params::MaskGainParams{.width = full.width,
+                                        .height = full.height,
+                                        .residual_width = extent.width,
+                                        .residual_height = extent.height,
+                                        .residual_scale = static_cast<float>(level_px(settings, level)),
+                                        .alpha = settings.mask_alpha,
+                                        .kappa = settings.mask_kappa,
+                                        .eta = settings.mask_eta,
+                                        .max_history = settings.max_history})
       .dispatch(full);
   return decision;
 }
 
 }  // namespace
+
+int merge_margin_px(const Settings& settings) {
+  constexpr int variance_estimate = 1;
+  return variance_estimate + (settings.merge == MergeMode::variance ? settings.patch_radius : 0);
+}
 
 ImageId add_merge_passes(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
                          const Alignment& alignment) {

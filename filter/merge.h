@@ -1,12 +1,15 @@
 #pragma once
 
+#include <optional>
+
 #include "filter/align.h"
 #include "filter/gpu/chain.h"
 #include "filter/settings.h"
 
 namespace becalm::filter {
 
-/// Images that the merge works on, all at full resolution.
+/// Images that the merge works on, all at full resolution and of one size but for the previous history in a
+/// window of its own.
 struct MergeInputs {
   gpu::ImageId color;     ///< f32x4: the new frame, pixels that are not finite replaced
   gpu::ImageId variance;  ///< f32x2: (variance of the pixel's mean, averaged over channels; 1, or 0 for a
@@ -15,7 +18,12 @@ struct MergeInputs {
   gpu::History history_color;  ///< f32x4
   gpu::History
       history_stats;  ///< f32x2: (variance left, effective sample count); a count of 0 means no history
+  std::optional<SourceWindow> history_window =
+      {};  ///< where the previous history shows more than the new frame
 };
+
+/// How far from a pixel the merge reads offsets, the new frame and its variance.
+int merge_margin_px(const Settings& settings);
 
 /// Merges the new frame with the warped history into history_color.next and history_stats.next, and returns
 /// the decisions (f32x2): share of the history rejected, and effective sample count.

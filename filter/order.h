@@ -1,30 +1,15 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
-#include <vector>
 
+#include "filter/frame_merger.h"
 #include "filter/gpu/device.h"
-#include "filter/gpu/profiler.h"
 #include "filter/settings.h"
 #include "frame/frame.h"
 
 namespace becalm::filter {
-
-/// What happened to one frame.
-struct FrameReport {
-  std::size_t non_finite_pixels = 0;  ///< pixels with NaN or Inf in the beauty: passed through as they came
-  std::size_t replaced_variances =
-      0;                              ///< variances that were not finite or negative, taken as 100 % of noise
-  double mean_rejected = 0.0;         ///< share of the history that was rejected, averaged over pixels
-  double mean_sample_count = 0.0;     ///< effective number of frames in a pixel, averaged over pixels
-  std::vector<gpu::PassTime> passes;  ///< device time, in order of execution
-};
-
-struct Denoised {
-  Frame frame;  ///< beauty, the variance left, and the diagnostics asked for
-  FrameReport report;
-};
 
 /// AOVs that the filter uses when a frame has them; what else a frame carries is ignored.
 AovSet wanted_aovs(const Settings& settings);
@@ -34,10 +19,13 @@ AovSet wanted_aovs(const Settings& settings);
 /// and the AOVs of `available` that the filter wants; a frame that differs throws Error(bad_input).
 class ForwardFilter {
  public:
-  /// Builds the chain for this size. `diagnostics` are those of flow, error_mask and sample_count to put into
-  /// the results. Throws gpu::DeviceError if the device cannot hold the chain.
+  /// Builds the chains for this size. `diagnostics` are those of flow, error_mask and sample_count to put
+  /// into the results. Frames that the device cannot hold whole, or not within `memory_limit` bytes, are cut
+  /// into tiles, which the results do not show. Throws gpu::DeviceError if the smallest tiles are still too
+  /// large.
   ForwardFilter(gpu::Device& device, const Settings& settings, int width, int height, AovSet available,
-                AovSet diagnostics = {});
+                AovSet diagnostics = {},
+                std::uint64_t memory_limit = std::numeric_limits<std::uint64_t>::max());
   ~ForwardFilter();
   ForwardFilter(ForwardFilter&&) noexcept;
 
@@ -46,9 +34,8 @@ class ForwardFilter {
   /// Forgets the history: the next frame starts anew, as after a cut or a missing frame.
   void reset();
 
-  /// Bytes of device memory that the chain holds, and what it would hold without aliasing.
-  std::uint64_t device_bytes() const;
-  std::uint64_t device_bytes_unaliased() const;
+  /// How the frames are cut, and the device memory held for it.
+  FilterMemory memory() const;
 
  private:
   struct State;

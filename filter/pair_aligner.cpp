@@ -60,8 +60,9 @@ struct PairAligner::State {
 
   void upload(const Frame& frame, const Inputs& inputs) {
     const Image& beauty = frame.image(Aov::beauty);
-    pack_color(beauty, finite_pixels(beauty), chain.upload<float>(inputs.color));
-    if (inputs.guide) pack_guide(frame, guides.albedo, guides.normal, chain.upload<float>(*inputs.guide));
+    pack_color(beauty, finite_pixels(beauty), bounds(full), chain.upload<float>(inputs.color));
+    if (inputs.guide)
+      pack_guide(frame, guides.albedo, guides.normal, bounds(full), chain.upload<float>(*inputs.guide));
   }
 
   Image download(ImageId image, Extent extent, int channels) const {

@@ -64,6 +64,11 @@ const Row kRows[] = {
      DistanceName{&Settings::distance}},
     {{"refine_levels", "integer 0..12", "subpixel refinement on so many of the finest levels"},
      IntRange{&Settings::refine_levels, 0, 12}},
+    {{"prefilter", "integer 0..5",
+      "steps of the a-trous filter on the radiance that is matched, each reaching twice as far"},
+     IntRange{&Settings::prefilter, 0, 5}},
+    {{"demodulate", "0 or 1", "1 matches radiance without the albedo, where a frame has one"},
+     IntRange{&Settings::demodulate, 0, 1}},
     {{"weight_radiance", "number 0..100", "weight of the radiance in matching; 0 leaves it out"},
      FloatRange{&Settings::weight_radiance, 0.0f, 100.0f}},
     {{"weight_albedo", "number 0..100", "weight of the albedo in matching, where a frame has one"},
@@ -193,8 +198,11 @@ Settings preset(std::string_view name) {
   Settings settings;
   if (name == "draft") {
     settings.match_downsample = 4;
+    settings.prefilter = 0;
+    settings.blur_radius = {5};
   } else if (name == "final") {
     settings.match_downsample = 1;
+    settings.prefilter = 2;
   } else if (name != "balanced") {
     throw Error(ExitStatus::usage, fmt::format("preset '{}': expected draft, balanced or final", name));
   }

@@ -21,11 +21,13 @@ struct Settings {
   int match_downsample = 2;
   int pyramid_factor = 2;
   int pyramid_levels = 0;
-  std::vector<int> blur_radius = {5};
+  std::vector<int> blur_radius = {1, 2};
   Distance distance = Distance::log_l1_centered;
   int refine_levels = 12;
+  int prefilter = 1;
+  int demodulate = 0;
   float weight_radiance = 1.0f;
-  float weight_albedo = 1.0f;
+  float weight_albedo = 2.0f;
   float weight_normal = 0.5f;
 
   MergeMode merge = MergeMode::variance;

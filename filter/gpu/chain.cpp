@@ -21,7 +21,7 @@ std::string Chain::Impl::label(std::size_t pass) const {
 }
 
 void Chain::Impl::require_declaring() const {
-  if (is_built) throw DeviceError(label() + ": is built already, nothing can be declared any more");
+  if (is_planned) throw DeviceError(label() + ": is built already, nothing can be declared any more");
 }
 
 ImageId Chain::Impl::declare(std::string image_name, Format format, Extent extent, Role role) {
@@ -116,12 +116,22 @@ void Chain::Pass::dispatch(Extent extent) {
   chain_.impl_->passes[index_].extent = extent;
 }
 
-void Chain::build() {
+void Chain::plan() {
   Impl& s = *impl_;
   s.require_declaring();
   s.check();
   guarded(s.label(), [&] {
     s.plan_steps();
+    s.plan_memory();
+  });
+  s.is_planned = true;
+}
+
+void Chain::build() {
+  Impl& s = *impl_;
+  if (s.is_built) throw DeviceError(s.label() + ": is built already");
+  if (!s.is_planned) plan();
+  guarded(s.label(), [&] {
     s.allocate();
     s.create_staging();
     s.create_pipelines();

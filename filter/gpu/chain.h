@@ -43,8 +43,8 @@ struct ChainOptions {
 ///
 /// Barriers, lifetimes, memory aliasing, debug labels and timestamps follow from the declarations. `build`
 /// checks them: every binding of a kernel named once and only those, formats, read against write, constants'
-/// size, every read written before, and storage-buffer limits; it throws DeviceError naming the pass and the
-/// binding.
+/// size, every read written before; it throws DeviceError naming the pass and the binding, and
+/// DeviceLimitError for what is too large for the device.
 class Chain {
  public:
   /// One pass being declared; `dispatch` completes it.
@@ -88,6 +88,11 @@ class Chain {
   Pass pass(std::string_view kernel);
   /// The device that the chain runs on.
   const DeviceInfo& device() const;
+  /// Checks the declarations and decides where in device memory each image goes, without asking the device
+  /// for any: device_bytes and staging_bytes then tell what `build` will take. Nothing can be declared
+  /// afterwards.
+  void plan();
+  /// Plans, unless that has been done, and makes everything that runs need.
   void build();
 
   /// Host memory of an input: fill it, or keep what earlier runs were given. Valid as long as the chain.
@@ -110,7 +115,8 @@ class Chain {
 
   /// Device time of each pass of the last run.
   const std::vector<PassTime>& times() const;
-  /// Device bytes held, and what they would be if no images shared memory (both without staging memory).
+  /// Device bytes held, or to be held once built, and what they would be if no images shared memory (both
+  /// without staging memory).
   std::uint64_t device_bytes() const;
   std::uint64_t device_bytes_unaliased() const;
   /// Host-visible staging bytes of inputs and outputs.

@@ -35,6 +35,13 @@ std::uint32_t bits_of(std::int32_t value, std::string_view type) {
   return static_cast<std::uint32_t>(value);
 }
 
+vk::BufferCreateInfo buffer_of(const ImageDeclaration& image) {
+  using Usage = vk::BufferUsageFlagBits;
+  return {{},
+          image.bytes(),
+          Usage::eStorageBuffer | Usage::eUniformTexelBuffer | Usage::eTransferSrc | Usage::eTransferDst};
+}
+
 SpecValues spec_values(const PassDeclaration& pass) {
   SpecValues values;
   for (const auto& [name, value] : pass.specializations) {
@@ -73,7 +80,7 @@ void Chain::Impl::plan_steps() {
   }
 }
 
-void Chain::Impl::allocate() {
+void Chain::Impl::plan_memory() {
   constexpr int never = -1;
   const int last_step = static_cast<int>(steps.size()) - 1;
   std::vector<int> first(images.size(), never);
@@ -92,25 +99,25 @@ void Chain::Impl::allocate() {
     for (const Use& use : passes[static_cast<std::size_t>(index)].uses) touch(use.image, step);
   }
 
-  using Usage = vk::BufferUsageFlagBits;
   buffers.resize(images.size());
   std::vector<MemoryRequest> requests;
   std::vector<std::size_t> owners;
   std::uint32_t types = ~0u;
   std::uint64_t alignment = 1;
   for (std::size_t i = 0; i < images.size(); ++i) {
+    if (images[i].role == Role::input || images[i].is_output) staging_bytes += images[i].bytes();
     if (images[i].is_history()) {
       first[i] = 0;
       last[i] = last_step;
     }
     if (first[i] == never) continue;
-    const auto usage =
-        Usage::eStorageBuffer | Usage::eUniformTexelBuffer | Usage::eTransferSrc | Usage::eTransferDst;
-    buffers[i].buffer = {device.device, vk::BufferCreateInfo({}, images[i].bytes(), usage)};
-    device.set_name(buffers[i].buffer, images[i].name);
-    const vk::MemoryRequirements needs = buffers[i].buffer.getMemoryRequirements();
+    const vk::BufferCreateInfo create = buffer_of(images[i]);
+    const vk::MemoryRequirements needs =
+        device.device.getBufferMemoryRequirements(vk::DeviceBufferMemoryRequirements(&create))
+            .memoryRequirements;
     types &= needs.memoryTypeBits;
     alignment = std::max<std::uint64_t>(alignment, needs.alignment);  // powers of two
+    buffers[i].bytes = needs.size;
     requests.push_back({needs.size, first[i], last[i]});
     owners.push_back(i);
   }
@@ -119,26 +126,34 @@ void Chain::Impl::allocate() {
   const std::uint64_t largest_bytes = (largest->bytes + alignment - 1) / alignment * alignment;
   const std::uint64_t limit =
       std::min(device.max_allocation_bytes, std::max(options.max_arena_bytes, largest_bytes));
-  const MemoryPlan plan = plan_memory(requests, alignment, options.alias_memory, limit);
+  const MemoryPlan plan = gpu::plan_memory(requests, alignment, options.alias_memory, limit);
+  for (std::size_t i = 0; i < owners.size(); ++i) {
+    buffers[owners[i]].arena = plan.arenas[i];
+    buffers[owners[i]].offset = plan.offsets[i];
+  }
+  arena_bytes = plan.arena_bytes;
+  memory_type = device.memory_type(types, {}, vk::MemoryPropertyFlagBits::eDeviceLocal);
   device_bytes = plan.total_bytes;
-  device_bytes_unaliased = plan_memory(requests, alignment, false, limit).total_bytes;
-  const std::uint32_t type = device.memory_type(types, {}, vk::MemoryPropertyFlagBits::eDeviceLocal);
+  device_bytes_unaliased = gpu::plan_memory(requests, alignment, false, limit).total_bytes;
+}
+
+void Chain::Impl::allocate() {
   guarded(label() + ": " + format_mib(device_bytes) + " of device memory", [&] {
-    for (const std::uint64_t bytes : plan.arena_bytes) {
-      arenas.emplace_back(device.device, vk::MemoryAllocateInfo(bytes, type));
+    for (const std::uint64_t bytes : arena_bytes) {
+      arenas.emplace_back(device.device, vk::MemoryAllocateInfo(bytes, memory_type));
       device.set_name(arenas.back(), name + " arena " + std::to_string(arenas.size() - 1));
     }
   });
-  for (std::size_t i = 0; i < owners.size(); ++i) {
-    DeviceBuffer& buffer = buffers[owners[i]];
-    buffer.arena = plan.arenas[i];
-    buffer.offset = plan.offsets[i];
-    buffer.bytes = requests[i].bytes;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    DeviceBuffer& buffer = buffers[i];
+    if (buffer.bytes == 0) continue;
+    buffer.buffer = {device.device, buffer_of(images[i])};
+    device.set_name(buffer.buffer, images[i].name);
     buffer.buffer.bindMemory(*arenas[static_cast<std::size_t>(buffer.arena)], buffer.offset);
-    const ImageDeclaration& image = images[owners[i]];
-    if (image.extent.elements() <= device.limits.maxTexelBufferElements) {
-      buffer.texels = {device.device, vk::BufferViewCreateInfo({}, *buffer.buffer, texel_format(image.format),
-                                                               0, VK_WHOLE_SIZE)};
+    if (images[i].extent.elements() <= device.limits.maxTexelBufferElements) {
+      buffer.texels = {
+          device.device,
+          vk::BufferViewCreateInfo({}, *buffer.buffer, texel_format(images[i].format), 0, VK_WHOLE_SIZE)};
     }
   }
 }
@@ -152,7 +167,6 @@ void Chain::Impl::create_staging() {
     if (!is_input && !images[i].is_output) continue;
     staging[i] = device.create_host_buffer(
         images[i].bytes(), is_input ? Usage::eTransferSrc : Usage::eTransferDst, images[i].name + " (host)");
-    staging_bytes += images[i].bytes();
   }
 }
 

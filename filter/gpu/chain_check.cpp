@@ -40,8 +40,17 @@ const Kernel& find_kernel(std::span<const Kernel> kernels, const PassDeclaration
   return *found;
 }
 
+void require_bytes(const ImageDeclaration& image, std::uint64_t limit, const std::string& device_name,
+                   const char* verb, const std::string& where) {
+  if (image.bytes() <= limit) return;
+  throw DeviceLimitError(where + "image '" + image.name + "' of " + to_string(image.extent) + " " +
+                         std::string(element_of(image.format)) + " takes " + format_mib(image.bytes()) +
+                         ", more than the " + format_mib(limit) + " that device '" + device_name + "' can " +
+                         verb);
+}
+
 void check_binding(const Kernel& kernel, const ImageDeclaration& image, const Use& use,
-                   const vk::PhysicalDeviceLimits& limits, const std::string& where) {
+                   const Device::Impl& device, const std::string& where) {
   const auto found = std::ranges::find(kernel.bindings, use.binding, &BindingInfo::name);
   if (found == kernel.bindings.end()) {
     std::string known;
@@ -49,19 +58,23 @@ void check_binding(const Kernel& kernel, const ImageDeclaration& image, const Us
       known += (known.empty() ? "" : ", ") + std::string(binding.name);
     throw DeviceError(where + "the kernel has no such binding; it has: " + known);
   }
+  const vk::PhysicalDeviceLimits& limits = device.limits;
   if (found->is_texel_buffer()) {
     if ((found->element == "utexel") != (image.format == Format::u32)) {
       throw DeviceError(where + "the kernel reads texels of another kind than image '" + image.name +
                         "' of " + std::string(element_of(image.format)) + " has");
     }
     if (image.extent.elements() > limits.maxTexelBufferElements) {
-      throw DeviceError(where + "image '" + image.name + "' has " + std::to_string(image.extent.elements()) +
-                        " elements, the device reads at most " +
-                        std::to_string(limits.maxTexelBufferElements) + " as texels");
+      throw DeviceLimitError(where + "image '" + image.name + "' has " +
+                             std::to_string(image.extent.elements()) +
+                             " elements, the device reads at most " +
+                             std::to_string(limits.maxTexelBufferElements) + " as texels");
     }
   } else if (found->element != element_of(image.format)) {
     throw DeviceError(where + "the kernel's elements are " + std::string(found->element) +
                       ", those of image '" + image.name + "' " + std::string(element_of(image.format)));
+  } else {
+    require_bytes(image, limits.maxStorageBufferRange, device.info.name, "bind", where);
   }
   if (found->reads != use.reads() || found->writes != use.writes()) {
     throw DeviceError(where + "the kernel's access is " +
@@ -72,10 +85,10 @@ void check_binding(const Kernel& kernel, const ImageDeclaration& image, const Us
 
 /// Each binding of the kernel once; no image both written and otherwise used, which would be a race.
 void check_bindings(const Kernel& kernel, const PassDeclaration& pass,
-                    std::span<const ImageDeclaration> images, const vk::PhysicalDeviceLimits& limits,
+                    std::span<const ImageDeclaration> images, const Device::Impl& device,
                     const std::string& where) {
   for (const Use& use : pass.uses) {
-    check_binding(kernel, images[static_cast<std::size_t>(use.image)], use, limits,
+    check_binding(kernel, images[static_cast<std::size_t>(use.image)], use, device,
                   where + "binding '" + use.binding + "': ");
     for (const Use* other = pass.uses.data(); other != &use; ++other) {
       if (other->binding == use.binding)
@@ -121,9 +134,10 @@ void check_dispatch(const Kernel& kernel, const PassDeclaration& pass, const vk:
       throw DeviceError(where + "the dispatch of " + to_string(*pass.extent) + " is empty");
     const std::uint32_t groups = workgroups(extent[axis], kernel.local_size[axis]);
     if (groups > limits.maxComputeWorkGroupCount[axis]) {
-      throw DeviceError(where + "the dispatch of " + to_string(*pass.extent) + " takes " +
-                        std::to_string(groups) + " workgroups along axis " + std::to_string(axis) +
-                        ", the device's limit is " + std::to_string(limits.maxComputeWorkGroupCount[axis]));
+      throw DeviceLimitError(where + "the dispatch of " + to_string(*pass.extent) + " takes " +
+                             std::to_string(groups) + " workgroups along axis " + std::to_string(axis) +
+                             ", the device's limit is " +
+                             std::to_string(limits.maxComputeWorkGroupCount[axis]));
     }
     invocations *= kernel.local_size[axis];
   }
@@ -149,15 +163,9 @@ void check_dispatch(const Kernel& kernel, const PassDeclaration& pass, const vk:
 
 void Chain::Impl::check() {
   if (passes.empty()) throw DeviceError(label() + ": has no passes");
-  const std::uint64_t limit =
-      std::min({device.info.max_storage_buffer_bytes, device.max_buffer_bytes, device.max_allocation_bytes});
   for (const ImageDeclaration& image : images) {
-    if (image.bytes() > limit) {
-      throw DeviceError(label() + ": image '" + image.name + "' of " + to_string(image.extent) + " " +
-                        std::string(element_of(image.format)) + " takes " + format_mib(image.bytes()) +
-                        ", more than the " + format_mib(limit) + " that device '" + device.info.name +
-                        "' can bind");
-    }
+    const std::uint64_t limit = std::min(device.max_buffer_bytes, device.max_allocation_bytes);
+    require_bytes(image, limit, device.info.name, "hold in one piece", label() + ": ");
   }
 
   std::vector<bool> has_content(images.size());
@@ -170,7 +178,7 @@ void Chain::Impl::check() {
     const std::string where = label(i) + ": ";
     pass.kernel = &find_kernel(options.kernels, pass, where);
     for (const Use& use : pass.uses) static_cast<void>(image({use.image}));
-    check_bindings(*pass.kernel, pass, images, device.limits, where);
+    check_bindings(*pass.kernel, pass, images, device, where);
     check_constants(*pass.kernel, pass, where);
     check_dispatch(*pass.kernel, pass, device.limits, where);
     for (const Use& use : pass.uses) {

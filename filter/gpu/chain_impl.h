@@ -61,13 +61,13 @@ struct Step {
   int index;  ///< of the image or of the pass
 };
 
-/// An image's device memory. History images swap: see Chain::Impl::buffer.
+/// An image's device memory, planned first and allocated then. History images swap: see Chain::Impl::buffer.
 struct DeviceBuffer {
   vk::raii::Buffer buffer = nullptr;
   vk::raii::BufferView texels = nullptr;  ///< null where the device cannot read so many elements as texels
   int arena = 0;
   std::uint64_t offset = 0;
-  std::uint64_t bytes = 0;
+  std::uint64_t bytes = 0;  ///< 0: nothing touches the image
 };
 
 struct PassPipeline {
@@ -94,6 +94,7 @@ struct Chain::Impl {
   void check();
 
   void plan_steps();
+  void plan_memory();
   void allocate();
   void create_staging();
   void create_pipelines();
@@ -115,12 +116,15 @@ struct Chain::Impl {
   ChainOptions options;
   std::vector<ImageDeclaration> images;
   std::vector<PassDeclaration> passes;
+  bool is_planned = false;
   bool is_built = false;
   bool has_history = false;
 
   std::vector<Step> steps;
+  std::vector<std::uint64_t> arena_bytes;
+  std::uint32_t memory_type = 0;
   std::vector<vk::raii::DeviceMemory> arenas;
-  std::vector<DeviceBuffer> buffers;  // one an image; null where nothing touches it
+  std::vector<DeviceBuffer> buffers;  // one an image
   std::vector<HostBuffer> staging;    // one an image; null but for inputs and outputs
   std::vector<bool> is_filled;        // one an image: the host has asked for its upload memory
   std::uint64_t device_bytes = 0;

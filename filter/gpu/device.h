@@ -15,6 +15,12 @@ class DeviceError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// More than the device can bind, dispatch or hold at once: the same chain over smaller images may do.
+class DeviceLimitError : public DeviceError {
+ public:
+  using DeviceError::DeviceError;
+};
+
 struct DeviceInfo {
   int index = 0;
   std::string name;

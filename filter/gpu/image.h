@@ -31,6 +31,7 @@ struct Extent {
   constexpr std::uint64_t elements() const {
     return std::uint64_t(width) * std::uint64_t(height) * std::uint64_t(planes);
   }
+  constexpr Extent with_planes(int count) const { return {width, height, count}; }
   bool operator==(const Extent&) const = default;
 };
 

@@ -5,7 +5,7 @@
 #include "shared/align_params.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(push_constant) uniform Params { FeatureParams p; };
+layout(push_constant) uniform Params { GuideFeatureParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer guide;
 layout(std430, set = 0, binding = 1) writeonly buffer FeaturesBuffer { float data[]; } features;
 

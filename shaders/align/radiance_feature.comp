@@ -1,30 +1,36 @@
-// Reads a colour image and the frame's exposure, writes one plane of matching features: the luminance averaged over
-// downsample x downsample pixels, then range-compressed. In that order, since the mean of compressed noisy values lies
-// below the compressed mean: a target that is noisier than the history would look darker than it and choose its darker
-// pixels (README.md has the figures).
+// Reads a colour image and the frame's exposure, writes the exposed luminance averaged over downsample x downsample pixels:
+// as a matching feature, or as it is for prefilter steps to follow. Compression comes last, since the mean of compressed
+// noisy values lies below the compressed mean: a target that is noisier than the history would look darker than it and
+// choose its darker pixels (README.md has the figures). With `demodulates` the albedo is divided out, where there is any.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/color.glsl"
 #include "shared/align_params.h"
 
+layout(constant_id = 0) const bool demodulates = false;
+
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(push_constant) uniform Params { FeatureParams p; };
+layout(push_constant) uniform Params { RadianceFeatureParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer color;
 layout(set = 0, binding = 1) uniform samplerBuffer exposure;
-layout(std430, set = 0, binding = 2) writeonly buffer FeaturesBuffer { float data[]; } features;
+layout(set = 0, binding = 2) uniform samplerBuffer guides;
+layout(std430, set = 0, binding = 3) writeonly buffer FeaturesBuffer { float data[]; } features;
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= p.width || at.y >= p.height) return;
   const ivec2 last = min((at + 1) * p.downsample, ivec2(p.width_in, p.height_in));
+  const float e = texelFetch(exposure, 0).x;
   float sum = 0.0;
   int count = 0;
   for (int y = at.y * p.downsample; y < last.y; ++y) {
     for (int x = at.x * p.downsample; x < last.x; ++x) {
       const vec4 c = texelFetch(color, y * p.width_in + x);
-      sum += luminance(c.r, c.g, c.b);
+      sum += exposed(luminance(c.r, c.g, c.b), e);
       ++count;
     }
   }
-  features.data[(p.plane * p.height + at.y) * p.width + at.x] = p.weight * compress(sum / float(count), texelFetch(exposure, 0).x);
+  float x = sum / float(count);
+  if (demodulates) x = demodulated(x, texelFetch(guides, at.y * p.width + at.x).x / p.albedo_weight);
+  features.data[(p.plane * p.height + at.y) * p.width + at.x] = radiance_feature(x, p.weight);
 }

@@ -13,5 +13,5 @@ layout(std430, set = 0, binding = 1) writeonly buffer OffsetBuffer { vec2 data[]
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= p.width || at.y >= p.height) return;
-  offset.data[at.y * p.width + at.x] = read_offset(vec2(at), ivec2(p.width_in, p.height_in), p.scale);
+  offset.data[at.y * p.width + at.x] = read_offset(at, vec2(0.0), ivec2(p.width_in, p.height_in), p.scale);
 }

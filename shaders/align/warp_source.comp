@@ -1,5 +1,6 @@
 // Reads the source's features of one level and the coarser level's offsets; writes the source as the target's pixels see
 // it from there, source(p + start(p)), so that a level searches a regular image (the warp of Hanika et al. 2021, figure 4).
+// The source's images may show more of the frame than the target's: the target's first pixel then lies at target_origin.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/align_params.h"
@@ -8,20 +9,21 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant) uniform Params { WarpSourceParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer source;
 layout(set = 0, binding = 1) uniform samplerBuffer offset_coarse;
-layout(std430, set = 0, binding = 2) writeonly buffer WarpedBuffer { float data[]; } warped;
+layout(set = 0, binding = 2) uniform samplerBuffer target_origin;
+layout(std430, set = 0, binding = 3) writeonly buffer WarpedBuffer { float data[]; } warped;
 
 #include "lib/offset_field.glsl"
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= p.width || at.y >= p.height) return;
-  const vec2 position = vec2(at) + read_offset(vec2(at), ivec2(p.coarse_width, p.coarse_height), p.coarse_scale);
-  const BilinearTaps taps = bilinear_taps(position, ivec2(p.width, p.height));
+  const vec2 start = read_offset(at, vec2(0.0), ivec2(p.coarse_width, p.coarse_height), p.coarse_scale);
+  const ivec2 origin = ivec2(texelFetch(target_origin, 0).xy) / p.level_px;
+  const BilinearTaps taps = bilinear_taps(origin + at, start, ivec2(p.source_width, p.source_height));
   for (int plane = 0; plane < p.planes; ++plane) {
-    const int first = plane * p.height;
-    const int top = (first + taps.lo.y) * p.width;
-    const int bottom = (first + taps.hi.y) * p.width;
-    warped.data[(first + at.y) * p.width + at.x] =
+    const int top = (plane * p.source_height + taps.lo.y) * p.source_width;
+    const int bottom = (plane * p.source_height + taps.hi.y) * p.source_width;
+    warped.data[(plane * p.height + at.y) * p.width + at.x] =
         mix(mix(texelFetch(source, top + taps.lo.x).x, texelFetch(source, top + taps.hi.x).x, taps.t.x),
             mix(texelFetch(source, bottom + taps.lo.x).x, texelFetch(source, bottom + taps.hi.x).x, taps.t.x), taps.t.y);
   }

@@ -47,7 +47,7 @@ void choose(int kind, float cost[25], ivec2 pixel, ivec2 size, int radius, bool 
             float coarse_scale) {
   const float pixels = patch_pixels(pixel, size, radius);
   const float floor_sum = pixels * distance_floor(kind);
-  const vec2 start = read_offset(vec2(pixel), coarse_size, coarse_scale);
+  const vec2 start = read_offset(pixel, vec2(0.0), coarse_size, coarse_scale);
   // How much longer than the start a shift makes the offset, to second order.
   const float penalty = pixels * kMotionPenalty / (1.0 + length(start));
   float best_cost = 3e38;
@@ -67,8 +67,8 @@ void choose(int kind, float cost[25], ivec2 pixel, ivec2 size, int radius, bool 
   vec2 shift = vec2(best - 5.0 * row, row) - 2.0;
   if (refine) shift += subpixel_part(kind, cost, shift, floor_sum);
   // What the warped source shows there came from its own start.
-  const vec2 matched = clamp(vec2(pixel) + shift, vec2(0.0), vec2(size - 1));
+  const vec2 inside = clamp(shift, vec2(-pixel), vec2(size - 1 - pixel));
   const int i = pixel.y * size.x + pixel.x;
-  offset.data[i] = shift + read_offset(matched, coarse_size, coarse_scale);
+  offset.data[i] = shift + read_offset(pixel, inside, coarse_size, coarse_scale);
   residual.data[i] = distance_unit(kind) * max(best_unweighted, 0.0) / pixels;
 }

@@ -3,13 +3,19 @@
 /// Rec.709 luminance.
 float luminance(float r, float g, float b) { return 0.2126f * r + 0.7152f * g + 0.0722f * b; }
 
-/// Range compression of a non-negative radiance for matching: exposure brings the frame's typical luminance to 1, and
-/// the result lies in [0,1), so that no firefly can decide a patch.
-float compress(float radiance, float exposure) {
-  float x = max(radiance * exposure, 0.0f);
-  // Written so that x = inf gives 1 rather than NaN.
-  return 1.0f - 1.0f / (1.0f + x);
-}
+/// A radiance for matching: exposure brings the frame's typical luminance to 1, and no pixel counts for more than 16 of
+/// them, so that no firefly can decide the mean of its neighbours.
+float exposed(float radiance, float exposure) { return min(max(radiance * exposure, 0.0f), 16.0f); }
+
+/// Range compression of an exposed radiance to [0,1).
+float compress(float x) { return x / (1.0f + x); }
+
+/// Radiance without the texture; where the albedo is nearly black, light that did not come from it would be blown up, and
+/// the radiance stays as it is.
+float demodulated(float radiance, float albedo) { return albedo > 0.02f ? radiance / albedo : radiance; }
+
+/// The matching feature of an exposed radiance; a weight of 0 leaves it as it is, for prefilter steps to follow.
+float radiance_feature(float x, float weight) { return weight > 0.0f ? weight * compress(x) : x; }
 
 /// Divisor that makes differences relative: the luminance, with a floor of a tenth of the frame's typical luminance,
 /// below which errors count absolutely.

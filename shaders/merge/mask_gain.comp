@@ -25,7 +25,7 @@ float residual_at(int x, int y) { return texelFetch(residual, y * p.residual_wid
 
 /// The residual image read bilinearly at the pixel's centre; it may be of a coarser level.
 float read_residual(ivec2 at) {
-  const BilinearTaps taps = bilinear_taps(at, ivec2(p.residual_width, p.residual_height), p.residual_scale);
+  const BilinearTaps taps = bilinear_taps(at, vec2(0.0), ivec2(p.residual_width, p.residual_height), p.residual_scale);
   const float top = mix(residual_at(taps.lo.x, taps.lo.y), residual_at(taps.hi.x, taps.lo.y), taps.t.x);
   const float bottom = mix(residual_at(taps.lo.x, taps.hi.y), residual_at(taps.hi.x, taps.hi.y), taps.t.x);
   return mix(top, bottom, taps.t.y);

@@ -8,8 +8,8 @@
 namespace becalm::filter::params {
 #endif
 
-/// align/radiance_feature, align/guide_feature: full resolution in, matching resolution out.
-struct FeatureParams {
+/// align/guide_feature: full resolution in, matching resolution out.
+struct GuideFeatureParams {
   int width_in;
   int height_in;
   int width;
@@ -19,6 +19,27 @@ struct FeatureParams {
   int plane;       // first plane written
   int planes;
   float weight;
+};
+
+/// align/radiance_feature: full resolution in, matching resolution out.
+struct RadianceFeatureParams {
+  int width_in;
+  int height_in;
+  int width;
+  int height;
+  int downsample;  // 1, 2 or 4
+  int plane;       // written
+  float weight;    // 0 if prefilter steps follow
+  float albedo_weight;
+};
+
+/// align/prefilter.
+struct PrefilterParams {
+  int width;
+  int height;
+  int step;      // distance of the taps
+  int plane;     // written
+  float weight;  // as in RadianceFeatureParams
 };
 
 /// align/downsample: one pyramid level to the next.
@@ -35,6 +56,9 @@ struct DownsampleParams {
 struct WarpSourceParams {
   int width;
   int height;
+  int source_width;
+  int source_height;
+  int level_px;  // full-resolution pixels in one of the level
   int planes;
   int coarse_width;
   int coarse_height;

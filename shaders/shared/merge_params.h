@@ -11,6 +11,13 @@ struct ImageParams {
   int height;
 };
 
+struct WarpHistoryParams {
+  int width;
+  int height;
+  int history_width;
+  int history_height;
+};
+
 struct VarianceGainParams {
   int width;
   int height;

@@ -18,6 +18,7 @@ TEST_P(FeaturesTest, AreCompressedLuminanceAndWeightedGuides) {
   Settings settings = preset("final");
   settings.match_downsample = downsample;
   settings.weight_radiance = 0.5f;
+  settings.prefilter = 0;
   const gpu::Extent full{kWidth, kHeight};
   gpu::Extent extent = pyramid_extents(settings, kWidth, kHeight).front();
   extent.planes = 2;
@@ -94,7 +95,7 @@ TEST(HostImages, HolesAreFilledFromTheirNeighbours) {
   std::vector<float> packed(12);
   const auto finite = finite_pixels(image);
   EXPECT_EQ(finite, (std::vector<std::uint8_t>{1, 0, 1}));
-  pack_color(image, finite, packed);
+  pack_color(image, finite, {0, 0, 3, 1}, packed);
   EXPECT_EQ(packed[4], 2.0f);
   EXPECT_EQ(packed[7], 3.0f);
 }
@@ -104,7 +105,7 @@ TEST(HostImages, GuidesTellTheSixAxesApart) {
   Image& normal = frame.add(Aov::normal);
   for (int axis = 0; axis < 6; ++axis) normal.at(axis, 0, axis / 2) = axis % 2 ? -1.0f : 1.0f;
   std::vector<float> planes(12);
-  pack_guide(frame, false, true, planes);
+  pack_guide(frame, false, true, {0, 0, 6, 1}, planes);
   for (int a = 0; a < 6; ++a) {
     for (int b = 0; b < a; ++b) {
       EXPECT_GT(std::hypot(planes[a] - planes[b], planes[6 + a] - planes[6 + b]), 0.5f) << a << " and " << b;

@@ -175,6 +175,27 @@ TEST_F(ChainErrors, NameAnImageLargerThanTheDeviceCanBind) {
       StartsWith("chain 'wrong': image 'huge' of 200000x200000 vec4 takes 610351.6 MiB, more than the "));
 }
 
+TEST_F(ChainErrors, NameAnImageThatIsTooLargeForAStorageBuffer) {
+  // What is only read as texels may be larger.
+  const std::uint64_t limit = validated_device().info().max_storage_buffer_bytes;
+  if (limit > std::uint64_t{1} << 30) GTEST_SKIP() << "a storage buffer may hold " << limit << " bytes";
+  const Extent large{1024, static_cast<int>(limit / 4096) + 1};
+  const ImageId a = chain_.input("a", Format::u32, kExtent);
+  const ImageId texels = chain_.input("texels", Format::u32, large);
+  const ImageId result = chain_.image("result", Format::u32, kExtent);
+  chain_.pass("kernels/mix")
+      .read("a", a)
+      .read("b", texels)
+      .write("result", result)
+      .constants(MixParams{})
+      .dispatch(kExtent);
+  const ImageId written = chain_.image("written", Format::f32, large);
+  scale(fine_, written).dispatch(kExtent);
+  EXPECT_THAT(
+      error_of([&] { chain_.plan(); }),
+      StartsWith("chain 'wrong': pass 1 'kernels/scale': binding 'scaled': image 'written' of 1024x"));
+}
+
 TEST_F(ChainErrors, NameAnImageOfAnotherChain) {
   scale({77}, scaled_).dispatch(kExtent);
   expect_build_error("image id 77 is not of this chain");

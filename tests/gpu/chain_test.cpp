@@ -229,11 +229,14 @@ TEST_F(ChainTest, SaysWhatMemoryItHolds) {
       last = next;
     }
     chain.output(last);
-    chain.build();
+    chain.plan();
     // One image is read while the next is written.
     EXPECT_EQ(chain.device_bytes(), (alias ? 2 : 7) * bytes);
     EXPECT_EQ(chain.device_bytes_unaliased(), 7 * bytes);
     EXPECT_EQ(chain.staging_bytes(), 2 * bytes);
+    chain.build();
+    EXPECT_EQ(chain.device_bytes(), (alias ? 2 : 7) * bytes) << "as planned";
+    EXPECT_EQ(chain.staging_bytes(), 2 * bytes) << "as planned";
   }
 }
 

@@ -1,0 +1,109 @@
+#include "filter/tile_chains.h"
+
+#include <string>
+#include <vector>
+
+#include "filter/merge.h"
+
+namespace becalm::filter {
+namespace {
+
+using gpu::Extent;
+using gpu::Format;
+
+Features feature_input(gpu::Chain& chain, const std::string& name, Extent extent, int planes) {
+  return {chain.input(name, Format::f32, extent.with_planes(planes)), planes};
+}
+
+}  // namespace
+
+FeatureChain::FeatureChain(gpu::Device& device, const FilterTask& task, const PyramidSplit& split, Of of,
+                           Extent part)
+    : chain(device, of == Of::history ? "features of the history" : "features of the frame") {
+  const Settings& settings = task.settings;
+  const std::string name = of == Of::history ? "source" : "target";
+  const int planes = task.guides.planes();
+  color = chain.input("color", Format::f32x4, part);
+  exposure = chain.input("exposure", Format::f32, {1, 1});
+  FeatureSources sources{.color = color, .exposure = exposure, .guide_features = {}, .guide_planes = planes};
+  if (planes > 0) {
+    const Extent matching = level_extent(settings, part, 0).with_planes(planes);
+    if (of == Of::history) {
+      guide = sources.guide_features = chain.input("guide.features", Format::f32, matching);
+    } else {
+      guide = chain.input("guide", Format::f32, part.with_planes(planes));
+      sources.guide_features = chain.image("guide.features", Format::f32, matching);
+      add_guide_passes(chain, settings, part, *guide, task.guides.weights, *sources.guide_features);
+    }
+  }
+  finest = add_feature_passes(chain, settings, part, name, sources);
+  chain.output(finest.image);
+  if (split.has_coarse()) {
+    coarse = add_pyramid(chain, settings, {.finest = 0, .end = split.coarse + 1}, part, finest, name).back();
+    chain.output(coarse->image);
+  }
+  chain.plan();
+}
+
+CoarseChain::CoarseChain(gpu::Device& device, const FilterTask& task, const PyramidSplit& split, int planes)
+    : chain(device, "coarse levels") {
+  const Extent extent = level_extent(task.settings, task.full, split.coarse);
+  target = feature_input(chain, "features.target", extent, planes);
+  source = feature_input(chain, "features.source", extent, planes);
+  const SearchResult found = add_search_passes(chain, task.settings,
+                                               {.levels = {.finest = split.coarse, .end = split.levels},
+                                                .full = task.full,
+                                                .window = add_same_window(chain, task.full, "origin"),
+                                                .target = target,
+                                                .source = source,
+                                                .start = {}});
+  offset = found.offset;
+  chain.output(offset);
+  chain.plan();
+}
+
+TileChain::TileChain(gpu::Device& device, const FilterTask& task, const PyramidSplit& split, int planes,
+                     Extent target_extent, Extent source_extent)
+    : chain(device, "tile") {
+  const Settings& settings = task.settings;
+  color = chain.input("color.cur", Format::f32x4, target_extent);
+  variance = chain.input("variance.cur", Format::f32x2, target_extent);
+  exposure = chain.input("exposure", Format::f32, {1, 1});
+  history_color = chain.input("history.color.prev", Format::f32x4, source_extent);
+  history_stats = chain.input("history.stats.prev", Format::f32x2, source_extent);
+  target_origin = chain.input("target_origin", Format::f32x2, {1, 1});
+  target = feature_input(chain, "features.target.L0", level_extent(settings, target_extent, 0), planes);
+  source = feature_input(chain, "features.source.L0", level_extent(settings, source_extent, 0), planes);
+  if (split.has_coarse()) {
+    start = chain.input("offset.start", Format::f32x2, level_extent(settings, target_extent, split.coarse));
+  }
+  const SourceWindow window{source_extent, target_origin};
+  const SearchResult found = add_search_passes(chain, settings,
+                                               {.levels = {.finest = 0, .end = split.coarse},
+                                                .full = target_extent,
+                                                .window = window,
+                                                .target = target,
+                                                .source = source,
+                                                .start = start});
+  offset = add_upsample_pass(chain, settings, target_extent, found.offset);
+
+  merged_color = chain.image("history.color.next", Format::f32x4, target_extent);
+  merged_stats = chain.image("history.stats.next", Format::f32x2, target_extent);
+  decision = add_merge_passes(
+      chain, settings, target_extent,
+      {.color = color,
+       .variance =
+           task.variance_known() ? variance : add_variance_estimate(chain, target_extent, color, variance),
+       .exposure = exposure,
+       .history_color = {history_color, merged_color},
+       .history_stats = {history_stats, merged_stats},
+       .history_window = window},
+      {offset, found.residual});
+  chain.output(merged_color);
+  chain.output(merged_stats);
+  chain.output(decision);
+  if (contains(task.diagnostics, Aov::flow)) chain.output(offset);
+  chain.plan();
+}
+
+}  // namespace becalm::filter

@@ -1,0 +1,277 @@
+#include "filter/tiled_frame.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "filter/host_images.h"
+#include "filter/merge.h"
+
+namespace becalm::filter {
+namespace {
+
+using gpu::Extent;
+using gpu::ImageId;
+
+double mib(std::uint64_t bytes) {
+  return static_cast<double>(bytes) / (1024.0 * 1024.0);
+}
+
+/// The pixels of a level that cover a rectangle which begins at the level's multiples.
+Rect at_level(const Rect& rect, int px) {
+  return {rect.x / px, rect.y / px, (rect.width + px - 1) / px, (rect.height + px - 1) / px};
+}
+
+Rect within(const Rect& rect, const Rect& outer) {
+  return {rect.x - outer.x, rect.y - outer.y, rect.width, rect.height};
+}
+
+PixelView<float> view(Image& image) {
+  return {image.data(), {image.width(), image.height()}, image.channels()};
+}
+
+PixelView<const float> view(const Image& image) {
+  return {image.data(), {image.width(), image.height()}, image.channels()};
+}
+
+/// The first planes of an image.
+PixelView<const float> first_planes(const HostPlanes& image, int planes) {
+  const Extent extent = image.extent.with_planes(planes);
+  return {std::span(image.values).first(extent.elements()), extent};
+}
+
+void upload(gpu::Chain& chain, ImageId image, const PixelView<const float>& from, const Rect& rect) {
+  copy_rect(from, rect,
+            {chain.upload<float>(image), rect.extent().with_planes(from.extent.planes), from.channels}, 0, 0);
+}
+
+void add_times(FrameReport& report, const gpu::Chain& chain) {
+  for (const gpu::PassTime& pass : chain.times()) {
+    const auto same = std::ranges::find(report.passes, pass.name, &gpu::PassTime::name);
+    if (same == report.passes.end()) {
+      report.passes.push_back(pass);
+    } else {
+      same->milliseconds += pass.milliseconds;
+    }
+  }
+}
+
+}  // namespace
+
+struct TiledFrame::Chains {
+  Chains(gpu::Device& device, const FilterTask& task, const PyramidSplit& split, const Tile& tile)
+      : new_frame(device, task, split, FeatureChain::Of::new_frame, tile.target.extent()) {
+    if (task.settings.weight_radiance > 0.0f) {
+      history.emplace(device, task, split, FeatureChain::Of::history, tile.target.extent());
+    }
+    const int planes = new_frame.finest.planes;
+    if (split.has_coarse()) coarse.emplace(device, task, split, planes);
+    this->tile.emplace(device, task, split, planes, tile.target.extent(), tile.source.extent());
+  }
+
+  template <class Use>
+  void for_each(const Use& use) {
+    use(new_frame.chain);
+    if (history) use(history->chain);
+    if (coarse) use(coarse->chain);
+    use(tile->chain);
+  }
+
+  std::uint64_t device_bytes() {
+    std::uint64_t sum = 0;
+    for_each([&](const gpu::Chain& chain) { sum += chain.device_bytes(); });
+    return sum;
+  }
+
+  FeatureChain new_frame;
+  std::optional<FeatureChain> history;  ///< none if radiance is not matched: its guides are there already
+  std::optional<CoarseChain> coarse;
+  std::optional<TileChain> tile;
+};
+
+TiledFrame::TiledFrame(gpu::Device& device, FilterTask task, std::uint64_t memory_limit)
+    : task_(std::move(task)) {
+  plan(device, memory_limit);
+  chains_->for_each([](gpu::Chain& chain) { chain.build(); });
+
+  const int planes = chains_->tile->target.planes;
+  for (HostFeatures* features : {&history_.features, &features_}) {
+    features->finest = HostPlanes(level_extent(task_.settings, task_.full, 0).with_planes(planes));
+    if (!split_.has_coarse()) continue;
+    features->coarse =
+        HostPlanes(level_extent(task_.settings, task_.full, split_.coarse).with_planes(planes));
+  }
+  for (Image* color : {&history_.color, &merged_color_})
+    *color = Image(task_.full.width, task_.full.height, 4);
+  for (Image* stats : {&history_.stats, &merged_stats_})
+    *stats = Image(task_.full.width, task_.full.height, 2);
+}
+
+TiledFrame::~TiledFrame() = default;
+
+void TiledFrame::plan(gpu::Device& device, std::uint64_t memory_limit) {
+  const Settings& settings = task_.settings;
+  const Extent full = task_.full;
+  const std::size_t levels = pyramid_extents(settings, full.width, full.height).size();
+  // Tiles have the residual of the level that the mask is made from.
+  const std::size_t first =
+      settings.merge == MergeMode::mask ? static_cast<std::size_t>(settings.mask_level) + 1 : 1;
+  std::uint64_t least_work = std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t least_bytes = std::numeric_limits<std::uint64_t>::max();
+  std::string reason;
+  for (std::size_t coarse = std::min(first, levels); coarse <= levels; ++coarse) {
+    const PyramidSplit split{.levels = levels, .coarse = coarse};
+    const TileRules rules =
+        search_tile_rules(settings, device.info(), levels, coarse, merge_margin_px(settings));
+    const int margin = feature_margin_px(settings);
+    const TileRules feature_rules{.grid = rules.core_grid,
+                                  .core_grid = rules.core_grid,
+                                  .left = margin,
+                                  .above = margin,
+                                  .after = margin};
+    std::unique_ptr<Chains> chains;
+    std::vector<Tile> feature_tiles;
+    const auto fits = [&](const Tile& tile) {
+      try {
+        chains = std::make_unique<Chains>(device, task_, split, tile);
+      } catch (const gpu::DeviceLimitError& error) {
+        if (reason.empty()) reason = error.what();
+        return false;
+      }
+      feature_tiles = cut_tiles(full, tile.target.extent(), feature_rules);
+      const std::uint64_t bytes = chains->device_bytes();
+      if (bytes < least_bytes) {
+        least_bytes = bytes;
+        reason = fmt::format(
+            "even tiles of {}x{} px take {:.1f} MiB of device memory, more than the {:.1f} MiB allowed",
+            tile.target.width, tile.target.height, mib(bytes), mib(memory_limit));
+      }
+      return bytes <= memory_limit && !feature_tiles.empty();
+    };
+    std::vector<Tile> tiles = plan_tiles(full, rules, fits);
+    if (tiles.empty()) continue;
+    const std::uint64_t work = tiles.size() * tiles.front().target.extent().elements();
+    if (work >= least_work) continue;
+    least_work = work;
+    split_ = split;
+    chains_ = std::move(chains);
+    feature_tiles_ = std::move(feature_tiles);
+    tiles_ = std::move(tiles);
+  }
+  if (tiles_.empty()) {
+    throw gpu::DeviceLimitError(
+        fmt::format("frames of {}x{} px cannot be cut small enough: {}", full.width, full.height, reason));
+  }
+}
+
+void TiledFrame::merge(const NewFrame& frame, Denoised& result) {
+  for (const Tile& tile : feature_tiles_) find_features(tile, frame, result.report);
+  if (chains_->coarse) find_coarse_offsets(result.report);
+  for (const Tile& tile : tiles_) merge_tile(tile, frame, result);
+  std::swap(history_.color, merged_color_);
+  std::swap(history_.stats, merged_stats_);
+  std::swap(history_.features, features_);
+}
+
+void TiledFrame::find_features(const Tile& tile, const NewFrame& frame, FrameReport& report) {
+  const auto keep = [&](const FeatureChain& from, HostFeatures& to) {
+    const auto keep_level = [&](const Features& features, std::size_t level, HostPlanes& planes) {
+      const int px = level_px(task_.settings, level);
+      const Extent extent = level_extent(task_.settings, tile.target.extent(), level);
+      const Rect core = at_level(tile.core, px);
+      copy_rect({from.chain.download<float>(features.image), extent.with_planes(features.planes)},
+                within(core, at_level(tile.target, px)), planes.view(), core.x, core.y);
+    };
+    keep_level(from.finest, 0, to.finest);
+    if (from.coarse) keep_level(*from.coarse, split_.coarse, to.coarse);
+    add_times(report, from.chain);
+  };
+  FeatureChain& new_frame = chains_->new_frame;
+  pack_color(frame.frame.image(Aov::beauty), frame.finite, tile.target,
+             new_frame.chain.upload<float>(new_frame.color));
+  new_frame.chain.upload<float>(new_frame.exposure)[0] = frame.exposure;
+  if (new_frame.guide) {
+    pack_guide(frame.frame, task_.guides.albedo, task_.guides.normal, tile.target,
+               new_frame.chain.upload<float>(*new_frame.guide));
+  }
+  new_frame.chain.run();
+  keep(new_frame, features_);
+  if (!chains_->history) return;
+  FeatureChain& history = *chains_->history;
+  upload(history.chain, history.color, view(std::as_const(history_.color)), tile.target);
+  if (history.guide) {
+    upload(history.chain, *history.guide, first_planes(history_.features.finest, task_.guides.planes()),
+           at_level(tile.target, level_px(task_.settings, 0)));
+  }
+  history.chain.upload<float>(history.exposure)[0] = frame.exposure;
+  history.chain.run();
+  keep(history, history_.features);
+}
+
+void TiledFrame::find_coarse_offsets(FrameReport& report) {
+  CoarseChain& coarse = *chains_->coarse;
+  std::ranges::copy(features_.coarse.values, coarse.chain.upload<float>(coarse.target.image).begin());
+  std::ranges::copy(history_.features.coarse.values, coarse.chain.upload<float>(coarse.source.image).begin());
+  coarse.chain.run();
+  add_times(report, coarse.chain);
+}
+
+void TiledFrame::merge_tile(const Tile& tile, const NewFrame& frame, Denoised& result) {
+  TileChain& chains = *chains_->tile;
+  gpu::Chain& chain = chains.chain;
+  const int finest_px = level_px(task_.settings, 0);
+  pack_color(frame.frame.image(Aov::beauty), frame.finite, tile.target, chain.upload<float>(chains.color));
+  result.report.replaced_variances +=
+      pack_variance(frame.frame, task_.used, frame.finite, tile, chain.upload<float>(chains.variance));
+  chain.upload<float>(chains.exposure)[0] = frame.exposure;
+  const auto origin = chain.upload<float>(chains.target_origin);
+  origin[0] = static_cast<float>(tile.target.x - tile.source.x);
+  origin[1] = static_cast<float>(tile.target.y - tile.source.y);
+  upload(chain, chains.history_color, view(std::as_const(history_.color)), tile.source);
+  upload(chain, chains.history_stats, view(std::as_const(history_.stats)), tile.source);
+  upload(chain, chains.target.image, std::as_const(features_.finest).view(),
+         at_level(tile.target, finest_px));
+  upload(chain, chains.source.image, std::as_const(history_.features.finest).view(),
+         at_level(tile.source, finest_px));
+  if (chains.start) {
+    const CoarseChain& coarse = *chains_->coarse;
+    const Extent extent = level_extent(task_.settings, task_.full, split_.coarse);
+    upload(chain, *chains.start, {coarse.chain.download<float>(coarse.offset), extent, 2},
+           at_level(tile.target, level_px(task_.settings, split_.coarse)));
+  }
+  chain.run();
+  add_times(result.report, chain);
+
+  MergedTile merged{.color = chain.download<float>(chains.merged_color),
+                    .stats = chain.download<float>(chains.merged_stats),
+                    .decision = chain.download<float>(chains.decision),
+                    .offset = {}};
+  if (contains(task_.diagnostics, Aov::flow)) merged.offset = chain.download<float>(chains.offset);
+  unpack(merged, tile, frame, result);
+  const Rect core = within(tile.core, tile.target);
+  copy_rect({merged.color, tile.target.extent(), 4}, core, view(merged_color_), tile.core.x, tile.core.y);
+  copy_rect({merged.stats, tile.target.extent(), 2}, core, view(merged_stats_), tile.core.x, tile.core.y);
+}
+
+void TiledFrame::reset() {
+  for (const auto values :
+       {history_.color.data(), history_.stats.data(), std::span<float>(history_.features.finest.values),
+        std::span<float>(history_.features.coarse.values)}) {
+    std::ranges::fill(values, 0.0f);
+  }
+}
+
+FilterMemory TiledFrame::memory() const {
+  FilterMemory memory{.tiles = tiles_.size(), .tile = tiles_.front().target.extent()};
+  chains_->for_each([&](const gpu::Chain& chain) {
+    memory.device_bytes += chain.device_bytes();
+    memory.device_bytes_unaliased += chain.device_bytes_unaliased();
+    memory.staging_bytes += chain.staging_bytes();
+  });
+  return memory;
+}
+
+}  // namespace becalm::filter

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+
+#include "filter/frame_merger.h"
+#include "filter/gpu/chain.h"
+
+namespace becalm::filter {
+
+/// The filter for frames that the device holds whole: one chain, and the history stays on the device.
+class WholeFrame : public FrameMerger {
+ public:
+  /// Plans the chain, so that `memory` tells what it will take. Throws DeviceLimitError if the device cannot
+  /// bind or hold its images.
+  WholeFrame(gpu::Device& device, FilterTask task);
+  /// Makes what the chain needs to run; before the first frame. Throws DeviceError if memory is lacking.
+  void build() { chain_.build(); }
+
+  void merge(const NewFrame& frame, Denoised& result) override;
+  void reset() override { chain_.reset_history(); }
+  FilterMemory memory() const override;
+
+ private:
+  FilterTask task_;
+  gpu::Chain chain_;
+  gpu::ImageId color_;
+  gpu::ImageId exposure_;
+  gpu::ImageId variance_;
+  std::optional<gpu::ImageId> guide_;
+  gpu::ImageId offset_;
+  gpu::ImageId merged_color_;
+  gpu::ImageId merged_stats_;
+  gpu::ImageId decision_;
+};
+
+}  // namespace becalm::filter

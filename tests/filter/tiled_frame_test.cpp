@@ -1,0 +1,167 @@
+// A frame made in tiles is bit for bit the frame made whole, whatever the settings, and says so when it
+// cannot be.
+#include <algorithm>
+#include <bit>
+#include <limits>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "filter/order.h"
+#include "tests/filter/device_fixture.h"
+#include "tests/filter/pattern.h"
+
+namespace becalm::filter {
+namespace {
+
+constexpr std::uint64_t kUnlimited = std::numeric_limits<std::uint64_t>::max();
+
+AovSet diagnostics() {
+  AovSet set;
+  for (const Aov aov : {Aov::flow, Aov::error_mask, Aov::sample_count})
+    set.set(static_cast<std::size_t>(aov));
+  return set;
+}
+
+struct Scene {
+  int width;
+  int height;
+  bool variance = true;
+  bool guides = true;
+};
+
+/// A pattern that moves by (19, -13) px a frame under noise, before a band that stands still: with motion
+/// across every border that tiles may have, and pixels that are not finite here and there.
+Frame moving_frame(const Scene& scene, int number) {
+  std::mt19937 random(number);
+  std::normal_distribution<float> noise;
+  Frame frame(number, scene.width, scene.height);
+  Image& beauty = frame.add(Aov::beauty, 1.0f);
+  if (scene.variance) frame.add(Aov::variance, 0.0025f);
+  if (scene.guides) {
+    frame.add(Aov::albedo);
+    frame.add(Aov::normal);
+  }
+  for (int y = 0; y < scene.height; ++y) {
+    const bool still = y % 150 < 40;
+    for (int x = 0; x < scene.width; ++x) {
+      const double u = still ? x : x + 19.0 * number;
+      const double v = still ? y : y - 13.0 * number;
+      const auto value = static_cast<float>(0.1 + pattern(u, v, 9));
+      for (int c = 0; c < 3; ++c) beauty.at(x, y, c) = value + 0.05f * noise(random);
+      if (!scene.guides) continue;
+      for (int c = 0; c < 3; ++c) frame.image(Aov::albedo).at(x, y, c) = 0.8f * value;
+      frame.image(Aov::normal).at(x, y, still ? 2 : 0) = 1.0f;
+    }
+  }
+  for (int i = 0; i < 40; ++i) {
+    const int x = static_cast<int>(random() % scene.width);
+    const int y = static_cast<int>(random() % scene.height);
+    beauty.at(x, y, 0) = std::numeric_limits<float>::quiet_NaN();
+    if (scene.variance) frame.image(Aov::variance).at((x + 5) % scene.width, y, 1) = -1.0f;
+  }
+  return frame;
+}
+
+class TiledFrameTest : public DeviceTest {
+ protected:
+  static ForwardFilter make(const Settings& settings, const Scene& scene, std::uint64_t memory_limit) {
+    return {device(),      settings,    scene.width, scene.height, moving_frame(scene, 1).aovs(),
+            diagnostics(), memory_limit};
+  }
+
+  static void expect_same(const Denoised& tiled, const Denoised& whole) {
+    for (const Aov aov : {Aov::beauty, Aov::variance, Aov::flow, Aov::error_mask, Aov::sample_count}) {
+      const auto a = tiled.frame.image(aov).data();
+      const auto b = whole.frame.image(aov).data();
+      std::size_t different = 0;
+      std::size_t first = a.size();
+      for (std::size_t i = 0; i < a.size(); ++i) {
+        if (std::bit_cast<std::uint32_t>(a[i]) == std::bit_cast<std::uint32_t>(b[i])) continue;
+        first = std::min(first, i);
+        ++different;
+      }
+      const std::size_t pixel = first / channel_count(aov);
+      EXPECT_EQ(different, 0u) << "values of " << info(aov).name << ", the first at pixel "
+                               << pixel % whole.frame.width() << ", " << pixel / whole.frame.width();
+    }
+    EXPECT_EQ(tiled.report.non_finite_pixels, whole.report.non_finite_pixels);
+    EXPECT_EQ(tiled.report.replaced_variances, whole.report.replaced_variances);
+    EXPECT_NEAR(tiled.report.mean_rejected, whole.report.mean_rejected, 1e-9);
+    EXPECT_NEAR(tiled.report.mean_sample_count, whole.report.mean_sample_count, 1e-9);
+  }
+
+  /// Three frames, a reset and one frame more, in tiles within a share of the memory that the whole takes.
+  static void expect_no_seams(const Settings& settings, const Scene& scene, double share, std::size_t tiles) {
+    ForwardFilter whole = make(settings, scene, kUnlimited);
+    ASSERT_EQ(whole.memory().tiles, 1u);
+    const auto limit = static_cast<std::uint64_t>(share * static_cast<double>(whole.memory().device_bytes));
+    ForwardFilter tiled = make(settings, scene, limit);
+    EXPECT_GE(tiled.memory().tiles, tiles);
+    EXPECT_LE(tiled.memory().device_bytes, limit);
+    for (int number = 1; number <= 4; ++number) {
+      SCOPED_TRACE("frame " + std::to_string(number));
+      if (number == 4) {
+        whole.reset();
+        tiled.reset();
+      }
+      const Frame frame = moving_frame(scene, number);
+      expect_same(tiled.denoise(frame), whole.denoise(frame));
+    }
+  }
+};
+
+TEST_F(TiledFrameTest, ShowsNoSeamsUnderAnyPreset) {
+  for (const char* name : {"draft", "balanced", "final"}) {
+    SCOPED_TRACE(name);
+    expect_no_seams(preset(name), {.width = 517, .height = 403}, 0.6, 2);
+  }
+}
+
+TEST_F(TiledFrameTest, ShowsNoSeamsBetweenManySmallTiles) {
+  expect_no_seams(preset("final"), {.width = 261, .height = 229}, 0.25, 9);
+}
+
+TEST_F(TiledFrameTest, ShowsNoSeamsUnderOtherSettings) {
+  const Scene scene{.width = 357, .height = 325};
+  for (const std::vector<const char*>& assignments : {std::vector{"merge=mask", "mask_level=1"},
+                                                      {"pyramid_factor=4"},
+                                                      {"blur_radius=12,3"},
+                                                      {"distance=l2", "refine_levels=1", "patch_radius=8"},
+                                                      {"weight_radiance=0"}}) {
+    SCOPED_TRACE(assignments.front());
+    Settings settings = preset("final");
+    for (const char* assignment : assignments) set(settings, assignment);
+    expect_no_seams(settings, scene, 0.7, 2);
+  }
+}
+
+TEST_F(TiledFrameTest, ShowsNoSeamsWithoutVarianceAndGuides) {
+  expect_no_seams(preset("balanced"), {.width = 517, .height = 403, .variance = false, .guides = false}, 0.6,
+                  2);
+}
+
+TEST_F(TiledFrameTest, TakesLongAndTinyFrames) {
+  for (const Scene scene : {Scene{.width = 16384, .height = 16}, {.width = 16, .height = 2500}}) {
+    SCOPED_TRACE(scene.width);
+    expect_no_seams(preset("balanced"), scene, 0.5, 2);
+  }
+  ForwardFilter filter = make(preset("balanced"), {.width = 1, .height = 1}, std::uint64_t{1} << 20);
+  EXPECT_EQ(filter.memory().tiles, 1u);
+}
+
+TEST_F(TiledFrameTest, IsRefusedWhereTheSmallestTilesAreTooLarge) {
+  try {
+    make(preset("balanced"), {.width = 517, .height = 403}, 1 << 20);
+    FAIL() << "517x403 px within 1 MiB";
+  } catch (const gpu::DeviceLimitError& error) {
+    const std::string message = error.what();
+    EXPECT_TRUE(message.starts_with("frames of 517x403 px cannot be cut small enough: even tiles of "))
+        << message;
+    EXPECT_TRUE(message.ends_with(" MiB of device memory, more than the 1.0 MiB allowed")) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace becalm::filter

@@ -1,0 +1,104 @@
+#include "filter/tiles.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "filter/align.h"
+
+namespace becalm::filter {
+namespace {
+
+using gpu::Extent;
+
+constexpr TileRules kRules{.grid = 64, .core_grid = 4, .left = 30, .above = 80, .after = 35, .reach = 100};
+
+bool covers(const Rect& outer, const Rect& inner) {
+  return outer.x <= inner.x && outer.y <= inner.y && outer.x + outer.width >= inner.x + inner.width &&
+         outer.y + outer.height >= inner.y + inner.height;
+}
+
+/// A rectangle with so much around it, cut off at the frame's border.
+Rect grown(const Rect& rect, int left, int above, int after, Extent frame) {
+  const int x = std::max(rect.x - left, 0);
+  const int y = std::max(rect.y - above, 0);
+  return {x, y, std::min(rect.x + rect.width + after, frame.width) - x,
+          std::min(rect.y + rect.height + after, frame.height) - y};
+}
+
+void expect_rules_kept(const std::vector<Tile>& tiles, Extent frame, const TileRules& rules) {
+  ASSERT_FALSE(tiles.empty());
+  std::vector<int> made(frame.elements());
+  for (const Tile& tile : tiles) {
+    EXPECT_EQ(tile.target.extent(), tiles.front().target.extent());
+    EXPECT_EQ(tile.source.extent(), tiles.front().source.extent());
+    EXPECT_TRUE(covers(tile.target, grown(tile.core, rules.left, rules.above, rules.after, frame)));
+    EXPECT_TRUE(covers(tile.source, grown(tile.target, rules.reach, rules.reach, rules.reach, frame)));
+    EXPECT_TRUE(covers(bounds(frame), tile.source));
+    for (const Rect& rect : {tile.target, tile.source}) {
+      EXPECT_EQ(rect.x % rules.grid, 0);
+      EXPECT_EQ(rect.y % rules.grid, 0);
+      EXPECT_EQ((frame.width - rect.width) % rules.grid, 0) << "the last tile must end at the border";
+      EXPECT_EQ((frame.height - rect.height) % rules.grid, 0) << "the last tile must end at the border";
+    }
+    EXPECT_EQ(tile.core.x % rules.core_grid, 0);
+    EXPECT_EQ(tile.core.y % rules.core_grid, 0);
+    for (int y = tile.core.y; y < tile.core.y + tile.core.height; ++y) {
+      for (int x = tile.core.x; x < tile.core.x + tile.core.width; ++x) ++made[y * frame.width + x];
+    }
+  }
+  for (const int times : made) ASSERT_EQ(times, 1);
+}
+
+TEST(Tiles, CoverTheFrameOnceAndSeeWhatTheyNeed) {
+  const Extent frame{1003, 777};
+  for (const Extent target : {Extent{1003, 777}, {619, 777}, {1003, 457}, {235, 265}, {363, 521}}) {
+    SCOPED_TRACE(std::to_string(target.width) + "x" + std::to_string(target.height));
+    expect_rules_kept(cut_tiles(frame, target, kRules), frame, kRules);
+  }
+}
+
+TEST(Tiles, ThatWouldBeHardlyMoreThanSurroundingsAreNotCut) {
+  // 30 px before a core, 35 px after it and up to 63 px more to a multiple of the grid leave less than 64.
+  EXPECT_TRUE(cut_tiles({1003, 777}, {107, 777}, kRules).empty());
+  EXPECT_TRUE(cut_tiles({1003, 777}, {1003, 73}, kRules).empty());
+}
+
+TEST(Tiles, AreAsLargeAsFits) {
+  const Extent frame{1003, 777};
+  const auto plan = [&](std::uint64_t pixels) {
+    return plan_tiles(frame, kRules,
+                      [&](const Tile& tile) { return tile.target.extent().elements() <= pixels; });
+  };
+  EXPECT_EQ(plan(1003 * 777).size(), 1u);
+  EXPECT_EQ(plan(1003 * 777 - 1).size(), 2u);
+  std::size_t last = 1;
+  for (const std::uint64_t pixels : {700'000u, 400'000u, 200'000u, 100'000u}) {
+    const std::vector<Tile> tiles = plan(pixels);
+    expect_rules_kept(tiles, frame, kRules);
+    EXPECT_LE(tiles.front().target.extent().elements(), pixels);
+    EXPECT_GE(tiles.size(), last);
+    last = tiles.size();
+  }
+  EXPECT_TRUE(plan(1000).empty());
+}
+
+TEST(Tiles, OfTheSearchBeginWhereItsSumsBegin) {
+  Settings settings = preset("balanced");
+  for (const int factor : {2, 4}) {
+    settings.pyramid_factor = factor;
+    for (std::size_t end = 1; end <= 3; ++end) {
+      const TileRules rules = search_tile_rules(settings, {}, 5, end, 4);
+      EXPECT_EQ(rules.grid % rules.core_grid, 0);
+      EXPECT_EQ(rules.grid % (16 * level_px(settings, end - 1)), 0);
+      EXPECT_GT(rules.above, 16 * level_px(settings, end - 1)) << "the first run lacks what came before it";
+      EXPECT_GT(rules.after, settings.blur_radius.front() * level_px(settings, end - 1));
+      EXPECT_EQ(rules.reach, reach_px(settings, 5));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace becalm::filter
