@@ -175,12 +175,11 @@ void add_bands(Chain& chain, const Settings& settings, const Level& level) {
   // Whole runs, so that runs begin at the same rows whatever the width.
   const int runs = std::max((static_cast<int>(kBandBytes / row_bytes) - 2 * radius) / kBlurRun, 1);
   const int band = std::min(runs * kBlurRun, height);
-  const ImageId distances = chain.image("distances." + level.name, Format::f32,
-                                        {width, band + 2 * radius, kShifts});
+  const ImageId distances =
+      chain.image("distances." + level.name, Format::f32, {width, band + 2 * radius, kShifts});
   const ImageId row_sums =
       chain.image("row_sums." + level.name, Format::f32, {width, band + 2 * radius, kShifts});
-  const ImageId patch_sums =
-      chain.image("patch_sums." + level.name, Format::f32, {width, band, kShifts});
+  const ImageId patch_sums = chain.image("patch_sums." + level.name, Format::f32, {width, band, kShifts});
 
   for (int first_row = 0; first_row < height; first_row += band) {
     const int rows = std::min(band, height - first_row);

@@ -119,11 +119,10 @@ struct AlignOptions {
 /// Aligns the source's features with the target's by hierarchical patch matching (Hanika et al. 2021,
 /// section 3.1).
 Alignment add_align_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
-                           const Features& target, const Features& source,
-                           const AlignOptions& options = {});
+                           const Features& target, const Features& source, const AlignOptions& options = {});
 
-/// How far the offsets there and back lead to where they began, in [0,1] (f32, full resolution): 1 for exactly,
-/// 1/2 for a pixel beside it, 0 where the offset leaves the image.
+/// How far the offsets there and back lead to where they began, in [0,1] (f32, full resolution): 1 for
+/// exactly, 1/2 for a pixel beside it, 0 where the offset leaves the image.
 gpu::ImageId add_consistency_pass(gpu::Chain& chain, gpu::Extent full, gpu::ImageId there, gpu::ImageId back);
 
 }  // namespace becalm::filter

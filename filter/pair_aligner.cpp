@@ -110,7 +110,8 @@ PairAlignment PairAligner::align(const Frame& target, const Frame& source) {
   s.upload(target, s.target);
   s.upload(source, s.source);
   if (s.motion) {
-    check_frame(target, s.full.width, s.full.height, AovSet().set(static_cast<std::size_t>(Aov::motion)), "the aligner's target");
+    check_frame(target, s.full.width, s.full.height, AovSet().set(static_cast<std::size_t>(Aov::motion)),
+                "the aligner's target");
     pack_motion(target.image(Aov::motion), s.chain.upload<float>(*s.motion));
   }
   s.chain.run();

@@ -11,8 +11,8 @@ namespace becalm::filter {
 /// shaders/lib/distance.glsl.
 enum class Distance { l2 = 0, l1 = 1, log_l1 = 2, log_l1_centered = 3 };
 
-/// What known motion (the `motion` AOV) is for: nothing, a candidate where one level of the search starts from,
-/// or the offset itself wherever it is known.
+/// What known motion (the `motion` AOV) is for: nothing, a candidate where one level of the search starts
+/// from, or the offset itself wherever it is known.
 enum class MotionUse { none, guide, override_offset };
 
 /// How the merge weighs history against the new frame.

@@ -33,10 +33,9 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
     target.guide_planes = source.guide_planes = planes;
   }
   if (contains(task_.used, Aov::motion)) motion_ = chain_.input("motion.cur", Format::f32x2, full);
-  const Alignment alignment =
-      add_align_passes(chain_, settings, full, add_feature_passes(chain_, settings, full, "target", target),
-                       add_feature_passes(chain_, settings, full, "source", source),
-                       {.name = {}, .motion = motion_});
+  const Alignment alignment = add_align_passes(
+      chain_, settings, full, add_feature_passes(chain_, settings, full, "target", target),
+      add_feature_passes(chain_, settings, full, "source", source), {.name = {}, .motion = motion_});
   offset_ = alignment.offset;
 
   decision_ = add_merge_passes(
