@@ -125,11 +125,12 @@ TEST_F(TiledFrameTest, ShowsNoSeamsBetweenManySmallTiles) {
 
 TEST_F(TiledFrameTest, ShowsNoSeamsUnderOtherSettings) {
   const Scene scene{.width = 357, .height = 325};
-  for (const std::vector<const char*>& assignments : {std::vector{"merge=mask", "mask_level=1"},
-                                                      {"pyramid_factor=4"},
-                                                      {"blur_radius=12,3"},
-                                                      {"distance=l2", "refine_levels=1", "patch_radius=8"},
-                                                      {"weight_radiance=0"}}) {
+  const std::vector<std::vector<const char*>> all{{"merge=mask", "mask_level=1"},
+                                                  {"pyramid_factor=4", "demodulate=1"},
+                                                  {"blur_radius=12,3"},
+                                                  {"distance=l2", "patch_radius=8", "prefilter=4"},
+                                                  {"weight_radiance=0", "blur_radius=5"}};
+  for (const std::vector<const char*>& assignments : all) {
     SCOPED_TRACE(assignments.front());
     Settings settings = preset("final");
     for (const char* assignment : assignments) set(settings, assignment);
