@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
+#include "filter/guides.h"
+
 namespace becalm::app {
 
 FilterStep::FilterStep(const std::string& preset, const FilterOptions& options)
@@ -18,6 +22,7 @@ std::string FilterStep::describe(int first_frame) const {
 void FilterStep::build(int width, int height, AovSet available) {
   device_.emplace(device_options_);
   filter_.emplace(*device_, settings_, width, height, available, diagnostics_, memory_limit_);
+  matched_ = filter::matched_text(settings_, available);
 }
 
 filter::Denoised FilterStep::denoise(const Frame& frame, Progress& progress, Profile& profile) {
@@ -26,6 +31,7 @@ filter::Denoised FilterStep::denoise(const Frame& frame, Progress& progress, Pro
     const ProfileScope scope(profile, "filter");
     denoised = filter_->denoise(frame);
   }
+  if (!matched_.empty()) progress.note(std::exchange(matched_, {}));
   const filter::FrameReport& report = denoised->report;
   profile.add(report.passes);
   if (report.non_finite_pixels > 0) {

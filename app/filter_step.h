@@ -40,6 +40,7 @@ class FilterStep {
   std::uint64_t memory_limit_;
   std::optional<gpu::Device> device_;
   std::optional<filter::ForwardFilter> filter_;
+  std::string matched_;  ///< what frames are matched by, until it has been said
 };
 
 }  // namespace becalm::app

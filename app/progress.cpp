@@ -87,6 +87,10 @@ void Progress::warn(std::string_view line) {
   if (redraw) draw();
 }
 
+void Progress::note(std::string_view line) {
+  if (!options_.quiet) warn(line);
+}
+
 void Progress::finish(bool done) {
   const std::lock_guard lock(mutex_);
   erase();

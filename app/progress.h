@@ -34,6 +34,8 @@ class Progress {
   void frame_written(int frame);
   /// A line that --quiet does not silence.
   void warn(std::string_view line);
+  /// Says something that is no trouble; not when quiet.
+  void note(std::string_view line);
   /// Takes the moving line away; if all is `done`, prints the closing line: frames, time, rate.
   void finish(bool done);
 

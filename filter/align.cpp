@@ -57,15 +57,15 @@ struct CoarseOffset {
 };
 
 /// The source's features as the target's pixels see them from where the level starts.
-ImageId add_warp(Chain& chain, const Settings& settings, std::size_t level, Extent extent,
-                 const Features& source, const SourceWindow& window, const CoarseOffset& coarse) {
-  const Extent source_extent = level_extent(settings, window.full, level);
-  const ImageId warped =
-      chain.image(fmt::format("features.warped.L{}", level), Format::f32, extent.with_planes(source.planes));
+ImageId add_warp(Chain& chain, const Settings& settings, const Search& search, std::size_t level,
+                 Extent extent, const Features& source, const CoarseOffset& coarse) {
+  const Extent source_extent = level_extent(settings, search.window.full, level);
+  const ImageId warped = chain.image(fmt::format("{}features.warped.L{}", search.name, level), Format::f32,
+                                     extent.with_planes(source.planes));
   chain.pass("align/warp_source")
       .read("source", source.image)
       .read("offset_coarse", coarse.image)
-      .read("target_origin", window.target_origin)
+      .read("target_origin", search.window.target_origin)
       .write("warped", warped)
       .constants(params::WarpSourceParams{.width = extent.width,
                                           .height = extent.height,
@@ -80,9 +80,34 @@ ImageId add_warp(Chain& chain, const Settings& settings, std::size_t level, Exte
   return warped;
 }
 
+/// Where a level starts from: the coarser offset or the known motion, whichever looks more alike.
+CoarseOffset add_motion_guide(Chain& chain, const Settings& settings, const Search& search, std::size_t level,
+                              const Features& target, const Features& source, const CoarseOffset& coarse) {
+  const Extent extent = level_extent(settings, search.full, level);
+  const ImageId start = chain.image(search.name + "offset.guided", Format::f32x2, extent);
+  chain.pass("align/choose_start")
+      .read("target", target.image)
+      .read("source", source.image)
+      .read("offset_coarse", coarse.image)
+      .read("motion", *search.motion)
+      .write("start", start)
+      .constants(params::ChooseStartParams{.width = extent.width,
+                                           .height = extent.height,
+                                           .planes = target.planes,
+                                           .coarse_width = coarse.extent.width,
+                                           .coarse_height = coarse.extent.height,
+                                           .coarse_scale = coarse.scale,
+                                           .full_width = search.full.width,
+                                           .full_height = search.full.height,
+                                           .level_px = level_px(settings, level)})
+      .dispatch(extent);
+  return {start, extent, 1.0f};
+}
+
 /// What a level is searched in and where its result goes.
 struct Level {
   std::size_t index;
+  std::string name;
   Extent extent;
   int radius;
   int channels;
@@ -150,12 +175,11 @@ void add_bands(Chain& chain, const Settings& settings, const Level& level) {
   // Whole runs, so that runs begin at the same rows whatever the width.
   const int runs = std::max((static_cast<int>(kBandBytes / row_bytes) - 2 * radius) / kBlurRun, 1);
   const int band = std::min(runs * kBlurRun, height);
-  const ImageId distances = chain.image(fmt::format("distances.L{}", level.index), Format::f32,
-                                        {width, band + 2 * radius, kShifts});
+  const ImageId distances =
+      chain.image("distances." + level.name, Format::f32, {width, band + 2 * radius, kShifts});
   const ImageId row_sums =
-      chain.image(fmt::format("row_sums.L{}", level.index), Format::f32, {width, band + 2 * radius, kShifts});
-  const ImageId patch_sums =
-      chain.image(fmt::format("patch_sums.L{}", level.index), Format::f32, {width, band, kShifts});
+      chain.image("row_sums." + level.name, Format::f32, {width, band + 2 * radius, kShifts});
+  const ImageId patch_sums = chain.image("patch_sums." + level.name, Format::f32, {width, band, kShifts});
 
   for (int first_row = 0; first_row < height; first_row += band) {
     const int rows = std::min(band, height - first_row);
@@ -362,9 +386,9 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
   assert(search.target.planes == search.source.planes && search.levels.finest < search.levels.end);
   const auto [finest, end] = search.levels;
   const std::vector<Features> targets =
-      add_pyramid(chain, settings, search.levels, search.full, search.target, "target");
+      add_pyramid(chain, settings, search.levels, search.full, search.target, search.name + "target");
   const std::vector<Features> sources =
-      add_pyramid(chain, settings, search.levels, search.window.full, search.source, "source");
+      add_pyramid(chain, settings, search.levels, search.window.full, search.source, search.name + "source");
 
   SearchResult result;
   result.residual.resize(end - finest);
@@ -373,33 +397,39 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
     coarse = {*search.start, level_extent(settings, search.full, end),
               static_cast<float>(settings.pyramid_factor)};
   } else {
-    coarse = {chain.image("offset.none", Format::f32x2, {1, 1}), {1, 1}, 1.0f};
+    coarse = {chain.image(search.name + "offset.none", Format::f32x2, {1, 1}), {1, 1}, 1.0f};
     chain.pass("align/zero_offset").write("offset", coarse.image).dispatch({1, 1});
   }
   for (std::size_t l = end; l-- > finest;) {
     const Extent extent = level_extent(settings, search.full, l);
-    const ImageId residual = chain.image(fmt::format("residual.L{}", l), Format::f32, extent);
+    const ImageId residual = chain.image(search.name + fmt::format("residual.L{}", l), Format::f32, extent);
     result.residual[l - finest] = residual;
+    const Features& target = targets[l - finest];
+    const Features& source = sources[l - finest];
+    if (search.motion && l == std::min(static_cast<std::size_t>(settings.motion_level), end - 1)) {
+      coarse = add_motion_guide(chain, settings, search, l, target, source, coarse);
+    }
     const Level level{
         .index = l,
+        .name = fmt::format("{}L{}", search.name, l),
         .extent = extent,
         .radius = blur_radius(settings, l),
         .channels = search.target.planes,
-        .target = targets[l - finest].image,
-        .warped = add_warp(chain, settings, l, extent, sources[l - finest], search.window, coarse),
+        .target = target.image,
+        .warped = add_warp(chain, settings, search, l, extent, source, coarse),
         .coarse = coarse,
-        .offset = chain.image(fmt::format("offset_noisy.L{}", l), Format::f32x2, extent),
+        .offset = chain.image(search.name + fmt::format("offset_noisy.L{}", l), Format::f32x2, extent),
         .residual = residual};
     if (level.radius <= kLargestMatchRadius) {
       add_match(chain, settings, level, kFeatureRange * 8.0);
     } else {
       add_bands(chain, settings, level);
     }
-    const ImageId offset = chain.image(fmt::format("offset.L{}", l), Format::f32x2, extent);
+    const ImageId offset = chain.image(search.name + fmt::format("offset.L{}", l), Format::f32x2, extent);
     chain.pass("align/median_offset")
         .read("offset_noisy", level.offset)
         .write("offset", offset)
-        .constants(params::MedianParams{.width = extent.width, .height = extent.height})
+        .constants(params::FieldParams{.width = extent.width, .height = extent.height})
         .dispatch(extent);
     coarse = {offset, extent, static_cast<float>(settings.pyramid_factor)};
   }
@@ -452,10 +482,11 @@ TileRules search_tile_rules(const Settings& settings, const gpu::DeviceInfo& dev
   return rules;
 }
 
-ImageId add_upsample_pass(Chain& chain, const Settings& settings, Extent full, ImageId offset) {
+ImageId add_upsample_pass(Chain& chain, const Settings& settings, Extent full, ImageId offset,
+                          const std::string& name) {
   if (settings.match_downsample == 1) return offset;
   const Extent extent = level_extent(settings, full, 0);
-  const ImageId upsampled = chain.image("offset.full", Format::f32x2, full);
+  const ImageId upsampled = chain.image(name + "offset.full", Format::f32x2, full);
   chain.pass("align/upsample_offset")
       .read("offset_coarse", offset)
       .write("offset", upsampled)
@@ -469,16 +500,41 @@ ImageId add_upsample_pass(Chain& chain, const Settings& settings, Extent full, I
 }
 
 Alignment add_align_passes(Chain& chain, const Settings& settings, Extent full, const Features& target,
-                           const Features& source) {
+                           const Features& source, const AlignOptions& options) {
+  const bool guides = options.motion && settings.motion == MotionUse::guide;
   const SearchResult found =
       add_search_passes(chain, settings,
-                        {.levels = {0, pyramid_extents(settings, full.width, full.height).size()},
+                        {.name = options.name,
+                         .levels = {0, pyramid_extents(settings, full.width, full.height).size()},
                          .full = full,
-                         .window = add_same_window(chain, full, "origin.align"),
+                         .window = add_same_window(chain, full, options.name + "origin.align"),
                          .target = target,
                          .source = source,
-                         .start = {}});
-  return {add_upsample_pass(chain, settings, full, found.offset), found.residual};
+                         .start = {},
+                         .motion = guides ? options.motion : std::nullopt});
+  Alignment alignment{add_upsample_pass(chain, settings, full, found.offset, options.name), found.residual};
+  if (options.motion && settings.motion == MotionUse::override_offset) {
+    const ImageId offset = chain.image(options.name + "offset.overridden", Format::f32x2, full);
+    chain.pass("align/override_offset")
+        .read("found", alignment.offset)
+        .read("motion", *options.motion)
+        .write("offset", offset)
+        .constants(params::FieldParams{.width = full.width, .height = full.height})
+        .dispatch(full);
+    alignment.offset = offset;
+  }
+  return alignment;
+}
+
+ImageId add_consistency_pass(Chain& chain, Extent full, ImageId there, ImageId back) {
+  const ImageId confidence = chain.image("confidence", Format::f32, full);
+  chain.pass("align/consistency")
+      .read("there", there)
+      .read("offset_coarse", back)
+      .write("confidence", confidence)
+      .constants(params::FieldParams{.width = full.width, .height = full.height})
+      .dispatch(full);
+  return confidence;
 }
 
 }  // namespace becalm::filter

@@ -71,6 +71,7 @@ std::vector<Features> add_pyramid(gpu::Chain& chain, const Settings& settings, c
 
 /// The search of a range of levels, from coarse to fine.
 struct Search {
+  std::string name;  ///< begins the names of its images
   LevelRange levels;
   gpu::Extent full;  ///< the target's images at full resolution
   SourceWindow window;
@@ -78,6 +79,8 @@ struct Search {
   Features source;
   std::optional<gpu::ImageId>
       start;  ///< offsets of level `end`, to start from; else the search starts from zero
+  std::optional<gpu::ImageId>
+      motion;  ///< f32x2, full resolution: a candidate where level `motion_level` starts from
 };
 
 struct SearchResult {
@@ -94,7 +97,7 @@ TileRules search_tile_rules(const Settings& settings, const gpu::DeviceInfo& dev
 
 /// Offsets of level 0 at full resolution, in full-resolution pixels.
 gpu::ImageId add_upsample_pass(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
-                               gpu::ImageId offset);
+                               gpu::ImageId offset, const std::string& name = "");
 
 /// How far from a pixel its features depend on the images that they are made from.
 int feature_margin_px(const Settings& settings);
@@ -107,9 +110,19 @@ struct Alignment {
   std::vector<gpu::ImageId> residual;
 };
 
+struct AlignOptions {
+  std::string name;  ///< begins the names of the images, where a chain aligns more than once
+  /// f32x2, full resolution: motion as pack_motion gives it, used as `settings.motion` says.
+  std::optional<gpu::ImageId> motion;
+};
+
 /// Aligns the source's features with the target's by hierarchical patch matching (Hanika et al. 2021,
 /// section 3.1).
 Alignment add_align_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
-                           const Features& target, const Features& source);
+                           const Features& target, const Features& source, const AlignOptions& options = {});
+
+/// How far the offsets there and back lead to where they began, in [0,1] (f32, full resolution): 1 for
+/// exactly, 1/2 for a pixel beside it, 0 where the offset leaves the image.
+gpu::ImageId add_consistency_pass(gpu::Chain& chain, gpu::Extent full, gpu::ImageId there, gpu::ImageId back);
 
 }  // namespace becalm::filter

@@ -1,5 +1,8 @@
 #include "filter/guides.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "filter/host_images.h"
 #include "frame/error.h"
 
@@ -17,6 +20,24 @@ Guides guides_of(const Settings& settings, const AovSet& available) {
         "nothing to match: weight_radiance is 0 and the frames have no albedo or normal that is weighted");
   }
   return guides;
+}
+
+std::string matched_text(const Settings& settings, const AovSet& available) {
+  const Guides guides = guides_of(settings, available);
+  std::vector<std::string> parts;
+  const auto add = [&](bool used, std::string_view name, float weight) {
+    if (used) parts.push_back(fmt::format("{} ({})", name, weight));
+  };
+  const bool demodulates = settings.demodulate != 0 && guides.albedo;
+  add(settings.weight_radiance > 0.0f, demodulates ? "radiance over albedo" : "radiance",
+      settings.weight_radiance);
+  add(guides.albedo, "albedo", settings.weight_albedo);
+  add(guides.normal, "normal", settings.weight_normal);
+  std::string text = fmt::format("frames are matched by {}", fmt::join(parts, ", "));
+  if (contains(available, Aov::motion) && settings.motion != MotionUse::none) {
+    text += settings.motion == MotionUse::guide ? "; motion is a candidate" : "; motion is taken as it is";
+  }
+  return text;
 }
 
 }  // namespace becalm::filter

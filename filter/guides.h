@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "filter/settings.h"
@@ -18,5 +19,8 @@ struct Guides {
 
 /// Throws Error(usage) if neither guides nor radiance are left to match.
 Guides guides_of(const Settings& settings, const AovSet& available);
+
+/// What frames with these AOVs are matched by, in words.
+std::string matched_text(const Settings& settings, const AovSet& available);
 
 }  // namespace becalm::filter

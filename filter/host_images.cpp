@@ -129,6 +129,16 @@ void pack_guide(const Frame& frame, bool albedo, bool normal, const Rect& rect, 
   }
 }
 
+void pack_motion(const Image& motion, std::span<float> pairs) {
+  assert(motion.channels() == 2 && pairs.size() == motion.data().size());
+  constexpr float none = 1e30f;  // kNoMotion of shaders/lib/motion.glsl
+  for (std::size_t i = 0; i < motion.pixel_count(); ++i) {
+    const auto pixel = motion.data().subspan(2 * i, 2);
+    const bool known = all_finite(pixel);
+    for (std::size_t c = 0; c < 2; ++c) pairs[2 * i + c] = known ? pixel[c] : none;
+  }
+}
+
 float exposure(const Image& beauty) {
   const auto for_each_luminance = [&](const auto& use) {
     for (std::size_t i = 0; i < beauty.pixel_count(); ++i) {

@@ -28,6 +28,10 @@ std::unique_ptr<FrameMerger> make_merger(gpu::Device& device, const FilterTask& 
   } catch (const gpu::DeviceLimitError&) {
     // An image is too large for the device: tiles are smaller.
   }
+  if (contains(task.used, Aov::motion)) {
+    throw gpu::DeviceLimitError(
+        "the frame must be cut into tiles, which cannot take known motion: set motion=none");
+  }
   return std::make_unique<TiledFrame>(device, task, limit);
 }
 
@@ -38,6 +42,7 @@ AovSet wanted_aovs(const Settings& settings) {
   const auto want = [&](Aov aov, bool needed) { wanted.set(static_cast<std::size_t>(aov), needed); };
   want(Aov::albedo, settings.weight_albedo > 0.0f);
   want(Aov::normal, settings.weight_normal > 0.0f);
+  want(Aov::motion, settings.motion != MotionUse::none);
   for (const Aov aov : {Aov::variance, Aov::half_a, Aov::half_b}) want(aov, true);
   return wanted;
 }

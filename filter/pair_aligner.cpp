@@ -37,7 +37,17 @@ struct PairAligner::State {
     exposure_image = chain.input("exposure", Format::f32, {1, 1});
     const Features target_features = add_features("target", target);
     const Features source_features = add_features("source", source);
-    alignment = add_align_passes(chain, settings, full, target_features, source_features);
+    if (settings.motion != MotionUse::none && contains(available, Aov::motion)) {
+      motion = chain.input("motion", Format::f32x2, full);
+    }
+    alignment = add_align_passes(chain, settings, full, target_features, source_features,
+                                 {.name = {}, .motion = motion});
+    if (settings.consistency != 0) {
+      const Alignment back = add_align_passes(chain, settings, full, source_features, target_features,
+                                              {.name = "back.", .motion = {}});
+      confidence = add_consistency_pass(chain, full, alignment.offset, back.offset);
+      chain.output(*confidence);
+    }
     chain.output(alignment.offset);
     for (const ImageId residual : alignment.residual) chain.output(residual);
     chain.build();
@@ -80,7 +90,9 @@ struct PairAligner::State {
   ImageId exposure_image;
   Inputs target;
   Inputs source;
+  std::optional<ImageId> motion;
   Alignment alignment;
+  std::optional<ImageId> confidence;
 };
 
 PairAligner::PairAligner(gpu::Device& device, const Settings& settings, int width, int height,
@@ -97,9 +109,15 @@ PairAlignment PairAligner::align(const Frame& target, const Frame& source) {
   s.chain.upload<float>(s.exposure_image)[0] = exposure(target.image(Aov::beauty));
   s.upload(target, s.target);
   s.upload(source, s.source);
+  if (s.motion) {
+    check_frame(target, s.full.width, s.full.height, AovSet().set(static_cast<std::size_t>(Aov::motion)),
+                "the aligner's target");
+    pack_motion(target.image(Aov::motion), s.chain.upload<float>(*s.motion));
+  }
   s.chain.run();
 
-  PairAlignment result{s.download(s.alignment.offset, s.full, 2), {}, s.chain.times()};
+  PairAlignment result{s.download(s.alignment.offset, s.full, 2), {}, {}, s.chain.times()};
+  if (s.confidence) result.confidence = s.download(*s.confidence, s.full, 1);
   for (std::size_t l = 0; l < s.extents.size(); ++l) {
     result.residual.push_back(s.download(s.alignment.residual[l], s.extents[l], 1));
   }

@@ -39,10 +39,14 @@ struct DistanceName {
 struct MergeName {
   MergeMode Settings::*member;
 };
-using Field = std::variant<IntRange, IntChoice, IntList, FloatRange, DistanceName, MergeName>;
+struct MotionName {
+  MotionUse Settings::*member;
+};
+using Field = std::variant<IntRange, IntChoice, IntList, FloatRange, DistanceName, MergeName, MotionName>;
 
 constexpr std::array<std::string_view, 4> kDistanceNames{"l2", "l1", "log_l1", "log_l1_centered"};
 constexpr std::array<std::string_view, 2> kMergeNames{"mask", "variance"};
+constexpr std::array<std::string_view, 3> kMotionNames{"none", "guide", "override"};
 
 struct Row {
   SettingInfo info;
@@ -69,6 +73,13 @@ const Row kRows[] = {
      IntRange{&Settings::prefilter, 0, 5}},
     {{"demodulate", "0 or 1", "1 matches radiance without the albedo, where a frame has one"},
      IntRange{&Settings::demodulate, 0, 1}},
+    {{"motion", "none, guide or override",
+      "what the motion AOV is for: a candidate for the search, or the offset itself wherever it is known"},
+     MotionName{&Settings::motion}},
+    {{"motion_level", "integer 0..12", "level of the pyramid at which motion is a candidate"},
+     IntRange{&Settings::motion_level, 0, 12}},
+    {{"consistency", "0 or 1", "1 aligns a pair both ways and says how far there and back agree"},
+     IntRange{&Settings::consistency, 0, 1}},
     {{"weight_radiance", "number 0..100", "weight of the radiance in matching; 0 leaves it out"},
      FloatRange{&Settings::weight_radiance, 0.0f, 100.0f}},
     {{"weight_albedo", "number 0..100", "weight of the albedo in matching, where a frame has one"},
@@ -162,6 +173,7 @@ bool assign(Settings& settings, const Field& field, std::string_view text) {
           },
           [&](const DistanceName& f) { return assign_name(settings.*f.member, text, kDistanceNames); },
           [&](const MergeName& f) { return assign_name(settings.*f.member, text, kMergeNames); },
+          [&](const MotionName& f) { return assign_name(settings.*f.member, text, kMotionNames); },
       },
       field);
 }
@@ -178,6 +190,9 @@ std::string value_text(const Settings& settings, const Field& field) {
           },
           [&](const MergeName& f) {
             return std::string(kMergeNames[static_cast<std::size_t>(settings.*f.member)]);
+          },
+          [&](const MotionName& f) {
+            return std::string(kMotionNames[static_cast<std::size_t>(settings.*f.member)]);
           },
       },
       field);

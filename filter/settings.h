@@ -11,6 +11,10 @@ namespace becalm::filter {
 /// shaders/lib/distance.glsl.
 enum class Distance { l2 = 0, l1 = 1, log_l1 = 2, log_l1_centered = 3 };
 
+/// What known motion (the `motion` AOV) is for: nothing, a candidate where one level of the search starts
+/// from, or the offset itself wherever it is known.
+enum class MotionUse { none, guide, override_offset };
+
 /// How the merge weighs history against the new frame.
 enum class MergeMode { mask, variance };
 
@@ -26,6 +30,9 @@ struct Settings {
   int refine_levels = 12;
   int prefilter = 1;
   int demodulate = 0;
+  MotionUse motion = MotionUse::none;
+  int motion_level = 1;
+  int consistency = 0;
   float weight_radiance = 1.0f;
   float weight_albedo = 2.0f;
   float weight_normal = 0.5f;

@@ -51,12 +51,14 @@ CoarseChain::CoarseChain(gpu::Device& device, const FilterTask& task, const Pyra
   target = feature_input(chain, "features.target", extent, planes);
   source = feature_input(chain, "features.source", extent, planes);
   const SearchResult found = add_search_passes(chain, task.settings,
-                                               {.levels = {.finest = split.coarse, .end = split.levels},
+                                               {.name = {},
+                                                .levels = {.finest = split.coarse, .end = split.levels},
                                                 .full = task.full,
                                                 .window = add_same_window(chain, task.full, "origin"),
                                                 .target = target,
                                                 .source = source,
-                                                .start = {}});
+                                                .start = {},
+                                                .motion = {}});
   offset = found.offset;
   chain.output(offset);
   chain.plan();
@@ -79,12 +81,14 @@ TileChain::TileChain(gpu::Device& device, const FilterTask& task, const PyramidS
   }
   const SourceWindow window{source_extent, target_origin};
   const SearchResult found = add_search_passes(chain, settings,
-                                               {.levels = {.finest = 0, .end = split.coarse},
+                                               {.name = {},
+                                                .levels = {.finest = 0, .end = split.coarse},
                                                 .full = target_extent,
                                                 .window = window,
                                                 .target = target,
                                                 .source = source,
-                                                .start = start});
+                                                .start = start,
+                                                .motion = {}});
   offset = add_upsample_pass(chain, settings, target_extent, found.offset);
 
   merged_color = chain.image("history.color.next", Format::f32x4, target_extent);

@@ -32,9 +32,10 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
     source.guide_features = features.previous;
     target.guide_planes = source.guide_planes = planes;
   }
-  const Alignment alignment =
-      add_align_passes(chain_, settings, full, add_feature_passes(chain_, settings, full, "target", target),
-                       add_feature_passes(chain_, settings, full, "source", source));
+  if (contains(task_.used, Aov::motion)) motion_ = chain_.input("motion.cur", Format::f32x2, full);
+  const Alignment alignment = add_align_passes(
+      chain_, settings, full, add_feature_passes(chain_, settings, full, "target", target),
+      add_feature_passes(chain_, settings, full, "source", source), {.name = {}, .motion = motion_});
   offset_ = alignment.offset;
 
   decision_ = add_merge_passes(
@@ -65,6 +66,7 @@ void WholeFrame::merge(const NewFrame& frame, Denoised& result) {
     pack_guide(frame.frame, task_.guides.albedo, task_.guides.normal, all.target,
                chain_.upload<float>(*guide_));
   }
+  if (motion_) pack_motion(frame.frame.image(Aov::motion), chain_.upload<float>(*motion_));
   chain_.run();
   result.report.passes = chain_.times();
   MergedTile merged{.color = chain_.download<float>(merged_color_),

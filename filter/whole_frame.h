@@ -27,6 +27,7 @@ class WholeFrame : public FrameMerger {
   gpu::ImageId exposure_;
   gpu::ImageId variance_;
   std::optional<gpu::ImageId> guide_;
+  std::optional<gpu::ImageId> motion_;
   gpu::ImageId offset_;
   gpu::ImageId merged_color_;
   gpu::ImageId merged_stats_;

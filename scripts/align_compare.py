@@ -3,7 +3,7 @@
 import numpy as np
 
 import align_pictures as pictures
-from align_measure import measure
+from align_measure import measure, reference_floor
 from align_peers import PEERS, eight_bit_pair, timed
 from align_report import figure, markdown
 from align_warp import warp
@@ -50,13 +50,16 @@ def compare(aligners, pair, variants, peers):
     add("no motion", _zero(pair))
     if pair.motion is not None:
         add("motion vectors", pair.motion)
+    for row in rows:
+        row["floor"] = reference_floor(pair)
     return rows, offsets
 
 
 def write_panel(path, pair, offsets):
     """Frames, and for each method the warped clean source, its difference from the clean target, and the offsets."""
     like = pair.clean_target
-    scale_px = max(1.0, float(np.percentile(np.hypot(*np.moveaxis(pair.motion, -1, 0)), 95)))
+    long_px = [np.percentile(np.hypot(*np.moveaxis(offset, -1, 0)), 95) for offset in offsets.values()]
+    scale_px = max(1.0, float(np.median(long_px)))
     rows = [[("noisy target", pictures.shown(pair.target["beauty"], like)), ("clean source", pictures.shown(pair.clean_source, like)),
              (f"disoccluded; offsets' full colour is {scale_px:.0f} px", pictures.mask(~pair.visible * 1.0))]]
     for method, offset in offsets.items():
@@ -81,6 +84,7 @@ def verdicts(rows):
             "best_peer_visible": best["clean_visible"]["method"],
             "clean_visible_ratio": ours["clean_visible"] / best["clean_visible"]["clean_visible"],
             "correlation": ours["correlation"], "average": ours["average"], "average_visible": ours["average_visible"],
+            "floor": ours["floor"],
             "lowest": ours["clean"] < best["clean"]["clean"],
             "lowest_visible": ours["clean_visible"] < best["clean_visible"]["clean_visible"],
             "decorrelated": abs(ours["correlation"]) < CORRELATION_GOAL, "average_better": ours["average"] < 1.0,
@@ -103,9 +107,34 @@ def verdict_table(found):
 
     cells = [(row["pair"], row["noise"], against(row, ""), against(row, "_visible"),
               f"{row['correlation']:+.4f}" + ("" if row["decorrelated"] else " MISSED"),
-              f"{row['average']:.3f}" + ("" if row["average_better"] else " MISSED")) for row in found]
-    return markdown(("pair", "noise", "clean diff. against the best peer", "not disoccluded",
-                     f"noise corr. (goal {CORRELATION_GOAL})", "50/50 (goal below 1)"), cells)
+              f"{row['average']:.3f}" + ("" if row["average_better"] else " MISSED"), figure(row["floor"])) for row in found]
+    return markdown(("pair", "noise", "clean diff. against the best peer", "not disoccluded", f"noise corr. (goal {CORRELATION_GOAL})",
+                     "50/50 (goal below 1)", "of the clean diff. is noise"), cells)
+
+
+def _geometric_mean(values):
+    return float(np.exp(np.mean(np.log(values))))
+
+
+def overview_table(rows):
+    """Clean differences over the best peer's of the same pair and noise, as geometric means by pair and by noise."""
+    def of(row):
+        return row["pair"], row["noise"]
+
+    best = {}
+    for row in rows:
+        if row["method"] in PEERS:
+            best[of(row)] = min(row["clean"], best.get(of(row), np.inf))
+    groups = list(dict.fromkeys([row["pair"] for row in rows] + [row["noise"] for row in rows]))
+    cells = []
+    for method in dict.fromkeys(row["method"] for row in rows):
+        mine = [row for row in rows if row["method"] == method]
+        ratios = {of(row): row["clean"] / best[of(row)] for row in mine}
+        by_group = [[ratio for key, ratio in ratios.items() if group in key] for group in groups]
+        cells.append((method, *(figure(_geometric_mean(r) if r else None, 3) for r in by_group),
+                      figure(_geometric_mean(list(ratios.values())), 3), figure(max(abs(row["correlation"]) for row in mine), 3),
+                      figure(max(row["average"] for row in mine), 3)))
+    return markdown(("clean diff. over the best peer's", *groups, "all", "largest noise corr.", "worst 50/50"), cells)
 
 
 def goal_line(found):

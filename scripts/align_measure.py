@@ -1,21 +1,25 @@
 """How good offsets are, judged by the clean images. Everything is measured on compressed values (align_space)."""
 
-import cv2
 import numpy as np
 
 from align_space import compressed, exposure
 from align_warp import warp
 
-NOISE_WINDOW = 9  # px; compression shifts the noise's mean, which is removed over such windows
-
-
-def _noise(noisy, clean):
-    difference = noisy - clean
-    return difference - cv2.blur(difference, (NOISE_WINDOW, NOISE_WINDOW))
-
 
 def _rms(difference):
     return float(np.sqrt(np.mean(np.square(difference, dtype=np.float64))))
+
+
+def _noise_correlation(target, source, other_target, other_source):
+    """Of deviations from the clean images, beyond what those correlate that the offset was not found on.
+
+    Compression shifts the mean of noise by the same in every rendering; that is no correlation of noise.
+    """
+    def covariance(a, b):
+        return (a * b).mean(dtype=np.float64)
+
+    expected = 0.5 * (covariance(target, other_source) + covariance(other_target, source))
+    return float(2.0 * (covariance(target, source) - expected) / (_rms(target - other_target) * _rms(source - other_source)))
 
 
 def measure(pair, offset):
@@ -28,20 +32,31 @@ def measure(pair, offset):
     epe              mean distance from the true offset over visible pixels, in pixels; None where it is not known
     """
     scale = exposure(pair.clean_target)
-    target, source = (compressed(frame["beauty"], scale) for frame in (pair.target, pair.source))
-    clean_target, clean_source = (compressed(image, scale) for image in (pair.clean_target, pair.clean_source))
-    warped, warped_clean = warp(source, offset), warp(clean_source, offset)
+    target, source, other_target, other_source, clean_target, clean_source = (
+        compressed(image, scale) for image in (pair.target["beauty"], pair.source["beauty"], pair.other_target, pair.other_source,
+                                               pair.clean_target, pair.clean_source))
+    warped, warped_other, warped_clean = (warp(image, offset) for image in (source, other_source, clean_source))
     difference = np.abs(warped_clean - clean_target).mean(axis=-1)
-    noise_target, noise_source = _noise(target, clean_target), _noise(warped, warped_clean)
-    error_target, error_average = target - clean_target, 0.5 * (target + warped) - clean_target
+    noise_target, error_average = target - clean_target, 0.5 * (target + warped) - clean_target
     epe = None
     if pair.truth is not None:
         epe = float(np.hypot(*np.moveaxis(offset - pair.truth, -1, 0))[pair.visible].mean())
     return {
         "clean": float(difference.mean()),
         "clean_visible": float(difference[pair.visible].mean()),
-        "correlation": float((noise_target * noise_source).mean() / (_rms(noise_target) * _rms(noise_source))),
-        "average": _rms(error_average) / _rms(error_target),
-        "average_visible": _rms(error_average[pair.visible]) / _rms(error_target[pair.visible]),
+        "correlation": _noise_correlation(noise_target, warped - warped_clean, other_target - clean_target,
+                                          warped_other - warped_clean),
+        "average": _rms(error_average) / _rms(noise_target),
+        "average_visible": _rms(error_average[pair.visible]) / _rms(noise_target[pair.visible]),
         "epe": epe,
     }
+
+
+def reference_floor(pair):
+    """The clean difference that the noise of the clean images alone would make; None where there is none, or it is not known."""
+    if pair.clean_halves is None:
+        return None
+    scale = exposure(pair.clean_target)
+    a, b = (compressed(half, scale) for half in pair.clean_halves)
+    # The halves' difference has four times the variance of the mean; target and source differ by twice of it.
+    return float(np.abs(a - b).mean() / np.sqrt(2.0))

@@ -13,8 +13,11 @@ class Pair:
     noise: str                  # of the noisy frames: "4 spp", "2 %"
     target: dict                # noisy layers; the beauty under "beauty"
     source: dict
+    other_target: np.ndarray    # beauty with independent noise of the same strength, which no aligner sees
+    other_source: np.ndarray
     clean_target: np.ndarray
     clean_source: np.ndarray
+    clean_halves: tuple | None  # two independent clean targets, whose mean clean_target is
     visible: np.ndarray         # (height, width): the target's pixels whose surface the source shows too
     motion: np.ndarray | None = None   # the renderer's motion vectors
     truth: np.ndarray | None = None    # exact offsets, of synthetic pairs

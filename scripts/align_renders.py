@@ -14,7 +14,7 @@ SCENES = Path(__file__).resolve().parent.parent / "scenes"
 SOURCE, TARGET = 10, 11  # in the middle of the animations
 AOVS = ["albedo", "normal", "depth", "motion", "object_id"]
 MATCHED_AOVS = ["albedo", "normal"]
-NOISY_SEED = 0
+NOISY_SEED, OTHER_NOISY_SEED = 0, 1
 REFERENCE_SEED = 101  # of the first batch; references are means of batches, so that more samples can be added
 BATCH_SPP = 64
 SAME_DEPTH = 0.1      # relative difference of depths up to which they may be of one surface
@@ -40,22 +40,23 @@ class Renders:
 
     @functools.lru_cache(maxsize=1)  # the pairs of one scene follow one another
     def reference(self, scene, spp):
-        """Layers of source and target whose beauty is the mean of batches; the other layers are the first batch's."""
-        batches = max(1, round(spp / BATCH_SPP))
-        frames = self.frames(scene, BATCH_SPP, REFERENCE_SEED)
-        for batch in range(1, batches):
-            for frame, more in zip(frames, self.frames(scene, BATCH_SPP, REFERENCE_SEED + batch)):
-                frame["beauty"] = frame["beauty"] + more["beauty"]
-        for frame in frames:
-            frame["beauty"] /= batches
-        return frames
+        """Layers of source and target, the beauty the mean of batches, and the target's beauty as two independent halves."""
+        batches = [self.frames(scene, BATCH_SPP, REFERENCE_SEED + i) for i in range(max(1, round(spp / BATCH_SPP)))]
+        source, target = batches[0]
+        beauties = [[frames[i]["beauty"] for frames in batches] for i in (0, 1)]
+        source["beauty"], target["beauty"] = (np.mean(beauty, axis=0) for beauty in beauties)
+        halves = None
+        if len(batches) % 2 == 0:
+            halves = tuple(np.mean(beauties[1][first::2], axis=0) for first in (0, 1))
+        return source, target, halves
 
     def pair(self, scene, spp, reference_spp):
         source, target = self.frames(scene, spp, NOISY_SEED)
-        clean_source, clean_target = self.reference(scene, reference_spp)
-        return Pair(name=scene, noise=f"{spp} spp", target=target, source=source, clean_target=clean_target["beauty"],
-                    clean_source=clean_source["beauty"], visible=visible_pixels(clean_target, clean_source),
-                    motion=clean_target["motion"], aovs=MATCHED_AOVS)
+        other_source, other_target = self.frames(scene, spp, OTHER_NOISY_SEED)
+        clean_source, clean_target, halves = self.reference(scene, reference_spp)
+        return Pair(name=scene, noise=f"{spp} spp", target=target, source=source, other_target=other_target["beauty"],
+                    other_source=other_source["beauty"], clean_target=clean_target["beauty"], clean_source=clean_source["beauty"],
+                    clean_halves=halves, visible=visible_pixels(clean_target, clean_source), motion=clean_target["motion"], aovs=MATCHED_AOVS)
 
 
 def _named(layers):

@@ -19,15 +19,15 @@ def figure(value, digits=4):
 
 
 class Report:
-    """A markdown file and a JSON file that grow section by section."""
+    """A markdown and a JSON file for each section, and report.md with all sections that the folder has."""
 
-    def __init__(self, folder):
-        self.folder, self.text, self.data = folder, [], {}
+    def __init__(self, folder, order):
+        self.folder, self.order = folder, order
+        folder.mkdir(parents=True, exist_ok=True)
 
     def add(self, key, title, text, data):
-        self.text.append(f"## {title}\n\n{text}")
-        self.data[key] = data
         print(f"\n{title}\n\n{text}", flush=True)
-        self.folder.mkdir(parents=True, exist_ok=True)
-        (self.folder / "report.md").write_text("# Alignment experiments\n\n" + "\n".join(self.text))
-        (self.folder / "report.json").write_text(json.dumps(self.data, indent=1))
+        (self.folder / f"{key}.json").write_text(json.dumps(data, indent=1))
+        (self.folder / f"{key}.md").write_text(f"## {title}\n\n{text}")
+        sections = [self.folder / f"{name}.md" for name in self.order]
+        (self.folder / "report.md").write_text("\n".join(["# Alignment experiments\n", *(s.read_text() for s in sections if s.exists())]))

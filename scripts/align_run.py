@@ -1,6 +1,7 @@
 """The experiments of Hanika et al. 2021, figures 5, 6, 13-16 and tables 1-2, on our own scenes. Called by scripts/align_experiments."""
 
 import argparse
+import subprocess
 import sys
 from pathlib import Path
 
@@ -19,6 +20,7 @@ SCENES = ["spheres", "ocean", "penumbra", "crossing", "dining", "fence"]
 PICTURED_SPP = 4
 LARGE = "1920x1080"
 EXPERIMENTS = ["compare", "distances", "radii", "refinement", "downsampling"]
+SECTIONS = ["rendered", "synthetic", *EXPERIMENTS[1:]]  # of the report
 SLOW_PEER = "Dual TV-L1"
 SYNTHETIC_NOISE = (0.02, 0.1)
 
@@ -51,7 +53,7 @@ def arguments():
     parser.add_argument("--only", type=_experiments, metavar="LIST", help=f"some of {','.join(EXPERIMENTS)} (default: all)")
     parser.add_argument("--scenes", type=_words, metavar="LIST", default=SCENES, help=f"default: {','.join(SCENES)}")
     parser.add_argument("--spp", type=_words, metavar="LIST", help="of the noisy frames (default: 1,2,4,8,16; --quick: 1,4)")
-    parser.add_argument("--reference-spp", type=int, metavar="N", help="of the clean frames, in steps of 64 (default: 256; --quick: 64)")
+    parser.add_argument("--reference-spp", type=int, metavar="N", default=256, help="of the clean frames, in steps of 64 (default: 256)")
     parser.add_argument("--size", default="640x360", metavar="WxH", help="of rendered and synthetic pairs (default: 640x360)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="change this setting in all of our variants")
     parser.add_argument("--variant", action="append", default=[], type=_variant, metavar="'NAME KEY=VALUE ...'",
@@ -64,7 +66,6 @@ def arguments():
     asked.only = asked.only or (["compare"] if asked.quick else EXPERIMENTS)
     asked.folder = asked.output / "quick" if asked.quick else asked.output
     asked.spp = [int(n) for n in asked.spp or (["1", "4"] if asked.quick else ["1", "2", "4", "8", "16"])]
-    asked.reference_spp = asked.reference_spp or (64 if asked.quick else 256)
     return asked
 
 
@@ -85,19 +86,18 @@ def comparison(asked, aligners, renders, report):
     for make in (shift_pair, zoom_pair):
         for sigma in SYNTHETIC_NOISE:
             synthetic += align_compare.compare(aligners, make((height, width), sigma), variants, peers)[0]
-    for key, title, of in (("compare", "Rendered pairs", rows), ("synthetic", "Synthetic pairs", synthetic)):
+    for key, title, of in (("rendered", "Rendered pairs", rows), ("synthetic", "Synthetic pairs", synthetic)):
         found = align_compare.verdicts(of)
-        report.add(key, title, align_compare.row_table(of) + "\n" + align_compare.verdict_table(found) + "\n"
-                   + align_compare.goal_line(found) + "\n", {"rows": of, "verdicts": found})
+        tables = [align_compare.row_table(of), align_compare.overview_table(of), align_compare.verdict_table(found)]
+        report.add(key, title, "\n".join([*tables, align_compare.goal_line(found)]) + "\n", {"rows": of, "verdicts": found})
 
 
 def main():
     asked = arguments()
-    asked.folder.mkdir(parents=True, exist_ok=True)
     aligners = Aligners(asked.bench_align, asked.device)
     folder = asked.output / "renders"
     renders = Renders(asked.becalm, folder, asked.size)
-    report = Report(asked.folder)
+    report = Report(asked.folder, SECTIONS)
     experiments = {
         "compare": lambda: comparison(asked, aligners, renders, report),
         "distances": lambda: align_distances.run(aligners, renders, report, asked.folder, asked.reference_spp),
@@ -114,5 +114,5 @@ def main():
 if __name__ == "__main__":
     try:
         main()
-    except (AlignError, OSError) as error:
+    except (AlignError, OSError, subprocess.CalledProcessError) as error:
         sys.exit(f"align_experiments: {error}")

@@ -42,9 +42,11 @@ def _grey(plane):
 
 
 def _pair(name, sigma, clean_target, clean_source, truth, visible):
-    layers = [{"beauty": _grey(noisy(clean, sigma, NOISE_SEED + i))} for i, clean in enumerate((clean_target, clean_source))]
-    return Pair(name=name, noise=f"{100 * sigma:g} %", target=layers[0], source=layers[1], clean_target=_grey(clean_target),
-                clean_source=_grey(clean_source), visible=visible, truth=truth.astype(np.float32))
+    clean = (clean_target, clean_source)
+    target, source, other_target, other_source = (_grey(noisy(clean[i % 2], sigma, NOISE_SEED + i)) for i in range(4))
+    return Pair(name=name, noise=f"{100 * sigma:g} %", target={"beauty": target}, source={"beauty": source}, other_target=other_target,
+                other_source=other_source, clean_target=_grey(clean_target), clean_source=_grey(clean_source), clean_halves=None,
+                visible=visible, truth=truth.astype(np.float32))
 
 
 def _inside(x, y, shape):

@@ -8,7 +8,7 @@
 #include "shared/align_params.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(push_constant) uniform Params { MedianParams p; };
+layout(push_constant) uniform Params { FieldParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer offset_noisy;
 layout(std430, set = 0, binding = 1) writeonly buffer OffsetBuffer { vec2 data[]; } offset;
 

@@ -4,10 +4,14 @@
 // choose its darker pixels (README.md has the figures). With `demodulates` the albedo is divided out, where there is any.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #include "lib/color.glsl"
 #include "shared/align_params.h"
 
 layout(constant_id = 0) const bool demodulates = false;
+
+/// How many times brighter than its brightest neighbour a pixel may be.
+const float kFirefly = 4.0;
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant) uniform Params { RadianceFeatureParams p; };
@@ -15,6 +19,26 @@ layout(set = 0, binding = 0) uniform samplerBuffer color;
 layout(set = 0, binding = 1) uniform samplerBuffer exposure;
 layout(set = 0, binding = 2) uniform samplerBuffer guides;
 layout(std430, set = 0, binding = 3) writeonly buffer FeaturesBuffer { float data[]; } features;
+
+float exposed_at(ivec2 at, float e) {
+  const ivec2 q = clamp(at, ivec2(0), ivec2(p.width_in, p.height_in) - 1);
+  const vec4 c = texelFetch(color, q.y * p.width_in + q.x);
+  return exposed(luminance(c.r, c.g, c.b), e);
+}
+
+/// The exposed luminance; of a pixel that outshines all of its neighbours by far, the mean of the four nearest.
+float without_firefly(ivec2 at, float e) {
+  const float here = exposed_at(at, e);
+  float brightest = 0.0;
+  float sum = 0.0;
+  [[unroll]] for (int k = 0; k < 9; ++k) {
+    if (k == 4) continue;
+    const float x = exposed_at(at + ivec2(k % 3, k / 3) - 1, e);
+    brightest = max(brightest, x);
+    sum += k % 2 == 1 ? x : 0.0;
+  }
+  return here > kFirefly * brightest ? 0.25 * sum : here;
+}
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
@@ -25,8 +49,7 @@ void main() {
   int count = 0;
   for (int y = at.y * p.downsample; y < last.y; ++y) {
     for (int x = at.x * p.downsample; x < last.x; ++x) {
-      const vec4 c = texelFetch(color, y * p.width_in + x);
-      sum += exposed(luminance(c.r, c.g, c.b), e);
+      sum += without_firefly(ivec2(x, y), e);
       ++count;
     }
   }

@@ -106,8 +106,22 @@ struct SelectParams {
   int refine;  // as in MatchParams
 };
 
-/// align/median_offset.
-struct MedianParams {
+/// align/choose_start: one level of the search, and the motion's size at full resolution.
+struct ChooseStartParams {
+  int width;
+  int height;
+  int planes;
+  int coarse_width;
+  int coarse_height;
+  float coarse_scale;
+  int full_width;
+  int full_height;
+  int level_px;  // full-resolution pixels in one of this level
+};
+
+/// Kernels that go from fields of offsets to another field of the same size: align/median_offset,
+/// align/override_offset, align/consistency.
+struct FieldParams {
   int width;
   int height;
 };

@@ -163,7 +163,7 @@ class Service {
   std::unique_ptr<AlignJob> job_;
 };
 
-int serve(const std::string& device) {
+void serve(const std::string& device) {
   Service service(device);
   for (std::string line; std::getline(std::cin, line);) {
     json answer;
@@ -175,7 +175,6 @@ int serve(const std::string& device) {
     fmt::print("{}\n", answer.dump());
     std::fflush(stdout);
   }
-  return 0;
 }
 
 }  // namespace
@@ -183,13 +182,14 @@ int serve(const std::string& device) {
 
 int main(int argc, char** argv) {
   if (argc > 2) {
-    fmt::print(stderr, "usage: bench_align [DEVICE] <commands; DEVICE: its index or part of its name\n");
+    std::fputs("usage: bench_align [DEVICE] <commands; DEVICE: its index or part of its name\n", stderr);
     return 2;
   }
   try {
-    return becalm::bench::serve(argc > 1 ? argv[1] : "");
-  } catch (const becalm::gpu::DeviceError& error) {
-    fmt::print(stderr, "bench_align: {}\n", error.what());
+    becalm::bench::serve(argc > 1 ? argv[1] : "");
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "bench_align: %s\n", error.what());
     return 4;
   }
 }

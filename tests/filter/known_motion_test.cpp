@@ -1,0 +1,136 @@
+// Known motion as a candidate of the search and as the offset itself, and the way there and back.
+#include <cmath>
+#include <limits>
+
+#include "filter/pair_aligner.h"
+#include "tests/filter/device_fixture.h"
+#include "tests/filter/pattern.h"
+
+namespace becalm::filter {
+namespace {
+
+constexpr int kWidth = 192;
+constexpr int kHeight = 96;
+constexpr float kFar = 60.0f;  // px; beyond the reach of the two levels that the tests search
+
+/// The pattern, displaced by `shift` px to the right, and a motion AOV that says so.
+Frame frame_displaced(float shift, float motion) {
+  Frame frame(1, kWidth, kHeight);
+  Image& beauty = frame.add(Aov::beauty, 1.0f);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      std::ranges::fill(beauty.pixel(x, y).first(3), static_cast<float>(pattern(x - shift, y, 9)));
+    }
+  }
+  Image& vectors = frame.add(Aov::motion);
+  for (std::size_t i = 0; i < vectors.pixel_count(); ++i) vectors.data()[2 * i] = motion;
+  return frame;
+}
+
+/// Share of the pixels, of those whose content is in both frames, with the offset (shift, 0) to within half a
+/// pixel.
+double share_found(const Image& offset, float shift) {
+  int found = 0, all = 0;
+  for (int y = 8; y < kHeight - 8; ++y) {
+    for (int x = 8; x + shift < kWidth - 8; ++x) {
+      found += std::hypot(offset.at(x, y, 0) - shift, offset.at(x, y, 1)) < 0.5f;
+      ++all;
+    }
+  }
+  return static_cast<double>(found) / all;
+}
+
+class KnownMotion : public DeviceTest {
+ protected:
+  static Settings with(std::initializer_list<const char*> assignments) {
+    Settings settings = preset("final");
+    settings.pyramid_levels = 2;  // a reach of 6 px
+    settings.blur_radius = {4};
+    for (const char* assignment : assignments) set(settings, assignment);
+    return settings;
+  }
+  static PairAlignment align(const Settings& settings, const Frame& target, const Frame& source) {
+    PairAligner aligner(device(), settings, kWidth, kHeight, target.aovs());
+    return aligner.align(target, source);
+  }
+};
+
+TEST_F(KnownMotion, GuidesTheSearchBeyondItsReach) {
+  const Frame target = frame_displaced(0.0f, kFar + 0.7f);  // nearly right: the search mends the rest
+  const Frame source = frame_displaced(kFar, 0.0f);
+  EXPECT_LT(share_found(align(with({"motion=none"}), target, source).offset, kFar), 0.1);
+  // From the finest level on nothing mends the places where the patch prefers a wrong coarse offset.
+  for (const auto& [level, share] :
+       {std::pair("motion_level=0", 0.7), {"motion_level=1", 0.95}, {"motion_level=12", 0.95}}) {
+    EXPECT_GT(share_found(align(with({"motion=guide", level}), target, source).offset, kFar), share) << level;
+  }
+}
+
+TEST_F(KnownMotion, IsNotFollowedWhereItIsWrong) {
+  const Frame target = frame_displaced(0.0f, -25.0f);
+  const Frame source = frame_displaced(3.0f, 0.0f);
+  const double unguided =
+      share_found(align(with({"motion=none", "pyramid_levels=3"}), target, source).offset, 3.0f);
+  ASSERT_GT(unguided, 0.85);
+  EXPECT_GT(share_found(align(with({"motion=guide", "pyramid_levels=3"}), target, source).offset, 3.0f),
+            unguided - 0.02);
+}
+
+TEST_F(KnownMotion, OverridesWhereItIsKnown) {
+  Frame target = frame_displaced(0.0f, 17.25f);
+  const Frame source = frame_displaced(3.0f, 0.0f);
+  // What is not finite is masked out.
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = kWidth / 2; x < kWidth; ++x) {
+      target.image(Aov::motion).at(x, y, x % 2) = std::numeric_limits<float>::quiet_NaN();
+    }
+  }
+  const Image offset = align(with({"motion=override"}), target, source).offset;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth / 2; ++x) ASSERT_EQ(offset.at(x, y, 0), 17.25f) << x << "," << y;
+    for (int x = kWidth / 2; x < kWidth - 12; ++x)
+      ASSERT_NEAR(offset.at(x, y, 0), 3.0f, 1.0f) << x << "," << y;
+  }
+}
+
+TEST_F(KnownMotion, WithoutTheAovChangesNothing) {
+  Frame target = frame_displaced(0.0f, 0.0f);
+  const Frame source = frame_displaced(3.0f, 0.0f);
+  const Image with_it = align(with({"motion=none"}), target, source).offset;
+  target.remove(Aov::motion);
+  const Image without = align(with({"motion=override"}), target, source).offset;
+  EXPECT_TRUE(std::ranges::equal(with_it.data(), without.data()));
+}
+
+TEST_F(KnownMotion, ThereAndBackAgreeWhereTheContentIsInBothFrames) {
+  const Settings settings = with({"consistency=1"});
+  Frame target = frame_displaced(0.0f, 0.0f);
+  Frame source = frame_displaced(4.0f, 0.0f);
+  // A square that only the target shows: nothing leads back to it.
+  for (int y = 40; y < 64; ++y) {
+    for (int x = 90; x < 114; ++x) {
+      std::ranges::fill(target.image(Aov::beauty).pixel(x, y).first(3),
+                        static_cast<float>(3.0 * pattern(1.7 * x, 1.7 * y, 31)));
+    }
+  }
+  const PairAlignment found = align(settings, target, source);
+  ASSERT_EQ(found.confidence.channels(), 1);
+  double visible = 0, hidden = 0;
+  int visible_count = 0, hidden_count = 0;
+  for (int y = 12; y < kHeight - 12; ++y) {
+    for (int x = 12; x < kWidth - 12; ++x) {
+      const bool inside = x >= 94 && x < 110 && y >= 44 && y < 60;
+      const bool outside = x < 80 || x >= 124;
+      const float confidence = found.confidence.at(x, y, 0);
+      ASSERT_TRUE(confidence >= 0.0f && confidence <= 1.0f);
+      if (inside) hidden += confidence, ++hidden_count;
+      if (outside) visible += confidence, ++visible_count;
+    }
+  }
+  EXPECT_GT(visible / visible_count, 0.9);
+  EXPECT_LT(hidden / hidden_count, 0.5);
+  EXPECT_TRUE(align(with({}), target, source).confidence.empty());
+}
+
+}  // namespace
+}  // namespace becalm::filter
