@@ -84,15 +84,19 @@ ImageId add_warp(Chain& chain, const Settings& settings, const Search& search, s
 CoarseOffset add_motion_guide(Chain& chain, const Settings& settings, const Search& search, std::size_t level,
                               const Features& target, const Features& source, const CoarseOffset& coarse) {
   const Extent extent = level_extent(settings, search.full, level);
+  const Extent source_extent = level_extent(settings, search.window.full, level);
   const ImageId start = chain.image(search.name + "offset.guided", Format::f32x2, extent);
   chain.pass("align/choose_start")
       .read("target", target.image)
       .read("source", source.image)
       .read("offset_coarse", coarse.image)
       .read("motion", *search.motion)
+      .read("target_origin", search.window.target_origin)
       .write("start", start)
       .constants(params::ChooseStartParams{.width = extent.width,
                                            .height = extent.height,
+                                           .source_width = source_extent.width,
+                                           .source_height = source_extent.height,
                                            .planes = target.planes,
                                            .coarse_width = coarse.extent.width,
                                            .coarse_height = coarse.extent.height,
@@ -242,6 +246,10 @@ int reach_px(const Settings& settings, std::size_t levels) {
   int reach = 0;
   for (std::size_t l = 0; l < levels; ++l) reach += kWindowReach * level_px(settings, l);
   return reach;
+}
+
+std::size_t motion_level(const Settings& settings, std::size_t levels) {
+  return std::min(static_cast<std::size_t>(settings.motion_level), levels - 1);
 }
 
 Extent level_extent(const Settings& settings, Extent full, std::size_t level) {
@@ -406,7 +414,7 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
     result.residual[l - finest] = residual;
     const Features& target = targets[l - finest];
     const Features& source = sources[l - finest];
-    if (search.motion && l == std::min(static_cast<std::size_t>(settings.motion_level), end - 1)) {
+    if (search.motion && l == motion_level(settings, end)) {
       coarse = add_motion_guide(chain, settings, search, l, target, source, coarse);
     }
     const Level level{
@@ -438,10 +446,12 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
 }
 
 int feature_margin_px(const Settings& settings) {
-  if (settings.weight_radiance == 0.0f || settings.prefilter == 0) return 0;
-  // Two taps to either side, twice as far apart with every step, and the pixel of which a part may lie beyond
-  // the tile.
-  return (2 * ((1 << settings.prefilter) - 1) + 1) * settings.match_downsample;
+  if (settings.weight_radiance == 0.0f) return 0;
+  constexpr int neighbours = 1;  // by which a firefly is known
+  // Each prefilter step has two taps to either side, twice as far apart as the step before. Of the last pixel
+  // in a tile a part may lie beyond the tile.
+  const int matching = 2 * ((1 << settings.prefilter) - 1) + 1;
+  return matching * settings.match_downsample + neighbours;
 }
 
 TileRules search_tile_rules(const Settings& settings, const gpu::DeviceInfo& device, std::size_t levels,
@@ -499,6 +509,18 @@ ImageId add_upsample_pass(Chain& chain, const Settings& settings, Extent full, I
   return upsampled;
 }
 
+ImageId add_override_pass(Chain& chain, Extent full, ImageId offset, ImageId motion,
+                          const std::string& name) {
+  const ImageId overridden = chain.image(name + "offset.overridden", Format::f32x2, full);
+  chain.pass("align/override_offset")
+      .read("found", offset)
+      .read("motion", motion)
+      .write("offset", overridden)
+      .constants(params::FieldParams{.width = full.width, .height = full.height})
+      .dispatch(full);
+  return overridden;
+}
+
 Alignment add_align_passes(Chain& chain, const Settings& settings, Extent full, const Features& target,
                            const Features& source, const AlignOptions& options) {
   const bool guides = options.motion && settings.motion == MotionUse::guide;
@@ -514,14 +536,7 @@ Alignment add_align_passes(Chain& chain, const Settings& settings, Extent full, 
                          .motion = guides ? options.motion : std::nullopt});
   Alignment alignment{add_upsample_pass(chain, settings, full, found.offset, options.name), found.residual};
   if (options.motion && settings.motion == MotionUse::override_offset) {
-    const ImageId offset = chain.image(options.name + "offset.overridden", Format::f32x2, full);
-    chain.pass("align/override_offset")
-        .read("found", alignment.offset)
-        .read("motion", *options.motion)
-        .write("offset", offset)
-        .constants(params::FieldParams{.width = full.width, .height = full.height})
-        .dispatch(full);
-    alignment.offset = offset;
+    alignment.offset = add_override_pass(chain, full, alignment.offset, *options.motion, options.name);
   }
   return alignment;
 }

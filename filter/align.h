@@ -99,6 +99,13 @@ TileRules search_tile_rules(const Settings& settings, const gpu::DeviceInfo& dev
 gpu::ImageId add_upsample_pass(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
                                gpu::ImageId offset, const std::string& name = "");
 
+/// The level of `levels` that starts from known motion.
+std::size_t motion_level(const Settings& settings, std::size_t levels);
+
+/// Offsets at full resolution that are `motion` wherever that is known.
+gpu::ImageId add_override_pass(gpu::Chain& chain, gpu::Extent full, gpu::ImageId offset, gpu::ImageId motion,
+                               const std::string& name = "");
+
 /// How far from a pixel its features depend on the images that they are made from.
 int feature_margin_px(const Settings& settings);
 

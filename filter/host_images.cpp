@@ -129,14 +129,14 @@ void pack_guide(const Frame& frame, bool albedo, bool normal, const Rect& rect, 
   }
 }
 
-void pack_motion(const Image& motion, std::span<float> pairs) {
-  assert(motion.channels() == 2 && pairs.size() == motion.data().size());
+void pack_motion(const Image& motion, const Rect& rect, std::span<float> pairs) {
+  assert(motion.channels() == 2 && pairs.size() == rect.extent().elements() * 2);
   constexpr float none = 1e30f;  // kNoMotion of shaders/lib/motion.glsl
-  for (std::size_t i = 0; i < motion.pixel_count(); ++i) {
-    const auto pixel = motion.data().subspan(2 * i, 2);
+  for_each_pixel(rect, motion.width(), [&](std::size_t in, std::size_t out) {
+    const auto pixel = motion.data().subspan(2 * in, 2);
     const bool known = all_finite(pixel);
-    for (std::size_t c = 0; c < 2; ++c) pairs[2 * i + c] = known ? pixel[c] : none;
-  }
+    for (std::size_t c = 0; c < 2; ++c) pairs[2 * out + c] = known ? pixel[c] : none;
+  });
 }
 
 float exposure(const Image& beauty) {

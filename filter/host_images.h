@@ -36,9 +36,9 @@ int guide_planes(bool albedo, bool normal);
 /// become 0. Albedo is clamped to [0,1].
 void pack_guide(const Frame& frame, bool albedo, bool normal, const Rect& rect, std::span<float> planes);
 
-/// The motion AOV as offset pairs; a pixel whose motion is not finite has none (shaders/lib/motion.glsl),
-/// which is how a file masks it.
-void pack_motion(const Image& motion, std::span<float> pairs);
+/// A rectangle of the motion AOV as offset pairs; a pixel whose motion is not finite has none
+/// (shaders/lib/motion.glsl), which is how a file masks it.
+void pack_motion(const Image& motion, const Rect& rect, std::span<float> pairs);
 
 /// 1 / geometric mean of the finite luminances above a millionth of their mean (traces of light on black
 /// would decide it otherwise); 1 for a black frame. It brings the frame into a known range.

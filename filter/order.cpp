@@ -28,10 +28,6 @@ std::unique_ptr<FrameMerger> make_merger(gpu::Device& device, const FilterTask& 
   } catch (const gpu::DeviceLimitError&) {
     // An image is too large for the device: tiles are smaller.
   }
-  if (contains(task.used, Aov::motion)) {
-    throw gpu::DeviceLimitError(
-        "the frame must be cut into tiles, which cannot take known motion: set motion=none");
-  }
   return std::make_unique<TiledFrame>(device, task, limit);
 }
 

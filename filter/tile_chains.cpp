@@ -15,6 +15,12 @@ Features feature_input(gpu::Chain& chain, const std::string& name, Extent extent
   return {chain.input(name, Format::f32, extent.with_planes(planes)), planes};
 }
 
+/// Whether the levels from `coarse` on start from known motion, or those below it.
+bool coarse_takes_motion(const FilterTask& task, const PyramidSplit& split) {
+  return contains(task.used, Aov::motion) && task.settings.motion == MotionUse::guide &&
+         motion_level(task.settings, split.levels) >= split.coarse;
+}
+
 }  // namespace
 
 FeatureChain::FeatureChain(gpu::Device& device, const FilterTask& task, const PyramidSplit& split, Of of,
@@ -50,6 +56,7 @@ CoarseChain::CoarseChain(gpu::Device& device, const FilterTask& task, const Pyra
   const Extent extent = level_extent(task.settings, task.full, split.coarse);
   target = feature_input(chain, "features.target", extent, planes);
   source = feature_input(chain, "features.source", extent, planes);
+  if (coarse_takes_motion(task, split)) motion = chain.input("motion", Format::f32x2, task.full);
   const SearchResult found = add_search_passes(chain, task.settings,
                                                {.name = {},
                                                 .levels = {.finest = split.coarse, .end = split.levels},
@@ -58,7 +65,7 @@ CoarseChain::CoarseChain(gpu::Device& device, const FilterTask& task, const Pyra
                                                 .target = target,
                                                 .source = source,
                                                 .start = {},
-                                                .motion = {}});
+                                                .motion = motion});
   offset = found.offset;
   chain.output(offset);
   chain.plan();
@@ -79,6 +86,10 @@ TileChain::TileChain(gpu::Device& device, const FilterTask& task, const PyramidS
   if (split.has_coarse()) {
     start = chain.input("offset.start", Format::f32x2, level_extent(settings, target_extent, split.coarse));
   }
+  if (contains(task.used, Aov::motion) && !coarse_takes_motion(task, split)) {
+    motion = chain.input("motion.cur", Format::f32x2, target_extent);
+  }
+  const bool guides = motion && settings.motion == MotionUse::guide;
   const SourceWindow window{source_extent, target_origin};
   const SearchResult found = add_search_passes(chain, settings,
                                                {.name = {},
@@ -88,8 +99,11 @@ TileChain::TileChain(gpu::Device& device, const FilterTask& task, const PyramidS
                                                 .target = target,
                                                 .source = source,
                                                 .start = start,
-                                                .motion = {}});
+                                                .motion = guides ? motion : std::nullopt});
   offset = add_upsample_pass(chain, settings, target_extent, found.offset);
+  if (motion && settings.motion == MotionUse::override_offset) {
+    offset = add_override_pass(chain, target_extent, offset, *motion);
+  }
 
   merged_color = chain.image("history.color.next", Format::f32x4, target_extent);
   merged_stats = chain.image("history.stats.next", Format::f32x2, target_extent);

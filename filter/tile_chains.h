@@ -43,6 +43,7 @@ struct CoarseChain {
   gpu::Chain chain;
   Features target;
   Features source;
+  std::optional<gpu::ImageId> motion;  ///< at full resolution, if a coarse level starts from it
   gpu::ImageId offset;
 };
 
@@ -54,8 +55,9 @@ struct TileChain {
   gpu::Chain chain;
   Features target;  ///< of level 0, as are the source's
   Features source;
-  std::optional<gpu::ImageId> start;  ///< offsets of level `coarse`
-  gpu::ImageId target_origin;         ///< where the target's rectangle begins in the source's
+  std::optional<gpu::ImageId> start;   ///< offsets of level `coarse`
+  std::optional<gpu::ImageId> motion;  ///< if a level of the tile starts from it, or offsets are to be that
+  gpu::ImageId target_origin;          ///< where the target's rectangle begins in the source's
   gpu::ImageId color;
   gpu::ImageId variance;
   gpu::ImageId exposure;

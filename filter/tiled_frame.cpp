@@ -124,8 +124,9 @@ void TiledFrame::plan(gpu::Device& device, std::uint64_t memory_limit) {
   std::string reason;
   for (std::size_t coarse = std::min(first, levels); coarse <= levels; ++coarse) {
     const PyramidSplit split{.levels = levels, .coarse = coarse};
-    const TileRules rules =
-        search_tile_rules(settings, device.info(), levels, coarse, merge_margin_px(settings));
+    TileRules rules = search_tile_rules(settings, device.info(), levels, coarse, merge_margin_px(settings));
+    // Known motion may lead anywhere.
+    if (contains(task_.used, Aov::motion)) rules.reach = std::max(full.width, full.height);
     const int margin = feature_margin_px(settings);
     const TileRules feature_rules{.grid = rules.core_grid,
                                   .core_grid = rules.core_grid,
@@ -169,7 +170,7 @@ void TiledFrame::plan(gpu::Device& device, std::uint64_t memory_limit) {
 
 void TiledFrame::merge(const NewFrame& frame, Denoised& result) {
   for (const Tile& tile : feature_tiles_) find_features(tile, frame, result.report);
-  if (chains_->coarse) find_coarse_offsets(result.report);
+  if (chains_->coarse) find_coarse_offsets(frame, result.report);
   for (const Tile& tile : tiles_) merge_tile(tile, frame, result);
   std::swap(history_.color, merged_color_);
   std::swap(history_.stats, merged_stats_);
@@ -211,8 +212,12 @@ void TiledFrame::find_features(const Tile& tile, const NewFrame& frame, FrameRep
   keep(history, history_.features);
 }
 
-void TiledFrame::find_coarse_offsets(FrameReport& report) {
+void TiledFrame::find_coarse_offsets(const NewFrame& frame, FrameReport& report) {
   CoarseChain& coarse = *chains_->coarse;
+  if (coarse.motion) {
+    pack_motion(frame.frame.image(Aov::motion), bounds(task_.full),
+                coarse.chain.upload<float>(*coarse.motion));
+  }
   std::ranges::copy(features_.coarse.values, coarse.chain.upload<float>(coarse.target.image).begin());
   std::ranges::copy(history_.features.coarse.values, coarse.chain.upload<float>(coarse.source.image).begin());
   coarse.chain.run();
@@ -227,6 +232,9 @@ void TiledFrame::merge_tile(const Tile& tile, const NewFrame& frame, Denoised& r
   result.report.replaced_variances +=
       pack_variance(frame.frame, task_.used, frame.finite, tile, chain.upload<float>(chains.variance));
   chain.upload<float>(chains.exposure)[0] = frame.exposure;
+  if (chains.motion) {
+    pack_motion(frame.frame.image(Aov::motion), tile.target, chain.upload<float>(*chains.motion));
+  }
   const auto origin = chain.upload<float>(chains.target_origin);
   origin[0] = static_cast<float>(tile.target.x - tile.source.x);
   origin[1] = static_cast<float>(tile.target.y - tile.source.y);

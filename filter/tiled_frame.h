@@ -53,7 +53,7 @@ class TiledFrame : public FrameMerger {
   struct Chains;
   void plan(gpu::Device& device, std::uint64_t memory_limit);
   void find_features(const Tile& tile, const NewFrame& frame, FrameReport& report);
-  void find_coarse_offsets(FrameReport& report);
+  void find_coarse_offsets(const NewFrame& frame, FrameReport& report);
   void merge_tile(const Tile& tile, const NewFrame& frame, Denoised& result);
 
   FilterTask task_;

@@ -66,7 +66,7 @@ void WholeFrame::merge(const NewFrame& frame, Denoised& result) {
     pack_guide(frame.frame, task_.guides.albedo, task_.guides.normal, all.target,
                chain_.upload<float>(*guide_));
   }
-  if (motion_) pack_motion(frame.frame.image(Aov::motion), chain_.upload<float>(*motion_));
+  if (motion_) pack_motion(frame.frame.image(Aov::motion), all.target, chain_.upload<float>(*motion_));
   chain_.run();
   result.report.passes = chain_.times();
   MergedTile merged{.color = chain_.download<float>(merged_color_),

@@ -1,5 +1,6 @@
 // Reads target and source features of one level, the coarser level's offsets and known motion at full resolution; writes
-// where the level starts from: the motion where its patch looks more alike, else the coarser offset.
+// where the level starts from: the motion where its patch looks more alike, else the coarser offset. The target's first
+// pixel lies at target_origin in the source (align/warp_source).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -12,7 +13,8 @@ layout(set = 0, binding = 0) uniform samplerBuffer target;
 layout(set = 0, binding = 1) uniform samplerBuffer source;
 layout(set = 0, binding = 2) uniform samplerBuffer offset_coarse;
 layout(set = 0, binding = 3) uniform samplerBuffer motion;
-layout(std430, set = 0, binding = 4) writeonly buffer StartBuffer { vec2 data[]; } start;
+layout(set = 0, binding = 4) uniform samplerBuffer target_origin;
+layout(std430, set = 0, binding = 5) writeonly buffer StartBuffer { vec2 data[]; } start;
 
 #include "lib/offset_field.glsl"
 
@@ -20,20 +22,19 @@ const int kRadius = 2;
 
 /// Sum over the patch of the features' differences at one offset.
 float patch_difference(ivec2 at, vec2 offset) {
-  const ivec2 size = ivec2(p.width, p.height);
+  const ivec2 origin = ivec2(texelFetch(target_origin, 0).xy) / p.level_px;
   float sum = 0.0;
   for (int plane = 0; plane < p.planes; ++plane) {
-    const int first = plane * p.height;
     for (int j = -kRadius; j <= kRadius; ++j) {
       for (int i = -kRadius; i <= kRadius; ++i) {
-        const ivec2 q = clamp(at + ivec2(i, j), ivec2(0), size - 1);
-        const BilinearTaps taps = bilinear_taps(q, offset, size);
-        const int top = (first + taps.lo.y) * p.width;
-        const int bottom = (first + taps.hi.y) * p.width;
+        const ivec2 q = clamp(at + ivec2(i, j), ivec2(0), ivec2(p.width, p.height) - 1);
+        const BilinearTaps taps = bilinear_taps(origin + q, offset, ivec2(p.source_width, p.source_height));
+        const int top = (plane * p.source_height + taps.lo.y) * p.source_width;
+        const int bottom = (plane * p.source_height + taps.hi.y) * p.source_width;
         const float there =
             mix(mix(texelFetch(source, top + taps.lo.x).x, texelFetch(source, top + taps.hi.x).x, taps.t.x),
                 mix(texelFetch(source, bottom + taps.lo.x).x, texelFetch(source, bottom + taps.hi.x).x, taps.t.x), taps.t.y);
-        sum += abs(texelFetch(target, (first + q.y) * p.width + q.x).x - there);
+        sum += abs(texelFetch(target, (plane * p.height + q.y) * p.width + q.x).x - there);
       }
     }
   }

@@ -110,6 +110,8 @@ struct SelectParams {
 struct ChooseStartParams {
   int width;
   int height;
+  int source_width;
+  int source_height;
   int planes;
   int coarse_width;
   int coarse_height;

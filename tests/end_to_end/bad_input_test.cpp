@@ -176,6 +176,14 @@ TEST_F(BadInput, NoSuchDevice) {
   expect_error(render({"--denoise", "--device", "no such device"}), kResource, {"no such device"});
 }
 
+TEST_F(BadInput, Memory) {
+  for (const char* size : {"much", "5", "2X", "-1G", "1e3M", "nanG"}) {
+    expect_error(render({"--denoise", "--memory", size}), kUsage, {"--memory", size, "512M"});
+  }
+  expect_error(render({"--memory", "1G"}), kUsage, {"--memory", "--denoise"});
+  expect_error(render({"--denoise", "--memory", "100K"}), kResource, {"48x32", "MiB"});
+}
+
 TEST_F(BadInput, LayerThatIsNotThere) {
   write_noise("in.0001.exr", 1);
   expect_error(

@@ -165,6 +165,17 @@ TEST_F(Denoise, ProfileTellsWhereTimeAndMemoryWent) {
   }
 }
 
+TEST_F(Denoise, MemoryCutsFramesIntoTilesThatNobodySees) {
+  for (const int number : {1, 2, 3}) {
+    io::write_exr(frame_path(input_, number), noise_frame(number, 400, 320), {}, io::PixelType::float32);
+  }
+  const Outcome whole = becalm_done(command("whole.####.exr", {"--profile", "--quiet"}));
+  EXPECT_NE(whole.err.find("1 tile of 400x320 px"), std::string::npos) << whole.err;
+  const Outcome tiled = becalm_done(command("tiled.####.exr", {"--profile", "--quiet", "--memory", "8M"}));
+  EXPECT_NE(tiled.err.find(" tiles of "), std::string::npos) << tiled.err;
+  expect_same_beauty(folder_ / "whole.####.exr", folder_ / "tiled.####.exr", 1, 3);
+}
+
 TEST_F(Denoise, OneFile) {
   write_frames({7});
   becalm_done({"denoise", folder_ / "in.0007.exr", "-o", folder_ / "one.exr", "--quiet"});

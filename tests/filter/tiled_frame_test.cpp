@@ -2,6 +2,7 @@
 // cannot be.
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <limits>
 #include <random>
 #include <string>
@@ -28,6 +29,7 @@ struct Scene {
   int height;
   bool variance = true;
   bool guides = true;
+  bool motion = false;
 };
 
 /// A pattern that moves by (19, -13) px a frame under noise, before a band that stands still: with motion
@@ -42,6 +44,7 @@ Frame moving_frame(const Scene& scene, int number) {
     frame.add(Aov::albedo);
     frame.add(Aov::normal);
   }
+  if (scene.motion) frame.add(Aov::motion);
   for (int y = 0; y < scene.height; ++y) {
     const bool still = y % 150 < 40;
     for (int x = 0; x < scene.width; ++x) {
@@ -49,6 +52,12 @@ Frame moving_frame(const Scene& scene, int number) {
       const double v = still ? y : y - 13.0 * number;
       const auto value = static_cast<float>(0.1 + pattern(u, v, 9));
       for (int c = 0; c < 3; ++c) beauty.at(x, y, c) = value + 0.05f * noise(random);
+      if (scene.motion && !still) {
+        // Sometimes right, sometimes unknown, and sometimes far beyond any reach.
+        const bool known = random() % 50 != 0;
+        frame.image(Aov::motion).at(x, y, 0) = known ? 19.0f + (x / 60 % 5 == 4 ? 150.0f : 0.0f) : INFINITY;
+        frame.image(Aov::motion).at(x, y, 1) = -13.0f;
+      }
       if (!scene.guides) continue;
       for (int c = 0; c < 3; ++c) frame.image(Aov::albedo).at(x, y, c) = 0.8f * value;
       frame.image(Aov::normal).at(x, y, still ? 2 : 0) = 1.0f;
@@ -125,11 +134,12 @@ TEST_F(TiledFrameTest, ShowsNoSeamsBetweenManySmallTiles) {
 
 TEST_F(TiledFrameTest, ShowsNoSeamsUnderOtherSettings) {
   const Scene scene{.width = 357, .height = 325};
-  for (const std::vector<const char*>& assignments : {std::vector{"merge=mask", "mask_level=1"},
-                                                      {"pyramid_factor=4"},
-                                                      {"blur_radius=12,3"},
-                                                      {"distance=l2", "refine_levels=1", "patch_radius=8"},
-                                                      {"weight_radiance=0"}}) {
+  const std::vector<std::vector<const char*>> all{{"merge=mask", "mask_level=1"},
+                                                  {"pyramid_factor=4", "demodulate=1"},
+                                                  {"blur_radius=12,3"},
+                                                  {"distance=l2", "patch_radius=8", "prefilter=4"},
+                                                  {"weight_radiance=0", "blur_radius=5"}};
+  for (const std::vector<const char*>& assignments : all) {
     SCOPED_TRACE(assignments.front());
     Settings settings = preset("final");
     for (const char* assignment : assignments) set(settings, assignment);
@@ -140,6 +150,16 @@ TEST_F(TiledFrameTest, ShowsNoSeamsUnderOtherSettings) {
 TEST_F(TiledFrameTest, ShowsNoSeamsWithoutVarianceAndGuides) {
   expect_no_seams(preset("balanced"), {.width = 517, .height = 403, .variance = false, .guides = false}, 0.6,
                   2);
+}
+
+TEST_F(TiledFrameTest, ShowsNoSeamsWhereMotionIsKnown) {
+  for (const std::vector<const char*>& assignments :
+       {std::vector<const char*>{"motion=override"}, {"motion=guide"}, {"motion=guide", "motion_level=3"}}) {
+    SCOPED_TRACE(assignments.back());
+    Settings settings = preset("final");
+    for (const char* assignment : assignments) set(settings, assignment);
+    expect_no_seams(settings, {.width = 357, .height = 325, .motion = true}, 0.8, 2);
+  }
 }
 
 TEST_F(TiledFrameTest, TakesLongAndTinyFrames) {
