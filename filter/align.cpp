@@ -500,12 +500,12 @@ ImageId add_upsample_pass(Chain& chain, const Settings& settings, Extent full, I
   chain.pass("align/upsample_offset")
       .read("offset_coarse", offset)
       .write("offset", upsampled)
+      .specialize("scale", settings.match_downsample)
       .constants(params::UpsampleParams{.width_in = extent.width,
                                         .height_in = extent.height,
                                         .width = full.width,
-                                        .height = full.height,
-                                        .scale = static_cast<float>(settings.match_downsample)})
-      .dispatch(full);
+                                        .height = full.height})
+      .dispatch({extent.width, full.height});
   return upsampled;
 }
 

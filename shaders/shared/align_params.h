@@ -134,7 +134,6 @@ struct UpsampleParams {
   int height_in;
   int width;
   int height;
-  float scale;
 };
 
 #ifdef __cplusplus
