@@ -33,7 +33,7 @@ struct Scene {
 };
 
 /// A pattern that moves by (19, -13) px a frame under noise, before a band that stands still: with motion
-/// across every border that tiles may have, and pixels that are not finite here and there.
+/// across every border that tiles may have, fireflies, and pixels that are not finite here and there.
 Frame moving_frame(const Scene& scene, int number) {
   std::mt19937 random(number);
   std::normal_distribution<float> noise;
