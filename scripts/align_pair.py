@@ -17,7 +17,8 @@ class Pair:
     other_source: np.ndarray
     clean_target: np.ndarray
     clean_source: np.ndarray
-    clean_halves: tuple | None  # two independent clean targets, whose mean clean_target is
+    halves_target: list         # two clean images with independent rests of noise, whose mean clean_target is; equal ones without
+    halves_source: list
     visible: np.ndarray         # (height, width): the target's pixels whose surface the source shows too
     motion: np.ndarray | None = None   # the renderer's motion vectors
     truth: np.ndarray | None = None    # exact offsets, of synthetic pairs

@@ -40,23 +40,21 @@ class Renders:
 
     @functools.lru_cache(maxsize=1)  # the pairs of one scene follow one another
     def reference(self, scene, spp):
-        """Layers of source and target, the beauty the mean of batches, and the target's beauty as two independent halves."""
-        batches = [self.frames(scene, BATCH_SPP, REFERENCE_SEED + i) for i in range(max(1, round(spp / BATCH_SPP)))]
-        source, target = batches[0]
-        beauties = [[frames[i]["beauty"] for frames in batches] for i in (0, 1)]
-        source["beauty"], target["beauty"] = (np.mean(beauty, axis=0) for beauty in beauties)
-        halves = None
-        if len(batches) % 2 == 0:
-            halves = tuple(np.mean(beauties[1][first::2], axis=0) for first in (0, 1))
-        return source, target, halves
+        """Layers of source and target, the beauty the mean of batches, and of each the beauty as two independent halves."""
+        batches = [self.frames(scene, BATCH_SPP, REFERENCE_SEED + i) for i in range(spp // BATCH_SPP)]
+        halves = [[np.mean([frames[i]["beauty"] for frames in batches[first::2]], axis=0) for first in (0, 1)] for i in (0, 1)]
+        for frame, (a, b) in zip(batches[0], halves):
+            frame["beauty"] = 0.5 * (a + b)
+        return (*batches[0], *halves)
 
     def pair(self, scene, spp, reference_spp):
         source, target = self.frames(scene, spp, NOISY_SEED)
         other_source, other_target = self.frames(scene, spp, OTHER_NOISY_SEED)
-        clean_source, clean_target, halves = self.reference(scene, reference_spp)
+        clean_source, clean_target, halves_source, halves_target = self.reference(scene, reference_spp)
         return Pair(name=scene, noise=f"{spp} spp", target=target, source=source, other_target=other_target["beauty"],
                     other_source=other_source["beauty"], clean_target=clean_target["beauty"], clean_source=clean_source["beauty"],
-                    clean_halves=halves, visible=visible_pixels(clean_target, clean_source), motion=clean_target["motion"], aovs=MATCHED_AOVS)
+                    halves_target=halves_target, halves_source=halves_source, visible=visible_pixels(clean_target, clean_source),
+                    motion=clean_target["motion"], aovs=MATCHED_AOVS)
 
 
 def _named(layers):

@@ -11,7 +11,7 @@ import align_downsampling
 import align_radii
 import align_refinement
 from align_peers import PEERS
-from align_renders import Renders
+from align_renders import BATCH_SPP, Renders
 from align_report import Report
 from align_service import AlignError, Aligners
 from align_synthetic import shift_pair, zoom_pair
@@ -37,6 +37,12 @@ def _experiments(text):
     return names
 
 
+def _reference_spp(text):
+    if not text.isdigit() or int(text) < 2 * BATCH_SPP or int(text) % (2 * BATCH_SPP) != 0:
+        raise argparse.ArgumentTypeError(f"'{text}': expected a multiple of {2 * BATCH_SPP}")
+    return int(text)
+
+
 def _variant(text):
     name, *settings = text.split()
     if not settings or not all("=" in setting for setting in settings):
@@ -53,7 +59,8 @@ def arguments():
     parser.add_argument("--only", type=_experiments, metavar="LIST", help=f"some of {','.join(EXPERIMENTS)} (default: all)")
     parser.add_argument("--scenes", type=_words, metavar="LIST", default=SCENES, help=f"default: {','.join(SCENES)}")
     parser.add_argument("--spp", type=_words, metavar="LIST", help="of the noisy frames (default: 1,2,4,8,16; --quick: 1,4)")
-    parser.add_argument("--reference-spp", type=int, metavar="N", default=256, help="of the clean frames, in steps of 64 (default: 256)")
+    parser.add_argument("--reference-spp", type=_reference_spp, metavar="N", default=256,
+                        help="of the clean frames, a multiple of 128 (default: 256)")
     parser.add_argument("--size", default="640x360", metavar="WxH", help="of rendered and synthetic pairs (default: 640x360)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="change this setting in all of our variants")
     parser.add_argument("--variant", action="append", default=[], type=_variant, metavar="'NAME KEY=VALUE ...'",
@@ -88,7 +95,8 @@ def comparison(asked, aligners, renders, report):
             synthetic += align_compare.compare(aligners, make((height, width), sigma), variants, peers)[0]
     for key, title, of in (("rendered", "Rendered pairs", rows), ("synthetic", "Synthetic pairs", synthetic)):
         found = align_compare.verdicts(of)
-        tables = [align_compare.row_table(of), align_compare.overview_table(of), align_compare.verdict_table(found)]
+        tables = [align_compare.row_table(of), align_compare.overview_table(of, "clean"),
+                  align_compare.overview_table(of, "rms_visible"), align_compare.verdict_table(found)]
         report.add(key, title, "\n".join([*tables, align_compare.goal_line(found)]) + "\n", {"rows": of, "verdicts": found})
 
 

@@ -42,11 +42,12 @@ def _grey(plane):
 
 
 def _pair(name, sigma, clean_target, clean_source, truth, visible):
-    clean = (clean_target, clean_source)
-    target, source, other_target, other_source = (_grey(noisy(clean[i % 2], sigma, NOISE_SEED + i)) for i in range(4))
+    clean = [_grey(plane) for plane in (clean_target, clean_source)]
+    target, source, other_target, other_source = (
+        _grey(noisy((clean_target, clean_source)[i % 2], sigma, NOISE_SEED + i)) for i in range(4))
     return Pair(name=name, noise=f"{100 * sigma:g} %", target={"beauty": target}, source={"beauty": source}, other_target=other_target,
-                other_source=other_source, clean_target=_grey(clean_target), clean_source=_grey(clean_source), clean_halves=None,
-                visible=visible, truth=truth.astype(np.float32))
+                other_source=other_source, clean_target=clean[0], clean_source=clean[1], halves_target=[clean[0]] * 2,
+                halves_source=[clean[1]] * 2, visible=visible, truth=truth.astype(np.float32))
 
 
 def _inside(x, y, shape):
