@@ -82,14 +82,14 @@ gpu::DeviceOptions device_options(const FilterOptions& options) {
 }
 
 std::uint64_t memory_limit(const FilterOptions& options) {
-  constexpr std::string_view kUnits = "KMGT";
+  constexpr std::string_view units = "KMGT";
   const std::string& text = options.memory;
   if (text.empty()) return std::numeric_limits<std::uint64_t>::max();
   double bytes = 0.0;
   const auto [end, error] =
       std::from_chars(text.data(), text.data() + text.size(), bytes, std::chars_format::fixed);
   const std::string_view rest(end, text.data() + text.size());
-  const std::size_t unit = rest.size() == 1 ? kUnits.find(rest[0]) : std::string_view::npos;
+  const std::size_t unit = rest.size() == 1 ? units.find(rest[0]) : std::string_view::npos;
   bytes = std::ldexp(bytes, 10 * (static_cast<int>(unit) + 1));
   if (error != std::errc() || unit == std::string_view::npos || !(bytes >= 1.0 && bytes < 1e18)) {
     throw Error(ExitStatus::usage,

@@ -115,16 +115,16 @@ void pack_guide(const Frame& frame, bool albedo, bool normal, const Rect& rect, 
   if (normal) {
     // Orthonormal axes across the diagonal (1,1,1): no two of the six axis directions look the same along
     // them.
-    constexpr float kHalfRoot = 0.70710678f;
-    constexpr float kSixthRoot = 0.40824829f;
+    constexpr float half_root = 0.70710678f;
+    constexpr float sixth_root = 0.40824829f;
     const auto values = frame.image(Aov::normal).data();
     const auto u = planes.subspan(plane * count, count);
     const auto v = planes.subspan((plane + 1) * count, count);
     for_each_pixel(rect, frame.width(), [&](std::size_t in, std::size_t out) {
       const auto n = values.subspan(3 * in, 3);
       const bool finite = all_finite(n);
-      u[out] = finite ? std::clamp((n[0] - n[1]) * kHalfRoot, -1.0f, 1.0f) : 0.0f;
-      v[out] = finite ? std::clamp((n[0] + n[1] - 2.0f * n[2]) * kSixthRoot, -1.0f, 1.0f) : 0.0f;
+      u[out] = finite ? std::clamp((n[0] - n[1]) * half_root, -1.0f, 1.0f) : 0.0f;
+      v[out] = finite ? std::clamp((n[0] + n[1] - 2.0f * n[2]) * sixth_root, -1.0f, 1.0f) : 0.0f;
     });
   }
 }
