@@ -143,6 +143,10 @@ void TiledFrame::plan(gpu::Device& device, std::uint64_t memory_limit) {
         return false;
       }
       feature_tiles = cut_tiles(full, tile.target.extent(), feature_rules);
+      if (feature_tiles.empty()) {
+        if (reason.empty()) reason = "the prefilter reaches further than tiles have room for";
+        return false;
+      }
       const std::uint64_t bytes = chains->device_bytes();
       if (bytes < least_bytes) {
         least_bytes = bytes;
@@ -150,7 +154,7 @@ void TiledFrame::plan(gpu::Device& device, std::uint64_t memory_limit) {
             "even tiles of {}x{} px take {:.1f} MiB of device memory, more than the {:.1f} MiB allowed",
             tile.target.width, tile.target.height, mib(bytes), mib(memory_limit));
       }
-      return bytes <= memory_limit && !feature_tiles.empty();
+      return bytes <= memory_limit;
     };
     std::vector<Tile> tiles = plan_tiles(full, rules, fits);
     if (tiles.empty()) continue;
