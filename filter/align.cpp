@@ -501,10 +501,8 @@ ImageId add_upsample_pass(Chain& chain, const Settings& settings, Extent full, I
       .read("offset_coarse", offset)
       .write("offset", upsampled)
       .specialize("scale", settings.match_downsample)
-      .constants(params::UpsampleParams{.width_in = extent.width,
-                                        .height_in = extent.height,
-                                        .width = full.width,
-                                        .height = full.height})
+      .constants(params::UpsampleParams{
+          .width_in = extent.width, .height_in = extent.height, .width = full.width, .height = full.height})
       .dispatch({extent.width, full.height});
   return upsampled;
 }
