@@ -67,12 +67,12 @@ ImageId add_warp(Chain& chain, const Settings& settings, const Search& search, s
       .read("offset_coarse", coarse.image)
       .read("target_origin", search.window.target_origin)
       .write("warped", warped)
+      .specialize("planes", source.planes)
       .constants(params::WarpSourceParams{.width = extent.width,
                                           .height = extent.height,
                                           .source_width = source_extent.width,
                                           .source_height = source_extent.height,
                                           .level_px = level_px(settings, level),
-                                          .planes = source.planes,
                                           .coarse_width = coarse.extent.width,
                                           .coarse_height = coarse.extent.height,
                                           .coarse_scale = coarse.scale})
@@ -271,11 +271,11 @@ void add_guide_passes(Chain& chain, const Settings& settings, Extent full, Image
     chain.pass("align/guide_feature")
         .read("guide", guide)
         .write("features", guide_features)
+        .specialize("downsample", settings.match_downsample)
         .constants(params::GuideFeatureParams{.width_in = full.width,
                                               .height_in = full.height,
                                               .width = extent.width,
                                               .height = extent.height,
-                                              .downsample = settings.match_downsample,
                                               .plane_in = static_cast<int>(plane),
                                               .plane = static_cast<int>(plane),
                                               .planes = 1,
@@ -348,11 +348,11 @@ Features add_feature_passes(Chain& chain, const Settings& settings, Extent full,
     chain.pass("align/guide_feature")
         .read("guide", *sources.guide_features)
         .write("features", features)
+        .specialize("downsample", 1)
         .constants(params::GuideFeatureParams{.width_in = extent.width,
                                               .height_in = extent.height,
                                               .width = extent.width,
                                               .height = extent.height,
-                                              .downsample = 1,
                                               .plane_in = 0,
                                               .plane = 0,
                                               .planes = sources.guide_planes,
@@ -373,11 +373,9 @@ std::vector<Features> add_pyramid(Chain& chain, const Settings& settings, const 
     chain.pass("align/downsample")
         .read("fine", pyramid.back().image)
         .write("coarse", coarse)
-        .constants(params::DownsampleParams{.width_in = fine.width,
-                                            .height_in = fine.height,
-                                            .width = extent.width,
-                                            .height = extent.height,
-                                            .factor = settings.pyramid_factor})
+        .specialize("factor", settings.pyramid_factor)
+        .constants(params::DownsampleParams{
+            .width_in = fine.width, .height_in = fine.height, .width = extent.width, .height = extent.height})
         .dispatch(extent);
     pyramid.push_back({coarse, finest.planes});
   }
@@ -500,12 +498,10 @@ ImageId add_upsample_pass(Chain& chain, const Settings& settings, Extent full, I
   chain.pass("align/upsample_offset")
       .read("offset_coarse", offset)
       .write("offset", upsampled)
-      .constants(params::UpsampleParams{.width_in = extent.width,
-                                        .height_in = extent.height,
-                                        .width = full.width,
-                                        .height = full.height,
-                                        .scale = static_cast<float>(settings.match_downsample)})
-      .dispatch(full);
+      .specialize("scale", settings.match_downsample)
+      .constants(params::UpsampleParams{
+          .width_in = extent.width, .height_in = extent.height, .width = full.width, .height = full.height})
+      .dispatch({extent.width, full.height});
   return upsampled;
 }
 

@@ -11,12 +11,13 @@ from demo_pictures import write_picture
 from picture_panel import panel
 
 OURS = "ours"
-VARIANTS = {  # settings over the default preset, and whether the frames' guides may be used
-    OURS: ([], True),
-    "ours, radiance": ([], False),
-    "ours, 1x1": (["match_downsample=1"], True),
-    "ours, 2x2": (["match_downsample=2"], True),
-    "ours, 4x4": (["match_downsample=4"], True),
+# The presets, best first, as settings over the default one, and whether the frames' guides may be used.
+FINAL = ["match_downsample=1", "prefilter=2"]
+VARIANTS = {
+    OURS: (FINAL, True),
+    "ours, radiance": (FINAL, False),
+    "ours, balanced": ([], True),
+    "ours, draft": (["match_downsample=4", "prefilter=0", "blur_radius=5"], True),
 }
 PRESET = "balanced"  # the default
 CORRELATION_GOAL = 0.02

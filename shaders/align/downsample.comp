@@ -3,7 +3,11 @@
 // and no level adds a shift. One invocation a pixel and plane.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#include "lib/block_mean.glsl"
 #include "shared/align_params.h"
+
+layout(constant_id = 0) const int factor = 1;
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant) uniform Params { DownsampleParams p; };
@@ -13,14 +17,6 @@ layout(std430, set = 0, binding = 1) writeonly buffer CoarseBuffer { float data[
 void main() {
   const ivec3 at = ivec3(gl_GlobalInvocationID);
   if (at.x >= p.width || at.y >= p.height) return;
-  const ivec2 last = min((at.xy + 1) * p.factor, ivec2(p.width_in, p.height_in));
-  float sum = 0.0;
-  int count = 0;
-  for (int y = at.y * p.factor; y < last.y; ++y) {
-    for (int x = at.x * p.factor; x < last.x; ++x) {
-      sum += texelFetch(fine, (at.z * p.height_in + y) * p.width_in + x).x;
-      ++count;
-    }
-  }
-  coarse.data[(at.z * p.height + at.y) * p.width + at.x] = sum / float(count);
+  coarse.data[(at.z * p.height + at.y) * p.width + at.x] =
+      block_mean(fine, at.xy, at.z, ivec2(p.width_in, p.height_in), factor);
 }

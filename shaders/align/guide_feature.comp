@@ -2,7 +2,11 @@
 // downsample x downsample pixels. One invocation a pixel and plane.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#include "lib/block_mean.glsl"
 #include "shared/align_params.h"
+
+layout(constant_id = 0) const int downsample = 1;
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant) uniform Params { GuideFeatureParams p; };
@@ -12,14 +16,6 @@ layout(std430, set = 0, binding = 1) writeonly buffer FeaturesBuffer { float dat
 void main() {
   const ivec3 at = ivec3(gl_GlobalInvocationID);
   if (at.x >= p.width || at.y >= p.height || at.z >= p.planes) return;
-  const ivec2 last = min((at.xy + 1) * p.downsample, ivec2(p.width_in, p.height_in));
-  float sum = 0.0;
-  int count = 0;
-  for (int y = at.y * p.downsample; y < last.y; ++y) {
-    for (int x = at.x * p.downsample; x < last.x; ++x) {
-      sum += texelFetch(guide, ((p.plane_in + at.z) * p.height_in + y) * p.width_in + x).x;
-      ++count;
-    }
-  }
-  features.data[((p.plane + at.z) * p.height + at.y) * p.width + at.x] = p.weight * sum / float(count);
+  features.data[((p.plane + at.z) * p.height + at.y) * p.width + at.x] =
+      p.weight * block_mean(guide, at.xy, p.plane_in + at.z, ivec2(p.width_in, p.height_in), downsample);
 }

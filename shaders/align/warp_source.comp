@@ -3,7 +3,10 @@
 // The source's images may show more of the frame than the target's: the target's first pixel then lies at target_origin.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #include "shared/align_params.h"
+
+layout(constant_id = 0) const int planes = 1;
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant) uniform Params { WarpSourceParams p; };
@@ -20,7 +23,7 @@ void main() {
   const vec2 start = read_offset(at, vec2(0.0), ivec2(p.coarse_width, p.coarse_height), p.coarse_scale);
   const ivec2 origin = ivec2(texelFetch(target_origin, 0).xy) / p.level_px;
   const BilinearTaps taps = bilinear_taps(origin + at, start, ivec2(p.source_width, p.source_height));
-  for (int plane = 0; plane < p.planes; ++plane) {
+  [[unroll]] for (int plane = 0; plane < planes; ++plane) {
     const int top = (plane * p.source_height + taps.lo.y) * p.source_width;
     const int bottom = (plane * p.source_height + taps.hi.y) * p.source_width;
     warped.data[(plane * p.height + at.y) * p.width + at.x] =

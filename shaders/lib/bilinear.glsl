@@ -1,5 +1,5 @@
 // Where a position lies between the pixels of an image. A position is a pixel and the displacement from its centre: their
-// sum would round the displacement to what the pixel's coordinates leave of a float, 0.002 px in an image 16384 px wide,
+// sum would round the displacement to what the pixel's coordinates leave of a float, 0.001 px at 16384 px,
 // and differently in every tile.
 
 struct BilinearTaps {

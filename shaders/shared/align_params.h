@@ -14,9 +14,8 @@ struct GuideFeatureParams {
   int height_in;
   int width;
   int height;
-  int downsample;  // 1, 2 or 4
-  int plane_in;    // first plane read
-  int plane;       // first plane written
+  int plane_in;  // first plane read
+  int plane;     // first plane written
   int planes;
   float weight;
 };
@@ -48,7 +47,6 @@ struct DownsampleParams {
   int height_in;
   int width;
   int height;
-  int factor;
 };
 
 /// align/warp_source: the source as one level starts from. Coarse offsets times `coarse_scale` are offsets of
@@ -59,7 +57,6 @@ struct WarpSourceParams {
   int source_width;
   int source_height;
   int level_px;  // full-resolution pixels in one of the level
-  int planes;
   int coarse_width;
   int coarse_height;
   float coarse_scale;
@@ -134,7 +131,6 @@ struct UpsampleParams {
   int height_in;
   int width;
   int height;
-  float scale;
 };
 
 #ifdef __cplusplus

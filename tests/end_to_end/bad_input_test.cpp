@@ -114,8 +114,7 @@ TEST_F(BadInput, UnknownOption) {
 }
 
 TEST_F(BadInput, OptionsOfLaterWorkAreNotSwallowed) {
-  for (const char* option :
-       {"--context=1-2", "--segment=8", "--warmup=2", "--cuts=auto", "--motion=swap", "--memory=1G"}) {
+  for (const char* option : {"--context=1-2", "--segment=8", "--warmup=2", "--cuts=auto", "--motion=swap"}) {
     expect_error(becalm({"denoise", folder_ / "in.####.exr", "-o", folder_ / "out.####.exr", option}), kUsage,
                  {std::string(option).substr(0, 6)});
   }

@@ -4,6 +4,7 @@
 #include "filter/host_images.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/pattern.h"
+#include "tests/filter/reference/grid.h"
 
 namespace becalm::filter {
 namespace {
@@ -11,9 +12,10 @@ namespace {
 constexpr int kWidth = 13;
 constexpr int kHeight = 7;
 
-class FeaturesTest : public DeviceTest, public testing::WithParamInterface<int> {};
+class FeaturesTest : public DeviceTest {};
+class FeaturesAtResolution : public FeaturesTest, public testing::WithParamInterface<int> {};
 
-TEST_P(FeaturesTest, AreCompressedLuminanceAndWeightedGuides) {
+TEST_P(FeaturesAtResolution, AreCompressedLuminanceAndWeightedGuides) {
   const int downsample = GetParam();
   Settings settings = preset("final");
   settings.match_downsample = downsample;
@@ -71,7 +73,85 @@ TEST_P(FeaturesTest, AreCompressedLuminanceAndWeightedGuides) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Downsample, FeaturesTest, testing::Values(1, 2, 4));
+/// The prefilter as it is written down (Dammertz et al. 2010), in double: `steps` of a 5x5 B3 spline whose
+/// taps lie 1, 2, 4 ... px apart and count less the more their guides differ.
+reference::Grid<double> prefiltered(reference::Grid<double> image,
+                                    const std::vector<reference::Grid<double>>& guides, int steps) {
+  constexpr std::array<double, 5> spline{1 / 16.0, 1 / 4.0, 3 / 8.0, 1 / 4.0, 1 / 16.0};
+  for (int step = 0; step < steps; ++step) {
+    const auto before = image;
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 0; x < image.width; ++x) {
+        double sum = 0, weights = 0;
+        for (int j = 0; j < 5; ++j) {
+          for (int i = 0; i < 5; ++i) {
+            const int u = x + ((i - 2) << step), v = y + ((j - 2) << step);
+            double distance = 0;
+            for (const auto& guide : guides) distance += std::pow(guide.clamped(u, v) - guide.at(x, y), 2);
+            const double weight = spline[i] * spline[j] * std::exp(-distance / 2);
+            sum += weight * before.clamped(u, v);
+            weights += weight;
+          }
+        }
+        image.at(x, y) = sum / weights;
+      }
+    }
+  }
+  return image;
+}
+
+TEST_F(FeaturesTest, RadianceIsSmoothedAlongTheGuidesWithoutFirefliesAndAlbedo) {
+  for (const bool demodulates : {false, true}) {
+    Settings settings = preset("final");
+    settings.prefilter = 2;
+    settings.demodulate = demodulates ? 1 : 0;
+    settings.weight_albedo = 0.5f;
+    const gpu::Extent full{kWidth, kHeight};
+    gpu::Chain chain(device(), "prefilter test");
+    const gpu::ImageId color = chain.input("color", gpu::Format::f32x4, full);
+    const gpu::ImageId exposure_image = chain.input("exposure", gpu::Format::f32, {1, 1});
+    const gpu::ImageId guides = chain.input("guides", gpu::Format::f32, {kWidth, kHeight, 2});
+    const Features features =
+        add_feature_passes(chain, settings, full, "target", {color, exposure_image, guides, 2});
+    chain.output(features.image);
+    chain.build();
+
+    reference::Grid<double> radiance(kWidth, kHeight);
+    std::vector<reference::Grid<double>> planes(2, radiance);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        const int i = y * kWidth + x;
+        const float value = static_cast<float>(0.5 + pattern(x, y, 0));
+        // A firefly in the middle counts as the mean of the four nearest.
+        const bool firefly = x == 6 && y == 3;
+        std::ranges::fill_n(chain.upload<float>(color).begin() + 4 * i, 4, firefly ? 1e6f : value);
+        radiance.at(x, y) =
+            firefly ? 0.25 * (2.0 + pattern(5, 3, 0) + pattern(7, 3, 0) + pattern(6, 2, 0) + pattern(6, 4, 0))
+                    : value;
+        for (int plane = 0; plane < 2; ++plane) {
+          // The first is an albedo of 0.2 to 0.9, weighted; a black row has none to divide out.
+          const double guide =
+              plane == 0 ? (y == 5 ? 0.0 : 8.0 * (0.2 + 0.7 * pattern(x, y, 7))) : 3.0 * (x > 8);
+          planes[plane].at(x, y) = static_cast<float>(guide);
+          chain.upload<float>(guides)[plane * kWidth * kHeight + i] = static_cast<float>(guide);
+        }
+        const double albedo = planes[0].at(x, y) / 8.0;
+        if (demodulates && albedo > 0.02) radiance.at(x, y) /= albedo;
+      }
+    }
+    chain.upload<float>(exposure_image)[0] = 1.0f;
+    chain.run();
+
+    const auto expected = prefiltered(radiance, planes, 2);
+    const auto found = chain.download<float>(features.image).subspan(2 * kWidth * kHeight);
+    for (std::size_t i = 0; i < expected.data.size(); ++i) {
+      EXPECT_NEAR(found[i], 16.0 * expected.data[i] / (1.0 + expected.data[i]), 1e-4)
+          << "pixel " << i % kWidth << "," << i / kWidth;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Downsample, FeaturesAtResolution, testing::Values(1, 2, 4));
 
 TEST(HostImages, ExposureBringsTheTypicalLuminanceToOne) {
   Image image(4, 4, 4, 0.0f);

@@ -33,7 +33,7 @@ struct Scene {
 };
 
 /// A pattern that moves by (19, -13) px a frame under noise, before a band that stands still: with motion
-/// across every border that tiles may have, and pixels that are not finite here and there.
+/// across every border that tiles may have, fireflies, and pixels that are not finite here and there.
 Frame moving_frame(const Scene& scene, int number) {
   std::mt19937 random(number);
   std::normal_distribution<float> noise;
@@ -51,7 +51,8 @@ Frame moving_frame(const Scene& scene, int number) {
       const double u = still ? x : x + 19.0 * number;
       const double v = still ? y : y - 13.0 * number;
       const auto value = static_cast<float>(0.1 + pattern(u, v, 9));
-      for (int c = 0; c < 3; ++c) beauty.at(x, y, c) = value + 0.05f * noise(random);
+      const float firefly = random() % 40 == 0 ? 20.0f : 1.0f;
+      for (int c = 0; c < 3; ++c) beauty.at(x, y, c) = firefly * (value + 0.05f * noise(random));
       if (scene.motion && !still) {
         // Sometimes right, sometimes unknown, and sometimes far beyond any reach.
         const bool known = random() % 50 != 0;
