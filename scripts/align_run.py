@@ -46,7 +46,7 @@ def _reference_spp(text):
 def _variant(text):
     name, *settings = text.split()
     if not settings or not all("=" in setting for setting in settings):
-        raise argparse.ArgumentTypeError(f"'{text}': expected a name and KEY=VALUE settings, with blanks between")
+        raise argparse.ArgumentTypeError(f"'{text}': expected NAME KEY=VALUE ..., with no blank in the name")
     return name, settings
 
 
