@@ -300,8 +300,7 @@ void add_radiance_feature(Chain& chain, const Settings& settings, Extent full, c
     return step == settings.prefilter ? kFeatureRange * settings.weight_radiance : 0.0f;
   };
   auto [radiance, plane] = target_of(0);
-  const bool demodulates =
-      settings.demodulate != 0 && sources.guide_planes > 0 && settings.weight_albedo > 0.0f;
+  const bool demodulates = settings.demodulate != 0 && sources.guide_planes > 0;
   chain.pass("align/radiance_feature")
       .read("color", sources.color)
       .read("exposure", sources.exposure)

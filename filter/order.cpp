@@ -57,6 +57,7 @@ ForwardFilter::ForwardFilter(gpu::Device& device, const Settings& settings, int 
                   .used = used,
                   .diagnostics = diagnostics,
                   .guides = guides_of(settings, used)};
+  if (!state_->task.guides.albedo) state_->task.settings.demodulate = 0;  // nothing to divide out
   state_->merger = make_merger(device, state_->task, memory_limit);
 }
 ForwardFilter::~ForwardFilter() = default;
