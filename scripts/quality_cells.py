@@ -3,7 +3,9 @@
 import functools
 import hashlib
 import json
+import re
 import subprocess
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -68,10 +70,10 @@ class Cells:
 
     def _measure(self, scene, spp, variant, noisy, references, folder, pictured):
         if variant is NOISY:
-            test, seconds = noisy, None
+            test, times = noisy, {}
         else:
-            test, seconds = self._denoise(variant, noisy, folder)
-        cell = self._compare(references, test, folder / "figures.json") | {"seconds": seconds}
+            test, times = self._denoise(variant, noisy, folder)
+        cell = self._compare(references, test, folder / "figures.json") | {"times": times}
         images = {frame: radiance(frame_path(test, frame)) for frame in self.data.frames}
         clean = self._references(scene)
         cell["kept"] = self._energy_kept(images, noisy)
@@ -87,16 +89,21 @@ class Cells:
         return cell
 
     def _denoise(self, variant, noisy, folder):
-        """Pattern of the denoised frames, and seconds a frame of the whole process."""
+        """Pattern of the denoised frames, and seconds a frame: of the filter, the median, and of the whole process, the mean."""
         given = noisy
         if variant.without:
             (folder / "given").mkdir()
             given = copy_without(noisy, self.data.frames, variant.without, folder / "given")
         denoised = folder / "denoised" / "f.####.exr"
         started = time.monotonic()
-        subprocess.run([self.program.path, "denoise", given, "-o", denoised, "--frames", frame_range(self.data.frames), "--quiet",
-                        *self.program.options(variant)], check=True)
-        return denoised, (time.monotonic() - started) / len(self.data.frames)
+        run = subprocess.run([self.program.path, "denoise", given, "-o", denoised, "--frames", frame_range(self.data.frames), "--quiet",
+                              "--profile", *self.program.options(variant)], stderr=subprocess.PIPE, text=True)
+        seconds = (time.monotonic() - started) / len(self.data.frames)
+        if run.returncode != 0:
+            sys.stderr.write(run.stderr)
+        run.check_returncode()
+        filter_ms = re.search(r"^  filter +([\d.]+) ms$", run.stderr, re.MULTILINE)
+        return denoised, {"filter": float(filter_ms.group(1)) / 1e3, "process": seconds}
 
     def _compare(self, references, test, file):
         first, second = references

@@ -12,7 +12,7 @@ ERROR_SCALE = 0.5      # relative error at which the map is brightest
 ERROR_WINDOW_PX = 3    # maps of error are means over so many pixels: what flickers there, the eye sees
 ENERGY_SCALE = 0.1     # relative change of brightness at which the map has full colour
 ENERGY_SIGMA_PX = 4.0  # the change is that of weighted means: of single pixels it would be noise
-JPEG_QUALITY = 88
+JPEG_QUALITY = 80      # of some 30 kB a picture, so that a page of seven scenes can be passed on
 
 
 def error_colours(squared):

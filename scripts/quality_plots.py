@@ -64,9 +64,9 @@ def plot_energy(path, results, limit):
 
 def plot_time(path, results, spp):
     """relMSE over the noisy one's against seconds a frame, a point a variant: what time buys."""
-    figure, axes = _axes(f"time against error at {spp} spp, means over the scenes", "seconds a frame", "relMSE over that of noisy")
+    figure, axes = _axes(f"time against error at {spp} spp, means over the scenes", "seconds of the filter a frame", "relMSE over that of noisy")
     for variant in results.variants:
-        seconds = [cell["seconds"] for cell in results.of(spp, variant.name).values() if cell["seconds"] is not None]
+        seconds = [cell["times"]["filter"] for cell in results.of(spp, variant.name).values() if cell["times"]]
         if not seconds:
             continue
         point = np.mean(seconds), np.mean(list(results.ratios(spp, variant.name, "relmse").values()))

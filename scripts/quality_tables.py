@@ -54,16 +54,17 @@ def overview_table(results, spp):
         cells = results.of(spp, variant.name)
         if not cells:
             if variant.name in results.refusals:
-                rows.append((variant.title, NOT_AVAILABLE, *[""] * 7))
+                rows.append((variant.title, NOT_AVAILABLE, *[""] * 8))
             continue
         mean = {metric: np.mean([cell["mean"][metric] for cell in cells.values()]) for metric in ("relmse", "temporal", "ssim")}
         ratio = {metric: np.mean(list(results.ratios(spp, variant.name, metric).values())) for metric in ("relmse", "temporal")}
         scene, energy = largest({scene: cell["mean"]["energy"] for scene, cell in cells.items()})
-        seconds = [cell["seconds"] for cell in cells.values() if cell["seconds"] is not None]
+        seconds = [[cell["times"][part] for cell in cells.values() if cell["times"]] for part in ("filter", "process")]
         rows.append((variant.title, len(cells), figure(mean["relmse"], 5), share(ratio["relmse"]), figure(mean["temporal"], 5),
                      share(ratio["temporal"]), f"{percent(energy)} {scene}", figure(mean["ssim"], 3),
-                     figure(np.mean(seconds) if seconds else None, 2)))
-    return markdown(("variant", "scenes", "relMSE", "of noisy", "temporal error", "of noisy", "energy, the worst", "SSIM", "s a frame"), rows)
+                     *(figure(np.mean(of) if of else None, 2) for of in seconds)))
+    return markdown(("variant", "scenes", "relMSE", "of noisy", "temporal error", "of noisy", "energy, the worst", "SSIM",
+                     "filter s a frame", "with files"), rows)
 
 
 def scene_table(results, spp, metric):

@@ -88,4 +88,4 @@ class Program:
         run = subprocess.run([self.path, "denoise", "none.####.exr", "-o", "never.####.exr", *self.options(variant)],
                              capture_output=True, text=True)
         wrong_usage = 2
-        return run.stderr.strip().splitlines()[0] if run.returncode == wrong_usage else ""
+        return run.stderr.strip().splitlines()[0].partition("; there are")[0] if run.returncode == wrong_usage else ""
