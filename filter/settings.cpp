@@ -106,6 +106,9 @@ const Row kRows[] = {
      FloatRange{&Settings::significance, 0.0f, 20.0f}},
     {{"max_history", "number 1..100000", "largest number of frames that the history may count for"},
      FloatRange{&Settings::max_history, 1.0f, 100000.0f}},
+    {{"correct_levels", "integer 0..6",
+      "the means over blocks of 2 to 2^N pixels are brought to those of the frame; 0 leaves them"},
+     IntRange{&Settings::correct_levels, 0, 6}},
 };
 
 template <class... Cases>
