@@ -39,12 +39,17 @@ struct DistanceName {
 struct MergeName {
   MergeMode Settings::*member;
 };
+struct DirectionsName {
+  Directions Settings::*member;
+};
 struct MotionName {
   MotionUse Settings::*member;
 };
-using Field = std::variant<IntRange, IntChoice, IntList, FloatRange, DistanceName, MergeName, MotionName>;
+using Field = std::variant<IntRange, IntChoice, IntList, FloatRange, DistanceName, DirectionsName, MergeName,
+                           MotionName>;
 
 constexpr std::array<std::string_view, 4> kDistanceNames{"l2", "l1", "log_l1", "log_l1_centered"};
+constexpr std::array<std::string_view, 2> kDirectionsNames{"forward", "both"};
 constexpr std::array<std::string_view, 2> kMergeNames{"mask", "variance"};
 constexpr std::array<std::string_view, 3> kMotionNames{"none", "guide", "override"};
 
@@ -86,6 +91,9 @@ const Row kRows[] = {
      FloatRange{&Settings::weight_albedo, 0.0f, 100.0f}},
     {{"weight_normal", "number 0..100", "weight of the normal in matching, where a frame has one"},
      FloatRange{&Settings::weight_normal, 0.0f, 100.0f}},
+    {{"directions", "forward or both",
+      "forward: from the frames before alone, as they come; both: from those after as well, within segments"},
+     DirectionsName{&Settings::directions}},
     {{"merge", "mask or variance",
       "mask: weights from the patch distance; variance: least expected squared error"},
      MergeName{&Settings::merge}},
@@ -172,6 +180,7 @@ bool assign(Settings& settings, const Field& field, std::string_view text) {
             return true;
           },
           [&](const DistanceName& f) { return assign_name(settings.*f.member, text, kDistanceNames); },
+          [&](const DirectionsName& f) { return assign_name(settings.*f.member, text, kDirectionsNames); },
           [&](const MergeName& f) { return assign_name(settings.*f.member, text, kMergeNames); },
           [&](const MotionName& f) { return assign_name(settings.*f.member, text, kMotionNames); },
       },
@@ -187,6 +196,9 @@ std::string value_text(const Settings& settings, const Field& field) {
           [&](const FloatRange& f) { return fmt::format("{}", settings.*f.member); },
           [&](const DistanceName& f) {
             return std::string(kDistanceNames[static_cast<std::size_t>(settings.*f.member)]);
+          },
+          [&](const DirectionsName& f) {
+            return std::string(kDirectionsNames[static_cast<std::size_t>(settings.*f.member)]);
           },
           [&](const MergeName& f) {
             return std::string(kMergeNames[static_cast<std::size_t>(settings.*f.member)]);
@@ -213,6 +225,7 @@ Settings preset(std::string_view name) {
   Settings settings;
   if (name == "draft") {
     settings.match_downsample = 4;
+    settings.directions = Directions::forward;
     settings.prefilter = 0;
     settings.blur_radius = {5};
   } else if (name == "final") {

@@ -15,6 +15,10 @@ enum class Distance { l2 = 0, l1 = 1, log_l1 = 2, log_l1_centered = 3 };
 /// from, or the offset itself wherever it is known.
 enum class MotionUse { none, guide, override_offset };
 
+/// Which frames an output is made from: those up to it, of unbounded history; or those after it as well,
+/// within segments.
+enum class Directions { forward, both };
+
 /// How the merge weighs history against the new frame.
 enum class MergeMode { mask, variance };
 
@@ -37,6 +41,7 @@ struct Settings {
   float weight_albedo = 2.0f;
   float weight_normal = 0.5f;
 
+  Directions directions = Directions::both;
   MergeMode merge = MergeMode::variance;
   float mask_alpha = 0.9f;
   float mask_kappa = 2.0f;

@@ -84,7 +84,10 @@ TEST_F(BadInput, FramesOfDifferentSizes) {
   write_noise("in.0002.exr", 2, 40, 32);
   const Outcome outcome =
       becalm({"denoise", folder_ / "in.####.exr", "-o", folder_ / "out.####.exr", "--quiet"});
-  expect_error(outcome, kBadInput, {"in.0002.exr", "40x32", "48x32"});
+  expect_error(outcome, kBadInput, {"in.0001.exr", "in.0002.exr", "40x32", "48x32"});
+  const Outcome streamed = becalm(
+      {"denoise", folder_ / "in.####.exr", "-o", folder_ / "out.####.exr", "--quiet", "--preset", "draft"});
+  expect_error(streamed, kBadInput, {"in.0002.exr", "40x32", "48x32"});
   EXPECT_TRUE(fs::exists(folder_ / "out.0001.exr")) << "what was done before is lost";
   EXPECT_FALSE(fs::exists(folder_ / "out.0002.exr"));
 }
@@ -114,7 +117,7 @@ TEST_F(BadInput, UnknownOption) {
 }
 
 TEST_F(BadInput, OptionsOfLaterWorkAreNotSwallowed) {
-  for (const char* option : {"--context=1-2", "--segment=8", "--warmup=2", "--cuts=auto", "--motion=swap"}) {
+  for (const char* option : {"--cuts=auto", "--motion=swap"}) {
     expect_error(becalm({"denoise", folder_ / "in.####.exr", "-o", folder_ / "out.####.exr", option}), kUsage,
                  {std::string(option).substr(0, 6)});
   }
@@ -196,6 +199,9 @@ TEST_F(BadInput, LayerThatOneFrameLacks) {
   frame.remove(Aov::albedo);
   io::write_exr(folder_ / "in.0002.exr", frame, {});
   expect_error(becalm({"denoise", folder_ / "in.####.exr", "-o", folder_ / "out.####.exr", "--quiet"}),
+               kBadInput, {"in.0002.exr", "albedo", "in.0001.exr"});
+  expect_error(becalm({"denoise", folder_ / "in.####.exr", "-o", folder_ / "out.####.exr", "--quiet",
+                       "--preset", "draft"}),
                kBadInput, {"in.0002.exr", "albedo", "in.0001.exr"});
 }
 
