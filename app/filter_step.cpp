@@ -26,7 +26,12 @@ FilterStep::FilterStep(const std::string& preset, const FilterOptions& options)
       device_options_(device_options(options)),
       memory_limit_(memory_limit(options)),
       segment_(options.segment.value_or(settings_.directions == filter::Directions::both ? kSegment : 0)),
-      context_(options.context) {
+      context_(options.context),
+      cuts_(options.cuts) {
+  if (cuts_ != "auto" && cuts_ != "none") {
+    const std::vector<int> cuts = io::parse_frame_range(cuts_);
+    given_cuts_ = {cuts.begin(), cuts.end()};
+  }
   if (options.warmup && !has_segments()) {
     throw Error(ExitStatus::usage,
                 fmt::format("--warmup {}: a forward filter's history is unbounded; --segment "
@@ -44,8 +49,8 @@ std::string FilterStep::describe(const std::vector<int>& readable) const {
                                                 : context_ == "none" ? io::format_frame_range(readable)
                                                                      : context_)
                                   : fmt::format("first_frame={}", readable.front());
-  return fmt::format("{} diagnostics={} {}", filter::to_string(settings_), diagnostics_.any() ? "yes" : "no",
-                     history);
+  return fmt::format("{} diagnostics={} cuts={} {}", filter::to_string(settings_),
+                     diagnostics_.any() ? "yes" : "no", cuts_, history);
 }
 
 std::vector<int> FilterStep::readable(const std::vector<int>& asked, const std::vector<int>& existing) const {
@@ -64,14 +69,18 @@ std::vector<int> FilterStep::context_frames() const {
 
 std::vector<filter::Segment> FilterStep::schedule(const std::vector<int>& readable,
                                                   const std::set<int>& wanted, int step) const {
-  return filter::schedule(
-      readable, wanted,
-      {.directions = settings_.directions, .segment = segment_, .warmup = warmup_, .step = step, .cuts = {}});
+  return filter::schedule(readable, wanted,
+                          {.directions = settings_.directions,
+                           .segment = segment_,
+                           .warmup = warmup_,
+                           .step = step,
+                           .cuts = given_cuts_});
 }
 
 void FilterStep::build(int width, int height, AovSet available) {
   device_.emplace(device_options_);
-  filter_.emplace(*device_, settings_, width, height, available, diagnostics_, memory_limit_);
+  filter_.emplace(*device_, settings_, width, height, available, diagnostics_, memory_limit_,
+                  cuts_ == "auto" ? filter::FindCuts::yes : filter::FindCuts::no);
   matched_ = filter::matched_text(settings_, available);
 }
 
@@ -87,6 +96,7 @@ std::optional<Frame> FilterStep::run(const filter::Step& step, const Frame& fram
   if (!matched_.empty()) progress.note(std::exchange(matched_, {}));
   profile.add(report.passes);
   if (!denoised) return denoised;
+  if (report.new_shot) progress.note(fmt::format("frame {}: a new shot begins", frame.number()));
   if (report.non_finite_pixels > 0) {
     progress.warn(fmt::format("frame {}: {} pixels with NaN or Inf stay as they came", frame.number(),
                               report.non_finite_pixels));

@@ -54,6 +54,8 @@ class FilterStep {
   int segment_ = 0;  ///< 0: none
   int warmup_ = 0;
   std::string context_;
+  std::string cuts_;  ///< as typed
+  std::set<int> given_cuts_;
   std::optional<gpu::Device> device_;
   std::optional<filter::SequenceFilter> filter_;
   std::string matched_;  ///< what frames are matched by, until it has been said

@@ -74,6 +74,13 @@ void add_filter_options(CLI::App& command, FilterOptions& options) {
       ->option_text("none|RANGE")
       ->group("Filter");
   command
+      .add_option("--cuts", options.cuts,
+                  "Where new shots begin, so that nothing is carried over: auto finds out, none, or their "
+                  "first frames "
+                  "such as 12,80 (default: auto)")
+      ->option_text("auto|none|LIST")
+      ->group("Filter");
+  command
       .add_flag("--diagnostics", options.diagnostics,
                 "Write what the filter decided as layers: flow, error_mask, sample_count")
       ->group("Filter");

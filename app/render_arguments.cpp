@@ -110,6 +110,7 @@ void check_options_fit(const RenderCommand& command) {
                        : !command.filter.device.empty()      ? "--device"
                        : !command.filter.memory.empty()      ? "--memory"
                        : !command.filter.context.empty()     ? "--context"
+                       : command.filter.cuts != "auto"       ? "--cuts"
                        : command.filter.segment              ? "--segment"
                        : command.filter.warmup               ? "--warmup"
                        : command.filter.validate             ? "--validate"

@@ -17,8 +17,9 @@ namespace becalm::filter {
 struct FrameReport {
   std::size_t non_finite_pixels = 0;  ///< pixels with NaN or Inf in the beauty: passed through as they came
   std::size_t replaced_variances =
-      0;                              ///< variances that were not finite or negative, taken as 100 % of noise
-  double mean_rejected = 0.0;         ///< share of the history that was rejected, averaged over pixels
+      0;                       ///< variances that were not finite or negative, taken as 100 % of noise
+  bool new_shot = false;       ///< a cut was found between this frame and the one before it in this direction
+  double mean_rejected = 0.0;  ///< share of the history that was rejected, averaged over pixels
   double mean_sample_count = 0.0;     ///< effective number of frames in a pixel, averaged over pixels
   std::vector<gpu::PassTime> passes;  ///< device time, in order of execution; of a pass in all tiles together
 };
@@ -62,8 +63,8 @@ struct MergedFrame {
   Estimate merged;      ///< the history and the frame
   Estimate prediction;  ///< the history alone, where the frame's pixels are; its squared bias, as this frame
                         ///< showed it, is part of the variance
-  Image rejected;  ///< one channel: share of the history that was rejected
-  Image flow;      ///< two channels: where in the history each pixel was found, as an offset in pixels
+  Image rejected;       ///< one channel: share of the history that was rejected
+  Image flow;           ///< two channels: where in the history each pixel was found, as an offset in pixels
 };
 
 /// What a chain made of one tile's target rectangle; spans of what nobody wants may be empty.

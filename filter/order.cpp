@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "filter/cuts.h"
 #include "filter/finish.h"
 #include "filter/frame_check.h"
 #include "filter/host_images.h"
@@ -79,12 +80,16 @@ struct SequenceFilter::State {
   std::unique_ptr<FrameMerger> merger;
   std::optional<Finish> finish;
   std::map<int, Estimate> predictions;  ///< by frame number
+  FindCuts find_cuts = FindCuts::no;
+  std::optional<ShotSignature> before;  ///< of the frame that the history ends with
 };
 
 SequenceFilter::SequenceFilter(gpu::Device& device, const Settings& settings, int width, int height,
-                               AovSet available, AovSet diagnostics, std::uint64_t memory_limit)
+                               AovSet available, AovSet diagnostics, std::uint64_t memory_limit,
+                               FindCuts find_cuts)
     : state_(std::make_unique<State>()) {
   const AovSet used = available & wanted_aovs(settings);
+  state_->find_cuts = find_cuts;
   FilterTask& task = state_->task;
   task = {.settings = settings,
           .full = {width, height},
@@ -109,6 +114,12 @@ std::optional<Frame> SequenceFilter::run(const Step& step, const Frame& frame, F
   const NewFrame new_frame{.frame = frame, .finite = finite_pixels(beauty), .exposure = exposure(beauty)};
   report.non_finite_pixels = static_cast<std::size_t>(std::ranges::count(new_frame.finite, 0));
   if (step.new_history) reset();
+  if (state_->find_cuts == FindCuts::yes) {
+    ShotSignature signature = shot_signature(frame, task.used, new_frame.exposure);
+    report.new_shot = state_->before && is_cut(*state_->before, signature);
+    if (report.new_shot) reset();
+    state_->before = std::move(signature);
+  }
   if (step.wanted && step.direction == Direction::forward) return state_->forward(new_frame, report);
   MergedFrame merged;
   if (step.wanted) merged.prediction = Estimate(task.full);
@@ -145,6 +156,7 @@ Denoised SequenceFilter::denoise(const Frame& frame) {
 
 void SequenceFilter::reset() {
   state_->merger->reset();
+  state_->before.reset();
 }
 
 FilterMemory SequenceFilter::memory() const {

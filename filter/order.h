@@ -16,6 +16,9 @@ namespace becalm::filter {
 /// AOVs that the filter uses when a frame has them; what else a frame carries is ignored.
 AovSet wanted_aovs(const Settings& settings);
 
+/// Whether histories start anew where is_cut finds a cut, besides where the schedule says so.
+enum class FindCuts { no, yes };
+
 /// Denoises a sequence: every frame is aligned with the history of the frames before it, or after it, and
 /// merged. All frames have the size given at construction and the AOVs of `available` that the filter wants;
 /// a frame that differs throws Error(bad_input).
@@ -27,7 +30,8 @@ class SequenceFilter {
   /// large.
   SequenceFilter(gpu::Device& device, const Settings& settings, int width, int height, AovSet available,
                  AovSet diagnostics = {},
-                 std::uint64_t memory_limit = std::numeric_limits<std::uint64_t>::max());
+                 std::uint64_t memory_limit = std::numeric_limits<std::uint64_t>::max(),
+                 FindCuts find_cuts = FindCuts::no);
   ~SequenceFilter();
   SequenceFilter(SequenceFilter&&) noexcept;
 

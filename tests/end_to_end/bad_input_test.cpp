@@ -117,7 +117,7 @@ TEST_F(BadInput, UnknownOption) {
 }
 
 TEST_F(BadInput, OptionsOfLaterWorkAreNotSwallowed) {
-  for (const char* option : {"--cuts=auto", "--motion=swap"}) {
+  for (const char* option : {"--motion=swap"}) {
     expect_error(becalm({"denoise", folder_ / "in.####.exr", "-o", folder_ / "out.####.exr", option}), kUsage,
                  {std::string(option).substr(0, 6)});
   }
@@ -171,6 +171,10 @@ TEST_F(BadInput, ValuesOutOfRange) {
   expect_error(render({"--denoise=best"}), kUsage, {"best"});
   expect_error(render({"--denoise", "--set", "distance=far"}), kUsage, {"distance", "far"});
   expect_error(render({"--set", "distance=l2"}), kUsage, {"--set", "--denoise"});
+  expect_error(render({"--denoise", "--segment", "0"}), kUsage, {"--segment"});
+  expect_error(render({"--denoise=draft", "--warmup", "4"}), kUsage, {"--warmup", "--segment"});
+  expect_error(render({"--denoise", "--cuts", "often"}), kUsage, {"often"});
+  expect_error(render({"--cuts", "5"}), kUsage, {"--cuts", "--denoise"});
   expect_error(render({"--debug-pixel", "1,2,0"}), kUsage, {"--debug-pixel"});
 }
 

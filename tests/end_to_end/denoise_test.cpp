@@ -186,6 +186,25 @@ TEST_F(Denoise, ContextLimitsWhatIsReadBesidesTheFramesThatAreWritten) {
   expect_error(becalm(command("a.####.exr", {"--context", "some"})), 2, {"some"});
 }
 
+TEST_F(Denoise, NothingIsCarriedOverACut) {
+  write_frames({1, 2, 3});
+  for (const int number : {4, 5}) {
+    Frame frame = noise_frame(number);
+    for (float& v : frame.image(Aov::albedo).data()) v = 1.0f - v;
+    for (float& v : frame.image(Aov::normal).data()) v = -v;
+    io::write_exr(frame_path(input_, number), frame, {}, io::PixelType::float32);
+  }
+  const Outcome found = becalm_done(command("auto.####.exr"));
+  EXPECT_NE(found.err.find("frame 4: a new shot begins"), std::string::npos) << found.err;
+  EXPECT_EQ(found.err.find("shot"), found.err.rfind("shot")) << found.err;
+  becalm_done(command("given.####.exr", {"--cuts", "4", "--quiet"}));
+  becalm_done(command("second.####.exr", {"--frames", "4-5", "--context", "none", "--quiet"}));
+  becalm_done(command("none.####.exr", {"--cuts", "none", "--quiet"}));
+  expect_same_beauty(folder_ / "auto.####.exr", folder_ / "given.####.exr", 1, 5);
+  expect_same_beauty(folder_ / "auto.####.exr", folder_ / "second.####.exr", 4, 5);
+  EXPECT_FALSE(same_frame("auto.0003.exr", "none.0003.exr"));
+}
+
 TEST_F(Denoise, HeldFramesMayComeFromTheContext) {
   write_frames({1, 2, 4});
   becalm_done(command("whole.####.exr", {"--frames", "1-4", "--missing", "hold", "--quiet"}));
