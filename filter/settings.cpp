@@ -39,9 +39,10 @@ struct Named {
   std::span<const std::string_view> names;  ///< in the order of the values, from 0
 };
 using Field = std::variant<IntRange, IntChoice, IntList, FloatRange, Named<Distance>, Named<MotionUse>,
-                           Named<Resample>, Named<MergeMode>>;
+                           Named<Resample>, Named<Directions>, Named<MergeMode>>;
 
 constexpr std::array<std::string_view, 4> kDistanceNames{"l2", "l1", "log_l1", "log_l1_centered"};
+constexpr std::array<std::string_view, 2> kDirectionsNames{"forward", "both"};
 constexpr std::array<std::string_view, 3> kMotionNames{"none", "guide", "override"};
 constexpr std::array<std::string_view, 3> kResampleNames{"bilinear", "catmull_rom", "o_moms"};
 constexpr std::array<std::string_view, 2> kMergeNames{"mask", "variance"};
@@ -87,6 +88,9 @@ const Row kRows[] = {
     {{"resample", "bilinear, catmull_rom or o_moms",
       "filter by which the history is read between its pixels, from the blurriest to the sharpest"},
      Named<Resample>{&Settings::resample, kResampleNames}},
+    {{"directions", "forward or both",
+      "forward: from the frames before alone, as they come; both: from those after as well, within segments"},
+     Named<Directions>{&Settings::directions, kDirectionsNames}},
     {{"merge", "mask or variance",
       "mask: weights from the patch distance; variance: least expected squared error"},
      Named<MergeMode>{&Settings::merge, kMergeNames}},
@@ -203,6 +207,7 @@ Settings preset(std::string_view name) {
   Settings settings;
   if (name == "draft") {
     settings.match_downsample = 4;
+    settings.directions = Directions::forward;
     settings.prefilter = 0;
     settings.blur_radius = {5};
   } else if (name == "final") {

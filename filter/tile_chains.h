@@ -8,6 +8,7 @@
 #include "filter/align.h"
 #include "filter/frame_merger.h"
 #include "filter/gpu/chain.h"
+#include "filter/merge.h"
 
 namespace becalm::filter {
 
@@ -66,7 +67,7 @@ struct TileChain {
   gpu::ImageId history_stats;
   gpu::ImageId merged_color;
   gpu::ImageId merged_stats;
-  gpu::ImageId decision;
+  MergeOutputs outputs;
   gpu::ImageId offset;
 };
 

@@ -4,6 +4,7 @@
 
 #include "filter/frame_merger.h"
 #include "filter/gpu/chain.h"
+#include "filter/merge.h"
 
 namespace becalm::filter {
 
@@ -16,7 +17,7 @@ class WholeFrame : public FrameMerger {
   /// Makes what the chain needs to run; before the first frame. Throws DeviceError if memory is lacking.
   void build() { chain_.build(); }
 
-  void merge(const NewFrame& frame, Denoised& result) override;
+  void merge(const NewFrame& frame, MergedFrame& merged, FrameReport& report) override;
   void reset() override { chain_.reset_history(); }
   FilterMemory memory() const override;
 
@@ -32,7 +33,7 @@ class WholeFrame : public FrameMerger {
   gpu::ImageId offset_;
   gpu::ImageId merged_color_;
   gpu::ImageId merged_stats_;
-  gpu::ImageId decision_;
+  MergeOutputs outputs_;
 };
 
 }  // namespace becalm::filter

@@ -1,8 +1,9 @@
-// The end of both merge kernels: blends the new frame into the warped history with weight `alpha` and writes the new
-// history and the diagnostics. Not a pure function: the including kernel declares the buffers. Values are chosen and then
+// The end of both merge kernels: blends the new frame into the warped history with weight `alpha`; writes the new history
+// and, as the decision, the share of the history that was rejected and `distrust`: what to add to the history's variance
+// where it is used as a prediction of this frame. Not a pure function: the including kernel declares the buffers. Values are chosen and then
 // written once: a branch with stores of its own would cost their time on a processor that runs lanes together.
 
-void blend(int index, float alpha, float bias_squared, float max_history, float rejected) {
+void blend(int index, float alpha, float bias_squared, float max_history, float rejected, float distrust) {
   const vec4 x = texelFetch(color, index);
   const vec2 sample_stats = texelFetch(variance, index).xy;
   const vec4 h = texelFetch(warped_color, index);
@@ -31,5 +32,5 @@ void blend(int index, float alpha, float bias_squared, float max_history, float 
   }
   merged_color.data[index] = merged;
   merged_stats.data[index] = merged_stats_value;
-  decision.data[index] = vec2(rejected, merged_stats_value.y);
+  decision.data[index] = vec2(rejected, distrust);
 }

@@ -38,5 +38,7 @@ void main() {
   const float n = min(texelFetch(warped_stats, index).y, p.max_history - 1.0);
   const float mask = clamp(p.kappa * read_residual(at) - p.eta, 0.0, 1.0);
   const float history_weight = min(p.alpha * (1.0 - mask), n / (n + 1.0));
-  blend(index, 1.0 - history_weight, 0.0, p.max_history, mask);
+  // Makes the inverse of a prediction's variance (1 - mask) of what it would be.
+  const float distrust = texelFetch(warped_stats, index).x * mask / max(1.0 - mask, 1e-6);
+  blend(index, 1.0 - history_weight, 0.0, p.max_history, mask, min(distrust, kLargestVariance));
 }

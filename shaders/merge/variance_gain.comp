@@ -66,5 +66,5 @@ void main() {
     const float scale = brightness(h.r, h.g, h.b, texelFetch(exposure, 0).x);
     bias_squared = min(relative_bias * scale * scale, kLargestVariance);
   }
-  blend(index, alpha, bias_squared, p.max_history, rejected);
+  blend(index, alpha, bias_squared, p.max_history, rejected, bias_squared);
 }
