@@ -40,14 +40,8 @@ struct FilterTask {
   bool has_halves() const { return contains(used, Aov::half_a) && contains(used, Aov::half_b); }
   bool variance_known() const { return contains(used, Aov::variance) || has_halves(); }
   /// Whether chains have the difference of the half-buffers as an input.
+  bool smooths() const { return settings.smooth != Smooth::none; }
   bool needs_half_difference() const { return has_halves() && settings.correct_levels > 0; }
-};
-
-/// A frame on its way into the chains.
-struct NewFrame {
-  const Frame& frame;
-  std::vector<std::uint8_t> finite;  ///< of finite_pixels
-  float exposure;                    ///< of the whole frame
 };
 
 /// What is known of a frame's pixels, and how well.
@@ -57,6 +51,14 @@ struct Estimate {
 
   Image color;  ///< four channels
   Image stats;  ///< (variance, effective sample count); a count of 0 where nothing is known
+};
+
+/// A frame on its way into the chains.
+struct NewFrame {
+  const Frame& frame;
+  std::vector<std::uint8_t> finite;  ///< of finite_pixels
+  float exposure;                    ///< of the whole frame
+  Estimate smoothed = {};            ///< what is matched and merged in place of the frame, if not empty
 };
 
 /// What a merger makes of a new frame. Images that are empty nobody wants.

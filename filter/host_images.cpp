@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 namespace becalm::filter {
 namespace {
@@ -103,6 +104,39 @@ void pack_half_difference(const Frame& frame, const Rect& rect, std::span<float>
     for (std::size_t c = 0; c < 3; ++c) e[c] = 0.5f * (a[3 * in + c] - b[3 * in + c]);
     if (!all_finite(e)) e = {};
     std::ranges::copy(e, rgba.begin() + static_cast<std::ptrdiff_t>(4 * out));
+  });
+}
+
+float typical_depth(const Frame& frame, const AovSet& used) {
+  if (!contains(used, Aov::depth)) return 1.0f;
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (const float z : frame.image(Aov::depth).data()) {
+    if (!(z > 0.0f) || !std::isfinite(z)) continue;
+    sum += std::log(static_cast<double>(z));
+    ++count;
+  }
+  return count > 0 ? static_cast<float>(std::exp(sum / static_cast<double>(count))) : 1.0f;
+}
+
+void pack_features(const Frame& frame, const AovSet& used, float usual_depth, const Rect& rect,
+                   std::span<float> albedo_depth, std::span<float> normal) {
+  const bool has_albedo = contains(used, Aov::albedo);
+  const bool has_depth = contains(used, Aov::depth);
+  const bool has_normal = contains(used, Aov::normal);
+  for_each_pixel(rect, frame.width(), [&](std::size_t in, std::size_t out) {
+    const auto a = albedo_depth.subspan(4 * out, 4);
+    const auto n = normal.subspan(4 * out, 4);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float albedo = has_albedo ? frame.image(Aov::albedo).data()[3 * in + c] : 1.0f;
+      a[c] = std::isfinite(albedo) ? std::clamp(albedo, 0.0f, 1.0f) : 1.0f;
+      const float axis = has_normal ? frame.image(Aov::normal).data()[3 * in + c] : 0.0f;
+      n[c] = std::isfinite(axis) ? std::clamp(axis, -1.0f, 1.0f) : 0.0f;
+    }
+    n[3] = 0.0f;
+    const float z = has_depth ? frame.image(Aov::depth).data()[in] : 0.0f;
+    // Nothing hit is as far as can be; what is behind the eye or no number counts as near.
+    a[3] = z == std::numeric_limits<float>::infinity() ? 2.0f : z > 0.0f ? 2.0f / (1.0f + usual_depth / z) : 0.0f;
   });
 }
 

@@ -35,6 +35,16 @@ std::size_t pack_variance(const Frame& frame, const AovSet& used, std::span<cons
 /// Half the difference of the half-buffers in a rectangle, as RGB and a 0; black where it is not finite.
 void pack_half_difference(const Frame& frame, const Rect& rect, std::span<float> rgba);
 
+/// The usual depth of a frame, by which depths are made relative: the geometric mean of those that are finite
+/// and positive; 1 without any, or if depth is not in `used`.
+float typical_depth(const Frame& frame, const AovSet& used);
+
+/// Features of a rectangle: (albedo, depth) with the depth z as 2 z / (z + usual), and (normal, 0). An AOV
+/// that is not in `used` is 0 but for albedo, which is 1; so are values that are not finite. Albedo is
+/// clamped to [0,1].
+void pack_features(const Frame& frame, const AovSet& used, float usual_depth, const Rect& rect,
+                   std::span<float> albedo_depth, std::span<float> normal);
+
 /// Number of guide planes that a frame with these AOVs gives: albedo one, normal two.
 int guide_planes(bool albedo, bool normal);
 

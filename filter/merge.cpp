@@ -4,6 +4,7 @@
 #include <string>
 
 #include "filter/correct.h"
+#include "filter/noisy_inputs.h"
 #include "shaders/shared/merge_params.h"
 
 namespace becalm::filter {
@@ -43,7 +44,7 @@ ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, c
       .read("variance", inputs.variance)
       .read("warped_color", warped.color)
       .read("warped_stats", warped.stats)
-      .read("exposure", inputs.exposure)
+      .read("exposure", inputs.noisy.exposure)
       .write("difference", difference)
       .write("noise", noise)
       .constants(params::ImageParams{.width = full.width, .height = full.height})
@@ -56,7 +57,7 @@ ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, c
       .read("variance", inputs.variance)
       .read("warped_color", warped.color)
       .read("warped_stats", warped.stats)
-      .read("exposure", inputs.exposure)
+      .read("exposure", inputs.noisy.exposure)
       .read("difference", difference)
       .read("noise", noise)
       .read("difference_sums", difference_sums)
@@ -161,10 +162,10 @@ MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent ful
   WarpedHistory warped = add_warp_passes(chain, settings, full, inputs, alignment.offset);
   if (settings.correct_levels > 0) {
     warped.color = add_correction_passes(chain, settings, full,
-                                         {.color = inputs.color,
-                                          .variance = inputs.variance,
-                                          .exposure = inputs.exposure,
-                                          .half_difference = inputs.half_difference,
+                                         {.color = inputs.noisy.color,
+                                          .variance = inputs.noisy.variance,
+                                          .exposure = inputs.noisy.exposure,
+                                          .half_difference = inputs.noisy.half_difference,
                                           .estimate = warped.color,
                                           .estimate_stats = warped.stats},
                                          "correction");

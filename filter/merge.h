@@ -9,14 +9,15 @@
 
 namespace becalm::filter {
 
+class NoisyInputs;
+
 /// Images that the merge works on, all at full resolution and of one size but for the previous history in a
 /// window of its own.
 struct MergeInputs {
-  gpu::ImageId color;     ///< f32x4: the new frame, pixels that are not finite replaced
+  const NoisyInputs& noisy;  ///< the new frame as it came
+  gpu::ImageId color;     ///< f32x4: what is merged, the new frame or that smoothed
   gpu::ImageId variance;  ///< f32x2: (variance of the pixel's mean, averaged over channels; 1, or 0 for a
                           ///< pixel that is not finite)
-  gpu::ImageId exposure;  ///< f32, 1x1
-  std::optional<gpu::ImageId> half_difference = {};  ///< f32x4, as pack_half_difference gives it
   gpu::History history_color;  ///< f32x4
   gpu::History
       history_stats;  ///< f32x2: (variance left, effective sample count); a count of 0 means no history

@@ -9,6 +9,7 @@
 #include "filter/cuts.h"
 #include "filter/finish.h"
 #include "filter/frame_check.h"
+#include "filter/frame_smoother.h"
 #include "filter/host_images.h"
 #include "filter/tiled_frame.h"
 #include "filter/whole_frame.h"
@@ -66,8 +67,9 @@ Frame output_frame(const NewFrame& frame, AovSet diagnostics, MergedFrame made, 
 AovSet wanted_aovs(const Settings& settings) {
   AovSet wanted;
   const auto want = [&](Aov aov, bool needed) { wanted.set(static_cast<std::size_t>(aov), needed); };
-  want(Aov::albedo, settings.weight_albedo > 0.0f);
-  want(Aov::normal, settings.weight_normal > 0.0f);
+  want(Aov::albedo, settings.weight_albedo > 0.0f || settings.smooth != Smooth::none);
+  want(Aov::normal, settings.weight_normal > 0.0f || settings.smooth != Smooth::none);
+  want(Aov::depth, settings.smooth != Smooth::none);
   want(Aov::motion, settings.motion != MotionUse::none);
   for (const Aov aov : {Aov::variance, Aov::half_a, Aov::half_b}) want(aov, true);
   return wanted;
@@ -77,6 +79,7 @@ struct SequenceFilter::State {
   Frame forward(const NewFrame& frame, FrameReport& report);
 
   FilterTask task;
+  std::optional<FrameSmoother> smoother;
   std::unique_ptr<FrameMerger> merger;
   std::optional<Finish> finish;
   std::map<int, Estimate> predictions;  ///< by frame number
@@ -98,6 +101,10 @@ SequenceFilter::SequenceFilter(gpu::Device& device, const Settings& settings, in
           .guides = guides_of(settings, used)};
   if (!task.guides.albedo) task.settings.demodulate = 0;  // nothing to divide out
   std::uint64_t left = std::min(memory_limit, usable_bytes(device));
+  if (task.smooths()) {
+    state_->smoother.emplace(device, task, left / kShareOfFinish);
+    left -= state_->smoother->memory().device_bytes;
+  }
   if (settings.directions == Directions::both) {
     state_->finish.emplace(device, task, left / kShareOfFinish);
     left -= state_->finish->memory().device_bytes;
@@ -111,7 +118,7 @@ std::optional<Frame> SequenceFilter::run(const Step& step, const Frame& frame, F
   const FilterTask& task = state_->task;
   check_frame(frame, task.full.width, task.full.height, task.used, "the frames before it");
   const Image& beauty = frame.image(Aov::beauty);
-  const NewFrame new_frame{.frame = frame, .finite = finite_pixels(beauty), .exposure = exposure(beauty)};
+  NewFrame new_frame{.frame = frame, .finite = finite_pixels(beauty), .exposure = exposure(beauty)};
   report.non_finite_pixels = static_cast<std::size_t>(std::ranges::count(new_frame.finite, 0));
   if (step.new_history) reset();
   if (state_->find_cuts == FindCuts::yes) {
@@ -120,6 +127,7 @@ std::optional<Frame> SequenceFilter::run(const Step& step, const Frame& frame, F
     if (report.new_shot) reset();
     state_->before = std::move(signature);
   }
+  if (state_->smoother) new_frame.smoothed = state_->smoother->smooth(new_frame, report);
   if (step.wanted && step.direction == Direction::forward) return state_->forward(new_frame, report);
   MergedFrame merged;
   if (step.wanted) merged.prediction = Estimate(task.full);
@@ -161,12 +169,13 @@ void SequenceFilter::reset() {
 
 FilterMemory SequenceFilter::memory() const {
   FilterMemory memory = state_->merger->memory();
-  if (state_->finish) {
-    const FilterMemory finish = state_->finish->memory();
-    memory.device_bytes += finish.device_bytes;
-    memory.device_bytes_unaliased += finish.device_bytes_unaliased;
-    memory.staging_bytes += finish.staging_bytes;
-  }
+  const auto add = [&](const FilterMemory& other) {
+    memory.device_bytes += other.device_bytes;
+    memory.device_bytes_unaliased += other.device_bytes_unaliased;
+    memory.staging_bytes += other.staging_bytes;
+  };
+  if (state_->smoother) add(state_->smoother->memory());
+  if (state_->finish) add(state_->finish->memory());
   return memory;
 }
 

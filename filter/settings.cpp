@@ -39,9 +39,10 @@ struct Named {
   std::span<const std::string_view> names;  ///< in the order of the values, from 0
 };
 using Field = std::variant<IntRange, IntChoice, IntList, FloatRange, Named<Distance>, Named<MotionUse>,
-                           Named<Resample>, Named<Directions>, Named<MergeMode>>;
+                           Named<Resample>, Named<Smooth>, Named<Directions>, Named<MergeMode>>;
 
 constexpr std::array<std::string_view, 4> kDistanceNames{"l2", "l1", "log_l1", "log_l1_centered"};
+constexpr std::array<std::string_view, 2> kSmoothNames{"none", "regression"};
 constexpr std::array<std::string_view, 2> kDirectionsNames{"forward", "both"};
 constexpr std::array<std::string_view, 3> kMotionNames{"none", "guide", "override"};
 constexpr std::array<std::string_view, 3> kResampleNames{"bilinear", "catmull_rom", "o_moms"};
@@ -88,6 +89,14 @@ const Row kRows[] = {
     {{"resample", "bilinear, catmull_rom or o_moms",
       "filter by which the history is read between its pixels, from the blurriest to the sharpest"},
      Named<Resample>{&Settings::resample, kResampleNames}},
+    {{"smooth", "none or regression", "what is done to a frame by itself before it is matched and merged"},
+     Named<Smooth>{&Settings::smooth, kSmoothNames}},
+    {{"smooth_radius", "integer 1..8", "radius of the window that smooth takes a pixel's value from"},
+     IntRange{&Settings::smooth_radius, 1, 8}},
+    {{"smooth_patch_radius", "integer 1..3", "radius of the patches that smooth compares"},
+     IntRange{&Settings::smooth_patch_radius, 1, 3}},
+    {{"smooth_strength", "number 0.01..10", "standard deviations of noise by which those patches may differ"},
+     FloatRange{&Settings::smooth_strength, 0.01f, 10.0f}},
     {{"directions", "forward or both",
       "forward: from the frames before alone, as they come; both: from those after as well, within segments"},
      Named<Directions>{&Settings::directions, kDirectionsNames}},

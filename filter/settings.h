@@ -23,6 +23,9 @@ enum class Resample { bilinear = 0, catmull_rom = 1, o_moms = 2 };
 /// within segments.
 enum class Directions { forward, both };
 
+/// What is done to a frame by itself before it is matched and merged.
+enum class Smooth { none, regression };
+
 /// How the merge weighs history against the new frame.
 enum class MergeMode { mask, variance };
 
@@ -46,6 +49,10 @@ struct Settings {
   float weight_normal = 0.5f;
 
   Resample resample = Resample::catmull_rom;
+  Smooth smooth = Smooth::regression;
+  int smooth_radius = 5;
+  int smooth_patch_radius = 3;
+  float smooth_strength = 0.5f;
   Directions directions = Directions::both;
   MergeMode merge = MergeMode::variance;
   float mask_alpha = 0.9f;

@@ -71,11 +71,14 @@ CoarseChain::CoarseChain(gpu::Device& device, const FilterTask& task, const Pyra
 
 TileChain::TileChain(gpu::Device& device, const FilterTask& task, const PyramidSplit& split, int planes,
                      Extent target_extent, Extent source_extent)
-    : chain(device, "tile") {
+    : chain(device, "tile"), noisy(chain, task, target_extent) {
   const Settings& settings = task.settings;
-  color = chain.input("color.cur", Format::f32x4, target_extent);
-  variance = chain.input("variance.cur", Format::f32x2, target_extent);
-  exposure = chain.input("exposure", Format::f32, {1, 1});
+  gpu::ImageId color = noisy.color;
+  gpu::ImageId variance = noisy.variance;
+  if (task.smooths()) {
+    smoothed_color = color = chain.input("smoothed.color", Format::f32x4, target_extent);
+    smoothed_stats = variance = chain.input("smoothed.stats", Format::f32x2, target_extent);
+  }
   history_color = chain.input("history.color.prev", Format::f32x4, source_extent);
   history_stats = chain.input("history.stats.prev", Format::f32x2, source_extent);
   target_origin = chain.input("target_origin", Format::f32x2, {1, 1});
@@ -86,9 +89,6 @@ TileChain::TileChain(gpu::Device& device, const FilterTask& task, const PyramidS
   }
   if (contains(task.used, Aov::motion) && !coarse_takes_motion(task, split)) {
     motion = chain.input("motion.cur", Format::f32x2, target_extent);
-  }
-  if (task.needs_half_difference()) {
-    half_difference = chain.input("half_difference.cur", Format::f32x4, target_extent);
   }
   const bool guides = motion && settings.motion == MotionUse::guide;
   const SourceWindow window{source_extent, target_origin};
@@ -110,11 +110,9 @@ TileChain::TileChain(gpu::Device& device, const FilterTask& task, const PyramidS
   merged_stats = chain.image("history.stats.next", Format::f32x2, target_extent);
   outputs = add_merge_passes(
       chain, settings, target_extent,
-      {.color = color,
-       .variance =
-           task.variance_known() ? variance : add_variance_estimate(chain, target_extent, color, variance),
-       .exposure = exposure,
-       .half_difference = half_difference,
+      {.noisy = noisy,
+       .color = color,
+       .variance = variance,
        .history_color = {history_color, merged_color},
        .history_stats = {history_stats, merged_stats},
        .history_window = window},

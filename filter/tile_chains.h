@@ -8,6 +8,7 @@
 #include "filter/align.h"
 #include "filter/frame_merger.h"
 #include "filter/gpu/chain.h"
+#include "filter/noisy_inputs.h"
 #include "filter/merge.h"
 
 namespace becalm::filter {
@@ -54,15 +55,14 @@ struct TileChain {
             gpu::Extent target_extent, gpu::Extent source_extent);
 
   gpu::Chain chain;
+  NoisyInputs noisy;
+  gpu::ImageId smoothed_color;  ///< if the task smooths
+  gpu::ImageId smoothed_stats;
   Features target;  ///< of level 0, as are the source's
   Features source;
   std::optional<gpu::ImageId> start;   ///< offsets of level `coarse`
   std::optional<gpu::ImageId> motion;  ///< if a level of the tile starts from it, or offsets are to be that
   gpu::ImageId target_origin;          ///< where the target's rectangle begins in the source's
-  gpu::ImageId color;
-  gpu::ImageId variance;
-  gpu::ImageId exposure;
-  std::optional<gpu::ImageId> half_difference;
   gpu::ImageId history_color;
   gpu::ImageId history_stats;
   gpu::ImageId merged_color;

@@ -157,8 +157,12 @@ void TiledFrame::find_features(const Tile& tile, const NewFrame& frame, FrameRep
     add_times(report, from.chain);
   };
   FeatureChain& new_frame = chains_->new_frame;
-  pack_color(frame.frame.image(Aov::beauty), frame.finite, tile.target,
-             new_frame.chain.upload<float>(new_frame.color));
+  if (task_.smooths()) {
+    upload(new_frame.chain, new_frame.color, view(frame.smoothed.color), tile.target);
+  } else {
+    pack_color(frame.frame.image(Aov::beauty), frame.finite, tile.target,
+               new_frame.chain.upload<float>(new_frame.color));
+  }
   new_frame.chain.upload<float>(new_frame.exposure)[0] = frame.exposure;
   if (new_frame.guide) {
     pack_guide(frame.frame, task_.guides.albedo, task_.guides.normal, tile.target,
@@ -195,15 +199,13 @@ void TiledFrame::merge_tile(const Tile& tile, const NewFrame& frame, MergedFrame
   TileChain& chains = *chains_->tile;
   gpu::Chain& chain = chains.chain;
   const int finest_px = level_px(task_.settings, 0);
-  pack_color(frame.frame.image(Aov::beauty), frame.finite, tile.target, chain.upload<float>(chains.color));
-  report.replaced_variances +=
-      pack_variance(frame.frame, task_.used, frame.finite, tile, chain.upload<float>(chains.variance));
-  chain.upload<float>(chains.exposure)[0] = frame.exposure;
+  chains.noisy.upload(chain, task_, frame, tile, report);
+  if (task_.smooths()) {
+    upload(chain, chains.smoothed_color, view(frame.smoothed.color), tile.target);
+    upload(chain, chains.smoothed_stats, view(frame.smoothed.stats), tile.target);
+  }
   if (chains.motion) {
     pack_motion(frame.frame.image(Aov::motion), tile.target, chain.upload<float>(*chains.motion));
-  }
-  if (chains.half_difference) {
-    pack_half_difference(frame.frame, tile.target, chain.upload<float>(*chains.half_difference));
   }
   const auto origin = chain.upload<float>(chains.target_origin);
   origin[0] = static_cast<float>(tile.target.x - tile.source.x);

@@ -4,24 +4,28 @@
 
 #include "filter/align.h"
 #include "filter/host_images.h"
+#include "filter/pixel_view.h"
 
 namespace becalm::filter {
 
 using gpu::Format;
 
 WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
-    : task_(std::move(task)), chain_(device, "filter") {
+    : task_(std::move(task)), chain_(device, "filter"), noisy_(chain_, task_, task_.full) {
   const Settings& settings = task_.settings;
   const gpu::Extent full = task_.full;
-  color_ = chain_.input("color.cur", Format::f32x4, full);
-  exposure_ = chain_.input("exposure", Format::f32, {1, 1});
-  variance_ = chain_.input("variance.cur", Format::f32x2, full);
+  gpu::ImageId color = noisy_.color;
+  gpu::ImageId variance = noisy_.variance;
+  if (task_.smooths()) {
+    smoothed_color_ = color = chain_.input("smoothed.color", Format::f32x4, full);
+    smoothed_stats_ = variance = chain_.input("smoothed.stats", Format::f32x2, full);
+  }
   const gpu::History history_color = chain_.history("history.color", Format::f32x4, full);
   const gpu::History history_stats = chain_.history("history.stats", Format::f32x2, full);
 
-  FeatureSources target{.color = color_, .exposure = exposure_, .guide_features = {}, .guide_planes = 0};
+  FeatureSources target{.color = color, .exposure = noisy_.exposure, .guide_features = {}, .guide_planes = 0};
   FeatureSources source{
-      .color = history_color.previous, .exposure = exposure_, .guide_features = {}, .guide_planes = 0};
+      .color = history_color.previous, .exposure = noisy_.exposure, .guide_features = {}, .guide_planes = 0};
   if (const int planes = task_.guides.planes(); planes > 0) {
     guide_ = chain_.input("guide.cur", Format::f32, full.with_planes(planes));
     const gpu::History features =
@@ -32,9 +36,6 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
     target.guide_planes = source.guide_planes = planes;
   }
   if (contains(task_.used, Aov::motion)) motion_ = chain_.input("motion.cur", Format::f32x2, full);
-  if (task_.needs_half_difference()) {
-    half_difference_ = chain_.input("half_difference.cur", Format::f32x4, full);
-  }
   const Alignment alignment = add_align_passes(
       chain_, settings, full, add_feature_passes(chain_, settings, full, "target", target),
       add_feature_passes(chain_, settings, full, "source", source), {.name = {}, .motion = motion_});
@@ -42,11 +43,9 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
 
   outputs_ = add_merge_passes(
       chain_, settings, full,
-      {.color = color_,
-       .variance =
-           task_.variance_known() ? variance_ : add_variance_estimate(chain_, full, color_, variance_),
-       .exposure = exposure_,
-       .half_difference = half_difference_,
+      {.noisy = noisy_,
+       .color = color,
+       .variance = variance,
        .history_color = history_color,
        .history_stats = history_stats},
       alignment);
@@ -65,18 +64,16 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
 
 void WholeFrame::merge(const NewFrame& frame, MergedFrame& merged, FrameReport& report) {
   const Tile all = uncut(task_.full);
-  pack_color(frame.frame.image(Aov::beauty), frame.finite, all.target, chain_.upload<float>(color_));
-  report.replaced_variances +=
-      pack_variance(frame.frame, task_.used, frame.finite, all, chain_.upload<float>(variance_));
-  chain_.upload<float>(exposure_)[0] = frame.exposure;
+  noisy_.upload(chain_, task_, frame, all, report);
+  if (task_.smooths()) {
+    upload(chain_, smoothed_color_, view(frame.smoothed.color), all.target);
+    upload(chain_, smoothed_stats_, view(frame.smoothed.stats), all.target);
+  }
   if (guide_) {
     pack_guide(frame.frame, task_.guides.albedo, task_.guides.normal, all.target,
                chain_.upload<float>(*guide_));
   }
   if (motion_) pack_motion(frame.frame.image(Aov::motion), all.target, chain_.upload<float>(*motion_));
-  if (half_difference_) {
-    pack_half_difference(frame.frame, all.target, chain_.upload<float>(*half_difference_));
-  }
   chain_.run();
   add_times(report, chain_);
   MergedTile images{.color = chain_.download<float>(merged_color_),

@@ -5,6 +5,7 @@
 #include "filter/frame_merger.h"
 #include "filter/gpu/chain.h"
 #include "filter/merge.h"
+#include "filter/noisy_inputs.h"
 
 namespace becalm::filter {
 
@@ -24,12 +25,11 @@ class WholeFrame : public FrameMerger {
  private:
   FilterTask task_;
   gpu::Chain chain_;
-  gpu::ImageId color_;
-  gpu::ImageId exposure_;
-  gpu::ImageId variance_;
+  NoisyInputs noisy_;
+  gpu::ImageId smoothed_color_;  ///< if the task smooths
+  gpu::ImageId smoothed_stats_;
   std::optional<gpu::ImageId> guide_;
   std::optional<gpu::ImageId> motion_;
-  std::optional<gpu::ImageId> half_difference_;
   gpu::ImageId offset_;
   gpu::ImageId merged_color_;
   gpu::ImageId merged_stats_;

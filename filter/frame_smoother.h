@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "filter/frame_merger.h"
+#include "filter/gpu/chain.h"
+#include "filter/tiles.h"
+
+namespace becalm::filter {
+
+/// Smooths single frames before they are matched and merged, so that decisions are made on what is hardly
+/// noisy. What a frame loses of its light by that is given back (correct.h). Frames that the device cannot
+/// hold are cut into tiles, which the results do not show.
+class FrameSmoother {
+ public:
+  /// Plans the largest tiles that take at most `memory_limit` bytes. Throws DeviceLimitError if not even the
+  /// smallest do.
+  FrameSmoother(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit);
+  ~FrameSmoother();
+
+  /// The frame smoothed: its colour, and (variance left, 1; or 0 for a pixel that is not finite).
+  Estimate smooth(const NewFrame& frame, FrameReport& report);
+  FilterMemory memory() const;
+
+ private:
+  struct SmoothChain;
+  FilterTask task_;
+  std::vector<Tile> tiles_;
+  std::unique_ptr<SmoothChain> chain_;
+};
+
+}  // namespace becalm::filter

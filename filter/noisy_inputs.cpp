@@ -1,0 +1,32 @@
+#include "filter/noisy_inputs.h"
+
+#include "filter/host_images.h"
+#include "filter/merge.h"
+
+namespace becalm::filter {
+
+using gpu::Format;
+
+NoisyInputs::NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent) {
+  color = chain.input("color.cur", Format::f32x4, extent);
+  exposure = chain.input("exposure", Format::f32, {1, 1});
+  given_variance_ = chain.input("variance.cur", Format::f32x2, extent);
+  variance =
+      task.variance_known() ? given_variance_ : add_variance_estimate(chain, extent, color, given_variance_);
+  if (task.needs_half_difference()) {
+    half_difference = chain.input("half_difference.cur", Format::f32x4, extent);
+  }
+}
+
+void NoisyInputs::upload(gpu::Chain& chain, const FilterTask& task, const NewFrame& frame, const Tile& tile,
+                         FrameReport& report) const {
+  pack_color(frame.frame.image(Aov::beauty), frame.finite, tile.target, chain.upload<float>(color));
+  report.replaced_variances +=
+      pack_variance(frame.frame, task.used, frame.finite, tile, chain.upload<float>(given_variance_));
+  chain.upload<float>(exposure)[0] = frame.exposure;
+  if (half_difference) {
+    pack_half_difference(frame.frame, tile.target, chain.upload<float>(*half_difference));
+  }
+}
+
+}  // namespace becalm::filter

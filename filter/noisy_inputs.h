@@ -1,0 +1,29 @@
+#pragma once
+
+#include <optional>
+
+#include "filter/frame_merger.h"
+#include "filter/gpu/chain.h"
+#include "filter/tiles.h"
+
+namespace becalm::filter {
+
+/// A noisy frame, or a tile of it, as the input of a chain.
+class NoisyInputs {
+ public:
+  /// Declares the inputs and, for frames that come without variance, the passes that estimate it.
+  NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent);
+  /// Fills them with the target rectangle of a tile, and counts the variances that had to be replaced.
+  void upload(gpu::Chain& chain, const FilterTask& task, const NewFrame& frame, const Tile& tile,
+              FrameReport& report) const;
+
+  gpu::ImageId color;                           ///< f32x4: pixels that are not finite replaced
+  gpu::ImageId variance;                        ///< f32x2, as MergeInputs::variance
+  gpu::ImageId exposure;                        ///< f32, 1x1
+  std::optional<gpu::ImageId> half_difference;  ///< f32x4: (half_a - half_b) / 2, if anything asks for it
+
+ private:
+  gpu::ImageId given_variance_;
+};
+
+}  // namespace becalm::filter

@@ -1,0 +1,71 @@
+#include "filter/smooth.h"
+
+#include "shaders/shared/smooth_params.h"
+
+namespace becalm::filter {
+namespace {
+
+using gpu::Chain;
+using gpu::Extent;
+using gpu::Format;
+using gpu::ImageId;
+
+constexpr int kShiftsPerPlane = 4;  // as in shaders/lib/patch_weights.glsl
+constexpr int kRows = 16;           // as in shaders/smooth/weights.comp
+
+int weight_planes(const Settings& settings) {
+  const int side = 2 * settings.smooth_radius + 1;
+  return (side * side + kShiftsPerPlane - 1) / kShiftsPerPlane;
+}
+
+}  // namespace
+
+Smoothed add_smooth_passes(Chain& chain, const Settings& settings, Extent full, const NoisyInputs& frame,
+                           const SmoothFeatures& features) {
+  const params::SmoothParams params{
+      .width = full.width, .height = full.height, .strength = settings.smooth_strength};
+  const ImageId irradiance = chain.image("irradiance", Format::f32x4, full);
+  const ImageId guide = chain.image("smooth.guide", Format::f32x2, full);
+  chain.pass("smooth/demodulate")
+      .read("color", frame.color)
+      .read("variance", frame.variance)
+      .read("albedo_depth", features.albedo_depth)
+      .read("exposure", frame.exposure)
+      .write("irradiance", irradiance)
+      .write("guide", guide)
+      .constants(params)
+      .dispatch(full);
+  const int planes = weight_planes(settings);
+  const ImageId weights = chain.image("smooth.weights", Format::u32, full.with_planes(planes));
+  chain.pass("smooth/weights")
+      .read("guide", guide)
+      .write("weights", weights)
+      .specialize("radius", settings.smooth_radius)
+      .specialize("patch_radius", settings.smooth_patch_radius)
+      .constants(params)
+      .dispatch({full.width, (full.height + kRows - 1) / kRows, planes});
+  const Smoothed smoothed{chain.image("smoothed.color", Format::f32x4, full),
+                          chain.image("smoothed.stats", Format::f32x2, full)};
+  chain.pass("smooth/regress")
+      .read("color", frame.color)
+      .read("variance", frame.variance)
+      .read("irradiance", irradiance)
+      .read("guide", guide)
+      .read("albedo_depth", features.albedo_depth)
+      .read("normal", features.normal)
+      .read("exposure", frame.exposure)
+      .read("weights", weights)
+      .write("smoothed", smoothed.color)
+      .write("stats", smoothed.stats)
+      .specialize("radius", settings.smooth_radius)
+      .constants(params)
+      .dispatch(full);
+  return smoothed;
+}
+
+int smooth_margin_px(const Settings& settings) {
+  constexpr int variance_mean = 1;
+  return settings.smooth_radius + settings.smooth_patch_radius + variance_mean;
+}
+
+}  // namespace becalm::filter

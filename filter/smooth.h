@@ -1,0 +1,28 @@
+#pragma once
+
+#include "filter/gpu/chain.h"
+#include "filter/noisy_inputs.h"
+#include "filter/settings.h"
+
+namespace becalm::filter {
+
+/// Features that a pixel's surroundings are explained by, at full resolution; 0 where a frame has none.
+struct SmoothFeatures {
+  gpu::ImageId albedo_depth;  ///< f32x4: albedo, and depth brought to [0,2]
+  gpu::ImageId normal;        ///< f32x4: normal, 0
+};
+
+struct Smoothed {
+  gpu::ImageId color;  ///< f32x4
+  gpu::ImageId stats;  ///< f32x2: (variance left, 1; or 0 for a pixel that is not finite)
+};
+
+/// Replaces each pixel by what the window around it says of it: a first-order regression on the features,
+/// weighted by how alike patches are beyond their noise.
+Smoothed add_smooth_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
+                           const NoisyInputs& frame, const SmoothFeatures& features);
+
+/// How far from a pixel that reads, in pixels.
+int smooth_margin_px(const Settings& settings);
+
+}  // namespace becalm::filter

@@ -1,0 +1,63 @@
+// Reads luminance and variance; writes the weights of all pixels of the window around each: non-local means with the
+// variance known (Rousselle et al. 2012, "Adaptive rendering with non-local means filtering", eq. 3 and 4), over patches. An
+// invocation makes a column of `rows` pixels, whose patches share the sums of their rows, for the shifts of one plane.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#include "lib/patch_weights.glsl"
+#include "shared/smooth_params.h"
+
+layout(constant_id = 0) const int radius = 5;        // of the window
+layout(constant_id = 1) const int patch_radius = 3;  // 1 to 3
+const int rows = 16;
+
+layout(local_size_x = 8, local_size_y = 1) in;
+layout(push_constant) uniform Params { SmoothParams p; };
+layout(set = 0, binding = 0) uniform samplerBuffer guide;
+layout(std430, set = 0, binding = 1) writeonly buffer WeightBuffer { uint data[]; } weights;
+
+/// Squared difference that noise does not explain, over the noise that is allowed.
+float distance_of(vec2 a, vec2 b) {
+  const float d = a.x - b.x;
+  const float l = 0.5 * (a.x + b.x);
+  return (d * d - (a.y + min(a.y, b.y))) / (p.strength * p.strength * (a.y + b.y) + 1e-3 * (l * l + 1e-3));
+}
+
+void main() {
+  const ivec3 at = ivec3(gl_GlobalInvocationID);
+  const int first = at.y * rows;
+  if (at.x >= p.width || first >= p.height) return;
+  const int shifts = (2 * radius + 1) * (2 * radius + 1);
+  uint packed[rows];
+  [[unroll]] for (int r = 0; r < rows; ++r) packed[r] = 0u;
+  for (int i = 0; i < kShiftsPerPlane; ++i) {
+    const int number = at.z * kShiftsPerPlane + i;
+    const ivec2 shift = window_shift(number, radius);
+    float sums[rows];
+    [[unroll]] for (int r = 0; r < rows; ++r) sums[r] = 0.0;
+    [[unroll]] for (int r = -patch_radius; r < rows + patch_radius; ++r) {
+      const int here = clamp(first + r, 0, p.height - 1) * p.width;
+      const int there = clamp(first + r + shift.y, 0, p.height - 1) * p.width;
+      float sum = 0.0;
+      [[unroll]] for (int c = -patch_radius; c <= patch_radius; ++c) {
+        const vec2 a = texelFetch(guide, here + clamp(at.x + c, 0, p.width - 1)).xy;
+        const vec2 b = texelFetch(guide, there + clamp(at.x + c + shift.x, 0, p.width - 1)).xy;
+        sum += distance_of(a, b);
+      }
+      [[unroll]] for (int o = 0; o < rows; ++o) {
+        if (abs(r - o) <= patch_radius) sums[o] += sum;
+      }
+    }
+    const int side = 2 * patch_radius + 1;
+    const bool inside_x = at.x + shift.x >= 0 && at.x + shift.x < p.width && number < shifts;
+    [[unroll]] for (int r = 0; r < rows; ++r) {
+      const int y = first + r + shift.y;
+      const bool inside = inside_x && y >= 0 && y < p.height;
+      const float weight = exp(-max(sums[r] / float(side * side), 0.0));
+      packed[r] |= inside ? uint(255.0 * weight + 0.5) << (8 * i) : 0u;
+    }
+  }
+  [[unroll]] for (int r = 0; r < rows; ++r) {
+    if (first + r < p.height) weights.data[(at.z * p.height + first + r) * p.width + at.x] = packed[r];
+  }
+}
