@@ -1,6 +1,7 @@
 #include "filter/frame_merger.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace becalm::filter {
 
@@ -11,6 +12,9 @@ void unpack(const MergedTile& merged, const Tile& tile, const NewFrame& frame, D
   const std::span<float> variance = result.frame.image(Aov::variance).data();
   // Empty where nobody asked.
   const std::span<float> mask = result.frame.image(Aov::error_mask).data();
+  const std::span<float> bias = result.frame.image(Aov::bias).data();
+  const std::span<float> gain = result.frame.image(Aov::gain).data();
+  const std::span<float> rule = result.frame.image(Aov::rejected_by).data();
   const std::span<float> count = result.frame.image(Aov::sample_count).data();
   const std::span<float> flow = result.frame.image(Aov::flow).data();
   for (int y = core.y; y < core.y + core.height; ++y) {
@@ -21,11 +25,15 @@ void unpack(const MergedTile& merged, const Tile& tile, const NewFrame& frame, D
       const auto pixel = frame.finite[i] ? merged.color.subspan(4 * t, 4) : beauty.subspan(4 * i, 4);
       std::ranges::copy(pixel, out.begin() + 4 * i);
       std::ranges::fill_n(variance.begin() + 3 * i, 3, merged.stats[2 * t]);
-      if (!mask.empty()) mask[i] = merged.decision[2 * t];
-      if (!count.empty()) count[i] = merged.decision[2 * t + 1];
+      const auto decision = merged.decision.subspan(4 * t, 4);
+      if (!mask.empty()) mask[i] = decision[0];
+      if (!bias.empty()) bias[i] = std::sqrt(decision[1]);
+      if (!gain.empty()) gain[i] = decision[2];
+      if (!rule.empty()) rule[i] = decision[3];
+      if (!count.empty()) count[i] = merged.stats[2 * t + 1];
       if (!flow.empty()) std::ranges::copy(merged.offset.subspan(2 * t, 2), flow.begin() + 2 * i);
-      result.report.mean_rejected += merged.decision[2 * t];
-      result.report.mean_sample_count += merged.decision[2 * t + 1];
+      result.report.mean_rejected += decision[0];
+      result.report.mean_sample_count += merged.stats[2 * t + 1];
     }
   }
 }

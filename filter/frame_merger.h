@@ -32,7 +32,7 @@ struct FilterTask {
   Settings settings;
   gpu::Extent full;
   AovSet used;         ///< what is read of a frame besides the beauty
-  AovSet diagnostics;  ///< those of flow, error_mask and sample_count that are wanted
+  AovSet diagnostics;  ///< those that are wanted
   Guides guides;
 
   bool variance_known() const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "filter/validate.h"
 #include "shaders/shared/merge_params.h"
 
 namespace becalm::filter {
@@ -53,7 +54,7 @@ ImageId add_patch_sums(Chain& chain, const Settings& settings, Extent full, Imag
 }
 
 ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
-                          const WarpedHistory& warped) {
+                          const WarpedHistory& warped, std::optional<ImageId> trust) {
   const ImageId difference = chain.image("difference", Format::f32x4, full);
   const ImageId noise = chain.image("noise", Format::f32x4, full);
   chain.pass("merge/statistics")
@@ -68,7 +69,7 @@ ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, c
       .dispatch(full);
   const ImageId difference_sums = add_patch_sums(chain, settings, full, difference, "difference");
   const ImageId noise_sums = add_patch_sums(chain, settings, full, noise, "noise");
-  const ImageId decision = chain.image("decision", Format::f32x2, full);
+  const ImageId decision = chain.image("decision", Format::f32x4, full);
   chain.pass("merge/variance_gain")
       .read("color", inputs.color)
       .read("variance", inputs.variance)
@@ -79,33 +80,40 @@ ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, c
       .read("noise", noise)
       .read("difference_sums", difference_sums)
       .read("noise_sums", noise_sums)
+      .read("trust", trust.value_or(warped.stats))
       .write("merged_color", inputs.history_color.next)
       .write("merged_stats", inputs.history_stats.next)
       .write("decision", decision)
       .specialize("radius", settings.patch_radius)
+      .specialize("validated", trust ? 1 : 0)
       .constants(params::VarianceGainParams{.width = full.width,
                                             .height = full.height,
                                             .max_history = settings.max_history,
-                                            .significance = settings.significance})
+                                            .significance = settings.significance,
+                                            .luminance_weight = settings.luminance_weight,
+                                            .bias_between_surfaces = settings.validate_bias})
       .dispatch(full);
   return decision;
 }
 
 ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
-                      const WarpedHistory& warped, const Alignment& alignment) {
+                      const WarpedHistory& warped, std::optional<ImageId> trust, const Alignment& alignment) {
   const std::size_t level =
       std::min(static_cast<std::size_t>(settings.mask_level), alignment.residual.size() - 1);
   const Extent extent = level_extent(settings, full, level);
-  const ImageId decision = chain.image("decision", Format::f32x2, full);
+  const ImageId decision = chain.image("decision", Format::f32x4, full);
   chain.pass("merge/mask_gain")
       .read("color", inputs.color)
       .read("variance", inputs.variance)
       .read("warped_color", warped.color)
       .read("warped_stats", warped.stats)
       .read("residual", alignment.residual[level])
+      .read("exposure", inputs.exposure)
+      .read("trust", trust.value_or(warped.stats))
       .write("merged_color", inputs.history_color.next)
       .write("merged_stats", inputs.history_stats.next)
       .write("decision", decision)
+      .specialize("validated", trust ? 1 : 0)
       .constants(params::MaskGainParams{.width = full.width,
                                         .height = full.height,
                                         .residual_width = extent.width,
@@ -114,7 +122,9 @@ ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const
                                         .alpha = settings.mask_alpha,
                                         .kappa = settings.mask_kappa,
                                         .eta = settings.mask_eta,
-                                        .max_history = settings.max_history})
+                                        .max_history = settings.max_history,
+                                        .exponential = settings.accumulate == Accumulate::exponential ? 1 : 0,
+                                        .luminance_weight = settings.luminance_weight})
       .dispatch(full);
   return decision;
 }
@@ -152,17 +162,27 @@ int resample_margin_px(const Settings& settings) {
 
 int merge_margin_px(const Settings& settings) {
   constexpr int variance_estimate = 1;
-  return variance_estimate + (settings.merge == MergeMode::variance ? settings.patch_radius : 0);
+  return variance_estimate + validate_margin_px(settings) +
+         (settings.merge == MergeMode::variance ? settings.patch_radius : 0);
 }
 
 ImageId add_merge_passes(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
                          const Alignment& alignment) {
-  const WarpedHistory warped = add_warp_passes(chain, settings, full, inputs, alignment.offset);
+  WarpedHistory warped = add_warp_passes(chain, settings, full, inputs, alignment.offset);
+  if (settings.history_clip != HistoryClip::none) {
+    warped = add_rectify_pass(chain, settings, full, inputs.color, inputs.variance, warped);
+  }
+  std::optional<ImageId> trust;
+  if (inputs.rules != 0) {
+    const SourceWindow window =
+        inputs.history_window ? *inputs.history_window : add_same_window(chain, full, "origin.validate");
+    trust = add_validate_pass(chain, settings, full, inputs.rules, inputs.surface, alignment.offset, window);
+  }
   switch (settings.merge) {
     case MergeMode::variance:
-      return add_variance_gain(chain, settings, full, inputs, warped);
+      return add_variance_gain(chain, settings, full, inputs, warped, trust);
     case MergeMode::mask:
-      return add_mask_gain(chain, settings, full, inputs, warped, alignment);
+      return add_mask_gain(chain, settings, full, inputs, warped, trust, alignment);
   }
   return {};
 }

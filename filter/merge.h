@@ -8,6 +8,13 @@
 
 namespace becalm::filter {
 
+/// What the new frame's and the last frame's pixels show (f32x4, as pack_surface gives it); the last frame's
+/// in the history's window.
+struct SurfaceInputs {
+  gpu::ImageId current;
+  gpu::ImageId previous;
+};
+
 /// Images that the merge works on, all at full resolution and of one size but for the previous history in a
 /// window of its own.
 struct MergeInputs {
@@ -19,7 +26,9 @@ struct MergeInputs {
   gpu::History
       history_stats;  ///< f32x2: (variance left, effective sample count); a count of 0 means no history
   std::optional<SourceWindow> history_window =
-      {};  ///< where the previous history shows more than the new frame
+      {};                   ///< where the previous history shows more than the new frame
+  unsigned rules = 0;       ///< flags of Validate by which the history is validated
+  SurfaceInputs surface{};  ///< given if there are rules
 };
 
 /// The history where the target's pixels are.
@@ -39,7 +48,8 @@ int resample_margin_px(const Settings& settings);
 int merge_margin_px(const Settings& settings);
 
 /// Merges the new frame with the warped history into history_color.next and history_stats.next, and returns
-/// the decisions (f32x2): share of the history rejected, and effective sample count.
+/// the decisions (f32x4): share of the history rejected, its squared bias, weight of the new sample, and the
+/// rule that rejected (shaders/lib/rejection.glsl).
 gpu::ImageId add_merge_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
                               const MergeInputs& inputs, const Alignment& alignment);
 

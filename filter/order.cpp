@@ -37,7 +37,9 @@ AovSet wanted_aovs(const Settings& settings) {
   AovSet wanted;
   const auto want = [&](Aov aov, bool needed) { wanted.set(static_cast<std::size_t>(aov), needed); };
   want(Aov::albedo, settings.weight_albedo > 0.0f);
-  want(Aov::normal, settings.weight_normal > 0.0f);
+  want(Aov::normal, settings.weight_normal > 0.0f || (settings.validate & validate_normal) != 0);
+  want(Aov::depth, (settings.validate & validate_depth) != 0);
+  want(Aov::object_id, (settings.validate & validate_id) != 0);
   want(Aov::motion, settings.motion != MotionUse::none);
   for (const Aov aov : {Aov::variance, Aov::half_a, Aov::half_b}) want(aov, true);
   return wanted;
@@ -72,8 +74,8 @@ Denoised ForwardFilter::denoise(const Frame& frame) {
   Denoised result{Frame(frame.number(), frame.width(), frame.height()), {}};
   result.frame.add(Aov::beauty);
   result.frame.add(Aov::variance);
-  for (const Aov aov : {Aov::flow, Aov::error_mask, Aov::sample_count}) {
-    if (contains(task.diagnostics, aov)) result.frame.add(aov);
+  for (const AovInfo& entry : kAovTable) {
+    if (entry.diagnostic && contains(task.diagnostics, entry.aov)) result.frame.add(entry.aov);
   }
   FrameReport& report = result.report;
   report.non_finite_pixels = static_cast<std::size_t>(std::ranges::count(new_frame.finite, 0));

@@ -8,6 +8,7 @@
 #include "filter/align.h"
 #include "filter/frame_merger.h"
 #include "filter/gpu/chain.h"
+#include "filter/merge.h"
 
 namespace becalm::filter {
 
@@ -61,6 +62,7 @@ struct TileChain {
   gpu::ImageId color;
   gpu::ImageId variance;
   gpu::ImageId exposure;
+  std::optional<SurfaceInputs> surface;
   gpu::ImageId history_color;
   gpu::ImageId history_stats;
   gpu::ImageId merged_color;

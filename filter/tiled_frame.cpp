@@ -108,6 +108,9 @@ TiledFrame::TiledFrame(gpu::Device& device, FilterTask task, std::uint64_t memor
     *color = Image(task_.full.width, task_.full.height, 4);
   for (Image* stats : {&history_.stats, &merged_stats_})
     *stats = Image(task_.full.width, task_.full.height, 2);
+  if (!chains_->tile->surface) return;
+  for (Image* surface : {&history_.surface, &surface_})
+    *surface = Image(task_.full.width, task_.full.height, 4);
 }
 
 TiledFrame::~TiledFrame() = default;
@@ -176,10 +179,12 @@ void TiledFrame::plan(gpu::Device& device, std::uint64_t memory_limit) {
 void TiledFrame::merge(const NewFrame& frame, Denoised& result) {
   for (const Tile& tile : feature_tiles_) find_features(tile, frame, result.report);
   if (chains_->coarse) find_coarse_offsets(frame, result.report);
+  if (chains_->tile->surface) pack_surface(frame.frame, task_.used, bounds(task_.full), surface_.data());
   for (const Tile& tile : tiles_) merge_tile(tile, frame, result);
   std::swap(history_.color, merged_color_);
   std::swap(history_.stats, merged_stats_);
   std::swap(history_.features, features_);
+  std::swap(history_.surface, surface_);
 }
 
 void TiledFrame::find_features(const Tile& tile, const NewFrame& frame, FrameReport& report) {
@@ -243,6 +248,10 @@ void TiledFrame::merge_tile(const Tile& tile, const NewFrame& frame, Denoised& r
   const auto origin = chain.upload<float>(chains.target_origin);
   origin[0] = static_cast<float>(tile.target.x - tile.source.x);
   origin[1] = static_cast<float>(tile.target.y - tile.source.y);
+  if (chains.surface) {
+    upload(chain, chains.surface->current, view(std::as_const(surface_)), tile.target);
+    upload(chain, chains.surface->previous, view(std::as_const(history_.surface)), tile.source);
+  }
   upload(chain, chains.history_color, view(std::as_const(history_.color)), tile.source);
   upload(chain, chains.history_stats, view(std::as_const(history_.stats)), tile.source);
   upload(chain, chains.target.image, std::as_const(features_.finest).view(),

@@ -29,8 +29,9 @@ struct HostFeatures {
 
 /// What is known of the frames before: all that goes from one frame to the next.
 struct HostHistory {
-  Image color;  ///< four channels
-  Image stats;  ///< (variance left, effective sample count); a count of 0 means no history
+  Image color;    ///< four channels
+  Image stats;    ///< (variance left, effective sample count); a count of 0 means no history
+  Image surface;  ///< what the frame before showed, as pack_surface gives it; empty if nobody asks
   HostFeatures
       features;  ///< those of the frame before; a new frame replaces their radiance by that of `color`
 };
@@ -65,6 +66,7 @@ class TiledFrame : public FrameMerger {
   HostFeatures features_;  ///< of the new frame
   Image merged_color_;     ///< the history of the next frame in the making
   Image merged_stats_;
+  Image surface_;  ///< of the new frame
 };
 
 }  // namespace becalm::filter

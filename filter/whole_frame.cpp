@@ -1,10 +1,11 @@
 #include "filter/whole_frame.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "filter/align.h"
 #include "filter/host_images.h"
-#include "filter/merge.h"
+#include "filter/validate.h"
 
 namespace becalm::filter {
 
@@ -37,6 +38,11 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
       chain_, settings, full, add_feature_passes(chain_, settings, full, "target", target),
       add_feature_passes(chain_, settings, full, "source", source), {.name = {}, .motion = motion_});
   offset_ = alignment.offset;
+  const unsigned rules = applicable_rules(settings, task_.used);
+  if (rules != 0) {
+    surface_ = {chain_.input("surface.cur", Format::f32x4, full),
+                chain_.input("surface.prev", Format::f32x4, full)};
+  }
 
   decision_ = add_merge_passes(
       chain_, settings, full,
@@ -45,7 +51,10 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
            task_.variance_known() ? variance_ : add_variance_estimate(chain_, full, color_, variance_),
        .exposure = exposure_,
        .history_color = history_color,
-       .history_stats = history_stats},
+       .history_stats = history_stats,
+       .history_window = {},
+       .rules = rules,
+       .surface = surface_.value_or(SurfaceInputs{})},
       alignment);
   merged_color_ = history_color.next;
   merged_stats_ = history_stats.next;
@@ -67,6 +76,12 @@ void WholeFrame::merge(const NewFrame& frame, Denoised& result) {
                chain_.upload<float>(*guide_));
   }
   if (motion_) pack_motion(frame.frame.image(Aov::motion), all.target, chain_.upload<float>(*motion_));
+  if (surface_) {
+    // What was new in the last run; before the first one there is no history to validate.
+    const auto current = chain_.upload<float>(surface_->current);
+    std::ranges::copy(current, chain_.upload<float>(surface_->previous).begin());
+    pack_surface(frame.frame, task_.used, all.target, current);
+  }
   chain_.run();
   result.report.passes = chain_.times();
   MergedTile merged{.color = chain_.download<float>(merged_color_),

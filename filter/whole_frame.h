@@ -4,6 +4,7 @@
 
 #include "filter/frame_merger.h"
 #include "filter/gpu/chain.h"
+#include "filter/merge.h"
 
 namespace becalm::filter {
 
@@ -28,6 +29,7 @@ class WholeFrame : public FrameMerger {
   gpu::ImageId variance_;
   std::optional<gpu::ImageId> guide_;
   std::optional<gpu::ImageId> motion_;
+  std::optional<SurfaceInputs> surface_;
   gpu::ImageId offset_;
   gpu::ImageId merged_color_;
   gpu::ImageId merged_stats_;

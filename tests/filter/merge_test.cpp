@@ -71,7 +71,7 @@ class MergeOnDevice {
       std::copy_n(out.begin() + 4 * i, 4, e.color.begin());
       e.variance = stats[2 * i];
       e.count = stats[2 * i + 1];
-      merged.rejected.data[i] = decision[2 * i];
+      merged.rejected.data[i] = decision[4 * i];
     }
     return merged;
   }
