@@ -17,6 +17,8 @@ void unpack(const MergedTile& merged, const Tile& tile, const NewFrame& frame, D
   const std::span<float> rule = result.frame.image(Aov::rejected_by).data();
   const std::span<float> count = result.frame.image(Aov::sample_count).data();
   const std::span<float> flow = result.frame.image(Aov::flow).data();
+  const std::span<float> residual = result.frame.image(Aov::residual).data();
+  const int residual_width = (tile.target.width + merged.residual_px - 1) / merged.residual_px;
   for (int y = core.y; y < core.y + core.height; ++y) {
     std::size_t i = static_cast<std::size_t>(y) * result.frame.width() + core.x;
     std::size_t t =
@@ -32,6 +34,11 @@ void unpack(const MergedTile& merged, const Tile& tile, const NewFrame& frame, D
       if (!rule.empty()) rule[i] = decision[3];
       if (!count.empty()) count[i] = merged.stats[2 * t + 1];
       if (!flow.empty()) std::ranges::copy(merged.offset.subspan(2 * t, 2), flow.begin() + 2 * i);
+      if (!residual.empty()) {
+        const int column = (static_cast<int>(i) % result.frame.width() - tile.target.x) / merged.residual_px;
+        const int row = (y - tile.target.y) / merged.residual_px;
+        residual[i] = merged.residual[static_cast<std::size_t>(row) * residual_width + column];
+      }
       result.report.mean_rejected += decision[0];
       result.report.mean_sample_count += merged.stats[2 * t + 1];
     }

@@ -52,7 +52,9 @@ struct MergedTile {
   std::span<const float> color;
   std::span<const float> stats;
   std::span<const float> decision;
-  std::span<const float> offset;  ///< empty if nobody wants it
+  std::span<const float> offset;    ///< empty if nobody wants it, as is the next
+  std::span<const float> residual;  ///< of the finest level
+  int residual_px;                  ///< full-resolution pixels in one of the level's
 };
 
 /// Puts a tile's core into the result, whose images are there already, and adds it to the sums of the report.

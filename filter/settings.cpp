@@ -101,7 +101,7 @@ const Row kRows[] = {
       "distrusts history that was of another surface than the new frame's"},
      NamedSet{&Settings::validate, kValidateNames}},
     {{"validate_bias", "number 0..1000",
-      "variance mode: relative bias that history is given where it is half trusted; large ones reject it"},
+      "variance mode: relative bias that history of another surface is given; large ones reject it"},
      FloatRange{&Settings::validate_bias, 0.0f, 1000.0f}},
     {{"depth_tolerance", "number 0.001..10",
       "relative difference of depth, beyond the surface's slope, that halves the trust in history"},

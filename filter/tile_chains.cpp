@@ -127,7 +127,9 @@ TileChain::TileChain(gpu::Device& device, const FilterTask& task, const PyramidS
   chain.output(merged_color);
   chain.output(merged_stats);
   chain.output(decision);
+  residual = found.residual.front();
   if (contains(task.diagnostics, Aov::flow)) chain.output(offset);
+  if (contains(task.diagnostics, Aov::residual)) chain.output(residual);
   chain.plan();
 }
 

@@ -69,6 +69,7 @@ struct TileChain {
   gpu::ImageId merged_stats;
   gpu::ImageId decision;
   gpu::ImageId offset;
+  gpu::ImageId residual;  ///< of level 0
 };
 
 }  // namespace becalm::filter

@@ -270,8 +270,13 @@ void TiledFrame::merge_tile(const Tile& tile, const NewFrame& frame, Denoised& r
   MergedTile merged{.color = chain.download<float>(chains.merged_color),
                     .stats = chain.download<float>(chains.merged_stats),
                     .decision = chain.download<float>(chains.decision),
-                    .offset = {}};
+                    .offset = {},
+                    .residual = {},
+                    .residual_px = finest_px};
   if (contains(task_.diagnostics, Aov::flow)) merged.offset = chain.download<float>(chains.offset);
+  if (contains(task_.diagnostics, Aov::residual)) {
+    merged.residual = chain.download<float>(chains.residual);
+  }
   unpack(merged, tile, frame, result);
   const Rect core = within(tile.core, tile.target);
   copy_rect({merged.color, tile.target.extent(), 4}, core, view(merged_color_), tile.core.x, tile.core.y);

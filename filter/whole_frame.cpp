@@ -38,6 +38,7 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
       chain_, settings, full, add_feature_passes(chain_, settings, full, "target", target),
       add_feature_passes(chain_, settings, full, "source", source), {.name = {}, .motion = motion_});
   offset_ = alignment.offset;
+  residual_ = alignment.residual.front();
   const unsigned rules = applicable_rules(settings, task_.used);
   if (rules != 0) {
     surface_ = {chain_.input("surface.cur", Format::f32x4, full),
@@ -62,6 +63,7 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
   chain_.output(merged_stats_);
   chain_.output(decision_);
   if (contains(task_.diagnostics, Aov::flow)) chain_.output(offset_);
+  if (contains(task_.diagnostics, Aov::residual)) chain_.output(residual_);
   chain_.plan();
 }
 
@@ -87,8 +89,11 @@ void WholeFrame::merge(const NewFrame& frame, Denoised& result) {
   MergedTile merged{.color = chain_.download<float>(merged_color_),
                     .stats = chain_.download<float>(merged_stats_),
                     .decision = chain_.download<float>(decision_),
-                    .offset = {}};
+                    .offset = {},
+                    .residual = {},
+                    .residual_px = level_px(task_.settings, 0)};
   if (contains(task_.diagnostics, Aov::flow)) merged.offset = chain_.download<float>(offset_);
+  if (contains(task_.diagnostics, Aov::residual)) merged.residual = chain_.download<float>(residual_);
   unpack(merged, all, frame, result);
 }
 

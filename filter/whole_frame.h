@@ -31,6 +31,7 @@ class WholeFrame : public FrameMerger {
   std::optional<gpu::ImageId> motion_;
   std::optional<SurfaceInputs> surface_;
   gpu::ImageId offset_;
+  gpu::ImageId residual_;
   gpu::ImageId merged_color_;
   gpu::ImageId merged_stats_;
   gpu::ImageId decision_;

@@ -28,8 +28,9 @@ enum class Aov {
   bias,
   gain,
   rejected_by,
+  residual,
 };
-inline constexpr std::size_t kAovCount = 18;
+inline constexpr std::size_t kAovCount = 19;
 
 using AovSet = std::bitset<kAovCount>;
 
@@ -72,6 +73,8 @@ inline constexpr std::array<AovInfo, kAovCount> kAovTable{{
     {Aov::rejected_by, "rejected_by", "Y", true,
      "rule that took most of the history's weight: 0 none, 1 there was no history, 2 the residual, 3 depth, "
      "4 normal, 5 object number"},
+    {Aov::residual, "residual", "Y", true,
+     "patch distance at the offset, less that of equal pixels, of the finest level that was matched"},
 }};
 
 constexpr const AovInfo& info(Aov aov) {

@@ -48,6 +48,7 @@ constexpr Alias kAliases[] = {
     {Aov::bias, "bias"},
     {Aov::gain, "gain"},
     {Aov::rejected_by, "rejected_by"},
+    {Aov::residual, "residual"},
 };
 
 /// Blender writes what its compositor made of the picture as a layer of this scope. Its noise is no longer

@@ -162,8 +162,8 @@ TEST(Gain, KeepsToItsLimits) {
 
 TEST(Gain, DistrustIsBias) {
   EXPECT_EQ(bias_of_distrust(1.0f, 0.3f), 0.0f);
-  EXPECT_FLOAT_EQ(bias_of_distrust(0.5f, 0.3f), 0.09f);
-  EXPECT_GT(gain(2.0f, 0.5f, bias_of_distrust(0.0f, 0.3f)), 0.999f);
+  EXPECT_FLOAT_EQ(bias_of_distrust(0.75f, 0.4f), 0.04f);
+  EXPECT_GT(gain(2.0f, 0.5f, bias_of_distrust(0.0f, 1000.0f)), 0.999f);
 }
 
 TEST(Rejection, NamesTheRuleThatTookMost) {

@@ -211,7 +211,7 @@ TEST_F(ValidateTest, TakesFromTheHistorysWeightWhatTheReferenceSays) {
         for (int y = 1; y < kHeight; ++y) {
           for (int x = 0; x < kWidth - 3; ++x) {  // beyond there is no history
             const double t = truth.at(x, y);
-            const double distrusted = 0.01 + 0.25 * (1 / std::max(t, 1e-6) - 1);
+            const double distrusted = 0.01 + 0.25 * (1 - t);
             const double weight = settings.merge == MergeMode::mask ? 0.8 * t : 0.04 / (0.04 + distrusted);
             ASSERT_NEAR(1 - found.gain.at(x, y), weight, 2e-3)
                 << merge << ' ' << rules << ' ' << x << ',' << y;
@@ -229,7 +229,7 @@ TEST_F(ValidateTest, DistrustIsPartOfTheVarianceThatIsLeft) {
   // sample's.
   Settings settings = preset("final");
   set(settings, "validate=id");
-  settings.validate_bias = 100.0f;
+  settings.validate_bias = 1000.0f;
   const Grid<Surface> now(kWidth, kHeight, {1, {0, 0, 1}, 1});
   Grid<Surface> before = now;
   for (int y = 0; y < kHeight; ++y) before.at(20, y).id = 7;
