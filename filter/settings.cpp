@@ -267,6 +267,7 @@ Settings preset(std::string_view name) {
   } else if (name == "final") {
     settings.match_downsample = 1;
     settings.prefilter = 2;
+    settings.validate = validate_depth | validate_normal | validate_id;
   } else if (name != "balanced") {
     throw Error(ExitStatus::usage, fmt::format("preset '{}': expected draft, balanced or final", name));
   }

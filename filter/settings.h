@@ -56,7 +56,7 @@ struct Settings {
 
   Resample resample = Resample::catmull_rom;
   unsigned validate = 0;  ///< flags of Validate
-  float validate_bias = 0.3f;
+  float validate_bias = 0.2f;
   float depth_tolerance = 0.05f;
   float normal_tolerance = 0.3f;
   HistoryClip history_clip = HistoryClip::none;
