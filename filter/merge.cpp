@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "filter/correct.h"
 #include "filter/validate.h"
 #include "shaders/shared/merge_params.h"
 
@@ -162,13 +163,23 @@ int resample_margin_px(const Settings& settings) {
 
 int merge_margin_px(const Settings& settings) {
   constexpr int variance_estimate = 1;
-  return variance_estimate + validate_margin_px(settings) +
+  return variance_estimate + correction_margin_px(settings) + validate_margin_px(settings) +
          (settings.merge == MergeMode::variance ? settings.patch_radius : 0);
 }
 
 ImageId add_merge_passes(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
                          const Alignment& alignment) {
   WarpedHistory warped = add_warp_passes(chain, settings, full, inputs, alignment.offset);
+  if (settings.correct_levels > 0) {
+    warped.color = add_correction_passes(chain, settings, full,
+                                         {.color = inputs.color,
+                                          .variance = inputs.variance,
+                                          .exposure = inputs.exposure,
+                                          .half_difference = inputs.half_difference,
+                                          .estimate = warped.color,
+                                          .estimate_stats = warped.stats},
+                                         "correction");
+  }
   if (settings.history_clip != HistoryClip::none) {
     warped = add_rectify_pass(chain, settings, full, inputs.color, inputs.variance, warped);
   }

@@ -144,6 +144,9 @@ const Row kRows[] = {
      FloatRange{&Settings::significance, 0.0f, 20.0f}},
     {{"max_history", "number 1..100000", "largest number of frames that the history may count for"},
      FloatRange{&Settings::max_history, 1.0f, 100000.0f}},
+    {{"correct_levels", "integer 0..6",
+      "the means over blocks of 2 to 2^N pixels are brought to those of the frame; 0 leaves them"},
+     IntRange{&Settings::correct_levels, 0, 6}},
 };
 
 template <class... Cases>
@@ -267,7 +270,6 @@ Settings preset(std::string_view name) {
   } else if (name == "final") {
     settings.match_downsample = 1;
     settings.prefilter = 2;
-    settings.validate = validate_depth | validate_normal | validate_id;
   } else if (name != "balanced") {
     throw Error(ExitStatus::usage, fmt::format("preset '{}': expected draft, balanced or final", name));
   }

@@ -73,6 +73,7 @@ struct Settings {
   int patch_radius = 3;
   float significance = 3.0f;
   float max_history = 64.0f;
+  int correct_levels = 4;
 };
 
 /// One row of the settings table.

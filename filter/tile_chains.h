@@ -63,6 +63,7 @@ struct TileChain {
   gpu::ImageId variance;
   gpu::ImageId exposure;
   std::optional<SurfaceInputs> surface;
+  std::optional<gpu::ImageId> half_difference;
   gpu::ImageId history_color;
   gpu::ImageId history_stats;
   gpu::ImageId merged_color;

@@ -30,6 +30,7 @@ class WholeFrame : public FrameMerger {
   std::optional<gpu::ImageId> guide_;
   std::optional<gpu::ImageId> motion_;
   std::optional<SurfaceInputs> surface_;
+  std::optional<gpu::ImageId> half_difference_;
   gpu::ImageId offset_;
   gpu::ImageId residual_;
   gpu::ImageId merged_color_;

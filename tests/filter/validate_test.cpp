@@ -24,6 +24,14 @@ constexpr int kHeight = 33;
 constexpr gpu::Extent kFull{kWidth, kHeight};
 constexpr double kBrightness = 1.1;  // of radiance 1 at an exposure of 1
 
+/// The final preset with neither validation nor correction.
+Settings uncorrected() {
+  Settings settings = preset("final");
+  settings.validate = 0;
+  settings.correct_levels = 0;
+  return settings;
+}
+
 AovSet surface_aovs() {
   AovSet set;
   for (const Aov aov : {Aov::depth, Aov::normal, Aov::object_id}) set.set(static_cast<std::size_t>(aov));
@@ -198,7 +206,7 @@ TEST_F(ValidateTest, TakesFromTheHistorysWeightWhatTheReferenceSays) {
     for (const char* rules :
          {"validate=depth", "validate=normal", "validate=id", "validate=depth,normal,id"}) {
       for (const Vec2 shift : {Vec2{0, 0}, {2.625, -0.375}}) {
-        Settings settings = preset("final");
+        Settings settings = uncorrected();
         set(settings, merge);
         set(settings, rules);
         settings.mask_alpha = 1.0f;
@@ -227,7 +235,7 @@ TEST_F(ValidateTest, TakesFromTheHistorysWeightWhatTheReferenceSays) {
 TEST_F(ValidateTest, DistrustIsPartOfTheVarianceThatIsLeft) {
   // Without bias the merged variance is a third of either; a history that is not believed leaves the
   // sample's.
-  Settings settings = preset("final");
+  Settings settings = uncorrected();
   set(settings, "validate=id");
   settings.validate_bias = 1000.0f;
   const Grid<Surface> now(kWidth, kHeight, {1, {0, 0, 1}, 1});
@@ -244,7 +252,7 @@ TEST_F(ValidateTest, DistrustIsPartOfTheVarianceThatIsLeft) {
 }
 
 TEST_F(ValidateTest, AStaticSceneIsTrustedWholly) {
-  Settings settings = preset("final");
+  Settings settings = uncorrected();
   set(settings, "validate=depth,normal,id");
   const Grid<Surface> still = scene(0);
   const Grid<Estimate> sample = noisy(1, 0.04, 1);
@@ -266,7 +274,7 @@ TEST_F(ValidateTest, RectificationAgreesWithTheReference) {
   for (const char* clip : {"history_clip=clamp", "history_clip=clip", "history_clip=variance"}) {
     for (const char* space : {"clip_space=rgb", "clip_space=ycocg"}) {
       for (const int radius : {1, 2}) {
-        Settings settings = preset("final");
+        Settings settings = uncorrected();
         set(settings, clip);
         set(settings, space);
         settings.clip_radius = radius;
@@ -311,7 +319,7 @@ TEST_F(ValidateTest, RectificationAgreesWithTheReference) {
 }
 
 TEST_F(ValidateTest, ExponentialAccumulationAlwaysGivesTheHistoryTheSameWeight) {
-  Settings settings = preset("final");
+  Settings settings = uncorrected();
   set(settings, "merge=mask");
   set(settings, "accumulate=exponential");
   const Grid<Surface> nothing(kWidth, kHeight);
@@ -329,7 +337,7 @@ TEST_F(ValidateTest, ExponentialAccumulationAlwaysGivesTheHistoryTheSameWeight) 
 
 TEST_F(ValidateTest, LuminanceWeightsBrightSamplesLess) {
   // Eq. 4 of the survey: a sample of luminance 3 counts a quarter of a black history.
-  Settings settings = preset("final");
+  Settings settings = uncorrected();
   set(settings, "merge=mask");
   settings.luminance_weight = 1.0f;
   const Grid<Surface> nothing(kWidth, kHeight);
