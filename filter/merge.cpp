@@ -15,7 +15,7 @@ using gpu::Extent;
 using gpu::Format;
 using gpu::ImageId;
 
-/// Radius of the spline's prefilter: its weights fall by 0.34 a pixel, to 1e-4 here.
+/// Radius of the spline's prefilter: its weights fall by 0.34 a pixel, to 2e-4 here.
 constexpr int kSplineRadius = 8;
 
 /// What the resampling filter's kernel is summed over: the history itself, or its spline coefficients.
