@@ -1,4 +1,4 @@
-// becalm denoise: a sequence of EXR files from any renderer, denoised forward in time into another.
+// becalm denoise: a sequence of EXR files from any renderer, denoised into another.
 
 #include <fmt/format.h>
 
@@ -6,19 +6,18 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <future>
 #include <memory>
 #include <optional>
 
 #include "app/cancel.h"
 #include "app/command.h"
+#include "app/filter_run.h"
 #include "app/filter_step.h"
 #include "app/input_frames.h"
 #include "app/options.h"
 #include "app/outputs.h"
 #include "app/profile.h"
 #include "app/progress.h"
-#include "app/stage.h"
 #include "app/writing.h"
 #include "frame/io/exr.h"
 #include "frame/io/layers.h"
@@ -37,13 +36,6 @@ struct DenoiseCommand {
   std::string missing = "error";
 };
 
-/// A denoised frame on its way to its files.
-struct Result {
-  Frame frame;
-  io::LoadedFrame source;
-  std::vector<int> outputs;  ///< its own number, and those of the missing frames that hold it
-};
-
 /// One run of `becalm denoise`.
 class DenoiseJob {
  public:
@@ -54,8 +46,7 @@ class DenoiseJob {
   void find_existing();
   io::LoadedFrame read(int frame);
   void check_like_first(const io::LoadedFrame& loaded);
-  void go_through(const std::vector<InputFrame>& work);
-  void write(Result& result);
+  void write(DenoisedFile& result);
 
   const DenoiseCommand& command_;
   const ThreadLimit threads_;
@@ -76,17 +67,18 @@ DenoiseJob::DenoiseJob(const DenoiseCommand& command)
       threads_(command.running.threads),
       layers_(io::parse_layer_overrides(command.layers)),
       filter_(command.preset, command.filter),
-      inputs_(command.input, command.output.frames, parse_missing(command.missing)),
+      inputs_(command.input, command.output.frames, parse_missing(command.missing),
+              [this](const auto& asked, const auto& on_disk) { return filter_.readable(asked, on_disk); }),
       outputs_("-o", command.output.pattern, inputs_.outputs()) {
   std::vector<std::string> paths;
-  for (const InputFrame& frame : inputs_.frames()) paths.push_back(inputs_.path(frame.number));
+  for (const int frame : inputs_.readable()) paths.push_back(inputs_.path(frame));
   outputs_.keep_apart_from(paths);
 }
 
 ExitStatus DenoiseJob::run() {
-  const std::string first_path = inputs_.path(inputs_.frames().front().number);
+  const std::string first_path = inputs_.path(inputs_.readable().front());
   attributes_ = {{"becalm:version", BECALM_VERSION},
-                 {"becalm:settings", filter_.describe(inputs_.frames().front().number) +
+                 {"becalm:settings", filter_.describe(inputs_.readable()) +
                                          (command_.layers.empty() ? "" : " layers=" + command_.layers)},
                  {"becalm:preset", command_.preset}};
   const std::string rendered_with = io::read_attribute(first_path, "becalm:settings");
@@ -94,14 +86,29 @@ ExitStatus DenoiseJob::run() {
 
   outputs_.prepare();
   if (command_.output.resume) find_existing();
-  const std::vector<InputFrame> work = inputs_.up_to_last_missing(existing_);
+  // Without segments every frame depends on all before it.
+  const std::set<int> wanted =
+      filter_.has_segments() ? inputs_.sources_of_missing(existing_) : inputs_.up_to_last_missing(existing_);
   const std::size_t asked = outputs_.frames().size();
-  if (work.empty()) return all_there(asked, command_.running.quiet);
+  if (wanted.empty()) return all_there(asked, command_.running.quiet);
 
   progress_.emplace(ProgressOptions{
-      .total = asked, .existing = existing_.size(), .work = work.size(), .quiet = command_.running.quiet});
+      .total = asked, .existing = existing_.size(), .work = wanted.size(), .quiet = command_.running.quiet});
   if (!inputs_.note().empty()) progress_->warn(inputs_.note());
-  go_through(work);
+  std::vector<filter::Step> steps;
+  for (const filter::Segment& segment : filter_.schedule(inputs_.readable(), wanted, inputs_.step())) {
+    steps.insert(steps.end(), segment.begin(), segment.end());
+  }
+  const double work_per_step = static_cast<double>(wanted.size()) / static_cast<double>(steps.size());
+  run_filter(
+      filter_, steps,
+      {.read = [this](int frame) { return read(frame); },
+       .check = [this](const io::LoadedFrame& loaded) { check_like_first(loaded); },
+       .write = [this](DenoisedFile& result) { write(result); }},
+      [&](std::size_t step) {
+        progress_->update(steps[step].frame, work_per_step * static_cast<double>(step));
+      },
+      *progress_, profile_);
   filter_.finish(profile_);
   return conclude(*progress_, asked, command_.running.profile ? &profile_ : nullptr);
 }
@@ -112,32 +119,13 @@ void DenoiseJob::find_existing() {
   existing_ = std::move(found.frames);
 }
 
-/// Reading the next frame, filtering and writing the last one go on at the same time.
-void DenoiseJob::go_through(const std::vector<InputFrame>& work) {
-  Stage<Result> writer(
-      1, [this](Result& result) { write(result); }, request_stop);
-  const auto start_reading = [this](int frame) {
-    return std::async(std::launch::async, [this, frame] { return read(frame); });
-  };
-  std::future<io::LoadedFrame> next = start_reading(work.front().number);
-  for (std::size_t i = 0; i < work.size() && !stop_requested(); ++i) {
-    io::LoadedFrame loaded = next.get();
-    check_like_first(loaded);
-    if (i + 1 < work.size()) next = start_reading(work[i + 1].number);
-    if (work[i].new_history && i > 0) filter_.reset();
-    progress_->update(work[i].number, static_cast<double>(i));
-    filter::Denoised denoised = filter_.denoise(loaded.frame, *progress_, profile_);
-    writer.push({std::move(denoised.frame), std::move(loaded), work[i].outputs});
-  }
-  writer.finish();
-}
-
 io::LoadedFrame DenoiseJob::read(int frame) {
   const ProfileScope scope(profile_, "read");
   return io::read_exr(inputs_.path(frame), frame, filter_.wanted(), layers_);
 }
 
-/// The first frame decides the size and the layers; nothing is written of a frame that differs.
+/// All frames have the size and the layers of the first one, so that it does not matter which that is;
+/// nothing is written of a frame that differs.
 void DenoiseJob::check_like_first(const io::LoadedFrame& loaded) {
   const Frame& frame = loaded.frame;
   if (!first_) {
@@ -149,18 +137,21 @@ void DenoiseJob::check_like_first(const io::LoadedFrame& loaded) {
   const std::string path = inputs_.path(frame.number());
   if (frame.width() != first_->width() || frame.height() != first_->height()) {
     throw Error(ExitStatus::bad_input,
-                fmt::format("{}: is {}x{}, and the frames before it are {}x{}", path, frame.width(),
-                            frame.height(), first_->width(), first_->height()));
+                fmt::format("{}: is {}x{}, and {} is {}x{}", path, frame.width(), frame.height(),
+                            inputs_.path(first_->number()), first_->width(), first_->height()));
   }
+  const std::string first_path = inputs_.path(first_->number());
   for (const AovInfo& entry : kAovTable) {
-    if (!first_aovs_.test(static_cast<std::size_t>(entry.aov)) || frame.has(entry.aov)) continue;
-    throw Error(ExitStatus::bad_input, fmt::format("{}: has no layer '{}', which {} has", path, entry.name,
-                                                   inputs_.path(first_->number())));
+    const bool of_first = contains(first_aovs_, entry.aov);
+    if (frame.has(entry.aov) == of_first) continue;
+    throw Error(ExitStatus::bad_input,
+                fmt::format("{}: has no layer '{}', which {} has", of_first ? path : first_path, entry.name,
+                            of_first ? first_path : path));
   }
 }
 
-void DenoiseJob::write(Result& result) {
-  for (const int number : result.outputs) {
+void DenoiseJob::write(DenoisedFile& result) {
+  for (const int number : inputs_.outputs_of(result.frame.number())) {
     if (existing_.contains(number)) {
       progress_->frame_kept(number);
       continue;

@@ -2,38 +2,101 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "filter/guides.h"
+#include "frame/error.h"
+#include "frame/io/sequence.h"
 
 namespace becalm::app {
+
+namespace {
+
+/// Chosen by the curves in filter/README.md.
+constexpr int kSegment = 32;
+constexpr int kWarmup = 8;
+
+}  // namespace
 
 FilterStep::FilterStep(const std::string& preset, const FilterOptions& options)
     : settings_(resolve_settings(preset, options)),
       diagnostics_(diagnostics_of(options)),
       device_options_(device_options(options)),
-      memory_limit_(memory_limit(options)) {}
+      memory_limit_(memory_limit(options)),
+      segment_(options.segment.value_or(settings_.directions == filter::Directions::both ? kSegment : 0)),
+      context_(options.context),
+      cuts_(options.cuts) {
+  if (cuts_ != "auto" && cuts_ != "none") {
+    const std::vector<int> cuts = io::parse_frame_range(cuts_);
+    given_cuts_ = {cuts.begin(), cuts.end()};
+  }
+  if (options.warmup && !has_segments()) {
+    throw Error(ExitStatus::usage,
+                fmt::format("--warmup {}: a forward filter's history is unbounded; --segment "
+                            "bounds it",
+                            *options.warmup));
+  }
+  warmup_ = has_segments() ? options.warmup.value_or(kWarmup) : 0;
+  context_frames();  // throws for what is no range
+}
 
-std::string FilterStep::describe(int first_frame) const {
-  return fmt::format("{} diagnostics={} first_frame={}", filter::to_string(settings_),
-                     diagnostics_.any() ? "yes" : "no", first_frame);
+std::string FilterStep::describe(const std::vector<int>& readable) const {
+  const std::string history = has_segments()
+                                  ? fmt::format("segment={} warmup={} context={}", segment_, warmup_,
+                                                context_.empty()     ? "all"
+                                                : context_ == "none" ? io::format_frame_range(readable)
+                                                                     : context_)
+                                  : fmt::format("first_frame={}", readable.front());
+  return fmt::format("{} diagnostics={} cuts={} {}", filter::to_string(settings_),
+                     diagnostics_.any() ? "yes" : "no", cuts_, history);
+}
+
+std::vector<int> FilterStep::readable(const std::vector<int>& asked, const std::vector<int>& existing) const {
+  if (context_.empty() && has_segments()) return existing;
+  std::vector<int> allowed;
+  std::ranges::set_union(asked, context_frames(), std::back_inserter(allowed));
+  std::vector<int> readable;
+  std::ranges::set_intersection(existing, allowed, std::back_inserter(readable));
+  return readable;
+}
+
+std::vector<int> FilterStep::context_frames() const {
+  if (context_.empty() || context_ == "none") return {};
+  return io::parse_frame_range(context_);
+}
+
+std::vector<filter::Segment> FilterStep::schedule(const std::vector<int>& readable,
+                                                  const std::set<int>& wanted, int step) const {
+  return filter::schedule(readable, wanted,
+                          {.directions = settings_.directions,
+                           .segment = segment_,
+                           .warmup = warmup_,
+                           .step = step,
+                           .cuts = given_cuts_});
 }
 
 void FilterStep::build(int width, int height, AovSet available) {
   device_.emplace(device_options_);
-  filter_.emplace(*device_, settings_, width, height, available, diagnostics_, memory_limit_);
+  filter_.emplace(*device_, settings_, width, height, available, diagnostics_, memory_limit_,
+                  cuts_ == "auto" ? filter::FindCuts::yes : filter::FindCuts::no);
   matched_ = filter::matched_text(settings_, available);
 }
 
-filter::Denoised FilterStep::denoise(const Frame& frame, Progress& progress, Profile& profile) {
-  std::optional<filter::Denoised> denoised;
+std::optional<Frame> FilterStep::run(const filter::Step& step, const Frame& frame, Progress& progress,
+                                     Profile& profile) {
+  std::optional<Frame> denoised;
+  filter::FrameReport report;
   {
-    const ProfileScope scope(profile, "filter");
-    denoised = filter_->denoise(frame);
+    const ProfileScope scope(profile,
+                             step.direction == filter::Direction::forward ? "filter" : "filter backward");
+    denoised = filter_->run(step, frame, report);
   }
   if (!matched_.empty()) progress.note(std::exchange(matched_, {}));
-  const filter::FrameReport& report = denoised->report;
   profile.add(report.passes);
+  if (!denoised) return denoised;
+  if (report.new_shot) progress.note(fmt::format("frame {}: a new shot begins", frame.number()));
   if (report.non_finite_pixels > 0) {
     progress.warn(fmt::format("frame {}: {} pixels with NaN or Inf stay as they came", frame.number(),
                               report.non_finite_pixels));
@@ -43,7 +106,7 @@ filter::Denoised FilterStep::denoise(const Frame& frame, Progress& progress, Pro
         fmt::format("frame {}: {} variances that are negative or not finite were taken as pure noise",
                     frame.number(), report.replaced_variances));
   }
-  return std::move(*denoised);
+  return denoised;
 }
 
 void FilterStep::finish(Profile& profile) const {

@@ -2,7 +2,9 @@
 
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "app/options.h"
 #include "app/profile.h"
@@ -22,14 +24,25 @@ class FilterStep {
 
   AovSet wanted() const { return filter::wanted_aovs(settings_); }
   AovSet diagnostics() const { return diagnostics_; }
-  /// The settings as the files record them: equal text means that the filter does the same to a frame. Its
-  /// history begins at the first frame, which therefore is part of it.
-  std::string describe(int first_frame) const;
+  /// Whether history is bounded, so that frames after one and before it are read again for it.
+  bool has_segments() const { return segment_ > 0; }
+  /// The settings as the files record them: equal text means that the filter does the same to a frame. A
+  /// history without segments begins at the first frame that is read, which therefore is part of it.
+  std::string describe(const std::vector<int>& readable) const;
+  /// What else than the frames of --frames may be read, of the frames that exist; `asked` and `existing`
+  /// ascend.
+  std::vector<int> readable(const std::vector<int>& asked, const std::vector<int>& existing) const;
+  /// Frames of --context, as far as they are named.
+  std::vector<int> context_frames() const;
+  /// In which order frames pass through `run`. `step` is the usual distance between frame numbers.
+  std::vector<filter::Segment> schedule(const std::vector<int>& readable, const std::set<int>& wanted,
+                                        int step) const;
 
   /// Opens the device and builds the chain; called before the first frame.
   void build(int width, int height, AovSet available);
-  filter::Denoised denoise(const Frame& frame, Progress& progress, Profile& profile);
-  void reset() { filter_->reset(); }
+  /// Takes the next step of a segment; returns the denoised frame if the step makes one.
+  std::optional<Frame> run(const filter::Step& step, const Frame& frame, Progress& progress,
+                           Profile& profile);
   /// Throws DeviceError if the validation layer complained; tells the profile about the device.
   void finish(Profile& profile) const;
 
@@ -38,8 +51,13 @@ class FilterStep {
   AovSet diagnostics_;
   gpu::DeviceOptions device_options_;
   std::uint64_t memory_limit_;
+  int segment_ = 0;  ///< 0: none
+  int warmup_ = 0;
+  std::string context_;
+  std::string cuts_;  ///< as typed
+  std::set<int> given_cuts_;
   std::optional<gpu::Device> device_;
-  std::optional<filter::ForwardFilter> filter_;
+  std::optional<filter::SequenceFilter> filter_;
   std::string matched_;  ///< what frames are matched by, until it has been said
 };
 

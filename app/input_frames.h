@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -12,33 +14,45 @@ namespace becalm::app {
 enum class Missing { error, skip, hold };
 Missing parse_missing(const std::string& name);
 
-struct InputFrame {
-  int number = 0;
-  bool new_history = false;  ///< frames before it are missing, so the filter starts anew
-  std::vector<int> outputs;  ///< its own number and, with `hold`, those of the missing frames after it
-};
+/// The smallest distance between frame numbers, which ascend: 2 for a sequence on twos. At least 1.
+int usual_step(const std::vector<int>& frames);
 
 /// Which files of a sequence are read, and for which frames each is written.
 class InputFrames {
  public:
+  /// Of frames that are asked for and of those on disk, those that may be read.
+  using Readable =
+      std::function<std::vector<int>(const std::vector<int>& asked, const std::vector<int>& on_disk)>;
+
   /// `range` empty: all on disk. Throws Error(usage) for a bad range, Error(bad_input) naming the frames that
   /// are not there.
-  InputFrames(const std::string& pattern, const std::string& range, Missing missing);
+  InputFrames(const std::string& pattern, const std::string& range, Missing missing,
+              const Readable& readable);
 
-  const std::vector<InputFrame>& frames() const { return frames_; }
+  /// What may be read, ascending.
+  const std::vector<int>& readable() const { return readable_; }
   std::string path(int frame) const { return pattern_.path(frame); }
+  /// The usual distance between the numbers of frames that may be read.
+  int step() const { return step_; }
   /// Every frame that is written, ascending.
   std::vector<int> outputs() const;
-  /// The first frames, up to the last one of which some output is not among the existing.
-  std::vector<InputFrame> up_to_last_missing(const std::set<int>& existing) const;
+  /// For which frames a frame is written: its own number if that was asked for and, with `hold`, those of the
+  /// missing frames after it.
+  const std::vector<int>& outputs_of(int frame) const { return outputs_.at(frame); }
+  /// Frames of which some output is not among the existing.
+  std::set<int> sources_of_missing(const std::set<int>& existing) const;
+  /// Frames that are written, up to the last one of which some output is not among the existing.
+  std::set<int> up_to_last_missing(const std::set<int>& existing) const;
   /// One line about gaps that nobody asked about, or empty.
   const std::string& note() const { return note_; }
 
  private:
-  void take(const std::vector<int>& asked, const std::vector<int>& present, Missing missing);
+  void assign_outputs(const std::vector<int>& asked, Missing missing);
 
   io::SequencePattern pattern_;
-  std::vector<InputFrame> frames_;
+  std::vector<int> readable_;
+  int step_ = 1;
+  std::map<int, std::vector<int>> outputs_;  ///< by the frame that is read
   std::string note_;
 };
 

@@ -52,6 +52,35 @@ void add_filter_options(CLI::App& command, FilterOptions& options) {
       ->allow_extra_args(false)
       ->group("Filter");
   command
+      .add_option(
+          "--segment", options.segment,
+          "Frame numbers that are filtered together, forward and backward in time; a forward filter has no "
+          "segments unless asked (default: 32)")
+      ->check(CLI::Range(1, 100000))
+      ->option_text("B")
+      ->group("Filter");
+  command
+      .add_option("--warmup", options.warmup,
+                  "Frame numbers before and after a segment that its history begins with (default: 8)")
+      ->check(CLI::Range(0, 100000))
+      ->option_text("W")
+      ->group("Filter");
+  command
+      .add_option(
+          "--context", options.context,
+          "Frames that may be read besides those of --frames, so that it does not matter how a sequence is "
+          "cut "
+          "into jobs: none or a range such as 1-96 (default: all there are; none where history is unbounded)")
+      ->option_text("none|RANGE")
+      ->group("Filter");
+  command
+      .add_option("--cuts", options.cuts,
+                  "Where new shots begin, so that nothing is carried over: auto finds out, none, or their "
+                  "first frames "
+                  "such as 12,80 (default: auto)")
+      ->option_text("auto|none|LIST")
+      ->group("Filter");
+  command
       .add_flag("--diagnostics", options.diagnostics,
                 "Write what the filter decided as layers: flow, error_mask, sample_count, bias, gain, "
                 "rejected_by, residual")

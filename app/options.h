@@ -38,6 +38,10 @@ struct FilterOptions {
   std::vector<std::string> assignments;  ///< of --set
   std::string device;
   std::string memory;  ///< of --memory; empty: what the device has
+  std::optional<int> segment;
+  std::optional<int> warmup;
+  std::string context;  ///< empty: what there is
+  std::string cuts = "auto";
   bool validate = false;
   bool diagnostics = false;
 };

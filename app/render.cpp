@@ -5,12 +5,17 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include "app/cancel.h"
 #include "app/command.h"
+#include "app/filter_run.h"
 #include "app/filter_step.h"
+#include "app/input_frames.h"
 #include "app/options.h"
 #include "app/outputs.h"
 #include "app/profile.h"
@@ -20,6 +25,7 @@
 #include "app/stage.h"
 #include "app/writing.h"
 #include "frame/io/exr.h"
+#include "frame/io/sequence.h"
 #include "tracer/render.h"
 #include "tracer/scene/load.h"
 
@@ -34,6 +40,28 @@ AovSet filter_input(const FilterStep& filter, int spp) {
   return wanted;
 }
 
+/// Where noisy frames wait for the filter if nobody wants to keep them: beside the outputs, which without a
+/// frame field are one while the filter may want others, too.
+std::string scratch_pattern(const std::string& output) {
+  const bool has_field = io::SequencePattern(output).has_frame_field();
+  return output.substr(0, output.rfind('.')) + (has_field ? ".noisy.exr" : ".noisy.####.exr");
+}
+
+/// What a filter with segments may read: the scene's frames, at the distance of those that are asked for, and
+/// whatever
+/// --context names. It is rendered where it is read.
+std::vector<int> existing_frames(const std::vector<int>& asked, const tracer::SceneDescription& scene,
+                                 const FilterStep& filter) {
+  std::set<int> frames(asked.begin(), asked.end());
+  const int step = usual_step(asked);
+  for (int frame = scene.frames.first; frame <= scene.frames.last; ++frame) {
+    if ((frame - asked.front()) % step == 0) frames.insert(frame);
+  }
+  const std::vector<int> context = filter.context_frames();
+  frames.insert(context.begin(), context.end());
+  return {frames.begin(), frames.end()};
+}
+
 /// One run of `becalm render`.
 class RenderJob {
  public:
@@ -41,11 +69,19 @@ class RenderJob {
   ExitStatus run();
 
  private:
+  bool has_segments() const { return filter_ && filter_->has_segments(); }
+  void choose_noisy_outputs();
   void find_existing();
+  Progress& start_progress(std::size_t frames_to_make);
+  void run_frame_by_frame(const std::vector<int>& work);
+  void run_segments(const std::vector<int>& work);
+  void filter_segment(const filter::Segment& segment);
+  io::LoadedFrame read_noisy(int frame) const;
   std::optional<Frame> make_noisy(int frame);
   std::optional<Frame> trace(int frame);
   void write_noisy(const Frame& frame);
   void denoise_and_write(Frame& noisy);
+  void write(Frame& result, Frame& noisy);
 
   io::Attributes render_attributes(const AskedAovs& aovs, bool float_colors) const;
 
@@ -58,6 +94,7 @@ class RenderJob {
   const std::string scene_hash_;
   const Size size_;
   std::optional<Outputs> outputs_;
+  std::vector<int> readable_;  ///< by the filter, rendered for it if need be
   std::optional<Outputs> noisy_outputs_;
   io::Attributes attributes_;
   io::Attributes noisy_attributes_;
@@ -82,21 +119,26 @@ RenderJob::RenderJob(const RenderCommand& command)
   outputs_.emplace("-o", command.output.pattern, frames);
   attributes_ = render_attributes(asked_, command.float_colors);
   if (filter_) {
-    attributes_.back().second += ' ' + filter_->describe(frames.front());
+    readable_ = filter_->readable(frames, existing_frames(frames, scene_.description(), *filter_));
+    attributes_.back().second += ' ' + filter_->describe(readable_);
     attributes_.emplace_back("becalm:preset", command.preset);
   }
-  if (!command.keep_noisy.empty()) {
-    if (asked_.light_groups) {
-      throw Error(ExitStatus::usage,
-                  "--keep-noisy: light groups cannot be read back; leave light_groups out of --aovs");
-    }
-    noisy_outputs_.emplace("--keep-noisy", command.keep_noisy, frames);
-    std::vector<std::string> written;
-    written.reserve(frames.size());
-    for (const int frame : frames) written.push_back(outputs_->path(frame));
-    noisy_outputs_->keep_apart_from(written);
-    noisy_attributes_ = render_attributes({rendered_, asked_.light_groups}, /*float_colors=*/true);
+  choose_noisy_outputs();
+}
+
+void RenderJob::choose_noisy_outputs() {
+  if (!command_.keep_noisy.empty()) {
+    noisy_outputs_.emplace("--keep-noisy", command_.keep_noisy, readable_);
+  } else if (has_segments()) {
+    noisy_outputs_.emplace("-o", scratch_pattern(command_.output.pattern), readable_);
+  } else {
+    return;
   }
+  std::vector<std::string> written;
+  written.reserve(outputs_->frames().size());
+  for (const int frame : outputs_->frames()) written.push_back(outputs_->path(frame));
+  noisy_outputs_->keep_apart_from(written);
+  noisy_attributes_ = render_attributes({rendered_, asked_.light_groups}, /*float_colors=*/true);
 }
 
 io::Attributes RenderJob::render_attributes(const AskedAovs& aovs, bool float_colors) const {
@@ -122,39 +164,107 @@ ExitStatus RenderJob::run() {
   if (command_.output.resume) find_existing();
   const std::vector<int>& asked = outputs_->frames();
 
+  // A filter without segments goes through every frame before the one that is missing.
   std::vector<int> work = up_to_last_missing(asked, existing_);
-  if (!filter_) std::erase_if(work, [&](int frame) { return existing_.contains(frame); });
+  if (!filter_ || has_segments()) std::erase_if(work, [&](int frame) { return existing_.contains(frame); });
   if (work.empty()) return all_there(asked.size(), command_.running.quiet);
 
   if (filter_) filter_->build(size_.width, size_.height, rendered_);
-  progress_.emplace(
-      ProgressOptions{.total = asked.size(),
-                      .existing = existing_.size(),
-                      .work = work.size(),
-                      .unit = "samples",
-                      .units_per_frame = static_cast<double>(size_.width) * size_.height * command_.spp,
-                      .quiet = command_.running.quiet});
-  {
-    // The tracer makes frame n+1 while this works on frame n.
-    Stage<Frame> behind_tracer(
-        1, [this](Frame& frame) { denoise_and_write(frame); }, request_stop);
-    for (const int number : work) {
-      progress_->update(number, frames_made_);
-      std::optional<Frame> frame = make_noisy(number);
-      if (!frame || stop_requested()) break;
-      ++frames_made_;
-      behind_tracer.push(std::move(*frame));
-    }
-    behind_tracer.finish(/*drop=*/interrupted() && filter_);
+  if (has_segments()) {
+    run_segments(work);
+  } else {
+    run_frame_by_frame(work);
   }
   if (filter_) filter_->finish(profile_);
   return conclude(*progress_, asked.size(), command_.running.profile ? &profile_ : nullptr);
 }
 
+Progress& RenderJob::start_progress(std::size_t frames_to_make) {
+  return progress_.emplace(
+      ProgressOptions{.total = outputs_->frames().size(),
+                      .existing = existing_.size(),
+                      .work = frames_to_make,
+                      .unit = "samples",
+                      .units_per_frame = static_cast<double>(size_.width) * size_.height * command_.spp,
+                      .quiet = command_.running.quiet});
+}
+
+/// The tracer makes frame n+1 while frame n is filtered and written.
+void RenderJob::run_frame_by_frame(const std::vector<int>& work) {
+  start_progress(work.size());
+  Stage<Frame> behind_tracer(
+      1, [this](Frame& frame) { denoise_and_write(frame); }, request_stop);
+  for (const int number : work) {
+    progress_->update(number, frames_made_);
+    std::optional<Frame> frame = make_noisy(number);
+    if (!frame || stop_requested()) break;
+    ++frames_made_;
+    behind_tracer.push(std::move(*frame));
+  }
+  behind_tracer.finish(/*drop=*/interrupted() && filter_);
+}
+
+/// The tracer makes the frames of segment n+1 while segment n is filtered and written. Noisy frames wait in
+/// files.
+void RenderJob::run_segments(const std::vector<int>& work) {
+  std::vector<filter::Segment> segments =
+      filter_->schedule(readable_, {work.begin(), work.end()}, usual_step(readable_));
+  std::map<int, std::size_t> last_use;  // of a noisy frame: the segment after which nothing reads it
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    for (const filter::Step& step : segments[i]) last_use[step.frame] = i;
+  }
+  Progress& progress = start_progress(last_use.size());
+  if (const std::size_t more = last_use.size() - work.size(); more > 0) {
+    progress.note(fmt::format(
+        "{} frames more are rendered for those before and after them; --context none does without", more));
+  }
+  Stage<std::size_t> behind_tracer(
+      1,
+      [&](std::size_t& segment) {
+        filter_segment(segments[segment]);
+        if (stop_requested() || !command_.keep_noisy.empty()) return;
+        for (const auto& [frame, last] : last_use) {
+          if (last == segment) std::filesystem::remove(noisy_outputs_->path(frame));
+        }
+      },
+      request_stop);
+  std::set<int> made;
+  for (std::size_t i = 0; i < segments.size() && !stop_requested(); ++i) {
+    std::set<int> needed;
+    for (const filter::Step& step : segments[i]) needed.insert(step.frame);
+    for (const int number : needed) {
+      if (stop_requested() || !made.insert(number).second) continue;
+      progress.update(number, frames_made_);
+      if (!existing_noisy_.contains(number)) {
+        const std::optional<Frame> noisy = trace(number);
+        if (!noisy) break;
+        write_noisy(*noisy);
+      }
+      ++frames_made_;
+    }
+    if (!stop_requested()) behind_tracer.push(i);
+  }
+  behind_tracer.finish(/*drop=*/interrupted());
+}
+
+void RenderJob::filter_segment(const filter::Segment& segment) {
+  run_filter(
+      *filter_, segment,
+      {.read = [this](int frame) { return read_noisy(frame); },
+       .check = [](const io::LoadedFrame&) {},
+       .write = [this](DenoisedFile& file) { write(file.frame, file.source.frame); }},
+      [](std::size_t) {}, *progress_, profile_);
+}
+
+io::LoadedFrame RenderJob::read_noisy(int frame) const {
+  return io::read_exr(noisy_outputs_->path(frame), frame, rendered_, {},
+                      asked_.light_groups ? io::LightGroups::read : io::LightGroups::leave);
+}
+
 std::optional<Frame> RenderJob::make_noisy(int frame) {
   if (existing_noisy_.contains(frame)) {
     const ProfileScope scope(profile_, "read");
-    return io::read_exr(noisy_outputs_->path(frame), frame, rendered_).frame;
+    return read_noisy(frame).frame;
   }
   std::optional<Frame> noisy = trace(frame);
   if (noisy && noisy_outputs_) write_noisy(*noisy);
@@ -188,8 +298,8 @@ void RenderJob::write_noisy(const Frame& frame) {
 void RenderJob::denoise_and_write(Frame& noisy) {
   Frame result(noisy.number(), noisy.width(), noisy.height());
   if (filter_) {
-    filter::Denoised denoised = filter_->denoise(noisy, *progress_, profile_);
-    result = std::move(denoised.frame);
+    const filter::Step step{.frame = noisy.number(), .new_history = false, .wanted = true};
+    result = *filter_->run(step, noisy, *progress_, profile_);
   } else {
     result.image(Aov::beauty) = std::move(noisy.image(Aov::beauty));
   }
@@ -197,6 +307,10 @@ void RenderJob::denoise_and_write(Frame& noisy) {
     progress_->frame_kept(noisy.number());
     return;
   }
+  write(result, noisy);
+}
+
+void RenderJob::write(Frame& result, Frame& noisy) {
   // What was asked for comes from the tracer as it is, as `becalm denoise` passes it on from a file.
   for (const AovInfo& entry : kAovTable) {
     if (entry.diagnostic || entry.aov == Aov::beauty) continue;
@@ -264,10 +378,10 @@ Command add_render(CLI::App& becalm) {
       ->option_text("[=PRESET]")
       ->group("Filter");
   parser
-      .add_option(
-          "--keep-noisy", command->keep_noisy,
-          "With --denoise, also write the noisy frames, as float with all that the filter reads; --resume "
-          "reads them instead of rendering again")
+      .add_option("--keep-noisy", command->keep_noisy,
+                  "With --denoise, also write the noisy frames, those that are read as context included, as "
+                  "float with all that "
+                  "the filter reads; --resume reads them instead of rendering again")
       ->option_text("PATTERN")
       ->group("Filter");
   add_filter_options(parser, command->filter);

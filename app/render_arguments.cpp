@@ -109,6 +109,10 @@ void check_options_fit(const RenderCommand& command) {
                        : command.filter.diagnostics          ? "--diagnostics"
                        : !command.filter.device.empty()      ? "--device"
                        : !command.filter.memory.empty()      ? "--memory"
+                       : !command.filter.context.empty()     ? "--context"
+                       : command.filter.cuts != "auto"       ? "--cuts"
+                       : command.filter.segment              ? "--segment"
+                       : command.filter.warmup               ? "--warmup"
                        : command.filter.validate             ? "--validate"
                                                              : nullptr;
   if (unused == nullptr) return;

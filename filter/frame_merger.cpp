@@ -1,46 +1,54 @@
 #include "filter/frame_merger.h"
 
 #include <algorithm>
-#include <cmath>
+
+#include "filter/host_images.h"
+#include "filter/pixel_view.h"
 
 namespace becalm::filter {
+Estimate::Estimate(gpu::Extent extent)
+    : color(extent.width, extent.height, 4), stats(extent.width, extent.height, 2) {}
 
-void unpack(const MergedTile& merged, const Tile& tile, const NewFrame& frame, Denoised& result) {
+void copy_core(std::span<const float> pixels, const Tile& tile, Image& image) {
+  if (image.empty()) return;
+  copy_rect({pixels, tile.target.extent(), image.channels()}, within(tile.core, tile.target), view(image),
+            tile.core.x, tile.core.y);
+}
+
+void unpack(const MergedTile& tile_images, const Tile& tile, MergedFrame& frame) {
+  copy_core(tile_images.color, tile, frame.merged.color);
+  copy_core(tile_images.stats, tile, frame.merged.stats);
+  copy_core(tile_images.warped_color, tile, frame.prediction.color);
+  copy_core(tile_images.warped_stats, tile, frame.prediction.stats);
+  copy_core(tile_images.offset, tile, frame.flow);
+  copy_core(tile_images.decision, tile, frame.decision);
   const Rect& core = tile.core;
-  const std::span<const float> beauty = frame.frame.image(Aov::beauty).data();
-  const std::span<float> out = result.frame.image(Aov::beauty).data();
-  const std::span<float> variance = result.frame.image(Aov::variance).data();
-  // Empty where nobody asked.
-  const std::span<float> mask = result.frame.image(Aov::error_mask).data();
-  const std::span<float> bias = result.frame.image(Aov::bias).data();
-  const std::span<float> gain = result.frame.image(Aov::gain).data();
-  const std::span<float> rule = result.frame.image(Aov::rejected_by).data();
-  const std::span<float> count = result.frame.image(Aov::sample_count).data();
-  const std::span<float> flow = result.frame.image(Aov::flow).data();
-  const std::span<float> residual = result.frame.image(Aov::residual).data();
-  const int residual_width = (tile.target.width + merged.residual_px - 1) / merged.residual_px;
+  const int residual_width = (tile.target.width + tile_images.residual_px - 1) / tile_images.residual_px;
   for (int y = core.y; y < core.y + core.height; ++y) {
-    std::size_t i = static_cast<std::size_t>(y) * result.frame.width() + core.x;
     std::size_t t =
         static_cast<std::size_t>(y - tile.target.y) * tile.target.width + (core.x - tile.target.x);
-    for (const std::size_t end = i + core.width; i < end; ++i, ++t) {
-      const auto pixel = frame.finite[i] ? merged.color.subspan(4 * t, 4) : beauty.subspan(4 * i, 4);
-      std::ranges::copy(pixel, out.begin() + 4 * i);
-      std::ranges::fill_n(variance.begin() + 3 * i, 3, merged.stats[2 * t]);
-      const auto decision = merged.decision.subspan(4 * t, 4);
-      if (!mask.empty()) mask[i] = decision[0];
-      if (!bias.empty()) bias[i] = std::sqrt(decision[1]);
-      if (!gain.empty()) gain[i] = decision[2];
-      if (!rule.empty()) rule[i] = decision[3];
-      if (!count.empty()) count[i] = merged.stats[2 * t + 1];
-      if (!flow.empty()) std::ranges::copy(merged.offset.subspan(2 * t, 2), flow.begin() + 2 * i);
-      if (!residual.empty()) {
-        const int column = (static_cast<int>(i) % result.frame.width() - tile.target.x) / merged.residual_px;
-        const int row = (y - tile.target.y) / merged.residual_px;
-        residual[i] = merged.residual[static_cast<std::size_t>(row) * residual_width + column];
+    for (int x = core.x; x < core.x + core.width; ++x, ++t) {
+      if (!frame.prediction.stats.empty()) {
+        float& variance = frame.prediction.stats.at(x, y, 0);
+        variance = std::min(variance + tile_images.decision[4 * t + 1], kLargestVariance);
       }
-      result.report.mean_rejected += decision[0];
-      result.report.mean_sample_count += merged.stats[2 * t + 1];
+      if (!frame.residual.empty()) {
+        const int column = (x - tile.target.x) / tile_images.residual_px;
+        const int row = (y - tile.target.y) / tile_images.residual_px;
+        frame.residual.at(x, y, 0) =
+            tile_images.residual[static_cast<std::size_t>(row) * residual_width + column];
+      }
+    }
+  }
+}
+
+void add_times(FrameReport& report, const gpu::Chain& chain) {
+  for (const gpu::PassTime& pass : chain.times()) {
+    const auto same = std::ranges::find(report.passes, pass.name, &gpu::PassTime::name);
+    if (same == report.passes.end()) {
+      report.passes.push_back(pass);
+    } else {
+      same->milliseconds += pass.milliseconds;
     }
   }
 }

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "filter/gpu/chain.h"
 #include "filter/gpu/profiler.h"
 #include "filter/guides.h"
 #include "filter/settings.h"
@@ -16,8 +17,9 @@ namespace becalm::filter {
 struct FrameReport {
   std::size_t non_finite_pixels = 0;  ///< pixels with NaN or Inf in the beauty: passed through as they came
   std::size_t replaced_variances =
-      0;                              ///< variances that were not finite or negative, taken as 100 % of noise
-  double mean_rejected = 0.0;         ///< share of the history that was rejected, averaged over pixels
+      0;                       ///< variances that were not finite or negative, taken as 100 % of noise
+  bool new_shot = false;       ///< a cut was found between this frame and the one before it in this direction
+  double mean_rejected = 0.0;  ///< share of the history that was rejected, averaged over pixels
   double mean_sample_count = 0.0;     ///< effective number of frames in a pixel, averaged over pixels
   std::vector<gpu::PassTime> passes;  ///< device time, in order of execution; of a pass in all tiles together
 };
@@ -48,18 +50,45 @@ struct NewFrame {
   float exposure;                    ///< of the whole frame
 };
 
-/// What a chain made of one tile's target rectangle.
+/// What is known of a frame's pixels, and how well.
+struct Estimate {
+  Estimate() = default;
+  explicit Estimate(gpu::Extent extent);
+
+  Image color;  ///< four channels
+  Image stats;  ///< (variance, effective sample count); a count of 0 where nothing is known
+};
+
+/// What a merger makes of a new frame. Images that are empty nobody wants.
+struct MergedFrame {
+  Estimate merged;      ///< the history and the frame
+  Estimate prediction;  ///< the history alone, where the frame's pixels are; its squared bias, as this frame
+                        ///< showed it, is part of the variance
+  Image decision;       ///< four channels, as MergeOutputs::decision
+  Image residual;       ///< one channel: patch distance of the finest level
+  Image flow;           ///< two channels: where in the history each pixel was found, as an offset in pixels
+};
+
+/// What a chain made of one tile's target rectangle; spans of what nobody wants may be empty.
 struct MergedTile {
   std::span<const float> color;
   std::span<const float> stats;
+  std::span<const float> warped_color;
+  std::span<const float> warped_stats;
   std::span<const float> decision;
-  std::span<const float> offset;    ///< empty if nobody wants it, as is the next
+  std::span<const float> offset;
   std::span<const float> residual;  ///< of the finest level
-  int residual_px;                  ///< full-resolution pixels in one of the level's
+  int residual_px = 1;              ///< full-resolution pixels in one of the level's
 };
 
-/// Puts a tile's core into the result, whose images are there already, and adds it to the sums of the report.
-void unpack(const MergedTile& merged, const Tile& tile, const NewFrame& frame, Denoised& result);
+/// Copies the core of a tile's pixels into a frame's image, if that is not empty.
+void copy_core(std::span<const float> pixels, const Tile& tile, Image& image);
+
+/// Puts a tile's core where it belongs in those images of the frame that are wanted.
+void unpack(const MergedTile& tile_images, const Tile& tile, MergedFrame& frame);
+
+/// Adds the device times of a chain's last run to those of the same passes.
+void add_times(FrameReport& report, const gpu::Chain& chain);
 
 /// How the frame is cut, and what the device holds for it.
 struct FilterMemory {
@@ -74,7 +103,8 @@ struct FilterMemory {
 class FrameMerger {
  public:
   virtual ~FrameMerger() = default;
-  virtual void merge(const NewFrame& frame, Denoised& result) = 0;
+  /// Adds to the report how many variances were replaced, and the device times.
+  virtual void merge(const NewFrame& frame, MergedFrame& merged, FrameReport& report) = 0;
   /// Forgets the history.
   virtual void reset() = 0;
   virtual FilterMemory memory() const = 0;

@@ -8,7 +8,6 @@
 namespace becalm::filter {
 namespace {
 
-constexpr float kLargestVariance = 1e34f;  // as in shaders/lib/gain.glsl
 /// Exposures beyond this range make squares of scaled values leave the range of floats.
 constexpr double kLargestExposure = 1e15;
 

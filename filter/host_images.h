@@ -13,6 +13,10 @@ namespace becalm::filter {
 /// pixels. Non-finite input follows one rule: such a pixel is counted, takes no part in any decision, and
 /// comes out as it went in.
 
+/// Variances are limited to this, so that sums of them stay within the range of floats; as in
+/// shaders/lib/gain.glsl.
+constexpr float kLargestVariance = 1e34f;
+
 /// One entry a pixel: 1 where all channels of the beauty are finite, else 0.
 std::vector<std::uint8_t> finite_pixels(const Image& beauty);
 

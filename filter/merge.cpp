@@ -35,25 +35,6 @@ ImageId add_resample_taps(Chain& chain, const Settings& settings, Extent extent,
   return prefilter(prefilter(history_color, "history.spline.rows", false), "history.spline", true);
 }
 
-/// Sums over the rows above and below of a patch; variance_gain adds the pixel's own row.
-ImageId add_patch_sums(Chain& chain, const Settings& settings, Extent full, ImageId statistics,
-                       const std::string& name) {
-  const ImageId rows = chain.image(name + ".rows", Format::f32x4, full);
-  const ImageId sums = chain.image(name + ".sums", Format::f32x4, full);
-  const auto box = [&](ImageId in, ImageId out, bool along_y) {
-    chain.pass("merge/box")
-        .read("statistics", in)
-        .write("sums", out)
-        .specialize("radius", settings.patch_radius)
-        .specialize("along_y", along_y ? 1 : 0)
-        .constants(params::ImageParams{.width = full.width, .height = full.height})
-        .dispatch(full);
-  };
-  box(statistics, rows, false);
-  box(rows, sums, true);
-  return sums;
-}
-
 ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
                           const WarpedHistory& warped, std::optional<ImageId> trust) {
   const ImageId difference = chain.image("difference", Format::f32x4, full);
@@ -161,14 +142,32 @@ int resample_margin_px(const Settings& settings) {
   return taps + (settings.resample == Resample::o_moms ? kSplineRadius : 0);
 }
 
+ImageId add_patch_sums(Chain& chain, const Settings& settings, Extent full, ImageId statistics,
+                       const std::string& name) {
+  const ImageId rows = chain.image(name + ".rows", Format::f32x4, full);
+  const ImageId sums = chain.image(name + ".sums", Format::f32x4, full);
+  const auto box = [&](ImageId in, ImageId out, bool along_y) {
+    chain.pass("merge/box")
+        .read("statistics", in)
+        .write("sums", out)
+        .specialize("radius", settings.patch_radius)
+        .specialize("along_y", along_y ? 1 : 0)
+        .constants(params::ImageParams{.width = full.width, .height = full.height})
+        .dispatch(full);
+  };
+  box(statistics, rows, false);
+  box(rows, sums, true);
+  return sums;
+}
+
 int merge_margin_px(const Settings& settings) {
   constexpr int variance_estimate = 1;
   return variance_estimate + correction_margin_px(settings) + validate_margin_px(settings) +
          (settings.merge == MergeMode::variance ? settings.patch_radius : 0);
 }
 
-ImageId add_merge_passes(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
-                         const Alignment& alignment) {
+MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
+                              const Alignment& alignment) {
   WarpedHistory warped = add_warp_passes(chain, settings, full, inputs, alignment.offset);
   if (settings.correct_levels > 0) {
     warped.color = add_correction_passes(chain, settings, full,
@@ -189,13 +188,10 @@ ImageId add_merge_passes(Chain& chain, const Settings& settings, Extent full, co
         inputs.history_window ? *inputs.history_window : add_same_window(chain, full, "origin.validate");
     trust = add_validate_pass(chain, settings, full, inputs.rules, inputs.surface, alignment.offset, window);
   }
-  switch (settings.merge) {
-    case MergeMode::variance:
-      return add_variance_gain(chain, settings, full, inputs, warped, trust);
-    case MergeMode::mask:
-      return add_mask_gain(chain, settings, full, inputs, warped, trust, alignment);
-  }
-  return {};
+  const ImageId decision = settings.merge == MergeMode::variance
+                               ? add_variance_gain(chain, settings, full, inputs, warped, trust)
+                               : add_mask_gain(chain, settings, full, inputs, warped, trust, alignment);
+  return {warped.color, warped.stats, decision};
 }
 
 ImageId add_variance_estimate(Chain& chain, Extent full, ImageId color, ImageId valid) {

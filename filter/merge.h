@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "filter/align.h"
 #include "filter/gpu/chain.h"
@@ -23,7 +24,7 @@ struct MergeInputs {
                           ///< pixel that is not finite)
   gpu::ImageId exposure;  ///< f32, 1x1
   std::optional<gpu::ImageId> half_difference = {};  ///< f32x4, as pack_half_difference gives it
-  gpu::History history_color;  ///< f32x4
+  gpu::History history_color;                        ///< f32x4
   gpu::History
       history_stats;  ///< f32x2: (variance left, effective sample count); a count of 0 means no history
   std::optional<SourceWindow> history_window =
@@ -48,11 +49,22 @@ int resample_margin_px(const Settings& settings);
 /// How far from a pixel the merge reads offsets, the new frame and its variance.
 int merge_margin_px(const Settings& settings);
 
-/// Merges the new frame with the warped history into history_color.next and history_stats.next, and returns
-/// the decisions (f32x4): share of the history rejected, its squared bias, weight of the new sample, and the
-/// rule that rejected (shaders/lib/rejection.glsl).
-gpu::ImageId add_merge_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
+struct MergeOutputs {
+  gpu::ImageId warped_color;  ///< f32x4: the history where the new frame's pixels are
+  gpu::ImageId warped_stats;  ///< f32x2, as the history's
+  gpu::ImageId decision;  ///< f32x4: share of the history rejected; its squared bias, which is to be added to
+                          ///< warped_stats' variance where it predicts the new frame; weight of the new
+                          ///< sample; the rule that rejected (shaders/lib/rejection.glsl)
+};
+
+/// Merges the new frame with the warped history into history_color.next and history_stats.next.
+MergeOutputs add_merge_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
                               const MergeInputs& inputs, const Alignment& alignment);
+
+/// Sums of f32x4 statistics over the rows above and below in a patch of `patch_radius`; kernels that take
+/// them add the pixel's own row, without the pixel.
+gpu::ImageId add_patch_sums(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
+                            gpu::ImageId statistics, const std::string& name);
 
 /// Variance estimated from one frame alone, for frames that come without; returns an image as
 /// MergeInputs::variance wants it. `valid` is such an image of which only the second value is read.

@@ -1,8 +1,14 @@
 #include "filter/order.h"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <span>
 #include <utility>
 
+#include "filter/cuts.h"
+#include "filter/finish.h"
 #include "filter/frame_check.h"
 #include "filter/host_images.h"
 #include "filter/tiled_frame.h"
@@ -14,11 +20,14 @@ namespace {
 /// Share of the device's memory that the filter may take: the driver and others need some, too.
 constexpr double kShareOfDevice = 0.9;
 
-std::unique_ptr<FrameMerger> make_merger(gpu::Device& device, const FilterTask& task,
-                                         std::uint64_t memory_limit) {
-  const auto of_device =
-      static_cast<std::uint64_t>(kShareOfDevice * static_cast<double>(device.info().memory_bytes));
-  const std::uint64_t limit = std::min(memory_limit, of_device);
+/// The finishing passes may take one part in so many; the rest is the merger's, which needs more.
+constexpr std::uint64_t kShareOfFinish = 4;
+
+std::uint64_t usable_bytes(const gpu::Device& device) {
+  return static_cast<std::uint64_t>(kShareOfDevice * static_cast<double>(device.info().memory_bytes));
+}
+
+std::unique_ptr<FrameMerger> make_merger(gpu::Device& device, const FilterTask& task, std::uint64_t limit) {
   try {
     auto whole = std::make_unique<WholeFrame>(device, task);
     if (whole->memory().device_bytes <= limit) {
@@ -29,6 +38,38 @@ std::unique_ptr<FrameMerger> make_merger(gpu::Device& device, const FilterTask& 
     // An image is too large for the device: tiles are smaller.
   }
   return std::make_unique<TiledFrame>(device, task, limit);
+}
+
+/// The estimate as a frame, with the diagnostics that are wanted.
+Frame output_frame(const NewFrame& frame, AovSet diagnostics, MergedFrame made, FrameReport& report) {
+  Frame result(frame.frame.number(), frame.frame.width(), frame.frame.height());
+  const std::span<const float> stats = made.merged.stats.data();
+  const std::span<const float> beauty = frame.frame.image(Aov::beauty).data();
+  const std::span<float> color = made.merged.color.data();
+  const std::span<float> variance = result.add(Aov::variance).data();
+  std::span<float> count;
+  if (contains(diagnostics, Aov::sample_count)) count = result.add(Aov::sample_count).data();
+  for (std::size_t i = 0; i < frame.finite.size(); ++i) {
+    if (!frame.finite[i]) std::ranges::copy(beauty.subspan(4 * i, 4), color.begin() + 4 * i);
+    std::ranges::fill_n(variance.begin() + 3 * i, 3, stats[2 * i]);
+    if (!count.empty()) count[i] = stats[2 * i + 1];
+    report.mean_sample_count += stats[2 * i + 1];
+  }
+  report.mean_sample_count /= static_cast<double>(frame.finite.size());
+  result.image(Aov::beauty) = std::move(made.merged.color);
+  const auto add_decision = [&](Aov aov, std::size_t value) {
+    if (!contains(diagnostics, aov)) return;
+    const std::span<float> layer = result.add(aov).data();
+    for (std::size_t i = 0; i < layer.size(); ++i) layer[i] = made.decision.data()[4 * i + value];
+  };
+  add_decision(Aov::error_mask, 0);
+  add_decision(Aov::bias, 1);
+  for (float& bias : result.image(Aov::bias).data()) bias = std::sqrt(bias);
+  add_decision(Aov::gain, 2);
+  add_decision(Aov::rejected_by, 3);
+  if (contains(diagnostics, Aov::residual)) result.image(Aov::residual) = std::move(made.residual);
+  if (contains(diagnostics, Aov::flow)) result.image(Aov::flow) = std::move(made.flow);
+  return result;
 }
 
 }  // namespace
@@ -45,52 +86,104 @@ AovSet wanted_aovs(const Settings& settings) {
   return wanted;
 }
 
-struct ForwardFilter::State {
+struct SequenceFilter::State {
+  Frame forward(const NewFrame& frame, FrameReport& report);
+
   FilterTask task;
   std::unique_ptr<FrameMerger> merger;
+  std::optional<Finish> finish;
+  std::map<int, Estimate> predictions;  ///< by frame number
+  FindCuts find_cuts = FindCuts::no;
+  std::optional<ShotSignature> before;  ///< of the frame that the history ends with
 };
 
-ForwardFilter::ForwardFilter(gpu::Device& device, const Settings& settings, int width, int height,
-                             AovSet available, AovSet diagnostics, std::uint64_t memory_limit)
+SequenceFilter::SequenceFilter(gpu::Device& device, const Settings& settings, int width, int height,
+                               AovSet available, AovSet diagnostics, std::uint64_t memory_limit,
+                               FindCuts find_cuts)
     : state_(std::make_unique<State>()) {
   const AovSet used = available & wanted_aovs(settings);
-  state_->task = {.settings = settings,
-                  .full = {width, height},
-                  .used = used,
-                  .diagnostics = diagnostics,
-                  .guides = guides_of(settings, used)};
-  if (!state_->task.guides.albedo) state_->task.settings.demodulate = 0;  // nothing to divide out
-  state_->merger = make_merger(device, state_->task, memory_limit);
+  state_->find_cuts = find_cuts;
+  FilterTask& task = state_->task;
+  task = {.settings = settings,
+          .full = {width, height},
+          .used = used,
+          .diagnostics = diagnostics,
+          .guides = guides_of(settings, used)};
+  if (!task.guides.albedo) task.settings.demodulate = 0;  // nothing to divide out
+  std::uint64_t left = std::min(memory_limit, usable_bytes(device));
+  if (settings.directions == Directions::both) {
+    state_->finish.emplace(device, task, left / kShareOfFinish);
+    left -= state_->finish->memory().device_bytes;
+  }
+  state_->merger = make_merger(device, task, left);
 }
-ForwardFilter::~ForwardFilter() = default;
-ForwardFilter::ForwardFilter(ForwardFilter&&) noexcept = default;
+SequenceFilter::~SequenceFilter() = default;
+SequenceFilter::SequenceFilter(SequenceFilter&&) noexcept = default;
 
-Denoised ForwardFilter::denoise(const Frame& frame) {
+std::optional<Frame> SequenceFilter::run(const Step& step, const Frame& frame, FrameReport& report) {
   const FilterTask& task = state_->task;
   check_frame(frame, task.full.width, task.full.height, task.used, "the frames before it");
   const Image& beauty = frame.image(Aov::beauty);
   const NewFrame new_frame{.frame = frame, .finite = finite_pixels(beauty), .exposure = exposure(beauty)};
-
-  Denoised result{Frame(frame.number(), frame.width(), frame.height()), {}};
-  result.frame.add(Aov::beauty);
-  result.frame.add(Aov::variance);
-  for (const AovInfo& entry : kAovTable) {
-    if (entry.diagnostic && contains(task.diagnostics, entry.aov)) result.frame.add(entry.aov);
-  }
-  FrameReport& report = result.report;
   report.non_finite_pixels = static_cast<std::size_t>(std::ranges::count(new_frame.finite, 0));
-  state_->merger->merge(new_frame, result);
-  report.mean_rejected /= static_cast<double>(beauty.pixel_count());
-  report.mean_sample_count /= static_cast<double>(beauty.pixel_count());
-  return result;
+  if (step.new_history) reset();
+  if (state_->find_cuts == FindCuts::yes) {
+    ShotSignature signature = shot_signature(frame, task.used, new_frame.exposure);
+    report.new_shot = state_->before && is_cut(*state_->before, signature);
+    if (report.new_shot) reset();
+    state_->before = std::move(signature);
+  }
+  if (step.wanted && step.direction == Direction::forward) return state_->forward(new_frame, report);
+  MergedFrame merged;
+  if (step.wanted) merged.prediction = Estimate(task.full);
+  state_->merger->merge(new_frame, merged, report);
+  if (step.wanted) state_->predictions.insert_or_assign(step.frame, std::move(merged.prediction));
+  return std::nullopt;
 }
 
-void ForwardFilter::reset() {
+Frame SequenceFilter::State::forward(const NewFrame& frame, FrameReport& report) {
+  const gpu::Extent full = task.full;
+  MergedFrame merged;
+  merged.merged = Estimate(full);
+  merged.decision = Image(full.width, full.height, 4);
+  if (contains(task.diagnostics, Aov::residual)) merged.residual = Image(full.width, full.height, 1);
+  if (contains(task.diagnostics, Aov::flow)) merged.flow = Image(full.width, full.height, 2);
+  merger->merge(frame, merged, report);
+  for (std::size_t i = 0; i < merged.decision.pixel_count(); ++i) {
+    report.mean_rejected += merged.decision.data()[4 * i];
+  }
+  report.mean_rejected /= static_cast<double>(full.elements());
+
+  if (const auto prediction = predictions.find(frame.frame.number()); prediction != predictions.end()) {
+    Estimate combined(full);
+    finish->run({.frame = frame, .forward = merged.merged, .prediction = prediction->second}, combined,
+                report);
+    merged.merged = std::move(combined);
+    predictions.erase(prediction);
+  }
+  return output_frame(frame, task.diagnostics, std::move(merged), report);
+}
+
+Denoised SequenceFilter::denoise(const Frame& frame) {
+  Denoised denoised;
+  denoised.frame = *run({.frame = frame.number()}, frame, denoised.report);
+  return denoised;
+}
+
+void SequenceFilter::reset() {
   state_->merger->reset();
+  state_->before.reset();
 }
 
-FilterMemory ForwardFilter::memory() const {
-  return state_->merger->memory();
+FilterMemory SequenceFilter::memory() const {
+  FilterMemory memory = state_->merger->memory();
+  if (state_->finish) {
+    const FilterMemory finish = state_->finish->memory();
+    memory.device_bytes += finish.device_bytes;
+    memory.device_bytes_unaliased += finish.device_bytes_unaliased;
+    memory.staging_bytes += finish.staging_bytes;
+  }
+  return memory;
 }
 
 }  // namespace becalm::filter

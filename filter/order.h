@@ -3,9 +3,11 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 
 #include "filter/frame_merger.h"
 #include "filter/gpu/device.h"
+#include "filter/schedule.h"
 #include "filter/settings.h"
 #include "frame/frame.h"
 
@@ -14,21 +16,31 @@ namespace becalm::filter {
 /// AOVs that the filter uses when a frame has them; what else a frame carries is ignored.
 AovSet wanted_aovs(const Settings& settings);
 
-/// Denoises a sequence forward in time: every frame is aligned with the history of the frames before it and
-/// merged. One frame out for each frame in, in the same order. All frames have the size given at construction
-/// and the AOVs of `available` that the filter wants; a frame that differs throws Error(bad_input).
-class ForwardFilter {
+/// Whether histories start anew where is_cut finds a cut, besides where the schedule says so.
+enum class FindCuts { no, yes };
+
+/// Denoises a sequence: every frame is aligned with the history of the frames before it, or after it, and
+/// merged. All frames have the size given at construction and the AOVs of `available` that the filter wants;
+/// a frame that differs throws Error(bad_input).
+class SequenceFilter {
  public:
   /// Builds the chains for this size. `diagnostics` are those of the AOV table's to put into the
   /// results. Frames that the device cannot hold whole, or not within `memory_limit` bytes, are cut
   /// into tiles, which the results do not show. Throws gpu::DeviceError if the smallest tiles are still too
   /// large.
-  ForwardFilter(gpu::Device& device, const Settings& settings, int width, int height, AovSet available,
-                AovSet diagnostics = {},
-                std::uint64_t memory_limit = std::numeric_limits<std::uint64_t>::max());
-  ~ForwardFilter();
-  ForwardFilter(ForwardFilter&&) noexcept;
+  SequenceFilter(gpu::Device& device, const Settings& settings, int width, int height, AovSet available,
+                 AovSet diagnostics = {},
+                 std::uint64_t memory_limit = std::numeric_limits<std::uint64_t>::max(),
+                 FindCuts find_cuts = FindCuts::no);
+  ~SequenceFilter();
+  SequenceFilter(SequenceFilter&&) noexcept;
 
+  /// Takes one step of a schedule; the steps of a segment come in their order, and `frame` is the step's.
+  /// Steps forward that are wanted return the denoised frame. Predictions are kept from the step backward
+  /// that wants them to the step forward that takes them: some 24 bytes a pixel for each frame of a segment.
+  std::optional<Frame> run(const Step& step, const Frame& frame, FrameReport& report);
+
+  /// A step forward of a frame that is wanted.
   Denoised denoise(const Frame& frame);
 
   /// Forgets the history: the next frame starts anew, as after a cut or a missing frame.

@@ -21,7 +21,7 @@ struct PairAlignment {
   std::vector<gpu::PassTime> passes;  ///< device time, in order of execution
 };
 
-/// Aligns one frame with another, as ForwardFilter aligns its history with each frame, but with nothing
+/// Aligns one frame with another, as SequenceFilter aligns its history with each frame, but with nothing
 /// merged. The frames are matched by radiance, scaled by the target's exposure, and by those of albedo and
 /// normal that are available and weighed.
 class PairAligner {

@@ -26,4 +26,17 @@ void copy_rect(const PixelView<const float>& from, const Rect& rect, const Pixel
   }
 }
 
+PixelView<float> view(Image& image) {
+  return {image.data(), {image.width(), image.height()}, image.channels()};
+}
+
+PixelView<const float> view(const Image& image) {
+  return {image.data(), {image.width(), image.height()}, image.channels()};
+}
+
+void upload(gpu::Chain& chain, gpu::ImageId image, const PixelView<const float>& from, const Rect& rect) {
+  copy_rect(from, rect,
+            {chain.upload<float>(image), rect.extent().with_planes(from.extent.planes), from.channels}, 0, 0);
+}
+
 }  // namespace becalm::filter

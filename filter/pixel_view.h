@@ -2,8 +2,9 @@
 
 #include <span>
 
-#include "filter/gpu/image.h"
+#include "filter/gpu/chain.h"
 #include "filter/tiles.h"
+#include "frame/image.h"
 
 namespace becalm::filter {
 
@@ -16,8 +17,14 @@ struct PixelView {
   int channels = 1;
 };
 
+PixelView<float> view(Image& image);
+PixelView<const float> view(const Image& image);
+
 /// Copies a rectangle of every plane to (x, y) of images with as many planes and channels.
 void copy_rect(const PixelView<const float>& from, const Rect& rect, const PixelView<float>& to, int x,
                int y);
+
+/// Fills an input of a chain with a rectangle.
+void upload(gpu::Chain& chain, gpu::ImageId image, const PixelView<const float>& from, const Rect& rect);
 
 }  // namespace becalm::filter

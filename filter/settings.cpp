@@ -43,11 +43,12 @@ struct Named {
   Enum Settings::*member;
   std::span<const std::string_view> names;  ///< in the order of the values, from 0
 };
-using Field =
-    std::variant<IntRange, IntChoice, IntList, FloatRange, NamedSet, Named<Distance>, Named<MotionUse>,
-                 Named<Resample>, Named<HistoryClip>, Named<ClipSpace>, Named<Accumulate>, Named<MergeMode>>;
+using Field = std::variant<IntRange, IntChoice, IntList, FloatRange, NamedSet, Named<Distance>,
+                           Named<MotionUse>, Named<Resample>, Named<Directions>, Named<HistoryClip>,
+                           Named<ClipSpace>, Named<Accumulate>, Named<MergeMode>>;
 
 constexpr std::array<std::string_view, 4> kDistanceNames{"l2", "l1", "log_l1", "log_l1_centered"};
+constexpr std::array<std::string_view, 2> kDirectionsNames{"forward", "both"};
 constexpr std::array<std::string_view, 3> kMotionNames{"none", "guide", "override"};
 constexpr std::array<std::string_view, 3> kResampleNames{"bilinear", "catmull_rom", "o_moms"};
 constexpr std::array<std::string_view, 3> kValidateNames{"depth", "normal", "id"};
@@ -122,6 +123,9 @@ const Row kRows[] = {
     {{"luminance_weight", "number 0..100",
       "1/(1 + this times the exposed luminance) weighs samples and history against flicker; darkens"},
      FloatRange{&Settings::luminance_weight, 0.0f, 100.0f}},
+    {{"directions", "forward or both",
+      "forward: from the frames before alone, as they come; both: from those after as well, within segments"},
+     Named<Directions>{&Settings::directions, kDirectionsNames}},
     {{"merge", "mask or variance",
       "mask: weights from the patch distance; variance: least expected squared error"},
      Named<MergeMode>{&Settings::merge, kMergeNames}},
@@ -265,6 +269,7 @@ Settings preset(std::string_view name) {
   Settings settings;
   if (name == "draft") {
     settings.match_downsample = 4;
+    settings.directions = Directions::forward;
     settings.prefilter = 0;
     settings.blur_radius = {5};
   } else if (name == "final") {

@@ -19,6 +19,10 @@ enum class MotionUse { none, guide, override_offset };
 /// shaders/lib/resample.glsl.
 enum class Resample { bilinear = 0, catmull_rom = 1, o_moms = 2 };
 
+/// Which frames an output is made from: those up to it, of unbounded history; or those after it as well,
+/// within segments.
+enum class Directions { forward, both };
+
 /// How the merge weighs history against the new frame.
 enum class MergeMode { mask, variance };
 
@@ -64,6 +68,7 @@ struct Settings {
   int clip_radius = 1;
   float clip_gamma = 1.0f;
   float luminance_weight = 0.0f;
+  Directions directions = Directions::both;
   MergeMode merge = MergeMode::variance;
   float mask_alpha = 0.9f;
   float mask_kappa = 2.0f;

@@ -115,7 +115,7 @@ TileChain::TileChain(gpu::Device& device, const FilterTask& task, const PyramidS
   }
   merged_color = chain.image("history.color.next", Format::f32x4, target_extent);
   merged_stats = chain.image("history.stats.next", Format::f32x2, target_extent);
-  decision = add_merge_passes(
+  outputs = add_merge_passes(
       chain, settings, target_extent,
       {.color = color,
        .variance =
@@ -130,8 +130,12 @@ TileChain::TileChain(gpu::Device& device, const FilterTask& task, const PyramidS
       {offset, found.residual});
   chain.output(merged_color);
   chain.output(merged_stats);
-  chain.output(decision);
   residual = found.residual.front();
+  chain.output(outputs.decision);
+  if (settings.directions == Directions::both) {
+    chain.output(outputs.warped_color);
+    chain.output(outputs.warped_stats);
+  }
   if (contains(task.diagnostics, Aov::flow)) chain.output(offset);
   if (contains(task.diagnostics, Aov::residual)) chain.output(residual);
   chain.plan();

@@ -68,7 +68,7 @@ struct TileChain {
   gpu::ImageId history_stats;
   gpu::ImageId merged_color;
   gpu::ImageId merged_stats;
-  gpu::ImageId decision;
+  MergeOutputs outputs;
   gpu::ImageId offset;
   gpu::ImageId residual;  ///< of level 0
 };

@@ -1,7 +1,5 @@
 #include "filter/tiled_frame.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <limits>
 #include <numeric>
@@ -18,47 +16,15 @@ namespace {
 using gpu::Extent;
 using gpu::ImageId;
 
-double mib(std::uint64_t bytes) {
-  return static_cast<double>(bytes) / (1024.0 * 1024.0);
-}
-
 /// The pixels of a level that cover a rectangle which begins at the level's multiples.
 Rect at_level(const Rect& rect, int px) {
   return {rect.x / px, rect.y / px, (rect.width + px - 1) / px, (rect.height + px - 1) / px};
-}
-
-Rect within(const Rect& rect, const Rect& outer) {
-  return {rect.x - outer.x, rect.y - outer.y, rect.width, rect.height};
-}
-
-PixelView<float> view(Image& image) {
-  return {image.data(), {image.width(), image.height()}, image.channels()};
-}
-
-PixelView<const float> view(const Image& image) {
-  return {image.data(), {image.width(), image.height()}, image.channels()};
 }
 
 /// The first planes of an image.
 PixelView<const float> first_planes(const HostPlanes& image, int planes) {
   const Extent extent = image.extent.with_planes(planes);
   return {std::span(image.values).first(extent.elements()), extent};
-}
-
-void upload(gpu::Chain& chain, ImageId image, const PixelView<const float>& from, const Rect& rect) {
-  copy_rect(from, rect,
-            {chain.upload<float>(image), rect.extent().with_planes(from.extent.planes), from.channels}, 0, 0);
-}
-
-void add_times(FrameReport& report, const gpu::Chain& chain) {
-  for (const gpu::PassTime& pass : chain.times()) {
-    const auto same = std::ranges::find(report.passes, pass.name, &gpu::PassTime::name);
-    if (same == report.passes.end()) {
-      report.passes.push_back(pass);
-    } else {
-      same->milliseconds += pass.milliseconds;
-    }
-  }
 }
 
 }  // namespace
@@ -106,10 +72,8 @@ TiledFrame::TiledFrame(gpu::Device& device, FilterTask task, std::uint64_t memor
     features->coarse =
         HostPlanes(level_extent(task_.settings, task_.full, split_.coarse).with_planes(planes));
   }
-  for (Image* color : {&history_.color, &merged_color_})
-    *color = Image(task_.full.width, task_.full.height, 4);
-  for (Image* stats : {&history_.stats, &merged_stats_})
-    *stats = Image(task_.full.width, task_.full.height, 2);
+  history_.estimate = Estimate(task_.full);
+  merged_ = Estimate(task_.full);
   if (!chains_->tile->surface) return;
   for (Image* surface : {&history_.surface, &surface_})
     *surface = Image(task_.full.width, task_.full.height, 4);
@@ -157,9 +121,7 @@ void TiledFrame::plan(gpu::Device& device, std::uint64_t memory_limit) {
       const std::uint64_t bytes = chains->device_bytes();
       if (bytes < least_bytes) {
         least_bytes = bytes;
-        reason = fmt::format(
-            "even tiles of {}x{} px take {:.1f} MiB of device memory, more than the {:.1f} MiB allowed",
-            tile.target.width, tile.target.height, mib(bytes), mib(memory_limit));
+        reason = tiles_too_large(tile, bytes, memory_limit);
       }
       return bytes <= memory_limit;
     };
@@ -173,19 +135,15 @@ void TiledFrame::plan(gpu::Device& device, std::uint64_t memory_limit) {
     feature_tiles_ = std::move(feature_tiles);
     tiles_ = std::move(tiles);
   }
-  if (tiles_.empty()) {
-    throw gpu::DeviceLimitError(
-        fmt::format("frames of {}x{} px cannot be cut small enough: {}", full.width, full.height, reason));
-  }
+  if (tiles_.empty()) throw cannot_be_cut(full, reason);
 }
 
-void TiledFrame::merge(const NewFrame& frame, Denoised& result) {
-  for (const Tile& tile : feature_tiles_) find_features(tile, frame, result.report);
-  if (chains_->coarse) find_coarse_offsets(frame, result.report);
+void TiledFrame::merge(const NewFrame& frame, MergedFrame& merged, FrameReport& report) {
+  for (const Tile& tile : feature_tiles_) find_features(tile, frame, report);
+  if (chains_->coarse) find_coarse_offsets(frame, report);
   if (chains_->tile->surface) pack_surface(frame.frame, task_.used, bounds(task_.full), surface_.data());
-  for (const Tile& tile : tiles_) merge_tile(tile, frame, result);
-  std::swap(history_.color, merged_color_);
-  std::swap(history_.stats, merged_stats_);
+  for (const Tile& tile : tiles_) merge_tile(tile, frame, merged, report);
+  std::swap(history_.estimate, merged_);
   std::swap(history_.features, features_);
   std::swap(history_.surface, surface_);
 }
@@ -215,7 +173,7 @@ void TiledFrame::find_features(const Tile& tile, const NewFrame& frame, FrameRep
   keep(new_frame, features_);
   if (!chains_->history) return;
   FeatureChain& history = *chains_->history;
-  upload(history.chain, history.color, view(std::as_const(history_.color)), tile.target);
+  upload(history.chain, history.color, view(std::as_const(history_.estimate.color)), tile.target);
   if (history.guide) {
     upload(history.chain, *history.guide, first_planes(history_.features.finest, task_.guides.planes()),
            at_level(tile.target, level_px(task_.settings, 0)));
@@ -237,12 +195,13 @@ void TiledFrame::find_coarse_offsets(const NewFrame& frame, FrameReport& report)
   add_times(report, coarse.chain);
 }
 
-void TiledFrame::merge_tile(const Tile& tile, const NewFrame& frame, Denoised& result) {
+void TiledFrame::merge_tile(const Tile& tile, const NewFrame& frame, MergedFrame& merged,
+                            FrameReport& report) {
   TileChain& chains = *chains_->tile;
   gpu::Chain& chain = chains.chain;
   const int finest_px = level_px(task_.settings, 0);
   pack_color(frame.frame.image(Aov::beauty), frame.finite, tile.target, chain.upload<float>(chains.color));
-  result.report.replaced_variances +=
+  report.replaced_variances +=
       pack_variance(frame.frame, task_.used, frame.finite, tile, chain.upload<float>(chains.variance));
   chain.upload<float>(chains.exposure)[0] = frame.exposure;
   if (chains.motion) {
@@ -258,8 +217,8 @@ void TiledFrame::merge_tile(const Tile& tile, const NewFrame& frame, Denoised& r
     upload(chain, chains.surface->current, view(std::as_const(surface_)), tile.target);
     upload(chain, chains.surface->previous, view(std::as_const(history_.surface)), tile.source);
   }
-  upload(chain, chains.history_color, view(std::as_const(history_.color)), tile.source);
-  upload(chain, chains.history_stats, view(std::as_const(history_.stats)), tile.source);
+  upload(chain, chains.history_color, view(std::as_const(history_.estimate.color)), tile.source);
+  upload(chain, chains.history_stats, view(std::as_const(history_.estimate.stats)), tile.source);
   upload(chain, chains.target.image, std::as_const(features_.finest).view(),
          at_level(tile.target, finest_px));
   upload(chain, chains.source.image, std::as_const(history_.features.finest).view(),
@@ -271,28 +230,34 @@ void TiledFrame::merge_tile(const Tile& tile, const NewFrame& frame, Denoised& r
            at_level(tile.target, level_px(task_.settings, split_.coarse)));
   }
   chain.run();
-  add_times(result.report, chain);
+  add_times(report, chain);
 
-  MergedTile merged{.color = chain.download<float>(chains.merged_color),
+  MergedTile images{.color = chain.download<float>(chains.merged_color),
                     .stats = chain.download<float>(chains.merged_stats),
-                    .decision = chain.download<float>(chains.decision),
+                    .warped_color = {},
+                    .warped_stats = {},
+                    .decision = chain.download<float>(chains.outputs.decision),
                     .offset = {},
                     .residual = {},
                     .residual_px = finest_px};
-  if (contains(task_.diagnostics, Aov::flow)) merged.offset = chain.download<float>(chains.offset);
-  if (contains(task_.diagnostics, Aov::residual)) {
-    merged.residual = chain.download<float>(chains.residual);
+  if (task_.settings.directions == Directions::both) {
+    images.warped_color = chain.download<float>(chains.outputs.warped_color);
+    images.warped_stats = chain.download<float>(chains.outputs.warped_stats);
   }
-  unpack(merged, tile, frame, result);
+  if (contains(task_.diagnostics, Aov::flow)) images.offset = chain.download<float>(chains.offset);
+  if (contains(task_.diagnostics, Aov::residual)) {
+    images.residual = chain.download<float>(chains.residual);
+  }
+  unpack(images, tile, merged);
   const Rect core = within(tile.core, tile.target);
-  copy_rect({merged.color, tile.target.extent(), 4}, core, view(merged_color_), tile.core.x, tile.core.y);
-  copy_rect({merged.stats, tile.target.extent(), 2}, core, view(merged_stats_), tile.core.x, tile.core.y);
+  copy_rect({images.color, tile.target.extent(), 4}, core, view(merged_.color), tile.core.x, tile.core.y);
+  copy_rect({images.stats, tile.target.extent(), 2}, core, view(merged_.stats), tile.core.x, tile.core.y);
 }
 
 void TiledFrame::reset() {
-  for (const auto values :
-       {history_.color.data(), history_.stats.data(), std::span<float>(history_.features.finest.values),
-        std::span<float>(history_.features.coarse.values)}) {
+  for (const auto values : {history_.estimate.color.data(), history_.estimate.stats.data(),
+                            std::span<float>(history_.features.finest.values),
+                            std::span<float>(history_.features.coarse.values)}) {
     std::ranges::fill(values, 0.0f);
   }
 }

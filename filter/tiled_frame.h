@@ -29,8 +29,7 @@ struct HostFeatures {
 
 /// What is known of the frames before: all that goes from one frame to the next.
 struct HostHistory {
-  Image color;    ///< four channels
-  Image stats;    ///< (variance left, effective sample count); a count of 0 means no history
+  Estimate estimate;
   Image surface;  ///< what the frame before showed, as pack_surface gives it; empty if nobody asks
   HostFeatures
       features;  ///< those of the frame before; a new frame replaces their radiance by that of `color`
@@ -46,7 +45,7 @@ class TiledFrame : public FrameMerger {
   TiledFrame(gpu::Device& device, FilterTask task, std::uint64_t memory_limit);
   ~TiledFrame() override;
 
-  void merge(const NewFrame& frame, Denoised& result) override;
+  void merge(const NewFrame& frame, MergedFrame& merged, FrameReport& report) override;
   void reset() override;
   FilterMemory memory() const override;
 
@@ -55,7 +54,7 @@ class TiledFrame : public FrameMerger {
   void plan(gpu::Device& device, std::uint64_t memory_limit);
   void find_features(const Tile& tile, const NewFrame& frame, FrameReport& report);
   void find_coarse_offsets(const NewFrame& frame, FrameReport& report);
-  void merge_tile(const Tile& tile, const NewFrame& frame, Denoised& result);
+  void merge_tile(const Tile& tile, const NewFrame& frame, MergedFrame& merged, FrameReport& report);
 
   FilterTask task_;
   PyramidSplit split_;
@@ -64,9 +63,8 @@ class TiledFrame : public FrameMerger {
   std::unique_ptr<Chains> chains_;
   HostHistory history_;
   HostFeatures features_;  ///< of the new frame
-  Image merged_color_;     ///< the history of the next frame in the making
-  Image merged_stats_;
-  Image surface_;  ///< of the new frame
+  Estimate merged_;        ///< the history of the next frame in the making
+  Image surface_;          ///< of the new frame
 };
 
 }  // namespace becalm::filter

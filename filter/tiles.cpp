@@ -1,5 +1,7 @@
 #include "filter/tiles.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace becalm::filter {
@@ -98,6 +100,19 @@ std::vector<Tile> cut_tiles(Extent frame, Extent target, const TileRules& rules)
     }
   }
   return tiles;
+}
+
+std::string tiles_too_large(const Tile& tile, std::uint64_t bytes, std::uint64_t allowed) {
+  constexpr double mib = 1024.0 * 1024.0;
+  return fmt::format(
+      "even tiles of {}x{} px take {:.1f} MiB of device memory, more than the {:.1f} MiB allowed",
+      tile.target.width, tile.target.height, static_cast<double>(bytes) / mib,
+      static_cast<double>(allowed) / mib);
+}
+
+gpu::DeviceLimitError cannot_be_cut(Extent frame, const std::string& reason) {
+  return gpu::DeviceLimitError(
+      fmt::format("frames of {}x{} px cannot be cut small enough: {}", frame.width, frame.height, reason));
 }
 
 std::vector<Tile> plan_tiles(Extent frame, const TileRules& rules,

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "filter/gpu/device.h"
 #include "filter/gpu/image.h"
 
 namespace becalm::filter {
@@ -23,6 +26,11 @@ struct Rect {
 /// Every pixel of an image.
 constexpr Rect bounds(gpu::Extent extent) {
   return {0, 0, extent.width, extent.height};
+}
+
+/// A rectangle as seen from the first pixel of another.
+constexpr Rect within(const Rect& rect, const Rect& outer) {
+  return {rect.x - outer.x, rect.y - outer.y, rect.width, rect.height};
 }
 
 /// A part of the frame that one run of the chains makes.
@@ -50,6 +58,10 @@ struct TileRules {
 /// have one size, too; both leave the same remainder by the grid as the frame does, so that the last ones end
 /// at its border. Empty if `target` leaves no room for cores of at least the grid's size.
 std::vector<Tile> cut_tiles(gpu::Extent frame, gpu::Extent target, const TileRules& rules);
+
+/// Why tiles do not fit, in words.
+std::string tiles_too_large(const Tile& tile, std::uint64_t bytes, std::uint64_t allowed);
+gpu::DeviceLimitError cannot_be_cut(gpu::Extent frame, const std::string& reason);
 
 /// The largest tiles of which `fits` approves, given a first tile that stands for all. Starts with the whole
 /// frame and goes on with one tile more along the longer side of the target's rectangle. Empty if not even

@@ -48,7 +48,7 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
                 chain_.input("surface.prev", Format::f32x4, full)};
   }
 
-  decision_ = add_merge_passes(
+  outputs_ = add_merge_passes(
       chain_, settings, full,
       {.color = color_,
        .variance =
@@ -65,16 +65,20 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
   merged_stats_ = history_stats.next;
   chain_.output(merged_color_);
   chain_.output(merged_stats_);
-  chain_.output(decision_);
+  chain_.output(outputs_.decision);
+  if (settings.directions == Directions::both) {
+    chain_.output(outputs_.warped_color);
+    chain_.output(outputs_.warped_stats);
+  }
   if (contains(task_.diagnostics, Aov::flow)) chain_.output(offset_);
   if (contains(task_.diagnostics, Aov::residual)) chain_.output(residual_);
   chain_.plan();
 }
 
-void WholeFrame::merge(const NewFrame& frame, Denoised& result) {
+void WholeFrame::merge(const NewFrame& frame, MergedFrame& merged, FrameReport& report) {
   const Tile all = uncut(task_.full);
   pack_color(frame.frame.image(Aov::beauty), frame.finite, all.target, chain_.upload<float>(color_));
-  result.report.replaced_variances =
+  report.replaced_variances +=
       pack_variance(frame.frame, task_.used, frame.finite, all, chain_.upload<float>(variance_));
   chain_.upload<float>(exposure_)[0] = frame.exposure;
   if (guide_) {
@@ -92,16 +96,22 @@ void WholeFrame::merge(const NewFrame& frame, Denoised& result) {
     pack_half_difference(frame.frame, all.target, chain_.upload<float>(*half_difference_));
   }
   chain_.run();
-  result.report.passes = chain_.times();
-  MergedTile merged{.color = chain_.download<float>(merged_color_),
+  add_times(report, chain_);
+  MergedTile images{.color = chain_.download<float>(merged_color_),
                     .stats = chain_.download<float>(merged_stats_),
-                    .decision = chain_.download<float>(decision_),
+                    .warped_color = {},
+                    .warped_stats = {},
+                    .decision = chain_.download<float>(outputs_.decision),
                     .offset = {},
                     .residual = {},
                     .residual_px = level_px(task_.settings, 0)};
-  if (contains(task_.diagnostics, Aov::flow)) merged.offset = chain_.download<float>(offset_);
-  if (contains(task_.diagnostics, Aov::residual)) merged.residual = chain_.download<float>(residual_);
-  unpack(merged, all, frame, result);
+  if (task_.settings.directions == Directions::both) {
+    images.warped_color = chain_.download<float>(outputs_.warped_color);
+    images.warped_stats = chain_.download<float>(outputs_.warped_stats);
+  }
+  if (contains(task_.diagnostics, Aov::flow)) images.offset = chain_.download<float>(offset_);
+  if (contains(task_.diagnostics, Aov::residual)) images.residual = chain_.download<float>(residual_);
+  unpack(images, all, merged);
 }
 
 FilterMemory WholeFrame::memory() const {

@@ -17,7 +17,7 @@ class WholeFrame : public FrameMerger {
   /// Makes what the chain needs to run; before the first frame. Throws DeviceError if memory is lacking.
   void build() { chain_.build(); }
 
-  void merge(const NewFrame& frame, Denoised& result) override;
+  void merge(const NewFrame& frame, MergedFrame& merged, FrameReport& report) override;
   void reset() override { chain_.reset_history(); }
   FilterMemory memory() const override;
 
@@ -35,7 +35,7 @@ class WholeFrame : public FrameMerger {
   gpu::ImageId residual_;
   gpu::ImageId merged_color_;
   gpu::ImageId merged_stats_;
-  gpu::ImageId decision_;
+  MergeOutputs outputs_;
 };
 
 }  // namespace becalm::filter

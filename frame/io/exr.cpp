@@ -8,6 +8,7 @@
 #include <cstring>
 #include <limits>
 #include <map>
+#include <string_view>
 
 #include "frame/error.h"
 #include "frame/io/exr_file.h"
@@ -72,6 +73,24 @@ void read_part(Imf::MultiPartInputFile& file, int part_number, const TargetsByCh
   });
 }
 
+/// Adds a group for every layer light.NAME with the channels R, G and B.
+void add_light_groups(const std::vector<std::string>& channels, Frame& frame, TargetsByChannel& targets) {
+  constexpr std::string_view begin = "light.";
+  constexpr std::string_view end = ".R";
+  std::vector<LightGroup>& groups = frame.light_groups();
+  for (const std::string& channel : channels) {
+    if (channel.size() <= begin.size() + end.size() || !channel.starts_with(begin) || !channel.ends_with(end))
+      continue;
+    const std::string name = channel.substr(begin.size(), channel.size() - begin.size() - end.size());
+    groups.push_back({name, Image(frame.width(), frame.height(), 3)});
+  }
+  for (LightGroup& group : groups) {
+    for (int c = 0; c < 3; ++c) {
+      targets[fmt::format("{}{}.{}", begin, group.name, "RGB"[c])].push_back({&group.radiance, c, 1.0f});
+    }
+  }
+}
+
 void require_flat(const std::string& path, const Imf::MultiPartInputFile& file) {
   for (int part = 0; part < file.parts(); ++part) {
     if (!is_deep(file.header(part))) return;
@@ -82,7 +101,7 @@ void require_flat(const std::string& path, const Imf::MultiPartInputFile& file) 
 }  // namespace
 
 LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted,
-                     const LayerOverrides& overrides) {
+                     const LayerOverrides& overrides, LightGroups light_groups) {
   LoadedFrame loaded;
   reading(path, [&] {
     loaded.contents = std::make_shared<ExrContents>(path, stamp_of(path));
@@ -109,6 +128,9 @@ LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted,
         const float scale = c == 1 ? source.y_scale : 1.0f;
         parts[source.part][source.channels[c]].push_back({&image, static_cast<int>(c), scale});
       }
+    }
+    if (light_groups == LightGroups::read) {
+      add_light_groups(channel_names(*file)[beauty.part], loaded.frame, parts[beauty.part]);
     }
     for (const auto& [part, targets] : parts) read_part(*file, part, targets, window);
   });

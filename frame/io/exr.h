@@ -24,12 +24,15 @@ using Attributes = std::vector<std::pair<std::string, std::string>>;
 
 enum class PixelType { half, float32 };
 
+/// Whether read_exr reads the layers `light.NAME` of the beauty's part into the frame's light groups.
+enum class LightGroups { leave, read };
+
 /// Reads one EXR file: the AOVs of `wanted` that it holds (the beauty always), and everything else as
 /// contents. The Frame covers the data window of the beauty's part; where another part's window is smaller,
 /// its AOV has the value for pixels that hit nothing. Throws Error(bad_input) naming the file for: no such
 /// file, not an EXR, truncated or corrupt pixels, no colour, a deep file, more than 65536 pixels a side.
 LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted,
-                     const LayerOverrides& overrides = {});
+                     const LayerOverrides& overrides = {}, LightGroups light_groups = LightGroups::leave);
 
 /// Threads with which OpenEXR compresses and decompresses, in the whole process; as many as processors unless
 /// set.

@@ -47,5 +47,8 @@ void main() {
   const float most = p.exponential != 0 ? 1.0 : n / (n + 1.0);
   const float history_weight = trusted.x * min(p.alpha * (1.0 - by_residual), most);
   const float rejected = 1.0 - (1.0 - by_residual) * trusted.x;
-  blend(index, 1.0 - history_weight, 0.0, rejected, rejection_rule(rejected, by_residual, 1.0 - trusted.x, trusted.y));
+  // Makes the inverse of a prediction's variance (1 - rejected) of what it would be.
+  const float distrust = min(texelFetch(warped_stats, index).x * rejected / max(1.0 - rejected, 1e-6), kLargestVariance);
+  blend(index, 1.0 - history_weight, 0.0, rejected, rejection_rule(rejected, by_residual, 1.0 - trusted.x, trusted.y),
+        distrust);
 }

@@ -74,5 +74,5 @@ void main() {
     const float scale = brightness(h.r, h.g, h.b, texelFetch(exposure, 0).x);
     bias_squared = min(relative_bias * scale * scale, kLargestVariance);
   }
-  blend(index, alpha, bias_squared, rejected, rule);
+  blend(index, alpha, bias_squared, rejected, rule, bias_squared);
 }

@@ -132,9 +132,85 @@ TEST_F(Denoise, ResumeGivesTheSamePixels) {
 
   expect_error(becalm(command("a.####.exr", {"--resume", "--set", "patch_radius=5"})), 2,
                {"a.0001.exr", "patch_radius=5"});
+  // The same frames are read for them, and the same pixels come out.
+  becalm_done(command("a.####.exr", {"--resume", "--frames", "2-4"}));
+  expect_error(becalm(command("a.####.exr", {"--resume", "--frames", "2-4", "--context", "none"})), 2,
+               {"a.0002.exr", "context=2-4"});
+}
+
+TEST_F(Denoise, AForwardFilterResumesToTheSamePixels) {
+  write_frames({1, 2, 3, 4});
+  const std::vector<std::string> draft{"--preset", "draft"};
+  becalm_done(command("whole.####.exr", draft));
+  becalm_done(command("a.####.exr", draft));
+  fs::remove(folder_ / "a.0003.exr");
+  const Outcome outcome = becalm_done(command("a.####.exr", {"--preset", "draft", "--resume"}));
+  EXPECT_NE(outcome.err.find("frame 2: exists"), std::string::npos) << outcome.err;
+  expect_same_beauty(folder_ / "whole.####.exr", folder_ / "a.####.exr", 1, 4);
   // The history would begin elsewhere, and other pixels would come out.
-  expect_error(becalm(command("a.####.exr", {"--resume", "--frames", "2-4"})), 2,
+  expect_error(becalm(command("a.####.exr", {"--preset", "draft", "--resume", "--frames", "2-4"})), 2,
                {"a.0002.exr", "first_frame=2"});
+}
+
+/// Frames first to last as one job, which must be bit for bit those of `whole`.
+TEST_F(Denoise, ResultsDoNotDependOnHowASequenceIsCutIntoJobs) {
+  for (int number = 1; number <= 24; ++number) write_frames({number});
+  const std::vector<std::string> settings{"--segment", "8", "--warmup", "3", "--quiet"};
+  const auto job = [&](const std::string& pattern, const std::string& frames) {
+    std::vector<std::string> more = settings;
+    if (!frames.empty()) more.insert(more.end(), {"--frames", frames});
+    becalm_done(command(pattern, more));
+  };
+  job("whole.####.exr", "");
+  for (const char* frames : {"1-7", "8-15", "16-24"}) job("chunk.####.exr", frames);
+  expect_same_beauty(folder_ / "whole.####.exr", folder_ / "chunk.####.exr", 1, 24);
+  for (const int frame : {1, 7, 8, 13, 24}) {
+    job("single.####.exr", std::to_string(frame));
+    expect_same_beauty(folder_ / "whole.####.exr", folder_ / "single.####.exr", frame, frame);
+    EXPECT_EQ(io::read_attribute(frame_path(folder_ / "single.####.exr", frame), "becalm:settings"),
+              io::read_attribute(frame_path(folder_ / "whole.####.exr", frame), "becalm:settings"));
+  }
+  EXPECT_FALSE(same_frame("whole.0001.exr", "in.0001.exr")) << "frames after the first say nothing about it";
+}
+
+TEST_F(Denoise, ContextLimitsWhatIsReadBesidesTheFramesThatAreWritten) {
+  write_frames({1, 2, 3, 4, 5});
+  becalm_done(command("none.####.exr", {"--frames", "3", "--context", "none", "--quiet"}));
+  EXPECT_TRUE(same_frame("none.0003.exr", "in.0003.exr")) << "alone, a frame stays as it is";
+  becalm_done(command("some.####.exr", {"--frames", "3", "--context", "2-4", "--quiet"}));
+  EXPECT_EQ(files_in(folder_.path()).size(), 7u) << "context is not written";
+  fs::remove(folder_ / "in.0001.exr");
+  fs::remove(folder_ / "in.0005.exr");
+  becalm_done(command("all.####.exr", {"--frames", "3", "--quiet"}));
+  EXPECT_TRUE(same_frame("some.0003.exr", "all.0003.exr"));
+  expect_error(becalm(command("a.####.exr", {"--context", "some"})), 2, {"some"});
+}
+
+TEST_F(Denoise, NothingIsCarriedOverACut) {
+  write_frames({1, 2, 3});
+  for (const int number : {4, 5}) {
+    Frame frame = noise_frame(number);
+    for (float& v : frame.image(Aov::albedo).data()) v = 1.0f - v;
+    for (float& v : frame.image(Aov::normal).data()) v = -v;
+    io::write_exr(frame_path(input_, number), frame, {}, io::PixelType::float32);
+  }
+  const Outcome found = becalm_done(command("auto.####.exr"));
+  EXPECT_NE(found.err.find("frame 4: a new shot begins"), std::string::npos) << found.err;
+  EXPECT_EQ(found.err.find("shot"), found.err.rfind("shot")) << found.err;
+  becalm_done(command("given.####.exr", {"--cuts", "4", "--quiet"}));
+  becalm_done(command("second.####.exr", {"--frames", "4-5", "--context", "none", "--quiet"}));
+  becalm_done(command("none.####.exr", {"--cuts", "none", "--quiet"}));
+  expect_same_beauty(folder_ / "auto.####.exr", folder_ / "given.####.exr", 1, 5);
+  expect_same_beauty(folder_ / "auto.####.exr", folder_ / "second.####.exr", 4, 5);
+  EXPECT_FALSE(same_frame("auto.0003.exr", "none.0003.exr"));
+}
+
+TEST_F(Denoise, HeldFramesMayComeFromTheContext) {
+  write_frames({1, 2, 4});
+  becalm_done(command("whole.####.exr", {"--frames", "1-4", "--missing", "hold", "--quiet"}));
+  becalm_done(command("chunk.####.exr", {"--frames", "3-4", "--missing", "hold", "--quiet"}));
+  expect_same_beauty(folder_ / "whole.####.exr", folder_ / "chunk.####.exr", 3, 4);
+  EXPECT_FALSE(fs::exists(folder_ / "chunk.0002.exr"));
 }
 
 TEST_F(Denoise, StepsAreNotGaps) {

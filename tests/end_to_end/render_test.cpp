@@ -53,9 +53,32 @@ TEST_F(Render, LightGroupsAreLayers) {
   EXPECT_NE(info.out.find("light.default"), std::string::npos) << info.out;
   render("b.exr", {"--frames", "1", "--aovs", "all"});
   EXPECT_EQ(becalm_done({"info", folder_ / "b.exr"}).out.find("light."), std::string::npos);
-  expect_error(becalm(command("c.exr", {"--frames", "1", "--aovs", "light_groups", "--denoise=draft",
-                                        "--keep-noisy", folder_ / "noisy.exr"})),
-               2, {"--keep-noisy", "light_groups"});
+}
+
+TEST_F(Render, LightGroupsPassThroughTheFilter) {
+  const auto group = [&](const std::string& file) {
+    const io::LoadedFrame loaded = io::read_exr(folder_ / file, 1, {}, {}, io::LightGroups::read);
+    EXPECT_EQ(loaded.frame.light_groups().size(), 1u) << file;
+    return loaded.frame.light_groups().at(0);
+  };
+  render("a.exr", {"--frames", "1", "--aovs", "light_groups"});
+  for (const char* preset : {"--denoise=draft", "--denoise"}) {
+    render("b.exr", {"--frames", "1", "--aovs", "light_groups", preset});
+    EXPECT_EQ(group("b.exr").name, "default");
+    EXPECT_TRUE(same_pixels(group("a.exr").radiance, group("b.exr").radiance)) << preset;
+  }
+}
+
+TEST_F(Render, NoisyFramesThatTheFilterReadsAreGoneAtTheEnd) {
+  const Outcome outcome = becalm_done(
+      {"render", scene_, "-o", folder_ / "out/a.####.exr", "--spp", "1", "--denoise", "--frames", "2-3"});
+  EXPECT_EQ(files_in(folder_.path() / "out"), (std::vector<std::string>{"a.0002.exr", "a.0003.exr"}));
+  EXPECT_NE(outcome.err.find("2 frames more are rendered"), std::string::npos) << outcome.err;
+  render("whole.####.exr", {"--spp", "1", "--denoise"});
+  expect_same_beauty(folder_ / "whole.####.exr", folder_ / "out/a.####.exr", 2, 3);
+  render("alone.####.exr", {"--spp", "1", "--denoise", "--frames", "2", "--context", "none"});
+  EXPECT_FALSE(same_pixels(read_frame(folder_ / "alone.0002.exr").image(Aov::beauty),
+                           read_frame(folder_ / "whole.0002.exr").image(Aov::beauty)));
 }
 
 TEST_F(Render, OneFrameNeedsNoFieldAndSizeIsAChoice) {

@@ -49,7 +49,8 @@ class MergeOnDevice {
                                   .exposure = exposure_,
                                   .history_color = color,
                                   .history_stats = stats},
-                                 alignment_);
+                                 alignment_)
+                    .decision;
     merged_color_ = color.next;
     merged_stats_ = stats.next;
     chain_.output(merged_color_);

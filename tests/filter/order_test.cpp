@@ -70,11 +70,11 @@ double mean(const Frame& frame) {
   return sum / (kWidth * kHeight);
 }
 
-class ForwardFilterTest : public DeviceTest {};
+class SequenceFilterTest : public DeviceTest {};
 
-TEST_F(ForwardFilterTest, CalmsAMovingPatternAndKeepsItsEnergy) {
+TEST_F(SequenceFilterTest, CalmsAMovingPatternAndKeepsItsEnergy) {
   for (const char* name : {"draft", "balanced", "final"}) {
-    ForwardFilter filter(device(), preset(name), kWidth, kHeight, noisy_frame(1).aovs());
+    SequenceFilter filter(device(), preset(name), kWidth, kHeight, noisy_frame(1).aovs());
     double noisy_error = 0, error = 0, energy = 0, clean_energy = 0;
     for (int number = 1; number <= 12; ++number) {
       const Frame noisy = noisy_frame(number);
@@ -93,8 +93,8 @@ TEST_F(ForwardFilterTest, CalmsAMovingPatternAndKeepsItsEnergy) {
   }
 }
 
-TEST_F(ForwardFilterTest, TheFirstFrameAndTheFrameAfterAResetAreTheInput) {
-  ForwardFilter filter(
+TEST_F(SequenceFilterTest, TheFirstFrameAndTheFrameAfterAResetAreTheInput) {
+  SequenceFilter filter(
       device(), preset("balanced"), kWidth, kHeight, noisy_frame(1).aovs(),
       aov_set({Aov::sample_count, Aov::error_mask, Aov::flow, Aov::bias, Aov::gain, Aov::rejected_by}));
   for (const int number : {1, 5}) {
@@ -113,10 +113,10 @@ TEST_F(ForwardFilterTest, TheFirstFrameAndTheFrameAfterAResetAreTheInput) {
   }
 }
 
-TEST_F(ForwardFilterTest, EqualRunsGiveEqualBytes) {
+TEST_F(SequenceFilterTest, EqualRunsGiveEqualBytes) {
   std::vector<float> first;
   for (int run = 0; run < 2; ++run) {
-    ForwardFilter filter(device(), preset("balanced"), kWidth, kHeight, noisy_frame(1).aovs());
+    SequenceFilter filter(device(), preset("balanced"), kWidth, kHeight, noisy_frame(1).aovs());
     Denoised denoised;
     for (int number = 1; number <= 3; ++number) denoised = filter.denoise(noisy_frame(number));
     const auto data = denoised.frame.image(Aov::beauty).data();
@@ -125,13 +125,13 @@ TEST_F(ForwardFilterTest, EqualRunsGiveEqualBytes) {
   }
 }
 
-TEST_F(ForwardFilterTest, NonFinitePixelsStayWhereTheyAre) {
+TEST_F(SequenceFilterTest, NonFinitePixelsStayWhereTheyAre) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float inf = std::numeric_limits<float>::infinity();
   for (const char* merge : {"merge=variance", "merge=mask"}) {
     Settings settings = preset("balanced");
     set(settings, merge);
-    ForwardFilter filter(device(), settings, kWidth, kHeight, noisy_frame(1).aovs());
+    SequenceFilter filter(device(), settings, kWidth, kHeight, noisy_frame(1).aovs());
     filter.denoise(noisy_frame(1));
     Frame bad = noisy_frame(2);
     bad.image(Aov::beauty).at(10, 10, 0) = nan;
@@ -159,7 +159,7 @@ TEST_F(ForwardFilterTest, NonFinitePixelsStayWhereTheyAre) {
   }
 }
 
-TEST_F(ForwardFilterTest, ExtremesStayFinite) {
+TEST_F(SequenceFilterTest, ExtremesStayFinite) {
   // One enormous pixel in an ordinary frame, and frames that are enormous or tiny as a whole.
   const auto scaled = [](int number, float factor) {
     Frame frame = noisy_frame(number);
@@ -169,8 +169,8 @@ TEST_F(ForwardFilterTest, ExtremesStayFinite) {
   };
   for (const float factor : {1.0f, 1e-30f, 1e30f}) {
     for (const bool with_variance : {true, false}) {
-      ForwardFilter filter(device(), preset("balanced"), kWidth, kHeight,
-                           with_variance ? noisy_frame(1).aovs() : aov_set({Aov::albedo}));
+      SequenceFilter filter(device(), preset("balanced"), kWidth, kHeight,
+                            with_variance ? noisy_frame(1).aovs() : aov_set({Aov::albedo}));
       for (int number = 1; number <= 4; ++number) {
         Frame frame = scaled(number, factor);
         if (number == 2) std::ranges::fill(frame.image(Aov::beauty).pixel(40, 30), 1e30f);
@@ -187,11 +187,11 @@ TEST_F(ForwardFilterTest, ExtremesStayFinite) {
   }
 }
 
-TEST_F(ForwardFilterTest, FramesWithoutVarianceOrGuidesAreDenoisedToo) {
+TEST_F(SequenceFilterTest, FramesWithoutVarianceOrGuidesAreDenoisedToo) {
   Frame bare = noisy_frame(1);
   bare.remove(Aov::variance);
   bare.remove(Aov::albedo);
-  ForwardFilter filter(device(), preset("balanced"), kWidth, kHeight, bare.aovs());
+  SequenceFilter filter(device(), preset("balanced"), kWidth, kHeight, bare.aovs());
   double noisy_error = 0, error = 0;
   for (int number = 1; number <= 8; ++number) {
     Frame frame = noisy_frame(number);
@@ -205,10 +205,10 @@ TEST_F(ForwardFilterTest, FramesWithoutVarianceOrGuidesAreDenoisedToo) {
   EXPECT_LT(error, noisy_error / 2);
 }
 
-TEST_F(ForwardFilterTest, HalfBuffersServeInPlaceOfVariance) {
+TEST_F(SequenceFilterTest, HalfBuffersServeInPlaceOfVariance) {
   std::mt19937 random(3);
   std::normal_distribution<float> noise(0.0f, 0.1f);
-  ForwardFilter filter(device(), preset("balanced"), kWidth, kHeight, aov_set({Aov::half_a, Aov::half_b}));
+  SequenceFilter filter(device(), preset("balanced"), kWidth, kHeight, aov_set({Aov::half_a, Aov::half_b}));
   double variance = 0;
   Frame frame(1, kWidth, kHeight);
   Image& beauty = frame.add(Aov::beauty, 1.0f);
@@ -225,8 +225,8 @@ TEST_F(ForwardFilterTest, HalfBuffersServeInPlaceOfVariance) {
   EXPECT_NEAR(variance, 0.005, 0.0005);
 }
 
-TEST_F(ForwardFilterTest, FramesThatDifferAreRefused) {
-  ForwardFilter filter(device(), preset("balanced"), kWidth, kHeight, noisy_frame(1).aovs());
+TEST_F(SequenceFilterTest, FramesThatDifferAreRefused) {
+  SequenceFilter filter(device(), preset("balanced"), kWidth, kHeight, noisy_frame(1).aovs());
   Frame other(7, kWidth / 2, kHeight);
   other.add(Aov::beauty);
   const auto message = [&](const Frame& frame) -> std::string {
@@ -243,9 +243,9 @@ TEST_F(ForwardFilterTest, FramesThatDifferAreRefused) {
   EXPECT_EQ(message(lacking), "frame 8: no layer 'albedo', which the frames before it have");
 }
 
-TEST_F(ForwardFilterTest, SizesFromOnePixelUp) {
+TEST_F(SequenceFilterTest, SizesFromOnePixelUp) {
   for (const auto& [width, height] : {std::pair{1, 1}, {1, 37}, {53, 1}, {3, 2}, {17, 16}}) {
-    ForwardFilter filter(device(), preset("balanced"), width, height, {});
+    SequenceFilter filter(device(), preset("balanced"), width, height, {});
     for (int number = 1; number <= 2; ++number) {
       Frame frame(number, width, height);
       frame.add(Aov::beauty, 0.5f);

@@ -78,7 +78,7 @@ Frame moving_frame(const Scene& scene, int number) {
 
 class TiledFrameTest : public DeviceTest {
  protected:
-  static ForwardFilter make(const Settings& settings, const Scene& scene, std::uint64_t memory_limit) {
+  static SequenceFilter make(const Settings& settings, const Scene& scene, std::uint64_t memory_limit) {
     return {device(),      settings,    scene.width, scene.height, moving_frame(scene, 1).aovs(),
             diagnostics(), memory_limit};
   }
@@ -108,10 +108,10 @@ class TiledFrameTest : public DeviceTest {
   /// Some frames in tiles within a share of the memory that the whole takes, with a reset before frame 4.
   static void expect_no_seams(const Settings& settings, const Scene& scene, double share, std::size_t tiles,
                               int frames = 3) {
-    ForwardFilter whole = make(settings, scene, kUnlimited);
+    SequenceFilter whole = make(settings, scene, kUnlimited);
     ASSERT_EQ(whole.memory().tiles, 1u);
     const auto limit = static_cast<std::uint64_t>(share * static_cast<double>(whole.memory().device_bytes));
-    ForwardFilter tiled = make(settings, scene, limit);
+    SequenceFilter tiled = make(settings, scene, limit);
     EXPECT_GE(tiled.memory().tiles, tiles);
     EXPECT_LE(tiled.memory().device_bytes, limit);
     for (int number = 1; number <= frames; ++number) {
@@ -124,17 +124,48 @@ class TiledFrameTest : public DeviceTest {
       expect_same(tiled.denoise(frame), whole.denoise(frame));
     }
   }
+
+  static Settings forward(const char* name) {
+    Settings settings = preset(name);
+    settings.directions = Directions::forward;
+    return settings;
+  }
 };
+
+TEST_F(TiledFrameTest, ShowsNoSeamsWhereBothDirectionsMeet) {
+  const Scene scene{.width = 357, .height = 325};
+  SequenceFilter whole = make(preset("balanced"), scene, kUnlimited);
+  const std::uint64_t limit = whole.memory().device_bytes / 2;
+  SequenceFilter tiled = make(preset("balanced"), scene, limit);
+  EXPECT_GE(tiled.memory().tiles, 2u);
+  EXPECT_LE(tiled.memory().device_bytes, limit);
+  const std::vector<int> frames{1, 2, 3};
+  const std::vector<Segment> segments = schedule(frames, {1, 2, 3}, {.segment = 4});
+  ASSERT_EQ(segments.size(), 1u);
+  for (const Step& step : segments.front()) {
+    SCOPED_TRACE("frame " + std::to_string(step.frame));
+    const Frame frame = moving_frame(scene, step.frame);
+    Denoised a, b;
+    std::optional<Frame> of_tiles = tiled.run(step, frame, a.report);
+    std::optional<Frame> of_whole = whole.run(step, frame, b.report);
+    ASSERT_EQ(of_tiles.has_value(), step.direction == Direction::forward);
+    ASSERT_EQ(of_whole.has_value(), of_tiles.has_value());
+    if (!of_whole) continue;
+    a.frame = std::move(*of_tiles);
+    b.frame = std::move(*of_whole);
+    expect_same(a, b);
+  }
+}
 
 TEST_F(TiledFrameTest, ShowsNoSeamsUnderAnyPreset) {
   for (const char* name : {"draft", "balanced", "final"}) {
     SCOPED_TRACE(name);
-    expect_no_seams(preset(name), {.width = 517, .height = 403}, 0.6, 2);
+    expect_no_seams(forward(name), {.width = 517, .height = 403}, 0.6, 2);
   }
 }
 
 TEST_F(TiledFrameTest, ShowsNoSeamsBetweenManySmallTiles) {
-  expect_no_seams(preset("final"), {.width = 357, .height = 325}, 0.3, 12, 4);
+  expect_no_seams(forward("final"), {.width = 357, .height = 325}, 0.3, 12, 4);
 }
 
 TEST_F(TiledFrameTest, ShowsNoSeamsUnderOtherSettings) {
@@ -150,14 +181,14 @@ TEST_F(TiledFrameTest, ShowsNoSeamsUnderOtherSettings) {
       {"merge=mask", "luminance_weight=1", "accumulate=exponential"}};
   for (const std::vector<const char*>& assignments : all) {
     SCOPED_TRACE(assignments.front());
-    Settings settings = preset("final");
+    Settings settings = forward("final");
     for (const char* assignment : assignments) set(settings, assignment);
     expect_no_seams(settings, scene, 0.7, 2);
   }
 }
 
 TEST_F(TiledFrameTest, ShowsNoSeamsWithoutVarianceAndGuides) {
-  expect_no_seams(preset("balanced"), {.width = 517, .height = 403, .variance = false, .guides = false}, 0.6,
+  expect_no_seams(forward("balanced"), {.width = 517, .height = 403, .variance = false, .guides = false}, 0.6,
                   2);
 }
 
@@ -176,13 +207,13 @@ TEST_F(TiledFrameTest, TakesLongAndTinyFrames) {
     SCOPED_TRACE(scene.width);
     expect_no_seams(preset("balanced"), scene, 0.5, 2);
   }
-  ForwardFilter filter = make(preset("balanced"), {.width = 1, .height = 1}, std::uint64_t{1} << 20);
+  SequenceFilter filter = make(preset("balanced"), {.width = 1, .height = 1}, std::uint64_t{1} << 20);
   EXPECT_EQ(filter.memory().tiles, 1u);
 }
 
 TEST_F(TiledFrameTest, IsRefusedWhereTheSmallestTilesAreTooLarge) {
   try {
-    make(preset("balanced"), {.width = 517, .height = 403}, 1 << 20);
+    make(forward("balanced"), {.width = 517, .height = 403}, 1 << 20);
     FAIL() << "517x403 px within 1 MiB";
   } catch (const gpu::DeviceLimitError& error) {
     const std::string message = error.what();

@@ -107,7 +107,7 @@ class MergeOnDevice {
       residual_ = chain_.input("residual", gpu::Format::f32, level_extent(settings, kFull, 0));
       alignment.residual.front() = *residual_;
     }
-    decision_ = add_merge_passes(chain_, settings, kFull, inputs, alignment);
+    decision_ = add_merge_passes(chain_, settings, kFull, inputs, alignment).decision;
     for (const gpu::ImageId image : {inputs.history_color.next, inputs.history_stats.next, decision_}) {
       chain_.output(image);
     }

@@ -1,0 +1,58 @@
+// Reads the forward estimate of a frame, which includes the frame itself, the backward prediction, which does not, and the
+// patch sums of combine_statistics; writes their combination with weights of inverse variances: the fixed-interval
+// smoother in its two-filter form (Fraser and Potter 1969). The variances that weigh are those of the patch without the
+// pixel itself, over the pixel's own effective sample counts: a Monte Carlo pixel's variance grows with its value, and
+// weights made from the values that they weigh would darken the image.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#include "lib/gain.glsl"
+#include "shared/merge_params.h"
+
+layout(constant_id = 0) const int radius = 3;
+
+layout(local_size_x = 8, local_size_y = 4) in;
+layout(push_constant) uniform Params { ImageParams p; };
+layout(set = 0, binding = 0) uniform samplerBuffer forward_color;
+layout(set = 0, binding = 1) uniform samplerBuffer forward_stats;
+layout(set = 0, binding = 2) uniform samplerBuffer backward_color;
+layout(set = 0, binding = 3) uniform samplerBuffer backward_stats;
+layout(set = 0, binding = 4) uniform samplerBuffer statistics;
+layout(set = 0, binding = 5) uniform samplerBuffer statistics_sums;
+layout(std430, set = 0, binding = 6) writeonly buffer ColorBuffer { vec4 data[]; } color;
+layout(std430, set = 0, binding = 7) writeonly buffer StatsBuffer { vec2 data[]; } stats;
+
+void main() {
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  if (at.x >= p.width || at.y >= p.height) return;
+  const int index = at.y * p.width + at.x;
+  vec4 sum = texelFetch(statistics_sums, index);
+  [[unroll]] for (int i = -radius; i <= radius; ++i) {
+    if (i == 0) continue;
+    const bool inside = at.x + i >= 0 && at.x + i < p.width;
+    const vec4 tap = texelFetch(statistics, inside ? index + i : index);
+    sum += inside ? tap : vec4(0.0);
+  }
+  const vec2 stats_f = texelFetch(forward_stats, index).xy;
+  const vec2 stats_b = texelFetch(backward_stats, index).xy;
+  const vec4 f = texelFetch(forward_color, index);
+  const vec4 b = texelFetch(backward_color, index);
+  const bool has_f = stats_f.y > 0.0;
+  const bool has_b = stats_b.y > 0.0;
+  const float counted = stats_b.y / max(stats_f.y + stats_b.y, 1e-6);
+  // A frame's variance over the count is the estimate's; without neighbours to tell, frames count alike.
+  float weight = sum.w >= 1.0 ? gain(sum.y / max(stats_b.y, 1e-6), sum.x / max(stats_f.y, 1e-6), 0.0) : counted;
+  // Both exact: the forward estimate has seen the frame.
+  if (sum.w >= 1.0 && sum.x + sum.y <= 0.0) weight = 0.0;
+  if (!has_f) weight = 1.0;
+  if (!has_b) weight = 0.0;
+
+  const float rest = 1.0 - weight;
+  const float variance = rest * rest * stats_f.x + weight * weight * stats_b.x;
+  const float inverse_count = rest * rest / max(stats_f.y, 1e-6) + weight * weight / max(stats_b.y, 1e-6);
+  // Chosen, not computed, where one estimate is all there is: the other may hold anything.
+  color.data[index] = weight <= 0.0 ? f : weight >= 1.0 ? b : f + weight * (b - f);
+  stats.data[index] = weight <= 0.0   ? stats_f
+                      : weight >= 1.0 ? stats_b
+                                      : vec2(min(variance, kLargestVariance), 1.0 / inverse_count);
+}

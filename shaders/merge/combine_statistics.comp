@@ -1,0 +1,34 @@
+// Reads two estimates of a frame; writes what the weights of `combine` are sums of: (variance a frame of the first, of the
+// second, squared difference of the two, 1), relative to their brightness. The variance a frame is the variance times
+// the effective sample count, so that a pixel may differ from its neighbours in how long its history is. Pixels of which
+// one estimate knows nothing count nothing.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "lib/color.glsl"
+#include "lib/gain.glsl"
+#include "shared/merge_params.h"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant) uniform Params { ImageParams p; };
+layout(set = 0, binding = 0) uniform samplerBuffer forward_color;
+layout(set = 0, binding = 1) uniform samplerBuffer forward_stats;
+layout(set = 0, binding = 2) uniform samplerBuffer backward_color;
+layout(set = 0, binding = 3) uniform samplerBuffer backward_stats;
+layout(set = 0, binding = 4) uniform samplerBuffer exposure;
+layout(std430, set = 0, binding = 5) writeonly buffer StatisticsBuffer { vec4 data[]; } statistics;
+
+void main() {
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  if (at.x >= p.width || at.y >= p.height) return;
+  const int index = at.y * p.width + at.x;
+  const vec2 stats_f = texelFetch(forward_stats, index).xy;
+  const vec2 stats_b = texelFetch(backward_stats, index).xy;
+  const vec3 f = texelFetch(forward_color, index).rgb;
+  const vec3 b = texelFetch(backward_color, index).rgb;
+  const vec3 both = 0.5 * f + 0.5 * b;
+  const float scale = 1.0 / brightness(both.r, both.g, both.b, texelFetch(exposure, 0).x);
+  const vec3 d = clamp((f - b) * scale, -kLargestDifference, kLargestDifference);
+  const vec2 variances = min(vec2(stats_f.x, stats_b.x) * scale * scale, kLargestDifference * kLargestDifference);
+  const bool counts = stats_f.y > 0.0 && stats_b.y > 0.0;
+  statistics.data[index] = counts ? vec4(variances * vec2(stats_f.y, stats_b.y), dot(d, d) / 3.0, 1.0) : vec4(0.0);
+}

@@ -1,0 +1,94 @@
+// Cuts are found between shots, and not where noise, motion or light alone change a picture.
+#include "filter/cuts.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "filter/host_images.h"
+#include "tests/filter/pattern.h"
+
+namespace becalm::filter {
+namespace {
+
+AovSet all_aovs() {
+  return AovSet().set();
+}
+
+/// A textured plane that `shift_px` has moved over, lit by `light`, with exponential noise as of 1 sample.
+Frame make_frame(double shift_px, unsigned scene, double light = 1.0, unsigned seed = 1) {
+  std::mt19937 random(seed);
+  std::exponential_distribution<float> noise;
+  Frame frame(1, 240, 136);
+  frame.add(Aov::beauty, 1.0f);
+  frame.add(Aov::albedo);
+  frame.add(Aov::normal);
+  for (int y = 0; y < frame.height(); ++y) {
+    for (int x = 0; x < frame.width(); ++x) {
+      const auto albedo = static_cast<float>(0.1 + 0.8 * pattern(x + shift_px, y, scene));
+      const double angle = 6.0 * pattern(0.5 * (x + shift_px), 0.5 * y, scene + 50);
+      for (int c = 0; c < 3; ++c) {
+        frame.image(Aov::albedo).at(x, y, c) = albedo;
+        frame.image(Aov::beauty).at(x, y, c) = static_cast<float>(light) * albedo * noise(random);
+      }
+      frame.image(Aov::normal).at(x, y, 0) = static_cast<float>(std::cos(angle));
+      frame.image(Aov::normal).at(x, y, 1) = static_cast<float>(std::sin(angle));
+    }
+  }
+  return frame;
+}
+
+bool cut_between(const Frame& a, const Frame& b, const AovSet& used = all_aovs()) {
+  const ShotSignature of_a = shot_signature(a, used, exposure(a.image(Aov::beauty)));
+  const ShotSignature of_b = shot_signature(b, used, exposure(b.image(Aov::beauty)));
+  EXPECT_EQ(is_cut(of_a, of_b), is_cut(of_b, of_a));
+  return is_cut(of_a, of_b);
+}
+
+TEST(Cuts, NoiseAndMotionAreNone) {
+  EXPECT_FALSE(cut_between(make_frame(0, 3), make_frame(0, 3, 1.0, 2)));
+  EXPECT_FALSE(cut_between(make_frame(0, 3), make_frame(18, 3, 1.0, 2)));
+  EXPECT_FALSE(cut_between(make_frame(0, 3), make_frame(0, 3, 1.0, 2), {})) << "by luminance";
+}
+
+TEST(Cuts, FlashesAreNone) {
+  EXPECT_FALSE(cut_between(make_frame(0, 3), make_frame(0, 3, 30.0, 2)));
+  EXPECT_FALSE(cut_between(make_frame(0, 3), make_frame(0, 3, 30.0, 2), {})) << "by luminance";
+  Frame half_lit = make_frame(0, 3, 1.0, 2);
+  for (int y = 0; y < half_lit.height(); ++y) {
+    for (int x = 0; x < half_lit.width() / 2; ++x) {
+      for (int c = 0; c < 3; ++c) half_lit.image(Aov::beauty).at(x, y, c) *= 20.0f;
+    }
+  }
+  EXPECT_FALSE(cut_between(make_frame(0, 3), half_lit));
+}
+
+TEST(Cuts, AnotherSceneIsOne) {
+  for (const unsigned scene : {4u, 5u, 11u}) {
+    EXPECT_TRUE(cut_between(make_frame(0, 3), make_frame(0, scene, 1.0, 2))) << scene;
+  }
+}
+
+TEST(Cuts, WithoutGuidesTheLuminanceShowsThem) {
+  Frame dark_above = make_frame(0, 3, 1.0, 2);
+  for (int y = 0; y < dark_above.height(); ++y) {
+    for (int x = 0; x < dark_above.width(); ++x) {
+      for (int c = 0; c < 3; ++c) dark_above.image(Aov::beauty).at(x, y, c) *= y < 60 ? 0.05f : 3.0f;
+    }
+  }
+  EXPECT_TRUE(cut_between(make_frame(0, 3), dark_above, {}));
+}
+
+TEST(Cuts, PixelsThatAreNotFiniteAndTinyImagesAreTaken) {
+  Frame bad = make_frame(0, 3, 1.0, 2);
+  for (int x = 0; x < 240; ++x) bad.image(Aov::beauty).at(x, 7, 1) = x % 2 == 0 ? NAN : INFINITY;
+  for (int x = 0; x < 240; ++x) bad.image(Aov::normal).at(x, 9, 1) = NAN;
+  EXPECT_FALSE(cut_between(make_frame(0, 3), bad));
+  Frame pixel(1, 1, 1);
+  pixel.add(Aov::beauty, 0.5f);
+  EXPECT_FALSE(cut_between(pixel, pixel));
+}
+
+}  // namespace
+}  // namespace becalm::filter
