@@ -82,7 +82,8 @@ void add_filter_options(CLI::App& command, FilterOptions& options) {
       ->group("Filter");
   command
       .add_flag("--diagnostics", options.diagnostics,
-                "Write what the filter decided as layers: flow, error_mask, sample_count")
+                "Write what the filter decided as layers: flow, error_mask, sample_count, bias, gain, "
+                "rejected_by, residual")
       ->group("Filter");
   command.add_option("--device", options.device, "Vulkan device (default: a hardware GPU if there is one)")
       ->option_text("N|NAME")

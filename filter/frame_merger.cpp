@@ -21,15 +21,22 @@ void unpack(const MergedTile& tile_images, const Tile& tile, MergedFrame& frame)
   copy_core(tile_images.warped_color, tile, frame.prediction.color);
   copy_core(tile_images.warped_stats, tile, frame.prediction.stats);
   copy_core(tile_images.offset, tile, frame.flow);
+  copy_core(tile_images.decision, tile, frame.decision);
   const Rect& core = tile.core;
+  const int residual_width = (tile.target.width + tile_images.residual_px - 1) / tile_images.residual_px;
   for (int y = core.y; y < core.y + core.height; ++y) {
     std::size_t t =
         static_cast<std::size_t>(y - tile.target.y) * tile.target.width + (core.x - tile.target.x);
     for (int x = core.x; x < core.x + core.width; ++x, ++t) {
-      if (!frame.rejected.empty()) frame.rejected.at(x, y, 0) = tile_images.decision[2 * t];
       if (!frame.prediction.stats.empty()) {
         float& variance = frame.prediction.stats.at(x, y, 0);
-        variance = std::min(variance + tile_images.decision[2 * t + 1], kLargestVariance);
+        variance = std::min(variance + tile_images.decision[4 * t + 1], kLargestVariance);
+      }
+      if (!frame.residual.empty()) {
+        const int column = (x - tile.target.x) / tile_images.residual_px;
+        const int row = (y - tile.target.y) / tile_images.residual_px;
+        frame.residual.at(x, y, 0) =
+            tile_images.residual[static_cast<std::size_t>(row) * residual_width + column];
       }
     }
   }

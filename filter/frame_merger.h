@@ -34,7 +34,7 @@ struct FilterTask {
   Settings settings;
   gpu::Extent full;
   AovSet used;         ///< what is read of a frame besides the beauty
-  AovSet diagnostics;  ///< those of flow, error_mask and sample_count that are wanted
+  AovSet diagnostics;  ///< those that are wanted
   Guides guides;
 
   bool has_halves() const { return contains(used, Aov::half_a) && contains(used, Aov::half_b); }
@@ -66,7 +66,8 @@ struct MergedFrame {
   Estimate merged;      ///< the history and the frame
   Estimate prediction;  ///< the history alone, where the frame's pixels are; its squared bias, as this frame
                         ///< showed it, is part of the variance
-  Image rejected;       ///< one channel: share of the history that was rejected
+  Image decision;       ///< four channels, as MergeOutputs::decision
+  Image residual;       ///< one channel: patch distance of the finest level
   Image flow;           ///< two channels: where in the history each pixel was found, as an offset in pixels
 };
 
@@ -78,6 +79,8 @@ struct MergedTile {
   std::span<const float> warped_stats;
   std::span<const float> decision;
   std::span<const float> offset;
+  std::span<const float> residual;  ///< of the finest level
+  int residual_px = 1;              ///< full-resolution pixels in one of the level's
 };
 
 /// Copies the core of a tile's pixels into a frame's image, if that is not empty.

@@ -5,6 +5,7 @@
 
 #include "filter/correct.h"
 #include "filter/noisy_inputs.h"
+#include "filter/validate.h"
 #include "shaders/shared/merge_params.h"
 
 namespace becalm::filter {
@@ -15,7 +16,7 @@ using gpu::Extent;
 using gpu::Format;
 using gpu::ImageId;
 
-/// Radius of the spline's prefilter: its weights fall by 0.34 a pixel, to 1e-4 here.
+/// Radius of the spline's prefilter: its weights fall by 0.34 a pixel, to 2e-4 here.
 constexpr int kSplineRadius = 8;
 
 /// What the resampling filter's kernel is summed over: the history itself, or its spline coefficients.
@@ -36,7 +37,7 @@ ImageId add_resample_taps(Chain& chain, const Settings& settings, Extent extent,
 }
 
 ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
-                          const WarpedHistory& warped) {
+                          const WarpedHistory& warped, std::optional<ImageId> trust) {
   const ImageId difference = chain.image("difference", Format::f32x4, full);
   const ImageId noise = chain.image("noise", Format::f32x4, full);
   chain.pass("merge/statistics")
@@ -51,7 +52,7 @@ ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, c
       .dispatch(full);
   const ImageId difference_sums = add_patch_sums(chain, settings, full, difference, "difference");
   const ImageId noise_sums = add_patch_sums(chain, settings, full, noise, "noise");
-  const ImageId decision = chain.image("decision", Format::f32x2, full);
+  const ImageId decision = chain.image("decision", Format::f32x4, full);
   chain.pass("merge/variance_gain")
       .read("color", inputs.color)
       .read("variance", inputs.variance)
@@ -62,33 +63,40 @@ ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, c
       .read("noise", noise)
       .read("difference_sums", difference_sums)
       .read("noise_sums", noise_sums)
+      .read("trust", trust.value_or(warped.stats))
       .write("merged_color", inputs.history_color.next)
       .write("merged_stats", inputs.history_stats.next)
       .write("decision", decision)
       .specialize("radius", settings.patch_radius)
+      .specialize("validated", trust ? 1 : 0)
       .constants(params::VarianceGainParams{.width = full.width,
                                             .height = full.height,
                                             .max_history = settings.max_history,
-                                            .significance = settings.significance})
+                                            .significance = settings.significance,
+                                            .luminance_weight = settings.luminance_weight,
+                                            .bias_between_surfaces = settings.validate_bias})
       .dispatch(full);
   return decision;
 }
 
 ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
-                      const WarpedHistory& warped, const Alignment& alignment) {
+                      const WarpedHistory& warped, std::optional<ImageId> trust, const Alignment& alignment) {
   const std::size_t level =
       std::min(static_cast<std::size_t>(settings.mask_level), alignment.residual.size() - 1);
   const Extent extent = level_extent(settings, full, level);
-  const ImageId decision = chain.image("decision", Format::f32x2, full);
+  const ImageId decision = chain.image("decision", Format::f32x4, full);
   chain.pass("merge/mask_gain")
       .read("color", inputs.color)
       .read("variance", inputs.variance)
       .read("warped_color", warped.color)
       .read("warped_stats", warped.stats)
       .read("residual", alignment.residual[level])
+      .read("exposure", inputs.noisy.exposure)
+      .read("trust", trust.value_or(warped.stats))
       .write("merged_color", inputs.history_color.next)
       .write("merged_stats", inputs.history_stats.next)
       .write("decision", decision)
+      .specialize("validated", trust ? 1 : 0)
       .constants(params::MaskGainParams{.width = full.width,
                                         .height = full.height,
                                         .residual_width = extent.width,
@@ -97,7 +105,9 @@ ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const
                                         .alpha = settings.mask_alpha,
                                         .kappa = settings.mask_kappa,
                                         .eta = settings.mask_eta,
-                                        .max_history = settings.max_history})
+                                        .max_history = settings.max_history,
+                                        .exponential = settings.accumulate == Accumulate::exponential ? 1 : 0,
+                                        .luminance_weight = settings.luminance_weight})
       .dispatch(full);
   return decision;
 }
@@ -153,7 +163,7 @@ ImageId add_patch_sums(Chain& chain, const Settings& settings, Extent full, Imag
 
 int merge_margin_px(const Settings& settings) {
   constexpr int variance_estimate = 1;
-  return variance_estimate + correction_margin_px(settings) +
+  return variance_estimate + correction_margin_px(settings) + validate_margin_px(settings) +
          (settings.merge == MergeMode::variance ? settings.patch_radius : 0);
 }
 
@@ -170,9 +180,18 @@ MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent ful
                                           .estimate_stats = warped.stats},
                                          "correction");
   }
+  if (settings.history_clip != HistoryClip::none) {
+    warped = add_rectify_pass(chain, settings, full, inputs.color, inputs.variance, warped);
+  }
+  std::optional<ImageId> trust;
+  if (inputs.rules != 0) {
+    const SourceWindow window =
+        inputs.history_window ? *inputs.history_window : add_same_window(chain, full, "origin.validate");
+    trust = add_validate_pass(chain, settings, full, inputs.rules, inputs.surface, alignment.offset, window);
+  }
   const ImageId decision = settings.merge == MergeMode::variance
-                               ? add_variance_gain(chain, settings, full, inputs, warped)
-                               : add_mask_gain(chain, settings, full, inputs, warped, alignment);
+                               ? add_variance_gain(chain, settings, full, inputs, warped, trust)
+                               : add_mask_gain(chain, settings, full, inputs, warped, trust, alignment);
   return {warped.color, warped.stats, decision};
 }
 

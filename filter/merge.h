@@ -11,6 +11,13 @@ namespace becalm::filter {
 
 class NoisyInputs;
 
+/// What the new frame's and the last frame's pixels show (f32x4, as pack_surface gives it); the last frame's
+/// in the history's window.
+struct SurfaceInputs {
+  gpu::ImageId current;
+  gpu::ImageId previous;
+};
+
 /// Images that the merge works on, all at full resolution and of one size but for the previous history in a
 /// window of its own.
 struct MergeInputs {
@@ -22,7 +29,9 @@ struct MergeInputs {
   gpu::History
       history_stats;  ///< f32x2: (variance left, effective sample count); a count of 0 means no history
   std::optional<SourceWindow> history_window =
-      {};  ///< where the previous history shows more than the new frame
+      {};                   ///< where the previous history shows more than the new frame
+  unsigned rules = 0;       ///< flags of Validate by which the history is validated
+  SurfaceInputs surface{};  ///< given if there are rules
 };
 
 /// The history where the target's pixels are.
@@ -44,8 +53,9 @@ int merge_margin_px(const Settings& settings);
 struct MergeOutputs {
   gpu::ImageId warped_color;  ///< f32x4: the history where the new frame's pixels are
   gpu::ImageId warped_stats;  ///< f32x2, as the history's
-  gpu::ImageId decision;      ///< f32x2: share of the history rejected; what to add to warped_stats' variance
-                              ///< where the warped history is to predict the new frame
+  gpu::ImageId decision;  ///< f32x4: share of the history rejected; its squared bias, which is to be added to
+                          ///< warped_stats' variance where it predicts the new frame; weight of the new
+                          ///< sample; the rule that rejected (shaders/lib/rejection.glsl)
 };
 
 /// Merges the new frame with the warped history into history_color.next and history_stats.next.

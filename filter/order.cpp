@@ -1,6 +1,7 @@
 #include "filter/order.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <span>
@@ -57,7 +58,17 @@ Frame output_frame(const NewFrame& frame, AovSet diagnostics, MergedFrame made, 
   }
   report.mean_sample_count /= static_cast<double>(frame.finite.size());
   result.image(Aov::beauty) = std::move(made.merged.color);
-  if (contains(diagnostics, Aov::error_mask)) result.image(Aov::error_mask) = std::move(made.rejected);
+  const auto add_decision = [&](Aov aov, std::size_t value) {
+    if (!contains(diagnostics, aov)) return;
+    const std::span<float> layer = result.add(aov).data();
+    for (std::size_t i = 0; i < layer.size(); ++i) layer[i] = made.decision.data()[4 * i + value];
+  };
+  add_decision(Aov::error_mask, 0);
+  add_decision(Aov::bias, 1);
+  for (float& bias : result.image(Aov::bias).data()) bias = std::sqrt(bias);
+  add_decision(Aov::gain, 2);
+  add_decision(Aov::rejected_by, 3);
+  if (contains(diagnostics, Aov::residual)) result.image(Aov::residual) = std::move(made.residual);
   if (contains(diagnostics, Aov::flow)) result.image(Aov::flow) = std::move(made.flow);
   return result;
 }
@@ -67,9 +78,11 @@ Frame output_frame(const NewFrame& frame, AovSet diagnostics, MergedFrame made, 
 AovSet wanted_aovs(const Settings& settings) {
   AovSet wanted;
   const auto want = [&](Aov aov, bool needed) { wanted.set(static_cast<std::size_t>(aov), needed); };
-  want(Aov::albedo, settings.weight_albedo > 0.0f || settings.smooth != Smooth::none);
-  want(Aov::normal, settings.weight_normal > 0.0f || settings.smooth != Smooth::none);
-  want(Aov::depth, settings.smooth != Smooth::none);
+  const bool smooths = settings.smooth != Smooth::none;
+  want(Aov::albedo, smooths || settings.weight_albedo > 0.0f);
+  want(Aov::normal, smooths || settings.weight_normal > 0.0f || (settings.validate & validate_normal) != 0);
+  want(Aov::depth, smooths || (settings.validate & validate_depth) != 0);
+  want(Aov::object_id, (settings.validate & validate_id) != 0);
   want(Aov::motion, settings.motion != MotionUse::none);
   for (const Aov aov : {Aov::variance, Aov::half_a, Aov::half_b}) want(aov, true);
   return wanted;
@@ -140,10 +153,13 @@ Frame SequenceFilter::State::forward(const NewFrame& frame, FrameReport& report)
   const gpu::Extent full = task.full;
   MergedFrame merged;
   merged.merged = Estimate(full);
-  merged.rejected = Image(full.width, full.height, 1);
+  merged.decision = Image(full.width, full.height, 4);
+  if (contains(task.diagnostics, Aov::residual)) merged.residual = Image(full.width, full.height, 1);
   if (contains(task.diagnostics, Aov::flow)) merged.flow = Image(full.width, full.height, 2);
   merger->merge(frame, merged, report);
-  for (const float share : merged.rejected.data()) report.mean_rejected += share;
+  for (std::size_t i = 0; i < merged.decision.pixel_count(); ++i) {
+    report.mean_rejected += merged.decision.data()[4 * i];
+  }
   report.mean_rejected /= static_cast<double>(full.elements());
 
   if (const auto prediction = predictions.find(frame.frame.number()); prediction != predictions.end()) {

@@ -24,8 +24,8 @@ enum class FindCuts { no, yes };
 /// a frame that differs throws Error(bad_input).
 class SequenceFilter {
  public:
-  /// Builds the chains for this size. `diagnostics` are those of flow, error_mask and sample_count to put
-  /// into the results. Frames that the device cannot hold whole, or not within `memory_limit` bytes, are cut
+  /// Builds the chains for this size. `diagnostics` are those of the AOV table's to put into the
+  /// results. Frames that the device cannot hold whole, or not within `memory_limit` bytes, are cut
   /// into tiles, which the results do not show. Throws gpu::DeviceError if the smallest tiles are still too
   /// large.
   SequenceFilter(gpu::Device& device, const Settings& settings, int width, int height, AovSet available,

@@ -29,6 +29,19 @@ enum class Smooth { none, regression };
 /// How the merge weighs history against the new frame.
 enum class MergeMode { mask, variance };
 
+/// By which surface AOVs the history is validated; flags.
+enum Validate : unsigned { validate_depth = 1, validate_normal = 2, validate_id = 4 };
+
+/// How the history is rectified by the new frame's colours around it: not at all; each channel clamped to
+/// their range; moved towards their mean until it lies in that box, or in the box of their standard
+/// deviation. The values are those of shaders/merge/rectify.comp.
+enum class HistoryClip { none = 0, clamp = 1, clip = 2, variance = 3 };
+enum class ClipSpace { rgb = 0, ycocg = 1 };
+
+/// Mask mode: what limits the history's weight. A history of n frames weighs n/(n+1) at most, or always
+/// `mask_alpha`.
+enum class Accumulate { count = 0, exponential = 1 };
+
 /// Everything that steers the filter. Names, ranges and help texts live in one table (settings.cpp), from
 /// which
 /// `--set KEY=VALUE`, the help and the files' `becalm:settings` attribute are made.
@@ -53,12 +66,22 @@ struct Settings {
   int smooth_radius = 5;
   int smooth_patch_radius = 3;
   float smooth_strength = 0.5f;
+  unsigned validate = 0;  ///< flags of Validate
+  float validate_bias = 0.2f;
+  float depth_tolerance = 0.05f;
+  float normal_tolerance = 0.3f;
+  HistoryClip history_clip = HistoryClip::none;
+  ClipSpace clip_space = ClipSpace::ycocg;
+  int clip_radius = 1;
+  float clip_gamma = 1.0f;
+  float luminance_weight = 0.0f;
   Directions directions = Directions::both;
   MergeMode merge = MergeMode::variance;
   float mask_alpha = 0.9f;
   float mask_kappa = 2.0f;
   float mask_eta = 2.0f;
   int mask_level = 0;
+  Accumulate accumulate = Accumulate::count;
   int patch_radius = 3;
   float significance = 3.0f;
   float max_history = 64.0f;

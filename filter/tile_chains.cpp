@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "filter/validate.h"
+
 namespace becalm::filter {
 namespace {
 
@@ -106,6 +108,11 @@ TileChain::TileChain(gpu::Device& device, const FilterTask& task, const PyramidS
     offset = add_override_pass(chain, target_extent, offset, *motion);
   }
 
+  const unsigned rules = applicable_rules(settings, task.used);
+  if (rules != 0) {
+    surface = {chain.input("surface.cur", Format::f32x4, target_extent),
+               chain.input("surface.prev", Format::f32x4, source_extent)};
+  }
   merged_color = chain.image("history.color.next", Format::f32x4, target_extent);
   merged_stats = chain.image("history.stats.next", Format::f32x2, target_extent);
   outputs = add_merge_passes(
@@ -115,16 +122,20 @@ TileChain::TileChain(gpu::Device& device, const FilterTask& task, const PyramidS
        .variance = variance,
        .history_color = {history_color, merged_color},
        .history_stats = {history_stats, merged_stats},
-       .history_window = window},
+       .history_window = window,
+       .rules = rules,
+       .surface = surface.value_or(SurfaceInputs{})},
       {offset, found.residual});
   chain.output(merged_color);
   chain.output(merged_stats);
+  residual = found.residual.front();
   chain.output(outputs.decision);
   if (settings.directions == Directions::both) {
     chain.output(outputs.warped_color);
     chain.output(outputs.warped_stats);
   }
   if (contains(task.diagnostics, Aov::flow)) chain.output(offset);
+  if (contains(task.diagnostics, Aov::residual)) chain.output(residual);
   chain.plan();
 }
 

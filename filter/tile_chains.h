@@ -63,12 +63,14 @@ struct TileChain {
   std::optional<gpu::ImageId> start;   ///< offsets of level `coarse`
   std::optional<gpu::ImageId> motion;  ///< if a level of the tile starts from it, or offsets are to be that
   gpu::ImageId target_origin;          ///< where the target's rectangle begins in the source's
+  std::optional<SurfaceInputs> surface;
   gpu::ImageId history_color;
   gpu::ImageId history_stats;
   gpu::ImageId merged_color;
   gpu::ImageId merged_stats;
   MergeOutputs outputs;
   gpu::ImageId offset;
+  gpu::ImageId residual;  ///< of level 0
 };
 
 }  // namespace becalm::filter

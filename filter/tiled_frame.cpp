@@ -74,6 +74,9 @@ TiledFrame::TiledFrame(gpu::Device& device, FilterTask task, std::uint64_t memor
   }
   history_.estimate = Estimate(task_.full);
   merged_ = Estimate(task_.full);
+  if (!chains_->tile->surface) return;
+  for (Image* surface : {&history_.surface, &surface_})
+    *surface = Image(task_.full.width, task_.full.height, 4);
 }
 
 TiledFrame::~TiledFrame() = default;
@@ -138,9 +141,11 @@ void TiledFrame::plan(gpu::Device& device, std::uint64_t memory_limit) {
 void TiledFrame::merge(const NewFrame& frame, MergedFrame& merged, FrameReport& report) {
   for (const Tile& tile : feature_tiles_) find_features(tile, frame, report);
   if (chains_->coarse) find_coarse_offsets(frame, report);
+  if (chains_->tile->surface) pack_surface(frame.frame, task_.used, bounds(task_.full), surface_.data());
   for (const Tile& tile : tiles_) merge_tile(tile, frame, merged, report);
   std::swap(history_.estimate, merged_);
   std::swap(history_.features, features_);
+  std::swap(history_.surface, surface_);
 }
 
 void TiledFrame::find_features(const Tile& tile, const NewFrame& frame, FrameReport& report) {
@@ -210,6 +215,10 @@ void TiledFrame::merge_tile(const Tile& tile, const NewFrame& frame, MergedFrame
   const auto origin = chain.upload<float>(chains.target_origin);
   origin[0] = static_cast<float>(tile.target.x - tile.source.x);
   origin[1] = static_cast<float>(tile.target.y - tile.source.y);
+  if (chains.surface) {
+    upload(chain, chains.surface->current, view(std::as_const(surface_)), tile.target);
+    upload(chain, chains.surface->previous, view(std::as_const(history_.surface)), tile.source);
+  }
   upload(chain, chains.history_color, view(std::as_const(history_.estimate.color)), tile.source);
   upload(chain, chains.history_stats, view(std::as_const(history_.estimate.stats)), tile.source);
   upload(chain, chains.target.image, std::as_const(features_.finest).view(),
@@ -230,12 +239,17 @@ void TiledFrame::merge_tile(const Tile& tile, const NewFrame& frame, MergedFrame
                     .warped_color = {},
                     .warped_stats = {},
                     .decision = chain.download<float>(chains.outputs.decision),
-                    .offset = {}};
+                    .offset = {},
+                    .residual = {},
+                    .residual_px = finest_px};
   if (task_.settings.directions == Directions::both) {
     images.warped_color = chain.download<float>(chains.outputs.warped_color);
     images.warped_stats = chain.download<float>(chains.outputs.warped_stats);
   }
   if (contains(task_.diagnostics, Aov::flow)) images.offset = chain.download<float>(chains.offset);
+  if (contains(task_.diagnostics, Aov::residual)) {
+    images.residual = chain.download<float>(chains.residual);
+  }
   unpack(images, tile, merged);
   const Rect core = within(tile.core, tile.target);
   copy_rect({images.color, tile.target.extent(), 4}, core, view(merged_.color), tile.core.x, tile.core.y);

@@ -1,10 +1,12 @@
 #include "filter/whole_frame.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "filter/align.h"
 #include "filter/host_images.h"
 #include "filter/pixel_view.h"
+#include "filter/validate.h"
 
 namespace becalm::filter {
 
@@ -40,6 +42,12 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
       chain_, settings, full, add_feature_passes(chain_, settings, full, "target", target),
       add_feature_passes(chain_, settings, full, "source", source), {.name = {}, .motion = motion_});
   offset_ = alignment.offset;
+  residual_ = alignment.residual.front();
+  const unsigned rules = applicable_rules(settings, task_.used);
+  if (rules != 0) {
+    surface_ = {chain_.input("surface.cur", Format::f32x4, full),
+                chain_.input("surface.prev", Format::f32x4, full)};
+  }
 
   outputs_ = add_merge_passes(
       chain_, settings, full,
@@ -47,7 +55,10 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
        .color = color,
        .variance = variance,
        .history_color = history_color,
-       .history_stats = history_stats},
+       .history_stats = history_stats,
+       .history_window = {},
+       .rules = rules,
+       .surface = surface_.value_or(SurfaceInputs{})},
       alignment);
   merged_color_ = history_color.next;
   merged_stats_ = history_stats.next;
@@ -59,6 +70,7 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
     chain_.output(outputs_.warped_stats);
   }
   if (contains(task_.diagnostics, Aov::flow)) chain_.output(offset_);
+  if (contains(task_.diagnostics, Aov::residual)) chain_.output(residual_);
   chain_.plan();
 }
 
@@ -74,6 +86,12 @@ void WholeFrame::merge(const NewFrame& frame, MergedFrame& merged, FrameReport& 
                chain_.upload<float>(*guide_));
   }
   if (motion_) pack_motion(frame.frame.image(Aov::motion), all.target, chain_.upload<float>(*motion_));
+  if (surface_) {
+    // What was new in the last run; before the first one there is no history to validate.
+    const auto current = chain_.upload<float>(surface_->current);
+    std::ranges::copy(current, chain_.upload<float>(surface_->previous).begin());
+    pack_surface(frame.frame, task_.used, all.target, current);
+  }
   chain_.run();
   add_times(report, chain_);
   MergedTile images{.color = chain_.download<float>(merged_color_),
@@ -81,12 +99,15 @@ void WholeFrame::merge(const NewFrame& frame, MergedFrame& merged, FrameReport& 
                     .warped_color = {},
                     .warped_stats = {},
                     .decision = chain_.download<float>(outputs_.decision),
-                    .offset = {}};
+                    .offset = {},
+                    .residual = {},
+                    .residual_px = level_px(task_.settings, 0)};
   if (task_.settings.directions == Directions::both) {
     images.warped_color = chain_.download<float>(outputs_.warped_color);
     images.warped_stats = chain_.download<float>(outputs_.warped_stats);
   }
   if (contains(task_.diagnostics, Aov::flow)) images.offset = chain_.download<float>(offset_);
+  if (contains(task_.diagnostics, Aov::residual)) images.residual = chain_.download<float>(residual_);
   unpack(images, all, merged);
 }
 

@@ -30,7 +30,9 @@ class WholeFrame : public FrameMerger {
   gpu::ImageId smoothed_stats_;
   std::optional<gpu::ImageId> guide_;
   std::optional<gpu::ImageId> motion_;
+  std::optional<SurfaceInputs> surface_;
   gpu::ImageId offset_;
+  gpu::ImageId residual_;
   gpu::ImageId merged_color_;
   gpu::ImageId merged_stats_;
   MergeOutputs outputs_;

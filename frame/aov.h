@@ -25,8 +25,12 @@ enum class Aov {
   flow,
   error_mask,
   sample_count,
+  bias,
+  gain,
+  rejected_by,
+  residual,
 };
-inline constexpr std::size_t kAovCount = 15;
+inline constexpr std::size_t kAovCount = 19;
 
 using AovSet = std::bitset<kAovCount>;
 
@@ -63,6 +67,14 @@ inline constexpr std::array<AovInfo, kAovCount> kAovTable{{
      "offset into the history that the aligner found, in pixels; +x right, +y down"},
     {Aov::error_mask, "error_mask", "Y", true, "share of the history that the merge rejected, in [0,1]"},
     {Aov::sample_count, "sample_count", "Y", true, "effective number of frames merged into the pixel"},
+    {Aov::bias, "bias", "Y", true,
+     "root of the squared bias that the merge ascribed to the history, in units of radiance"},
+    {Aov::gain, "gain", "Y", true, "weight of the new sample in the pixel, in [0,1]"},
+    {Aov::rejected_by, "rejected_by", "Y", true,
+     "rule that took most of the history's weight: 0 none, 1 there was no history, 2 the residual, 3 depth, "
+     "4 normal, 5 object number"},
+    {Aov::residual, "residual", "Y", true,
+     "patch distance at the offset, less that of equal pixels, of the finest level that was matched"},
 }};
 
 constexpr const AovInfo& info(Aov aov) {

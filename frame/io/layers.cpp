@@ -45,6 +45,10 @@ constexpr Alias kAliases[] = {
     {Aov::flow, "flow"},
     {Aov::error_mask, "error_mask"},
     {Aov::sample_count, "sample_count"},
+    {Aov::bias, "bias"},
+    {Aov::gain, "gain"},
+    {Aov::rejected_by, "rejected_by"},
+    {Aov::residual, "residual"},
 };
 
 /// Blender writes what its compositor made of the picture as a layer of this scope. Its noise is no longer

@@ -1,15 +1,20 @@
 // The end of both merge kernels: blends the new frame into the warped history with weight `alpha`; writes the new history
-// and, as the decision, the share of the history that was rejected and `distrust`: what to add to the history's variance
-// where it is used as a prediction of this frame. Not a pure function: the including kernel declares the buffers. Values are chosen and then
-// written once: a branch with stores of its own would cost their time on a processor that runs lanes together.
+// and the decision: (share of the history rejected; `distrust`, what to add to the history's variance where it is used as a
+// prediction of this frame; weight of the new sample; rule that rejected). Not a pure function: the including kernel
+// declares the buffers and the parameters. Values are chosen and then written once: a branch with stores of its own would
+// cost their time on a processor that runs lanes together.
 
-void blend(int index, float alpha, float bias_squared, float max_history, float rejected, float distrust) {
+void blend(int index, float alpha, float bias_squared, float rejected, float rule, float distrust) {
   const vec4 x = texelFetch(color, index);
   const vec2 sample_stats = texelFetch(variance, index).xy;
   const vec4 h = texelFetch(warped_color, index);
   const vec2 stats = texelFetch(warped_stats, index).xy;
   const bool has_sample = sample_stats.y > 0.0;
   const bool has_history = stats.y > 0.0;
+  if (p.luminance_weight > 0.0) {
+    const float scale = p.luminance_weight * texelFetch(exposure, 0).x;
+    alpha = luminance_weighted(alpha, scale * max(luminance(x.r, x.g, x.b), 0.0), scale * max(luminance(h.r, h.g, h.b), 0.0));
+  }
 
   // Written as h + alpha (x - h), equal images stay bit for bit equal.
   vec4 merged = alpha >= 1.0 ? x : h + alpha * (x - h);
@@ -17,20 +22,21 @@ void blend(int index, float alpha, float bias_squared, float max_history, float 
       alpha >= 1.0 ? sample_stats.x
                    : (1.0 - alpha) * (1.0 - alpha) * (stats.x + bias_squared) + alpha * alpha * sample_stats.x;
   vec2 merged_stats_value =
-      vec2(min(merged_variance, kLargestVariance), min(blended_count(stats.y, alpha), max_history));
+      vec2(min(merged_variance, kLargestVariance), min(blended_count(stats.y, alpha), p.max_history));
+  vec4 decided = vec4(rejected, distrust, alpha, rule);
   if (!has_history) {
     merged = x;
     merged_stats_value = vec2(sample_stats.x, 1.0);
-    rejected = 1.0;
+    decided = vec4(1.0, 0.0, 1.0, kRejectedByAbsence);
   }
   // A sample that is not finite says nothing: the history goes on as it is. Where there is none, the stand-in that the
   // pixel was given keeps the next match from seeing a hole; its count stays 0.
   if (!has_sample) {
     merged = has_history ? h : x;
     merged_stats_value = stats;
-    rejected = 0.0;
+    decided = vec4(0.0, distrust, 0.0, kRejectedByNothing);
   }
   merged_color.data[index] = merged;
   merged_stats.data[index] = merged_stats_value;
-  decision.data[index] = vec2(rejected, distrust);
+  decision.data[index] = decided;
 }

@@ -19,6 +19,13 @@ constexpr int kWidth = 61;
 constexpr int kHeight = 43;
 constexpr double kExposure = 1.7;
 
+/// The balanced preset without the correction of the history's means, which has tests of its own.
+Settings uncorrected() {
+  Settings settings = preset("balanced");
+  settings.correct_levels = 0;
+  return settings;
+}
+
 /// The merge's passes alone: offsets and residuals are given.
 class MergeOnDevice {
  public:
@@ -36,9 +43,14 @@ class MergeOnDevice {
     }
     const gpu::History color = chain_.history("history.color", gpu::Format::f32x4, full);
     const gpu::History stats = chain_.history("history.stats", gpu::Format::f32x2, full);
-    decision_ =
-        add_merge_passes(chain_, settings, full, {color_, variance_, exposure_, color, stats}, alignment_)
-            .decision;
+    decision_ = add_merge_passes(chain_, settings, full,
+                                 {.color = color_,
+                                  .variance = variance_,
+                                  .exposure = exposure_,
+                                  .history_color = color,
+                                  .history_stats = stats},
+                                 alignment_)
+                    .decision;
     merged_color_ = color.next;
     merged_stats_ = stats.next;
     chain_.output(merged_color_);
@@ -72,7 +84,7 @@ class MergeOnDevice {
       std::copy_n(out.begin() + 4 * i, 4, e.color.begin());
       e.variance = stats[2 * i];
       e.count = stats[2 * i + 1];
-      merged.rejected.data[i] = decision[2 * i];
+      merged.rejected.data[i] = decision[4 * i];
     }
     return merged;
   }
@@ -137,7 +149,7 @@ void expect_agreement(const reference::Merged& found, const reference::Merged& t
 }
 
 TEST_F(MergeTest, VarianceGainAgreesWithTheReference) {
-  const Settings settings = preset("balanced");
+  const Settings settings = uncorrected();
   MergeOnDevice merge(device(), settings);
   Grid<Estimate> history(kWidth, kHeight);
   const Grid<Vec2> offset = wavy_offset();
@@ -153,7 +165,7 @@ TEST_F(MergeTest, VarianceGainAgreesWithTheReference) {
 }
 
 TEST_F(MergeTest, AFireflyHasNoPartInItsOwnWeight) {
-  const Settings settings = preset("balanced");
+  const Settings settings = uncorrected();
   MergeOnDevice merge(device(), settings);
   const Grid<Vec2> still(kWidth, kHeight);
   const Grid<Estimate> history = merge.run(noisy_sample(1), still).estimate;
@@ -170,7 +182,7 @@ TEST_F(MergeTest, AFireflyHasNoPartInItsOwnWeight) {
 }
 
 TEST_F(MergeTest, MaskGainAgreesWithTheReference) {
-  Settings settings = preset("balanced");
+  Settings settings = uncorrected();
   settings.merge = MergeMode::mask;
   settings.match_downsample = 1;  // the residual is given at full resolution
   settings.max_history = 3;
@@ -218,18 +230,18 @@ void expect_running_mean(gpu::Device& device, const Settings& settings) {
 }
 
 TEST_F(MergeTest, VarianceModeConvergesToTheRunningMean) {
-  expect_running_mean(device(), preset("balanced"));
+  expect_running_mean(device(), uncorrected());
 }
 
 TEST_F(MergeTest, MaskModeConvergesToTheRunningMean) {
-  Settings settings = preset("balanced");
+  Settings settings = uncorrected();
   settings.merge = MergeMode::mask;
   settings.mask_alpha = 1.0f;
   expect_running_mean(device(), settings);
 }
 
 TEST_F(MergeTest, AnUnrelatedImageIsRejectedEverywhere) {
-  MergeOnDevice merge(device(), preset("balanced"));
+  MergeOnDevice merge(device(), uncorrected());
   const Grid<Vec2> still(kWidth, kHeight);
   const auto unrelated = [](unsigned seed) {
     Grid<Estimate> sample(kWidth, kHeight);

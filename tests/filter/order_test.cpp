@@ -94,8 +94,9 @@ TEST_F(SequenceFilterTest, CalmsAMovingPatternAndKeepsItsEnergy) {
 }
 
 TEST_F(SequenceFilterTest, TheFirstFrameAndTheFrameAfterAResetAreTheInput) {
-  SequenceFilter filter(device(), preset("balanced"), kWidth, kHeight, noisy_frame(1).aovs(),
-                        aov_set({Aov::sample_count, Aov::error_mask, Aov::flow}));
+  SequenceFilter filter(
+      device(), preset("balanced"), kWidth, kHeight, noisy_frame(1).aovs(),
+      aov_set({Aov::sample_count, Aov::error_mask, Aov::flow, Aov::bias, Aov::gain, Aov::rejected_by}));
   for (const int number : {1, 5}) {
     const Frame noisy = noisy_frame(number);
     const Denoised denoised = filter.denoise(noisy);
@@ -103,6 +104,10 @@ TEST_F(SequenceFilterTest, TheFirstFrameAndTheFrameAfterAResetAreTheInput) {
         std::ranges::equal(denoised.frame.image(Aov::beauty).data(), noisy.image(Aov::beauty).data()));
     EXPECT_EQ(denoised.report.mean_sample_count, 1.0);
     EXPECT_EQ(denoised.report.mean_rejected, 1.0);
+    for (const auto& [aov, value] :
+         {std::pair{Aov::bias, 0.0f}, {Aov::gain, 1.0f}, {Aov::rejected_by, 1.0f}}) {
+      for (const float v : denoised.frame.image(aov).data()) ASSERT_EQ(v, value) << info(aov).name;
+    }
     filter.denoise(noisy_frame(number + 1));
     filter.reset();
   }

@@ -19,8 +19,7 @@ constexpr std::uint64_t kUnlimited = std::numeric_limits<std::uint64_t>::max();
 
 AovSet diagnostics() {
   AovSet set;
-  for (const Aov aov : {Aov::flow, Aov::error_mask, Aov::sample_count})
-    set.set(static_cast<std::size_t>(aov));
+  for (const AovInfo& entry : kAovTable) set.set(static_cast<std::size_t>(entry.aov), entry.diagnostic);
   return set;
 }
 
@@ -43,6 +42,8 @@ Frame moving_frame(const Scene& scene, int number) {
   if (scene.guides) {
     frame.add(Aov::albedo);
     frame.add(Aov::normal);
+    frame.add(Aov::depth);
+    frame.add(Aov::object_id);
   }
   if (scene.motion) frame.add(Aov::motion);
   for (int y = 0; y < scene.height; ++y) {
@@ -62,6 +63,8 @@ Frame moving_frame(const Scene& scene, int number) {
       if (!scene.guides) continue;
       for (int c = 0; c < 3; ++c) frame.image(Aov::albedo).at(x, y, c) = 0.8f * value;
       frame.image(Aov::normal).at(x, y, still ? 2 : 0) = 1.0f;
+      frame.image(Aov::depth).at(x, y, 0) = 4.0f + value + static_cast<float>(still);
+      frame.image(Aov::object_id).at(x, y, 0) = still ? 1.0f : 2.0f;
     }
   }
   for (int i = 0; i < 40; ++i) {
@@ -81,7 +84,8 @@ class TiledFrameTest : public DeviceTest {
   }
 
   static void expect_same(const Denoised& tiled, const Denoised& whole) {
-    for (const Aov aov : {Aov::beauty, Aov::variance, Aov::flow, Aov::error_mask, Aov::sample_count}) {
+    for (const Aov aov : {Aov::beauty, Aov::variance, Aov::flow, Aov::error_mask, Aov::sample_count,
+                          Aov::bias, Aov::gain, Aov::rejected_by, Aov::residual}) {
       const auto a = tiled.frame.image(aov).data();
       const auto b = whole.frame.image(aov).data();
       std::size_t different = 0;
@@ -166,12 +170,15 @@ TEST_F(TiledFrameTest, ShowsNoSeamsBetweenManySmallTiles) {
 
 TEST_F(TiledFrameTest, ShowsNoSeamsUnderOtherSettings) {
   const Scene scene{.width = 357, .height = 325};
-  const std::vector<std::vector<const char*>> all{{"merge=mask", "mask_level=1"},
-                                                  {"pyramid_factor=4", "demodulate=1"},
-                                                  {"blur_radius=12,3"},
-                                                  {"distance=l2", "patch_radius=8", "prefilter=4"},
-                                                  {"weight_radiance=0", "blur_radius=5"},
-                                                  {"resample=o_moms"}};
+  const std::vector<std::vector<const char*>> all{
+      {"merge=mask", "mask_level=1"},
+      {"pyramid_factor=4", "demodulate=1"},
+      {"blur_radius=12,3"},
+      {"distance=l2", "patch_radius=8", "prefilter=4"},
+      {"weight_radiance=0", "blur_radius=5"},
+      {"resample=o_moms"},
+      {"validate=depth,normal,id", "history_clip=variance", "clip_radius=2"},
+      {"merge=mask", "luminance_weight=1", "accumulate=exponential"}};
   for (const std::vector<const char*>& assignments : all) {
     SCOPED_TRACE(assignments.front());
     Settings settings = forward("final");

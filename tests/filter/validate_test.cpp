@@ -1,0 +1,353 @@
+// The history validated against the new frame, alone and on its way into the merge.
+#include "filter/validate.h"
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <random>
+
+#include "filter/host_images.h"
+#include "tests/filter/device_fixture.h"
+#include "tests/filter/pattern.h"
+#include "tests/filter/reference/validate.h"
+
+namespace becalm::filter {
+namespace {
+
+using reference::Estimate;
+using reference::Grid;
+using reference::Surface;
+using reference::Vec2;
+
+constexpr int kWidth = 45;
+constexpr int kHeight = 33;
+constexpr gpu::Extent kFull{kWidth, kHeight};
+constexpr double kBrightness = 1.1;  // of radiance 1 at an exposure of 1
+
+/// The final preset with neither validation nor correction.
+Settings uncorrected() {
+  Settings settings = preset("final");
+  settings.validate = 0;
+  settings.correct_levels = 0;
+  return settings;
+}
+
+AovSet surface_aovs() {
+  AovSet set;
+  for (const Aov aov : {Aov::depth, Aov::normal, Aov::object_id}) set.set(static_cast<std::size_t>(aov));
+  return set;
+}
+
+/// A slanted floor before nothing, with a ball of another number in front of it, moved by `shift` px.
+Grid<Surface> scene(double shift) {
+  Grid<Surface> grid(kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      Surface& s = grid.at(x, y);
+      const double u = (x + shift - 22) / 11.0;
+      const double v = (y - 18) / 11.0;
+      if (u * u + v * v < 1) {
+        const double w = std::sqrt(1 - u * u - v * v);
+        s = {5 - w, {u, v, w}, 2};
+      } else if (y > 12) {
+        s = {60.0 / (y - 10), {0, 0.6, -0.8}, 1};
+      } else {
+        s = {std::numeric_limits<double>::infinity(), {}, 0};
+      }
+    }
+  }
+  return grid;
+}
+
+Frame frame_of(const Grid<Surface>& surfaces) {
+  Frame frame(1, kWidth, kHeight);
+  Image& depth = frame.add(Aov::depth);
+  Image& normal = frame.add(Aov::normal);
+  Image& id = frame.add(Aov::object_id);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const Surface& s = surfaces.at(x, y);
+      depth.at(x, y, 0) = static_cast<float>(s.depth);
+      id.at(x, y, 0) = static_cast<float>(s.id);
+      for (int c = 0; c < 3; ++c) normal.at(x, y, c) = static_cast<float>(s.normal[c]);
+    }
+  }
+  return frame;
+}
+
+Grid<Vec2> steady_offset(double x, double y) {
+  return {kWidth, kHeight, {x, y}};
+}
+
+/// The merge of one frame with one history, given all that it reads.
+class MergeOnDevice {
+ public:
+  MergeOnDevice(gpu::Device& device, const Settings& settings)
+      : chain_(device, "validate test"), rules_(applicable_rules(settings, surface_aovs())) {
+    offset_ = chain_.input("offset", gpu::Format::f32x2, kFull);
+    MergeInputs inputs{};
+    inputs.color = color_ = chain_.input("color", gpu::Format::f32x4, kFull);
+    inputs.variance = variance_ = chain_.input("variance", gpu::Format::f32x2, kFull);
+    inputs.exposure = exposure_ = chain_.input("exposure", gpu::Format::f32, {1, 1});
+    inputs.history_color = {chain_.input("history.color", gpu::Format::f32x4, kFull),
+                            chain_.image("merged.color", gpu::Format::f32x4, kFull)};
+    inputs.history_stats = {chain_.input("history.stats", gpu::Format::f32x2, kFull),
+                            chain_.image("merged.stats", gpu::Format::f32x2, kFull)};
+    if (rules_ != 0) {
+      inputs.surface = {chain_.input("surface.cur", gpu::Format::f32x4, kFull),
+                        chain_.input("surface.prev", gpu::Format::f32x4, kFull)};
+    }
+    inputs.rules = rules_;
+    inputs_ = inputs;
+    Alignment alignment{.offset = offset_, .residual = {}};
+    for (std::size_t l = 0; l < pyramid_extents(settings, kWidth, kHeight).size(); ++l) {
+      alignment.residual.push_back(chain_.image("residual." + std::to_string(l), gpu::Format::f32, {1, 1}));
+    }
+    if (settings.merge == MergeMode::mask) {
+      residual_ = chain_.input("residual", gpu::Format::f32, level_extent(settings, kFull, 0));
+      alignment.residual.front() = *residual_;
+    }
+    decision_ = add_merge_passes(chain_, settings, kFull, inputs, alignment).decision;
+    for (const gpu::ImageId image : {inputs.history_color.next, inputs.history_stats.next, decision_}) {
+      chain_.output(image);
+    }
+    chain_.build();
+  }
+
+  struct Result {
+    Grid<Estimate> merged;
+    Grid<double> rejected, gain, rule;
+  };
+
+  Result run(const Grid<Estimate>& sample, const Grid<Estimate>& history, const Grid<Vec2>& offset,
+             const Grid<Surface>& now, const Grid<Surface>& before) {
+    upload(sample, color_, variance_);
+    upload(history, inputs_.history_color.previous, inputs_.history_stats.previous);
+    const auto offsets = chain_.upload<float>(offset_);
+    for (std::size_t i = 0; i < offset.data.size(); ++i) {
+      offsets[2 * i] = static_cast<float>(offset.data[i].x);
+      offsets[2 * i + 1] = static_cast<float>(offset.data[i].y);
+    }
+    chain_.upload<float>(exposure_)[0] = 1.0f;
+    if (residual_) std::ranges::fill(chain_.upload<float>(*residual_), 0.0f);
+    if (rules_ != 0) {
+      for (const auto& [surfaces, image] :
+           {std::pair{&now, inputs_.surface.current}, {&before, inputs_.surface.previous}}) {
+        pack_surface(frame_of(*surfaces), surface_aovs(), bounds(kFull), chain_.upload<float>(image));
+      }
+    }
+    chain_.run();
+    Result result{Grid<Estimate>(kWidth, kHeight), Grid<double>(kWidth, kHeight),
+                  Grid<double>(kWidth, kHeight), Grid<double>(kWidth, kHeight)};
+    const auto color = chain_.download<float>(inputs_.history_color.next);
+    const auto stats = chain_.download<float>(inputs_.history_stats.next);
+    const auto decision = chain_.download<float>(decision_);
+    for (std::size_t i = 0; i < result.merged.data.size(); ++i) {
+      Estimate& e = result.merged.data[i];
+      std::copy_n(color.begin() + 4 * i, 4, e.color.begin());
+      e.variance = stats[2 * i];
+      e.count = stats[2 * i + 1];
+      result.rejected.data[i] = decision[4 * i];
+      result.gain.data[i] = decision[4 * i + 2];
+      result.rule.data[i] = decision[4 * i + 3];
+    }
+    return result;
+  }
+
+ private:
+  void upload(const Grid<Estimate>& from, gpu::ImageId color, gpu::ImageId stats) {
+    const auto colors = chain_.upload<float>(color);
+    const auto pairs = chain_.upload<float>(stats);
+    for (std::size_t i = 0; i < from.data.size(); ++i) {
+      std::ranges::copy(from.data[i].color, colors.begin() + 4 * i);
+      pairs[2 * i] = static_cast<float>(from.data[i].variance);
+      pairs[2 * i + 1] = static_cast<float>(from.data[i].count);
+    }
+  }
+
+  gpu::Chain chain_;
+  unsigned rules_;
+  MergeInputs inputs_{};
+  std::optional<gpu::ImageId> residual_;
+  gpu::ImageId offset_, color_, variance_, exposure_, decision_;
+};
+
+/// Noise around a pattern.
+Grid<Estimate> noisy(unsigned seed, double variance, double count, double brightness = 1.0) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise;
+  Grid<Estimate> grid(kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      Estimate& e = grid.at(x, y);
+      for (int c = 0; c < 3; ++c) {
+        e.color[c] = static_cast<float>(brightness *
+                                        (0.3 + pattern(x, y, 3 + c) + std::sqrt(variance) * noise(random)));
+      }
+      e.color[3] = 1.0;
+      e.variance = static_cast<float>(variance);
+      e.count = count;
+    }
+  }
+  return grid;
+}
+
+/// An even surface of radiance 1 and relative variance `variance`.
+Grid<Estimate> even(double variance, double count) {
+  return {kWidth, kHeight, {{1, 1, 1, 1}, variance * kBrightness * kBrightness, count}};
+}
+
+class ValidateTest : public DeviceTest {};
+
+TEST_F(ValidateTest, TakesFromTheHistorysWeightWhatTheReferenceSays) {
+  const Grid<Surface> before = scene(0);
+  const Grid<Surface> now = scene(3);
+  for (const char* merge : {"merge=variance", "merge=mask"}) {
+    for (const char* rules :
+         {"validate=depth", "validate=normal", "validate=id", "validate=depth,normal,id"}) {
+      for (const Vec2 shift : {Vec2{0, 0}, {2.625, -0.375}}) {
+        Settings settings = uncorrected();
+        set(settings, merge);
+        set(settings, rules);
+        settings.mask_alpha = 1.0f;
+        settings.validate_bias = 0.5f;
+        const Grid<Vec2> offset = steady_offset(shift.x, shift.y);
+        const auto found =
+            MergeOnDevice(device(), settings).run(even(0.04, 1), even(0.01, 4), offset, now, before);
+        const Grid<double> truth = reference::trust(now, before, offset, settings);
+        double least = 1;
+        for (int y = 1; y < kHeight; ++y) {
+          for (int x = 0; x < kWidth - 3; ++x) {  // beyond there is no history
+            const double t = truth.at(x, y);
+            const double distrusted = 0.01 + 0.25 * (1 - t);
+            const double weight = settings.merge == MergeMode::mask ? 0.8 * t : 0.04 / (0.04 + distrusted);
+            ASSERT_NEAR(1 - found.gain.at(x, y), weight, 2e-3)
+                << merge << ' ' << rules << ' ' << x << ',' << y;
+            least = std::min(least, t);
+          }
+        }
+        EXPECT_LT(least, 0.5) << rules << ": nothing was there to be distrusted";
+      }
+    }
+  }
+}
+
+TEST_F(ValidateTest, DistrustIsPartOfTheVarianceThatIsLeft) {
+  // Without bias the merged variance is a third of either; a history that is not believed leaves the
+  // sample's.
+  Settings settings = uncorrected();
+  set(settings, "validate=id");
+  settings.validate_bias = 1000.0f;
+  const Grid<Surface> now(kWidth, kHeight, {1, {0, 0, 1}, 1});
+  Grid<Surface> before = now;
+  for (int y = 0; y < kHeight; ++y) before.at(20, y).id = 7;
+  const auto result = MergeOnDevice(device(), settings)
+                          .run(noisy(1, 0.04, 1), noisy(2, 0.02, 2), steady_offset(0, 0), now, before);
+  EXPECT_NEAR(result.merged.at(20, 15).variance, 0.04, 1e-4);
+  EXPECT_NEAR(result.merged.at(20, 15).count, 1.0, 1e-3);
+  EXPECT_EQ(result.rule.at(20, 15), 5.0);
+  EXPECT_GT(result.rejected.at(20, 15), 0.999);
+  EXPECT_NEAR(result.merged.at(10, 15).variance, 0.04 / 3, 2e-3);
+  EXPECT_EQ(result.rule.at(10, 15), 0.0);
+}
+
+TEST_F(ValidateTest, AStaticSceneIsTrustedWholly) {
+  Settings settings = uncorrected();
+  set(settings, "validate=depth,normal,id");
+  const Grid<Surface> still = scene(0);
+  const Grid<Estimate> sample = noisy(1, 0.04, 1);
+  const Grid<Estimate> history = noisy(2, 0.01, 4);
+  const Grid<Vec2> offset = steady_offset(0, 0);
+  const auto validated = MergeOnDevice(device(), settings).run(sample, history, offset, still, still);
+  set(settings, "validate=none");
+  const auto plain = MergeOnDevice(device(), settings).run(sample, history, offset, still, still);
+  for (std::size_t i = 0; i < plain.merged.data.size(); ++i) {
+    ASSERT_EQ(validated.merged.data[i].color, plain.merged.data[i].color) << "pixel " << i;
+  }
+}
+
+TEST_F(ValidateTest, RectificationAgreesWithTheReference) {
+  Grid<Estimate> sample = noisy(1, 0.01, 1);
+  sample.at(7, 8).count = 0;  // pixels that were not finite
+  sample.at(8, 8).count = 0;
+  const Grid<Estimate> history = noisy(2, 0.09, 5);
+  for (const char* clip : {"history_clip=clamp", "history_clip=clip", "history_clip=variance"}) {
+    for (const char* space : {"clip_space=rgb", "clip_space=ycocg"}) {
+      for (const int radius : {1, 2}) {
+        Settings settings = uncorrected();
+        set(settings, clip);
+        set(settings, space);
+        settings.clip_radius = radius;
+        settings.clip_gamma = 1.25f;
+        gpu::Chain chain(device(), "rectify test");
+        const auto input = [&](const Grid<Estimate>& from, const std::string& name) {
+          const WarpedHistory images{chain.input(name + ".color", gpu::Format::f32x4, kFull),
+                                     chain.input(name + ".stats", gpu::Format::f32x2, kFull)};
+          return std::pair{&from, images};
+        };
+        const auto of_sample = input(sample, "sample");
+        const auto of_history = input(history, "history");
+        const WarpedHistory rectified = add_rectify_pass(chain, settings, kFull, of_sample.second.color,
+                                                         of_sample.second.stats, of_history.second);
+        chain.output(rectified.color);
+        chain.output(rectified.stats);
+        chain.build();
+        for (const auto& [grid, images] : {of_sample, of_history}) {
+          for (std::size_t i = 0; i < grid->data.size(); ++i) {
+            std::ranges::copy(grid->data[i].color, chain.upload<float>(images.color).begin() + 4 * i);
+            chain.upload<float>(images.stats)[2 * i] = static_cast<float>(grid->data[i].variance);
+            chain.upload<float>(images.stats)[2 * i + 1] = static_cast<float>(grid->data[i].count);
+          }
+        }
+        chain.run();
+        const Grid<Estimate> truth = reference::rectify(sample, history, settings);
+        int moved = 0;
+        for (std::size_t i = 0; i < truth.data.size(); ++i) {
+          SCOPED_TRACE(testing::Message() << clip << ' ' << space << " radius " << radius << " pixel "
+                                          << i % kWidth << ',' << i / kWidth);
+          for (std::size_t c = 0; c < 4; ++c) {
+            ASSERT_NEAR(chain.download<float>(rectified.color)[4 * i + c], truth.data[i].color[c], 1e-5);
+          }
+          ASSERT_NEAR(chain.download<float>(rectified.stats)[2 * i], truth.data[i].variance, 1e-5);
+          ASSERT_NEAR(chain.download<float>(rectified.stats)[2 * i + 1], truth.data[i].count, 1e-3);
+          moved += truth.data[i].color != history.data[i].color ? 1 : 0;
+        }
+        EXPECT_GT(moved, kWidth * kHeight / 10);
+      }
+    }
+  }
+}
+
+TEST_F(ValidateTest, ExponentialAccumulationAlwaysGivesTheHistoryTheSameWeight) {
+  Settings settings = uncorrected();
+  set(settings, "merge=mask");
+  set(settings, "accumulate=exponential");
+  const Grid<Surface> nothing(kWidth, kHeight);
+  for (const double count : {1.0, 30.0}) {
+    const auto result =
+        MergeOnDevice(device(), settings)
+            .run(noisy(1, 0.04, 1), noisy(2, 0.02, count), steady_offset(0, 0), nothing, nothing);
+    EXPECT_NEAR(result.gain.at(20, 15), 0.1, 1e-6);
+  }
+  set(settings, "accumulate=count");
+  const auto result = MergeOnDevice(device(), settings)
+                          .run(noisy(1, 0.04, 1), noisy(2, 0.02, 1), steady_offset(0, 0), nothing, nothing);
+  EXPECT_NEAR(result.gain.at(20, 15), 0.5, 1e-6);
+}
+
+TEST_F(ValidateTest, LuminanceWeightsBrightSamplesLess) {
+  // Eq. 4 of the survey: a sample of luminance 3 counts a quarter of a black history.
+  Settings settings = uncorrected();
+  set(settings, "merge=mask");
+  settings.luminance_weight = 1.0f;
+  const Grid<Surface> nothing(kWidth, kHeight);
+  const Grid<Estimate> bright(kWidth, kHeight, {{3, 3, 3, 1}, 1.0, 1.0});
+  const Grid<Estimate> black(kWidth, kHeight, {{0, 0, 0, 1}, 1.0, 1.0});
+  const auto result =
+      MergeOnDevice(device(), settings).run(bright, black, steady_offset(0, 0), nothing, nothing);
+  EXPECT_NEAR(result.gain.at(20, 15), 0.25 / 1.25, 1e-6);
+  EXPECT_NEAR(result.merged.at(20, 15).color[0], 3 * 0.25 / 1.25, 1e-5);
+}
+
+}  // namespace
+}  // namespace becalm::filter
