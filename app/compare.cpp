@@ -59,7 +59,7 @@ FrameFigures measure(const Images& now, const Images* before) {
       .frame = now.frame, .rel_mse = error.value, .temporal = kNone, .skipped = error.skipped};
   if (two) {
     figures.psnr_db = psnr(now.test, now.reference, now.reference_b, 1.0).value;
-    figures.ssim = ssim(now.test, mean_of(now.reference, now.reference_b)).value;
+    figures.ssim = ssim(now.test, now.reference, now.reference_b).value;
     figures.energy = energy(now.test, now.reference, now.reference_b).value;
   } else {
     figures.psnr_db = psnr(now.test, now.reference).value;

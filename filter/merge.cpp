@@ -13,33 +13,28 @@ using gpu::Extent;
 using gpu::Format;
 using gpu::ImageId;
 
-struct Warped {
-  ImageId color;
-  ImageId stats;
-};
+/// Radius of the spline's prefilter: its weights fall by 0.34 a pixel, to 1e-4 here.
+constexpr int kSplineRadius = 8;
 
-Warped add_warp(Chain& chain, Extent full, const MergeInputs& inputs, ImageId offset) {
-  const Warped warped{chain.image("warped.color", Format::f32x4, full),
-                      chain.image("warped.stats", Format::f32x2, full)};
-  const SourceWindow window =
-      inputs.history_window ? *inputs.history_window : add_same_window(chain, full, "origin.merge");
-  chain.pass("merge/warp_history")
-      .read("offset", offset)
-      .read("history_color", inputs.history_color.previous)
-      .read("history_stats", inputs.history_stats.previous)
-      .read("target_origin", window.target_origin)
-      .write("warped_color", warped.color)
-      .write("warped_stats", warped.stats)
-      .constants(params::WarpHistoryParams{.width = full.width,
-                                           .height = full.height,
-                                           .history_width = window.full.width,
-                                           .history_height = window.full.height})
-      .dispatch(full);
-  return warped;
+/// What the resampling filter's kernel is summed over: the history itself, or its spline coefficients.
+ImageId add_resample_taps(Chain& chain, const Settings& settings, Extent extent, ImageId history_color) {
+  if (settings.resample != Resample::o_moms) return history_color;
+  const auto prefilter = [&](ImageId in, const char* name, bool along_y) {
+    const ImageId out = chain.image(name, Format::f32x4, extent);
+    chain.pass("merge/spline_prefilter")
+        .read("values", in)
+        .write("coefficients", out)
+        .specialize("radius", kSplineRadius)
+        .specialize("along_y", along_y ? 1 : 0)
+        .constants(params::ImageParams{.width = extent.width, .height = extent.height})
+        .dispatch(extent);
+    return out;
+  };
+  return prefilter(prefilter(history_color, "history.spline.rows", false), "history.spline", true);
 }
 
 ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
-                          const Warped& warped) {
+                          const WarpedHistory& warped) {
   const ImageId difference = chain.image("difference", Format::f32x4, full);
   const ImageId noise = chain.image("noise", Format::f32x4, full);
   chain.pass("merge/statistics")
@@ -78,7 +73,7 @@ ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, c
 }
 
 ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
-                      const Warped& warped, const Alignment& alignment) {
+                      const WarpedHistory& warped, const Alignment& alignment) {
   const std::size_t level =
       std::min(static_cast<std::size_t>(settings.mask_level), alignment.residual.size() - 1);
   const Extent extent = level_extent(settings, full, level);
@@ -125,6 +120,35 @@ ImageId add_patch_sums(Chain& chain, const Settings& settings, Extent full, Imag
   return sums;
 }
 
+WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
+                              ImageId offset) {
+  const WarpedHistory warped{chain.image("warped.color", Format::f32x4, full),
+                             chain.image("warped.stats", Format::f32x2, full)};
+  const SourceWindow window =
+      inputs.history_window ? *inputs.history_window : add_same_window(chain, full, "origin.merge");
+  const ImageId taps = add_resample_taps(chain, settings, window.full, inputs.history_color.previous);
+  chain.pass("merge/warp_history")
+      .read("offset", offset)
+      .read("history_color", inputs.history_color.previous)
+      .read("resample_taps", taps)
+      .read("history_stats", inputs.history_stats.previous)
+      .read("target_origin", window.target_origin)
+      .write("warped_color", warped.color)
+      .write("warped_stats", warped.stats)
+      .specialize("resample", static_cast<int>(settings.resample))
+      .constants(params::WarpHistoryParams{.width = full.width,
+                                           .height = full.height,
+                                           .history_width = window.full.width,
+                                           .history_height = window.full.height})
+      .dispatch(full);
+  return warped;
+}
+
+int resample_margin_px(const Settings& settings) {
+  constexpr int taps = 2;
+  return taps + (settings.resample == Resample::o_moms ? kSplineRadius : 0);
+}
+
 int merge_margin_px(const Settings& settings) {
   constexpr int variance_estimate = 1;
   return variance_estimate + (settings.merge == MergeMode::variance ? settings.patch_radius : 0);
@@ -132,7 +156,7 @@ int merge_margin_px(const Settings& settings) {
 
 MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
                               const Alignment& alignment) {
-  const Warped warped = add_warp(chain, full, inputs, alignment.offset);
+  const WarpedHistory warped = add_warp_passes(chain, settings, full, inputs, alignment.offset);
   const ImageId decision = settings.merge == MergeMode::variance
                                ? add_variance_gain(chain, settings, full, inputs, warped)
                                : add_mask_gain(chain, settings, full, inputs, warped, alignment);

@@ -23,6 +23,19 @@ struct MergeInputs {
       {};  ///< where the previous history shows more than the new frame
 };
 
+/// The history where the target's pixels are.
+struct WarpedHistory {
+  gpu::ImageId color;  ///< f32x4
+  gpu::ImageId stats;  ///< f32x2
+};
+
+/// Reads the previous history at the offsets (f32x2, full resolution).
+WarpedHistory add_warp_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
+                              const MergeInputs& inputs, gpu::ImageId offset);
+
+/// How far around the positions that offsets lead to the history is read.
+int resample_margin_px(const Settings& settings);
+
 /// How far from a pixel the merge reads offsets, the new frame and its variance.
 int merge_margin_px(const Settings& settings);
 

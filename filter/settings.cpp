@@ -33,25 +33,19 @@ struct FloatRange {
   float lowest;
   float highest;
 };
-struct DistanceName {
-  Distance Settings::*member;
+template <class Enum>
+struct Named {
+  Enum Settings::*member;
+  std::span<const std::string_view> names;  ///< in the order of the values, from 0
 };
-struct MergeName {
-  MergeMode Settings::*member;
-};
-struct DirectionsName {
-  Directions Settings::*member;
-};
-struct MotionName {
-  MotionUse Settings::*member;
-};
-using Field = std::variant<IntRange, IntChoice, IntList, FloatRange, DistanceName, DirectionsName, MergeName,
-                           MotionName>;
+using Field = std::variant<IntRange, IntChoice, IntList, FloatRange, Named<Distance>, Named<MotionUse>,
+                           Named<Resample>, Named<Directions>, Named<MergeMode>>;
 
 constexpr std::array<std::string_view, 4> kDistanceNames{"l2", "l1", "log_l1", "log_l1_centered"};
+constexpr std::array<std::string_view, 3> kMotionNames{"none", "guide", "override"};
+constexpr std::array<std::string_view, 3> kResampleNames{"bilinear", "catmull_rom", "o_moms"};
 constexpr std::array<std::string_view, 2> kDirectionsNames{"forward", "both"};
 constexpr std::array<std::string_view, 2> kMergeNames{"mask", "variance"};
-constexpr std::array<std::string_view, 3> kMotionNames{"none", "guide", "override"};
 
 struct Row {
   SettingInfo info;
@@ -70,7 +64,7 @@ const Row kRows[] = {
       "patch radius of each level, the finest first; the last serves all coarser levels"},
      IntList{&Settings::blur_radius, 0, 32}},
     {{"distance", "l2, l1, log_l1 or log_l1_centered", "pixel distance of the matching"},
-     DistanceName{&Settings::distance}},
+     Named<Distance>{&Settings::distance, kDistanceNames}},
     {{"refine_levels", "integer 0..12", "subpixel refinement on so many of the finest levels"},
      IntRange{&Settings::refine_levels, 0, 12}},
     {{"prefilter", "integer 0..5",
@@ -80,7 +74,7 @@ const Row kRows[] = {
      IntRange{&Settings::demodulate, 0, 1}},
     {{"motion", "none, guide or override",
       "use of the motion AOV: a candidate of the search, or the offset where known"},
-     MotionName{&Settings::motion}},
+     Named<MotionUse>{&Settings::motion, kMotionNames}},
     {{"motion_level", "integer 0..12", "level of the pyramid at which motion is a candidate"},
      IntRange{&Settings::motion_level, 0, 12}},
     {{"consistency", "0 or 1", "1 aligns a pair both ways and says how far there and back agree"},
@@ -93,10 +87,13 @@ const Row kRows[] = {
      FloatRange{&Settings::weight_normal, 0.0f, 100.0f}},
     {{"directions", "forward or both",
       "forward: from the frames before alone, as they come; both: from those after as well, within segments"},
-     DirectionsName{&Settings::directions}},
+     Named<Directions>{&Settings::directions, kDirectionsNames}},
+    {{"resample", "bilinear, catmull_rom or o_moms",
+      "filter by which the history is read between its pixels, from the blurriest to the sharpest"},
+     Named<Resample>{&Settings::resample, kResampleNames}},
     {{"merge", "mask or variance",
       "mask: weights from the patch distance; variance: least expected squared error"},
-     MergeName{&Settings::merge}},
+     Named<MergeMode>{&Settings::merge, kMergeNames}},
     {{"mask_alpha", "number 0..1", "mask mode: largest weight of the history"},
      FloatRange{&Settings::mask_alpha, 0.0f, 1.0f}},
     {{"mask_kappa", "number 0..1000", "mask mode: scale of the patch distance"},
@@ -128,17 +125,6 @@ std::optional<Number> parse(std::string_view text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
   return value;
-}
-
-template <class Enum, std::size_t count>
-bool assign_name(Enum& target, std::string_view text, const std::array<std::string_view, count>& names) {
-  for (std::size_t i = 0; i < count; ++i) {
-    if (names[i] == text) {
-      target = static_cast<Enum>(i);
-      return true;
-    }
-  }
-  return false;
 }
 
 bool assign_list(std::vector<int>& target, std::string_view text, int lowest, int highest) {
@@ -179,10 +165,12 @@ bool assign(Settings& settings, const Field& field, std::string_view text) {
             settings.*f.member = *value;
             return true;
           },
-          [&](const DistanceName& f) { return assign_name(settings.*f.member, text, kDistanceNames); },
-          [&](const DirectionsName& f) { return assign_name(settings.*f.member, text, kDirectionsNames); },
-          [&](const MergeName& f) { return assign_name(settings.*f.member, text, kMergeNames); },
-          [&](const MotionName& f) { return assign_name(settings.*f.member, text, kMotionNames); },
+          [&]<class Enum>(const Named<Enum>& f) {
+            const auto name = std::ranges::find(f.names, text);
+            if (name == f.names.end()) return false;
+            settings.*f.member = static_cast<Enum>(name - f.names.begin());
+            return true;
+          },
       },
       field);
 }
@@ -194,17 +182,8 @@ std::string value_text(const Settings& settings, const Field& field) {
           [&](const IntChoice& f) { return fmt::format("{}", settings.*f.member); },
           [&](const IntList& f) { return fmt::format("{}", fmt::join(settings.*f.member, ",")); },
           [&](const FloatRange& f) { return fmt::format("{}", settings.*f.member); },
-          [&](const DistanceName& f) {
-            return std::string(kDistanceNames[static_cast<std::size_t>(settings.*f.member)]);
-          },
-          [&](const DirectionsName& f) {
-            return std::string(kDirectionsNames[static_cast<std::size_t>(settings.*f.member)]);
-          },
-          [&](const MergeName& f) {
-            return std::string(kMergeNames[static_cast<std::size_t>(settings.*f.member)]);
-          },
-          [&](const MotionName& f) {
-            return std::string(kMotionNames[static_cast<std::size_t>(settings.*f.member)]);
+          [&]<class Enum>(const Named<Enum>& f) {
+            return std::string(f.names[static_cast<std::size_t>(settings.*f.member)]);
           },
       },
       field);

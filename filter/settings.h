@@ -19,6 +19,10 @@ enum class MotionUse { none, guide, override_offset };
 /// within segments.
 enum class Directions { forward, both };
 
+/// The filter by which the history is read between its pixels. The values are those of
+/// shaders/lib/resample.glsl.
+enum class Resample { bilinear = 0, catmull_rom = 1, o_moms = 2 };
+
 /// How the merge weighs history against the new frame.
 enum class MergeMode { mask, variance };
 
@@ -42,6 +46,7 @@ struct Settings {
   float weight_normal = 0.5f;
 
   Directions directions = Directions::both;
+  Resample resample = Resample::catmull_rom;
   MergeMode merge = MergeMode::variance;
   float mask_alpha = 0.9f;
   float mask_kappa = 2.0f;

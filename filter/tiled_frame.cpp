@@ -89,6 +89,7 @@ void TiledFrame::plan(gpu::Device& device, std::uint64_t memory_limit) {
   for (std::size_t coarse = std::min(first, levels); coarse <= levels; ++coarse) {
     const PyramidSplit split{.levels = levels, .coarse = coarse};
     TileRules rules = search_tile_rules(settings, device.info(), levels, coarse, merge_margin_px(settings));
+    rules.reach += resample_margin_px(settings);
     // Known motion may lead anywhere.
     if (contains(task_.used, Aov::motion)) rules.reach = std::max(full.width, full.height);
     const int margin = feature_margin_px(settings);

@@ -121,8 +121,9 @@ std::array<double, kSsimTaps> ssim_weights() {
   return weights;
 }
 
-/// Weighted sums over a window: of 1, x, y, x^2, y^2 and xy, over the window's measurable pixels.
-using Moments = std::array<double, 6>;
+/// Weighted sums over a window's measurable pixels: of 1, x, a, b, x^2, ab and x(a+b)/2, of the test x and
+/// the references a and b. Their noise is in none of the products' means if it is independent.
+using Moments = std::array<double, 7>;
 
 void add_scaled(Moments& sum, double weight, const Moments& moments) {
   for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += weight * moments[k];
@@ -133,10 +134,12 @@ double ssim_of(const Moments& m) {
   constexpr double c1 = 0.01 * 0.01;
   constexpr double c2 = 0.03 * 0.03;
   const double mean_x = m[1] / m[0];
-  const double mean_y = m[2] / m[0];
-  const double var_x = m[3] / m[0] - mean_x * mean_x;
-  const double var_y = m[4] / m[0] - mean_y * mean_y;
-  const double cov = m[5] / m[0] - mean_x * mean_y;
+  const double mean_a = m[2] / m[0];
+  const double mean_b = m[3] / m[0];
+  const double mean_y = 0.5 * (mean_a + mean_b);
+  const double var_x = m[4] / m[0] - mean_x * mean_x;
+  const double var_y = std::max(0.0, m[5] / m[0] - mean_a * mean_b);
+  const double cov = m[6] / m[0] - mean_x * mean_y;
   return (2.0 * mean_x * mean_y + c1) * (2.0 * cov + c2) /
          ((mean_x * mean_x + mean_y * mean_y + c1) * (var_x + var_y + c2));
 }
@@ -146,20 +149,21 @@ class MomentRow {
  public:
   explicit MomentRow(int width) : raw_(width), blurred_(width) {}
 
-  std::size_t fill(const Image& test, const Image& reference, int y,
+  std::size_t fill(const Image& test, const Image& reference_a, const Image& reference_b, int y,
                    const std::array<double, kSsimTaps>& weights) {
     const int width = static_cast<int>(raw_.size());
     const int channels = compared_channels(test);
     std::size_t skipped = 0;
     for (int x = 0; x < width; ++x) {
       raw_[x] = {};
-      if (!all_finite(std::array{&test, &reference}, x, y, channels)) {
+      if (!all_finite(std::array{&test, &reference_a, &reference_b}, x, y, channels)) {
         ++skipped;
         continue;
       }
-      const double a = display_luma(test.pixel(x, y).first(channels));
-      const double b = display_luma(reference.pixel(x, y).first(channels));
-      raw_[x] = {1.0, a, b, a * a, b * b, a * b};
+      const double t = display_luma(test.pixel(x, y).first(channels));
+      const double a = display_luma(reference_a.pixel(x, y).first(channels));
+      const double b = display_luma(reference_b.pixel(x, y).first(channels));
+      raw_[x] = {1.0, t, a, b, t * t, a * b, 0.5 * t * (a + b)};
     }
     for (int x = 0; x < width; ++x) {
       Moments sum{};
@@ -242,7 +246,11 @@ Measured psnr(const Image& test, const Image& reference_a, const Image& referenc
 }
 
 Measured ssim(const Image& test, const Image& reference) {
-  require_comparable(std::array{&test, &reference});
+  return ssim(test, reference, reference);
+}
+
+Measured ssim(const Image& test, const Image& reference_a, const Image& reference_b) {
+  require_comparable(std::array{&test, &reference_a, &reference_b});
   const int width = test.width();
   const int height = test.height();
   // Whole windows only, as the paper's published code does. Images smaller than a window use what they have.
@@ -257,7 +265,7 @@ Measured ssim(const Image& test, const Image& reference) {
   int filled = 0;
   for (int y = 0; y < height; ++y) {
     for (; filled < std::min(height, y + kSsimRadius + 1); ++filled) {
-      result.skipped += rows[filled % kSsimTaps].fill(test, reference, filled, weights);
+      result.skipped += rows[filled % kSsimTaps].fill(test, reference_a, reference_b, filled, weights);
     }
     if (y < margin || y >= height - margin) continue;
     double row_total = 0.0;

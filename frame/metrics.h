@@ -41,5 +41,8 @@ Measured psnr(const Image& test, const Image& reference_a, const Image& referenc
 /// compute on display images. The mean over whole windows; where the image is smaller than a window, over
 /// what there is of it. Pixels that are not finite have no weight in their neighbours' windows.
 Measured ssim(const Image& test, const Image& reference);
+/// Two independent references a, b: the reference's variance is their covariance, which their noise does not
+/// add to. A window may be slightly above 1.
+Measured ssim(const Image& test, const Image& reference_a, const Image& reference_b);
 
 }  // namespace becalm

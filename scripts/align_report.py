@@ -21,8 +21,8 @@ def figure(value, digits=4):
 class Report:
     """A markdown and a JSON file for each section, and report.md with all sections that the folder has."""
 
-    def __init__(self, folder, order):
-        self.folder, self.order = folder, order
+    def __init__(self, folder, order, title):
+        self.folder, self.order, self.title = folder, order, title
         folder.mkdir(parents=True, exist_ok=True)
 
     def add(self, key, title, text, data):
@@ -30,4 +30,4 @@ class Report:
         (self.folder / f"{key}.json").write_text(json.dumps(data, indent=1))
         (self.folder / f"{key}.md").write_text(f"## {title}\n\n{text}")
         sections = [self.folder / f"{name}.md" for name in self.order]
-        (self.folder / "report.md").write_text("\n".join(["# Alignment experiments\n", *(s.read_text() for s in sections if s.exists())]))
+        (self.folder / "report.md").write_text("\n".join([f"# {self.title}\n", *(s.read_text() for s in sections if s.exists())]))

@@ -105,7 +105,7 @@ def main():
     aligners = Aligners(asked.bench_align, asked.device)
     folder = asked.output / "renders"
     renders = Renders(asked.becalm, folder, asked.size)
-    report = Report(asked.folder, SECTIONS)
+    report = Report(asked.folder, SECTIONS, "Alignment experiments")
     experiments = {
         "compare": lambda: comparison(asked, aligners, renders, report),
         "distances": lambda: align_distances.run(aligners, renders, report, asked.folder, asked.reference_spp),

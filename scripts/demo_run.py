@@ -123,7 +123,7 @@ def main():
     rows = figure_rows(noisy, denoised)
     pictures = make_pictures(demo.path, demo.out, FRAMES, MEASURED)
     demo.add_stage("figures and pictures", f"{len(MEASURED)} frames measured", time.monotonic() - started)
-    write_page(demo.out / "index.html", {
+    write_page(demo.out / "index.html", "demo_page.html", {
         "rows": rows,
         "frames": [{"noisy": a, "denoised": b} for a, b in zip(noisy["frames"], denoised["frames"])],
         "stages": demo.stages,

@@ -170,7 +170,8 @@ TEST_F(TiledFrameTest, ShowsNoSeamsUnderOtherSettings) {
                                                   {"pyramid_factor=4", "demodulate=1"},
                                                   {"blur_radius=12,3"},
                                                   {"distance=l2", "patch_radius=8", "prefilter=4"},
-                                                  {"weight_radiance=0", "blur_radius=5"}};
+                                                  {"weight_radiance=0", "blur_radius=5"},
+                                                  {"resample=o_moms"}};
   for (const std::vector<const char*>& assignments : all) {
     SCOPED_TRACE(assignments.front());
     Settings settings = forward("final");

@@ -197,6 +197,21 @@ TEST(Ssim, AgreesWithTheDefinition) {
   }
 }
 
+TEST(Ssim, TheNoiseOfTwoReferencesIsNoError) {
+  const Image truth = random_image(96, 80, 3, 1, 0.3f, 0.6f);
+  const auto noisy = [&](unsigned seed) {
+    Image image = random_image(96, 80, 3, seed, -0.15f, 0.15f);
+    for (std::size_t i = 0; i < image.data().size(); ++i) image.data()[i] += truth.data()[i];
+    return image;
+  };
+  const Image a = noisy(2);
+  const Image b = noisy(3);
+  EXPECT_LT(ssim(truth, a).value, 0.9);
+  EXPECT_NEAR(ssim(truth, a, b).value, 1.0, 0.02);
+  EXPECT_LT(ssim(noisy(4), a, b).value, 0.9);
+  EXPECT_EQ(ssim(noisy(4), a, a).value, ssim(noisy(4), a).value);
+}
+
 TEST(Ssim, PixelsThatAreNotFiniteHaveNoWeight) {
   Image x = random_image(24, 24, 3, 1);
   Image y = random_image(24, 24, 3, 2);

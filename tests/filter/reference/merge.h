@@ -21,8 +21,15 @@ struct Merged {
   Grid<double> rejected;
 };
 
-/// The history where the target's pixels are: Catmull-Rom for the colour, bilinear for variance and count.
-Grid<Estimate> warp(const Grid<Estimate>& history, const Grid<Vec2>& offset);
+/// What a sharp filter's kernel is summed over: the image, or the coefficients of the O-MOMS through it.
+Grid<Rgba> resample_taps(const Grid<Rgba>& image, filter::Resample resample);
+
+/// A sharp filter's unlimited result at a position of the image whose taps are given.
+Rgba read_sharp(const Grid<Rgba>& taps, double x, double y, filter::Resample resample);
+
+/// The history where the target's pixels are: variance and count bilinearly, the colour by the filter,
+/// limited to the range of the four nearest pixels by one share for all channels.
+Grid<Estimate> warp(const Grid<Estimate>& history, const Grid<Vec2>& offset, filter::Resample resample);
 
 /// Variance gain (Philippi et al., eq. 4) with the bias estimated from the residuals of leave-one-out
 /// patches. The sample's count is 1, or 0 for a pixel that is not finite.

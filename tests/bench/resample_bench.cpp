@@ -1,0 +1,112 @@
+// The merge's warp of the history as a service, for scripts/resampling_experiment: one JSON command a line,
+// one JSON line in answer.
+//
+//   {"do": "build", "width": W, "height": H, "resample": "bilinear" | "catmull_rom" | "o_moms"}
+//   {"do": "warp", "offset": [DX, DY], "from": FILE, "to": FILE}     raw little-endian floats, RGBA
+//
+// A command that fails is answered by {"error": MESSAGE}; the next one is read all the same.
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "filter/merge.h"
+#include "frame/error.h"
+
+namespace becalm::bench {
+namespace {
+
+using nlohmann::json;
+
+/// The warp's passes, of a history that has no holes, by one offset for all pixels.
+class WarpJob {
+ public:
+  WarpJob(gpu::Device& device, const filter::Settings& settings, gpu::Extent full) : chain_(device, "warp") {
+    offset_ = chain_.input("offset", gpu::Format::f32x2, full);
+    filter::MergeInputs inputs{};
+    inputs.history_color.previous = color_ = chain_.input("history.color", gpu::Format::f32x4, full);
+    inputs.history_stats.previous = stats_ = chain_.input("history.stats", gpu::Format::f32x2, full);
+    warped_ = filter::add_warp_passes(chain_, settings, full, inputs, offset_).color;
+    chain_.output(warped_);
+    chain_.build();
+    std::ranges::fill(chain_.upload<float>(stats_), 1.0f);
+  }
+
+  void warp(float dx, float dy, const std::string& from, const std::string& to) {
+    const auto offsets = chain_.upload<float>(offset_);
+    for (std::size_t i = 0; i < offsets.size(); i += 2) {
+      offsets[i] = dx;
+      offsets[i + 1] = dy;
+    }
+    const auto color = chain_.upload<float>(color_);
+    std::ifstream in(from, std::ios::binary);
+    if (!in.read(reinterpret_cast<char*>(color.data()), static_cast<std::streamsize>(color.size_bytes()))) {
+      throw Error(ExitStatus::bad_input, fmt::format("{}: expected {} bytes", from, color.size_bytes()));
+    }
+    chain_.run();
+    const auto warped = chain_.download<float>(warped_);
+    std::ofstream out(to, std::ios::binary);
+    out.write(reinterpret_cast<const char*>(warped.data()),
+              static_cast<std::streamsize>(warped.size_bytes()));
+    if (!out.flush()) throw Error(ExitStatus::resource, fmt::format("{}: cannot be written", to));
+  }
+
+ private:
+  gpu::Chain chain_;
+  gpu::ImageId offset_, color_, stats_, warped_;
+};
+
+class Service {
+ public:
+  json answer(const json& command) {
+    const std::string what = command.at("do");
+    if (what == "build") {
+      filter::Settings settings = filter::preset("final");
+      filter::set(settings, fmt::format("resample={}", command.at("resample").get<std::string>()));
+      job_ = std::make_unique<WarpJob>(device_, settings,
+                                       gpu::Extent{command.at("width"), command.at("height")});
+      return {{"built", true}};
+    }
+    if (what != "warp") throw Error(ExitStatus::usage, fmt::format("no command '{}'", what));
+    if (!job_) throw Error(ExitStatus::usage, "nothing is built");
+    const json& offset = command.at("offset");
+    job_->warp(offset.at(0), offset.at(1), command.at("from"), command.at("to"));
+    return {{"warped", true}};
+  }
+
+ private:
+  gpu::Device device_{{.select = "", .validation = false}};
+  std::unique_ptr<WarpJob> job_;
+};
+
+void serve() {
+  Service service;
+  for (std::string line; std::getline(std::cin, line);) {
+    json answer;
+    try {
+      answer = service.answer(json::parse(line));
+    } catch (const std::exception& error) {
+      answer = {{"error", error.what()}};
+    }
+    fmt::print("{}\n", answer.dump());
+    std::fflush(stdout);
+  }
+}
+
+}  // namespace
+}  // namespace becalm::bench
+
+int main() {
+  try {
+    becalm::bench::serve();
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "bench_resample: %s\n", error.what());
+    return 4;
+  }
+}

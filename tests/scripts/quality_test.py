@@ -1,0 +1,110 @@
+"""What scripts/bench quality computes itself, on data whose answer is known."""
+
+import json
+import os
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+import OpenImageIO as oiio
+
+from quality_goals import seam_ratio
+from quality_still import over_ideal, relative_error, still_pixels
+from quality_variants import VARIANTS, Program, Variant
+
+BECALM = os.environ["BECALM"]
+SHAPE = (60, 80)
+MOVING = np.s_[:, 60:]          # columns with motion vectors
+SHADED = np.s_[0:20, 0:20]      # no motion, but a shadow that sweeps over
+FRAMES = range(1, 17)
+MEASURED = range(7, 11)
+SIGMA = 0.1
+
+
+def noisy(random, truth, sigma=SIGMA):
+    return truth + sigma * random.standard_normal(truth.shape)
+
+
+class StillPixels(unittest.TestCase):
+    def setUp(self):
+        random = np.random.default_rng(1)
+        self.truth = {frame: np.full((*SHAPE, 3), 0.5) for frame in FRAMES}
+        for frame in FRAMES:
+            self.truth[frame][SHADED] *= 1.0 - 0.03 * frame
+        motion = np.zeros((*SHAPE, 2))
+        motion[MOVING] = (0.5, 0.0)
+        self.noisy = {frame: noisy(random, self.truth[frame]) for frame in FRAMES}
+        self.layers = [{"beauty": self.noisy[frame], "motion": motion, "object_id": np.ones((*SHAPE, 1)),
+                        "variance": np.full((*SHAPE, 3), SIGMA**2)} for frame in FRAMES]
+        self.references = {frame: [noisy(random, self.truth[frame], 0.02) for _ in "ab"] for frame in MEASURED}
+        self.still = still_pixels(self.layers, [np.mean(pair, axis=0) for pair in self.references.values()])
+
+    def test_motion_and_changes_of_light_are_not_still(self):
+        self.assertFalse(self.still[:, 58:].any())  # the margin too
+        self.assertFalse(self.still[0:18, 0:18].any())
+        self.assertGreater(self.still[30:, :50].mean(), 0.99)
+
+    def test_another_object_is_not_still(self):
+        self.layers[3]["object_id"] = np.where(np.arange(SHAPE[1]) == 40, 2, 1)[None, :, None] * np.ones((*SHAPE, 1))
+        still = still_pixels(self.layers, [np.mean(pair, axis=0) for pair in self.references.values()])
+        self.assertFalse(still[:, 38:43].any())
+        self.assertTrue(still[30:, 37].all())
+
+    def test_plain_means_are_ideal(self):
+        for history in ("before", "all"):
+            means = {frame: np.mean([self.noisy[g] for g in FRAMES if history == "all" or g <= frame], axis=0) for frame in MEASURED}
+            self.assertAlmostEqual(over_ideal(means, self.noisy, self.references, self.still, history), 1.0, delta=0.1)
+
+    def test_noisy_frames_are_as_many_times_worse_as_there_are(self):
+        frames = {frame: self.noisy[frame] for frame in MEASURED}
+        self.assertAlmostEqual(over_ideal(frames, self.noisy, self.references, self.still, "all"), len(FRAMES), delta=0.8)
+
+    def test_too_little_is_not_judged(self):
+        self.assertIsNone(over_ideal(self.noisy, self.noisy, self.references, np.zeros(SHAPE, bool), "all"))
+
+
+class RelativeError(unittest.TestCase):
+    def test_its_mean_is_what_becalm_compares(self):
+        random = np.random.default_rng(2)
+        images = {name: random.random((24, 32, 3), np.float32) for name in ("a", "b", "test")}
+        with tempfile.TemporaryDirectory() as folder:
+            for name, pixels in images.items():
+                image = oiio.ImageBuf(oiio.ImageSpec(32, 24, 3, "float"))
+                image.set_pixels(oiio.ROI(0, 32, 0, 24, 0, 1, 0, 3), pixels)
+                self.assertTrue(image.write(f"{folder}/{name}.exr"))
+            subprocess.run([BECALM, "compare", f"{folder}/a.exr", f"{folder}/test.exr", "--reference-b", f"{folder}/b.exr", "--json",
+                            f"{folder}/figures.json"], check=True, stdout=subprocess.DEVNULL)
+            compared = json.loads(Path(folder, "figures.json").read_text())["mean"]["relmse"]
+        self.assertAlmostEqual(relative_error(images["test"], images["a"], images["b"]).mean(), compared, places=5)
+
+
+class Seams(unittest.TestCase):
+    def test_pairs_are_compared_with_themselves(self):
+        def figures(seam):
+            """Frame 10 is hard whether there is a seam or not."""
+            errors = {7: None, 8: 1.0, 9: 1.0, 10: 5.0}
+            return [{"frame": f, "temporal": e and e * (1.2 if f == seam else 1.0)} for f, e in errors.items()]
+
+        self.assertAlmostEqual(seam_ratio([(8, figures(8)), (5, figures(10))]), 1.2)
+        self.assertAlmostEqual(seam_ratio([(8, figures(None)), (5, figures(None))]), 1.0)
+        self.assertIsNone(seam_ratio([(8, figures(8))]))
+
+
+class Variants(unittest.TestCase):
+    def test_names_are_unique(self):
+        names = [variant.name for variant in VARIANTS]
+        self.assertEqual(len(names), len(set(names)))
+
+    def test_what_the_program_does_not_know_is_refused_with_its_words(self):
+        program = Program(BECALM)
+        unknown = Variant("unknown", "unknown", ("--set", "nonsense=1"))
+        self.assertIn("nonsense", program.refusal(unknown))
+        known = Variant("known", "known", ("--set", "patch_radius=2"))
+        self.assertEqual(program.refusal(known), "")
+        self.assertEqual(program.refusal(VARIANTS[0]), "")
+
+
+if __name__ == "__main__":
+    unittest.main()
