@@ -37,9 +37,10 @@ struct FilterTask {
   AovSet diagnostics;  ///< those of flow, error_mask and sample_count that are wanted
   Guides guides;
 
-  bool variance_known() const {
-    return contains(used, Aov::variance) || (contains(used, Aov::half_a) && contains(used, Aov::half_b));
-  }
+  bool has_halves() const { return contains(used, Aov::half_a) && contains(used, Aov::half_b); }
+  bool variance_known() const { return contains(used, Aov::variance) || has_halves(); }
+  /// Whether chains have the difference of the half-buffers as an input.
+  bool needs_half_difference() const { return has_halves() && settings.correct_levels > 0; }
 };
 
 /// A frame on its way into the chains.

@@ -32,6 +32,9 @@ void pack_color(const Image& beauty, std::span<const std::uint8_t> finite, const
 std::size_t pack_variance(const Frame& frame, const AovSet& used, std::span<const std::uint8_t> finite,
                           const Tile& tile, std::span<float> pairs);
 
+/// Half the difference of the half-buffers in a rectangle, as RGB and a 0; black where it is not finite.
+void pack_half_difference(const Frame& frame, const Rect& rect, std::span<float> rgba);
+
 /// Number of guide planes that a frame with these AOVs gives: albedo one, normal two.
 int guide_planes(bool albedo, bool normal);
 

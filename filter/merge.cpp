@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "filter/correct.h"
 #include "shaders/shared/merge_params.h"
 
 namespace becalm::filter {
@@ -102,24 +103,6 @@ ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const
 
 }  // namespace
 
-ImageId add_patch_sums(Chain& chain, const Settings& settings, Extent full, ImageId statistics,
-                       const std::string& name) {
-  const ImageId rows = chain.image(name + ".rows", Format::f32x4, full);
-  const ImageId sums = chain.image(name + ".sums", Format::f32x4, full);
-  const auto box = [&](ImageId in, ImageId out, bool along_y) {
-    chain.pass("merge/box")
-        .read("statistics", in)
-        .write("sums", out)
-        .specialize("radius", settings.patch_radius)
-        .specialize("along_y", along_y ? 1 : 0)
-        .constants(params::ImageParams{.width = full.width, .height = full.height})
-        .dispatch(full);
-  };
-  box(statistics, rows, false);
-  box(rows, sums, true);
-  return sums;
-}
-
 WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
                               ImageId offset) {
   const WarpedHistory warped{chain.image("warped.color", Format::f32x4, full),
@@ -149,14 +132,43 @@ int resample_margin_px(const Settings& settings) {
   return taps + (settings.resample == Resample::o_moms ? kSplineRadius : 0);
 }
 
+ImageId add_patch_sums(Chain& chain, const Settings& settings, Extent full, ImageId statistics,
+                       const std::string& name) {
+  const ImageId rows = chain.image(name + ".rows", Format::f32x4, full);
+  const ImageId sums = chain.image(name + ".sums", Format::f32x4, full);
+  const auto box = [&](ImageId in, ImageId out, bool along_y) {
+    chain.pass("merge/box")
+        .read("statistics", in)
+        .write("sums", out)
+        .specialize("radius", settings.patch_radius)
+        .specialize("along_y", along_y ? 1 : 0)
+        .constants(params::ImageParams{.width = full.width, .height = full.height})
+        .dispatch(full);
+  };
+  box(statistics, rows, false);
+  box(rows, sums, true);
+  return sums;
+}
+
 int merge_margin_px(const Settings& settings) {
   constexpr int variance_estimate = 1;
-  return variance_estimate + (settings.merge == MergeMode::variance ? settings.patch_radius : 0);
+  return variance_estimate + correction_margin_px(settings) +
+         (settings.merge == MergeMode::variance ? settings.patch_radius : 0);
 }
 
 MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
                               const Alignment& alignment) {
-  const WarpedHistory warped = add_warp_passes(chain, settings, full, inputs, alignment.offset);
+  WarpedHistory warped = add_warp_passes(chain, settings, full, inputs, alignment.offset);
+  if (settings.correct_levels > 0) {
+    warped.color = add_correction_passes(chain, settings, full,
+                                         {.color = inputs.color,
+                                          .variance = inputs.variance,
+                                          .exposure = inputs.exposure,
+                                          .half_difference = inputs.half_difference,
+                                          .estimate = warped.color,
+                                          .estimate_stats = warped.stats},
+                                         "correction");
+  }
   const ImageId decision = settings.merge == MergeMode::variance
                                ? add_variance_gain(chain, settings, full, inputs, warped)
                                : add_mask_gain(chain, settings, full, inputs, warped, alignment);

@@ -16,6 +16,7 @@ struct MergeInputs {
   gpu::ImageId variance;  ///< f32x2: (variance of the pixel's mean, averaged over channels; 1, or 0 for a
                           ///< pixel that is not finite)
   gpu::ImageId exposure;  ///< f32, 1x1
+  std::optional<gpu::ImageId> half_difference = {};  ///< f32x4, as pack_half_difference gives it
   gpu::History history_color;  ///< f32x4
   gpu::History
       history_stats;  ///< f32x2: (variance left, effective sample count); a count of 0 means no history

@@ -42,9 +42,9 @@ using Field = std::variant<IntRange, IntChoice, IntList, FloatRange, Named<Dista
                            Named<Resample>, Named<Directions>, Named<MergeMode>>;
 
 constexpr std::array<std::string_view, 4> kDistanceNames{"l2", "l1", "log_l1", "log_l1_centered"};
+constexpr std::array<std::string_view, 2> kDirectionsNames{"forward", "both"};
 constexpr std::array<std::string_view, 3> kMotionNames{"none", "guide", "override"};
 constexpr std::array<std::string_view, 3> kResampleNames{"bilinear", "catmull_rom", "o_moms"};
-constexpr std::array<std::string_view, 2> kDirectionsNames{"forward", "both"};
 constexpr std::array<std::string_view, 2> kMergeNames{"mask", "variance"};
 
 struct Row {
@@ -85,12 +85,12 @@ const Row kRows[] = {
      FloatRange{&Settings::weight_albedo, 0.0f, 100.0f}},
     {{"weight_normal", "number 0..100", "weight of the normal in matching, where a frame has one"},
      FloatRange{&Settings::weight_normal, 0.0f, 100.0f}},
-    {{"directions", "forward or both",
-      "forward: from the frames before alone, as they come; both: from those after as well, within segments"},
-     Named<Directions>{&Settings::directions, kDirectionsNames}},
     {{"resample", "bilinear, catmull_rom or o_moms",
       "filter by which the history is read between its pixels, from the blurriest to the sharpest"},
      Named<Resample>{&Settings::resample, kResampleNames}},
+    {{"directions", "forward or both",
+      "forward: from the frames before alone, as they come; both: from those after as well, within segments"},
+     Named<Directions>{&Settings::directions, kDirectionsNames}},
     {{"merge", "mask or variance",
       "mask: weights from the patch distance; variance: least expected squared error"},
      Named<MergeMode>{&Settings::merge, kMergeNames}},
@@ -110,6 +110,9 @@ const Row kRows[] = {
      FloatRange{&Settings::significance, 0.0f, 20.0f}},
     {{"max_history", "number 1..100000", "largest number of frames that the history may count for"},
      FloatRange{&Settings::max_history, 1.0f, 100000.0f}},
+    {{"correct_levels", "integer 0..6",
+      "the means over blocks of 2 to 2^N pixels are brought to those of the frame; 0 leaves them"},
+     IntRange{&Settings::correct_levels, 0, 6}},
 };
 
 template <class... Cases>

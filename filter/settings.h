@@ -15,13 +15,13 @@ enum class Distance { l2 = 0, l1 = 1, log_l1 = 2, log_l1_centered = 3 };
 /// from, or the offset itself wherever it is known.
 enum class MotionUse { none, guide, override_offset };
 
-/// Which frames an output is made from: those up to it, of unbounded history; or those after it as well,
-/// within segments.
-enum class Directions { forward, both };
-
 /// The filter by which the history is read between its pixels. The values are those of
 /// shaders/lib/resample.glsl.
 enum class Resample { bilinear = 0, catmull_rom = 1, o_moms = 2 };
+
+/// Which frames an output is made from: those up to it, of unbounded history; or those after it as well,
+/// within segments.
+enum class Directions { forward, both };
 
 /// How the merge weighs history against the new frame.
 enum class MergeMode { mask, variance };
@@ -45,8 +45,8 @@ struct Settings {
   float weight_albedo = 2.0f;
   float weight_normal = 0.5f;
 
-  Directions directions = Directions::both;
   Resample resample = Resample::catmull_rom;
+  Directions directions = Directions::both;
   MergeMode merge = MergeMode::variance;
   float mask_alpha = 0.9f;
   float mask_kappa = 2.0f;
@@ -55,6 +55,7 @@ struct Settings {
   int patch_radius = 3;
   float significance = 3.0f;
   float max_history = 64.0f;
+  int correct_levels = 4;
 };
 
 /// One row of the settings table.

@@ -87,6 +87,9 @@ TileChain::TileChain(gpu::Device& device, const FilterTask& task, const PyramidS
   if (contains(task.used, Aov::motion) && !coarse_takes_motion(task, split)) {
     motion = chain.input("motion.cur", Format::f32x2, target_extent);
   }
+  if (task.needs_half_difference()) {
+    half_difference = chain.input("half_difference.cur", Format::f32x4, target_extent);
+  }
   const bool guides = motion && settings.motion == MotionUse::guide;
   const SourceWindow window{source_extent, target_origin};
   const SearchResult found = add_search_passes(chain, settings,
@@ -111,6 +114,7 @@ TileChain::TileChain(gpu::Device& device, const FilterTask& task, const PyramidS
        .variance =
            task.variance_known() ? variance : add_variance_estimate(chain, target_extent, color, variance),
        .exposure = exposure,
+       .half_difference = half_difference,
        .history_color = {history_color, merged_color},
        .history_stats = {history_stats, merged_stats},
        .history_window = window},

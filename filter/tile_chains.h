@@ -62,6 +62,7 @@ struct TileChain {
   gpu::ImageId color;
   gpu::ImageId variance;
   gpu::ImageId exposure;
+  std::optional<gpu::ImageId> half_difference;
   gpu::ImageId history_color;
   gpu::ImageId history_stats;
   gpu::ImageId merged_color;

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <string>
 #include <utility>
 
+#include "filter/correct.h"
 #include "filter/host_images.h"
 #include "filter/merge.h"
 
@@ -90,6 +92,7 @@ void TiledFrame::plan(gpu::Device& device, std::uint64_t memory_limit) {
     const PyramidSplit split{.levels = levels, .coarse = coarse};
     TileRules rules = search_tile_rules(settings, device.info(), levels, coarse, merge_margin_px(settings));
     rules.reach += resample_margin_px(settings);
+    rules.grid = std::lcm(rules.grid, correction_grid_px(settings));
     // Known motion may lead anywhere.
     if (contains(task_.used, Aov::motion)) rules.reach = std::max(full.width, full.height);
     const int margin = feature_margin_px(settings);
@@ -198,6 +201,9 @@ void TiledFrame::merge_tile(const Tile& tile, const NewFrame& frame, MergedFrame
   chain.upload<float>(chains.exposure)[0] = frame.exposure;
   if (chains.motion) {
     pack_motion(frame.frame.image(Aov::motion), tile.target, chain.upload<float>(*chains.motion));
+  }
+  if (chains.half_difference) {
+    pack_half_difference(frame.frame, tile.target, chain.upload<float>(*chains.half_difference));
   }
   const auto origin = chain.upload<float>(chains.target_origin);
   origin[0] = static_cast<float>(tile.target.x - tile.source.x);

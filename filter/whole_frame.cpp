@@ -32,6 +32,9 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
     target.guide_planes = source.guide_planes = planes;
   }
   if (contains(task_.used, Aov::motion)) motion_ = chain_.input("motion.cur", Format::f32x2, full);
+  if (task_.needs_half_difference()) {
+    half_difference_ = chain_.input("half_difference.cur", Format::f32x4, full);
+  }
   const Alignment alignment = add_align_passes(
       chain_, settings, full, add_feature_passes(chain_, settings, full, "target", target),
       add_feature_passes(chain_, settings, full, "source", source), {.name = {}, .motion = motion_});
@@ -43,6 +46,7 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
        .variance =
            task_.variance_known() ? variance_ : add_variance_estimate(chain_, full, color_, variance_),
        .exposure = exposure_,
+       .half_difference = half_difference_,
        .history_color = history_color,
        .history_stats = history_stats},
       alignment);
@@ -70,6 +74,9 @@ void WholeFrame::merge(const NewFrame& frame, MergedFrame& merged, FrameReport& 
                chain_.upload<float>(*guide_));
   }
   if (motion_) pack_motion(frame.frame.image(Aov::motion), all.target, chain_.upload<float>(*motion_));
+  if (half_difference_) {
+    pack_half_difference(frame.frame, all.target, chain_.upload<float>(*half_difference_));
+  }
   chain_.run();
   add_times(report, chain_);
   MergedTile images{.color = chain_.download<float>(merged_color_),

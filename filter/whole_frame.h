@@ -29,6 +29,7 @@ class WholeFrame : public FrameMerger {
   gpu::ImageId variance_;
   std::optional<gpu::ImageId> guide_;
   std::optional<gpu::ImageId> motion_;
+  std::optional<gpu::ImageId> half_difference_;
   gpu::ImageId offset_;
   gpu::ImageId merged_color_;
   gpu::ImageId merged_stats_;

@@ -1,0 +1,43 @@
+// Reads the sums of one level's blocks and the factors of the coarser level; writes what is left to correct: the
+// difference between the frame's mean and that of the estimate so far corrected, relative to it, and the variance that the
+// frame's noise gives it. Blocks without pixels count nothing.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "lib/gain.glsl"
+#include "shared/correct_params.h"
+
+layout(constant_id = 0) const int halves = 0;
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant) uniform Params { BlockParams p; };
+layout(set = 0, binding = 0) uniform samplerBuffer frame_sums;
+layout(set = 0, binding = 1) uniform samplerBuffer estimate_sums;
+layout(set = 0, binding = 2) uniform samplerBuffer coarser;
+layout(set = 0, binding = 3) uniform samplerBuffer exposure;
+layout(set = 0, binding = 4) uniform samplerBuffer half_sums;
+layout(std430, set = 0, binding = 5) writeonly buffer DifferenceBuffer { vec4 data[]; } difference;
+layout(std430, set = 0, binding = 6) writeonly buffer BaseBuffer { vec4 data[]; } base;
+
+#include "lib/read_factor.glsl"
+
+void main() {
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  if (at.x >= p.width || at.y >= p.height) return;
+  const int index = at.y * p.width + at.x;
+  const vec4 frame = texelFetch(frame_sums, index);
+  const vec4 estimate = texelFetch(estimate_sums, index);
+  const float pixels = max(frame.a, 1.0);
+  const vec3 corrected = read_factor(at, ivec2(p.width_in, p.height_in), 2.0) * estimate.rgb / pixels;
+  // In units of the frame's typical luminance, a hundredth of which is the least that differences are relative to.
+  const float scale = texelFetch(exposure, 0).x;
+  const vec3 d = clamp((frame.rgb / pixels - corrected) * scale, -kLargestDifference, kLargestDifference);
+  float noise = estimate.a / (pixels * pixels) * scale * scale;
+  if (halves != 0) {
+    const vec3 e = texelFetch(half_sums, index).rgb / pixels * scale;
+    noise = dot(e, e) / 3.0;
+  }
+  noise = min(noise, kLargestDifference * kLargestDifference);
+  const bool counts = frame.a > 0.0;
+  difference.data[index] = counts ? vec4(d, noise) : vec4(0.0);
+  base.data[index] = counts ? vec4(clamp(corrected * scale, vec3(0.0), vec3(kLargestDifference)) + 0.01, 0.0) : vec4(0.0);
+}
