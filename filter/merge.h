@@ -17,7 +17,7 @@ struct MergeInputs {
                           ///< pixel that is not finite)
   gpu::ImageId exposure;  ///< f32, 1x1
   std::optional<gpu::ImageId> half_difference = {};  ///< f32x4, as pack_half_difference gives it
-  gpu::History history_color;  ///< f32x4
+  gpu::History history_color;                        ///< f32x4
   gpu::History
       history_stats;  ///< f32x2: (variance left, effective sample count); a count of 0 means no history
   std::optional<SourceWindow> history_window =

@@ -36,9 +36,14 @@ class MergeOnDevice {
     }
     const gpu::History color = chain_.history("history.color", gpu::Format::f32x4, full);
     const gpu::History stats = chain_.history("history.stats", gpu::Format::f32x2, full);
-    decision_ =
-        add_merge_passes(chain_, settings, full, {color_, variance_, exposure_, color, stats}, alignment_)
-            .decision;
+    decision_ = add_merge_passes(chain_, settings, full,
+                                 {.color = color_,
+                                  .variance = variance_,
+                                  .exposure = exposure_,
+                                  .history_color = color,
+                                  .history_stats = stats},
+                                 alignment_)
+                    .decision;
     merged_color_ = color.next;
     merged_stats_ = stats.next;
     chain_.output(merged_color_);
