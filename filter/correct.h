@@ -10,17 +10,17 @@ namespace becalm::filter {
 
 /// What an estimate of a frame is corrected by, all at full resolution.
 struct CorrectionInputs {
-  gpu::ImageId color;           ///< f32x4: the frame, noisy
-  gpu::ImageId variance;        ///< f32x2, as MergeInputs::variance
-  gpu::ImageId exposure;        ///< f32, 1x1
+  gpu::ImageId color;                           ///< f32x4: the frame, noisy
+  gpu::ImageId variance;                        ///< f32x2, as MergeInputs::variance
+  gpu::ImageId exposure;                        ///< f32, 1x1
   std::optional<gpu::ImageId> half_difference;  ///< f32x4: (half_a - half_b) / 2, where a frame has both
-  gpu::ImageId estimate;        ///< f32x4: what is corrected
+  gpu::ImageId estimate;                        ///< f32x4: what is corrected
   gpu::ImageId estimate_stats;  ///< f32x2: (variance, count); a count of 0 means that there is no estimate
 };
 
-/// Brings the means of the estimate over blocks of 2^`correct_levels` to 2 pixels near those of the frame, whose noise
-/// averages out of them: what filters lose or gain of the light in places is given back. Returns the corrected
-/// estimate (f32x4), linear in it given the factors.
+/// Brings the means of the estimate over blocks of 2^`correct_levels` to 2 pixels near those of the frame,
+/// whose noise averages out of them: what filters lose or gain of the light in places is given back. Returns
+/// the corrected estimate (f32x4), linear in it given the factors.
 gpu::ImageId add_correction_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
                                    const CorrectionInputs& inputs, const std::string& name);
 

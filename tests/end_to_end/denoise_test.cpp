@@ -173,6 +173,17 @@ TEST_F(Denoise, ResultsDoNotDependOnHowASequenceIsCutIntoJobs) {
   EXPECT_FALSE(same_frame("whole.0001.exr", "in.0001.exr")) << "frames after the first say nothing about it";
 }
 
+TEST_F(Denoise, DefaultSegmentsMakeJobsIndependentToo) {
+  for (int number = 1; number <= 96; ++number) {
+    io::write_exr(frame_path(input_, number), noise_frame(number, 24, 16), {}, io::PixelType::float32);
+  }
+  becalm_done(command("whole.####.exr", {"--frames", "1-96", "--quiet"}));
+  for (const char* frames : {"1-31", "32-63", "64-96"}) {
+    becalm_done(command("chunk.####.exr", {"--frames", frames, "--quiet"}));
+  }
+  expect_same_beauty(folder_ / "whole.####.exr", folder_ / "chunk.####.exr", 1, 96);
+}
+
 TEST_F(Denoise, ContextLimitsWhatIsReadBesidesTheFramesThatAreWritten) {
   write_frames({1, 2, 3, 4, 5});
   becalm_done(command("none.####.exr", {"--frames", "3", "--context", "none", "--quiet"}));

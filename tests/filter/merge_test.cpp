@@ -29,7 +29,8 @@ Settings uncorrected() {
 /// The merge's passes alone: offsets and residuals are given.
 class MergeOnDevice {
  public:
-  MergeOnDevice(gpu::Device& device, const Settings& settings) : chain_(device, "merge test") {
+  MergeOnDevice(gpu::Device& device, Settings settings) : chain_(device, "merge test") {
+    settings.correct_levels = 0;  // not part of what the reference does
     const gpu::Extent full{kWidth, kHeight};
     color_ = chain_.input("color.cur", gpu::Format::f32x4, full);
     variance_ = chain_.input("variance.cur", gpu::Format::f32x2, full);

@@ -1,6 +1,8 @@
 #include "filter/order.h"
 
+#include <array>
 #include <limits>
+#include <optional>
 #include <random>
 
 #include "frame/error.h"
@@ -90,6 +92,53 @@ TEST_F(SequenceFilterTest, CalmsAMovingPatternAndKeepsItsEnergy) {
     }
     EXPECT_LT(error, noisy_error / 3) << name;
     EXPECT_NEAR(energy / clean_energy, 1.0, 0.0075) << name;
+  }
+}
+
+TEST_F(SequenceFilterTest, BothDirectionsAreBetterThanOneAndKeepTheEnergy) {
+  const std::vector<int> frames{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
+  std::array<double, 2> error{};
+  for (const Directions directions : {Directions::forward, Directions::both}) {
+    Settings settings = preset("final");
+    settings.directions = directions;
+    SequenceFilter filter(device(), settings, kWidth, kHeight, noisy_frame(1).aovs());
+    double energy = 0, clean_energy = 0;
+    for (const Segment& segment :
+         schedule(frames, {6, 7, 8}, {.directions = directions, .segment = 32, .warmup = 8})) {
+      for (const Step& step : segment) {
+        FrameReport report;
+        const std::optional<Frame> denoised = filter.run(step, noisy_frame(step.frame), report);
+        ASSERT_EQ(denoised.has_value(), step.wanted && step.direction == Direction::forward);
+        if (!denoised) continue;
+        error[static_cast<std::size_t>(directions)] += squared_error(*denoised);
+        energy += mean(*denoised);
+        for (int y = 0; y < kHeight; ++y) {
+          for (int x = 0; x < kWidth; ++x) clean_energy += clean(x, y, step.frame) / (kWidth * kHeight);
+        }
+      }
+    }
+    EXPECT_NEAR(energy / clean_energy, 1.0, 0.0075);
+  }
+  EXPECT_LT(error[1], 0.8 * error[0]);
+}
+
+TEST_F(SequenceFilterTest, NothingIsKnownOfALastFrameFromTheFuture) {
+  SequenceFilter both(device(), preset("balanced"), kWidth, kHeight, noisy_frame(1).aovs());
+  Settings settings = preset("balanced");
+  settings.directions = Directions::forward;
+  SequenceFilter forward(device(), settings, kWidth, kHeight, noisy_frame(1).aovs());
+  const std::vector<int> frames{1, 2, 3};
+  for (const Segment& segment : schedule(frames, {3}, {.segment = 8})) {
+    for (const Step& step : segment) {
+      FrameReport report;
+      const std::optional<Frame> of_both = both.run(step, noisy_frame(step.frame), report);
+      if (step.direction == Direction::backward) continue;
+      const Frame of_forward = forward.denoise(noisy_frame(step.frame)).frame;
+      if (of_both) {
+        EXPECT_TRUE(
+            std::ranges::equal(of_both->image(Aov::beauty).data(), of_forward.image(Aov::beauty).data()));
+      }
+    }
   }
 }
 

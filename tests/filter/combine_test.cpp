@@ -1,0 +1,155 @@
+// The smoother's passes against the formula in double.
+#include "filter/combine.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "tests/filter/device_fixture.h"
+
+namespace becalm::filter {
+namespace {
+
+constexpr int kWidth = 37;
+constexpr int kHeight = 29;
+constexpr double kExposure = 1.3;
+
+struct Pixel {
+  std::array<float, 4> color{};
+  float variance = 0.0f;
+  float count = 0.0f;
+};
+using Pixels = std::vector<Pixel>;
+
+class CombineTest : public DeviceTest {
+ protected:
+  CombineTest() {
+    const gpu::Extent full{kWidth, kHeight};
+    inputs_ = {.exposure = chain_.input("exposure", gpu::Format::f32, {1, 1}),
+               .forward_color = chain_.input("forward.color", gpu::Format::f32x4, full),
+               .forward_stats = chain_.input("forward.stats", gpu::Format::f32x2, full),
+               .backward_color = chain_.input("backward.color", gpu::Format::f32x4, full),
+               .backward_stats = chain_.input("backward.stats", gpu::Format::f32x2, full)};
+    combined_ = add_combine_passes(chain_, settings_, full, inputs_);
+    chain_.output(combined_.color);
+    chain_.output(combined_.stats);
+    chain_.build();
+  }
+
+  Pixels combine(const Pixels& forward, const Pixels& backward) {
+    chain_.upload<float>(inputs_.exposure)[0] = kExposure;
+    fill(forward, inputs_.forward_color, inputs_.forward_stats);
+    fill(backward, inputs_.backward_color, inputs_.backward_stats);
+    chain_.run();
+    Pixels result(forward.size());
+    const auto color = chain_.download<float>(combined_.color);
+    const auto stats = chain_.download<float>(combined_.stats);
+    for (std::size_t i = 0; i < result.size(); ++i) {
+      std::copy_n(color.begin() + 4 * i, 4, result[i].color.begin());
+      result[i].variance = stats[2 * i];
+      result[i].count = stats[2 * i + 1];
+    }
+    return result;
+  }
+
+  void fill(const Pixels& pixels, gpu::ImageId color, gpu::ImageId stats) {
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+      std::ranges::copy(pixels[i].color, chain_.upload<float>(color).begin() + 4 * i);
+      chain_.upload<float>(stats)[2 * i] = pixels[i].variance;
+      chain_.upload<float>(stats)[2 * i + 1] = pixels[i].count;
+    }
+  }
+
+  Settings settings_;
+  gpu::Chain chain_{device(), "combine test"};
+  CombineInputs inputs_;
+  Combined combined_;
+};
+
+Pixels random_pixels(unsigned seed, double holes = 0.0) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> unit;
+  Pixels pixels(kWidth * kHeight);
+  for (Pixel& pixel : pixels) {
+    for (float& v : pixel.color) v = 0.1f + unit(random);
+    pixel.variance = 0.01f + unit(random);
+    pixel.count = unit(random) < holes ? 0.0f : 1.0f + 10.0f * unit(random);
+  }
+  return pixels;
+}
+
+double weight_of_backward(const Pixels& f, const Pixels& b, int x, int y, int radius) {
+  double of_f = 0, of_b = 0;
+  for (int v = std::max(y - radius, 0); v <= std::min(y + radius, kHeight - 1); ++v) {
+    for (int u = std::max(x - radius, 0); u <= std::min(x + radius, kWidth - 1); ++u) {
+      const std::size_t i = v * kWidth + u;
+      if ((u == x && v == y) || f[i].count <= 0 || b[i].count <= 0) continue;
+      const auto mean = [&](int c) { return 0.5 * (f[i].color[c] + b[i].color[c]); };
+      const double brightness = 0.2126 * mean(0) + 0.7152 * mean(1) + 0.0722 * mean(2) + 0.1 / kExposure;
+      of_f += f[i].variance * f[i].count / (brightness * brightness);
+      of_b += b[i].variance * b[i].count / (brightness * brightness);
+    }
+  }
+  const std::size_t i = y * kWidth + x;
+  if (f[i].count <= 0) return b[i].count > 0 ? 1.0 : 0.0;
+  if (b[i].count <= 0) return 0.0;
+  of_f /= f[i].count;
+  of_b /= b[i].count;
+  return of_f / (of_f + of_b);
+}
+
+TEST_F(CombineTest, WeighsByTheInverseOfPatchVariances) {
+  const Pixels f = random_pixels(1, 0.1);
+  const Pixels b = random_pixels(2, 0.2);
+  const Pixels found = combine(f, b);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const std::size_t i = y * kWidth + x;
+      const double w = weight_of_backward(f, b, x, y, settings_.patch_radius);
+      for (int c = 0; c < 4; ++c) {
+        ASSERT_NEAR(found[i].color[c], (1 - w) * f[i].color[c] + w * b[i].color[c], 1e-5) << x << "," << y;
+      }
+      ASSERT_NEAR(found[i].variance, (1 - w) * (1 - w) * f[i].variance + w * w * b[i].variance, 1e-5);
+      const double inverse = (w < 1 ? (1 - w) * (1 - w) / f[i].count : 0) + (w > 0 ? w * w / b[i].count : 0);
+      const double count = f[i].count <= 0 && b[i].count <= 0 ? 0 : 1 / inverse;
+      ASSERT_NEAR(found[i].count, count, 1e-4 * std::max(count, 1.0)) << x << "," << y;
+    }
+  }
+}
+
+TEST_F(CombineTest, APixelsOwnVarianceDoesNotWeighIt) {
+  const Pixels f = random_pixels(1);
+  const Pixels b = random_pixels(2);
+  Pixels outlier = f;
+  const std::size_t middle = (kHeight / 2) * kWidth + kWidth / 2;
+  outlier[middle].variance = 1e6f;
+  EXPECT_EQ(combine(f, b)[middle].color, combine(outlier, b)[middle].color);
+}
+
+TEST_F(CombineTest, WhatOnlyOneKnowsIsLeftAsItIs) {
+  Pixels nothing(kWidth * kHeight);
+  for (Pixel& pixel : nothing) pixel.color = {NAN, INFINITY, -1e30f, NAN};
+  const Pixels f = random_pixels(1);
+  for (const Pixels& found : {combine(f, nothing), combine(nothing, f)}) {
+    for (std::size_t i = 0; i < f.size(); ++i) {
+      ASSERT_EQ(found[i].color, f[i].color);
+      ASSERT_EQ(found[i].variance, f[i].variance);
+      ASSERT_EQ(found[i].count, f[i].count);
+    }
+  }
+}
+
+TEST_F(CombineTest, ExactEstimatesGiveTheForwardOne) {
+  Pixels f = random_pixels(1);
+  Pixels b = random_pixels(2);
+  for (Pixels* pixels : {&f, &b}) {
+    for (Pixel& pixel : *pixels) pixel.variance = 0.0f;
+  }
+  const Pixels found = combine(f, b);
+  for (std::size_t i = 0; i < f.size(); ++i) ASSERT_EQ(found[i].color, f[i].color);
+}
+
+}  // namespace
+}  // namespace becalm::filter
