@@ -114,18 +114,17 @@ ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const
 
 }  // namespace
 
-WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
+WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent full, const WarpInputs& history,
                               ImageId offset) {
   const WarpedHistory warped{chain.image("warped.color", Format::f32x4, full),
                              chain.image("warped.stats", Format::f32x2, full)};
-  const SourceWindow window =
-      inputs.history_window ? *inputs.history_window : add_same_window(chain, full, "origin.merge");
-  const ImageId taps = add_resample_taps(chain, settings, window.full, inputs.history_color.previous);
+  const SourceWindow window = history.window ? *history.window : add_same_window(chain, full, "origin.merge");
+  const ImageId taps = add_resample_taps(chain, settings, window.full, history.color);
   chain.pass("merge/warp_history")
       .read("offset", offset)
-      .read("history_color", inputs.history_color.previous)
+      .read("history_color", history.color)
       .read("resample_taps", taps)
-      .read("history_stats", inputs.history_stats.previous)
+      .read("history_stats", history.stats)
       .read("target_origin", window.target_origin)
       .write("warped_color", warped.color)
       .write("warped_stats", warped.stats)
@@ -169,7 +168,11 @@ int merge_margin_px(const Settings& settings) {
 
 MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
                               const Alignment& alignment) {
-  WarpedHistory warped = add_warp_passes(chain, settings, full, inputs, alignment.offset);
+  WarpedHistory warped = add_warp_passes(chain, settings, full,
+                                         {.color = inputs.history_color.previous,
+                                          .stats = inputs.history_stats.previous,
+                                          .window = inputs.history_window},
+                                         alignment.offset);
   if (settings.correct_levels > 0) {
     warped.color = add_correction_passes(chain, settings, full,
                                          {.color = inputs.noisy.color,

@@ -22,9 +22,9 @@ struct SurfaceInputs {
 /// window of its own.
 struct MergeInputs {
   const NoisyInputs& noisy;  ///< the new frame as it came
-  gpu::ImageId color;     ///< f32x4: what is merged, the new frame or that smoothed
-  gpu::ImageId variance;  ///< f32x2: (variance of the pixel's mean, averaged over channels; 1, or 0 for a
-                          ///< pixel that is not finite)
+  gpu::ImageId color;        ///< f32x4: what is merged, the new frame or that smoothed
+  gpu::ImageId variance;     ///< f32x2: (variance of the pixel's mean, averaged over channels; 1, or 0 for a
+                             ///< pixel that is not finite)
   gpu::History history_color;  ///< f32x4
   gpu::History
       history_stats;  ///< f32x2: (variance left, effective sample count); a count of 0 means no history
@@ -32,6 +32,14 @@ struct MergeInputs {
       {};                   ///< where the previous history shows more than the new frame
   unsigned rules = 0;       ///< flags of Validate by which the history is validated
   SurfaceInputs surface{};  ///< given if there are rules
+};
+
+/// What is read of the previous history: colour (f32x4) and statistics (f32x2), in the window if there is
+/// one.
+struct WarpInputs {
+  gpu::ImageId color;
+  gpu::ImageId stats;
+  std::optional<SourceWindow> window = {};
 };
 
 /// The history where the target's pixels are.
@@ -42,7 +50,7 @@ struct WarpedHistory {
 
 /// Reads the previous history at the offsets (f32x2, full resolution).
 WarpedHistory add_warp_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
-                              const MergeInputs& inputs, gpu::ImageId offset);
+                              const WarpInputs& history, gpu::ImageId offset);
 
 /// How far around the positions that offsets lead to the history is read.
 int resample_margin_px(const Settings& settings);

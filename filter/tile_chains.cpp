@@ -115,17 +115,16 @@ TileChain::TileChain(gpu::Device& device, const FilterTask& task, const PyramidS
   }
   merged_color = chain.image("history.color.next", Format::f32x4, target_extent);
   merged_stats = chain.image("history.stats.next", Format::f32x2, target_extent);
-  outputs = add_merge_passes(
-      chain, settings, target_extent,
-      {.noisy = noisy,
-       .color = color,
-       .variance = variance,
-       .history_color = {history_color, merged_color},
-       .history_stats = {history_stats, merged_stats},
-       .history_window = window,
-       .rules = rules,
-       .surface = surface.value_or(SurfaceInputs{})},
-      {offset, found.residual});
+  outputs = add_merge_passes(chain, settings, target_extent,
+                             {.noisy = noisy,
+                              .color = color,
+                              .variance = variance,
+                              .history_color = {history_color, merged_color},
+                              .history_stats = {history_stats, merged_stats},
+                              .history_window = window,
+                              .rules = rules,
+                              .surface = surface.value_or(SurfaceInputs{})},
+                             {offset, found.residual});
   chain.output(merged_color);
   chain.output(merged_stats);
   residual = found.residual.front();

@@ -49,17 +49,16 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
                 chain_.input("surface.prev", Format::f32x4, full)};
   }
 
-  outputs_ = add_merge_passes(
-      chain_, settings, full,
-      {.noisy = noisy_,
-       .color = color,
-       .variance = variance,
-       .history_color = history_color,
-       .history_stats = history_stats,
-       .history_window = {},
-       .rules = rules,
-       .surface = surface_.value_or(SurfaceInputs{})},
-      alignment);
+  outputs_ = add_merge_passes(chain_, settings, full,
+                              {.noisy = noisy_,
+                               .color = color,
+                               .variance = variance,
+                               .history_color = history_color,
+                               .history_stats = history_stats,
+                               .history_window = {},
+                               .rules = rules,
+                               .surface = surface_.value_or(SurfaceInputs{})},
+                              alignment);
   merged_color_ = history_color.next;
   merged_stats_ = history_stats.next;
   chain_.output(merged_color_);
