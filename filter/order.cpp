@@ -9,6 +9,7 @@
 
 #include "filter/additive.h"
 #include "filter/cuts.h"
+#include "filter/energy.h"
 #include "filter/finish.h"
 #include "filter/frame_check.h"
 #include "filter/frame_smoother.h"
@@ -176,6 +177,7 @@ Frame SequenceFilter::State::forward(const NewFrame& frame, FrameReport& report)
     merged.merged = std::move(combined);
     predictions.erase(prediction);
   }
+  if (task.settings.correct_levels > 0) restore_energy(frame, task, merged.merged);
   return output_frame(frame, task, std::move(merged), report);
 }
 

@@ -64,8 +64,8 @@ struct Settings {
   Resample resample = Resample::catmull_rom;
   Smooth smooth = Smooth::regression;
   int smooth_radius = 5;
-  int smooth_patch_radius = 3;
-  float smooth_strength = 0.5f;
+  int smooth_patch_radius = 1;
+  float smooth_strength = 0.35f;
   unsigned validate = 0;  ///< flags of Validate
   float validate_bias = 0.2f;
   float depth_tolerance = 0.05f;
@@ -82,8 +82,8 @@ struct Settings {
   float mask_eta = 2.0f;
   int mask_level = 0;
   Accumulate accumulate = Accumulate::count;
-  int patch_radius = 3;
-  float significance = 3.0f;
+  int patch_radius = 1;
+  float significance = 0.0f;
   float max_history = 64.0f;
   int correct_levels = 4;
   int additive = 1;

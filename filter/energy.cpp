@@ -1,0 +1,156 @@
+#include "filter/energy.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+#include <vector>
+
+namespace becalm::filter {
+namespace {
+
+constexpr int kFinestBlock = 32;
+/// No level changes a block by more than this.
+constexpr double kLargestFactor = 2.0;
+
+struct Block {
+  std::array<double, 3> frame{};     ///< sums over pixels, exposed
+  std::array<double, 3> estimate{};  ///< the same
+  double noise = 0.0;                ///< variance of `frame`, averaged over channels
+  std::array<double, 3> factor{1.0, 1.0, 1.0};
+};
+
+/// Blocks of one size, row by row.
+struct Level {
+  int width = 0;
+  int height = 0;
+  std::vector<Block> blocks;
+
+  Block& at(int x, int y) { return blocks[static_cast<std::size_t>(y) * width + x]; }
+  const Block& at(int x, int y) const { return blocks[static_cast<std::size_t>(y) * width + x]; }
+
+  /// The factor at a position in blocks from the centre of the first one, bilinearly.
+  double factor(double x, double y, std::size_t channel) const {
+    const double cx = std::clamp(x, 0.0, width - 1.0);
+    const double cy = std::clamp(y, 0.0, height - 1.0);
+    const int x0 = static_cast<int>(cx);
+    const int y0 = static_cast<int>(cy);
+    const int x1 = std::min(x0 + 1, width - 1);
+    const int y1 = std::min(y0 + 1, height - 1);
+    const auto value = [&](int u, int v) { return at(u, v).factor[channel]; };
+    return std::lerp(std::lerp(value(x0, y0), value(x1, y0), cx - x0),
+                     std::lerp(value(x0, y1), value(x1, y1), cx - x0), cy - y0);
+  }
+};
+
+/// Variance of the mean of a pixel, averaged over channels: from what the frame comes with, else that of
+/// its square, which is more than any noise.
+double pixel_noise(const NewFrame& frame, const FilterTask& task, std::size_t i) {
+  double sum = 0.0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    double value = 0.0;
+    if (task.has_halves()) {
+      const double e =
+          0.5 * (double(frame.frame.image(Aov::half_a).data()[3 * i + c]) - frame.frame.image(Aov::half_b).data()[3 * i + c]);
+      value = e * e;
+    } else if (contains(task.used, Aov::variance)) {
+      value = frame.frame.image(Aov::variance).data()[3 * i + c];
+    } else {
+      const double x = frame.frame.image(Aov::beauty).data()[4 * i + c];
+      value = x * x;
+    }
+    if (std::isfinite(value) && value > 0.0) sum += value / 3.0;
+  }
+  return sum;
+}
+
+Level finest_level(const NewFrame& frame, const FilterTask& task, const Estimate& estimate) {
+  const int width = estimate.color.width();
+  const int height = estimate.color.height();
+  Level level{.width = (width + kFinestBlock - 1) / kFinestBlock,
+              .height = (height + kFinestBlock - 1) / kFinestBlock,
+              .blocks = {}};
+  level.blocks.resize(static_cast<std::size_t>(level.width) * level.height);
+  const std::span<const float> beauty = frame.frame.image(Aov::beauty).data();
+  const std::span<const float> color = estimate.color.data();
+  const double exposure = frame.exposure;
+  std::size_t i = 0;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x, ++i) {
+      if (!frame.finite[i] || estimate.stats.data()[2 * i + 1] <= 0.0f) continue;
+      Block& block = level.at(x / kFinestBlock, y / kFinestBlock);
+      for (std::size_t c = 0; c < 3; ++c) {
+        block.frame[c] += exposure * beauty[4 * i + c];
+        block.estimate[c] += exposure * color[4 * i + c];
+      }
+      block.noise += exposure * exposure * pixel_noise(frame, task, i);
+    }
+  }
+  return level;
+}
+
+Level coarser(const Level& fine) {
+  Level level{.width = (fine.width + 1) / 2, .height = (fine.height + 1) / 2, .blocks = {}};
+  level.blocks.resize(static_cast<std::size_t>(level.width) * level.height);
+  for (int y = 0; y < fine.height; ++y) {
+    for (int x = 0; x < fine.width; ++x) {
+      Block& block = level.at(x / 2, y / 2);
+      const Block& part = fine.at(x, y);
+      for (std::size_t c = 0; c < 3; ++c) {
+        block.frame[c] += part.frame[c];
+        block.estimate[c] += part.estimate[c];
+      }
+      block.noise += part.noise;
+    }
+  }
+  return level;
+}
+
+/// Decides one level's factors, given those of the next coarser one, if there is one.
+void find_factors(Level& level, const Level* coarse) {
+  for (int y = 0; y < level.height; ++y) {
+    for (int x = 0; x < level.width; ++x) {
+      Block& block = level.at(x, y);
+      std::array<double, 3> difference{};
+      double squares = 0.0;
+      for (std::size_t c = 0; c < 3; ++c) {
+        if (coarse) block.factor[c] = coarse->factor((x + 0.5) / 2.0 - 0.5, (y + 0.5) / 2.0 - 0.5, c);
+        difference[c] = block.frame[c] - block.factor[c] * block.estimate[c];
+        squares += difference[c] * difference[c] / 3.0;
+      }
+      if (!(squares > block.noise) || !std::isfinite(squares)) continue;
+      const double share = 1.0 - block.noise / squares;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double base = block.factor[c] * block.estimate[c];
+        if (!(base > 0.0)) continue;
+        block.factor[c] *= std::clamp(1.0 + share * difference[c] / base, 1.0 / kLargestFactor, kLargestFactor);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+void restore_energy(const NewFrame& frame, const FilterTask& task, Estimate& estimate) {
+  std::vector<Level> levels{finest_level(frame, task, estimate)};
+  while (levels.back().blocks.size() > 1) levels.push_back(coarser(levels.back()));
+  for (std::size_t l = levels.size(); l-- > 0;) {
+    find_factors(levels[l], l + 1 < levels.size() ? &levels[l + 1] : nullptr);
+  }
+  const Level& finest = levels.front();
+  const std::span<float> color = estimate.color.data();
+  std::size_t i = 0;
+  for (int y = 0; y < estimate.color.height(); ++y) {
+    const double v = (y + 0.5) / kFinestBlock - 0.5;
+    for (int x = 0; x < estimate.color.width(); ++x, ++i) {
+      const double u = (x + 0.5) / kFinestBlock - 0.5;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const auto factor = static_cast<float>(finest.factor(u, v, c));
+        color[4 * i + c] *= factor;
+        for (Image& image : estimate.additive) image.data()[4 * i + c] *= factor;
+      }
+    }
+  }
+}
+
+}  // namespace becalm::filter
