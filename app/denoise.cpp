@@ -127,8 +127,8 @@ io::LoadedFrame DenoiseJob::read(int frame) {
   if (!filter_.denoises_additive()) {
     return io::read_exr(inputs_.path(frame), frame, filter_.wanted(), layers_);
   }
-  io::LoadedFrame loaded = io::read_exr(inputs_.path(frame), frame, filter_.wanted() | filter::additive_aovs(),
-                                        layers_, io::LightGroups::read);
+  io::LoadedFrame loaded = io::read_exr(
+      inputs_.path(frame), frame, filter_.wanted() | filter::additive_aovs(), layers_, io::LightGroups::read);
   // Other parts are passed on.
   for (const AovInfo& entry : kAovTable) {
     if (!contains(filter::additive_aovs(), entry.aov) || !loaded.frame.has(entry.aov)) continue;
@@ -167,8 +167,8 @@ void DenoiseJob::check_like_first(const io::LoadedFrame& loaded) {
   for (const LightGroup& group : frame.light_groups()) light_groups.push_back(group.name);
   if (light_groups != first_light_groups_) {
     throw Error(ExitStatus::bad_input,
-                fmt::format("{}: has the light groups '{}', and {} has '{}'", path, fmt::join(light_groups, ","),
-                            first_path, fmt::join(first_light_groups_, ",")));
+                fmt::format("{}: has the light groups '{}', and {} has '{}'", path,
+                            fmt::join(light_groups, ","), first_path, fmt::join(first_light_groups_, ",")));
   }
 }
 
@@ -231,7 +231,8 @@ Command add_denoise(CLI::App& becalm) {
   add_filter_options(parser, command->filter);
   add_running_options(parser, command->running);
   parser.footer(
-      "Direct and indirect light and light groups (light.NAME) are denoised with the beauty and still add up to it.\n"
+      "Direct and indirect light and light groups (light.NAME) are denoised with the beauty and still add up "
+      "to it.\n"
       "Every channel that is not denoised is passed on bit for bit.\n"
       "Examples:\n"
       "  becalm denoise 'in/shot.####.exr' -o 'out/shot.####.exr'\n"

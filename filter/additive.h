@@ -13,8 +13,8 @@
 
 namespace becalm::filter {
 
-/// Additive AOVs: the light groups, and direct and indirect light, each of which add up to the beauty. They go
-/// through the filter as RGBA images (A is 0) in the order of additive_images, with the beauty's weights.
+/// Additive AOVs: the light groups, and direct and indirect light, each of which add up to the beauty. They
+/// go through the filter as RGBA images (A is 0) in the order of additive_images, with the beauty's weights.
 AovSet additive_aovs();
 
 /// The additive AOVs of a frame: those of additive_aovs() that are in `used`, then the light groups

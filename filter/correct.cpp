@@ -71,7 +71,7 @@ std::vector<BlockSums> add_block_sums(Chain& chain, int levels, Extent full, con
 }  // namespace
 
 Corrected add_correction_passes(Chain& chain, const Settings& settings, Extent full,
-                              const CorrectionInputs& inputs, const std::string& name) {
+                                const CorrectionInputs& inputs, const std::string& name) {
   const std::vector<BlockSums> sums = add_block_sums(chain, settings.correct_levels, full, inputs, name);
   Extent extent{1, 1};
   ImageId factor = chain.image(name + ".one", Format::f32x4, extent);

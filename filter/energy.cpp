@@ -50,8 +50,8 @@ double pixel_noise(const NewFrame& frame, const FilterTask& task, std::size_t i)
   for (std::size_t c = 0; c < 3; ++c) {
     double value = 0.0;
     if (task.has_halves()) {
-      const double e =
-          0.5 * (double(frame.frame.image(Aov::half_a).data()[3 * i + c]) - frame.frame.image(Aov::half_b).data()[3 * i + c]);
+      const double e = 0.5 * (double(frame.frame.image(Aov::half_a).data()[3 * i + c]) -
+                              frame.frame.image(Aov::half_b).data()[3 * i + c]);
       value = e * e;
     } else if (contains(task.used, Aov::variance)) {
       value = frame.frame.image(Aov::variance).data()[3 * i + c];
@@ -123,7 +123,8 @@ void find_factors(Level& level, const Level* coarse) {
       for (std::size_t c = 0; c < 3; ++c) {
         const double base = block.factor[c] * block.estimate[c];
         if (!(base > 0.0)) continue;
-        block.factor[c] *= std::clamp(1.0 + share * difference[c] / base, 1.0 / kLargestFactor, kLargestFactor);
+        block.factor[c] *=
+            std::clamp(1.0 + share * difference[c] / base, 1.0 / kLargestFactor, kLargestFactor);
       }
     }
   }

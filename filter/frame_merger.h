@@ -17,11 +17,11 @@ namespace becalm::filter {
 struct FrameReport {
   std::size_t non_finite_pixels = 0;  ///< pixels with NaN or Inf in the beauty: passed through as they came
   std::size_t replaced_variances =
-      0;                       ///< variances that were not finite or negative, taken as 100 % of noise
-  bool new_shot = false;       ///< a cut was found between this frame and the one before it in this direction
+      0;                  ///< variances that were not finite or negative, taken as 100 % of noise
+  bool new_shot = false;  ///< a cut was found between this frame and the one before it in this direction
   /// Values of additive AOVs that were not finite where the beauty was, taken as 0.
   std::size_t replaced_additive = 0;
-  double mean_rejected = 0.0;  ///< share of the history that was rejected, averaged over pixels
+  double mean_rejected = 0.0;         ///< share of the history that was rejected, averaged over pixels
   double mean_sample_count = 0.0;     ///< effective number of frames in a pixel, averaged over pixels
   std::vector<gpu::PassTime> passes;  ///< device time, in order of execution; of a pass in all tiles together
 };
@@ -52,8 +52,8 @@ struct Estimate {
   Estimate() = default;
   Estimate(gpu::Extent extent, std::size_t additive_count);
 
-  Image color;  ///< four channels
-  Image stats;  ///< (variance, effective sample count); a count of 0 where nothing is known
+  Image color;                  ///< four channels
+  Image stats;                  ///< (variance, effective sample count); a count of 0 where nothing is known
   std::vector<Image> additive;  ///< additive AOVs, four channels
 };
 

@@ -58,7 +58,8 @@ struct FrameSmoother::SmoothChain {
 FrameSmoother::FrameSmoother(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit)
     : task_(task) {
   constexpr int variance_estimate = 1;
-  const int margin = smooth_margin_px(task.settings) + correction_margin_px(task.settings) + variance_estimate;
+  const int margin =
+      smooth_margin_px(task.settings) + correction_margin_px(task.settings) + variance_estimate;
   const int grid = correction_grid_px(task.settings);
   const TileRules rules{
       .grid = grid, .core_grid = grid, .left = margin, .above = margin, .after = margin, .reach = 0};

@@ -125,8 +125,10 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
                        chain.image("warped.stats", Format::f32x2, full)};
   const SourceWindow window =
       inputs.history_window ? *inputs.history_window : add_same_window(chain, full, "origin.merge");
-  const ImageId taps = add_resample_taps(chain, settings, window.full, inputs.history_color.previous, "history");
-  const ImageId share = chain.image("warped.share", Format::f32, inputs.additive.empty() ? Extent{1, 1} : full);
+  const ImageId taps =
+      add_resample_taps(chain, settings, window.full, inputs.history_color.previous, "history");
+  const ImageId share =
+      chain.image("warped.share", Format::f32, inputs.additive.empty() ? Extent{1, 1} : full);
   const params::WarpHistoryParams params{.width = full.width,
                                          .height = full.height,
                                          .history_width = window.full.width,
@@ -146,12 +148,13 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
       .dispatch(full);
   for (std::size_t i = 0; i < inputs.additive.size(); ++i) {
     const ImageId history = inputs.additive[i].history.previous;
+    const ImageId taps_of_additive =
+        add_resample_taps(chain, settings, window.full, history, fmt::format("history.additive.{}", i));
     warped.additive.push_back(chain.image(fmt::format("warped.additive.{}", i), Format::f32x4, full));
     chain.pass("additive/warp")
         .read("offset", offset)
         .read("history_color", history)
-        .read("resample_taps",
-              add_resample_taps(chain, settings, window.full, history, fmt::format("history.additive.{}", i)))
+        .read("resample_taps", taps_of_additive)
         .read("history_stats", inputs.history_stats.previous)
         .read("target_origin", window.target_origin)
         .read("share", share)

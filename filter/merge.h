@@ -29,9 +29,9 @@ struct AdditiveInput {
 /// window of its own.
 struct MergeInputs {
   const NoisyInputs& noisy;  ///< the new frame as it came
-  gpu::ImageId color;     ///< f32x4: what is merged, the new frame or that smoothed
-  gpu::ImageId variance;  ///< f32x2: (variance of the pixel's mean, averaged over channels; 1, or 0 for a
-                          ///< pixel that is not finite)
+  gpu::ImageId color;        ///< f32x4: what is merged, the new frame or that smoothed
+  gpu::ImageId variance;     ///< f32x2: (variance of the pixel's mean, averaged over channels; 1, or 0 for a
+                             ///< pixel that is not finite)
   gpu::History history_color;  ///< f32x4
   gpu::History
       history_stats;  ///< f32x2: (variance left, effective sample count); a count of 0 means no history
@@ -44,8 +44,8 @@ struct MergeInputs {
 
 /// The history where the target's pixels are.
 struct WarpedHistory {
-  gpu::ImageId color;  ///< f32x4
-  gpu::ImageId stats;  ///< f32x2
+  gpu::ImageId color;                       ///< f32x4
+  gpu::ImageId stats;                       ///< f32x2
   std::vector<gpu::ImageId> additive = {};  ///< f32x4
 };
 
@@ -60,8 +60,8 @@ int resample_margin_px(const Settings& settings);
 int merge_margin_px(const Settings& settings);
 
 struct MergeOutputs {
-  gpu::ImageId warped_color;  ///< f32x4: the history where the new frame's pixels are
-  gpu::ImageId warped_stats;  ///< f32x2, as the history's
+  gpu::ImageId warped_color;                  ///< f32x4: the history where the new frame's pixels are
+  gpu::ImageId warped_stats;                  ///< f32x2, as the history's
   std::vector<gpu::ImageId> warped_additive;  ///< f32x4
   gpu::ImageId decision;  ///< f32x4: share of the history rejected; its squared bias, which is to be added to
                           ///< warped_stats' variance where it predicts the new frame; weight of the new

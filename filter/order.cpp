@@ -109,8 +109,7 @@ SequenceFilter::SequenceFilter(gpu::Device& device, const Settings& settings, in
                                FindCuts find_cuts, std::size_t light_groups)
     : state_(std::make_unique<State>()) {
   const bool has_additive = settings.additive != 0;
-  const AovSet used =
-      available & (wanted_aovs(settings) | (has_additive ? additive_aovs() : AovSet()));
+  const AovSet used = available & (wanted_aovs(settings) | (has_additive ? additive_aovs() : AovSet()));
   state_->find_cuts = find_cuts;
   FilterTask& task = state_->task;
   task = {.settings = settings,
@@ -138,7 +137,8 @@ std::optional<Frame> SequenceFilter::run(const Step& step, const Frame& frame, F
   const FilterTask& task = state_->task;
   check_frame(frame, task.full.width, task.full.height, task.used, "the frames before it");
   const Image& beauty = frame.image(Aov::beauty);
-  NewFrame new_frame{.frame = frame, .finite = finite_pixels(beauty), .exposure = exposure(beauty), .additive = {}};
+  NewFrame new_frame{
+      .frame = frame, .finite = finite_pixels(beauty), .exposure = exposure(beauty), .additive = {}};
   new_frame.additive = pack_additive(frame, task, new_frame.finite, report);
   report.non_finite_pixels = static_cast<std::size_t>(std::ranges::count(new_frame.finite, 0));
   if (step.new_history) reset();

@@ -27,8 +27,8 @@ class SequenceFilter {
  public:
   /// Builds the chains for this size. `diagnostics` are those of the AOV table's to put into the
   /// results. Frames that the device cannot hold whole, or not within `memory_limit` bytes, are cut
-  /// into tiles, which the results do not show. Every frame has `light_groups` of them. Throws gpu::DeviceError if the smallest tiles are still too
-  /// large.
+  /// into tiles, which the results do not show. Every frame has `light_groups` of them. Throws
+  /// gpu::DeviceError if the smallest tiles are still too large.
   SequenceFilter(gpu::Device& device, const Settings& settings, int width, int height, AovSet available,
                  AovSet diagnostics = {},
                  std::uint64_t memory_limit = std::numeric_limits<std::uint64_t>::max(),
@@ -38,7 +38,8 @@ class SequenceFilter {
 
   /// Takes one step of a schedule; the steps of a segment come in their order, and `frame` is the step's.
   /// Steps forward that are wanted return the denoised frame. Predictions are kept from the step backward
-  /// that wants them to the step forward that takes them: some 24 bytes a pixel, and 16 for each additive AOV, for each frame of a segment.
+  /// that wants them to the step forward that takes them: some 24 bytes a pixel, and 16 for each additive
+  /// AOV, for each frame of a segment.
   std::optional<Frame> run(const Step& step, const Frame& frame, FrameReport& report);
 
   /// A step forward of a frame that is wanted.

@@ -44,8 +44,8 @@ struct Named {
   std::span<const std::string_view> names;  ///< in the order of the values, from 0
 };
 using Field = std::variant<IntRange, IntChoice, IntList, FloatRange, NamedSet, Named<Distance>,
-                           Named<MotionUse>, Named<Resample>, Named<Smooth>, Named<Directions>, Named<HistoryClip>,
-                           Named<ClipSpace>, Named<Accumulate>, Named<MergeMode>>;
+                           Named<MotionUse>, Named<Resample>, Named<Smooth>, Named<Directions>,
+                           Named<HistoryClip>, Named<ClipSpace>, Named<Accumulate>, Named<MergeMode>>;
 
 constexpr std::array<std::string_view, 4> kDistanceNames{"l2", "l1", "log_l1", "log_l1_centered"};
 constexpr std::array<std::string_view, 2> kSmoothNames{"none", "regression"};

@@ -46,10 +46,11 @@ Smoothed add_smooth_passes(Chain& chain, const Settings& settings, Extent full, 
       .specialize("patch_radius", settings.smooth_patch_radius)
       .constants(params)
       .dispatch({full.width, (full.height + kRows - 1) / kRows, planes});
-  Smoothed smoothed{
-      chain.image("smoothed.color", Format::f32x4, full), chain.image("smoothed.stats", Format::f32x2, full), {}};
+  Smoothed smoothed{chain.image("smoothed.color", Format::f32x4, full),
+                    chain.image("smoothed.stats", Format::f32x2, full),
+                    {}};
   const Extent kernel_extent = additive.empty() ? Extent{1, 1} : full;
-  const ImageId kernel = chain.image("smooth.kernel", Format::f32x4, kernel_extent.with_planes(2));
+  const ImageId kernel = chain.image("smooth.kernel", Format::f32x4, kernel_extent.with_planes(3));
   chain.pass("smooth/regress")
       .read("color", frame.color)
       .read("variance", frame.variance)
@@ -67,8 +68,7 @@ Smoothed add_smooth_passes(Chain& chain, const Settings& settings, Extent full, 
       .constants(params)
       .dispatch(full);
   for (std::size_t i = 0; i < additive.size(); ++i) {
-    smoothed.additive.push_back(
-        chain.image(fmt::format("smoothed.additive.{}", i), Format::f32x4, full));
+    smoothed.additive.push_back(chain.image(fmt::format("smoothed.additive.{}", i), Format::f32x4, full));
     chain.pass("additive/smooth")
         .read("color", additive[i])
         .read("variance", frame.variance)

@@ -126,18 +126,17 @@ TileChain::TileChain(gpu::Device& device, const FilterTask& task, const PyramidS
     merged_additive.push_back(chain.image(name, Format::f32x4, target_extent));
     additive_merged.push_back({additive[i], {history_additive[i], merged_additive[i]}});
   }
-  outputs = add_merge_passes(
-      chain, settings, target_extent,
-      {.noisy = noisy,
-       .color = color,
-       .variance = variance,
-       .history_color = {history_color, merged_color},
-       .history_stats = {history_stats, merged_stats},
-       .history_window = window,
-       .rules = rules,
-       .surface = surface.value_or(SurfaceInputs{}),
-       .additive = additive_merged},
-      {offset, found.residual});
+  outputs = add_merge_passes(chain, settings, target_extent,
+                             {.noisy = noisy,
+                              .color = color,
+                              .variance = variance,
+                              .history_color = {history_color, merged_color},
+                              .history_stats = {history_stats, merged_stats},
+                              .history_window = window,
+                              .rules = rules,
+                              .surface = surface.value_or(SurfaceInputs{}),
+                              .additive = additive_merged},
+                             {offset, found.residual});
   chain.output(merged_color);
   chain.output(merged_stats);
   for (const gpu::ImageId image : merged_additive) chain.output(image);

@@ -9,8 +9,8 @@
 #include "filter/align.h"
 #include "filter/frame_merger.h"
 #include "filter/gpu/chain.h"
-#include "filter/noisy_inputs.h"
 #include "filter/merge.h"
+#include "filter/noisy_inputs.h"
 
 namespace becalm::filter {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "filter/correct.h"
 #include "filter/additive.h"
+#include "filter/correct.h"
 #include "filter/host_images.h"
 #include "filter/merge.h"
 

@@ -61,18 +61,17 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
     merged_additive_.push_back(additive.back().history.next);
   }
 
-  outputs_ = add_merge_passes(
-      chain_, settings, full,
-      {.noisy = noisy_,
-       .color = color,
-       .variance = variance,
-       .history_color = history_color,
-       .history_stats = history_stats,
-       .history_window = {},
-       .rules = rules,
-       .surface = surface_.value_or(SurfaceInputs{}),
-       .additive = additive},
-      alignment);
+  outputs_ = add_merge_passes(chain_, settings, full,
+                              {.noisy = noisy_,
+                               .color = color,
+                               .variance = variance,
+                               .history_color = history_color,
+                               .history_stats = history_stats,
+                               .history_window = {},
+                               .rules = rules,
+                               .surface = surface_.value_or(SurfaceInputs{}),
+                               .additive = additive},
+                              alignment);
   merged_color_ = history_color.next;
   merged_stats_ = history_stats.next;
   chain_.output(merged_color_);

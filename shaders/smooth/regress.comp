@@ -3,14 +3,12 @@
 // for denoising Monte Carlo renderings", eq. 4), with the albedo again, and (variance left, 1). The slopes are shrunk by a
 // ridge, so that features that are flat or mere noise explain nothing. The value is mixed with the window's mean, by one share
 // for all channels, until it lies within the window's range: given weights and share it is linear in the radiance. `kernel`
-// has what additive AOVs are then smoothed alike by (additive/smooth), in two planes: the value is the sum over the window
-// of w c (k.x - dot(k.yzw, n) - dot(k', a)).
+// has what additive AOVs are then smoothed alike by (additive/smooth), in three planes: two of lib/smoothing_kernel.glsl, and
+// by what the value differs from that sum, which is rounding, but may be a ten-thousandth of a dark pixel among bright ones.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "lib/gain.glsl"
-#include "lib/patch_weights.glsl"
-#include "lib/reflectance.glsl"
 #include "lib/resample.glsl"
 #include "shared/smooth_params.h"
 
@@ -30,6 +28,8 @@ layout(set = 0, binding = 7) uniform usamplerBuffer weights;
 layout(std430, set = 0, binding = 8) writeonly buffer SmoothedBuffer { vec4 data[]; } smoothed;
 layout(std430, set = 0, binding = 9) writeonly buffer StatsBuffer { vec2 data[]; } stats;
 layout(std430, set = 0, binding = 10) writeonly buffer KernelBuffer { vec4 data[]; } kernel;
+
+#include "lib/smoothing_kernel.glsl"
 
 const int kFeatures = 7;
 const float kRidge = 1e-3;  // of the sum of weights
@@ -138,7 +138,14 @@ void main() {
     const float of_fit = share / support;
     const float constant = of_fit + (1.0 - share) / max(sum, 1e-6);
     const vec3 of_normal = of_fit * vec3(slope[4], slope[5], slope[6]);
-    kernel.data[index] = known ? vec4(constant, of_normal) : vec4(0.0);
-    kernel.data[p.width * p.height + index] = of_fit * vec4(slope[0], slope[1], slope[2], slope[3]);
+    const vec4 k = known ? vec4(constant, of_normal) : vec4(0.0);
+    const vec4 of_albedo_depth = of_fit * vec4(slope[0], slope[1], slope[2], slope[3]);
+    const vec3 by_kernel = apply_smoothing_kernel(at, radius, k, of_albedo_depth);
+    vec3 ratio = value * scale / by_kernel;
+    [[unroll]] for (int c = 0; c < 3; ++c) ratio[c] = abs(ratio[c] - 1.0) < 0.01 ? ratio[c] : 1.0;
+    const int pixels = p.width * p.height;
+    kernel.data[index] = k;
+    kernel.data[pixels + index] = of_albedo_depth;
+    kernel.data[2 * pixels + index] = vec4(ratio, 0.0);
   }
 }
