@@ -121,10 +121,9 @@ Corrected add_correction_passes(Chain& chain, const Settings& settings, Extent f
 }
 
 int correction_margin_px(const Settings& settings) {
-  // Of every level the 5x5 blocks around one, and a block more for the bilinear read of it.
-  int margin = 0;
-  for (int l = 1; l <= settings.correct_levels; ++l) margin += 4 << l;
-  return margin;
+  // Each level reads two blocks more on either side, and the bilinear read of a coarser one half of that and
+  // a block: never more than five of the largest blocks away from the pixel's own.
+  return settings.correct_levels > 0 ? 6 << settings.correct_levels : 0;
 }
 
 int correction_grid_px(const Settings& settings) {

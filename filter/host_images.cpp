@@ -136,7 +136,9 @@ void pack_features(const Frame& frame, const AovSet& used, float usual_depth, co
     n[3] = 0.0f;
     const float z = has_depth ? frame.image(Aov::depth).data()[in] : 0.0f;
     // Nothing hit is as far as can be; what is behind the eye or no number counts as near.
-    a[3] = z == std::numeric_limits<float>::infinity() ? 2.0f : z > 0.0f ? 2.0f / (1.0f + usual_depth / z) : 0.0f;
+    a[3] = z == std::numeric_limits<float>::infinity() ? 2.0f
+           : z > 0.0f                                  ? 2.0f / (1.0f + usual_depth / z)
+                                                       : 0.0f;
   });
 }
 

@@ -119,43 +119,41 @@ ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const
 
 }  // namespace
 
-WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
+WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent full, const WarpInputs& history,
                               ImageId offset) {
   WarpedHistory warped{chain.image("warped.color", Format::f32x4, full),
                        chain.image("warped.stats", Format::f32x2, full)};
-  const SourceWindow window =
-      inputs.history_window ? *inputs.history_window : add_same_window(chain, full, "origin.merge");
-  const ImageId taps =
-      add_resample_taps(chain, settings, window.full, inputs.history_color.previous, "history");
+  const SourceWindow window = history.window ? *history.window : add_same_window(chain, full, "origin.merge");
+  const ImageId taps = add_resample_taps(chain, settings, window.full, history.color, "history");
   const ImageId share =
-      chain.image("warped.share", Format::f32, inputs.additive.empty() ? Extent{1, 1} : full);
+      chain.image("warped.share", Format::f32, history.additive.empty() ? Extent{1, 1} : full);
   const params::WarpHistoryParams params{.width = full.width,
                                          .height = full.height,
                                          .history_width = window.full.width,
                                          .history_height = window.full.height};
   chain.pass("merge/warp_history")
       .read("offset", offset)
-      .read("history_color", inputs.history_color.previous)
+      .read("history_color", history.color)
       .read("resample_taps", taps)
-      .read("history_stats", inputs.history_stats.previous)
+      .read("history_stats", history.stats)
       .read("target_origin", window.target_origin)
       .write("warped_color", warped.color)
       .write("warped_stats", warped.stats)
       .write("share", share)
       .specialize("resample", static_cast<int>(settings.resample))
-      .specialize("writes_share", inputs.additive.empty() ? 0 : 1)
+      .specialize("writes_share", history.additive.empty() ? 0 : 1)
       .constants(params)
       .dispatch(full);
-  for (std::size_t i = 0; i < inputs.additive.size(); ++i) {
-    const ImageId history = inputs.additive[i].history.previous;
+  for (std::size_t i = 0; i < history.additive.size(); ++i) {
+    const ImageId additive = history.additive[i];
     const ImageId taps_of_additive =
-        add_resample_taps(chain, settings, window.full, history, fmt::format("history.additive.{}", i));
+        add_resample_taps(chain, settings, window.full, additive, fmt::format("history.additive.{}", i));
     warped.additive.push_back(chain.image(fmt::format("warped.additive.{}", i), Format::f32x4, full));
     chain.pass("additive/warp")
         .read("offset", offset)
-        .read("history_color", history)
+        .read("history_color", additive)
         .read("resample_taps", taps_of_additive)
-        .read("history_stats", inputs.history_stats.previous)
+        .read("history_stats", history.stats)
         .read("target_origin", window.target_origin)
         .read("share", share)
         .write("warped", warped.additive.back())
@@ -197,7 +195,14 @@ int merge_margin_px(const Settings& settings) {
 
 MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
                               const Alignment& alignment) {
-  WarpedHistory warped = add_warp_passes(chain, settings, full, inputs, alignment.offset);
+  std::vector<ImageId> additive_history;
+  for (const AdditiveInput& input : inputs.additive) additive_history.push_back(input.history.previous);
+  WarpedHistory warped = add_warp_passes(chain, settings, full,
+                                         {.color = inputs.history_color.previous,
+                                          .stats = inputs.history_stats.previous,
+                                          .window = inputs.history_window,
+                                          .additive = std::move(additive_history)},
+                                         alignment.offset);
   if (settings.correct_levels > 0) {
     Corrected corrected = add_correction_passes(chain, settings, full,
                                                 {.color = inputs.noisy.color,

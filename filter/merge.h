@@ -42,6 +42,15 @@ struct MergeInputs {
   std::vector<AdditiveInput> additive = {};
 };
 
+/// What is read of the previous history: colour (f32x4) and statistics (f32x2), in the window if there is
+/// one.
+struct WarpInputs {
+  gpu::ImageId color;
+  gpu::ImageId stats;
+  std::optional<SourceWindow> window = {};
+  std::vector<gpu::ImageId> additive = {};  ///< additive AOVs (f32x4)
+};
+
 /// The history where the target's pixels are.
 struct WarpedHistory {
   gpu::ImageId color;                       ///< f32x4
@@ -51,7 +60,7 @@ struct WarpedHistory {
 
 /// Reads the previous history at the offsets (f32x2, full resolution).
 WarpedHistory add_warp_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
-                              const MergeInputs& inputs, gpu::ImageId offset);
+                              const WarpInputs& history, gpu::ImageId offset);
 
 /// How far around the positions that offsets lead to the history is read.
 int resample_margin_px(const Settings& settings);

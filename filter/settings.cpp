@@ -285,10 +285,16 @@ Settings preset(std::string_view name) {
     settings.directions = Directions::forward;
     settings.prefilter = 0;
     settings.blur_radius = {5};
+    // Decisions on noisy frames need larger patches and more than its usual spread.
+    settings.smooth = Smooth::none;
+    settings.patch_radius = 3;
+    settings.significance = 3.0f;
   } else if (name == "final") {
     settings.match_downsample = 1;
     settings.prefilter = 2;
-  } else if (name != "balanced") {
+  } else if (name == "balanced") {
+    settings.smooth_radius = 3;
+  } else {
     throw Error(ExitStatus::usage, fmt::format("preset '{}': expected draft, balanced or final", name));
   }
   return settings;

@@ -25,7 +25,7 @@ struct Smoothed {
 /// kernels.
 Smoothed add_smooth_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
                            const NoisyInputs& frame, const SmoothFeatures& features,
-                           const std::vector<gpu::ImageId>& additive);
+                           const std::vector<gpu::ImageId>& additive = {});
 
 /// How far from a pixel that reads, in pixels.
 int smooth_margin_px(const Settings& settings);

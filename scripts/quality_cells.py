@@ -102,8 +102,8 @@ class Cells:
         if run.returncode != 0:
             sys.stderr.write(run.stderr)
         run.check_returncode()
-        filter_ms = re.search(r"^  filter +([\d.]+) ms$", run.stderr, re.MULTILINE)
-        return denoised, {"filter": float(filter_ms.group(1)) / 1e3, "process": seconds}
+        filter_ms = re.findall(r"^  filter(?: backward)? +([\d.]+) ms$", run.stderr, re.MULTILINE)
+        return denoised, {"filter": sum(map(float, filter_ms)) / 1e3, "process": seconds}
 
     def _compare(self, references, test, file):
         first, second = references

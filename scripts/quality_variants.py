@@ -20,44 +20,47 @@ def settings(*assignments, preset="final"):
     return ("--preset", preset, *(word for assignment in assignments for word in ("--set", assignment)))
 
 
-FORWARD = ("directions=forward", "smooth=none")
-SMOOTHER = ("directions=both", "smooth=none")
+# What the smoothing of single frames and the correction of light add is told apart from the merge's own work, which then
+# decides on noise and needs larger patches.
+MERGE = ("smooth=none", "patch_radius=3", "significance=3")
+FORWARD = ("directions=forward", *MERGE)
+SMOOTHER = ("directions=both", *MERGE)
 WARMUP = ("--warmup", "8")
 
 NOISY = Variant("noisy", "noisy")
 VARIANTS = [
     NOISY,
-    Variant("mask", "paper's mask mode", settings("merge=mask", *FORWARD), history="before"),
-    Variant("forward", "variance, forward", settings(*FORWARD), history="before"),
+    Variant("mask", "paper's mask mode", settings("merge=mask", "correct_levels=0", *FORWARD), history="before"),
+    Variant("forward", "variance, forward", settings("correct_levels=0", *FORWARD), history="before"),
+    Variant("corrected", "variance, forward, light corrected", settings(*FORWARD), history="before"),
     Variant("smoother", "smoother", settings(*SMOOTHER), history="all"),
-    Variant("final", "smoother + smooth", settings("directions=both", "smooth=atrous")),
+    Variant("spatial", "spatial stage alone", settings("directions=forward", "max_history=1")),
+    Variant("final", "smoother + smooth (preset final)", settings()),
     Variant("balanced", "preset balanced", settings(preset="balanced")),
     Variant("draft", "preset draft", settings(preset="draft")),
-    Variant("spatial", "spatial stage alone", settings("merge=none", "directions=forward", "smooth=atrous")),
     Variant("segment_8", "smoother, segments of 8", (*settings(*SMOOTHER), "--segment", "8", *WARMUP), ablation=True, segment=8),
     Variant("segment_5", "smoother, segments of 5", (*settings(*SMOOTHER), "--segment", "5", *WARMUP), ablation=True, segment=5),
-] + [Variant(name, title, settings(*FORWARD, *changed), without, ablation=True) for name, title, changed, without in [
-    ("half_buffers", "forward, variance from half-buffers", (), ("variance",)),
-    ("estimated", "forward, variance estimated", (), ("variance", "half_a", "half_b")),
-    ("no_bias", "forward, no bias estimate", ("significance=20",), ()),
-    ("all_bias", "forward, bias without significance", ("significance=0",), ()),
-    ("small_patch", "forward, weights from 3x3 patches", ("patch_radius=1",), ()),
-    ("short_history", "forward, history of 8 frames at most", ("max_history=8",), ()),
-    ("radiance_alone", "forward, matching radiance alone", ("weight_albedo=0", "weight_normal=0"), ()),
-    ("guides_alone", "forward, matching albedo and normal alone", ("weight_radiance=0",), ()),
-    ("demodulated", "forward, matching demodulated radiance", ("demodulate=1",), ()),
-    ("unfiltered", "forward, matching without prefilter", ("prefilter=0",), ()),
-    ("motion_guides", "forward, motion vectors as candidates", ("motion=guide",), ()),
-    ("motion_vectors", "forward, motion vectors in place of the search", ("motion=override",), ()),
-    ("bilinear", "forward, bilinear resampling", ("resample=bilinear",), ()),
-    ("catmull_rom", "forward, Catmull-Rom resampling", ("resample=catmull_rom",), ()),
-    ("validate_guides", "forward, rejection by depth, normal and id", ("validate=guides",), ()),
-    ("clamp", "forward, colour-box clamp", ("validate=clamp",), ()),
-    ("variance_clip", "forward, variance clipping", ("validate=variance_clip",), ()),
-]] + [Variant(name, title, settings(*changed), ablation=True) for name, title, changed in [
-    ("forward_smooth", "forward + smooth", ("directions=forward",)),
-    ("atrous", "smoother + a-trous", ("directions=both", "smooth=atrous")),
-    ("regression", "smoother + regression", ("directions=both", "smooth=regression")),
+] + [Variant(name, title, settings(*changed), without, ablation=True) for name, title, changed, without in [
+    ("forward_smooth", "final, forward", ("directions=forward",), ()),
+    ("uncorrected", "final without correction of light", ("correct_levels=0",), ()),
+    ("half_buffers", "final, variance from half-buffers", (), ("variance",)),
+    ("variance_alone", "final without half-buffers", (), ("half_a", "half_b")),
+    ("estimated", "final, variance estimated", (), ("variance", "half_a", "half_b")),
+    ("significant", "final, bias from 3 standard errors", ("significance=3",), ()),
+    ("large_patch", "final, weights from 7x7 patches", ("patch_radius=3",), ()),
+    ("smooth_patch_3", "final, smoothing compares 7x7 patches", ("smooth_patch_radius=3",), ()),
+    ("smooth_strong", "final, smoothing twice as strong", ("smooth_strength=0.7",), ()),
+    ("short_history", "final, history of 8 frames at most", ("max_history=8",), ()),
+    ("radiance_alone", "final, matching radiance alone", ("weight_albedo=0", "weight_normal=0"), ()),
+    ("guides_alone", "final, matching albedo and normal alone", ("weight_radiance=0",), ()),
+    ("unfiltered", "final, matching without prefilter", ("prefilter=0",), ()),
+    ("motion_guides", "final, motion vectors as candidates", ("motion=guide",), ()),
+    ("motion_vectors", "final, motion vectors in place of the search", ("motion=override",), ()),
+    ("bilinear", "final, bilinear resampling", ("resample=bilinear",), ()),
+    ("o_moms", "final, O-MOMS resampling", ("resample=o_moms",), ()),
+    ("validate_guides", "final, distrust by depth, normal and id", ("validate=depth,normal,id",), ()),
+    ("clip", "final, colour-box clip", ("history_clip=clip",), ()),
+    ("variance_clip", "final, variance clipping", ("history_clip=variance",), ()),
 ]]
 
 # A program that does not know these settings does what these values say.

@@ -28,10 +28,10 @@ class WarpJob {
  public:
   WarpJob(gpu::Device& device, const filter::Settings& settings, gpu::Extent full) : chain_(device, "warp") {
     offset_ = chain_.input("offset", gpu::Format::f32x2, full);
-    filter::MergeInputs inputs{};
-    inputs.history_color.previous = color_ = chain_.input("history.color", gpu::Format::f32x4, full);
-    inputs.history_stats.previous = stats_ = chain_.input("history.stats", gpu::Format::f32x2, full);
-    warped_ = filter::add_warp_passes(chain_, settings, full, inputs, offset_).color;
+    color_ = chain_.input("history.color", gpu::Format::f32x4, full);
+    stats_ = chain_.input("history.stats", gpu::Format::f32x2, full);
+    warped_ =
+        filter::add_warp_passes(chain_, settings, full, {.color = color_, .stats = stats_}, offset_).color;
     chain_.output(warped_);
     chain_.build();
     std::ranges::fill(chain_.upload<float>(stats_), 1.0f);

@@ -3,9 +3,11 @@
 #include <functional>
 #include <random>
 
+#include "filter/noisy_inputs.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/pattern.h"
 #include "tests/filter/reference/merge.h"
+#include "tests/filter/task.h"
 
 namespace becalm::filter {
 namespace {
@@ -17,6 +19,7 @@ using reference::Vec2;
 
 constexpr int kWidth = 61;
 constexpr int kHeight = 43;
+constexpr gpu::Extent kFull{kWidth, kHeight};
 constexpr double kExposure = 1.7;
 
 /// The balanced preset without the correction of the history's means, which has tests of its own.
@@ -29,12 +32,9 @@ Settings uncorrected() {
 /// The merge's passes alone: offsets and residuals are given.
 class MergeOnDevice {
  public:
-  MergeOnDevice(gpu::Device& device, Settings settings) : chain_(device, "merge test") {
-    settings.correct_levels = 0;  // not part of what the reference does
-    const gpu::Extent full{kWidth, kHeight};
-    color_ = chain_.input("color.cur", gpu::Format::f32x4, full);
-    variance_ = chain_.input("variance.cur", gpu::Format::f32x2, full);
-    exposure_ = chain_.input("exposure", gpu::Format::f32, {1, 1});
+  MergeOnDevice(gpu::Device& device, const Settings& settings)
+      : chain_(device, "merge test"), noisy_(chain_, task_with_variance(settings, kFull), kFull) {
+    const gpu::Extent full = kFull;
     alignment_.offset = chain_.input("offset", gpu::Format::f32x2, full);
     for (std::size_t l = 0; l < pyramid_extents(settings, kWidth, kHeight).size(); ++l) {
       alignment_.residual.push_back(alignment_.offset);
@@ -45,9 +45,9 @@ class MergeOnDevice {
     const gpu::History color = chain_.history("history.color", gpu::Format::f32x4, full);
     const gpu::History stats = chain_.history("history.stats", gpu::Format::f32x2, full);
     decision_ = add_merge_passes(chain_, settings, full,
-                                 {.color = color_,
-                                  .variance = variance_,
-                                  .exposure = exposure_,
+                                 {.noisy = noisy_,
+                                  .color = noisy_.color,
+                                  .variance = noisy_.variance,
                                   .history_color = color,
                                   .history_stats = stats},
                                  alignment_)
@@ -62,8 +62,8 @@ class MergeOnDevice {
 
   reference::Merged run(const Grid<Estimate>& sample, const Grid<Vec2>& offset,
                         const Grid<double>* residual = nullptr) {
-    const auto color = chain_.upload<float>(color_);
-    const auto variance = chain_.upload<float>(variance_);
+    const auto color = chain_.upload<float>(noisy_.color);
+    const auto variance = chain_.upload<float>(noisy_.variance);
     const auto offsets = chain_.upload<float>(alignment_.offset);
     for (std::size_t i = 0; i < sample.data.size(); ++i) {
       std::ranges::copy(sample.data[i].color, color.begin() + 4 * i);
@@ -72,7 +72,7 @@ class MergeOnDevice {
       offsets[2 * i] = static_cast<float>(offset.data[i].x);
       offsets[2 * i + 1] = static_cast<float>(offset.data[i].y);
     }
-    chain_.upload<float>(exposure_)[0] = kExposure;
+    chain_.upload<float>(noisy_.exposure)[0] = kExposure;
     if (residual)
       std::ranges::copy(residual->data, chain_.upload<float>(alignment_.residual.front()).begin());
     chain_.run();
@@ -92,7 +92,8 @@ class MergeOnDevice {
 
  private:
   gpu::Chain chain_;
-  gpu::ImageId color_, variance_, exposure_, merged_color_, merged_stats_, decision_;
+  NoisyInputs noisy_;
+  gpu::ImageId merged_color_, merged_stats_, decision_;
   Alignment alignment_;
 };
 

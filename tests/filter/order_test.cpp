@@ -142,9 +142,16 @@ TEST_F(SequenceFilterTest, NothingIsKnownOfALastFrameFromTheFuture) {
   }
 }
 
+/// The balanced preset without what is done to a frame by itself.
+Settings unsmoothed() {
+  Settings settings = preset("balanced");
+  settings.smooth = Smooth::none;
+  return settings;
+}
+
 TEST_F(SequenceFilterTest, TheFirstFrameAndTheFrameAfterAResetAreTheInput) {
   SequenceFilter filter(
-      device(), preset("balanced"), kWidth, kHeight, noisy_frame(1).aovs(),
+      device(), unsmoothed(), kWidth, kHeight, noisy_frame(1).aovs(),
       aov_set({Aov::sample_count, Aov::error_mask, Aov::flow, Aov::bias, Aov::gain, Aov::rejected_by}));
   for (const int number : {1, 5}) {
     const Frame noisy = noisy_frame(number);
@@ -208,6 +215,101 @@ TEST_F(SequenceFilterTest, NonFinitePixelsStayWhereTheyAre) {
   }
 }
 
+TEST_F(SequenceFilterTest, NoAovsValuesReachFurtherThanTheirPixel) {
+  // Every AOV that the filter may use, with numbers that are none in the second frame.
+  const auto full_frame = [](int number) {
+    Frame frame(number, 24, 20);
+    for (const AovInfo& entry : kAovTable) {
+      if (!entry.diagnostic) frame.add(entry.aov, 0.5f);
+    }
+    for (std::size_t i = 0; i < frame.image(Aov::beauty).data().size(); ++i) {
+      frame.image(Aov::beauty).data()[i] += 0.01f * static_cast<float>(i % 7);
+    }
+    return frame;
+  };
+  for (const char* merge : {"merge=variance", "merge=mask"}) {
+    Settings settings = preset("final");
+    for (const char* assignment : {merge, "validate=depth,normal,id", "history_clip=variance", "motion=guide",
+                                   "demodulate=1", "smooth_radius=2", "correct_levels=2"}) {
+      set(settings, assignment);
+    }
+    SequenceFilter filter(device(), settings, 24, 20, full_frame(1).aovs());
+    for (const AovInfo& entry : kAovTable) {
+      if (!contains(wanted_aovs(settings), entry.aov)) continue;
+      filter.reset();
+      for (int number = 1; number <= 2; ++number) {
+        Frame frame = full_frame(number);
+        for (int i = 0; number == 2 && i < 6; ++i) {
+          frame.image(entry.aov).at(4 * i + 3, 3 * i + 2, 0) =
+              std::array{std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
+                         -std::numeric_limits<float>::infinity()}[static_cast<std::size_t>(i % 3)];
+        }
+        const Denoised denoised = filter.denoise(frame);
+        EXPECT_EQ(denoised.report.non_finite_pixels, 0u);
+        for (const float v : denoised.frame.image(Aov::beauty).data()) {
+          ASSERT_TRUE(v > 0.45f && v < 0.65f) << merge << ", " << entry.name << ": " << v;
+        }
+        for (const float v : denoised.frame.image(Aov::variance).data()) {
+          ASSERT_TRUE(std::isfinite(v) && v >= 0.0f) << merge << ", " << entry.name << ": " << v;
+        }
+      }
+    }
+  }
+}
+
+TEST_F(SequenceFilterTest, BlackFramesStayBlackAndHoldNothingBack) {
+  SequenceFilter filter(device(), preset("balanced"), kWidth, kHeight, noisy_frame(1).aovs());
+  Frame black(1, kWidth, kHeight);
+  for (const Aov aov : {Aov::beauty, Aov::variance, Aov::albedo}) black.add(aov);
+  for (int number = 1; number <= 3; ++number) {
+    const Denoised denoised = filter.denoise(black);
+    for (const Aov aov : {Aov::beauty, Aov::variance}) {
+      for (const float v : denoised.frame.image(aov).data()) ASSERT_EQ(v, 0.0f) << info(aov).name;
+    }
+  }
+  const Frame lit = noisy_frame(4);
+  EXPECT_NEAR(mean(filter.denoise(lit).frame) / mean(lit), 1.0, 0.01);
+}
+
+TEST_F(SequenceFilterTest, NothingDriftsOverThousandsOfFrames) {
+  // Sums that are never begun anew: each frame weighs 1/n, and what floats round away adds up.
+  Settings settings = preset("draft");
+  settings.smooth = Smooth::none;
+  settings.correct_levels = 0;
+  settings.pyramid_levels = 1;
+  settings.motion = MotionUse::override_offset;
+  settings.max_history = 100000.0f;
+  settings.significance = 20.0f;  // noise never counts as bias
+  constexpr int size = 8;
+  constexpr int frames = 10000;
+  SequenceFilter filter(device(), settings, size, size, aov_set({Aov::variance, Aov::motion}));
+  std::mt19937 random(6);
+  std::normal_distribution<float> noise(0.0f, 0.05f);
+  Frame frame(1, size, size);
+  Image& beauty = frame.add(Aov::beauty, 1.0f);
+  frame.add(Aov::variance, 0.05f * 0.05f);
+  frame.add(Aov::motion);
+  double of_inputs = 0;
+  Denoised denoised;
+  for (int number = 1; number <= frames; ++number) {
+    for (std::size_t i = 0; i < beauty.pixel_count(); ++i) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float value = beauty.data()[4 * i + c] = 0.3f + 0.01f * static_cast<float>(i) + noise(random);
+        of_inputs += value / (3.0 * size * size * frames);
+      }
+    }
+    denoised = filter.denoise(frame);
+  }
+  double of_output = 0;
+  for (std::size_t i = 0; i < beauty.pixel_count(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      of_output += denoised.frame.image(Aov::beauty).data()[4 * i + c] / (3.0 * size * size);
+    }
+  }
+  EXPECT_NEAR(denoised.report.mean_sample_count, frames, 0.01 * frames);
+  EXPECT_NEAR(of_output / of_inputs, 1.0, 1e-5);
+}
+
 TEST_F(SequenceFilterTest, ExtremesStayFinite) {
   // One enormous pixel in an ordinary frame, and frames that are enormous or tiny as a whole.
   const auto scaled = [](int number, float factor) {
@@ -257,7 +359,7 @@ TEST_F(SequenceFilterTest, FramesWithoutVarianceOrGuidesAreDenoisedToo) {
 TEST_F(SequenceFilterTest, HalfBuffersServeInPlaceOfVariance) {
   std::mt19937 random(3);
   std::normal_distribution<float> noise(0.0f, 0.1f);
-  SequenceFilter filter(device(), preset("balanced"), kWidth, kHeight, aov_set({Aov::half_a, Aov::half_b}));
+  SequenceFilter filter(device(), unsmoothed(), kWidth, kHeight, aov_set({Aov::half_a, Aov::half_b}));
   double variance = 0;
   Frame frame(1, kWidth, kHeight);
   Image& beauty = frame.add(Aov::beauty, 1.0f);

@@ -28,10 +28,9 @@ class WarpOnDevice {
     settings.resample = resample;
     const gpu::Extent full{kWidth, kHeight};
     offset_ = chain_.input("offset", gpu::Format::f32x2, full);
-    MergeInputs inputs{};
-    inputs.history_color.previous = color_ = chain_.input("color", gpu::Format::f32x4, full);
-    inputs.history_stats.previous = stats_ = chain_.input("stats", gpu::Format::f32x2, full);
-    warped_ = add_warp_passes(chain_, settings, full, inputs, offset_);
+    color_ = chain_.input("color", gpu::Format::f32x4, full);
+    stats_ = chain_.input("stats", gpu::Format::f32x2, full);
+    warped_ = add_warp_passes(chain_, settings, full, {.color = color_, .stats = stats_}, offset_);
     chain_.output(warped_.color);
     chain_.output(warped_.stats);
     chain_.build();

@@ -7,9 +7,11 @@
 #include <random>
 
 #include "filter/host_images.h"
+#include "filter/noisy_inputs.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/pattern.h"
 #include "tests/filter/reference/validate.h"
+#include "tests/filter/task.h"
 
 namespace becalm::filter {
 namespace {
@@ -83,22 +85,18 @@ Grid<Vec2> steady_offset(double x, double y) {
 class MergeOnDevice {
  public:
   MergeOnDevice(gpu::Device& device, const Settings& settings)
-      : chain_(device, "validate test"), rules_(applicable_rules(settings, surface_aovs())) {
+      : chain_(device, "validate test"),
+        noisy_(chain_, task_with_variance(settings, kFull), kFull),
+        rules_(applicable_rules(settings, surface_aovs())) {
     offset_ = chain_.input("offset", gpu::Format::f32x2, kFull);
-    MergeInputs inputs{};
-    inputs.color = color_ = chain_.input("color", gpu::Format::f32x4, kFull);
-    inputs.variance = variance_ = chain_.input("variance", gpu::Format::f32x2, kFull);
-    inputs.exposure = exposure_ = chain_.input("exposure", gpu::Format::f32, {1, 1});
-    inputs.history_color = {chain_.input("history.color", gpu::Format::f32x4, kFull),
-                            chain_.image("merged.color", gpu::Format::f32x4, kFull)};
-    inputs.history_stats = {chain_.input("history.stats", gpu::Format::f32x2, kFull),
-                            chain_.image("merged.stats", gpu::Format::f32x2, kFull)};
+    history_color_ = {chain_.input("history.color", gpu::Format::f32x4, kFull),
+                      chain_.image("merged.color", gpu::Format::f32x4, kFull)};
+    history_stats_ = {chain_.input("history.stats", gpu::Format::f32x2, kFull),
+                      chain_.image("merged.stats", gpu::Format::f32x2, kFull)};
     if (rules_ != 0) {
-      inputs.surface = {chain_.input("surface.cur", gpu::Format::f32x4, kFull),
-                        chain_.input("surface.prev", gpu::Format::f32x4, kFull)};
+      surface_ = {chain_.input("surface.cur", gpu::Format::f32x4, kFull),
+                  chain_.input("surface.prev", gpu::Format::f32x4, kFull)};
     }
-    inputs.rules = rules_;
-    inputs_ = inputs;
     Alignment alignment{.offset = offset_, .residual = {}};
     for (std::size_t l = 0; l < pyramid_extents(settings, kWidth, kHeight).size(); ++l) {
       alignment.residual.push_back(chain_.image("residual." + std::to_string(l), gpu::Format::f32, {1, 1}));
@@ -107,8 +105,17 @@ class MergeOnDevice {
       residual_ = chain_.input("residual", gpu::Format::f32, level_extent(settings, kFull, 0));
       alignment.residual.front() = *residual_;
     }
-    decision_ = add_merge_passes(chain_, settings, kFull, inputs, alignment).decision;
-    for (const gpu::ImageId image : {inputs.history_color.next, inputs.history_stats.next, decision_}) {
+    decision_ = add_merge_passes(chain_, settings, kFull,
+                                 {.noisy = noisy_,
+                                  .color = noisy_.color,
+                                  .variance = noisy_.variance,
+                                  .history_color = history_color_,
+                                  .history_stats = history_stats_,
+                                  .rules = rules_,
+                                  .surface = surface_},
+                                 alignment)
+                    .decision;
+    for (const gpu::ImageId image : {history_color_.next, history_stats_.next, decision_}) {
       chain_.output(image);
     }
     chain_.build();
@@ -121,26 +128,26 @@ class MergeOnDevice {
 
   Result run(const Grid<Estimate>& sample, const Grid<Estimate>& history, const Grid<Vec2>& offset,
              const Grid<Surface>& now, const Grid<Surface>& before) {
-    upload(sample, color_, variance_);
-    upload(history, inputs_.history_color.previous, inputs_.history_stats.previous);
+    upload(sample, noisy_.color, noisy_.variance);
+    upload(history, history_color_.previous, history_stats_.previous);
     const auto offsets = chain_.upload<float>(offset_);
     for (std::size_t i = 0; i < offset.data.size(); ++i) {
       offsets[2 * i] = static_cast<float>(offset.data[i].x);
       offsets[2 * i + 1] = static_cast<float>(offset.data[i].y);
     }
-    chain_.upload<float>(exposure_)[0] = 1.0f;
+    chain_.upload<float>(noisy_.exposure)[0] = 1.0f;
     if (residual_) std::ranges::fill(chain_.upload<float>(*residual_), 0.0f);
     if (rules_ != 0) {
       for (const auto& [surfaces, image] :
-           {std::pair{&now, inputs_.surface.current}, {&before, inputs_.surface.previous}}) {
+           {std::pair{&now, surface_.current}, {&before, surface_.previous}}) {
         pack_surface(frame_of(*surfaces), surface_aovs(), bounds(kFull), chain_.upload<float>(image));
       }
     }
     chain_.run();
     Result result{Grid<Estimate>(kWidth, kHeight), Grid<double>(kWidth, kHeight),
                   Grid<double>(kWidth, kHeight), Grid<double>(kWidth, kHeight)};
-    const auto color = chain_.download<float>(inputs_.history_color.next);
-    const auto stats = chain_.download<float>(inputs_.history_stats.next);
+    const auto color = chain_.download<float>(history_color_.next);
+    const auto stats = chain_.download<float>(history_stats_.next);
     const auto decision = chain_.download<float>(decision_);
     for (std::size_t i = 0; i < result.merged.data.size(); ++i) {
       Estimate& e = result.merged.data[i];
@@ -166,10 +173,12 @@ class MergeOnDevice {
   }
 
   gpu::Chain chain_;
+  NoisyInputs noisy_;
   unsigned rules_;
-  MergeInputs inputs_{};
+  gpu::History history_color_, history_stats_;
+  SurfaceInputs surface_{};
   std::optional<gpu::ImageId> residual_;
-  gpu::ImageId offset_, color_, variance_, exposure_, decision_;
+  gpu::ImageId offset_, decision_;
 };
 
 /// Noise around a pattern.

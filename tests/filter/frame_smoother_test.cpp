@@ -1,0 +1,208 @@
+// Single frames smoothed: what must be kept, what must go, and what must not matter.
+#include "filter/frame_smoother.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "filter/host_images.h"
+#include "filter/order.h"
+#include "tests/filter/device_fixture.h"
+#include "tests/filter/pattern.h"
+
+namespace becalm::filter {
+namespace {
+
+constexpr std::uint64_t kUnlimited = std::numeric_limits<std::uint64_t>::max();
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInf = std::numeric_limits<float>::infinity();
+
+Settings small_windows() {
+  Settings settings = preset("balanced");
+  settings.smooth_radius = 3;
+  settings.smooth_patch_radius = 1;
+  settings.correct_levels = 2;
+  return settings;
+}
+
+FilterTask task_of(const Frame& frame, const Settings& settings) {
+  return {.settings = settings,
+          .full = {frame.width(), frame.height()},
+          .used = frame.aovs() & wanted_aovs(settings),
+          .diagnostics = {},
+          .guides = {}};
+}
+
+class FrameSmootherTest : public DeviceTest {
+ protected:
+  static Estimate run(FrameSmoother& smoother, const Frame& frame) {
+    const Image& beauty = frame.image(Aov::beauty);
+    const NewFrame input{.frame = frame, .finite = finite_pixels(beauty), .exposure = exposure(beauty)};
+    FrameReport report;
+    return smoother.smooth(input, report);
+  }
+  static Estimate smooth(const Frame& frame) {
+    FrameSmoother smoother(device(), task_of(frame, small_windows()), kUnlimited);
+    return run(smoother, frame);
+  }
+};
+
+/// Coarse-grained albedo under even light of radiance 2, with noise and the variance of it.
+Frame textured_frame(int width, int height, float noise) {
+  std::mt19937 random(11);
+  std::normal_distribution<float> normal(0, noise);
+  Frame frame(1, width, height);
+  Image& beauty = frame.add(Aov::beauty, 1.0f);
+  Image& albedo = frame.add(Aov::albedo);
+  Image& variance = frame.add(Aov::variance);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      for (int c = 0; c < 3; ++c) {
+        const float a = albedo.at(x, y, c) = (x / 2 + y / 3 + c) % 2 ? 0.8f : 0.2f;
+        beauty.at(x, y, c) = 2 * a * (1 + normal(random));
+        variance.at(x, y, c) = std::pow(2 * a * noise, 2.0f);
+      }
+    }
+  }
+  return frame;
+}
+
+double squared_error(const Image& image, const Image& albedo) {
+  double sum = 0;
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      for (int c = 0; c < 3; ++c) sum += std::pow(image.at(x, y, c) - 2 * albedo.at(x, y, c), 2);
+    }
+  }
+  return sum;
+}
+
+TEST_F(FrameSmootherTest, TextureOfTheAlbedoStaysAndNoiseGoes) {
+  const Frame frame = textured_frame(48, 40, 0.3f);
+  const Estimate smoothed = smooth(frame);
+  const Image& albedo = frame.image(Aov::albedo);
+  EXPECT_LT(squared_error(smoothed.color, albedo), squared_error(frame.image(Aov::beauty), albedo) / 8);
+}
+
+TEST_F(FrameSmootherTest, AnEvenImageStaysAsItIs) {
+  Frame frame(1, 24, 20);
+  frame.add(Aov::beauty, 0.37f);
+  frame.add(Aov::variance, 0.01f);
+  const Estimate smoothed = smooth(frame);
+  for (const float v : smoothed.color.data()) ASSERT_NEAR(v, 0.37f, 1e-6f);
+  for (std::size_t i = 0; i < smoothed.stats.pixel_count(); ++i) {
+    ASSERT_GT(smoothed.stats.data()[2 * i], 0.0f);
+    ASSERT_LE(smoothed.stats.data()[2 * i], 0.01f / 16) << "at least 4x4 pixels are averaged";
+  }
+}
+
+TEST_F(FrameSmootherTest, KeepsTheEnergyOfSkewedNoise) {
+  // Sample means of an exponential distribution, whose estimated variances go with them: bright pixels claim
+  // to be noisy, and weights that believe them lose their light.
+  std::mt19937 random(4);
+  std::exponential_distribution<float> exponential;
+  Frame frame(1, 96, 64);
+  Image& beauty = frame.add(Aov::beauty, 1.0f);
+  Image& variance = frame.add(Aov::variance);
+  double before = 0;
+  for (int y = 0; y < 64; ++y) {
+    for (int x = 0; x < 96; ++x) {
+      const auto value = static_cast<float>(0.1 + pattern(x, y, 9));
+      for (int c = 0; c < 3; ++c) {
+        float sum = 0;
+        float squares = 0;
+        for (int s = 0; s < 4; ++s) {
+          const float radiance = value * exponential(random);
+          sum += radiance;
+          squares += radiance * radiance;
+        }
+        beauty.at(x, y, c) = sum / 4;
+        variance.at(x, y, c) = (squares - sum * sum / 4) / 12;
+        before += beauty.at(x, y, c);
+      }
+    }
+  }
+  const Estimate smoothed = smooth(frame);
+  double after = 0;
+  for (std::size_t i = 0; i < smoothed.color.pixel_count(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) after += smoothed.color.data()[4 * i + c];
+  }
+  EXPECT_NEAR(after / before, 1.0, 0.005);
+}
+
+TEST_F(FrameSmootherTest, TilesShowNoSeams) {
+  for (const bool with_variance : {true, false}) {
+    Frame frame = textured_frame(133, 157, 0.3f);
+    frame.image(Aov::beauty).at(70, 80, 1) = kNan;
+    if (!with_variance) frame.remove(Aov::variance);
+    FrameSmoother whole(device(), task_of(frame, small_windows()), kUnlimited);
+    ASSERT_EQ(whole.memory().tiles, 1u);
+    const std::uint64_t limit = whole.memory().device_bytes / 2;
+    FrameSmoother tiled(device(), task_of(frame, small_windows()), limit);
+    EXPECT_GE(tiled.memory().tiles, 4u);
+    EXPECT_LE(tiled.memory().device_bytes, limit);
+    const Estimate a = run(whole, frame);
+    const Estimate b = run(tiled, frame);
+    EXPECT_TRUE(std::ranges::equal(a.color.data(), b.color.data()));
+    EXPECT_TRUE(std::ranges::equal(a.stats.data(), b.stats.data()));
+  }
+}
+
+TEST_F(FrameSmootherTest, IsRefusedWhereTheSmallestTilesAreTooLarge) {
+  EXPECT_THROW(FrameSmoother(device(), task_of(textured_frame(64, 64, 0.3f), small_windows()), 1000),
+               gpu::DeviceLimitError);
+}
+
+/// What no number of the pixels' surroundings may break: each is put into some pixels of one AOV.
+TEST_F(FrameSmootherTest, ExtremesStayFinite) {
+  Frame frame = textured_frame(40, 24, 0.3f);
+  for (const Aov aov : {Aov::normal, Aov::depth, Aov::half_a, Aov::half_b}) frame.add(aov, 0.5f);
+  FrameSmoother smoother(device(), task_of(frame, small_windows()), kUnlimited);
+  const auto expect_finite = [&](const Frame& input, const char* what) {
+    const Estimate smoothed = run(smoother, input);
+    const std::vector<std::uint8_t> finite = finite_pixels(input.image(Aov::beauty));
+    for (std::size_t i = 0; i < finite.size(); ++i) {
+      for (std::size_t c = 0; c < 4; ++c) {
+        ASSERT_TRUE(std::isfinite(smoothed.color.data()[4 * i + c])) << what << ", pixel " << i;
+      }
+      const float variance = smoothed.stats.data()[2 * i];
+      ASSERT_TRUE(std::isfinite(variance) && variance >= 0.0f) << what << ", pixel " << i;
+      ASSERT_EQ(smoothed.stats.data()[2 * i + 1], finite[i]) << what << ", pixel " << i;
+    }
+  };
+  for (const Aov aov : {Aov::beauty, Aov::albedo, Aov::normal, Aov::depth, Aov::variance, Aov::half_a}) {
+    for (const float bad : {kNan, kInf, -kInf, 1e30f, -1e30f, 1e-30f, 0.0f, -0.5f}) {
+      Frame poisoned = frame;
+      for (int i = 0; i < 12; ++i) poisoned.image(aov).at(3 * i + 2, (7 * i) % 24, 0) = bad;
+      expect_finite(poisoned, info(aov).name.data());
+    }
+  }
+  Frame wide = frame;
+  for (std::size_t i = 0; i < wide.image(Aov::beauty).pixel_count(); ++i) {
+    for (float& v : wide.image(Aov::beauty).data().subspan(4 * i, 3)) v *= i % 3 == 0 ? 1e30f : 1e-30f;
+  }
+  expect_finite(wide, "1e-30 and 1e30 in one image");
+  for (const float variance : {0.0f, 3e38f, kInf}) {
+    Frame all = frame;
+    std::ranges::fill(all.image(Aov::variance).data(), variance);
+    expect_finite(all, "variance");
+  }
+  Frame black = frame;
+  std::ranges::fill(black.image(Aov::beauty).data(), 0.0f);
+  expect_finite(black, "black");
+  const Estimate none = run(smoother, black);
+  for (std::size_t i = 0; i < none.color.data().size(); ++i) ASSERT_EQ(none.color.data()[i], 0.0f) << i;
+}
+
+TEST_F(FrameSmootherTest, SizesFromOnePixelUp) {
+  for (const auto& [width, height] : {std::pair{1, 1}, {1, 16}, {64, 1}}) {
+    Frame frame(1, width, height);
+    frame.add(Aov::beauty, 0.37f);
+    const Estimate smoothed = smooth(frame);
+    for (const float v : smoothed.color.data()) ASSERT_NEAR(v, 0.37f, 1e-6f) << width << 'x' << height;
+  }
+}
+
+}  // namespace
+}  // namespace becalm::filter

@@ -1,0 +1,166 @@
+#include "tests/filter/reference/smooth.h"
+
+#include <limits>
+#include <utility>
+
+namespace becalm::reference {
+namespace {
+
+constexpr std::size_t kFeatures = std::tuple_size_v<SmoothFeatures>;
+constexpr std::size_t kUnknowns = kFeatures + 1;  // the slopes, then the value at the pixel
+using Vector = std::array<double, kUnknowns>;
+using Matrix = std::array<Vector, kUnknowns>;
+
+/// What patches are compared by.
+struct Guide {
+  double luminance = 0.0;
+  double variance = 0.0;
+};
+
+double divisor(const SmoothFeatures& features, std::size_t c) {
+  return std::max(features[c], 0.04);
+}
+
+/// Mean of the squared scales by which the colour's channels turn into radiance without albedo.
+double squared_gain(const SmoothFeatures& features, double exposure) {
+  double sum = 0;
+  for (std::size_t c = 0; c < 3; ++c) sum += std::pow(exposure / divisor(features, c), 2) / 3;
+  return sum;
+}
+
+double patch_distance(const Grid<Guide>& guide, int x, int y, int i, int j,
+                      const filter::Settings& settings) {
+  const int radius = settings.smooth_patch_radius;
+  const double strength = settings.smooth_strength;
+  double sum = 0;
+  for (int v = -radius; v <= radius; ++v) {
+    for (int u = -radius; u <= radius; ++u) {
+      const Guide& a = guide.clamped(x + u, y + v);
+      const Guide& b = guide.clamped(x + u + i, y + v + j);
+      const double level = 0.5 * (a.luminance + b.luminance);
+      const double unexplained =
+          std::pow(a.luminance - b.luminance, 2) - (a.variance + std::min(a.variance, b.variance));
+      sum += unexplained / (strength * strength * (a.variance + b.variance) + 1e-3 * (level * level + 1e-3));
+    }
+  }
+  return sum / ((2 * radius + 1) * (2 * radius + 1));
+}
+
+/// Gauss-Jordan elimination with partial pivoting.
+Vector solve(Matrix m, Vector right) {
+  for (std::size_t column = 0; column < kUnknowns; ++column) {
+    std::size_t pivot = column;
+    for (std::size_t row = column; row < kUnknowns; ++row) {
+      if (std::abs(m[row][column]) > std::abs(m[pivot][column])) pivot = row;
+    }
+    std::swap(m[column], m[pivot]);
+    std::swap(right[column], right[pivot]);
+    for (std::size_t row = 0; row < kUnknowns; ++row) {
+      if (row == column) continue;
+      const double share = m[row][column] / m[column][column];
+      for (std::size_t k = 0; k < kUnknowns; ++k) m[row][k] -= share * m[column][k];
+      right[row] -= share * right[column];
+    }
+  }
+  for (std::size_t row = 0; row < kUnknowns; ++row) right[row] /= m[row][row];
+  return right;
+}
+
+/// What the window around a pixel says of it.
+Estimate fit(const Grid<Estimate>& irradiance, const Grid<Guide>& guide, const Grid<SmoothFeatures>& features,
+             int x, int y, const filter::Settings& settings) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Matrix normal_equations{};
+  std::array<Vector, 3> right{};
+  Rgba lowest{infinity, infinity, infinity};
+  Rgba highest{-infinity, -infinity, -infinity};
+  double noise = 0;
+  for (int j = -settings.smooth_radius; j <= settings.smooth_radius; ++j) {
+    for (int i = -settings.smooth_radius; i <= settings.smooth_radius; ++i) {
+      if (x + i < 0 || x + i >= guide.width || y + j < 0 || y + j >= guide.height) continue;
+      const Estimate& value = irradiance.at(x + i, y + j);
+      const double distance = std::max(patch_distance(guide, x, y, i, j, settings), 0.0);
+      const double weight = std::floor(255 * std::exp(-distance) + 0.5) / 255 * value.count;
+      if (weight <= 0) continue;
+      Vector row{};
+      for (std::size_t f = 0; f < kFeatures; ++f)
+        row[f] = features.at(x + i, y + j)[f] - features.at(x, y)[f];
+      row[kFeatures] = 1;
+      for (std::size_t r = 0; r < kUnknowns; ++r) {
+        for (std::size_t s = 0; s < kUnknowns; ++s) normal_equations[r][s] += weight * row[r] * row[s];
+        for (std::size_t c = 0; c < 3; ++c) right[c][r] += weight * row[r] * value.color[c];
+      }
+      for (std::size_t c = 0; c < 3; ++c) {
+        lowest[c] = std::min(lowest[c], value.color[c]);
+        highest[c] = std::max(highest[c], value.color[c]);
+      }
+      noise += weight * guide.at(x + i, y + j).variance;
+    }
+  }
+  const double weights = normal_equations[kFeatures][kFeatures];
+  if (weights <= 0) return {};
+  Rgba mean;
+  for (std::size_t c = 0; c < 3; ++c) mean[c] = right[c][kFeatures] / weights;
+  for (std::size_t f = 0; f < kFeatures; ++f) normal_equations[f][f] += 1e-3 * weights;
+  Estimate fitted{{}, noise / weights, 1.0};
+  Rgba linear;
+  double share = 1;  // of the linear fit, the rest being the mean
+  for (std::size_t c = 0; c < 3; ++c) {
+    linear[c] = solve(normal_equations, right[c])[kFeatures];
+    if (linear[c] > highest[c]) share = std::min(share, (highest[c] - mean[c]) / (linear[c] - mean[c]));
+    if (linear[c] < lowest[c]) share = std::min(share, (mean[c] - lowest[c]) / (mean[c] - linear[c]));
+  }
+  for (std::size_t c = 0; c < 3; ++c) fitted.color[c] = std::lerp(mean[c], linear[c], share);
+  Vector of_value{};
+  of_value[kFeatures] = 1;
+  fitted.variance *= solve(normal_equations, of_value)[kFeatures];
+  return fitted;
+}
+
+}  // namespace
+
+Grid<Estimate> smooth(const Grid<Estimate>& sample, const Grid<SmoothFeatures>& features, double exposure,
+                      const filter::Settings& settings) {
+  const int width = sample.width;
+  const int height = sample.height;
+  Grid<Estimate> irradiance(width, height);
+  Grid<Guide> guide(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      Estimate& e = irradiance.at(x, y);
+      e.count = sample.at(x, y).count;
+      for (std::size_t c = 0; c < 3; ++c) {
+        e.color[c] = sample.at(x, y).color[c] * exposure / divisor(features.at(x, y), c);
+      }
+      Guide& g = guide.at(x, y);
+      g.luminance = 0.2126 * e.color[0] + 0.7152 * e.color[1] + 0.0722 * e.color[2];
+      double count = 0;
+      for (int j = -1; j <= 1; ++j) {
+        for (int i = -1; i <= 1; ++i) {
+          const Estimate& near = sample.clamped(x + i, y + j);
+          g.variance += near.count * near.variance * squared_gain(features.clamped(x + i, y + j), exposure);
+          count += near.count;
+        }
+      }
+      g.variance /= std::max(count, 1.0);
+    }
+  }
+  Grid<Estimate> smoothed = sample;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      if (sample.at(x, y).count <= 0) continue;
+      const Estimate fitted = fit(irradiance, guide, features, x, y, settings);
+      Estimate& out = smoothed.at(x, y);
+      double squares = 0;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double scale = divisor(features.at(x, y), c) / exposure;
+        out.color[c] = fitted.color[c] * scale;
+        squares += scale * scale / 3;
+      }
+      out.variance = fitted.variance * squares;
+    }
+  }
+  return smoothed;
+}
+
+}  // namespace becalm::reference
