@@ -1,6 +1,7 @@
 // becalm denoise: a sequence of EXR files from any renderer, denoised into another.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -19,6 +20,7 @@
 #include "app/profile.h"
 #include "app/progress.h"
 #include "app/writing.h"
+#include "filter/additive.h"
 #include "frame/io/exr.h"
 #include "frame/io/layers.h"
 #include "frame/io/sequence.h"
@@ -60,6 +62,7 @@ class DenoiseJob {
   Profile profile_;
   std::optional<Frame> first_;  ///< without its images: the size that all frames have
   AovSet first_aovs_;
+  std::vector<std::string> first_light_groups_;
 };
 
 DenoiseJob::DenoiseJob(const DenoiseCommand& command)
@@ -121,7 +124,18 @@ void DenoiseJob::find_existing() {
 
 io::LoadedFrame DenoiseJob::read(int frame) {
   const ProfileScope scope(profile_, "read");
-  return io::read_exr(inputs_.path(frame), frame, filter_.wanted(), layers_);
+  if (!filter_.denoises_additive()) {
+    return io::read_exr(inputs_.path(frame), frame, filter_.wanted(), layers_);
+  }
+  io::LoadedFrame loaded = io::read_exr(
+      inputs_.path(frame), frame, filter_.wanted() | filter::additive_aovs(), layers_, io::LightGroups::read);
+  // Other parts are passed on.
+  for (const AovInfo& entry : kAovTable) {
+    if (!contains(filter::additive_aovs(), entry.aov) || !loaded.frame.has(entry.aov)) continue;
+    const auto part_of = [&](Aov aov) { return loaded.layers[static_cast<std::size_t>(aov)]->part; };
+    if (part_of(entry.aov) != part_of(Aov::beauty)) loaded.frame.remove(entry.aov);
+  }
+  return loaded;
 }
 
 /// All frames have the size and the layers of the first one, so that it does not matter which that is;
@@ -131,7 +145,8 @@ void DenoiseJob::check_like_first(const io::LoadedFrame& loaded) {
   if (!first_) {
     first_.emplace(frame.number(), frame.width(), frame.height());
     first_aovs_ = frame.aovs();
-    filter_.build(frame.width(), frame.height(), first_aovs_);
+    for (const LightGroup& group : frame.light_groups()) first_light_groups_.push_back(group.name);
+    filter_.build(frame.width(), frame.height(), first_aovs_, first_light_groups_.size());
     return;
   }
   const std::string path = inputs_.path(frame.number());
@@ -147,6 +162,13 @@ void DenoiseJob::check_like_first(const io::LoadedFrame& loaded) {
     throw Error(ExitStatus::bad_input,
                 fmt::format("{}: has no layer '{}', which {} has", of_first ? path : first_path, entry.name,
                             of_first ? first_path : path));
+  }
+  std::vector<std::string> light_groups;
+  for (const LightGroup& group : frame.light_groups()) light_groups.push_back(group.name);
+  if (light_groups != first_light_groups_) {
+    throw Error(ExitStatus::bad_input,
+                fmt::format("{}: has the light groups '{}', and {} has '{}'", path,
+                            fmt::join(light_groups, ","), first_path, fmt::join(first_light_groups_, ",")));
   }
 }
 
@@ -209,6 +231,8 @@ Command add_denoise(CLI::App& becalm) {
   add_filter_options(parser, command->filter);
   add_running_options(parser, command->running);
   parser.footer(
+      "Direct and indirect light and light groups (light.NAME) are denoised with the beauty and still add up "
+      "to it.\n"
       "Every channel that is not denoised is passed on bit for bit.\n"
       "Examples:\n"
       "  becalm denoise 'in/shot.####.exr' -o 'out/shot.####.exr'\n"

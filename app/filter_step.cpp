@@ -77,10 +77,10 @@ std::vector<filter::Segment> FilterStep::schedule(const std::vector<int>& readab
                            .cuts = given_cuts_});
 }
 
-void FilterStep::build(int width, int height, AovSet available) {
+void FilterStep::build(int width, int height, AovSet available, std::size_t light_groups) {
   device_.emplace(device_options_);
   filter_.emplace(*device_, settings_, width, height, available, diagnostics_, memory_limit_,
-                  cuts_ == "auto" ? filter::FindCuts::yes : filter::FindCuts::no);
+                  cuts_ == "auto" ? filter::FindCuts::yes : filter::FindCuts::no, light_groups);
   matched_ = filter::matched_text(settings_, available);
 }
 
@@ -105,6 +105,11 @@ std::optional<Frame> FilterStep::run(const filter::Step& step, const Frame& fram
     progress.warn(
         fmt::format("frame {}: {} variances that are negative or not finite were taken as pure noise",
                     frame.number(), report.replaced_variances));
+  }
+  if (report.replaced_additive > 0) {
+    progress.warn(
+        fmt::format("frame {}: {} values of direct, indirect or light groups with NaN or Inf were taken as 0",
+                    frame.number(), report.replaced_additive));
   }
   return denoised;
 }

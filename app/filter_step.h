@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <set>
@@ -23,6 +24,8 @@ class FilterStep {
   FilterStep(const std::string& preset, const FilterOptions& options);
 
   AovSet wanted() const { return filter::wanted_aovs(settings_); }
+  /// Whether light groups and the AOVs of filter::additive_aovs() are denoised, too, where frames have them.
+  bool denoises_additive() const { return settings_.additive != 0; }
   AovSet diagnostics() const { return diagnostics_; }
   /// Whether history is bounded, so that frames after one and before it are read again for it.
   bool has_segments() const { return segment_ > 0; }
@@ -39,7 +42,7 @@ class FilterStep {
                                         int step) const;
 
   /// Opens the device and builds the chain; called before the first frame.
-  void build(int width, int height, AovSet available);
+  void build(int width, int height, AovSet available, std::size_t light_groups);
   /// Takes the next step of a segment; returns the denoised frame if the step makes one.
   std::optional<Frame> run(const filter::Step& step, const Frame& frame, Progress& progress,
                            Profile& profile);

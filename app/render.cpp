@@ -24,6 +24,7 @@
 #include "app/scene_hash.h"
 #include "app/stage.h"
 #include "app/writing.h"
+#include "filter/additive.h"
 #include "frame/io/exr.h"
 #include "frame/io/sequence.h"
 #include "tracer/render.h"
@@ -169,7 +170,10 @@ ExitStatus RenderJob::run() {
   if (!filter_ || has_segments()) std::erase_if(work, [&](int frame) { return existing_.contains(frame); });
   if (work.empty()) return all_there(asked.size(), command_.running.quiet);
 
-  if (filter_) filter_->build(size_.width, size_.height, rendered_);
+  if (filter_) {
+    filter_->build(size_.width, size_.height, rendered_,
+                   asked_.light_groups ? scene_.description().light_groups.size() : 0);
+  }
   if (has_segments()) {
     run_segments(work);
   } else {
@@ -311,12 +315,14 @@ void RenderJob::denoise_and_write(Frame& noisy) {
 }
 
 void RenderJob::write(Frame& result, Frame& noisy) {
-  // What was asked for comes from the tracer as it is, as `becalm denoise` passes it on from a file.
+  // What was asked for and not denoised comes from the tracer as it is, as `becalm denoise` passes it on.
+  const bool has_additive = filter_ && filter_->denoises_additive();
   for (const AovInfo& entry : kAovTable) {
     if (entry.diagnostic || entry.aov == Aov::beauty) continue;
+    if (has_additive && contains(filter::additive_aovs(), entry.aov)) continue;
     result.image(entry.aov) = contains(asked_.aovs, entry.aov) ? std::move(noisy.image(entry.aov)) : Image();
   }
-  result.light_groups() = std::move(noisy.light_groups());
+  if (!has_additive) result.light_groups() = std::move(noisy.light_groups());
   io::WriteReport report;
   {
     const ProfileScope scope(profile_, "write");

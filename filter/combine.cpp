@@ -1,5 +1,7 @@
 #include "filter/combine.h"
 
+#include <fmt/format.h>
+
 #include "filter/merge.h"
 #include "shaders/shared/merge_params.h"
 
@@ -22,8 +24,11 @@ Combined add_combine_passes(gpu::Chain& chain, const Settings& settings, gpu::Ex
       .constants(size)
       .dispatch(extent);
   const ImageId sums = add_patch_sums(chain, settings, extent, statistics, "combine");
-  const Combined combined{chain.image("combined.color", Format::f32x4, extent),
-                          chain.image("combined.stats", Format::f32x2, extent)};
+  const bool has_additive = !inputs.forward_additive.empty();
+  Combined combined{chain.image("combined.color", Format::f32x4, extent),
+                    chain.image("combined.stats", Format::f32x2, extent)};
+  const ImageId weight =
+      chain.image("combine.weight", Format::f32, has_additive ? extent : gpu::Extent{1, 1});
   chain.pass("merge/combine")
       .read("forward_color", inputs.forward_color)
       .read("forward_stats", inputs.forward_stats)
@@ -33,9 +38,21 @@ Combined add_combine_passes(gpu::Chain& chain, const Settings& settings, gpu::Ex
       .read("statistics_sums", sums)
       .write("color", combined.color)
       .write("stats", combined.stats)
+      .write("weight_backward", weight)
       .specialize("radius", settings.patch_radius)
+      .specialize("writes_weight", has_additive ? 1 : 0)
       .constants(size)
       .dispatch(extent);
+  for (std::size_t i = 0; i < inputs.forward_additive.size(); ++i) {
+    combined.additive.push_back(chain.image(fmt::format("combined.additive.{}", i), Format::f32x4, extent));
+    chain.pass("additive/combine")
+        .read("forward_color", inputs.forward_additive[i])
+        .read("backward_color", inputs.backward_additive[i])
+        .read("weight", weight)
+        .write("combined", combined.additive.back())
+        .constants(size)
+        .dispatch(extent);
+  }
   return combined;
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "filter/gpu/chain.h"
 #include "filter/settings.h"
 
@@ -13,11 +15,14 @@ struct CombineInputs {
   gpu::ImageId forward_stats;
   gpu::ImageId backward_color;  ///< from the frames after it alone
   gpu::ImageId backward_stats;
+  std::vector<gpu::ImageId> forward_additive = {};  ///< additive AOVs, f32x4
+  std::vector<gpu::ImageId> backward_additive = {};
 };
 
 struct Combined {
   gpu::ImageId color;
   gpu::ImageId stats;
+  std::vector<gpu::ImageId> additive = {};
 };
 
 /// The fixed-interval smoother: both estimates of a frame, weighed by the inverse of their variances.

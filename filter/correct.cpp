@@ -70,8 +70,8 @@ std::vector<BlockSums> add_block_sums(Chain& chain, int levels, Extent full, con
 
 }  // namespace
 
-ImageId add_correction_passes(Chain& chain, const Settings& settings, Extent full,
-                              const CorrectionInputs& inputs, const std::string& name) {
+Corrected add_correction_passes(Chain& chain, const Settings& settings, Extent full,
+                                const CorrectionInputs& inputs, const std::string& name) {
   const std::vector<BlockSums> sums = add_block_sums(chain, settings.correct_levels, full, inputs, name);
   Extent extent{1, 1};
   ImageId factor = chain.image(name + ".one", Format::f32x4, extent);
@@ -103,13 +103,20 @@ ImageId add_correction_passes(Chain& chain, const Settings& settings, Extent ful
     factor = finer;
     extent = level.extent;
   }
-  const ImageId corrected = chain.image(name + ".corrected", Format::f32x4, full);
-  chain.pass("correct/apply")
-      .read("estimate", inputs.estimate)
-      .read("coarser", factor)
-      .write("corrected", corrected)
-      .constants(block_params(full, extent))
-      .dispatch(full);
+  const auto apply = [&](ImageId estimate, const std::string& corrected_name) {
+    const ImageId corrected = chain.image(corrected_name, Format::f32x4, full);
+    chain.pass("correct/apply")
+        .read("estimate", estimate)
+        .read("coarser", factor)
+        .write("corrected", corrected)
+        .constants(block_params(full, extent))
+        .dispatch(full);
+    return corrected;
+  };
+  Corrected corrected{apply(inputs.estimate, name + ".corrected"), {}};
+  for (std::size_t i = 0; i < inputs.additive.size(); ++i) {
+    corrected.additive.push_back(apply(inputs.additive[i], fmt::format("{}.additive.{}", name, i)));
+  }
   return corrected;
 }
 

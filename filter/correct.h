@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "filter/gpu/chain.h"
 #include "filter/settings.h"
@@ -16,13 +17,19 @@ struct CorrectionInputs {
   std::optional<gpu::ImageId> half_difference;  ///< f32x4: (half_a - half_b) / 2, where a frame has both
   gpu::ImageId estimate;                        ///< f32x4: what is corrected
   gpu::ImageId estimate_stats;  ///< f32x2: (variance, count); a count of 0 means that there is no estimate
+  std::vector<gpu::ImageId> additive = {};  ///< f32x4: additive AOVs of the estimate
+};
+
+struct Corrected {
+  gpu::ImageId estimate;               ///< f32x4, as are the additive AOVs
+  std::vector<gpu::ImageId> additive;  ///< by the factors of the estimate
 };
 
 /// Brings the means of the estimate over blocks of 2^`correct_levels` to 2 pixels near those of the frame,
-/// whose noise averages out of them: what filters lose or gain of the light in places is given back. Returns
-/// the corrected estimate (f32x4), linear in it given the factors.
-gpu::ImageId add_correction_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
-                                   const CorrectionInputs& inputs, const std::string& name);
+/// whose noise averages out of them: what filters lose or gain of the light in places is given back. What
+/// is returned is linear in the estimate given the factors.
+Corrected add_correction_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
+                                const CorrectionInputs& inputs, const std::string& name);
 
 /// How far from a pixel a correction reads, in pixels, and what tiles must begin at multiples of.
 int correction_margin_px(const Settings& settings);

@@ -145,7 +145,11 @@ void restore_energy(const NewFrame& frame, const FilterTask& task, Estimate& est
     const double v = (y + 0.5) / kFinestBlock - 0.5;
     for (int x = 0; x < estimate.color.width(); ++x, ++i) {
       const double u = (x + 0.5) / kFinestBlock - 0.5;
-      for (std::size_t c = 0; c < 3; ++c) color[4 * i + c] *= static_cast<float>(finest.factor(u, v, c));
+      for (std::size_t c = 0; c < 3; ++c) {
+        const auto factor = static_cast<float>(finest.factor(u, v, c));
+        color[4 * i + c] *= factor;
+        for (Image& image : estimate.additive) image.data()[4 * i + c] *= factor;
+      }
     }
   }
 }

@@ -7,8 +7,8 @@ namespace becalm::filter {
 /// Brings the means of the estimate's colour over large blocks, from the whole frame down to 32 px, to those
 /// of the noisy frame, by the share of the difference that its noise does not explain. The corrections on the
 /// device (correct.h) end at smaller blocks, where a bias of a percent drowns in noise; summed over a frame
-/// it is what a user sees as a darker shot. `task` says where the noise is known from. Works on the host, for
-/// the whole frame, whatever its tiles.
+/// it is what a user sees as a darker shot. Additive AOVs take the same factors. `task` says where the noise
+/// is known from. Works on the host, for the whole frame, whatever its tiles.
 void restore_energy(const NewFrame& frame, const FilterTask& task, Estimate& estimate);
 
 }  // namespace becalm::filter

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "filter/additive.h"
 #include "filter/combine.h"
 #include "filter/pixel_view.h"
 
@@ -18,16 +19,22 @@ FinishChain::FinishChain(gpu::Device& device, const FilterTask& task, Extent ext
   forward_stats = chain.input("forward.stats", Format::f32x2, extent);
   prediction_color = chain.input("prediction.color", Format::f32x4, extent);
   prediction_stats = chain.input("prediction.stats", Format::f32x2, extent);
+  forward_additive = additive_inputs(chain, task, extent, "forward.additive");
+  prediction_additive = additive_inputs(chain, task, extent, "prediction.additive");
   const Combined combined = add_combine_passes(chain, task.settings, extent,
                                                {.exposure = exposure,
                                                 .forward_color = forward_color,
                                                 .forward_stats = forward_stats,
                                                 .backward_color = prediction_color,
-                                                .backward_stats = prediction_stats});
+                                                .backward_stats = prediction_stats,
+                                                .forward_additive = forward_additive,
+                                                .backward_additive = prediction_additive});
   color = combined.color;
   stats = combined.stats;
+  additive = combined.additive;
   chain.output(color);
   chain.output(stats);
+  for (const ImageId image : additive) chain.output(image);
   chain.plan();
 }
 
@@ -66,9 +73,12 @@ void Finish::run_tile(const Tile& tile, const FinishInputs& inputs, Estimate& re
   upload(chain, chain_->forward_stats, view(inputs.forward.stats), tile.target);
   upload(chain, chain_->prediction_color, view(inputs.prediction.color), tile.target);
   upload(chain, chain_->prediction_stats, view(inputs.prediction.stats), tile.target);
+  upload_additive(chain, chain_->forward_additive, inputs.forward.additive, tile.target);
+  upload_additive(chain, chain_->prediction_additive, inputs.prediction.additive, tile.target);
   chain.run();
   copy_core(chain.download<float>(chain_->color), tile, result.color);
   copy_core(chain.download<float>(chain_->stats), tile, result.stats);
+  copy_core(download_additive(chain, chain_->additive), tile, result.additive);
 }
 
 FilterMemory Finish::memory() const {

@@ -27,8 +27,11 @@ struct FinishChain {
   gpu::ImageId forward_stats;
   gpu::ImageId prediction_color;
   gpu::ImageId prediction_stats;
+  std::vector<gpu::ImageId> forward_additive;
+  std::vector<gpu::ImageId> prediction_additive;
   gpu::ImageId color;
   gpu::ImageId stats;
+  std::vector<gpu::ImageId> additive;
 };
 
 /// What happens to a frame once all that other frames know of it is there. It keeps nothing from frame to

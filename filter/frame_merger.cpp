@@ -6,8 +6,10 @@
 #include "filter/pixel_view.h"
 
 namespace becalm::filter {
-Estimate::Estimate(gpu::Extent extent)
-    : color(extent.width, extent.height, 4), stats(extent.width, extent.height, 2) {}
+Estimate::Estimate(gpu::Extent extent, std::size_t additive_count)
+    : color(extent.width, extent.height, 4),
+      stats(extent.width, extent.height, 2),
+      additive(additive_count, color) {}
 
 void copy_core(std::span<const float> pixels, const Tile& tile, Image& image) {
   if (image.empty()) return;
@@ -15,11 +17,18 @@ void copy_core(std::span<const float> pixels, const Tile& tile, Image& image) {
             tile.core.x, tile.core.y);
 }
 
+void copy_core(const std::vector<std::span<const float>>& pixels, const Tile& tile,
+               std::vector<Image>& images) {
+  for (std::size_t i = 0; i < images.size(); ++i) copy_core(pixels[i], tile, images[i]);
+}
+
 void unpack(const MergedTile& tile_images, const Tile& tile, MergedFrame& frame) {
   copy_core(tile_images.color, tile, frame.merged.color);
   copy_core(tile_images.stats, tile, frame.merged.stats);
   copy_core(tile_images.warped_color, tile, frame.prediction.color);
   copy_core(tile_images.warped_stats, tile, frame.prediction.stats);
+  copy_core(tile_images.additive, tile, frame.merged.additive);
+  copy_core(tile_images.warped_additive, tile, frame.prediction.additive);
   copy_core(tile_images.offset, tile, frame.flow);
   copy_core(tile_images.decision, tile, frame.decision);
   const Rect& core = tile.core;

@@ -17,15 +17,17 @@ namespace becalm::filter {
 struct FrameReport {
   std::size_t non_finite_pixels = 0;  ///< pixels with NaN or Inf in the beauty: passed through as they came
   std::size_t replaced_variances =
-      0;                       ///< variances that were not finite or negative, taken as 100 % of noise
-  bool new_shot = false;       ///< a cut was found between this frame and the one before it in this direction
-  double mean_rejected = 0.0;  ///< share of the history that was rejected, averaged over pixels
+      0;                  ///< variances that were not finite or negative, taken as 100 % of noise
+  bool new_shot = false;  ///< a cut was found between this frame and the one before it in this direction
+  /// Values of additive AOVs that were not finite where the beauty was, taken as 0.
+  std::size_t replaced_additive = 0;
+  double mean_rejected = 0.0;         ///< share of the history that was rejected, averaged over pixels
   double mean_sample_count = 0.0;     ///< effective number of frames in a pixel, averaged over pixels
   std::vector<gpu::PassTime> passes;  ///< device time, in order of execution; of a pass in all tiles together
 };
 
 struct Denoised {
-  Frame frame;  ///< beauty, the variance left, and the diagnostics asked for
+  Frame frame;  ///< beauty, the variance left, additive AOVs, and the diagnostics asked for
   FrameReport report;
 };
 
@@ -36,6 +38,7 @@ struct FilterTask {
   AovSet used;         ///< what is read of a frame besides the beauty
   AovSet diagnostics;  ///< those that are wanted
   Guides guides;
+  std::size_t additive = 0;  ///< how many additive AOVs frames have (additive.h)
 
   bool has_halves() const { return contains(used, Aov::half_a) && contains(used, Aov::half_b); }
   bool variance_known() const { return contains(used, Aov::variance) || has_halves(); }
@@ -47,10 +50,11 @@ struct FilterTask {
 /// What is known of a frame's pixels, and how well.
 struct Estimate {
   Estimate() = default;
-  explicit Estimate(gpu::Extent extent);
+  Estimate(gpu::Extent extent, std::size_t additive_count);
 
-  Image color;  ///< four channels
-  Image stats;  ///< (variance, effective sample count); a count of 0 where nothing is known
+  Image color;                  ///< four channels
+  Image stats;                  ///< (variance, effective sample count); a count of 0 where nothing is known
+  std::vector<Image> additive;  ///< additive AOVs, four channels
 };
 
 /// A frame on its way into the chains.
@@ -58,7 +62,12 @@ struct NewFrame {
   const Frame& frame;
   std::vector<std::uint8_t> finite;  ///< of finite_pixels
   float exposure;                    ///< of the whole frame
+  std::vector<Image> additive;       ///< of pack_additive
   Estimate smoothed = {};            ///< what is matched and merged in place of the frame, if not empty
+
+  const std::vector<Image>& merged_additive() const {
+    return smoothed.color.empty() ? additive : smoothed.additive;
+  }
 };
 
 /// What a merger makes of a new frame. Images that are empty nobody wants.
@@ -77,6 +86,8 @@ struct MergedTile {
   std::span<const float> stats;
   std::span<const float> warped_color;
   std::span<const float> warped_stats;
+  std::vector<std::span<const float>> additive;         ///< as `color`
+  std::vector<std::span<const float>> warped_additive;  ///< as `warped_color`
   std::span<const float> decision;
   std::span<const float> offset;
   std::span<const float> residual;  ///< of the finest level
@@ -85,6 +96,8 @@ struct MergedTile {
 
 /// Copies the core of a tile's pixels into a frame's image, if that is not empty.
 void copy_core(std::span<const float> pixels, const Tile& tile, Image& image);
+void copy_core(const std::vector<std::span<const float>>& pixels, const Tile& tile,
+               std::vector<Image>& images);
 
 /// Puts a tile's core where it belongs in those images of the frame that are wanted.
 void unpack(const MergedTile& tile_images, const Tile& tile, MergedFrame& frame);

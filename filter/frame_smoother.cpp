@@ -1,7 +1,10 @@
 #include "filter/frame_smoother.h"
 
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "filter/additive.h"
 #include "filter/correct.h"
 #include "filter/host_images.h"
 #include "filter/noisy_inputs.h"
@@ -17,31 +20,39 @@ struct FrameSmoother::SmoothChain {
   SmoothChain(gpu::Device& device, const FilterTask& task, Extent extent)
       : chain(device, "smooth"),
         noisy(chain, task, extent),
+        additive(additive_inputs(chain, task, extent, "additive.cur")),
         features{.albedo_depth = chain.input("albedo_depth", Format::f32x4, extent),
                  .normal = chain.input("normal", Format::f32x4, extent)} {
-    const Smoothed smoothed = add_smooth_passes(chain, task.settings, extent, noisy, features);
+    const Smoothed smoothed = add_smooth_passes(chain, task.settings, extent, noisy, features, additive);
     color = smoothed.color;
+    smoothed_additive = smoothed.additive;
     stats = smoothed.stats;
     if (task.settings.correct_levels > 0) {
-      color = add_correction_passes(chain, task.settings, extent,
-                                    {.color = noisy.color,
-                                     .variance = noisy.variance,
-                                     .exposure = noisy.exposure,
-                                     .half_difference = noisy.half_difference,
-                                     .estimate = color,
-                                     .estimate_stats = stats},
-                                    "correction");
+      Corrected corrected = add_correction_passes(chain, task.settings, extent,
+                                                  {.color = noisy.color,
+                                                   .variance = noisy.variance,
+                                                   .exposure = noisy.exposure,
+                                                   .half_difference = noisy.half_difference,
+                                                   .estimate = color,
+                                                   .estimate_stats = stats,
+                                                   .additive = std::move(smoothed_additive)},
+                                                  "correction");
+      color = corrected.estimate;
+      smoothed_additive = std::move(corrected.additive);
     }
     chain.output(color);
     chain.output(stats);
+    for (const ImageId image : smoothed_additive) chain.output(image);
     chain.plan();
   }
 
   gpu::Chain chain;
   NoisyInputs noisy;
+  std::vector<ImageId> additive;
   SmoothFeatures features;
   ImageId color;
   ImageId stats;
+  std::vector<ImageId> smoothed_additive;
 };
 
 FrameSmoother::FrameSmoother(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit)
@@ -71,7 +82,7 @@ FrameSmoother::FrameSmoother(gpu::Device& device, const FilterTask& task, std::u
 FrameSmoother::~FrameSmoother() = default;
 
 Estimate FrameSmoother::smooth(const NewFrame& frame, FrameReport& report) {
-  Estimate result(task_.full);
+  Estimate result(task_.full, task_.additive);
   gpu::Chain& chain = chain_->chain;
   const float usual_depth = typical_depth(frame.frame, task_.used);
   FrameReport ignored;  // what is replaced is counted where the frame is merged
@@ -80,10 +91,12 @@ Estimate FrameSmoother::smooth(const NewFrame& frame, FrameReport& report) {
     pack_features(frame.frame, task_.used, usual_depth, tile.target,
                   chain.upload<float>(chain_->features.albedo_depth),
                   chain.upload<float>(chain_->features.normal));
+    upload_additive(chain, chain_->additive, frame.additive, tile.target);
     chain.run();
     add_times(report, chain);
     copy_core(chain.download<float>(chain_->color), tile, result.color);
     copy_core(chain.download<float>(chain_->stats), tile, result.stats);
+    copy_core(download_additive(chain, chain_->smoothed_additive), tile, result.additive);
   }
   return result;
 }

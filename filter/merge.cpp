@@ -1,11 +1,15 @@
 #include "filter/merge.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "filter/correct.h"
 #include "filter/noisy_inputs.h"
 #include "filter/validate.h"
+#include "frame/error.h"
 #include "shaders/shared/merge_params.h"
 
 namespace becalm::filter {
@@ -20,10 +24,11 @@ using gpu::ImageId;
 constexpr int kSplineRadius = 8;
 
 /// What the resampling filter's kernel is summed over: the history itself, or its spline coefficients.
-ImageId add_resample_taps(Chain& chain, const Settings& settings, Extent extent, ImageId history_color) {
+ImageId add_resample_taps(Chain& chain, const Settings& settings, Extent extent, ImageId history_color,
+                          const std::string& name) {
   if (settings.resample != Resample::o_moms) return history_color;
-  const auto prefilter = [&](ImageId in, const char* name, bool along_y) {
-    const ImageId out = chain.image(name, Format::f32x4, extent);
+  const auto prefilter = [&](ImageId in, const std::string& out_name, bool along_y) {
+    const ImageId out = chain.image(out_name, Format::f32x4, extent);
     chain.pass("merge/spline_prefilter")
         .read("values", in)
         .write("coefficients", out)
@@ -33,7 +38,7 @@ ImageId add_resample_taps(Chain& chain, const Settings& settings, Extent extent,
         .dispatch(extent);
     return out;
   };
-  return prefilter(prefilter(history_color, "history.spline.rows", false), "history.spline", true);
+  return prefilter(prefilter(history_color, name + ".spline.rows", false), name + ".spline", true);
 }
 
 ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
@@ -116,10 +121,16 @@ ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const
 
 WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent full, const WarpInputs& history,
                               ImageId offset) {
-  const WarpedHistory warped{chain.image("warped.color", Format::f32x4, full),
-                             chain.image("warped.stats", Format::f32x2, full)};
+  WarpedHistory warped{chain.image("warped.color", Format::f32x4, full),
+                       chain.image("warped.stats", Format::f32x2, full)};
   const SourceWindow window = history.window ? *history.window : add_same_window(chain, full, "origin.merge");
-  const ImageId taps = add_resample_taps(chain, settings, window.full, history.color);
+  const ImageId taps = add_resample_taps(chain, settings, window.full, history.color, "history");
+  const ImageId share =
+      chain.image("warped.share", Format::f32, history.additive.empty() ? Extent{1, 1} : full);
+  const params::WarpHistoryParams params{.width = full.width,
+                                         .height = full.height,
+                                         .history_width = window.full.width,
+                                         .history_height = window.full.height};
   chain.pass("merge/warp_history")
       .read("offset", offset)
       .read("history_color", history.color)
@@ -128,12 +139,28 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
       .read("target_origin", window.target_origin)
       .write("warped_color", warped.color)
       .write("warped_stats", warped.stats)
+      .write("share", share)
       .specialize("resample", static_cast<int>(settings.resample))
-      .constants(params::WarpHistoryParams{.width = full.width,
-                                           .height = full.height,
-                                           .history_width = window.full.width,
-                                           .history_height = window.full.height})
+      .specialize("writes_share", history.additive.empty() ? 0 : 1)
+      .constants(params)
       .dispatch(full);
+  for (std::size_t i = 0; i < history.additive.size(); ++i) {
+    const ImageId additive = history.additive[i];
+    const ImageId taps_of_additive =
+        add_resample_taps(chain, settings, window.full, additive, fmt::format("history.additive.{}", i));
+    warped.additive.push_back(chain.image(fmt::format("warped.additive.{}", i), Format::f32x4, full));
+    chain.pass("additive/warp")
+        .read("offset", offset)
+        .read("history_color", additive)
+        .read("resample_taps", taps_of_additive)
+        .read("history_stats", history.stats)
+        .read("target_origin", window.target_origin)
+        .read("share", share)
+        .write("warped", warped.additive.back())
+        .specialize("resample", static_cast<int>(settings.resample))
+        .constants(params)
+        .dispatch(full);
+  }
   return warped;
 }
 
@@ -168,22 +195,33 @@ int merge_margin_px(const Settings& settings) {
 
 MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
                               const Alignment& alignment) {
+  std::vector<ImageId> additive_history;
+  for (const AdditiveInput& input : inputs.additive) additive_history.push_back(input.history.previous);
   WarpedHistory warped = add_warp_passes(chain, settings, full,
                                          {.color = inputs.history_color.previous,
                                           .stats = inputs.history_stats.previous,
-                                          .window = inputs.history_window},
+                                          .window = inputs.history_window,
+                                          .additive = std::move(additive_history)},
                                          alignment.offset);
   if (settings.correct_levels > 0) {
-    warped.color = add_correction_passes(chain, settings, full,
-                                         {.color = inputs.noisy.color,
-                                          .variance = inputs.noisy.variance,
-                                          .exposure = inputs.noisy.exposure,
-                                          .half_difference = inputs.noisy.half_difference,
-                                          .estimate = warped.color,
-                                          .estimate_stats = warped.stats},
-                                         "correction");
+    Corrected corrected = add_correction_passes(chain, settings, full,
+                                                {.color = inputs.noisy.color,
+                                                 .variance = inputs.noisy.variance,
+                                                 .exposure = inputs.noisy.exposure,
+                                                 .half_difference = inputs.noisy.half_difference,
+                                                 .estimate = warped.color,
+                                                 .estimate_stats = warped.stats,
+                                                 .additive = std::move(warped.additive)},
+                                                "correction");
+    warped.color = corrected.estimate;
+    warped.additive = std::move(corrected.additive);
   }
   if (settings.history_clip != HistoryClip::none) {
+    if (!inputs.additive.empty()) {
+      throw Error(ExitStatus::usage,
+                  "history_clip: direct, indirect and light groups would no longer add up to the beauty; "
+                  "additive=0 passes them on noisy");
+    }
     warped = add_rectify_pass(chain, settings, full, inputs.color, inputs.variance, warped);
   }
   std::optional<ImageId> trust;
@@ -195,7 +233,17 @@ MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent ful
   const ImageId decision = settings.merge == MergeMode::variance
                                ? add_variance_gain(chain, settings, full, inputs, warped, trust)
                                : add_mask_gain(chain, settings, full, inputs, warped, trust, alignment);
-  return {warped.color, warped.stats, decision};
+  for (std::size_t i = 0; i < inputs.additive.size(); ++i) {
+    chain.pass("additive/blend")
+        .read("color", inputs.additive[i].color)
+        .read("warped_color", warped.additive[i])
+        .read("warped_stats", warped.stats)
+        .read("decision", decision)
+        .write("merged", inputs.additive[i].history.next)
+        .constants(params::ImageParams{.width = full.width, .height = full.height})
+        .dispatch(full);
+  }
+  return {warped.color, warped.stats, std::move(warped.additive), decision};
 }
 
 ImageId add_variance_estimate(Chain& chain, Extent full, ImageId color, ImageId valid) {

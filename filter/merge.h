@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "filter/align.h"
 #include "filter/gpu/chain.h"
@@ -18,6 +19,12 @@ struct SurfaceInputs {
   gpu::ImageId previous;
 };
 
+/// An additive AOV on its way into its history (f32x4).
+struct AdditiveInput {
+  gpu::ImageId color;  ///< as MergeInputs::color
+  gpu::History history;
+};
+
 /// Images that the merge works on, all at full resolution and of one size but for the previous history in a
 /// window of its own.
 struct MergeInputs {
@@ -32,6 +39,7 @@ struct MergeInputs {
       {};                   ///< where the previous history shows more than the new frame
   unsigned rules = 0;       ///< flags of Validate by which the history is validated
   SurfaceInputs surface{};  ///< given if there are rules
+  std::vector<AdditiveInput> additive = {};
 };
 
 /// What is read of the previous history: colour (f32x4) and statistics (f32x2), in the window if there is
@@ -40,12 +48,14 @@ struct WarpInputs {
   gpu::ImageId color;
   gpu::ImageId stats;
   std::optional<SourceWindow> window = {};
+  std::vector<gpu::ImageId> additive = {};  ///< additive AOVs (f32x4)
 };
 
 /// The history where the target's pixels are.
 struct WarpedHistory {
-  gpu::ImageId color;  ///< f32x4
-  gpu::ImageId stats;  ///< f32x2
+  gpu::ImageId color;                       ///< f32x4
+  gpu::ImageId stats;                       ///< f32x2
+  std::vector<gpu::ImageId> additive = {};  ///< f32x4
 };
 
 /// Reads the previous history at the offsets (f32x2, full resolution).
@@ -59,14 +69,17 @@ int resample_margin_px(const Settings& settings);
 int merge_margin_px(const Settings& settings);
 
 struct MergeOutputs {
-  gpu::ImageId warped_color;  ///< f32x4: the history where the new frame's pixels are
-  gpu::ImageId warped_stats;  ///< f32x2, as the history's
+  gpu::ImageId warped_color;                  ///< f32x4: the history where the new frame's pixels are
+  gpu::ImageId warped_stats;                  ///< f32x2, as the history's
+  std::vector<gpu::ImageId> warped_additive;  ///< f32x4
   gpu::ImageId decision;  ///< f32x4: share of the history rejected; its squared bias, which is to be added to
                           ///< warped_stats' variance where it predicts the new frame; weight of the new
                           ///< sample; the rule that rejected (shaders/lib/rejection.glsl)
 };
 
-/// Merges the new frame with the warped history into history_color.next and history_stats.next.
+/// Merges the new frame with the warped history into history_color.next and history_stats.next, and additive
+/// AOVs with the same weights into their histories. Throws Error(usage) if `history_clip` leaves no such
+/// weights.
 MergeOutputs add_merge_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
                               const MergeInputs& inputs, const Alignment& alignment);
 

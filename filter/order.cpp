@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "filter/additive.h"
 #include "filter/cuts.h"
 #include "filter/energy.h"
 #include "filter/finish.h"
@@ -42,8 +43,9 @@ std::unique_ptr<FrameMerger> make_merger(gpu::Device& device, const FilterTask& 
   return std::make_unique<TiledFrame>(device, task, limit);
 }
 
-/// The estimate as a frame, with the diagnostics that are wanted.
-Frame output_frame(const NewFrame& frame, AovSet diagnostics, MergedFrame made, FrameReport& report) {
+/// The estimate as a frame, with its additive AOVs and the diagnostics that are wanted.
+Frame output_frame(const NewFrame& frame, const FilterTask& task, MergedFrame made, FrameReport& report) {
+  const AovSet& diagnostics = task.diagnostics;
   Frame result(frame.frame.number(), frame.frame.width(), frame.frame.height());
   const std::span<const float> stats = made.merged.stats.data();
   const std::span<const float> beauty = frame.frame.image(Aov::beauty).data();
@@ -71,6 +73,7 @@ Frame output_frame(const NewFrame& frame, AovSet diagnostics, MergedFrame made, 
   add_decision(Aov::rejected_by, 3);
   if (contains(diagnostics, Aov::residual)) result.image(Aov::residual) = std::move(made.residual);
   if (contains(diagnostics, Aov::flow)) result.image(Aov::flow) = std::move(made.flow);
+  unpack_additive(frame, task, made.merged.additive, result);
   return result;
 }
 
@@ -103,16 +106,18 @@ struct SequenceFilter::State {
 
 SequenceFilter::SequenceFilter(gpu::Device& device, const Settings& settings, int width, int height,
                                AovSet available, AovSet diagnostics, std::uint64_t memory_limit,
-                               FindCuts find_cuts)
+                               FindCuts find_cuts, std::size_t light_groups)
     : state_(std::make_unique<State>()) {
-  const AovSet used = available & wanted_aovs(settings);
+  const bool has_additive = settings.additive != 0;
+  const AovSet used = available & (wanted_aovs(settings) | (has_additive ? additive_aovs() : AovSet()));
   state_->find_cuts = find_cuts;
   FilterTask& task = state_->task;
   task = {.settings = settings,
           .full = {width, height},
           .used = used,
           .diagnostics = diagnostics,
-          .guides = guides_of(settings, used)};
+          .guides = guides_of(settings, used),
+          .additive = has_additive ? (used & additive_aovs()).count() + light_groups : 0};
   if (!task.guides.albedo) task.settings.demodulate = 0;  // nothing to divide out
   std::uint64_t left = std::min(memory_limit, usable_bytes(device));
   if (task.smooths()) {
@@ -132,7 +137,9 @@ std::optional<Frame> SequenceFilter::run(const Step& step, const Frame& frame, F
   const FilterTask& task = state_->task;
   check_frame(frame, task.full.width, task.full.height, task.used, "the frames before it");
   const Image& beauty = frame.image(Aov::beauty);
-  NewFrame new_frame{.frame = frame, .finite = finite_pixels(beauty), .exposure = exposure(beauty)};
+  NewFrame new_frame{
+      .frame = frame, .finite = finite_pixels(beauty), .exposure = exposure(beauty), .additive = {}};
+  new_frame.additive = pack_additive(frame, task, new_frame.finite, report);
   report.non_finite_pixels = static_cast<std::size_t>(std::ranges::count(new_frame.finite, 0));
   if (step.new_history) reset();
   if (state_->find_cuts == FindCuts::yes) {
@@ -144,7 +151,7 @@ std::optional<Frame> SequenceFilter::run(const Step& step, const Frame& frame, F
   if (state_->smoother) new_frame.smoothed = state_->smoother->smooth(new_frame, report);
   if (step.wanted && step.direction == Direction::forward) return state_->forward(new_frame, report);
   MergedFrame merged;
-  if (step.wanted) merged.prediction = Estimate(task.full);
+  if (step.wanted) merged.prediction = Estimate(task.full, task.additive);
   state_->merger->merge(new_frame, merged, report);
   if (step.wanted) state_->predictions.insert_or_assign(step.frame, std::move(merged.prediction));
   return std::nullopt;
@@ -153,7 +160,7 @@ std::optional<Frame> SequenceFilter::run(const Step& step, const Frame& frame, F
 Frame SequenceFilter::State::forward(const NewFrame& frame, FrameReport& report) {
   const gpu::Extent full = task.full;
   MergedFrame merged;
-  merged.merged = Estimate(full);
+  merged.merged = Estimate(full, task.additive);
   merged.decision = Image(full.width, full.height, 4);
   if (contains(task.diagnostics, Aov::residual)) merged.residual = Image(full.width, full.height, 1);
   if (contains(task.diagnostics, Aov::flow)) merged.flow = Image(full.width, full.height, 2);
@@ -164,14 +171,14 @@ Frame SequenceFilter::State::forward(const NewFrame& frame, FrameReport& report)
   report.mean_rejected /= static_cast<double>(full.elements());
 
   if (const auto prediction = predictions.find(frame.frame.number()); prediction != predictions.end()) {
-    Estimate combined(full);
+    Estimate combined(full, task.additive);
     finish->run({.frame = frame, .forward = merged.merged, .prediction = prediction->second}, combined,
                 report);
     merged.merged = std::move(combined);
     predictions.erase(prediction);
   }
   if (task.settings.correct_levels > 0) restore_energy(frame, task, merged.merged);
-  return output_frame(frame, task.diagnostics, std::move(merged), report);
+  return output_frame(frame, task, std::move(merged), report);
 }
 
 Denoised SequenceFilter::denoise(const Frame& frame) {

@@ -13,7 +13,8 @@
 
 namespace becalm::filter {
 
-/// AOVs that the filter uses when a frame has them; what else a frame carries is ignored.
+/// AOVs that the filter uses when a frame has them, besides the additive ones (additive.h), which it denoises
+/// if `additive` is set; what else a frame carries is ignored.
 AovSet wanted_aovs(const Settings& settings);
 
 /// Whether histories start anew where is_cut finds a cut, besides where the schedule says so.
@@ -26,18 +27,19 @@ class SequenceFilter {
  public:
   /// Builds the chains for this size. `diagnostics` are those of the AOV table's to put into the
   /// results. Frames that the device cannot hold whole, or not within `memory_limit` bytes, are cut
-  /// into tiles, which the results do not show. Throws gpu::DeviceError if the smallest tiles are still too
-  /// large.
+  /// into tiles, which the results do not show. Every frame has `light_groups` of them. Throws
+  /// gpu::DeviceError if the smallest tiles are still too large.
   SequenceFilter(gpu::Device& device, const Settings& settings, int width, int height, AovSet available,
                  AovSet diagnostics = {},
                  std::uint64_t memory_limit = std::numeric_limits<std::uint64_t>::max(),
-                 FindCuts find_cuts = FindCuts::no);
+                 FindCuts find_cuts = FindCuts::no, std::size_t light_groups = 0);
   ~SequenceFilter();
   SequenceFilter(SequenceFilter&&) noexcept;
 
   /// Takes one step of a schedule; the steps of a segment come in their order, and `frame` is the step's.
   /// Steps forward that are wanted return the denoised frame. Predictions are kept from the step backward
-  /// that wants them to the step forward that takes them: some 24 bytes a pixel for each frame of a segment.
+  /// that wants them to the step forward that takes them: some 24 bytes a pixel, and 16 for each additive
+  /// AOV, for each frame of a segment.
   std::optional<Frame> run(const Step& step, const Frame& frame, FrameReport& report);
 
   /// A step forward of a frame that is wanted.

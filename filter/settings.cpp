@@ -160,6 +160,10 @@ const Row kRows[] = {
     {{"correct_levels", "integer 0..6",
       "the means over blocks of 2 to 2^N pixels are brought to those of the frame; 0 leaves them"},
      IntRange{&Settings::correct_levels, 0, 6}},
+    {{"additive", "0 or 1",
+      "1 denoises direct, indirect and light groups with the beauty's weights, so that they still add up; 0 "
+      "passes them on noisy"},
+     IntRange{&Settings::additive, 0, 1}},
 };
 
 template <class... Cases>

@@ -86,6 +86,7 @@ struct Settings {
   float significance = 0.0f;
   float max_history = 64.0f;
   int correct_levels = 4;
+  int additive = 1;
 };
 
 /// One row of the settings table.

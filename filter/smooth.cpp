@@ -1,5 +1,7 @@
 #include "filter/smooth.h"
 
+#include <fmt/format.h>
+
 #include "shaders/shared/smooth_params.h"
 
 namespace becalm::filter {
@@ -21,7 +23,7 @@ int weight_planes(const Settings& settings) {
 }  // namespace
 
 Smoothed add_smooth_passes(Chain& chain, const Settings& settings, Extent full, const NoisyInputs& frame,
-                           const SmoothFeatures& features) {
+                           const SmoothFeatures& features, const std::vector<ImageId>& additive) {
   const params::SmoothParams params{
       .width = full.width, .height = full.height, .strength = settings.smooth_strength};
   const ImageId irradiance = chain.image("irradiance", Format::f32x4, full);
@@ -44,8 +46,11 @@ Smoothed add_smooth_passes(Chain& chain, const Settings& settings, Extent full, 
       .specialize("patch_radius", settings.smooth_patch_radius)
       .constants(params)
       .dispatch({full.width, (full.height + kRows - 1) / kRows, planes});
-  const Smoothed smoothed{chain.image("smoothed.color", Format::f32x4, full),
-                          chain.image("smoothed.stats", Format::f32x2, full)};
+  Smoothed smoothed{chain.image("smoothed.color", Format::f32x4, full),
+                    chain.image("smoothed.stats", Format::f32x2, full),
+                    {}};
+  const Extent kernel_extent = additive.empty() ? Extent{1, 1} : full;
+  const ImageId kernel = chain.image("smooth.kernel", Format::f32x4, kernel_extent.with_planes(3));
   chain.pass("smooth/regress")
       .read("color", frame.color)
       .read("variance", frame.variance)
@@ -57,9 +62,25 @@ Smoothed add_smooth_passes(Chain& chain, const Settings& settings, Extent full, 
       .read("weights", weights)
       .write("smoothed", smoothed.color)
       .write("stats", smoothed.stats)
+      .write("kernel", kernel)
       .specialize("radius", settings.smooth_radius)
+      .specialize("writes_kernel", additive.empty() ? 0 : 1)
       .constants(params)
       .dispatch(full);
+  for (std::size_t i = 0; i < additive.size(); ++i) {
+    smoothed.additive.push_back(chain.image(fmt::format("smoothed.additive.{}", i), Format::f32x4, full));
+    chain.pass("additive/smooth")
+        .read("color", additive[i])
+        .read("variance", frame.variance)
+        .read("albedo_depth", features.albedo_depth)
+        .read("normal", features.normal)
+        .read("weights", weights)
+        .read("kernel", kernel)
+        .write("smoothed", smoothed.additive.back())
+        .specialize("radius", settings.smooth_radius)
+        .constants(params)
+        .dispatch(full);
+  }
   return smoothed;
 }
 

@@ -1,8 +1,11 @@
 #include "filter/tile_chains.h"
 
+#include <fmt/format.h>
+
 #include <string>
 #include <vector>
 
+#include "filter/additive.h"
 #include "filter/validate.h"
 
 namespace becalm::filter {
@@ -115,6 +118,14 @@ TileChain::TileChain(gpu::Device& device, const FilterTask& task, const PyramidS
   }
   merged_color = chain.image("history.color.next", Format::f32x4, target_extent);
   merged_stats = chain.image("history.stats.next", Format::f32x2, target_extent);
+  additive = additive_inputs(chain, task, target_extent, "additive.cur");
+  history_additive = additive_inputs(chain, task, source_extent, "history.additive.prev");
+  std::vector<AdditiveInput> additive_merged;
+  for (std::size_t i = 0; i < task.additive; ++i) {
+    const std::string name = fmt::format("history.additive.next.{}", i);
+    merged_additive.push_back(chain.image(name, Format::f32x4, target_extent));
+    additive_merged.push_back({additive[i], {history_additive[i], merged_additive[i]}});
+  }
   outputs = add_merge_passes(chain, settings, target_extent,
                              {.noisy = noisy,
                               .color = color,
@@ -123,15 +134,18 @@ TileChain::TileChain(gpu::Device& device, const FilterTask& task, const PyramidS
                               .history_stats = {history_stats, merged_stats},
                               .history_window = window,
                               .rules = rules,
-                              .surface = surface.value_or(SurfaceInputs{})},
+                              .surface = surface.value_or(SurfaceInputs{}),
+                              .additive = additive_merged},
                              {offset, found.residual});
   chain.output(merged_color);
   chain.output(merged_stats);
+  for (const gpu::ImageId image : merged_additive) chain.output(image);
   residual = found.residual.front();
   chain.output(outputs.decision);
   if (settings.directions == Directions::both) {
     chain.output(outputs.warped_color);
     chain.output(outputs.warped_stats);
+    for (const gpu::ImageId image : outputs.warped_additive) chain.output(image);
   }
   if (contains(task.diagnostics, Aov::flow)) chain.output(offset);
   if (contains(task.diagnostics, Aov::residual)) chain.output(residual);

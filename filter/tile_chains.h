@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <vector>
 
 #include "filter/align.h"
 #include "filter/frame_merger.h"
@@ -68,6 +69,9 @@ struct TileChain {
   gpu::ImageId history_stats;
   gpu::ImageId merged_color;
   gpu::ImageId merged_stats;
+  std::vector<gpu::ImageId> additive;  ///< of the new frame, or smoothed
+  std::vector<gpu::ImageId> history_additive;
+  std::vector<gpu::ImageId> merged_additive;
   MergeOutputs outputs;
   gpu::ImageId offset;
   gpu::ImageId residual;  ///< of level 0

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "filter/additive.h"
 #include "filter/correct.h"
 #include "filter/host_images.h"
 #include "filter/merge.h"
@@ -72,8 +73,8 @@ TiledFrame::TiledFrame(gpu::Device& device, FilterTask task, std::uint64_t memor
     features->coarse =
         HostPlanes(level_extent(task_.settings, task_.full, split_.coarse).with_planes(planes));
   }
-  history_.estimate = Estimate(task_.full);
-  merged_ = Estimate(task_.full);
+  history_.estimate = Estimate(task_.full, task_.additive);
+  merged_ = Estimate(task_.full, task_.additive);
   if (!chains_->tile->surface) return;
   for (Image* surface : {&history_.surface, &surface_})
     *surface = Image(task_.full.width, task_.full.height, 4);
@@ -221,6 +222,8 @@ void TiledFrame::merge_tile(const Tile& tile, const NewFrame& frame, MergedFrame
   }
   upload(chain, chains.history_color, view(std::as_const(history_.estimate.color)), tile.source);
   upload(chain, chains.history_stats, view(std::as_const(history_.estimate.stats)), tile.source);
+  upload_additive(chain, chains.additive, frame.merged_additive(), tile.target);
+  upload_additive(chain, chains.history_additive, history_.estimate.additive, tile.source);
   upload(chain, chains.target.image, std::as_const(features_.finest).view(),
          at_level(tile.target, finest_px));
   upload(chain, chains.source.image, std::as_const(history_.features.finest).view(),
@@ -238,6 +241,8 @@ void TiledFrame::merge_tile(const Tile& tile, const NewFrame& frame, MergedFrame
                     .stats = chain.download<float>(chains.merged_stats),
                     .warped_color = {},
                     .warped_stats = {},
+                    .additive = download_additive(chain, chains.merged_additive),
+                    .warped_additive = {},
                     .decision = chain.download<float>(chains.outputs.decision),
                     .offset = {},
                     .residual = {},
@@ -245,18 +250,20 @@ void TiledFrame::merge_tile(const Tile& tile, const NewFrame& frame, MergedFrame
   if (task_.settings.directions == Directions::both) {
     images.warped_color = chain.download<float>(chains.outputs.warped_color);
     images.warped_stats = chain.download<float>(chains.outputs.warped_stats);
+    images.warped_additive = download_additive(chain, chains.outputs.warped_additive);
   }
   if (contains(task_.diagnostics, Aov::flow)) images.offset = chain.download<float>(chains.offset);
   if (contains(task_.diagnostics, Aov::residual)) {
     images.residual = chain.download<float>(chains.residual);
   }
   unpack(images, tile, merged);
-  const Rect core = within(tile.core, tile.target);
-  copy_rect({images.color, tile.target.extent(), 4}, core, view(merged_.color), tile.core.x, tile.core.y);
-  copy_rect({images.stats, tile.target.extent(), 2}, core, view(merged_.stats), tile.core.x, tile.core.y);
+  copy_core(images.color, tile, merged_.color);
+  copy_core(images.stats, tile, merged_.stats);
+  copy_core(images.additive, tile, merged_.additive);
 }
 
 void TiledFrame::reset() {
+  for (Image& image : history_.estimate.additive) std::ranges::fill(image.data(), 0.0f);
   for (const auto values : {history_.estimate.color.data(), history_.estimate.stats.data(),
                             std::span<float>(history_.features.finest.values),
                             std::span<float>(history_.features.coarse.values)}) {

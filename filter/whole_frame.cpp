@@ -1,8 +1,12 @@
 #include "filter/whole_frame.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <string>
 #include <utility>
 
+#include "filter/additive.h"
 #include "filter/align.h"
 #include "filter/host_images.h"
 #include "filter/pixel_view.h"
@@ -49,6 +53,14 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
                 chain_.input("surface.prev", Format::f32x4, full)};
   }
 
+  additive_ = additive_inputs(chain_, task_, full, "additive.cur");
+  std::vector<AdditiveInput> additive;
+  for (const gpu::ImageId input : additive_) {
+    const std::string name = fmt::format("history.additive.{}", additive.size());
+    additive.push_back({input, chain_.history(name, Format::f32x4, full)});
+    merged_additive_.push_back(additive.back().history.next);
+  }
+
   outputs_ = add_merge_passes(chain_, settings, full,
                               {.noisy = noisy_,
                                .color = color,
@@ -57,16 +69,19 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
                                .history_stats = history_stats,
                                .history_window = {},
                                .rules = rules,
-                               .surface = surface_.value_or(SurfaceInputs{})},
+                               .surface = surface_.value_or(SurfaceInputs{}),
+                               .additive = additive},
                               alignment);
   merged_color_ = history_color.next;
   merged_stats_ = history_stats.next;
   chain_.output(merged_color_);
   chain_.output(merged_stats_);
+  for (const gpu::ImageId image : merged_additive_) chain_.output(image);
   chain_.output(outputs_.decision);
   if (settings.directions == Directions::both) {
     chain_.output(outputs_.warped_color);
     chain_.output(outputs_.warped_stats);
+    for (const gpu::ImageId image : outputs_.warped_additive) chain_.output(image);
   }
   if (contains(task_.diagnostics, Aov::flow)) chain_.output(offset_);
   if (contains(task_.diagnostics, Aov::residual)) chain_.output(residual_);
@@ -80,6 +95,7 @@ void WholeFrame::merge(const NewFrame& frame, MergedFrame& merged, FrameReport& 
     upload(chain_, smoothed_color_, view(frame.smoothed.color), all.target);
     upload(chain_, smoothed_stats_, view(frame.smoothed.stats), all.target);
   }
+  upload_additive(chain_, additive_, frame.merged_additive(), all.target);
   if (guide_) {
     pack_guide(frame.frame, task_.guides.albedo, task_.guides.normal, all.target,
                chain_.upload<float>(*guide_));
@@ -97,6 +113,8 @@ void WholeFrame::merge(const NewFrame& frame, MergedFrame& merged, FrameReport& 
                     .stats = chain_.download<float>(merged_stats_),
                     .warped_color = {},
                     .warped_stats = {},
+                    .additive = download_additive(chain_, merged_additive_),
+                    .warped_additive = {},
                     .decision = chain_.download<float>(outputs_.decision),
                     .offset = {},
                     .residual = {},
@@ -104,6 +122,7 @@ void WholeFrame::merge(const NewFrame& frame, MergedFrame& merged, FrameReport& 
   if (task_.settings.directions == Directions::both) {
     images.warped_color = chain_.download<float>(outputs_.warped_color);
     images.warped_stats = chain_.download<float>(outputs_.warped_stats);
+    images.warped_additive = download_additive(chain_, outputs_.warped_additive);
   }
   if (contains(task_.diagnostics, Aov::flow)) images.offset = chain_.download<float>(offset_);
   if (contains(task_.diagnostics, Aov::residual)) images.residual = chain_.download<float>(residual_);

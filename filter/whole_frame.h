@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "filter/frame_merger.h"
 #include "filter/gpu/chain.h"
@@ -35,6 +36,8 @@ class WholeFrame : public FrameMerger {
   gpu::ImageId residual_;
   gpu::ImageId merged_color_;
   gpu::ImageId merged_stats_;
+  std::vector<gpu::ImageId> additive_;
+  std::vector<gpu::ImageId> merged_additive_;
   MergeOutputs outputs_;
 };
 

@@ -60,7 +60,8 @@ struct WriteReport {
 WriteReport write_exr(const std::string& path, const Frame& frame, const Attributes& attributes,
                       PixelType color_type = PixelType::half);
 
-/// Writes `source` again with the beauty's channels replaced by the frame's, in the same parts, types,
+/// Writes `source` again with the channels of the beauty, and of direct, indirect and light groups as far as
+/// the frame has them (all of the beauty's part), replaced by the frame's, in the same parts, types,
 /// compression, windows and attributes, every other channel bit for bit; diagnostics of the frame are added
 /// as layers to the beauty's part, and of its mipmap levels only the full size is written. The source's file
 /// is read again for this: throws Error(bad_input) naming it if it has changed since. Atomic as write_exr is.

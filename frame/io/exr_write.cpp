@@ -212,11 +212,15 @@ void add_layer(const Frame& frame, Aov aov, Imf::PixelType type, Imf::Header& he
   }
 }
 
+std::string light_channel(const LightGroup& group, int c) {
+  return fmt::format("light.{}.{}", group.name, "RGB"[c]);
+}
+
 /// Adds a light group's radiance as the layer light.NAME.
 void add_light_group(const LightGroup& group, Imf::PixelType type, Imf::Header& header,
                      FrameChannels& channels) {
   for (int c = 0; c < 3; ++c) {
-    const std::string name = fmt::format("light.{}.{}", group.name, "RGB"[c]);
+    const std::string name = light_channel(group, c);
     header.channels().insert(name, Imf::Channel(type));
     channels[name] = {&group.radiance, c};
   }
@@ -233,6 +237,11 @@ bool is_always_float(Aov aov) {
     default:
       return info(aov).diagnostic;
   }
+}
+
+/// Whether a denoised frame's image takes the place of its source's.
+bool is_denoised(Aov aov) {
+  return aov == Aov::beauty || aov == Aov::direct || aov == Aov::indirect;
 }
 
 }  // namespace
@@ -282,12 +291,20 @@ WriteReport write_denoised_exr(const std::string& path, const Frame& frame, cons
   }
 
   FrameChannels channels;
-  for (std::size_t c = 0; c < beauty.channels.size(); ++c) {
-    if (!beauty.channels[c].empty())
-      channels[beauty.channels[c]] = {&frame.image(Aov::beauty), static_cast<int>(c)};
-  }
   for (const AovInfo& entry : kAovTable) {
-    if (entry.diagnostic && frame.has(entry.aov)) add_layer(frame, entry.aov, Imf::FLOAT, header, channels);
+    if (!frame.has(entry.aov)) continue;
+    const std::optional<LayerSource>& layer = layers[static_cast<std::size_t>(entry.aov)];
+    if (entry.diagnostic) {
+      add_layer(frame, entry.aov, Imf::FLOAT, header, channels);
+    } else if (is_denoised(entry.aov)) {
+      for (std::size_t c = 0; c < layer->channels.size(); ++c) {
+        if (!layer->channels[c].empty())
+          channels[layer->channels[c]] = {&frame.image(entry.aov), static_cast<int>(c)};
+      }
+    }
+  }
+  for (const LightGroup& group : frame.light_groups()) {
+    for (int c = 0; c < 3; ++c) channels[light_channel(group, c)] = {&group.radiance, c};
   }
   for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
     if (channels.contains(it.name()) || !may_alter(header.compression(), it.name(), it.channel().type))

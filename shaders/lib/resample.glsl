@@ -30,11 +30,11 @@ void o_moms(float t, OUT(float) w0, OUT(float) w1, OUT(float) w2, OUT(float) w3)
 }
 
 /// Largest share in [0,1] of a sharp result, the rest being the bilinear one, that keeps a channel within the range of the
-/// taps that the bilinear one is between. A hundred-thousandth of the range's ends is rounding, which limits nothing.
+/// taps that the bilinear one is between. A millionth of the range's ends is rounding, which limits nothing.
 float sharp_share(float sharp, float bilinear, float lowest, float highest) {
   float above = sharp - highest;
   float below = lowest - sharp;
-  if (above > 1e-5f * abs(highest)) return max(highest - bilinear, 0.0f) / (sharp - bilinear);
-  if (below > 1e-5f * abs(lowest)) return max(bilinear - lowest, 0.0f) / (bilinear - sharp);
+  if (above > 1e-6f * abs(highest)) return max(highest - bilinear, 0.0f) / (sharp - bilinear);
+  if (below > 1e-6f * abs(lowest)) return max(bilinear - lowest, 0.0f) / (bilinear - sharp);
   return 1.0f;
 }

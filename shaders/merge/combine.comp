@@ -6,10 +6,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
+#include "lib/combine.glsl"
 #include "lib/gain.glsl"
 #include "shared/merge_params.h"
 
 layout(constant_id = 0) const int radius = 3;
+layout(constant_id = 1) const int writes_weight = 0;  // 1: `weight_backward` is an image, for AOVs that are combined alike
 
 layout(local_size_x = 8, local_size_y = 4) in;
 layout(push_constant) uniform Params { ImageParams p; };
@@ -21,6 +23,7 @@ layout(set = 0, binding = 4) uniform samplerBuffer statistics;
 layout(set = 0, binding = 5) uniform samplerBuffer statistics_sums;
 layout(std430, set = 0, binding = 6) writeonly buffer ColorBuffer { vec4 data[]; } color;
 layout(std430, set = 0, binding = 7) writeonly buffer StatsBuffer { vec2 data[]; } stats;
+layout(std430, set = 0, binding = 8) writeonly buffer WeightBuffer { float data[]; } weight_backward;
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
@@ -50,9 +53,9 @@ void main() {
   const float rest = 1.0 - weight;
   const float variance = rest * rest * stats_f.x + weight * weight * stats_b.x;
   const float inverse_count = rest * rest / max(stats_f.y, 1e-6) + weight * weight / max(stats_b.y, 1e-6);
-  // Chosen, not computed, where one estimate is all there is: the other may hold anything.
-  color.data[index] = weight <= 0.0 ? f : weight >= 1.0 ? b : f + weight * (b - f);
+  color.data[index] = combine(f, b, weight);
   stats.data[index] = weight <= 0.0   ? stats_f
                       : weight >= 1.0 ? stats_b
                                       : vec2(min(variance, kLargestVariance), 1.0 / inverse_count);
+  if (writes_weight != 0) weight_backward.data[index] = weight;
 }

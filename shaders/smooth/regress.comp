@@ -1,16 +1,19 @@
 // Reads the radiance without albedo, the features and the window's weights; writes the value at the pixel of the plane that
 // fits the window best, first order in the features (Bitterli et al. 2016, "Nonlinearly weighted first-order regression
 // for denoising Monte Carlo renderings", eq. 4), with the albedo again, and (variance left, 1). The slopes are shrunk by a
-// ridge, so that features that are flat or mere noise explain nothing; the value stays within the window's range.
+// ridge, so that features that are flat or mere noise explain nothing. The value is mixed with the window's mean, by one share
+// for all channels, until it lies within the window's range: given weights and share it is linear in the radiance. `kernel`
+// has what additive AOVs are then smoothed alike by (additive/smooth), in three planes: two of lib/smoothing_kernel.glsl, and
+// by what the value differs from that sum, which is rounding, but may be a ten-thousandth of a dark pixel among bright ones.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "lib/gain.glsl"
-#include "lib/patch_weights.glsl"
-#include "lib/reflectance.glsl"
+#include "lib/resample.glsl"
 #include "shared/smooth_params.h"
 
 layout(constant_id = 0) const int radius = 5;
+layout(constant_id = 1) const int writes_kernel = 0;  // 1: `kernel` is an image
 
 layout(local_size_x = 8, local_size_y = 4) in;
 layout(push_constant) uniform Params { SmoothParams p; };
@@ -24,6 +27,9 @@ layout(set = 0, binding = 6) uniform samplerBuffer exposure;
 layout(set = 0, binding = 7) uniform usamplerBuffer weights;
 layout(std430, set = 0, binding = 8) writeonly buffer SmoothedBuffer { vec4 data[]; } smoothed;
 layout(std430, set = 0, binding = 9) writeonly buffer StatsBuffer { vec2 data[]; } stats;
+layout(std430, set = 0, binding = 10) writeonly buffer KernelBuffer { vec4 data[]; } kernel;
+
+#include "lib/smoothing_kernel.glsl"
 
 const int kFeatures = 7;
 const float kRidge = 1e-3;  // of the sum of weights
@@ -107,13 +113,39 @@ void main() {
   }
   const float support = max(m[kFeatures][kFeatures], 1e-6);
   const vec3 fitted = vec3(m[kFeatures][kFeatures + 1], m[kFeatures][kFeatures + 2], m[kFeatures][kFeatures + 3]) / support;
+  const vec3 mean = sum_c / max(sum, 1e-6);
+  float share = 1.0;
+  [[unroll]] for (int c = 0; c < 3; ++c) share = min(share, sharp_share(fitted[c], mean[c], lowest[c], highest[c]));
+  const vec3 value = clamp(mean + share * (fitted - mean), lowest, highest);
 
   const vec4 own = texelFetch(color, index);
   const vec2 own_stats = texelFetch(variance, index).xy;
   const vec3 scale = divisor_of(albedo_depth_here.rgb) / texelFetch(exposure, 0).x;
   const bool known = own_stats.y > 0.0 && sum > 0.0;
-  smoothed.data[index] = known ? vec4(clamp(fitted, lowest, highest) * scale, own.a) : own;
+  smoothed.data[index] = known ? vec4(value * scale, own.a) : own;
   // With weights near 0 or 1 the sum of their squares in the fit is the inverse of the support.
   const float left = min(sum_noise / max(sum, 1e-6) / support * dot(scale, scale) / 3.0, kLargestVariance);
   stats.data[index] = known ? vec2(left, 1.0) : vec2(own_stats.x, own_stats.y);
+
+  if (writes_kernel != 0) {
+    // The weights' slopes: what is left of the triangular system, solved for the features' sums.
+    float slope[kFeatures];
+    [[unroll]] for (int r = kFeatures - 1; r >= 0; --r) {
+      slope[r] = m[r][kFeatures];
+      [[unroll]] for (int s = r + 1; s < kFeatures; ++s) slope[r] -= m[r][s] * slope[s];
+      slope[r] /= m[r][r];
+    }
+    const float of_fit = share / support;
+    const float constant = of_fit + (1.0 - share) / max(sum, 1e-6);
+    const vec3 of_normal = of_fit * vec3(slope[4], slope[5], slope[6]);
+    const vec4 k = known ? vec4(constant, of_normal) : vec4(0.0);
+    const vec4 of_albedo_depth = of_fit * vec4(slope[0], slope[1], slope[2], slope[3]);
+    const vec3 by_kernel = apply_smoothing_kernel(at, radius, k, of_albedo_depth);
+    vec3 ratio = value * scale / by_kernel;
+    [[unroll]] for (int c = 0; c < 3; ++c) ratio[c] = abs(ratio[c] - 1.0) < 0.01 ? ratio[c] : 1.0;
+    const int pixels = p.width * p.height;
+    kernel.data[index] = k;
+    kernel.data[pixels + index] = of_albedo_depth;
+    kernel.data[2 * pixels + index] = vec4(ratio, 0.0);
+  }
 }

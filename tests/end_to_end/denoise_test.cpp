@@ -64,6 +64,50 @@ void write_with_ids(const std::string& path, std::vector<std::uint32_t> ids) {
   file.writePixels(kHeight);
 }
 
+TEST_F(Denoise, AdditiveLayersStillAddUpToTheBeauty) {
+  for (const int number : {1, 2, 3}) {
+    Frame frame = noise_frame(number);
+    frame.add(Aov::direct);
+    frame.add(Aov::indirect);
+    for (const char* name : {"sun", "lamp"}) {
+      frame.light_groups().push_back({name, Image(kWidth, kHeight, 3)});
+    }
+    for (std::size_t i = 0; i < frame.image(Aov::beauty).pixel_count(); ++i) {
+      const float share = static_cast<float>(i % 7) / 8.0f;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float radiance = frame.image(Aov::beauty).data()[4 * i + c];
+        frame.light_groups()[0].radiance.data()[3 * i + c] = share * radiance;
+        frame.light_groups()[1].radiance.data()[3 * i + c] = radiance - share * radiance;
+        frame.image(Aov::direct).data()[3 * i + c] = 0.25f * radiance;
+        frame.image(Aov::indirect).data()[3 * i + c] = 0.75f * radiance;
+      }
+    }
+    io::write_exr(frame_path(input_, number), frame, {}, io::PixelType::float32);
+  }
+  const auto read = [&](const std::string& file) {
+    return io::read_exr(folder_ / file, 2, all_aovs(), {}, io::LightGroups::read).frame;
+  };
+  const Frame noisy = read("in.0002.exr");
+  becalm_done(command("out.####.exr"));
+  const Frame denoised = read("out.0002.exr");
+  ASSERT_EQ(denoised.light_groups().size(), 2u);
+  for (std::size_t i = 0; i < denoised.image(Aov::beauty).pixel_count(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float beauty = denoised.image(Aov::beauty).data()[4 * i + c];
+      const auto part = [&](const Image& image) { return image.data()[3 * i + c]; };
+      ASSERT_NEAR(part(denoised.light_groups()[0].radiance) + part(denoised.light_groups()[1].radiance),
+                  beauty, 1e-5f * beauty);
+      ASSERT_NEAR(part(denoised.image(Aov::direct)) + part(denoised.image(Aov::indirect)), beauty,
+                  1e-5f * beauty);
+    }
+  }
+  EXPECT_FALSE(same_pixels(noisy.image(Aov::direct), denoised.image(Aov::direct)));
+  becalm_done(command("passed.####.exr", {"--set", "additive=0"}));
+  const Frame passed = read("passed.0002.exr");
+  EXPECT_TRUE(same_pixels(noisy.image(Aov::direct), passed.image(Aov::direct)));
+  EXPECT_TRUE(same_pixels(noisy.light_groups()[1].radiance, passed.light_groups()[1].radiance));
+}
+
 TEST_F(Denoise, PassesOnWhatItDoesNotDenoise) {
   std::vector<std::uint32_t> ids(kWidth * kHeight);
   for (std::size_t i = 0; i < ids.size(); ++i) ids[i] = 0xfff00000u + static_cast<std::uint32_t>(i * 7919);

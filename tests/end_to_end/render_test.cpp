@@ -55,17 +55,24 @@ TEST_F(Render, LightGroupsAreLayers) {
   EXPECT_EQ(becalm_done({"info", folder_ / "b.exr"}).out.find("light."), std::string::npos);
 }
 
-TEST_F(Render, LightGroupsPassThroughTheFilter) {
-  const auto group = [&](const std::string& file) {
-    const io::LoadedFrame loaded = io::read_exr(folder_ / file, 1, {}, {}, io::LightGroups::read);
-    EXPECT_EQ(loaded.frame.light_groups().size(), 1u) << file;
-    return loaded.frame.light_groups().at(0);
+TEST_F(Render, LightGroupsAreDenoisedUnlessToldOtherwise) {
+  const auto read = [&](const std::string& file) {
+    return io::read_exr(folder_ / file, 1, {}, {}, io::LightGroups::read).frame;
   };
-  render("a.exr", {"--frames", "1", "--aovs", "light_groups"});
+  render("a.exr", {"--frames", "1", "--aovs", "light_groups", "--float"});
+  const Frame noisy = read("a.exr");
   for (const char* preset : {"--denoise=draft", "--denoise"}) {
-    render("b.exr", {"--frames", "1", "--aovs", "light_groups", preset});
-    EXPECT_EQ(group("b.exr").name, "default");
-    EXPECT_TRUE(same_pixels(group("a.exr").radiance, group("b.exr").radiance)) << preset;
+    render("b.exr", {"--frames", "1", "--aovs", "light_groups", "--float", preset});
+    const Frame denoised = read("b.exr");
+    ASSERT_EQ(denoised.light_groups().size(), 1u);
+    EXPECT_EQ(denoised.light_groups()[0].name, "default");
+    EXPECT_FALSE(same_pixels(noisy.light_groups()[0].radiance, denoised.light_groups()[0].radiance));
+    for (std::size_t i = 0; i < denoised.image(Aov::beauty).pixel_count(); ++i) {
+      const float beauty = denoised.image(Aov::beauty).data()[4 * i];
+      ASSERT_NEAR(denoised.light_groups()[0].radiance.data()[3 * i], beauty, 1e-5f * beauty + 1e-6f) << i;
+    }
+    render("b.exr", {"--frames", "1", "--aovs", "light_groups", "--float", preset, "--set", "additive=0"});
+    EXPECT_TRUE(same_pixels(noisy.light_groups()[0].radiance, read("b.exr").light_groups()[0].radiance));
   }
 }
 

@@ -63,7 +63,7 @@ class CorrectOnDevice {
     if (halves) inputs_.half_difference = chain_.input("half_difference", gpu::Format::f32x4, full);
     Settings settings = preset("balanced");
     settings.correct_levels = levels;
-    corrected_ = add_correction_passes(chain_, settings, full, inputs_, "correction");
+    corrected_ = add_correction_passes(chain_, settings, full, inputs_, "correction").estimate;
     chain_.output(corrected_);
     chain_.build();
   }

@@ -99,11 +99,18 @@ Estimate fit(const Grid<Estimate>& irradiance, const Grid<Guide>& guide, const G
   }
   const double weights = normal_equations[kFeatures][kFeatures];
   if (weights <= 0) return {};
+  Rgba mean;
+  for (std::size_t c = 0; c < 3; ++c) mean[c] = right[c][kFeatures] / weights;
   for (std::size_t f = 0; f < kFeatures; ++f) normal_equations[f][f] += 1e-3 * weights;
   Estimate fitted{{}, noise / weights, 1.0};
+  Rgba linear;
+  double share = 1;  // of the linear fit, the rest being the mean
   for (std::size_t c = 0; c < 3; ++c) {
-    fitted.color[c] = std::clamp(solve(normal_equations, right[c])[kFeatures], lowest[c], highest[c]);
+    linear[c] = solve(normal_equations, right[c])[kFeatures];
+    if (linear[c] > highest[c]) share = std::min(share, (highest[c] - mean[c]) / (linear[c] - mean[c]));
+    if (linear[c] < lowest[c]) share = std::min(share, (mean[c] - lowest[c]) / (mean[c] - linear[c]));
   }
+  for (std::size_t c = 0; c < 3; ++c) fitted.color[c] = std::lerp(mean[c], linear[c], share);
   Vector of_value{};
   of_value[kFeatures] = 1;
   fitted.variance *= solve(normal_equations, of_value)[kFeatures];

@@ -1,0 +1,24 @@
+// Reads an additive AOV of the new frame and of the warped history, and what the merge decided for the beauty; writes the
+// AOV's new history: lib/blend.glsl with the weight given.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared/merge_params.h"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant) uniform Params { ImageParams p; };
+layout(set = 0, binding = 0) uniform samplerBuffer color;
+layout(set = 0, binding = 1) uniform samplerBuffer warped_color;
+layout(set = 0, binding = 2) uniform samplerBuffer warped_stats;
+layout(set = 0, binding = 3) uniform samplerBuffer decision;
+layout(std430, set = 0, binding = 4) writeonly buffer MergedBuffer { vec4 data[]; } merged;
+
+void main() {
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  if (at.x >= p.width || at.y >= p.height) return;
+  const int index = at.y * p.width + at.x;
+  const vec4 x = texelFetch(color, index);
+  const vec4 h = texelFetch(warped_color, index);
+  const float alpha = texelFetch(decision, index).z;
+  const bool has_history = texelFetch(warped_stats, index).y > 0.0;
+  merged.data[index] = has_history && alpha < 1.0 ? h + alpha * (x - h) : x;
+}

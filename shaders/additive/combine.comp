@@ -1,0 +1,22 @@
+// Reads both estimates of an additive AOV and the weight that merge/combine gave the backward one of the beauty; writes their
+// combination.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared/merge_params.h"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant) uniform Params { ImageParams p; };
+layout(set = 0, binding = 0) uniform samplerBuffer forward_color;
+layout(set = 0, binding = 1) uniform samplerBuffer backward_color;
+layout(set = 0, binding = 2) uniform samplerBuffer weight;
+layout(std430, set = 0, binding = 3) writeonly buffer CombinedBuffer { vec4 data[]; } combined;
+
+#include "lib/combine.glsl"
+
+void main() {
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  if (at.x >= p.width || at.y >= p.height) return;
+  const int index = at.y * p.width + at.x;
+  combined.data[index] =
+      combine(texelFetch(forward_color, index), texelFetch(backward_color, index), texelFetch(weight, index).x);
+}

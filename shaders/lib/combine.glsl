@@ -1,0 +1,6 @@
+/// Two estimates combined. Chosen, not computed, where one is all there is: the other may hold anything.
+vec4 combine(vec4 forward, vec4 backward, float weight_backward) {
+  return weight_backward <= 0.0   ? forward
+         : weight_backward >= 1.0 ? backward
+                                  : forward + weight_backward * (backward - forward);
+}

@@ -1,0 +1,260 @@
+// Additive AOVs: what adds up to the beauty before the filter adds up to it afterwards.
+#include "filter/additive.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "filter/order.h"
+#include "frame/error.h"
+#include "tests/filter/device_fixture.h"
+#include "tests/filter/pattern.h"
+
+namespace becalm::filter {
+namespace {
+
+constexpr int kWidth = 64;
+constexpr int kHeight = 48;
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+const std::vector<std::string> kGroups{"key", "rim", "sky"};
+
+/// A pattern that moves by (1.3, -0.6) px a frame, of albedo 0.04 to 1, under skewed noise with fireflies;
+/// its light comes from three groups, each with noise and an edge of its own, and from one of them directly.
+Frame noisy_frame(int number, int width = kWidth, int height = kHeight) {
+  std::mt19937 random(number);
+  std::exponential_distribution<float> exponential;
+  Frame frame(number, width, height);
+  Image& beauty = frame.add(Aov::beauty, 1.0f);
+  Image& variance = frame.add(Aov::variance);
+  Image& albedo = frame.add(Aov::albedo);
+  Image& normal = frame.add(Aov::normal);
+  Image& depth = frame.add(Aov::depth);
+  for (const Aov half : {Aov::half_a, Aov::half_b, Aov::direct, Aov::indirect}) frame.add(half);
+  for (const std::string& name : kGroups) {
+    frame.light_groups().push_back({name, Image(width, height, 3)});
+  }
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const double u = x + 1.3 * number;
+      const double v = y - 0.6 * number;
+      depth.at(x, y, 0) = static_cast<float>(4.0 + pattern(u, v, 3));
+      normal.at(x, y, 2) = 1.0f;
+      for (int c = 0; c < 3; ++c) {
+        albedo.at(x, y, c) = static_cast<float>(0.04 + 0.96 * pattern(u, v, 9 + c));
+        float halves[2] = {};
+        for (std::size_t g = 0; g < kGroups.size(); ++g) {
+          const float firefly = random() % 300 == 0 ? 50.0f : 1.0f;
+          const float lit = pattern(u, v, 20 + static_cast<unsigned>(g)) > 0.5 ? 1.0f : 0.05f;
+          const float radiance = firefly * lit * albedo.at(x, y, c);
+          const float a = radiance * exponential(random);
+          const float b = radiance * exponential(random);
+          frame.light_groups()[g].radiance.at(x, y, c) = 0.5f * (a + b);
+          frame.image(g == 0 ? Aov::direct : Aov::indirect).at(x, y, c) += 0.5f * (a + b);
+          halves[0] += a;
+          halves[1] += b;
+        }
+        frame.image(Aov::half_a).at(x, y, c) = halves[0];
+        frame.image(Aov::half_b).at(x, y, c) = halves[1];
+        beauty.at(x, y, c) = 0.5f * (halves[0] + halves[1]);
+        variance.at(x, y, c) = 0.25f * (halves[0] - halves[1]) * (halves[0] - halves[1]);
+      }
+    }
+  }
+  return frame;
+}
+
+Frame without_additive(Frame frame) {
+  frame.light_groups().clear();
+  frame.remove(Aov::direct);
+  frame.remove(Aov::indirect);
+  return frame;
+}
+
+Frame frame_of_usual_size(int number) {
+  return noisy_frame(number);
+}
+
+bool same_bits(const Image& a, const Image& b) {
+  return a.same_shape(b) && std::ranges::equal(a.data(), b.data(), [](float x, float y) {
+           return x == y || (std::isnan(x) && std::isnan(y));
+         });
+}
+
+/// Largest difference between the sum of the images and the beauty, relative to the beauty (and to a
+/// thousandth of what is usual, below which sums of fireflies' neighbours are rounding).
+double largest_difference(const Frame& frame, const std::vector<const Image*>& parts) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < frame.image(Aov::beauty).pixel_count(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double beauty = frame.image(Aov::beauty).data()[4 * i + c];
+      double sum = 0.0;
+      for (const Image* part : parts) sum += part->data()[3 * i + c];
+      largest = std::max(largest, std::abs(sum - beauty) / std::max(std::abs(beauty), 1e-3));
+    }
+  }
+  return largest;
+}
+
+double variation(const Image& image) {
+  double sum = 0.0;
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 1; x < image.width(); ++x) sum += std::abs(image.at(x, y, 1) - image.at(x - 1, y, 1));
+  }
+  return sum;
+}
+
+class AdditiveTest : public DeviceTest {
+ protected:
+  static constexpr std::uint64_t kUnlimited = std::numeric_limits<std::uint64_t>::max();
+
+  /// Frames 3 and 4 of the six that `frame_of` makes.
+  template <class FrameOf>
+  std::vector<Denoised> denoise(const Settings& settings, const FrameOf& frame_of,
+                                std::uint64_t memory_limit = kUnlimited) {
+    const Frame first = frame_of(1);
+    SequenceFilter filter(device(), settings, first.width(), first.height(), first.aovs(), {}, memory_limit,
+                          FindCuts::no, first.light_groups().size());
+    memory_ = filter.memory();
+    std::vector<Denoised> result;
+    for (const Segment& segment : schedule(std::vector{1, 2, 3, 4, 5, 6}, {3, 4},
+                                           {.directions = settings.directions,
+                                           .segment = settings.directions == Directions::both ? 8 : 0,
+                                           .warmup = settings.directions == Directions::both ? 4 : 0})) {
+      for (const Step& step : segment) {
+        Denoised denoised;
+        std::optional<Frame> frame = filter.run(step, frame_of(step.frame), denoised.report);
+        if (!frame) continue;
+        denoised.frame = std::move(*frame);
+        result.push_back(std::move(denoised));
+      }
+    }
+    return result;
+  }
+
+  FilterMemory memory_;
+};
+
+TEST_F(AdditiveTest, SumsStayWhatTheyAre) {
+  const std::vector<std::vector<std::string>> changes{
+      {},
+      {"resample=o_moms"},
+      {"resample=bilinear", "correct_levels=0"},
+      {"smooth=none", "validate=depth,normal", "luminance_weight=1"},
+      {"merge=mask"}};
+  for (const char* name : {"draft", "final"}) {
+    for (const std::vector<std::string>& change : changes) {
+      Settings settings = preset(name);
+      std::string text = name;
+      for (const std::string& assignment : change) {
+        set(settings, assignment);
+        text += ' ' + assignment;
+      }
+      const std::vector<Denoised> frames = denoise(settings, frame_of_usual_size);
+      ASSERT_EQ(frames.size(), 2u);
+      for (const Denoised& denoised : frames) {
+        const Frame& frame = denoised.frame;
+        ASSERT_EQ(frame.light_groups().size(), kGroups.size());
+        std::vector<const Image*> groups;
+        for (const LightGroup& group : frame.light_groups()) groups.push_back(&group.radiance);
+        EXPECT_LT(largest_difference(frame, groups), 1e-5) << text;
+        EXPECT_LT(largest_difference(frame, {&frame.image(Aov::direct), &frame.image(Aov::indirect)}), 1e-5)
+            << text;
+        if (settings.smooth == Smooth::none) continue;
+        const Frame noisy = noisy_frame(frame.number());
+        for (std::size_t g = 0; g < kGroups.size(); ++g) {
+          EXPECT_EQ(frame.light_groups()[g].name, kGroups[g]);
+          EXPECT_LT(variation(*groups[g]), 0.6 * variation(noisy.light_groups()[g].radiance)) << text;
+        }
+      }
+    }
+  }
+}
+
+TEST_F(AdditiveTest, TheBeautyDoesNotDependOnThem) {
+  const std::vector<Denoised> with = denoise(preset("final"), frame_of_usual_size);
+  const std::vector<Denoised> without =
+      denoise(preset("final"), [](int number) { return without_additive(noisy_frame(number)); });
+  for (std::size_t i = 0; i < with.size(); ++i) {
+    EXPECT_TRUE(same_bits(with[i].frame.image(Aov::beauty), without[i].frame.image(Aov::beauty)));
+    EXPECT_FALSE(without[i].frame.has(Aov::direct));
+    EXPECT_TRUE(without[i].frame.light_groups().empty());
+  }
+}
+
+TEST_F(AdditiveTest, TilesDoNotShow) {
+  Settings settings = preset("final");
+  settings.correct_levels = 1;
+  settings.pyramid_levels = 1;
+  settings.blur_radius = {1};
+  settings.prefilter = 0;
+  settings.smooth_radius = 1;
+  settings.smooth_patch_radius = 1;
+  const auto large_frame = [](int number) { return noisy_frame(number, 320, 200); };
+  const std::vector<Denoised> whole = denoise(settings, large_frame);
+  ASSERT_EQ(memory_.tiles, 1u);
+  const std::vector<Denoised> tiled = denoise(settings, large_frame, memory_.device_bytes / 2);
+  ASSERT_GT(memory_.tiles, 1u);
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    const auto images = additive_images(whole[i].frame, whole[i].frame.aovs());
+    const auto others = additive_images(tiled[i].frame, tiled[i].frame.aovs());
+    ASSERT_EQ(images.size(), 5u);
+    for (std::size_t n = 0; n < images.size(); ++n) EXPECT_TRUE(same_bits(*images[n], *others[n])) << n;
+  }
+}
+
+TEST_F(AdditiveTest, PixelsThatAreNotFinite) {
+  const auto damaged = [](int number) {
+    Frame frame = noisy_frame(number);
+    frame.image(Aov::beauty).at(10, 20, 1) = kNan;  // and its AOVs, some of which stay finite
+    frame.light_groups()[1].radiance.at(10, 20, 1) = kNan;
+    frame.light_groups()[2].radiance.at(30, 20, 0) = -INFINITY;  // in a beauty that is finite
+    frame.image(Aov::direct).at(31, 20, 2) = kNan;
+    return frame;
+  };
+  const std::vector<Denoised> frames = denoise(preset("final"), damaged);
+  ASSERT_EQ(frames.size(), 2u);
+  for (const Denoised& denoised : frames) {
+    const Frame noisy = damaged(denoised.frame.number());
+    EXPECT_EQ(denoised.report.non_finite_pixels, 1u);
+    EXPECT_EQ(denoised.report.replaced_additive, 2u);
+    const auto images = additive_images(denoised.frame, denoised.frame.aovs());
+    const auto sources = additive_images(noisy, noisy.aovs());
+    for (std::size_t n = 0; n < images.size(); ++n) {
+      for (int c = 0; c < 3; ++c) {
+        const float value = sources[n]->at(10, 20, c);
+        EXPECT_TRUE(images[n]->at(10, 20, c) == value || std::isnan(value));
+      }
+      const auto count = std::ranges::count_if(images[n]->data(), [](float v) { return !std::isfinite(v); });
+      EXPECT_EQ(count, n == 3 ? 1 : 0) << n;  // direct, indirect, key, rim
+    }
+    EXPECT_TRUE(std::isnan(images[3]->at(10, 20, 1)));
+  }
+}
+
+TEST_F(AdditiveTest, MayBeLeftOut) {
+  Settings settings = preset("draft");
+  settings.additive = 0;
+  for (const Denoised& denoised : denoise(settings, frame_of_usual_size)) {
+    EXPECT_FALSE(denoised.frame.has(Aov::direct));
+    EXPECT_TRUE(denoised.frame.light_groups().empty());
+  }
+}
+
+TEST_F(AdditiveTest, WhatCannotBeDoneIsSaid) {
+  Settings settings = preset("draft");
+  settings.history_clip = HistoryClip::clamp;
+  EXPECT_THROW(denoise(settings, frame_of_usual_size), Error);
+  const auto fewer_groups_later = [](int number) {
+    Frame frame = noisy_frame(number);
+    if (number > 1) frame.light_groups().pop_back();
+    return frame;
+  };
+  EXPECT_THROW(denoise(preset("draft"), fewer_groups_later), Error);
+}
+
+}  // namespace
+}  // namespace becalm::filter
