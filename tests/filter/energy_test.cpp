@@ -39,7 +39,7 @@ Frame noisy_frame(int width, int height, bool halves) {
 }
 
 Estimate even_estimate(const Frame& frame, float value) {
-  Estimate estimate({frame.width(), frame.height()});
+  Estimate estimate({frame.width(), frame.height()}, 0);
   std::ranges::fill(estimate.color.data(), value);
   std::ranges::fill(estimate.stats.data(), 1.0f);
   return estimate;
@@ -52,8 +52,9 @@ void restore(const Frame& frame, Estimate& estimate) {
                         .diagnostics = {},
                         .guides = {}};
   const Image& beauty = frame.image(Aov::beauty);
-  restore_energy({.frame = frame, .finite = finite_pixels(beauty), .exposure = exposure(beauty)}, task,
-                 estimate);
+  restore_energy(
+      {.frame = frame, .finite = finite_pixels(beauty), .exposure = exposure(beauty), .additive = {}}, task,
+      estimate);
 }
 
 double mean_green(const Image& image) {
