@@ -232,8 +232,8 @@ TEST_F(SequenceFilterTest, NoAovsValuesReachFurtherThanTheirPixel) {
   };
   for (const char* merge : {"merge=variance", "merge=mask"}) {
     Settings settings = preset("final");
-    for (const char* assignment : {merge, "validate=depth,normal,id", "history_clip=variance", "motion=guide",
-                                   "demodulate=1", "smooth_radius=2", "correct_levels=2"}) {
+    for (const char* assignment : {merge, "validate=depth,normal,id", "history_clip=variance", "additive=0",
+                                   "motion=guide", "demodulate=1", "smooth_radius=2", "correct_levels=2"}) {
       set(settings, assignment);
     }
     SequenceFilter filter(device(), settings, 24, 20, full_frame(1).aovs());
