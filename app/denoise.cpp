@@ -231,8 +231,8 @@ Command add_denoise(CLI::App& becalm) {
   add_filter_options(parser, command->filter);
   add_running_options(parser, command->running);
   parser.footer(
-      "Direct and indirect light and light groups (light.NAME) are denoised with the beauty and still add up "
-      "to it.\n"
+      "Direct and indirect light and light groups (light.NAME) are denoised with the beauty\n"
+      "and still add up to it.\n"
       "Every channel that is not denoised is passed on bit for bit.\n"
       "Examples:\n"
       "  becalm denoise 'in/shot.####.exr' -o 'out/shot.####.exr'\n"

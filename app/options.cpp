@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -136,10 +137,31 @@ AovSet diagnostics_of(const FilterOptions& options) {
   return diagnostics;
 }
 
+namespace {
+
+/// The words of a text in lines of at most `width` characters, each behind `indent` blanks.
+std::string wrapped(std::string_view text, std::size_t indent, std::size_t width) {
+  std::string lines;
+  std::size_t column = width;
+  while (!text.empty()) {
+    const std::string_view word = text.substr(0, text.find(' '));
+    text.remove_prefix(std::min(word.size() + 1, text.size()));
+    const bool starts_line = column + 1 + word.size() > width;
+    if (starts_line) lines += (lines.empty() ? "" : "\n") + std::string(indent, ' ');
+    column = starts_line ? word.size() : column + 1 + word.size();
+    lines += (starts_line ? "" : " ") + std::string(word);
+  }
+  return lines;
+}
+
+}  // namespace
+
 std::string settings_help() {
+  constexpr std::size_t indent = 25;
+  constexpr std::size_t width = 80;
   std::string text = "Settings that --set changes:\n";
   for (const filter::SettingInfo& setting : filter::settings_table()) {
-    text += fmt::format("  {:<20} {}\n  {:<20}   {}\n", setting.key, setting.type, "", setting.help);
+    text += fmt::format("  {:<20} {}\n{}\n", setting.key, setting.type, wrapped(setting.help, indent, width));
   }
   return text;
 }
