@@ -38,7 +38,8 @@ class FrameSmootherTest : public DeviceTest {
  protected:
   static Estimate run(FrameSmoother& smoother, const Frame& frame) {
     const Image& beauty = frame.image(Aov::beauty);
-    const NewFrame input{.frame = frame, .finite = finite_pixels(beauty), .exposure = exposure(beauty)};
+    const NewFrame input{
+        .frame = frame, .finite = finite_pixels(beauty), .exposure = exposure(beauty), .additive = {}};
     FrameReport report;
     return smoother.smooth(input, report);
   }

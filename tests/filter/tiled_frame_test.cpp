@@ -205,7 +205,8 @@ TEST_F(TiledFrameTest, ShowsNoSeamsUnderOtherSettings) {
     SCOPED_TRACE(assignments.front());
     Settings settings = forward("final");
     for (const char* assignment : assignments) set(settings, assignment);
-    expect_no_seams(settings, scene, 0.85, 2, 2);
+    // Without radiance to match, a single tile takes less than the whole frame.
+    expect_no_seams(settings, scene, settings.weight_radiance > 0.0f ? 0.78 : 0.6, 2, 2);
   }
 }
 

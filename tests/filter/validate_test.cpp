@@ -26,11 +26,13 @@ constexpr int kHeight = 33;
 constexpr gpu::Extent kFull{kWidth, kHeight};
 constexpr double kBrightness = 1.1;  // of radiance 1 at an exposure of 1
 
-/// The final preset with neither validation nor correction.
+/// The final preset with neither validation nor correction, for frames that are noisy themselves.
 Settings uncorrected() {
   Settings settings = preset("final");
   settings.validate = 0;
   settings.correct_levels = 0;
+  settings.patch_radius = 3;
+  settings.significance = 3.0f;
   return settings;
 }
 

@@ -1,0 +1,121 @@
+// Light that the output's large blocks lack is given back.
+#include "filter/energy.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "filter/host_images.h"
+
+namespace becalm::filter {
+namespace {
+
+constexpr float kNoise = 0.2f;
+
+/// A frame of radiance 1 under noise, with its variance or with half-buffers.
+Frame noisy_frame(int width, int height, bool halves) {
+  std::mt19937 random(8);
+  std::normal_distribution<float> normal(0, kNoise);
+  Frame frame(1, width, height);
+  Image& beauty = frame.add(Aov::beauty, 1.0f);
+  if (!halves) frame.add(Aov::variance, kNoise * kNoise);
+  if (halves) {
+    frame.add(Aov::half_a);
+    frame.add(Aov::half_b);
+  }
+  for (std::size_t i = 0; i < beauty.pixel_count(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float value = beauty.data()[4 * i + c] = 1 + normal(random);
+      if (!halves) continue;
+      const float difference = normal(random);
+      frame.image(Aov::half_a).data()[3 * i + c] = value + difference;
+      frame.image(Aov::half_b).data()[3 * i + c] = value - difference;
+    }
+  }
+  return frame;
+}
+
+Estimate even_estimate(const Frame& frame, float value) {
+  Estimate estimate({frame.width(), frame.height()}, 0);
+  std::ranges::fill(estimate.color.data(), value);
+  std::ranges::fill(estimate.stats.data(), 1.0f);
+  return estimate;
+}
+
+void restore(const Frame& frame, Estimate& estimate) {
+  const FilterTask task{.settings = preset("balanced"),
+                        .full = {frame.width(), frame.height()},
+                        .used = frame.aovs(),
+                        .diagnostics = {},
+                        .guides = {}};
+  const Image& beauty = frame.image(Aov::beauty);
+  restore_energy(
+      {.frame = frame, .finite = finite_pixels(beauty), .exposure = exposure(beauty), .additive = {}}, task,
+      estimate);
+}
+
+double mean_green(const Image& image) {
+  double sum = 0;
+  for (std::size_t i = 0; i < image.pixel_count(); ++i) sum += image.data()[4 * i + 1];
+  return sum / static_cast<double>(image.pixel_count());
+}
+
+TEST(RestoreEnergy, GivesBackWhatNoiseDoesNotExplain) {
+  for (const bool halves : {false, true}) {
+    const Frame frame = noisy_frame(200, 150, halves);
+    for (const float value : {0.9f, 0.97f, 1.1f}) {
+      Estimate estimate = even_estimate(frame, value);
+      restore(frame, estimate);
+      // The mean over 30,000 pixels has a standard error of 0.0012.
+      EXPECT_NEAR(mean_green(estimate.color), mean_green(frame.image(Aov::beauty)), 0.003) << value;
+    }
+  }
+}
+
+TEST(RestoreEnergy, NoiseHardlyMovesAnExactEstimate) {
+  for (const bool halves : {false, true}) {
+    const Frame frame = noisy_frame(200, 150, halves);
+    Estimate estimate = even_estimate(frame, 1.0f);
+    restore(frame, estimate);
+    // A block's mean has a standard error of 0.2 / 32; only what exceeds it moves anything.
+    for (std::size_t i = 0; i < estimate.color.pixel_count(); ++i) {
+      ASSERT_NEAR(estimate.color.data()[4 * i + 1], 1.0f, 0.03f) << "pixel " << i;
+    }
+  }
+}
+
+TEST(RestoreEnergy, AnEqualEstimateStaysBitForBit) {
+  const Frame frame = noisy_frame(70, 45, false);
+  Estimate estimate = even_estimate(frame, 1.0f);
+  estimate.color = frame.image(Aov::beauty);
+  restore(frame, estimate);
+  EXPECT_TRUE(std::ranges::equal(estimate.color.data(), frame.image(Aov::beauty).data()));
+}
+
+TEST(RestoreEnergy, ExtremesStayFiniteInImagesOfAnySize) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const auto& [width, height] : {std::pair{1, 1}, {1, 70}, {33, 32}}) {
+    for (const float of_frame : {0.0f, -1.0f, 1e-30f, 1.0f, 1e30f}) {
+      for (const float of_estimate : {0.0f, -1.0f, 1e-30f, 1.0f, 1e30f}) {
+        Frame frame = noisy_frame(width, height, false);
+        std::ranges::fill(frame.image(Aov::beauty).data(), of_frame);
+        if (height > 1) {
+          frame.image(Aov::beauty).at(0, 3, 1) = nan;
+          frame.image(Aov::variance).at(0, 5, 1) = nan;
+          frame.image(Aov::variance).at(0, 6, 1) = -1.0f;
+        }
+        Estimate estimate = even_estimate(frame, of_estimate);
+        restore(frame, estimate);
+        for (const float v : estimate.color.data()) {
+          ASSERT_TRUE(std::isfinite(v)) << width << 'x' << height << ": " << of_frame << ", " << of_estimate;
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace becalm::filter
