@@ -62,7 +62,7 @@ struct NewFrame {
   const Frame& frame;
   std::vector<std::uint8_t> finite;  ///< of finite_pixels
   float exposure;                    ///< of the whole frame
-  std::vector<Image> additive;       ///< of pack_additive
+  std::vector<Image> additive = {};  ///< of pack_additive
   Estimate smoothed = {};            ///< what is matched and merged in place of the frame, if not empty
 
   const std::vector<Image>& merged_additive() const {
