@@ -106,8 +106,9 @@ Level coarser(const Level& fine) {
   return level;
 }
 
-/// Decides one level's factors, given those of the next coarser one, if there is one.
-void find_factors(Level& level, const Level* coarse) {
+/// Decides one level's factors, given those of the next coarser one, if there is one. The difference between
+/// frame and estimate has this share of the frame's noise.
+void find_factors(Level& level, const Level* coarse, double share_of_noise) {
   for (int y = 0; y < level.height; ++y) {
     for (int x = 0; x < level.width; ++x) {
       Block& block = level.at(x, y);
@@ -118,8 +119,9 @@ void find_factors(Level& level, const Level* coarse) {
         difference[c] = block.frame[c] - block.factor[c] * block.estimate[c];
         squares += difference[c] * difference[c] / 3.0;
       }
-      if (!(squares > block.noise) || !std::isfinite(squares)) continue;
-      const double share = 1.0 - block.noise / squares;
+      const double noise = share_of_noise * block.noise;
+      if (!(squares > noise) || !std::isfinite(squares)) continue;
+      const double share = 1.0 - noise / squares;
       for (std::size_t c = 0; c < 3; ++c) {
         const double base = block.factor[c] * block.estimate[c];
         if (!(base > 0.0)) continue;
@@ -132,11 +134,13 @@ void find_factors(Level& level, const Level* coarse) {
 
 }  // namespace
 
-void restore_energy(const NewFrame& frame, const FilterTask& task, Estimate& estimate) {
+void restore_energy(const NewFrame& frame, const FilterTask& task, Estimate& estimate, double reach_px) {
   std::vector<Level> levels{finest_level(frame, task, estimate)};
   while (levels.back().blocks.size() > 1) levels.push_back(coarser(levels.back()));
   for (std::size_t l = levels.size(); l-- > 0;) {
-    find_factors(levels[l], l + 1 < levels.size() ? &levels[l + 1] : nullptr);
+    const double block_px = std::ldexp(kFinestBlock, static_cast<int>(l));
+    find_factors(levels[l], l + 1 < levels.size() ? &levels[l + 1] : nullptr,
+                 std::min(4.0 * reach_px / block_px, 1.0));
   }
   const Level& finest = levels.front();
   const std::span<float> color = estimate.color.data();

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "filter/frame_merger.h"
 
 namespace becalm::filter {
@@ -8,7 +10,10 @@ namespace becalm::filter {
 /// of the noisy frame, by the share of the difference that its noise does not explain. The corrections on the
 /// device (correct.h) end at smaller blocks, where a bias of a percent drowns in noise; summed over a frame
 /// it is what a user sees as a darker shot. Additive AOVs take the same factors. `task` says where the noise
-/// is known from. Works on the host, for the whole frame, whatever its tiles.
-void restore_energy(const NewFrame& frame, const FilterTask& task, Estimate& estimate);
+/// is known from. An estimate that was made of this frame alone has its very noise, moved by at most
+/// `reach_px`: the difference of a block then has only the noise that crossed the block's border. Works on
+/// the host, for the whole frame, whatever its tiles.
+void restore_energy(const NewFrame& frame, const FilterTask& task, Estimate& estimate,
+                    double reach_px = std::numeric_limits<double>::infinity());
 
 }  // namespace becalm::filter

@@ -103,23 +103,20 @@ TEST_F(SequenceFilterTest, BothDirectionsAreBetterThanOneAndKeepTheEnergy) {
     settings.directions = directions;
     SequenceFilter filter(device(), settings, kWidth, kHeight, noisy_frame(1).aovs());
     double energy = 0, clean_energy = 0;
-    for (const Segment& segment : schedule(frames, {frames.begin(), frames.end()},
-                                           {.directions = directions, .segment = 32, .warmup = 8})) {
+    for (const Segment& segment :
+         schedule(frames, {6, 7, 8}, {.directions = directions, .segment = 32, .warmup = 8})) {
       for (const Step& step : segment) {
         FrameReport report;
         const std::optional<Frame> denoised = filter.run(step, noisy_frame(step.frame), report);
         ASSERT_EQ(denoised.has_value(), step.wanted && step.direction == Direction::forward);
         if (!denoised) continue;
-        if (step.frame > 4 && step.frame < 9) {
-          error[static_cast<std::size_t>(directions)] += squared_error(*denoised);
-        }
+        error[static_cast<std::size_t>(directions)] += squared_error(*denoised);
         energy += mean(*denoised);
         for (int y = 0; y < kHeight; ++y) {
           for (int x = 0; x < kWidth; ++x) clean_energy += clean(x, y, step.frame) / (kWidth * kHeight);
         }
       }
     }
-    // The mean of the noisy frames has a standard error of 0.5 / sqrt(12 * 96 * 64).
     EXPECT_NEAR(energy / clean_energy, 1.0, 0.0075);
   }
   EXPECT_LT(error[1], 0.8 * error[0]);
