@@ -62,6 +62,7 @@ struct NewFrame {
   const Frame& frame;
   std::vector<std::uint8_t> finite;  ///< of finite_pixels
   float exposure;                    ///< of the whole frame
+  float usual_depth = 1.0f;          ///< of typical_depth
   std::vector<Image> additive = {};  ///< of pack_additive
   Estimate smoothed = {};            ///< what is matched and merged in place of the frame, if not empty
 

@@ -6,6 +6,7 @@
 
 #include "filter/additive.h"
 #include "filter/correct.h"
+#include "filter/estimate_variance.h"
 #include "filter/host_images.h"
 #include "filter/noisy_inputs.h"
 #include "filter/smooth.h"
@@ -19,11 +20,10 @@ using gpu::ImageId;
 struct FrameSmoother::SmoothChain {
   SmoothChain(gpu::Device& device, const FilterTask& task, Extent extent)
       : chain(device, "smooth"),
-        noisy(chain, task, extent),
-        additive(additive_inputs(chain, task, extent, "additive.cur")),
-        features{.albedo_depth = chain.input("albedo_depth", Format::f32x4, extent),
-                 .normal = chain.input("normal", Format::f32x4, extent)} {
-    const Smoothed smoothed = add_smooth_passes(chain, task.settings, extent, noisy, features, additive);
+        noisy(chain, task, extent, true),
+        additive(additive_inputs(chain, task, extent, "additive.cur")) {
+    const Smoothed smoothed =
+        add_smooth_passes(chain, task.settings, extent, noisy, *noisy.features, additive);
     color = smoothed.color;
     smoothed_additive = smoothed.additive;
     stats = smoothed.stats;
@@ -49,7 +49,6 @@ struct FrameSmoother::SmoothChain {
   gpu::Chain chain;
   NoisyInputs noisy;
   std::vector<ImageId> additive;
-  SmoothFeatures features;
   ImageId color;
   ImageId stats;
   std::vector<ImageId> smoothed_additive;
@@ -57,9 +56,8 @@ struct FrameSmoother::SmoothChain {
 
 FrameSmoother::FrameSmoother(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit)
     : task_(task) {
-  constexpr int variance_estimate = 1;
   const int margin =
-      smooth_margin_px(task.settings) + correction_margin_px(task.settings) + variance_estimate;
+      smooth_margin_px(task.settings) + correction_margin_px(task.settings) + kVarianceEstimateMargin;
   const int grid = correction_grid_px(task.settings);
   const TileRules rules{
       .grid = grid, .core_grid = grid, .left = margin, .above = margin, .after = margin, .reach = 0};
@@ -84,13 +82,9 @@ FrameSmoother::~FrameSmoother() = default;
 Estimate FrameSmoother::smooth(const NewFrame& frame, FrameReport& report) {
   Estimate result(task_.full, task_.additive);
   gpu::Chain& chain = chain_->chain;
-  const float usual_depth = typical_depth(frame.frame, task_.used);
   FrameReport ignored;  // what is replaced is counted where the frame is merged
   for (const Tile& tile : tiles_) {
     chain_->noisy.upload(chain, task_, frame, tile, ignored);
-    pack_features(frame.frame, task_.used, usual_depth, tile.target,
-                  chain.upload<float>(chain_->features.albedo_depth),
-                  chain.upload<float>(chain_->features.normal));
     upload_additive(chain, chain_->additive, frame.additive, tile.target);
     chain.run();
     add_times(report, chain);

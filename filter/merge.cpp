@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "filter/correct.h"
+#include "filter/estimate_variance.h"
 #include "filter/noisy_inputs.h"
 #include "filter/validate.h"
 #include "frame/error.h"
@@ -188,8 +189,7 @@ ImageId add_patch_sums(Chain& chain, const Settings& settings, Extent full, Imag
 }
 
 int merge_margin_px(const Settings& settings) {
-  constexpr int variance_estimate = 1;
-  return variance_estimate + correction_margin_px(settings) + validate_margin_px(settings) +
+  return kVarianceEstimateMargin + correction_margin_px(settings) + validate_margin_px(settings) +
          (settings.merge == MergeMode::variance ? settings.patch_radius : 0);
 }
 
@@ -244,17 +244,6 @@ MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent ful
         .dispatch(full);
   }
   return {warped.color, warped.stats, std::move(warped.additive), decision};
-}
-
-ImageId add_variance_estimate(Chain& chain, Extent full, ImageId color, ImageId valid) {
-  const ImageId variance = chain.image("variance.estimated", Format::f32x2, full);
-  chain.pass("merge/estimate_variance")
-      .read("color", color)
-      .read("valid", valid)
-      .write("variance", variance)
-      .constants(params::ImageParams{.width = full.width, .height = full.height})
-      .dispatch(full);
-  return variance;
 }
 
 }  // namespace becalm::filter

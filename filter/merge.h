@@ -88,9 +88,4 @@ MergeOutputs add_merge_passes(gpu::Chain& chain, const Settings& settings, gpu::
 gpu::ImageId add_patch_sums(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
                             gpu::ImageId statistics, const std::string& name);
 
-/// Variance estimated from one frame alone, for frames that come without; returns an image as
-/// MergeInputs::variance wants it. `valid` is such an image of which only the second value is read.
-gpu::ImageId add_variance_estimate(gpu::Chain& chain, gpu::Extent full, gpu::ImageId color,
-                                   gpu::ImageId valid);
-
 }  // namespace becalm::filter

@@ -1,18 +1,22 @@
 #include "filter/noisy_inputs.h"
 
+#include "filter/estimate_variance.h"
 #include "filter/host_images.h"
-#include "filter/merge.h"
 
 namespace becalm::filter {
 
 using gpu::Format;
 
-NoisyInputs::NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent) {
+NoisyInputs::NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent, bool needs_features) {
   color = chain.input("color.cur", Format::f32x4, extent);
   exposure = chain.input("exposure", Format::f32, {1, 1});
   given_variance_ = chain.input("variance.cur", Format::f32x2, extent);
-  variance =
-      task.variance_known() ? given_variance_ : add_variance_estimate(chain, extent, color, given_variance_);
+  if (needs_features || !task.variance_known()) {
+    features = {.albedo_depth = chain.input("albedo_depth", Format::f32x4, extent),
+                .normal = chain.input("normal", Format::f32x4, extent)};
+  }
+  variance = task.variance_known() ? given_variance_
+                                   : add_variance_estimate(chain, extent, color, given_variance_, *features);
   if (task.needs_half_difference()) {
     half_difference = chain.input("half_difference.cur", Format::f32x4, extent);
   }
@@ -24,6 +28,10 @@ void NoisyInputs::upload(gpu::Chain& chain, const FilterTask& task, const NewFra
   report.replaced_variances +=
       pack_variance(frame.frame, task.used, frame.finite, tile, chain.upload<float>(given_variance_));
   chain.upload<float>(exposure)[0] = frame.exposure;
+  if (features) {
+    pack_features(frame.frame, task.used, frame.usual_depth, tile.target,
+                  chain.upload<float>(features->albedo_depth), chain.upload<float>(features->normal));
+  }
   if (half_difference) {
     pack_half_difference(frame.frame, tile.target, chain.upload<float>(*half_difference));
   }

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "filter/feature_images.h"
 #include "filter/frame_merger.h"
 #include "filter/gpu/chain.h"
 #include "filter/tiles.h"
@@ -11,8 +12,8 @@ namespace becalm::filter {
 /// A noisy frame, or a tile of it, as the input of a chain.
 class NoisyInputs {
  public:
-  /// Declares the inputs and, for frames that come without variance, the passes that estimate it.
-  NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent);
+  /// Declares the inputs and, for frames that come without variance, the pass that estimates it.
+  NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent, bool needs_features = false);
   /// Fills them with the target rectangle of a tile, and counts the variances that had to be replaced.
   void upload(gpu::Chain& chain, const FilterTask& task, const NewFrame& frame, const Tile& tile,
               FrameReport& report) const;
@@ -21,6 +22,7 @@ class NoisyInputs {
   gpu::ImageId variance;                        ///< f32x2, as MergeInputs::variance
   gpu::ImageId exposure;                        ///< f32, 1x1
   std::optional<gpu::ImageId> half_difference;  ///< f32x4: (half_a - half_b) / 2, if anything asks for it
+  std::optional<FeatureImages> features;        ///< if they are needed, or the variance is estimated
 
  private:
   gpu::ImageId given_variance_;

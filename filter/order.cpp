@@ -137,8 +137,11 @@ std::optional<Frame> SequenceFilter::run(const Step& step, const Frame& frame, F
   const FilterTask& task = state_->task;
   check_frame(frame, task.full.width, task.full.height, task.used, "the frames before it");
   const Image& beauty = frame.image(Aov::beauty);
-  NewFrame new_frame{
-      .frame = frame, .finite = finite_pixels(beauty), .exposure = exposure(beauty), .additive = {}};
+  NewFrame new_frame{.frame = frame,
+                     .finite = finite_pixels(beauty),
+                     .exposure = exposure(beauty),
+                     .usual_depth = typical_depth(frame, task.used),
+                     .additive = {}};
   new_frame.additive = pack_additive(frame, task, new_frame.finite, report);
   report.non_finite_pixels = static_cast<std::size_t>(std::ranges::count(new_frame.finite, 0));
   if (step.new_history) reset();

@@ -2,17 +2,12 @@
 
 #include <vector>
 
+#include "filter/feature_images.h"
 #include "filter/gpu/chain.h"
 #include "filter/noisy_inputs.h"
 #include "filter/settings.h"
 
 namespace becalm::filter {
-
-/// Features that a pixel's surroundings are explained by, at full resolution; 0 where a frame has none.
-struct SmoothFeatures {
-  gpu::ImageId albedo_depth;  ///< f32x4: albedo, and depth brought to [0,2]
-  gpu::ImageId normal;        ///< f32x4: normal, 0
-};
 
 struct Smoothed {
   gpu::ImageId color;                  ///< f32x4
@@ -24,7 +19,7 @@ struct Smoothed {
 /// weighted by how alike patches are beyond their noise. Additive AOVs (f32x4) are smoothed by the same
 /// kernels.
 Smoothed add_smooth_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
-                           const NoisyInputs& frame, const SmoothFeatures& features,
+                           const NoisyInputs& frame, const FeatureImages& features,
                            const std::vector<gpu::ImageId>& additive = {});
 
 /// How far from a pixel that reads, in pixels.

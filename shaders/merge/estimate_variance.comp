@@ -1,34 +1,93 @@
-// Reads a frame that came without variance; writes an estimate of each pixel's variance: the squared response of the
-// Laplacian difference mask, which annihilates planes (Immerkaer 1996, "Fast noise variance estimation"). Detail inflates
-// it, so a renderer's own variance or half-buffers are better wherever they exist.
+// Reads a frame that came without variance and its features; writes an estimate of each pixel's variance: the square of
+// what a first-order fit of the 3x3 pixels around, by albedo, normal, depth and position, leaves of the pixel itself, over
+// the share of independent noise that is left in such a remainder. The radiance is fitted without its albedo. So textures,
+// surface edges and gradients of light are no noise; only what no feature explains inflates it: borders of shadows and of
+// what is seen in mirrors. The square is of one pixel and therefore noisy itself, but has no bias, and fireflies are in it
+// as they are in half-buffers, so that correct/ can tell them from light.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "lib/gain.glsl"
+#include "lib/reflectance.glsl"
 #include "shared/merge_params.h"
 
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 8, local_size_y = 4) in;
 layout(push_constant) uniform Params { ImageParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer color;
 layout(set = 0, binding = 1) uniform samplerBuffer valid;
-layout(std430, set = 0, binding = 2) writeonly buffer VarianceBuffer { vec2 data[]; } variance;
+layout(set = 0, binding = 2) uniform samplerBuffer albedo_depth;
+layout(set = 0, binding = 3) uniform samplerBuffer normal;
+layout(std430, set = 0, binding = 4) writeonly buffer VarianceBuffer { vec2 data[]; } variance;
+
+const int kTaps = 9;
+const int kFeatures = 9;  // albedo, depth, normal, position
+const float kRidge = 1e-2;  // of the sum of weights: features that are flat or mere noise explain nothing
+const float kWeightRadius = 0.3;  // difference of features at which a pixel counts for exp(-1/2)
+const float kLeastWeight = 0.02;  // so that a pixel like none of its neighbours is not its own explanation
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= p.width || at.y >= p.height) return;
-  // At the border the mask is that of the nearest pixel with eight neighbours: folded back it would understate.
-  const ivec2 size = ivec2(p.width, p.height);
-  const ivec2 center = min(max(at, ivec2(1)), max(size - 2, ivec2(0)));
-  // The mask (1 -2 1) x (1 -2 1), of which the squares add up to 36.
-  vec3 response = vec3(0.0);
-  [[unroll]] for (int j = -1; j <= 1; ++j) {
-    [[unroll]] for (int i = -1; i <= 1; ++i) {
-      const ivec2 tap = clamp(center + ivec2(i, j), ivec2(0), size - 1);
-      const float w = (i == 0 ? -2.0 : 1.0) * (j == 0 ? -2.0 : 1.0);
-      response += w * texelFetch(color, tap.y * p.width + tap.x).rgb;
+  const int index = at.y * p.width + at.x;
+  const vec4 albedo_depth_here = texelFetch(albedo_depth, index);
+  const vec3 normal_here = texelFetch(normal, index).xyz;
+
+  float feature[kTaps][kFeatures];
+  float weight[kTaps];
+  int taps[kTaps];
+  [[unroll]] for (int t = 0; t < kTaps; ++t) {
+    const ivec2 shift = ivec2(t % 3 - 1, t / 3 - 1);
+    const ivec2 tap = at + shift;
+    const bool inside = tap.x >= 0 && tap.y >= 0 && tap.x < p.width && tap.y < p.height;
+    taps[t] = inside ? tap.y * p.width + tap.x : index;
+    const vec4 a = texelFetch(albedo_depth, taps[t]) - albedo_depth_here;
+    const vec3 n = texelFetch(normal, taps[t]).xyz - normal_here;
+    const float alike = exp(-(dot(a, a) + dot(n, n)) / (2.0 * kWeightRadius * kWeightRadius));
+    weight[t] = inside ? max(alike, kLeastWeight) * texelFetch(valid, taps[t]).y : 0.0;
+    [[unroll]] for (int f = 0; f < 4; ++f) feature[t][f] = a[f];
+    [[unroll]] for (int f = 0; f < 3; ++f) feature[t][4 + f] = n[f];
+    [[unroll]] for (int f = 0; f < 2; ++f) feature[t][7 + f] = 0.5 * float(shift[f]);
+  }
+
+  // Normal equations, the features first and the constant last: the fit's value at the pixel is the constant, of which each
+  // tap's part is its weight times (slope . feature + constant), the solution for the constant's unit vector.
+  float m[kFeatures + 1][kFeatures + 1];
+  float sum = 0.0;
+  [[unroll]] for (int t = 0; t < kTaps; ++t) sum += weight[t];
+  [[unroll]] for (int r = 0; r <= kFeatures; ++r) {
+    [[unroll]] for (int s = r; s <= kFeatures; ++s) {
+      float moment = r == s && r < kFeatures ? kRidge * sum + 1e-20 : 0.0;
+      [[unroll]] for (int t = 0; t < kTaps; ++t) {
+        moment += weight[t] * (r < kFeatures ? feature[t][min(r, kFeatures - 1)] : 1.0) *
+                  (s < kFeatures ? feature[t][min(s, kFeatures - 1)] : 1.0);
+      }
+      m[r][s] = moment;
     }
   }
-  const int index = at.y * p.width + at.x;
-  const float estimate = min(dot(response, response) / (3.0 * 36.0), kLargestVariance);
+  [[unroll]] for (int r = 0; r < kFeatures; ++r) {
+    [[unroll]] for (int t = r + 1; t <= kFeatures; ++t) {
+      const float share = m[r][t] / m[r][r];
+      [[unroll]] for (int s = t; s <= kFeatures; ++s) m[t][s] -= share * m[r][s];
+    }
+  }
+  const float constant = 1.0 / max(m[kFeatures][kFeatures], 1e-6);
+  float slope[kFeatures];
+  [[unroll]] for (int r = kFeatures - 1; r >= 0; --r) {
+    slope[r] = -m[r][kFeatures] * constant;
+    [[unroll]] for (int s = r + 1; s < kFeatures; ++s) slope[r] -= m[r][s] * slope[s];
+    slope[r] /= m[r][r];
+  }
+
+  vec3 remainder = vec3(0.0);
+  float noise_left = 0.0;  // of unit variance
+  [[unroll]] for (int t = 0; t < kTaps; ++t) {
+    float part = constant;
+    [[unroll]] for (int f = 0; f < kFeatures; ++f) part += slope[f] * feature[t][f];
+    part = weight[t] * part - (t == kTaps / 2 ? 1.0 : 0.0);
+    remainder += part * texelFetch(color, taps[t]).rgb / divisor_of(texelFetch(albedo_depth, taps[t]).rgb);
+    noise_left += part * part;
+  }
+  remainder *= divisor_of(albedo_depth_here.rgb);
+  const float estimate = min(dot(remainder, remainder) / (3.0 * max(noise_left, 1e-4)), kLargestVariance);
   variance.data[index] = vec2(estimate, texelFetch(valid, index).y);
 }

@@ -38,8 +38,11 @@ class FrameSmootherTest : public DeviceTest {
  protected:
   static Estimate run(FrameSmoother& smoother, const Frame& frame) {
     const Image& beauty = frame.image(Aov::beauty);
-    const NewFrame input{
-        .frame = frame, .finite = finite_pixels(beauty), .exposure = exposure(beauty), .additive = {}};
+    const NewFrame input{.frame = frame,
+                         .finite = finite_pixels(beauty),
+                         .exposure = exposure(beauty),
+                         .usual_depth = typical_depth(frame, frame.aovs()),
+                         .additive = {}};
     FrameReport report;
     return smoother.smooth(input, report);
   }

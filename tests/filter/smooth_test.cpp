@@ -53,8 +53,8 @@ Sample noisy_sample() {
 Grid<Estimate> smooth_on(gpu::Device& device, const Sample& sample, const Settings& settings) {
   gpu::Chain chain(device, "smooth test");
   const NoisyInputs noisy(chain, task_with_variance(settings, kFull), kFull);
-  const SmoothFeatures features{.albedo_depth = chain.input("albedo_depth", gpu::Format::f32x4, kFull),
-                                .normal = chain.input("normal", gpu::Format::f32x4, kFull)};
+  const FeatureImages features{.albedo_depth = chain.input("albedo_depth", gpu::Format::f32x4, kFull),
+                               .normal = chain.input("normal", gpu::Format::f32x4, kFull)};
   const Smoothed smoothed = add_smooth_passes(chain, settings, kFull, noisy, features);
   chain.output(smoothed.color);
   chain.output(smoothed.stats);

@@ -1,0 +1,21 @@
+#include "filter/estimate_variance.h"
+
+#include "shaders/shared/merge_params.h"
+
+namespace becalm::filter {
+
+gpu::ImageId add_variance_estimate(gpu::Chain& chain, gpu::Extent full, gpu::ImageId color,
+                                   gpu::ImageId valid, const FeatureImages& features) {
+  const gpu::ImageId variance = chain.image("variance.estimated", gpu::Format::f32x2, full);
+  chain.pass("merge/estimate_variance")
+      .read("color", color)
+      .read("valid", valid)
+      .read("albedo_depth", features.albedo_depth)
+      .read("normal", features.normal)
+      .write("variance", variance)
+      .constants(params::ImageParams{.width = full.width, .height = full.height})
+      .dispatch(full);
+  return variance;
+}
+
+}  // namespace becalm::filter

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "filter/feature_images.h"
+#include "filter/gpu/chain.h"
+
+namespace becalm::filter {
+
+/// Variance estimated from one frame alone, for frames that come without; returns an image as
+/// MergeInputs::variance wants it. `valid` is such an image of which only the second value is read.
+gpu::ImageId add_variance_estimate(gpu::Chain& chain, gpu::Extent full, gpu::ImageId color,
+                                   gpu::ImageId valid, const FeatureImages& features);
+
+/// How far from a pixel the estimate reads, in pixels.
+constexpr int kVarianceEstimateMargin = 1;
+
+}  // namespace becalm::filter
