@@ -1,0 +1,210 @@
+// The variance of frames that come without one: against the formulas in double, and against noise that is
+// known.
+#include "filter/estimate_variance.h"
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <limits>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "tests/filter/device_fixture.h"
+#include "tests/filter/pattern.h"
+
+namespace becalm::filter {
+namespace {
+
+using reference::Grid;
+
+struct Pixel {
+  std::array<double, 3> color{};
+  bool finite = true;
+  std::array<double, 4> albedo_depth{1, 1, 1, 0};
+  std::array<double, 3> normal{};
+};
+
+constexpr int kUnknowns = 10;  // the value at the pixel, then slopes along albedo, depth, normal and position
+
+double divisor(const Pixel& pixel, std::size_t c) {
+  return std::max(pixel.albedo_depth[c], 0.04);
+}
+
+/// Solves by elimination with partial pivoting.
+std::vector<double> solve(std::vector<std::vector<double>> m, std::vector<double> right) {
+  const std::size_t n = right.size();
+  for (std::size_t c = 0; c < n; ++c) {
+    std::size_t pivot = c;
+    for (std::size_t r = c; r < n; ++r) {
+      if (std::abs(m[r][c]) > std::abs(m[pivot][c])) pivot = r;
+    }
+    std::swap(m[c], m[pivot]);
+    std::swap(right[c], right[pivot]);
+    for (std::size_t r = 0; r < n; ++r) {
+      if (r == c) continue;
+      const double share = m[r][c] / m[c][c];
+      for (std::size_t k = 0; k < n; ++k) m[r][k] -= share * m[c][k];
+      right[r] -= share * right[c];
+    }
+  }
+  for (std::size_t r = 0; r < n; ++r) right[r] /= m[r][r];
+  return right;
+}
+
+/// A pixel's estimate as shaders/merge/README.md states it: least squares for the value at the pixel.
+double reference_estimate(const Grid<Pixel>& frame, int x, int y) {
+  const Pixel& here = frame.at(x, y);
+  std::vector<std::array<double, kUnknowns>> rows;
+  std::vector<double> weights;
+  std::vector<const Pixel*> taps;
+  std::size_t own = 0;
+  for (int j = -1; j <= 1; ++j) {
+    for (int i = -1; i <= 1; ++i) {
+      if (x + i < 0 || y + j < 0 || x + i >= frame.width || y + j >= frame.height) continue;
+      const Pixel& tap = frame.at(x + i, y + j);
+      if (i == 0 && j == 0) own = taps.size();
+      std::array<double, kUnknowns> row{1};
+      double distance = 0;
+      for (std::size_t f = 0; f < 4; ++f) row[1 + f] = tap.albedo_depth[f] - here.albedo_depth[f];
+      for (std::size_t f = 0; f < 3; ++f) row[5 + f] = tap.normal[f] - here.normal[f];
+      for (std::size_t f = 1; f < 8; ++f) distance += row[f] * row[f];
+      row[8] = 0.5 * i;
+      row[9] = 0.5 * j;
+      rows.push_back(row);
+      weights.push_back(tap.finite ? std::max(std::exp(-distance / 0.18), 0.02) : 0.0);
+      taps.push_back(&tap);
+    }
+  }
+  double sum = 0;
+  for (const double w : weights) sum += w;
+  std::vector<std::vector<double>> m(kUnknowns, std::vector<double>(kUnknowns, 0.0));
+  for (int r = 0; r < kUnknowns; ++r) {
+    for (std::size_t t = 0; t < rows.size(); ++t) {
+      for (int s = 0; s < kUnknowns; ++s) m[r][s] += weights[t] * rows[t][r] * rows[t][s];
+    }
+    if (r > 0) m[r][r] += 0.01 * sum;
+  }
+  // What the fit leaves of the pixel is linear in the values: its answer to one of them at a time.
+  std::array<double, 3> left{};
+  double noise_left = 0;
+  for (std::size_t t = 0; t < rows.size(); ++t) {
+    std::vector<double> right(kUnknowns);
+    for (int r = 0; r < kUnknowns; ++r) right[r] = weights[t] * rows[t][r];
+    const double part = (t == own ? 1.0 : 0.0) - solve(m, right)[0];
+    noise_left += part * part;
+    for (std::size_t c = 0; c < 3; ++c) left[c] += part * taps[t]->color[c] / divisor(*taps[t], c);
+  }
+  double squares = 0;
+  for (std::size_t c = 0; c < 3; ++c) squares += std::pow(left[c] * divisor(here, c), 2) / 3;
+  return squares / std::max(noise_left, 1e-4);
+}
+
+class EstimateVarianceTest : public DeviceTest {
+ protected:
+  static Grid<double> estimate(const Grid<Pixel>& frame) {
+    const gpu::Extent full{frame.width, frame.height};
+    gpu::Chain chain(device(), "variance estimate test");
+    const gpu::ImageId color = chain.input("color", gpu::Format::f32x4, full);
+    const gpu::ImageId valid = chain.input("valid", gpu::Format::f32x2, full);
+    const FeatureImages features{.albedo_depth = chain.input("albedo_depth", gpu::Format::f32x4, full),
+                                 .normal = chain.input("normal", gpu::Format::f32x4, full)};
+    const gpu::ImageId variance = add_variance_estimate(chain, full, color, valid, features);
+    chain.output(variance);
+    chain.build();
+    for (std::size_t i = 0; i < frame.data.size(); ++i) {
+      const Pixel& pixel = frame.data[i];
+      std::ranges::copy(pixel.color, chain.upload<float>(color).begin() + 4 * i);
+      chain.upload<float>(valid)[2 * i + 1] = pixel.finite ? 1.0f : 0.0f;
+      std::ranges::copy(pixel.albedo_depth, chain.upload<float>(features.albedo_depth).begin() + 4 * i);
+      std::ranges::copy(pixel.normal, chain.upload<float>(features.normal).begin() + 4 * i);
+    }
+    chain.run();
+    Grid<double> result(frame.width, frame.height);
+    for (std::size_t i = 0; i < result.data.size(); ++i) {
+      result.data[i] = chain.download<float>(variance)[2 * i];
+      EXPECT_EQ(chain.download<float>(variance)[2 * i + 1], frame.data[i].finite ? 1.0f : 0.0f);
+    }
+    return result;
+  }
+};
+
+/// Coarse-grained albedo and two walls under light that falls off, with noise of that relative standard
+/// deviation.
+Grid<Pixel> textured(int width, int height, double noise) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  Grid<Pixel> frame(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      Pixel& pixel = frame.at(x, y);
+      const bool wall = x + y / 2 < width / 2;
+      const double light = (wall ? 0.3 : 1.5) + 0.02 * x;
+      pixel.normal = wall ? std::array{1.0, 0.0, 0.0} : std::array{0.0, 0.6, 0.8};
+      for (std::size_t c = 0; c < 3; ++c) {
+        pixel.albedo_depth[c] = (x / 2 + y / 3 + static_cast<int>(c)) % 2 ? 0.8 : 0.1;
+        pixel.color[c] = light * pixel.albedo_depth[c] * (1 + noise * normal(random));
+      }
+      pixel.albedo_depth[3] = 0.5 + 0.01 * y + (wall ? 0.0 : 0.4);
+    }
+  }
+  return frame;
+}
+
+TEST_F(EstimateVarianceTest, IsTheFormulaInDouble) {
+  Grid<Pixel> frame = textured(23, 17, 0.3);
+  for (std::size_t i = 3; i < frame.data.size(); i += 29) frame.data[i].finite = false;
+  frame.at(9, 9).normal = {0, -1, 0};  // like none of its neighbours
+  const Grid<double> got = estimate(frame);
+  for (int y = 0; y < frame.height; ++y) {
+    for (int x = 0; x < frame.width; ++x) {
+      if (!frame.at(x, y).finite) continue;
+      const double expected = reference_estimate(frame, x, y);
+      EXPECT_NEAR(got.at(x, y), expected, 1e-3 * expected + 1e-6) << x << ' ' << y;
+    }
+  }
+}
+
+TEST_F(EstimateVarianceTest, TextureAndEdgesAreNoNoise) {
+  // Little noise beside much texture: a difference of neighbours sees the texture instead.
+  constexpr double noise = 0.03;
+  const Grid<Pixel> frame = textured(64, 48, noise);
+  const Grid<double> got = estimate(frame);
+  double relative = 0;
+  for (std::size_t i = 0; i < got.data.size(); ++i) {
+    double truth = 0;
+    for (const double value : frame.data[i].color) truth += std::pow(value * noise, 2) / 3;
+    relative += got.data[i] / truth / static_cast<double>(got.data.size());
+  }
+  EXPECT_GT(relative, 0.8);
+  EXPECT_LT(relative, 1.6);
+}
+
+TEST_F(EstimateVarianceTest, NoiseOnAFlatSurfaceIsFoundWithoutBias) {
+  std::mt19937 random(8);
+  std::exponential_distribution<double> skewed(1.0);
+  Grid<Pixel> frame(96, 64);
+  for (Pixel& pixel : frame.data) pixel.color.fill(skewed(random));
+  const Grid<double> got = estimate(frame);
+  double mean = 0;
+  for (const double value : got.data) mean += value / static_cast<double>(got.data.size());
+  // The squares' standard deviation is below 3 of the variance 1, and neighbours share their samples.
+  EXPECT_NEAR(mean, 1.0, 0.15);
+}
+
+TEST_F(EstimateVarianceTest, IsFiniteForTheSmallestAndTheBrightest) {
+  for (const auto& [width, height] : {std::pair(1, 1), std::pair(2, 1), std::pair(1, 9)}) {
+    for (const double value : {0.0, 1e-30, 1e30, -1e30, 3e38}) {
+      Grid<Pixel> frame(width, height);
+      for (Pixel& pixel : frame.data) pixel.color.fill(value);
+      frame.data.back().color.fill(0.5 * value);
+      for (const double got : estimate(frame).data) {
+        EXPECT_GE(got, 0.0);
+        EXPECT_LE(got, 1.01e34);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace becalm::filter
