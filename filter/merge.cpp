@@ -228,7 +228,7 @@ MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent ful
   if (inputs.rules != 0) {
     const SourceWindow window =
         inputs.history_window ? *inputs.history_window : add_same_window(chain, full, "origin.validate");
-    trust = add_validate_pass(chain, settings, full, inputs.rules, inputs.surface, alignment.offset, window);
+    trust = add_validate_pass(chain, settings, full, inputs.rules, inputs.surface, alignment, window);
   }
   const ImageId decision = settings.merge == MergeMode::variance
                                ? add_variance_gain(chain, settings, full, inputs, warped, trust)

@@ -38,7 +38,7 @@ struct MergeInputs {
   std::optional<SourceWindow> history_window =
       {};                   ///< where the previous history shows more than the new frame
   unsigned rules = 0;       ///< flags of Validate by which the history is validated
-  SurfaceInputs surface{};  ///< given if there are rules
+  SurfaceInputs surface{};  ///< given if there are rules of kValidateBySurface
   std::vector<AdditiveInput> additive = {};
 };
 

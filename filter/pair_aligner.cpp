@@ -44,9 +44,8 @@ struct PairAligner::State {
     alignment = add_align_passes(chain, settings, full, target_features, source_features,
                                  {.name = {}, .motion = motion});
     if (settings.consistency != 0) {
-      const Alignment back = add_align_passes(chain, settings, full, source_features, target_features,
-                                              {.name = "back.", .motion = {}});
-      confidence = add_consistency_pass(chain, full, alignment.offset, back.offset);
+      confidence =
+          add_consistency_passes(chain, settings, full, target_features, source_features, alignment.offset);
       chain.output(*confidence);
     }
     chain.output(alignment.offset);

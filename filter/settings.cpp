@@ -52,7 +52,7 @@ constexpr std::array<std::string_view, 2> kSmoothNames{"none", "regression"};
 constexpr std::array<std::string_view, 2> kDirectionsNames{"forward", "both"};
 constexpr std::array<std::string_view, 3> kMotionNames{"none", "guide", "override"};
 constexpr std::array<std::string_view, 3> kResampleNames{"bilinear", "catmull_rom", "o_moms"};
-constexpr std::array<std::string_view, 3> kValidateNames{"depth", "normal", "id"};
+constexpr std::array<std::string_view, 4> kValidateNames{"depth", "normal", "id", "flow"};
 constexpr std::array<std::string_view, 4> kHistoryClipNames{"none", "clamp", "clip", "variance"};
 constexpr std::array<std::string_view, 2> kClipSpaceNames{"rgb", "ycocg"};
 constexpr std::array<std::string_view, 2> kAccumulateNames{"count", "exponential"};
@@ -107,8 +107,9 @@ const Row kRows[] = {
      IntRange{&Settings::smooth_patch_radius, 1, 3}},
     {{"smooth_strength", "number 0.01..10", "standard deviations of noise by which those patches may differ"},
      FloatRange{&Settings::smooth_strength, 0.01f, 10.0f}},
-    {{"validate", "none, or some of depth, normal and id joined by commas",
-      "distrusts history that was of another surface than the new frame's"},
+    {{"validate", "none, or some of depth, normal, id and flow joined by commas",
+      "distrusts history that was of another surface than the new frame's, or (flow) whose offsets there and "
+      "back disagree"},
      NamedSet{&Settings::validate, kValidateNames}},
     {{"validate_bias", "number 0..1000",
       "variance mode: relative bias that history of another surface is given; large ones reject it"},

@@ -29,8 +29,10 @@ enum class Smooth { none, regression };
 /// How the merge weighs history against the new frame.
 enum class MergeMode { mask, variance };
 
-/// By which surface AOVs the history is validated; flags.
-enum Validate : unsigned { validate_depth = 1, validate_normal = 2, validate_id = 4 };
+/// By what the history is validated: surface AOVs, and whether the flow back from the history agrees with
+/// that into it. Flags.
+enum Validate : unsigned { validate_depth = 1, validate_normal = 2, validate_id = 4, validate_flow = 8 };
+constexpr unsigned kValidateBySurface = validate_depth | validate_normal | validate_id;
 
 /// How the history is rectified by the new frame's colours around it: not at all; each channel clamped to
 /// their range; moved towards their mean until it lies in that box, or in the box of their standard

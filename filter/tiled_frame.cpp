@@ -1,5 +1,7 @@
 #include "filter/tiled_frame.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 #include <numeric>
@@ -10,6 +12,8 @@
 #include "filter/correct.h"
 #include "filter/host_images.h"
 #include "filter/merge.h"
+#include "filter/validate.h"
+#include "frame/error.h"
 
 namespace becalm::filter {
 namespace {
@@ -63,6 +67,13 @@ struct TiledFrame::Chains {
 
 TiledFrame::TiledFrame(gpu::Device& device, FilterTask task, std::uint64_t memory_limit)
     : task_(std::move(task)) {
+  if (applicable_rules(task_.settings, task_.used) & validate_flow) {
+    throw Error(
+        ExitStatus::usage,
+        fmt::format("validate=flow: frames of {}x{} px would have to be cut into tiles, of which offsets "
+                    "there and back cannot be compared; allow more memory or leave flow out",
+                    task_.full.width, task_.full.height));
+  }
   plan(device, memory_limit);
   chains_->for_each([](gpu::Chain& chain) { chain.build(); });
 

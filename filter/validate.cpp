@@ -12,7 +12,7 @@ using gpu::Format;
 using gpu::ImageId;
 
 unsigned applicable_rules(const Settings& settings, const AovSet& available) {
-  unsigned rules = 0;
+  unsigned rules = validate_flow;
   if (contains(available, Aov::depth)) rules |= validate_depth;
   if (contains(available, Aov::normal)) rules |= validate_normal;
   if (contains(available, Aov::object_id)) rules |= validate_id;
@@ -25,17 +25,21 @@ int validate_margin_px(const Settings& settings) {
 }
 
 ImageId add_validate_pass(Chain& chain, const Settings& settings, Extent full, unsigned rules,
-                          const SurfaceInputs& surface, ImageId offset, const SourceWindow& window) {
+                          const SurfaceInputs& surface, const Alignment& alignment,
+                          const SourceWindow& window) {
+  const bool by_surface = (rules & kValidateBySurface) != 0;
   const ImageId trust = chain.image("trust", Format::f32x2, full);
   chain.pass("merge/validate")
-      .read("offset", offset)
-      .read("surface", surface.current)
-      .read("history_surface", surface.previous)
+      .read("offset", alignment.offset)
+      .read("surface", by_surface ? surface.current : alignment.offset)
+      .read("history_surface", by_surface ? surface.previous : alignment.offset)
       .read("target_origin", window.target_origin)
+      .read("consistency", alignment.consistency.value_or(alignment.offset))
       .write("trust", trust)
       .specialize("by_depth", rules & validate_depth ? 1 : 0)
       .specialize("by_normal", rules & validate_normal ? 1 : 0)
       .specialize("by_id", rules & validate_id ? 1 : 0)
+      .specialize("by_flow", rules & validate_flow ? 1 : 0)
       .constants(params::ValidateParams{.width = full.width,
                                         .height = full.height,
                                         .history_width = window.full.width,

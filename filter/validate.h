@@ -17,9 +17,10 @@ int validate_margin_px(const Settings& settings);
 
 /// How far the history may be trusted where the new frame's pixels are (f32x2): trust in [0,1] and, in the
 /// values of shaders/lib/rejection.glsl, the rule that doubts most. `rules` are flags of Validate, at least
-/// one.
+/// one; the surface is read for those of kValidateBySurface, the alignment's consistency for validate_flow.
 gpu::ImageId add_validate_pass(gpu::Chain& chain, const Settings& settings, gpu::Extent full, unsigned rules,
-                               const SurfaceInputs& surface, gpu::ImageId offset, const SourceWindow& window);
+                               const SurfaceInputs& surface, const Alignment& alignment,
+                               const SourceWindow& window);
 
 /// The warped history brought into a box of the new frame's colours, for a history_clip that is not `none`.
 WarpedHistory add_rectify_pass(gpu::Chain& chain, const Settings& settings, gpu::Extent full,

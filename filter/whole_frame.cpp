@@ -42,13 +42,18 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
     target.guide_planes = source.guide_planes = planes;
   }
   if (contains(task_.used, Aov::motion)) motion_ = chain_.input("motion.cur", Format::f32x2, full);
-  const Alignment alignment = add_align_passes(
-      chain_, settings, full, add_feature_passes(chain_, settings, full, "target", target),
-      add_feature_passes(chain_, settings, full, "source", source), {.name = {}, .motion = motion_});
+  const Features target_features = add_feature_passes(chain_, settings, full, "target", target);
+  const Features source_features = add_feature_passes(chain_, settings, full, "source", source);
+  Alignment alignment = add_align_passes(chain_, settings, full, target_features, source_features,
+                                         {.name = {}, .motion = motion_});
   offset_ = alignment.offset;
   residual_ = alignment.residual.front();
   const unsigned rules = applicable_rules(settings, task_.used);
-  if (rules != 0) {
+  if (rules & validate_flow) {
+    alignment.consistency =
+        add_consistency_passes(chain_, settings, full, target_features, source_features, alignment.offset);
+  }
+  if (rules & kValidateBySurface) {
     surface_ = {chain_.input("surface.cur", Format::f32x4, full),
                 chain_.input("surface.prev", Format::f32x4, full)};
   }

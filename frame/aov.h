@@ -72,7 +72,7 @@ inline constexpr std::array<AovInfo, kAovCount> kAovTable{{
     {Aov::gain, "gain", "Y", true, "weight of the new sample in the pixel, in [0,1]"},
     {Aov::rejected_by, "rejected_by", "Y", true,
      "rule that took most of the history's weight: 0 none, 1 there was no history, 2 the residual, 3 depth, "
-     "4 normal, 5 object number"},
+     "4 normal, 5 object number, 6 offsets there and back that disagree"},
     {Aov::residual, "residual", "Y", true,
      "patch distance at the offset, less that of equal pixels, of the finest level that was matched"},
 }};

@@ -7,6 +7,7 @@ const float kRejectedByResidual = 2.0f;  // patches differ by more than noise ex
 const float kRejectedByDepth = 3.0f;
 const float kRejectedByNormal = 4.0f;
 const float kRejectedById = 5.0f;
+const float kRejectedByFlow = 6.0f;  // the way there and back does not end where it began
 
 /// The rule that took most of the history's weight, given the share that was rejected and how much the residual and the
 /// distrust by `trust_rule` had to say. Less than a hundredth is nothing.

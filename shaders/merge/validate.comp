@@ -1,7 +1,8 @@
 // Reads what the new frame's and the last frame's pixels show (lib/surface.glsl) and the offsets; writes how far the
 // history there may be trusted (survey of Yang et al., section 4.1): (trust in [0,1], the rule of lib/rejection.glsl that
 // doubts most). Depths, normals and object numbers cannot be averaged, so each of the four pixels that the history is
-// read from is judged by itself, and their trusts are weighed bilinearly.
+// read from is judged by itself, and their trusts are weighed bilinearly. Where offsets were searched there and back, their
+// consistency is one more trust.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -12,6 +13,7 @@
 layout(constant_id = 0) const int by_depth = 1;
 layout(constant_id = 1) const int by_normal = 1;
 layout(constant_id = 2) const int by_id = 1;
+layout(constant_id = 3) const int by_flow = 0;
 
 layout(local_size_x = 8, local_size_y = 4) in;
 layout(push_constant) uniform Params { ValidateParams p; };
@@ -19,7 +21,8 @@ layout(set = 0, binding = 0) uniform samplerBuffer offset;
 layout(set = 0, binding = 1) uniform samplerBuffer surface;
 layout(set = 0, binding = 2) uniform samplerBuffer history_surface;
 layout(set = 0, binding = 3) uniform samplerBuffer target_origin;
-layout(std430, set = 0, binding = 4) writeonly buffer TrustBuffer { vec2 data[]; } trust;
+layout(set = 0, binding = 4) uniform samplerBuffer consistency;  // of align/consistency
+layout(std430, set = 0, binding = 5) writeonly buffer TrustBuffer { vec2 data[]; } trust;
 
 /// The unit vector of an octahedral pair, or zero.
 vec3 unpack_normal(vec2 pair) {
@@ -61,7 +64,9 @@ void main() {
       by_rule += area * trusts;
     }
   }
-  const float least = min(by_rule.x, min(by_rule.y, by_rule.z));
-  const float rule = least == by_rule.z ? kRejectedById : (least == by_rule.x ? kRejectedByDepth : kRejectedByNormal);
-  trust.data[index] = vec2(total, least < 1.0 ? rule : kRejectedByNothing);
+  const float of_flow = by_flow != 0 ? texelFetch(consistency, index).x : 1.0;
+  const float of_surface = min(by_rule.x, min(by_rule.y, by_rule.z));
+  float rule = of_surface == by_rule.z ? kRejectedById : (of_surface == by_rule.x ? kRejectedByDepth : kRejectedByNormal);
+  rule = of_flow < of_surface ? kRejectedByFlow : rule;
+  trust.data[index] = vec2(total * of_flow, min(of_surface, of_flow) < 1.0 ? rule : kRejectedByNothing);
 }

@@ -71,7 +71,7 @@ TEST(Settings, BadAssignmentsNameKeyValueAndRange) {
   for (const std::string value : {"depth,none", "depth,", "", "Depth"}) {
     EXPECT_EQ(error_of("validate=" + value),
               "--set validate: value '" + value +
-                  "': expected none, or some of depth, normal and id joined by commas");
+                  "': expected none, or some of depth, normal, id and flow joined by commas");
   }
   EXPECT_EQ(error_of("patch_radius"), "--set 'patch_radius': expected KEY=VALUE");
   EXPECT_TRUE(error_of("radius=3").starts_with("--set: no setting 'radius'; there are match_downsample, "));

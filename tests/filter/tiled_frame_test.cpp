@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "filter/order.h"
+#include "frame/error.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/pattern.h"
 
@@ -234,6 +235,22 @@ TEST_F(TiledFrameTest, TakesLongAndTinyFrames) {
   }
   SequenceFilter filter = make(preset("balanced"), {.width = 1, .height = 1}, std::uint64_t{1} << 20);
   EXPECT_EQ(filter.memory().tiles, 1u);
+}
+
+TEST_F(TiledFrameTest, IsRefusedWhereOffsetsThereAndBackAreCompared) {
+  Settings settings = forward("balanced");
+  set(settings, "validate=flow");
+  const Scene scene{.width = 517, .height = 403};
+  EXPECT_NO_THROW(make(settings, {.width = 65, .height = 43}, kUnlimited));
+  try {
+    make(settings, scene, 16 << 20);
+    FAIL() << "517x403 px within 16 MiB in one piece";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.status(), ExitStatus::usage);
+    const std::string message = error.what();
+    EXPECT_TRUE(message.starts_with("validate=flow: frames of 517x403 px would have to be cut")) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos);
+  }
 }
 
 TEST_F(TiledFrameTest, IsRefusedWhereTheSmallestTilesAreTooLarge) {

@@ -95,11 +95,14 @@ class MergeOnDevice {
                       chain_.image("merged.color", gpu::Format::f32x4, kFull)};
     history_stats_ = {chain_.input("history.stats", gpu::Format::f32x2, kFull),
                       chain_.image("merged.stats", gpu::Format::f32x2, kFull)};
-    if (rules_ != 0) {
+    if (rules_ & kValidateBySurface) {
       surface_ = {chain_.input("surface.cur", gpu::Format::f32x4, kFull),
                   chain_.input("surface.prev", gpu::Format::f32x4, kFull)};
     }
     Alignment alignment{.offset = offset_, .residual = {}};
+    if (rules_ & validate_flow) {
+      alignment.consistency = consistency_ = chain_.input("consistency", gpu::Format::f32, kFull);
+    }
     for (std::size_t l = 0; l < pyramid_extents(settings, kWidth, kHeight).size(); ++l) {
       alignment.residual.push_back(chain_.image("residual." + std::to_string(l), gpu::Format::f32, {1, 1}));
     }
@@ -129,7 +132,7 @@ class MergeOnDevice {
   };
 
   Result run(const Grid<Estimate>& sample, const Grid<Estimate>& history, const Grid<Vec2>& offset,
-             const Grid<Surface>& now, const Grid<Surface>& before) {
+             const Grid<Surface>& now, const Grid<Surface>& before, const Grid<double>& consistency = {}) {
     upload(sample, noisy_.color, noisy_.variance);
     upload(history, history_color_.previous, history_stats_.previous);
     const auto offsets = chain_.upload<float>(offset_);
@@ -139,7 +142,8 @@ class MergeOnDevice {
     }
     chain_.upload<float>(noisy_.exposure)[0] = 1.0f;
     if (residual_) std::ranges::fill(chain_.upload<float>(*residual_), 0.0f);
-    if (rules_ != 0) {
+    if (consistency_) std::ranges::copy(consistency.data, chain_.upload<float>(*consistency_).begin());
+    if (rules_ & kValidateBySurface) {
       for (const auto& [surfaces, image] :
            {std::pair{&now, surface_.current}, {&before, surface_.previous}}) {
         pack_surface(frame_of(*surfaces), surface_aovs(), bounds(kFull), chain_.upload<float>(image));
@@ -179,7 +183,7 @@ class MergeOnDevice {
   unsigned rules_;
   gpu::History history_color_, history_stats_;
   SurfaceInputs surface_{};
-  std::optional<gpu::ImageId> residual_;
+  std::optional<gpu::ImageId> residual_, consistency_;
   gpu::ImageId offset_, decision_;
 };
 
@@ -238,6 +242,35 @@ TEST_F(ValidateTest, TakesFromTheHistorysWeightWhatTheReferenceSays) {
           }
         }
         EXPECT_LT(least, 0.5) << rules << ": nothing was there to be distrusted";
+      }
+    }
+  }
+}
+
+TEST_F(ValidateTest, OffsetsThereAndBackThatDisagreeAreBias) {
+  const Grid<Surface> still(kWidth, kHeight, {1, {0, 0, 1}, 1});
+  Grid<Surface> before = still;
+  Grid<double> consistency(kWidth, kHeight, 1.0);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) consistency.at(x, y) = 1.0 / (1 + x % 7);
+    before.at(14, y).id = 7;
+  }
+  for (const char* merge : {"merge=variance", "merge=mask"}) {
+    for (const char* rules : {"validate=flow", "validate=id,flow"}) {
+      Settings settings = uncorrected();
+      set(settings, merge);
+      set(settings, rules);
+      settings.mask_alpha = 1.0f;
+      settings.validate_bias = 0.5f;
+      const auto found =
+          MergeOnDevice(device(), settings)
+              .run(even(0.04, 1), even(0.01, 4), steady_offset(0, 0), still, before, consistency);
+      for (int x = 0; x < kWidth; ++x) {
+        const bool other_surface = x == 14 && settings.validate & validate_id;
+        const double t = other_surface ? 0.0 : consistency.at(x, 9);
+        const double weight = settings.merge == MergeMode::mask ? 0.8 * t : 0.04 / (0.05 + 0.25 * (1 - t));
+        ASSERT_NEAR(1 - found.gain.at(x, 9), weight, 2e-3) << merge << ' ' << rules << ' ' << x;
+        EXPECT_EQ(found.rule.at(x, 9), other_surface ? 5.0 : t < 1 ? 6.0 : 0.0) << merge << ' ' << x;
       }
     }
   }
