@@ -75,6 +75,7 @@ ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, c
       .write("decision", decision)
       .specialize("radius", settings.patch_radius)
       .specialize("validated", trust ? 1 : 0)
+      .specialize("smoothed", settings.smooth != Smooth::none ? 1 : 0)
       .constants(params::VarianceGainParams{.width = full.width,
                                             .height = full.height,
                                             .max_history = settings.max_history,

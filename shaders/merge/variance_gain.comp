@@ -1,7 +1,9 @@
 // Reads the new frame, the warped history and the patch sums of their statistics; writes the merged frame, which is the
 // next frame's history. The weight of the new sample minimises the expected squared error (Philippi et al., eq. 4) with
 // bias^2 estimated from patch residuals that noise does not explain. The pixel itself is left out of its patch: a Monte
-// Carlo sample's variance grows with its value, so weights made from the value that they weigh would darken the image.
+// Carlo sample's variance grows with its value, so weights made from the value that they weigh would darken the image. The
+// variance left in a smoothed pixel is that of its window, so there it may say that the pixel is better known than its patch:
+// sky between leaves.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -12,6 +14,7 @@
 
 layout(constant_id = 0) const int radius = 3;
 layout(constant_id = 1) const int validated = 0;  // 1: `trust` says how far the history may be believed
+layout(constant_id = 2) const int smoothed = 0;  // 1: the new frame is, and its variance that of a window's mean
 
 layout(local_size_x = 8, local_size_y = 4) in;
 layout(push_constant) uniform Params { VarianceGainParams p; };
@@ -53,9 +56,10 @@ void main() {
   float rejected = 0.0;
   float rule = kRejectedByNothing;
   if (count >= 1.0) {
-    const float variance_new = noise_sum.x / count;
+    const float variance_of_patch = noise_sum.x / count;
+    const float variance_new = smoothed != 0 ? min(variance_of_patch, texelFetch(noise, index).x) : variance_of_patch;
     const float variance_history = noise_sum.y / count;
-    const float expected = variance_new + variance_history;
+    const float expected = variance_of_patch + variance_history;
     // Two views of the bias: what all pixels of the patch share shows in the mean difference, whose noise averages out;
     // misaligned detail shows in the squared differences alone.
     const vec3 mean = difference_sum.rgb / count;
@@ -68,7 +72,7 @@ void main() {
     const float relative_bias = of_residual + of_distrust;
     alpha = max(gain(variance_new, variance_history, relative_bias), 1.0 / p.max_history);
     // The share of the weight that the history would have without bias: 1 - (1 - alpha) / (1 - alpha of no bias).
-    rejected = relative_bias > 0.0 ? relative_bias / (expected + relative_bias) : 0.0;
+    rejected = relative_bias > 0.0 ? relative_bias / (variance_new + variance_history + relative_bias) : 0.0;
     rule = rejection_rule(rejected, of_residual, of_distrust, trusted.y);
     const vec4 h = texelFetch(warped_color, index);
     const float scale = brightness(h.r, h.g, h.b, texelFetch(exposure, 0).x);

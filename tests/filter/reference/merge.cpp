@@ -170,6 +170,12 @@ Merged merge_by_variance(const Grid<Estimate>& sample, const Grid<Estimate>& war
         variance_new /= count;
         variance_history /= count;
         const double noise = variance_new + variance_history;
+        if (settings.smooth != filter::Smooth::none) {
+          const Estimate& own = sample.at(x, y);
+          const bool counts = own.count > 0 && warped.at(x, y).count > 0;
+          const double own_scale = 1 / brightness(warped.at(x, y).color, exposure);
+          variance_new = std::min(variance_new, counts ? own.variance * own_scale * own_scale : 0.0);
+        }
         double mean_square = 0;
         for (int c = 0; c < 3; ++c) mean_square += mean[c] * mean[c] / (3.0 * count * count);
         const double relative_bias = std::max(excess(mean_square, noise / count, 1, settings.significance),
@@ -178,7 +184,8 @@ Merged merge_by_variance(const Grid<Estimate>& sample, const Grid<Estimate>& war
         alpha = std::max(least, gain(variance_new, variance_history, relative_bias));
         const double unbiased = gain(variance_new, variance_history, 0);
         const double biased = gain(variance_new, variance_history, relative_bias);
-        rejected = noise > 0 ? 1 - (1 - biased) / (1 - unbiased) : (relative_bias > 0 ? 1 : 0);
+        rejected = variance_new + variance_history > 0 ? 1 - (1 - biased) / (1 - unbiased)
+                                                       : (relative_bias > 0 ? 1 : 0);
         const double scale = brightness(warped.at(x, y).color, exposure);
         bias = relative_bias * scale * scale;
       }

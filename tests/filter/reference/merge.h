@@ -32,7 +32,8 @@ Rgba read_sharp(const Grid<Rgba>& taps, double x, double y, filter::Resample res
 Grid<Estimate> warp(const Grid<Estimate>& history, const Grid<Vec2>& offset, filter::Resample resample);
 
 /// Variance gain (Philippi et al., eq. 4) with the bias estimated from the residuals of leave-one-out
-/// patches. The sample's count is 1, or 0 for a pixel that is not finite.
+/// patches; a smoothed sample's own variance counts where it is less than its patch's. The sample's count is
+/// 1, or 0 for a pixel that is not finite.
 Merged merge_by_variance(const Grid<Estimate>& sample, const Grid<Estimate>& warped, double exposure,
                          const filter::Settings& settings);
 
