@@ -1,6 +1,7 @@
 #include "filter/order.h"
 
 #include <array>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <random>
@@ -92,6 +93,37 @@ TEST_F(SequenceFilterTest, CalmsAMovingPatternAndKeepsItsEnergy) {
     }
     EXPECT_LT(error, noisy_error / 3) << name;
     EXPECT_NEAR(energy / clean_energy, 1.0, 0.0075) << name;
+  }
+}
+
+TEST_F(SequenceFilterTest, MaskModeIsNeverWorseThanNoisyAndKeepsTheEnergy) {
+  const std::vector<int> frames{1, 2, 3, 4, 5, 6, 7};
+  for (const Directions directions : {Directions::forward, Directions::both}) {
+    for (const Smooth smooth : {Smooth::none, Smooth::regression}) {
+      Settings settings = preset("balanced");
+      settings.merge = MergeMode::mask;
+      settings.directions = directions;
+      settings.smooth = smooth;
+      SequenceFilter filter(device(), settings, kWidth, kHeight, noisy_frame(1).aovs());
+      double energy = 0, clean_energy = 0;
+      for (const Segment& segment :
+           schedule(frames, {3, 4, 5}, {.directions = directions, .segment = 32, .warmup = 8})) {
+        for (const Step& step : segment) {
+          const Frame noisy = noisy_frame(step.frame);
+          FrameReport report;
+          const std::optional<Frame> denoised = filter.run(step, noisy, report);
+          if (!denoised) continue;
+          for (const float value : denoised->image(Aov::beauty).data()) ASSERT_TRUE(std::isfinite(value));
+          EXPECT_LT(squared_error(*denoised), 0.7 * squared_error(noisy)) << step.frame;
+          energy += mean(*denoised);
+          for (int y = 0; y < kHeight; ++y) {
+            for (int x = 0; x < kWidth; ++x) clean_energy += clean(x, y, step.frame) / (kWidth * kHeight);
+          }
+        }
+      }
+      ASSERT_GT(energy, 0.0);
+      EXPECT_NEAR(energy / clean_energy, 1.0, 0.01);
+    }
   }
 }
 
