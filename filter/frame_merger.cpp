@@ -6,6 +6,7 @@
 #include "filter/pixel_view.h"
 
 namespace becalm::filter {
+
 Estimate::Estimate(gpu::Extent extent, std::size_t additive_count)
     : color(extent.width, extent.height, 4),
       stats(extent.width, extent.height, 2),
@@ -60,6 +61,12 @@ void add_times(FrameReport& report, const gpu::Chain& chain) {
       same->milliseconds += pass.milliseconds;
     }
   }
+}
+
+void add_memory(FilterMemory& memory, const gpu::Chain& chain) {
+  memory.device_bytes += chain.device_bytes();
+  memory.device_bytes_unaliased += chain.device_bytes_unaliased();
+  memory.staging_bytes += chain.staging_bytes();
 }
 
 }  // namespace becalm::filter

@@ -99,12 +99,7 @@ void TiledFrame::plan(gpu::Device& device, std::uint64_t memory_limit) {
     rules.grid = std::lcm(rules.grid, correction_grid_px(settings));
     // Known motion may lead anywhere.
     if (contains(task_.used, Aov::motion)) rules.reach = std::max(full.width, full.height);
-    const int margin = feature_margin_px(settings);
-    const TileRules feature_rules{.grid = rules.core_grid,
-                                  .core_grid = rules.core_grid,
-                                  .left = margin,
-                                  .above = margin,
-                                  .after = margin};
+    const TileRules feature_rules = local_tile_rules(feature_margin_px(settings), rules.core_grid);
     std::unique_ptr<Chains> chains;
     std::vector<Tile> feature_tiles;
     const auto fits = [&](const Tile& tile) {
@@ -273,11 +268,7 @@ void TiledFrame::reset() {
 
 FilterMemory TiledFrame::memory() const {
   FilterMemory memory{.tiles = tiles_.size(), .tile = tiles_.front().target.extent()};
-  chains_->for_each([&](const gpu::Chain& chain) {
-    memory.device_bytes += chain.device_bytes();
-    memory.device_bytes_unaliased += chain.device_bytes_unaliased();
-    memory.staging_bytes += chain.staging_bytes();
-  });
+  chains_->for_each([&](const gpu::Chain& chain) { add_memory(memory, chain); });
   return memory;
 }
 

@@ -130,11 +130,9 @@ void WholeFrame::merge(const NewFrame& frame, MergedFrame& merged, FrameReport& 
 }
 
 FilterMemory WholeFrame::memory() const {
-  return {.tiles = 1,
-          .tile = task_.full,
-          .device_bytes = chain_.device_bytes(),
-          .device_bytes_unaliased = chain_.device_bytes_unaliased(),
-          .staging_bytes = chain_.staging_bytes()};
+  FilterMemory memory{.tiles = 1, .tile = task_.full};
+  add_memory(memory, chain_);
+  return memory;
 }
 
 }  // namespace becalm::filter
