@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "filter/ceil_div.h"
 #include "filter/host_images.h"
 #include "filter/pixel_view.h"
 
@@ -33,7 +34,7 @@ void unpack(const MergedTile& tile_images, const Tile& tile, MergedFrame& frame)
   copy_core(tile_images.offset, tile, frame.flow);
   copy_core(tile_images.decision, tile, frame.decision);
   const Rect& core = tile.core;
-  const int residual_width = (tile.target.width + tile_images.residual_px - 1) / tile_images.residual_px;
+  const int residual_width = ceil_div(tile.target.width, tile_images.residual_px);
   for (int y = core.y; y < core.y + core.height; ++y) {
     std::size_t t =
         static_cast<std::size_t>(y - tile.target.y) * tile.target.width + (core.x - tile.target.x);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "filter/additive.h"
+#include "filter/ceil_div.h"
 #include "filter/correct.h"
 #include "filter/host_images.h"
 #include "filter/merge.h"
@@ -19,7 +20,7 @@ using gpu::ImageId;
 
 /// The pixels of a level that cover a rectangle which begins at the level's multiples.
 Rect at_level(const Rect& rect, int px) {
-  return {rect.x / px, rect.y / px, (rect.width + px - 1) / px, (rect.height + px - 1) / px};
+  return {rect.x / px, rect.y / px, ceil_div(rect.width, px), ceil_div(rect.height, px)};
 }
 
 /// The first planes of an image.
