@@ -233,25 +233,7 @@ void TiledFrame::merge_tile(const Tile& tile, const NewFrame& frame, MergedFrame
   chain.run();
   add_times(report, chain);
 
-  MergedTile images{.color = chain.download<float>(chains.merged_color),
-                    .stats = chain.download<float>(chains.merged_stats),
-                    .warped_color = {},
-                    .warped_stats = {},
-                    .additive = download_additive(chain, chains.merged_additive),
-                    .warped_additive = {},
-                    .decision = chain.download<float>(chains.outputs.decision),
-                    .offset = {},
-                    .residual = {},
-                    .residual_px = finest_px};
-  if (task_.settings.directions == Directions::both) {
-    images.warped_color = chain.download<float>(chains.outputs.warped_color);
-    images.warped_stats = chain.download<float>(chains.outputs.warped_stats);
-    images.warped_additive = download_additive(chain, chains.outputs.warped_additive);
-  }
-  if (contains(task_.diagnostics, Aov::flow)) images.offset = chain.download<float>(chains.offset);
-  if (contains(task_.diagnostics, Aov::residual)) {
-    images.residual = chain.download<float>(chains.residual);
-  }
+  const MergedTile images = download(chain, task_, chains.merged);
   unpack(images, tile, merged);
   copy_core(images.color, tile, merged_.color);
   copy_core(images.stats, tile, merged_.stats);
