@@ -38,6 +38,12 @@ struct DenoiseCommand {
   std::string missing = "error";
 };
 
+std::vector<std::string> light_group_names(const Frame& frame) {
+  std::vector<std::string> names;
+  for (const LightGroup& group : frame.light_groups()) names.push_back(group.name);
+  return names;
+}
+
 /// One run of `becalm denoise`.
 class DenoiseJob {
  public:
@@ -145,7 +151,7 @@ void DenoiseJob::check_like_first(const io::LoadedFrame& loaded) {
   if (!first_) {
     first_.emplace(frame.number(), frame.width(), frame.height());
     first_aovs_ = frame.aovs();
-    for (const LightGroup& group : frame.light_groups()) first_light_groups_.push_back(group.name);
+    first_light_groups_ = light_group_names(frame);
     filter_.build(frame.width(), frame.height(), first_aovs_, first_light_groups_.size());
     return;
   }
@@ -163,8 +169,7 @@ void DenoiseJob::check_like_first(const io::LoadedFrame& loaded) {
                 fmt::format("{}: has no layer '{}', which {} has", of_first ? path : first_path, entry.name,
                             of_first ? first_path : path));
   }
-  std::vector<std::string> light_groups;
-  for (const LightGroup& group : frame.light_groups()) light_groups.push_back(group.name);
+  const std::vector<std::string> light_groups = light_group_names(frame);
   if (light_groups != first_light_groups_) {
     throw Error(ExitStatus::bad_input,
                 fmt::format("{}: has the light groups '{}', and {} has '{}'", path,

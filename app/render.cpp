@@ -144,9 +144,10 @@ void RenderJob::choose_noisy_outputs() {
 
 io::Attributes RenderJob::render_attributes(const AskedAovs& aovs, bool float_colors) const {
   return {{"becalm:version", BECALM_VERSION},
-          {"becalm:settings", fmt::format("scene={} size={}x{} spp={} seed={} aovs={} color={}", scene_hash_,
-                                          size_.width, size_.height, command_.spp, command_.seed,
-                                          format_aovs(aovs), float_colors ? "float" : "half")}};
+          {"becalm:settings",
+           fmt::format("scene={} size={}x{} spp={} aov_spp={} seed={} aovs={} color={}", scene_hash_,
+                       size_.width, size_.height, command_.spp, std::max(command_.spp, command_.aov_spp),
+                       command_.seed, format_aovs(aovs), float_colors ? "float" : "half")}};
 }
 
 void RenderJob::find_existing() {
@@ -363,6 +364,14 @@ Command add_render(CLI::App& becalm) {
   parser.add_flag("--float,!--half-float", command->float_colors, "Colours as 32-bit float (default: half)")
       ->group("Output");
   parser.add_option("--spp", command->spp, "Samples per pixel (default: 8)")
+      ->check(CLI::Range(1, 65536))
+      ->option_text("N")
+      ->group("Rendering");
+  parser
+      .add_option(
+          "--aov-spp", command->aov_spp,
+          "Samples per pixel of albedo, normal, depth, motion and ids where that is more than --spp; they "
+          "cost little, since they trace no light, and edges denoise better (default: 16)")
       ->check(CLI::Range(1, 65536))
       ->option_text("N")
       ->group("Rendering");

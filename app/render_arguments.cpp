@@ -134,6 +134,7 @@ tracer::RenderOptions render_options(const RenderCommand& command, const Size& s
   options.width = size.width;
   options.height = size.height;
   options.spp = command.spp;
+  options.aov_spp = command.aov_spp;
   options.seed = command.seed;
   return options;
 }

@@ -18,6 +18,7 @@ struct RenderCommand {
   FilterOptions filter;
   RunningOptions running;
   int spp = 8;
+  int aov_spp = 16;
   std::string size;
   std::uint32_t seed = 0;
   std::string aovs = "none";

@@ -113,6 +113,7 @@ void upload_additive(gpu::Chain& chain, const std::vector<gpu::ImageId>& inputs,
 std::vector<std::span<const float>> download_additive(const gpu::Chain& chain,
                                                       const std::vector<gpu::ImageId>& images) {
   std::vector<std::span<const float>> pixels;
+  pixels.reserve(images.size());
   for (const gpu::ImageId image : images) pixels.push_back(chain.download<float>(image));
   return pixels;
 }

@@ -6,9 +6,8 @@
 #include <cassert>
 #include <cmath>
 #include <numeric>
-#include <tuple>
-#include <utility>
 
+#include "filter/ceil_div.h"
 #include "shaders/shared/align_params.h"
 
 namespace becalm::filter {
@@ -19,28 +18,12 @@ using gpu::Extent;
 using gpu::Format;
 using gpu::ImageId;
 
-constexpr int kShifts = 25;  // [-2,2]^2
-constexpr int kWindowReach = 2;
-constexpr int kSmallestLevel = 8;  // px; below, a patch is the whole image
-constexpr double kReachOfLongerSide = 0.09;
-
-// Range of the matching features. The logarithm of eq. 4 bends at differences of about 2 and the center
-// weight of eq. 5 raises the distance of equal pixels, log 2, by up to half of it: on features in [0,1] it
-// would outweigh any contrast.
-constexpr float kFeatureRange = 16.0f;
+constexpr int kShifts = (2 * kWindowReach + 1) * (2 * kWindowReach + 1);
 
 // The 25 distance images of a level exist for one band of rows at a time; a band of this size stays in the
 // last-level cache of a desktop processor and keeps the memory small whatever the image size.
 constexpr std::int64_t kBandBytes = 16 << 20;
 constexpr int kBlurRun = 16;  // kRun of align/blur.comp
-
-int ceil_div(int a, int b) {
-  return (a + b - 1) / b;
-}
-
-Extent shrink(Extent extent, int factor) {
-  return {ceil_div(extent.width, factor), ceil_div(extent.height, factor)};
-}
 
 int blur_radius(const Settings& settings, std::size_t level) {
   return settings.blur_radius[std::min(level, settings.blur_radius.size() - 1)];
@@ -125,11 +108,14 @@ struct Level {
 /// Largest radius that `match` is faster for than the bands (shaders/align/README.md has the figures).
 constexpr int kLargestMatchRadius = 10;
 
+/// What the differences of two pixels add up to at most where all weights are about 1.
+constexpr double kLargestDifference = 8.0 * kFeatureRange;
+
 /// How many factors 1 + d/2 a product may have before it leaves the range of floats (log_of in
 /// align/match.comp).
-int log_of(int radius, double largest_difference) {
+int log_of(int radius) {
   constexpr double largest_log2 = 126.0;
-  const double factor_log2 = std::log2(1.0 + 0.5 * largest_difference);
+  const double factor_log2 = std::log2(1.0 + 0.5 * kLargestDifference);
   const int side = 2 * radius + 1;
   return factor_log2 * side * side < largest_log2 ? 0 : factor_log2 * side < largest_log2 ? 1 : 2;
 }
@@ -147,7 +133,7 @@ Strip match_strip(const gpu::DeviceInfo& device) {
 }
 
 /// The level in one pass whose distances never leave the processor.
-void add_match(Chain& chain, const Settings& settings, const Level& level, double largest_difference) {
+void add_match(Chain& chain, const Settings& settings, const Level& level) {
   const Strip strip = match_strip(chain.device());
   chain.pass("align/match")
       .read("target", level.target)
@@ -160,7 +146,7 @@ void add_match(Chain& chain, const Settings& settings, const Level& level, doubl
       .specialize("radius", level.radius)
       .specialize("strip_columns", strip.columns)
       .specialize("strip_rows", strip.rows)
-      .specialize("log_of", log_of(level.radius, largest_difference))
+      .specialize("log_of", log_of(level.radius))
       .constants(params::MatchParams{.width = level.extent.width,
                                      .height = level.extent.height,
                                      .coarse_width = level.coarse.extent.width,
@@ -230,157 +216,6 @@ void add_bands(Chain& chain, const Settings& settings, const Level& level) {
 
 }  // namespace
 
-std::vector<Extent> pyramid_extents(const Settings& settings, int width, int height) {
-  std::vector<Extent> extents{shrink({width, height}, settings.match_downsample)};
-  const double wanted_reach = kReachOfLongerSide * std::max(width, height);
-  while (settings.pyramid_levels > 0 ? extents.size() < static_cast<std::size_t>(settings.pyramid_levels)
-                                     : reach_px(settings, extents.size()) < wanted_reach) {
-    const Extent next = shrink(extents.back(), settings.pyramid_factor);
-    if (std::min(next.width, next.height) < kSmallestLevel) break;
-    extents.push_back(next);
-  }
-  return extents;
-}
-
-int reach_px(const Settings& settings, std::size_t levels) {
-  int reach = 0;
-  for (std::size_t l = 0; l < levels; ++l) reach += kWindowReach * level_px(settings, l);
-  return reach;
-}
-
-std::size_t motion_level(const Settings& settings, std::size_t levels) {
-  return std::min(static_cast<std::size_t>(settings.motion_level), levels - 1);
-}
-
-Extent level_extent(const Settings& settings, Extent full, std::size_t level) {
-  Extent extent = shrink(full, settings.match_downsample);
-  for (std::size_t l = 0; l < level; ++l) extent = shrink(extent, settings.pyramid_factor);
-  return extent;
-}
-
-int level_px(const Settings& settings, std::size_t level) {
-  int px = settings.match_downsample;
-  for (std::size_t l = 0; l < level; ++l) px *= settings.pyramid_factor;
-  return px;
-}
-
-void add_guide_passes(Chain& chain, const Settings& settings, Extent full, ImageId guide,
-                      const std::vector<float>& weights, ImageId guide_features) {
-  const Extent extent = shrink(full, settings.match_downsample);
-  for (std::size_t plane = 0; plane < weights.size(); ++plane) {
-    chain.pass("align/guide_feature")
-        .read("guide", guide)
-        .write("features", guide_features)
-        .specialize("downsample", settings.match_downsample)
-        .constants(params::GuideFeatureParams{.width_in = full.width,
-                                              .height_in = full.height,
-                                              .width = extent.width,
-                                              .height = extent.height,
-                                              .plane_in = static_cast<int>(plane),
-                                              .plane = static_cast<int>(plane),
-                                              .planes = 1,
-                                              .weight = kFeatureRange * weights[plane]})
-        .dispatch(extent);
-  }
-}
-
-namespace {
-
-/// The compressed luminance as the last plane of `features`, smoothed along the guides by `prefilter` steps.
-void add_radiance_feature(Chain& chain, const Settings& settings, Extent full, const std::string& name,
-                          const FeatureSources& sources, ImageId features) {
-  const Extent extent = shrink(full, settings.match_downsample);
-  const auto target_of = [&](int step) {
-    return step == settings.prefilter
-               ? std::pair(features, sources.guide_planes)
-               : std::pair(chain.image(fmt::format("radiance.{}.step{}", name, step), Format::f32, extent),
-                           0);
-  };
-  const auto weight_of = [&](int step) {
-    return step == settings.prefilter ? kFeatureRange * settings.weight_radiance : 0.0f;
-  };
-  auto [radiance, plane] = target_of(0);
-  const bool demodulates = settings.demodulate != 0 && sources.guide_planes > 0;
-  chain.pass("align/radiance_feature")
-      .read("color", sources.color)
-      .read("exposure", sources.exposure)
-      .read("guides", demodulates ? *sources.guide_features : sources.exposure)
-      .specialize("demodulates", demodulates ? 1 : 0)
-      .write("features", radiance)
-      .constants(params::RadianceFeatureParams{.width_in = full.width,
-                                               .height_in = full.height,
-                                               .width = extent.width,
-                                               .height = extent.height,
-                                               .downsample = settings.match_downsample,
-                                               .plane = plane,
-                                               .weight = weight_of(0),
-                                               .albedo_weight = kFeatureRange * settings.weight_albedo})
-      .dispatch(extent);
-  for (int step = 1; step <= settings.prefilter; ++step) {
-    const ImageId unfiltered = radiance;
-    std::tie(radiance, plane) = target_of(step);
-    chain.pass("align/prefilter")
-        .read("radiance", unfiltered)
-        .read("guides", sources.guide_planes > 0 ? *sources.guide_features : unfiltered)
-        .write("filtered", radiance)
-        .specialize("guide_planes", sources.guide_planes)
-        .constants(params::PrefilterParams{.width = extent.width,
-                                           .height = extent.height,
-                                           .step = 1 << (step - 1),
-                                           .plane = plane,
-                                           .weight = weight_of(step)})
-        .dispatch(extent);
-  }
-}
-
-}  // namespace
-
-Features add_feature_passes(Chain& chain, const Settings& settings, Extent full, const std::string& name,
-                            const FeatureSources& sources) {
-  const bool radiance = settings.weight_radiance > 0.0f;
-  const Extent extent = shrink(full, settings.match_downsample);
-  const int planes = sources.guide_planes + (radiance ? 1 : 0);
-  assert(planes > 0);
-  const ImageId features =
-      chain.image(fmt::format("features.{}.L0", name), Format::f32, {extent.width, extent.height, planes});
-  if (sources.guide_planes > 0) {
-    chain.pass("align/guide_feature")
-        .read("guide", *sources.guide_features)
-        .write("features", features)
-        .specialize("downsample", 1)
-        .constants(params::GuideFeatureParams{.width_in = extent.width,
-                                              .height_in = extent.height,
-                                              .width = extent.width,
-                                              .height = extent.height,
-                                              .plane_in = 0,
-                                              .plane = 0,
-                                              .planes = sources.guide_planes,
-                                              .weight = 1.0f})
-        .dispatch({extent.width, extent.height, sources.guide_planes});
-  }
-  if (radiance) add_radiance_feature(chain, settings, full, name, sources, features);
-  return {features, planes};
-}
-
-std::vector<Features> add_pyramid(Chain& chain, const Settings& settings, const LevelRange& levels,
-                                  Extent full, const Features& finest, const std::string& name) {
-  std::vector<Features> pyramid{finest};
-  for (std::size_t l = levels.finest + 1; l < levels.end; ++l) {
-    const Extent fine = level_extent(settings, full, l - 1);
-    const Extent extent = level_extent(settings, full, l).with_planes(finest.planes);
-    const ImageId coarse = chain.image(fmt::format("features.{}.L{}", name, l), Format::f32, extent);
-    chain.pass("align/downsample")
-        .read("fine", pyramid.back().image)
-        .write("coarse", coarse)
-        .specialize("factor", settings.pyramid_factor)
-        .constants(params::DownsampleParams{
-            .width_in = fine.width, .height_in = fine.height, .width = extent.width, .height = extent.height})
-        .dispatch(extent);
-    pyramid.push_back({coarse, finest.planes});
-  }
-  return pyramid;
-}
-
 SourceWindow add_same_window(Chain& chain, Extent full, const std::string& name) {
   const ImageId origin = chain.image(name, Format::f32x2, {1, 1});
   chain.pass("align/zero_offset").write("offset", origin).dispatch({1, 1});
@@ -426,7 +261,7 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
         .offset = chain.image(search.name + fmt::format("offset_noisy.L{}", l), Format::f32x2, extent),
         .residual = residual};
     if (level.radius <= kLargestMatchRadius) {
-      add_match(chain, settings, level, kFeatureRange * 8.0);
+      add_match(chain, settings, level);
     } else {
       add_bands(chain, settings, level);
     }
@@ -440,15 +275,6 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
   }
   result.offset = coarse.image;
   return result;
-}
-
-int feature_margin_px(const Settings& settings) {
-  if (settings.weight_radiance == 0.0f) return 0;
-  constexpr int neighbours = 1;  // by which a firefly is known
-  // Each prefilter step has two taps to either side, twice as far apart as the step before. Of the last pixel
-  // in a tile a part may lie beyond the tile.
-  const int matching = 2 * ((1 << settings.prefilter) - 1) + 1;
-  return matching * settings.match_downsample + neighbours;
 }
 
 TileRules search_tile_rules(const Settings& settings, const gpu::DeviceInfo& device, std::size_t levels,

@@ -4,50 +4,13 @@
 #include <string>
 #include <vector>
 
+#include "filter/features.h"
 #include "filter/gpu/chain.h"
+#include "filter/pyramid.h"
 #include "filter/settings.h"
 #include "filter/tiles.h"
 
 namespace becalm::filter {
-
-/// Sizes of the matching pyramid, the finest level first. Level 0 is the frame over `match_downsample`; each
-/// further level is `pyramid_factor` smaller, rounded up. With `pyramid_levels` 0 there are as many as it
-/// takes to reach 9 % of the longer side (170 px at 1920x1080, as in Hanika et al. 2021, section 3.1), but no
-/// level below 8 px.
-std::vector<gpu::Extent> pyramid_extents(const Settings& settings, int width, int height);
-
-/// Largest motion in full-resolution pixels that the pyramid can find: the sum over levels of the window's
-/// reach.
-int reach_px(const Settings& settings, std::size_t levels);
-
-/// What is matched: planes of features at matching resolution, and for target and source alike.
-struct Features {
-  gpu::ImageId image;
-  int planes = 0;
-};
-
-/// Full-resolution images that features are made from. The guide holds `guide_planes` planes of low-noise
-/// AOVs.
-struct FeatureSources {
-  gpu::ImageId color;                          ///< f32x4, radiance
-  gpu::ImageId exposure;                       ///< f32, 1x1: brings the frame's typical luminance to 1
-  std::optional<gpu::ImageId> guide_features;  ///< as add_guide_passes made them
-  int guide_planes = 0;
-};
-
-/// Guide planes at matching resolution, each multiplied by its weight; `weights` has one entry a plane.
-void add_guide_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full, gpu::ImageId guide,
-                      const std::vector<float>& weights, gpu::ImageId guide_features);
-
-/// Features called `name`: the guide's planes, and the compressed luminance unless its weight is 0.
-Features add_feature_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
-                            const std::string& name, const FeatureSources& sources);
-
-/// Size at pyramid level `level` of images that are `full` at full resolution, rounded up at every level.
-gpu::Extent level_extent(const Settings& settings, gpu::Extent full, std::size_t level);
-
-/// Full-resolution pixels in one of a level, along each axis.
-int level_px(const Settings& settings, std::size_t level);
 
 /// Source images that show more of the frame than the target's.
 struct SourceWindow {
@@ -58,16 +21,6 @@ struct SourceWindow {
 
 /// A window of which the target's images are all: the origin is zero.
 SourceWindow add_same_window(gpu::Chain& chain, gpu::Extent full, const std::string& name);
-
-/// Levels `finest` to `end` - 1 of a pyramid.
-struct LevelRange {
-  std::size_t finest = 0;
-  std::size_t end = 0;
-};
-
-/// Features of each level of the range, of images that are `full` at full resolution; `finest` are given.
-std::vector<Features> add_pyramid(gpu::Chain& chain, const Settings& settings, const LevelRange& levels,
-                                  gpu::Extent full, const Features& finest, const std::string& name);
 
 /// The search of a range of levels, from coarse to fine.
 struct Search {
@@ -99,15 +52,9 @@ TileRules search_tile_rules(const Settings& settings, const gpu::DeviceInfo& dev
 gpu::ImageId add_upsample_pass(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
                                gpu::ImageId offset, const std::string& name = "");
 
-/// The level of `levels` that starts from known motion.
-std::size_t motion_level(const Settings& settings, std::size_t levels);
-
 /// Offsets at full resolution that are `motion` wherever that is known.
 gpu::ImageId add_override_pass(gpu::Chain& chain, gpu::Extent full, gpu::ImageId offset, gpu::ImageId motion,
                                const std::string& name = "");
-
-/// How far from a pixel its features depend on the images that they are made from.
-int feature_margin_px(const Settings& settings);
 
 struct Alignment {
   gpu::ImageId

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "filter/ceil_div.h"
 #include "shaders/shared/correct_params.h"
 
 namespace becalm::filter {
@@ -14,16 +15,17 @@ using gpu::Extent;
 using gpu::Format;
 using gpu::ImageId;
 
-/// Sums over the blocks of one level.
+/// Sums over the blocks of one level. A pixel is the sum of its block at level 0, where the frame has no
+/// count of pixels yet and the estimate not the frame's variance.
 struct BlockSums {
   Extent extent;
   ImageId frame;
   ImageId estimate;
-  ImageId halves;
+  ImageId halves;  ///< of any content unless there are half-buffers
 };
 
 Extent half(Extent extent) {
-  return {(extent.width + 1) / 2, (extent.height + 1) / 2};
+  return {ceil_div(extent.width, 2), ceil_div(extent.height, 2)};
 }
 
 params::BlockParams block_params(Extent out, Extent in) {
@@ -32,38 +34,41 @@ params::BlockParams block_params(Extent out, Extent in) {
 
 std::vector<BlockSums> add_block_sums(Chain& chain, int levels, Extent full, const CorrectionInputs& inputs,
                                       const std::string& name) {
-  const auto sums_of = [&](std::size_t level, Extent extent) {
-    return BlockSums{extent,
-                     chain.image(fmt::format("{}.frame_sums.L{}", name, level), Format::f32x4, extent),
-                     chain.image(fmt::format("{}.estimate_sums.L{}", name, level), Format::f32x4, extent),
-                     chain.image(fmt::format("{}.half_sums.L{}", name, level), Format::f32x4, extent)};
+  const bool has_halves = inputs.half_difference.has_value();
+  const auto image = [&](const char* what, std::size_t level, Extent extent) {
+    return chain.image(fmt::format("{}.{}.L{}", name, what, level), Format::f32x4, extent);
   };
-  std::vector<BlockSums> sums{sums_of(0, full)};
+  const Extent finest = half(full);
+  std::vector<BlockSums> sums{
+      {full, inputs.color, inputs.estimate, inputs.half_difference.value_or(inputs.color)},
+      {finest, image("frame_sums", 1, finest), image("estimate_sums", 1, finest),
+       image("half_sums", 1, has_halves ? finest : Extent{1, 1})}};
   chain.pass("correct/block_sums")
       .read("color", inputs.color)
       .read("variance", inputs.variance)
       .read("estimate", inputs.estimate)
       .read("estimate_stats", inputs.estimate_stats)
-      .read("half_difference", inputs.half_difference.value_or(inputs.color))
-      .specialize("halves", inputs.half_difference ? 1 : 0)
-      .write("frame_sums", sums[0].frame)
-      .write("estimate_sums", sums[0].estimate)
-      .write("half_sums", sums[0].halves)
-      .constants(block_params(sums[0].extent, full))
-      .dispatch(sums[0].extent);
-  for (std::size_t l = 1; l <= static_cast<std::size_t>(levels); ++l) {
+      .read("half_difference", sums[0].halves)
+      .specialize("halves", has_halves ? 1 : 0)
+      .write("frame_sums", sums[1].frame)
+      .write("estimate_sums", sums[1].estimate)
+      .write("half_sums", sums[1].halves)
+      .constants(block_params(finest, full))
+      .dispatch(finest);
+  for (std::size_t l = 2; l <= static_cast<std::size_t>(levels); ++l) {
     const BlockSums fine = sums.back();
-    sums.push_back(sums_of(l, half(fine.extent)));
-    const auto add = [&](ImageId from, ImageId to) {
+    const Extent extent = half(fine.extent);
+    const auto coarser = [&](const char* what, ImageId from) {
+      const ImageId to = image(what, l, extent);
       chain.pass("correct/coarser_sums")
           .read("fine", from)
           .write("coarse", to)
-          .constants(block_params(sums[l].extent, fine.extent))
-          .dispatch(sums[l].extent);
+          .constants(block_params(extent, fine.extent))
+          .dispatch(extent);
+      return to;
     };
-    add(fine.frame, sums[l].frame);
-    add(fine.estimate, sums[l].estimate);
-    add(fine.halves, sums[l].halves);
+    sums.push_back({extent, coarser("frame_sums", fine.frame), coarser("estimate_sums", fine.estimate),
+                    has_halves ? coarser("half_sums", fine.halves) : fine.halves});
   }
   return sums;
 }
@@ -84,10 +89,13 @@ Corrected add_correction_passes(Chain& chain, const Settings& settings, Extent f
     chain.pass("correct/difference")
         .read("frame_sums", level.frame)
         .read("estimate_sums", level.estimate)
+        .read("half_sums", level.halves)
+        .read("variance", inputs.variance)
+        .read("estimate_stats", inputs.estimate_stats)
         .read("coarser", factor)
         .read("exposure", inputs.exposure)
-        .read("half_sums", level.halves)
         .specialize("halves", inputs.half_difference ? 1 : 0)
+        .specialize("of_pixels", l == 0 ? 1 : 0)
         .write("difference", difference)
         .write("base", base)
         .constants(block_params(level.extent, extent))

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <span>
 
+#include "filter/ceil_div.h"
+#include "filter/luminance.h"
+
 namespace becalm::filter {
 namespace {
 
@@ -20,10 +23,6 @@ constexpr float kNormalDifference = 0.3f;
 /// The share of cells without a match that makes a cut; filter/README.md has the shares measured.
 constexpr double kCutByGuides = 0.15;
 constexpr double kCutByLuminance = 0.03;
-
-float luminance(std::span<const float> rgb) {
-  return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
-}
 
 /// Sums of what is finite in a cell.
 struct CellMean {
@@ -67,11 +66,11 @@ double unmatched(const ShotSignature& a, const ShotSignature& b) {
 
 ShotSignature shot_signature(const Frame& frame, const AovSet& used, float exposure) {
   const int longer = std::max(frame.width(), frame.height());
-  const int cell_px = std::max((longer + kCells - 1) / kCells, kSmallestCell);
+  const int cell_px = std::max(ceil_div(longer, kCells), kSmallestCell);
   const bool albedo = contains(used, Aov::albedo) && frame.has(Aov::albedo);
   const bool normal = contains(used, Aov::normal) && frame.has(Aov::normal);
-  ShotSignature signature{.columns = (frame.width() + cell_px - 1) / cell_px,
-                          .rows = (frame.height() + cell_px - 1) / cell_px,
+  ShotSignature signature{.columns = ceil_div(frame.width(), cell_px),
+                          .rows = ceil_div(frame.height(), cell_px),
                           .guides = albedo || normal,
                           .cells = {}};
   std::vector<std::array<CellMean, 5>> means(static_cast<std::size_t>(signature.columns) * signature.rows);

@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "filter/ceil_div.h"
+
 namespace becalm::filter {
 namespace {
 
@@ -67,9 +69,7 @@ double pixel_noise(const NewFrame& frame, const FilterTask& task, std::size_t i)
 Level finest_level(const NewFrame& frame, const FilterTask& task, const Estimate& estimate) {
   const int width = estimate.color.width();
   const int height = estimate.color.height();
-  Level level{.width = (width + kFinestBlock - 1) / kFinestBlock,
-              .height = (height + kFinestBlock - 1) / kFinestBlock,
-              .blocks = {}};
+  Level level{.width = ceil_div(width, kFinestBlock), .height = ceil_div(height, kFinestBlock), .blocks = {}};
   level.blocks.resize(static_cast<std::size_t>(level.width) * level.height);
   const std::span<const float> beauty = frame.frame.image(Aov::beauty).data();
   const std::span<const float> color = estimate.color.data();

@@ -1,6 +1,7 @@
 #include "filter/finish.h"
 
 #include <string>
+#include <vector>
 
 #include "filter/additive.h"
 #include "filter/combine.h"
@@ -12,81 +13,78 @@ using gpu::Extent;
 using gpu::Format;
 using gpu::ImageId;
 
-FinishChain::FinishChain(gpu::Device& device, const FilterTask& task, Extent extent)
-    : chain(device, "finish") {
-  exposure = chain.input("exposure", Format::f32, {1, 1});
-  forward_color = chain.input("forward.color", Format::f32x4, extent);
-  forward_stats = chain.input("forward.stats", Format::f32x2, extent);
-  prediction_color = chain.input("prediction.color", Format::f32x4, extent);
-  prediction_stats = chain.input("prediction.stats", Format::f32x2, extent);
-  forward_additive = additive_inputs(chain, task, extent, "forward.additive");
-  prediction_additive = additive_inputs(chain, task, extent, "prediction.additive");
-  const Combined combined = add_combine_passes(chain, task.settings, extent,
-                                               {.exposure = exposure,
-                                                .forward_color = forward_color,
-                                                .forward_stats = forward_stats,
-                                                .backward_color = prediction_color,
-                                                .backward_stats = prediction_stats,
-                                                .forward_additive = forward_additive,
-                                                .backward_additive = prediction_additive});
-  color = combined.color;
-  stats = combined.stats;
-  additive = combined.additive;
-  chain.output(color);
-  chain.output(stats);
-  for (const ImageId image : additive) chain.output(image);
-  chain.plan();
-}
+namespace {
 
-Finish::Finish(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit) {
-  const int margin = combine_margin_px(task.settings);
-  constexpr int grid = 8;
-  const TileRules rules{
-      .grid = grid, .core_grid = grid, .left = margin, .above = margin, .after = margin, .reach = 0};
-  std::string reason;
-  tiles_ = plan_tiles(task.full, rules, [&](const Tile& tile) {
-    try {
-      chain_ = std::make_unique<FinishChain>(device, task, tile.target.extent());
-    } catch (const gpu::DeviceLimitError& error) {
-      reason = error.what();
-      return false;
-    }
-    const std::uint64_t bytes = chain_->chain.device_bytes();
-    reason = tiles_too_large(tile, bytes, memory_limit);
-    return bytes <= memory_limit;
-  });
-  if (tiles_.empty()) throw cannot_be_cut(task.full, reason);
-  chain_->chain.build();
-}
+/// An estimate, or a tile of it, as the input of a chain.
+struct EstimateInputs {
+  EstimateInputs(gpu::Chain& chain, const FilterTask& task, Extent extent, const std::string& name)
+      : color(chain.input(name + ".color", Format::f32x4, extent)),
+        stats(chain.input(name + ".stats", Format::f32x2, extent)),
+        additive(additive_inputs(chain, task, extent, name + ".additive")) {}
+
+  void upload(gpu::Chain& chain, const Estimate& estimate, const Rect& rect) const {
+    filter::upload(chain, color, view(estimate.color), rect);
+    filter::upload(chain, stats, view(estimate.stats), rect);
+    upload_additive(chain, additive, estimate.additive, rect);
+  }
+
+  ImageId color;
+  ImageId stats;
+  std::vector<ImageId> additive;
+};
+
+constexpr int kGrid = 8;  // px
+
+}  // namespace
+
+struct Finish::Passes {
+  Passes(gpu::Device& device, const FilterTask& task, Extent extent)
+      : chain(device, "finish"),
+        exposure(chain.input("exposure", Format::f32, {1, 1})),
+        forward(chain, task, extent, "forward"),
+        prediction(chain, task, extent, "prediction"),
+        combined(add_combine_passes(chain, task.settings, extent,
+                                    {.exposure = exposure,
+                                     .forward_color = forward.color,
+                                     .forward_stats = forward.stats,
+                                     .backward_color = prediction.color,
+                                     .backward_stats = prediction.stats,
+                                     .forward_additive = forward.additive,
+                                     .backward_additive = prediction.additive})) {
+    chain.output(combined.color);
+    chain.output(combined.stats);
+    for (const ImageId image : combined.additive) chain.output(image);
+    chain.plan();
+  }
+
+  gpu::Chain chain;
+  ImageId exposure;
+  EstimateInputs forward;
+  EstimateInputs prediction;
+  Combined combined;
+};
+
+Finish::Finish(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit)
+    : chain_(device, task, local_tile_rules(combine_margin_px(task.settings), kGrid), memory_limit) {}
+
+Finish::~Finish() = default;
 
 void Finish::run(const FinishInputs& inputs, Estimate& result, FrameReport& report) {
-  for (const Tile& tile : tiles_) {
-    run_tile(tile, inputs, result);
-    add_times(report, chain_->chain);
-  }
-}
-
-void Finish::run_tile(const Tile& tile, const FinishInputs& inputs, Estimate& result) {
-  gpu::Chain& chain = chain_->chain;
-  chain.upload<float>(chain_->exposure)[0] = inputs.frame.exposure;
-  upload(chain, chain_->forward_color, view(inputs.forward.color), tile.target);
-  upload(chain, chain_->forward_stats, view(inputs.forward.stats), tile.target);
-  upload(chain, chain_->prediction_color, view(inputs.prediction.color), tile.target);
-  upload(chain, chain_->prediction_stats, view(inputs.prediction.stats), tile.target);
-  upload_additive(chain, chain_->forward_additive, inputs.forward.additive, tile.target);
-  upload_additive(chain, chain_->prediction_additive, inputs.prediction.additive, tile.target);
-  chain.run();
-  copy_core(chain.download<float>(chain_->color), tile, result.color);
-  copy_core(chain.download<float>(chain_->stats), tile, result.stats);
-  copy_core(download_additive(chain, chain_->additive), tile, result.additive);
+  const auto upload = [&](Passes& passes, const Tile& tile) {
+    passes.chain.upload<float>(passes.exposure)[0] = inputs.frame.exposure;
+    passes.forward.upload(passes.chain, inputs.forward, tile.target);
+    passes.prediction.upload(passes.chain, inputs.prediction, tile.target);
+  };
+  const auto download = [&](const Passes& passes, const Tile& tile) {
+    copy_core(passes.chain.download<float>(passes.combined.color), tile, result.color);
+    copy_core(passes.chain.download<float>(passes.combined.stats), tile, result.stats);
+    copy_core(download_additive(passes.chain, passes.combined.additive), tile, result.additive);
+  };
+  chain_.run(report, upload, download);
 }
 
 FilterMemory Finish::memory() const {
-  return {.tiles = tiles_.size(),
-          .tile = tiles_.front().target.extent(),
-          .device_bytes = chain_->chain.device_bytes(),
-          .device_bytes_unaliased = chain_->chain.device_bytes_unaliased(),
-          .staging_bytes = chain_->chain.staging_bytes()};
+  return chain_.memory();
 }
 
 }  // namespace becalm::filter

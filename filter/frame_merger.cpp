@@ -2,10 +2,12 @@
 
 #include <algorithm>
 
+#include "filter/ceil_div.h"
 #include "filter/host_images.h"
 #include "filter/pixel_view.h"
 
 namespace becalm::filter {
+
 Estimate::Estimate(gpu::Extent extent, std::size_t additive_count)
     : color(extent.width, extent.height, 4),
       stats(extent.width, extent.height, 2),
@@ -32,7 +34,7 @@ void unpack(const MergedTile& tile_images, const Tile& tile, MergedFrame& frame)
   copy_core(tile_images.offset, tile, frame.flow);
   copy_core(tile_images.decision, tile, frame.decision);
   const Rect& core = tile.core;
-  const int residual_width = (tile.target.width + tile_images.residual_px - 1) / tile_images.residual_px;
+  const int residual_width = ceil_div(tile.target.width, tile_images.residual_px);
   for (int y = core.y; y < core.y + core.height; ++y) {
     std::size_t t =
         static_cast<std::size_t>(y - tile.target.y) * tile.target.width + (core.x - tile.target.x);
@@ -60,6 +62,12 @@ void add_times(FrameReport& report, const gpu::Chain& chain) {
       same->milliseconds += pass.milliseconds;
     }
   }
+}
+
+void add_memory(FilterMemory& memory, const gpu::Chain& chain) {
+  memory.device_bytes += chain.device_bytes();
+  memory.device_bytes_unaliased += chain.device_bytes_unaliased();
+  memory.staging_bytes += chain.staging_bytes();
 }
 
 }  // namespace becalm::filter

@@ -16,12 +16,12 @@ namespace becalm::filter {
 /// What happened to one frame.
 struct FrameReport {
   std::size_t non_finite_pixels = 0;  ///< pixels with NaN or Inf in the beauty: passed through as they came
-  std::size_t replaced_variances =
-      0;                  ///< variances that were not finite or negative, taken as 100 % of noise
-  bool new_shot = false;  ///< a cut was found between this frame and the one before it in this direction
+  /// Variances that were not finite or negative, taken as 100 % of noise.
+  std::size_t replaced_variances = 0;
   /// Values of additive AOVs that were not finite where the beauty was, taken as 0.
   std::size_t replaced_additive = 0;
-  double mean_rejected = 0.0;         ///< share of the history that was rejected, averaged over pixels
+  bool new_shot = false;       ///< a cut was found between this frame and the one before it in this direction
+  double mean_rejected = 0.0;  ///< share of the history that was rejected, averaged over pixels
   double mean_sample_count = 0.0;     ///< effective number of frames in a pixel, averaged over pixels
   std::vector<gpu::PassTime> passes;  ///< device time, in order of execution; of a pass in all tiles together
 };
@@ -42,8 +42,8 @@ struct FilterTask {
 
   bool has_halves() const { return contains(used, Aov::half_a) && contains(used, Aov::half_b); }
   bool variance_known() const { return contains(used, Aov::variance) || has_halves(); }
-  /// Whether chains have the difference of the half-buffers as an input.
   bool smooths() const { return settings.smooth != Smooth::none; }
+  /// Whether chains have the difference of the half-buffers as an input.
   bool needs_half_difference() const { return has_halves() && settings.correct_levels > 0; }
 };
 
@@ -114,6 +114,9 @@ struct FilterMemory {
   std::uint64_t device_bytes_unaliased = 0;  ///< if no images shared memory
   std::uint64_t staging_bytes = 0;           ///< of host memory through which images come and go
 };
+
+/// Adds what a chain holds.
+void add_memory(FilterMemory& memory, const gpu::Chain& chain);
 
 /// Merges new frames with the history that it keeps.
 class FrameMerger {

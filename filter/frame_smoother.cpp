@@ -1,6 +1,5 @@
 #include "filter/frame_smoother.h"
 
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -17,8 +16,18 @@ using gpu::Extent;
 using gpu::Format;
 using gpu::ImageId;
 
-struct FrameSmoother::SmoothChain {
-  SmoothChain(gpu::Device& device, const FilterTask& task, Extent extent)
+namespace {
+
+TileRules tile_rules(const Settings& settings) {
+  return local_tile_rules(
+      smooth_margin_px(settings) + correction_margin_px(settings) + kVarianceEstimateMargin,
+      correction_grid_px(settings));
+}
+
+}  // namespace
+
+struct FrameSmoother::Passes {
+  Passes(gpu::Device& device, const FilterTask& task, Extent extent)
       : chain(device, "smooth"),
         noisy(chain, task, extent, true),
         additive(additive_inputs(chain, task, extent, "additive.cur")) {
@@ -55,52 +64,29 @@ struct FrameSmoother::SmoothChain {
 };
 
 FrameSmoother::FrameSmoother(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit)
-    : task_(task) {
-  const int margin =
-      smooth_margin_px(task.settings) + correction_margin_px(task.settings) + kVarianceEstimateMargin;
-  const int grid = correction_grid_px(task.settings);
-  const TileRules rules{
-      .grid = grid, .core_grid = grid, .left = margin, .above = margin, .after = margin, .reach = 0};
-  std::string reason;
-  tiles_ = plan_tiles(task.full, rules, [&](const Tile& tile) {
-    try {
-      chain_ = std::make_unique<SmoothChain>(device, task, tile.target.extent());
-    } catch (const gpu::DeviceLimitError& error) {
-      reason = error.what();
-      return false;
-    }
-    const std::uint64_t bytes = chain_->chain.device_bytes();
-    reason = tiles_too_large(tile, bytes, memory_limit);
-    return bytes <= memory_limit;
-  });
-  if (tiles_.empty()) throw cannot_be_cut(task.full, reason);
-  chain_->chain.build();
-}
+    : task_(task), chain_(device, task, tile_rules(task.settings), memory_limit) {}
 
 FrameSmoother::~FrameSmoother() = default;
 
 Estimate FrameSmoother::smooth(const NewFrame& frame, FrameReport& report) {
   Estimate result(task_.full, task_.additive);
-  gpu::Chain& chain = chain_->chain;
   FrameReport ignored;  // what is replaced is counted where the frame is merged
-  for (const Tile& tile : tiles_) {
-    chain_->noisy.upload(chain, task_, frame, tile, ignored);
-    upload_additive(chain, chain_->additive, frame.additive, tile.target);
-    chain.run();
-    add_times(report, chain);
-    copy_core(chain.download<float>(chain_->color), tile, result.color);
-    copy_core(chain.download<float>(chain_->stats), tile, result.stats);
-    copy_core(download_additive(chain, chain_->smoothed_additive), tile, result.additive);
-  }
+  const auto upload = [&](Passes& passes, const Tile& tile) {
+    gpu::Chain& chain = passes.chain;
+    passes.noisy.upload(chain, task_, frame, tile, ignored);
+    upload_additive(chain, passes.additive, frame.additive, tile.target);
+  };
+  const auto download = [&](const Passes& passes, const Tile& tile) {
+    copy_core(passes.chain.download<float>(passes.color), tile, result.color);
+    copy_core(passes.chain.download<float>(passes.stats), tile, result.stats);
+    copy_core(download_additive(passes.chain, passes.smoothed_additive), tile, result.additive);
+  };
+  chain_.run(report, upload, download);
   return result;
 }
 
 FilterMemory FrameSmoother::memory() const {
-  return {.tiles = tiles_.size(),
-          .tile = tiles_.front().target.extent(),
-          .device_bytes = chain_->chain.device_bytes(),
-          .device_bytes_unaliased = chain_->chain.device_bytes_unaliased(),
-          .staging_bytes = chain_->chain.staging_bytes()};
+  return chain_.memory();
 }
 
 }  // namespace becalm::filter

@@ -1,18 +1,14 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
-#include <vector>
 
 #include "filter/frame_merger.h"
-#include "filter/gpu/chain.h"
-#include "filter/tiles.h"
+#include "filter/local_chain.h"
 
 namespace becalm::filter {
 
 /// Smooths single frames before they are matched and merged, so that decisions are made on what is hardly
-/// noisy. What a frame loses of its light by that is given back (correct.h). Frames that the device cannot
-/// hold are cut into tiles, which the results do not show.
+/// noisy. What a frame loses of its light by that is given back (correct.h).
 class FrameSmoother {
  public:
   /// Plans the largest tiles that take at most `memory_limit` bytes. Throws DeviceLimitError if not even the
@@ -25,10 +21,9 @@ class FrameSmoother {
   FilterMemory memory() const;
 
  private:
-  struct SmoothChain;
+  struct Passes;
   FilterTask task_;
-  std::vector<Tile> tiles_;
-  std::unique_ptr<SmoothChain> chain_;
+  LocalChain<Passes> chain_;
 };
 
 }  // namespace becalm::filter

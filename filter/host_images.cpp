@@ -6,15 +6,13 @@
 #include <cmath>
 #include <limits>
 
+#include "filter/luminance.h"
+
 namespace becalm::filter {
 namespace {
 
 /// Exposures beyond this range make squares of scaled values leave the range of floats.
 constexpr double kLargestExposure = 1e15;
-
-float luminance(std::span<const float> rgb) {
-  return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
-}
 
 /// Calls `use(index in an image of that width, index in the rectangle)` for each pixel, row by row.
 template <class Use>

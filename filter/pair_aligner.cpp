@@ -10,13 +10,10 @@
 #include "filter/host_images.h"
 
 namespace becalm::filter {
-namespace {
 
 using gpu::Extent;
 using gpu::Format;
 using gpu::ImageId;
-
-}  // namespace
 
 struct PairAligner::State {
   /// The inputs of one of the two frames.

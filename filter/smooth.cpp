@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "filter/ceil_div.h"
 #include "shaders/shared/smooth_params.h"
 
 namespace becalm::filter {
@@ -17,7 +18,7 @@ constexpr int kRows = 16;           // as in shaders/smooth/weights.comp
 
 int weight_planes(const Settings& settings) {
   const int side = 2 * settings.smooth_radius + 1;
-  return (side * side + kShiftsPerPlane - 1) / kShiftsPerPlane;
+  return ceil_div(side * side, kShiftsPerPlane);
 }
 
 }  // namespace
@@ -45,7 +46,7 @@ Smoothed add_smooth_passes(Chain& chain, const Settings& settings, Extent full, 
       .specialize("radius", settings.smooth_radius)
       .specialize("patch_radius", settings.smooth_patch_radius)
       .constants(params)
-      .dispatch({full.width, (full.height + kRows - 1) / kRows, planes});
+      .dispatch({full.width, ceil_div(full.height, kRows), planes});
   Smoothed smoothed{chain.image("smoothed.color", Format::f32x4, full),
                     chain.image("smoothed.stats", Format::f32x2, full),
                     {}};

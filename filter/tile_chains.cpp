@@ -106,49 +106,39 @@ TileChain::TileChain(gpu::Device& device, const FilterTask& task, const PyramidS
                                                 .source = source,
                                                 .start = start,
                                                 .motion = guides ? motion : std::nullopt});
-  offset = add_upsample_pass(chain, settings, target_extent, found.offset);
+  merged.offset = add_upsample_pass(chain, settings, target_extent, found.offset);
   if (motion && settings.motion == MotionUse::override_offset) {
-    offset = add_override_pass(chain, target_extent, offset, *motion);
+    merged.offset = add_override_pass(chain, target_extent, merged.offset, *motion);
   }
+  merged.residual = found.residual.front();
 
   const unsigned rules = applicable_rules(settings, task.used);
   if (rules != 0) {
     surface = {chain.input("surface.cur", Format::f32x4, target_extent),
                chain.input("surface.prev", Format::f32x4, source_extent)};
   }
-  merged_color = chain.image("history.color.next", Format::f32x4, target_extent);
-  merged_stats = chain.image("history.stats.next", Format::f32x2, target_extent);
+  merged.color = chain.image("history.color.next", Format::f32x4, target_extent);
+  merged.stats = chain.image("history.stats.next", Format::f32x2, target_extent);
   additive = additive_inputs(chain, task, target_extent, "additive.cur");
   history_additive = additive_inputs(chain, task, source_extent, "history.additive.prev");
   std::vector<AdditiveInput> additive_merged;
   for (std::size_t i = 0; i < task.additive; ++i) {
     const std::string name = fmt::format("history.additive.next.{}", i);
-    merged_additive.push_back(chain.image(name, Format::f32x4, target_extent));
-    additive_merged.push_back({additive[i], {history_additive[i], merged_additive[i]}});
+    merged.additive.push_back(chain.image(name, Format::f32x4, target_extent));
+    additive_merged.push_back({additive[i], {history_additive[i], merged.additive[i]}});
   }
-  outputs = add_merge_passes(chain, settings, target_extent,
-                             {.noisy = noisy,
-                              .color = color,
-                              .variance = variance,
-                              .history_color = {history_color, merged_color},
-                              .history_stats = {history_stats, merged_stats},
-                              .history_window = window,
-                              .rules = rules,
-                              .surface = surface.value_or(SurfaceInputs{}),
-                              .additive = additive_merged},
-                             {offset, found.residual});
-  chain.output(merged_color);
-  chain.output(merged_stats);
-  for (const gpu::ImageId image : merged_additive) chain.output(image);
-  residual = found.residual.front();
-  chain.output(outputs.decision);
-  if (settings.directions == Directions::both) {
-    chain.output(outputs.warped_color);
-    chain.output(outputs.warped_stats);
-    for (const gpu::ImageId image : outputs.warped_additive) chain.output(image);
-  }
-  if (contains(task.diagnostics, Aov::flow)) chain.output(offset);
-  if (contains(task.diagnostics, Aov::residual)) chain.output(residual);
+  merged.outputs = add_merge_passes(chain, settings, target_extent,
+                                    {.noisy = noisy,
+                                     .color = color,
+                                     .variance = variance,
+                                     .history_color = {history_color, merged.color},
+                                     .history_stats = {history_stats, merged.stats},
+                                     .history_window = window,
+                                     .rules = rules,
+                                     .surface = surface.value_or(SurfaceInputs{}),
+                                     .additive = additive_merged},
+                                    {merged.offset, found.residual});
+  add_outputs(chain, task, merged);
   chain.plan();
 }
 

@@ -10,6 +10,7 @@
 #include "filter/frame_merger.h"
 #include "filter/gpu/chain.h"
 #include "filter/merge.h"
+#include "filter/merged_images.h"
 #include "filter/noisy_inputs.h"
 
 namespace becalm::filter {
@@ -67,14 +68,9 @@ struct TileChain {
   std::optional<SurfaceInputs> surface;
   gpu::ImageId history_color;
   gpu::ImageId history_stats;
-  gpu::ImageId merged_color;
-  gpu::ImageId merged_stats;
   std::vector<gpu::ImageId> additive;  ///< of the new frame, or smoothed
   std::vector<gpu::ImageId> history_additive;
-  std::vector<gpu::ImageId> merged_additive;
-  MergeOutputs outputs;
-  gpu::ImageId offset;
-  gpu::ImageId residual;  ///< of level 0
+  MergedImages merged;
 };
 
 }  // namespace becalm::filter

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "filter/additive.h"
+#include "filter/ceil_div.h"
 #include "filter/correct.h"
 #include "filter/host_images.h"
 #include "filter/merge.h"
@@ -23,7 +24,7 @@ using gpu::ImageId;
 
 /// The pixels of a level that cover a rectangle which begins at the level's multiples.
 Rect at_level(const Rect& rect, int px) {
-  return {rect.x / px, rect.y / px, (rect.width + px - 1) / px, (rect.height + px - 1) / px};
+  return {rect.x / px, rect.y / px, ceil_div(rect.width, px), ceil_div(rect.height, px)};
 }
 
 /// The first planes of an image.
@@ -110,12 +111,7 @@ void TiledFrame::plan(gpu::Device& device, std::uint64_t memory_limit) {
     rules.grid = std::lcm(rules.grid, correction_grid_px(settings));
     // Known motion may lead anywhere.
     if (contains(task_.used, Aov::motion)) rules.reach = std::max(full.width, full.height);
-    const int margin = feature_margin_px(settings);
-    const TileRules feature_rules{.grid = rules.core_grid,
-                                  .core_grid = rules.core_grid,
-                                  .left = margin,
-                                  .above = margin,
-                                  .after = margin};
+    const TileRules feature_rules = local_tile_rules(feature_margin_px(settings), rules.core_grid);
     std::unique_ptr<Chains> chains;
     std::vector<Tile> feature_tiles;
     const auto fits = [&](const Tile& tile) {
@@ -248,25 +244,7 @@ void TiledFrame::merge_tile(const Tile& tile, const NewFrame& frame, MergedFrame
   chain.run();
   add_times(report, chain);
 
-  MergedTile images{.color = chain.download<float>(chains.merged_color),
-                    .stats = chain.download<float>(chains.merged_stats),
-                    .warped_color = {},
-                    .warped_stats = {},
-                    .additive = download_additive(chain, chains.merged_additive),
-                    .warped_additive = {},
-                    .decision = chain.download<float>(chains.outputs.decision),
-                    .offset = {},
-                    .residual = {},
-                    .residual_px = finest_px};
-  if (task_.settings.directions == Directions::both) {
-    images.warped_color = chain.download<float>(chains.outputs.warped_color);
-    images.warped_stats = chain.download<float>(chains.outputs.warped_stats);
-    images.warped_additive = download_additive(chain, chains.outputs.warped_additive);
-  }
-  if (contains(task_.diagnostics, Aov::flow)) images.offset = chain.download<float>(chains.offset);
-  if (contains(task_.diagnostics, Aov::residual)) {
-    images.residual = chain.download<float>(chains.residual);
-  }
+  const MergedTile images = download(chain, task_, chains.merged);
   unpack(images, tile, merged);
   copy_core(images.color, tile, merged_.color);
   copy_core(images.stats, tile, merged_.stats);
@@ -284,11 +262,7 @@ void TiledFrame::reset() {
 
 FilterMemory TiledFrame::memory() const {
   FilterMemory memory{.tiles = tiles_.size(), .tile = tiles_.front().target.extent()};
-  chains_->for_each([&](const gpu::Chain& chain) {
-    memory.device_bytes += chain.device_bytes();
-    memory.device_bytes_unaliased += chain.device_bytes_unaliased();
-    memory.staging_bytes += chain.staging_bytes();
-  });
+  chains_->for_each([&](const gpu::Chain& chain) { add_memory(memory, chain); });
   return memory;
 }
 

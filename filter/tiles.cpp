@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "filter/ceil_div.h"
+
 namespace becalm::filter {
 namespace {
 
@@ -43,7 +45,7 @@ int round_down(int value, int multiple) {
 }
 
 int round_up(int value, int multiple) {
-  return (value + multiple - 1) / multiple * multiple;
+  return ceil_div(value, multiple) * multiple;
 }
 
 std::vector<TileSpan> cut(int frame, int target, const SpanRules& rules) {

@@ -54,6 +54,12 @@ struct TileRules {
   int reach = 0;  ///< from the target's rectangle to the border of the source's
 };
 
+/// The rules for what depends on `margin_px` pixels around its own and on no history. Rectangles begin at
+/// multiples of `grid_px`.
+constexpr TileRules local_tile_rules(int margin_px, int grid_px) {
+  return {.grid = grid_px, .core_grid = grid_px, .left = margin_px, .above = margin_px, .after = margin_px};
+}
+
 /// Cuts a frame into tiles whose target rectangles all have the size `target`, and whose source rectangles
 /// have one size, too; both leave the same remainder by the grid as the frame does, so that the last ones end
 /// at its border. Empty if `target` leaves no room for cores of at least the grid's size.

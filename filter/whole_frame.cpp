@@ -46,8 +46,8 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
   const Features source_features = add_feature_passes(chain_, settings, full, "source", source);
   Alignment alignment = add_align_passes(chain_, settings, full, target_features, source_features,
                                          {.name = {}, .motion = motion_});
-  offset_ = alignment.offset;
-  residual_ = alignment.residual.front();
+  merged_.offset = alignment.offset;
+  merged_.residual = alignment.residual.front();
   const unsigned rules = applicable_rules(settings, task_.used);
   if (rules & validate_flow) {
     alignment.consistency =
@@ -63,33 +63,23 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
   for (const gpu::ImageId input : additive_) {
     const std::string name = fmt::format("history.additive.{}", additive.size());
     additive.push_back({input, chain_.history(name, Format::f32x4, full)});
-    merged_additive_.push_back(additive.back().history.next);
+    merged_.additive.push_back(additive.back().history.next);
   }
 
-  outputs_ = add_merge_passes(chain_, settings, full,
-                              {.noisy = noisy_,
-                               .color = color,
-                               .variance = variance,
-                               .history_color = history_color,
-                               .history_stats = history_stats,
-                               .history_window = {},
-                               .rules = rules,
-                               .surface = surface_.value_or(SurfaceInputs{}),
-                               .additive = additive},
-                              alignment);
-  merged_color_ = history_color.next;
-  merged_stats_ = history_stats.next;
-  chain_.output(merged_color_);
-  chain_.output(merged_stats_);
-  for (const gpu::ImageId image : merged_additive_) chain_.output(image);
-  chain_.output(outputs_.decision);
-  if (settings.directions == Directions::both) {
-    chain_.output(outputs_.warped_color);
-    chain_.output(outputs_.warped_stats);
-    for (const gpu::ImageId image : outputs_.warped_additive) chain_.output(image);
-  }
-  if (contains(task_.diagnostics, Aov::flow)) chain_.output(offset_);
-  if (contains(task_.diagnostics, Aov::residual)) chain_.output(residual_);
+  merged_.color = history_color.next;
+  merged_.stats = history_stats.next;
+  merged_.outputs = add_merge_passes(chain_, settings, full,
+                                     {.noisy = noisy_,
+                                      .color = color,
+                                      .variance = variance,
+                                      .history_color = history_color,
+                                      .history_stats = history_stats,
+                                      .history_window = {},
+                                      .rules = rules,
+                                      .surface = surface_.value_or(SurfaceInputs{}),
+                                      .additive = additive},
+                                     alignment);
+  add_outputs(chain_, task_, merged_);
   chain_.plan();
 }
 
@@ -114,32 +104,13 @@ void WholeFrame::merge(const NewFrame& frame, MergedFrame& merged, FrameReport& 
   }
   chain_.run();
   add_times(report, chain_);
-  MergedTile images{.color = chain_.download<float>(merged_color_),
-                    .stats = chain_.download<float>(merged_stats_),
-                    .warped_color = {},
-                    .warped_stats = {},
-                    .additive = download_additive(chain_, merged_additive_),
-                    .warped_additive = {},
-                    .decision = chain_.download<float>(outputs_.decision),
-                    .offset = {},
-                    .residual = {},
-                    .residual_px = level_px(task_.settings, 0)};
-  if (task_.settings.directions == Directions::both) {
-    images.warped_color = chain_.download<float>(outputs_.warped_color);
-    images.warped_stats = chain_.download<float>(outputs_.warped_stats);
-    images.warped_additive = download_additive(chain_, outputs_.warped_additive);
-  }
-  if (contains(task_.diagnostics, Aov::flow)) images.offset = chain_.download<float>(offset_);
-  if (contains(task_.diagnostics, Aov::residual)) images.residual = chain_.download<float>(residual_);
-  unpack(images, all, merged);
+  unpack(download(chain_, task_, merged_), all, merged);
 }
 
 FilterMemory WholeFrame::memory() const {
-  return {.tiles = 1,
-          .tile = task_.full,
-          .device_bytes = chain_.device_bytes(),
-          .device_bytes_unaliased = chain_.device_bytes_unaliased(),
-          .staging_bytes = chain_.staging_bytes()};
+  FilterMemory memory{.tiles = 1, .tile = task_.full};
+  add_memory(memory, chain_);
+  return memory;
 }
 
 }  // namespace becalm::filter

@@ -6,6 +6,7 @@
 #include "filter/frame_merger.h"
 #include "filter/gpu/chain.h"
 #include "filter/merge.h"
+#include "filter/merged_images.h"
 #include "filter/noisy_inputs.h"
 
 namespace becalm::filter {
@@ -32,13 +33,8 @@ class WholeFrame : public FrameMerger {
   std::optional<gpu::ImageId> guide_;
   std::optional<gpu::ImageId> motion_;
   std::optional<SurfaceInputs> surface_;
-  gpu::ImageId offset_;
-  gpu::ImageId residual_;
-  gpu::ImageId merged_color_;
-  gpu::ImageId merged_stats_;
   std::vector<gpu::ImageId> additive_;
-  std::vector<gpu::ImageId> merged_additive_;
-  MergeOutputs outputs_;
+  MergedImages merged_;
 };
 
 }  // namespace becalm::filter

@@ -83,9 +83,10 @@ void PixelStatistics::write(Frame& frame, int x, int y) const {
         sums_.half_count[0] > 0 ? sums_.half_sum[0] / sums_.half_count[0] : V3d(0.0));
   store(frame, Aov::half_b, x, y,
         sums_.half_count[1] > 0 ? sums_.half_sum[1] / sums_.half_count[1] : V3d(0.0));
-  store(frame, Aov::albedo, x, y, sums_.count > 0 ? sums_.albedo * weight : V3d(1.0));
-  store(frame, Aov::normal, x, y, sums_.normal * weight);
-  store(frame, Aov::motion, x, y, sums_.motion * weight);
+  const double guide_weight = sums_.guide_count > 0 ? 1.0 / sums_.guide_count : 0.0;
+  store(frame, Aov::albedo, x, y, sums_.guide_count > 0 ? sums_.albedo * guide_weight : V3d(1.0));
+  store(frame, Aov::normal, x, y, sums_.normal * guide_weight);
+  store(frame, Aov::motion, x, y, sums_.motion * guide_weight);
   store_id(frame, Aov::object_id, x, y, objects_.winner());
   store_id(frame, Aov::material_id, x, y, materials_.winner());
   if (frame.has(Aov::depth)) {

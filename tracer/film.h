@@ -58,6 +58,7 @@ class PixelStatistics {
     sums_.covered += sample.covered ? 1.0 : 0.0;
   }
   void add_guides(const Guides& guides) {
+    ++sums_.guide_count;
     objects_.add(guides.ids.object);
     materials_.add(guides.ids.material);
     sums_.albedo += V3d(guides.albedo);
@@ -78,6 +79,7 @@ class PixelStatistics {
   struct Sums {
     std::uint32_t count = 0;
     std::uint32_t half_count[2] = {0, 0};
+    std::uint32_t guide_count = 0;
     std::uint32_t depth_count = 0;
     V3d mean{0.0};
     V3d squares{0.0};  ///< sum of squared differences from the mean (Welford 1962)

@@ -68,7 +68,8 @@ class Path {
         snapshot_(context.snapshot),
         integrator_(context.integrator),
         sampler_(sampler),
-        draws_lights_(integrator_.direct != Direct::material && !snapshot_.lights().empty()) {
+        draws_lights_(integrator_.direct != Direct::material && !snapshot_.lights().empty() &&
+                      !context.guides_only) {
     if constexpr (F.blur) {
       // Drawn whichever of them the scene has, so that the dimensions of what follows do not depend on it.
       time_ = sampler.next_1d();
@@ -84,7 +85,7 @@ class Path {
   }
 
   PathSample trace() {
-    while (step()) {
+    while (step() && !(context_.guides_only && scatterings_ > 0)) {
     }
     return result_;
   }

@@ -67,7 +67,7 @@ bool Path<F>::scatter(const ObjectState& object, const Hit& hit, Surface& surfac
   } else if (wants_guides) {
     result_.guides.albedo = V3f(0.0f);  // stays if the path ends inside the mirror or glass
   }
-  if (last) return false;
+  if (last || (context_.guides_only && !specular)) return false;
 
   // Every event draws the same dimensions, used or not, so that those of later events stay stratified among
   // samples.

@@ -55,6 +55,7 @@ struct PathContext {
   Textures::Reader textures;
   float footprint_scale = 1.0f;              ///< see scene/texture.h
   bool mixes = false;                        ///< whether materials are mixed: one more random number an event
+  bool guides_only = false;                  ///< paths end where their guides are known, and find no light
   RadianceSplit* split = nullptr;            ///< the path's radiance is added to it if not null
   std::vector<PathVertex>* log = nullptr;    ///< filled if not null
   std::vector<RecordedRay>* rays = nullptr;  ///< filled if not null

@@ -43,6 +43,7 @@ struct FrameSetup {
         width(options.width > 0 ? options.width : description.film.width),
         height(options.height > 0 ? options.height : description.film.height),
         spp(static_cast<std::uint32_t>(options.spp)),
+        aov_spp(static_cast<std::uint32_t>(std::max(options.spp, options.aov_spp))),
         seed(options.seed),
         cameras(description.camera, frame_number, width, height),
         eye_interiors(scene.needs().media ? interiors_at(snapshot, cameras.current().eye()) : Interiors()),
@@ -81,6 +82,7 @@ struct FrameSetup {
   int frame;
   int width, height;
   std::uint32_t spp;
+  std::uint32_t aov_spp;
   std::uint32_t seed;
   CameraAnimation cameras;
   Interiors eye_interiors;
@@ -108,6 +110,10 @@ std::vector<Tile> make_tiles(int width, int height, int tile_px) {
 void check(const RenderOptions& options) {
   if (options.spp < 1 || options.spp > kMostSamples) {
     throw Error(ExitStatus::usage, fmt::format("spp: {}: expected 1 to {}", options.spp, kMostSamples));
+  }
+  if (options.aov_spp < 0 || options.aov_spp > kMostSamples) {
+    throw Error(ExitStatus::usage,
+                fmt::format("aov_spp: {}: expected 0 to {}", options.aov_spp, kMostSamples));
   }
   const bool halves = contains(options.aovs, Aov::half_a) || contains(options.aovs, Aov::half_b);
   if (halves && options.spp < 2)
@@ -153,6 +159,9 @@ std::optional<Frame> render_frame(Scene& scene, int frame_number, const RenderOp
     const bool splits = wants_split(options);
     RadianceSplit split(splits ? setup.description.light_groups.size() : 0);
     if (splits) context.split = &split;
+    PathContext guides_context = setup.context();
+    guides_context.guides_only = true;
+    const std::uint32_t guide_samples = setup.guides ? setup.aov_spp : 0;
     PixelStatistics pixel;
     SplitStatistics pixel_split(split.groups.size());
     std::size_t non_finite = 0;
@@ -162,17 +171,23 @@ std::optional<Frame> render_frame(Scene& scene, int frame_number, const RenderOp
         if (cancelled()) return;
         pixel.clear();
         if (splits) pixel_split.clear();
+        const auto is_dropped = [&](const PathSample& sample, std::uint32_t i) {
+          if (is_finite(sample)) return false;
+          ++non_finite;
+          if (!first_non_finite) first_non_finite = PixelSample{x, y, i};
+          return true;
+        };
         for (std::uint32_t i = 0; i < spp; ++i) {
           if (splits) split.clear();
           const PathSample sample = setup.sample_pixel(context, x, y, i);
-          if (!is_finite(sample)) {
-            ++non_finite;
-            if (!first_non_finite) first_non_finite = PixelSample{x, y, i};
-            continue;
-          }
+          if (is_dropped(sample, i)) continue;
           pixel.add(sample, i < half ? 0 : 1);
           if (setup.guides) pixel.add_guides(sample.guides);
           if (splits) pixel_split.add(split);
+        }
+        for (std::uint32_t i = spp; i < guide_samples; ++i) {
+          const PathSample sample = setup.sample_pixel(guides_context, x, y, i);
+          if (!is_dropped(sample, i)) pixel.add_guides(sample.guides);
         }
         pixel.write(frame, x, y);
         if (splits) pixel_split.write(frame, x, y);
@@ -225,10 +240,10 @@ std::vector<std::string> describe_sample(Scene& scene, int frame_number, const R
   check(options);
   const FrameSetup setup(scene, frame_number, options);
   if (which.x < 0 || which.x >= setup.width || which.y < 0 || which.y >= setup.height ||
-      which.sample >= static_cast<std::uint32_t>(options.spp)) {
+      which.sample >= setup.aov_spp) {
     throw Error(ExitStatus::usage,
                 fmt::format("debug-pixel: {},{},{}: the frame has {}x{} pixels of {} samples", which.x,
-                            which.y, which.sample, setup.width, setup.height, options.spp));
+                            which.y, which.sample, setup.width, setup.height, setup.aov_spp));
   }
   std::vector<PathVertex> path;
   PathContext context = setup.context();

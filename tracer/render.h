@@ -18,6 +18,9 @@ struct RenderOptions {
   int width = 0;  ///< 0: the scene's
   int height = 0;
   int spp = 8;  ///< samples per pixel, 1..65536
+  /// Samples per pixel of the AOVs of what is seen (albedo, normal, depth, motion, object_id, material_id) if
+  /// more than spp, up to 65536. Those beyond spp end at the surface and find no light.
+  int aov_spp = 0;
   std::uint32_t seed = 0;
   AovSet aovs;  ///< besides the beauty
   bool light_groups = false;
@@ -53,6 +56,7 @@ struct RenderReport {
 ///
 /// The variance is that of the pixel's mean, from the samples themselves; of a single sample, its square.
 /// Radiance, albedo, normal and motion are means over the samples, depth over those that hit something.
+/// AOVs of what is seen have the beauty's samples and, up to aov_spp, more of the same sequence.
 /// Samples that are not finite are left out of all of them. Throws Error(usage) for spp out of range, or
 /// halves of a single sample; Error(bad_input) as Scene::at_frame does and for textures whose pixels cannot
 /// be read.

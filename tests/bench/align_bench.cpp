@@ -3,29 +3,24 @@
 // nothing but a Vulkan driver.
 //
 //   {"do": "device"}
-//   {"do": "build", "input": "plane" | "frames", "width": W, "height": H, "preset": NAME, "set":
-//   ["KEY=VALUE"],
-//    "aovs": ["albedo", "normal"], "alias": true}
-//   {"do": "load", "target": {LAYER: FILE}, "source": {LAYER: FILE}}     raw little-endian floats,
-//   interleaved
+//   {"do": "build", "input": "plane" | "frames", "width": W, "height": H, "preset": NAME,
+//    "set": ["KEY=VALUE"], "aovs": ["albedo", "normal"], "alias": true}
+//   {"do": "load", "target": {LAYER: FILE}, "source": {LAYER: FILE}}     as read_raw
 //   {"do": "load", "pattern": [DX, DY]}              "plane" alone: a random pattern displaced by (DX, DY) px
 //   {"do": "run", "times": N}                        medians over N runs
 //   {"do": "save", "offset": FILE, "residual": FILE}
-//
-// A command that fails is answered by {"error": MESSAGE}; the next one is read all the same.
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cstdio>
-#include <fstream>
-#include <iostream>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "filter/align.h"
 #include "frame/error.h"
 #include "tests/bench/align_job.h"
+#include "tests/bench/json_service.h"
+#include "tests/bench/raw_image.h"
 #include "tests/bench/stopwatch.h"
 #include "tests/filter/pattern.h"
 
@@ -33,28 +28,6 @@ namespace becalm::bench {
 namespace {
 
 using nlohmann::json;
-
-Image read_raw(const std::string& path, gpu::Extent extent) {
-  std::ifstream file(path, std::ios::binary | std::ios::ate);
-  if (!file) throw Error(ExitStatus::bad_input, fmt::format("{}: cannot be read", path));
-  const auto bytes = static_cast<std::uint64_t>(file.tellg());
-  const std::uint64_t plane = extent.elements() * sizeof(float);
-  if (bytes == 0 || bytes % plane != 0 || bytes / plane > 4) {
-    throw Error(ExitStatus::bad_input,
-                fmt::format("{}: {} bytes: expected {} times 1 to 4 channels", path, bytes, plane));
-  }
-  Image image(extent.width, extent.height, static_cast<int>(bytes / plane));
-  file.seekg(0);
-  file.read(reinterpret_cast<char*>(image.data().data()), static_cast<std::streamsize>(bytes));
-  return image;
-}
-
-void write_raw(const std::string& path, const Image& image) {
-  std::ofstream file(path, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(image.data().data()),
-             static_cast<std::streamsize>(image.data().size_bytes()));
-  if (!file.flush()) throw Error(ExitStatus::resource, fmt::format("{}: cannot be written", path));
-}
 
 Layers read_layers(const json& files, gpu::Extent extent) {
   Layers layers;
@@ -163,20 +136,6 @@ class Service {
   std::unique_ptr<AlignJob> job_;
 };
 
-void serve(const std::string& device) {
-  Service service(device);
-  for (std::string line; std::getline(std::cin, line);) {
-    json answer;
-    try {
-      answer = service.answer(json::parse(line));
-    } catch (const std::exception& error) {
-      answer = {{"error", error.what()}};
-    }
-    fmt::print("{}\n", answer.dump());
-    std::fflush(stdout);
-  }
-}
-
 }  // namespace
 }  // namespace becalm::bench
 
@@ -185,11 +144,5 @@ int main(int argc, char** argv) {
     std::fputs("usage: bench_align [DEVICE] <commands; DEVICE: its index or part of its name\n", stderr);
     return 2;
   }
-  try {
-    becalm::bench::serve(argc > 1 ? argv[1] : "");
-    return 0;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "bench_align: %s\n", error.what());
-    return 4;
-  }
+  return becalm::bench::serve<becalm::bench::Service>("bench_align", argc > 1 ? argv[1] : "");
 }

@@ -2,21 +2,19 @@
 // one JSON line in answer.
 //
 //   {"do": "build", "width": W, "height": H, "resample": "bilinear" | "catmull_rom" | "o_moms"}
-//   {"do": "warp", "offset": [DX, DY], "from": FILE, "to": FILE}     raw little-endian floats, RGBA
-//
-// A command that fails is answered by {"error": MESSAGE}; the next one is read all the same.
+//   {"do": "warp", "offset": [DX, DY], "from": FILE, "to": FILE}     as read_raw, RGBA
 
 #include <fmt/format.h>
 
-#include <cstdio>
-#include <fstream>
-#include <iostream>
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "filter/merge.h"
 #include "frame/error.h"
+#include "tests/bench/json_service.h"
+#include "tests/bench/raw_image.h"
 
 namespace becalm::bench {
 namespace {
@@ -26,7 +24,8 @@ using nlohmann::json;
 /// The warp's passes, of a history that has no holes, by one offset for all pixels.
 class WarpJob {
  public:
-  WarpJob(gpu::Device& device, const filter::Settings& settings, gpu::Extent full) : chain_(device, "warp") {
+  WarpJob(gpu::Device& device, const filter::Settings& settings, gpu::Extent full)
+      : full_(full), chain_(device, "warp") {
     offset_ = chain_.input("offset", gpu::Format::f32x2, full);
     color_ = chain_.input("history.color", gpu::Format::f32x4, full);
     stats_ = chain_.input("history.stats", gpu::Format::f32x2, full);
@@ -43,20 +42,17 @@ class WarpJob {
       offsets[i] = dx;
       offsets[i + 1] = dy;
     }
-    const auto color = chain_.upload<float>(color_);
-    std::ifstream in(from, std::ios::binary);
-    if (!in.read(reinterpret_cast<char*>(color.data()), static_cast<std::streamsize>(color.size_bytes()))) {
-      throw Error(ExitStatus::bad_input, fmt::format("{}: expected {} bytes", from, color.size_bytes()));
-    }
+    const Image color = read_raw(from, full_);
+    if (color.channels() != 4) throw Error(ExitStatus::bad_input, fmt::format("{}: expected RGBA", from));
+    std::ranges::copy(color.data(), chain_.upload<float>(color_).begin());
     chain_.run();
-    const auto warped = chain_.download<float>(warped_);
-    std::ofstream out(to, std::ios::binary);
-    out.write(reinterpret_cast<const char*>(warped.data()),
-              static_cast<std::streamsize>(warped.size_bytes()));
-    if (!out.flush()) throw Error(ExitStatus::resource, fmt::format("{}: cannot be written", to));
+    Image warped(full_.width, full_.height, 4);
+    std::ranges::copy(chain_.download<float>(warped_), warped.data().begin());
+    write_raw(to, warped);
   }
 
  private:
+  gpu::Extent full_;
   gpu::Chain chain_;
   gpu::ImageId offset_, color_, stats_, warped_;
 };
@@ -84,29 +80,9 @@ class Service {
   std::unique_ptr<WarpJob> job_;
 };
 
-void serve() {
-  Service service;
-  for (std::string line; std::getline(std::cin, line);) {
-    json answer;
-    try {
-      answer = service.answer(json::parse(line));
-    } catch (const std::exception& error) {
-      answer = {{"error", error.what()}};
-    }
-    fmt::print("{}\n", answer.dump());
-    std::fflush(stdout);
-  }
-}
-
 }  // namespace
 }  // namespace becalm::bench
 
 int main() {
-  try {
-    becalm::bench::serve();
-    return 0;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "bench_resample: %s\n", error.what());
-    return 4;
-  }
+  return becalm::bench::serve<becalm::bench::Service>("bench_resample");
 }

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "tests/filter/device_fixture.h"
+#include "tests/filter/grids.h"
 #include "tests/filter/pattern.h"
 #include "tests/filter/reference/correct.h"
 
@@ -69,8 +70,8 @@ class CorrectOnDevice {
   }
 
   Grid<Rgba> run(const Pair& pair, float exposure = kExposure) {
-    fill(pair.frame, inputs_.color, inputs_.variance);
-    fill(pair.estimate, inputs_.estimate, inputs_.estimate_stats);
+    upload_estimate(chain_, inputs_.color, inputs_.variance, pair.frame);
+    upload_estimate(chain_, inputs_.estimate, inputs_.estimate_stats, pair.estimate);
     chain_.upload<float>(inputs_.exposure)[0] = exposure;
     for (std::size_t i = 0; i < pair.half_difference.data.size(); ++i) {
       std::ranges::copy(pair.half_difference.data[i],
@@ -85,14 +86,6 @@ class CorrectOnDevice {
   }
 
  private:
-  void fill(const Grid<Estimate>& grid, gpu::ImageId color, gpu::ImageId stats) {
-    for (std::size_t i = 0; i < grid.data.size(); ++i) {
-      std::ranges::copy(grid.data[i].color, chain_.upload<float>(color).begin() + 4 * i);
-      chain_.upload<float>(stats)[2 * i] = static_cast<float>(grid.data[i].variance);
-      chain_.upload<float>(stats)[2 * i + 1] = static_cast<float>(grid.data[i].count);
-    }
-  }
-
   gpu::Extent full_;
   gpu::Chain chain_;
   CorrectionInputs inputs_;

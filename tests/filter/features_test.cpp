@@ -1,6 +1,7 @@
+#include "filter/features.h"
+
 #include <cmath>
 
-#include "filter/align.h"
 #include "filter/host_images.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/pattern.h"

@@ -5,6 +5,7 @@
 
 #include "filter/noisy_inputs.h"
 #include "tests/filter/device_fixture.h"
+#include "tests/filter/grids.h"
 #include "tests/filter/pattern.h"
 #include "tests/filter/reference/merge.h"
 #include "tests/filter/task.h"
@@ -66,31 +67,16 @@ class MergeOnDevice {
 
   reference::Merged run(const Grid<Estimate>& sample, const Grid<Vec2>& offset,
                         const Grid<double>* residual = nullptr) {
-    const auto color = chain_.upload<float>(noisy_.color);
-    const auto variance = chain_.upload<float>(noisy_.variance);
-    const auto offsets = chain_.upload<float>(alignment_.offset);
-    for (std::size_t i = 0; i < sample.data.size(); ++i) {
-      std::ranges::copy(sample.data[i].color, color.begin() + 4 * i);
-      variance[2 * i] = static_cast<float>(sample.data[i].variance);
-      variance[2 * i + 1] = static_cast<float>(sample.data[i].count);
-      offsets[2 * i] = static_cast<float>(offset.data[i].x);
-      offsets[2 * i + 1] = static_cast<float>(offset.data[i].y);
-    }
+    upload_estimate(chain_, noisy_.color, noisy_.variance, sample);
+    upload_offset(chain_, alignment_.offset, offset);
     chain_.upload<float>(noisy_.exposure)[0] = kExposure;
     if (residual)
       std::ranges::copy(residual->data, chain_.upload<float>(alignment_.residual.front()).begin());
     chain_.run();
-    reference::Merged merged{Grid<Estimate>(kWidth, kHeight), Grid<double>(kWidth, kHeight)};
-    const auto out = chain_.download<float>(merged_color_);
-    const auto stats = chain_.download<float>(merged_stats_);
+    reference::Merged merged{download_estimate(chain_, merged_color_, merged_stats_, kFull),
+                             Grid<double>(kWidth, kHeight)};
     const auto decision = chain_.download<float>(decision_);
-    for (std::size_t i = 0; i < merged.estimate.data.size(); ++i) {
-      Estimate& e = merged.estimate.data[i];
-      std::copy_n(out.begin() + 4 * i, 4, e.color.begin());
-      e.variance = stats[2 * i];
-      e.count = stats[2 * i + 1];
-      merged.rejected.data[i] = decision[4 * i];
-    }
+    for (std::size_t i = 0; i < merged.rejected.data.size(); ++i) merged.rejected.data[i] = decision[4 * i];
     return merged;
   }
 

@@ -4,6 +4,7 @@
 
 #include "filter/merge.h"
 #include "tests/filter/device_fixture.h"
+#include "tests/filter/grids.h"
 #include "tests/filter/pattern.h"
 #include "tests/filter/reference/merge.h"
 
@@ -37,24 +38,10 @@ class WarpOnDevice {
   }
 
   Grid<Estimate> run(const Grid<Estimate>& history, const Grid<Vec2>& offset) {
-    const auto color = chain_.upload<float>(color_);
-    const auto stats = chain_.upload<float>(stats_);
-    const auto offsets = chain_.upload<float>(offset_);
-    for (std::size_t i = 0; i < history.data.size(); ++i) {
-      std::ranges::copy(history.data[i].color, color.begin() + 4 * i);
-      stats[2 * i] = static_cast<float>(history.data[i].variance);
-      stats[2 * i + 1] = static_cast<float>(history.data[i].count);
-      offsets[2 * i] = static_cast<float>(offset.data[i].x);
-      offsets[2 * i + 1] = static_cast<float>(offset.data[i].y);
-    }
+    upload_estimate(chain_, color_, stats_, history);
+    upload_offset(chain_, offset_, offset);
     chain_.run();
-    Grid<Estimate> warped(kWidth, kHeight);
-    for (std::size_t i = 0; i < warped.data.size(); ++i) {
-      std::copy_n(chain_.download<float>(warped_.color).begin() + 4 * i, 4, warped.data[i].color.begin());
-      warped.data[i].variance = chain_.download<float>(warped_.stats)[2 * i];
-      warped.data[i].count = chain_.download<float>(warped_.stats)[2 * i + 1];
-    }
-    return warped;
+    return download_estimate(chain_, warped_.color, warped_.stats, {kWidth, kHeight});
   }
 
  private:

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "tests/filter/device_fixture.h"
+#include "tests/filter/grids.h"
 #include "tests/filter/pattern.h"
 #include "tests/filter/reference/smooth.h"
 #include "tests/filter/task.h"
@@ -60,23 +61,14 @@ Grid<Estimate> smooth_on(gpu::Device& device, const Sample& sample, const Settin
   chain.output(smoothed.stats);
   chain.build();
   chain.upload<float>(noisy.exposure)[0] = kExposure;
-  for (std::size_t i = 0; i < sample.pixels.data.size(); ++i) {
-    const Estimate& e = sample.pixels.data[i];
-    std::ranges::copy(e.color, chain.upload<float>(noisy.color).begin() + 4 * i);
-    chain.upload<float>(noisy.variance)[2 * i] = static_cast<float>(e.variance);
-    chain.upload<float>(noisy.variance)[2 * i + 1] = static_cast<float>(e.count);
+  upload_estimate(chain, noisy.color, noisy.variance, sample.pixels);
+  for (std::size_t i = 0; i < sample.features.data.size(); ++i) {
     const reference::SmoothFeatures& f = sample.features.data[i];
     std::copy_n(f.begin(), 4, chain.upload<float>(features.albedo_depth).begin() + 4 * i);
     std::copy_n(f.begin() + 4, 3, chain.upload<float>(features.normal).begin() + 4 * i);
   }
   chain.run();
-  Grid<Estimate> result(kWidth, kHeight);
-  for (std::size_t i = 0; i < result.data.size(); ++i) {
-    std::copy_n(chain.download<float>(smoothed.color).begin() + 4 * i, 4, result.data[i].color.begin());
-    result.data[i].variance = chain.download<float>(smoothed.stats)[2 * i];
-    result.data[i].count = chain.download<float>(smoothed.stats)[2 * i + 1];
-  }
-  return result;
+  return download_estimate(chain, smoothed.color, smoothed.stats, kFull);
 }
 
 class SmoothTest : public DeviceTest {};

@@ -9,6 +9,7 @@
 #include "filter/host_images.h"
 #include "filter/noisy_inputs.h"
 #include "tests/filter/device_fixture.h"
+#include "tests/filter/grids.h"
 #include "tests/filter/pattern.h"
 #include "tests/filter/reference/validate.h"
 #include "tests/filter/task.h"
@@ -133,13 +134,9 @@ class MergeOnDevice {
 
   Result run(const Grid<Estimate>& sample, const Grid<Estimate>& history, const Grid<Vec2>& offset,
              const Grid<Surface>& now, const Grid<Surface>& before, const Grid<double>& consistency = {}) {
-    upload(sample, noisy_.color, noisy_.variance);
-    upload(history, history_color_.previous, history_stats_.previous);
-    const auto offsets = chain_.upload<float>(offset_);
-    for (std::size_t i = 0; i < offset.data.size(); ++i) {
-      offsets[2 * i] = static_cast<float>(offset.data[i].x);
-      offsets[2 * i + 1] = static_cast<float>(offset.data[i].y);
-    }
+    upload_estimate(chain_, noisy_.color, noisy_.variance, sample);
+    upload_estimate(chain_, history_color_.previous, history_stats_.previous, history);
+    upload_offset(chain_, offset_, offset);
     chain_.upload<float>(noisy_.exposure)[0] = 1.0f;
     if (residual_) std::ranges::fill(chain_.upload<float>(*residual_), 0.0f);
     if (consistency_) std::ranges::copy(consistency.data, chain_.upload<float>(*consistency_).begin());
@@ -150,16 +147,11 @@ class MergeOnDevice {
       }
     }
     chain_.run();
-    Result result{Grid<Estimate>(kWidth, kHeight), Grid<double>(kWidth, kHeight),
-                  Grid<double>(kWidth, kHeight), Grid<double>(kWidth, kHeight)};
-    const auto color = chain_.download<float>(history_color_.next);
-    const auto stats = chain_.download<float>(history_stats_.next);
+    Result result{download_estimate(chain_, history_color_.next, history_stats_.next, kFull),
+                  Grid<double>(kWidth, kHeight), Grid<double>(kWidth, kHeight),
+                  Grid<double>(kWidth, kHeight)};
     const auto decision = chain_.download<float>(decision_);
     for (std::size_t i = 0; i < result.merged.data.size(); ++i) {
-      Estimate& e = result.merged.data[i];
-      std::copy_n(color.begin() + 4 * i, 4, e.color.begin());
-      e.variance = stats[2 * i];
-      e.count = stats[2 * i + 1];
       result.rejected.data[i] = decision[4 * i];
       result.gain.data[i] = decision[4 * i + 2];
       result.rule.data[i] = decision[4 * i + 3];
@@ -168,16 +160,6 @@ class MergeOnDevice {
   }
 
  private:
-  void upload(const Grid<Estimate>& from, gpu::ImageId color, gpu::ImageId stats) {
-    const auto colors = chain_.upload<float>(color);
-    const auto pairs = chain_.upload<float>(stats);
-    for (std::size_t i = 0; i < from.data.size(); ++i) {
-      std::ranges::copy(from.data[i].color, colors.begin() + 4 * i);
-      pairs[2 * i] = static_cast<float>(from.data[i].variance);
-      pairs[2 * i + 1] = static_cast<float>(from.data[i].count);
-    }
-  }
-
   gpu::Chain chain_;
   NoisyInputs noisy_;
   unsigned rules_;
@@ -324,36 +306,31 @@ TEST_F(ValidateTest, RectificationAgreesWithTheReference) {
         settings.clip_radius = radius;
         settings.clip_gamma = 1.25f;
         gpu::Chain chain(device(), "rectify test");
-        const auto input = [&](const Grid<Estimate>& from, const std::string& name) {
-          const WarpedHistory images{chain.input(name + ".color", gpu::Format::f32x4, kFull),
-                                     chain.input(name + ".stats", gpu::Format::f32x2, kFull)};
-          return std::pair{&from, images};
+        const auto inputs = [&](const std::string& name) {
+          return WarpedHistory{chain.input(name + ".color", gpu::Format::f32x4, kFull),
+                               chain.input(name + ".stats", gpu::Format::f32x2, kFull)};
         };
-        const auto of_sample = input(sample, "sample");
-        const auto of_history = input(history, "history");
-        const WarpedHistory rectified = add_rectify_pass(chain, settings, kFull, of_sample.second.color,
-                                                         of_sample.second.stats, of_history.second);
+        const WarpedHistory of_sample = inputs("sample");
+        const WarpedHistory of_history = inputs("history");
+        const WarpedHistory rectified =
+            add_rectify_pass(chain, settings, kFull, of_sample.color, of_sample.stats, of_history);
         chain.output(rectified.color);
         chain.output(rectified.stats);
         chain.build();
-        for (const auto& [grid, images] : {of_sample, of_history}) {
-          for (std::size_t i = 0; i < grid->data.size(); ++i) {
-            std::ranges::copy(grid->data[i].color, chain.upload<float>(images.color).begin() + 4 * i);
-            chain.upload<float>(images.stats)[2 * i] = static_cast<float>(grid->data[i].variance);
-            chain.upload<float>(images.stats)[2 * i + 1] = static_cast<float>(grid->data[i].count);
-          }
-        }
+        upload_estimate(chain, of_sample.color, of_sample.stats, sample);
+        upload_estimate(chain, of_history.color, of_history.stats, history);
         chain.run();
+        const Grid<Estimate> found = download_estimate(chain, rectified.color, rectified.stats, kFull);
         const Grid<Estimate> truth = reference::rectify(sample, history, settings);
         int moved = 0;
         for (std::size_t i = 0; i < truth.data.size(); ++i) {
           SCOPED_TRACE(testing::Message() << clip << ' ' << space << " radius " << radius << " pixel "
                                           << i % kWidth << ',' << i / kWidth);
           for (std::size_t c = 0; c < 4; ++c) {
-            ASSERT_NEAR(chain.download<float>(rectified.color)[4 * i + c], truth.data[i].color[c], 1e-5);
+            ASSERT_NEAR(found.data[i].color[c], truth.data[i].color[c], 1e-5);
           }
-          ASSERT_NEAR(chain.download<float>(rectified.stats)[2 * i], truth.data[i].variance, 1e-5);
-          ASSERT_NEAR(chain.download<float>(rectified.stats)[2 * i + 1], truth.data[i].count, 1e-3);
+          ASSERT_NEAR(found.data[i].variance, truth.data[i].variance, 1e-5);
+          ASSERT_NEAR(found.data[i].count, truth.data[i].count, 1e-3);
           moved += truth.data[i].color != history.data[i].color ? 1 : 0;
         }
         EXPECT_GT(moved, kWidth * kHeight / 10);

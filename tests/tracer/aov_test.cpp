@@ -1,9 +1,12 @@
 // AOVs of configurations whose values follow from geometry. Samples lie at the pixel centres.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "frame/error.h"
+#include "tests/tracer/everything_scene.h"
 #include "tests/tracer/test_scenes.h"
 #include "tracer/camera.h"
 
@@ -32,6 +35,18 @@ const std::string kAhead = "{'eye': [0,0,0], 'target': [0,0,-1]}";
 const std::string kWall =
     "{'mesh': 'plane', 'material': 'white', 'transform': {'scale': 20, 'rotate_deg': [90,0,0], 'translate': "
     "[0,0,-4]}}";
+
+/// A mirror, glass and a moving ball before the wall, each seen through a pixel's whole width.
+std::string scene_of_mirrors() {
+  std::string json =
+      scene(kAhead,
+            kWall +
+                ", {'mesh': 'ball', 'material': 'mirror', 'transform': {'translate': [-1,0,-3]}}"
+                ", {'mesh': 'ball', 'material': 'crown', 'transform': {'translate': [1,0,-3]}}"
+                ", {'mesh': 'box', 'material': 'red', 'transform': {'scale': 0.3, 'translate': [0,0.8,-2]}}");
+  const std::string narrow = "'radius_px': 0";
+  return json.replace(json.find(narrow), narrow.size(), "'radius_px': 0.5");
+}
 
 Frame render(const std::string& json, int frame = 1, int spp = 2) {
   Scene scene = load_text(json);
@@ -260,6 +275,53 @@ TEST(Camera, ProjectsWhereItLooks) {
     EXPECT_NEAR(again.x, raster.x, 1e-4);
     EXPECT_NEAR(again.y, raster.y, 1e-4);
     EXPECT_FALSE(camera.project(V3d(ray.origin) - V3d(ray.dir)).has_value());
+  }
+}
+
+const auto kSeen = {Aov::albedo, Aov::normal, Aov::depth, Aov::motion, Aov::object_id, Aov::material_id};
+
+void expect_equal(const Frame& a, const Frame& b, std::initializer_list<Aov> aovs) {
+  for (const Aov aov : aovs)
+    EXPECT_TRUE(std::ranges::equal(a.image(aov).data(), b.image(aov).data())) << info(aov).name;
+}
+
+TEST(AovSamples, AreThoseThatMorePathsWouldGive) {
+  Scene scene = load_text(scene_of_mirrors());
+  RenderOptions o = options(2, kSeen);
+  o.aov_spp = 9;
+  const Frame frame = render_frame(scene, 2, o).value();
+  const Frame truth = render_frame(scene, 2, options(9, kSeen)).value();
+  expect_equal(frame, truth, kSeen);
+}
+
+TEST(AovSamples, ReachWhatFogLetsThrough) {
+  Scene scene = load_text(everything_scene());
+  RenderOptions o = options(2, kSeen);
+  o.aov_spp = 9;
+  const Frame frame = render_frame(scene, 2, o).value();
+  const Frame truth = render_frame(scene, 2, options(9, kSeen)).value();
+  // Not the albedo: textures are averaged over a ninth of a pixel where nine paths look it up, not two.
+  expect_equal(frame, truth, {Aov::depth, Aov::motion, Aov::object_id, Aov::material_id});
+}
+
+TEST(AovSamples, LeaveTheRadianceAlone) {
+  const auto radiances = {Aov::variance, Aov::half_a, Aov::half_b, Aov::direct, Aov::indirect, Aov::albedo};
+  Scene scene = load_text(everything_scene());
+  RenderOptions o = options(2, radiances);
+  const Frame before = render_frame(scene, 2, o).value();
+  o.aov_spp = 9;
+  const Frame after = render_frame(scene, 2, o).value();
+  expect_equal(after, before,
+               {Aov::beauty, Aov::variance, Aov::half_a, Aov::half_b, Aov::direct, Aov::indirect});
+  EXPECT_FALSE(std::ranges::equal(after.image(Aov::albedo).data(), before.image(Aov::albedo).data()));
+}
+
+TEST(AovSamples, OutOfRangeIsAUsageError) {
+  Scene scene = load_text(scene_of_mirrors());
+  RenderOptions o = options(2, kSeen);
+  for (const int wrong : {-1, 65537}) {
+    o.aov_spp = wrong;
+    EXPECT_THROW(render_frame(scene, 1, o), Error) << wrong;
   }
 }
 

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <span>
+
+namespace becalm::filter {
+
+/// Rec.709 luminance, as shaders/lib/color.glsl has it.
+inline float luminance(std::span<const float> rgb) {
+  return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
+}
+
+}  // namespace becalm::filter

@@ -1,0 +1,55 @@
+#include "filter/pyramid.h"
+
+#include <algorithm>
+
+#include "filter/ceil_div.h"
+
+namespace becalm::filter {
+namespace {
+
+using gpu::Extent;
+
+constexpr int kSmallestLevel = 8;  // px; below, a patch is the whole image
+constexpr double kReachOfLongerSide = 0.09;
+
+Extent shrink(Extent extent, int factor) {
+  return {ceil_div(extent.width, factor), ceil_div(extent.height, factor)};
+}
+
+}  // namespace
+
+std::vector<Extent> pyramid_extents(const Settings& settings, int width, int height) {
+  std::vector<Extent> extents{shrink({width, height}, settings.match_downsample)};
+  const double wanted_reach = kReachOfLongerSide * std::max(width, height);
+  while (settings.pyramid_levels > 0 ? extents.size() < static_cast<std::size_t>(settings.pyramid_levels)
+                                     : reach_px(settings, extents.size()) < wanted_reach) {
+    const Extent next = shrink(extents.back(), settings.pyramid_factor);
+    if (std::min(next.width, next.height) < kSmallestLevel) break;
+    extents.push_back(next);
+  }
+  return extents;
+}
+
+int reach_px(const Settings& settings, std::size_t levels) {
+  int reach = 0;
+  for (std::size_t l = 0; l < levels; ++l) reach += kWindowReach * level_px(settings, l);
+  return reach;
+}
+
+std::size_t motion_level(const Settings& settings, std::size_t levels) {
+  return std::min(static_cast<std::size_t>(settings.motion_level), levels - 1);
+}
+
+Extent level_extent(const Settings& settings, Extent full, std::size_t level) {
+  Extent extent = shrink(full, settings.match_downsample);
+  for (std::size_t l = 0; l < level; ++l) extent = shrink(extent, settings.pyramid_factor);
+  return extent;
+}
+
+int level_px(const Settings& settings, std::size_t level) {
+  int px = settings.match_downsample;
+  for (std::size_t l = 0; l < level; ++l) px *= settings.pyramid_factor;
+  return px;
+}
+
+}  // namespace becalm::filter

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "filter/gpu/image.h"
+#include "filter/settings.h"
+
+namespace becalm::filter {
+
+/// At every level of the pyramid the shifts [-kWindowReach, kWindowReach]^2 are searched.
+constexpr int kWindowReach = 2;
+
+/// Sizes of the matching pyramid, the finest level first. Level 0 is the frame over `match_downsample`; each
+/// further level is `pyramid_factor` smaller, rounded up. With `pyramid_levels` 0 there are as many as it
+/// takes to reach 9 % of the longer side (170 px at 1920x1080, as in Hanika et al. 2021, section 3.1), but no
+/// level below 8 px.
+std::vector<gpu::Extent> pyramid_extents(const Settings& settings, int width, int height);
+
+/// Largest motion in full-resolution pixels that the pyramid can find: the sum over levels of the window's
+/// reach.
+int reach_px(const Settings& settings, std::size_t levels);
+
+/// Size at pyramid level `level` of images that are `full` at full resolution, rounded up at every level.
+gpu::Extent level_extent(const Settings& settings, gpu::Extent full, std::size_t level);
+
+/// Full-resolution pixels in one of a level, along each axis.
+int level_px(const Settings& settings, std::size_t level);
+
+/// The level of `levels` that starts from known motion.
+std::size_t motion_level(const Settings& settings, std::size_t levels);
+
+/// Levels `finest` to `end` - 1 of a pyramid.
+struct LevelRange {
+  std::size_t finest = 0;
+  std::size_t end = 0;
+};
+
+}  // namespace becalm::filter
