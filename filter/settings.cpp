@@ -131,7 +131,7 @@ const Row kRows[] = {
     {{"clip_gamma", "number 0..100", "size of the box of history_clip=variance in standard deviations"},
      FloatRange{&Settings::clip_gamma, 0.0f, 100.0f}},
     {{"luminance_weight", "number 0..100",
-      "1/(1 + this times the exposed luminance) weighs samples and history against flicker; darkens"},
+      "1/(1 + this times the exposed luminance) weighs noisy samples and history against flicker"},
      FloatRange{&Settings::luminance_weight, 0.0f, 100.0f}},
     {{"directions", "forward or both",
       "forward: from the frames before alone, as they come; both: from those after as well, within segments"},
@@ -281,18 +281,25 @@ std::span<const SettingInfo> settings_table() {
 
 Settings preset(std::string_view name) {
   Settings settings;
+  // What smoothed frames gain by; decisions on noisy ones darken with it.
+  settings.luminance_weight = 1.0f;
+  settings.motion = MotionUse::guide;
   if (name == "draft") {
     settings.match_downsample = 4;
     settings.directions = Directions::forward;
     settings.prefilter = 0;
     settings.blur_radius = {5};
+    settings.motion = MotionUse::none;
     // Decisions on noisy frames need larger patches and more than its usual spread.
     settings.smooth = Smooth::none;
+    settings.luminance_weight = 0.0f;
     settings.patch_radius = 3;
     settings.significance = 3.0f;
   } else if (name == "final") {
     settings.match_downsample = 1;
     settings.prefilter = 2;
+    settings.smooth_radius = 7;
+    settings.smooth_strength = 0.2f;
   } else if (name == "balanced") {
     settings.smooth_radius = 3;
   } else {

@@ -13,7 +13,13 @@ void blend(int index, float alpha, float bias_squared, float rejected, float rul
   const bool has_history = stats.y > 0.0;
   if (p.luminance_weight > 0.0) {
     const float scale = p.luminance_weight * texelFetch(exposure, 0).x;
-    alpha = luminance_weighted(alpha, scale * max(luminance(x.r, x.g, x.b), 0.0), scale * max(luminance(h.r, h.g, h.b), 0.0));
+    const float weighted =
+        luminance_weighted(alpha, scale * max(luminance(x.r, x.g, x.b), 0.0), scale * max(luminance(h.r, h.g, h.b), 0.0));
+    // As far as noise explains the difference: a bright sky that a dark leaf has left is no outlier.
+    const vec3 d = clamp(x.rgb - h.rgb, -kLargestDifference, kLargestDifference);
+    const float difference = dot(d, d) / 3.0;
+    const float noise = sample_stats.x;
+    alpha = mix(alpha, weighted, noise > 0.0 ? noise / (noise + difference) : 0.0);
   }
 
   // Written as h + alpha (x - h), equal images stay bit for bit equal.

@@ -23,12 +23,13 @@ constexpr int kHeight = 43;
 constexpr gpu::Extent kFull{kWidth, kHeight};
 constexpr double kExposure = 1.7;
 
-/// The balanced preset without the correction of the history's means, which has tests of its own, and for
-/// frames that are noisy themselves: patches large enough to tell bias from noise.
+/// The balanced preset without the correction of the history's means and luminance weights, which have tests
+/// of their own, and for frames that are noisy themselves: patches large enough to tell bias from noise.
 Settings uncorrected() {
   Settings settings = preset("balanced");
   settings.smooth = Smooth::none;
   settings.correct_levels = 0;
+  settings.luminance_weight = 0.0f;
   settings.patch_radius = 3;
   settings.significance = 3.0f;
   return settings;

@@ -27,11 +27,13 @@ constexpr int kHeight = 33;
 constexpr gpu::Extent kFull{kWidth, kHeight};
 constexpr double kBrightness = 1.1;  // of radiance 1 at an exposure of 1
 
-/// The final preset with neither validation nor correction, for frames that are noisy themselves.
+/// The final preset with neither validation, correction nor luminance weights, for frames that are noisy
+/// themselves.
 Settings uncorrected() {
   Settings settings = preset("final");
   settings.validate = 0;
   settings.correct_levels = 0;
+  settings.luminance_weight = 0.0f;
   settings.patch_radius = 3;
   settings.significance = 3.0f;
   return settings;
@@ -356,18 +358,27 @@ TEST_F(ValidateTest, ExponentialAccumulationAlwaysGivesTheHistoryTheSameWeight) 
   EXPECT_NEAR(result.gain.at(20, 15), 0.5, 1e-6);
 }
 
-TEST_F(ValidateTest, LuminanceWeightsBrightSamplesLess) {
-  // Eq. 4 of the survey: a sample of luminance 3 counts a quarter of a black history.
+TEST_F(ValidateTest, LuminanceWeightsBrightSamplesLessAsFarAsTheyAreNoisy) {
+  // Eq. 4 of the survey: a sample of luminance 3 counts a quarter of a black history. That is for outliers:
+  // of a difference that noise explains by half, half of it.
   Settings settings = uncorrected();
   set(settings, "merge=mask");
   settings.luminance_weight = 1.0f;
   const Grid<Surface> nothing(kWidth, kHeight);
-  const Grid<Estimate> bright(kWidth, kHeight, {{3, 3, 3, 1}, 1.0, 1.0});
   const Grid<Estimate> black(kWidth, kHeight, {{0, 0, 0, 1}, 1.0, 1.0});
-  const auto result =
-      MergeOnDevice(device(), settings).run(bright, black, steady_offset(0, 0), nothing, nothing);
-  EXPECT_NEAR(result.gain.at(20, 15), 0.25 / 1.25, 1e-6);
-  EXPECT_NEAR(result.merged.at(20, 15).color[0], 3 * 0.25 / 1.25, 1e-5);
+  const auto gain_of = [&](double variance) {
+    const Grid<Estimate> bright(kWidth, kHeight, {{3, 3, 3, 1}, variance, 1.0});
+    const auto result =
+        MergeOnDevice(device(), settings).run(bright, black, steady_offset(0, 0), nothing, nothing);
+    const double gain = result.gain.at(20, 15);
+    EXPECT_NEAR(result.merged.at(20, 15).color[0], 3 * gain, 1e-5);
+    return gain;
+  };
+  const double unweighted = 0.5;
+  const double weighted = 0.25 / 1.25;
+  EXPECT_NEAR(gain_of(1e12), weighted, 1e-6);
+  EXPECT_NEAR(gain_of(9.0), 0.5 * (weighted + unweighted), 1e-6);
+  EXPECT_NEAR(gain_of(0.0), unweighted, 1e-6);
 }
 
 }  // namespace
