@@ -22,7 +22,7 @@ def settings(*assignments, preset="final"):
 
 # What the smoothing of single frames and the correction of light add is told apart from the merge's own work, which then
 # decides on noise and needs larger patches.
-MERGE = ("smooth=none", "patch_radius=3", "significance=3")
+MERGE = ("smooth=none", "patch_radius=3", "significance=3", "luminance_weight=0", "motion=none")
 FORWARD = ("directions=forward", *MERGE)
 SMOOTHER = ("directions=both", *MERGE)
 WARMUP = ("--warmup", "8")
@@ -49,13 +49,14 @@ VARIANTS = [
     ("significant", "final, bias from 3 standard errors", ("significance=3",), ()),
     ("large_patch", "final, weights from 7x7 patches", ("patch_radius=3",), ()),
     ("smooth_patch_3", "final, smoothing compares 7x7 patches", ("smooth_patch_radius=3",), ()),
-    ("smooth_strong", "final, smoothing twice as strong", ("smooth_strength=0.7",), ()),
+    ("smooth_strong", "final, smoothing twice as strong", ("smooth_strength=0.4",), ()),
     ("short_history", "final, history of 8 frames at most", ("max_history=8",), ()),
     ("radiance_alone", "final, matching radiance alone", ("weight_albedo=0", "weight_normal=0"), ()),
     ("guides_alone", "final, matching albedo and normal alone", ("weight_radiance=0",), ()),
     ("unfiltered", "final, matching without prefilter", ("prefilter=0",), ()),
-    ("motion_guides", "final, motion vectors as candidates", ("motion=guide",), ()),
+    ("motion_none", "final, without motion vectors", ("motion=none",), ()),
     ("motion_vectors", "final, motion vectors in place of the search", ("motion=override",), ()),
+    ("luminance_none", "final without luminance weights", ("luminance_weight=0",), ()),
     ("bilinear", "final, bilinear resampling", ("resample=bilinear",), ()),
     ("o_moms", "final, O-MOMS resampling", ("resample=o_moms",), ()),
     ("validate_guides", "final, distrust by depth, normal and id", ("validate=depth,normal,id",), ()),
