@@ -111,7 +111,7 @@ def print_table(rows):
 
 def main():
     demo = Demo(*sys.argv[1:])
-    demo.render("noisy", "render", FRAMES, SPP, 0, "--aovs", "albedo,normal,depth,variance,half_a,half_b")
+    demo.render("noisy", "render", FRAMES, SPP, 0, "--aovs", "albedo,normal,depth,motion,variance,half_a,half_b")
     profile = demo.run("denoise", f"{len(FRAMES)} frames, preset final", "denoise", "--preset", "final", demo.pattern("noisy"), "-o",
                        demo.pattern("denoised"), "--diagnostics", "--profile")
     spp = demo.reference_spp()

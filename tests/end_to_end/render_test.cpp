@@ -185,7 +185,7 @@ TEST_F(Render, ResumeNoticesAnEditedMesh) {
 TEST_F(Render, DenoiseWhileRenderingIsRenderThenDenoise) {
   render("both.####.exr",
          {"--float", "--denoise", "--keep-noisy", folder_ / "kept.####.exr", "--aovs", "albedo"});
-  render("noisy.####.exr", {"--float", "--aovs", "albedo,normal,depth,variance,half_a,half_b"});
+  render("noisy.####.exr", {"--float", "--aovs", "albedo,normal,depth,motion,variance,half_a,half_b"});
   becalm_done({"denoise", folder_ / "noisy.####.exr", "-o", folder_ / "then.####.exr", "--quiet"});
   expect_same_beauty(folder_ / "both.####.exr", folder_ / "then.####.exr", 1, 4);
   expect_same_beauty(folder_ / "kept.####.exr", folder_ / "noisy.####.exr", 1, 4);
