@@ -106,6 +106,11 @@ std::optional<Frame> FilterStep::run(const filter::Step& step, const Frame& fram
         fmt::format("frame {}: {} variances that are negative or not finite were taken as pure noise",
                     frame.number(), report.replaced_variances));
   }
+  if (report.far_motions > 0) {
+    progress.warn(
+        fmt::format("frame {}: {} pixels move too far from frame to frame for their motion to be a candidate",
+                    frame.number(), report.far_motions));
+  }
   if (report.replaced_additive > 0) {
     progress.warn(
         fmt::format("frame {}: {} values of direct, indirect or light groups with NaN or Inf were taken as 0",

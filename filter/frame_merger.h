@@ -20,6 +20,7 @@ struct FrameReport {
   std::size_t replaced_variances = 0;
   /// Values of additive AOVs that were not finite where the beauty was, taken as 0.
   std::size_t replaced_additive = 0;
+  std::size_t far_motions = 0;  ///< pixels whose known motion is beyond motion_limit_px and is not followed
   bool new_shot = false;       ///< a cut was found between this frame and the one before it in this direction
   double mean_rejected = 0.0;  ///< share of the history that was rejected, averaged over pixels
   double mean_sample_count = 0.0;     ///< effective number of frames in a pixel, averaged over pixels

@@ -28,6 +28,11 @@ bool all_finite(std::span<const float> values) {
   return std::ranges::all_of(values, [](float v) { return std::isfinite(v); });
 }
 
+/// False for NaN too.
+bool is_within(std::span<const float> values, float limit) {
+  return std::ranges::all_of(values, [&](float value) { return std::abs(value) <= limit; });
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> finite_pixels(const Image& beauty) {
@@ -198,14 +203,23 @@ void pack_surface(const Frame& frame, const AovSet& used, const Rect& rect, std:
   });
 }
 
-void pack_motion(const Image& motion, const Rect& rect, std::span<float> pairs) {
+void pack_motion(const Image& motion, const Rect& rect, float limit_px, std::span<float> pairs) {
   assert(motion.channels() == 2 && pairs.size() == rect.extent().elements() * 2);
   constexpr float none = 1e30f;  // kNoMotion of shaders/lib/motion.glsl
   for_each_pixel(rect, motion.width(), [&](std::size_t in, std::size_t out) {
     const auto pixel = motion.data().subspan(2 * in, 2);
-    const bool known = all_finite(pixel);
+    const bool known = is_within(pixel, limit_px);
     for (std::size_t c = 0; c < 2; ++c) pairs[2 * out + c] = known ? pixel[c] : none;
   });
+}
+
+std::size_t count_far_motions(const Image& motion, float limit_px) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < motion.pixel_count(); ++i) {
+    const auto pixel = motion.data().subspan(2 * i, 2);
+    if (all_finite(pixel) && !is_within(pixel, limit_px)) ++count;
+  }
+  return count;
 }
 
 float exposure(const Image& beauty) {

@@ -58,9 +58,12 @@ void pack_guide(const Frame& frame, bool albedo, bool normal, const Rect& rect, 
 /// is none). AOVs that are not in `used`, and values that are not finite, are as where nothing is hit.
 void pack_surface(const Frame& frame, const AovSet& used, const Rect& rect, std::span<float> surface);
 
-/// A rectangle of the motion AOV as offset pairs; a pixel whose motion is not finite has none
-/// (shaders/lib/motion.glsl), which is how a file masks it.
-void pack_motion(const Image& motion, const Rect& rect, std::span<float> pairs);
+/// A rectangle of the motion AOV as offset pairs. A pixel has none (shaders/lib/motion.glsl) where its motion
+/// is not finite, which is how a file masks it, or where a component exceeds the limit (motion_limit_px).
+void pack_motion(const Image& motion, const Rect& rect, float limit_px, std::span<float> pairs);
+
+/// How many pixels have a finite motion of which a component exceeds the limit.
+std::size_t count_far_motions(const Image& motion, float limit_px);
 
 /// 1 / geometric mean of the finite luminances above a millionth of their mean (traces of light on black
 /// would decide it otherwise); 1 for a black frame. It brings the frame into a known range.

@@ -144,6 +144,10 @@ std::optional<Frame> SequenceFilter::run(const Step& step, const Frame& frame, F
                      .additive = {}};
   new_frame.additive = pack_additive(frame, task, new_frame.finite, report);
   report.non_finite_pixels = static_cast<std::size_t>(std::ranges::count(new_frame.finite, 0));
+  if (contains(task.used, Aov::motion)) {
+    report.far_motions =
+        count_far_motions(frame.image(Aov::motion), motion_limit_px(task.settings, task.full));
+  }
   if (step.new_history) reset();
   if (state_->find_cuts == FindCuts::yes) {
     ShotSignature signature = shot_signature(frame, task.used, new_frame.exposure);

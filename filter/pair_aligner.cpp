@@ -109,7 +109,8 @@ PairAlignment PairAligner::align(const Frame& target, const Frame& source) {
   if (s.motion) {
     check_frame(target, s.full.width, s.full.height, AovSet().set(static_cast<std::size_t>(Aov::motion)),
                 "the aligner's target");
-    pack_motion(target.image(Aov::motion), bounds(s.full), s.chain.upload<float>(*s.motion));
+    pack_motion(target.image(Aov::motion), bounds(s.full), motion_limit_px(s.settings, s.full),
+                s.chain.upload<float>(*s.motion));
   }
   s.chain.run();
 

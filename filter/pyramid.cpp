@@ -1,6 +1,7 @@
 #include "filter/pyramid.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "filter/ceil_div.h"
 
@@ -11,9 +12,15 @@ using gpu::Extent;
 
 constexpr int kSmallestLevel = 8;  // px; below, a patch is the whole image
 constexpr double kReachOfLongerSide = 0.09;
+constexpr int kSmallestGuideLimit = 256;  // px
+constexpr int kGuideLimitShare = 8;       // of the longer side, one in so many
 
 Extent shrink(Extent extent, int factor) {
   return {ceil_div(extent.width, factor), ceil_div(extent.height, factor)};
+}
+
+int guide_limit_px(Extent full) {
+  return std::max(kSmallestGuideLimit, std::max(full.width, full.height) / kGuideLimitShare);
 }
 
 }  // namespace
@@ -38,6 +45,17 @@ int reach_px(const Settings& settings, std::size_t levels) {
 
 std::size_t motion_level(const Settings& settings, std::size_t levels) {
   return std::min(static_cast<std::size_t>(settings.motion_level), levels - 1);
+}
+
+float motion_limit_px(const Settings& settings, Extent full) {
+  if (settings.motion == MotionUse::override_offset) return std::numeric_limits<float>::max();
+  return static_cast<float>(guide_limit_px(full));
+}
+
+int reach_of_motion_px(const Settings& settings, Extent full, std::size_t levels) {
+  if (settings.motion == MotionUse::override_offset) return std::max(full.width, full.height);
+  const std::size_t guided_levels = motion_level(settings, levels) + 1;
+  return std::max(reach_px(settings, levels), guide_limit_px(full) + reach_px(settings, guided_levels));
 }
 
 Extent level_extent(const Settings& settings, Extent full, std::size_t level) {

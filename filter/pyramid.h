@@ -21,6 +21,14 @@ std::vector<gpu::Extent> pyramid_extents(const Settings& settings, int width, in
 /// reach.
 int reach_px(const Settings& settings, std::size_t levels);
 
+/// Largest component of a known motion that counts as known. As a candidate of the search it is 256 px, or an
+/// eighth of the frame's longer side where that is more, for tiles and whole frames alike: a tile that had to
+/// follow it anywhere would have to see the whole history. As the offset itself it has no limit.
+float motion_limit_px(const Settings& settings, gpu::Extent full);
+
+/// Largest offset in full-resolution pixels that the search may end at where known motion is given.
+int reach_of_motion_px(const Settings& settings, gpu::Extent full, std::size_t levels);
+
 /// Size at pyramid level `level` of images that are `full` at full resolution, rounded up at every level.
 gpu::Extent level_extent(const Settings& settings, gpu::Extent full, std::size_t level);
 

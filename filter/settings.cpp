@@ -84,7 +84,9 @@ const Row kRows[] = {
     {{"demodulate", "0 or 1", "1 matches radiance without the albedo, where a frame has one"},
      IntRange{&Settings::demodulate, 0, 1}},
     {{"motion", "none, guide or override",
-      "use of the motion AOV: a candidate of the search, or the offset where known"},
+      "use of the motion AOV: a candidate of the search, unless longer than 256 px and an eighth of the "
+      "frame's "
+      "longer side along an axis; or the offset where known"},
      Named<MotionUse>{&Settings::motion, kMotionNames}},
     {{"motion_level", "integer 0..12", "level of the pyramid at which motion is a candidate"},
      IntRange{&Settings::motion_level, 0, 12}},

@@ -107,10 +107,9 @@ void TiledFrame::plan(gpu::Device& device, std::uint64_t memory_limit) {
   for (std::size_t coarse = std::min(first, levels); coarse <= levels; ++coarse) {
     const PyramidSplit split{.levels = levels, .coarse = coarse};
     TileRules rules = search_tile_rules(settings, device.info(), levels, coarse, merge_margin_px(settings));
+    if (contains(task_.used, Aov::motion)) rules.reach = reach_of_motion_px(settings, full, levels);
     rules.reach += resample_margin_px(settings);
     rules.grid = std::lcm(rules.grid, correction_grid_px(settings));
-    // Known motion may lead anywhere.
-    if (contains(task_.used, Aov::motion)) rules.reach = std::max(full.width, full.height);
     const TileRules feature_rules = local_tile_rules(feature_margin_px(settings), rules.core_grid);
     std::unique_ptr<Chains> chains;
     std::vector<Tile> feature_tiles;
@@ -199,7 +198,7 @@ void TiledFrame::find_coarse_offsets(const NewFrame& frame, FrameReport& report)
   CoarseChain& coarse = *chains_->coarse;
   if (coarse.motion) {
     pack_motion(frame.frame.image(Aov::motion), bounds(task_.full),
-                coarse.chain.upload<float>(*coarse.motion));
+                motion_limit_px(task_.settings, task_.full), coarse.chain.upload<float>(*coarse.motion));
   }
   std::ranges::copy(features_.coarse.values, coarse.chain.upload<float>(coarse.target.image).begin());
   std::ranges::copy(history_.features.coarse.values, coarse.chain.upload<float>(coarse.source.image).begin());
@@ -218,7 +217,8 @@ void TiledFrame::merge_tile(const Tile& tile, const NewFrame& frame, MergedFrame
     upload(chain, chains.smoothed_stats, view(frame.smoothed.stats), tile.target);
   }
   if (chains.motion) {
-    pack_motion(frame.frame.image(Aov::motion), tile.target, chain.upload<float>(*chains.motion));
+    pack_motion(frame.frame.image(Aov::motion), tile.target, motion_limit_px(task_.settings, task_.full),
+                chain.upload<float>(*chains.motion));
   }
   const auto origin = chain.upload<float>(chains.target_origin);
   origin[0] = static_cast<float>(tile.target.x - tile.source.x);

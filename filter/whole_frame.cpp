@@ -95,7 +95,10 @@ void WholeFrame::merge(const NewFrame& frame, MergedFrame& merged, FrameReport& 
     pack_guide(frame.frame, task_.guides.albedo, task_.guides.normal, all.target,
                chain_.upload<float>(*guide_));
   }
-  if (motion_) pack_motion(frame.frame.image(Aov::motion), all.target, chain_.upload<float>(*motion_));
+  if (motion_) {
+    pack_motion(frame.frame.image(Aov::motion), all.target, motion_limit_px(task_.settings, task_.full),
+                chain_.upload<float>(*motion_));
+  }
   if (surface_) {
     // What was new in the last run; before the first one there is no history to validate.
     const auto current = chain_.upload<float>(surface_->current);

@@ -87,6 +87,24 @@ Frame moving_frame(const Scene& scene, int number) {
   return frame;
 }
 
+/// Noise that moves `shift_px` to the left from one frame to the next, as its motion AOV says where that is
+/// known.
+Frame fast_frame(int number, int shift_px, bool known) {
+  constexpr int width = 1200;
+  Frame frame(number, width, 48);
+  frame.add(Aov::variance, 0.0025f);
+  Image& beauty = frame.add(Aov::beauty, 1.0f);
+  Image& motion = frame.add(Aov::motion);
+  for (int y = 0; y < frame.height(); ++y) {
+    for (int x = 0; x < width; ++x) {
+      std::ranges::fill(beauty.pixel(x, y).first(3),
+                        static_cast<float>(pattern(x + shift_px * number, y, 9)));
+      motion.at(x, y, 0) = known ? static_cast<float>(shift_px) : INFINITY;
+    }
+  }
+  return frame;
+}
+
 class TiledFrameTest : public DeviceTest {
  protected:
   static SequenceFilter make(const Settings& settings, const Scene& scene, std::uint64_t memory_limit) {
@@ -224,6 +242,56 @@ TEST_F(TiledFrameTest, ShowsNoSeamsWhereMotionIsKnown) {
     for (const char* assignment : assignments) set(settings, assignment);
     expect_no_seams(settings, {.width = 325, .height = 293, .motion = true}, 0.8, 2, 2);
   }
+}
+
+TEST_F(TiledFrameTest, FollowsKnownMotionUpToTheSameLimitAsWholeFrames) {
+  Settings settings = forward("final");
+  settings.pyramid_levels = 2;
+  const Frame first = fast_frame(1, 0, true);
+  const auto make_filter = [&](std::uint64_t limit) {
+    return SequenceFilter(device(), settings, first.width(), first.height(), first.aovs(), diagnostics(),
+                          limit);
+  };
+  SequenceFilter whole = make_filter(kUnlimited);
+  SequenceFilter tiled = make_filter(whole.memory().device_bytes * 4 / 5);
+  ASSERT_EQ(whole.memory().tiles, 1u);
+  ASSERT_GE(tiled.memory().tiles, 2u);
+  const auto second_of = [](SequenceFilter& filter, int shift_px, bool known) {
+    filter.reset();
+    filter.denoise(fast_frame(1, shift_px, known));
+    return filter.denoise(fast_frame(2, shift_px, known));
+  };
+  const auto share_followed = [](const Denoised& denoised, int shift_px) {
+    const Image& flow = denoised.frame.image(Aov::flow);
+    int followed = 0;
+    for (int x = 0; x + shift_px < flow.width(); ++x)
+      followed += std::abs(flow.at(x, 24, 0) - shift_px) < 0.5f;
+    return static_cast<double>(followed) / (flow.width() - shift_px);
+  };
+  {
+    const Denoised near = second_of(whole, 250, true);
+    EXPECT_GT(share_followed(near, 250), 0.95);
+    EXPECT_EQ(near.report.far_motions, 0u);
+    expect_same(second_of(tiled, 250, true), near);
+  }
+  const Denoised far = second_of(whole, 300, true);
+  EXPECT_LT(share_followed(far, 300), 0.05);
+  EXPECT_EQ(far.report.far_motions, first.image(Aov::beauty).pixel_count());
+  expect_same(far, second_of(whole, 300, false));
+  expect_same(second_of(tiled, 300, true), far);
+}
+
+TEST_F(TiledFrameTest, SeesTheWholeHistoryOnlyWhereKnownMotionIsTheOffset) {
+  const Scene scene{.width = 4096, .height = 64, .motion = true};
+  Settings settings = forward("final");
+  set(settings, "motion=none");
+  const std::uint64_t limit = make(settings, scene, kUnlimited).memory().device_bytes / 8;
+  for (const char* motion : {"motion=none", "motion=guide"}) {
+    set(settings, motion);
+    EXPECT_LE(make(settings, scene, limit).memory().device_bytes, limit) << motion;
+  }
+  set(settings, "motion=override");
+  EXPECT_THROW(make(settings, scene, limit), gpu::DeviceLimitError);
 }
 
 TEST_F(TiledFrameTest, TakesLongAndTinyFrames) {
