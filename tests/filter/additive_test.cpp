@@ -12,6 +12,7 @@
 #include "filter/order.h"
 #include "frame/error.h"
 #include "tests/filter/device_fixture.h"
+#include "tests/filter/guided_frame.h"
 #include "tests/filter/pattern.h"
 
 namespace becalm::filter {
@@ -27,29 +28,28 @@ const std::vector<std::string> kGroups{"key", "rim", "sky"};
 Frame noisy_frame(int number, int width = kWidth, int height = kHeight) {
   std::mt19937 random(number);
   std::exponential_distribution<float> exponential;
-  Frame frame(number, width, height);
-  Image& beauty = frame.add(Aov::beauty, 1.0f);
-  Image& variance = frame.add(Aov::variance);
-  Image& albedo = frame.add(Aov::albedo);
-  Image& normal = frame.add(Aov::normal);
-  Image& depth = frame.add(Aov::depth);
+  const auto u_of = [&](int x) { return x + 1.3 * number; };
+  const auto v_of = [&](int y) { return y - 0.6 * number; };
+  Frame frame = guided_frame(number, width, height, [&](int x, int y) {
+    SurfacePixel surface{
+        .albedo = {}, .normal_z = 1.0f, .depth = static_cast<float>(4.0 + pattern(u_of(x), v_of(y), 3))};
+    for (int c = 0; c < 3; ++c) {
+      surface.albedo[c] = static_cast<float>(0.04 + 0.96 * pattern(u_of(x), v_of(y), 9 + c));
+    }
+    return surface;
+  });
   for (const Aov half : {Aov::half_a, Aov::half_b, Aov::direct, Aov::indirect}) frame.add(half);
   for (const std::string& name : kGroups) {
     frame.light_groups().push_back({name, Image(width, height, 3)});
   }
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
-      const double u = x + 1.3 * number;
-      const double v = y - 0.6 * number;
-      depth.at(x, y, 0) = static_cast<float>(4.0 + pattern(u, v, 3));
-      normal.at(x, y, 2) = 1.0f;
       for (int c = 0; c < 3; ++c) {
-        albedo.at(x, y, c) = static_cast<float>(0.04 + 0.96 * pattern(u, v, 9 + c));
         float halves[2] = {};
         for (std::size_t g = 0; g < kGroups.size(); ++g) {
           const float firefly = random() % 300 == 0 ? 50.0f : 1.0f;
-          const float lit = pattern(u, v, 20 + static_cast<unsigned>(g)) > 0.5 ? 1.0f : 0.05f;
-          const float radiance = firefly * lit * albedo.at(x, y, c);
+          const float lit = pattern(u_of(x), v_of(y), 20 + static_cast<unsigned>(g)) > 0.5 ? 1.0f : 0.05f;
+          const float radiance = firefly * lit * frame.image(Aov::albedo).at(x, y, c);
           const float a = radiance * exponential(random);
           const float b = radiance * exponential(random);
           frame.light_groups()[g].radiance.at(x, y, c) = 0.5f * (a + b);
@@ -59,8 +59,8 @@ Frame noisy_frame(int number, int width = kWidth, int height = kHeight) {
         }
         frame.image(Aov::half_a).at(x, y, c) = halves[0];
         frame.image(Aov::half_b).at(x, y, c) = halves[1];
-        beauty.at(x, y, c) = 0.5f * (halves[0] + halves[1]);
-        variance.at(x, y, c) = 0.25f * (halves[0] - halves[1]) * (halves[0] - halves[1]);
+        frame.image(Aov::beauty).at(x, y, c) = 0.5f * (halves[0] + halves[1]);
+        frame.image(Aov::variance).at(x, y, c) = 0.25f * (halves[0] - halves[1]) * (halves[0] - halves[1]);
       }
     }
   }

@@ -6,6 +6,7 @@
 
 #include "filter/order.h"
 #include "tests/filter/device_fixture.h"
+#include "tests/filter/guided_frame.h"
 #include "tests/filter/pattern.h"
 
 namespace becalm::filter {
@@ -28,30 +29,35 @@ bool is_leaf(int x, int y, int number) {
   return pattern(2 * (x - 3 * number), 2 * y, 40) > 0.55;
 }
 
+double leaf_albedo(int x, int y, int number, int c) {
+  return 0.1 + 0.2 * pattern(4 * (x - 3 * number), 4 * y, 50 + c);
+}
+
+/// Without noise.
+double radiance(int x, int y, int number, int c) {
+  return is_leaf(x, y, number) ? leaf_albedo(x, y, number, c) : sky(x, y, c);
+}
+
 Frame leaves_before_sky(int number, Sky convention) {
   std::mt19937 random(static_cast<unsigned>(number));
   std::normal_distribution<double> noise;
-  Frame frame(number, kWidth, kHeight);
-  Image& beauty = frame.add(Aov::beauty, 1.0f);
-  Image& variance = frame.add(Aov::variance);
-  Image& albedo = frame.add(Aov::albedo);
-  Image& normal = frame.add(Aov::normal);
-  Image& depth = frame.add(Aov::depth);
+  Frame frame = guided_frame(number, kWidth, kHeight, [&](int x, int y) {
+    const bool leaf = is_leaf(x, y, number);
+    SurfacePixel surface{.albedo = {}, .normal_z = leaf ? 1.0f : 0.0f, .depth = leaf ? 4.0f : kInf};
+    for (int c = 0; c < 3; ++c) {
+      surface.albedo[c] = leaf || convention == Sky::radiance ? static_cast<float>(radiance(x, y, number, c))
+                          : convention == Sky::one            ? 1.0f
+                                                              : 0.0f;
+    }
+    return surface;
+  });
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
-      const bool leaf = is_leaf(x, y, number);
-      depth.at(x, y, 0) = leaf ? 4.0f : kInf;
-      normal.at(x, y, 2) = leaf ? 1.0f : 0.0f;
       for (int c = 0; c < 3; ++c) {
-        const double a = 0.1 + 0.2 * pattern(4 * (x - 3 * number), 4 * y, 50 + c);
-        const double light = leaf ? a : sky(x, y, c);
-        const double sigma = (leaf ? 0.3 : 0.005) * light;
-        beauty.at(x, y, c) = static_cast<float>(light + sigma * noise(random));
-        variance.at(x, y, c) = static_cast<float>(sigma * sigma);
-        albedo.at(x, y, c) = static_cast<float>(leaf                      ? a
-                                                : convention == Sky::one  ? 1
-                                                : convention == Sky::zero ? 0
-                                                                          : light);
+        const double light = radiance(x, y, number, c);
+        const double sigma = (is_leaf(x, y, number) ? 0.3 : 0.005) * light;
+        frame.image(Aov::beauty).at(x, y, c) = static_cast<float>(light + sigma * noise(random));
+        frame.image(Aov::variance).at(x, y, c) = static_cast<float>(sigma * sigma);
       }
     }
   }
@@ -71,8 +77,7 @@ Errors errors(const Frame& frame, int number) {
     for (int x = 0; x < kWidth; ++x) {
       const bool leaf = is_leaf(x, y, number);
       for (int c = 0; c < 3; ++c) {
-        const double truth = leaf ? 0.1 + 0.2 * pattern(4 * (x - 3 * number), 4 * y, 50 + c) : sky(x, y, c);
-        const double e = std::pow(frame.image(Aov::beauty).at(x, y, c) / truth - 1, 2);
+        const double e = std::pow(frame.image(Aov::beauty).at(x, y, c) / radiance(x, y, number, c) - 1, 2);
         (leaf ? sum.leaf : sum.sky) += e;
         (leaf ? count.leaf : count.sky) += 1;
       }

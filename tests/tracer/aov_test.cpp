@@ -285,23 +285,23 @@ void expect_equal(const Frame& a, const Frame& b, std::initializer_list<Aov> aov
     EXPECT_TRUE(std::ranges::equal(a.image(aov).data(), b.image(aov).data())) << info(aov).name;
 }
 
-TEST(AovSamples, AreThoseThatMorePathsWouldGive) {
-  Scene scene = load_text(scene_of_mirrors());
+/// Nine samples of what is seen beside two of the radiance, against nine of both.
+void expect_samples_of_more_paths(Scene scene, std::initializer_list<Aov> compared) {
   RenderOptions o = options(2, kSeen);
   o.aov_spp = 9;
   const Frame frame = render_frame(scene, 2, o).value();
   const Frame truth = render_frame(scene, 2, options(9, kSeen)).value();
-  expect_equal(frame, truth, kSeen);
+  expect_equal(frame, truth, compared);
+}
+
+TEST(AovSamples, AreThoseThatMorePathsWouldGive) {
+  expect_samples_of_more_paths(load_text(scene_of_mirrors()), kSeen);
 }
 
 TEST(AovSamples, ReachWhatFogLetsThrough) {
-  Scene scene = load_text(everything_scene());
-  RenderOptions o = options(2, kSeen);
-  o.aov_spp = 9;
-  const Frame frame = render_frame(scene, 2, o).value();
-  const Frame truth = render_frame(scene, 2, options(9, kSeen)).value();
   // Not the albedo: textures are averaged over a ninth of a pixel where nine paths look it up, not two.
-  expect_equal(frame, truth, {Aov::depth, Aov::motion, Aov::object_id, Aov::material_id});
+  expect_samples_of_more_paths(load_text(everything_scene()),
+                               {Aov::depth, Aov::motion, Aov::object_id, Aov::material_id});
 }
 
 TEST(AovSamples, LeaveTheRadianceAlone) {
