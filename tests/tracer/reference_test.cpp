@@ -3,6 +3,7 @@
 
 #include "tests/tracer/estimates.h"
 #include "tests/tracer/test_images.h"
+#include "tests/tracer/test_scenes.h"
 
 namespace becalm::tracer::test {
 namespace {

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "tests/tracer/test_images.h"
+#include "tests/tracer/test_scenes.h"
 
 namespace becalm::tracer::test {
 namespace {
