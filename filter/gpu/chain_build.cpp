@@ -174,8 +174,8 @@ void Chain::Impl::create_pipelines() {
   for (std::size_t i = 0; i < passes.size(); ++i) {
     guarded(label(i), [&] {
       const Kernel& kernel = *passes[i].kernel;
-      pipelines.push_back(
-          {programs.pipeline(kernel, spec_values(passes[i])), *programs.layout(kernel).pipeline});
+      pipelines.push_back({device.programs->pipeline(kernel, spec_values(passes[i])),
+                           *device.programs->layout(kernel).pipeline});
     });
   }
 }
@@ -186,7 +186,7 @@ void Chain::Impl::create_descriptor_sets() {
   std::uint32_t texel_buffers = 0;
   std::vector<vk::DescriptorSetLayout> layouts;
   for (const PassDeclaration& pass : passes) {
-    layouts.push_back(*programs.layout(*pass.kernel).bindings);
+    layouts.push_back(*device.programs->layout(*pass.kernel).bindings);
     for (const BindingInfo& binding : pass.kernel->bindings) {
       ++(binding.is_texel_buffer() ? texel_buffers : storage_buffers);
     }

@@ -82,7 +82,7 @@ constexpr std::uint32_t workgroups(int pixels, std::uint32_t local_size) {
 
 struct Chain::Impl {
   Impl(Device& device, std::string name, const ChainOptions& options)
-      : device(device.impl()), name(std::move(name)), options(options), programs(device.impl()) {}
+      : device(device.impl()), name(std::move(name)), options(options) {}
   ~Impl();
 
   std::string label() const { return "chain '" + name + "'"; }
@@ -131,7 +131,6 @@ struct Chain::Impl {
   std::uint64_t device_bytes_unaliased = 0;
   std::uint64_t staging_bytes = 0;
 
-  Programs programs;
   std::vector<PassPipeline> pipelines;  // one a pass
   vk::raii::DescriptorPool descriptor_pool = nullptr;
   std::array<std::vector<vk::raii::DescriptorSet>, 2> descriptor_sets;  // by parity, then pass

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "filter/gpu/device_impl.h"
+#include "filter/gpu/program_impl.h"
 
 namespace becalm::gpu {
 
@@ -235,6 +236,7 @@ Device::Impl::Impl(const DeviceOptions& options) : context(load_vulkan()) {
   guarded("device '" + info.name + "' cannot be opened", [&] {
     device = create_device({physical_device, queue_family, info});
     queue = device.getQueue(queue_family, 0);
+    programs = std::make_unique<Programs>(*this);
   });
 
   const auto chain =
@@ -246,6 +248,8 @@ Device::Impl::Impl(const DeviceOptions& options) : context(load_vulkan()) {
   memory_properties = physical_device.getMemoryProperties();
   timestamp_bits = physical_device.getQueueFamilyProperties()[queue_family].timestampValidBits;
 }
+
+Device::Impl::~Impl() = default;
 
 std::uint32_t Device::Impl::memory_type(std::uint32_t types, vk::MemoryPropertyFlags needed,
                                         vk::MemoryPropertyFlags wanted) const {

@@ -3,6 +3,7 @@
 // For the files of filter/gpu/ alone: what a Device holds. vulkan_raii.hpp comes precompiled.
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -35,8 +36,11 @@ struct HostBuffer {
   std::uint64_t bytes = 0;
 };
 
+class Programs;
+
 struct Device::Impl {
   explicit Impl(const DeviceOptions& options);
+  ~Impl();
 
   HostBuffer create_host_buffer(std::uint64_t bytes, vk::BufferUsageFlags usage,
                                 const std::string& name) const;
@@ -64,6 +68,7 @@ struct Device::Impl {
   std::uint32_t queue_family = 0;
   vk::raii::Device device = nullptr;
   vk::raii::Queue queue = nullptr;
+  std::unique_ptr<Programs> programs;
 
   DeviceInfo info;
   vk::PhysicalDeviceLimits limits;

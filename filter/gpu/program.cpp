@@ -1,15 +1,15 @@
 #include "filter/gpu/program.h"
 
 #include <string>
+#include <utility>
 
 #include "filter/gpu/program_impl.h"
 
 namespace becalm::gpu {
 
 const ProgramLayout& Programs::layout(const Kernel& kernel) {
-  const auto [entry, is_new] = layouts_.try_emplace(kernel.name);
-  ProgramLayout& result = entry->second;
-  if (!is_new) return result;
+  if (const auto found = layouts_.find(&kernel); found != layouts_.end()) return found->second;
+  ProgramLayout result;
   result.module = {device_.device,
                    vk::ShaderModuleCreateInfo({}, kernel.spirv.size_bytes(), kernel.spirv.data())};
   std::vector<vk::DescriptorSetLayoutBinding> bindings;
@@ -21,11 +21,11 @@ const ProgramLayout& Programs::layout(const Kernel& kernel) {
   vk::PipelineLayoutCreateInfo create({}, *result.bindings);
   if (kernel.push_constant_bytes > 0) create.setPushConstantRanges(constants);
   result.pipeline = {device_.device, create};
-  return result;
+  return layouts_.emplace(&kernel, std::move(result)).first->second;
 }
 
 vk::Pipeline Programs::pipeline(const Kernel& kernel, const SpecValues& values) {
-  const auto key = std::pair(kernel.name, values);
+  const auto key = std::pair(&kernel, values);
   if (const auto found = pipelines_.find(key); found != pipelines_.end()) return *found->second;
 
   std::vector<vk::SpecializationMapEntry> entries;

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <map>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -30,7 +29,9 @@ struct ProgramLayout {
   vk::raii::PipelineLayout pipeline = nullptr;
 };
 
-/// Makes every layout and every pipeline once, however many passes use it. References stay valid.
+/// The device's layouts and pipelines. Makes each once, however many passes of however many chains use it,
+/// since a pipeline can take a second to compile. References stay valid as long as the device. Kernels are
+/// those of embedded tables, which last.
 class Programs {
  public:
   explicit Programs(const Device::Impl& device) : device_(device) {}
@@ -39,8 +40,8 @@ class Programs {
 
  private:
   const Device::Impl& device_;
-  std::map<std::string_view, ProgramLayout> layouts_;
-  std::map<std::pair<std::string_view, SpecValues>, vk::raii::Pipeline> pipelines_;
+  std::map<const Kernel*, ProgramLayout> layouts_;
+  std::map<std::pair<const Kernel*, SpecValues>, vk::raii::Pipeline> pipelines_;
 };
 
 }  // namespace becalm::gpu
