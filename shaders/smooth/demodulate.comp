@@ -1,6 +1,7 @@
 // Reads a frame, its variance and its features; writes the radiance without the albedo, in units of the frame's typical
 // luminance (a: 1, or 0 for a pixel that is not finite), and what patches are compared by: (luminance of that, its variance
-// averaged over 3x3 pixels).
+// averaged over 3x3 pixels). A frame's variances are means over channels: they are taken for those of light with even noise
+// on this albedo, since each channel's own divisor would blow them up by the darkest.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -31,8 +32,8 @@ void main() {
       const ivec2 tap = clamp(at + ivec2(i, j), ivec2(0), ivec2(p.width, p.height) - 1);
       const int tap_index = tap.y * p.width + tap.x;
       const vec2 stats = texelFetch(variance, tap_index).xy;
-      const vec3 gain = scale / divisor_of(texelFetch(albedo_depth, tap_index).rgb);
-      noise += stats.y > 0.0 ? min(stats.x * dot(gain, gain) / 3.0, largest * largest) : 0.0;
+      const vec3 divisor = divisor_of(texelFetch(albedo_depth, tap_index).rgb) / scale;
+      noise += stats.y > 0.0 ? min(3.0 * stats.x / dot(divisor, divisor), largest * largest) : 0.0;
       count += stats.y;
     }
   }

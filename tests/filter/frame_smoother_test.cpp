@@ -2,6 +2,7 @@
 #include "filter/frame_smoother.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -87,6 +88,41 @@ TEST_F(FrameSmootherTest, TextureOfTheAlbedoStaysAndNoiseGoes) {
   const Estimate smoothed = smooth(frame);
   const Image& albedo = frame.image(Aov::albedo);
   EXPECT_LT(squared_error(smoothed.color, albedo), squared_error(frame.image(Aov::beauty), albedo) / 8);
+}
+
+/// Light with even noise and a step in it on a surface of one albedo.
+Frame lit_surface(const std::array<float, 3>& albedo) {
+  constexpr float noise = 0.1f;
+  std::mt19937 random(6);
+  std::normal_distribution<float> normal(0, noise);
+  Frame frame(1, 40, 24);
+  Image& beauty = frame.add(Aov::beauty, 1.0f);
+  Image& surface = frame.add(Aov::albedo);
+  Image& variance = frame.add(Aov::variance);
+  for (int y = 0; y < frame.height(); ++y) {
+    for (int x = 0; x < frame.width(); ++x) {
+      const float light = (x < 20 ? 1.0f : 1.25f) + normal(random);
+      for (int c = 0; c < 3; ++c) {
+        beauty.at(x, y, c) = light * albedo[c];
+        surface.at(x, y, c) = albedo[c];
+        variance.at(x, y, c) = std::pow(noise * albedo[c], 2.0f);
+      }
+    }
+  }
+  return frame;
+}
+
+TEST_F(FrameSmootherTest, ColouredSurfacesAreSmoothedAsGreyOnes) {
+  const std::array<float, 3> grey{0.4f, 0.4f, 0.4f};
+  const std::array<float, 3> red{0.8f, 0.05f, 0.05f};
+  const Estimate of_grey = smooth(lit_surface(grey));
+  const Estimate of_red = smooth(lit_surface(red));
+  for (std::size_t i = 0; i < of_grey.color.pixel_count(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float light = of_grey.color.data()[4 * i + c] / grey[c];
+      ASSERT_NEAR(of_red.color.data()[4 * i + c] / red[c], light, 0.01f * light) << "pixel " << i;
+    }
+  }
 }
 
 TEST_F(FrameSmootherTest, AnEvenImageStaysAsItIs) {

@@ -21,10 +21,10 @@ double divisor(const SmoothFeatures& features, std::size_t c) {
   return std::max(features[c], 0.04);
 }
 
-/// Mean of the squared scales by which the colour's channels turn into radiance without albedo.
-double squared_gain(const SmoothFeatures& features, double exposure) {
+/// Mean of the squared scales by which radiance without albedo turns into the colour's channels.
+double mean_square(const SmoothFeatures& features, double exposure) {
   double sum = 0;
-  for (std::size_t c = 0; c < 3; ++c) sum += std::pow(exposure / divisor(features, c), 2) / 3;
+  for (std::size_t c = 0; c < 3; ++c) sum += std::pow(divisor(features, c) / exposure, 2) / 3;
   return sum;
 }
 
@@ -138,7 +138,7 @@ Grid<Estimate> smooth(const Grid<Estimate>& sample, const Grid<SmoothFeatures>& 
       for (int j = -1; j <= 1; ++j) {
         for (int i = -1; i <= 1; ++i) {
           const Estimate& near = sample.clamped(x + i, y + j);
-          g.variance += near.count * near.variance * squared_gain(features.clamped(x + i, y + j), exposure);
+          g.variance += near.count * near.variance / mean_square(features.clamped(x + i, y + j), exposure);
           count += near.count;
         }
       }
@@ -151,13 +151,10 @@ Grid<Estimate> smooth(const Grid<Estimate>& sample, const Grid<SmoothFeatures>& 
       if (sample.at(x, y).count <= 0) continue;
       const Estimate fitted = fit(irradiance, guide, features, x, y, settings);
       Estimate& out = smoothed.at(x, y);
-      double squares = 0;
       for (std::size_t c = 0; c < 3; ++c) {
-        const double scale = divisor(features.at(x, y), c) / exposure;
-        out.color[c] = fitted.color[c] * scale;
-        squares += scale * scale / 3;
+        out.color[c] = fitted.color[c] * divisor(features.at(x, y), c) / exposure;
       }
-      out.variance = fitted.variance * squares;
+      out.variance = fitted.variance * mean_square(features.at(x, y), exposure);
     }
   }
   return smoothed;
