@@ -304,7 +304,8 @@ Settings preset(std::string_view name) {
     settings.match_downsample = 1;
     settings.prefilter = 2;
     settings.smooth_radius = 7;
-    settings.smooth_strength = 0.2f;
+    settings.smooth_strength = 0.3f;
+    settings.patch_radius = 2;
   } else if (name == "balanced") {
     settings.smooth_radius = 3;
   } else {

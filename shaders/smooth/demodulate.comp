@@ -1,6 +1,6 @@
 // Reads a frame, its variance and its features; writes the radiance without the albedo, in units of the frame's typical
 // luminance (a: 1, or 0 for a pixel that is not finite), and what patches are compared by: (luminance of that, its variance
-// averaged over 3x3 pixels). A frame's variances are means over channels: they are taken for those of light with even noise
+// averaged over 3x3 pixels, but no more than its own by far). A frame's variances are means over channels: they are taken for those of light with even noise
 // on this albedo, since each channel's own divisor would blow them up by the darkest.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -9,6 +9,10 @@
 #include "lib/gain.glsl"
 #include "lib/reflectance.glsl"
 #include "shared/smooth_params.h"
+
+/// Standard deviations that a pixel may take from its neighbours' noise beyond its own, in units of its own or the frame's
+/// typical luminance, whichever is more. What lies beside the disc of the sun is not as noisy as the disc's edge.
+const float kLargestBorrowedNoise = 32.0;
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant) uniform Params { SmoothParams p; };
@@ -25,6 +29,7 @@ void main() {
   const int index = at.y * p.width + at.x;
   const float scale = texelFetch(exposure, 0).x;
   const float largest = kLargestDifference;
+  float own_noise = 0.0;
   float noise = 0.0;
   float count = 0.0;
   [[unroll]] for (int j = -1; j <= 1; ++j) {
@@ -33,12 +38,16 @@ void main() {
       const int tap_index = tap.y * p.width + tap.x;
       const vec2 stats = texelFetch(variance, tap_index).xy;
       const vec3 divisor = divisor_of(texelFetch(albedo_depth, tap_index).rgb) / scale;
-      noise += stats.y > 0.0 ? min(3.0 * stats.x / dot(divisor, divisor), largest * largest) : 0.0;
+      const float tap_noise = stats.y > 0.0 ? min(3.0 * stats.x / dot(divisor, divisor), largest * largest) : 0.0;
+      noise += tap_noise;
       count += stats.y;
+      own_noise = i == 0 && j == 0 ? tap_noise : own_noise;
     }
   }
   const vec3 divided = texelFetch(color, index).rgb * scale / divisor_of(texelFetch(albedo_depth, index).rgb);
   const vec3 value = clamp(divided, vec3(-largest), vec3(largest));
   irradiance.data[index] = vec4(value, texelFetch(variance, index).y);
-  guide.data[index] = vec2(luminance(value.r, value.g, value.b), noise / max(count, 1.0));
+  const float light = luminance(value.r, value.g, value.b);
+  const float borrowed = kLargestBorrowedNoise * max(abs(light), 1.0);
+  guide.data[index] = vec2(light, min(noise / max(count, 1.0), own_noise + borrowed * borrowed));
 }

@@ -16,11 +16,16 @@ layout(push_constant) uniform Params { SmoothParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer guide;
 layout(std430, set = 0, binding = 1) writeonly buffer WeightBuffer { uint data[]; } weights;
 
-/// Squared difference that noise does not explain, over the noise that is allowed.
+/// How many times noisier than a pixel others may be for their noise to count in full: whatever is noisy enough could be
+/// like it, and would only spoil it.
+const float kLargestNoiseRatio = 10.0;
+
+/// Squared difference that noise does not explain, over the noise that is allowed, as a, the pixel to be smoothed, sees b.
 float distance_of(vec2 a, vec2 b) {
   const float d = a.x - b.x;
   const float l = 0.5 * (a.x + b.x);
-  return (d * d - (a.y + min(a.y, b.y))) / (p.strength * p.strength * (a.y + b.y) + 1e-3 * (l * l + 1e-3));
+  const float allowed = a.y + min(b.y, kLargestNoiseRatio * a.y);
+  return (d * d - (a.y + min(a.y, b.y))) / (p.strength * p.strength * allowed + 1e-3 * (l * l + 1e-3));
 }
 
 void main() {

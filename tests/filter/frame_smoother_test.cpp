@@ -125,6 +125,36 @@ TEST_F(FrameSmootherTest, ColouredSurfacesAreSmoothedAsGreyOnes) {
   }
 }
 
+TEST_F(FrameSmootherTest, WhatIsBesideTheSunTakesNothingOfIt) {
+  // The disc's edge shows the sun in some samples of four, and its sample variance knows; the sky beside it
+  // is clean.
+  constexpr float sun = 50000.0f;
+  constexpr float sky = 1.5f;
+  std::mt19937 random(8);
+  std::binomial_distribution<int> hits(4, 0.4);
+  Frame frame(1, 32, 32);
+  Image& beauty = frame.add(Aov::beauty, 1.0f);
+  Image& variance = frame.add(Aov::variance);
+  const auto distance = [](int x, int y) { return std::hypot(x - 15.5f, y - 15.5f); };
+  for (int y = 0; y < 32; ++y) {
+    for (int x = 0; x < 32; ++x) {
+      const float share = distance(x, y) < 3 ? 1.0f : distance(x, y) < 4 ? hits(random) / 4.0f : 0.0f;
+      for (int c = 0; c < 3; ++c) {
+        beauty.at(x, y, c) = sky + sun * share;
+        variance.at(x, y, c) = 1e-5f + sun * sun * share * (1 - share) / 3;
+      }
+    }
+  }
+  const Estimate smoothed = smooth(frame);
+  for (int y = 0; y < 32; ++y) {
+    for (int x = 0; x < 32; ++x) {
+      if (distance(x, y) >= 4) {
+        ASSERT_LT(smoothed.color.at(x, y, 0), 4 * sky) << x << ',' << y;
+      }
+    }
+  }
+}
+
 TEST_F(FrameSmootherTest, AnEvenImageStaysAsItIs) {
   Frame frame(1, 24, 20);
   frame.add(Aov::beauty, 0.37f);

@@ -26,7 +26,8 @@ struct Sample {
   Grid<reference::SmoothFeatures> features{kWidth, kHeight};
 };
 
-/// A textured slope under noise before a wall of another normal, with pixels that are not finite.
+/// A textured slope under noise before a wall of another normal, with fireflies and pixels that are not
+/// finite.
 Sample noisy_sample() {
   Sample sample;
   std::mt19937 random(3);
@@ -45,6 +46,10 @@ Sample noisy_sample() {
       }
       e.color[3] = 1.0;
       e.variance = static_cast<float>(std::pow(0.15 * light * 0.6, 2));
+      if ((x * 7 + y * 11) % 97 == 0) {  // a sample in four that is thousands of times brighter
+        for (int c = 0; c < 3; ++c) e.color[c] *= 3000;
+        e.variance = static_cast<float>(std::pow(e.color[1], 2));
+      }
       e.count = (x * 5 + y * 3) % 41 == 0 ? 0.0 : 1.0;
     }
   }

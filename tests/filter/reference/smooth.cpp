@@ -40,7 +40,8 @@ double patch_distance(const Grid<Guide>& guide, int x, int y, int i, int j,
       const double level = 0.5 * (a.luminance + b.luminance);
       const double unexplained =
           std::pow(a.luminance - b.luminance, 2) - (a.variance + std::min(a.variance, b.variance));
-      sum += unexplained / (strength * strength * (a.variance + b.variance) + 1e-3 * (level * level + 1e-3));
+      const double allowed = a.variance + std::min(b.variance, 10 * a.variance);
+      sum += unexplained / (strength * strength * allowed + 1e-3 * (level * level + 1e-3));
     }
   }
   return sum / ((2 * radius + 1) * (2 * radius + 1));
@@ -143,6 +144,9 @@ Grid<Estimate> smooth(const Grid<Estimate>& sample, const Grid<SmoothFeatures>& 
         }
       }
       g.variance /= std::max(count, 1.0);
+      const Estimate& own = sample.at(x, y);
+      const double own_noise = own.count * own.variance / mean_square(features.at(x, y), exposure);
+      g.variance = std::min(g.variance, own_noise + std::pow(32 * std::max(std::abs(g.luminance), 1.0), 2));
     }
   }
   Grid<Estimate> smoothed = sample;
