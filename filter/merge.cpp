@@ -71,6 +71,21 @@ WarpInputs add_demodulate_passes(Chain& chain, Extent extent, WarpInputs history
   return history;
 }
 
+/// What a history without its albedo is multiplied by where the target's pixels are.
+ImageId add_remodulation_pass(Chain& chain, Extent full, const params::WarpHistoryParams& params,
+                              const FramePair& albedo, const SourceWindow& window, ImageId offset) {
+  const ImageId factor = chain.image("history.factor", Format::f32x4, full);
+  chain.pass("merge/remodulation")
+      .read("offset", offset)
+      .read("albedo", albedo.current)
+      .read("history_albedo", albedo.previous)
+      .read("target_origin", window.target_origin)
+      .write("factor", factor)
+      .constants(params)
+      .dispatch(full);
+  return factor;
+}
+
 ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
                           const WarpedHistory& warped, std::optional<ImageId> trust) {
   const ImageId difference = chain.image("difference", Format::f32x4, full);
@@ -157,7 +172,6 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
   const SourceWindow window =
       radiance.window ? *radiance.window : add_same_window(chain, full, "origin.merge");
   const WarpInputs history = radiance.albedo ? add_demodulate_passes(chain, window.full, radiance) : radiance;
-  const ImageId albedo = history.albedo ? history.albedo->current : history.color;
   const ImageId taps = add_resample_taps(chain, settings, window.full, history.color, "history");
   const ImageId share =
       chain.image("warped.share", Format::f32, history.additive.empty() ? Extent{1, 1} : full);
@@ -165,13 +179,16 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
                                          .height = full.height,
                                          .history_width = window.full.width,
                                          .history_height = window.full.height};
+  const ImageId factor = history.albedo
+                             ? add_remodulation_pass(chain, full, params, *history.albedo, window, offset)
+                             : history.color;
   chain.pass("merge/warp_history")
       .read("offset", offset)
       .read("history_color", history.color)
       .read("resample_taps", taps)
       .read("history_stats", history.stats)
       .read("target_origin", window.target_origin)
-      .read("albedo", albedo)
+      .read("factor", factor)
       .write("warped_color", warped.color)
       .write("warped_stats", warped.stats)
       .write("share", share)
@@ -191,7 +208,7 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
         .read("resample_taps", taps_of_additive)
         .read("history_stats", history.stats)
         .read("target_origin", window.target_origin)
-        .read("albedo", albedo)
+        .read("factor", factor)
         .read("share", share)
         .write("warped", warped.additive.back())
         .specialize("resample", static_cast<int>(settings.resample))

@@ -61,7 +61,7 @@ struct WarpedHistory {
 };
 
 /// Reads the previous history at the offsets (f32x2, full resolution). Given the albedo, radiance is read
-/// without the last frame's and multiplied by the new frame's.
+/// without the last frame's and multiplied by the new frame's, as far as that is no noise.
 WarpedHistory add_warp_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
                               const WarpInputs& history, gpu::ImageId offset);
 

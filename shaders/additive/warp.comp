@@ -15,12 +15,11 @@ layout(set = 0, binding = 1) uniform samplerBuffer history_color;
 layout(set = 0, binding = 2) uniform samplerBuffer resample_taps;
 layout(set = 0, binding = 3) uniform samplerBuffer history_stats;
 layout(set = 0, binding = 4) uniform samplerBuffer target_origin;
-layout(set = 0, binding = 5) uniform samplerBuffer albedo;
+layout(set = 0, binding = 5) uniform samplerBuffer factor;
 layout(set = 0, binding = 6) uniform samplerBuffer share;
 layout(std430, set = 0, binding = 7) writeonly buffer WarpedBuffer { vec4 data[]; } warped;
 
 #include "lib/read_history.glsl"
-#include "lib/reflectance.glsl"
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
@@ -28,6 +27,6 @@ void main() {
   const int index = at.y * p.width + at.x;
   const HistoryRead h = read_history(at, index);
   const vec4 color = h.bilinear + texelFetch(share, index).x * (h.sharp - h.bilinear);
-  const vec3 scale = demodulated != 0 ? divisor_of(texelFetch(albedo, index).rgb) : vec3(1.0);
+  const vec3 scale = demodulated != 0 ? texelFetch(factor, index).rgb : vec3(1.0);
   warped.data[index] = h.found ? color * vec4(scale, 1.0) : vec4(0.0);
 }
