@@ -33,6 +33,27 @@ bool is_within(std::span<const float> values, float limit) {
   return std::ranges::all_of(values, [&](float value) { return std::abs(value) <= limit; });
 }
 
+/// The mean of those pixels next to one that `is_finite` says are; `otherwise` in each channel if none is.
+template <std::size_t channels, class IsFinite>
+std::array<float, channels> mean_of_neighbours(const Image& image, std::size_t pixel,
+                                               const IsFinite& is_finite, float otherwise) {
+  const int width = image.width();
+  const int x = static_cast<int>(pixel % width);
+  const int y = static_cast<int>(pixel / width);
+  std::array<float, channels> mean{};
+  int count = 0;
+  for (int v = std::max(y - 1, 0); v <= std::min(y + 1, image.height() - 1); ++v) {
+    for (int u = std::max(x - 1, 0); u <= std::min(x + 1, width - 1); ++u) {
+      const std::size_t neighbour = static_cast<std::size_t>(v) * width + u;
+      if (neighbour == pixel || !is_finite(neighbour)) continue;
+      for (std::size_t c = 0; c < channels; ++c) mean[c] += image.data()[channels * neighbour + c];
+      ++count;
+    }
+  }
+  for (float& value : mean) value = count > 0 ? value / static_cast<float>(count) : otherwise;
+  return mean;
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> finite_pixels(const Image& beauty) {
@@ -47,7 +68,6 @@ void pack_color(const Image& beauty, std::span<const std::uint8_t> finite, const
                 std::span<float> rgba) {
   assert(beauty.channels() == 4 && rgba.size() == rect.extent().elements() * 4);
   const int width = beauty.width();
-  const int height = beauty.height();
   for (int y = 0; y < rect.height; ++y) {
     const std::size_t row = static_cast<std::size_t>(rect.y + y) * width + rect.x;
     const std::size_t row_floats = static_cast<std::size_t>(rect.width) * 4;
@@ -55,19 +75,20 @@ void pack_color(const Image& beauty, std::span<const std::uint8_t> finite, const
   }
   for_each_pixel(rect, width, [&](std::size_t in, std::size_t out) {
     if (finite[in]) return;
-    const auto pixel = rgba.subspan(4 * out, 4);
-    const int x = static_cast<int>(in % width);
-    const int y = static_cast<int>(in / width);
-    std::array<float, 4> mean{};
-    int count = 0;
-    for (int v = std::max(y - 1, 0); v <= std::min(y + 1, height - 1); ++v) {
-      for (int u = std::max(x - 1, 0); u <= std::min(x + 1, width - 1); ++u) {
-        if (!finite[static_cast<std::size_t>(v) * width + u]) continue;
-        for (int c = 0; c < 4; ++c) mean[c] += beauty.at(u, v, c);
-        ++count;
-      }
-    }
-    for (int c = 0; c < 4; ++c) pixel[c] = count > 0 ? mean[c] / count : 0.0f;
+    const auto is_finite = [&](std::size_t i) { return finite[i] != 0; };
+    std::ranges::copy(mean_of_neighbours<4>(beauty, in, is_finite, 0.0f), rgba.subspan(4 * out, 4).begin());
+  });
+}
+
+void pack_albedo(const Image& albedo, const Rect& rect, std::span<float> rgba) {
+  assert(albedo.channels() == 3 && rgba.size() == rect.extent().elements() * 4);
+  const auto is_finite = [&](std::size_t i) { return all_finite(albedo.data().subspan(3 * i, 3)); };
+  for_each_pixel(rect, albedo.width(), [&](std::size_t in, std::size_t out) {
+    std::array<float, 3> value{};
+    std::ranges::copy(albedo.data().subspan(3 * in, 3), value.begin());
+    if (!is_finite(in)) value = mean_of_neighbours<3>(albedo, in, is_finite, 1.0f);
+    for (std::size_t c = 0; c < 3; ++c) rgba[4 * out + c] = std::clamp(value[c], 0.0f, 1.0f);
+    rgba[4 * out + 3] = 0.0f;
   });
 }
 
@@ -124,24 +145,25 @@ float typical_depth(const Frame& frame, const AovSet& used) {
 
 void pack_features(const Frame& frame, const AovSet& used, float usual_depth, const Rect& rect,
                    std::span<float> albedo_depth, std::span<float> normal) {
-  const bool has_albedo = contains(used, Aov::albedo);
+  if (contains(used, Aov::albedo)) {
+    pack_albedo(frame.image(Aov::albedo), rect, albedo_depth);
+  } else {
+    std::ranges::fill(albedo_depth, 1.0f);
+  }
   const bool has_depth = contains(used, Aov::depth);
   const bool has_normal = contains(used, Aov::normal);
   for_each_pixel(rect, frame.width(), [&](std::size_t in, std::size_t out) {
-    const auto a = albedo_depth.subspan(4 * out, 4);
     const auto n = normal.subspan(4 * out, 4);
     for (std::size_t c = 0; c < 3; ++c) {
-      const float albedo = has_albedo ? frame.image(Aov::albedo).data()[3 * in + c] : 1.0f;
-      a[c] = std::isfinite(albedo) ? std::clamp(albedo, 0.0f, 1.0f) : 1.0f;
       const float axis = has_normal ? frame.image(Aov::normal).data()[3 * in + c] : 0.0f;
       n[c] = std::isfinite(axis) ? std::clamp(axis, -1.0f, 1.0f) : 0.0f;
     }
     n[3] = 0.0f;
     const float z = has_depth ? frame.image(Aov::depth).data()[in] : 0.0f;
     // Nothing hit is as far as can be; what is behind the eye or no number counts as near.
-    a[3] = z == std::numeric_limits<float>::infinity() ? 2.0f
-           : z > 0.0f                                  ? 2.0f / (1.0f + usual_depth / z)
-                                                       : 0.0f;
+    albedo_depth[4 * out + 3] = z == std::numeric_limits<float>::infinity() ? 2.0f
+                                : z > 0.0f                                  ? 2.0f / (1.0f + usual_depth / z)
+                                                                            : 0.0f;
   });
 }
 

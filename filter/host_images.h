@@ -25,6 +25,10 @@ std::vector<std::uint8_t> finite_pixels(const Image& beauty);
 void pack_color(const Image& beauty, std::span<const std::uint8_t> finite, const Rect& rect,
                 std::span<float> rgba);
 
+/// A rectangle of the albedo as RGB and a 0, clamped to [0,1]. A pixel that is not finite becomes the mean of
+/// its finite neighbours, 1 without any: its radiance is divided by what the next frame's is multiplied by.
+void pack_albedo(const Image& albedo, const Rect& rect, std::span<float> rgba);
+
 /// (variance, valid) pairs of a tile's target rectangle. The variance is the mean over channels of the
 /// `variance` AOV, or of ((a-b)/2)^2 for two half-buffers; 0 where neither is in `used`. A variance that is
 /// not finite or negative is replaced by the square of the pixel's luminance: 100 % of noise. Returns how
@@ -39,9 +43,9 @@ void pack_half_difference(const Frame& frame, const Rect& rect, std::span<float>
 /// and positive; 1 without any, or if depth is not in `used`.
 float typical_depth(const Frame& frame, const AovSet& used);
 
-/// Features of a rectangle: (albedo, depth) with the depth z as 2 z / (z + usual), and (normal, 0). An AOV
-/// that is not in `used` is 0 but for albedo, which is 1; so are values that are not finite. Albedo is
-/// clamped to [0,1].
+/// Features of a rectangle: (albedo, depth) with the albedo of pack_albedo, 1 if it is not in `used`, and the
+/// depth z as 2 z / (z + usual); and (normal, 0). Another AOV that is not in `used` is 0; so are values of it
+/// that are not finite.
 void pack_features(const Frame& frame, const AovSet& used, float usual_depth, const Rect& rect,
                    std::span<float> albedo_depth, std::span<float> normal);
 

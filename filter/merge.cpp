@@ -42,6 +42,35 @@ ImageId add_resample_taps(Chain& chain, const Settings& settings, Extent extent,
   return prefilter(prefilter(history_color, name + ".spline.rows", false), name + ".spline", true);
 }
 
+/// The history with its radiance divided by the albedo that it was seen with.
+WarpInputs add_demodulate_passes(Chain& chain, Extent extent, WarpInputs history) {
+  const params::ImageParams params{.width = extent.width, .height = extent.height};
+  const ImageId irradiance = chain.image("history.irradiance", Format::f32x4, extent);
+  const ImageId stats = chain.image("history.irradiance.stats", Format::f32x2, extent);
+  chain.pass("merge/demodulate_history")
+      .read("color", history.color)
+      .read("stats", history.stats)
+      .read("albedo", history.albedo->previous)
+      .write("irradiance", irradiance)
+      .write("irradiance_stats", stats)
+      .constants(params)
+      .dispatch(extent);
+  history.color = irradiance;
+  history.stats = stats;
+  for (std::size_t i = 0; i < history.additive.size(); ++i) {
+    const ImageId demodulated =
+        chain.image(fmt::format("history.irradiance.additive.{}", i), Format::f32x4, extent);
+    chain.pass("additive/demodulate")
+        .read("color", history.additive[i])
+        .read("albedo", history.albedo->previous)
+        .write("irradiance", demodulated)
+        .constants(params)
+        .dispatch(extent);
+    history.additive[i] = demodulated;
+  }
+  return history;
+}
+
 ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
                           const WarpedHistory& warped, std::optional<ImageId> trust) {
   const ImageId difference = chain.image("difference", Format::f32x4, full);
@@ -121,11 +150,14 @@ ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const
 
 }  // namespace
 
-WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent full, const WarpInputs& history,
+WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent full, const WarpInputs& radiance,
                               ImageId offset) {
   WarpedHistory warped{chain.image("warped.color", Format::f32x4, full),
                        chain.image("warped.stats", Format::f32x2, full)};
-  const SourceWindow window = history.window ? *history.window : add_same_window(chain, full, "origin.merge");
+  const SourceWindow window =
+      radiance.window ? *radiance.window : add_same_window(chain, full, "origin.merge");
+  const WarpInputs history = radiance.albedo ? add_demodulate_passes(chain, window.full, radiance) : radiance;
+  const ImageId albedo = history.albedo ? history.albedo->current : history.color;
   const ImageId taps = add_resample_taps(chain, settings, window.full, history.color, "history");
   const ImageId share =
       chain.image("warped.share", Format::f32, history.additive.empty() ? Extent{1, 1} : full);
@@ -139,11 +171,13 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
       .read("resample_taps", taps)
       .read("history_stats", history.stats)
       .read("target_origin", window.target_origin)
+      .read("albedo", albedo)
       .write("warped_color", warped.color)
       .write("warped_stats", warped.stats)
       .write("share", share)
       .specialize("resample", static_cast<int>(settings.resample))
       .specialize("writes_share", history.additive.empty() ? 0 : 1)
+      .specialize("demodulated", history.albedo ? 1 : 0)
       .constants(params)
       .dispatch(full);
   for (std::size_t i = 0; i < history.additive.size(); ++i) {
@@ -157,9 +191,11 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
         .read("resample_taps", taps_of_additive)
         .read("history_stats", history.stats)
         .read("target_origin", window.target_origin)
+        .read("albedo", albedo)
         .read("share", share)
         .write("warped", warped.additive.back())
         .specialize("resample", static_cast<int>(settings.resample))
+        .specialize("demodulated", history.albedo ? 1 : 0)
         .constants(params)
         .dispatch(full);
   }
@@ -202,7 +238,8 @@ MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent ful
                                          {.color = inputs.history_color.previous,
                                           .stats = inputs.history_stats.previous,
                                           .window = inputs.history_window,
-                                          .additive = std::move(additive_history)},
+                                          .additive = std::move(additive_history),
+                                          .albedo = inputs.albedo},
                                          alignment.offset);
   if (settings.correct_levels > 0) {
     Corrected corrected = add_correction_passes(chain, settings, full,

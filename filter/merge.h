@@ -12,9 +12,9 @@ namespace becalm::filter {
 
 class NoisyInputs;
 
-/// What the new frame's and the last frame's pixels show (f32x4, as pack_surface gives it); the last frame's
-/// in the history's window.
-struct SurfaceInputs {
+/// An image (f32x4) of the new frame and the last frame's of the same kind; the latter in the history's
+/// window.
+struct FramePair {
   gpu::ImageId current;
   gpu::ImageId previous;
 };
@@ -36,10 +36,11 @@ struct MergeInputs {
   gpu::History
       history_stats;  ///< f32x2: (variance left, effective sample count); a count of 0 means no history
   std::optional<SourceWindow> history_window =
-      {};                   ///< where the previous history shows more than the new frame
-  unsigned rules = 0;       ///< flags of Validate by which the history is validated
-  SurfaceInputs surface{};  ///< given if there are rules of kValidateBySurface
+      {};               ///< where the previous history shows more than the new frame
+  unsigned rules = 0;   ///< flags of Validate by which the history is validated
+  FramePair surface{};  ///< as pack_surface gives it, if there are rules of kValidateBySurface
   std::vector<AdditiveInput> additive = {};
+  std::optional<FramePair> albedo = {};  ///< as WarpInputs::albedo
 };
 
 /// What is read of the previous history: colour (f32x4) and statistics (f32x2), in the window if there is
@@ -49,6 +50,7 @@ struct WarpInputs {
   gpu::ImageId stats;
   std::optional<SourceWindow> window = {};
   std::vector<gpu::ImageId> additive = {};  ///< additive AOVs (f32x4)
+  std::optional<FramePair> albedo = {};     ///< as pack_albedo gives it, if the history is read without it
 };
 
 /// The history where the target's pixels are.
@@ -58,7 +60,8 @@ struct WarpedHistory {
   std::vector<gpu::ImageId> additive = {};  ///< f32x4
 };
 
-/// Reads the previous history at the offsets (f32x2, full resolution).
+/// Reads the previous history at the offsets (f32x2, full resolution). Given the albedo, radiance is read
+/// without the last frame's and multiplied by the new frame's.
 WarpedHistory add_warp_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
                               const WarpInputs& history, gpu::ImageId offset);
 

@@ -83,7 +83,7 @@ AovSet wanted_aovs(const Settings& settings) {
   AovSet wanted;
   const auto want = [&](Aov aov, bool needed) { wanted.set(static_cast<std::size_t>(aov), needed); };
   const bool smooths = settings.smooth != Smooth::none;
-  want(Aov::albedo, smooths || settings.weight_albedo > 0.0f);
+  want(Aov::albedo, smooths || settings.weight_albedo > 0.0f || settings.demodulate_history != 0);
   want(Aov::normal, smooths || settings.weight_normal > 0.0f || (settings.validate & validate_normal) != 0);
   want(Aov::depth, smooths || (settings.validate & validate_depth) != 0);
   want(Aov::object_id, (settings.validate & validate_id) != 0);

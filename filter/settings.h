@@ -64,6 +64,7 @@ struct Settings {
   float weight_normal = 0.5f;
 
   Resample resample = Resample::catmull_rom;
+  int demodulate_history = 1;
   Smooth smooth = Smooth::regression;
   int smooth_radius = 5;
   int smooth_patch_radius = 1;

@@ -117,6 +117,10 @@ TileChain::TileChain(gpu::Device& device, const FilterTask& task, const PyramidS
     surface = {chain.input("surface.cur", Format::f32x4, target_extent),
                chain.input("surface.prev", Format::f32x4, source_extent)};
   }
+  if (task.demodulates_history()) {
+    albedo = {chain.input("albedo.cur", Format::f32x4, target_extent),
+              chain.input("albedo.prev", Format::f32x4, source_extent)};
+  }
   merged.color = chain.image("history.color.next", Format::f32x4, target_extent);
   merged.stats = chain.image("history.stats.next", Format::f32x2, target_extent);
   additive = additive_inputs(chain, task, target_extent, "additive.cur");
@@ -135,8 +139,9 @@ TileChain::TileChain(gpu::Device& device, const FilterTask& task, const PyramidS
                                      .history_stats = {history_stats, merged.stats},
                                      .history_window = window,
                                      .rules = rules,
-                                     .surface = surface.value_or(SurfaceInputs{}),
-                                     .additive = additive_merged},
+                                     .surface = surface.value_or(FramePair{}),
+                                     .additive = additive_merged,
+                                     .albedo = albedo},
                                     {merged.offset, found.residual});
   add_outputs(chain, task, merged);
   chain.plan();

@@ -87,9 +87,9 @@ TiledFrame::TiledFrame(gpu::Device& device, FilterTask task, std::uint64_t memor
   }
   history_.estimate = Estimate(task_.full, task_.additive);
   merged_ = Estimate(task_.full, task_.additive);
-  if (!chains_->tile->surface) return;
-  for (Image* surface : {&history_.surface, &surface_})
-    *surface = Image(task_.full.width, task_.full.height, 4);
+  const Image of_four_channels(task_.full.width, task_.full.height, 4);
+  if (chains_->tile->surface) history_.surface = surface_ = of_four_channels;
+  if (chains_->tile->albedo) history_.albedo = albedo_ = of_four_channels;
 }
 
 TiledFrame::~TiledFrame() = default;
@@ -149,10 +149,14 @@ void TiledFrame::merge(const NewFrame& frame, MergedFrame& merged, FrameReport& 
   for (const Tile& tile : feature_tiles_) find_features(tile, frame, report);
   if (chains_->coarse) find_coarse_offsets(frame, report);
   if (chains_->tile->surface) pack_surface(frame.frame, task_.used, bounds(task_.full), surface_.data());
+  if (chains_->tile->albedo) {
+    pack_albedo(frame.frame.image(Aov::albedo), bounds(task_.full), albedo_.data());
+  }
   for (const Tile& tile : tiles_) merge_tile(tile, frame, merged, report);
   std::swap(history_.estimate, merged_);
   std::swap(history_.features, features_);
   std::swap(history_.surface, surface_);
+  std::swap(history_.albedo, albedo_);
 }
 
 void TiledFrame::find_features(const Tile& tile, const NewFrame& frame, FrameReport& report) {
@@ -223,10 +227,12 @@ void TiledFrame::merge_tile(const Tile& tile, const NewFrame& frame, MergedFrame
   const auto origin = chain.upload<float>(chains.target_origin);
   origin[0] = static_cast<float>(tile.target.x - tile.source.x);
   origin[1] = static_cast<float>(tile.target.y - tile.source.y);
-  if (chains.surface) {
-    upload(chain, chains.surface->current, view(std::as_const(surface_)), tile.target);
-    upload(chain, chains.surface->previous, view(std::as_const(history_.surface)), tile.source);
-  }
+  const auto upload_pair = [&](const FramePair& pair, const Image& current, const Image& previous) {
+    upload(chain, pair.current, view(current), tile.target);
+    upload(chain, pair.previous, view(previous), tile.source);
+  };
+  if (chains.surface) upload_pair(*chains.surface, surface_, history_.surface);
+  if (chains.albedo) upload_pair(*chains.albedo, albedo_, history_.albedo);
   upload(chain, chains.history_color, view(std::as_const(history_.estimate.color)), tile.source);
   upload(chain, chains.history_stats, view(std::as_const(history_.estimate.stats)), tile.source);
   upload_additive(chain, chains.additive, frame.merged_additive(), tile.target);

@@ -25,8 +25,7 @@ int validate_margin_px(const Settings& settings) {
 }
 
 ImageId add_validate_pass(Chain& chain, const Settings& settings, Extent full, unsigned rules,
-                          const SurfaceInputs& surface, const Alignment& alignment,
-                          const SourceWindow& window) {
+                          const FramePair& surface, const Alignment& alignment, const SourceWindow& window) {
   const bool by_surface = (rules & kValidateBySurface) != 0;
   const ImageId trust = chain.image("trust", Format::f32x2, full);
   chain.pass("merge/validate")

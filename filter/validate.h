@@ -19,7 +19,7 @@ int validate_margin_px(const Settings& settings);
 /// values of shaders/lib/rejection.glsl, the rule that doubts most. `rules` are flags of Validate, at least
 /// one; the surface is read for those of kValidateBySurface, the alignment's consistency for validate_flow.
 gpu::ImageId add_validate_pass(gpu::Chain& chain, const Settings& settings, gpu::Extent full, unsigned rules,
-                               const SurfaceInputs& surface, const Alignment& alignment,
+                               const FramePair& surface, const Alignment& alignment,
                                const SourceWindow& window);
 
 /// The warped history brought into a box of the new frame's colours, for a history_clip that is not `none`.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -15,6 +16,18 @@
 namespace becalm::filter {
 
 using gpu::Format;
+
+namespace {
+
+/// Makes what was new in the last run the last frame's, and returns where the new frame's goes. Before the
+/// first run there is no history that it would be of.
+std::span<float> upload_next(gpu::Chain& chain, const FramePair& pair) {
+  const auto current = chain.upload<float>(pair.current);
+  std::ranges::copy(current, chain.upload<float>(pair.previous).begin());
+  return current;
+}
+
+}  // namespace
 
 WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
     : task_(std::move(task)), chain_(device, "filter"), noisy_(chain_, task_, task_.full) {
@@ -57,6 +70,10 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
     surface_ = {chain_.input("surface.cur", Format::f32x4, full),
                 chain_.input("surface.prev", Format::f32x4, full)};
   }
+  if (task_.demodulates_history()) {
+    albedo_ = {chain_.input("albedo.cur", Format::f32x4, full),
+               chain_.input("albedo.prev", Format::f32x4, full)};
+  }
 
   additive_ = additive_inputs(chain_, task_, full, "additive.cur");
   std::vector<AdditiveInput> additive;
@@ -76,8 +93,9 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
                                       .history_stats = history_stats,
                                       .history_window = {},
                                       .rules = rules,
-                                      .surface = surface_.value_or(SurfaceInputs{}),
-                                      .additive = additive},
+                                      .surface = surface_.value_or(FramePair{}),
+                                      .additive = additive,
+                                      .albedo = albedo_},
                                      alignment);
   add_outputs(chain_, task_, merged_);
   chain_.plan();
@@ -99,12 +117,8 @@ void WholeFrame::merge(const NewFrame& frame, MergedFrame& merged, FrameReport& 
     pack_motion(frame.frame.image(Aov::motion), all.target, motion_limit_px(task_.settings, task_.full),
                 chain_.upload<float>(*motion_));
   }
-  if (surface_) {
-    // What was new in the last run; before the first one there is no history to validate.
-    const auto current = chain_.upload<float>(surface_->current);
-    std::ranges::copy(current, chain_.upload<float>(surface_->previous).begin());
-    pack_surface(frame.frame, task_.used, all.target, current);
-  }
+  if (surface_) pack_surface(frame.frame, task_.used, all.target, upload_next(chain_, *surface_));
+  if (albedo_) pack_albedo(frame.frame.image(Aov::albedo), all.target, upload_next(chain_, *albedo_));
   chain_.run();
   add_times(report, chain_);
   unpack(download(chain_, task_, merged_), all, merged);

@@ -57,6 +57,7 @@ VARIANTS = [
     ("motion_none", "final, without motion vectors", ("motion=none",), ()),
     ("motion_vectors", "final, motion vectors in place of the search", ("motion=override",), ()),
     ("luminance_none", "final without luminance weights", ("luminance_weight=0",), ()),
+    ("history_albedo", "final, history with its albedo", ("demodulate_history=0",), ()),
     ("bilinear", "final, bilinear resampling", ("resample=bilinear",), ()),
     ("o_moms", "final, O-MOMS resampling", ("resample=o_moms",), ()),
     ("validate_guides", "final, distrust by depth, normal and id", ("validate=depth,normal,id",), ()),
@@ -65,7 +66,7 @@ VARIANTS = [
 ]]
 
 # A program that does not know these settings does what these values say.
-PLAIN = {"directions": "forward", "smooth": "none", "resample": "catmull_rom"}
+PLAIN = {"directions": "forward", "smooth": "none", "resample": "catmull_rom", "demodulate_history": "0"}
 
 
 class Program:

@@ -3,15 +3,17 @@
 // fireflies, so its result is mixed with the bilinear one, by one share for all channels, until it lies within the range of
 // the four nearest taps: given that share the result is linear in the history, so images resampled alike still add up.
 // `resample_taps` is what the filter's kernel is summed over, the history's colour or its spline coefficients. Statistics
-// are (variance, effective sample count); a count of 0 means that there is no history. The history's images may show more
-// of the frame than the target's: the target's first pixel then lies at target_origin.
+// are (variance, effective sample count); a count of 0 means that there is no history. History that comes without its albedo
+// is multiplied by the target's. The history's images may show more of the frame than the target's: the target's first pixel
+// then lies at target_origin.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "shared/merge_params.h"
 
-layout(constant_id = 0) const int resample = 1;        // as in lib/resample.glsl
+layout(constant_id = 0) const int resample = 1;      // as in lib/resample.glsl
 layout(constant_id = 1) const int writes_share = 0;  // 1: `share` is an image, for AOVs that are resampled alike
+layout(constant_id = 2) const int demodulated = 0;   // 1: the history is without its albedo; `albedo` is the target's
 
 layout(local_size_x = 8, local_size_y = 4) in;
 layout(push_constant) uniform Params { WarpHistoryParams p; };
@@ -20,11 +22,14 @@ layout(set = 0, binding = 1) uniform samplerBuffer history_color;
 layout(set = 0, binding = 2) uniform samplerBuffer resample_taps;
 layout(set = 0, binding = 3) uniform samplerBuffer history_stats;
 layout(set = 0, binding = 4) uniform samplerBuffer target_origin;
-layout(std430, set = 0, binding = 5) writeonly buffer WarpedColorBuffer { vec4 data[]; } warped_color;
-layout(std430, set = 0, binding = 6) writeonly buffer WarpedStatsBuffer { vec2 data[]; } warped_stats;
-layout(std430, set = 0, binding = 7) writeonly buffer ShareBuffer { float data[]; } share;
+layout(set = 0, binding = 5) uniform samplerBuffer albedo;
+layout(std430, set = 0, binding = 6) writeonly buffer WarpedColorBuffer { vec4 data[]; } warped_color;
+layout(std430, set = 0, binding = 7) writeonly buffer WarpedStatsBuffer { vec2 data[]; } warped_stats;
+layout(std430, set = 0, binding = 8) writeonly buffer ShareBuffer { float data[]; } share;
 
+#include "lib/gain.glsl"
 #include "lib/read_history.glsl"
+#include "lib/reflectance.glsl"
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
@@ -37,7 +42,9 @@ void main() {
   }
   const vec4 color = h.bilinear + sharp * (h.sharp - h.bilinear);
   // Beyond the range there is rounding alone, which would be seen as negative radiance or as change in an even surface.
-  warped_color.data[index] = h.found ? clamp(color, h.lowest, h.highest) : vec4(0.0);
-  warped_stats.data[index] = h.stats;
+  const vec4 in_range = clamp(color, h.lowest, h.highest);
+  const vec3 scale = demodulated != 0 ? divisor_of(texelFetch(albedo, index).rgb) : vec3(1.0);
+  warped_color.data[index] = h.found ? in_range * vec4(scale, 1.0) : vec4(0.0);
+  warped_stats.data[index] = vec2(min(h.stats.x * variance_divisor_of(scale), kLargestVariance), h.stats.y);
   if (writes_share != 0) share.data[index] = sharp;
 }

@@ -83,6 +83,7 @@ Frame moving_frame(const Scene& scene, int number) {
     const int y = static_cast<int>(random() % scene.height);
     beauty.at(x, y, 0) = std::numeric_limits<float>::quiet_NaN();
     if (scene.variance) frame.image(Aov::variance).at((x + 5) % scene.width, y, 1) = -1.0f;
+    if (scene.guides) frame.image(Aov::albedo).at((x + 9) % scene.width, y, 2) = INFINITY;
   }
   return frame;
 }
@@ -225,7 +226,7 @@ TEST_F(TiledFrameTest, ShowsNoSeamsUnderOtherSettings) {
     Settings settings = forward("final");
     for (const char* assignment : assignments) set(settings, assignment);
     // Without radiance to match, a single tile takes less than the whole frame.
-    expect_no_seams(settings, scene, settings.weight_radiance > 0.0f ? 0.78 : 0.6, 2, 2);
+    expect_no_seams(settings, scene, settings.weight_radiance > 0.0f ? 0.85 : 0.6, 2, 2);
   }
 }
 
@@ -285,7 +286,7 @@ TEST_F(TiledFrameTest, SeesTheWholeHistoryOnlyWhereKnownMotionIsTheOffset) {
   const Scene scene{.width = 4096, .height = 64, .motion = true};
   Settings settings = forward("final");
   set(settings, "motion=none");
-  const std::uint64_t limit = make(settings, scene, kUnlimited).memory().device_bytes / 8;
+  const std::uint64_t limit = make(settings, scene, kUnlimited).memory().device_bytes / 6;
   for (const char* motion : {"motion=none", "motion=guide"}) {
     set(settings, motion);
     EXPECT_LE(make(settings, scene, limit).memory().device_bytes, limit) << motion;

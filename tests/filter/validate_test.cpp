@@ -166,7 +166,7 @@ class MergeOnDevice {
   NoisyInputs noisy_;
   unsigned rules_;
   gpu::History history_color_, history_stats_;
-  SurfaceInputs surface_{};
+  FramePair surface_{};
   std::optional<gpu::ImageId> residual_, consistency_;
   gpu::ImageId offset_, decision_;
 };

@@ -1,0 +1,20 @@
+// Reads the history of an additive AOV and the albedo of the frame that it ends with; writes it without the albedo, as
+// merge/demodulate_history does with the beauty's.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "lib/reflectance.glsl"
+#include "shared/merge_params.h"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant) uniform Params { ImageParams p; };
+layout(set = 0, binding = 0) uniform samplerBuffer color;
+layout(set = 0, binding = 1) uniform samplerBuffer albedo;
+layout(std430, set = 0, binding = 2) writeonly buffer IrradianceBuffer { vec4 data[]; } irradiance;
+
+void main() {
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  if (at.x >= p.width || at.y >= p.height) return;
+  const int index = at.y * p.width + at.x;
+  const vec4 value = texelFetch(color, index);
+  irradiance.data[index] = vec4(value.rgb / divisor_of(texelFetch(albedo, index).rgb), value.a);
+}

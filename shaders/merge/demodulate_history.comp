@@ -1,0 +1,26 @@
+// Reads a history and the albedo of the frame that it ends with; writes its radiance without the albedo, and the statistics of
+// that. Texture then comes from each frame's own albedo, while resampling from frame to frame blurs the light alone.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "lib/reflectance.glsl"
+#include "shared/merge_params.h"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant) uniform Params { ImageParams p; };
+layout(set = 0, binding = 0) uniform samplerBuffer color;
+layout(set = 0, binding = 1) uniform samplerBuffer stats;
+layout(set = 0, binding = 2) uniform samplerBuffer albedo;
+layout(std430, set = 0, binding = 3) writeonly buffer IrradianceBuffer { vec4 data[]; } irradiance;
+layout(std430, set = 0, binding = 4) writeonly buffer IrradianceStatsBuffer { vec2 data[]; } irradiance_stats;
+
+void main() {
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  if (at.x >= p.width || at.y >= p.height) return;
+  const int index = at.y * p.width + at.x;
+  const vec3 divisor = divisor_of(texelFetch(albedo, index).rgb);
+  const vec4 value = texelFetch(color, index);
+  irradiance.data[index] = vec4(value.rgb / divisor, value.a);
+  // At most kLargestVariance / 0.04^2, of which sums stay within the range of floats.
+  const vec2 of_value = texelFetch(stats, index).xy;
+  irradiance_stats.data[index] = vec2(of_value.x / variance_divisor_of(divisor), of_value.y);
+}
