@@ -32,7 +32,7 @@ layout(std430, set = 0, binding = 10) writeonly buffer KernelBuffer { vec4 data[
 #include "lib/smoothing_kernel.glsl"
 
 const int kFeatures = 7;
-const float kRidge = 1e-3;  // of the sum of weights
+const float kRidge = 3e-4;  // of the sum of weights
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);

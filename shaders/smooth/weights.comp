@@ -25,7 +25,7 @@ float distance_of(vec2 a, vec2 b) {
   const float d = a.x - b.x;
   const float l = 0.5 * (a.x + b.x);
   const float allowed = a.y + min(b.y, kLargestNoiseRatio * a.y);
-  return (d * d - (a.y + min(a.y, b.y))) / (p.strength * p.strength * allowed + 1e-3 * (l * l + 1e-3));
+  return (d * d - (a.y + min(a.y, b.y))) / (p.strength * p.strength * allowed + 3e-3 * (l * l + 1e-3));
 }
 
 void main() {

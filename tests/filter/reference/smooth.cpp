@@ -41,7 +41,7 @@ double patch_distance(const Grid<Guide>& guide, int x, int y, int i, int j,
       const double unexplained =
           std::pow(a.luminance - b.luminance, 2) - (a.variance + std::min(a.variance, b.variance));
       const double allowed = a.variance + std::min(b.variance, 10 * a.variance);
-      sum += unexplained / (strength * strength * allowed + 1e-3 * (level * level + 1e-3));
+      sum += unexplained / (strength * strength * allowed + 3e-3 * (level * level + 1e-3));
     }
   }
   return sum / ((2 * radius + 1) * (2 * radius + 1));
@@ -102,7 +102,7 @@ Estimate fit(const Grid<Estimate>& irradiance, const Grid<Guide>& guide, const G
   if (weights <= 0) return {};
   Rgba mean;
   for (std::size_t c = 0; c < 3; ++c) mean[c] = right[c][kFeatures] / weights;
-  for (std::size_t f = 0; f < kFeatures; ++f) normal_equations[f][f] += 1e-3 * weights;
+  for (std::size_t f = 0; f < kFeatures; ++f) normal_equations[f][f] += 3e-4 * weights;
   Estimate fitted{{}, noise / weights, 1.0};
   Rgba linear;
   double share = 1;  // of the linear fit, the rest being the mean
