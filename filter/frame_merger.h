@@ -43,7 +43,11 @@ struct FilterTask {
 
   bool has_halves() const { return contains(used, Aov::half_a) && contains(used, Aov::half_b); }
   bool variance_known() const { return contains(used, Aov::variance) || has_halves(); }
-  bool demodulates_history() const { return contains(used, Aov::albedo) && settings.demodulate_history != 0; }
+  /// In variance mode alone: history that is never rejected would go on multiplying by noisy albedo.
+  bool demodulates_history() const {
+    return contains(used, Aov::albedo) && settings.demodulate_history != 0 &&
+           settings.merge == MergeMode::variance;
+  }
   bool smooths() const { return settings.smooth != Smooth::none; }
   /// Whether chains have the difference of the half-buffers as an input.
   bool needs_half_difference() const { return has_halves() && settings.correct_levels > 0; }

@@ -102,8 +102,8 @@ const Row kRows[] = {
       "filter by which the history is read between its pixels, from the blurriest to the sharpest"},
      Named<Resample>{&Settings::resample, kResampleNames}},
     {{"demodulate_history", "0 or 1",
-      "1 reads the history without its albedo and multiplies it by that of the frame, where frames have one "
-      "and it differs by more than noise"},
+      "variance mode: 1 reads the history without its albedo and multiplies it by that of the frame, where "
+      "frames have one and it differs by more than noise"},
      IntRange{&Settings::demodulate_history, 0, 1}},
     {{"smooth", "none or regression", "what is done to a frame by itself before it is matched and merged"},
      Named<Smooth>{&Settings::smooth, kSmoothNames}},
