@@ -85,8 +85,7 @@ const Row kRows[] = {
      IntRange{&Settings::demodulate, 0, 1}},
     {{"motion", "none, guide or override",
       "use of the motion AOV: a candidate of the search, unless longer than 256 px and an eighth of the "
-      "frame's "
-      "longer side along an axis; or the offset where known"},
+      "frame's longer side along an axis; or the offset where known"},
      Named<MotionUse>{&Settings::motion, kMotionNames}},
     {{"motion_level", "integer 0..12", "level of the pyramid at which motion is a candidate"},
      IntRange{&Settings::motion_level, 0, 12}},

@@ -38,7 +38,7 @@ void main() {
       const int tap_index = tap.y * p.width + tap.x;
       const vec2 stats = texelFetch(variance, tap_index).xy;
       const vec3 divisor = divisor_of(texelFetch(albedo_depth, tap_index).rgb) / scale;
-      const float tap_noise = stats.y > 0.0 ? min(3.0 * stats.x / dot(divisor, divisor), largest * largest) : 0.0;
+      const float tap_noise = stats.y > 0.0 ? min(stats.x / variance_divisor_of(divisor), largest * largest) : 0.0;
       noise += tap_noise;
       count += stats.y;
       own_noise = i == 0 && j == 0 ? tap_noise : own_noise;

@@ -124,7 +124,7 @@ void main() {
   const bool known = own_stats.y > 0.0 && sum > 0.0;
   smoothed.data[index] = known ? vec4(value * scale, own.a) : own;
   // With weights near 0 or 1 the sum of their squares in the fit is the inverse of the support.
-  const float left = min(sum_noise / max(sum, 1e-6) / support * dot(scale, scale) / 3.0, kLargestVariance);
+  const float left = min(sum_noise / max(sum, 1e-6) / support * variance_divisor_of(scale), kLargestVariance);
   stats.data[index] = known ? vec2(left, 1.0) : vec2(own_stats.x, own_stats.y);
 
   if (writes_kernel != 0) {
