@@ -7,10 +7,14 @@ namespace becalm::filter {
 
 /// Variance estimated from one frame alone, for frames that come without; returns an image as
 /// MergeInputs::variance wants it. `valid` is such an image of which only the second value is read.
+/// For frames with albedo:
 gpu::ImageId add_variance_estimate(gpu::Chain& chain, gpu::Extent full, gpu::ImageId color,
                                    gpu::ImageId valid, const FeatureImages& features);
+/// For frames without, whose texture nothing explains:
+gpu::ImageId add_variance_estimate(gpu::Chain& chain, gpu::Extent full, gpu::ImageId color,
+                                   gpu::ImageId valid);
 
-/// How far from a pixel the estimate reads, in pixels.
+/// How far from a pixel the estimates read within the frame, in pixels.
 constexpr int kVarianceEstimateMargin = 1;
 
 }  // namespace becalm::filter

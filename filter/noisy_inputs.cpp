@@ -11,12 +11,18 @@ NoisyInputs::NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent 
   color = chain.input("color.cur", Format::f32x4, extent);
   exposure = chain.input("exposure", Format::f32, {1, 1});
   given_variance_ = chain.input("variance.cur", Format::f32x2, extent);
-  if (needs_features || !task.variance_known()) {
+  const bool fits_albedo = !task.variance_known() && contains(task.used, Aov::albedo);
+  if (needs_features || fits_albedo) {
     features = {.albedo_depth = chain.input("albedo_depth", Format::f32x4, extent),
                 .normal = chain.input("normal", Format::f32x4, extent)};
   }
-  variance = task.variance_known() ? given_variance_
-                                   : add_variance_estimate(chain, extent, color, given_variance_, *features);
+  if (task.variance_known()) {
+    variance = given_variance_;
+  } else if (fits_albedo) {
+    variance = add_variance_estimate(chain, extent, color, given_variance_, *features);
+  } else {
+    variance = add_variance_estimate(chain, extent, color, given_variance_);
+  }
   if (task.needs_half_difference()) {
     half_difference = chain.input("half_difference.cur", Format::f32x4, extent);
   }

@@ -100,16 +100,39 @@ double reference_estimate(const Grid<Pixel>& frame, int x, int y) {
   return squares / std::max(noise_left, 1e-4);
 }
 
+/// The estimate without albedo: the second difference along both axes, of the nearest nine pixels within.
+double reference_second_difference(const Grid<Pixel>& frame, int x, int y) {
+  constexpr std::array<double, 3> coefficient{1, -2, 1};
+  const int left = std::clamp(x - 1, 0, frame.width - 3);
+  const int top = std::clamp(y - 1, 0, frame.height - 3);
+  double squares = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    double difference = 0;
+    for (int j = 0; j < 3; ++j) {
+      for (int i = 0; i < 3; ++i) {
+        const Pixel& tap = frame.at(left + i, top + j);
+        difference += coefficient.at(i) * coefficient.at(j) * tap.color[c];
+      }
+    }
+    squares += difference * difference / 3;
+  }
+  return squares / 36;
+}
+
+enum class KnowsAlbedo { no, yes };
+
 class EstimateVarianceTest : public DeviceTest {
  protected:
-  static Grid<double> estimate(const Grid<Pixel>& frame) {
+  static Grid<double> estimate(const Grid<Pixel>& frame, KnowsAlbedo knows_albedo = KnowsAlbedo::yes) {
     const gpu::Extent full{frame.width, frame.height};
     gpu::Chain chain(device(), "variance estimate test");
     const gpu::ImageId color = chain.input("color", gpu::Format::f32x4, full);
     const gpu::ImageId valid = chain.input("valid", gpu::Format::f32x2, full);
     const FeatureImages features{.albedo_depth = chain.input("albedo_depth", gpu::Format::f32x4, full),
                                  .normal = chain.input("normal", gpu::Format::f32x4, full)};
-    const gpu::ImageId variance = add_variance_estimate(chain, full, color, valid, features);
+    const gpu::ImageId variance = knows_albedo == KnowsAlbedo::yes
+                                      ? add_variance_estimate(chain, full, color, valid, features)
+                                      : add_variance_estimate(chain, full, color, valid);
     chain.output(variance);
     chain.build();
     for (std::size_t i = 0; i < frame.data.size(); ++i) {
@@ -180,27 +203,58 @@ TEST_F(EstimateVarianceTest, TextureAndEdgesAreNoNoise) {
   EXPECT_LT(relative, 1.6);
 }
 
+TEST_F(EstimateVarianceTest, WithoutAlbedoIsTheFormulaInDouble) {
+  const Grid<Pixel> frame = textured(23, 17, 0.3);
+  const Grid<double> got = estimate(frame, KnowsAlbedo::no);
+  for (int y = 0; y < frame.height; ++y) {
+    for (int x = 0; x < frame.width; ++x) {
+      const double expected = reference_second_difference(frame, x, y);
+      EXPECT_NEAR(got.at(x, y), expected, 1e-4 * expected + 1e-6) << x << ' ' << y;
+    }
+  }
+}
+
+TEST_F(EstimateVarianceTest, WithoutAlbedoGradientsAndStraightEdgesAreNoNoise) {
+  Grid<Pixel> frame(24, 16);
+  for (int y = 0; y < frame.height; ++y) {
+    for (int x = 0; x < frame.width; ++x) {
+      frame.at(x, y).color.fill((x % 5 == 0 ? 4.0 : 0.5) + 0.1 * x * x + (y > 7 ? 3.0 : 0.0));
+    }
+  }
+  for (const double got : estimate(frame, KnowsAlbedo::no).data) EXPECT_LT(got, 1e-8);
+}
+
 TEST_F(EstimateVarianceTest, NoiseOnAFlatSurfaceIsFoundWithoutBias) {
   std::mt19937 random(8);
   std::exponential_distribution<double> skewed(1.0);
   Grid<Pixel> frame(96, 64);
   for (Pixel& pixel : frame.data) pixel.color.fill(skewed(random));
-  const Grid<double> got = estimate(frame);
-  double mean = 0;
-  for (const double value : got.data) mean += value / static_cast<double>(got.data.size());
-  // The squares' standard deviation is below 3 of the variance 1, and neighbours share their samples.
-  EXPECT_NEAR(mean, 1.0, 0.15);
+  for (const KnowsAlbedo knows_albedo : {KnowsAlbedo::no, KnowsAlbedo::yes}) {
+    const Grid<double> got = estimate(frame, knows_albedo);
+    double mean = 0;
+    for (const double value : got.data) mean += value / static_cast<double>(got.data.size());
+    // The squares' standard deviation is below 3 of the variance 1, and neighbours share their samples.
+    EXPECT_NEAR(mean, 1.0, 0.15);
+  }
+}
+
+TEST_F(EstimateVarianceTest, WithoutAlbedoALonePixelIsAllNoise) {
+  Grid<Pixel> frame(1, 1);
+  frame.data[0].color = {1, 2, 3};
+  EXPECT_NEAR(estimate(frame, KnowsAlbedo::no).data[0], 14.0 / 3, 1e-5);
 }
 
 TEST_F(EstimateVarianceTest, IsFiniteForTheSmallestAndTheBrightest) {
-  for (const auto& [width, height] : {std::pair(1, 1), std::pair(2, 1), std::pair(1, 9)}) {
+  for (const auto& [width, height] : {std::pair(1, 1), std::pair(3, 4), std::pair(2, 1), std::pair(1, 9)}) {
     for (const double value : {0.0, 1e-30, 1e30, -1e30, 3e38}) {
       Grid<Pixel> frame(width, height);
       for (Pixel& pixel : frame.data) pixel.color.fill(value);
       frame.data.back().color.fill(0.5 * value);
-      for (const double got : estimate(frame).data) {
-        EXPECT_GE(got, 0.0);
-        EXPECT_LE(got, 1.01e34);
+      for (const KnowsAlbedo knows_albedo : {KnowsAlbedo::no, KnowsAlbedo::yes}) {
+        for (const double got : estimate(frame, knows_albedo).data) {
+          EXPECT_GE(got, 0.0);
+          EXPECT_LE(got, 1.01e34);
+        }
       }
     }
   }
