@@ -5,6 +5,17 @@
 const float kLargestDifference = 1e9f;
 const float kLargestVariance = 1e34f;
 
+/// Standard deviations that a pixel may take from its neighbours' noise beyond its own, in units of its own light or the
+/// frame's typical luminance, whichever is more. What lies beside the disc of the sun is not as noisy as the disc's edge.
+const float kLargestBorrowedNoise = 32.0f;
+
+/// Variance of a pixel's neighbours, as far as the pixel may have it too: `light` is the pixel's luminance or the frame's
+/// typical one, whichever is more.
+float borrowed_variance(float of_neighbours, float own, float light) {
+  float borrowed = kLargestBorrowedNoise * light;
+  return min(of_neighbours, own + borrowed * borrowed);
+}
+
 /// Part of a squared quantity that noise does not explain: what is left of `measured` after `noise` and after
 /// `standard_errors` times the spread that the estimate of `noise` has over `count` pixels of Gaussian noise.
 float excess_over_noise(float measured, float noise, float count, float standard_errors) {

@@ -3,7 +3,7 @@
 // bias^2 estimated from patch residuals that noise does not explain. The pixel itself is left out of its patch: a Monte
 // Carlo sample's variance grows with its value, so weights made from the value that they weigh would darken the image. The
 // variance left in a smoothed pixel is that of its window, so there it may say that the pixel is better known than its patch:
-// sky between leaves.
+// sky between leaves. Otherwise it bounds the patch's by far, which counts beside the disc of the sun alone.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -57,7 +57,14 @@ void main() {
   float rule = kRejectedByNothing;
   if (count >= 1.0) {
     const float variance_of_patch = noise_sum.x / count;
-    const float variance_new = smoothed != 0 ? min(variance_of_patch, texelFetch(noise, index).x) : variance_of_patch;
+    const vec4 x = texelFetch(color, index);
+    const vec4 h = texelFetch(warped_color, index);
+    const float exposed_to = texelFetch(exposure, 0).x;
+    const float scale = brightness(h.r, h.g, h.b, exposed_to);
+    const float light = max(abs(luminance(x.r, x.g, x.b)), 1.0 / exposed_to) / scale;
+    const float own_variance = texelFetch(noise, index).x;
+    const float variance_new = smoothed != 0 ? min(variance_of_patch, own_variance)
+                                             : borrowed_variance(variance_of_patch, own_variance, light);
     const float variance_history = noise_sum.y / count;
     const float expected = variance_of_patch + variance_history;
     // Two views of the bias: what all pixels of the patch share shows in the mean difference, whose noise averages out;
@@ -74,8 +81,6 @@ void main() {
     // The share of the weight that the history would have without bias: 1 - (1 - alpha) / (1 - alpha of no bias).
     rejected = relative_bias > 0.0 ? relative_bias / (variance_new + variance_history + relative_bias) : 0.0;
     rule = rejection_rule(rejected, of_residual, of_distrust, trusted.y);
-    const vec4 h = texelFetch(warped_color, index);
-    const float scale = brightness(h.r, h.g, h.b, texelFetch(exposure, 0).x);
     bias_squared = min(relative_bias * scale * scale, kLargestVariance);
   }
   blend(index, alpha, bias_squared, rejected, rule, bias_squared);

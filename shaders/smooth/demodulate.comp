@@ -10,10 +10,6 @@
 #include "lib/reflectance.glsl"
 #include "shared/smooth_params.h"
 
-/// Standard deviations that a pixel may take from its neighbours' noise beyond its own, in units of its own or the frame's
-/// typical luminance, whichever is more. What lies beside the disc of the sun is not as noisy as the disc's edge.
-const float kLargestBorrowedNoise = 32.0;
-
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant) uniform Params { SmoothParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer color;
@@ -48,6 +44,5 @@ void main() {
   const vec3 value = clamp(divided, vec3(-largest), vec3(largest));
   irradiance.data[index] = vec4(value, texelFetch(variance, index).y);
   const float light = luminance(value.r, value.g, value.b);
-  const float borrowed = kLargestBorrowedNoise * max(abs(light), 1.0);
-  guide.data[index] = vec2(light, min(noise / max(count, 1.0), own_noise + borrowed * borrowed));
+  guide.data[index] = vec2(light, borrowed_variance(noise / max(count, 1.0), own_noise, max(abs(light), 1.0)));
 }

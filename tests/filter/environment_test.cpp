@@ -1,4 +1,5 @@
 // The environment where it is seen directly: what a renderer calls its albedo must not matter.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -102,6 +103,49 @@ TEST_F(EnvironmentTest, KeepsItsDetailBehindMovingLeavesWhateverItsAlbedoIsCalle
       // The sky's own noise is half a percent; what leaves leave behind, a frame late, is 30 % and more.
       EXPECT_LT(after.sky, 0.015) << "albedo " << name << ", frame " << number;
       EXPECT_LT(after.leaf, 0.75 * before.leaf) << "albedo " << name << ", frame " << number;
+    }
+  }
+}
+
+constexpr float kSunlessSky = 1.5f;
+
+double from_sun(int x, int y, int number) {
+  return std::hypot(x - 30 - 0.3 * number, y - 20);
+}
+
+/// The disc of the sun as it rises, at 4 samples a pixel: noisy at its edge, and the sky beside it clean.
+Frame rising_sun(int number) {
+  constexpr double radius = 3;
+  constexpr float sun = 50000;
+  std::mt19937 random(static_cast<unsigned>(number));
+  Frame frame(number, kWidth, kHeight);
+  Image& beauty = frame.add(Aov::beauty, 1.0f);
+  Image& variance = frame.add(Aov::variance);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const double covered = std::clamp(radius + 0.5 - from_sun(x, y, number), 0.0, 1.0);
+      std::binomial_distribution<int> hits(4, covered);
+      const float share = static_cast<float>(hits(random)) / 4;
+      for (int c = 0; c < 3; ++c) {
+        beauty.at(x, y, c) = kSunlessSky + sun * share;
+        variance.at(x, y, c) = 1e-5f + sun * sun * share * (1 - share) / 3;
+      }
+    }
+  }
+  return frame;
+}
+
+TEST_F(EnvironmentTest, TheSunLeavesNothingOfItBesideIt) {
+  const Settings settings = preset("draft");
+  SequenceFilter filter(device(), settings, kWidth, kHeight, rising_sun(1).aovs(), {});
+  for (int number = 1; number <= 6; ++number) {
+    const Frame denoised = filter.denoise(rising_sun(number)).frame;
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        if (from_sun(x, y, number) < 3.5) continue;
+        ASSERT_LT(denoised.image(Aov::beauty).at(x, y, 0), 10 * kSunlessSky)
+            << x << ',' << y << " of frame " << number;
+      }
     }
   }
 }

@@ -133,7 +133,7 @@ void expect_agreement(const reference::Merged& found, const reference::Merged& t
             << "frame " << frame << " pixel " << x << "," << y << " channel " << c;
       }
       ASSERT_NEAR(f.count, t.count, 1e-3 * t.count) << "frame " << frame << " pixel " << x << "," << y;
-      ASSERT_NEAR(f.variance, t.variance, 2e-3 * t.variance + 1e-9)
+      ASSERT_NEAR(f.variance, t.variance, 5e-3 * t.variance + 1e-9)  // 1 - alpha is rounded
           << "frame " << frame << " pixel " << x << "," << y;
       ASSERT_NEAR(found.rejected.at(x, y), truth.rejected.at(x, y), 2e-3)
           << "frame " << frame << " pixel " << x << "," << y;
@@ -154,6 +154,10 @@ TEST_P(VarianceGainTest, AgreesWithTheReference) {
     Grid<Estimate> sample = noisy_sample(frame, frame == 3 ? 1.5 : 1.0);
     sample.at(30, 20).count = 0.0;                                          // a pixel that was not finite
     for (int x = 0; x < kWidth; x += 3) sample.at(x, 11).variance *= 1e-4;  // better known than its patch
+    if (settings.smooth == Smooth::none) {  // a part of the sun, which smoothing would have bounded
+      for (double& c : sample.at(39, 24).color) c *= 300;
+      sample.at(39, 24).variance *= 1e7;
+    }
     const reference::Merged found = merge.run(sample, offset);
     const reference::Merged truth = reference::merge_by_variance(
         sample, reference::warp(history, offset, settings.resample), kExposure, settings);

@@ -170,12 +170,13 @@ Merged merge_by_variance(const Grid<Estimate>& sample, const Grid<Estimate>& war
         variance_new /= count;
         variance_history /= count;
         const double noise = variance_new + variance_history;
-        if (settings.smooth != filter::Smooth::none) {
-          const Estimate& own = sample.at(x, y);
-          const bool counts = own.count > 0 && warped.at(x, y).count > 0;
-          const double own_scale = 1 / brightness(warped.at(x, y).color, exposure);
-          variance_new = std::min(variance_new, counts ? own.variance * own_scale * own_scale : 0.0);
-        }
+        const Estimate& own = sample.at(x, y);
+        const bool counts = own.count > 0 && warped.at(x, y).count > 0;
+        const double own_scale = 1 / brightness(warped.at(x, y).color, exposure);
+        const double own_variance = counts ? own.variance * own_scale * own_scale : 0.0;
+        const double light = std::max(std::abs(luminance(own.color)), 1 / exposure) * own_scale;
+        const double borrowed = settings.smooth == filter::Smooth::none ? std::pow(32 * light, 2) : 0.0;
+        variance_new = std::min(variance_new, own_variance + borrowed);
         double mean_square = 0;
         for (int c = 0; c < 3; ++c) mean_square += mean[c] * mean[c] / (3.0 * count * count);
         const double relative_bias = std::max(excess(mean_square, noise / count, 1, settings.significance),
