@@ -52,7 +52,7 @@ Mesh make_sphere(int segments) {
   const int around = segments, rows = std::max(2, segments / 2);
   for (int row = 0; row <= rows; ++row) {
     const double theta = pi * row / rows;  // from the north pole
-    for (int i = 0; i <= around; ++i) {     // the seam's vertices are doubled, for their uv
+    for (int i = 0; i <= around; ++i) {    // the seam's vertices are doubled, for their uv
       const double phi = 2.0 * pi * (i % around) / around;
       const double ring = row == 0 || row == rows ? 0.0 : std::sin(theta);
       const V3f p(static_cast<float>(ring * std::sin(phi)), static_cast<float>(std::cos(theta)),
