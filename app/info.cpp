@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "app/command.h"
+#include "app/mebibytes.h"
 #include "filter/gpu/device.h"
 #include "frame/io/exr.h"
 #include "frame/io/layers.h"
@@ -16,8 +17,6 @@
 
 namespace becalm::app {
 namespace {
-
-constexpr double kMiB = 1024.0 * 1024.0;
 
 struct InfoCommand {
   std::string subject;
@@ -32,8 +31,8 @@ void describe_devices() {
   const gpu::Device chosen;  // says what to install where there is none
   for (const gpu::DeviceInfo& device : gpu::list_devices()) {
     fmt::print("{}: {} ({}, {}), {:.0f} MiB memory, storage buffers up to {:.0f} MiB{}\n", device.index,
-               device.name, device.type, device.driver, static_cast<double>(device.memory_bytes) / kMiB,
-               static_cast<double>(device.max_storage_buffer_bytes) / kMiB,
+               device.name, device.type, device.driver, mebibytes(device.memory_bytes),
+               mebibytes(device.max_storage_buffer_bytes),
                device.index == chosen.info().index ? "; taken unless --device says otherwise" : "");
   }
 }

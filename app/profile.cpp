@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "app/mebibytes.h"
+
 namespace becalm::app {
 namespace {
-
-constexpr double kMiB = 1024.0 * 1024.0;
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -45,9 +45,8 @@ void Profile::print() const {
         "device {}: {} of {}x{} px, {:.1f} MiB held ({:.1f} MiB without shared memory), {:.1f} MiB of host "
         "memory for transfers\n",
         device_, memory_.tiles == 1 ? "1 tile" : fmt::format("{} tiles", memory_.tiles), memory_.tile.width,
-        memory_.tile.height, static_cast<double>(memory_.device_bytes) / kMiB,
-        static_cast<double>(memory_.device_bytes_unaliased) / kMiB,
-        static_cast<double>(memory_.staging_bytes) / kMiB);
+        memory_.tile.height, mebibytes(memory_.device_bytes), mebibytes(memory_.device_bytes_unaliased),
+        mebibytes(memory_.staging_bytes));
   }
   rusage usage = {};
   getrusage(RUSAGE_SELF, &usage);

@@ -23,7 +23,7 @@ struct Block {
 };
 
 /// Blocks of one size, row by row.
-struct Level {
+struct BlockGrid {
   int width = 0;
   int height = 0;
   std::vector<Block> blocks;
@@ -66,10 +66,11 @@ double pixel_noise(const NewFrame& frame, const FilterTask& task, std::size_t i)
   return sum;
 }
 
-Level finest_level(const NewFrame& frame, const FilterTask& task, const Estimate& estimate) {
+BlockGrid finest_level(const NewFrame& frame, const FilterTask& task, const Estimate& estimate) {
   const int width = estimate.color.width();
   const int height = estimate.color.height();
-  Level level{.width = ceil_div(width, kFinestBlock), .height = ceil_div(height, kFinestBlock), .blocks = {}};
+  BlockGrid level{
+      .width = ceil_div(width, kFinestBlock), .height = ceil_div(height, kFinestBlock), .blocks = {}};
   level.blocks.resize(static_cast<std::size_t>(level.width) * level.height);
   const std::span<const float> beauty = frame.frame.image(Aov::beauty).data();
   const std::span<const float> color = estimate.color.data();
@@ -89,8 +90,8 @@ Level finest_level(const NewFrame& frame, const FilterTask& task, const Estimate
   return level;
 }
 
-Level coarser(const Level& fine) {
-  Level level{.width = (fine.width + 1) / 2, .height = (fine.height + 1) / 2, .blocks = {}};
+BlockGrid coarser(const BlockGrid& fine) {
+  BlockGrid level{.width = (fine.width + 1) / 2, .height = (fine.height + 1) / 2, .blocks = {}};
   level.blocks.resize(static_cast<std::size_t>(level.width) * level.height);
   for (int y = 0; y < fine.height; ++y) {
     for (int x = 0; x < fine.width; ++x) {
@@ -108,7 +109,7 @@ Level coarser(const Level& fine) {
 
 /// Decides one level's factors, given those of the next coarser one, if there is one. The difference between
 /// frame and estimate has this share of the frame's noise.
-void find_factors(Level& level, const Level* coarse, double share_of_noise) {
+void find_factors(BlockGrid& level, const BlockGrid* coarse, double share_of_noise) {
   for (int y = 0; y < level.height; ++y) {
     for (int x = 0; x < level.width; ++x) {
       Block& block = level.at(x, y);
@@ -135,14 +136,14 @@ void find_factors(Level& level, const Level* coarse, double share_of_noise) {
 }  // namespace
 
 void restore_energy(const NewFrame& frame, const FilterTask& task, Estimate& estimate, double reach_px) {
-  std::vector<Level> levels{finest_level(frame, task, estimate)};
+  std::vector<BlockGrid> levels{finest_level(frame, task, estimate)};
   while (levels.back().blocks.size() > 1) levels.push_back(coarser(levels.back()));
   for (std::size_t l = levels.size(); l-- > 0;) {
     const double block_px = std::ldexp(kFinestBlock, static_cast<int>(l));
     find_factors(levels[l], l + 1 < levels.size() ? &levels[l + 1] : nullptr,
                  std::min(4.0 * reach_px / block_px, 1.0));
   }
-  const Level& finest = levels.front();
+  const BlockGrid& finest = levels.front();
   const std::span<float> color = estimate.color.data();
   std::size_t i = 0;
   for (int y = 0; y < estimate.color.height(); ++y) {

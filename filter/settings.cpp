@@ -63,7 +63,7 @@ struct Row {
   Field field;
 };
 
-const Row kRows[] = {
+const Row kTable[] = {
     {{"match_downsample", "1, 2 or 4",
       "matching runs on images so many times smaller: faster, and steadier under noise"},
      IntChoice{&Settings::match_downsample, {1, 2, 4}}},
@@ -278,7 +278,7 @@ std::string value_text(const Settings& settings, const Field& field) {
 std::span<const SettingInfo> settings_table() {
   static const std::vector<SettingInfo> infos = [] {
     std::vector<SettingInfo> result;
-    for (const Row& row : kRows) result.push_back(row.info);
+    for (const Row& row : kTable) result.push_back(row.info);
     return result;
   }();
   return infos;
@@ -321,7 +321,7 @@ void set(Settings& settings, std::string_view assignment) {
   }
   const std::string_view key = assignment.substr(0, equals);
   const std::string_view value = assignment.substr(equals + 1);
-  for (const Row& row : kRows) {
+  for (const Row& row : kTable) {
     if (row.info.key != key) continue;
     if (!assign(settings, row.field, value)) {
       throw Error(ExitStatus::usage,
@@ -330,14 +330,14 @@ void set(Settings& settings, std::string_view assignment) {
     return;
   }
   std::vector<std::string_view> keys;
-  for (const Row& row : kRows) keys.push_back(row.info.key);
+  for (const Row& row : kTable) keys.push_back(row.info.key);
   throw Error(ExitStatus::usage,
               fmt::format("--set: no setting '{}'; there are {}", key, fmt::join(keys, ", ")));
 }
 
 std::string to_string(const Settings& settings) {
   std::string text;
-  for (const Row& row : kRows) {
+  for (const Row& row : kTable) {
     if (!text.empty()) text += ' ';
     text += fmt::format("{}={}", row.info.key, value_text(settings, row.field));
   }

@@ -1,6 +1,6 @@
 #pragma once
 
-// For the files of filter/gpu/ alone: what a Device holds. vulkan_raii.hpp comes precompiled.
+// For the files of filter/gpu/ alone: what a Device holds. vulkan_raii.hpp makes them slow to compile.
 
 #include <cstdint>
 #include <memory>

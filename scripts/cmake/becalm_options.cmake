@@ -27,6 +27,10 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
   # False warnings once std::string's operator+ (GCC bug 105651) or fmt's parser is inlined at -O3.
   target_compile_options(becalm_options INTERFACE -Wno-restrict -Wno-stringop-overflow)
 endif()
+# Batches of sources are compiled as one: what most of them cost is the headers and templates of the same few libraries.
+# Each source still includes what it uses; -DCMAKE_UNITY_BUILD=OFF compiles each alone.
+set(CMAKE_UNITY_BUILD ON CACHE BOOL "Compile the sources of the libraries and of becalm in batches")
+set(CMAKE_UNITY_BUILD_BATCH_SIZE 9)
 if(BECALM_SANITIZE)
   target_compile_options(becalm_options INTERFACE -fsanitize=${BECALM_SANITIZE} -fno-sanitize-recover=all
                                                   -fno-omit-frame-pointer)

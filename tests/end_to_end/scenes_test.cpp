@@ -1,5 +1,6 @@
 // The scenes of scenes/: each is described, and renders its first and last frame.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +22,7 @@ std::vector<std::string> scene_names() {
 
 class Scenes : public testing::TestWithParam<std::string> {
  protected:
-  const std::string scene_ = std::string(BECALM_SCENES) + "/" + GetParam() + ".json";
+  const std::string scene_ = fmt::format("{}/{}.json", BECALM_SCENES, GetParam());
 };
 
 TEST_P(Scenes, AreDescribed) {

@@ -17,10 +17,6 @@ namespace becalm::tracer {
 
 namespace {
 
-[[noreturn]] void fail(const std::string& path, const std::string& message) {
-  throw Error(ExitStatus::bad_input, path + ": " + message);
-}
-
 /// Which statements a material has: tinyobjloader does not tell what is absent from what is 0.
 using Keywords = std::set<std::string, std::less<>>;
 
@@ -44,8 +40,8 @@ std::map<std::string, Keywords> scan(const std::string& path, std::string_view t
     for (int i = 0; needed != numbers.end() && i < needed->second; ++i) {
       const std::string_view word = take_word(line);
       if (!is_float(word)) {
-        fail(path, fmt::format("line {}: '{}' needs {} finite numbers, found '{}'", line_number, keyword,
-                               needed->second, word));
+        fail_in_file(path, fmt::format("line {}: '{}' needs {} finite numbers, found '{}'", line_number,
+                                       keyword, needed->second, word));
       }
     }
   }
@@ -198,12 +194,12 @@ class Translator {
     std::replace(name.begin(), name.end(), '\\', '/');
     std::string file = (std::filesystem::path(path_).parent_path() / name).string();
     if (!std::filesystem::is_regular_file(file))
-      fail(path_, fmt::format("material '{}': no file '{}'", mtl_.name, name));
+      fail_in_file(path_, fmt::format("material '{}': no file '{}'", mtl_.name, name));
     return file;
   }
 
   [[noreturn]] void fail_unreadable(const std::string& name, const std::runtime_error& error) const {
-    fail(path_, fmt::format("material '{}': cannot read '{}': {}", mtl_.name, name, error.what()));
+    fail_in_file(path_, fmt::format("material '{}': cannot read '{}': {}", mtl_.name, name, error.what()));
   }
 
   std::uint32_t scalar_texture(const std::string& name, const tinyobj::texture_option_t& options,
@@ -235,7 +231,7 @@ class Translator {
 
 std::vector<MtlMaterial> load_mtl(const std::string& path, Textures& textures) {
   const std::optional<std::string> text = read_text_file(path);
-  if (!text) fail(path, "cannot read the material file");
+  if (!text) fail_in_file(path, "cannot read the material file");
   const std::map<std::string, Keywords> keywords = scan(path, *text);
   std::map<std::string, int> numbers;
   std::vector<tinyobj::material_t> parsed;
@@ -283,10 +279,10 @@ std::vector<MtlMaterial> load_part_materials(const std::string& obj_path, const 
       finish_material(white.material);
       materials.push_back(std::move(white));
     } else {
-      fail(obj_path,
-           fmt::format("no material '{}' in {}", part.material,
-                       obj.material_libraries.empty() ? "it, since it names no mtllib"
-                                                      : "'" + obj.material_libraries.front() + "'"));
+      fail_in_file(obj_path,
+                   fmt::format("no material '{}' in {}", part.material,
+                               obj.material_libraries.empty() ? "it, since it names no mtllib"
+                                                              : "'" + obj.material_libraries.front() + "'"));
     }
   }
   return materials;

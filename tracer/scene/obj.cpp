@@ -17,10 +17,6 @@ namespace becalm::tracer {
 
 namespace {
 
-[[noreturn]] void fail(const std::string& path, const std::string& message) {
-  throw Error(ExitStatus::bad_input, path + ": " + message);
-}
-
 /// tinyobjloader reads what is not a number as 0, so coordinates are checked here first.
 void check_coordinates(const std::string& path, std::string_view text) {
   for (int line_number = 1; !text.empty(); ++line_number) {
@@ -30,8 +26,8 @@ void check_coordinates(const std::string& path, std::string_view text) {
     for (int i = 0; i < needed; ++i) {
       const std::string_view word = take_word(line);
       if (!is_float(word)) {
-        fail(path, fmt::format("line {}: '{}' needs {} finite numbers, found '{}'", line_number, kind, needed,
-                               word));
+        fail_in_file(path, fmt::format("line {}: '{}' needs {} finite numbers, found '{}'", line_number, kind,
+                                       needed, word));
       }
     }
   }
@@ -80,14 +76,15 @@ Parsed parse(const std::string& path, const std::string& text, MaterialNames* na
                         triangulate, false)) {
     while (!error.empty() && (error.back() == '\n' || error.back() == '\r')) error.pop_back();
     std::replace(error.begin(), error.end(), '\n', ' ');
-    fail(path, error.empty() ? "not a readable OBJ file" : error);
+    fail_in_file(path, error.empty() ? "not a readable OBJ file" : error);
   }
   return parsed;
 }
 
 void check_index(const std::string& path, std::size_t face, const char* what, int index, std::size_t count) {
   if (index >= 0 && static_cast<std::size_t>(index) < count) return;
-  fail(path, fmt::format("face {}: {} index {} is outside the file's {}", face, what, index + 1, count));
+  fail_in_file(path,
+               fmt::format("face {}: {} index {} is outside the file's {}", face, what, index + 1, count));
 }
 
 /// Throws for indices out of range. Returns whether all faces are triangles. Faces are counted from 1 in file
@@ -114,7 +111,7 @@ bool check_faces(const std::string& path, const Parsed& parsed) {
       }
     }
   }
-  if (face == 0) fail(path, "has no faces");
+  if (face == 0) fail_in_file(path, "has no faces");
   return all_triangles;
 }
 
@@ -172,7 +169,7 @@ Mesh merge_corners(const tinyobj::attrib_t& attributes, const Faces& faces) {
 
 std::string read_text(const std::string& path) {
   std::optional<std::string> contents = read_text_file(path);
-  if (!contents) fail(path, "cannot read the mesh file");
+  if (!contents) fail_in_file(path, "cannot read the mesh file");
   return std::move(*contents);
 }
 
@@ -196,7 +193,7 @@ Mesh load_obj(const std::string& path) {
       for (std::size_t i = 0; i + 2 < corners.size(); i += 3) visit(&corners[i]);
     }
   });
-  if (mesh.triangles.empty()) fail(path, "has no faces");
+  if (mesh.triangles.empty()) fail_in_file(path, "has no faces");
   return mesh;
 }
 
@@ -219,7 +216,7 @@ ObjParts load_obj_parts(const std::string& path) {
       faces[part->second].push_back(&shape.mesh.indices[3 * i]);
     }
   }
-  if (faces.empty()) fail(path, "has no faces");
+  if (faces.empty()) fail_in_file(path, "has no faces");
   for (std::size_t i = 0; i < faces.size(); ++i) {
     result.parts[i].mesh = merge_corners(parsed.attributes, [&](const auto& visit) {
       for (const tinyobj::index_t* corners : faces[i]) visit(corners);

@@ -7,7 +7,7 @@ namespace becalm::tracer {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 /// The rectangle centre +- right +- up, facing right x up, with uv along them.
 void add_quad(Mesh& mesh, const V3f& center, const V3f& right, const V3f& up) {
@@ -32,11 +32,11 @@ Mesh make_disc(int segments) {
   Mesh mesh;
   // An n-gon of circumradius r has the area n/2 r^2 sin(2 pi/n); this r gives pi, so that a disc light has
   // its power.
-  const double radius = std::sqrt(2.0 * kPi / (segments * std::sin(2.0 * kPi / segments)));
+  const double radius = std::sqrt(2.0 * pi / (segments * std::sin(2.0 * pi / segments)));
   mesh.positions.push_back(V3f(0));
   mesh.uvs.emplace_back(0.5f, 0.5f);
   for (int i = 0; i < segments; ++i) {
-    const double angle = 2.0 * kPi * i / segments;
+    const double angle = 2.0 * pi * i / segments;
     const double x = std::cos(angle), z = -std::sin(angle);
     mesh.positions.emplace_back(static_cast<float>(radius * x), 0.0f, static_cast<float>(radius * z));
     mesh.uvs.emplace_back(static_cast<float>(0.5 + 0.5 * x), static_cast<float>(0.5 - 0.5 * z));
@@ -51,9 +51,9 @@ Mesh make_sphere(int segments) {
   Mesh mesh;
   const int around = segments, rows = std::max(2, segments / 2);
   for (int row = 0; row <= rows; ++row) {
-    const double theta = kPi * row / rows;  // from the north pole
-    for (int i = 0; i <= around; ++i) {     // the seam's vertices are doubled, for their uv
-      const double phi = 2.0 * kPi * (i % around) / around;
+    const double theta = pi * row / rows;  // from the north pole
+    for (int i = 0; i <= around; ++i) {    // the seam's vertices are doubled, for their uv
+      const double phi = 2.0 * pi * (i % around) / around;
       const double ring = row == 0 || row == rows ? 0.0 : std::sin(theta);
       const V3f p(static_cast<float>(ring * std::sin(phi)), static_cast<float>(std::cos(theta)),
                   static_cast<float>(ring * std::cos(phi)));

@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "frame/error.h"
+
 namespace becalm::tracer {
 
 /// The bytes of a file; nothing if it cannot be read.
@@ -16,6 +18,11 @@ inline std::optional<std::string> read_text_file(const std::string& path) {
   } catch (const std::ios_base::failure&) {  // a folder opens as a file would, and cannot be read
     return std::nullopt;
   }
+}
+
+/// Throws: the file at this path says something that cannot be read.
+[[noreturn]] inline void fail_in_file(const std::string& path, const std::string& message) {
+  throw Error(ExitStatus::bad_input, path + ": " + message);
 }
 
 }  // namespace becalm::tracer
