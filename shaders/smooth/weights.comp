@@ -4,6 +4,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
+#include "lib/gain.glsl"
 #include "lib/patch_weights.glsl"
 #include "shared/smooth_params.h"
 
@@ -20,6 +21,13 @@ layout(std430, set = 0, binding = 1) writeonly buffer WeightBuffer { uint data[]
 /// like it, and would only spoil it.
 const float kLargestNoiseRatio = 10.0;
 
+/// How far one pixel may take a patch from another, as an exponent. A lone bright sample makes all the patches that it is in
+/// unlike any other, and nothing would smooth it; this leaves it to the many of the window. What goes through a patch has
+/// three such pixels and more. A point of light that is known by `kCertain` times as much stays, and so does what is so much
+/// brighter that a hundredth of it would show.
+const float kLargestShareOfPixel = 4.0;
+const float kCertain = 8.0;
+
 /// Squared difference that noise does not explain, over the noise that is allowed, as a, the pixel to be smoothed, sees b.
 float distance_of(vec2 a, vec2 b) {
   const float d = a.x - b.x;
@@ -33,6 +41,8 @@ void main() {
   const int first = at.y * rows;
   if (at.x >= p.width || first >= p.height) return;
   const int shifts = (2 * radius + 1) * (2 * radius + 1);
+  const int side = 2 * patch_radius + 1;
+  const float largest = kLargestShareOfPixel * float(side * side);
   uint packed[rows];
   [[unroll]] for (int r = 0; r < rows; ++r) packed[r] = 0u;
   for (int i = 0; i < kShiftsPerPlane; ++i) {
@@ -47,13 +57,14 @@ void main() {
       [[unroll]] for (int c = -patch_radius; c <= patch_radius; ++c) {
         const vec2 a = texelFetch(guide, here + clamp(at.x + c, 0, p.width - 1)).xy;
         const vec2 b = texelFetch(guide, there + clamp(at.x + c + shift.x, 0, p.width - 1)).xy;
-        sum += distance_of(a, b);
+        const float distance = distance_of(a, b);
+        const bool may_be_noise = abs(a.x - b.x) < kLargestBorrowedNoise;
+        sum += may_be_noise ? min(distance, max(largest, distance / kCertain)) : distance;
       }
       [[unroll]] for (int o = 0; o < rows; ++o) {
         if (abs(r - o) <= patch_radius) sums[o] += sum;
       }
     }
-    const int side = 2 * patch_radius + 1;
     const bool inside_x = at.x + shift.x >= 0 && at.x + shift.x < p.width && number < shifts;
     [[unroll]] for (int r = 0; r < rows; ++r) {
       const int y = first + r + shift.y;

@@ -164,6 +164,38 @@ TEST_F(FrameSmootherTest, WhatIsBesideTheSunTakesNothingOfIt) {
   }
 }
 
+/// Light of 1 with noise, and one pixel of another value and variance.
+Frame with_one_pixel(float value, float variance_there) {
+  constexpr float noise = 0.1f;
+  std::mt19937 random(4);
+  std::normal_distribution<float> normal(1, noise);
+  Frame frame(1, 24, 24);
+  Image& beauty = frame.add(Aov::beauty, 1.0f);
+  Image& variance = frame.add(Aov::variance, noise * noise);
+  for (int y = 0; y < 24; ++y) {
+    for (int x = 0; x < 24; ++x) {
+      const float light = normal(random);
+      for (int c = 0; c < 3; ++c) beauty.at(x, y, c) = light;
+    }
+  }
+  for (int c = 0; c < 3; ++c) {
+    beauty.at(12, 12, c) = value;
+    variance.at(12, 12, c) = variance_there;
+  }
+  return frame;
+}
+
+TEST_F(FrameSmootherTest, ALoneBrightSampleIsSmoothedAndAPointOfLightStays) {
+  Settings settings = small_windows();
+  settings.smooth_radius = 7;
+  settings.correct_levels = 0;
+  const Frame speck = with_one_pixel(2.2f, 0.04f);
+  const Frame star = with_one_pixel(20.0f, 1e-5f);
+  FrameSmoother smoother(device(), task_of(speck, settings), kUnlimited);
+  EXPECT_LT(run(smoother, speck).color.at(12, 12, 0), 1.3f);
+  EXPECT_GT(run(smoother, star).color.at(12, 12, 0), 15.0f);
+}
+
 TEST_F(FrameSmootherTest, AnEvenImageStaysAsItIs) {
   Frame frame(1, 24, 20);
   frame.add(Aov::beauty, 0.37f);

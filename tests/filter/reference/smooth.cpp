@@ -31,6 +31,7 @@ double mean_square(const SmoothFeatures& features, double exposure) {
 double patch_distance(const Grid<Guide>& guide, int x, int y, int i, int j,
                       const filter::Settings& settings) {
   const int radius = settings.smooth_patch_radius;
+  const int pixels = (2 * radius + 1) * (2 * radius + 1);
   const double strength = settings.smooth_strength;
   double sum = 0;
   for (int v = -radius; v <= radius; ++v) {
@@ -41,10 +42,12 @@ double patch_distance(const Grid<Guide>& guide, int x, int y, int i, int j,
       const double unexplained =
           std::pow(a.luminance - b.luminance, 2) - (a.variance + std::min(a.variance, b.variance));
       const double allowed = a.variance + std::min(b.variance, 10 * a.variance);
-      sum += unexplained / (strength * strength * allowed + 3e-3 * (level * level + 1e-3));
+      const double distance = unexplained / (strength * strength * allowed + 3e-3 * (level * level + 1e-3));
+      const bool may_be_noise = std::abs(a.luminance - b.luminance) < 32;
+      sum += may_be_noise ? std::min(distance, std::max(4.0 * pixels, distance / 8)) : distance;
     }
   }
-  return sum / ((2 * radius + 1) * (2 * radius + 1));
+  return sum / pixels;
 }
 
 /// Gauss-Jordan elimination with partial pivoting.
