@@ -14,6 +14,9 @@ namespace {
 constexpr int kFinestBlock = 32;
 /// No level changes a block by more than this.
 constexpr double kLargestFactor = 2.0;
+/// Relative noise of the whole frame's mean that is not waited for: less is seen by nobody and is nothing
+/// beside the error of any pixel, while a bias of as much is a darker shot.
+constexpr double kUnseenNoise = 0.01;
 
 struct Block {
   std::array<double, 3> frame{};     ///< sums over pixels, exposed
@@ -107,43 +110,40 @@ BlockGrid coarser(const BlockGrid& fine) {
   return level;
 }
 
+/// Brings the block's factor to where the estimate has the frame's mean, by the share of the difference that
+/// is more than `noise`, its variance.
+void bring_to_frame(Block& block, double noise) {
+  std::array<double, 3> difference{};
+  double squares = 0.0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    difference[c] = block.frame[c] - block.factor[c] * block.estimate[c];
+    squares += difference[c] * difference[c] / 3.0;
+  }
+  if (!(squares > noise) || !std::isfinite(squares)) return;
+  const double share = 1.0 - noise / squares;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double base = block.factor[c] * block.estimate[c];
+    if (!(base > 0.0)) continue;
+    block.factor[c] *= std::clamp(1.0 + share * difference[c] / base, 1.0 / kLargestFactor, kLargestFactor);
+  }
+}
+
 /// Decides one level's factors, given those of the next coarser one, if there is one. The difference between
 /// frame and estimate has this share of the frame's noise.
 void find_factors(BlockGrid& level, const BlockGrid* coarse, double share_of_noise) {
   for (int y = 0; y < level.height; ++y) {
     for (int x = 0; x < level.width; ++x) {
       Block& block = level.at(x, y);
-      std::array<double, 3> difference{};
-      double squares = 0.0;
-      for (std::size_t c = 0; c < 3; ++c) {
-        if (coarse) block.factor[c] = coarse->factor((x + 0.5) / 2.0 - 0.5, (y + 0.5) / 2.0 - 0.5, c);
-        difference[c] = block.frame[c] - block.factor[c] * block.estimate[c];
-        squares += difference[c] * difference[c] / 3.0;
+      for (std::size_t c = 0; c < 3 && coarse; ++c) {
+        block.factor[c] = coarse->factor((x + 0.5) / 2.0 - 0.5, (y + 0.5) / 2.0 - 0.5, c);
       }
-      const double noise = share_of_noise * block.noise;
-      if (!(squares > noise) || !std::isfinite(squares)) continue;
-      const double share = 1.0 - noise / squares;
-      for (std::size_t c = 0; c < 3; ++c) {
-        const double base = block.factor[c] * block.estimate[c];
-        if (!(base > 0.0)) continue;
-        block.factor[c] *=
-            std::clamp(1.0 + share * difference[c] / base, 1.0 / kLargestFactor, kLargestFactor);
-      }
+      bring_to_frame(block, share_of_noise * block.noise);
     }
   }
 }
 
-}  // namespace
-
-void restore_energy(const NewFrame& frame, const FilterTask& task, Estimate& estimate, double reach_px) {
-  std::vector<BlockGrid> levels{finest_level(frame, task, estimate)};
-  while (levels.back().blocks.size() > 1) levels.push_back(coarser(levels.back()));
-  for (std::size_t l = levels.size(); l-- > 0;) {
-    const double block_px = std::ldexp(kFinestBlock, static_cast<int>(l));
-    find_factors(levels[l], l + 1 < levels.size() ? &levels[l + 1] : nullptr,
-                 std::min(4.0 * reach_px / block_px, 1.0));
-  }
-  const BlockGrid& finest = levels.front();
+/// Multiplies the estimate and its additive AOVs by the factors between the centres of the blocks.
+void apply(const BlockGrid& finest, Estimate& estimate) {
   const std::span<float> color = estimate.color.data();
   std::size_t i = 0;
   for (int y = 0; y < estimate.color.height(); ++y) {
@@ -157,6 +157,36 @@ void restore_energy(const NewFrame& frame, const FilterTask& task, Estimate& est
       }
     }
   }
+}
+
+/// From the blocks of `kFinestBlock` to the one that is the whole frame.
+std::vector<BlockGrid> block_levels(const NewFrame& frame, const FilterTask& task, const Estimate& estimate) {
+  std::vector<BlockGrid> levels{finest_level(frame, task, estimate)};
+  while (levels.back().blocks.size() > 1) levels.push_back(coarser(levels.back()));
+  return levels;
+}
+
+}  // namespace
+
+void restore_energy(const NewFrame& frame, const FilterTask& task, Estimate& estimate, double reach_px) {
+  std::vector<BlockGrid> levels = block_levels(frame, task, estimate);
+  const auto share_of_noise = [&](std::size_t l) {
+    return std::min(4.0 * reach_px / std::ldexp(kFinestBlock, static_cast<int>(l)), 1.0);
+  };
+  for (std::size_t l = levels.size(); l-- > 0;) {
+    find_factors(levels[l], l + 1 < levels.size() ? &levels[l + 1] : nullptr, share_of_noise(l));
+  }
+  apply(levels.front(), estimate);
+
+  // Blocks with a bright sample are noisier than others, take less of their difference, and the frame has
+  // lost light again.
+  BlockGrid whole = block_levels(frame, task, estimate).back();
+  Block& block = whole.blocks.front();
+  const double noise = share_of_noise(levels.size() - 1) * block.noise;
+  const double mean = (block.estimate[0] + block.estimate[1] + block.estimate[2]) / 3.0;
+  const double unseen = kUnseenNoise * mean * kUnseenNoise * mean;
+  bring_to_frame(block, noise > 0.0 ? noise * (noise / (noise + unseen)) : 0.0);
+  apply(whole, estimate);
 }
 
 }  // namespace becalm::filter

@@ -33,8 +33,6 @@ struct EstimateInputs {
   std::vector<ImageId> additive;
 };
 
-constexpr int kGrid = 8;  // px
-
 }  // namespace
 
 struct Finish::Passes {
@@ -65,7 +63,7 @@ struct Finish::Passes {
 };
 
 Finish::Finish(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit)
-    : chain_(device, task, local_tile_rules(combine_margin_px(task.settings), kGrid), memory_limit) {}
+    : chain_(device, task, local_tile_rules(combine_margin_px(task.settings)), memory_limit) {}
 
 Finish::~Finish() = default;
 

@@ -49,8 +49,6 @@ struct FilterTask {
            settings.merge == MergeMode::variance;
   }
   bool smooths() const { return settings.smooth != Smooth::none; }
-  /// Whether chains have the difference of the half-buffers as an input.
-  bool needs_half_difference() const { return has_halves() && settings.correct_levels > 0; }
 };
 
 /// What is known of a frame's pixels, and how well.

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "filter/additive.h"
-#include "filter/correct.h"
+#include "filter/energy.h"
 #include "filter/estimate_variance.h"
 #include "filter/host_images.h"
 #include "filter/noisy_inputs.h"
@@ -16,39 +16,15 @@ using gpu::Extent;
 using gpu::Format;
 using gpu::ImageId;
 
-namespace {
-
-TileRules tile_rules(const Settings& settings) {
-  return local_tile_rules(
-      smooth_margin_px(settings) + correction_margin_px(settings) + kVarianceEstimateMargin,
-      correction_grid_px(settings));
-}
-
-}  // namespace
-
 struct FrameSmoother::Passes {
   Passes(gpu::Device& device, const FilterTask& task, Extent extent)
       : chain(device, "smooth"),
-        noisy(chain, task, extent, true),
+        noisy(chain, task, extent, NoisyUse::smooth),
         additive(additive_inputs(chain, task, extent, "additive.cur")) {
-    const Smoothed smoothed =
-        add_smooth_passes(chain, task.settings, extent, noisy, *noisy.features, additive);
+    const Smoothed smoothed = add_smooth_passes(chain, task.settings, extent, noisy, additive);
     color = smoothed.color;
     smoothed_additive = smoothed.additive;
     stats = smoothed.stats;
-    if (task.settings.correct_levels > 0) {
-      Corrected corrected = add_correction_passes(chain, task.settings, extent,
-                                                  {.color = noisy.color,
-                                                   .variance = noisy.variance,
-                                                   .exposure = noisy.exposure,
-                                                   .half_difference = noisy.half_difference,
-                                                   .estimate = color,
-                                                   .estimate_stats = stats,
-                                                   .additive = std::move(smoothed_additive)},
-                                                  "correction");
-      color = corrected.estimate;
-      smoothed_additive = std::move(corrected.additive);
-    }
     chain.output(color);
     chain.output(stats);
     for (const ImageId image : smoothed_additive) chain.output(image);
@@ -64,7 +40,9 @@ struct FrameSmoother::Passes {
 };
 
 FrameSmoother::FrameSmoother(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit)
-    : task_(task), chain_(device, task, tile_rules(task.settings), memory_limit) {}
+    : task_(task),
+      chain_(device, task, local_tile_rules(smooth_margin_px(task.settings) + kVarianceEstimateMargin),
+             memory_limit) {}
 
 FrameSmoother::~FrameSmoother() = default;
 
@@ -82,6 +60,7 @@ Estimate FrameSmoother::smooth(const NewFrame& frame, FrameReport& report) {
     copy_core(download_additive(passes.chain, passes.smoothed_additive), tile, result.additive);
   };
   chain_.run(report, upload, download);
+  if (task_.settings.correct_levels > 0) restore_energy(frame, task_, result, task_.settings.smooth_radius);
   return result;
 }
 

@@ -7,12 +7,12 @@ namespace becalm::filter {
 
 using gpu::Format;
 
-NoisyInputs::NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent, bool needs_features) {
+NoisyInputs::NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent, NoisyUse use) {
   color = chain.input("color.cur", Format::f32x4, extent);
   exposure = chain.input("exposure", Format::f32, {1, 1});
   given_variance_ = chain.input("variance.cur", Format::f32x2, extent);
   const bool fits_albedo = !task.variance_known() && contains(task.used, Aov::albedo);
-  if (needs_features || fits_albedo) {
+  if (use == NoisyUse::smooth || fits_albedo) {
     features = {.albedo_depth = chain.input("albedo_depth", Format::f32x4, extent),
                 .normal = chain.input("normal", Format::f32x4, extent)};
   }
@@ -23,7 +23,7 @@ NoisyInputs::NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent 
   } else {
     variance = add_variance_estimate(chain, extent, color, given_variance_);
   }
-  if (task.needs_half_difference()) {
+  if (use == NoisyUse::merge && task.has_halves() && task.settings.correct_levels > 0) {
     half_difference = chain.input("half_difference.cur", Format::f32x4, extent);
   }
 }

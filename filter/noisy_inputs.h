@@ -9,11 +9,14 @@
 
 namespace becalm::filter {
 
+/// What a noisy frame is an input of: smoothing looks at features, correcting the history at half-buffers.
+enum class NoisyUse { smooth, merge };
+
 /// A noisy frame, or a tile of it, as the input of a chain.
 class NoisyInputs {
  public:
   /// Declares the inputs and, for frames that come without variance, the pass that estimates it.
-  NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent, bool needs_features = false);
+  NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent, NoisyUse use);
   /// Fills them with the target rectangle of a tile, and counts the variances that had to be replaced.
   void upload(gpu::Chain& chain, const FilterTask& task, const NewFrame& frame, const Tile& tile,
               FrameReport& report) const;
@@ -21,8 +24,8 @@ class NoisyInputs {
   gpu::ImageId color;                           ///< f32x4: pixels that are not finite replaced
   gpu::ImageId variance;                        ///< f32x2, as MergeInputs::variance
   gpu::ImageId exposure;                        ///< f32, 1x1
-  std::optional<gpu::ImageId> half_difference;  ///< f32x4: (half_a - half_b) / 2, if anything asks for it
-  std::optional<FeatureImages> features;        ///< if they are needed, or the variance is estimated
+  std::optional<gpu::ImageId> half_difference;  ///< f32x4: (half_a - half_b) / 2, if history is corrected
+  std::optional<FeatureImages> features;  ///< if frames are smoothed, or the variance is estimated by them
 
  private:
   gpu::ImageId given_variance_;

@@ -155,12 +155,7 @@ std::optional<Frame> SequenceFilter::run(const Step& step, const Frame& frame, F
     if (report.new_shot) reset();
     state_->before = std::move(signature);
   }
-  if (state_->smoother) {
-    new_frame.smoothed = state_->smoother->smooth(new_frame, report);
-    if (task.settings.correct_levels > 0) {
-      restore_energy(new_frame, task, new_frame.smoothed, task.settings.smooth_radius);
-    }
-  }
+  if (state_->smoother) new_frame.smoothed = state_->smoother->smooth(new_frame, report);
   if (step.wanted && step.direction == Direction::forward) return state_->forward(new_frame, report);
   MergedFrame merged;
   if (step.wanted) merged.prediction = Estimate(task.full, task.additive);

@@ -24,7 +24,8 @@ int weight_planes(const Settings& settings) {
 }  // namespace
 
 Smoothed add_smooth_passes(Chain& chain, const Settings& settings, Extent full, const NoisyInputs& frame,
-                           const FeatureImages& features, const std::vector<ImageId>& additive) {
+                           const std::vector<ImageId>& additive) {
+  const FeatureImages& features = *frame.features;
   const params::SmoothParams params{
       .width = full.width, .height = full.height, .strength = settings.smooth_strength};
   const ImageId irradiance = chain.image("irradiance", Format::f32x4, full);

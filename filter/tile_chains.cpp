@@ -76,7 +76,7 @@ CoarseChain::CoarseChain(gpu::Device& device, const FilterTask& task, const Pyra
 
 TileChain::TileChain(gpu::Device& device, const FilterTask& task, const PyramidSplit& split, int planes,
                      Extent target_extent, Extent source_extent)
-    : chain(device, "tile"), noisy(chain, task, target_extent) {
+    : chain(device, "tile"), noisy(chain, task, target_extent, NoisyUse::merge) {
   const Settings& settings = task.settings;
   gpu::ImageId color = noisy.color;
   gpu::ImageId variance = noisy.variance;

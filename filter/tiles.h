@@ -55,8 +55,8 @@ struct TileRules {
 };
 
 /// The rules for what depends on `margin_px` pixels around its own and on no history. Rectangles begin at
-/// multiples of `grid_px`.
-constexpr TileRules local_tile_rules(int margin_px, int grid_px) {
+/// multiples of `grid_px`, as workgroups do unless more is asked for.
+constexpr TileRules local_tile_rules(int margin_px, int grid_px = 8) {
   return {.grid = grid_px, .core_grid = grid_px, .left = margin_px, .above = margin_px, .after = margin_px};
 }
 

@@ -30,7 +30,7 @@ std::span<float> upload_next(gpu::Chain& chain, const FramePair& pair) {
 }  // namespace
 
 WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
-    : task_(std::move(task)), chain_(device, "filter"), noisy_(chain_, task_, task_.full) {
+    : task_(std::move(task)), chain_(device, "filter"), noisy_(chain_, task_, task_.full, NoisyUse::merge) {
   const Settings& settings = task_.settings;
   const gpu::Extent full = task_.full;
   gpu::ImageId color = noisy_.color;

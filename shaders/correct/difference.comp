@@ -1,6 +1,7 @@
 // Reads the sums of one level's blocks and the factors of the coarser level; writes what is left to correct: the
 // difference between the frame's mean and that of the estimate so far corrected, relative to it, and the variance that the
-// frame's noise gives it. Blocks without pixels count nothing. At the finest level the sums are the images themselves.
+// frame's noise gives it: what its variance and its half-buffers say, on average. Blocks without pixels count nothing.
+// At the finest level the sums are the images themselves.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/gain.glsl"
@@ -42,7 +43,7 @@ void main() {
   float noise = estimate.a / (pixels * pixels) * scale * scale;
   if (halves != 0) {
     const vec3 e = texelFetch(half_sums, index).rgb / pixels * scale;
-    noise = dot(e, e) / 3.0;
+    noise = 0.5 * (noise + dot(e, e) / 3.0);
   }
   noise = min(noise, kLargestDifference * kLargestDifference);
   const bool counts = frame.a > 0.0;

@@ -87,6 +87,24 @@ TEST(RestoreEnergy, NoiseHardlyMovesAnExactEstimate) {
   }
 }
 
+TEST(RestoreEnergy, LightOfRareBrightSamplesIsInTheWholeFrame) {
+  Frame frame = noisy_frame(320, 240, true);
+  std::mt19937 random(3);
+  std::bernoulli_distribution bright(0.02);
+  for (std::size_t i = 0; i < frame.image(Aov::beauty).pixel_count(); ++i) {
+    if (!bright(random)) continue;
+    for (std::size_t c = 0; c < 3; ++c) {
+      frame.image(Aov::beauty).data()[4 * i + c] += 10;
+      frame.image(Aov::half_a).data()[3 * i + c] += 20;
+    }
+  }
+  // Of 300 blocks those with more bright samples than others are the noisier ones.
+  const double mean = mean_green(frame.image(Aov::beauty));
+  Estimate estimate = even_estimate(frame, static_cast<float>(mean));
+  restore(frame, estimate);
+  EXPECT_NEAR(mean_green(estimate.color), mean, 0.002 * mean);
+}
+
 TEST(RestoreEnergy, AnEqualEstimateStaysBitForBit) {
   const Frame frame = noisy_frame(70, 45, false);
   Estimate estimate = even_estimate(frame, 1.0f);

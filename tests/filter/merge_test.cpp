@@ -39,7 +39,8 @@ Settings uncorrected() {
 class MergeOnDevice {
  public:
   MergeOnDevice(gpu::Device& device, const Settings& settings)
-      : chain_(device, "merge test"), noisy_(chain_, task_with_variance(settings, kFull), kFull) {
+      : chain_(device, "merge test"),
+        noisy_(chain_, task_with_variance(settings, kFull), kFull, NoisyUse::merge) {
     const gpu::Extent full = kFull;
     alignment_.offset = chain_.input("offset", gpu::Format::f32x2, full);
     for (std::size_t l = 0; l < pyramid_extents(settings, kWidth, kHeight).size(); ++l) {

@@ -58,10 +58,8 @@ Sample noisy_sample() {
 
 Grid<Estimate> smooth_on(gpu::Device& device, const Sample& sample, const Settings& settings) {
   gpu::Chain chain(device, "smooth test");
-  const NoisyInputs noisy(chain, task_with_variance(settings, kFull), kFull);
-  const FeatureImages features{.albedo_depth = chain.input("albedo_depth", gpu::Format::f32x4, kFull),
-                               .normal = chain.input("normal", gpu::Format::f32x4, kFull)};
-  const Smoothed smoothed = add_smooth_passes(chain, settings, kFull, noisy, features);
+  const NoisyInputs noisy(chain, task_with_variance(settings, kFull), kFull, NoisyUse::smooth);
+  const Smoothed smoothed = add_smooth_passes(chain, settings, kFull, noisy);
   chain.output(smoothed.color);
   chain.output(smoothed.stats);
   chain.build();
@@ -69,8 +67,8 @@ Grid<Estimate> smooth_on(gpu::Device& device, const Sample& sample, const Settin
   upload_estimate(chain, noisy.color, noisy.variance, sample.pixels);
   for (std::size_t i = 0; i < sample.features.data.size(); ++i) {
     const reference::SmoothFeatures& f = sample.features.data[i];
-    std::copy_n(f.begin(), 4, chain.upload<float>(features.albedo_depth).begin() + 4 * i);
-    std::copy_n(f.begin() + 4, 3, chain.upload<float>(features.normal).begin() + 4 * i);
+    std::copy_n(f.begin(), 4, chain.upload<float>(noisy.features->albedo_depth).begin() + 4 * i);
+    std::copy_n(f.begin() + 4, 3, chain.upload<float>(noisy.features->normal).begin() + 4 * i);
   }
   chain.run();
   return download_estimate(chain, smoothed.color, smoothed.stats, kFull);

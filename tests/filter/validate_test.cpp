@@ -91,7 +91,7 @@ class MergeOnDevice {
  public:
   MergeOnDevice(gpu::Device& device, const Settings& settings)
       : chain_(device, "validate test"),
-        noisy_(chain_, task_with_variance(settings, kFull), kFull),
+        noisy_(chain_, task_with_variance(settings, kFull), kFull, NoisyUse::merge),
         rules_(applicable_rules(settings, surface_aovs())) {
     offset_ = chain_.input("offset", gpu::Format::f32x2, kFull);
     history_color_ = {chain_.input("history.color", gpu::Format::f32x4, kFull),

@@ -42,8 +42,9 @@ Block block_mean(const Grid<Estimate>& frame, const Grid<Estimate>& estimate,
   }
   block.noise *= scale * scale;
   if (!half_difference.data.empty()) {
-    block.noise = 0;
-    for (int c = 0; c < 3; ++c) block.noise += halves[c] * scale * halves[c] * scale / 3;
+    double square = 0;
+    for (int c = 0; c < 3; ++c) square += halves[c] * scale * halves[c] * scale / 3;
+    block.noise = (block.noise + square) / 2;
   }
   return block;
 }
