@@ -32,11 +32,10 @@ params::BlockParams block_params(Extent out, Extent in) {
   return {.width = out.width, .height = out.height, .width_in = in.width, .height_in = in.height};
 }
 
-std::vector<BlockSums> add_block_sums(Chain& chain, int levels, Extent full, const CorrectionInputs& inputs,
-                                      const std::string& name) {
+std::vector<BlockSums> add_block_sums(Chain& chain, int levels, Extent full, const CorrectionInputs& inputs) {
   const bool has_halves = inputs.half_difference.has_value();
   const auto image = [&](const char* what, std::size_t level, Extent extent) {
-    return chain.image(fmt::format("{}.{}.L{}", name, what, level), Format::f32x4, extent);
+    return chain.image(fmt::format("correction.{}.L{}", what, level), Format::f32x4, extent);
   };
   const Extent finest = half(full);
   std::vector<BlockSums> sums{
@@ -76,16 +75,16 @@ std::vector<BlockSums> add_block_sums(Chain& chain, int levels, Extent full, con
 }  // namespace
 
 Corrected add_correction_passes(Chain& chain, const Settings& settings, Extent full,
-                                const CorrectionInputs& inputs, const std::string& name) {
-  const std::vector<BlockSums> sums = add_block_sums(chain, settings.correct_levels, full, inputs, name);
+                                const CorrectionInputs& inputs) {
+  const std::vector<BlockSums> sums = add_block_sums(chain, settings.correct_levels, full, inputs);
   Extent extent{1, 1};
-  ImageId factor = chain.image(name + ".one", Format::f32x4, extent);
+  ImageId factor = chain.image("correction.one", Format::f32x4, extent);
   chain.pass("correct/one").write("factor", factor).dispatch(extent);
   for (std::size_t l = sums.size(); l-- > 0;) {
     const BlockSums& level = sums[l];
     const ImageId difference =
-        chain.image(fmt::format("{}.difference.L{}", name, l), Format::f32x4, level.extent);
-    const ImageId base = chain.image(fmt::format("{}.base.L{}", name, l), Format::f32x4, level.extent);
+        chain.image(fmt::format("correction.difference.L{}", l), Format::f32x4, level.extent);
+    const ImageId base = chain.image(fmt::format("correction.base.L{}", l), Format::f32x4, level.extent);
     chain.pass("correct/difference")
         .read("frame_sums", level.frame)
         .read("estimate_sums", level.estimate)
@@ -100,7 +99,7 @@ Corrected add_correction_passes(Chain& chain, const Settings& settings, Extent f
         .write("base", base)
         .constants(block_params(level.extent, extent))
         .dispatch(level.extent);
-    const ImageId finer = chain.image(fmt::format("{}.factor.L{}", name, l), Format::f32x4, level.extent);
+    const ImageId finer = chain.image(fmt::format("correction.factor.L{}", l), Format::f32x4, level.extent);
     chain.pass("correct/factor")
         .read("difference", difference)
         .read("base", base)
@@ -121,9 +120,9 @@ Corrected add_correction_passes(Chain& chain, const Settings& settings, Extent f
         .dispatch(full);
     return corrected;
   };
-  Corrected corrected{apply(inputs.estimate, name + ".corrected"), {}};
+  Corrected corrected{apply(inputs.estimate, "correction.corrected"), {}};
   for (std::size_t i = 0; i < inputs.additive.size(); ++i) {
-    corrected.additive.push_back(apply(inputs.additive[i], fmt::format("{}.additive.{}", name, i)));
+    corrected.additive.push_back(apply(inputs.additive[i], fmt::format("correction.additive.{}", i)));
   }
   return corrected;
 }

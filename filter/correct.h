@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "filter/gpu/chain.h"
@@ -29,7 +28,7 @@ struct Corrected {
 /// whose noise averages out of them: what filters lose or gain of the light in places is given back. What
 /// is returned is linear in the estimate given the factors.
 Corrected add_correction_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
-                                const CorrectionInputs& inputs, const std::string& name);
+                                const CorrectionInputs& inputs);
 
 /// How far from a pixel a correction reads, in pixels, and what tiles must begin at multiples of.
 int correction_margin_px(const Settings& settings);

@@ -14,9 +14,9 @@ namespace {
 constexpr int kFinestBlock = 32;
 /// No level changes a block by more than this.
 constexpr double kLargestFactor = 2.0;
-/// Relative noise of the whole frame's mean that is not waited for: less is seen by nobody and is nothing
-/// beside the error of any pixel, while a bias of as much is a darker shot.
-constexpr double kUnseenNoise = 0.01;
+/// Relative noise of the whole frame's mean that is not waited for, and the most that the frame is brightened
+/// by at last: a difference between frames that is hardly seen, while a bias of as much is a darker shot.
+constexpr double kUnseen = 0.01;
 
 struct Block {
   std::array<double, 3> frame{};     ///< sums over pixels, exposed
@@ -69,6 +69,11 @@ double pixel_noise(const NewFrame& frame, const FilterTask& task, std::size_t i)
   return sum;
 }
 
+/// Whether both the frame and the estimate know a pixel.
+bool counts(const NewFrame& frame, const Estimate& estimate, std::size_t i) {
+  return frame.finite[i] && estimate.stats.data()[2 * i + 1] > 0.0f;
+}
+
 BlockGrid finest_level(const NewFrame& frame, const FilterTask& task, const Estimate& estimate) {
   const int width = estimate.color.width();
   const int height = estimate.color.height();
@@ -81,7 +86,7 @@ BlockGrid finest_level(const NewFrame& frame, const FilterTask& task, const Esti
   std::size_t i = 0;
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x, ++i) {
-      if (!frame.finite[i] || estimate.stats.data()[2 * i + 1] <= 0.0f) continue;
+      if (!counts(frame, estimate, i)) continue;
       Block& block = level.at(x / kFinestBlock, y / kFinestBlock);
       for (std::size_t c = 0; c < 3; ++c) {
         block.frame[c] += exposure * beauty[4 * i + c];
@@ -111,8 +116,8 @@ BlockGrid coarser(const BlockGrid& fine) {
 }
 
 /// Brings the block's factor to where the estimate has the frame's mean, by the share of the difference that
-/// is more than `noise`, its variance.
-void bring_to_frame(Block& block, double noise) {
+/// is more than `noise`, its variance, and by no more than `largest` times or part.
+void bring_to_frame(Block& block, double noise, double largest) {
   std::array<double, 3> difference{};
   double squares = 0.0;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -124,7 +129,7 @@ void bring_to_frame(Block& block, double noise) {
   for (std::size_t c = 0; c < 3; ++c) {
     const double base = block.factor[c] * block.estimate[c];
     if (!(base > 0.0)) continue;
-    block.factor[c] *= std::clamp(1.0 + share * difference[c] / base, 1.0 / kLargestFactor, kLargestFactor);
+    block.factor[c] *= std::clamp(1.0 + share * difference[c] / base, 1.0 / largest, largest);
   }
 }
 
@@ -137,12 +142,12 @@ void find_factors(BlockGrid& level, const BlockGrid* coarse, double share_of_noi
       for (std::size_t c = 0; c < 3 && coarse; ++c) {
         block.factor[c] = coarse->factor((x + 0.5) / 2.0 - 0.5, (y + 0.5) / 2.0 - 0.5, c);
       }
-      bring_to_frame(block, share_of_noise * block.noise);
+      bring_to_frame(block, share_of_noise * block.noise, kLargestFactor);
     }
   }
 }
 
-/// Multiplies the estimate and its additive AOVs by the factors between the centres of the blocks.
+/// Multiplies the estimate and its additive AOVs by what lies between the factors at the blocks' centres.
 void apply(const BlockGrid& finest, Estimate& estimate) {
   const std::span<float> color = estimate.color.data();
   std::size_t i = 0;
@@ -159,17 +164,30 @@ void apply(const BlockGrid& finest, Estimate& estimate) {
   }
 }
 
-/// From the blocks of `kFinestBlock` to the one that is the whole frame.
-std::vector<BlockGrid> block_levels(const NewFrame& frame, const FilterTask& task, const Estimate& estimate) {
-  std::vector<BlockGrid> levels{finest_level(frame, task, estimate)};
-  while (levels.back().blocks.size() > 1) levels.push_back(coarser(levels.back()));
-  return levels;
+/// Brings the mean of the whole frame to that of the noisy one, given its block as it was before the finer
+/// ones were: those with a bright sample are noisier than others, take less of their difference, and light is
+/// missing again. Noise that is not seen is not waited for: V^2 / (V + kUnseen^2) stands for the variance V.
+void restore_whole(Block whole, double share_of_noise, const NewFrame& frame, Estimate& estimate) {
+  whole.estimate = {};
+  whole.factor = {1.0, 1.0, 1.0};
+  for (std::size_t i = 0; i < frame.finite.size(); ++i) {
+    if (!counts(frame, estimate, i)) continue;
+    for (std::size_t c = 0; c < 3; ++c) {
+      whole.estimate[c] += static_cast<double>(frame.exposure) * estimate.color.data()[4 * i + c];
+    }
+  }
+  const double mean = (whole.estimate[0] + whole.estimate[1] + whole.estimate[2]) / 3.0;
+  const double noise = share_of_noise * whole.noise;
+  const double unseen = kUnseen * mean * kUnseen * mean;
+  bring_to_frame(whole, noise > 0.0 ? noise * (noise / (noise + unseen)) : 0.0, 1.0 + kUnseen);
+  apply({.width = 1, .height = 1, .blocks = {whole}}, estimate);
 }
 
 }  // namespace
 
 void restore_energy(const NewFrame& frame, const FilterTask& task, Estimate& estimate, double reach_px) {
-  std::vector<BlockGrid> levels = block_levels(frame, task, estimate);
+  std::vector<BlockGrid> levels{finest_level(frame, task, estimate)};
+  while (levels.back().blocks.size() > 1) levels.push_back(coarser(levels.back()));
   const auto share_of_noise = [&](std::size_t l) {
     return std::min(4.0 * reach_px / std::ldexp(kFinestBlock, static_cast<int>(l)), 1.0);
   };
@@ -177,16 +195,7 @@ void restore_energy(const NewFrame& frame, const FilterTask& task, Estimate& est
     find_factors(levels[l], l + 1 < levels.size() ? &levels[l + 1] : nullptr, share_of_noise(l));
   }
   apply(levels.front(), estimate);
-
-  // Blocks with a bright sample are noisier than others, take less of their difference, and the frame has
-  // lost light again.
-  BlockGrid whole = block_levels(frame, task, estimate).back();
-  Block& block = whole.blocks.front();
-  const double noise = share_of_noise(levels.size() - 1) * block.noise;
-  const double mean = (block.estimate[0] + block.estimate[1] + block.estimate[2]) / 3.0;
-  const double unseen = kUnseenNoise * mean * kUnseenNoise * mean;
-  bring_to_frame(block, noise > 0.0 ? noise * (noise / (noise + unseen)) : 0.0);
-  apply(whole, estimate);
+  restore_whole(levels.back().blocks.front(), share_of_noise(levels.size() - 1), frame, estimate);
 }
 
 }  // namespace becalm::filter

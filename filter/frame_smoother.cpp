@@ -1,6 +1,5 @@
 #include "filter/frame_smoother.h"
 
-#include <utility>
 #include <vector>
 
 #include "filter/additive.h"
@@ -13,7 +12,6 @@
 namespace becalm::filter {
 
 using gpu::Extent;
-using gpu::Format;
 using gpu::ImageId;
 
 struct FrameSmoother::Passes {

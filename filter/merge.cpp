@@ -266,8 +266,7 @@ MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent ful
                                                  .half_difference = inputs.noisy.half_difference,
                                                  .estimate = warped.color,
                                                  .estimate_stats = warped.stats,
-                                                 .additive = std::move(warped.additive)},
-                                                "correction");
+                                                 .additive = std::move(warped.additive)});
     warped.color = corrected.estimate;
     warped.additive = std::move(corrected.additive);
   }

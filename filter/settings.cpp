@@ -164,7 +164,8 @@ const Row kTable[] = {
     {{"max_history", "number 1..100000", "largest number of frames that the history may count for"},
      FloatRange{&Settings::max_history, 1.0f, 100000.0f}},
     {{"correct_levels", "integer 0..6",
-      "the means over blocks of 2 to 2^N pixels are brought to those of the frame; 0 leaves them"},
+      "the history's means over blocks of 2 to 2^N pixels are brought to those of the frame, and what comes "
+      "out over 32 and more; 0 leaves both"},
      IntRange{&Settings::correct_levels, 0, 6}},
     {{"additive", "0 or 1",
       "1 denoises direct, indirect and light groups with the beauty's weights, so that they still add up; 0 "

@@ -25,7 +25,7 @@ int weight_planes(const Settings& settings) {
 
 Smoothed add_smooth_passes(Chain& chain, const Settings& settings, Extent full, const NoisyInputs& frame,
                            const std::vector<ImageId>& additive) {
-  const FeatureImages& features = *frame.features;
+  const FeatureImages& features = frame.features.value();
   const params::SmoothParams params{
       .width = full.width, .height = full.height, .strength = settings.smooth_strength};
   const ImageId irradiance = chain.image("irradiance", Format::f32x4, full);

@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "filter/feature_images.h"
 #include "filter/gpu/chain.h"
 #include "filter/noisy_inputs.h"
 #include "filter/settings.h"

@@ -64,7 +64,7 @@ class CorrectOnDevice {
     if (halves) inputs_.half_difference = chain_.input("half_difference", gpu::Format::f32x4, full);
     Settings settings = preset("balanced");
     settings.correct_levels = levels;
-    corrected_ = add_correction_passes(chain_, settings, full, inputs_, "correction").estimate;
+    corrected_ = add_correction_passes(chain_, settings, full, inputs_).estimate;
     chain_.output(corrected_);
     chain_.build();
   }
@@ -199,9 +199,16 @@ TEST_F(CorrectTest, BlackAndEnormousImagesOfAnySizeStayFinite) {
   };
   for (const auto& [width, height] : {std::pair{1, 1}, {1, 7}, {64, 1}, {19, 3}}) {
     CorrectOnDevice correction(device(), {width, height}, false, 4);
+    CorrectOnDevice by_halves(device(), {width, height}, true, 4);
     for (const Rgba& sides : {Rgba{0, 0}, {0, 1}, {1, 0}, {1e30, 1e30}, {1e30, 1}, {-2, 1}, {1e-30, 1e-30}}) {
-      for (const double variance : {0.0, 1e34}) {
-        const Grid<Rgba> corrected = correction.run(flat(width, height, sides[0], sides[1], variance), 1.0f);
+      for (const auto& [variance, half_difference] :
+           {std::pair{0.0, 0.0}, {1e34, 0.0}, {0.0, 1.0}, {0.0, 1e30}, {1e34, -3e38}}) {
+        Pair pair = flat(width, height, sides[0], sides[1], variance);
+        if (half_difference != 0) {
+          pair.half_difference =
+              Grid<Rgba>(width, height, {half_difference, half_difference, half_difference, 0});
+        }
+        const Grid<Rgba> corrected = (half_difference != 0 ? by_halves : correction).run(pair, 1.0f);
         for (const Rgba& pixel : corrected.data) {
           ASSERT_GE(pixel[0], 0.0) << width << 'x' << height << ": " << sides[0] << " and " << sides[1];
           ASSERT_LE(pixel[0], 32 * sides[1])
