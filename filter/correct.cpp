@@ -93,7 +93,9 @@ Corrected add_correction_passes(Chain& chain, const Settings& settings, Extent f
         .read("estimate_stats", inputs.estimate_stats)
         .read("coarser", factor)
         .read("exposure", inputs.exposure)
-        .specialize("halves", inputs.half_difference ? 1 : 0)
+        .specialize("halves", !inputs.half_difference           ? 0
+                              : settings.smooth == Smooth::none ? 1
+                                                                : 2)
         .specialize("of_pixels", l == 0 ? 1 : 0)
         .write("difference", difference)
         .write("base", base)

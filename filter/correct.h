@@ -25,7 +25,8 @@ struct Corrected {
 };
 
 /// Brings the means of the estimate over blocks of 2^`correct_levels` to 2 pixels near those of the frame,
-/// whose noise averages out of them: what filters lose or gain of the light in places is given back. What
+/// whose noise averages out of them: what filters lose or gain of the light in places is given back. How much
+/// noise that is, half-buffers say; where frames are smoothed half-buffers and variance on average. What
 /// is returned is linear in the estimate given the factors.
 Corrected add_correction_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
                                 const CorrectionInputs& inputs);

@@ -1,13 +1,13 @@
 // Reads the sums of one level's blocks and the factors of the coarser level; writes what is left to correct: the
 // difference between the frame's mean and that of the estimate so far corrected, relative to it, and the variance that the
-// frame's noise gives it: what its variance and its half-buffers say, on average. Blocks without pixels count nothing.
+// frame's noise gives it: as its variance says, its half-buffers, or both on average. Blocks without pixels count nothing.
 // At the finest level the sums are the images themselves.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/gain.glsl"
 #include "shared/correct_params.h"
 
-layout(constant_id = 0) const int halves = 0;
+layout(constant_id = 0) const int halves = 0;  // 1: half-buffers alone, 2: with the variance
 layout(constant_id = 1) const int of_pixels = 0;  // 1: the finest level
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -43,7 +43,8 @@ void main() {
   float noise = estimate.a / (pixels * pixels) * scale * scale;
   if (halves != 0) {
     const vec3 e = texelFetch(half_sums, index).rgb / pixels * scale;
-    noise = 0.5 * (noise + dot(e, e) / 3.0);
+    const float square = dot(e, e) / 3.0;
+    noise = halves == 1 ? square : 0.5 * (noise + square);
   }
   noise = min(noise, kLargestDifference * kLargestDifference);
   const bool counts = frame.a > 0.0;

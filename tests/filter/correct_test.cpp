@@ -53,7 +53,8 @@ Pair noisy_pattern(int width, int height, double noise, bool halves) {
 /// The correction's passes alone.
 class CorrectOnDevice {
  public:
-  CorrectOnDevice(gpu::Device& device, gpu::Extent full, bool halves, int levels)
+  CorrectOnDevice(gpu::Device& device, gpu::Extent full, bool halves, int levels,
+                  Smooth smooth = Smooth::regression)
       : full_(full), chain_(device, "correct test") {
     inputs_ = {.color = chain_.input("color", gpu::Format::f32x4, full),
                .variance = chain_.input("variance", gpu::Format::f32x2, full),
@@ -64,6 +65,7 @@ class CorrectOnDevice {
     if (halves) inputs_.half_difference = chain_.input("half_difference", gpu::Format::f32x4, full);
     Settings settings = preset("balanced");
     settings.correct_levels = levels;
+    settings.smooth = smooth;
     corrected_ = add_correction_passes(chain_, settings, full, inputs_).estimate;
     chain_.output(corrected_);
     chain_.build();
@@ -92,9 +94,9 @@ class CorrectOnDevice {
   gpu::ImageId corrected_;
 };
 
-Grid<Rgba> correct_on(gpu::Device& device, const Pair& pair, int levels) {
+Grid<Rgba> correct_on(gpu::Device& device, const Pair& pair, int levels, Smooth smooth = Smooth::regression) {
   return CorrectOnDevice(device, {pair.frame.width, pair.frame.height}, !pair.half_difference.data.empty(),
-                         levels)
+                         levels, smooth)
       .run(pair);
 }
 
@@ -125,10 +127,11 @@ TEST_F(CorrectTest, AgreesWithTheReference) {
         if ((x * 3 + y * 11) % 37 == 0) pair.frame.at(x, y).count = 0;
       }
     }
-    for (const int levels : {1, 4, 6}) {
-      const Grid<Rgba> found = correct_on(device(), pair, levels);
-      const Grid<Rgba> truth =
-          reference::correct(pair.frame, pair.estimate, pair.half_difference, kExposure, levels);
+    for (const auto& [levels, smooth] :
+         {std::pair{1, Smooth::none}, {4, Smooth::none}, {4, Smooth::regression}, {6, Smooth::regression}}) {
+      const Grid<Rgba> found = correct_on(device(), pair, levels, smooth);
+      const Grid<Rgba> truth = reference::correct(pair.frame, pair.estimate, pair.half_difference, kExposure,
+                                                  levels, smooth != Smooth::none);
       double changed = 0;
       for (std::size_t i = 0; i < truth.data.size(); ++i) {
         for (int c = 0; c < 4; ++c) {

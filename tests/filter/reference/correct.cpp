@@ -19,7 +19,8 @@ struct Difference {
 };
 
 Block block_mean(const Grid<Estimate>& frame, const Grid<Estimate>& estimate,
-                 const Grid<Rgba>& half_difference, double exposure, int px, int column, int row) {
+                 const Grid<Rgba>& half_difference, bool with_variance, double exposure, int px, int column,
+                 int row) {
   Block block;
   Rgba halves{};
   for (int y = row * px; y < std::min((row + 1) * px, frame.height); ++y) {
@@ -44,7 +45,7 @@ Block block_mean(const Grid<Estimate>& frame, const Grid<Estimate>& estimate,
   if (!half_difference.data.empty()) {
     double square = 0;
     for (int c = 0; c < 3; ++c) square += halves[c] * scale * halves[c] * scale / 3;
-    block.noise = (block.noise + square) / 2;
+    block.noise = with_variance ? (block.noise + square) / 2 : square;
   }
   return block;
 }
@@ -95,14 +96,14 @@ Grid<Rgba> factors(const Grid<Difference>& differences, const Grid<Rgba>& coarse
 }  // namespace
 
 Grid<Rgba> correct(const Grid<Estimate>& frame, const Grid<Estimate>& estimate,
-                   const Grid<Rgba>& half_difference, double exposure, int levels) {
+                   const Grid<Rgba>& half_difference, double exposure, int levels, bool with_variance) {
   Grid<Rgba> factor(1, 1, {1, 1, 1, 1});
   for (int level = levels; level >= 0; --level) {
     const int px = 1 << level;
     Grid<Difference> differences((frame.width + px - 1) / px, (frame.height + px - 1) / px);
     for (int y = 0; y < differences.height; ++y) {
       for (int x = 0; x < differences.width; ++x) {
-        const Block block = block_mean(frame, estimate, half_difference, exposure, px, x, y);
+        const Block block = block_mean(frame, estimate, half_difference, with_variance, exposure, px, x, y);
         if (block.pixels == 0) continue;
         const Rgba so_far = read_coarser(factor, x, y);
         Difference& d = differences.at(x, y);
