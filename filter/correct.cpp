@@ -15,6 +15,14 @@ using gpu::Extent;
 using gpu::Format;
 using gpu::ImageId;
 
+/// What tells the noise of the frame's block means; the values of shaders/correct/difference.comp.
+enum class NoiseSource { variance, halves, mean_of_both };
+
+NoiseSource noise_source(const Settings& settings, const CorrectionInputs& inputs) {
+  if (!inputs.half_difference) return NoiseSource::variance;
+  return settings.smooth == Smooth::none ? NoiseSource::halves : NoiseSource::mean_of_both;
+}
+
 /// Sums over the blocks of one level. A pixel is the sum of its block at level 0, where the frame has no
 /// count of pixels yet and the estimate not the frame's variance.
 struct BlockSums {
@@ -93,9 +101,7 @@ Corrected add_correction_passes(Chain& chain, const Settings& settings, Extent f
         .read("estimate_stats", inputs.estimate_stats)
         .read("coarser", factor)
         .read("exposure", inputs.exposure)
-        .specialize("halves", !inputs.half_difference           ? 0
-                              : settings.smooth == Smooth::none ? 1
-                                                                : 2)
+        .specialize("noise_source", static_cast<int>(noise_source(settings, inputs)))
         .specialize("of_pixels", l == 0 ? 1 : 0)
         .write("difference", difference)
         .write("base", base)

@@ -7,7 +7,11 @@
 #include "lib/gain.glsl"
 #include "shared/correct_params.h"
 
-layout(constant_id = 0) const int halves = 0;  // 1: half-buffers alone, 2: with the variance
+const int kVariance = 0;
+const int kHalves = 1;
+const int kMeanOfBoth = 2;
+
+layout(constant_id = 0) const int noise_source = kVariance;
 layout(constant_id = 1) const int of_pixels = 0;  // 1: the finest level
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -41,10 +45,10 @@ void main() {
   const float scale = texelFetch(exposure, 0).x;
   const vec3 d = clamp((frame.rgb / pixels - corrected) * scale, -kLargestDifference, kLargestDifference);
   float noise = estimate.a / (pixels * pixels) * scale * scale;
-  if (halves != 0) {
+  if (noise_source != kVariance) {
     const vec3 e = texelFetch(half_sums, index).rgb / pixels * scale;
     const float square = dot(e, e) / 3.0;
-    noise = halves == 1 ? square : 0.5 * (noise + square);
+    noise = noise_source == kHalves ? square : 0.5 * (noise + square);
   }
   noise = min(noise, kLargestDifference * kLargestDifference);
   const bool counts = frame.a > 0.0;
