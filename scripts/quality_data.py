@@ -5,7 +5,8 @@ from pathlib import Path
 
 from align_renders import SCENES
 
-AOVS = ["variance", "albedo", "normal", "depth", "motion", "half_a", "half_b", "object_id"]
+AOVS = ["variance", "albedo", "normal", "depth", "motion", "object_id"]
+HALVES = ["half_a", "half_b"]  # of two samples or more
 REFERENCES = {"a": 1001, "b": 1002}  # and their seeds; noisy frames have their samples per pixel as the seed
 
 
@@ -20,7 +21,7 @@ class Data:
 
     def noisy(self, scene, spp):
         """Pattern of the noisy frames. MissingFrames if one is not there."""
-        return self._pattern(scene, f"n{spp}", self.frames, spp, spp, AOVS)
+        return self._pattern(scene, f"n{spp}", self.frames, spp, spp, AOVS + (HALVES if spp > 1 else []))
 
     def cleanest(self, scene):
         """Pattern of the noisy frames of most samples that are there."""
