@@ -48,9 +48,21 @@ struct BlockGrid {
   }
 };
 
-/// Variance of the mean of a pixel, averaged over channels: from what the frame comes with, else that of
-/// its square, which is more than any noise.
-double pixel_noise(const NewFrame& frame, const FilterTask& task, std::size_t i) {
+/// Square of what a pixel of the frame has beside the estimate, averaged over channels.
+double residual_noise(const NewFrame& frame, const Estimate& estimate, std::size_t i) {
+  double sum = 0.0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double x = frame.frame.image(Aov::beauty).data()[4 * i + c];
+    const double e = x - estimate.color.data()[4 * i + c];
+    sum += e * e / 3.0;
+  }
+  return sum;
+}
+
+/// Variance of the mean of a pixel, averaged over channels: from what the frame comes with, else from what
+/// it has beside the estimate.
+double pixel_noise(const NewFrame& frame, const FilterTask& task, const Estimate& estimate, std::size_t i) {
+  if (!task.has_halves() && !contains(task.used, Aov::variance)) return residual_noise(frame, estimate, i);
   double sum = 0.0;
   for (std::size_t c = 0; c < 3; ++c) {
     double value = 0.0;
@@ -58,11 +70,8 @@ double pixel_noise(const NewFrame& frame, const FilterTask& task, std::size_t i)
       const double e = 0.5 * (double(frame.frame.image(Aov::half_a).data()[3 * i + c]) -
                               frame.frame.image(Aov::half_b).data()[3 * i + c]);
       value = e * e;
-    } else if (contains(task.used, Aov::variance)) {
-      value = frame.frame.image(Aov::variance).data()[3 * i + c];
     } else {
-      const double x = frame.frame.image(Aov::beauty).data()[4 * i + c];
-      value = x * x;
+      value = frame.frame.image(Aov::variance).data()[3 * i + c];
     }
     if (std::isfinite(value) && value > 0.0) sum += value / 3.0;
   }
@@ -92,7 +101,7 @@ BlockGrid finest_level(const NewFrame& frame, const FilterTask& task, const Esti
         block.frame[c] += exposure * beauty[4 * i + c];
         block.estimate[c] += exposure * color[4 * i + c];
       }
-      block.noise += exposure * exposure * pixel_noise(frame, task, i);
+      block.noise += exposure * exposure * pixel_noise(frame, task, estimate, i);
     }
   }
   return level;
@@ -166,18 +175,23 @@ void apply(const BlockGrid& finest, Estimate& estimate) {
 
 /// Brings the mean of the whole frame to that of the noisy one, given its block as it was before the finer
 /// ones were: those with a bright sample are noisier than others, take less of their difference, and light is
-/// missing again. Noise that is not seen is not waited for: V^2 / (V + kUnseen^2) stands for the variance V.
+/// missing again. Frames may tell more noise than they have, above all those of one sample, whose variance is
+/// its square: what the estimate does not explain bounds it. Noise that is not seen is not waited for:
+/// V^2 / (V + kUnseen^2) stands for the variance V.
 void restore_whole(Block whole, double share_of_noise, const NewFrame& frame, Estimate& estimate) {
   whole.estimate = {};
   whole.factor = {1.0, 1.0, 1.0};
+  const double exposure = frame.exposure;
+  double residual = 0.0;
   for (std::size_t i = 0; i < frame.finite.size(); ++i) {
     if (!counts(frame, estimate, i)) continue;
     for (std::size_t c = 0; c < 3; ++c) {
-      whole.estimate[c] += static_cast<double>(frame.exposure) * estimate.color.data()[4 * i + c];
+      whole.estimate[c] += exposure * estimate.color.data()[4 * i + c];
     }
+    residual += exposure * exposure * residual_noise(frame, estimate, i);
   }
   const double mean = (whole.estimate[0] + whole.estimate[1] + whole.estimate[2]) / 3.0;
-  const double noise = share_of_noise * whole.noise;
+  const double noise = share_of_noise * std::min(whole.noise, residual);
   const double unseen = kUnseen * mean * kUnseen * mean;
   bring_to_frame(whole, noise > 0.0 ? noise * (noise / (noise + unseen)) : 0.0, 1.0 + kUnseen);
   apply({.width = 1, .height = 1, .blocks = {whole}}, estimate);

@@ -15,21 +15,23 @@ namespace {
 
 constexpr float kNoise = 0.2f;
 
-/// A frame of radiance 1 under noise, with its variance or with half-buffers.
-Frame noisy_frame(int width, int height, bool halves) {
+enum class Told { variance, halves, nothing };  ///< of a frame's noise
+
+/// A frame of radiance 1 under noise.
+Frame noisy_frame(int width, int height, Told told) {
   std::mt19937 random(8);
   std::normal_distribution<float> normal(0, kNoise);
   Frame frame(1, width, height);
   Image& beauty = frame.add(Aov::beauty, 1.0f);
-  if (!halves) frame.add(Aov::variance, kNoise * kNoise);
-  if (halves) {
+  if (told == Told::variance) frame.add(Aov::variance, kNoise * kNoise);
+  if (told == Told::halves) {
     frame.add(Aov::half_a);
     frame.add(Aov::half_b);
   }
   for (std::size_t i = 0; i < beauty.pixel_count(); ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
       const float value = beauty.data()[4 * i + c] = 1 + normal(random);
-      if (!halves) continue;
+      if (told != Told::halves) continue;
       const float difference = normal(random);
       frame.image(Aov::half_a).data()[3 * i + c] = value + difference;
       frame.image(Aov::half_b).data()[3 * i + c] = value - difference;
@@ -64,8 +66,8 @@ double mean_green(const Image& image) {
 }
 
 TEST(RestoreEnergy, GivesBackWhatNoiseDoesNotExplain) {
-  for (const bool halves : {false, true}) {
-    const Frame frame = noisy_frame(200, 150, halves);
+  for (const Told told : {Told::variance, Told::halves, Told::nothing}) {
+    const Frame frame = noisy_frame(200, 150, told);
     for (const float value : {0.9f, 0.97f, 1.1f}) {
       Estimate estimate = even_estimate(frame, value);
       restore(frame, estimate);
@@ -76,8 +78,8 @@ TEST(RestoreEnergy, GivesBackWhatNoiseDoesNotExplain) {
 }
 
 TEST(RestoreEnergy, NoiseHardlyMovesAnExactEstimate) {
-  for (const bool halves : {false, true}) {
-    const Frame frame = noisy_frame(200, 150, halves);
+  for (const Told told : {Told::variance, Told::halves, Told::nothing}) {
+    const Frame frame = noisy_frame(200, 150, told);
     Estimate estimate = even_estimate(frame, 1.0f);
     restore(frame, estimate);
     // A block's mean has a standard error of 0.2 / 32; only what exceeds it moves anything.
@@ -88,7 +90,7 @@ TEST(RestoreEnergy, NoiseHardlyMovesAnExactEstimate) {
 }
 
 TEST(RestoreEnergy, LightOfRareBrightSamplesIsInTheWholeFrame) {
-  Frame frame = noisy_frame(320, 240, true);
+  Frame frame = noisy_frame(320, 240, Told::halves);
   std::mt19937 random(3);
   std::bernoulli_distribution bright(0.02);
   for (std::size_t i = 0; i < frame.image(Aov::beauty).pixel_count(); ++i) {
@@ -101,6 +103,16 @@ TEST(RestoreEnergy, LightOfRareBrightSamplesIsInTheWholeFrame) {
   // Of 80 blocks those with more bright samples than others are the noisier ones.
   const double mean = mean_green(frame.image(Aov::beauty));
   Estimate estimate = even_estimate(frame, static_cast<float>(mean));
+  restore(frame, estimate);
+  EXPECT_NEAR(mean_green(estimate.color), mean, 0.002 * mean);
+}
+
+TEST(RestoreEnergy, NoiseThatIsToldButNotThereIsNotWaitedFor) {
+  // As of one sample, whose variance is its square: 25 times what the frame has.
+  Frame frame = noisy_frame(96, 80, Told::variance);
+  std::ranges::fill(frame.image(Aov::variance).data(), 1.0f);
+  const double mean = mean_green(frame.image(Aov::beauty));
+  Estimate estimate = even_estimate(frame, static_cast<float>(0.993 * mean));
   restore(frame, estimate);
   EXPECT_NEAR(mean_green(estimate.color), mean, 0.002 * mean);
 }
@@ -126,7 +138,7 @@ TEST(RestoreEnergy, WhatIsRightIsHardlyBrightenedForWhatIsMissingElsewhere) {
 }
 
 TEST(RestoreEnergy, AnEqualEstimateStaysBitForBit) {
-  const Frame frame = noisy_frame(70, 45, false);
+  const Frame frame = noisy_frame(70, 45, Told::variance);
   Estimate estimate = even_estimate(frame, 1.0f);
   estimate.color = frame.image(Aov::beauty);
   restore(frame, estimate);
@@ -138,7 +150,7 @@ TEST(RestoreEnergy, ExtremesStayFiniteInImagesOfAnySize) {
   for (const auto& [width, height] : {std::pair{1, 1}, {1, 70}, {33, 32}}) {
     for (const float of_frame : {0.0f, -1.0f, 1e-30f, 1.0f, 1e30f}) {
       for (const float of_estimate : {0.0f, -1.0f, 1e-30f, 1.0f, 1e30f}) {
-        Frame frame = noisy_frame(width, height, false);
+        Frame frame = noisy_frame(width, height, Told::variance);
         std::ranges::fill(frame.image(Aov::beauty).data(), of_frame);
         if (height > 1) {
           frame.image(Aov::beauty).at(0, 3, 1) = nan;
