@@ -40,6 +40,7 @@ Combined add_combine_passes(gpu::Chain& chain, const Settings& settings, gpu::Ex
       .write("stats", combined.stats)
       .write("weight_backward", weight)
       .specialize("radius", settings.patch_radius)
+      .specialize("smoothed", settings.smooth == Smooth::none ? 0 : 1)
       .specialize("writes_weight", has_additive ? 1 : 0)
       .constants(size)
       .dispatch(extent);

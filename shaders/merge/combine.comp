@@ -2,7 +2,8 @@
 // patch sums of combine_statistics; writes their combination with weights of inverse variances: the fixed-interval
 // smoother in its two-filter form (Fraser and Potter 1969). The variances that weigh are those of the patch without the
 // pixel itself, over the pixel's own effective sample counts: a Monte Carlo pixel's variance grows with its value, and
-// weights made from the values that they weigh would darken the image.
+// weights made from the values that they weigh would darken the image. The variance of a smoothed pixel is that of its
+// window, and its bias is its own: there the pixel's own variance counts as much, by the geometric mean of both.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -11,7 +12,8 @@
 #include "shared/merge_params.h"
 
 layout(constant_id = 0) const int radius = 3;
-layout(constant_id = 1) const int writes_weight = 0;  // 1: `weight_backward` is an image, for AOVs that are combined alike
+layout(constant_id = 1) const int smoothed = 0;       // 1: estimates are merged from smoothed frames
+layout(constant_id = 2) const int writes_weight = 0;  // 1: `weight_backward` is an image, for AOVs that are combined alike
 
 layout(local_size_x = 8, local_size_y = 4) in;
 layout(push_constant) uniform Params { ImageParams p; };
@@ -44,9 +46,11 @@ void main() {
   const bool has_b = stats_b.y > 0.0;
   const float counted = stats_b.y / max(stats_f.y + stats_b.y, 1e-6);
   // A frame's variance over the count is the estimate's; without neighbours to tell, frames count alike.
-  float weight = sum.w >= 1.0 ? gain(sum.y / max(stats_b.y, 1e-6), sum.x / max(stats_f.y, 1e-6), 0.0) : counted;
+  vec2 of_frame = sum.xy / max(sum.w, 1.0);
+  if (smoothed != 0) of_frame = sqrt(of_frame) * sqrt(texelFetch(statistics, index).xy);
+  float weight = sum.w >= 1.0 ? gain(of_frame.y / max(stats_b.y, 1e-6), of_frame.x / max(stats_f.y, 1e-6), 0.0) : counted;
   // Both exact: the forward estimate has seen the frame.
-  if (sum.w >= 1.0 && sum.x + sum.y <= 0.0) weight = 0.0;
+  if (sum.w >= 1.0 && of_frame.x + of_frame.y <= 0.0) weight = 0.0;
   if (!has_f) weight = 1.0;
   if (!has_b) weight = 0.0;
 

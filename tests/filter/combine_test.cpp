@@ -23,9 +23,11 @@ struct Pixel {
 };
 using Pixels = std::vector<Pixel>;
 
-class CombineTest : public DeviceTest {
+/// Of estimates that were merged from noisy frames, or from smoothed ones.
+class CombineTest : public DeviceTest, public testing::WithParamInterface<Smooth> {
  protected:
   CombineTest() {
+    settings_.smooth = GetParam();
     const gpu::Extent full{kWidth, kHeight};
     inputs_ = {.exposure = chain_.input("exposure", gpu::Format::f32, {1, 1}),
                .forward_color = chain_.input("forward.color", gpu::Format::f32x4, full),
@@ -80,34 +82,44 @@ Pixels random_pixels(unsigned seed, double holes = 0.0) {
   return pixels;
 }
 
-double weight_of_backward(const Pixels& f, const Pixels& b, int x, int y, int radius) {
-  double of_f = 0, of_b = 0;
+double weight_of_backward(const Pixels& f, const Pixels& b, int x, int y, const Settings& settings) {
+  const int radius = settings.patch_radius;
+  const auto variance_of_frame = [](const Pixel& p, double brightness) {
+    return p.variance * p.count / (brightness * brightness);
+  };
+  double of_f = 0, of_b = 0, pixels = 0, own_f = 0, own_b = 0;
   for (int v = std::max(y - radius, 0); v <= std::min(y + radius, kHeight - 1); ++v) {
     for (int u = std::max(x - radius, 0); u <= std::min(x + radius, kWidth - 1); ++u) {
       const std::size_t i = v * kWidth + u;
-      if ((u == x && v == y) || f[i].count <= 0 || b[i].count <= 0) continue;
+      const bool own = u == x && v == y;
+      if (f[i].count <= 0 || b[i].count <= 0) continue;
       const auto mean = [&](int c) { return 0.5 * (f[i].color[c] + b[i].color[c]); };
       const double brightness = 0.2126 * mean(0) + 0.7152 * mean(1) + 0.0722 * mean(2) + 0.1 / kExposure;
-      of_f += f[i].variance * f[i].count / (brightness * brightness);
-      of_b += b[i].variance * b[i].count / (brightness * brightness);
+      (own ? own_f : of_f) += variance_of_frame(f[i], brightness);
+      (own ? own_b : of_b) += variance_of_frame(b[i], brightness);
+      pixels += own ? 0 : 1;
     }
   }
   const std::size_t i = y * kWidth + x;
   if (f[i].count <= 0) return b[i].count > 0 ? 1.0 : 0.0;
   if (b[i].count <= 0) return 0.0;
+  if (settings.smooth != Smooth::none) {
+    of_f = std::sqrt(of_f / pixels * own_f);
+    of_b = std::sqrt(of_b / pixels * own_b);
+  }
   of_f /= f[i].count;
   of_b /= b[i].count;
   return of_f / (of_f + of_b);
 }
 
-TEST_F(CombineTest, WeighsByTheInverseOfPatchVariances) {
+TEST_P(CombineTest, WeighsByTheInverseOfPatchVariances) {
   const Pixels f = random_pixels(1, 0.1);
   const Pixels b = random_pixels(2, 0.2);
   const Pixels found = combine(f, b);
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
       const std::size_t i = y * kWidth + x;
-      const double w = weight_of_backward(f, b, x, y, settings_.patch_radius);
+      const double w = weight_of_backward(f, b, x, y, settings_);
       for (int c = 0; c < 4; ++c) {
         ASSERT_NEAR(found[i].color[c], (1 - w) * f[i].color[c] + w * b[i].color[c], 1e-5) << x << "," << y;
       }
@@ -119,16 +131,26 @@ TEST_F(CombineTest, WeighsByTheInverseOfPatchVariances) {
   }
 }
 
-TEST_F(CombineTest, APixelsOwnVarianceDoesNotWeighIt) {
+TEST_P(CombineTest, APixelsOwnVarianceWeighsItOnlyIfItIsThatOfAWindow) {
   const Pixels f = random_pixels(1);
   const Pixels b = random_pixels(2);
   Pixels outlier = f;
   const std::size_t middle = (kHeight / 2) * kWidth + kWidth / 2;
   outlier[middle].variance = 1e6f;
-  EXPECT_EQ(combine(f, b)[middle].color, combine(outlier, b)[middle].color);
+  const Pixel usual = combine(f, b)[middle];
+  const Pixel found = combine(outlier, b)[middle];
+  if (GetParam() == Smooth::none) {
+    EXPECT_EQ(found.color, usual.color);
+  } else {
+    for (int c = 0; c < 4; ++c) {
+      const float of_backward = b[middle].color[c];
+      EXPECT_LT(std::abs(found.color[c] - of_backward),
+                0.05f * std::abs(usual.color[c] - of_backward) + 1e-6f);
+    }
+  }
 }
 
-TEST_F(CombineTest, WhatOnlyOneKnowsIsLeftAsItIs) {
+TEST_P(CombineTest, WhatOnlyOneKnowsIsLeftAsItIs) {
   Pixels nothing(kWidth * kHeight);
   for (Pixel& pixel : nothing) pixel.color = {NAN, INFINITY, -1e30f, NAN};
   const Pixels f = random_pixels(1);
@@ -141,7 +163,7 @@ TEST_F(CombineTest, WhatOnlyOneKnowsIsLeftAsItIs) {
   }
 }
 
-TEST_F(CombineTest, ExactEstimatesGiveTheForwardOne) {
+TEST_P(CombineTest, ExactEstimatesGiveTheForwardOne) {
   Pixels f = random_pixels(1);
   Pixels b = random_pixels(2);
   for (Pixels* pixels : {&f, &b}) {
@@ -150,6 +172,11 @@ TEST_F(CombineTest, ExactEstimatesGiveTheForwardOne) {
   const Pixels found = combine(f, b);
   for (std::size_t i = 0; i < f.size(); ++i) ASSERT_EQ(found[i].color, f[i].color);
 }
+
+INSTANTIATE_TEST_SUITE_P(Of, CombineTest, testing::Values(Smooth::none, Smooth::regression),
+                         [](const auto& info) {
+                           return info.param == Smooth::none ? "NoisyFrames" : "SmoothedFrames";
+                         });
 
 }  // namespace
 }  // namespace becalm::filter
