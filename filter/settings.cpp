@@ -112,6 +112,9 @@ const Row kTable[] = {
      IntRange{&Settings::smooth_patch_radius, 1, 3}},
     {{"smooth_strength", "number 0.01..10", "standard deviations of noise by which those patches may differ"},
      FloatRange{&Settings::smooth_strength, 0.01f, 10.0f}},
+    {{"smooth_surfaces", "number 0..100",
+      "how much other normals, albedos and depths keep pixels out of the window; 0: not at all"},
+     FloatRange{&Settings::smooth_surfaces, 0.0f, 100.0f}},
     {{"validate", "none, or some of depth, normal, id and flow joined by commas",
       "distrusts history that was of another surface than the new frame's, or (flow) whose offsets there and "
       "back disagree"},

@@ -26,8 +26,10 @@ int weight_planes(const Settings& settings) {
 Smoothed add_smooth_passes(Chain& chain, const Settings& settings, Extent full, const NoisyInputs& frame,
                            const std::vector<ImageId>& additive) {
   const FeatureImages& features = frame.features.value();
-  const params::SmoothParams params{
-      .width = full.width, .height = full.height, .strength = settings.smooth_strength};
+  const params::SmoothParams params{.width = full.width,
+                                    .height = full.height,
+                                    .strength = settings.smooth_strength,
+                                    .surfaces = settings.smooth_surfaces};
   const ImageId irradiance = chain.image("irradiance", Format::f32x4, full);
   const ImageId guide = chain.image("smooth.guide", Format::f32x2, full);
   chain.pass("smooth/demodulate")

@@ -10,6 +10,7 @@ struct SmoothParams {
   int width;
   int height;
   float strength;  // noise that patches may differ by, in standard deviations (k of non-local means)
+  float surfaces;  // how much differences of normal, albedo and depth count against a pixel of the window
 };
 
 #ifdef __cplusplus

@@ -1,7 +1,7 @@
 // Reads the radiance without albedo, the features and the window's weights; writes the value at the pixel of the plane that
 // fits the window best, first order in the features (Bitterli et al. 2016, "Nonlinearly weighted first-order regression
 // for denoising Monte Carlo renderings", eq. 4), with the albedo again, and (variance left, 1). The slopes are shrunk by a
-// ridge, so that features that are flat or mere noise explain nothing. The value is mixed with the window's mean, by one share
+// ridge, so that features that are flat or mere noise explain nothing. Pixels of other surfaces count less. The value is mixed with the window's mean, by one share
 // for all channels, until it lies within the window's range: given weights and share it is linear in the radiance. `kernel`
 // has what additive AOVs are then smoothed alike by (additive/smooth), in three planes: two of lib/smoothing_kernel.glsl, and
 // by what the value differs from that sum, which is rounding, but may be a ten-thousandth of a dark pixel among bright ones.
@@ -42,6 +42,7 @@ void main() {
   const int planes = (shifts + kShiftsPerPlane - 1) / kShiftsPerPlane;
   const vec4 albedo_depth_here = texelFetch(albedo_depth, index);
   const vec3 normal_here = texelFetch(normal, index).xyz;
+  const vec3 falloff = surface_falloff(at);
 
   // Moments: the features are a (albedo and depth) and n (normal), the values c.
   float sum = 0.0;
@@ -62,9 +63,9 @@ void main() {
       const ivec2 q = clamp(at + window_shift(plane * kShiftsPerPlane + i, radius), ivec2(0), ivec2(p.width, p.height) - 1);
       const int tap = q.y * p.width + q.x;
       const vec4 value = texelFetch(irradiance, tap);
-      const float w = float((packed >> (8 * i)) & 255u) / 255.0 * value.a;
       const vec4 a = texelFetch(albedo_depth, tap) - albedo_depth_here;
       const vec3 n = texelFetch(normal, tap).xyz - normal_here;
+      const float w = float((packed >> (8 * i)) & 255u) / 255.0 * value.a * surface_weight(a, n, falloff);
       const vec4 wa = w * a;
       const vec3 wn = w * n;
       sum += w;

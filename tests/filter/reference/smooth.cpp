@@ -50,6 +50,34 @@ double patch_distance(const Grid<Guide>& guide, int x, int y, int i, int j,
   return sum / pixels;
 }
 
+/// Squared differences of normal, albedo and packed depth.
+std::array<double, 3> squared_differences(const SmoothFeatures& a, const SmoothFeatures& b) {
+  const auto squares = [&](std::size_t first, std::size_t count) {
+    double sum = 0;
+    for (std::size_t f = first; f < first + count; ++f) sum += std::pow(a[f] - b[f], 2);
+    return sum;
+  };
+  return {squares(4, 3), squares(0, 3), squares(3, 1)};
+}
+
+double surface_weight(const Grid<SmoothFeatures>& features, int x, int y, int i, int j,
+                      const filter::Settings& settings) {
+  const auto step = [&](int u, int v) {
+    return squared_differences(features.clamped(x + u, y + v), features.at(x, y));
+  };
+  const std::array<double, 3> differences = step(i, j);
+  constexpr std::array<double, 3> kFalloff{1, 2, 1000};
+  double distance = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double slope =
+        std::max(std::min(step(-1, 0)[k], step(1, 0)[k]), std::min(step(0, -1)[k], step(0, 1)[k]));
+    const double falloff = settings.smooth_surfaces * kFalloff[k];
+    distance += falloff / (1 + 10 * falloff * slope) * differences[k];
+  }
+  const double weight = std::exp(-distance);
+  return weight < 1.0 / 512 ? 0 : weight;
+}
+
 /// Gauss-Jordan elimination with partial pivoting.
 Vector solve(Matrix m, Vector right) {
   for (std::size_t column = 0; column < kUnknowns; ++column) {
@@ -84,7 +112,8 @@ Estimate fit(const Grid<Estimate>& irradiance, const Grid<Guide>& guide, const G
       if (x + i < 0 || x + i >= guide.width || y + j < 0 || y + j >= guide.height) continue;
       const Estimate& value = irradiance.at(x + i, y + j);
       const double distance = std::max(patch_distance(guide, x, y, i, j, settings), 0.0);
-      const double weight = std::floor(255 * std::exp(-distance) + 0.5) / 255 * value.count;
+      const double weight = std::floor(255 * std::exp(-distance) + 0.5) / 255 * value.count *
+                            surface_weight(features, x, y, i, j, settings);
       if (weight <= 0) continue;
       Vector row{};
       for (std::size_t f = 0; f < kFeatures; ++f)
