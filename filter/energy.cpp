@@ -48,32 +48,29 @@ struct BlockGrid {
   }
 };
 
-/// Square of what a pixel of the frame has beside the estimate, averaged over channels.
-double residual_noise(const NewFrame& frame, const Estimate& estimate, std::size_t i) {
-  double sum = 0.0;
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double x = frame.frame.image(Aov::beauty).data()[4 * i + c];
-    const double e = x - estimate.color.data()[4 * i + c];
-    sum += e * e / 3.0;
-  }
-  return sum;
+/// Square of what a channel of the frame's pixel has beside the estimate.
+double residual_square(const NewFrame& frame, const Estimate& estimate, std::size_t i, std::size_t c) {
+  const double x = frame.frame.image(Aov::beauty).data()[4 * i + c];
+  const double e = x - estimate.color.data()[4 * i + c];
+  return e * e;
 }
 
-/// Variance of the mean of a pixel, averaged over channels: from what the frame comes with, else from what
-/// it has beside the estimate.
+/// Variance of the mean of a pixel's channel as the frame tells it; negative or not finite if it does not.
+double told_noise(const NewFrame& frame, const FilterTask& task, std::size_t i, std::size_t c) {
+  if (task.has_halves()) {
+    const double e = 0.5 * (double(frame.frame.image(Aov::half_a).data()[3 * i + c]) -
+                            frame.frame.image(Aov::half_b).data()[3 * i + c]);
+    return e * e;
+  }
+  return contains(task.used, Aov::variance) ? frame.frame.image(Aov::variance).data()[3 * i + c] : -1.0;
+}
+
+/// Averaged over channels: what the frame tells, else what the pixel has beside the estimate.
 double pixel_noise(const NewFrame& frame, const FilterTask& task, const Estimate& estimate, std::size_t i) {
-  if (!task.has_halves() && !contains(task.used, Aov::variance)) return residual_noise(frame, estimate, i);
   double sum = 0.0;
   for (std::size_t c = 0; c < 3; ++c) {
-    double value = 0.0;
-    if (task.has_halves()) {
-      const double e = 0.5 * (double(frame.frame.image(Aov::half_a).data()[3 * i + c]) -
-                              frame.frame.image(Aov::half_b).data()[3 * i + c]);
-      value = e * e;
-    } else {
-      value = frame.frame.image(Aov::variance).data()[3 * i + c];
-    }
-    if (std::isfinite(value) && value > 0.0) sum += value / 3.0;
+    const double told = told_noise(frame, task, i, c);
+    sum += (std::isfinite(told) && told >= 0.0 ? told : residual_square(frame, estimate, i, c)) / 3.0;
   }
   return sum;
 }
@@ -187,8 +184,8 @@ void restore_whole(Block whole, double share_of_noise, const NewFrame& frame, Es
     if (!counts(frame, estimate, i)) continue;
     for (std::size_t c = 0; c < 3; ++c) {
       whole.estimate[c] += exposure * estimate.color.data()[4 * i + c];
+      residual += exposure * exposure * residual_square(frame, estimate, i, c) / 3.0;
     }
-    residual += exposure * exposure * residual_noise(frame, estimate, i);
   }
   const double mean = (whole.estimate[0] + whole.estimate[1] + whole.estimate[2]) / 3.0;
   const double noise = share_of_noise * std::min(whole.noise, residual);

@@ -15,8 +15,8 @@ struct Smoothed {
 };
 
 /// Replaces each pixel by what the window around it says of it: a first-order regression on the features,
-/// weighted by how alike patches are beyond their noise. `frame` is of NoisyUse::smooth. Additive AOVs
-/// (f32x4) are smoothed by the same kernels.
+/// weighted by how alike patches are beyond their noise, and surfaces. `frame` is of NoisyUse::smooth.
+/// Additive AOVs (f32x4) are smoothed by the same kernels.
 Smoothed add_smooth_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
                            const NoisyInputs& frame, const std::vector<gpu::ImageId>& additive = {});
 

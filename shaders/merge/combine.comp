@@ -15,6 +15,9 @@ layout(constant_id = 0) const int radius = 3;
 layout(constant_id = 1) const int smoothed = 0;       // 1: estimates are merged from smoothed frames
 layout(constant_id = 2) const int writes_weight = 0;  // 1: `weight_backward` is an image, for AOVs that are combined alike
 
+/// Of the patch's, the least that a pixel's own variance counts for: one black window must not decide alone.
+const float kLeastOfPatch = 0.01;
+
 layout(local_size_x = 8, local_size_y = 4) in;
 layout(push_constant) uniform Params { ImageParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer forward_color;
@@ -47,7 +50,7 @@ void main() {
   const float counted = stats_b.y / max(stats_f.y + stats_b.y, 1e-6);
   // A frame's variance over the count is the estimate's; without neighbours to tell, frames count alike.
   vec2 of_frame = sum.xy / max(sum.w, 1.0);
-  if (smoothed != 0) of_frame = sqrt(of_frame) * sqrt(texelFetch(statistics, index).xy);
+  if (smoothed != 0) of_frame = sqrt(of_frame) * sqrt(max(texelFetch(statistics, index).xy, kLeastOfPatch * of_frame));
   float weight = sum.w >= 1.0 ? gain(of_frame.y / max(stats_b.y, 1e-6), of_frame.x / max(stats_f.y, 1e-6), 0.0) : counted;
   // Both exact: the forward estimate has seen the frame.
   if (sum.w >= 1.0 && of_frame.x + of_frame.y <= 0.0) weight = 0.0;

@@ -124,7 +124,8 @@ void main() {
   const vec3 scale = divisor_of(albedo_depth_here.rgb) / texelFetch(exposure, 0).x;
   const bool known = own_stats.y > 0.0 && sum > 0.0;
   smoothed.data[index] = known ? vec4(value * scale, own.a) : own;
-  // With weights near 0 or 1 the sum of their squares in the fit is the inverse of the support.
+  // With weights near 0 or 1 the sum of their squares in the fit is the inverse of the support; those of surfaces lie between
+  // and overstate what is left by up to two fifths.
   const float left = min(sum_noise / max(sum, 1e-6) / support * variance_divisor_of(scale), kLargestVariance);
   stats.data[index] = known ? vec2(left, 1.0) : vec2(own_stats.x, own_stats.y);
 

@@ -104,8 +104,8 @@ double weight_of_backward(const Pixels& f, const Pixels& b, int x, int y, const 
   if (f[i].count <= 0) return b[i].count > 0 ? 1.0 : 0.0;
   if (b[i].count <= 0) return 0.0;
   if (settings.smooth != Smooth::none) {
-    of_f = std::sqrt(of_f / pixels * own_f);
-    of_b = std::sqrt(of_b / pixels * own_b);
+    of_f = std::sqrt(of_f / pixels * std::max(own_f, 0.01 * of_f / pixels));
+    of_b = std::sqrt(of_b / pixels * std::max(own_b, 0.01 * of_b / pixels));
   }
   of_f /= f[i].count;
   of_b /= b[i].count;
@@ -148,6 +148,15 @@ TEST_P(CombineTest, APixelsOwnVarianceWeighsItOnlyIfItIsThatOfAWindow) {
                 0.05f * std::abs(usual.color[c] - of_backward) + 1e-6f);
     }
   }
+}
+
+TEST_P(CombineTest, AnExactPixelAmongNoisyOnesDoesNotDecideAlone) {
+  Pixels f = random_pixels(1);
+  const Pixels b = random_pixels(2);
+  const std::size_t middle = (kHeight / 2) * kWidth + kWidth / 2;
+  f[middle].variance = 0.0f;
+  f[middle].color = {};
+  EXPECT_GT(combine(f, b)[middle].color[0], 0.02f * b[middle].color[0]);
 }
 
 TEST_P(CombineTest, WhatOnlyOneKnowsIsLeftAsItIs) {

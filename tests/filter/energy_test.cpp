@@ -108,13 +108,21 @@ TEST(RestoreEnergy, LightOfRareBrightSamplesIsInTheWholeFrame) {
 }
 
 TEST(RestoreEnergy, NoiseThatIsToldButNotThereIsNotWaitedFor) {
-  // As of one sample, whose variance is its square: 25 times what the frame has.
-  Frame frame = noisy_frame(96, 80, Told::variance);
-  std::ranges::fill(frame.image(Aov::variance).data(), 1.0f);
-  const double mean = mean_green(frame.image(Aov::beauty));
-  Estimate estimate = even_estimate(frame, static_cast<float>(0.993 * mean));
-  restore(frame, estimate);
-  EXPECT_NEAR(mean_green(estimate.color), mean, 0.002 * mean);
+  // A variance as of one sample, its square, is 25 times what the frame has; others are no variances, or
+  // none.
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const auto& [told, variance] : {std::pair{Told::variance, 1.0f},
+                                       {Told::variance, nan},
+                                       {Told::variance, -1.0f},
+                                       {Told::nothing, 0.0f}}) {
+    SCOPED_TRACE(variance);
+    Frame frame = noisy_frame(96, 80, told);
+    if (told == Told::variance) std::ranges::fill(frame.image(Aov::variance).data(), variance);
+    const double mean = mean_green(frame.image(Aov::beauty));
+    Estimate estimate = even_estimate(frame, static_cast<float>(0.993 * mean));
+    restore(frame, estimate);
+    EXPECT_NEAR(mean_green(estimate.color), mean, 0.002 * mean);
+  }
 }
 
 TEST(RestoreEnergy, WhatIsRightIsHardlyBrightenedForWhatIsMissingElsewhere) {
@@ -138,11 +146,13 @@ TEST(RestoreEnergy, WhatIsRightIsHardlyBrightenedForWhatIsMissingElsewhere) {
 }
 
 TEST(RestoreEnergy, AnEqualEstimateStaysBitForBit) {
-  const Frame frame = noisy_frame(70, 45, Told::variance);
-  Estimate estimate = even_estimate(frame, 1.0f);
-  estimate.color = frame.image(Aov::beauty);
-  restore(frame, estimate);
-  EXPECT_TRUE(std::ranges::equal(estimate.color.data(), frame.image(Aov::beauty).data()));
+  for (const Told told : {Told::variance, Told::halves, Told::nothing}) {
+    const Frame frame = noisy_frame(70, 45, told);
+    Estimate estimate = even_estimate(frame, 1.0f);
+    estimate.color = frame.image(Aov::beauty);
+    restore(frame, estimate);
+    EXPECT_TRUE(std::ranges::equal(estimate.color.data(), frame.image(Aov::beauty).data()));
+  }
 }
 
 TEST(RestoreEnergy, ExtremesStayFiniteInImagesOfAnySize) {
@@ -150,17 +160,20 @@ TEST(RestoreEnergy, ExtremesStayFiniteInImagesOfAnySize) {
   for (const auto& [width, height] : {std::pair{1, 1}, {1, 70}, {33, 32}}) {
     for (const float of_frame : {0.0f, -1.0f, 1e-30f, 1.0f, 1e30f}) {
       for (const float of_estimate : {0.0f, -1.0f, 1e-30f, 1.0f, 1e30f}) {
-        Frame frame = noisy_frame(width, height, Told::variance);
-        std::ranges::fill(frame.image(Aov::beauty).data(), of_frame);
-        if (height > 1) {
-          frame.image(Aov::beauty).at(0, 3, 1) = nan;
-          frame.image(Aov::variance).at(0, 5, 1) = nan;
-          frame.image(Aov::variance).at(0, 6, 1) = -1.0f;
-        }
-        Estimate estimate = even_estimate(frame, of_estimate);
-        restore(frame, estimate);
-        for (const float v : estimate.color.data()) {
-          ASSERT_TRUE(std::isfinite(v)) << width << 'x' << height << ": " << of_frame << ", " << of_estimate;
+        for (const Told told : {Told::variance, Told::nothing}) {
+          Frame frame = noisy_frame(width, height, told);
+          std::ranges::fill(frame.image(Aov::beauty).data(), of_frame);
+          if (height > 1) frame.image(Aov::beauty).at(0, 3, 1) = nan;
+          if (height > 1 && told == Told::variance) {
+            frame.image(Aov::variance).at(0, 5, 1) = nan;
+            frame.image(Aov::variance).at(0, 6, 1) = -1.0f;
+          }
+          Estimate estimate = even_estimate(frame, of_estimate);
+          restore(frame, estimate);
+          for (const float v : estimate.color.data()) {
+            ASSERT_TRUE(std::isfinite(v))
+                << width << 'x' << height << ": " << of_frame << ", " << of_estimate;
+          }
         }
       }
     }

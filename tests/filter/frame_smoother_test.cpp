@@ -46,8 +46,8 @@ class FrameSmootherTest : public DeviceTest {
     FrameReport report;
     return smoother.smooth(input, report);
   }
-  static Estimate smooth(const Frame& frame) {
-    FrameSmoother smoother(device(), task_of(frame, small_windows()), kUnlimited);
+  static Estimate smooth(const Frame& frame, const Settings& settings = small_windows()) {
+    FrameSmoother smoother(device(), task_of(frame, settings), kUnlimited);
     return run(smoother, frame);
   }
 };
@@ -131,6 +131,41 @@ TEST_F(FrameSmootherTest, ColouredSurfacesAreSmoothedAsGreyOnes) {
       ASSERT_NEAR(of_red.color.data()[4 * i + c] / red[c], light, 0.01f * light) << "pixel " << i;
     }
   }
+}
+
+TEST_F(FrameSmootherTest, SurfacesAreToldApartWhereTheirLightIsNot) {
+  // A pole of three pixels between what is nearer and what is farther, brighter than both by less than the
+  // noise: no plane over the depth has all three.
+  constexpr float noise = 0.4f;
+  std::mt19937 random(4);
+  std::normal_distribution<float> normal(0, noise);
+  Frame frame(1, 43, 60);
+  Image& beauty = frame.add(Aov::beauty, 1.0f);
+  frame.add(Aov::albedo, 0.5f);
+  frame.add(Aov::variance, noise * noise);
+  Image& depth = frame.add(Aov::depth);
+  const auto is_pole = [](int x) { return x >= 20 && x < 23; };
+  const auto light = [&](int x) { return is_pole(x) ? 1.35f : 1.0f; };
+  for (int y = 0; y < frame.height(); ++y) {
+    for (int x = 0; x < frame.width(); ++x) {
+      depth.at(x, y, 0) = is_pole(x) ? 4.0f : x < 20 ? 2.0f : 8.0f;
+      const float grey = light(x) + normal(random);
+      for (int c = 0; c < 3; ++c) beauty.at(x, y, c) = grey;
+    }
+  }
+  const auto error_of_pole = [&](float surfaces) {
+    Settings settings = small_windows();
+    settings.smooth_radius = 6;
+    settings.smooth_strength = 1.0f;
+    settings.smooth_surfaces = surfaces;
+    const Estimate smoothed = smooth(frame, settings);
+    double sum = 0;
+    for (int y = 0; y < frame.height(); ++y) {
+      for (int x = 20; x < 23; ++x) sum += std::pow(smoothed.color.at(x, y, 1) - light(x), 2);
+    }
+    return sum;
+  };
+  EXPECT_LT(error_of_pole(1.0f), 0.5 * error_of_pole(0.0f));
 }
 
 TEST_F(FrameSmootherTest, WhatIsBesideTheSunTakesNothingOfIt) {

@@ -77,12 +77,14 @@ Grid<Estimate> smooth_on(gpu::Device& device, const Sample& sample, const Settin
 class SmoothTest : public DeviceTest {};
 
 TEST_F(SmoothTest, AgreesWithTheReference) {
-  for (const auto& [radius, patch_radius, strength] : {std::tuple{2, 1, 0.5f}, {3, 3, 0.5f}, {4, 2, 2.0f}}) {
+  for (const auto& [radius, patch_radius, strength, surfaces] :
+       {std::tuple{2, 1, 0.5f, 1.0f}, {3, 3, 0.5f, 0.0f}, {4, 2, 2.0f, 0.05f}, {3, 1, 2.0f, 20.0f}}) {
     SCOPED_TRACE(radius);
     Settings settings = preset("balanced");
     settings.smooth_radius = radius;
     settings.smooth_patch_radius = patch_radius;
     settings.smooth_strength = strength;
+    settings.smooth_surfaces = surfaces;
     const Sample sample = noisy_sample();
     const Grid<Estimate> found = smooth_on(device(), sample, settings);
     const Grid<Estimate> truth = reference::smooth(sample.pixels, sample.features, kExposure, settings);

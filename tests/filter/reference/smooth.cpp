@@ -62,10 +62,13 @@ std::array<double, 3> squared_differences(const SmoothFeatures& a, const SmoothF
 
 double surface_weight(const Grid<SmoothFeatures>& features, int x, int y, int i, int j,
                       const filter::Settings& settings) {
+  // To the pixel at a shift, or beyond the border to the opposite one.
   const auto step = [&](int u, int v) {
-    return squared_differences(features.clamped(x + u, y + v), features.at(x, y));
+    const bool inside = x + u >= 0 && x + u < features.width && y + v >= 0 && y + v < features.height;
+    const int side = inside ? 1 : -1;
+    return squared_differences(features.clamped(x + side * u, y + side * v), features.at(x, y));
   };
-  const std::array<double, 3> differences = step(i, j);
+  const std::array<double, 3> differences = squared_differences(features.at(x + i, y + j), features.at(x, y));
   constexpr std::array<double, 3> kFalloff{1, 2, 1000};
   double distance = 0;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -74,8 +77,8 @@ double surface_weight(const Grid<SmoothFeatures>& features, int x, int y, int i,
     const double falloff = settings.smooth_surfaces * kFalloff[k];
     distance += falloff / (1 + 10 * falloff * slope) * differences[k];
   }
-  const double weight = std::exp(-distance);
-  return weight < 1.0 / 512 ? 0 : weight;
+  constexpr double kLeast = 1.0 / 512;
+  return std::max(std::exp(-distance) - kLeast, 0.0) / (1 - kLeast);
 }
 
 /// Gauss-Jordan elimination with partial pivoting.
