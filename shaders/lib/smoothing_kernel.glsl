@@ -1,7 +1,7 @@
 // The sum over a window that smooth/regress amounts to: of w c (k.x - dot(k.yzw, n) - dot(of_albedo_depth, a)) for the
-// weights w of patches and surfaces, the radiance c without albedo, and the differences of normal and of albedo and depth to the pixel, n and a.
-// Not a pure function: the including kernel has the parameters and the texel buffers color, variance, albedo_depth, normal
-// and weights.
+// weights w of patches and surfaces, the radiance c without albedo, and the differences of normal and of albedo and depth
+// to the pixel, n and a. Not a pure function: the including kernel has the parameters and the texel buffers color, variance,
+// albedo_depth, normal and weights.
 #include "lib/patch_weights.glsl"
 #include "lib/reflectance.glsl"
 #include "lib/surface_weight.glsl"

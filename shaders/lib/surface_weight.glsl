@@ -4,6 +4,7 @@
 // a curved surface stays one. Differs from the paper: of both sides the smaller step counts, so that a silhouette is no
 // slope, and the differences of all features add up. Albedos of a pattern are surfaces of their own. Not pure functions: the
 // including kernel has the parameters, and texel buffers albedo_depth and normal.
+
 /// Of squared differences of normal, albedo and depth, the last as it is packed, in [0,2].
 const vec3 kSurfaceFalloff = vec3(1.0, 2.0, 1000.0);
 /// Squared steps from a pixel to the next that two pixels of one surface may be apart.

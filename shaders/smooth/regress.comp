@@ -1,10 +1,11 @@
 // Reads the radiance without albedo, the features and the window's weights; writes the value at the pixel of the plane that
 // fits the window best, first order in the features (Bitterli et al. 2016, "Nonlinearly weighted first-order regression
 // for denoising Monte Carlo renderings", eq. 4), with the albedo again, and (variance left, 1). The slopes are shrunk by a
-// ridge, so that features that are flat or mere noise explain nothing. Pixels of other surfaces count less. The value is mixed with the window's mean, by one share
-// for all channels, until it lies within the window's range: given weights and share it is linear in the radiance. `kernel`
-// has what additive AOVs are then smoothed alike by (additive/smooth), in three planes: two of lib/smoothing_kernel.glsl, and
-// by what the value differs from that sum, which is rounding, but may be a ten-thousandth of a dark pixel among bright ones.
+// ridge, so that features that are flat or mere noise explain nothing. Pixels of other surfaces count less. The value is
+// mixed with the window's mean, by one share for all channels, until it lies within the window's range: given weights and
+// share it is linear in the radiance. `kernel` has what additive AOVs are then smoothed alike by (additive/smooth), in three
+// planes: two of lib/smoothing_kernel.glsl, and by what the value differs from that sum, which is rounding, but may be a
+// ten-thousandth of a dark pixel among bright ones.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
