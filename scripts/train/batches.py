@@ -1,0 +1,84 @@
+"""Random crops of training pairs, varied so that one network serves every kind of sequence."""
+
+import numpy as np
+import torch
+
+import shots
+
+CROP = 80
+EXPOSURE_SPREAD = 0.7  # standard deviation of the log of the random exposure
+# Shares of crops that lack a feature, or have it clean.
+WITHOUT_ALBEDO = 0.15
+WITHOUT_NORMAL = 0.2
+WITHOUT_DEPTH = 0.2
+WITHOUT_VARIANCE = 0.4
+CLEAN_FEATURES = 0.35
+
+
+def with_features_dropped(rng, features):
+    """Features (7 channels) with some taken away, as the filter packs a frame that lacks them."""
+    features = features.copy()
+    nothing = rng.random() < 0.07  # beauty alone
+    if nothing or rng.random() < WITHOUT_ALBEDO:
+        features[:3] = 1.0
+    if nothing or rng.random() < WITHOUT_NORMAL:
+        features[3:6] = 0.0
+    if nothing or rng.random() < WITHOUT_DEPTH:
+        features[6] = 0.0
+    return features
+
+
+def crop(rng, pair, size):
+    """One crop as float32 arrays: color, variance, features, references."""
+    height, width = pair.color.shape[1:]
+    y = rng.integers(height - size + 1)
+    x = rng.integers(width - size + 1)
+    cut = lambda a: a[..., y : y + size, x : x + size].astype(np.float32)
+    color = cut(pair.color)
+    features = with_features_dropped(rng, cut(pair.features[1 if rng.random() < CLEAN_FEATURES else 0]))
+    variance = np.full((1, size, size), -1.0, np.float32)
+    gain = np.exp(rng.normal() * EXPOSURE_SPREAD)
+    if pair.variances and rng.random() >= WITHOUT_VARIANCE:
+        deviation = cut(pair.variances[rng.integers(len(pair.variances))])
+        variance = (deviation * gain) ** 2
+    references = np.stack([cut(r) for r in pair.references])
+
+    channels = rng.permutation(3)
+    color, references = color[channels] * gain, references[:, channels] * gain
+    axes = rng.permutation(3)
+    signs = rng.choice([-1.0, 1.0], (3, 1, 1)).astype(np.float32)
+    features = np.concatenate([features[:3][channels], features[3:6][axes] * signs, features[6:]])
+    arrays = [color, variance, features, references]
+    if rng.random() < 0.5:
+        arrays = [a[..., ::-1] for a in arrays]
+    if rng.random() < 0.5:
+        arrays = [a[..., ::-1, :] for a in arrays]
+    if rng.random() < 0.5:
+        arrays = [np.swapaxes(a, -1, -2) for a in arrays]
+    return [np.ascontiguousarray(a, np.float32) for a in arrays]
+
+
+def batch(rng, pairs, count, size=CROP):
+    crops = [crop(rng, pairs[rng.integers(len(pairs))], size) for _ in range(count)]
+    return [torch.from_numpy(np.stack(column)) for column in zip(*crops)]
+
+
+def whole_frame(pair, clean=False, with_variance=True):
+    """A whole pair as a batch of one, cut to multiples of 16."""
+    height, width = (n // 16 * 16 for n in pair.color.shape[1:])
+    cut = lambda a: torch.from_numpy(np.asarray(a)[..., :height, :width].astype(np.float32))[None]
+    variance = cut(pair.variances[0]) ** 2 if pair.variances and with_variance else -torch.ones(1, 1, height, width)
+    return [cut(pair.color), variance, cut(pair.features[1 if clean else 0]), cut(np.stack(pair.references))]
+
+
+def is_held_out(folder):
+    """Every tenth seed of each renderer is what checkpoints are chosen on."""
+    return int(folder.rsplit("-", 1)[1]) % 10 == 9
+
+
+def load(data):
+    """Pairs to learn from and pairs to choose on."""
+    learn, choose = [], []
+    for folder in shots.complete_shots(data):
+        (choose if is_held_out(folder) else learn).extend(shots.load_shot(folder))
+    return learn, choose

@@ -1,0 +1,64 @@
+"""Writes a trained network as the program embeds it: export.py TRAINED.pt OUT.weights
+
+The file: the magic "becalmNW", then as little-endian 32-bit numbers the number of inputs and the channels of the five scales,
+then all parameters as half floats, layer by layer: weights as [output][input][row][column], biases behind them. The order of
+the layers is that of `layers` here and of filter/network/weights.cpp.
+"""
+
+import struct
+import sys
+
+import numpy as np
+import torch
+
+from network import INPUTS, Network
+
+MAGIC = b"becalmNW"
+
+
+def layers(network):
+    """All layers in the order of the file."""
+    convolutions = [*network.encode, *network.decode, network.finish]
+    return [layer.conv for layer in convolutions] + [*network.window, *network.confidence, network.albedo, network.error]
+
+
+def to_bytes(network):
+    parts = [MAGIC, struct.pack("<6I", INPUTS, *network.channels)]
+    for layer in layers(network):
+        for tensor in (layer.weight, layer.bias):
+            halves = tensor.detach().cpu().numpy().astype("<f2")
+            if not np.isfinite(halves).all():
+                raise ValueError("a parameter is not a finite half float")
+            parts.append(halves.tobytes())
+    return b"".join(parts)
+
+
+def from_bytes(data):
+    """The network that a file holds."""
+    sizes = struct.unpack_from("<6I", data, len(MAGIC))
+    network = Network(channels=sizes[1:])
+    offset = len(MAGIC) + 24
+    with torch.no_grad():
+        for layer in layers(network):
+            for tensor in (layer.weight, layer.bias):
+                halves = np.frombuffer(data, "<f2", tensor.numel(), offset)
+                tensor.copy_(torch.from_numpy(halves.astype(np.float32)).view(tensor.shape))
+                offset += 2 * tensor.numel()
+    return network
+
+
+def load_trained(path):
+    state = torch.load(path, map_location="cpu")
+    network = Network(channels=state["channels"])
+    network.load_state_dict(state["network"])
+    return network
+
+
+def main():
+    trained, out = sys.argv[1:]
+    with open(out, "wb") as file:
+        file.write(to_bytes(load_trained(trained)))
+
+
+if __name__ == "__main__":
+    main()

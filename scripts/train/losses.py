@@ -1,0 +1,58 @@
+"""What the network is trained by, and the figures that training is followed by."""
+
+import torch
+
+from network import LOSS_FLOOR, LOSS_SCALE, divisor_of, network_inputs
+
+# A pixel counts for at most this: else fireflies of the references rule the gradient.
+LARGEST_RELATIVE = 16.0
+LEAST_RELATIVE = 1e-4
+SHARE_OF_PROPORTION = 0.15
+SHARE_OF_SMAPE = 0.3
+SCALE_SPREAD = 1.2  # standard deviation of the logarithm
+SHARE_OF_ERROR = 0.05
+
+
+def smoothed(network, batch, layout=torch.channels_last):
+    """The network's result for a batch, and the log of its relative squared error."""
+    color, variance, features, _ = batch
+    albedo, normal, depth = features[:, :3], features[:, 3:6], features[:, 6:7]
+    divisor = divisor_of(albedo)
+    of_divisor = (divisor * divisor).mean(1, keepdim=True)
+    known = variance >= 0
+    irradiance_variance = torch.where(known, variance / of_divisor, variance)
+    irradiance = color / divisor
+    inputs = network_inputs(irradiance, irradiance_variance, albedo, normal, depth)
+    return network(inputs.contiguous(memory_format=layout), irradiance, divisor)
+
+
+def random_scales(count):
+    """How bright each crop of a batch is shown to the loss: what is dark in one shot counts fully in another."""
+    return LOSS_SCALE * torch.exp(SCALE_SPREAD * torch.randn(count, 1, 1, 1))
+
+
+def training_loss(result, log_error, references, scales):
+    """The logarithm of a clamped relative squared error, SMAPE of the result, and the likelihood of its error.
+
+    The error is learned from (x-a)(x-b), whose mean is that of the squared error whatever the references' noise.
+    """
+    x = scales * result
+    reference = 0.5 * scales * (references[:, 0] + references[:, 1])
+    middle = 0.5 * (x.detach().clamp(min=0.0) + reference)
+    relative = ((x - reference) ** 2 / (middle**2 + LOSS_FLOOR)).clamp(max=LARGEST_RELATIVE).mean((1, 2, 3))
+    smape = ((x - reference).abs() / (x.detach().abs() + reference.abs() + 0.02)).mean()
+    own = LOSS_SCALE * result.detach()
+    a, b = LOSS_SCALE * references[:, 0], LOSS_SCALE * references[:, 1]
+    squared = ((own - a) * (own - b)).mean(1, keepdim=True) / ((own**2).mean(1, keepdim=True) + LOSS_FLOOR)
+    squared = squared.clamp(-LARGEST_RELATIVE, LARGEST_RELATIVE)
+    likelihood = (log_error + squared * torch.exp(-log_error)).mean()
+    # Each crop counts by its own size of error, or the noisiest alone would be learned and detail of clean ones lost.
+    proportion = torch.log(relative + LEAST_RELATIVE).mean()
+    return SHARE_OF_PROPORTION * proportion + SHARE_OF_SMAPE * smape + SHARE_OF_ERROR * likelihood, relative.mean()
+
+
+def rel_mse(x, references):
+    """relMSE by the product of two references, on exposed radiance: frame/metrics.h has the definition."""
+    x = LOSS_SCALE * x
+    a, b = LOSS_SCALE * references[:, 0], LOSS_SCALE * references[:, 1]
+    return ((x - a) * (x - b) / ((0.5 * (a + b)) ** 2 + LOSS_FLOOR)).mean().item()

@@ -1,0 +1,163 @@
+"""Reads the shots that cycles_shots.py and becalm_shots.py rendered: pairs of noisy frames and references.
+
+A pair is what the network may be shown of one frame: radiance, variance, features, noisy or clean, and two independent
+references. Pairs are packed once a shot into a file beside the frames, since reading EXR files takes longer than training on
+them.
+"""
+
+import json
+import os
+from dataclasses import dataclass
+
+import numpy as np
+import OpenImageIO as oiio
+
+PACKED = "packed.npz"
+FIREFLY = 1e4  # largest radiance over the frame's typical one that a reference may have: half-float range
+
+NAMES = {
+    "cycles": {
+        "color": ["Combined.R", "Combined.G", "Combined.B"],
+        "albedo": ["Denoising Albedo.R", "Denoising Albedo.G", "Denoising Albedo.B"],
+        "normal": ["Denoising Normal.X", "Denoising Normal.Y", "Denoising Normal.Z"],
+        "depth": ["Denoising Depth.Z"],
+    },
+    "becalm": {
+        "color": ["R", "G", "B"],
+        "albedo": ["albedo.R", "albedo.G", "albedo.B"],
+        "normal": ["normal.X", "normal.Y", "normal.Z"],
+        "depth": ["depth.Z"],
+        "variance": ["variance.R", "variance.G", "variance.B"],
+        "half_a": ["half_a.R", "half_a.G", "half_a.B"],
+        "half_b": ["half_b.R", "half_b.G", "half_b.B"],
+    },
+}
+
+
+@dataclass
+class Pair:
+    """One noisy frame: arrays of (channels, height, width). Radiance is exposed: its geometric mean is 1."""
+
+    name: str
+    color: np.ndarray
+    variances: list  # what the renderer tells of the noise: its own variance, that of the halves; may be empty
+    features: list  # (albedo, normal, depth) as 7 channels: as noisy as the frame, then of the references
+    references: list  # two
+
+
+def read_layers(path, renderer):
+    """The known layers of an EXR file as float32 arrays of (channels, height, width)."""
+    image = oiio.ImageBuf(path)
+    if image.has_error:
+        raise IOError(f"{path}: {image.geterror()}")
+    spec = image.spec()
+    pixels = np.asarray(image.get_pixels(oiio.FLOAT)).reshape(spec.height, spec.width, spec.nchannels)
+    channels = {}
+    for index, name in enumerate(spec.channelnames):
+        channels[name.removeprefix("ViewLayer.")] = index
+    layers = {}
+    for layer, names in NAMES[renderer].items():
+        if all(name in channels for name in names):
+            layers[layer] = np.ascontiguousarray(pixels[..., [channels[n] for n in names]].transpose(2, 0, 1))
+    return layers
+
+
+def exposure_of(color):
+    """1 over the geometric mean of the luminance, as filter/host_images.cpp has it."""
+    light = np.tensordot(np.array([0.2126, 0.7152, 0.0722]), color.astype(np.float64), 1)
+    lit = light[np.isfinite(light) & (light > 0)]
+    if lit.size == 0:
+        return 0.0
+    lit = lit[lit >= 1e-6 * light.clip(0).mean()]
+    return float(np.exp(-np.log(lit).mean()))
+
+
+def packed_features(layers):
+    """Albedo, normal and depth as the filter packs them (pack_features): 7 channels."""
+    albedo = np.nan_to_num(layers["albedo"], nan=1.0).clip(0, 1)
+    normal = np.nan_to_num(layers["normal"]).clip(-1, 1)
+    depth = layers["depth"].astype(np.float64)
+    hit = np.isfinite(depth) & (depth > 0) & (depth < 6e4)
+    usual = np.exp(np.log(depth[hit]).mean()) if hit.any() else 1.0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        relative = np.where(hit, 2.0 / (1.0 + usual / depth), np.where(depth > 0, 2.0, 0.0))
+    return np.concatenate([albedo, normal, relative]).astype(np.float16)
+
+
+def noisy_layers(folder, shot, spp, frame):
+    """The layers of a noisy frame, with what its files tell of the noise."""
+    if shot["renderer"] == "becalm":
+        return read_layers(f"{folder}/n{spp:03d}.{frame:04d}.exr", "becalm")
+    a = read_layers(f"{folder}/n{spp:03d}_a.{frame:04d}.exr", "cycles")
+    if spp == 1:
+        return a
+    b = read_layers(f"{folder}/n{spp:03d}_b.{frame:04d}.exr", "cycles")
+    layers = {}
+    for name in a:
+        layers[name] = 0.5 * (a[name] + b[name])
+    layers["half_a"], layers["half_b"] = a["color"], b["color"]
+    return layers
+
+
+def variances_of(layers):
+    """What the frame tells of the variance of its mean, one channel each, averaged over colours."""
+    told = []
+    if "variance" in layers:
+        told.append(layers["variance"].mean(0, keepdims=True))
+    if "half_a" in layers and "half_b" in layers:
+        told.append((0.25 * (layers["half_a"] - layers["half_b"]) ** 2).mean(0, keepdims=True))
+    return told
+
+
+def pack_shot(folder):
+    """Reads all frames of a shot that have references into PACKED; a list of arrays by name."""
+    with open(f"{folder}/shot.json") as file:
+        shot = json.load(file)
+    arrays = {}
+    for frame in shot["references"]:
+        a = read_layers(f"{folder}/r_a.{frame:04d}.exr", shot["renderer"])
+        b = read_layers(f"{folder}/r_b.{frame:04d}.exr", shot["renderer"])
+        clean = packed_features({name: 0.5 * (a[name] + b[name]) for name in ("albedo", "normal", "depth")})
+        for spp in shot["spp"]:
+            layers = noisy_layers(folder, shot, spp, frame)
+            exposure = exposure_of(layers["color"])
+            finite = np.isfinite(layers["color"]).all() and np.isfinite(a["color"]).all() and np.isfinite(b["color"]).all()
+            if exposure == 0.0 or not finite:
+                continue
+            key = f"{spp:03d}.{frame:04d}"
+            arrays[f"{key}.color"] = (layers["color"] * exposure).clip(-FIREFLY, FIREFLY).astype(np.float16)
+            arrays[f"{key}.features"] = np.stack([packed_features(layers), clean])
+            references = np.stack([a["color"], b["color"]]) * exposure
+            arrays[f"{key}.references"] = references.clip(-FIREFLY, FIREFLY).astype(np.float16)
+            told = [np.sqrt(np.maximum(v, 0.0)) * exposure for v in variances_of(layers)]
+            if told:
+                arrays[f"{key}.deviations"] = np.stack(told).clip(0, FIREFLY).astype(np.float16)
+    partial = f"{folder}/{PACKED}.partial.npz"
+    np.savez(partial, **arrays)
+    os.replace(partial, f"{folder}/{PACKED}")
+
+
+def load_shot(folder):
+    """The pairs of a shot, packed before if need be."""
+    path = f"{folder}/{PACKED}"
+    if not os.path.exists(path):
+        pack_shot(folder)
+    pairs = []
+    with np.load(path) as packed:
+        for key in sorted(name.removesuffix(".color") for name in packed.files if name.endswith(".color")):
+            deviations = packed[f"{key}.deviations"] if f"{key}.deviations" in packed.files else []
+            pairs.append(
+                Pair(
+                    name=f"{os.path.basename(folder)}/{key}",
+                    color=packed[f"{key}.color"],
+                    variances=list(deviations),
+                    features=list(packed[f"{key}.features"]),
+                    references=list(packed[f"{key}.references"]),
+                )
+            )
+    return pairs
+
+
+def complete_shots(data):
+    """Folders of all shots that are rendered whole, sorted."""
+    return sorted(entry.path for entry in os.scandir(data) if os.path.exists(f"{entry.path}/shot.json"))

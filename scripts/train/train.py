@@ -1,0 +1,163 @@
+"""Trains the network: train.py DATA OUT [--size standard|small] [--minutes M | --steps N] [--device cpu|cuda] [--seed N]
+
+Goes on from OUT/checkpoint.pt if that is there. Writes OUT/checkpoint.pt, OUT/best.pt (the averaged weights with the least
+error on the shots held out) and OUT/curve.csv (minutes, step, training error, held-out error, energy).
+"""
+
+import argparse
+import copy
+import math
+import os
+import sys
+import time
+
+import numpy as np
+import torch
+
+import batches
+import losses
+from network import CHANNELS, Network, parameter_count
+
+BATCH = 6
+LEARNING_RATE = 1e-3
+LAST_RATE = 0.02  # of the learning rate
+WARM_UP = 200
+AVERAGE_DECAY = 0.999
+EVALUATE_EVERY_MIN = 5.0
+
+
+def rate_at(share, step):
+    """Learning rate after `share` of the time: cosine, after a linear start."""
+    cosine = LAST_RATE + (1.0 - LAST_RATE) * 0.5 * (1.0 + math.cos(math.pi * min(share, 1.0)))
+    return LEARNING_RATE * min(1.0, (step + 1) / WARM_UP) * cosine
+
+
+@torch.no_grad()
+def held_out_error(network, pairs):
+    """Geometric mean over pairs of relMSE as a share of the noisy frames', and the mean change of energy."""
+    logs, energies = [], []
+    for pair in pairs:
+        frame = batches.whole_frame(pair)
+        result, _ = losses.smoothed(network, frame)
+        references = frame[3]
+        noisy = losses.rel_mse(frame[0], references)
+        logs.append(math.log(max(losses.rel_mse(result, references), 1e-6) / max(noisy, 1e-6)))
+        energies.append((result.mean() / references.mean()).item() - 1.0)
+    return math.exp(np.mean(logs)), float(np.median(energies))
+
+
+class Trainer:
+    def __init__(self, args):
+        self.args = args
+        os.makedirs(args.out, exist_ok=True)
+        torch.manual_seed(args.seed)
+        self.rng = np.random.default_rng(args.seed)
+        self.network = Network(CHANNELS[args.size]).to(args.device, memory_format=torch.channels_last)
+        self.average = copy.deepcopy(self.network)
+        self.optimizer = torch.optim.Adam(self.network.parameters(), LEARNING_RATE, eps=1e-8)
+        self.step, self.spent_s, self.best = 0, 0.0, math.inf
+        if os.path.exists(self.path("checkpoint.pt")):
+            self.resume()
+
+    def path(self, name):
+        return os.path.join(self.args.out, name)
+
+    def resume(self):
+        state = torch.load(self.path("checkpoint.pt"), map_location=self.args.device)
+        self.network.load_state_dict(state["network"])
+        self.average.load_state_dict(state["average"])
+        self.optimizer.load_state_dict(state["optimizer"])
+        self.step, self.spent_s, self.best = state["step"], state["spent_s"], state["best"]
+        self.rng = np.random.default_rng([self.args.seed, self.step])
+
+    def share_done(self):
+        """Of the steps, if there is a number of them, else of the time."""
+        return self.step / self.args.steps if self.args.steps > 0 else self.spent_s / (60.0 * self.args.minutes)
+
+    def save(self):
+        state = {
+            "network": self.network.state_dict(),
+            "average": self.average.state_dict(),
+            "optimizer": self.optimizer.state_dict(),
+            "step": self.step,
+            "spent_s": self.spent_s,
+            "best": self.best,
+            "channels": self.network.channels,
+        }
+        torch.save(state, self.path("checkpoint.pt.partial"))
+        os.replace(self.path("checkpoint.pt.partial"), self.path("checkpoint.pt"))
+
+    def train_step(self, pairs):
+        for group in self.optimizer.param_groups:
+            group["lr"] = rate_at(self.share_done(), self.step)
+        batch = [t.to(self.args.device) for t in batches.batch(self.rng, pairs, BATCH, self.args.crop)]
+        scales = losses.random_scales(BATCH).to(self.args.device)
+        loss, relative = losses.training_loss(*losses.smoothed(self.network, batch), batch[3], scales)
+        self.optimizer.zero_grad()
+        loss.backward()
+        torch.nn.utils.clip_grad_norm_(self.network.parameters(), 1.0)
+        self.optimizer.step()
+        decay = min(AVERAGE_DECAY, (self.step + 1) / (self.step + 10))
+        with torch.no_grad():
+            for mean, now in zip(self.average.parameters(), self.network.parameters()):
+                mean.lerp_(now, 1.0 - decay)
+        self.step += 1
+        return relative.item()
+
+    def evaluate(self, pairs, training_error):
+        error, energy = held_out_error(self.average, pairs) if pairs else (math.nan, math.nan)
+        line = f"{self.spent_s / 60:.2f},{self.step},{training_error:.5f},{error:.5f},{energy:.5f}"
+        print(line, flush=True)
+        with open(self.path("curve.csv"), "a") as file:
+            file.write(line + "\n")
+        if not error >= self.best:
+            self.best = error
+            torch.save({"network": self.average.state_dict(), "channels": self.network.channels}, self.path("best.pt"))
+        self.save()
+
+    def run(self):
+        learn, choose = batches.load(self.args.data)
+        print(f"{len(learn)} pairs to learn from, {len(choose)} to choose on, {parameter_count(self.network)} parameters")
+        loaded = last_evaluation = time.monotonic()
+        errors = []
+        while self.share_done() < 1.0:
+            start = time.monotonic()
+            errors.append(self.train_step(learn))
+            now = time.monotonic()
+            self.spent_s += now - start
+            if now - last_evaluation > 60.0 * EVALUATE_EVERY_MIN:
+                self.evaluate(choose, float(np.mean(errors)))
+                errors = []
+                if self.args.reload_min > 0 and now - loaded > 60.0 * self.args.reload_min:
+                    before = len(choose)
+                    learn, choose = batches.load(self.args.data)
+                    if len(choose) != before:
+                        self.best = math.inf  # errors on other shots do not compare
+                    loaded = time.monotonic()
+                last_evaluation = time.monotonic()
+        self.evaluate(choose, float(np.mean(errors)) if errors else math.nan)
+
+
+def parse(words):
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("data")
+    parser.add_argument("out")
+    parser.add_argument("--size", choices=sorted(CHANNELS), default="standard")
+    parser.add_argument("--minutes", type=float, default=240.0)
+    parser.add_argument("--steps", type=int, default=0, help="so many steps instead")
+    parser.add_argument("--device", default="cpu")
+    parser.add_argument("--threads", type=int, default=os.cpu_count())
+    parser.add_argument("--crop", type=int, default=batches.CROP)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--reload-min", type=float, default=0.0, help="look for new shots after so many minutes")
+    return parser.parse_args(words)
+
+
+def main():
+    args = parse(sys.argv[1:])
+    torch.set_num_threads(args.threads)
+    Trainer(args).run()
+
+
+if __name__ == "__main__":
+    main()

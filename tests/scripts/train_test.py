@@ -1,0 +1,142 @@
+"""The training of scripts/train/ on shots so small that it takes seconds."""
+
+import json
+import os
+import tempfile
+import unittest
+
+import numpy as np
+import OpenImageIO as oiio
+import torch
+
+import batches
+import export
+import losses
+import shots
+import train
+from network import CHANNELS, Network, parameter_count
+
+SIZE = 32
+
+
+def write_exr(path, channels):
+    """A file of the named channels, each (height, width)."""
+    spec = oiio.ImageSpec(SIZE, SIZE, len(channels), oiio.FLOAT)
+    spec.channelnames = list(channels)
+    out = oiio.ImageOutput.create(path)
+    out.open(path, spec)
+    out.write_image(np.stack(list(channels.values()), -1).astype(np.float32))
+    out.close()
+
+
+def layer(name, image, suffixes="RGB"):
+    prefix = f"{name}." if name else ""
+    return {prefix + suffix: image[i] for i, suffix in enumerate(suffixes)}
+
+
+def write_shot(folder, renderer, seed):
+    """A chequered surface under light that is brighter to the right, at 4 samples a pixel."""
+    rng = np.random.default_rng(seed)
+    x, y = np.meshgrid(np.arange(SIZE), np.arange(SIZE))
+    albedo = np.where((x // 8 + y // 8) % 2, 0.7, 0.3)[None] * np.array([1.0, 0.8, 0.6])[:, None, None]
+    clean = albedo * (0.5 + x / SIZE)
+    normal = np.stack([0 * x, 0 * x, 0 * x + 1.0])
+    depth = (2.0 + y / SIZE)[None]
+    noisy = lambda: clean * rng.gamma(2.0, 0.5, clean.shape)
+    os.makedirs(folder)
+    names = [("", "albedo", "normal", "depth"), ("ViewLayer.Combined", "ViewLayer.Denoising Albedo", "ViewLayer.Denoising Normal", "ViewLayer.Denoising Depth")]
+    beauty, of_albedo, of_normal, of_depth = names[renderer == "cycles"]
+    features = layer(of_albedo, albedo) | layer(of_normal, normal, "XYZ") | layer(of_depth, depth, "Z")
+    a, b = noisy(), noisy()
+    if renderer == "cycles":
+        write_exr(f"{folder}/n004_a.0001.exr", layer(beauty, a) | features)
+        write_exr(f"{folder}/n004_b.0001.exr", layer(beauty, b) | features)
+    else:
+        halves = layer("half_a", a) | layer("half_b", b) | layer("variance", (clean * 0.35) ** 2)
+        write_exr(f"{folder}/n004.0001.exr", layer(beauty, 0.5 * (a + b)) | halves | features)
+    for name in "ab":
+        write_exr(f"{folder}/r_{name}.0001.exr", layer(beauty, clean * rng.gamma(64.0, 1 / 64.0, clean.shape)) | features)
+    with open(f"{folder}/shot.json", "w") as file:
+        json.dump({"renderer": renderer, "references": [1], "spp": [4]}, file)
+
+
+class Shots(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        for renderer in ("becalm", "cycles"):
+            write_shot(f"{self.folder.name}/{renderer}-000000", renderer, 1)
+            write_shot(f"{self.folder.name}/{renderer}-000009", renderer, 2)
+        os.makedirs(f"{self.folder.name}/cycles-000001")  # not rendered to its end
+
+    def test_pairs_of_both_renderers_are_read(self):
+        learn, choose = batches.load(self.folder.name)
+        self.assertEqual([p.name for p in learn], ["becalm-000000/004.0001", "cycles-000000/004.0001"])
+        self.assertEqual([p.name for p in choose], ["becalm-000009/004.0001", "cycles-000009/004.0001"])
+        self.assertEqual([len(p.variances) for p in learn], [2, 1])
+        for pair in learn:
+            self.assertAlmostEqual(shots.exposure_of(pair.color), 1.0, delta=0.01)
+            self.assertLess(losses.rel_mse(torch.from_numpy(np.float32(pair.references[0]))[None],
+                                           batches.whole_frame(pair)[3]), 0.01)
+
+    def test_the_loss_falls_and_training_goes_on_where_it_stopped(self):
+        out = f"{self.folder.name}/out"
+        def trained(steps):
+            args = train.parse(["--size", "small", "--steps", str(steps), "--crop", "32", self.folder.name, out])
+            trainer = train.Trainer(args)
+            trainer.run()
+            return trainer
+        first = trained(100)
+        error = train.held_out_error(Network(CHANNELS["small"]), batches.load(self.folder.name)[1])[0]
+        self.assertLess(first.best, 0.85 * error)
+        second = trained(120)
+        self.assertEqual((first.step, second.step), (100, 120))
+        self.assertTrue(os.path.exists(f"{out}/best.pt"))
+        with open(f"{out}/curve.csv") as file:
+            self.assertEqual(len(file.readlines()), 2)
+
+
+class Networks(unittest.TestCase):
+    def setUp(self):
+        torch.manual_seed(1)
+        self.network = Network(CHANNELS["small"])
+        for head in self.network.window:
+            torch.nn.init.normal_(head.weight, std=0.3)
+        self.color, self.features = 2.0 * torch.rand(1, 3, SIZE, SIZE), torch.rand(1, 7, SIZE, SIZE)
+        self.variance = torch.rand(1, 1, SIZE, SIZE)
+
+    def smoothed(self, network, color):
+        with torch.no_grad():
+            return losses.smoothed(network, [color, self.variance, self.features, None])[0]
+
+    def test_export_and_import_give_the_same_pixels(self):
+        data = export.to_bytes(self.network)
+        again = export.from_bytes(data)
+        self.assertEqual(export.to_bytes(again), data)
+        expected, found = self.smoothed(self.network, self.color), self.smoothed(again, self.color)
+        self.assertLess(((found - expected).abs() / expected).max().item(), 2e-2)  # of weights in half floats
+        self.assertEqual(len(data), 32 + 2 * parameter_count(self.network))
+
+    def test_weights_are_positive_and_sum_to_one(self):
+        self.features[:, :3] = 1.0  # no albedo
+        found = self.smoothed(self.network, self.color)
+        self.assertGreaterEqual(found.min().item(), self.color.min().item() - 1e-6)
+        self.assertLessEqual(found.max().item(), self.color.max().item() + 1e-6)
+        even = torch.full_like(self.color, 3.0)
+        self.assertLess((self.smoothed(self.network, even) - 3.0).abs().max().item(), 1e-5)
+
+    def test_the_error_is_learned_without_the_noise_of_references(self):
+        clean = torch.ones(1, 3, 256, 256)
+        noise = lambda: 0.5 * torch.randn(1, 3, 256, 256)
+        result = 1.2 * clean
+        references = torch.stack([clean + noise(), clean + noise()], 1)
+        def likelihood(log_error):
+            error = torch.full((1, 1, 256, 256), log_error)
+            return losses.training_loss(result, error, references, losses.LOSS_SCALE)[0].item()
+        truth = np.log((0.3 * 0.2) ** 2 / ((0.3 * 1.2) ** 2 + 0.01))
+        self.assertLess(likelihood(truth), likelihood(truth + 0.5))
+        self.assertLess(likelihood(truth), likelihood(truth - 0.5))
+
+
+if __name__ == "__main__":
+    unittest.main()
