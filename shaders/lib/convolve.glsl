@@ -1,0 +1,37 @@
+// The 3x3 convolution of network/convolve and network/convolve_onto, kBlock pixels of a row an invocation. Not pure functions:
+// the including kernel has `p`, which is ConvolveParams, and the texel buffers `source` and `weights`.
+
+const int kTaps = 9;
+const int kBlock = 2;
+
+#include "lib/convolution_weights.glsl"
+
+/// Of pixel x of the block, plane o of the result: element o * kBlock + x.
+vec4 sums[kOutputs * kBlock];
+
+/// Adds the source's share to `sums`; pixels outside of the image repeat its border.
+void convolve(ivec2 at) {
+  const int pixels = p.width * p.height;
+  int columns[kBlock + 2];
+  int rows[3];
+  [[unroll]] for (int i = 0; i < kBlock + 2; ++i) columns[i] = clamp(at.x + i - 1, 0, p.width - 1);
+  [[unroll]] for (int i = 0; i < 3; ++i) rows[i] = clamp(at.y + i - 1, 0, p.height - 1) * p.width;
+  [[unroll]] for (int plane = 0; plane < planes; ++plane) {
+    const int first = (p.first_plane + plane) * pixels;
+    vec4 taps[3 * (kBlock + 2)];
+    [[unroll]] for (int i = 0; i < 3 * (kBlock + 2); ++i) {
+      taps[i] = texelFetch(source, first + rows[i / (kBlock + 2)] + columns[i % (kBlock + 2)]);
+    }
+    [[unroll]] for (int tap = 0; tap < kTaps; ++tap) {
+      [[unroll]] for (int c = 0; c < 4; ++c) {
+        [[unroll]] for (int o = 0; o < kOutputs; ++o) {
+          const vec4 weight = weight_of(4 * plane + c, tap, o);
+          [[unroll]] for (int x = 0; x < kBlock; ++x) {
+            const float value = taps[tap / 3 * (kBlock + 2) + tap % 3 + x][c];
+            sums[o * kBlock + x] = fma(vec4(value), weight, sums[o * kBlock + x]);
+          }
+        }
+      }
+    }
+  }
+}

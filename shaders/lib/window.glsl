@@ -1,0 +1,6 @@
+// The 5x5 window of network/mix and network/finish.
+
+const int kTaps = 25;
+
+/// The taps go row by row.
+ivec2 window_offset(int tap) { return ivec2(tap % 5 - 2, tap / 5 - 2); }

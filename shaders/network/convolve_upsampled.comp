@@ -1,0 +1,51 @@
+// A further share of a 3x3 convolution, of a source of half the size, of which (x, y) reads (x / 2, y / 2): adds to what earlier
+// shares have left in the result. The nine pixels around a fine one lie in 2x2 coarse ones (which ones, depends on whether its
+// x and y are even), so there are 16 weights in the place of 9, each the sum of those that fall on one coarse pixel, and 4
+// products in the place of 9. An invocation makes the 2x2 pixels of a coarse one in 2 planes: dispatch {ceil(width / 2),
+// ceil(height / 2), planes of the result / 2}.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#include "shared/convolve_params.h"
+
+layout(push_constant) uniform Params { ConvolveParams p; };
+layout(set = 0, binding = 0) uniform samplerBuffer source;
+layout(set = 0, binding = 1) uniform samplerBuffer weights;
+layout(std430, set = 0, binding = 2) buffer ResultBuffer { vec4 data[]; } result;
+
+const int kTaps = 16;  // 4 * (2 * (y % 2) + x % 2) + 2 * row + column of the four coarse pixels
+
+#include "lib/convolution_weights.glsl"
+
+void main() {
+  load_weights();
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  const ivec2 size = (ivec2(p.width, p.height) + 1) / 2;
+  int columns[3];
+  int rows[3];
+  [[unroll]] for (int i = 0; i < 3; ++i) columns[i] = clamp(at.x + i - 1, 0, size.x - 1);
+  [[unroll]] for (int i = 0; i < 3; ++i) rows[i] = clamp(at.y + i - 1, 0, size.y - 1) * size.x;
+
+  vec4 sums[kOutputs * 4];
+  [[unroll]] for (int i = 0; i < kOutputs * 4; ++i) sums[i] = shared_weights[i / 4];
+  [[unroll]] for (int plane = 0; plane < planes; ++plane) {
+    const int first = (p.first_plane + plane) * size.x * size.y;
+    vec4 around[9];
+    [[unroll]] for (int i = 0; i < 9; ++i) around[i] = texelFetch(source, first + rows[i / 3] + columns[i % 3]);
+    [[unroll]] for (int c = 0; c < 4; ++c) {
+      [[unroll]] for (int tap = 0; tap < kTaps; ++tap) {
+        const int pixel = tap / 4;
+        const float value = around[3 * (pixel / 2 + tap / 2 % 2) + pixel % 2 + tap % 2][c];
+        [[unroll]] for (int o = 0; o < kOutputs; ++o) {
+          sums[4 * o + pixel] = fma(vec4(value), weight_of(4 * plane + c, tap, o), sums[4 * o + pixel]);
+        }
+      }
+    }
+  }
+
+  [[unroll]] for (int i = 0; i < kOutputs * 4; ++i) {
+    const ivec2 q = 2 * at + ivec2(i % 2, i / 2 % 2);
+    const int index = ((first_output() + i / 4) * p.height + q.y) * p.width + q.x;
+    if (q.x < p.width && q.y < p.height) result.data[index] = finished(result.data[index] + sums[i]);
+  }
+}

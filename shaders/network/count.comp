@@ -1,0 +1,34 @@
+// Reads the finest scale's features and the radiance without albedo; writes the radiance with how much each pixel counts in the
+// windows around it (a): the network's confidence, which keeps outliers out, and nearly nothing for a pixel that is not finite; and the
+// pixel's affinities.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#include "lib/network.glsl"
+#include "shared/network_params.h"
+
+layout(constant_id = 0) const int planes = 4;  // of four features each
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant) uniform Params { ScaleParams p; };
+layout(set = 0, binding = 0) uniform samplerBuffer features;
+layout(set = 0, binding = 1) uniform samplerBuffer weights;
+layout(set = 0, binding = 2) uniform samplerBuffer irradiance;
+layout(std430, set = 0, binding = 3) writeonly buffer CountedBuffer { vec4 data[]; } counted;
+layout(std430, set = 0, binding = 4) writeonly buffer AffinitiesBuffer { vec4 data[]; } affinities;
+
+const int kMostOutputs = 5;  // the confidence, then the affinities
+#include "lib/head.glsl"
+
+void main() {
+  load_head(kMostOutputs);
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  const bool inside = at.x < p.width && at.y < p.height;
+  const int index = inside ? at.y * p.width + at.x : 0;
+  float head[kMostOutputs];
+  apply_head(kMostOutputs, index, p.width * p.height, head);
+  const vec4 value = texelFetch(irradiance, index);
+  if (!inside) return;
+  counted.data[index] = vec4(value.rgb, value.a > 0.0 ? confidence(head[0]) : kConfidenceOfHole);
+  affinities.data[index] = vec4(head[1], head[2], head[3], head[4]);
+}

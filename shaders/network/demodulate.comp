@@ -1,0 +1,30 @@
+// Reads a frame and its features; writes the padded frame's radiance without albedo, in units of the frame's typical luminance
+// (a: 1, or 0 for a pixel that is not finite), and the range-compressed grey value that the local deviation is taken of.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "lib/gain.glsl"
+#include "lib/network.glsl"
+#include "lib/reflectance.glsl"
+#include "shared/network_params.h"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant) uniform Params { PaddedParams p; };
+layout(set = 0, binding = 0) uniform samplerBuffer color;
+layout(set = 0, binding = 1) uniform samplerBuffer variance;
+layout(set = 0, binding = 2) uniform samplerBuffer albedo_depth;
+layout(set = 0, binding = 3) uniform samplerBuffer exposure;
+layout(std430, set = 0, binding = 4) writeonly buffer IrradianceBuffer { vec4 data[]; } irradiance;
+layout(std430, set = 0, binding = 5) writeonly buffer GreyBuffer { float data[]; } grey;
+
+void main() {
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  if (at.x >= p.padded_width || at.y >= p.padded_height) return;
+  const int from = min(at.y, p.height - 1) * p.width + min(at.x, p.width - 1);
+  const vec3 divisor = divisor_of(texelFetch(albedo_depth, from).rgb);
+  const vec3 divided = texelFetch(color, from).rgb * texelFetch(exposure, 0).x / divisor;
+  const vec3 value = clamp(divided, vec3(-kLargestDifference), vec3(kLargestDifference));
+  const int index = at.y * p.padded_width + at.x;
+  irradiance.data[index] = vec4(value, texelFetch(variance, from).y);
+  const vec3 compressed = vec3(compressed_radiance(value.r), compressed_radiance(value.g), compressed_radiance(value.b));
+  grey.data[index] = (compressed.r + compressed.g + compressed.b) / 3.0;
+}

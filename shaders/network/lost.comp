@@ -1,0 +1,27 @@
+// Reads a frame, its variance and what the windows made of it; writes the squared difference and the variance that noise alone
+// would give it, both relative to the result's brightness; (0, -1) for a pixel that is not finite.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "lib/color.glsl"
+#include "lib/gain.glsl"
+#include "shared/network_params.h"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant) uniform Params { ScaleParams p; };
+layout(set = 0, binding = 0) uniform samplerBuffer color;
+layout(set = 0, binding = 1) uniform samplerBuffer variance;
+layout(set = 0, binding = 2) uniform samplerBuffer smoothed;
+layout(set = 0, binding = 3) uniform samplerBuffer exposure;
+layout(std430, set = 0, binding = 4) writeonly buffer LostBuffer { vec2 data[]; } lost;
+
+void main() {
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  if (at.x >= p.width || at.y >= p.height) return;
+  const int index = at.y * p.width + at.x;
+  const vec4 y = texelFetch(smoothed, index);
+  const vec2 stats = texelFetch(variance, index).xy;
+  const float scale = 1.0 / brightness(y.r, y.g, y.b, texelFetch(exposure, 0).x);
+  const vec3 d = clamp((texelFetch(color, index).rgb - y.rgb) * scale, -kLargestDifference, kLargestDifference);
+  const float deviation = min(sqrt(max(stats.x, 0.0)) * scale, kLargestDifference);
+  lost.data[index] = stats.y > 0.0 ? vec2(dot(d, d) / 3.0, deviation * deviation) : vec2(0.0, -1.0);
+}

@@ -1,0 +1,66 @@
+// Reads one scale's features, its counted radiance and the result of the coarser scale; writes this scale's result: the mean of
+// the 5x5 window and of the four nearest coarser pixels, weighted by the softmax of what the network says of each (Vogels et
+// al. 2018, with one convex sum in place of the two that they add and subtract), less the squared distance of affinities, and
+// by how much the window's pixels count.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#include "shared/network_params.h"
+
+layout(constant_id = 0) const int planes = 4;      // of four features each
+layout(constant_id = 1) const int has_coarse = 1;  // 0: this is the coarsest scale
+
+layout(local_size_x = 8, local_size_y = 4) in;
+layout(push_constant) uniform Params { ScaleParams p; };
+layout(set = 0, binding = 0) uniform samplerBuffer features;
+layout(set = 0, binding = 1) uniform samplerBuffer weights;
+layout(set = 0, binding = 2) uniform samplerBuffer counted;
+layout(set = 0, binding = 3) uniform samplerBuffer affinities;
+layout(set = 0, binding = 4) uniform samplerBuffer coarse;
+layout(std430, set = 0, binding = 5) writeonly buffer ResultBuffer { vec4 data[]; } result;
+
+#include "lib/window.glsl"
+
+const int kCoarseTaps = 4;
+const int kMostOutputs = kTaps + kCoarseTaps;
+#include "lib/head.glsl"
+
+void main() {
+  const int taps = has_coarse != 0 ? kTaps + kCoarseTaps : kTaps;
+  load_head(taps);
+  const ivec2 size = ivec2(p.width, p.height);
+  const ivec2 at = min(ivec2(gl_GlobalInvocationID.xy), size - 1);
+  const int index = at.y * size.x + at.x;
+  float weight[kMostOutputs];
+  apply_head(taps, index, size.x * size.y, weight);
+  int tap_index[kTaps];
+  const vec4 own_affinities = texelFetch(affinities, index);
+  [[unroll]] for (int t = 0; t < kTaps; ++t) {
+    const ivec2 tap = clamp(at + window_offset(t), ivec2(0), size - 1);
+    tap_index[t] = tap.y * size.x + tap.x;
+    const vec4 d = texelFetch(affinities, tap_index[t]) - own_affinities;
+    weight[t] -= dot(d, d);
+  }
+  float largest = weight[0];
+  [[unroll]] for (int t = 1; t < taps; ++t) largest = max(largest, weight[t]);
+  [[unroll]] for (int t = 0; t < taps; ++t) weight[t] = exp(weight[t] - largest);
+  vec3 sum = vec3(0.0);
+  float total = 0.0;
+  [[unroll]] for (int t = 0; t < kTaps; ++t) {
+    const vec4 value = texelFetch(counted, tap_index[t]);
+    const float w = weight[t] * value.a;
+    sum += w * value.rgb;
+    total += w;
+  }
+  if (has_coarse != 0) {
+    // The pixel's own, the one beside, above or below, and the one across the corner.
+    const ivec2 own = at / 2;
+    const ivec2 other = clamp(own + 2 * (at % 2) - 1, ivec2(0), size / 2 - 1);
+    [[unroll]] for (int t = 0; t < kCoarseTaps; ++t) {
+      const ivec2 tap = ivec2(t % 2 == 0 ? own.x : other.x, t / 2 == 0 ? own.y : other.y);
+      sum += weight[kTaps + t] * texelFetch(coarse, tap.y * (size.x / 2) + tap.x).rgb;
+      total += weight[kTaps + t];
+    }
+  }
+  if (at == ivec2(gl_GlobalInvocationID.xy)) result.data[index] = vec4(sum / max(total, 1e-30), 0.0);
+}

@@ -1,0 +1,38 @@
+// Reads counted radiance of the finer scale and this scale's features; writes the counted radiance of this scale: of each four
+// pixels the mean as they count, and their mean count times the network's confidence at this scale; and the pixel's affinities.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#include "lib/network.glsl"
+#include "shared/network_params.h"
+
+layout(constant_id = 0) const int planes = 4;  // of four features each
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant) uniform Params { ScaleParams p; };
+layout(set = 0, binding = 0) uniform samplerBuffer features;
+layout(set = 0, binding = 1) uniform samplerBuffer weights;
+layout(set = 0, binding = 2) uniform samplerBuffer finer;
+layout(std430, set = 0, binding = 3) writeonly buffer CountedBuffer { vec4 data[]; } counted;
+layout(std430, set = 0, binding = 4) writeonly buffer AffinitiesBuffer { vec4 data[]; } affinities;
+
+const int kMostOutputs = 5;  // the confidence, then the affinities
+#include "lib/head.glsl"
+
+void main() {
+  load_head(kMostOutputs);
+  const ivec2 at = min(ivec2(gl_GlobalInvocationID.xy), ivec2(p.width, p.height) - 1);
+  const int index = at.y * p.width + at.x;
+  float head[kMostOutputs];
+  apply_head(kMostOutputs, index, p.width * p.height, head);
+  vec3 sum = vec3(0.0);
+  float count = 0.0;
+  [[unroll]] for (int i = 0; i < 4; ++i) {
+    const vec4 value = texelFetch(finer, (2 * at.y + i / 2) * 2 * p.width + 2 * at.x + i % 2);
+    sum += value.a * value.rgb;
+    count += value.a;
+  }
+  if (at != ivec2(gl_GlobalInvocationID.xy)) return;
+  counted.data[index] = vec4(sum / count, 0.25 * count * confidence(head[0]));
+  affinities.data[index] = vec4(head[1], head[2], head[3], head[4]);
+}

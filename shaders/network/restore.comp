@@ -1,0 +1,19 @@
+// Reads a frame or an additive AOV, what the windows made of it, and the share that is put back; writes both mixed by that share.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared/network_params.h"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant) uniform Params { ScaleParams p; };
+layout(set = 0, binding = 0) uniform samplerBuffer color;
+layout(set = 0, binding = 1) uniform samplerBuffer smoothed;
+layout(set = 0, binding = 2) uniform samplerBuffer share;
+layout(std430, set = 0, binding = 3) writeonly buffer RestoredBuffer { vec4 data[]; } restored;
+
+void main() {
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  if (at.x >= p.width || at.y >= p.height) return;
+  const int index = at.y * p.width + at.x;
+  const vec4 y = texelFetch(smoothed, index);
+  restored.data[index] = y + texelFetch(share, index).x * (texelFetch(color, index) - y);
+}

@@ -1,0 +1,49 @@
+// Reads what the windows lost around each pixel, the variance of the frame and the error that the network expects; writes the
+// share of the frame that is put back, and the variance then left. What a patch lost beyond its noise was detail: of both, the
+// share has the least expected squared error (lib/gain.glsl). The pixel itself is left out: a share made from the value
+// that it weighs would darken the image.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#include "lib/gain.glsl"
+#include "shared/network_params.h"
+
+const int kRadius = 3;
+/// Noise must be exceeded by so many standard errors of its estimate: Monte Carlo noise is spikier than the Gaussian that
+/// they are those of.
+const float kSignificance = 3.0;
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant) uniform Params { ScaleParams p; };
+layout(set = 0, binding = 0) uniform samplerBuffer lost;
+layout(set = 0, binding = 1) uniform samplerBuffer variance;
+layout(set = 0, binding = 2) uniform samplerBuffer expected;
+layout(std430, set = 0, binding = 3) writeonly buffer ShareBuffer { float data[]; } share;
+layout(std430, set = 0, binding = 4) writeonly buffer StatsBuffer { vec2 data[]; } stats;
+
+void main() {
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  if (at.x >= p.width || at.y >= p.height) return;
+  vec2 sum = vec2(0.0);
+  float count = 0.0;
+  for (int j = -kRadius; j <= kRadius; ++j) {
+    [[unroll]] for (int i = -kRadius; i <= kRadius; ++i) {
+      const ivec2 tap = at + ivec2(i, j);
+      const bool inside = all(greaterThanEqual(tap, ivec2(0))) && all(lessThan(tap, ivec2(p.width, p.height)));
+      const vec2 value = texelFetch(lost, inside ? tap.y * p.width + tap.x : 0).xy;
+      const bool counts = inside && value.y >= 0.0 && (i != 0 || j != 0);
+      sum += counts ? value : vec2(0.0);
+      count += counts ? 1.0 : 0.0;
+    }
+  }
+  const int index = at.y * p.width + at.x;
+  const vec2 noisy = texelFetch(variance, index).xy;
+  const vec2 smooth_stats = texelFetch(expected, index).xy;
+  const vec2 mean = sum / max(count, 1.0);
+  const float detail = excess_over_noise(mean.x, mean.y, max(count, 1.0), kSignificance);
+  const float put_back = noisy.y > 0.0 && detail > 0.0 ? detail / (detail + mean.y) : 0.0;
+  share.data[index] = put_back;
+  const float rest = 1.0 - put_back;
+  const float left = rest * rest * smooth_stats.x + put_back * put_back * noisy.x;
+  stats.data[index] = vec2(min(left, kLargestVariance), smooth_stats.y);
+}

@@ -1,0 +1,26 @@
+// Push constants of the kernels in shaders/network/; see align_params.h for the rules.
+#ifndef BECALM_NETWORK_PARAMS_H
+#define BECALM_NETWORK_PARAMS_H
+
+#ifdef __cplusplus
+namespace becalm::filter::params {
+#endif
+
+/// A frame, and the same repeated at its border up to a size that every scale divides.
+struct PaddedParams {
+  int width;
+  int height;
+  int padded_width;
+  int padded_height;
+};
+
+/// One scale of the padded frame.
+struct ScaleParams {
+  int width;
+  int height;
+};
+
+#ifdef __cplusplus
+}  // namespace becalm::filter::params
+#endif
+#endif

@@ -1,0 +1,202 @@
+// The smoothing network's passes against the formulas in double, and what must hold whatever it has learned.
+#include "filter/network/network.h"
+
+#include <algorithm>
+#include <random>
+
+#include "tests/filter/device_fixture.h"
+#include "tests/filter/grids.h"
+#include "tests/filter/pattern.h"
+#include "tests/filter/reference/network.h"
+#include "tests/filter/task.h"
+
+namespace becalm::filter {
+namespace {
+
+using reference::Estimate;
+using reference::Grid;
+
+struct Sample {
+  Sample(int width, int height) : pixels(width, height), features(width, height) {}
+  gpu::Extent extent() const { return {pixels.width, pixels.height}; }
+
+  Grid<Estimate> pixels;
+  Grid<reference::SmoothFeatures> features;
+  float exposure = 1.7f;
+};
+
+/// A textured slope under noise before a wall of another normal, with fireflies and pixels that are not
+/// finite.
+Sample noisy_sample(int width, int height) {
+  Sample sample(width, height);
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0, 0.3);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const bool wall = y < height / 3 + x / 4;
+      reference::SmoothFeatures& f = sample.features.at(x, y);
+      for (int c = 0; c < 3; ++c) f[c] = static_cast<float>(pattern(2 * x, 2 * y, 4 + c));
+      f[3] = static_cast<float>(wall ? 1.4 : 0.4 + 0.01 * y);
+      f[wall ? 6 : 5] = 1.0;
+      Estimate& e = sample.pixels.at(x, y);
+      const double light = wall ? 0.5 : 1.0 + 0.02 * x;
+      for (int c = 0; c < 3; ++c) {
+        e.color[c] = static_cast<float>(light * (0.1 + f[c]) * std::max(1 + noise(random), 0.0));
+      }
+      e.color[3] = 1.0;
+      e.variance = static_cast<float>(std::pow(0.3 * light * 0.6, 2));
+      if ((x * 7 + y * 11) % 97 == 0) {
+        for (int c = 0; c < 3; ++c) e.color[c] *= 3000;
+        e.variance = static_cast<float>(std::pow(e.color[1], 2));
+      }
+      e.count = (x * 5 + y * 3) % 41 == 0 ? 0.0 : 1.0;
+    }
+  }
+  return sample;
+}
+
+Grid<Estimate> smooth_on(gpu::Device& device, const Sample& sample, const NetworkWeights& weights,
+                         bool variance_known = true) {
+  const gpu::Extent extent = sample.extent();
+  gpu::Chain chain(device, "network test");
+  const NoisyInputs noisy(chain, task_with_variance(preset("balanced"), extent), extent, NoisyUse::smooth);
+  const NetworkPasses network(chain, weights, extent, noisy, variance_known, {});
+  const Smoothed& smoothed = network.smoothed();
+  chain.output(smoothed.color);
+  chain.output(smoothed.stats);
+  chain.build();
+  network.upload_weights(chain);
+  chain.upload<float>(noisy.exposure)[0] = sample.exposure;
+  upload_estimate(chain, noisy.color, noisy.variance, sample.pixels);
+  for (std::size_t i = 0; i < sample.features.data.size(); ++i) {
+    const reference::SmoothFeatures& f = sample.features.data[i];
+    std::copy_n(f.begin(), 4, chain.upload<float>(noisy.features->albedo_depth).begin() + 4 * i);
+    std::copy_n(f.begin() + 4, 3, chain.upload<float>(noisy.features->normal).begin() + 4 * i);
+  }
+  chain.run();
+  return download_estimate(chain, smoothed.color, smoothed.stats, extent);
+}
+
+/// A network that has learned nothing: features and windows that depend on every input.
+NetworkWeights random_weights() {
+  NetworkWeights weights = embedded_weights();
+  std::mt19937 random(5);
+  const auto randomize = [&](Layer& layer, float spread) {
+    std::normal_distribution<float> normal(0,
+                                           spread / std::sqrt(float(layer.inputs * layer.side * layer.side)));
+    for (float& w : layer.weight) w = normal(random);
+    for (float& b : layer.bias) b += 0.1f * normal(random);
+  };
+  for (Layer& layer : weights.encode) randomize(layer, 1.4f);
+  for (Layer& layer : weights.decode) randomize(layer, 1.4f);
+  for (Layer& layer : weights.window) randomize(layer, 1.5f);
+  for (Layer& layer : weights.confidence) randomize(layer, 3.0f);
+  randomize(weights.finish, 1.4f);
+  randomize(weights.albedo, 1.0f);
+  randomize(weights.error, 1.0f);
+  return weights;
+}
+
+class NetworkTest : public DeviceTest {
+ protected:
+  void expect_agreement(const Sample& sample, const NetworkWeights& weights, bool variance_known) {
+    const Grid<Estimate> found = smooth_on(device(), sample, weights, variance_known);
+    const Grid<Estimate> truth = reference::smooth_by_network(sample.pixels, sample.features, sample.exposure,
+                                                              weights, variance_known);
+    double changed = 0;
+    for (int y = 0; y < found.height; ++y) {
+      for (int x = 0; x < found.width; ++x) {
+        const Estimate& t = truth.at(x, y);
+        for (int c = 0; c < 4; ++c) {
+          ASSERT_NEAR(found.at(x, y).color[c], t.color[c], 1e-3 * std::abs(t.color[c]))
+              << x << ',' << y << " channel " << c;
+        }
+        if (t.count > 0) {
+          ASSERT_NEAR(found.at(x, y).variance, t.variance, 1e-3 * t.variance) << x << ',' << y;
+        }
+        ASSERT_EQ(found.at(x, y).count, t.count) << x << ',' << y;
+        changed += std::abs(t.color[1] / sample.pixels.at(x, y).color[1] - 1) / found.data.size();
+      }
+    }
+    EXPECT_GT(changed, 0.03) << "there was hardly anything to smooth";
+  }
+};
+
+TEST_F(NetworkTest, AgreesWithTheReference) {
+  expect_agreement(noisy_sample(27, 21), random_weights(), true);
+  expect_agreement(noisy_sample(48, 33), embedded_weights(), true);
+}
+
+TEST_F(NetworkTest, AgreesWithTheReferenceWhereTheVarianceIsUnknown) {
+  expect_agreement(noisy_sample(33, 18), random_weights(), false);
+}
+
+TEST_F(NetworkTest, ImagesOfOnePixelAndOfOneRowComeOut) {
+  for (const gpu::Extent extent : {gpu::Extent{1, 1}, {200, 1}, {1, 70}}) {
+    Sample sample = noisy_sample(extent.width, extent.height);
+    for (Estimate& e : sample.pixels.data) e.count = 1.0;
+    for (const Estimate& e : smooth_on(device(), sample, random_weights()).data) {
+      for (const double c : e.color) ASSERT_TRUE(std::isfinite(c));
+    }
+  }
+}
+
+TEST_F(NetworkTest, AnEvenSurfaceStaysAsItIs) {
+  Sample sample(40, 24);
+  for (Estimate& e : sample.pixels.data) e = {.color = {0.3, 2.0, 5.0, 1.0}, .variance = 0.5, .count = 1.0};
+  for (reference::SmoothFeatures& f : sample.features.data) f = {0.5, 0.25, 0.75, 1.0, 0.0, 0.0, 1.0};
+  for (const Estimate& e : smooth_on(device(), sample, random_weights()).data) {
+    for (int c = 0; c < 4; ++c) ASSERT_NEAR(e.color[c], sample.pixels.data[0].color[c], 2e-6 * e.color[c]);
+  }
+}
+
+TEST_F(NetworkTest, RadianceScaledByAPowerOfTwoScalesTheResultExactly) {
+  const Sample sample = noisy_sample(32, 20);
+  Sample scaled = sample;
+  constexpr float factor = 1024.0f;
+  scaled.exposure /= factor;
+  for (Estimate& e : scaled.pixels.data) {
+    for (int c = 0; c < 3; ++c) e.color[c] *= factor;
+    e.variance *= factor * factor;
+  }
+  const Grid<Estimate> expected = smooth_on(device(), sample, random_weights());
+  const Grid<Estimate> found = smooth_on(device(), scaled, random_weights());
+  for (std::size_t i = 0; i < found.data.size(); ++i) {
+    for (int c = 0; c < 3; ++c) ASSERT_EQ(found.data[i].color[c], factor * expected.data[i].color[c]);
+    ASSERT_EQ(found.data[i].variance, factor * factor * expected.data[i].variance);
+  }
+}
+
+TEST_F(NetworkTest, NothingIsInvented) {
+  // Without albedo every channel is a weighted mean of the frame's.
+  Sample sample = noisy_sample(40, 24);
+  std::array<double, 2> range{1e30, 0.0};
+  for (std::size_t i = 0; i < sample.pixels.data.size(); ++i) {
+    for (int c = 0; c < 3; ++c) sample.features.data[i][c] = 1.0;
+    sample.pixels.data[i].count = 1.0;
+    range[0] = std::min(range[0], sample.pixels.data[i].color[1]);
+    range[1] = std::max(range[1], sample.pixels.data[i].color[1]);
+  }
+  for (const Estimate& e : smooth_on(device(), sample, random_weights()).data) {
+    ASSERT_GE(e.color[1], range[0] * (1 - 1e-6));
+    ASSERT_LE(e.color[1], range[1] * (1 + 1e-6));
+  }
+}
+
+TEST_F(NetworkTest, RadianceAtTheEndsOfFloatComesOutFinite) {
+  for (const float scale : {1e-30f, 1e30f}) {
+    Sample sample = noisy_sample(40, 24);
+    sample.exposure = std::clamp(1.0f / scale, 1e-15f, 1e15f);
+    for (Estimate& e : sample.pixels.data) {
+      for (int c = 0; c < 3; ++c) e.color[c] *= scale;
+      e.variance = std::min(e.variance * scale * scale, 1e34);
+    }
+    for (const Estimate& e : smooth_on(device(), sample, random_weights()).data) {
+      for (const double c : e.color) ASSERT_TRUE(std::isfinite(c));
+      ASSERT_TRUE(std::isfinite(e.variance));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace becalm::filter

@@ -1,0 +1,329 @@
+#include "tests/filter/reference/network.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+namespace becalm::reference {
+namespace {
+
+using filter::kCoarseTaps;
+using filter::kScales;
+using filter::kWindowTaps;
+using filter::Layer;
+
+using Pixel = std::vector<double>;
+using Planes = Grid<Pixel>;
+
+struct Counted {
+  std::array<double, 3> value{};
+  double count = 0.0;
+  std::array<double, filter::kAffinities> affinities{};
+};
+
+double squared_distance(const Counted& a, const Counted& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.affinities.size(); ++i) sum += std::pow(a.affinities[i] - b.affinities[i], 2);
+  return sum;
+}
+
+Planes convolved(const Planes& in, const Layer& layer) {
+  Planes out(in.width, in.height);
+  for (int y = 0; y < in.height; ++y) {
+    for (int x = 0; x < in.width; ++x) {
+      Pixel& pixel = out.at(x, y);
+      pixel.assign(layer.bias.begin(), layer.bias.end());
+      for (int j = 0; j < 3; ++j) {
+        for (int i = 0; i < 3; ++i) {
+          const Pixel& tap = in.clamped(x + i - 1, y + j - 1);
+          for (int o = 0; o < layer.outputs; ++o) {
+            for (int c = 0; c < layer.inputs; ++c) pixel[o] += layer.at(o, c, j, i) * tap[c];
+          }
+        }
+      }
+      for (double& value : pixel) value = std::max(value, 0.0);
+    }
+  }
+  return out;
+}
+
+Planes pooled(const Planes& in) {
+  Planes out(in.width / 2, in.height / 2);
+  for (int y = 0; y < out.height; ++y) {
+    for (int x = 0; x < out.width; ++x) {
+      Pixel& pixel = out.at(x, y) = in.at(2 * x, 2 * y);
+      for (int i = 1; i < 4; ++i) {
+        const Pixel& tap = in.at(2 * x + i % 2, 2 * y + i / 2);
+        for (std::size_t c = 0; c < pixel.size(); ++c) pixel[c] = std::max(pixel[c], tap[c]);
+      }
+    }
+  }
+  return out;
+}
+
+/// The coarser scale's channels, each pixel repeated, before those of the finer one.
+Planes joined(const Planes& coarse, const Planes& fine) {
+  Planes out(fine.width, fine.height);
+  for (int y = 0; y < out.height; ++y) {
+    for (int x = 0; x < out.width; ++x) {
+      Pixel& pixel = out.at(x, y) = coarse.at(x / 2, y / 2);
+      const Pixel& own = fine.at(x, y);
+      pixel.insert(pixel.end(), own.begin(), own.end());
+    }
+  }
+  return out;
+}
+
+std::vector<double> outputs_of(const Layer& layer, const Pixel& features) {
+  std::vector<double> out(layer.bias.begin(), layer.bias.end());
+  for (int o = 0; o < layer.outputs; ++o) {
+    for (int c = 0; c < layer.inputs; ++c) out[o] += layer.at(o, c) * features[c];
+  }
+  return out;
+}
+
+double sigmoid(double x) {
+  return 1.0 / (1.0 + std::exp(-x));
+}
+
+double divisor(double albedo) {
+  return std::max(albedo, 0.04);
+}
+
+/// The frame with its right and lower border repeated until all scales divide its size.
+template <class T>
+Grid<T> padded(const Grid<T>& grid) {
+  const auto up = [](int n) { return (n + 15) / 16 * 16; };
+  Grid<T> out(up(grid.width), up(grid.height));
+  for (int y = 0; y < out.height; ++y) {
+    for (int x = 0; x < out.width; ++x) out.at(x, y) = grid.clamped(x, y);
+  }
+  return out;
+}
+
+struct Inputs {
+  Planes channels;
+  Grid<Counted> irradiance;
+};
+
+Inputs inputs_of(const Grid<Estimate>& sample, const Grid<SmoothFeatures>& features, double exposure,
+                 bool variance_known) {
+  const int width = sample.width;
+  const int height = sample.height;
+  Inputs inputs{Planes(width, height), Grid<Counted>(width, height)};
+  const auto compressed = [](double v) { return 0.5 * std::log(1.0 + 10.0 * std::max(v, 0.0)); };
+  Grid<double> grey(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      Counted& irradiance = inputs.irradiance.at(x, y);
+      irradiance.count = sample.at(x, y).count;
+      for (int c = 0; c < 3; ++c) {
+        irradiance.value[c] = sample.at(x, y).color[c] * exposure / divisor(features.at(x, y)[c]);
+        grey.at(x, y) += compressed(irradiance.value[c]) / 3;
+      }
+    }
+  }
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      double sum = 0;
+      double squares = 0;
+      for (int j = -2; j <= 2; ++j) {
+        for (int i = -2; i <= 2; ++i) {
+          const double d = grey.clamped(x + i, y + j) - grey.at(x, y);
+          sum += d / 25;
+          squares += d * d / 25;
+        }
+      }
+      const SmoothFeatures& f = features.at(x, y);
+      const std::array<double, 3>& v = inputs.irradiance.at(x, y).value;
+      double noise = -1.0;
+      if (variance_known) {
+        double of_divisor = 0;
+        for (int c = 0; c < 3; ++c) of_divisor += std::pow(divisor(f[c]), 2) / 3;
+        const double deviation = std::sqrt(sample.at(x, y).variance / of_divisor) * exposure;
+        const double light = 0.2126 * v[0] + 0.7152 * v[1] + 0.0722 * v[2];
+        noise = std::log(1.0 + deviation / (std::max(light, 0.0) + 0.1));
+      }
+      inputs.channels.at(x, y) = {compressed(v[0]),
+                                  compressed(v[1]),
+                                  compressed(v[2]),
+                                  f[0],
+                                  f[1],
+                                  f[2],
+                                  f[4],
+                                  f[5],
+                                  f[6],
+                                  f[3],
+                                  noise,
+                                  std::sqrt(std::max(squares - sum * sum, 0.0))};
+    }
+  }
+  return inputs;
+}
+
+std::array<Planes, kScales> features_of(const Planes& inputs, const filter::NetworkWeights& weights) {
+  std::array<Planes, kScales> f;
+  for (std::size_t i = 0; i < kScales; ++i) {
+    f[i] = convolved(i == 0 ? inputs : pooled(f[i - 1]), weights.encode[i]);
+  }
+  for (std::size_t i = kScales - 1; i-- > 0;) f[i] = convolved(joined(f[i + 1], f[i]), weights.decode[i]);
+  f[0] = convolved(f[0], weights.finish);
+  return f;
+}
+
+Grid<Counted> reduced(const Grid<Counted>& fine) {
+  Grid<Counted> out(fine.width / 2, fine.height / 2);
+  for (int y = 0; y < out.height; ++y) {
+    for (int x = 0; x < out.width; ++x) {
+      Counted& pixel = out.at(x, y);
+      for (int i = 0; i < 4; ++i) {
+        const Counted& tap = fine.at(2 * x + i % 2, 2 * y + i / 2);
+        for (int c = 0; c < 3; ++c) pixel.value[c] += tap.count * tap.value[c];
+        pixel.count += tap.count;
+      }
+      for (double& v : pixel.value) v /= pixel.count;
+      pixel.count /= 4;
+    }
+  }
+  return out;
+}
+
+/// One scale's result; `coarse` is that of the coarser one, or empty.
+Grid<Counted> mixed(const Grid<Counted>& counted, const Planes& features, const Layer& window,
+                    const Grid<Counted>* coarse) {
+  Grid<Counted> out(counted.width, counted.height);
+  for (int y = 0; y < out.height; ++y) {
+    for (int x = 0; x < out.width; ++x) {
+      std::vector<double> logits = outputs_of(window, features.at(x, y));
+      for (int t = 0; t < kWindowTaps; ++t) {
+        logits[t] -= squared_distance(counted.clamped(x + t % 5 - 2, y + t / 5 - 2), counted.at(x, y));
+      }
+      const double largest = *std::ranges::max_element(logits);
+      Counted& pixel = out.at(x, y);
+      const auto add = [&](const Counted& tap, double weight) {
+        for (int c = 0; c < 3; ++c) pixel.value[c] += weight * tap.value[c];
+        pixel.count += weight;
+      };
+      for (int t = 0; t < kWindowTaps; ++t) {
+        const Counted& tap = counted.clamped(x + t % 5 - 2, y + t / 5 - 2);
+        add(tap, std::exp(logits[t] - largest) * tap.count);
+      }
+      for (int t = 0; coarse && t < kCoarseTaps; ++t) {
+        const int u = x / 2 + (t % 2 == 0 ? 0 : 2 * (x % 2) - 1);
+        const int v = y / 2 + (t / 2 == 0 ? 0 : 2 * (y % 2) - 1);
+        add(coarse->clamped(u, v), std::exp(logits[kWindowTaps + t] - largest));
+      }
+      for (double& v : pixel.value) v /= std::max(pixel.count, 1e-30);
+    }
+  }
+  return out;
+}
+
+double luminance(const Rgba& c) {
+  return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
+}
+
+/// Puts back of the sample what patches lost beyond their noise.
+Grid<Estimate> restored(const Grid<Estimate>& sample, const Grid<Estimate>& smoothed, double exposure) {
+  struct Lost {
+    double square = 0.0;
+    double noise = 0.0;
+  };
+  Grid<Lost> lost(sample.width, sample.height);
+  for (std::size_t i = 0; i < lost.data.size(); ++i) {
+    const Rgba& y = smoothed.data[i].color;
+    const double scale = 1.0 / (std::max(luminance(y), 0.0) + 0.1 / exposure);
+    for (int c = 0; c < 3; ++c)
+      lost.data[i].square += std::pow((sample.data[i].color[c] - y[c]) * scale, 2) / 3;
+    lost.data[i].noise = sample.data[i].variance * scale * scale;
+  }
+  Grid<Estimate> result = smoothed;
+  for (int y = 0; y < sample.height; ++y) {
+    for (int x = 0; x < sample.width; ++x) {
+      if (sample.at(x, y).count <= 0) continue;
+      Lost mean;
+      double count = 0;
+      for (int v = std::max(y - 3, 0); v <= std::min(y + 3, sample.height - 1); ++v) {
+        for (int u = std::max(x - 3, 0); u <= std::min(x + 3, sample.width - 1); ++u) {
+          if ((u == x && v == y) || sample.at(u, v).count <= 0) continue;
+          mean.square += lost.at(u, v).square;
+          mean.noise += lost.at(u, v).noise;
+          ++count;
+        }
+      }
+      count = std::max(count, 1.0);
+      mean.square /= count;
+      mean.noise /= count;
+      const double detail = mean.square - mean.noise * (1 + 3 * std::sqrt(2 / count));
+      if (detail <= 0) continue;
+      const double share = detail / (detail + mean.noise);
+      Estimate& pixel = result.at(x, y);
+      for (int c = 0; c < 4; ++c) pixel.color[c] += share * (sample.at(x, y).color[c] - pixel.color[c]);
+      pixel.variance = std::pow(1 - share, 2) * pixel.variance + share * share * sample.at(x, y).variance;
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+Grid<Estimate> smooth_by_network(const Grid<Estimate>& sample, const Grid<SmoothFeatures>& features,
+                                 double exposure, const filter::NetworkWeights& weights,
+                                 bool variance_known) {
+  const Inputs inputs = inputs_of(padded(sample), padded(features), exposure, variance_known);
+  const std::array<Planes, kScales> f = features_of(inputs.channels, weights);
+  std::array<Grid<Counted>, kScales> counted;
+  for (std::size_t i = 0; i < kScales; ++i) {
+    counted[i] = i == 0 ? inputs.irradiance : reduced(counted[i - 1]);
+    for (int y = 0; y < counted[i].height; ++y) {
+      for (int x = 0; x < counted[i].width; ++x) {
+        const std::vector<double> head = outputs_of(weights.confidence[i], f[i].at(x, y));
+        const double confidence = std::max(sigmoid(head[0]), 1e-8);
+        std::copy(head.begin() + 1, head.end(), counted[i].at(x, y).affinities.begin());
+        double& count = counted[i].at(x, y).count;
+        if (i == 0) {
+          count = count > 0 ? confidence : 1e-20;
+        } else {
+          count *= confidence;
+        }
+      }
+    }
+  }
+  Grid<Counted> result;
+  for (std::size_t i = kScales; i-- > 0;) {
+    result = mixed(counted[i], f[i], weights.window[i], i + 1 < kScales ? &result : nullptr);
+  }
+
+  Grid<Estimate> smoothed(sample.width, sample.height);
+  for (int y = 0; y < sample.height; ++y) {
+    for (int x = 0; x < sample.width; ++x) {
+      Estimate& pixel = smoothed.at(x, y) = sample.at(x, y);
+      if (pixel.count <= 0) continue;
+      const std::vector<double> logits = outputs_of(weights.albedo, f[0].at(x, y));
+      std::array<double, 3> exposed{};
+      double total = 0;
+      for (int t = 0; t < kWindowTaps; ++t) {
+        const double distance =
+            squared_distance(counted[0].clamped(x + t % 5 - 2, y + t / 5 - 2), counted[0].at(x, y));
+        const double weight = std::exp(logits[t] - distance);
+        for (int c = 0; c < 3; ++c) {
+          exposed[c] += weight * divisor(features.clamped(x + t % 5 - 2, y + t / 5 - 2)[c]);
+        }
+        total += weight;
+      }
+      double square = 0;
+      for (int c = 0; c < 3; ++c) {
+        exposed[c] *= result.at(x, y).value[c] / total;
+        square += exposed[c] * exposed[c] / 3;
+        pixel.color[c] = exposed[c] / exposure;
+      }
+      const double log_error = std::clamp(outputs_of(weights.error, f[0].at(x, y))[0], -12.0, 8.0);
+      pixel.variance =
+          square == 0 ? 0.0 : std::exp(log_error) * (square + 0.01 / 0.09) / (exposure * exposure);
+    }
+  }
+  return restored(sample, smoothed, exposure);
+}
+
+}  // namespace becalm::reference
