@@ -49,6 +49,9 @@ struct FilterTask {
            settings.merge == MergeMode::variance;
   }
   bool smooths() const { return settings.smooth != Smooth::none; }
+  /// Whether the history's block means are brought to the frame's: what a network loses shows in wider blocks
+  /// alone (energy.h).
+  bool corrects_history() const { return settings.correct_levels > 0 && settings.smooth != Smooth::network; }
 };
 
 /// What is known of a frame's pixels, and how well.

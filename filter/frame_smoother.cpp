@@ -1,11 +1,13 @@
 #include "filter/frame_smoother.h"
 
+#include <optional>
 #include <vector>
 
 #include "filter/additive.h"
 #include "filter/energy.h"
 #include "filter/estimate_variance.h"
 #include "filter/host_images.h"
+#include "filter/network/network.h"
 #include "filter/noisy_inputs.h"
 #include "filter/smooth.h"
 
@@ -19,7 +21,13 @@ struct FrameSmoother::Passes {
       : chain(device, "smooth"),
         noisy(chain, task, extent, NoisyUse::smooth),
         additive(additive_inputs(chain, task, extent, "additive.cur")) {
-    const Smoothed smoothed = add_smooth_passes(chain, task.settings, extent, noisy, additive);
+    Smoothed smoothed;
+    if (task.settings.smooth == Smooth::regression) {
+      smoothed = add_smooth_passes(chain, task.settings, extent, noisy, additive);
+    } else {
+      network.emplace(chain, embedded_weights(), extent, noisy, task.variance_known(), additive);
+      smoothed = network->smoothed();
+    }
     color = smoothed.color;
     smoothed_additive = smoothed.additive;
     stats = smoothed.stats;
@@ -32,15 +40,31 @@ struct FrameSmoother::Passes {
   gpu::Chain chain;
   NoisyInputs noisy;
   std::vector<ImageId> additive;
+  std::optional<NetworkPasses> network;
   ImageId color;
   ImageId stats;
   std::vector<ImageId> smoothed_additive;
 };
 
+namespace {
+
+TileRules tile_rules(const Settings& settings) {
+  if (settings.smooth == Smooth::regression) {
+    return local_tile_rules(smooth_margin_px(settings) + kVarianceEstimateMargin);
+  }
+  return local_tile_rules(network_margin_px() + kVarianceEstimateMargin, kNetworkGridPx);
+}
+
+/// How far from where it was noise is found after smoothing, for the energy of blocks.
+double reach_px(const Settings& settings) {
+  constexpr double of_network = 16.0;
+  return settings.smooth == Smooth::regression ? settings.smooth_radius : of_network;
+}
+
+}  // namespace
+
 FrameSmoother::FrameSmoother(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit)
-    : task_(task),
-      chain_(device, task, local_tile_rules(smooth_margin_px(task.settings) + kVarianceEstimateMargin),
-             memory_limit) {}
+    : task_(task), chain_(device, task, tile_rules(task.settings), memory_limit) {}
 
 FrameSmoother::~FrameSmoother() = default;
 
@@ -50,6 +74,7 @@ Estimate FrameSmoother::smooth(const NewFrame& frame, FrameReport& report) {
   const auto upload = [&](Passes& passes, const Tile& tile) {
     gpu::Chain& chain = passes.chain;
     passes.noisy.upload(chain, task_, frame, tile, ignored);
+    if (passes.network) passes.network->upload_weights(chain);
     upload_additive(chain, passes.additive, frame.additive, tile.target);
   };
   const auto download = [&](const Passes& passes, const Tile& tile) {
@@ -58,7 +83,7 @@ Estimate FrameSmoother::smooth(const NewFrame& frame, FrameReport& report) {
     copy_core(download_additive(passes.chain, passes.smoothed_additive), tile, result.additive);
   };
   chain_.run(report, upload, download);
-  if (task_.settings.correct_levels > 0) restore_energy(frame, task_, result, task_.settings.smooth_radius);
+  if (task_.settings.correct_levels > 0) restore_energy(frame, task_, result, reach_px(task_.settings));
   return result;
 }
 

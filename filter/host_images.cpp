@@ -253,15 +253,23 @@ float exposure(const Image& beauty) {
   };
   double mean = 0.0;
   for_each_luminance([&](double l) { mean += l / static_cast<double>(beauty.pixel_count()); });
-  double sum = 0.0;
-  std::size_t count = 0;
+  // Exponents and mantissas apart, so that radiance scaled by a power of two has exactly the scaled exposure.
+  std::int64_t exponents = 0;
+  double mantissas = 0.0;
+  std::int64_t count = 0;
   for_each_luminance([&](double l) {
     if (l < 1e-6 * mean) return;
-    sum += std::log(l);
+    int exponent = 0;
+    mantissas += std::log2(std::frexp(l, &exponent));
+    exponents += exponent;
     ++count;
   });
   if (count == 0) return 1.0f;
-  const double typical = std::exp(sum / static_cast<double>(count));
+  std::int64_t whole = exponents / count;
+  if (whole * count > exponents) --whole;  // rounds down
+  const double rest =
+      (static_cast<double>(exponents - whole * count) + mantissas) / static_cast<double>(count);
+  const double typical = std::ldexp(std::exp2(rest), static_cast<int>(whole));
   return static_cast<float>(std::clamp(1.0 / typical, 1.0 / kLargestExposure, kLargestExposure));
 }
 

@@ -258,7 +258,7 @@ MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent ful
                                           .additive = std::move(additive_history),
                                           .albedo = inputs.albedo},
                                          alignment.offset);
-  if (settings.correct_levels > 0) {
+  if (settings.correct_levels > 0 && settings.smooth != Smooth::network) {
     Corrected corrected = add_correction_passes(chain, settings, full,
                                                 {.color = inputs.noisy.color,
                                                  .variance = inputs.noisy.variance,

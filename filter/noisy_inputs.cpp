@@ -23,7 +23,7 @@ NoisyInputs::NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent 
   } else {
     variance = add_variance_estimate(chain, extent, color, given_variance_);
   }
-  if (use == NoisyUse::merge && task.has_halves() && task.settings.correct_levels > 0) {
+  if (use == NoisyUse::merge && task.has_halves() && task.corrects_history()) {
     half_difference = chain.input("half_difference.cur", Format::f32x4, extent);
   }
 }

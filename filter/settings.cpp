@@ -48,7 +48,7 @@ using Field = std::variant<IntRange, IntChoice, IntList, FloatRange, NamedSet, N
                            Named<HistoryClip>, Named<ClipSpace>, Named<Accumulate>, Named<MergeMode>>;
 
 constexpr std::array<std::string_view, 4> kDistanceNames{"l2", "l1", "log_l1", "log_l1_centered"};
-constexpr std::array<std::string_view, 2> kSmoothNames{"none", "regression"};
+constexpr std::array<std::string_view, 3> kSmoothNames{"none", "regression", "network"};
 constexpr std::array<std::string_view, 2> kDirectionsNames{"forward", "both"};
 constexpr std::array<std::string_view, 3> kMotionNames{"none", "guide", "override"};
 constexpr std::array<std::string_view, 3> kResampleNames{"bilinear", "catmull_rom", "o_moms"};
@@ -104,7 +104,8 @@ const Row kTable[] = {
       "variance mode: 1 reads the history without its albedo and multiplies it by that of the frame, where "
       "frames have one and it differs by more than noise"},
      IntRange{&Settings::demodulate_history, 0, 1}},
-    {{"smooth", "none or regression", "what is done to a frame by itself before it is matched and merged"},
+    {{"smooth", "none, regression or network",
+      "what is done to a frame by itself before it is matched and merged"},
      Named<Smooth>{&Settings::smooth, kSmoothNames}},
     {{"smooth_radius", "integer 1..8", "radius of the window that smooth takes a pixel's value from"},
      IntRange{&Settings::smooth_radius, 1, 8}},
@@ -292,6 +293,7 @@ Settings preset(std::string_view name) {
   Settings settings;
   // What smoothed frames gain by; decisions on noisy ones darken with it.
   settings.luminance_weight = 1.0f;
+  settings.smooth = Smooth::network;
   settings.motion = MotionUse::guide;
   if (name == "draft") {
     settings.match_downsample = 4;
@@ -299,20 +301,11 @@ Settings preset(std::string_view name) {
     settings.prefilter = 0;
     settings.blur_radius = {5};
     settings.motion = MotionUse::none;
-    // Decisions on noisy frames need larger patches and more than its usual spread.
-    settings.smooth = Smooth::none;
-    settings.luminance_weight = 0.0f;
-    settings.patch_radius = 3;
-    settings.significance = 3.0f;
   } else if (name == "final") {
     settings.match_downsample = 1;
     settings.prefilter = 2;
-    settings.smooth_radius = 7;
-    settings.smooth_strength = 0.3f;
     settings.patch_radius = 2;
-  } else if (name == "balanced") {
-    settings.smooth_radius = 3;
-  } else {
+  } else if (name != "balanced") {
     throw Error(ExitStatus::usage, fmt::format("preset '{}': expected draft, balanced or final", name));
   }
   return settings;

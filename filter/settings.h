@@ -24,7 +24,7 @@ enum class Resample { bilinear = 0, catmull_rom = 1, o_moms = 2 };
 enum class Directions { forward, both };
 
 /// What is done to a frame by itself before it is matched and merged.
-enum class Smooth { none, regression };
+enum class Smooth { none, regression, network };
 
 /// How the merge weighs history against the new frame.
 enum class MergeMode { mask, variance };

@@ -48,7 +48,9 @@ Estimate even_estimate(const Frame& frame, float value) {
 }
 
 void restore(const Frame& frame, Estimate& estimate) {
-  const FilterTask task{.settings = preset("balanced"),
+  Settings settings = preset("balanced");
+  settings.smooth = Smooth::regression;
+  const FilterTask task{.settings = settings,
                         .full = {frame.width(), frame.height()},
                         .used = frame.aovs(),
                         .diagnostics = {},

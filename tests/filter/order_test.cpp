@@ -309,6 +309,8 @@ TEST_F(SequenceFilterTest, NothingDriftsOverThousandsOfFrames) {
   // Sums that are never begun anew: each frame weighs 1/n, and what floats round away adds up.
   Settings settings = preset("draft");
   settings.smooth = Smooth::none;
+  settings.luminance_weight = 0.0f;
+  settings.patch_radius = 3;
   settings.correct_levels = 0;
   settings.pyramid_levels = 1;
   settings.motion = MotionUse::override_offset;
