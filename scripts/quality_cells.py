@@ -23,11 +23,18 @@ from quality_variants import NOISY
 def radiance(path):
     """(height, width, 3), without reading the other layers."""
     image = oiio.ImageBuf(str(path))
-    names = [name for name in image.spec().channelnames if name in "RGB"]
-    chosen = oiio.ImageBufAlgo.channels(image, tuple(sorted(names, key="RGB".index)))
+    names = image.spec().channelnames
+    layers = ["", *(name[:-1] for name in names if name.endswith("Combined.R"))]  # bare, or of Blender's view layer
+    layer = next((layer for layer in layers if all(layer + colour in names for colour in "RGB")), "")
+    chosen = oiio.ImageBufAlgo.channels(image, tuple(layer + colour for colour in "RGB"))
     if image.has_error or chosen.has_error:
         raise OSError(f"{path}: {image.geterror() or chosen.geterror()}")
     return chosen.get_pixels(oiio.FLOAT)
+
+
+def _plain_layer(channel):
+    """Of `ViewLayer.Denoising Albedo.R` albedo."""
+    return channel.rpartition(".")[0].rpartition(".")[2].lower().removeprefix("denoising ")
 
 
 def copy_without(pattern, frames, layers, folder):
@@ -35,7 +42,7 @@ def copy_without(pattern, frames, layers, folder):
     copies = folder / "f.####.exr"
     for frame in frames:
         image = oiio.ImageBuf(str(frame_path(pattern, frame)))
-        kept = tuple(name for name in image.spec().channelnames if name.rpartition(".")[0] not in layers)
+        kept = tuple(name for name in image.spec().channelnames if _plain_layer(name) not in layers)
         copy = oiio.ImageBufAlgo.channels(image, kept)
         if not copy.write(str(frame_path(copies, frame))):
             raise OSError(f"{frame_path(copies, frame)}: {copy.geterror()}")
@@ -77,8 +84,8 @@ class Cells:
         images = {frame: radiance(frame_path(test, frame)) for frame in self.data.frames}
         clean = self._references(scene)
         cell["kept"] = self._energy_kept(images, noisy)
-        if variant.history:
-            still = self._still(scene)
+        still = self._still(scene) if variant.history else None
+        if still is not None:
             measured = {frame: images[frame] for frame in self.data.measured}
             cell["still"] = float(still.mean())
             cell["over_ideal"] = over_ideal(measured, self._noisy_images(noisy), clean, still, variant.history)
@@ -129,8 +136,11 @@ class Cells:
 
     @functools.lru_cache(maxsize=1)
     def _still(self, scene):
+        """None where the frames lack the layers that tell."""
         layers = []
         for frame in self.data.frames:
             read = read_layers(frame_path(self.data.cleanest(scene), frame))
+            if not {"", "motion", "object_id", "variance"} <= read.keys():
+                return None
             layers.append({"beauty": read[""][..., :3]} | {name: read[name] for name in ("motion", "object_id", "variance")})
         return still_pixels(layers, [np.mean(pair, axis=0) for pair in self._references(scene).values()])

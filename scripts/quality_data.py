@@ -1,5 +1,6 @@
 """The frames that the variants are measured on, rendered once and kept: FOLDER/SCENE/n4, n8, ..., a, b."""
 
+import re
 import subprocess
 from pathlib import Path
 
@@ -40,14 +41,21 @@ class Data:
         pattern = self.folder / scene / name / "f.####.exr"
         if self.render:
             self.render(SCENES / f"{scene}.json", pattern, frames, spp, seed, aovs)
-        missing = next((path for path in (frame_path(pattern, frame) for frame in frames) if not path.exists()), None)
-        if missing:
-            raise MissingFrames(f"{missing} is not there")
-        return pattern
+        return require(pattern, frames)
+
+
+def require(pattern, frames):
+    """The pattern. MissingFrames if one of the frames is not there."""
+    missing = next((path for path in (frame_path(pattern, frame) for frame in frames) if not path.exists()), None)
+    if missing:
+        raise MissingFrames(f"{missing} is not there")
+    return pattern
 
 
 def frame_path(pattern, frame):
-    return Path(str(pattern).replace("####", f"{frame:04d}"))
+    """The pattern's name has the frame in place of its last signs #, as many digits at least."""
+    pattern = Path(pattern)
+    return pattern.with_name(re.sub("#+(?=[^#]*$)", lambda signs: f"{frame:0{len(signs[0])}d}", pattern.name))
 
 
 def frame_range(frames):

@@ -12,6 +12,7 @@ from quality_data import Data, MissingFrames, renderer
 from quality_goals import ENERGY, goal_table, goals
 from quality_page import write_quality_page
 from quality_plots import write_plots
+from quality_shots import KNOWN, Shots
 from quality_variants import NOISY, VARIANTS, Program, Variant
 
 SCENES = ["penumbra", "crossing", "spheres", "fence", "courtyard", "dining", "ocean"]
@@ -48,34 +49,64 @@ def _variant(text):
 
 def arguments():
     parser = argparse.ArgumentParser(prog="scripts/bench quality", description=__doc__)
-    parser.add_argument("-o", "--output", type=Path, default=Path("out/quality"), metavar="DIR",
-                        help="index.html, report.md, *.json, plots and pictures (default: out/quality)")
+    parser.add_argument("-o", "--output", type=Path, metavar="DIR",
+                        help="index.html, report.md, *.json, plots and pictures (default: out/quality, or out/quality_NAME of --shots NAME)")
     parser.add_argument("--data", type=Path, metavar="DIR",
                         help="frames that exist, as DIR/SCENE/n4/f.####.exr and DIR/SCENE/a, b: nothing is rendered, what is missing is told "
                              "(default: build/quality, where they are rendered if they are not there)")
-    parser.add_argument("--scenes", type=_words, metavar="LIST", default=SCENES, help=f"default: {','.join(SCENES)}")
-    parser.add_argument("--spp", type=_counts, metavar="LIST", default=[1, 4, 8, 16, 64], help="of the noisy frames (default: 1,4,8,16,64)")
-    parser.add_argument("--ablation-spp", type=_counts, metavar="LIST", default=[4], help="those of them for the ablations (default: 4)")
+    parser.add_argument("--shots", metavar="NAME",
+                        help=f"frames of another renderer in place of our scenes: {', '.join(KNOWN)}, or a folder that has n8/, a/ and b/, or "
+                             "folders that do; their scenes, sample counts and frames are what is there, unless given")
+    parser.add_argument("--scenes", type=_words, metavar="LIST", help=f"default: {','.join(SCENES)}")
+    parser.add_argument("--spp", type=_counts, metavar="LIST", help="of the noisy frames (default: 1,4,8,16,64)")
+    parser.add_argument("--ablation-spp", type=_counts, metavar="LIST",
+                        help="those of them for the ablations (default: 4; of --shots all, for ablations that --variants names)")
     parser.add_argument("--variants", type=_words, metavar="LIST", help="names of variants (default: all)")
     parser.add_argument("--variant", action="append", default=[], type=_variant, metavar="'NAME OPTION ...'",
                         help="measure becalm denoise with these options too")
     parser.add_argument("--pictured", type=_words, metavar="LIST", default=PICTURED, help=f"variants on the page (default: {','.join(PICTURED)})")
-    parser.add_argument("--pictured-spp", type=_counts, metavar="LIST", default=[4], help="sample counts on the page (default: 4)")
-    parser.add_argument("--frames", type=_frames, metavar="RANGE", default=_frames("1-16"), help="of the noisy sequences (default: 1-16)")
-    parser.add_argument("--measured", type=_frames, metavar="RANGE", default=_frames("7-10"), help="those that have references (default: 7-10)")
-    parser.add_argument("--reference-spp", type=int, metavar="N", default=64, help="of each of the two references (default: 64)")
+    parser.add_argument("--pictured-spp", type=_counts, metavar="LIST", help="sample counts on the page (default: 4, of --shots all)")
+    parser.add_argument("--frames", type=_frames, metavar="RANGE", help="of the noisy sequences (default: 1-16)")
+    parser.add_argument("--measured", type=_frames, metavar="RANGE", help="those that have references (default: 7-10)")
+    parser.add_argument("--reference-spp", type=int, metavar="N", help="of each of the two references (default: 64)")
     parser.add_argument("--size", default="384x216", metavar="WxH", help="of rendered frames (default: 384x216)")
     parser.add_argument("--resume", action="store_true", help="keep the figures that this very program made of the same frames")
     parser.add_argument("--becalm", type=Path, default=Path("build/release/becalm"), metavar="PATH")
     asked = parser.parse_args()
-    if not set(asked.measured) <= set(asked.frames):
-        parser.error("--measured: not all of these are among --frames")
+    if asked.shots and asked.data:
+        parser.error("--shots and --data exclude each other")
     names = [variant.name for variant in VARIANTS]
     for name in (asked.variants or []) + asked.pictured:
         if name not in names + [variant.name for variant in asked.variant]:
             parser.error(f"no variant '{name}'; there are {', '.join(names)}")
+    asked.named = asked.variants is not None
     asked.variants = [v for v in VARIANTS if asked.variants is None or v is NOISY or v.name in asked.variants] + asked.variant
     return asked
+
+
+def _or_default(asked, **defaults):
+    for name, value in defaults.items():
+        if getattr(asked, name) is None:
+            setattr(asked, name, value)
+
+
+def find_data(asked):
+    """What is measured on; fills in what was not asked for."""
+    if asked.shots:
+        data = Shots(asked.shots, asked.frames, asked.measured, asked.spp)
+        _or_default(asked, scenes=list(data.roots), spp=data.spps, frames=data.frames, measured=data.measured,
+                    ablation_spp=data.spps if asked.named else [4], pictured_spp=data.spps,
+                    output=Path(f"out/quality_{Path(asked.shots).name}"))
+        for scene in set(asked.scenes) - data.roots.keys():
+            raise OSError(f"no shot '{scene}'; there are {', '.join(data.roots)}")
+    else:
+        _or_default(asked, scenes=SCENES, spp=[1, 4, 8, 16, 64], frames=_frames("1-16"), measured=_frames("7-10"), reference_spp=64,
+                    ablation_spp=[4], pictured_spp=[4], output=Path("out/quality"))
+        data = Data(asked.data or Path("build/quality"), asked.frames, asked.measured, asked.spp,
+                    None if asked.data else renderer(asked.becalm, asked.size))
+    if not asked.measured or not set(asked.measured) <= set(asked.frames):
+        raise OSError("the measured frames are not all among the noisy ones")
+    return data
 
 
 def measure(asked, cells, results):
@@ -95,6 +126,17 @@ def measure(asked, cells, results):
                 print(f"{scene:>10} {spp:>3} spp  {variant.name:<16} relMSE {cell['mean']['relmse']:.5f}  temporal "
                       f"{cell['mean']['temporal']:.5f}  energy {100 * cell['mean']['energy']:+.3f} %", flush=True)
     return missing
+
+
+def print_means(asked, results):
+    """Over the scenes, last, to be read without the tables."""
+    print()
+    for spp in results.spps():
+        for variant in asked.variants:
+            cells = results.of(spp, variant.name)
+            if variant is not NOISY and cells:
+                relmse, temporal = (tables.geometric_share(results, spp, variant.name, metric) for metric in ("relmse", "temporal"))
+                print(f"geometric mean of {len(cells)} scenes, {spp} spp  {variant.name:<16} relMSE {relmse}  temporal {temporal}  of noisy")
 
 
 def write_report(asked, program, results, missing):
@@ -120,10 +162,9 @@ def write_report(asked, program, results, missing):
 
 def main():
     asked = arguments()
+    data = find_data(asked)
     asked.output.mkdir(parents=True, exist_ok=True)
     program = Program(asked.becalm)
-    data = Data(asked.data or Path("build/quality"), asked.frames, asked.measured, asked.spp,
-                None if asked.data else renderer(asked.becalm, asked.size))
     results = tables.Results(asked.variants, {v.name: why for v in asked.variants if (why := program.refusal(v))})
     missing = measure(asked, Cells(program, data, asked.output, asked.reference_spp, asked.resume), results)
     if not results.cells:
@@ -132,6 +173,7 @@ def main():
     judged = asked.ablation_spp[0] if asked.ablation_spp[0] in results.spps() else results.spps()[0]
     plots = write_plots(asked.output / "plots", results, ENERGY, judged)
     write_quality_page(asked, results, sections, plots)
+    print_means(asked, results)
     print(asked.output / "index.html")
 
 

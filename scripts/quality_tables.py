@@ -38,6 +38,17 @@ def share(ratio):
     return f"1/{1.0 / ratio:.3g}" if 0.0 < ratio < 0.5 else f"{ratio:.3f}"
 
 
+def geometric_mean(ratios):
+    """Of positive numbers; None without any, or where one is not: an error estimated from noisy references can be."""
+    return float(np.exp(np.mean(np.log(ratios)))) if ratios and min(ratios) > 0.0 else None
+
+
+def geometric_share(results, spp, name, metric):
+    """Geometric mean over the scenes of the figure as a share of the noisy one, as text."""
+    mean = geometric_mean(list(results.ratios(spp, name, metric).values()))
+    return "-" if mean is None else share(mean)
+
+
 def percent(value):
     return f"{100.0 * value:+.2f} %"
 
@@ -68,21 +79,23 @@ def overview_table(results, spp):
 
 
 def scene_table(results, spp, metric):
-    """A row a variant, a column a scene: of noisy for the errors, the figure itself for others."""
+    """A row a variant, a column a scene: of noisy for the errors, with their geometric mean, the figure itself for others."""
     scenes = list(results.of(spp, NOISY.name))
+    of_noisy = metric in ("relmse", "temporal")
     rows = []
     for variant in results.variants:
         cells = results.of(spp, variant.name)
         if not cells:
             continue
-        if metric in ("relmse", "temporal") and variant is not NOISY:
+        if of_noisy and variant is not NOISY:
             ratios = results.ratios(spp, variant.name, metric)
             shown = {scene: share(ratio) for scene, ratio in ratios.items()}
         else:
             shown = {scene: percent(cell["mean"][metric]) if metric == "energy" else figure(cell["mean"][metric], 4)
                      for scene, cell in cells.items()}
-        rows.append((variant.title, *(shown.get(scene, "-") for scene in scenes)))
-    return markdown((METRICS[metric], *scenes), rows)
+        mean = ["-" if variant is NOISY else geometric_share(results, spp, variant.name, metric)] if of_noisy else []
+        rows.append((variant.title, *(shown.get(scene, "-") for scene in scenes), *mean))
+    return markdown((METRICS[metric], *scenes, *(["geometric mean"] if of_noisy else [])), rows)
 
 
 def kept_table(results, spp):
@@ -102,8 +115,10 @@ def still_table(results, spp):
     for variant in results.variants:
         cells = results.of(spp, variant.name)
         if variant.history and cells:
-            rows.append((variant.title, *(figure(cells[s]["over_ideal"], 2) if s in cells else "-" for s in scenes)))
-    shares = {s: cell["still"] for v in results.variants if v.history for s, cell in results.of(spp, v.name).items()}
+            rows.append((variant.title, *(figure(cells[s].get("over_ideal"), 2) if s in cells else "-" for s in scenes)))
+    shares = {s: cell["still"] for v in results.variants for s, cell in results.of(spp, v.name).items() if "still" in cell}
+    if not shares:
+        return ""
     rows.append(("share of still pixels", *(f"{100 * shares[s]:.0f} %" if s in shares else "-" for s in scenes)))
     return markdown(("error of still pixels over the ideal mean's", *scenes), rows)
 

@@ -10,9 +10,13 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO as oiio
 
+from quality_cells import radiance
+from quality_data import MissingFrames, frame_path
 from quality_goals import seam_ratio
+from quality_shots import Shots
 from quality_still import over_ideal, relative_error, still_pixels
-from quality_variants import VARIANTS, Program, Variant
+from quality_tables import Results, geometric_mean, scene_table
+from quality_variants import NOISY, VARIANTS, Program, Variant
 
 BECALM = os.environ["BECALM"]
 SHAPE = (60, 80)
@@ -90,6 +94,74 @@ class Seams(unittest.TestCase):
         self.assertAlmostEqual(seam_ratio([(8, figures(8)), (5, figures(10))]), 1.2)
         self.assertAlmostEqual(seam_ratio([(8, figures(None)), (5, figures(None))]), 1.0)
         self.assertIsNone(seam_ratio([(8, figures(8))]))
+
+
+def write_exr(path, values, channels=("R", "G", "B")):
+    """Of 4x3 pixels, a value a channel."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    spec = oiio.ImageSpec(4, 3, len(channels), "half")
+    spec.channelnames = channels
+    image = oiio.ImageBuf(spec)
+    image.set_pixels(oiio.ROI(0, 4, 0, 3, 0, 1, 0, len(channels)), np.full((3, 4, len(channels)), values, np.float32))
+    assert image.write(str(path)), image.geterror()
+
+
+class ShotsOfOthers(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        for shot in ("garden", "cellar"):
+            self.write(self.folder / shot, "f.{:04d}.exr")
+
+    def write(self, shot, name):
+        for frame in range(4, 9):
+            write_exr(shot / "n8" / name.format(frame), 0.5)
+        for reference in "ab":
+            for frame in (6, 7):
+                write_exr(shot / reference / name.format(frame), 0.5)
+
+    def test_a_folder_of_shots_says_what_it_has(self):
+        shots = Shots(self.folder)
+        self.assertEqual(list(shots.roots), ["cellar", "garden"])
+        self.assertEqual((shots.frames, shots.measured, shots.spps), ([4, 5, 6, 7, 8], [6, 7], [8]))
+        self.assertEqual(shots.noisy("garden", 8), self.folder / "garden/n8/f.####.exr")
+
+    def test_a_single_shot_may_have_other_names(self):
+        self.write(self.folder / "mine", "shot_010.beauty.{}.exr")
+        shots = Shots(self.folder / "mine")
+        self.assertEqual(list(shots.roots), ["mine"])
+        first, second = shots.references("mine", None)
+        self.assertTrue(frame_path(first, 7).exists() and frame_path(second, 7).exists())
+
+    def test_an_unfinished_shot_is_missing_not_shorter(self):
+        (self.folder / "garden/b/f.0007.exr").unlink()
+        shots = Shots(self.folder)
+        self.assertEqual(len(shots.references("cellar", None)), 2)
+        with self.assertRaisesRegex(MissingFrames, "garden/b/f.0007.exr"):
+            shots.references("garden", None)
+
+    def test_a_folder_without_shots_is_refused(self):
+        with self.assertRaisesRegex(OSError, "no folder n8"):
+            Shots(self.folder / "garden/n8")
+
+    def test_radiance_is_the_combined_layer(self):
+        channels = tuple(f"ViewLayer.{name}" for name in ("Combined.B", "Combined.G", "Combined.R", "Denoising Albedo.R"))
+        write_exr(self.folder / "layers.exr", (3, 2, 1, 9), channels)
+        self.assertEqual(radiance(self.folder / "layers.exr")[0, 0].tolist(), [1, 2, 3])
+
+
+class GeometricMean(unittest.TestCase):
+    def test_it_is_over_the_scenes(self):
+        results = Results([NOISY, VARIANTS[1]], {})
+        for scene, share in (("one", 0.5), ("two", 0.02)):
+            for variant, figure in ((NOISY, 3.0), (VARIANTS[1], 3.0 * share)):
+                results.add({"scene": scene, "spp": 8, "variant": variant.name, "mean": {"relmse": figure}})
+        self.assertTrue(scene_table(results, 8, "relmse").splitlines()[3].endswith("1/10 |"))
+
+    def test_without_positive_shares_there_is_none(self):
+        self.assertIsNone(geometric_mean([]))
+        self.assertIsNone(geometric_mean([0.5, -0.1]))
 
 
 class Variants(unittest.TestCase):
