@@ -304,6 +304,9 @@ Settings preset(std::string_view name) {
   } else if (name == "final") {
     settings.match_downsample = 1;
     settings.prefilter = 2;
+    settings.smooth = Smooth::regression;
+    settings.smooth_radius = 7;
+    settings.smooth_strength = 0.3f;
     settings.patch_radius = 2;
   } else if (name != "balanced") {
     throw Error(ExitStatus::usage, fmt::format("preset '{}': expected draft, balanced or final", name));

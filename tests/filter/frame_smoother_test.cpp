@@ -380,7 +380,7 @@ TEST_F(FrameSmootherTest, WhatHasHardlyAnyNoiseComesOutAsItWentIn) {
   beauty.add(Aov::beauty) = frame.image(Aov::beauty);
   beauty.add(Aov::variance) = frame.image(Aov::variance);
   const Image& albedo = frame.image(Aov::albedo);
-  EXPECT_LT(squared_error(smooth(beauty, preset("final")).color, albedo),
+  EXPECT_LT(squared_error(smooth(beauty, preset("balanced")).color, albedo),
             1.05 * squared_error(frame.image(Aov::beauty), albedo));
 }
 
