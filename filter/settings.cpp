@@ -293,10 +293,10 @@ Settings preset(std::string_view name) {
   Settings settings;
   // What smoothed frames gain by; decisions on noisy ones darken with it.
   settings.luminance_weight = 1.0f;
-  settings.smooth = Smooth::network;
   settings.motion = MotionUse::guide;
   if (name == "draft") {
     settings.match_downsample = 4;
+    settings.smooth = Smooth::network;
     settings.directions = Directions::forward;
     settings.prefilter = 0;
     settings.blur_radius = {5};
@@ -304,11 +304,12 @@ Settings preset(std::string_view name) {
   } else if (name == "final") {
     settings.match_downsample = 1;
     settings.prefilter = 2;
-    settings.smooth = Smooth::regression;
     settings.smooth_radius = 7;
     settings.smooth_strength = 0.3f;
     settings.patch_radius = 2;
-  } else if (name != "balanced") {
+  } else if (name == "balanced") {
+    settings.smooth_radius = 3;
+  } else {
     throw Error(ExitStatus::usage, fmt::format("preset '{}': expected draft, balanced or final", name));
   }
   return settings;

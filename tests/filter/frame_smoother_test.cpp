@@ -27,6 +27,12 @@ Settings small_windows() {
   return settings;
 }
 
+Settings with_network() {
+  Settings settings = preset("balanced");
+  settings.smooth = Smooth::network;
+  return settings;
+}
+
 FilterTask task_of(const Frame& frame, const Settings& settings) {
   return {.settings = settings,
           .full = {frame.width(), frame.height()},
@@ -360,7 +366,7 @@ TEST_F(FrameSmootherTest, SizesFromOnePixelUp) {
 TEST_F(FrameSmootherTest, TheNetworksTilesShowNoSeams) {
   Frame frame = textured_frame(613, 415, 0.3f);
   frame.image(Aov::beauty).at(70, 80, 1) = kNan;
-  const Settings settings = preset("balanced");
+  const Settings settings = with_network();
   FrameSmoother whole(device(), task_of(frame, settings), kUnlimited);
   ASSERT_EQ(whole.memory().tiles, 1u);
   const std::uint64_t limit = whole.memory().device_bytes * 9 / 10;
@@ -380,7 +386,7 @@ TEST_F(FrameSmootherTest, WhatHasHardlyAnyNoiseComesOutAsItWentIn) {
   beauty.add(Aov::beauty) = frame.image(Aov::beauty);
   beauty.add(Aov::variance) = frame.image(Aov::variance);
   const Image& albedo = frame.image(Aov::albedo);
-  EXPECT_LT(squared_error(smooth(beauty, preset("balanced")).color, albedo),
+  EXPECT_LT(squared_error(smooth(beauty, with_network()).color, albedo),
             1.05 * squared_error(frame.image(Aov::beauty), albedo));
 }
 
