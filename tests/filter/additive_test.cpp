@@ -187,7 +187,6 @@ TEST_F(AdditiveTest, TheBeautyDoesNotDependOnThem) {
 
 TEST_F(AdditiveTest, TilesDoNotShow) {
   Settings settings = preset("final");
-  settings.smooth = Smooth::regression;
   settings.correct_levels = 1;
   settings.pyramid_levels = 1;
   settings.blur_radius = {1};

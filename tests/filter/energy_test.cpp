@@ -48,9 +48,7 @@ Estimate even_estimate(const Frame& frame, float value) {
 }
 
 void restore(const Frame& frame, Estimate& estimate) {
-  Settings settings = preset("balanced");
-  settings.smooth = Smooth::regression;
-  const FilterTask task{.settings = settings,
+  const FilterTask task{.settings = preset("balanced"),
                         .full = {frame.width(), frame.height()},
                         .used = frame.aovs(),
                         .diagnostics = {},

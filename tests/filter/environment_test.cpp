@@ -93,7 +93,6 @@ TEST_F(EnvironmentTest, KeepsItsDetailBehindMovingLeavesWhateverItsAlbedoIsCalle
   for (const auto& [convention, name] :
        {std::pair{Sky::one, "1"}, {Sky::zero, "0"}, {Sky::radiance, "its radiance"}}) {
     Settings settings = preset("balanced");
-    settings.smooth = Smooth::regression;
     settings.directions = Directions::forward;
     const Frame first = leaves_before_sky(1, convention);
     SequenceFilter filter(device(), settings, kWidth, kHeight, first.aovs(), {});

@@ -302,7 +302,7 @@ TEST_F(TiledFrameTest, TakesLongAndTinyFrames) {
     SCOPED_TRACE(scene.width);
     expect_no_seams(settings, scene, 0.5, 2, 2);
   }
-  SequenceFilter filter = make(preset("balanced"), {.width = 1, .height = 1}, std::uint64_t{8} << 20);
+  SequenceFilter filter = make(preset("balanced"), {.width = 1, .height = 1}, std::uint64_t{1} << 20);
   EXPECT_EQ(filter.memory().tiles, 1u);
 }
 
