@@ -20,7 +20,7 @@ import becalm_meshes
 import becalm_textures
 from becalm_scene import LAST_FRAME, make_scene, scale_light
 
-SPP_CHOICES, SPP_WEIGHTS = [1, 2, 4, 8, 16, 32, 64], [0.26, 0.22, 0.2, 0.14, 0.1, 0.05, 0.03]
+SPP_CHOICES, SPP_WEIGHTS = [1, 2, 4, 8, 16, 32, 64], [0.14, 0.16, 0.2, 0.2, 0.15, 0.1, 0.05]
 MOST_ATTEMPTS = 20
 PROBE_SIZE, PROBE_SPP = "64x36", 16
 # The relative variance of one sample predicts that of the references within a factor of 2.
@@ -35,7 +35,8 @@ def read_arguments():
     parser.add_argument("--seeds", required=True, help="such as 0-149 or 7")
     parser.add_argument("--frames", type=int, default=4, help="frames of each shot to render, from its first")
     parser.add_argument("--every", type=int, default=1, help="render each Nth frame: apart, they differ more")
-    parser.add_argument("--references", type=int, default=4, help="how many of those frames, from the first, get references")
+    parser.add_argument("--references", type=int, default=4,
+                        help="how many of those frames, evenly spread, get references and a second level of noise")
     parser.add_argument("--reference-spp", type=int, default=64,
                         help="most samples per pixel of each of the two references; calm shots take fewer, down to 16")
     parser.add_argument("--size", default="256x144")
@@ -46,6 +47,11 @@ def read_arguments():
     if arguments.frames < 1 or arguments.numbers[-1] > LAST_FRAME:
         parser.error(f"a shot has {LAST_FRAME} frames, the last asked for is {arguments.numbers[-1:]}")
     return arguments
+
+
+def evenly_spread(frames, count):
+    """`count` of the frames, with as many before the first as after the last: 5 of 1 to 8 for one."""
+    return [frames[(2 * place + 1) * len(frames) // (2 * count)] for place in range(count)]
 
 
 def frame_list(numbers):
@@ -155,11 +161,12 @@ def make_shot(arguments, seed, assets):
     facts = choose_scene(arguments, folder, seed, assets, exposure)
     wanted = 8 * int(np.ceil(REFERENCE_SPP_PER_NOISE * facts["sample_noise"] / 8))
     reference_spp = min(max(wanted, FEWEST_REFERENCE_SPP), arguments.reference_spp)
-    scene, frames = folder / "scene.json", frame_list(arguments.numbers)
-    referenced = arguments.numbers[:arguments.references]
+    scene = folder / "scene.json"
+    referenced = evenly_spread(arguments.numbers, arguments.references)
     for level, samples in enumerate(spp):
         aovs = "albedo,normal,depth,variance" + (",half_a,half_b" if samples >= 2 else "")
-        render(arguments, scene, folder / f"n{samples:03d}.####.exr", frames, samples, 1000 * seed + level + 1, aovs,
+        frames = referenced if level > 0 else arguments.numbers
+        render(arguments, scene, folder / f"n{samples:03d}.####.exr", frame_list(frames), samples, 1000 * seed + level + 1, aovs,
                arguments.size, "--aov-spp", aov_style or samples, "--float")
     if referenced:
         for level, name in enumerate(("r_a", "r_b")):

@@ -29,7 +29,7 @@ import cycles_motion as motion
 from cycles_dice import Dice
 from cycles_layouts import LAYOUTS, Stage
 
-NOISE_SPP = {1: 20, 2: 20, 4: 20, 8: 16, 16: 12, 32: 7, 64: 5}
+NOISE_SPP = {1: 14, 2: 16, 4: 20, 8: 20, 16: 15, 32: 10, 64: 5}
 REFERENCE_SPP = 64
 ATTEMPTS = 12  # scenes tried for a seed
 PILOT_SIZE, PILOT_SPP = (64, 36), 8
@@ -42,7 +42,7 @@ def arguments():
     parser.add_argument("--seeds", required=True, metavar="FIRST-LAST")
     parser.add_argument("--frames", type=int, default=4, help="noisy frames of a shot, of 8 at most (default: 4)")
     parser.add_argument("--references", type=int, default=4,
-                        help="how many of them get references, evenly spread, the last one always (default: 4)")
+                        help="how many of them, evenly spread, get references and a second level of noise (default: 4)")
     parser.add_argument("--size", default="256x144", metavar="WxH")
     parser.add_argument("--threads", type=int, default=1)
     asked = parser.parse_args(sys.argv[sys.argv.index("--") + 1:])
@@ -139,9 +139,8 @@ def build(seed, size, threads):
 
 
 def evenly_spread(frames, count):
-    """`count` of the frames, the last one among them."""
-    total = len(frames)
-    return [frame for place, frame in enumerate(frames, 1) if place * count // total > (place - 1) * count // total]
+    """`count` of the frames, with as many before the first as after the last: 5 of 1 to 8 for one."""
+    return [frames[(2 * place + 1) * len(frames) // (2 * count)] for place in range(count)]
 
 
 def render_shot(folder, seed, asked):
@@ -166,7 +165,7 @@ def render_shot(folder, seed, asked):
     referenced = evenly_spread(frames, asked.references)
     for frame in frames:
         scene.frame_set(frame)
-        for spp in levels:
+        for spp in levels if frame in referenced else levels[:1]:
             for half in "ab" if spp > 1 else "a":
                 write(f"n{spp:03d}_{half}", max(spp // 2, 1), frame)
         if frame in referenced:
