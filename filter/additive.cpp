@@ -96,10 +96,10 @@ void unpack_additive(const NewFrame& frame, const FilterTask& task, const std::v
   }
 }
 
-std::vector<gpu::ImageId> additive_inputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent,
+std::vector<gpu::ImageId> additive_inputs(gpu::Chain& chain, std::size_t count, gpu::Extent extent,
                                           const std::string& name) {
   std::vector<gpu::ImageId> inputs;
-  for (std::size_t i = 0; i < task.additive; ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     inputs.push_back(chain.input(fmt::format("{}.{}", name, i), gpu::Format::f32x4, extent));
   }
   return inputs;

@@ -33,8 +33,8 @@ std::vector<Image> pack_additive(const Frame& frame, const FilterTask& task,
 void unpack_additive(const NewFrame& frame, const FilterTask& task, const std::vector<Image>& denoised,
                      Frame& result);
 
-/// An input of a chain for each additive AOV (f32x4).
-std::vector<gpu::ImageId> additive_inputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent,
+/// `count` inputs of a chain (f32x4), one for each additive AOV or image that is carried.
+std::vector<gpu::ImageId> additive_inputs(gpu::Chain& chain, std::size_t count, gpu::Extent extent,
                                           const std::string& name);
 
 /// Fills such inputs with a rectangle.

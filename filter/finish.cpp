@@ -20,7 +20,7 @@ struct EstimateInputs {
   EstimateInputs(gpu::Chain& chain, const FilterTask& task, Extent extent, const std::string& name)
       : color(chain.input(name + ".color", Format::f32x4, extent)),
         stats(chain.input(name + ".stats", Format::f32x2, extent)),
-        additive(additive_inputs(chain, task, extent, name + ".additive")) {}
+        additive(additive_inputs(chain, task.carried(), extent, name + ".additive")) {}
 
   void upload(gpu::Chain& chain, const Estimate& estimate, const Rect& rect) const {
     filter::upload(chain, color, view(estimate.color), rect);

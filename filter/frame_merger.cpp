@@ -8,10 +8,10 @@
 
 namespace becalm::filter {
 
-Estimate::Estimate(gpu::Extent extent, std::size_t additive_count)
+Estimate::Estimate(gpu::Extent extent, std::size_t carried_count)
     : color(extent.width, extent.height, 4),
       stats(extent.width, extent.height, 2),
-      additive(additive_count, color) {}
+      additive(carried_count, color) {}
 
 void copy_core(std::span<const float> pixels, const Tile& tile, Image& image) {
   if (image.empty()) return;

@@ -49,6 +49,11 @@ struct FilterTask {
            settings.merge == MergeMode::variance;
   }
   bool smooths() const { return settings.smooth != Smooth::none; }
+  /// Whether smoothed frames only decide the weights by which noisy ones are merged, and what comes out is
+  /// smoothed.
+  bool smooths_merged() const { return settings.smooth == Smooth::network && settings.smooth_merged != 0; }
+  /// Images that are merged with the beauty's weights: additive AOVs, then the noisy radiance if that is.
+  std::size_t carried() const { return additive + (smooths_merged() ? 1 : 0); }
   /// Whether the history's block means are brought to the frame's: what a network loses shows in wider blocks
   /// alone (energy.h).
   bool corrects_history() const { return settings.correct_levels > 0 && settings.smooth != Smooth::network; }
@@ -57,11 +62,13 @@ struct FilterTask {
 /// What is known of a frame's pixels, and how well.
 struct Estimate {
   Estimate() = default;
-  Estimate(gpu::Extent extent, std::size_t additive_count);
+  Estimate(gpu::Extent extent, std::size_t carried_count);
 
   Image color;                  ///< four channels
   Image stats;                  ///< (variance, effective sample count); a count of 0 where nothing is known
-  std::vector<Image> additive;  ///< additive AOVs, four channels
+  /// What goes with the beauty's weights, four channels each: additive AOVs; in the merge also, as the last,
+  /// the noisy radiance and its variance, if the task smooths what is merged.
+  std::vector<Image> additive;
 };
 
 /// A frame on its way into the chains.
@@ -74,8 +81,15 @@ struct NewFrame {
   Estimate smoothed = {};            ///< what is matched and merged in place of the frame, if not empty
 
   const std::vector<Image>& merged_additive() const {
-    return smoothed.color.empty() ? additive : smoothed.additive;
+    return smoothed.additive.empty() ? additive : smoothed.additive;
   }
+};
+
+/// The noisy radiance (RGB) that an estimate carries, and its variance (Y): that of a frame over the effective
+/// number of frames.
+struct Accumulated {
+  Image color;
+  Image variance;
 };
 
 /// What a merger makes of a new frame. Images that are empty nobody wants.
@@ -85,6 +99,7 @@ struct MergedFrame {
                         ///< showed it, is part of the variance
   Image decision;       ///< four channels, as MergeOutputs::decision
   Image residual;       ///< one channel: patch distance of the finest level
+  Accumulated accumulated;  ///< if that is a diagnostic that is wanted
   Image flow;           ///< two channels: where in the history each pixel was found, as an offset in pixels
 };
 

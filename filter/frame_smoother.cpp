@@ -20,7 +20,7 @@ struct FrameSmoother::Passes {
   Passes(gpu::Device& device, const FilterTask& task, Extent extent)
       : chain(device, "smooth"),
         noisy(chain, task, extent, NoisyUse::smooth),
-        additive(additive_inputs(chain, task, extent, "additive.cur")) {
+        additive(additive_inputs(chain, task.additive, extent, "additive.cur")) {
     Smoothed smoothed;
     if (task.settings.smooth == Smooth::regression) {
       smoothed = add_smooth_passes(chain, task.settings, extent, noisy, additive);

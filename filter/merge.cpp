@@ -219,6 +219,17 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
   return warped;
 }
 
+ImageId add_carry_pass(Chain& chain, Extent full, const NoisyInputs& noisy) {
+  const ImageId carried = chain.image("carried.cur", Format::f32x4, full);
+  chain.pass("merge/carry")
+      .read("color", noisy.color)
+      .read("variance", noisy.variance)
+      .write("carried", carried)
+      .constants(params::ImageParams{.width = full.width, .height = full.height})
+      .dispatch(full);
+  return carried;
+}
+
 int resample_margin_px(const Settings& settings) {
   constexpr int taps = 2;
   return taps + (settings.resample == Resample::o_moms ? kSplineRadius : 0);

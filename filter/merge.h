@@ -19,7 +19,7 @@ struct FramePair {
   gpu::ImageId previous;
 };
 
-/// An additive AOV on its way into its history (f32x4).
+/// An image that goes with the beauty's weights into its history (f32x4).
 struct AdditiveInput {
   gpu::ImageId color;  ///< as MergeInputs::color
   gpu::History history;
@@ -67,6 +67,9 @@ WarpedHistory add_warp_passes(gpu::Chain& chain, const Settings& settings, gpu::
 
 /// How far around the positions that offsets lead to the history is read.
 int resample_margin_px(const Settings& settings);
+
+/// The noisy radiance and its variance as one image (f32x4).
+gpu::ImageId add_carry_pass(gpu::Chain& chain, gpu::Extent full, const NoisyInputs& noisy);
 
 /// How far from a pixel the merge reads offsets, the new frame and its variance.
 int merge_margin_px(const Settings& settings);

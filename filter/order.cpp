@@ -14,6 +14,7 @@
 #include "filter/frame_check.h"
 #include "filter/frame_smoother.h"
 #include "filter/host_images.h"
+#include "filter/merged_smoother.h"
 #include "filter/tiled_frame.h"
 #include "filter/whole_frame.h"
 
@@ -73,6 +74,10 @@ Frame output_frame(const NewFrame& frame, const FilterTask& task, MergedFrame ma
   add_decision(Aov::rejected_by, 3);
   if (contains(diagnostics, Aov::residual)) result.image(Aov::residual) = std::move(made.residual);
   if (contains(diagnostics, Aov::flow)) result.image(Aov::flow) = std::move(made.flow);
+  if (contains(diagnostics, Aov::accumulated)) {
+    result.image(Aov::accumulated) = std::move(made.accumulated.color);
+    result.image(Aov::accumulated_variance) = std::move(made.accumulated.variance);
+  }
   unpack_additive(frame, task, made.merged.additive, result);
   return result;
 }
@@ -97,6 +102,7 @@ struct SequenceFilter::State {
 
   FilterTask task;
   std::optional<FrameSmoother> smoother;
+  std::optional<MergedSmoother> merged_smoother;
   std::unique_ptr<FrameMerger> merger;
   std::optional<Finish> finish;
   std::map<int, Estimate> predictions;  ///< by frame number
@@ -121,8 +127,14 @@ SequenceFilter::SequenceFilter(gpu::Device& device, const Settings& settings, in
   if (!task.guides.albedo) task.settings.demodulate = 0;  // nothing to divide out
   std::uint64_t left = std::min(memory_limit, usable_bytes(device));
   if (task.smooths()) {
-    state_->smoother.emplace(device, task, left / kShareOfFinish);
+    FilterTask task_of_frame = task;
+    if (task.smooths_merged()) task_of_frame.additive = 0;
+    state_->smoother.emplace(device, task_of_frame, left / kShareOfFinish);
     left -= state_->smoother->memory().device_bytes;
+  }
+  if (task.smooths_merged()) {
+    state_->merged_smoother.emplace(device, task, left / kShareOfFinish);
+    left -= state_->merged_smoother->memory().device_bytes;
   }
   if (settings.directions == Directions::both) {
     state_->finish.emplace(device, task, left / kShareOfFinish);
@@ -158,7 +170,7 @@ std::optional<Frame> SequenceFilter::run(const Step& step, const Frame& frame, F
   if (state_->smoother) new_frame.smoothed = state_->smoother->smooth(new_frame, report);
   if (step.wanted && step.direction == Direction::forward) return state_->forward(new_frame, report);
   MergedFrame merged;
-  if (step.wanted) merged.prediction = Estimate(task.full, task.additive);
+  if (step.wanted) merged.prediction = Estimate(task.full, task.carried());
   state_->merger->merge(new_frame, merged, report);
   if (step.wanted) state_->predictions.insert_or_assign(step.frame, std::move(merged.prediction));
   return std::nullopt;
@@ -167,7 +179,7 @@ std::optional<Frame> SequenceFilter::run(const Step& step, const Frame& frame, F
 Frame SequenceFilter::State::forward(const NewFrame& frame, FrameReport& report) {
   const gpu::Extent full = task.full;
   MergedFrame merged;
-  merged.merged = Estimate(full, task.additive);
+  merged.merged = Estimate(full, task.carried());
   merged.decision = Image(full.width, full.height, 4);
   if (contains(task.diagnostics, Aov::residual)) merged.residual = Image(full.width, full.height, 1);
   if (contains(task.diagnostics, Aov::flow)) merged.flow = Image(full.width, full.height, 2);
@@ -178,11 +190,15 @@ Frame SequenceFilter::State::forward(const NewFrame& frame, FrameReport& report)
   report.mean_rejected /= static_cast<double>(full.elements());
 
   if (const auto prediction = predictions.find(frame.frame.number()); prediction != predictions.end()) {
-    Estimate combined(full, task.additive);
+    Estimate combined(full, task.carried());
     finish->run({.frame = frame, .forward = merged.merged, .prediction = prediction->second}, combined,
                 report);
     merged.merged = std::move(combined);
     predictions.erase(prediction);
+  }
+  if (merged_smoother) {
+    if (contains(task.diagnostics, Aov::accumulated)) merged.accumulated = accumulated(merged.merged);
+    merged.merged = merged_smoother->smooth(frame, std::move(merged.merged), report);
   }
   if (task.settings.correct_levels > 0) restore_energy(frame, task, merged.merged);
   return output_frame(frame, task, std::move(merged), report);
@@ -207,6 +223,7 @@ FilterMemory SequenceFilter::memory() const {
     memory.staging_bytes += other.staging_bytes;
   };
   if (state_->smoother) add(state_->smoother->memory());
+  if (state_->merged_smoother) add(state_->merged_smoother->memory());
   if (state_->finish) add(state_->finish->memory());
   return memory;
 }

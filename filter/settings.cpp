@@ -116,6 +116,10 @@ const Row kTable[] = {
     {{"smooth_surfaces", "number 0..100",
       "how much other normals, albedos and depths keep pixels out of the window; 0: not at all"},
      FloatRange{&Settings::smooth_surfaces, 0.0f, 100.0f}},
+    {{"smooth_merged", "0 or 1",
+      "network: 1 merges noisy frames by the weights of smoothed ones and smooths what comes out; 0 gives "
+      "smoothed frames merged"},
+     IntRange{&Settings::smooth_merged, 0, 1}},
     {{"validate", "none, or some of depth, normal, id and flow joined by commas",
       "distrusts history that was of another surface than the new frame's, or (flow) whose offsets there and "
       "back disagree"},

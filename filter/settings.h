@@ -70,6 +70,7 @@ struct Settings {
   int smooth_patch_radius = 1;
   float smooth_strength = 0.35f;
   float smooth_surfaces = 1.0f;
+  int smooth_merged = 0;
   unsigned validate = 0;  ///< flags of Validate
   float validate_bias = 0.2f;
   float depth_tolerance = 0.05f;

@@ -123,13 +123,15 @@ TileChain::TileChain(gpu::Device& device, const FilterTask& task, const PyramidS
   }
   merged.color = chain.image("history.color.next", Format::f32x4, target_extent);
   merged.stats = chain.image("history.stats.next", Format::f32x2, target_extent);
-  additive = additive_inputs(chain, task, target_extent, "additive.cur");
-  history_additive = additive_inputs(chain, task, source_extent, "history.additive.prev");
+  additive = additive_inputs(chain, task.additive, target_extent, "additive.cur");
+  history_additive = additive_inputs(chain, task.carried(), source_extent, "history.additive.prev");
+  std::vector<gpu::ImageId> carried = additive;
+  if (task.smooths_merged()) carried.push_back(add_carry_pass(chain, target_extent, noisy));
   std::vector<AdditiveInput> additive_merged;
-  for (std::size_t i = 0; i < task.additive; ++i) {
+  for (std::size_t i = 0; i < carried.size(); ++i) {
     const std::string name = fmt::format("history.additive.next.{}", i);
     merged.additive.push_back(chain.image(name, Format::f32x4, target_extent));
-    additive_merged.push_back({additive[i], {history_additive[i], merged.additive[i]}});
+    additive_merged.push_back({carried[i], {history_additive[i], merged.additive[i]}});
   }
   merged.outputs = add_merge_passes(chain, settings, target_extent,
                                     {.noisy = noisy,

@@ -85,8 +85,8 @@ TiledFrame::TiledFrame(gpu::Device& device, FilterTask task, std::uint64_t memor
     features->coarse =
         HostPlanes(level_extent(task_.settings, task_.full, split_.coarse).with_planes(planes));
   }
-  history_.estimate = Estimate(task_.full, task_.additive);
-  merged_ = Estimate(task_.full, task_.additive);
+  history_.estimate = Estimate(task_.full, task_.carried());
+  merged_ = Estimate(task_.full, task_.carried());
   const Image of_four_channels(task_.full.width, task_.full.height, 4);
   if (chains_->tile->surface) history_.surface = surface_ = of_four_channels;
   if (chains_->tile->albedo) history_.albedo = albedo_ = of_four_channels;

@@ -75,9 +75,11 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
                chain_.input("albedo.prev", Format::f32x4, full)};
   }
 
-  additive_ = additive_inputs(chain_, task_, full, "additive.cur");
+  additive_ = additive_inputs(chain_, task_.additive, full, "additive.cur");
+  std::vector<gpu::ImageId> carried = additive_;
+  if (task_.smooths_merged()) carried.push_back(add_carry_pass(chain_, full, noisy_));
   std::vector<AdditiveInput> additive;
-  for (const gpu::ImageId input : additive_) {
+  for (const gpu::ImageId input : carried) {
     const std::string name = fmt::format("history.additive.{}", additive.size());
     additive.push_back({input, chain_.history(name, Format::f32x4, full)});
     merged_.additive.push_back(additive.back().history.next);

@@ -29,8 +29,10 @@ enum class Aov {
   gain,
   rejected_by,
   residual,
+  accumulated,
+  accumulated_variance,
 };
-inline constexpr std::size_t kAovCount = 19;
+inline constexpr std::size_t kAovCount = 21;
 
 using AovSet = std::bitset<kAovCount>;
 
@@ -75,6 +77,9 @@ inline constexpr std::array<AovInfo, kAovCount> kAovTable{{
      "4 normal, 5 object number, 6 offsets there and back that disagree"},
     {Aov::residual, "residual", "Y", true,
      "patch distance at the offset, less that of equal pixels, of the finest level that was matched"},
+    {Aov::accumulated, "accumulated", "RGB", true,
+     "noisy frames merged, as the last smoothing sees them, if there is one"},
+    {Aov::accumulated_variance, "accumulated_variance", "Y", true, "variance of that"},
 }};
 
 constexpr const AovInfo& info(Aov aov) {

@@ -49,6 +49,8 @@ constexpr Alias kAliases[] = {
     {Aov::gain, "gain"},
     {Aov::rejected_by, "rejected_by"},
     {Aov::residual, "residual"},
+    {Aov::accumulated, "accumulated"},
+    {Aov::accumulated_variance, "accumulated_variance"},
 };
 
 /// Blender writes what its compositor made of the picture as a layer of this scope. Its noise is no longer

@@ -38,7 +38,7 @@ def crop(rng, pair, size):
     features = with_features_dropped(rng, cut(pair.features[1 if rng.random() < CLEAN_FEATURES else 0]))
     variance = np.full((1, size, size), -1.0, np.float32)
     gain = np.exp(rng.normal() * EXPOSURE_SPREAD)
-    if pair.variances and rng.random() >= WITHOUT_VARIANCE:
+    if pair.variances and (pair.merged or rng.random() >= WITHOUT_VARIANCE):
         deviation = cut(pair.variances[rng.integers(len(pair.variances))])
         variance = (deviation * gain) ** 2
     references = np.stack([cut(r) for r in pair.references])

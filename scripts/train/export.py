@@ -47,6 +47,11 @@ def from_bytes(data):
     return network
 
 
+def read_weights(path):
+    with open(path, "rb") as file:
+        return from_bytes(file.read())
+
+
 def load_trained(path):
     state = torch.load(path, map_location="cpu")
     network = Network(channels=state["channels"])

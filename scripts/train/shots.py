@@ -13,6 +13,7 @@ import numpy as np
 import OpenImageIO as oiio
 
 PACKED = "packed.npz"
+MERGED = "merged.npz"  # what merged_shots.py writes
 FIREFLY = 1e4  # largest radiance over the frame's typical one that a reference may have: half-float range
 
 NAMES = {
@@ -43,6 +44,7 @@ class Pair:
     variances: list  # what the renderer tells of the noise: its own variance, that of the halves; may be empty
     features: list  # (albedo, normal, depth) as 7 channels: as noisy as the frame, then of the references
     references: list  # two
+    merged: bool = False  # of several frames, whose variance is always known
 
 
 def read_layers(path, renderer):
@@ -124,26 +126,33 @@ def pack_shot(folder):
             finite = np.isfinite(layers["color"]).all() and np.isfinite(a["color"]).all() and np.isfinite(b["color"]).all()
             if exposure == 0.0 or not finite:
                 continue
-            key = f"{spp:03d}.{frame:04d}"
-            arrays[f"{key}.color"] = (layers["color"] * exposure).clip(-FIREFLY, FIREFLY).astype(np.float16)
-            arrays[f"{key}.features"] = np.stack([packed_features(layers), clean])
-            references = np.stack([a["color"], b["color"]]) * exposure
-            arrays[f"{key}.references"] = references.clip(-FIREFLY, FIREFLY).astype(np.float16)
-            told = [np.sqrt(np.maximum(v, 0.0)) * exposure for v in variances_of(layers)]
-            if told:
-                arrays[f"{key}.deviations"] = np.stack(told).clip(0, FIREFLY).astype(np.float16)
-    partial = f"{folder}/{PACKED}.partial.npz"
+            pair = packed_pair(layers["color"] * exposure, [np.sqrt(np.maximum(v, 0.0)) * exposure for v in variances_of(layers)],
+                               [packed_features(layers), clean], [r["color"] * exposure for r in (a, b)])
+            arrays.update({f"{spp:03d}.{frame:04d}.{name}": array for name, array in pair.items()})
+    save(f"{folder}/{PACKED}", arrays)
+
+
+def packed_pair(color, deviations, features, references):
+    """The arrays of a pair by name, of exposed radiance."""
+    arrays = {
+        "color": color.clip(-FIREFLY, FIREFLY).astype(np.float16),
+        "features": np.stack(features),
+        "references": np.stack(references).clip(-FIREFLY, FIREFLY).astype(np.float16),
+    }
+    if deviations:
+        arrays["deviations"] = np.stack(deviations).clip(0, FIREFLY).astype(np.float16)
+    return arrays
+
+
+def save(path, arrays):
+    partial = f"{path}.partial.npz"
     np.savez(partial, **arrays)
-    os.replace(partial, f"{folder}/{PACKED}")
+    os.replace(partial, path)
 
 
-def load_shot(folder):
-    """The pairs of a shot, packed before if need be."""
-    path = f"{folder}/{PACKED}"
-    if not os.path.exists(path):
-        pack_shot(folder)
+def load_pairs(folder, file):
     pairs = []
-    with np.load(path) as packed:
+    with np.load(f"{folder}/{file}") as packed:
         for key in sorted(name.removesuffix(".color") for name in packed.files if name.endswith(".color")):
             deviations = packed[f"{key}.deviations"] if f"{key}.deviations" in packed.files else []
             pairs.append(
@@ -153,9 +162,18 @@ def load_shot(folder):
                     variances=list(deviations),
                     features=list(packed[f"{key}.features"]),
                     references=list(packed[f"{key}.references"]),
+                    merged=file == MERGED,
                 )
             )
     return pairs
+
+
+def load_shot(folder):
+    """The pairs of a shot, packed before if need be: of its frames, then of what merged_shots.py made of them."""
+    if not os.path.exists(f"{folder}/{PACKED}"):
+        pack_shot(folder)
+    files = [file for file in (PACKED, MERGED) if os.path.exists(f"{folder}/{file}")]
+    return [pair for file in files for pair in load_pairs(folder, file)]
 
 
 def complete_shots(data):

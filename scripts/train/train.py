@@ -1,7 +1,8 @@
 """Trains the network: train.py DATA OUT [--size standard|small] [--minutes M | --steps N] [--device cpu|cuda] [--seed N]
 
 Goes on from OUT/checkpoint.pt if that is there. Writes OUT/checkpoint.pt, OUT/best.pt (the averaged weights with the least
-error on the shots held out) and OUT/curve.csv (minutes, step, training error, held-out error, energy).
+error on the shots held out) and OUT/curve.csv (minutes, step, training error, held-out error, energy,
+held-out error of merged frames, as a share of theirs).
 """
 
 import argparse
@@ -15,6 +16,7 @@ import numpy as np
 import torch
 
 import batches
+import export
 import losses
 from network import CHANNELS, Network, parameter_count
 
@@ -52,7 +54,8 @@ class Trainer:
         os.makedirs(args.out, exist_ok=True)
         torch.manual_seed(args.seed)
         self.rng = np.random.default_rng(args.seed)
-        self.network = Network(CHANNELS[args.size]).to(args.device, memory_format=torch.channels_last)
+        network = export.read_weights(args.start) if args.start else Network(CHANNELS[args.size])
+        self.network = network.to(args.device, memory_format=torch.channels_last)
         self.average = copy.deepcopy(self.network)
         self.optimizer = torch.optim.Adam(self.network.parameters(), LEARNING_RATE, eps=1e-8)
         self.step, self.spent_s, self.best = 0, 0.0, math.inf
@@ -106,7 +109,9 @@ class Trainer:
 
     def evaluate(self, pairs, training_error):
         error, energy = held_out_error(self.average, pairs) if pairs else (math.nan, math.nan)
-        line = f"{self.spent_s / 60:.2f},{self.step},{training_error:.5f},{error:.5f},{energy:.5f}"
+        merged = [pair for pair in pairs if pair.merged]
+        of_merged, _ = held_out_error(self.average, merged) if merged else (math.nan, math.nan)
+        line = f"{self.spent_s / 60:.2f},{self.step},{training_error:.5f},{error:.5f},{energy:.5f},{of_merged:.5f}"
         print(line, flush=True)
         with open(self.path("curve.csv"), "a") as file:
             file.write(line + "\n")
@@ -143,6 +148,7 @@ def parse(words):
     parser.add_argument("data")
     parser.add_argument("out")
     parser.add_argument("--size", choices=sorted(CHANNELS), default="standard")
+    parser.add_argument("--start", metavar="FILE.weights", help="begin with these weights; their size counts")
     parser.add_argument("--minutes", type=float, default=240.0)
     parser.add_argument("--steps", type=int, default=0, help="so many steps instead")
     parser.add_argument("--device", default="cpu")

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+
+#include "filter/frame_merger.h"
+#include "filter/frame_smoother.h"
+
+namespace becalm::filter {
+
+/// Smooths noisy frames that were merged, with the features of the frame where they were merged. What is left
+/// of the noise after that is less than after merging smoothed frames: detail that many frames share is no
+/// longer taken for noise.
+class MergedSmoother {
+ public:
+  /// As FrameSmoother.
+  MergedSmoother(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit);
+
+  /// `merged` carries the noisy radiance and its variance summed with the merge's weights; returns what is to
+  /// come out for the frame.
+  Estimate smooth(const NewFrame& frame, Estimate merged, FrameReport& report);
+  FilterMemory memory() const { return smoother_.memory(); }
+
+ private:
+  FilterTask task_;
+  FrameSmoother smoother_;
+};
+
+/// What an estimate carries of the noisy frames.
+Accumulated accumulated(const Estimate& merged);
+
+}  // namespace becalm::filter

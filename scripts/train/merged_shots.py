@@ -1,0 +1,100 @@
+"""Merges the noisy frames of shots by becalm's own filter, for the network that smooths merged frames to learn from.
+
+    merged_shots.py DATA --becalm PROGRAM
+
+For each complete shot of DATA the frame with a reference is merged twice: from the frames up to it, and from all frames. The
+files say of the noise what chance decides: a variance, half-buffers or nothing. What the last smoothing would see is stored in
+SHOT/merged.npz, in the form of PACKED (shots.py); shots that have it are left alone.
+"""
+
+import argparse
+import json
+import os
+import subprocess
+import tempfile
+
+import numpy as np
+import OpenImageIO as oiio
+
+import shots
+
+CHANNELS = {"color": ["R", "G", "B"], **{name: shots.NAMES["becalm"][name] for name in
+            ("albedo", "normal", "depth", "variance", "half_a", "half_b")}}
+TOLD = [[], ["variance"], ["half_a", "half_b"]]
+TOLD_SHARES = [0.5, 0.25, 0.25]
+MATCHING = ["draft", "balanced", "final"]
+
+
+def write_layers(path, layers):
+    """An EXR file of float channels from arrays of (channels, height, width)."""
+    names = [channel for layer in layers for channel in CHANNELS[layer]]
+    pixels = np.concatenate(list(layers.values())).transpose(1, 2, 0)
+    spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], len(names), oiio.FLOAT)
+    spec.channelnames = names
+    file = oiio.ImageOutput.create(path)
+    if not file or not file.open(path, spec) or not file.write_image(np.ascontiguousarray(pixels)):
+        raise IOError(f"{path}: {oiio.geterror()}")
+    file.close()
+
+
+def read_channels(path, names):
+    image = oiio.ImageBuf(path)
+    if image.has_error:
+        raise IOError(f"{path}: {image.geterror()}")
+    spec = image.spec()
+    pixels = np.asarray(image.get_pixels(oiio.FLOAT)).reshape(spec.height, spec.width, spec.nchannels)
+    return pixels[..., [spec.channelnames.index(name) for name in names]].transpose(2, 0, 1)
+
+
+def merge(becalm, folder, frames, wanted, preset, directions):
+    """The frame `wanted` merged from files of `frames`: radiance and its variance."""
+    subprocess.run([becalm, "denoise", f"{folder}/in.####.exr", "-o", f"{folder}/out.####.exr", "--frames", frames, "--quiet",
+                    "--diagnostics", "--threads", "1", "--preset", preset, "--set", "smooth=network", "--set", "smooth_merged=1",
+                    "--set", f"directions={directions}", "--cuts", "none"], check=True)
+    path = f"{folder}/out.{wanted:04d}.exr"
+    return (read_channels(path, ["accumulated.R", "accumulated.G", "accumulated.B"]),
+            read_channels(path, ["accumulated_variance.Y"]))
+
+
+def merge_shot(becalm, folder):
+    with open(f"{folder}/shot.json") as file:
+        shot = json.load(file)
+    rng = np.random.default_rng([shot["seed"], 77])
+    spp, wanted = shot["spp"][0], shot["references"][0]
+    a, b = (shots.read_layers(f"{folder}/{name}.{wanted:04d}.exr", shot["renderer"]) for name in ("r_a", "r_b"))
+    clean = shots.packed_features({name: 0.5 * (a[name] + b[name]) for name in ("albedo", "normal", "depth")})
+    arrays = {}
+    with tempfile.TemporaryDirectory() as temporary:
+        for directions in ("forward", "both"):
+            told = TOLD[rng.choice(len(TOLD), p=TOLD_SHARES)]
+            for frame in range(1, shot["frames"] + 1):
+                layers = shots.noisy_layers(folder, shot, spp, frame)
+                kept = ["color", "albedo", "normal", "depth"] + [name for name in told if name in layers]
+                write_layers(f"{temporary}/in.{frame:04d}.exr", {name: layers[name] for name in kept})
+                if frame == wanted:
+                    of_wanted = layers
+            frames = f"1-{wanted}" if directions == "forward" else str(wanted)
+            color, variance = merge(becalm, temporary, frames, wanted, MATCHING[rng.integers(len(MATCHING))], directions)
+            exposure = shots.exposure_of(of_wanted["color"])
+            finite = all(np.isfinite(image).all() for image in (color, variance, a["color"], b["color"]))
+            if exposure == 0.0 or not finite:
+                continue
+            pair = shots.packed_pair(color * exposure, [np.sqrt(variance) * exposure],
+                                     [shots.packed_features(of_wanted), clean], [r["color"] * exposure for r in (a, b)])
+            arrays.update({f"{directions}.{wanted:04d}.{name}": array for name, array in pair.items()})
+    shots.save(f"{folder}/{shots.MERGED}", arrays)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("data")
+    parser.add_argument("--becalm", required=True, help="the program")
+    args = parser.parse_args()
+    for folder in shots.complete_shots(args.data):
+        if not os.path.exists(f"{folder}/{shots.MERGED}"):
+            merge_shot(args.becalm, folder)
+            print(folder, flush=True)
+
+
+if __name__ == "__main__":
+    main()

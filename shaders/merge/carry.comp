@@ -1,0 +1,18 @@
+// Reads the new frame and its variance; writes both in one image, (radiance, variance), as the frame's noisy radiance is merged
+// with the weights of smoothed frames.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared/merge_params.h"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant) uniform Params { ImageParams p; };
+layout(set = 0, binding = 0) uniform samplerBuffer color;
+layout(set = 0, binding = 1) uniform samplerBuffer variance;
+layout(std430, set = 0, binding = 2) writeonly buffer CarriedBuffer { vec4 data[]; } carried;
+
+void main() {
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  if (at.x >= p.width || at.y >= p.height) return;
+  const int index = at.y * p.width + at.x;
+  carried.data[index] = vec4(texelFetch(color, index).rgb, texelFetch(variance, index).x);
+}
