@@ -144,6 +144,7 @@ TEST_F(AdditiveTest, SumsStayWhatTheyAre) {
       {"resample=o_moms"},
       {"resample=bilinear", "correct_levels=0"},
       {"smooth=none", "validate=depth,normal", "luminance_weight=1"},
+      {"smooth=network", "smooth_merged=1"},
       {"merge=mask"}};
   for (const char* name : {"draft", "final"}) {
     for (const std::vector<std::string>& change : changes) {

@@ -115,7 +115,8 @@ class TiledFrameTest : public DeviceTest {
 
   static void expect_same(const Denoised& tiled, const Denoised& whole) {
     for (const Aov aov : {Aov::beauty, Aov::variance, Aov::flow, Aov::error_mask, Aov::sample_count,
-                          Aov::bias, Aov::gain, Aov::rejected_by, Aov::residual}) {
+                          Aov::bias, Aov::gain, Aov::rejected_by, Aov::residual, Aov::accumulated,
+                          Aov::accumulated_variance}) {
       const auto a = tiled.frame.image(aov).data();
       const auto b = whole.frame.image(aov).data();
       std::size_t different = 0;
@@ -155,6 +156,30 @@ class TiledFrameTest : public DeviceTest {
     }
   }
 
+  static void expect_no_seams_in_both_directions(const Settings& settings, const Scene& scene,
+                                                 const std::vector<int>& frames = {1, 2, 3}) {
+    SequenceFilter whole = make(settings, scene, kUnlimited);
+    const std::uint64_t limit = whole.memory().device_bytes / 2;
+    SequenceFilter tiled = make(settings, scene, limit);
+    EXPECT_GE(tiled.memory().tiles, 2u);
+    EXPECT_LE(tiled.memory().device_bytes, limit);
+    const std::vector<Segment> segments = schedule(frames, {frames.begin(), frames.end()}, {.segment = 4});
+    ASSERT_EQ(segments.size(), 1u);
+    for (const Step& step : segments.front()) {
+      SCOPED_TRACE("frame " + std::to_string(step.frame));
+      const Frame frame = moving_frame(scene, step.frame);
+      Denoised a, b;
+      std::optional<Frame> of_tiles = tiled.run(step, frame, a.report);
+      std::optional<Frame> of_whole = whole.run(step, frame, b.report);
+      ASSERT_EQ(of_tiles.has_value(), step.direction == Direction::forward);
+      ASSERT_EQ(of_whole.has_value(), of_tiles.has_value());
+      if (!of_whole) continue;
+      a.frame = std::move(*of_tiles);
+      b.frame = std::move(*of_whole);
+      expect_same(a, b);
+    }
+  }
+
   /// A preset whose frames may be small and yet be cut: what is done to a frame by itself, and the
   /// correction by large blocks, reach far and have frames of their own below.
   static Settings forward(const char* name) {
@@ -174,30 +199,17 @@ class TiledFrameTest : public DeviceTest {
 };
 
 TEST_F(TiledFrameTest, ShowsNoSeamsWhereBothDirectionsMeet) {
-  const Scene scene{.width = 357, .height = 325, .halves = true};
   Settings settings = smoothed(forward("balanced"));
   settings.directions = Directions::both;
-  SequenceFilter whole = make(settings, scene, kUnlimited);
-  const std::uint64_t limit = whole.memory().device_bytes / 2;
-  SequenceFilter tiled = make(settings, scene, limit);
-  EXPECT_GE(tiled.memory().tiles, 2u);
-  EXPECT_LE(tiled.memory().device_bytes, limit);
-  const std::vector<int> frames{1, 2, 3};
-  const std::vector<Segment> segments = schedule(frames, {1, 2, 3}, {.segment = 4});
-  ASSERT_EQ(segments.size(), 1u);
-  for (const Step& step : segments.front()) {
-    SCOPED_TRACE("frame " + std::to_string(step.frame));
-    const Frame frame = moving_frame(scene, step.frame);
-    Denoised a, b;
-    std::optional<Frame> of_tiles = tiled.run(step, frame, a.report);
-    std::optional<Frame> of_whole = whole.run(step, frame, b.report);
-    ASSERT_EQ(of_tiles.has_value(), step.direction == Direction::forward);
-    ASSERT_EQ(of_whole.has_value(), of_tiles.has_value());
-    if (!of_whole) continue;
-    a.frame = std::move(*of_tiles);
-    b.frame = std::move(*of_whole);
-    expect_same(a, b);
-  }
+  expect_no_seams_in_both_directions(settings, {.width = 357, .height = 325, .halves = true});
+}
+
+TEST_F(TiledFrameTest, ShowsNoSeamsWhereMergedFramesAreSmoothed) {
+  Settings settings = forward("balanced");
+  settings.directions = Directions::both;
+  settings.smooth = Smooth::network;
+  settings.smooth_merged = 1;
+  expect_no_seams_in_both_directions(settings, {.width = 1000, .height = 405}, {1, 2});
 }
 
 TEST_F(TiledFrameTest, ShowsNoSeamsUnderAnyPreset) {
