@@ -51,12 +51,9 @@ struct FilterTask {
   bool smooths() const { return settings.smooth != Smooth::none; }
   /// Whether smoothed frames only decide the weights by which noisy ones are merged, and what comes out is
   /// smoothed.
-  bool smooths_merged() const { return settings.smooth == Smooth::network && settings.smooth_merged != 0; }
+  bool smooths_merged() const { return settings.smooth == Smooth::merged; }
   /// Images that are merged with the beauty's weights: additive AOVs, then the noisy radiance if that is.
   std::size_t carried() const { return additive + (smooths_merged() ? 1 : 0); }
-  /// Whether the history's block means are brought to the frame's: what a network loses shows in wider blocks
-  /// alone (energy.h).
-  bool corrects_history() const { return settings.correct_levels > 0 && settings.smooth != Smooth::network; }
 };
 
 /// What is known of a frame's pixels, and how well.

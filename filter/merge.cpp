@@ -6,7 +6,6 @@
 #include <string>
 #include <utility>
 
-#include "filter/correct.h"
 #include "filter/estimate_variance.h"
 #include "filter/noisy_inputs.h"
 #include "filter/validate.h"
@@ -254,7 +253,7 @@ ImageId add_patch_sums(Chain& chain, const Settings& settings, Extent full, Imag
 }
 
 int merge_margin_px(const Settings& settings) {
-  return kVarianceEstimateMargin + correction_margin_px(settings) + validate_margin_px(settings) +
+  return kVarianceEstimateMargin + validate_margin_px(settings) +
          (settings.merge == MergeMode::variance ? settings.patch_radius : 0);
 }
 
@@ -269,18 +268,6 @@ MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent ful
                                           .additive = std::move(additive_history),
                                           .albedo = inputs.albedo},
                                          alignment.offset);
-  if (settings.correct_levels > 0 && settings.smooth != Smooth::network) {
-    Corrected corrected = add_correction_passes(chain, settings, full,
-                                                {.color = inputs.noisy.color,
-                                                 .variance = inputs.noisy.variance,
-                                                 .exposure = inputs.noisy.exposure,
-                                                 .half_difference = inputs.noisy.half_difference,
-                                                 .estimate = warped.color,
-                                                 .estimate_stats = warped.stats,
-                                                 .additive = std::move(warped.additive)});
-    warped.color = corrected.estimate;
-    warped.additive = std::move(corrected.additive);
-  }
   if (settings.history_clip != HistoryClip::none) {
     if (!inputs.additive.empty()) {
       throw Error(ExitStatus::usage,

@@ -23,9 +23,6 @@ NoisyInputs::NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent 
   } else {
     variance = add_variance_estimate(chain, extent, color, given_variance_);
   }
-  if (use == NoisyUse::merge && task.has_halves() && task.corrects_history()) {
-    half_difference = chain.input("half_difference.cur", Format::f32x4, extent);
-  }
 }
 
 void NoisyInputs::upload(gpu::Chain& chain, const FilterTask& task, const NewFrame& frame, const Tile& tile,
@@ -37,9 +34,6 @@ void NoisyInputs::upload(gpu::Chain& chain, const FilterTask& task, const NewFra
   if (features) {
     pack_features(frame.frame, task.used, frame.usual_depth, tile.target,
                   chain.upload<float>(features->albedo_depth), chain.upload<float>(features->normal));
-  }
-  if (half_difference) {
-    pack_half_difference(frame.frame, tile.target, chain.upload<float>(*half_difference));
   }
 }
 

@@ -200,7 +200,7 @@ Frame SequenceFilter::State::forward(const NewFrame& frame, FrameReport& report)
     if (contains(task.diagnostics, Aov::accumulated)) merged.accumulated = accumulated(merged.merged);
     merged.merged = merged_smoother->smooth(frame, std::move(merged.merged), report);
   }
-  if (task.settings.correct_levels > 0) restore_energy(frame, task, merged.merged);
+  if (task.settings.restore_energy != 0) restore_energy(frame, task, merged.merged);
   return output_frame(frame, task, std::move(merged), report);
 }
 

@@ -10,7 +10,6 @@
 
 #include "filter/additive.h"
 #include "filter/ceil_div.h"
-#include "filter/correct.h"
 #include "filter/host_images.h"
 #include "filter/merge.h"
 #include "filter/validate.h"

@@ -64,8 +64,7 @@ class MergedSmootherTest : public DeviceTest {
  protected:
   static Settings settings(Directions directions) {
     Settings settings = preset("balanced");
-    settings.smooth = Smooth::network;
-    settings.smooth_merged = 1;
+    settings.smooth = Smooth::merged;
     settings.directions = directions;
     return settings;
   }

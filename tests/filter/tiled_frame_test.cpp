@@ -186,20 +186,12 @@ class TiledFrameTest : public DeviceTest {
     Settings settings = preset(name);
     settings.directions = Directions::forward;
     settings.smooth = Smooth::none;
-    settings.correct_levels = 2;
-    return settings;
-  }
-
-  static Settings smoothed(Settings settings) {
-    settings.smooth = Smooth::regression;
-    settings.smooth_radius = 2;
-    settings.smooth_patch_radius = 1;
     return settings;
   }
 };
 
 TEST_F(TiledFrameTest, ShowsNoSeamsWhereBothDirectionsMeet) {
-  Settings settings = smoothed(forward("balanced"));
+  Settings settings = forward("balanced");
   settings.directions = Directions::both;
   expect_no_seams_in_both_directions(settings, {.width = 357, .height = 325, .halves = true});
 }
@@ -207,8 +199,7 @@ TEST_F(TiledFrameTest, ShowsNoSeamsWhereBothDirectionsMeet) {
 TEST_F(TiledFrameTest, ShowsNoSeamsWhereMergedFramesAreSmoothed) {
   Settings settings = forward("balanced");
   settings.directions = Directions::both;
-  settings.smooth = Smooth::network;
-  settings.smooth_merged = 1;
+  settings.smooth = Smooth::merged;
   expect_no_seams_in_both_directions(settings, {.width = 1000, .height = 405}, {1, 2});
 }
 
@@ -221,14 +212,14 @@ TEST_F(TiledFrameTest, ShowsNoSeamsUnderAnyPreset) {
 }
 
 TEST_F(TiledFrameTest, ShowsNoSeamsBetweenManySmallTiles) {
-  expect_no_seams(smoothed(forward("final")), {.width = 325, .height = 293}, 0.3, 12, 4);
+  expect_no_seams(forward("final"), {.width = 325, .height = 293}, 0.3, 12, 4);
 }
 
 TEST_F(TiledFrameTest, ShowsNoSeamsUnderOtherSettings) {
   const Scene scene{.width = 357, .height = 325};
   const std::vector<std::vector<const char*>> all{
       {"merge=mask", "mask_level=1", "resample=o_moms"},
-      {"pyramid_factor=4", "demodulate=1", "correct_levels=0"},
+      {"pyramid_factor=4", "demodulate=1", "restore_energy=0"},
       {"blur_radius=12,3"},
       {"distance=l2", "patch_radius=8", "prefilter=4"},
       {"weight_radiance=0", "blur_radius=5", "merge=mask", "luminance_weight=1", "accumulate=exponential"},
@@ -308,8 +299,7 @@ TEST_F(TiledFrameTest, SeesTheWholeHistoryOnlyWhereKnownMotionIsTheOffset) {
 }
 
 TEST_F(TiledFrameTest, TakesLongAndTinyFrames) {
-  Settings settings = smoothed(forward("balanced"));
-  settings.correct_levels = preset("balanced").correct_levels;
+  Settings settings = forward("balanced");
   for (const Scene scene : {Scene{.width = 16384, .height = 16}, {.width = 16, .height = 2500}}) {
     SCOPED_TRACE(scene.width);
     expect_no_seams(settings, scene, 0.5, 2, 2);

@@ -1,9 +1,14 @@
 #pragma once
 
+#include <array>
+
 #include "filter/network/weights.h"
-#include "tests/filter/reference/smooth.h"
+#include "tests/filter/reference/merge.h"
 
 namespace becalm::reference {
+
+/// What a pixel's surroundings are explained by: albedo, depth in [0,2], normal.
+using SmoothFeatures = std::array<double, 7>;
 
 /// The smoothing network in double, as scripts/train/network.py has it. Samples have a count of 1, or 0 for
 /// pixels that are not finite; a result's variance is the squared error that the network expects. Without
