@@ -52,8 +52,11 @@ struct FilterTask {
   /// Whether smoothed frames only decide the weights by which noisy ones are merged, and what comes out is
   /// smoothed.
   bool smooths_merged() const { return settings.smooth == Smooth::merged; }
-  /// Images that are merged with the beauty's weights: additive AOVs, then the noisy radiance if that is.
-  std::size_t carried() const { return additive + (smooths_merged() ? 1 : 0); }
+  /// Images that are merged with the beauty's weights: additive AOVs, then what is smoothed once it is merged.
+  std::size_t carried() const { return additive + (smooths_merged() ? kNoisyLayers : 0); }
+
+  /// Noisy radiance with its variance; albedo with depth; normal.
+  static constexpr std::size_t kNoisyLayers = 3;
 };
 
 /// What is known of a frame's pixels, and how well.
@@ -63,8 +66,8 @@ struct Estimate {
 
   Image color;                  ///< four channels
   Image stats;                  ///< (variance, effective sample count); a count of 0 where nothing is known
-  /// What goes with the beauty's weights, four channels each: additive AOVs; in the merge also, as the last,
-  /// the noisy radiance and its variance, if the task smooths what is merged.
+  /// What goes with the beauty's weights, four channels each: additive AOVs; in the merge also the noisy
+  /// layers, if the task smooths what is merged.
   std::vector<Image> additive;
 };
 
@@ -82,11 +85,13 @@ struct NewFrame {
   }
 };
 
-/// The noisy radiance (RGB) that an estimate carries, and its variance (Y): that of a frame over the effective
-/// number of frames.
+/// The noisy layers that an estimate carries, as images of an AOV's channels.
 struct Accumulated {
-  Image color;
-  Image variance;
+  Image color;     ///< RGB
+  Image variance;  ///< Y: of a frame over the effective number of frames
+  Image albedo;    ///< RGB
+  Image normal;    ///< XYZ
+  Image depth;     ///< Y: of pack_features, in [0,2]
 };
 
 /// What a merger makes of a new frame. Images that are empty nobody wants.

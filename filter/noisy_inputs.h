@@ -24,7 +24,7 @@ class NoisyInputs {
   gpu::ImageId color;                           ///< f32x4: pixels that are not finite replaced
   gpu::ImageId variance;                        ///< f32x2, as MergeInputs::variance
   gpu::ImageId exposure;                        ///< f32, 1x1
-  std::optional<FeatureImages> features;  ///< if frames are smoothed, or the variance is estimated by them
+  std::optional<FeatureImages> features;  ///< where something looks at them
 
  private:
   gpu::ImageId given_variance_;

@@ -77,6 +77,9 @@ Frame output_frame(const NewFrame& frame, const FilterTask& task, MergedFrame ma
   if (contains(diagnostics, Aov::accumulated)) {
     result.image(Aov::accumulated) = std::move(made.accumulated.color);
     result.image(Aov::accumulated_variance) = std::move(made.accumulated.variance);
+    result.image(Aov::accumulated_albedo) = std::move(made.accumulated.albedo);
+    result.image(Aov::accumulated_normal) = std::move(made.accumulated.normal);
+    result.image(Aov::accumulated_depth) = std::move(made.accumulated.depth);
   }
   unpack_additive(frame, task, made.merged.additive, result);
   return result;

@@ -51,6 +51,9 @@ constexpr Alias kAliases[] = {
     {Aov::residual, "residual"},
     {Aov::accumulated, "accumulated"},
     {Aov::accumulated_variance, "accumulated_variance"},
+    {Aov::accumulated_albedo, "accumulated_albedo"},
+    {Aov::accumulated_normal, "accumulated_normal"},
+    {Aov::accumulated_depth, "accumulated_depth"},
 };
 
 /// Blender writes what its compositor made of the picture as a layer of this scope. Its noise is no longer
