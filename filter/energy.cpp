@@ -85,7 +85,8 @@ bool counts(const NewFrame& frame, const Estimate& estimate, std::size_t i) {
 BlockGrid finest_level(const NewFrame& frame, const FilterTask& task, const Estimate& estimate) {
   const int width = estimate.color.width();
   const int height = estimate.color.height();
-  BlockGrid level{.width = ceil_div(width, kFinestBlock), .height = ceil_div(height, kFinestBlock), .blocks = {}};
+  BlockGrid level{
+      .width = ceil_div(width, kFinestBlock), .height = ceil_div(height, kFinestBlock), .blocks = {}};
   level.blocks.resize(static_cast<std::size_t>(level.width) * level.height);
   const std::span<const float> beauty = frame.frame.image(Aov::beauty).data();
   const std::span<const float> color = estimate.color.data();

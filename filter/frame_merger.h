@@ -40,6 +40,7 @@ struct FilterTask {
   AovSet diagnostics;  ///< those that are wanted
   Guides guides;
   std::size_t additive = 0;  ///< how many additive AOVs frames have (additive.h)
+  bool merged = false;       ///< frames are merged ones: they have NewFrame::own
 
   bool has_halves() const { return contains(used, Aov::half_a) && contains(used, Aov::half_b); }
   bool variance_known() const { return contains(used, Aov::variance) || has_halves(); }
@@ -52,7 +53,8 @@ struct FilterTask {
   /// Whether smoothed frames only decide the weights by which noisy ones are merged, and what comes out is
   /// smoothed.
   bool smooths_merged() const { return settings.smooth == Smooth::merged; }
-  /// Images that are merged with the beauty's weights: additive AOVs, then what is smoothed once it is merged.
+  /// Images that are merged with the beauty's weights: additive AOVs, then what is smoothed once it is
+  /// merged.
   std::size_t carried() const { return additive + (smooths_merged() ? kNoisyLayers : 0); }
 
   /// Noisy radiance with its variance; albedo with depth; normal.
@@ -64,8 +66,8 @@ struct Estimate {
   Estimate() = default;
   Estimate(gpu::Extent extent, std::size_t carried_count);
 
-  Image color;                  ///< four channels
-  Image stats;                  ///< (variance, effective sample count); a count of 0 where nothing is known
+  Image color;  ///< four channels
+  Image stats;  ///< (variance, effective sample count); a count of 0 where nothing is known
   /// What goes with the beauty's weights, four channels each: additive AOVs; in the merge also the noisy
   /// layers, if the task smooths what is merged.
   std::vector<Image> additive;
@@ -74,6 +76,7 @@ struct Estimate {
 /// A frame on its way into the chains.
 struct NewFrame {
   const Frame& frame;
+  const Frame* own = nullptr;        ///< of merged frames, the one whose features are not
   std::vector<std::uint8_t> finite;  ///< of finite_pixels
   float exposure;                    ///< of the whole frame
   float usual_depth = 1.0f;          ///< of typical_depth
@@ -102,7 +105,7 @@ struct MergedFrame {
   Image decision;       ///< four channels, as MergeOutputs::decision
   Image residual;       ///< one channel: patch distance of the finest level
   Accumulated accumulated;  ///< if that is a diagnostic that is wanted
-  Image flow;           ///< two channels: where in the history each pixel was found, as an offset in pixels
+  Image flow;  ///< two channels: where in the history each pixel was found, as an offset in pixels
 };
 
 /// What a chain made of one tile's target rectangle; spans of what nobody wants may be empty.

@@ -40,7 +40,8 @@ constexpr double kReachPx = 16.0;
 }  // namespace
 
 FrameSmoother::FrameSmoother(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit)
-    : task_(task), chain_(device, task, local_tile_rules(network_margin_px() + kVarianceEstimateMargin, kNetworkGridPx),
+    : task_(task),
+      chain_(device, task, local_tile_rules(network_margin_px() + kVarianceEstimateMargin, kNetworkGridPx),
              memory_limit) {}
 
 FrameSmoother::~FrameSmoother() = default;

@@ -57,7 +57,7 @@ struct WarpInputs {
   gpu::ImageId color;
   gpu::ImageId stats;
   std::optional<SourceWindow> window = {};
-  std::vector<CarriedImage> additive = {};         ///< what goes with the radiance (f32x4)
+  std::vector<CarriedImage> additive = {};  ///< what goes with the radiance (f32x4)
   std::optional<FramePair> albedo = {};     ///< as pack_albedo gives it, if the history is read without it
 };
 
@@ -76,7 +76,8 @@ WarpedHistory add_warp_passes(gpu::Chain& chain, const Settings& settings, gpu::
 /// How far around the positions that offsets lead to the history is read.
 int resample_margin_px(const Settings& settings);
 
-/// Inputs of the merge for the noisy layers of a new frame, which end in these images: FilterTask::kNoisyLayers.
+/// Inputs of the merge for the noisy layers of a new frame, which end in these images:
+/// FilterTask::kNoisyLayers.
 std::vector<AdditiveInput> add_noisy_layers(gpu::Chain& chain, gpu::Extent full, const NoisyInputs& noisy,
                                             std::span<const gpu::History> history);
 

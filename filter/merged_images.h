@@ -8,8 +8,8 @@
 
 namespace becalm::filter {
 
-/// What is merged with the beauty's weights: the additive AOVs given, then the noisy layers if the task smooths
-/// what is merged. `history` has one for each.
+/// What is merged with the beauty's weights: the additive AOVs given, then the noisy layers if the task
+/// smooths what is merged. `history` has one for each.
 std::vector<AdditiveInput> carried_inputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent,
                                           const NoisyInputs& noisy, const std::vector<gpu::ImageId>& additive,
                                           const std::vector<gpu::History>& history);

@@ -9,6 +9,7 @@ namespace {
 FilterTask task_of_merged(FilterTask task) {
   task.used.set(static_cast<std::size_t>(Aov::variance));
   for (const Aov half : {Aov::half_a, Aov::half_b}) task.used.reset(static_cast<std::size_t>(half));
+  task.merged = true;
   return task;
 }
 
@@ -61,6 +62,7 @@ Estimate MergedSmoother::smooth(const NewFrame& frame, Estimate merged, FrameRep
   if (contains(task_.used, Aov::depth)) still.image(Aov::depth) = std::move(noisy.depth);
   merged.additive.resize(task_.additive);
   Estimate smoothed = smoother_.smooth({.frame = still,
+                                        .own = &frame.frame,
                                         .finite = frame.finite,
                                         .exposure = frame.exposure,
                                         .usual_depth = frame.usual_depth,

@@ -15,6 +15,11 @@ NoisyInputs::NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent 
   if (use == NoisyUse::smooth || fits_albedo || task.smooths_merged()) {
     features = {.albedo_depth = chain.input("albedo_depth", Format::f32x4, extent),
                 .normal = chain.input("normal", Format::f32x4, extent)};
+    own_features = features;
+  }
+  if (task.merged) {
+    own_features = {.albedo_depth = chain.input("own.albedo_depth", Format::f32x4, extent),
+                    .normal = chain.input("own.normal", Format::f32x4, extent)};
   }
   if (task.variance_known()) {
     variance = given_variance_;
@@ -31,10 +36,12 @@ void NoisyInputs::upload(gpu::Chain& chain, const FilterTask& task, const NewFra
   report.replaced_variances +=
       pack_variance(frame.frame, task.used, frame.finite, tile, chain.upload<float>(given_variance_));
   chain.upload<float>(exposure)[0] = frame.exposure;
-  if (features) {
-    pack_features(frame.frame, task.used, frame.usual_depth, tile.target,
-                  chain.upload<float>(features->albedo_depth), chain.upload<float>(features->normal));
-  }
+  const auto upload_features = [&](const Frame& source, const FeatureImages& target) {
+    pack_features(source, task.used, frame.usual_depth, tile.target, chain.upload<float>(target.albedo_depth),
+                  chain.upload<float>(target.normal));
+  };
+  if (features) upload_features(frame.frame, *features);
+  if (task.merged) upload_features(*frame.own, *own_features);
 }
 
 }  // namespace becalm::filter

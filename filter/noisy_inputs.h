@@ -21,10 +21,12 @@ class NoisyInputs {
   void upload(gpu::Chain& chain, const FilterTask& task, const NewFrame& frame, const Tile& tile,
               FrameReport& report) const;
 
-  gpu::ImageId color;                           ///< f32x4: pixels that are not finite replaced
-  gpu::ImageId variance;                        ///< f32x2, as MergeInputs::variance
-  gpu::ImageId exposure;                        ///< f32, 1x1
+  gpu::ImageId color;                     ///< f32x4: pixels that are not finite replaced
+  gpu::ImageId variance;                  ///< f32x2, as MergeInputs::variance
+  gpu::ImageId exposure;                  ///< f32, 1x1
   std::optional<FeatureImages> features;  ///< where something looks at them
+  /// Of merged frames the features of the frame itself, else the same.
+  std::optional<FeatureImages> own_features;
 
  private:
   gpu::ImageId given_variance_;

@@ -131,18 +131,19 @@ TileChain::TileChain(gpu::Device& device, const FilterTask& task, const PyramidS
     merged.additive.push_back(chain.image(name, Format::f32x4, target_extent));
     history.push_back({history_additive[i], merged.additive[i]});
   }
-  merged.outputs = add_merge_passes(chain, settings, target_extent,
-                                    {.noisy = noisy,
-                                     .color = color,
-                                     .variance = variance,
-                                     .history_color = {history_color, merged.color},
-                                     .history_stats = {history_stats, merged.stats},
-                                     .history_window = window,
-                                     .rules = rules,
-                                     .surface = surface.value_or(FramePair{}),
-                                     .additive = carried_inputs(chain, task, target_extent, noisy, additive, history),
-                                     .albedo = albedo},
-                                    {merged.offset, found.residual});
+  merged.outputs =
+      add_merge_passes(chain, settings, target_extent,
+                       {.noisy = noisy,
+                        .color = color,
+                        .variance = variance,
+                        .history_color = {history_color, merged.color},
+                        .history_stats = {history_stats, merged.stats},
+                        .history_window = window,
+                        .rules = rules,
+                        .surface = surface.value_or(FramePair{}),
+                        .additive = carried_inputs(chain, task, target_extent, noisy, additive, history),
+                        .albedo = albedo},
+                       {merged.offset, found.residual});
   add_outputs(chain, task, merged);
   chain.plan();
 }

@@ -82,7 +82,7 @@ def merge_shot(becalm, folder):
             if exposure == 0.0 or not finite:
                 continue
             pair = shots.packed_pair(color * exposure, [np.sqrt(variance) * exposure],
-                                     [features, clean], [r["color"] * exposure for r in (a, b)])
+                                     [features, clean, shots.packed_features(of_wanted)], [r["color"] * exposure for r in (a, b)])
             arrays.update({f"{directions}.{wanted:04d}.{name}": array for name, array in pair.items()})
     shots.save(f"{folder}/{shots.MERGED}", arrays)
 

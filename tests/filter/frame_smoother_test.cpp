@@ -206,8 +206,7 @@ TEST_F(FrameSmootherTest, KeepsTheEnergyOfSkewedNoise) {
 }
 
 TEST_F(FrameSmootherTest, IsRefusedWhereTheSmallestTilesAreTooLarge) {
-  EXPECT_THROW(FrameSmoother(device(), task_of(textured_frame(64, 64, 0.3f)), 1000),
-               gpu::DeviceLimitError);
+  EXPECT_THROW(FrameSmoother(device(), task_of(textured_frame(64, 64, 0.3f)), 1000), gpu::DeviceLimitError);
 }
 
 /// What no number of the pixels' surroundings may break: each is put into some pixels of one AOV.

@@ -78,8 +78,8 @@ class MergedSmootherTest : public DeviceTest {
     std::optional<Frame> result;
     for (const Segment& segment : schedule(frames, {wanted},
                                            {.directions = directions,
-                                            .segment = directions == Directions::both ? 16 : 0,
-                                            .warmup = directions == Directions::both ? 8 : 0})) {
+                                           .segment = directions == Directions::both ? 16 : 0,
+                                           .warmup = directions == Directions::both ? 8 : 0})) {
       for (const Step& step : segment) {
         FrameReport report;
         std::optional<Frame> frame = filter.run(step, noisy_frame(step.frame), report);

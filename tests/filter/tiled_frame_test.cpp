@@ -114,9 +114,9 @@ class TiledFrameTest : public DeviceTest {
   }
 
   static void expect_same(const Denoised& tiled, const Denoised& whole) {
-    for (const Aov aov : {Aov::beauty, Aov::variance, Aov::flow, Aov::error_mask, Aov::sample_count,
-                          Aov::bias, Aov::gain, Aov::rejected_by, Aov::residual, Aov::accumulated,
-                          Aov::accumulated_variance}) {
+    for (const Aov aov :
+         {Aov::beauty, Aov::variance, Aov::flow, Aov::error_mask, Aov::sample_count, Aov::bias, Aov::gain,
+          Aov::rejected_by, Aov::residual, Aov::accumulated, Aov::accumulated_variance}) {
       const auto a = tiled.frame.image(aov).data();
       const auto b = whole.frame.image(aov).data();
       std::size_t different = 0;
