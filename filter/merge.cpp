@@ -163,6 +163,37 @@ ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const
   return decision;
 }
 
+/// Radius of the patches that noise is told from detail by.
+constexpr int kNoisePatchRadius = 3;
+
+/// A noisy layer with no more variance than differs from the history.
+ImageId add_known_noise(Chain& chain, const Settings& settings, Extent full, ImageId noisy, ImageId warped,
+                        ImageId warped_stats, ImageId exposure) {
+  const params::ImageParams params{.width = full.width, .height = full.height};
+  const ImageId statistics = chain.image("noise.repeated", Format::f32x4, full);
+  chain.pass("merge/repeated_noise")
+      .read("noisy", noisy)
+      .read("warped_noisy", warped)
+      .read("warped_stats", warped_stats)
+      .read("exposure", exposure)
+      .write("statistics", statistics)
+      .constants(params)
+      .dispatch(full);
+  Settings patches = settings;
+  patches.patch_radius = kNoisePatchRadius;
+  const ImageId sums = add_patch_sums(chain, patches, full, statistics, "noise.repeated");
+  const ImageId known = chain.image("noisy.known", Format::f32x4, full);
+  chain.pass("merge/known_noise")
+      .read("noisy", noisy)
+      .read("statistics", statistics)
+      .read("statistics_sums", sums)
+      .write("known", known)
+      .specialize("radius", kNoisePatchRadius)
+      .constants(params)
+      .dispatch(full);
+  return known;
+}
+
 }  // namespace
 
 WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent full, const WarpInputs& radiance,
@@ -228,7 +259,7 @@ std::vector<AdditiveInput> add_noisy_layers(Chain& chain, Extent full, const Noi
       .write("carried", carried)
       .constants(params::ImageParams{.width = full.width, .height = full.height})
       .dispatch(full);
-  return {{.color = carried, .history = history[0]},
+  return {{.color = carried, .history = history[0], .has_variance = true},
           {.color = noisy.features->albedo_depth, .history = history[1], .is_radiance = false},
           {.color = noisy.features->normal, .history = history[2], .is_radiance = false}};
 }
@@ -258,7 +289,8 @@ ImageId add_patch_sums(Chain& chain, const Settings& settings, Extent full, Imag
 
 int merge_margin_px(const Settings& settings) {
   return kVarianceEstimateMargin + validate_margin_px(settings) +
-         (settings.merge == MergeMode::variance ? settings.patch_radius : 0);
+         std::max(settings.merge == MergeMode::variance ? settings.patch_radius : 0,
+                  settings.smooth == Smooth::merged ? kNoisePatchRadius : 0);
 }
 
 MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
@@ -292,8 +324,13 @@ MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent ful
                                ? add_variance_gain(chain, settings, full, inputs, warped, trust)
                                : add_mask_gain(chain, settings, full, inputs, warped, trust, alignment);
   for (std::size_t i = 0; i < inputs.additive.size(); ++i) {
+    const ImageId layer = inputs.additive[i].color;
+    const ImageId color = inputs.additive[i].has_variance
+                              ? add_known_noise(chain, settings, full, layer, warped.additive[i],
+                                                warped.stats, inputs.noisy.exposure)
+                              : layer;
     chain.pass("additive/blend")
-        .read("color", inputs.additive[i].color)
+        .read("color", color)
         .read("warped_color", warped.additive[i])
         .read("warped_stats", warped.stats)
         .read("decision", decision)

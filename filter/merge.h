@@ -24,7 +24,8 @@ struct FramePair {
 struct AdditiveInput {
   gpu::ImageId color;  ///< as MergeInputs::color
   gpu::History history;
-  bool is_radiance = true;  ///< what the albedo is divided out of
+  bool is_radiance = true;   ///< what the albedo is divided out of
+  bool has_variance = false;  ///< as its fourth channel
 };
 
 /// Images that the merge works on, all at full resolution and of one size but for the previous history in a

@@ -1,7 +1,7 @@
 // Reads what the windows lost around each pixel, the variance of the frame and the error that the network expects; writes the
 // share of the frame that is put back, and the variance then left. What a patch lost beyond its noise was detail: of both, the
 // share has the least expected squared error (lib/gain.glsl). The pixel itself is left out: a share made from the value
-// that it weighs would darken the image.
+// that it weighs would darken the image. Only a pixel that no noise can explain, a star, decides for itself.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -12,6 +12,8 @@ const int kRadius = 3;
 /// Noise must be exceeded by so many standard errors of its estimate: Monte Carlo noise is spikier than the Gaussian that
 /// they are those of.
 const float kSignificance = 3.0;
+/// Standard deviations, of the pixel's noise and of its patch's, that no noise exceeds.
+const float kCertain = 32.0;
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant) uniform Params { ScaleParams p; };
@@ -41,7 +43,12 @@ void main() {
   const vec2 smooth_stats = texelFetch(expected, index).xy;
   const vec2 mean = sum / max(count, 1.0);
   const float detail = excess_over_noise(mean.x, mean.y, max(count, 1.0), kSignificance);
-  const float put_back = noisy.y > 0.0 && detail > 0.0 ? detail / (detail + mean.y) : 0.0;
+  const vec2 own = texelFetch(lost, index).xy;
+  const float noise = max(own.y, mean.y);
+  const bool certain = own.x > kCertain * kCertain * noise;
+  const float of_pixel = certain ? own.x / (own.x + noise) : 0.0;
+  const float of_patch = detail > 0.0 ? detail / (detail + mean.y) : 0.0;
+  const float put_back = noisy.y > 0.0 ? max(of_pixel, of_patch) : 0.0;
   share.data[index] = put_back;
   const float rest = 1.0 - put_back;
   const float left = rest * rest * smooth_stats.x + put_back * put_back * noisy.x;

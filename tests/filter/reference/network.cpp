@@ -266,8 +266,10 @@ Grid<Estimate> restored(const Grid<Estimate>& sample, const Grid<Estimate>& smoo
       mean.square /= count;
       mean.noise /= count;
       const double detail = mean.square - mean.noise * (1 + 3 * std::sqrt(2 / count));
-      if (detail <= 0) continue;
-      const double share = detail / (detail + mean.noise);
+      const Lost& own = lost.at(x, y);
+      const double noise = std::max(own.noise, mean.noise);
+      const double of_pixel = own.square > 32 * 32 * noise ? own.square / (own.square + noise) : 0.0;
+      const double share = std::max(of_pixel, detail > 0 ? detail / (detail + mean.noise) : 0.0);
       Estimate& pixel = result.at(x, y);
       for (int c = 0; c < 4; ++c) pixel.color[c] += share * (sample.at(x, y).color[c] - pixel.color[c]);
       pixel.variance = std::pow(1 - share, 2) * pixel.variance + share * share * sample.at(x, y).variance;

@@ -1,0 +1,35 @@
+// Reads a noisy layer (radiance, variance) and patch sums of merge/repeated_noise; writes the layer with its variance lowered to
+// what differs from frame to frame: detail that no feature explains is taken for noise by an estimate from one frame, and
+// renderers that stratify their samples overstate theirs.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#include "shared/merge_params.h"
+
+layout(constant_id = 0) const int radius = 3;
+
+layout(local_size_x = 8, local_size_y = 4) in;
+layout(push_constant) uniform Params { ImageParams p; };
+layout(set = 0, binding = 0) uniform samplerBuffer noisy;
+layout(set = 0, binding = 1) uniform samplerBuffer statistics;
+layout(set = 0, binding = 2) uniform samplerBuffer statistics_sums;
+layout(std430, set = 0, binding = 3) writeonly buffer KnownBuffer { vec4 data[]; } known;
+
+void main() {
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  if (at.x >= p.width || at.y >= p.height) return;
+  const int index = at.y * p.width + at.x;
+  vec4 sum = texelFetch(statistics_sums, index);
+  [[unroll]] for (int i = -radius; i <= radius; ++i) {
+    if (i == 0) continue;
+    const bool inside = at.x + i >= 0 && at.x + i < p.width;
+    const vec4 tap = texelFetch(statistics, inside ? index + i : index);
+    sum += inside ? tap : vec4(0.0);
+  }
+  const vec4 value = texelFetch(noisy, index);
+  // A firefly among calm pixels keeps its own: it differs by itself.
+  const vec4 own = texelFetch(statistics, index);
+  const float repeated = sum.z >= 1.0 && sum.x < sum.y ? sum.x / sum.y : 1.0;
+  const float share = own.z > 0.0 && own.x < own.y ? max(repeated, own.x / own.y) : 1.0;
+  known.data[index] = vec4(value.rgb, value.a * share);
+}

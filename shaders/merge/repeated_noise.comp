@@ -1,0 +1,31 @@
+// Reads the new frame's noisy layer (radiance, variance) and the history's where its pixels are; writes what the share of the
+// variance that repeats from frame to frame is made from: (squared difference as of one frame, variance, 1, 0), relative to the
+// history's brightness; zeros where there is no history.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "lib/color.glsl"
+#include "lib/gain.glsl"
+#include "shared/merge_params.h"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant) uniform Params { ImageParams p; };
+layout(set = 0, binding = 0) uniform samplerBuffer noisy;
+layout(set = 0, binding = 1) uniform samplerBuffer warped_noisy;
+layout(set = 0, binding = 2) uniform samplerBuffer warped_stats;
+layout(set = 0, binding = 3) uniform samplerBuffer exposure;
+layout(std430, set = 0, binding = 4) writeonly buffer StatisticsBuffer { vec4 data[]; } statistics;
+
+void main() {
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  if (at.x >= p.width || at.y >= p.height) return;
+  const int index = at.y * p.width + at.x;
+  const vec4 x = texelFetch(noisy, index);
+  const vec4 h = texelFetch(warped_noisy, index);
+  const float frames = texelFetch(warped_stats, index).y;
+  const float scale = 1.0 / brightness(h.r, h.g, h.b, texelFetch(exposure, 0).x);
+  const vec3 d = clamp((x.rgb - h.rgb) * scale, -kLargestDifference, kLargestDifference);
+  // The difference has the noise of one frame and of the mean of n.
+  const float of_frame = dot(d, d) / 3.0 * frames / (frames + 1.0);
+  const float variance = min(x.a * scale * scale, kLargestDifference * kLargestDifference);
+  statistics.data[index] = frames > 0.0 ? vec4(of_frame, variance, 1.0, 0.0) : vec4(0.0);
+}
