@@ -15,6 +15,7 @@
 #include "app/filter_run.h"
 #include "app/filter_step.h"
 #include "app/input_frames.h"
+#include "app/layer_arguments.h"
 #include "app/options.h"
 #include "app/outputs.h"
 #include "app/profile.h"
@@ -22,7 +23,6 @@
 #include "app/writing.h"
 #include "filter/additive.h"
 #include "frame/io/exr.h"
-#include "frame/io/layers.h"
 #include "frame/io/sequence.h"
 
 namespace becalm::app {
@@ -34,7 +34,7 @@ struct DenoiseCommand {
   FilterOptions filter;
   RunningOptions running;
   std::string preset = "balanced";
-  std::string layers;
+  LayerArguments layers;
   std::string missing = "error";
 };
 
@@ -58,7 +58,7 @@ class DenoiseJob {
 
   const DenoiseCommand& command_;
   const ThreadLimit threads_;
-  const io::LayerOverrides layers_;
+  const io::LayerOptions layers_;
   FilterStep filter_;
   const InputFrames inputs_;
   Outputs outputs_;
@@ -74,7 +74,7 @@ class DenoiseJob {
 DenoiseJob::DenoiseJob(const DenoiseCommand& command)
     : command_(command),
       threads_(command.running.threads),
-      layers_(io::parse_layer_overrides(command.layers)),
+      layers_(layer_options(command.layers)),
       filter_(command.preset, command.filter),
       inputs_(command.input, command.output.frames, parse_missing(command.missing),
               [this](const auto& asked, const auto& on_disk) { return filter_.readable(asked, on_disk); }),
@@ -87,8 +87,7 @@ DenoiseJob::DenoiseJob(const DenoiseCommand& command)
 ExitStatus DenoiseJob::run() {
   const std::string first_path = inputs_.path(inputs_.readable().front());
   attributes_ = {{"becalm:version", BECALM_VERSION},
-                 {"becalm:settings", filter_.describe(inputs_.readable()) +
-                                         (command_.layers.empty() ? "" : " layers=" + command_.layers)},
+                 {"becalm:settings", filter_.describe(inputs_.readable()) + app::describe(command_.layers)},
                  {"becalm:preset", command_.preset}};
   const std::string rendered_with = io::read_attribute(first_path, "becalm:settings");
   if (!rendered_with.empty()) attributes_.emplace_back("becalm:input_settings", rendered_with);
@@ -220,13 +219,7 @@ Command add_denoise(CLI::App& becalm) {
       ->check(CLI::IsMember({"error", "skip", "hold"}))
       ->option_text("error|skip|hold")
       ->group("Input");
-  parser
-      .add_option(
-          "--layers", command->layers,
-          "Layers to read where the names are not known, such as albedo=diffcol,normal=N; becalm info tells "
-          "which are taken")
-      ->option_text("AOV=NAME,...")
-      ->group("Input");
+  add_layer_options(parser, command->layers);
   add_output_options(parser, command->output, "all on disk");
   parser
       .add_option("--preset", command->preset,

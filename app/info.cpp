@@ -8,10 +8,10 @@
 #include <memory>
 
 #include "app/command.h"
+#include "app/layer_arguments.h"
 #include "app/mebibytes.h"
 #include "filter/gpu/device.h"
 #include "frame/io/exr.h"
-#include "frame/io/layers.h"
 #include "frame/io/sequence.h"
 #include "tracer/scene/load.h"
 
@@ -20,7 +20,7 @@ namespace {
 
 struct InfoCommand {
   std::string subject;
-  std::string layers;
+  LayerArguments layers;
 };
 
 void print_lines(const std::vector<std::string>& lines) {
@@ -37,7 +37,7 @@ void describe_devices() {
   }
 }
 
-void describe_sequence(const io::SequencePattern& pattern, const io::LayerOverrides& layers) {
+void describe_sequence(const io::SequencePattern& pattern, const io::LayerOptions& layers) {
   const std::vector<int> frames = pattern.frames_on_disk();
   if (frames.empty()) {
     throw Error(ExitStatus::bad_input,
@@ -48,7 +48,7 @@ void describe_sequence(const io::SequencePattern& pattern, const io::LayerOverri
 }
 
 ExitStatus describe(const InfoCommand& command) {
-  const io::LayerOverrides layers = io::parse_layer_overrides(command.layers);
+  const io::LayerOptions layers = layer_options(command.layers);
   if (command.subject == "device") {
     describe_devices();
   } else if (std::filesystem::path(command.subject).extension() == ".json") {
@@ -71,9 +71,7 @@ Command add_info(CLI::App& becalm) {
   parser.add_option("subject", command->subject, "A scene, an EXR file or pattern, or the word device")
       ->required()
       ->option_text("SCENE.json|EXR|device");
-  parser
-      .add_option("--layers", command->layers, "Layers to read where the names are not known, as for denoise")
-      ->option_text("AOV=NAME,...");
+  add_layer_options(parser, command->layers);
   parser.footer(
       "Examples:\n"
       "  becalm info room.json\n"

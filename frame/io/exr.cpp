@@ -21,7 +21,8 @@ namespace {
 struct Target {
   Image* image;
   int channel;
-  float scale;
+  float scale = 1.0f;
+  bool squared = false;
 };
 
 using TargetsByChannel = std::map<std::string, std::vector<Target>>;
@@ -51,6 +52,7 @@ void copy_lines(const Stripe::Plane& plane, const Imath::Box2i& lines, const Ima
     for (int x = x_begin; x < x_end; ++x) {
       float value;
       std::memcpy(&value, &plane.bytes[(row + (x - lines.min.x)) * sizeof value], sizeof value);
+      if (target.squared) value *= value;
       target.image->at(x - frame_window.min.x, y - frame_window.min.y, target.channel) = value * target.scale;
     }
   }
@@ -86,7 +88,7 @@ void add_light_groups(const std::vector<std::string>& channels, Frame& frame, Ta
   }
   for (LightGroup& group : groups) {
     for (int c = 0; c < 3; ++c) {
-      targets[fmt::format("{}{}.{}", begin, group.name, "RGB"[c])].push_back({&group.radiance, c, 1.0f});
+      targets[fmt::format("{}{}.{}", begin, group.name, "RGB"[c])].push_back({&group.radiance, c});
     }
   }
 }
@@ -100,14 +102,15 @@ void require_flat(const std::string& path, const Imf::MultiPartInputFile& file) 
 
 }  // namespace
 
-LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted,
-                     const LayerOverrides& overrides, LightGroups light_groups) {
+LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted, const LayerOptions& options,
+                     LightGroups light_groups) {
   LoadedFrame loaded;
   reading(path, [&] {
     loaded.contents = std::make_shared<ExrContents>(path, stamp_of(path));
     const std::unique_ptr<Imf::MultiPartInputFile> file = open_exr(path);
     require_flat(path, *file);
-    loaded.layers = find_layers(path, channel_names(*file), overrides);
+    const std::vector<PartChannels> part_names = part_channels(*file);
+    loaded.layers = find_layers(path, part_names, options, find_views(part_names).front());
     require_all_chunks(path, *file);
 
     const LayerSource& beauty = *loaded.layers[static_cast<std::size_t>(Aov::beauty)];
@@ -125,12 +128,12 @@ LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted,
           loaded.frame.add(entry.aov, entry.aov == Aov::beauty ? 1.0f : value_of_nothing(entry.aov));
       for (std::size_t c = 0; c < source.channels.size(); ++c) {
         if (source.channels[c].empty()) continue;
-        const float scale = c == 1 ? source.y_scale : 1.0f;
-        parts[source.part][source.channels[c]].push_back({&image, static_cast<int>(c), scale});
+        parts[source.part][source.channels[c]].push_back(
+            {&image, static_cast<int>(c), source.scale[c], source.squared});
       }
     }
     if (light_groups == LightGroups::read) {
-      add_light_groups(channel_names(*file)[beauty.part], loaded.frame, parts[beauty.part]);
+      add_light_groups(part_names[beauty.part].channels, loaded.frame, parts[beauty.part]);
     }
     for (const auto& [part, targets] : parts) read_part(*file, part, targets, window);
   });

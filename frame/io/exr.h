@@ -32,7 +32,7 @@ enum class LightGroups { leave, read };
 /// its AOV has the value for pixels that hit nothing. Throws Error(bad_input) naming the file for: no such
 /// file, not an EXR, truncated or corrupt pixels, no colour, a deep file, more than 65536 pixels a side.
 LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted,
-                     const LayerOverrides& overrides = {}, LightGroups light_groups = LightGroups::leave);
+                     const LayerOptions& options = {}, LightGroups light_groups = LightGroups::leave);
 
 /// Threads with which OpenEXR compresses and decompresses, in the whole process; as many as processors unless
 /// set.
@@ -40,7 +40,7 @@ void set_exr_threads(int count);
 
 /// Parts, windows, channels and what each was taken for, without reading pixels, for `becalm info`: one line
 /// of text each. A file without colour is described, and its last line says so.
-std::vector<std::string> describe_exr(const std::string& path, const LayerOverrides& overrides = {});
+std::vector<std::string> describe_exr(const std::string& path, const LayerOptions& options = {});
 
 /// The value of a text attribute of the first part, or empty. Throws as read_exr does.
 std::string read_attribute(const std::string& path, const std::string& name);

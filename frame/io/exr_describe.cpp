@@ -1,8 +1,10 @@
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfTileDescription.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "frame/error.h"
 #include "frame/io/exr.h"
@@ -75,34 +77,42 @@ std::string describe_part(int number, const Imf::Header& header) {
                      text_of(header.displayWindow()));
 }
 
+/// What is done to the values of an AOV's channel when they are read, such as ` negated`.
+std::string change_of(const LayerSource& source, std::size_t channel) {
+  const float scale = source.scale[channel];
+  std::string change = source.squared ? " squared" : "";
+  if (scale < 0.0f) change += " negated";
+  if (std::abs(scale) != 1.0f) change += fmt::format(" times {:.6g}", std::abs(scale));
+  return change;
+}
+
 /// What the channel was taken for, such as `albedo.R`, or that it is passed on.
 std::string use_of(const LayerMap& layers, int part, const std::string& channel) {
-  std::string uses;
+  std::vector<std::string> uses;
   for (const AovInfo& entry : kAovTable) {
     const std::optional<LayerSource>& source = layers[static_cast<std::size_t>(entry.aov)];
     if (!source || source->part != part) continue;
-    const auto at = std::find(source->channels.begin(), source->channels.end(), channel);
-    if (at == source->channels.end()) continue;
-    const std::size_t index = at - source->channels.begin();
-    uses +=
-        fmt::format("{}{}.{}{}", uses.empty() ? "" : ", ", entry.aov == Aov::beauty ? "beauty" : entry.name,
-                    entry.channels[index], index == 1 && source->y_scale < 0.0f ? " negated" : "");
+    for (std::size_t i = 0; i < source->channels.size(); ++i) {
+      if (source->channels[i] != channel) continue;
+      uses.push_back(fmt::format("{}.{}{}", entry.aov == Aov::beauty ? "beauty" : entry.name,
+                                 entry.channels[i], change_of(*source, i)));
+    }
   }
-  return uses.empty() ? "passed on" : uses;
+  return uses.empty() ? "passed on" : fmt::format("{}", fmt::join(uses, ", "));
 }
 
 }  // namespace
 
-std::vector<std::string> describe_exr(const std::string& path, const LayerOverrides& overrides) {
+std::vector<std::string> describe_exr(const std::string& path, const LayerOptions& options) {
   std::vector<std::string> lines;
   reading(path, [&] {
     stamp_of(path);
     const std::unique_ptr<Imf::MultiPartInputFile> file = open_exr(path);
-    const std::vector<std::vector<std::string>> names = channel_names(*file);
+    const std::vector<PartChannels> parts = part_channels(*file);
     LayerMap layers;
     std::string failure;
     try {
-      layers = find_layers(path, names, overrides);
+      layers = find_layers(path, parts, options, find_views(parts).front());
     } catch (const Error& error) {
       failure = error.what();
     }
@@ -112,8 +122,8 @@ std::vector<std::string> describe_exr(const std::string& path, const LayerOverri
       const Imf::Header& header = file->header(part);
       lines.push_back(describe_part(part, header));
       std::size_t width = 0;
-      for (const std::string& name : names[part]) width = std::max(width, name.size());
-      for (const std::string& name : names[part]) {
+      for (const std::string& name : parts[part].channels) width = std::max(width, name.size());
+      for (const std::string& name : parts[part].channels) {
         lines.push_back(fmt::format("  {:<{}}  {:<5}  {}", name, width, name_of(header.channels()[name].type),
                                     use_of(layers, part, name)));
       }

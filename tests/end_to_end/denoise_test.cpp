@@ -133,6 +133,26 @@ TEST_F(Denoise, PassesOnWhatItDoesNotDenoise) {
   EXPECT_NE(io::read_attribute(folder_ / "out.0002.exr", "becalm:version"), "");
 }
 
+TEST_F(Denoise, LayersMayBeLeftOutAndMotionTurned) {
+  for (const int number : {1, 2}) {
+    Frame frame = noise_frame(number);
+    frame.add(Aov::motion, 0.5f);
+    io::write_exr(frame_path(input_, number), frame, {}, io::PixelType::float32);
+  }
+  const std::vector<std::string> options{"--layers", "albedo=none", "--motion", "flip-x,scale=0.5"};
+  std::vector<std::string> info{"info", input_};
+  info.insert(info.end(), options.begin(), options.end());
+  const std::string described = becalm_done(info).out;
+  EXPECT_NE(described.find("motion.X  float  motion.X negated times 0.5"), std::string::npos) << described;
+  EXPECT_NE(described.find("albedo.R  float  passed on"), std::string::npos) << described;
+
+  becalm_done(command("out.####.exr", options));
+  EXPECT_NE(io::read_attribute(folder_ / "out.0002.exr", "becalm:settings")
+                .find(" layers=albedo=none motion=flip-x,scale=0.5"),
+            std::string::npos);
+  expect_error(becalm(command("out.####.exr", {"--motion", "flip"})), 2, {"motion 'flip'", "flip-x"});
+}
+
 TEST_F(Denoise, WritesEveryFrameOnDiskAndTellsOfGaps) {
   write_frames({1, 2, 5});
   const Outcome outcome = becalm_done(command("out/a.####.exr"));

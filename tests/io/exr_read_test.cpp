@@ -109,7 +109,8 @@ TEST_F(ExrRead, OneLayerMayServeTwoAovs) {
   std::vector<TestChannel> channels = kColour;
   for (const char* name : {"x.R", "x.G", "x.B"}) channels.push_back({name, Imf::FLOAT});
   write_test_file(path_, {scanline_part(window(0, 0, 4, 4), channels)});
-  const LoadedFrame loaded = read_exr(path_, 1, all_aovs(), {{Aov::half_a, "x"}, {Aov::half_b, "x"}});
+  const LoadedFrame loaded =
+      read_exr(path_, 1, all_aovs(), {.layers = {{Aov::half_a, "x"}, {Aov::half_b, "x"}}});
   EXPECT_EQ(loaded.frame.image(Aov::half_a).at(1, 2, 1), test_value("x.G", 1, 2));
   EXPECT_EQ(loaded.frame.image(Aov::half_b).at(1, 2, 1), test_value("x.G", 1, 2));
 }

@@ -28,7 +28,7 @@ class PassedOn : public ::testing::Test {
  protected:
   /// Reads `source_`, doubles the beauty, adds the diagnostics that are wanted, and writes `result_`.
   WriteReport denoise(AovSet diagnostics = {}, const LayerOverrides& overrides = {}) {
-    LoadedFrame loaded = read_exr(source_, 1, {}, overrides);
+    LoadedFrame loaded = read_exr(source_, 1, {}, {.layers = overrides});
     for (float& value : loaded.frame.image(Aov::beauty).data()) value = 2.0f * value + 1.0f;
     for (const AovInfo& entry : kAovTable) {
       if (diagnostics.test(static_cast<std::size_t>(entry.aov))) loaded.frame.add(entry.aov, 0.3f);
