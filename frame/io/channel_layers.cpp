@@ -27,10 +27,10 @@ struct SpelledLetter {
 
 constexpr SpelledLetter kSpelledLetters[] = {{"red", 'r'}, {"green", 'g'}, {"blue", 'b'}, {"alpha", 'a'}};
 
-/// A layer's name and the channel's letter (or 0) in a channel's name. Layer names may hold dots and spaces,
-/// so only the last dot counts.
+/// A layer's name and the channel's lower-case letter (or 0) in a channel's name. Layer names may hold dots
+/// and spaces, so only the last dot counts.
 struct ChannelName {
-  std::string layer;
+  std::string title;  ///< as the file has it
   char letter = '\0';
   bool is_spelled_out = false;
 };
@@ -38,12 +38,12 @@ struct ChannelName {
 ChannelName split_channel(std::string_view channel) {
   const std::size_t dot = channel.rfind('.');
   const std::string suffix = lower(dot == std::string::npos ? channel : channel.substr(dot + 1));
-  std::string layer = dot == std::string::npos ? "" : lower(channel.substr(0, dot));
-  if (suffix.size() == 1) return {std::move(layer), suffix[0]};
+  const std::string title(dot == std::string::npos ? "" : channel.substr(0, dot));
+  if (suffix.size() == 1) return {title, suffix[0]};
   for (const SpelledLetter& spelled : kSpelledLetters) {
-    if (spelled.word == suffix) return {std::move(layer), spelled.letter, true};
+    if (spelled.word == suffix) return {title, spelled.letter, true};
   }
-  return {lower(channel)};
+  return {std::string(channel)};
 }
 
 /// The words between the dots of a name.
@@ -119,13 +119,16 @@ std::vector<ChannelLayer> collect_layers(const std::vector<PartChannels>& parts,
       if (viewed.view.empty()) viewed.view = part.view.empty() ? default_view : part.view;
       if (viewed.view != view) continue;
       const ChannelName name = split_channel(viewed.name);
+      const std::string own_name = lower(name.title);
       const auto is_same = [&](const ChannelLayer& other) {
-        return other.part == static_cast<int>(i) && other.own_name == name.layer;
+        return other.part == static_cast<int>(i) && other.own_name == own_name;
       };
       auto layer = std::ranges::find_if(layers, is_same);
       if (layer == layers.end()) {
-        layer =
-            layers.insert(layer, {static_cast<int>(i), name_without_view(part.name, view), name.layer, {}});
+        layer = layers.insert(layer, {.part = static_cast<int>(i),
+                                      .part_name = name_without_view(part.name, view),
+                                      .own_name = own_name,
+                                      .title = name.title});
       }
       layer->channels.emplace(name.letter, channel);
       layer->spells_colours_out |= name.is_spelled_out;

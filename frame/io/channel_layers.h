@@ -16,9 +16,10 @@ std::string lower(std::string_view text);
 /// without a letter, which is a layer of its own.
 struct ChannelLayer {
   int part = 0;
-  std::string part_name;  ///< lower case, without the view
-  std::string own_name;   ///< lower case, without the view; empty for bare channels
-  std::map<char, std::string> channels;
+  std::string part_name;   ///< lower case, without the view
+  std::string own_name;    ///< lower case, without the view; empty for bare channels
+  std::string title = {};  ///< own_name as the file has it
+  std::map<char, std::string> channels = {};
   bool spells_colours_out = false;  ///< `.red` instead of `.R`
 
   /// What the layer goes by: bare channels have their part's name.

@@ -8,7 +8,6 @@
 #include <cstring>
 #include <limits>
 #include <map>
-#include <string_view>
 
 #include "frame/error.h"
 #include "frame/io/exr_file.h"
@@ -20,6 +19,7 @@ namespace {
 /// One channel of a frame's image that a file's channel is read into.
 struct Target {
   Image* image;
+  Imath::Box2i window;  ///< of the frame
   int channel;
   float scale = 1.0f;
   bool squared = false;
@@ -42,8 +42,8 @@ float value_of_nothing(Aov aov) {
 }
 
 /// Copies what the stripe's lines and the frame's window have in common.
-void copy_lines(const Stripe::Plane& plane, const Imath::Box2i& lines, const Imath::Box2i& frame_window,
-                const Target& target) {
+void copy_lines(const Stripe::Plane& plane, const Imath::Box2i& lines, const Target& target) {
+  const Imath::Box2i& frame_window = target.window;
   const int x_begin = std::max(lines.min.x, frame_window.min.x);
   const int x_end = std::min(lines.max.x, frame_window.max.x) + 1;
   for (int y = std::max(lines.min.y, frame_window.min.y); y <= std::min(lines.max.y, frame_window.max.y);
@@ -58,8 +58,7 @@ void copy_lines(const Stripe::Plane& plane, const Imath::Box2i& lines, const Ima
   }
 }
 
-void read_part(Imf::MultiPartInputFile& file, int part_number, const TargetsByChannel& targets,
-               const Imath::Box2i& frame_window) {
+void read_part(Imf::MultiPartInputFile& file, int part_number, const TargetsByChannel& targets) {
   Imf::InputPart part(file, part_number);
   const Imath::Box2i window = part.header().dataWindow();
   Stripe stripe(window);
@@ -70,27 +69,36 @@ void read_part(Imf::MultiPartInputFile& file, int part_number, const TargetsByCh
     part.readPixels(first, last);
     const Imath::Box2i lines(Imath::V2i(window.min.x, first), Imath::V2i(window.max.x, last));
     for (const Stripe::Plane& plane : stripe.planes()) {
-      for (const Target& target : targets.at(plane.channel)) copy_lines(plane, lines, frame_window, target);
+      for (const Target& target : targets.at(plane.channel)) copy_lines(plane, lines, target);
     }
   });
 }
 
-/// Adds a group for every layer light.NAME with the channels R, G and B.
-void add_light_groups(const std::vector<std::string>& channels, Frame& frame, TargetsByChannel& targets) {
-  constexpr std::string_view begin = "light.";
-  constexpr std::string_view end = ".R";
-  std::vector<LightGroup>& groups = frame.light_groups();
-  for (const std::string& channel : channels) {
-    if (channel.size() <= begin.size() + end.size() || !channel.starts_with(begin) || !channel.ends_with(end))
-      continue;
-    const std::string name = channel.substr(begin.size(), channel.size() - begin.size() - end.size());
-    groups.push_back({name, Image(frame.width(), frame.height(), 3)});
-  }
-  for (LightGroup& group : groups) {
-    for (int c = 0; c < 3; ++c) {
-      targets[fmt::format("{}{}.{}", begin, group.name, "RGB"[c])].push_back({&group.radiance, c});
+/// Makes the images of a view, and notes by part what is to be read into them. The view must stay where it
+/// is.
+void add_targets(const std::vector<PartChannels>& part_names, const Imath::Box2i& window, AovSet wanted,
+                 LightGroups light_groups, LoadedView& view, std::map<int, TargetsByChannel>& parts) {
+  const auto add = [&](const LayerSource& source, Image& image) {
+    for (std::size_t c = 0; c < source.channels.size(); ++c) {
+      if (source.channels[c].empty()) continue;
+      parts[source.part][source.channels[c]].push_back(
+          {&image, window, static_cast<int>(c), source.scale[c], source.squared});
     }
+  };
+  for (const AovInfo& entry : kAovTable) {
+    const std::size_t index = static_cast<std::size_t>(entry.aov);
+    if (!wanted.test(index) || !view.layers[index]) continue;
+    // 1 is the alpha of a beauty without; every other channel is read over it.
+    add(*view.layers[index],
+        view.frame.add(entry.aov, entry.aov == Aov::beauty ? 1.0f : value_of_nothing(entry.aov)));
   }
+  if (light_groups == LightGroups::leave) return;
+  view.lights = find_lights(part_names, view.layers[static_cast<std::size_t>(Aov::beauty)]->part, view.view);
+  std::vector<LightGroup>& groups = view.frame.light_groups();
+  for (const auto& [name, source] : view.lights) {
+    groups.push_back({name, Image(view.frame.width(), view.frame.height(), 3)});
+  }
+  for (LightGroup& group : groups) add(view.lights.at(group.name), group.radiance);
 }
 
 void require_flat(const std::string& path, const Imf::MultiPartInputFile& file) {
@@ -110,32 +118,22 @@ LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted, c
     const std::unique_ptr<Imf::MultiPartInputFile> file = open_exr(path);
     require_flat(path, *file);
     const std::vector<PartChannels> part_names = part_channels(*file);
-    loaded.layers = find_layers(path, part_names, options, find_views(part_names).front());
+    std::vector<ViewLayers> views = find_view_layers(path, part_names, options);
     require_all_chunks(path, *file);
 
-    const LayerSource& beauty = *loaded.layers[static_cast<std::size_t>(Aov::beauty)];
-    const Imath::Box2i window = file->header(beauty.part).dataWindow();
-    loaded.frame = Frame(frame_number, width_of(window), height_of(window));
-
     wanted.set(static_cast<std::size_t>(Aov::beauty));
+    loaded.other_views.resize(views.size() - 1);
     std::map<int, TargetsByChannel> parts;
-    for (const AovInfo& entry : kAovTable) {
-      const std::size_t index = static_cast<std::size_t>(entry.aov);
-      if (!wanted.test(index) || !loaded.layers[index]) continue;
-      const LayerSource& source = *loaded.layers[index];
-      // 1 is the alpha of a beauty without; every other channel is read over it.
-      Image& image =
-          loaded.frame.add(entry.aov, entry.aov == Aov::beauty ? 1.0f : value_of_nothing(entry.aov));
-      for (std::size_t c = 0; c < source.channels.size(); ++c) {
-        if (source.channels[c].empty()) continue;
-        parts[source.part][source.channels[c]].push_back(
-            {&image, static_cast<int>(c), source.scale[c], source.squared});
-      }
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      LoadedView& view = i == 0 ? loaded : loaded.other_views[i - 1];
+      view.view = std::move(views[i].view);
+      view.layers = std::move(views[i].layers);
+      const Imath::Box2i window =
+          file->header(view.layers[static_cast<std::size_t>(Aov::beauty)]->part).dataWindow();
+      view.frame = Frame(frame_number, width_of(window), height_of(window));
+      add_targets(part_names, window, wanted, light_groups, view, parts);
     }
-    if (light_groups == LightGroups::read) {
-      add_light_groups(part_names[beauty.part].channels, loaded.frame, parts[beauty.part]);
-    }
-    for (const auto& [part, targets] : parts) read_part(*file, part, targets, window);
+    for (const auto& [part, targets] : parts) read_part(*file, part, targets);
   });
   return loaded;
 }

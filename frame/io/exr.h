@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -13,9 +14,17 @@ namespace becalm::io {
 /// What is needed to write again, bit for bit, what was not denoised. Opaque outside frame/io/.
 class ExrContents;
 
-struct LoadedFrame {
+/// What was read of one view: all of a usual file, an eye of a stereo file.
+struct LoadedView {
+  std::string view;  ///< empty unless the file names its views
   Frame frame;
   LayerMap layers;
+  std::map<std::string, LayerSource> lights;  ///< by the name of the frame's light group
+};
+
+/// The default view of a file, or its only one, and what the file holds besides.
+struct LoadedFrame : LoadedView {
+  std::vector<LoadedView> other_views;
   std::shared_ptr<const ExrContents> contents;
 };
 
@@ -24,13 +33,14 @@ using Attributes = std::vector<std::pair<std::string, std::string>>;
 
 enum class PixelType { half, float32 };
 
-/// Whether read_exr reads the layers `light.NAME` of the beauty's part into the frame's light groups.
+/// Whether read_exr reads the layers `light.NAME` of a beauty's part into the frame's light groups.
 enum class LightGroups { leave, read };
 
-/// Reads one EXR file: the AOVs of `wanted` that it holds (the beauty always), and everything else as
-/// contents. The Frame covers the data window of the beauty's part; where another part's window is smaller,
-/// its AOV has the value for pixels that hit nothing. Throws Error(bad_input) naming the file for: no such
-/// file, not an EXR, truncated or corrupt pixels, no colour, a deep file, more than 65536 pixels a side.
+/// Reads one EXR file: of each view with a beauty the AOVs of `wanted` that it holds (the beauty always), and
+/// everything else as contents. The Frame covers the data window of the beauty's part; where another part's
+/// window is smaller, its AOV has the value for pixels that hit nothing. Throws Error(bad_input) naming the
+/// file for: no such file, not an EXR, truncated or corrupt pixels, no colour, a deep file, more than 65536
+/// pixels a side.
 LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted,
                      const LayerOptions& options = {}, LightGroups light_groups = LightGroups::leave);
 
@@ -63,9 +73,11 @@ WriteReport write_exr(const std::string& path, const Frame& frame, const Attribu
 /// Writes `source` again with the channels of the beauty, and of direct, indirect and light groups as far as
 /// the frame has them (all of the beauty's part), replaced by the frame's, in the same parts, types,
 /// compression, windows and attributes, every other channel bit for bit; diagnostics of the frame are added
-/// as layers to the beauty's part, and of its mipmap levels only the full size is written. The source's file
-/// is read again for this: throws Error(bad_input) naming it if it has changed since. Atomic as write_exr is.
-WriteReport write_denoised_exr(const std::string& path, const Frame& frame, const ExrContents& source,
-                               const LayerMap& layers, const Attributes& attributes);
+/// as layers to the beauty's part, and of its mipmap levels only the full size is written. `other_views` are
+/// the frames of the source's other views, in their order. The source's file is read again for this: throws
+/// Error(bad_input) naming it if it has changed since. Atomic as write_exr is.
+WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
+                               const std::vector<Frame>& other_views, const LoadedFrame& source,
+                               const Attributes& attributes);
 
 }  // namespace becalm::io

@@ -86,16 +86,19 @@ std::string change_of(const LayerSource& source, std::size_t channel) {
   return change;
 }
 
-/// What the channel was taken for, such as `albedo.R`, or that it is passed on.
-std::string use_of(const LayerMap& layers, int part, const std::string& channel) {
+/// What the channel was taken for, such as `albedo.R` or `right beauty.G`, or that it is passed on.
+std::string use_of(const std::vector<ViewLayers>& views, int part, const std::string& channel) {
   std::vector<std::string> uses;
-  for (const AovInfo& entry : kAovTable) {
-    const std::optional<LayerSource>& source = layers[static_cast<std::size_t>(entry.aov)];
-    if (!source || source->part != part) continue;
-    for (std::size_t i = 0; i < source->channels.size(); ++i) {
-      if (source->channels[i] != channel) continue;
-      uses.push_back(fmt::format("{}.{}{}", entry.aov == Aov::beauty ? "beauty" : entry.name,
-                                 entry.channels[i], change_of(*source, i)));
+  for (const ViewLayers& view : views) {
+    for (const AovInfo& entry : kAovTable) {
+      const std::optional<LayerSource>& source = view.layers[static_cast<std::size_t>(entry.aov)];
+      if (!source || source->part != part) continue;
+      for (std::size_t i = 0; i < source->channels.size(); ++i) {
+        if (source->channels[i] != channel) continue;
+        uses.push_back(fmt::format("{}{}{}.{}{}", view.view, view.view.empty() ? "" : " ",
+                                   entry.aov == Aov::beauty ? "beauty" : entry.name, entry.channels[i],
+                                   change_of(*source, i)));
+      }
     }
   }
   return uses.empty() ? "passed on" : fmt::format("{}", fmt::join(uses, ", "));
@@ -109,10 +112,10 @@ std::vector<std::string> describe_exr(const std::string& path, const LayerOption
     stamp_of(path);
     const std::unique_ptr<Imf::MultiPartInputFile> file = open_exr(path);
     const std::vector<PartChannels> parts = part_channels(*file);
-    LayerMap layers;
+    std::vector<ViewLayers> views;
     std::string failure;
     try {
-      layers = find_layers(path, parts, options, find_views(parts).front());
+      views = find_view_layers(path, parts, options);
     } catch (const Error& error) {
       failure = error.what();
     }
@@ -125,7 +128,7 @@ std::vector<std::string> describe_exr(const std::string& path, const LayerOption
       for (const std::string& name : parts[part].channels) width = std::max(width, name.size());
       for (const std::string& name : parts[part].channels) {
         lines.push_back(fmt::format("  {:<{}}  {:<5}  {}", name, width, name_of(header.channels()[name].type),
-                                    use_of(layers, part, name)));
+                                    use_of(views, part, name)));
       }
     }
     if (!failure.empty()) lines.push_back(failure);

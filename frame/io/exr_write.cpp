@@ -200,27 +200,24 @@ void writing(const std::string& path, const std::vector<Imf::Header>& headers,
   stream.commit();
 }
 
-/// Adds the AOV as a layer under the table's name (bare for the beauty).
-void add_layer(const Frame& frame, Aov aov, Imf::PixelType type, Imf::Header& header,
+/// Adds the AOV as a layer under the table's name (bare for the beauty), with the view's if there is one.
+void add_layer(const Frame& frame, Aov aov, const std::string& view, Imf::PixelType type, Imf::Header& header,
                FrameChannels& channels) {
   for (int c = 0; c < channel_count(aov); ++c) {
-    const char letter = info(aov).channels[c];
-    const std::string name =
-        info(aov).name.empty() ? std::string(1, letter) : fmt::format("{}.{}", info(aov).name, letter);
+    std::string name(info(aov).name);
+    for (const std::string& word : {view, std::string(1, info(aov).channels[c])}) {
+      if (!word.empty()) name += (name.empty() ? "" : ".") + word;
+    }
     header.channels().insert(name, Imf::Channel(type));
     channels[name] = {&frame.image(aov), c};
   }
-}
-
-std::string light_channel(const LightGroup& group, int c) {
-  return fmt::format("light.{}.{}", group.name, "RGB"[c]);
 }
 
 /// Adds a light group's radiance as the layer light.NAME.
 void add_light_group(const LightGroup& group, Imf::PixelType type, Imf::Header& header,
                      FrameChannels& channels) {
   for (int c = 0; c < 3; ++c) {
-    const std::string name = light_channel(group, c);
+    const std::string name = fmt::format("light.{}.{}", group.name, "RGB"[c]);
     header.channels().insert(name, Imf::Channel(type));
     channels[name] = {&group.radiance, c};
   }
@@ -244,6 +241,67 @@ bool is_denoised(Aov aov) {
   return aov == Aov::beauty || aov == Aov::direct || aov == Aov::indirect;
 }
 
+const LayerSource& beauty_of(const LoadedView& view) {
+  return *view.layers[static_cast<std::size_t>(Aov::beauty)];
+}
+
+/// What becomes of the parts of a file that is written again.
+struct Rewritten {
+  std::vector<Imf::Header> headers;
+  std::map<int, FrameChannels> channels;  ///< of the parts that are not copied
+};
+
+void replace(const LayerSource& layer, const Image& image, Rewritten& file) {
+  for (std::size_t c = 0; c < layer.channels.size(); ++c) {
+    if (layer.channels[c].empty()) continue;
+    file.channels[layer.part][layer.channels[c]] = {&image, static_cast<int>(c)};
+  }
+}
+
+/// Puts a denoised frame in the place of the view that it was made from. `diagnostics_view` tells its
+/// diagnostics from those of another view in the same part.
+void replace_view(const std::string& path, const LoadedView& view, const Frame& frame,
+                  const std::string& diagnostics_view, Rewritten& file) {
+  const LayerSource& beauty = beauty_of(view);
+  Imf::Header& header = file.headers[beauty.part];
+  const Imath::V2i size = header.dataWindow().size() + Imath::V2i(1);
+  if (size != Imath::V2i(frame.width(), frame.height()) || !frame.has(Aov::beauty)) {
+    throw Error(ExitStatus::bad_input, fmt::format("{}: {}x{} pixels, but the denoised frame has {}x{}", path,
+                                                   size.x, size.y, frame.width(), frame.height()));
+  }
+  for (const AovInfo& entry : kAovTable) {
+    if (!frame.has(entry.aov)) continue;
+    if (entry.diagnostic) {
+      add_layer(frame, entry.aov, diagnostics_view, Imf::FLOAT, header, file.channels[beauty.part]);
+    } else if (is_denoised(entry.aov)) {
+      replace(*view.layers[static_cast<std::size_t>(entry.aov)], frame.image(entry.aov), file);
+    }
+  }
+  for (const LightGroup& group : frame.light_groups()) {
+    replace(view.lights.at(group.name), group.radiance, file);
+  }
+}
+
+/// Chooses how the pixels of a part that is not copied are stored. Returns whether a lossy compression had to
+/// give way.
+bool prepare_header(const FrameChannels& channels, Imf::Header& header) {
+  bool lossless_instead = false;
+  for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
+    if (channels.contains(it.name()) || !may_alter(header.compression(), it.name(), it.channel().type))
+      continue;
+    header.compression() = Imf::ZIP_COMPRESSION;
+    lossless_instead = true;
+  }
+  // The smaller levels of a mipmap show the noisy beauty, so only the full size is written.
+  if (is_tiled(header)) {
+    Imf::TileDescription tiles = header.tileDescription();
+    tiles.mode = Imf::ONE_LEVEL;
+    header.setTileDescription(tiles);
+  }
+  if (header.hasChunkCount()) header.setChunkCount(static_cast<int>(chunk_count(header)));
+  return lossless_instead;
+}
+
 }  // namespace
 
 WriteReport write_exr(const std::string& path, const Frame& frame, const Attributes& attributes,
@@ -256,7 +314,7 @@ WriteReport write_exr(const std::string& path, const Frame& frame, const Attribu
   FrameChannels channels;
   for (const AovInfo& entry : kAovTable) {
     if (!frame.has(entry.aov)) continue;
-    add_layer(frame, entry.aov, is_always_float(entry.aov) ? Imf::FLOAT : color, header, channels);
+    add_layer(frame, entry.aov, "", is_always_float(entry.aov) ? Imf::FLOAT : color, header, channels);
   }
   for (const LightGroup& group : frame.light_groups()) add_light_group(group, color, header, channels);
   WriteReport report;
@@ -265,71 +323,45 @@ WriteReport write_exr(const std::string& path, const Frame& frame, const Attribu
   return report;
 }
 
-WriteReport write_denoised_exr(const std::string& path, const Frame& frame, const ExrContents& source,
-                               const LayerMap& layers, const Attributes& attributes) {
-  WriteReport report;
+WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
+                               const std::vector<Frame>& other_views, const LoadedFrame& source,
+                               const Attributes& attributes) {
+  const std::string& source_path = source.contents->path();
   std::unique_ptr<Imf::MultiPartInputFile> from;
-  reading(source.path(), [&] {
-    if (stamp_of(source.path()) != source.stamp()) {
-      throw Error(ExitStatus::bad_input,
-                  fmt::format("{}: changed after it was read; its other channels cannot be passed on",
-                              source.path()));
+  reading(source_path, [&] {
+    if (stamp_of(source_path) != source.contents->stamp()) {
+      throw Error(
+          ExitStatus::bad_input,
+          fmt::format("{}: changed after it was read; its other channels cannot be passed on", source_path));
     }
-    from = open_exr(source.path());
+    from = open_exr(source_path);
   });
 
-  const LayerSource& beauty = *layers[static_cast<std::size_t>(Aov::beauty)];
-  std::vector<Imf::Header> headers;
-  headers.reserve(from->parts());
-  for (int part = 0; part < from->parts(); ++part) headers.push_back(from->header(part));
-  Imf::Header& header = headers[beauty.part];
-  const Imath::V2i size = header.dataWindow().size() + Imath::V2i(1);
-  if (size != Imath::V2i(frame.width(), frame.height()) || !frame.has(Aov::beauty)) {
-    throw Error(ExitStatus::bad_input,
-                fmt::format("{}: {}x{} pixels, but the denoised frame has {}x{}", source.path(), size.x,
-                            size.y, frame.width(), frame.height()));
+  Rewritten rewritten;
+  rewritten.headers.reserve(from->parts());
+  for (int part = 0; part < from->parts(); ++part) rewritten.headers.push_back(from->header(part));
+  replace_view(source_path, source, frame, "", rewritten);
+  for (std::size_t i = 0; i < other_views.size(); ++i) {
+    const LoadedView& view = source.other_views.at(i);
+    const bool has_own_part = beauty_of(view).part != beauty_of(source).part;
+    replace_view(source_path, view, other_views[i], has_own_part ? "" : view.view, rewritten);
   }
+  WriteReport report;
+  for (const auto& [part, channels] : rewritten.channels) {
+    if (prepare_header(channels, rewritten.headers[part])) report.lossless_instead = true;
+    if (part != 0) insert_attributes(rewritten.headers[part], attributes);
+  }
+  insert_attributes(rewritten.headers.front(), attributes);
 
-  FrameChannels channels;
-  for (const AovInfo& entry : kAovTable) {
-    if (!frame.has(entry.aov)) continue;
-    const std::optional<LayerSource>& layer = layers[static_cast<std::size_t>(entry.aov)];
-    if (entry.diagnostic) {
-      add_layer(frame, entry.aov, Imf::FLOAT, header, channels);
-    } else if (is_denoised(entry.aov)) {
-      for (std::size_t c = 0; c < layer->channels.size(); ++c) {
-        if (!layer->channels[c].empty())
-          channels[layer->channels[c]] = {&frame.image(entry.aov), static_cast<int>(c)};
-      }
-    }
-  }
-  for (const LightGroup& group : frame.light_groups()) {
-    for (int c = 0; c < 3; ++c) channels[light_channel(group, c)] = {&group.radiance, c};
-  }
-  for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
-    if (channels.contains(it.name()) || !may_alter(header.compression(), it.name(), it.channel().type))
-      continue;
-    header.compression() = Imf::ZIP_COMPRESSION;
-    report.lossless_instead = true;
-  }
-  // The smaller levels of a mipmap show the noisy beauty, so only the full size is written.
-  if (is_tiled(header)) {
-    Imf::TileDescription tiles = header.tileDescription();
-    tiles.mode = Imf::ONE_LEVEL;
-    header.setTileDescription(tiles);
-  }
-  if (header.hasChunkCount()) header.setChunkCount(static_cast<int>(chunk_count(header)));
-  insert_attributes(headers.front(), attributes);
-  if (beauty.part != 0) insert_attributes(header, attributes);
-
-  writing(path, headers, [&](Imf::MultiPartOutputFile& file) {
+  writing(path, rewritten.headers, [&](Imf::MultiPartOutputFile& file) {
     for (int part = 0; part < from->parts(); ++part) {
-      if (part == beauty.part) {
-        Imf::InputPart in(*from, part);
-        write_part(file, part, channels, &in, report);
-      } else {
+      const auto channels = rewritten.channels.find(part);
+      if (channels == rewritten.channels.end()) {
         copy_part(*from, file, part);
+        continue;
       }
+      Imf::InputPart in(*from, part);
+      write_part(file, part, channels->second, &in, report);
     }
   });
   return report;

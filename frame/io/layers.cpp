@@ -242,4 +242,29 @@ LayerMap find_layers(const std::string& file, const std::vector<PartChannels>& p
   return map;
 }
 
+std::vector<ViewLayers> find_view_layers(const std::string& file, const std::vector<PartChannels>& parts,
+                                         const LayerOptions& options) {
+  std::vector<std::string> views = find_views(parts);
+  const std::string default_view = views.front();
+  std::erase_if(views, [&](const std::string& view) {
+    return view != default_view && !LayerFinder(parts, view).find_beauty();
+  });
+  std::vector<ViewLayers> found;
+  for (const std::string& view : views) found.push_back({view, find_layers(file, parts, options, view)});
+  return found;
+}
+
+std::map<std::string, LayerSource> find_lights(const std::vector<PartChannels>& parts, int part,
+                                               const std::string& view) {
+  constexpr std::string_view scope = "light.";
+  std::map<std::string, LayerSource> lights;
+  for (const ChannelLayer& layer : collect_layers(parts, view)) {
+    if (layer.part != part || !layer.own_name.starts_with(scope)) continue;
+    if (std::optional<LayerSource> source = channels_as(layer, Aov::direct)) {
+      lights.emplace(layer.title.substr(scope.size()), std::move(*source));
+    }
+  }
+  return lights;
+}
+
 }  // namespace becalm::io

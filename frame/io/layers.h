@@ -72,4 +72,18 @@ std::vector<std::string> find_views(const std::vector<PartChannels>& parts);
 LayerMap find_layers(const std::string& file, const std::vector<PartChannels>& parts,
                      const LayerOptions& options, const std::string& view = "");
 
+struct ViewLayers {
+  std::string view;  ///< empty in a file without named views
+  LayerMap layers;
+};
+
+/// find_layers() for every view that has a beauty, the default one first; throws as that does, and if none
+/// has.
+std::vector<ViewLayers> find_view_layers(const std::string& file, const std::vector<PartChannels>& parts,
+                                         const LayerOptions& options);
+
+/// The layers `light.NAME` of a part and a view, by NAME.
+std::map<std::string, LayerSource> find_lights(const std::vector<PartChannels>& parts, int part,
+                                               const std::string& view);
+
 }  // namespace becalm::io

@@ -1,5 +1,6 @@
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfStringAttribute.h>
+#include <OpenEXR/ImfStringVectorAttribute.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -158,6 +159,22 @@ TEST_F(ExrRead, Description) {
       "part 1 'part1': scanlines, PIZ, data window 4x4 at (0, 0), display window 16x16 at (0, 0)",
       "  Z  float  depth.Z"};
   EXPECT_EQ(describe_exr(path_), expected);
+}
+
+TEST_F(ExrRead, DescriptionOfTwoEyes) {
+  write_test_file(path_, {named_part("l", {{"R"}, {"G"}, {"B"}}, "left"),
+                          named_part("r", {{"R"}, {"G"}, {"B"}, {"Z"}}, "right")});
+  const std::vector<std::string> lines = describe_exr(path_);
+  EXPECT_NE(std::ranges::find(lines, "  G  half   left beauty.G"), lines.end());
+  EXPECT_NE(std::ranges::find(lines, "  G  half   right beauty.G"), lines.end());
+  EXPECT_NE(std::ranges::find(lines, "  Z  half   right depth.Z"), lines.end());
+}
+
+TEST_F(ExrRead, AViewWithoutColourIsNone) {
+  Imf::Header header = scanline_part(window(0, 0, 4, 4), {{"R"}, {"G"}, {"B"}, {"Z"}});
+  header.insert("multiView", Imf::StringVectorAttribute({"left", "right"}));
+  write_test_file(path_, {header});
+  EXPECT_TRUE(read_exr(path_, 1, all_aovs()).other_views.empty());
 }
 
 TEST_F(ExrRead, DescriptionOfAFileWithoutColour) {

@@ -34,8 +34,7 @@ class PassedOn : public ::testing::Test {
       if (diagnostics.test(static_cast<std::size_t>(entry.aov))) loaded.frame.add(entry.aov, 0.3f);
     }
     layers_ = loaded.layers;
-    return write_denoised_exr(result_, loaded.frame, *loaded.contents, loaded.layers,
-                              {{"becalm:preset", "final"}});
+    return write_denoised_exr(result_, loaded.frame, {}, loaded, {{"becalm:preset", "final"}});
   }
 
   /// Every channel of the part has its bits, but for the named ones.
@@ -342,12 +341,66 @@ TEST_F(PassedOn, DenoisingAResultReplacesItsDiagnosticsAndAttributes) {
   EXPECT_EQ(read_exr(result_, 1, AovSet().set()).frame.image(Aov::flow).at(5, 3, 0), 0.3f);
 }
 
+/// Doubles every beauty of the source and writes them.
+void denoise_views(const std::string& source, const std::string& result) {
+  LoadedFrame loaded = read_exr(source, 1, {});
+  const auto denoise = [](Frame& frame) {
+    for (float& value : frame.image(Aov::beauty).data()) value = 2.0f * value + 1.0f;
+    frame.add(Aov::gain, 0.25f);
+  };
+  denoise(loaded.frame);
+  std::vector<Frame> others;
+  for (LoadedView& view : loaded.other_views) {
+    denoise(view.frame);
+    others.push_back(view.frame);
+  }
+  write_denoised_exr(result, loaded.frame, others, loaded, {{"becalm:preset", "final"}});
+}
+
+TEST_F(PassedOn, BothEyesOfOnePart) {
+  Imf::Header header =
+      scanline_part(window(0, 0, 6, 4),
+                    {{"R"}, {"G"}, {"B"}, {"right.R"}, {"right.G"}, {"right.B"}, {"raw.id", Imf::UINT}});
+  Imf::addMultiView(header, {"left", "right"});
+  write_test_file(source_, {header});
+  denoise_views(source_, result_);
+  expect_same_but_for({"R", "G", "B", "right.R", "right.G", "right.B"});
+  expect_same_header();
+  const LoadedFrame result = read_exr(result_, 1, AovSet().set());
+  ASSERT_EQ(result.other_views.size(), 1u);
+  const LoadedView& right = result.other_views[0];
+  EXPECT_EQ(right.view, "right");
+  EXPECT_EQ(right.frame.image(Aov::beauty).at(5, 3, 1),
+            Imath::half(2.0f * test_value("right.G", 5, 3) + 1.0f));
+  EXPECT_EQ(result.frame.image(Aov::beauty).at(5, 3, 1), Imath::half(2.0f * test_value("G", 5, 3) + 1.0f));
+  EXPECT_EQ(right.layers[static_cast<std::size_t>(Aov::gain)]->channels[0], "gain.right.Y");
+  EXPECT_EQ(right.frame.image(Aov::gain).at(5, 3, 0), 0.25f);
+}
+
+TEST_F(PassedOn, AnEyeAPart) {
+  Imf::Header right = named_part("right", {{"R"}, {"G"}, {"B"}, {"raw.id", Imf::UINT}}, "right");
+  right.dataWindow() = window(1, 1, 4, 3);
+  write_test_file(source_, {named_part("left", {{"R"}, {"G"}, {"B"}}, "left"), right,
+                            named_part("left.depth", {{"Z", Imf::FLOAT}}, "left")});
+  denoise_views(source_, result_);
+  expect_same_but_for(kBeauty, 0);
+  expect_same_but_for(kBeauty, 1);
+  expect_same_but_for({}, 2);
+  for (int part = 0; part < 3; ++part) expect_same_header(part);
+  const LoadedFrame result = read_exr(result_, 1, AovSet().set());
+  ASSERT_EQ(result.other_views.size(), 1u);
+  EXPECT_EQ(result.other_views[0].frame.width(), 4);
+  EXPECT_EQ(result.other_views[0].frame.image(Aov::beauty).at(0, 0, 2),
+            Imath::half(2.0f * test_value("B", 1, 1) + 1.0f));
+  EXPECT_TRUE(result.frame.has(Aov::depth));
+  EXPECT_FALSE(result.other_views[0].frame.has(Aov::depth));
+}
+
 TEST_F(PassedOn, OverHalfsRangeIsCounted) {
   write_test_file(source_, {scanline_part(window(0, 0, 3, 1), {{"R"}, {"G", Imf::FLOAT}, {"B", Imf::UINT}})});
   LoadedFrame loaded = read_exr(source_, 1, {});
   for (float& value : loaded.frame.image(Aov::beauty).data()) value = 1e20f;
-  EXPECT_EQ(write_denoised_exr(result_, loaded.frame, *loaded.contents, loaded.layers, {}).half_overflows,
-            3u);
+  EXPECT_EQ(write_denoised_exr(result_, loaded.frame, {}, loaded, {}).half_overflows, 3u);
   const Image beauty = read_exr(result_, 1, {}).frame.image(Aov::beauty);
   EXPECT_EQ(beauty.at(2, 0, 0), 65504.0f);
   EXPECT_EQ(beauty.at(2, 0, 1), 1e20f);
@@ -358,7 +411,7 @@ TEST_F(PassedOn, TheSourceMayBeOverwritten) {
   write_test_file(source_, {scanline_part(window(0, 0, 6, 300), kMixed)});
   const Planes before = read_planes(source_);
   const LoadedFrame loaded = read_exr(source_, 1, {});
-  write_denoised_exr(source_, loaded.frame, *loaded.contents, loaded.layers, {});
+  write_denoised_exr(source_, loaded.frame, {}, loaded, {});
   EXPECT_EQ(read_planes(source_), before);
 }
 
@@ -367,7 +420,7 @@ TEST_F(PassedOn, AChangedSourceIsAnError) {
   const LoadedFrame loaded = read_exr(source_, 1, {});
   write_test_file(source_, {scanline_part(window(0, 0, 6, 5), kMixed)});
   try {
-    write_denoised_exr(result_, loaded.frame, *loaded.contents, loaded.layers, {});
+    write_denoised_exr(result_, loaded.frame, {}, loaded, {});
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.status(), ExitStatus::bad_input);
