@@ -34,6 +34,7 @@ struct DenoiseCommand {
   FilterOptions filter;
   RunningOptions running;
   std::string preset = "balanced";
+  std::optional<int> frame;
   std::string layers;
   std::string missing = "error";
 };
@@ -76,9 +77,9 @@ DenoiseJob::DenoiseJob(const DenoiseCommand& command)
       threads_(command.running.threads),
       layers_(io::parse_layer_overrides(command.layers)),
       filter_(command.preset, command.filter),
-      inputs_(command.input, command.output.frames, parse_missing(command.missing),
+      inputs_(command.input, command.output.frames, command.frame, parse_missing(command.missing),
               [this](const auto& asked, const auto& on_disk) { return filter_.readable(asked, on_disk); }),
-      outputs_("-o", command.output.pattern, inputs_.outputs()) {
+      outputs_("-o", inputs_.output_pattern(command.output.pattern), inputs_.outputs()) {
   std::vector<std::string> paths;
   for (const int frame : inputs_.readable()) paths.push_back(inputs_.path(frame));
   outputs_.keep_apart_from(paths);
@@ -118,6 +119,10 @@ ExitStatus DenoiseJob::run() {
         progress_->update(steps[step].frame, work_per_step * static_cast<double>(step));
       },
       *progress_, profile_);
+  if (!inputs_.has_numbers()) {
+    progress_->note(fmt::format(
+        "{}: no frame number in the name, so this is frame 1; --frame N says otherwise", command_.input));
+  }
   filter_.finish(profile_);
   return conclude(*progress_, asked, command_.running.profile ? &profile_ : nullptr);
 }
@@ -212,6 +217,11 @@ Command add_denoise(CLI::App& becalm) {
   parser.add_option("input", command->input, "The EXR files, such as 'in/shot.####.exr', or one file")
       ->required()
       ->option_text("INPUT");
+  parser
+      .add_option("--frame", command->frame,
+                  "The frame number of a single file (default: the one in its name, or 1)")
+      ->option_text("N")
+      ->group("Input");
   parser
       .add_option("--missing", command->missing,
                   "A frame of --frames that is not there: error stops before the first frame, skip writes "

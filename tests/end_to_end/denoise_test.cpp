@@ -270,6 +270,18 @@ TEST_F(Denoise, HeldFramesMayComeFromTheContext) {
   EXPECT_FALSE(fs::exists(folder_ / "chunk.0002.exr"));
 }
 
+TEST_F(Denoise, WhatIsHeldDoesNotDependOnTheRange) {
+  write_frames({1, 2, 4});
+  for (const std::vector<std::string>& more :
+       {std::vector<std::string>{"--preset", "draft"}, {"--context", "none"}}) {
+    std::vector<std::string> options{"--frames", "3-4", "--missing", "hold", "--quiet"};
+    options.insert(options.end(), more.begin(), more.end());
+    becalm_done(command("out/a.####.exr", options));
+    EXPECT_EQ(files_in(folder_.path() / "out"), (std::vector<std::string>{"a.0003.exr", "a.0004.exr"}));
+    EXPECT_EQ(io::read_attribute(folder_ / "out/a.0003.exr", "becalm:held_from"), "2");
+  }
+}
+
 TEST_F(Denoise, StepsAreNotGaps) {
   write_frames({1, 3, 5});
   const Outcome outcome = becalm_done(command("a.####.exr"));
@@ -326,6 +338,37 @@ TEST_F(Denoise, ImagesOfOnePixelAndWideOnes) {
       for (const float v : frame.image(Aov::beauty).data()) ASSERT_TRUE(std::isfinite(v)) << preset;
     }
   }
+}
+
+TEST_F(Denoise, ASingleFileHasTheNumberOfItsName) {
+  write_frames({52});
+  const std::string file = folder_ / "in.0052.exr";
+  becalm_done({"denoise", file, "-o", folder_ / "out.####.exr", "--quiet"});
+  becalm_done({"denoise", file, "-o", folder_ / "short.#.exr", "--quiet"});
+  becalm_done({"denoise", file, "-o", folder_ / "other.####.exr", "--quiet", "--frame=-7"});
+  fs::rename(file, folder_ / "still.exr");
+  const Outcome still = becalm_done({"denoise", folder_ / "still.exr", "-o", folder_ / "still.####.exr"});
+  EXPECT_NE(still.err.find("still.exr: no frame number in the name, so this is frame 1; --frame"),
+            std::string::npos)
+      << still.err;
+  EXPECT_EQ(files_in(folder_.path()),
+            (std::vector<std::string>{"other.-007.exr", "out.0052.exr", "short.0052.exr", "still.0001.exr",
+                                      "still.exr"}));
+  write_frames({1, 2});
+  expect_error(becalm(command("out.####.exr", {"--frame", "3"})), 2, {"--frame 3", "--frames"});
+}
+
+TEST_F(Denoise, ALoneHashOfTheOutputHasThePaddingOfTheInput) {
+  write_frames({1, 2});
+  becalm_done(command("out/a.#.exr", {"--quiet"}));
+  EXPECT_EQ(files_in(folder_.path() / "out"), (std::vector<std::string>{"a.0001.exr", "a.0002.exr"}));
+}
+
+TEST_F(Denoise, FilesOfAnotherPaddingArePointedOut) {
+  io::write_exr(folder_ / "in.1.exr", noise_frame(1), {});
+  expect_error(becalm(command("out.####.exr")), 3, {"no frame", "in.1.exr is there", "in.#.exr"});
+  write_frames({2});
+  expect_error(becalm(command("out.####.exr", {"--frames", "1-2"})), 3, {"frame 1 of", "in.#.exr"});
 }
 
 TEST_F(Denoise, OneFile) {
