@@ -1,7 +1,6 @@
 // becalm denoise: a sequence of EXR files from any renderer, denoised into another.
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -12,8 +11,12 @@
 
 #include "app/cancel.h"
 #include "app/command.h"
+#include "app/console.h"
+#include "app/counted.h"
 #include "app/filter_run.h"
 #include "app/filter_step.h"
+#include "app/fingerprints.h"
+#include "app/input_check.h"
 #include "app/input_frames.h"
 #include "app/options.h"
 #include "app/outputs.h"
@@ -39,12 +42,6 @@ struct DenoiseCommand {
   std::string missing = "error";
 };
 
-std::vector<std::string> light_group_names(const Frame& frame) {
-  std::vector<std::string> names;
-  for (const LightGroup& group : frame.light_groups()) names.push_back(group.name);
-  return names;
-}
-
 /// One run of `becalm denoise`.
 class DenoiseJob {
  public:
@@ -54,7 +51,6 @@ class DenoiseJob {
  private:
   void find_existing();
   io::LoadedFrame read(int frame);
-  void check_like_first(const io::LoadedFrame& loaded);
   void write(DenoisedFile& result);
 
   const DenoiseCommand& command_;
@@ -63,13 +59,11 @@ class DenoiseJob {
   FilterStep filter_;
   const InputFrames inputs_;
   Outputs outputs_;
+  Fingerprints fingerprints_;
   io::Attributes attributes_;
   std::set<int> existing_;
   std::optional<Progress> progress_;
   Profile profile_;
-  std::optional<Frame> first_;  ///< without its images: the size that all frames have
-  AovSet first_aovs_;
-  std::vector<std::string> first_light_groups_;
 };
 
 DenoiseJob::DenoiseJob(const DenoiseCommand& command)
@@ -79,20 +73,18 @@ DenoiseJob::DenoiseJob(const DenoiseCommand& command)
       filter_(command.preset, command.filter),
       inputs_(command.input, command.output.frames, command.frame, parse_missing(command.missing),
               [this](const auto& asked, const auto& on_disk) { return filter_.readable(asked, on_disk); }),
-      outputs_("-o", inputs_.output_pattern(command.output.pattern), inputs_.outputs()) {
+      outputs_("-o", inputs_.output_pattern(command.output.pattern), inputs_.outputs()),
+      fingerprints_(inputs_, filter_, layers_) {
   std::vector<std::string> paths;
   for (const int frame : inputs_.readable()) paths.push_back(inputs_.path(frame));
   outputs_.keep_apart_from(paths);
 }
 
 ExitStatus DenoiseJob::run() {
-  const std::string first_path = inputs_.path(inputs_.readable().front());
   attributes_ = {{"becalm:version", BECALM_VERSION},
                  {"becalm:settings", filter_.describe(inputs_.readable()) +
                                          (command_.layers.empty() ? "" : " layers=" + command_.layers)},
                  {"becalm:preset", command_.preset}};
-  const std::string rendered_with = io::read_attribute(first_path, "becalm:settings");
-  if (!rendered_with.empty()) attributes_.emplace_back("becalm:input_settings", rendered_with);
 
   outputs_.prepare();
   if (command_.output.resume) find_existing();
@@ -104,25 +96,28 @@ ExitStatus DenoiseJob::run() {
 
   progress_.emplace(ProgressOptions{
       .total = asked, .existing = existing_.size(), .work = wanted.size(), .quiet = command_.running.quiet});
-  if (!inputs_.note().empty()) progress_->warn(inputs_.note());
   std::vector<filter::Step> steps;
   for (const filter::Segment& segment : filter_.schedule(inputs_.readable(), wanted, inputs_.step())) {
     steps.insert(steps.end(), segment.begin(), segment.end());
+  }
+  std::set<int> needed;
+  for (const filter::Step& step : steps) needed.insert(step.frame);
+  const InputLayout layout = check_inputs(inputs_, needed, filter_, layers_);
+  filter_.build(layout.width, layout.height, layout.aovs, layout.light_groups.size());
+  if (!inputs_.note().empty()) progress_->warn(inputs_.note());
+  if (!inputs_.has_numbers()) {
+    progress_->note(fmt::format(
+        "{}: no frame number in the name, so this is frame 1; --frame N says otherwise", command_.input));
   }
   const double work_per_step = static_cast<double>(wanted.size()) / static_cast<double>(steps.size());
   run_filter(
       filter_, steps,
       {.read = [this](int frame) { return read(frame); },
-       .check = [this](const io::LoadedFrame& loaded) { check_like_first(loaded); },
        .write = [this](DenoisedFile& result) { write(result); }},
       [&](std::size_t step) {
         progress_->update(steps[step].frame, work_per_step * static_cast<double>(step));
       },
       *progress_, profile_);
-  if (!inputs_.has_numbers()) {
-    progress_->note(fmt::format(
-        "{}: no frame number in the name, so this is frame 1; --frame N says otherwise", command_.input));
-  }
   filter_.finish(profile_);
   return conclude(*progress_, asked, command_.running.profile ? &profile_ : nullptr);
 }
@@ -130,11 +125,17 @@ ExitStatus DenoiseJob::run() {
 void DenoiseJob::find_existing() {
   Outputs::Existing found = outputs_.find_existing(attributes_);
   warn_unusable(found.unusable);
-  existing_ = std::move(found.frames);
+  existing_ = fingerprints_.up_to_date(found.frames, [this](int frame) { return outputs_.path(frame); });
+  std::vector<int> outdated;
+  std::ranges::set_difference(found.frames, existing_, std::back_inserter(outdated));
+  if (outdated.empty()) return;
+  say(fmt::format("becalm: {} made again, since the frames that they were made from have changed: {}\n",
+                  counted(outdated.size(), "frame is", "frames are"), io::format_frame_range(outdated)));
 }
 
 io::LoadedFrame DenoiseJob::read(int frame) {
   const ProfileScope scope(profile_, "read");
+  fingerprints_.take(frame);
   if (!filter_.denoises_additive()) {
     return io::read_exr(inputs_.path(frame), frame, filter_.wanted(), layers_);
   }
@@ -149,39 +150,6 @@ io::LoadedFrame DenoiseJob::read(int frame) {
   return loaded;
 }
 
-/// All frames have the size and the layers of the first one, so that it does not matter which that is;
-/// nothing is written of a frame that differs.
-void DenoiseJob::check_like_first(const io::LoadedFrame& loaded) {
-  const Frame& frame = loaded.frame;
-  if (!first_) {
-    first_.emplace(frame.number(), frame.width(), frame.height());
-    first_aovs_ = frame.aovs();
-    first_light_groups_ = light_group_names(frame);
-    filter_.build(frame.width(), frame.height(), first_aovs_, first_light_groups_.size());
-    return;
-  }
-  const std::string path = inputs_.path(frame.number());
-  if (frame.width() != first_->width() || frame.height() != first_->height()) {
-    throw Error(ExitStatus::bad_input,
-                fmt::format("{}: is {}x{}, and {} is {}x{}", path, frame.width(), frame.height(),
-                            inputs_.path(first_->number()), first_->width(), first_->height()));
-  }
-  const std::string first_path = inputs_.path(first_->number());
-  for (const AovInfo& entry : kAovTable) {
-    const bool of_first = contains(first_aovs_, entry.aov);
-    if (frame.has(entry.aov) == of_first) continue;
-    throw Error(ExitStatus::bad_input,
-                fmt::format("{}: has no layer '{}', which {} has", of_first ? path : first_path, entry.name,
-                            of_first ? first_path : path));
-  }
-  const std::vector<std::string> light_groups = light_group_names(frame);
-  if (light_groups != first_light_groups_) {
-    throw Error(ExitStatus::bad_input,
-                fmt::format("{}: has the light groups '{}', and {} has '{}'", path,
-                            fmt::join(light_groups, ","), first_path, fmt::join(first_light_groups_, ",")));
-  }
-}
-
 void DenoiseJob::write(DenoisedFile& result) {
   for (const int number : inputs_.outputs_of(result.frame.number())) {
     if (existing_.contains(number)) {
@@ -189,6 +157,8 @@ void DenoiseJob::write(DenoisedFile& result) {
       continue;
     }
     io::Attributes attributes = attributes_;
+    for (auto& attribute : fingerprints_.of(result.frame.number()))
+      attributes.push_back(std::move(attribute));
     if (number != result.frame.number()) {
       attributes.emplace_back("becalm:held_from", std::to_string(result.frame.number()));
     }

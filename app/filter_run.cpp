@@ -18,7 +18,6 @@ void run_filter(FilterStep& filter, std::span<const filter::Step> steps, const F
   std::future<io::LoadedFrame> next = start_reading(0);
   for (std::size_t i = 0; i < steps.size() && !stop_requested(); ++i) {
     io::LoadedFrame loaded = next.get();
-    files.check(loaded);
     if (i + 1 < steps.size()) next = start_reading(i + 1);
     on_step(i);
     std::optional<Frame> denoised = filter.run(steps[i], loaded.frame, progress, profile);

@@ -20,9 +20,8 @@ struct DenoisedFile {
 
 /// Between the filter and the files.
 struct FilterFiles {
-  std::function<io::LoadedFrame(int frame)> read;     ///< on a thread of its own
-  std::function<void(const io::LoadedFrame&)> check;  ///< before the filter sees it
-  std::function<void(DenoisedFile&)> write;           ///< on a thread of its own
+  std::function<io::LoadedFrame(int frame)> read;  ///< on a thread of its own
+  std::function<void(DenoisedFile&)> write;        ///< on a thread of its own
 };
 
 /// Takes frames through the filter in the order of the steps, until a stop is requested: the next one is read

@@ -45,9 +45,7 @@ InputFrames::InputFrames(const std::string& pattern, const std::string& range, s
   if (all) asked = present;
   assign_outputs(asked, present, missing);
   // A frame that is held is read whether or not it was asked for itself.
-  std::vector<int> sources;
-  for (const auto& [source, numbers] : outputs_) sources.push_back(source);
-  readable_ = readable(sources, present);
+  readable_ = readable(sources(), present);
   step_ = usual_step(readable_);
   const bool gaps =
       std::ranges::adjacent_find(readable_, [&](int a, int b) { return b - a > step_; }) != readable_.end();
@@ -118,6 +116,12 @@ io::SequencePattern InputFrames::output_pattern(const std::string& text) const {
 std::vector<int> InputFrames::outputs() const {
   std::vector<int> numbers;
   for (const auto& [frame, outputs] : outputs_) numbers.insert(numbers.end(), outputs.begin(), outputs.end());
+  return numbers;
+}
+
+std::vector<int> InputFrames::sources() const {
+  std::vector<int> numbers;
+  for (const auto& [frame, outputs] : outputs_) numbers.push_back(frame);
   return numbers;
 }
 

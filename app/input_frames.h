@@ -31,6 +31,7 @@ class InputFrames {
   InputFrames(const std::string& pattern, const std::string& range, std::optional<int> frame, Missing missing,
               const Readable& readable);
 
+  const std::string& pattern() const { return pattern_.text(); }
   /// What may be read, ascending.
   const std::vector<int>& readable() const { return readable_; }
   std::string path(int frame) const { return pattern_.path(frame); }
@@ -43,6 +44,8 @@ class InputFrames {
   int step() const { return step_; }
   /// Every frame that is written, ascending.
   std::vector<int> outputs() const;
+  /// Every frame that some output is made of, ascending.
+  std::vector<int> sources() const;
   /// For which frames a frame is written: its own number if that was asked for and, with `hold`, those of the
   /// missing frames after it.
   const std::vector<int>& outputs_of(int frame) const { return outputs_.at(frame); }

@@ -9,6 +9,7 @@
 #include <cstdlib>
 
 #include "app/console.h"
+#include "app/counted.h"
 
 namespace becalm::app {
 namespace {
@@ -96,7 +97,8 @@ void Progress::finish(bool done) {
   const std::lock_guard lock(mutex_);
   erase();
   if (options_.quiet || !done) return;
-  say(fmt::format("{} frames written in {}, {}{}\n", written_, format_duration(elapsed_s()), rate(),
+  say(fmt::format("{} written in {}, {}{}\n", counted(written_, "frame", "frames"),
+                  format_duration(elapsed_s()), rate(),
                   options_.existing > 0 ? fmt::format("; {} were there already", options_.existing) : ""));
 }
 

@@ -256,7 +256,6 @@ void RenderJob::filter_segment(const filter::Segment& segment) {
   run_filter(
       *filter_, segment,
       {.read = [this](int frame) { return read_noisy(frame); },
-       .check = [](const io::LoadedFrame&) {},
        .write = [this](DenoisedFile& file) { write(file.frame, file.source.frame); }},
       [](std::size_t) {}, *progress_, profile_);
 }

@@ -19,7 +19,9 @@ void warn_unusable(const std::vector<std::string>& paths) {
 }
 
 ExitStatus all_there(std::size_t frames, bool quiet) {
-  if (!quiet) say(fmt::format("all {} frames are there already\n", frames));
+  if (!quiet)
+    say(frames == 1 ? "the frame is there already\n"
+                    : fmt::format("all {} frames are there already\n", frames));
   return ExitStatus::done;
 }
 

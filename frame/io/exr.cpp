@@ -73,20 +73,31 @@ void read_part(Imf::MultiPartInputFile& file, int part_number, const TargetsByCh
   });
 }
 
-/// Adds a group for every layer light.NAME with the channels R, G and B.
-void add_light_groups(const std::vector<std::string>& channels, Frame& frame, TargetsByChannel& targets) {
-  constexpr std::string_view begin = "light.";
+constexpr std::string_view kLightGroupPrefix = "light.";
+
+/// NAME for every layer light.NAME.
+std::vector<std::string> light_group_names(const std::vector<std::string>& channels) {
+  constexpr std::string_view begin = kLightGroupPrefix;
   constexpr std::string_view end = ".R";
-  std::vector<LightGroup>& groups = frame.light_groups();
+  std::vector<std::string> names;
   for (const std::string& channel : channels) {
     if (channel.size() <= begin.size() + end.size() || !channel.starts_with(begin) || !channel.ends_with(end))
       continue;
-    const std::string name = channel.substr(begin.size(), channel.size() - begin.size() - end.size());
-    groups.push_back({name, Image(frame.width(), frame.height(), 3)});
+    names.push_back(channel.substr(begin.size(), channel.size() - begin.size() - end.size()));
+  }
+  return names;
+}
+
+/// Adds a group for every layer light.NAME with the channels R, G and B.
+void add_light_groups(const std::vector<std::string>& channels, Frame& frame, TargetsByChannel& targets) {
+  std::vector<LightGroup>& groups = frame.light_groups();
+  for (std::string& name : light_group_names(channels)) {
+    groups.push_back({std::move(name), Image(frame.width(), frame.height(), 3)});
   }
   for (LightGroup& group : groups) {
     for (int c = 0; c < 3; ++c) {
-      targets[fmt::format("{}{}.{}", begin, group.name, "RGB"[c])].push_back({&group.radiance, c, 1.0f});
+      targets[fmt::format("{}{}.{}", kLightGroupPrefix, group.name, "RGB"[c])].push_back(
+          {&group.radiance, c, 1.0f});
     }
   }
 }
@@ -98,7 +109,33 @@ void require_flat(const std::string& path, const Imf::MultiPartInputFile& file) 
   throw Error(ExitStatus::bad_input, fmt::format("{}: a deep image, expected flat pixels", path));
 }
 
+/// The parts of the file that its frame comes from.
+ExrHeader header_of(const std::string& path, const Imf::MultiPartInputFile& file,
+                    const LayerOverrides& overrides) {
+  require_flat(path, file);
+  const std::vector<std::vector<std::string>> channels = channel_names(file);
+  ExrHeader found;
+  found.layers = find_layers(path, channels, overrides);
+  const int part = found.layers[static_cast<std::size_t>(Aov::beauty)]->part;
+  found.data_window = file.header(part).dataWindow();
+  found.display_window = file.header(part).displayWindow();
+  found.light_groups = light_group_names(channels[part]);
+  return found;
+}
+
 }  // namespace
+
+ExrHeader read_exr_header(const std::string& path, const LayerOverrides& overrides,
+                          CheckChunks check_chunks) {
+  ExrHeader found;
+  reading(path, [&] {
+    stamp_of(path);
+    const std::unique_ptr<Imf::MultiPartInputFile> file = open_exr(path);
+    found = header_of(path, *file, overrides);
+    if (check_chunks == CheckChunks::yes) require_all_chunks(path, *file);
+  });
+  return found;
+}
 
 LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted,
                      const LayerOverrides& overrides, LightGroups light_groups) {
@@ -106,12 +143,12 @@ LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted,
   reading(path, [&] {
     loaded.contents = std::make_shared<ExrContents>(path, stamp_of(path));
     const std::unique_ptr<Imf::MultiPartInputFile> file = open_exr(path);
-    require_flat(path, *file);
-    loaded.layers = find_layers(path, channel_names(*file), overrides);
+    ExrHeader header = header_of(path, *file, overrides);
     require_all_chunks(path, *file);
+    loaded.layers = std::move(header.layers);
 
     const LayerSource& beauty = *loaded.layers[static_cast<std::size_t>(Aov::beauty)];
-    const Imath::Box2i window = file->header(beauty.part).dataWindow();
+    const Imath::Box2i window = header.data_window;
     loaded.frame = Frame(frame_number, width_of(window), height_of(window));
 
     wanted.set(static_cast<std::size_t>(Aov::beauty));

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Imath/ImathBox.h>
+
 #include <memory>
 #include <string>
 #include <utility>
@@ -26,6 +28,20 @@ enum class PixelType { half, float32 };
 
 /// Whether read_exr reads the layers `light.NAME` of the beauty's part into the frame's light groups.
 enum class LightGroups { leave, read };
+
+/// What read_exr would find in a file.
+struct ExrHeader {
+  LayerMap layers;
+  Imath::Box2i data_window;  ///< of the beauty's part
+  Imath::Box2i display_window;
+  std::vector<std::string> light_groups;  ///< the NAMEs of the beauty's part's layers `light.NAME`
+};
+
+/// Whether read_exr_header also looks for every chunk of pixels, which reads some bytes of each.
+enum class CheckChunks { no, yes };
+
+/// Reads no pixels; throws as read_exr does.
+ExrHeader read_exr_header(const std::string& path, const LayerOverrides& overrides, CheckChunks check_chunks);
 
 /// Reads one EXR file: the AOVs of `wanted` that it holds (the beauty always), and everything else as
 /// contents. The Frame covers the data window of the beauty's part; where another part's window is smaller,

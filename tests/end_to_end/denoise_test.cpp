@@ -183,6 +183,47 @@ TEST_F(Denoise, ResumeGivesTheSamePixels) {
                {"a.0002.exr", "context=2-4"});
 }
 
+TEST_F(Denoise, ResumeMakesAgainWhatWasMadeFromOtherFrames) {
+  write_frames({1, 2, 3, 4});
+  const std::vector<std::string> options{"--segment", "2", "--warmup", "0", "--resume", "--frames", "1-4"};
+  const std::string out = folder_ / "a.####.exr";
+  const auto times = [&] {
+    std::vector<fs::file_time_type> times;
+    for (const int frame : {1, 2, 3, 4}) times.push_back(fs::last_write_time(frame_path(out, frame)));
+    return times;
+  };
+  becalm_done(command("a.####.exr", options));
+  EXPECT_EQ(io::read_attribute(frame_path(out, 3), "becalm:inputs").substr(0, 4), "2,3 ");
+  EXPECT_EQ(io::read_attribute(frame_path(out, 3), "becalm:layers"),
+            "beauty=R,G,B,A albedo=albedo.R,albedo.G,albedo.B normal=normal.X,normal.Y,normal.Z");
+  const auto before = times();
+
+  fs::last_write_time(frame_path(input_, 1), fs::file_time_type::clock::now());
+  becalm_done(command("a.####.exr", options));
+  EXPECT_EQ(times(), before) << "the content counts, not the time";
+
+  io::write_exr(frame_path(input_, 3), noise_frame(33), {}, io::PixelType::float32);
+  const Outcome changed = becalm_done(command("a.####.exr", options));
+  EXPECT_NE(changed.err.find("2 frames are made again"), std::string::npos) << changed.err;
+  EXPECT_NE(changed.err.find("have changed: 2,3\n"), std::string::npos) << changed.err;
+  const auto after = times();
+  for (const std::size_t kept : {0, 3}) EXPECT_EQ(after[kept], before[kept]);
+  becalm_done(command("fresh.####.exr", options));
+  expect_same_beauty(folder_ / "fresh.####.exr", out, 1, 4);
+
+  io::write_exr(frame_path(input_, 5), noise_frame(5), {}, io::PixelType::float32);
+  const Outcome neighbour = becalm_done(command("a.####.exr", options));
+  EXPECT_NE(neighbour.err.find("1 frame is made again"), std::string::npos) << neighbour.err;
+  EXPECT_NE(neighbour.err.find("1 frame written"), std::string::npos) << neighbour.err;
+
+  for (const int frame : {1, 2, 3, 4, 5}) {
+    io::write_exr(frame_path(input_, frame), noise_frame(frame, 40, 24), {{"becalm:settings", "spp=9"}});
+  }
+  const Outcome other_shot = becalm_done(command("a.####.exr", options));
+  EXPECT_NE(other_shot.err.find("4 frames are made again"), std::string::npos) << other_shot.err;
+  for (const int frame : {1, 2, 3, 4}) EXPECT_EQ(read_frame(frame_path(out, frame)).width(), 40);
+}
+
 TEST_F(Denoise, AForwardFilterResumesToTheSamePixels) {
   write_frames({1, 2, 3, 4});
   const std::vector<std::string> draft{"--preset", "draft"};
