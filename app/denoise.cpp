@@ -1,7 +1,6 @@
 // becalm denoise: a sequence of EXR files from any renderer, denoised into another.
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -12,8 +11,12 @@
 
 #include "app/cancel.h"
 #include "app/command.h"
+#include "app/console.h"
+#include "app/counted.h"
 #include "app/filter_run.h"
 #include "app/filter_step.h"
+#include "app/fingerprints.h"
+#include "app/input_check.h"
 #include "app/input_frames.h"
 #include "app/layer_arguments.h"
 #include "app/options.h"
@@ -34,14 +37,18 @@ struct DenoiseCommand {
   FilterOptions filter;
   RunningOptions running;
   std::string preset = "balanced";
+  std::optional<int> frame;
   LayerArguments layers;
   std::string missing = "error";
 };
 
-std::vector<std::string> light_group_names(const Frame& frame) {
-  std::vector<std::string> names;
-  for (const LightGroup& group : frame.light_groups()) names.push_back(group.name);
-  return names;
+/// Of what adds up to the beauty, layers of other parts are passed on.
+void leave_other_parts(io::LoadedView& view) {
+  for (const AovInfo& entry : kAovTable) {
+    if (!contains(filter::additive_aovs(), entry.aov) || !view.frame.has(entry.aov)) continue;
+    const auto part_of = [&](Aov aov) { return view.layers[static_cast<std::size_t>(aov)]->part; };
+    if (part_of(entry.aov) != part_of(Aov::beauty)) view.frame.remove(entry.aov);
+  }
 }
 
 /// One run of `becalm denoise`.
@@ -53,7 +60,6 @@ class DenoiseJob {
  private:
   void find_existing();
   io::LoadedFrame read(int frame);
-  void check_like_first(const io::LoadedFrame& loaded);
   void write(DenoisedFile& result);
 
   const DenoiseCommand& command_;
@@ -62,13 +68,11 @@ class DenoiseJob {
   FilterStep filter_;
   const InputFrames inputs_;
   Outputs outputs_;
+  Fingerprints fingerprints_;
   io::Attributes attributes_;
   std::set<int> existing_;
   std::optional<Progress> progress_;
   Profile profile_;
-  std::optional<Frame> first_;  ///< without its images: the size that all frames have
-  AovSet first_aovs_;
-  std::vector<std::string> first_light_groups_;
 };
 
 DenoiseJob::DenoiseJob(const DenoiseCommand& command)
@@ -76,21 +80,19 @@ DenoiseJob::DenoiseJob(const DenoiseCommand& command)
       threads_(command.running.threads),
       layers_(layer_options(command.layers)),
       filter_(command.preset, command.filter),
-      inputs_(command.input, command.output.frames, parse_missing(command.missing),
+      inputs_(command.input, command.output.frames, command.frame, parse_missing(command.missing),
               [this](const auto& asked, const auto& on_disk) { return filter_.readable(asked, on_disk); }),
-      outputs_("-o", command.output.pattern, inputs_.outputs()) {
+      outputs_("-o", inputs_.output_pattern(command.output.pattern), inputs_.outputs()),
+      fingerprints_(inputs_, filter_, layers_) {
   std::vector<std::string> paths;
   for (const int frame : inputs_.readable()) paths.push_back(inputs_.path(frame));
   outputs_.keep_apart_from(paths);
 }
 
 ExitStatus DenoiseJob::run() {
-  const std::string first_path = inputs_.path(inputs_.readable().front());
   attributes_ = {{"becalm:version", BECALM_VERSION},
                  {"becalm:settings", filter_.describe(inputs_.readable()) + app::describe(command_.layers)},
                  {"becalm:preset", command_.preset}};
-  const std::string rendered_with = io::read_attribute(first_path, "becalm:settings");
-  if (!rendered_with.empty()) attributes_.emplace_back("becalm:input_settings", rendered_with);
 
   outputs_.prepare();
   if (command_.output.resume) find_existing();
@@ -102,16 +104,25 @@ ExitStatus DenoiseJob::run() {
 
   progress_.emplace(ProgressOptions{
       .total = asked, .existing = existing_.size(), .work = wanted.size(), .quiet = command_.running.quiet});
-  if (!inputs_.note().empty()) progress_->warn(inputs_.note());
   std::vector<filter::Step> steps;
   for (const filter::Segment& segment : filter_.schedule(inputs_.readable(), wanted, inputs_.step())) {
     steps.insert(steps.end(), segment.begin(), segment.end());
+  }
+  std::set<int> needed;
+  for (const filter::Step& step : steps) needed.insert(step.frame);
+  const std::vector<InputLayout> views = check_inputs(inputs_, needed, filter_, layers_);
+  for (const InputLayout& view : views) {
+    filter_.build(view.width, view.height, view.aovs, view.light_groups.size(), view.view, views.size());
+  }
+  if (!inputs_.note().empty()) progress_->warn(inputs_.note());
+  if (!inputs_.has_numbers()) {
+    progress_->note(fmt::format(
+        "{}: no frame number in the name, so this is frame 1; --frame N says otherwise", command_.input));
   }
   const double work_per_step = static_cast<double>(wanted.size()) / static_cast<double>(steps.size());
   run_filter(
       filter_, steps,
       {.read = [this](int frame) { return read(frame); },
-       .check = [this](const io::LoadedFrame& loaded) { check_like_first(loaded); },
        .write = [this](DenoisedFile& result) { write(result); }},
       [&](std::size_t step) {
         progress_->update(steps[step].frame, work_per_step * static_cast<double>(step));
@@ -124,56 +135,25 @@ ExitStatus DenoiseJob::run() {
 void DenoiseJob::find_existing() {
   Outputs::Existing found = outputs_.find_existing(attributes_);
   warn_unusable(found.unusable);
-  existing_ = std::move(found.frames);
+  existing_ = fingerprints_.up_to_date(found.frames, [this](int frame) { return outputs_.path(frame); });
+  std::vector<int> outdated;
+  std::ranges::set_difference(found.frames, existing_, std::back_inserter(outdated));
+  if (outdated.empty()) return;
+  say(fmt::format("becalm: {} made again, since the frames that they were made from have changed: {}\n",
+                  counted(outdated.size(), "frame is", "frames are"), io::format_frame_range(outdated)));
 }
 
 io::LoadedFrame DenoiseJob::read(int frame) {
   const ProfileScope scope(profile_, "read");
+  fingerprints_.take(frame);
   if (!filter_.denoises_additive()) {
     return io::read_exr(inputs_.path(frame), frame, filter_.wanted(), layers_);
   }
   io::LoadedFrame loaded = io::read_exr(
       inputs_.path(frame), frame, filter_.wanted() | filter::additive_aovs(), layers_, io::LightGroups::read);
-  // Other parts are passed on.
-  for (const AovInfo& entry : kAovTable) {
-    if (!contains(filter::additive_aovs(), entry.aov) || !loaded.frame.has(entry.aov)) continue;
-    const auto part_of = [&](Aov aov) { return loaded.layers[static_cast<std::size_t>(aov)]->part; };
-    if (part_of(entry.aov) != part_of(Aov::beauty)) loaded.frame.remove(entry.aov);
-  }
+  leave_other_parts(loaded);
+  std::ranges::for_each(loaded.other_views, leave_other_parts);
   return loaded;
-}
-
-/// All frames have the size and the layers of the first one, so that it does not matter which that is;
-/// nothing is written of a frame that differs.
-void DenoiseJob::check_like_first(const io::LoadedFrame& loaded) {
-  const Frame& frame = loaded.frame;
-  if (!first_) {
-    first_.emplace(frame.number(), frame.width(), frame.height());
-    first_aovs_ = frame.aovs();
-    first_light_groups_ = light_group_names(frame);
-    filter_.build(frame.width(), frame.height(), first_aovs_, first_light_groups_.size());
-    return;
-  }
-  const std::string path = inputs_.path(frame.number());
-  if (frame.width() != first_->width() || frame.height() != first_->height()) {
-    throw Error(ExitStatus::bad_input,
-                fmt::format("{}: is {}x{}, and {} is {}x{}", path, frame.width(), frame.height(),
-                            inputs_.path(first_->number()), first_->width(), first_->height()));
-  }
-  const std::string first_path = inputs_.path(first_->number());
-  for (const AovInfo& entry : kAovTable) {
-    const bool of_first = contains(first_aovs_, entry.aov);
-    if (frame.has(entry.aov) == of_first) continue;
-    throw Error(ExitStatus::bad_input,
-                fmt::format("{}: has no layer '{}', which {} has", of_first ? path : first_path, entry.name,
-                            of_first ? first_path : path));
-  }
-  const std::vector<std::string> light_groups = light_group_names(frame);
-  if (light_groups != first_light_groups_) {
-    throw Error(ExitStatus::bad_input,
-                fmt::format("{}: has the light groups '{}', and {} has '{}'", path,
-                            fmt::join(light_groups, ","), first_path, fmt::join(first_light_groups_, ",")));
-  }
 }
 
 void DenoiseJob::write(DenoisedFile& result) {
@@ -183,14 +163,16 @@ void DenoiseJob::write(DenoisedFile& result) {
       continue;
     }
     io::Attributes attributes = attributes_;
+    for (auto& attribute : fingerprints_.of(result.frame.number()))
+      attributes.push_back(std::move(attribute));
     if (number != result.frame.number()) {
       attributes.emplace_back("becalm:held_from", std::to_string(result.frame.number()));
     }
     io::WriteReport report;
     {
       const ProfileScope scope(profile_, "write");
-      report = io::write_denoised_exr(outputs_.path(number), result.frame, *result.source.contents,
-                                      result.source.layers, attributes);
+      report = io::write_denoised_exr(outputs_.path(number), result.frame, result.other_views, result.source,
+                                      attributes);
     }
     warn_overflows(*progress_, number, report, "write the input as float to keep them");
     if (report.lossless_instead) {
@@ -211,6 +193,11 @@ Command add_denoise(CLI::App& becalm) {
   parser.add_option("input", command->input, "The EXR files, such as 'in/shot.####.exr', or one file")
       ->required()
       ->option_text("INPUT");
+  parser
+      .add_option("--frame", command->frame,
+                  "The frame number of a single file (default: the one in its name, or 1)")
+      ->option_text("N")
+      ->group("Input");
   parser
       .add_option("--missing", command->missing,
                   "A frame of --frames that is not there: error stops before the first frame, skip writes "

@@ -91,15 +91,15 @@ bool is_whole(const std::string& path, int frame) {
 
 }  // namespace
 
-Outputs::Outputs(std::string_view option, const std::string& pattern, std::vector<int> frames)
-    : option_(option), pattern_(pattern), frames_(std::move(frames)) {
-  if (!is_exr_name(pattern)) {
+Outputs::Outputs(std::string_view option, io::SequencePattern pattern, std::vector<int> frames)
+    : option_(option), pattern_(std::move(pattern)), frames_(std::move(frames)) {
+  if (!is_exr_name(pattern_.text())) {
     throw Error(ExitStatus::usage,
-                fmt::format("{} {}: expected a file name that ends in .exr", option_, pattern));
+                fmt::format("{} {}: expected a file name that ends in .exr", option_, pattern_.text()));
   }
   if (frames_.size() > 1 && !pattern_.has_frame_field()) {
     throw Error(ExitStatus::usage, fmt::format("{} {}: {} frames need a frame field, such as ####.exr",
-                                               option_, pattern, frames_.size()));
+                                               option_, pattern_.text(), frames_.size()));
   }
 }
 

@@ -15,7 +15,7 @@ class Outputs {
  public:
   /// Throws Error(usage) unless the pattern is an EXR name, with a frame field if there are several frames.
   /// `option` is the pattern's name in messages.
-  Outputs(std::string_view option, const std::string& pattern, std::vector<int> frames);
+  Outputs(std::string_view option, io::SequencePattern pattern, std::vector<int> frames);
 
   const std::vector<int>& frames() const { return frames_; }
   std::string path(int frame) const { return pattern_.path(frame); }

@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
+
+#include "app/console.h"
+#include "app/counted.h"
 
 namespace becalm::app {
 namespace {
@@ -75,15 +77,15 @@ void Progress::frame_done(int frame, std::string_view what) {
     draw();
     return;
   }
-  fmt::print(stderr, "frame {}: {}, {} of {} done, {}{}\n", frame, what, options_.existing + written_,
-             options_.total, rate(), time_left());
+  say(fmt::format("frame {}: {}, {} of {} done, {}{}\n", frame, what, options_.existing + written_,
+                  options_.total, rate(), time_left()));
 }
 
 void Progress::warn(std::string_view line) {
   const std::lock_guard lock(mutex_);
   const bool redraw = line_shown_;
   erase();
-  fmt::print(stderr, "becalm: {}\n", line);
+  say(fmt::format("becalm: {}\n", line));
   if (redraw) draw();
 }
 
@@ -95,8 +97,9 @@ void Progress::finish(bool done) {
   const std::lock_guard lock(mutex_);
   erase();
   if (options_.quiet || !done) return;
-  fmt::print(stderr, "{} frames written in {}, {}{}\n", written_, format_duration(elapsed_s()), rate(),
-             options_.existing > 0 ? fmt::format("; {} were there already", options_.existing) : "");
+  say(fmt::format("{} written in {}, {}{}\n", counted(written_, "frame", "frames"),
+                  format_duration(elapsed_s()), rate(),
+                  options_.existing > 0 ? fmt::format("; {} were there already", options_.existing) : ""));
 }
 
 std::size_t Progress::written() const {
@@ -125,16 +128,14 @@ void Progress::draw() {
       fmt::format("[{:#<{}}{:.<{}}] {} of {}, frame {}, {}{}", "", filled, "", kBarWidth - filled,
                   options_.existing + written_, options_.total, frame_, rate(), time_left());
   line.resize(std::min(line.size(), terminal_columns() - 1));  // a wrapped line could not be drawn over
-  fmt::print(stderr, "\r{}\x1b[K", line);
-  std::fflush(stderr);
+  say(fmt::format("\r{}\x1b[K", line));
   drawn_ = Clock::now();
   line_shown_ = true;
 }
 
 void Progress::erase() {
   if (!line_shown_) return;
-  fmt::print(stderr, "\r\x1b[K");
-  std::fflush(stderr);
+  say("\r\x1b[K");
   line_shown_ = false;
 }
 

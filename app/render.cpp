@@ -117,7 +117,7 @@ RenderJob::RenderJob(const RenderCommand& command)
       scene_hash_(scene_hash(command.scene)),
       size_(size_of(command, scene_.description())) {
   const std::vector<int> frames = frames_of(command, scene_.description());
-  outputs_.emplace("-o", command.output.pattern, frames);
+  outputs_.emplace("-o", io::SequencePattern(command.output.pattern), frames);
   attributes_ = render_attributes(asked_, command.float_colors);
   if (filter_) {
     readable_ = filter_->readable(frames, existing_frames(frames, scene_.description(), *filter_));
@@ -129,9 +129,9 @@ RenderJob::RenderJob(const RenderCommand& command)
 
 void RenderJob::choose_noisy_outputs() {
   if (!command_.keep_noisy.empty()) {
-    noisy_outputs_.emplace("--keep-noisy", command_.keep_noisy, readable_);
+    noisy_outputs_.emplace("--keep-noisy", io::SequencePattern(command_.keep_noisy), readable_);
   } else if (has_segments()) {
-    noisy_outputs_.emplace("-o", scratch_pattern(command_.output.pattern), readable_);
+    noisy_outputs_.emplace("-o", io::SequencePattern(scratch_pattern(command_.output.pattern)), readable_);
   } else {
     return;
   }
@@ -256,7 +256,6 @@ void RenderJob::filter_segment(const filter::Segment& segment) {
   run_filter(
       *filter_, segment,
       {.read = [this](int frame) { return read_noisy(frame); },
-       .check = [](const io::LoadedFrame&) {},
        .write = [this](DenoisedFile& file) { write(file.frame, file.source.frame); }},
       [](std::size_t) {}, *progress_, profile_);
 }

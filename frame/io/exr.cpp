@@ -76,8 +76,8 @@ void read_part(Imf::MultiPartInputFile& file, int part_number, const TargetsByCh
 
 /// Makes the images of a view, and notes by part what is to be read into them. The view must stay where it
 /// is.
-void add_targets(const std::vector<PartChannels>& part_names, const Imath::Box2i& window, AovSet wanted,
-                 LightGroups light_groups, LoadedView& view, std::map<int, TargetsByChannel>& parts) {
+void add_targets(const Imath::Box2i& window, AovSet wanted, LightGroups light_groups, LoadedView& view,
+                 std::map<int, TargetsByChannel>& parts) {
   const auto add = [&](const LayerSource& source, Image& image) {
     for (std::size_t c = 0; c < source.channels.size(); ++c) {
       if (source.channels[c].empty()) continue;
@@ -93,7 +93,6 @@ void add_targets(const std::vector<PartChannels>& part_names, const Imath::Box2i
         view.frame.add(entry.aov, entry.aov == Aov::beauty ? 1.0f : value_of_nothing(entry.aov)));
   }
   if (light_groups == LightGroups::leave) return;
-  view.lights = find_lights(part_names, view.layers[static_cast<std::size_t>(Aov::beauty)]->part, view.view);
   std::vector<LightGroup>& groups = view.frame.light_groups();
   for (const auto& [name, source] : view.lights) {
     groups.push_back({name, Image(view.frame.width(), view.frame.height(), 3)});
@@ -108,7 +107,31 @@ void require_flat(const std::string& path, const Imf::MultiPartInputFile& file) 
   throw Error(ExitStatus::bad_input, fmt::format("{}: a deep image, expected flat pixels", path));
 }
 
+/// The views of the file, each with the windows of its beauty's part.
+std::vector<ExrView> views_of(const std::string& path, const Imf::MultiPartInputFile& file,
+                              const LayerOptions& options) {
+  require_flat(path, file);
+  std::vector<ExrView> views;
+  for (ViewLayers& found : find_view_layers(path, part_channels(file), options)) {
+    const Imf::Header& header = file.header(found.layers[static_cast<std::size_t>(Aov::beauty)]->part);
+    views.push_back({std::move(found), header.dataWindow(), header.displayWindow()});
+  }
+  return views;
+}
+
 }  // namespace
+
+std::vector<ExrView> read_exr_header(const std::string& path, const LayerOptions& options,
+                                     CheckChunks check_chunks) {
+  std::vector<ExrView> views;
+  reading(path, [&] {
+    stamp_of(path);
+    const std::unique_ptr<Imf::MultiPartInputFile> file = open_exr(path);
+    views = views_of(path, *file, options);
+    if (check_chunks == CheckChunks::yes) require_all_chunks(path, *file);
+  });
+  return views;
+}
 
 LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted, const LayerOptions& options,
                      LightGroups light_groups) {
@@ -116,9 +139,7 @@ LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted, c
   reading(path, [&] {
     loaded.contents = std::make_shared<ExrContents>(path, stamp_of(path));
     const std::unique_ptr<Imf::MultiPartInputFile> file = open_exr(path);
-    require_flat(path, *file);
-    const std::vector<PartChannels> part_names = part_channels(*file);
-    std::vector<ViewLayers> views = find_view_layers(path, part_names, options);
+    const std::vector<ExrView> views = views_of(path, *file, options);
     require_all_chunks(path, *file);
 
     wanted.set(static_cast<std::size_t>(Aov::beauty));
@@ -126,12 +147,10 @@ LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted, c
     std::map<int, TargetsByChannel> parts;
     for (std::size_t i = 0; i < views.size(); ++i) {
       LoadedView& view = i == 0 ? loaded : loaded.other_views[i - 1];
-      view.view = std::move(views[i].view);
-      view.layers = std::move(views[i].layers);
-      const Imath::Box2i window =
-          file->header(view.layers[static_cast<std::size_t>(Aov::beauty)]->part).dataWindow();
+      const Imath::Box2i& window = views[i].data_window;
+      static_cast<ViewLayers&>(view) = views[i];
       view.frame = Frame(frame_number, width_of(window), height_of(window));
-      add_targets(part_names, window, wanted, light_groups, view, parts);
+      add_targets(window, wanted, light_groups, view, parts);
     }
     for (const auto& [part, targets] : parts) read_part(*file, part, targets);
   });

@@ -1,6 +1,7 @@
 #pragma once
 
-#include <map>
+#include <Imath/ImathBox.h>
+
 #include <memory>
 #include <string>
 #include <utility>
@@ -15,11 +16,8 @@ namespace becalm::io {
 class ExrContents;
 
 /// What was read of one view: all of a usual file, an eye of a stereo file.
-struct LoadedView {
-  std::string view;  ///< empty unless the file names its views
+struct LoadedView : ViewLayers {
   Frame frame;
-  LayerMap layers;
-  std::map<std::string, LayerSource> lights;  ///< by the name of the frame's light group
 };
 
 /// The default view of a file, or its only one, and what the file holds besides.
@@ -35,6 +33,19 @@ enum class PixelType { half, float32 };
 
 /// Whether read_exr reads the layers `light.NAME` of a beauty's part into the frame's light groups.
 enum class LightGroups { leave, read };
+
+/// What read_exr would find of one view.
+struct ExrView : ViewLayers {
+  Imath::Box2i data_window;  ///< of the beauty's part
+  Imath::Box2i display_window;
+};
+
+/// Whether read_exr_header also looks for every chunk of pixels, which reads some bytes of each.
+enum class CheckChunks { no, yes };
+
+/// What read_exr would find, the default view first. Reads no pixels; throws as that does.
+std::vector<ExrView> read_exr_header(const std::string& path, const LayerOptions& options,
+                                     CheckChunks check_chunks);
 
 /// Reads one EXR file: of each view with a beauty the AOVs of `wanted` that it holds (the beauty always), and
 /// everything else as contents. The Frame covers the data window of the beauty's part; where another part's

@@ -165,6 +165,20 @@ void divide_by_samples(int samples, LayerSource& variance) {
   for (float& scale : variance.scale) scale /= static_cast<float>(samples);
 }
 
+/// The layers `light.NAME` of a part and a view, by NAME.
+std::map<std::string, LayerSource> find_lights(const std::vector<PartChannels>& parts, int part,
+                                               const std::string& view) {
+  constexpr std::string_view scope = "light.";
+  std::map<std::string, LayerSource> lights;
+  for (const ChannelLayer& layer : collect_layers(parts, view)) {
+    if (layer.part != part || !layer.own_name.starts_with(scope)) continue;
+    if (std::optional<LayerSource> source = channels_as(layer, Aov::direct)) {
+      lights.emplace(layer.title.substr(scope.size()), std::move(*source));
+    }
+  }
+  return lights;
+}
+
 }  // namespace
 
 std::vector<std::string> find_views(const std::vector<PartChannels>& parts) {
@@ -250,21 +264,11 @@ std::vector<ViewLayers> find_view_layers(const std::string& file, const std::vec
     return view != default_view && !LayerFinder(parts, view).find_beauty();
   });
   std::vector<ViewLayers> found;
-  for (const std::string& view : views) found.push_back({view, find_layers(file, parts, options, view)});
-  return found;
-}
-
-std::map<std::string, LayerSource> find_lights(const std::vector<PartChannels>& parts, int part,
-                                               const std::string& view) {
-  constexpr std::string_view scope = "light.";
-  std::map<std::string, LayerSource> lights;
-  for (const ChannelLayer& layer : collect_layers(parts, view)) {
-    if (layer.part != part || !layer.own_name.starts_with(scope)) continue;
-    if (std::optional<LayerSource> source = channels_as(layer, Aov::direct)) {
-      lights.emplace(layer.title.substr(scope.size()), std::move(*source));
-    }
+  for (const std::string& view : views) {
+    ViewLayers& layers = found.emplace_back(ViewLayers{view, find_layers(file, parts, options, view), {}});
+    layers.lights = find_lights(parts, layers.layers[static_cast<std::size_t>(Aov::beauty)]->part, view);
   }
-  return lights;
+  return found;
 }
 
 }  // namespace becalm::io

@@ -75,15 +75,11 @@ LayerMap find_layers(const std::string& file, const std::vector<PartChannels>& p
 struct ViewLayers {
   std::string view;  ///< empty in a file without named views
   LayerMap layers;
+  std::map<std::string, LayerSource> lights;  ///< the beauty's part's layers `light.NAME`, by NAME
 };
 
-/// find_layers() for every view that has a beauty, the default one first; throws as that does, and if none
-/// has.
+/// find_layers() for every view that has a beauty, and for the default one, which comes first.
 std::vector<ViewLayers> find_view_layers(const std::string& file, const std::vector<PartChannels>& parts,
                                          const LayerOptions& options);
-
-/// The layers `light.NAME` of a part and a view, by NAME.
-std::map<std::string, LayerSource> find_lights(const std::vector<PartChannels>& parts, int part,
-                                               const std::string& view);
 
 }  // namespace becalm::io

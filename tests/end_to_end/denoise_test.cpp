@@ -5,6 +5,7 @@
 #include <ImfHeader.h>
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
+#include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
 #include <gtest/gtest.h>
 
@@ -133,6 +134,52 @@ TEST_F(Denoise, PassesOnWhatItDoesNotDenoise) {
   EXPECT_NE(io::read_attribute(folder_ / "out.0002.exr", "becalm:version"), "");
 }
 
+/// Both eyes' beauty and albedo in one part, as OpenEXR names them.
+void write_stereo(const std::string& path, const Frame& left, const Frame& right) {
+  Imf::Header header(kWidth, kHeight);
+  Imf::addMultiView(header, {"left", "right"});
+  Imf::FrameBuffer buffer;
+  for (const Frame* eye : {&left, &right}) {
+    for (const Aov aov : {Aov::beauty, Aov::albedo}) {
+      const Image& image = eye->image(aov);
+      for (int c = 0; c < image.channels(); ++c) {
+        const std::string name =
+            std::string(aov == Aov::albedo ? "albedo." : "") + (eye == &right ? "right." : "") + "RGBA"[c];
+        header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+        char* first = const_cast<char*>(reinterpret_cast<const char*>(image.data().data() + c));
+        const std::size_t stride = sizeof(float) * static_cast<std::size_t>(image.channels());
+        buffer.insert(name, Imf::Slice(Imf::FLOAT, first, stride, stride * kWidth));
+      }
+    }
+  }
+  Imf::OutputFile file(path.c_str(), header);
+  file.setFrameBuffer(buffer);
+  file.writePixels(kHeight);
+}
+
+TEST_F(Denoise, BothEyesAreDenoisedWithTheirOwnLayers) {
+  for (const int number : {1, 2, 3}) {
+    Frame left = noise_frame(number);
+    Frame right = noise_frame(number + 10);
+    for (Frame* eye : {&left, &right}) eye->remove(Aov::normal);
+    write_stereo(frame_path(input_, number), left, right);
+    io::write_exr(frame_path(folder_ / "left.####.exr", number), left, {}, io::PixelType::float32);
+    io::write_exr(frame_path(folder_ / "right.####.exr", number), right, {}, io::PixelType::float32);
+  }
+  becalm_done(command("out.####.exr"));
+  for (const std::string eye : {"left", "right"}) {
+    becalm_done({"denoise", folder_ / (eye + ".####.exr"), "-o", folder_ / (eye + ".calm.####.exr")});
+  }
+  const io::LoadedFrame both = io::read_exr(folder_ / "out.0002.exr", 2, {});
+  ASSERT_EQ(both.other_views.size(), 1u);
+  EXPECT_TRUE(same_pixels(both.frame.image(Aov::beauty),
+                          read_frame(folder_ / "left.calm.0002.exr").image(Aov::beauty)));
+  EXPECT_TRUE(same_pixels(both.other_views[0].frame.image(Aov::beauty),
+                          read_frame(folder_ / "right.calm.0002.exr").image(Aov::beauty)));
+  EXPECT_NE(io::read_attribute(folder_ / "out.0002.exr", "becalm:layers").find("right: beauty=right.R"),
+            std::string::npos);
+}
+
 TEST_F(Denoise, LayersMayBeLeftOutAndMotionTurned) {
   for (const int number : {1, 2}) {
     Frame frame = noise_frame(number);
@@ -146,7 +193,9 @@ TEST_F(Denoise, LayersMayBeLeftOutAndMotionTurned) {
   EXPECT_NE(described.find("motion.X  float  motion.X negated times 0.5"), std::string::npos) << described;
   EXPECT_NE(described.find("albedo.R  float  passed on"), std::string::npos) << described;
 
-  becalm_done(command("out.####.exr", options));
+  std::vector<std::string> fast = options;
+  fast.insert(fast.end(), {"--preset", "draft"});
+  becalm_done(command("out.####.exr", fast));
   EXPECT_NE(io::read_attribute(folder_ / "out.0002.exr", "becalm:settings")
                 .find(" layers=albedo=none motion=flip-x,scale=0.5"),
             std::string::npos);
@@ -201,6 +250,47 @@ TEST_F(Denoise, ResumeGivesTheSamePixels) {
   becalm_done(command("a.####.exr", {"--resume", "--frames", "2-4"}));
   expect_error(becalm(command("a.####.exr", {"--resume", "--frames", "2-4", "--context", "none"})), 2,
                {"a.0002.exr", "context=2-4"});
+}
+
+TEST_F(Denoise, ResumeMakesAgainWhatWasMadeFromOtherFrames) {
+  write_frames({1, 2, 3, 4});
+  const std::vector<std::string> options{"--segment", "2", "--warmup", "0", "--resume", "--frames", "1-4"};
+  const std::string out = folder_ / "a.####.exr";
+  const auto times = [&] {
+    std::vector<fs::file_time_type> times;
+    for (const int frame : {1, 2, 3, 4}) times.push_back(fs::last_write_time(frame_path(out, frame)));
+    return times;
+  };
+  becalm_done(command("a.####.exr", options));
+  EXPECT_EQ(io::read_attribute(frame_path(out, 3), "becalm:inputs").substr(0, 4), "2,3 ");
+  EXPECT_EQ(io::read_attribute(frame_path(out, 3), "becalm:layers"),
+            "beauty=R,G,B,A albedo=albedo.R,albedo.G,albedo.B normal=normal.X,normal.Y,normal.Z");
+  const auto before = times();
+
+  fs::last_write_time(frame_path(input_, 1), fs::file_time_type::clock::now());
+  becalm_done(command("a.####.exr", options));
+  EXPECT_EQ(times(), before) << "the content counts, not the time";
+
+  io::write_exr(frame_path(input_, 3), noise_frame(33), {}, io::PixelType::float32);
+  const Outcome changed = becalm_done(command("a.####.exr", options));
+  EXPECT_NE(changed.err.find("2 frames are made again"), std::string::npos) << changed.err;
+  EXPECT_NE(changed.err.find("have changed: 2,3\n"), std::string::npos) << changed.err;
+  const auto after = times();
+  for (const std::size_t kept : {0, 3}) EXPECT_EQ(after[kept], before[kept]);
+  becalm_done(command("fresh.####.exr", options));
+  expect_same_beauty(folder_ / "fresh.####.exr", out, 1, 4);
+
+  io::write_exr(frame_path(input_, 5), noise_frame(5), {}, io::PixelType::float32);
+  const Outcome neighbour = becalm_done(command("a.####.exr", options));
+  EXPECT_NE(neighbour.err.find("1 frame is made again"), std::string::npos) << neighbour.err;
+  EXPECT_NE(neighbour.err.find("1 frame written"), std::string::npos) << neighbour.err;
+
+  for (const int frame : {1, 2, 3, 4, 5}) {
+    io::write_exr(frame_path(input_, frame), noise_frame(frame, 40, 24), {{"becalm:settings", "spp=9"}});
+  }
+  const Outcome other_shot = becalm_done(command("a.####.exr", options));
+  EXPECT_NE(other_shot.err.find("4 frames are made again"), std::string::npos) << other_shot.err;
+  for (const int frame : {1, 2, 3, 4}) EXPECT_EQ(read_frame(frame_path(out, frame)).width(), 40);
 }
 
 TEST_F(Denoise, AForwardFilterResumesToTheSamePixels) {
@@ -290,6 +380,18 @@ TEST_F(Denoise, HeldFramesMayComeFromTheContext) {
   EXPECT_FALSE(fs::exists(folder_ / "chunk.0002.exr"));
 }
 
+TEST_F(Denoise, WhatIsHeldDoesNotDependOnTheRange) {
+  write_frames({1, 2, 4});
+  for (const std::vector<std::string>& more :
+       {std::vector<std::string>{"--preset", "draft"}, {"--context", "none"}}) {
+    std::vector<std::string> options{"--frames", "3-4", "--missing", "hold", "--quiet"};
+    options.insert(options.end(), more.begin(), more.end());
+    becalm_done(command("out/a.####.exr", options));
+    EXPECT_EQ(files_in(folder_.path() / "out"), (std::vector<std::string>{"a.0003.exr", "a.0004.exr"}));
+    EXPECT_EQ(io::read_attribute(folder_ / "out/a.0003.exr", "becalm:held_from"), "2");
+  }
+}
+
 TEST_F(Denoise, StepsAreNotGaps) {
   write_frames({1, 3, 5});
   const Outcome outcome = becalm_done(command("a.####.exr"));
@@ -346,6 +448,37 @@ TEST_F(Denoise, ImagesOfOnePixelAndWideOnes) {
       for (const float v : frame.image(Aov::beauty).data()) ASSERT_TRUE(std::isfinite(v)) << preset;
     }
   }
+}
+
+TEST_F(Denoise, ASingleFileHasTheNumberOfItsName) {
+  write_frames({52});
+  const std::string file = folder_ / "in.0052.exr";
+  becalm_done({"denoise", file, "-o", folder_ / "out.####.exr", "--quiet"});
+  becalm_done({"denoise", file, "-o", folder_ / "short.#.exr", "--quiet"});
+  becalm_done({"denoise", file, "-o", folder_ / "other.####.exr", "--quiet", "--frame=-7"});
+  fs::rename(file, folder_ / "still.exr");
+  const Outcome still = becalm_done({"denoise", folder_ / "still.exr", "-o", folder_ / "still.####.exr"});
+  EXPECT_NE(still.err.find("still.exr: no frame number in the name, so this is frame 1; --frame"),
+            std::string::npos)
+      << still.err;
+  EXPECT_EQ(files_in(folder_.path()),
+            (std::vector<std::string>{"other.-007.exr", "out.0052.exr", "short.0052.exr", "still.0001.exr",
+                                      "still.exr"}));
+  write_frames({1, 2});
+  expect_error(becalm(command("out.####.exr", {"--frame", "3"})), 2, {"--frame 3", "--frames"});
+}
+
+TEST_F(Denoise, ALoneHashOfTheOutputHasThePaddingOfTheInput) {
+  write_frames({1, 2});
+  becalm_done(command("out/a.#.exr", {"--quiet"}));
+  EXPECT_EQ(files_in(folder_.path() / "out"), (std::vector<std::string>{"a.0001.exr", "a.0002.exr"}));
+}
+
+TEST_F(Denoise, FilesOfAnotherPaddingArePointedOut) {
+  io::write_exr(folder_ / "in.1.exr", noise_frame(1), {});
+  expect_error(becalm(command("out.####.exr")), 3, {"no frame", "in.1.exr is there", "in.#.exr"});
+  write_frames({2});
+  expect_error(becalm(command("out.####.exr", {"--frames", "1-2"})), 3, {"frame 1 of", "in.#.exr"});
 }
 
 TEST_F(Denoise, OneFile) {

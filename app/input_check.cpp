@@ -1,0 +1,154 @@
+#include "app/input_check.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include "app/console.h"
+#include "filter/additive.h"
+#include "frame/error.h"
+
+namespace becalm::app {
+namespace {
+
+/// One frame: its views' layouts, or why it has none.
+struct Checked {
+  int frame = 0;
+  std::optional<std::vector<InputLayout>> layout;
+  std::string problem;
+};
+
+Checked check(const InputFrames& inputs, int frame, const FilterStep& filter,
+              const io::LayerOptions& layers) {
+  const std::string path = inputs.path(frame);
+  try {
+    std::vector<InputLayout> layout;
+    for (const io::ExrView& view : io::read_exr_header(path, layers, io::CheckChunks::yes)) {
+      layout.push_back(layout_of(view, filter));
+    }
+    return {frame, std::move(layout), ""};
+  } catch (const Error& error) {
+    std::string problem = error.what();
+    if (problem.starts_with(path + ": ")) problem.erase(0, path.size() + 2);
+    return {frame, std::nullopt, std::move(problem)};
+  }
+}
+
+/// The first frame of the layout that most frames have; of equally many, the one that comes first.
+const Checked* most_common(const std::vector<Checked>& frames) {
+  const auto count_like = [&](const Checked& frame) {
+    return std::ranges::count_if(
+        frames, [&](const Checked& other) { return other.layout && *other.layout == *frame.layout; });
+  };
+  const Checked* best = nullptr;
+  std::ptrdiff_t best_count = 0;
+  std::vector<const Checked*> kinds;
+  for (const Checked& frame : frames) {
+    if (!frame.layout) continue;
+    if (std::ranges::any_of(kinds, [&](const Checked* kind) { return *kind->layout == *frame.layout; }))
+      continue;
+    kinds.push_back(&frame);
+    if (const std::ptrdiff_t count = count_like(frame); count > best_count) {
+      best = &frame;
+      best_count = count;
+    }
+  }
+  return best;
+}
+
+/// How a layout differs from the one that `usual` has.
+std::string difference(const InputLayout& layout, const InputLayout& usual, const std::string& usual_path) {
+  if (layout.width != usual.width || layout.height != usual.height) {
+    return fmt::format("is {}x{}, and {} is {}x{}", layout.width, layout.height, usual_path, usual.width,
+                       usual.height);
+  }
+  for (const AovInfo& entry : kAovTable) {
+    if (contains(layout.aovs, entry.aov) == contains(usual.aovs, entry.aov)) continue;
+    return contains(usual.aovs, entry.aov)
+               ? fmt::format("has no layer '{}', which {} has", entry.name, usual_path)
+               : fmt::format("has a layer '{}', which {} has not", entry.name, usual_path);
+  }
+  return fmt::format("has the light groups '{}', and {} has '{}'", fmt::join(layout.light_groups, ","),
+                     usual_path, fmt::join(usual.light_groups, ","));
+}
+
+std::string view_names(const std::vector<InputLayout>& views) {
+  std::vector<std::string> names;
+  for (const InputLayout& view : views) names.push_back(view.view);
+  return fmt::format("{}", fmt::join(names, ","));
+}
+
+std::string difference(const std::vector<InputLayout>& views, const std::vector<InputLayout>& usual,
+                       const std::string& usual_path) {
+  if (view_names(views) != view_names(usual)) {
+    return fmt::format("has the views '{}', and {} has '{}'", view_names(views), usual_path,
+                       view_names(usual));
+  }
+  const auto [view, usual_view] = std::ranges::mismatch(views, usual);
+  const std::string place = view->view.empty() ? "" : fmt::format("view {}: ", view->view);
+  return place + difference(*view, *usual_view, usual_path);
+}
+
+std::string name_of(const InputFrames& inputs, const std::vector<int>& frames) {
+  if (frames.size() == 1) return inputs.path(frames.front());
+  return fmt::format("{}: frames {}", inputs.pattern(), io::format_frame_range(frames));
+}
+
+}  // namespace
+
+InputLayout layout_of(const io::ExrView& header, const FilterStep& filter) {
+  InputLayout layout;
+  layout.view = header.view;
+  layout.width = header.data_window.max.x - header.data_window.min.x + 1;
+  layout.height = header.data_window.max.y - header.data_window.min.y + 1;
+  const auto source = [&](Aov aov) -> const auto& {
+    return header.layers[static_cast<std::size_t>(aov)];
+  };
+  const AovSet additive = filter.denoises_additive() ? filter::additive_aovs() : AovSet();
+  for (const AovInfo& entry : kAovTable) {
+    const bool used = entry.aov == Aov::beauty || contains(filter.wanted(), entry.aov) ||
+                      (contains(additive, entry.aov) && source(entry.aov) &&
+                       source(entry.aov)->part == source(Aov::beauty)->part);
+    layout.aovs.set(static_cast<std::size_t>(entry.aov), used && source(entry.aov));
+  }
+  if (filter.denoises_additive()) {
+    for (const auto& [name, source] : header.lights) layout.light_groups.push_back(name);
+  }
+  return layout;
+}
+
+std::vector<InputLayout> check_inputs(const InputFrames& inputs, const std::set<int>& frames,
+                                      const FilterStep& filter, const io::LayerOptions& layers) {
+  std::vector<Checked> checked;
+  for (const int frame : frames) checked.push_back({frame, std::nullopt, ""});
+  tbb::parallel_for(std::size_t{0}, checked.size(),
+                    [&](std::size_t i) { checked[i] = check(inputs, checked[i].frame, filter, layers); });
+
+  const Checked* usual = most_common(checked);
+  std::vector<std::pair<std::string, std::vector<int>>> problems;  // in the order of their first frames
+  std::size_t unusable = 0;
+  for (const Checked& frame : checked) {
+    if (frame.layout && *frame.layout == *usual->layout) continue;
+    ++unusable;
+    const std::string problem =
+        frame.layout ? difference(*frame.layout, *usual->layout, inputs.path(usual->frame)) : frame.problem;
+    auto known = std::ranges::find(problems, problem, [](const auto& entry) { return entry.first; });
+    if (known == problems.end()) known = problems.insert(known, {problem, {}});
+    known->second.push_back(frame.frame);
+  }
+  if (problems.empty()) return *usual->layout;
+  if (problems.size() == 1) {
+    const auto& [problem, of] = problems.front();
+    throw Error(ExitStatus::bad_input, fmt::format("{}: {}", name_of(inputs, of), problem));
+  }
+  for (const auto& [problem, of] : problems)
+    say(fmt::format("becalm: {}: {}\n", name_of(inputs, of), problem));
+  throw Error(ExitStatus::bad_input, fmt::format("{}: {} of {} frames cannot be used; nothing was written",
+                                                 inputs.pattern(), unusable, checked.size()));
+}
+
+}  // namespace becalm::app
