@@ -1,6 +1,7 @@
 // becalm denoise: a sequence of EXR files from any renderer, denoised into another.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -25,6 +26,7 @@
 #include "app/progress.h"
 #include "app/writing.h"
 #include "filter/additive.h"
+#include "frame/io/additive_layers.h"
 #include "frame/io/exr.h"
 #include "frame/io/sequence.h"
 
@@ -58,18 +60,20 @@ class DenoiseJob {
   ExitStatus run();
 
  private:
+  void choose_additive();
   void find_existing();
   io::LoadedFrame read(int frame);
   void write(DenoisedFile& result);
 
   const DenoiseCommand& command_;
   const ThreadLimit threads_;
-  const io::LayerOptions layers_;
+  io::LayerOptions layers_;
   FilterStep filter_;
   const InputFrames inputs_;
   Outputs outputs_;
   Fingerprints fingerprints_;
   io::Attributes attributes_;
+  std::vector<std::string> additive_notes_;
   std::set<int> existing_;
   std::optional<Progress> progress_;
   Profile profile_;
@@ -89,10 +93,32 @@ DenoiseJob::DenoiseJob(const DenoiseCommand& command)
   outputs_.keep_apart_from(paths);
 }
 
+/// By the sequence's first frame, whichever frames this job is about.
+void DenoiseJob::choose_additive() {
+  if (!filter_.denoises_additive()) return;
+  const io::SequencePattern pattern(command_.input);
+  const std::string path = pattern.has_frame_field() ? pattern.path(pattern.frames_on_disk().front())
+                                                     : inputs_.path(inputs_.readable().front());
+  std::vector<io::AdditiveSet> sets;
+  if (command_.layers.additive == "auto") {
+    try {
+      sets = io::find_additive_sets(path, layers_);
+    } catch (const Error&) {
+      return;  // check_inputs tells what is wrong, if this frame is needed
+    }
+  }
+  layers_.additive = io::choose_additive(command_.layers.additive, sets);
+  additive_notes_ = io::describe(sets);
+  if (!layers_.additive.empty()) {
+    attributes_.emplace_back("becalm:additive", fmt::format("{}", fmt::join(layers_.additive, ",")));
+  }
+}
+
 ExitStatus DenoiseJob::run() {
   attributes_ = {{"becalm:version", BECALM_VERSION},
                  {"becalm:settings", filter_.describe(inputs_.readable()) + app::describe(command_.layers)},
                  {"becalm:preset", command_.preset}};
+  choose_additive();
 
   outputs_.prepare();
   if (command_.output.resume) find_existing();
@@ -115,6 +141,7 @@ ExitStatus DenoiseJob::run() {
     filter_.build(view.width, view.height, view.aovs, view.light_groups.size(), view.view, views.size());
   }
   if (!inputs_.note().empty()) progress_->warn(inputs_.note());
+  for (const std::string& note : additive_notes_) progress_->note(note);
   if (!inputs_.has_numbers()) {
     progress_->note(fmt::format(
         "{}: no frame number in the name, so this is frame 1; --frame N says otherwise", command_.input));
@@ -216,8 +243,8 @@ Command add_denoise(CLI::App& becalm) {
   add_filter_options(parser, command->filter);
   add_running_options(parser, command->running);
   parser.footer(
-      "Direct and indirect light and light groups (light.NAME) are denoised with the beauty\n"
-      "and still add up to it.\n"
+      "Direct and indirect light, light groups (light.NAME) and layers that add up to the beauty\n"
+      "are denoised with it and still add up.\n"
       "Every channel that is not denoised is passed on bit for bit.\n"
       "Examples:\n"
       "  becalm denoise 'in/shot.####.exr' -o 'out/shot.####.exr'\n"
@@ -226,6 +253,7 @@ Command add_denoise(CLI::App& becalm) {
       settings_help());
   return {&parser, [command] {
             catch_signals();
+            if (command->layers.additive == "none") command->filter.assignments.push_back("additive=0");
             return DenoiseJob(*command).run();
           }};
 }

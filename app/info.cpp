@@ -11,6 +11,7 @@
 #include "app/layer_arguments.h"
 #include "app/mebibytes.h"
 #include "filter/gpu/device.h"
+#include "frame/io/additive_layers.h"
 #include "frame/io/exr.h"
 #include "frame/io/sequence.h"
 #include "tracer/scene/load.h"
@@ -37,6 +38,17 @@ void describe_devices() {
   }
 }
 
+void describe_file(const std::string& path, const io::LayerOptions& layers) {
+  print_lines(io::describe_exr(path, layers));
+  std::vector<io::AdditiveSet> sets;
+  try {
+    sets = io::find_additive_sets(path, layers);
+  } catch (const Error&) {
+    return;  // without colour nothing adds up to it, and damaged pixels are not the header's business
+  }
+  print_lines(io::describe(sets));
+}
+
 void describe_sequence(const io::SequencePattern& pattern, const io::LayerOptions& layers) {
   const std::vector<int> frames = pattern.frames_on_disk();
   if (frames.empty()) {
@@ -44,7 +56,7 @@ void describe_sequence(const io::SequencePattern& pattern, const io::LayerOption
                 fmt::format("{}: no frame of this sequence is on disk", pattern.text()));
   }
   fmt::print("{}: {} frames, {}\n", pattern.text(), frames.size(), io::format_frame_range(frames));
-  print_lines(io::describe_exr(pattern.path(frames.front()), layers));
+  describe_file(pattern.path(frames.front()), layers);
 }
 
 ExitStatus describe(const InfoCommand& command) {
@@ -57,7 +69,7 @@ ExitStatus describe(const InfoCommand& command) {
   } else if (const io::SequencePattern pattern(command.subject); pattern.has_frame_field()) {
     describe_sequence(pattern, layers);
   } else {
-    print_lines(io::describe_exr(command.subject, layers));
+    describe_file(command.subject, layers);
   }
   return ExitStatus::done;
 }

@@ -18,6 +18,13 @@ void add_layer_options(CLI::App& command, LayerArguments& arguments) {
                   "scale=S, swap (X and Y), joined by commas")
       ->option_text("CHANGE,...")
       ->group("Input");
+  command
+      .add_option(
+          "--additive", arguments.additive,
+          "Layers that are denoised with the beauty so that they still add up to it: auto takes those "
+          "whose names say so and whose sum is the beauty (default: auto)")
+      ->option_text("auto|NAME,...|none")
+      ->group("Input");
 }
 
 io::LayerOptions layer_options(const LayerArguments& arguments) {
@@ -29,6 +36,7 @@ std::string describe(const LayerArguments& arguments) {
   std::string text;
   if (!arguments.layers.empty()) text += " layers=" + arguments.layers;
   if (!arguments.motion.empty()) text += " motion=" + arguments.motion;
+  if (arguments.additive != "auto") text += " additive_layers=" + arguments.additive;
   return text;
 }
 

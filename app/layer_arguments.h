@@ -14,10 +14,11 @@ namespace becalm::app {
 struct LayerArguments {
   std::string layers;
   std::string motion;
+  std::string additive = "auto";
 };
 void add_layer_options(CLI::App& command, LayerArguments& arguments);
 
-/// Throws Error(usage).
+/// Throws Error(usage). What is additive is another question, since it takes a file to answer.
 io::LayerOptions layer_options(const LayerArguments& arguments);
 /// As files record them, each after a space; empty where nothing was said.
 std::string describe(const LayerArguments& arguments);

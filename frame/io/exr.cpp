@@ -5,7 +5,9 @@
 #include <OpenEXR/ImfStringAttribute.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <map>
 
@@ -97,7 +99,22 @@ void add_targets(const Imath::Box2i& window, AovSet wanted, LightGroups light_gr
   for (const auto& [name, source] : view.lights) {
     groups.push_back({name, Image(view.frame.width(), view.frame.height(), 3)});
   }
-  for (LightGroup& group : groups) add(view.lights.at(group.name), group.radiance);
+  for (LightGroup& group : groups) {
+    const LightSource& source = view.lights.at(group.name);
+    add(source.layer, group.radiance);
+    if (!source.colour) continue;
+    Image& colour = view.colours[group.name] = Image(view.frame.width(), view.frame.height(), 3);
+    add(*source.colour, colour);
+  }
+}
+
+void multiply_by_colours(LoadedView& view) {
+  for (LightGroup& group : view.frame.light_groups()) {
+    const auto colour = view.colours.find(group.name);
+    if (colour == view.colours.end()) continue;
+    std::ranges::transform(group.radiance.data(), colour->second.data(), group.radiance.data().begin(),
+                           std::multiplies<>());
+  }
 }
 
 void require_flat(const std::string& path, const Imf::MultiPartInputFile& file) {
@@ -153,6 +170,8 @@ LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted, c
       add_targets(window, wanted, light_groups, view, parts);
     }
     for (const auto& [part, targets] : parts) read_part(*file, part, targets);
+    multiply_by_colours(loaded);
+    std::ranges::for_each(loaded.other_views, multiply_by_colours);
   });
   return loaded;
 }

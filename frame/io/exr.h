@@ -18,6 +18,8 @@ class ExrContents;
 /// What was read of one view: all of a usual file, an eye of a stereo file.
 struct LoadedView : ViewLayers {
   Frame frame;
+  /// Of light groups that are products: the surface's colour, which the frame's radiance contains.
+  std::map<std::string, Image> colours;
 };
 
 /// The default view of a file, or its only one, and what the file holds besides.

@@ -104,6 +104,7 @@ std::vector<PartChannels> part_channels(const Imf::MultiPartInputFile& file) {
     const Imf::Header& header = file.header(i);
     if (is_deep(header)) continue;
     PartChannels& part = parts[i];
+    part.data_window = header.dataWindow();
     if (file.parts() > 1 && header.hasName()) part.name = header.name();
     if (header.hasView()) part.view = header.view();
     if (Imf::hasMultiView(header)) part.multi_view = Imf::multiView(header);

@@ -18,6 +18,7 @@
 #include <cassert>
 #include <cmath>
 #include <cstring>
+#include <list>
 #include <map>
 
 #include "frame/error.h"
@@ -249,7 +250,17 @@ const LayerSource& beauty_of(const LoadedView& view) {
 struct Rewritten {
   std::vector<Imf::Header> headers;
   std::map<int, FrameChannels> channels;  ///< of the parts that are not copied
+  std::list<Image> light;                 ///< radiance without the surfaces' colours
 };
+
+/// Light of which the radiance is the product with the surface's colour; 0 where that is 0.
+Image divided(const Image& radiance, const Image& colour) {
+  Image light(radiance.width(), radiance.height(), radiance.channels());
+  std::ranges::transform(
+      radiance.data(), colour.data(), light.data().begin(),
+      [](float product, float factor) { return factor == 0.0f ? 0.0f : product / factor; });
+  return light;
+}
 
 void replace(const LayerSource& layer, const Image& image, Rewritten& file) {
   for (std::size_t c = 0; c < layer.channels.size(); ++c) {
@@ -278,7 +289,11 @@ void replace_view(const std::string& path, const LoadedView& view, const Frame& 
     }
   }
   for (const LightGroup& group : frame.light_groups()) {
-    replace(view.lights.at(group.name), group.radiance, file);
+    const auto colour = view.colours.find(group.name);
+    const Image& light = colour == view.colours.end()
+                             ? group.radiance
+                             : file.light.emplace_back(divided(group.radiance, colour->second));
+    replace(view.lights.at(group.name).layer, light, file);
   }
 }
 

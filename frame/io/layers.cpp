@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "frame/error.h"
+#include "frame/io/additive_layers.h"
 #include "frame/io/aliases.h"
 #include "frame/io/channel_layers.h"
 
@@ -165,15 +166,15 @@ void divide_by_samples(int samples, LayerSource& variance) {
   for (float& scale : variance.scale) scale /= static_cast<float>(samples);
 }
 
-/// The layers `light.NAME` of a part and a view, by NAME.
-std::map<std::string, LayerSource> find_lights(const std::vector<PartChannels>& parts, int part,
-                                               const std::string& view) {
+/// The layers `light.NAME` of the beauty's part, by NAME.
+std::map<std::string, LightSource> find_light_groups(const std::vector<PartChannels>& parts, int part,
+                                                     const std::string& view) {
   constexpr std::string_view scope = "light.";
-  std::map<std::string, LayerSource> lights;
+  std::map<std::string, LightSource> lights;
   for (const ChannelLayer& layer : collect_layers(parts, view)) {
     if (layer.part != part || !layer.own_name.starts_with(scope)) continue;
     if (std::optional<LayerSource> source = channels_as(layer, Aov::direct)) {
-      lights.emplace(layer.title.substr(scope.size()), std::move(*source));
+      lights.emplace(layer.title.substr(scope.size()), LightSource{std::move(*source)});
     }
   }
   return lights;
@@ -266,7 +267,19 @@ std::vector<ViewLayers> find_view_layers(const std::string& file, const std::vec
   std::vector<ViewLayers> found;
   for (const std::string& view : views) {
     ViewLayers& layers = found.emplace_back(ViewLayers{view, find_layers(file, parts, options, view), {}});
-    layers.lights = find_lights(parts, layers.layers[static_cast<std::size_t>(Aov::beauty)]->part, view);
+    const int part = layers.layers[static_cast<std::size_t>(Aov::beauty)]->part;
+    layers.lights = find_light_groups(parts, part, view);
+    for (const std::string& name : options.additive) {
+      std::optional<LightSource> light = find_additive_layer(parts, part, view, name);
+      if (!light && view != views.front()) continue;
+      if (!light) {
+        throw Error(
+            ExitStatus::bad_input,
+            fmt::format("{}: no layer '{}' with channels R G B of the beauty's size; channels found: {}",
+                        file, name, list_channels(parts)));
+      }
+      layers.lights.insert_or_assign(name, std::move(*light));
+    }
   }
   return found;
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Imath/ImathBox.h>
+
 #include <array>
 #include <map>
 #include <optional>
@@ -50,6 +52,8 @@ MotionChange parse_motion_change(std::string_view text);
 struct LayerOptions {
   LayerOverrides layers = {};
   MotionChange motion = {};
+  /// Layers that are light groups besides `light.NAME`, by name as for LayerOverrides.
+  std::vector<std::string> additive = {};
 };
 
 /// What is known of a part before its pixels are read.
@@ -60,6 +64,7 @@ struct PartChannels {
       {};                     ///< views whose names are in channel names; the first may be left out
   int samples_per_pixel = 0;  ///< as pbrt writes it; 0: not known
   std::vector<std::string> channels = {};
+  Imath::Box2i data_window = {};
 };
 
 /// The views of a stereo file, the default one first; one empty name where there are none.
@@ -72,10 +77,17 @@ std::vector<std::string> find_views(const std::vector<PartChannels>& parts);
 LayerMap find_layers(const std::string& file, const std::vector<PartChannels>& parts,
                      const LayerOptions& options, const std::string& view = "");
 
+/// A layer of radiance that is part of the beauty: alone, or times the surface's colour, as Blender has it.
+struct LightSource {
+  LayerSource layer;
+  std::optional<LayerSource> colour = {};
+};
+
 struct ViewLayers {
   std::string view;  ///< empty in a file without named views
   LayerMap layers;
-  std::map<std::string, LayerSource> lights;  ///< the beauty's part's layers `light.NAME`, by NAME
+  /// The beauty's part's layers `light.NAME`, by NAME, and those of LayerOptions::additive.
+  std::map<std::string, LightSource> lights;
 };
 
 /// find_layers() for every view that has a beauty, and for the default one, which comes first.

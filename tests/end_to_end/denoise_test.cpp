@@ -180,6 +180,47 @@ TEST_F(Denoise, BothEyesAreDenoisedWithTheirOwnLayers) {
             std::string::npos);
 }
 
+/// A beauty and two layers that share it out, as Arnold names them.
+void write_lobes(const std::string& path, const Frame& frame) {
+  Imf::Header header(kWidth, kHeight);
+  Imf::FrameBuffer buffer;
+  const std::map<std::string, float> shares{{"", 1.0f}, {"diffuse.", 0.25f}, {"specular.", 0.75f}};
+  std::map<std::string, std::vector<float>> layers;
+  for (const auto& [layer, share] : shares) {
+    std::vector<float>& pixels = layers[layer];
+    for (const float value : frame.image(Aov::beauty).data()) pixels.push_back(share * value);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::string name = layer + "RGB"[c];
+      header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+      buffer.insert(name,
+                    Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(pixels.data() + c), 16, 16 * kWidth));
+    }
+  }
+  Imf::OutputFile file(path.c_str(), header);
+  file.setFrameBuffer(buffer);
+  file.writePixels(kHeight);
+}
+
+TEST_F(Denoise, LayersThatAddUpToTheBeautyStillDo) {
+  for (const int number : {1, 2}) write_lobes(frame_path(input_, number), noise_frame(number));
+  const std::string said = "diffuse, specular add up to the beauty and are denoised with it";
+  EXPECT_NE(becalm_done({"info", input_}).out.find(said), std::string::npos);
+  becalm_done(command("out.####.exr", {"--preset", "draft"}));
+  EXPECT_EQ(io::read_attribute(folder_ / "out.0002.exr", "becalm:additive"), "diffuse,specular");
+  const Frame denoised = io::read_exr(folder_ / "out.0002.exr", 2, {}, {.additive = {"diffuse", "specular"}},
+                                      io::LightGroups::read)
+                             .frame;
+  ASSERT_EQ(denoised.light_groups().size(), 2u);
+  for (std::size_t i = 0; i < denoised.image(Aov::beauty).pixel_count(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float beauty = denoised.image(Aov::beauty).data()[4 * i + c];
+      const float sum = denoised.light_groups()[0].radiance.data()[3 * i + c] +
+                        denoised.light_groups()[1].radiance.data()[3 * i + c];
+      ASSERT_NEAR(sum, beauty, 1e-5f * beauty);
+    }
+  }
+}
+
 TEST_F(Denoise, LayersMayBeLeftOutAndMotionTurned) {
   for (const int number : {1, 2}) {
     Frame frame = noise_frame(number);
