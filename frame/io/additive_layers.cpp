@@ -108,7 +108,7 @@ std::vector<std::vector<std::string>> candidates(const std::vector<PartChannels>
       if (layer.is_bare() || parts[layer.part].data_window != window || !is_of_set(end_of(layer.name())))
         continue;
       const auto source = channels_as(layer, Aov::direct);
-      if (source && !is_taken(*source)) names.push_back(layer.name());
+      if (source && !is_taken(*source)) names.push_back(layer.title.empty() ? layer.name() : layer.title);
     }
     if (names.size() > 1 && std::ranges::find(sets, names) == sets.end()) sets.push_back(std::move(names));
   };

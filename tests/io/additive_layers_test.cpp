@@ -106,7 +106,7 @@ TEST_F(AdditiveLayers, ArnoldsLightGroups) {
          {"RGBA_key", first},
          {"RGBA_default", second},
          {"RGBA_denoise_albedo", first}});
-  EXPECT_EQ(choose_additive("auto", sets()), (Names{"rgba_default", "rgba_key"}));
+  EXPECT_EQ(choose_additive("auto", sets()), (Names{"RGBA_default", "RGBA_key"}));
 }
 
 TEST_F(AdditiveLayers, VRaysElements) {
@@ -116,7 +116,7 @@ TEST_F(AdditiveLayers, VRaysElements) {
          {"GI", second},
          {"reflection", third},
          {"diffuseFilter", first}});
-  EXPECT_EQ(choose_additive("auto", sets()), (Names{"gi", "lighting", "reflection"}));
+  EXPECT_EQ(choose_additive("auto", sets()), (Names{"GI", "lighting", "reflection"}));
 }
 
 TEST_F(AdditiveLayers, BlendersWithTheirColours) {
@@ -127,7 +127,7 @@ TEST_F(AdditiveLayers, BlendersWithTheirColours) {
          {"V.DiffInd", second},
          {"V.DiffCol", colour},
          {"V.Emit", first}});
-  EXPECT_EQ(choose_additive("auto", sets()), (Names{"v.diffdir", "v.diffind", "v.emit"}));
+  EXPECT_EQ(choose_additive("auto", sets()), (Names{"V.DiffDir", "V.DiffInd", "V.Emit"}));
   const Planes before = read_planes(path_);
   denoise();
   EXPECT_EQ(read_planes(result_).at("V.DiffCol.R"), before.at("V.DiffCol.R"));
