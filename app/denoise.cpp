@@ -186,6 +186,7 @@ Command add_denoise(CLI::App& becalm) {
   auto command = std::make_shared<DenoiseCommand>();
   parser.add_option("input", command->input, "The EXR files, such as 'in/shot.####.exr', or one file")
       ->required()
+      ->check(not_empty())
       ->option_text("INPUT");
   parser
       .add_option("--frame", command->frame,

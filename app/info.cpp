@@ -1,14 +1,20 @@
 // becalm info: what a scene requires, what a file or sequence holds, which devices there are.
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <memory>
 
 #include "app/command.h"
+#include "app/counted.h"
+#include "app/frame_problems.h"
 #include "app/mebibytes.h"
+#include "app/options.h"
 #include "filter/gpu/device.h"
 #include "frame/io/exr.h"
 #include "frame/io/layers.h"
@@ -37,14 +43,84 @@ void describe_devices() {
   }
 }
 
+void describe_file(const std::string& path, const io::LayerOverrides& layers) {
+  const io::ExrDescription file = io::describe_exr(path, layers);
+  fmt::print("{}: EXR with {}\n", path, counted(file.parts.size(), "part", "parts"));
+  print_lines(file.lines());
+  if (!file.problem.empty()) throw Error(ExitStatus::bad_input, file.problem);
+}
+
+/// One frame of a sequence.
+struct Described {
+  int frame = 0;
+  std::vector<std::string> lines;
+  std::string problem;
+};
+
+/// Frames of equal description.
+struct Kind {
+  const Described* first;
+  std::vector<int> frames;
+};
+
+std::vector<Described> describe_frames(const io::SequencePattern& pattern, const std::vector<int>& frames,
+                                       const io::LayerOverrides& layers) {
+  std::vector<Described> described(frames.size());
+  tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t i) {
+    described[i].frame = frames[i];
+    try {
+      io::ExrDescription file = io::describe_exr(pattern.path(frames[i]), layers);
+      described[i].lines = file.lines();
+      described[i].problem = std::move(file.problem);
+    } catch (const Error& error) {
+      described[i].problem = error.what();
+    }
+  });
+  return described;
+}
+
+/// The lines of `kind` that `usual` has not, and those that only that one has.
+void print_difference(const Kind& kind, const Kind& usual) {
+  const auto print_missing = [](const Kind& from, const Kind& in, char sign) {
+    for (const std::string& line : from.first->lines) {
+      if (std::ranges::find(in.first->lines, line) == in.first->lines.end())
+        fmt::print("{} {}\n", sign, line);
+    }
+  };
+  print_missing(usual, kind, '-');
+  print_missing(kind, usual, '+');
+}
+
+/// The description that most frames have, and what others have instead.
 void describe_sequence(const io::SequencePattern& pattern, const io::LayerOverrides& layers) {
+  constexpr std::size_t most_kinds = 10;  // a window may be another in every frame
   const std::vector<int> frames = pattern.frames_on_disk();
   if (frames.empty()) {
-    throw Error(ExitStatus::bad_input,
-                fmt::format("{}: no frame of this sequence is on disk", pattern.text()));
+    throw Error(ExitStatus::bad_input, fmt::format("{}: no frame of this sequence is on disk{}",
+                                                   pattern.text(), pattern.hint_of_other_padding()));
   }
-  fmt::print("{}: {} frames, {}\n", pattern.text(), frames.size(), io::format_frame_range(frames));
-  print_lines(io::describe_exr(pattern.path(frames.front()), layers));
+  fmt::print("{}: {}, {}\n", pattern.text(), counted(frames.size(), "frame", "frames"),
+             io::format_frame_range(frames));
+  FrameProblems problems(pattern);
+  std::vector<Kind> kinds;
+  const std::vector<Described> described = describe_frames(pattern, frames, layers);
+  for (const Described& frame : described) {
+    if (!frame.problem.empty()) problems.add(frame.frame, frame.problem);
+    if (frame.lines.empty()) continue;
+    auto kind = std::ranges::find_if(kinds, [&](const Kind& k) { return k.first->lines == frame.lines; });
+    if (kind == kinds.end()) kind = kinds.insert(kind, {&frame, {}});
+    kind->frames.push_back(frame.frame);
+  }
+  std::ranges::stable_sort(kinds, std::ranges::greater(),
+                           [](const Kind& kind) { return kind.frames.size(); });
+  for (std::size_t i = 0; i < std::min(kinds.size(), most_kinds); ++i) {
+    if (kinds.size() > 1) {
+      fmt::print("frames {}{}:\n", io::format_frame_range(kinds[i].frames), i == 0 ? "" : " have instead");
+    }
+    i == 0 ? print_lines(kinds[i].first->lines) : print_difference(kinds[i], kinds[0]);
+  }
+  if (kinds.size() > most_kinds) fmt::print("{} more kinds of frames\n", kinds.size() - most_kinds);
+  if (!problems.empty()) problems.fail(frames.size(), "");
 }
 
 ExitStatus describe(const InfoCommand& command) {
@@ -57,7 +133,7 @@ ExitStatus describe(const InfoCommand& command) {
   } else if (const io::SequencePattern pattern(command.subject); pattern.has_frame_field()) {
     describe_sequence(pattern, layers);
   } else {
-    print_lines(io::describe_exr(command.subject, layers));
+    describe_file(command.subject, layers);
   }
   return ExitStatus::done;
 }
@@ -70,6 +146,7 @@ Command add_info(CLI::App& becalm) {
   auto command = std::make_shared<InfoCommand>();
   parser.add_option("subject", command->subject, "A scene, an EXR file or pattern, or the word device")
       ->required()
+      ->check(not_empty())
       ->option_text("SCENE.json|EXR|device");
   parser
       .add_option("--layers", command->layers, "Layers to read where the names are not known, as for denoise")

@@ -5,10 +5,9 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <map>
 #include <optional>
 
-#include "app/console.h"
+#include "app/frame_problems.h"
 #include "filter/additive.h"
 #include "frame/error.h"
 
@@ -28,13 +27,11 @@ bool same_layout(const InputLayout& a, const InputLayout& b) {
 
 Checked check(const InputFrames& inputs, int frame, const FilterStep& filter,
               const io::LayerOverrides& overrides) {
-  const std::string path = inputs.path(frame);
   try {
-    return {frame, layout_of(io::read_exr_header(path, overrides, io::CheckChunks::yes), filter), ""};
+    return {frame,
+            layout_of(io::read_exr_header(inputs.path(frame), overrides, io::CheckChunks::yes), filter), ""};
   } catch (const Error& error) {
-    std::string problem = error.what();
-    if (problem.starts_with(path + ": ")) problem.erase(0, path.size() + 2);
-    return {frame, std::nullopt, std::move(problem)};
+    return {frame, std::nullopt, error.what()};
   }
 }
 
@@ -78,11 +75,6 @@ std::string difference(const InputLayout& layout, const InputLayout& usual, cons
                      usual_path, fmt::join(usual.light_groups, ","));
 }
 
-std::string name_of(const InputFrames& inputs, const std::vector<int>& frames) {
-  if (frames.size() == 1) return inputs.path(frames.front());
-  return fmt::format("{}: frames {}", inputs.pattern(), io::format_frame_range(frames));
-}
-
 }  // namespace
 
 InputLayout layout_of(const io::ExrHeader& header, const FilterStep& filter) {
@@ -111,26 +103,15 @@ InputLayout check_inputs(const InputFrames& inputs, const std::set<int>& frames,
                     [&](std::size_t i) { checked[i] = check(inputs, checked[i].frame, filter, overrides); });
 
   const Checked* usual = most_common(checked);
-  std::vector<std::pair<std::string, std::vector<int>>> problems;  // in the order of their first frames
-  std::size_t unusable = 0;
+  FrameProblems problems(inputs.pattern());
   for (const Checked& frame : checked) {
     if (frame.layout && same_layout(*frame.layout, *usual->layout)) continue;
-    ++unusable;
-    const std::string problem =
-        frame.layout ? difference(*frame.layout, *usual->layout, inputs.path(usual->frame)) : frame.problem;
-    auto known = std::ranges::find(problems, problem, [](const auto& entry) { return entry.first; });
-    if (known == problems.end()) known = problems.insert(known, {problem, {}});
-    known->second.push_back(frame.frame);
+    problems.add(frame.frame, frame.layout
+                                  ? difference(*frame.layout, *usual->layout, inputs.path(usual->frame))
+                                  : frame.problem);
   }
-  if (problems.empty()) return *usual->layout;
-  if (problems.size() == 1) {
-    const auto& [problem, of] = problems.front();
-    throw Error(ExitStatus::bad_input, fmt::format("{}: {}", name_of(inputs, of), problem));
-  }
-  for (const auto& [problem, of] : problems)
-    say(fmt::format("becalm: {}: {}\n", name_of(inputs, of), problem));
-  throw Error(ExitStatus::bad_input, fmt::format("{}: {} of {} frames cannot be used; nothing was written",
-                                                 inputs.pattern(), unusable, checked.size()));
+  if (!problems.empty()) problems.fail(checked.size(), "; nothing was written");
+  return *usual->layout;
 }
 
 }  // namespace becalm::app

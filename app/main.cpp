@@ -39,7 +39,8 @@ constexpr const char* kFooter =
     "becalm COMMAND --help tells a command's options.\n";
 
 int fail(ExitStatus status, std::string message) {
-  std::replace(message.begin(), message.end(), '\n', ' ');
+  std::replace_if(
+      message.begin(), message.end(), [](unsigned char c) { return c < ' ' || c == 0x7f; }, ' ');
   becalm::app::say(fmt::format("becalm: error: {}\n", message));
   return static_cast<int>(status);
 }

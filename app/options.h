@@ -14,9 +14,13 @@
 namespace CLI {  // NOLINT(readability-identifier-naming): the library's
 class App;
 class Option;
+class Validator;
 }  // namespace CLI
 
 namespace becalm::app {
+
+/// Refuses an empty text: a variable of the calling script that was not set, rather than a wish.
+CLI::Validator not_empty();
 
 /// Options that more than one subcommand has, with one name and one meaning.
 struct OutputOptions {

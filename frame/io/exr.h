@@ -54,9 +54,30 @@ LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted,
 /// set.
 void set_exr_threads(int count);
 
-/// Parts, windows, channels and what each was taken for, without reading pixels, for `becalm info`: one line
-/// of text each. A file without colour is described, and its last line says so.
-std::vector<std::string> describe_exr(const std::string& path, const LayerOverrides& overrides = {});
+/// What `becalm info` tells of a file. Names are printable, whatever the file holds.
+struct ExrDescription {
+  struct Channel {
+    std::string name;
+    std::string type;  ///< uint, half or float
+    std::string use;   ///< what it was taken for, such as `albedo.R`, or `passed on`
+  };
+  struct Part {
+    std::string name;  ///< empty where it has none
+    std::string storage;
+    std::string compression;
+    Imath::Box2i data_window;
+    Imath::Box2i display_window;
+    std::vector<Channel> channels;
+  };
+  std::vector<Part> parts;
+  std::string problem;  ///< why it could not be denoised, such as that it has no colour; or empty
+
+  /// One line for each part and for each channel.
+  std::vector<std::string> lines() const;
+};
+
+/// Reads no pixels. Throws as read_exr does, but describes a file without colour and deep ones.
+ExrDescription describe_exr(const std::string& path, const LayerOverrides& overrides = {});
 
 /// The value of a text attribute of the first part, or empty. Throws as read_exr does.
 std::string read_attribute(const std::string& path, const std::string& name);

@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "frame/error.h"
+#include "frame/io/printable.h"
 
 namespace becalm::io {
 namespace {
@@ -217,12 +218,16 @@ std::optional<Found> find_beauty(const std::vector<Layer>& layers) {
 
 /// The channels in one line, cut short where there are very many.
 std::string list_channels(const std::vector<std::vector<std::string>>& part_channels) {
-  constexpr std::size_t max_listed = 60;
+  constexpr std::size_t most_listed = 60;
+  constexpr std::size_t longest = 1500;
   std::vector<std::string_view> names;
   for (const auto& channels : part_channels) names.insert(names.end(), channels.begin(), channels.end());
   if (names.empty()) return "none";
-  const std::size_t listed = std::min(names.size(), max_listed);
-  std::string text = fmt::format("{}", fmt::join(names.begin(), names.begin() + listed, ", "));
+  std::string text;
+  std::size_t listed = 0;
+  for (; listed < std::min(names.size(), most_listed) && text.size() < longest; ++listed) {
+    text += (listed == 0 ? "" : ", ") + printable(names[listed]);
+  }
   if (listed < names.size()) text += fmt::format(" and {} more", names.size() - listed);
   return text;
 }

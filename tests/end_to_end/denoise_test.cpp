@@ -175,6 +175,10 @@ TEST_F(Denoise, ResumeGivesTheSamePixels) {
   const Outcome again = becalm_done(command("a.####.exr", {"--resume"}));
   EXPECT_NE(again.err.find("all 4 frames are there"), std::string::npos) << again.err;
 
+  becalm_done({"denoise", folder_ / "in.0001.exr", "-o", folder_ / "draft.exr", "--preset", "draft"});
+  expect_error(becalm({"denoise", folder_ / "in.0001.exr", "-o", folder_ / "draft.exr", "--preset", "draft",
+                       "--segment", "8", "--resume"}),
+               2, {"draft.exr", "no segment, and this run has segment=8"});
   expect_error(becalm(command("a.####.exr", {"--resume", "--set", "patch_radius=5"})), 2,
                {"a.0001.exr", "patch_radius=5"});
   // The same frames are read for them, and the same pixels come out.
@@ -414,7 +418,8 @@ TEST_F(Denoise, FilesOfAnotherPaddingArePointedOut) {
 
 TEST_F(Denoise, OneFile) {
   write_frames({7});
-  becalm_done({"denoise", folder_ / "in.0007.exr", "-o", folder_ / "one.exr", "--quiet"});
+  const Outcome outcome = becalm_done({"denoise", folder_ / "in.0007.exr", "-o", folder_ / "one.exr"});
+  EXPECT_NE(outcome.err.find("\n1 frame written in"), std::string::npos) << outcome.err;
   EXPECT_FALSE(same_frame("one.exr", "in.0007.exr")) << "a frame alone is smoothed";
   becalm_done(
       {"denoise", folder_ / "in.0007.exr", "-o", folder_ / "one.exr", "--quiet", "--set", "smooth=none"});
