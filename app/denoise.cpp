@@ -52,6 +52,8 @@ class DenoiseJob {
   void find_existing();
   io::LoadedFrame read(int frame);
   void write(DenoisedFile& result);
+  /// For what is the same with every frame that is written.
+  void warn_once(const std::string& line);
 
   const DenoiseCommand& command_;
   const ThreadLimit threads_;
@@ -62,6 +64,7 @@ class DenoiseJob {
   Fingerprints fingerprints_;
   io::Attributes attributes_;
   std::set<int> existing_;
+  std::set<std::string> said_;
   std::optional<Progress> progress_;
   Profile profile_;
 };
@@ -86,6 +89,7 @@ ExitStatus DenoiseJob::run() {
                                          (command_.layers.empty() ? "" : " layers=" + command_.layers)},
                  {"becalm:preset", command_.preset}};
 
+  if (!command_.output.overwrite && !command_.output.resume) outputs_.keep_foreign_files();
   outputs_.prepare();
   if (command_.output.resume) find_existing();
   // Without segments every frame depends on all before it.
@@ -150,6 +154,10 @@ io::LoadedFrame DenoiseJob::read(int frame) {
   return loaded;
 }
 
+void DenoiseJob::warn_once(const std::string& line) {
+  if (said_.insert(line).second) progress_->warn(line);
+}
+
 void DenoiseJob::write(DenoisedFile& result) {
   for (const int number : inputs_.outputs_of(result.frame.number())) {
     if (existing_.contains(number)) {
@@ -170,10 +178,10 @@ void DenoiseJob::write(DenoisedFile& result) {
     }
     warn_overflows(*progress_, number, report, "write the input as float to keep them");
     if (report.lossless_instead) {
-      progress_->warn(
-          fmt::format("frame {}: ZIP instead of the input's lossy compression, which would alter the "
-                      "channels passed on",
-                      number));
+      warn_once("ZIP instead of the lossy compression, which would alter the channels passed on");
+    }
+    if (report.full_size_only) {
+      warn_once("only the full size of mipmaps is written; the smaller levels show the noisy picture");
     }
     progress_->frame_written(number);
   }

@@ -4,10 +4,13 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <map>
+#include <sstream>
 #include <string_view>
 
 #include "frame/error.h"
@@ -39,6 +42,10 @@ CLI::Option* add_output_options(CLI::App& command, OutputOptions& options,
       ->group("Output");
   command
       .add_flag("--resume", options.resume, "Keep the frames that are there, after checking their settings")
+      ->group("Output");
+  command
+      .add_flag("--overwrite", options.overwrite,
+                "Replace files that becalm did not write, too; those that it wrote are replaced anyway")
       ->group("Output");
   return output;
 }
@@ -161,14 +168,43 @@ std::string wrapped(std::string_view text, std::size_t indent, std::size_t width
   return lines;
 }
 
+constexpr std::array<std::string_view, 3> kPresets{"draft", "balanced", "final"};
+
+using PresetValues = std::map<std::string, std::string>;
+
+PresetValues preset_values(std::string_view name) {
+  PresetValues values;
+  std::istringstream words(filter::to_string(filter::preset(name)));
+  for (std::string word; words >> word;) {
+    const auto equals = word.find('=');
+    values[word.substr(0, equals)] = word.substr(equals + 1);
+  }
+  return values;
+}
+
 }  // namespace
 
 std::string settings_help() {
   constexpr std::size_t indent = 25;
   constexpr std::size_t width = 80;
-  std::string text = "Settings that --set changes:\n";
+  std::map<std::string_view, PresetValues> presets;
+  for (const std::string_view name : kPresets) presets.emplace(name, preset_values(name));
+  std::string text = "Settings that --set changes, and what the presets have:\n";
   for (const filter::SettingInfo& setting : filter::settings_table()) {
-    text += fmt::format("  {:<20} {}\n{}\n", setting.key, setting.type, wrapped(setting.help, indent, width));
+    text += fmt::format("  {:<20} {}\n{}\n{}", setting.key, setting.type,
+                        wrapped(setting.help, indent, width), std::string(indent, ' '));
+    const auto value_in = [&](std::string_view name) {
+      return presets.at(name).at(std::string(setting.key));
+    };
+    const std::string first = value_in(kPresets.front());
+    if (std::ranges::all_of(kPresets, [&](std::string_view name) { return value_in(name) == first; })) {
+      text += fmt::format("all: {}", first);
+    } else {
+      for (const std::string_view name : kPresets) {
+        text += fmt::format("{}{}: {}", name == kPresets.front() ? "" : "; ", name, value_in(name));
+      }
+    }
+    text += '\n';
   }
   return text;
 }

@@ -27,6 +27,7 @@ struct OutputOptions {
   std::string pattern;
   std::string frames;  ///< as typed; empty: the subcommand's default
   bool resume = false;
+  bool overwrite = false;
 };
 /// The option of the output pattern is returned, and is required.
 CLI::Option* add_output_options(CLI::App& command, OutputOptions& options, const std::string& frames_default);

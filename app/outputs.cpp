@@ -85,6 +85,14 @@ std::string describe_difference(const std::string& there, const std::string& her
   return "the settings in another order";
 }
 
+bool is_of_becalm(const std::string& path) {
+  try {
+    return !io::read_attribute(path, "becalm:version").empty();
+  } catch (const Error&) {
+    return false;
+  }
+}
+
 bool is_whole(const std::string& path, int frame) {
   try {
     io::read_exr(path, frame, {});
@@ -115,6 +123,16 @@ void Outputs::keep_apart_from(const std::vector<std::string>& inputs) const {
     if (!taken.contains(resolved(path(frame)))) continue;
     throw Error(ExitStatus::usage,
                 fmt::format("{} {}: would overwrite the input; choose another name", option_, path(frame)));
+  }
+}
+
+void Outputs::keep_foreign_files() const {
+  for (const int frame : frames_) {
+    std::error_code error;
+    if (!fs::is_regular_file(path(frame), error) || is_of_becalm(path(frame))) continue;
+    throw Error(ExitStatus::usage,
+                fmt::format("{} {}: is there, and becalm did not write it; --overwrite replaces it", option_,
+                            path(frame)));
   }
 }
 

@@ -161,6 +161,10 @@ void RenderJob::find_existing() {
 }
 
 ExitStatus RenderJob::run() {
+  if (!command_.output.overwrite && !command_.output.resume) {
+    outputs_->keep_foreign_files();
+    if (noisy_outputs_) noisy_outputs_->keep_foreign_files();
+  }
   outputs_->prepare();
   if (noisy_outputs_) noisy_outputs_->prepare();
   if (command_.output.resume) find_existing();

@@ -87,6 +87,7 @@ struct WriteReport {
   /// The beauty's part was compressed by ZIP instead of its source's lossy method, which would have altered
   /// channels that are passed on.
   bool lossless_instead = false;
+  bool full_size_only = false;  ///< the source's part has smaller levels, which were left out
 };
 
 /// Writes every AOV of the frame as a layer of a single-part scanline file with ZIP compression, light groups

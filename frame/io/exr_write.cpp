@@ -315,6 +315,7 @@ WriteReport write_denoised_exr(const std::string& path, const Frame& frame, cons
   // The smaller levels of a mipmap show the noisy beauty, so only the full size is written.
   if (is_tiled(header)) {
     Imf::TileDescription tiles = header.tileDescription();
+    report.full_size_only = tiles.mode != Imf::ONE_LEVEL;
     tiles.mode = Imf::ONE_LEVEL;
     header.setTileDescription(tiles);
   }
