@@ -235,8 +235,8 @@ ExitStatus CompareJob::run() {
     figures.push_back(measure(now, before ? &*before : nullptr));
     print_row(std::to_string(frame), figures.back());
     if (figures.back().skipped > 0) {
-      say(fmt::format("becalm: frame {}: {} pixels are not finite and were left out\n", frame,
-                      figures.back().skipped));
+      warn(
+          fmt::format("frame {}: {} pixels are not finite and were left out", frame, figures.back().skipped));
     }
     if (report)
       report->add(frame, now.test, reference_b_ ? mean_of(now.reference, now.reference_b) : now.reference);
@@ -248,7 +248,7 @@ ExitStatus CompareJob::run() {
 
   const std::vector<std::string> failures = find_failures(figures);
   if (!command_.json.empty()) write_json(figures, failures);
-  for (const std::string& failure : failures) say(fmt::format("becalm: {}\n", failure));
+  for (const std::string& failure : failures) warn(failure);
   return failures.empty() ? ExitStatus::done : ExitStatus::comparison_failed;
 }
 

@@ -98,8 +98,11 @@ ExitStatus DenoiseJob::run() {
   const std::size_t asked = outputs_.frames().size();
   if (wanted.empty()) return all_there(asked, command_.running.quiet);
 
-  progress_.emplace(ProgressOptions{
-      .total = asked, .existing = existing_.size(), .work = wanted.size(), .quiet = command_.running.quiet});
+  progress_.emplace(ProgressOptions{.total = asked,
+                                    .existing = existing_.size(),
+                                    .work = wanted.size(),
+                                    .quiet = command_.running.quiet,
+                                    .verbose = command_.running.verbose});
   std::vector<filter::Step> steps;
   for (const filter::Segment& segment : filter_.schedule(inputs_.readable(), wanted, inputs_.step())) {
     steps.insert(steps.end(), segment.begin(), segment.end());
@@ -107,6 +110,8 @@ ExitStatus DenoiseJob::run() {
   std::set<int> needed;
   for (const filter::Step& step : steps) needed.insert(step.frame);
   const InputLayout layout = check_inputs(inputs_, needed, filter_, layers_);
+  progress_->detail(
+      fmt::format("{}x{} px of {}", layout.width, layout.height, fingerprints_.layers_of(*needed.begin())));
   filter_.build(layout.width, layout.height, layout.aovs, layout.light_groups.size());
   if (!inputs_.note().empty()) progress_->warn(inputs_.note());
   if (!inputs_.has_numbers()) {
@@ -133,12 +138,13 @@ void DenoiseJob::find_existing() {
   std::vector<int> outdated;
   std::ranges::set_difference(found.frames, existing_, std::back_inserter(outdated));
   if (outdated.empty()) return;
-  say(fmt::format("becalm: {} made again, since the frames that they were made from have changed: {}\n",
-                  counted(outdated.size(), "frame is", "frames are"), io::format_frame_range(outdated)));
+  warn(fmt::format("{} made again, since the frames that they were made from have changed: {}",
+                   counted(outdated.size(), "frame is", "frames are"), io::format_frame_range(outdated)));
 }
 
 io::LoadedFrame DenoiseJob::read(int frame) {
   const ProfileScope scope(profile_, "read");
+  progress_->detail(fmt::format("frame {}: reading {}", frame, inputs_.path(frame)));
   fingerprints_.take(frame);
   if (!filter_.denoises_additive()) {
     return io::read_exr(inputs_.path(frame), frame, filter_.wanted(), layers_);
@@ -183,6 +189,7 @@ void DenoiseJob::write(DenoisedFile& result) {
     if (report.full_size_only) {
       warn_once("only the full size of mipmaps is written; the smaller levels show the noisy picture");
     }
+    progress_->detail(fmt::format("frame {}: wrote {}", number, outputs_.path(number)));
     progress_->frame_written(number);
   }
 }
@@ -234,6 +241,7 @@ Command add_denoise(CLI::App& becalm) {
       "hold\n" +
       settings_help());
   return {&parser, [command] {
+            apply(command->running);
             catch_signals();
             return DenoiseJob(*command).run();
           }};

@@ -93,6 +93,7 @@ std::optional<Frame> FilterStep::run(const filter::Step& step, const Frame& fram
                              step.direction == filter::Direction::forward ? "filter" : "filter backward");
     denoised = filter_->run(step, frame, report);
   }
+  if (!matched_.empty()) progress.detail(fmt::format("device {}", device_->info().name));
   if (!matched_.empty()) progress.note(std::exchange(matched_, {}));
   profile.add(report.passes);
   if (!denoised) return denoised;

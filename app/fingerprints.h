@@ -29,6 +29,8 @@ class Fingerprints {
   /// `1-40 0123456789abcdef`; `becalm:layers`, what was taken from the frame's own file; and
   /// `becalm:input_settings` if becalm wrote that. Takes frames that were not taken yet.
   io::Attributes of(int frame);
+  /// `beauty=R,G,B,A albedo=...`: what the filter takes of the frame's file.
+  std::string layers_of(int frame) { return taken(frame).layers; }
   /// Of `existing` outputs, those that were made from what is there now.
   std::set<int> up_to_date(const std::set<int>& existing, const std::function<std::string(int)>& path);
 

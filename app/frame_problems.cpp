@@ -24,7 +24,7 @@ void FrameProblems::fail(std::size_t total, std::string_view consequence) const 
   }
   std::size_t count = 0;
   for (const auto& [problem, frames] : problems_) {
-    say(fmt::format("becalm: {}: {}\n", frames_text(frames), problem));
+    warn(fmt::format("{}: {}", frames_text(frames), problem));
     count += frames.size();
   }
   throw Error(ExitStatus::bad_input, fmt::format("{}: {} of {} frames cannot be used{}", pattern_.text(),

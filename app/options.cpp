@@ -13,6 +13,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "app/console.h"
 #include "frame/error.h"
 #include "frame/io/exr.h"
 
@@ -57,7 +58,25 @@ void add_running_options(CLI::App& command, RunningOptions& options) {
       ->group("Running");
   command.add_flag("--profile", options.profile, "At the end, tell where time and memory went")
       ->group("Running");
-  command.add_flag("--quiet", options.quiet, "No progress; warnings and errors stay")->group("Running");
+  CLI::Option* quiet = command.add_flag("-q,--quiet", options.quiet, "No progress; warnings and errors stay")
+                           ->group("Running");
+  command
+      .add_flag("-v,--verbose", options.verbose,
+                "Also tell the layers taken, the device, and every file that is read and written")
+      ->excludes(quiet)
+      ->group("Running");
+  command
+      .add_option(
+          "--progress", options.progress,
+          "json: one object a line on standard error, for farm managers; its events are frame, progress, "
+          "message, end and error (default: text)")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->option_text("text|json")
+      ->group("Running");
+}
+
+void apply(const RunningOptions& options) {
+  set_message_format(options.progress == "json" ? MessageFormat::json : MessageFormat::text);
 }
 
 void add_filter_options(CLI::App& command, FilterOptions& options) {

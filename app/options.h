@@ -36,7 +36,11 @@ struct RunningOptions {
   int threads = 0;  ///< 0: all processors
   bool profile = false;
   bool quiet = false;
+  bool verbose = false;
+  std::string progress = "text";
 };
+/// What holds for the whole process; called before the command runs.
+void apply(const RunningOptions& options);
 void add_running_options(CLI::App& command, RunningOptions& options);
 
 struct FilterOptions {
