@@ -1,6 +1,7 @@
 // becalm denoise: a sequence of EXR files from any renderer, denoised into another.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -8,6 +9,8 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
+#include <span>
 
 #include "app/cancel.h"
 #include "app/command.h"
@@ -36,11 +39,23 @@ struct DenoiseCommand {
   OutputOptions output;
   FilterOptions filter;
   RunningOptions running;
+  std::string type = "keep";
+  std::string compression = "keep";
+  bool dry_run = false;
   std::string preset = "balanced";
   std::optional<int> frame;
   std::string layers;
   std::string missing = "error";
 };
+
+io::DenoisedFormat format_of(const DenoiseCommand& command) {
+  io::DenoisedFormat format;
+  if (command.type != "keep") {
+    format.type = command.type == "half" ? io::PixelType::half : io::PixelType::float32;
+  }
+  if (command.compression != "keep") format.compression = command.compression;
+  return format;
+}
 
 /// One run of `becalm denoise`.
 class DenoiseJob {
@@ -49,7 +64,9 @@ class DenoiseJob {
   ExitStatus run();
 
  private:
+  std::string settings() const;
   void find_existing();
+  void print_plan(const std::set<int>& needed, const InputLayout& layout);
   io::LoadedFrame read(int frame);
   void write(DenoisedFile& result);
   /// For what is the same with every frame that is written.
@@ -58,6 +75,7 @@ class DenoiseJob {
   const DenoiseCommand& command_;
   const ThreadLimit threads_;
   const io::LayerOverrides layers_;
+  const io::DenoisedFormat format_;
   FilterStep filter_;
   const InputFrames inputs_;
   Outputs outputs_;
@@ -73,6 +91,7 @@ DenoiseJob::DenoiseJob(const DenoiseCommand& command)
     : command_(command),
       threads_(command.running.threads),
       layers_(io::parse_layer_overrides(command.layers)),
+      format_(format_of(command)),
       filter_(command.preset, command.filter),
       inputs_(command.input, command.output.frames, command.frame, parse_missing(command.missing),
               [this](const auto& asked, const auto& on_disk) { return filter_.readable(asked, on_disk); }),
@@ -85,12 +104,11 @@ DenoiseJob::DenoiseJob(const DenoiseCommand& command)
 
 ExitStatus DenoiseJob::run() {
   attributes_ = {{"becalm:version", BECALM_VERSION},
-                 {"becalm:settings", filter_.describe(inputs_.readable()) +
-                                         (command_.layers.empty() ? "" : " layers=" + command_.layers)},
+                 {"becalm:settings", settings()},
                  {"becalm:preset", command_.preset}};
 
   if (!command_.output.overwrite && !command_.output.resume) outputs_.keep_foreign_files();
-  outputs_.prepare();
+  if (!command_.dry_run) outputs_.prepare();
   if (command_.output.resume) find_existing();
   // Without segments every frame depends on all before it.
   const std::set<int> wanted =
@@ -110,6 +128,10 @@ ExitStatus DenoiseJob::run() {
   std::set<int> needed;
   for (const filter::Step& step : steps) needed.insert(step.frame);
   const InputLayout layout = check_inputs(inputs_, needed, filter_, layers_);
+  if (command_.dry_run) {
+    print_plan(needed, layout);
+    return ExitStatus::done;
+  }
   progress_->detail(
       fmt::format("{}x{} px of {}", layout.width, layout.height, fingerprints_.layers_of(*needed.begin())));
   filter_.build(layout.width, layout.height, layout.aovs, layout.light_groups.size());
@@ -129,6 +151,31 @@ ExitStatus DenoiseJob::run() {
       *progress_, profile_);
   filter_.finish(profile_);
   return conclude(*progress_, asked, command_.running.profile ? &profile_ : nullptr);
+}
+
+/// What decides the bytes of an output, besides the frames that it is made from.
+std::string DenoiseJob::settings() const {
+  std::string text = filter_.describe(inputs_.readable());
+  if (!command_.layers.empty()) text += " layers=" + command_.layers;
+  if (command_.type != "keep") text += " type=" + command_.type;
+  if (command_.compression != "keep") text += " compression=" + command_.compression;
+  return text;
+}
+
+/// --dry-run: what would be read, as what, and written, on standard output.
+void DenoiseJob::print_plan(const std::set<int>& needed, const InputLayout& layout) {
+  std::vector<int> written;
+  std::ranges::set_difference(outputs_.frames(), existing_, std::back_inserter(written));
+  const auto print = [](const char* verb, const std::string& pattern, const std::vector<int>& frames) {
+    fmt::print("{} {}: {}, {}\n", verb, pattern, counted(frames.size(), "frame", "frames"),
+               io::format_frame_range(frames));
+  };
+  print("reads", command_.input, {needed.begin(), needed.end()});
+  fmt::print("takes {}x{} px of {}; passes on every other channel\n", layout.width, layout.height,
+             fingerprints_.layers_of(*needed.begin()));
+  fmt::print("filters with preset {}: {}\n", command_.preset, settings());
+  if (!existing_.empty()) print("keeps", command_.output.pattern, {existing_.begin(), existing_.end()});
+  print("writes", command_.output.pattern, written);
 }
 
 void DenoiseJob::find_existing() {
@@ -180,9 +227,9 @@ void DenoiseJob::write(DenoisedFile& result) {
     {
       const ProfileScope scope(profile_, "write");
       report = io::write_denoised_exr(outputs_.path(number), result.frame, *result.source.contents,
-                                      result.source.layers, attributes);
+                                      result.source.layers, attributes, format_);
     }
-    warn_overflows(*progress_, number, report, "write the input as float to keep them");
+    warn_overflows(*progress_, number, report, "--type float keeps them");
     if (report.lossless_instead) {
       warn_once("ZIP instead of the lossy compression, which would alter the channels passed on");
     }
@@ -224,6 +271,28 @@ Command add_denoise(CLI::App& becalm) {
       ->option_text("AOV=NAME,...")
       ->group("Input");
   add_output_options(parser, command->output, "all on disk");
+  parser
+      .add_option("--type", command->type, "Type of the denoised channels (default: keep, that of the input)")
+      ->check(CLI::IsMember({"half", "float", "keep"}))
+      ->option_text("half|float|keep")
+      ->group("Output");
+  const std::span<const std::string_view> names = io::compression_names();
+  std::set<std::string> compressions(names.begin(), names.end());
+  compressions.insert("keep");
+  parser
+      .add_option(
+          "--compression", command->compression,
+          fmt::format(
+              "Compression of the part that holds them: {} or keep, the input's; ZIP instead of a lossy one "
+              "that would alter channels passed on (default: keep)",
+              fmt::join(names, ", ")))
+      ->check(CLI::IsMember(compressions))
+      ->option_text("NAME")
+      ->group("Output");
+  parser
+      .add_flag("--dry-run", command->dry_run,
+                "Check everything, print what would be read, as what, and written, and write nothing")
+      ->group("Output");
   parser
       .add_option("--preset", command->preset,
                   "draft, balanced or final: speed against accuracy (default: balanced)")

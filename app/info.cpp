@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "app/command.h"
 #include "app/counted.h"
@@ -27,33 +28,86 @@ namespace {
 struct InfoCommand {
   std::string subject;
   std::string layers;
+  bool json = false;
 };
 
 void print_lines(const std::vector<std::string>& lines) {
   for (const std::string& line : lines) fmt::print("{}\n", line);
 }
 
-void describe_devices() {
+using Json = nlohmann::ordered_json;
+
+void print_json(const Json& json) {
+  fmt::print("{}\n", json.dump(2, ' ', /*ensure_ascii=*/false, nlohmann::json::error_handler_t::replace));
+}
+
+Json to_json(const Imath::Box2i& window) {
+  return {{"x", window.min.x},
+          {"y", window.min.y},
+          {"width", window.max.x - window.min.x + 1},
+          {"height", window.max.y - window.min.y + 1}};
+}
+
+Json to_json(const std::vector<io::ExrDescription::Part>& parts) {
+  Json json = Json::array();
+  for (const io::ExrDescription::Part& part : parts) {
+    Json channels = Json::array();
+    for (const io::ExrDescription::Channel& channel : part.channels) {
+      channels.push_back({{"name", channel.name}, {"type", channel.type}, {"use", channel.use}});
+    }
+    json.push_back({{"name", part.name},
+                    {"storage", part.storage},
+                    {"compression", part.compression},
+                    {"data_window", to_json(part.data_window)},
+                    {"display_window", to_json(part.display_window)},
+                    {"channels", std::move(channels)}});
+  }
+  return json;
+}
+
+void describe_devices(bool json) {
   const gpu::Device chosen;  // says what to install where there is none
+  Json devices = Json::array();
   for (const gpu::DeviceInfo& device : gpu::list_devices()) {
+    const bool taken = device.index == chosen.info().index;
+    devices.push_back({{"index", device.index},
+                       {"name", device.name},
+                       {"type", device.type},
+                       {"driver", device.driver},
+                       {"memory_bytes", device.memory_bytes},
+                       {"max_storage_buffer_bytes", device.max_storage_buffer_bytes},
+                       {"taken_by_default", taken}});
+    if (json) continue;
     fmt::print("{}: {} ({}, {}), {:.0f} MiB memory, storage buffers up to {:.0f} MiB{}\n", device.index,
                device.name, device.type, device.driver, mebibytes(device.memory_bytes),
                mebibytes(device.max_storage_buffer_bytes),
-               device.index == chosen.info().index ? "; taken unless --device says otherwise" : "");
+               taken ? "; taken unless --device says otherwise" : "");
   }
+  if (json) print_json(devices);
 }
 
-void describe_file(const std::string& path, const io::LayerOverrides& layers) {
+void describe_scene(const std::string& path, bool json) {
+  tracer::Scene scene = tracer::load_scene(path);
+  const std::vector<std::string> lines = tracer::describe_scene(scene);
+  json ? print_json({{"scene", path}, {"lines", lines}}) : print_lines(lines);
+}
+
+void describe_file(const std::string& path, const io::LayerOverrides& layers, bool json) {
   const io::ExrDescription file = io::describe_exr(path, layers);
-  fmt::print("{}: EXR with {}\n", path, counted(file.parts.size(), "part", "parts"));
-  print_lines(file.lines());
+  if (json) {
+    print_json({{"file", path}, {"parts", to_json(file.parts)}, {"problem", file.problem}});
+  } else {
+    fmt::print("{}: EXR with {}\n", path, counted(file.parts.size(), "part", "parts"));
+    print_lines(file.lines());
+  }
   if (!file.problem.empty()) throw Error(ExitStatus::bad_input, file.problem);
 }
 
 /// One frame of a sequence.
 struct Described {
   int frame = 0;
-  std::vector<std::string> lines;
+  io::ExrDescription file;
+  std::vector<std::string> lines;  ///< of the file
   std::string problem;
 };
 
@@ -69,9 +123,9 @@ std::vector<Described> describe_frames(const io::SequencePattern& pattern, const
   tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t i) {
     described[i].frame = frames[i];
     try {
-      io::ExrDescription file = io::describe_exr(pattern.path(frames[i]), layers);
-      described[i].lines = file.lines();
-      described[i].problem = std::move(file.problem);
+      described[i].file = io::describe_exr(pattern.path(frames[i]), layers);
+      described[i].lines = described[i].file.lines();
+      described[i].problem = described[i].file.problem;
     } catch (const Error& error) {
       described[i].problem = error.what();
     }
@@ -91,21 +145,10 @@ void print_difference(const Kind& kind, const Kind& usual) {
   print_missing(kind, usual, '+');
 }
 
-/// The description that most frames have, and what others have instead.
-void describe_sequence(const io::SequencePattern& pattern, const io::LayerOverrides& layers) {
-  constexpr std::size_t most_kinds = 10;  // a window may be another in every frame
-  const std::vector<int> frames = pattern.frames_on_disk();
-  if (frames.empty()) {
-    throw Error(ExitStatus::bad_input, fmt::format("{}: no frame of this sequence is on disk{}",
-                                                   pattern.text(), pattern.hint_of_other_padding()));
-  }
-  fmt::print("{}: {}, {}\n", pattern.text(), counted(frames.size(), "frame", "frames"),
-             io::format_frame_range(frames));
-  FrameProblems problems(pattern);
+/// Frames of equal description together, the most common first.
+std::vector<Kind> kinds_of(const std::vector<Described>& described) {
   std::vector<Kind> kinds;
-  const std::vector<Described> described = describe_frames(pattern, frames, layers);
   for (const Described& frame : described) {
-    if (!frame.problem.empty()) problems.add(frame.frame, frame.problem);
     if (frame.lines.empty()) continue;
     auto kind = std::ranges::find_if(kinds, [&](const Kind& k) { return k.first->lines == frame.lines; });
     if (kind == kinds.end()) kind = kinds.insert(kind, {&frame, {}});
@@ -113,6 +156,11 @@ void describe_sequence(const io::SequencePattern& pattern, const io::LayerOverri
   }
   std::ranges::stable_sort(kinds, std::ranges::greater(),
                            [](const Kind& kind) { return kind.frames.size(); });
+  return kinds;
+}
+
+void print_kinds(const std::vector<Kind>& kinds) {
+  constexpr std::size_t most_kinds = 10;  // a window may be another in every frame
   for (std::size_t i = 0; i < std::min(kinds.size(), most_kinds); ++i) {
     if (kinds.size() > 1) {
       fmt::print("frames {}{}:\n", io::format_frame_range(kinds[i].frames), i == 0 ? "" : " have instead");
@@ -120,20 +168,56 @@ void describe_sequence(const io::SequencePattern& pattern, const io::LayerOverri
     i == 0 ? print_lines(kinds[i].first->lines) : print_difference(kinds[i], kinds[0]);
   }
   if (kinds.size() > most_kinds) fmt::print("{} more kinds of frames\n", kinds.size() - most_kinds);
+}
+
+Json to_json(const std::vector<Kind>& kinds) {
+  Json json = Json::array();
+  for (const Kind& kind : kinds) {
+    json.push_back(
+        {{"frames", io::format_frame_range(kind.frames)}, {"parts", to_json(kind.first->file.parts)}});
+  }
+  return json;
+}
+
+/// The description that most frames have, and what others have instead.
+void describe_sequence(const io::SequencePattern& pattern, const io::LayerOverrides& layers, bool json) {
+  const std::vector<int> frames = pattern.frames_on_disk();
+  if (frames.empty()) {
+    throw Error(ExitStatus::bad_input, fmt::format("{}: no frame of this sequence is on disk{}",
+                                                   pattern.text(), pattern.hint_of_other_padding()));
+  }
+  const std::vector<Described> described = describe_frames(pattern, frames, layers);
+  const std::vector<Kind> kinds = kinds_of(described);
+  FrameProblems problems(pattern);
+  Json problems_json = Json::array();
+  for (const Described& frame : described) {
+    if (frame.problem.empty()) continue;
+    problems.add(frame.frame, frame.problem);
+    problems_json.push_back({{"frame", frame.frame}, {"problem", frame.problem}});
+  }
+  if (json) {
+    print_json({{"pattern", pattern.text()},
+                {"frames", io::format_frame_range(frames)},
+                {"kinds", to_json(kinds)},
+                {"problems", std::move(problems_json)}});
+  } else {
+    fmt::print("{}: {}, {}\n", pattern.text(), counted(frames.size(), "frame", "frames"),
+               io::format_frame_range(frames));
+    print_kinds(kinds);
+  }
   if (!problems.empty()) problems.fail(frames.size(), "");
 }
 
 ExitStatus describe(const InfoCommand& command) {
   const io::LayerOverrides layers = io::parse_layer_overrides(command.layers);
   if (command.subject == "device") {
-    describe_devices();
+    describe_devices(command.json);
   } else if (std::filesystem::path(command.subject).extension() == ".json") {
-    tracer::Scene scene = tracer::load_scene(command.subject);
-    print_lines(tracer::describe_scene(scene));
+    describe_scene(command.subject, command.json);
   } else if (const io::SequencePattern pattern(command.subject); pattern.has_frame_field()) {
-    describe_sequence(pattern, layers);
+    describe_sequence(pattern, layers, command.json);
   } else {
-    describe_file(command.subject, layers);
+    describe_file(command.subject, layers, command.json);
   }
   return ExitStatus::done;
 }
@@ -151,6 +235,7 @@ Command add_info(CLI::App& becalm) {
   parser
       .add_option("--layers", command->layers, "Layers to read where the names are not known, as for denoise")
       ->option_text("AOV=NAME,...");
+  parser.add_flag("--json", command->json, "Print one JSON object, for scripts");
   parser.footer(
       "Examples:\n"
       "  becalm info room.json\n"

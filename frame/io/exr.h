@@ -3,7 +3,10 @@
 #include <Imath/ImathBox.h>
 
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -84,8 +87,8 @@ std::string read_attribute(const std::string& path, const std::string& name);
 
 struct WriteReport {
   std::size_t half_overflows = 0;  ///< finite values beyond half's range, written as its largest value
-  /// The beauty's part was compressed by ZIP instead of its source's lossy method, which would have altered
-  /// channels that are passed on.
+  /// The beauty's part was compressed by ZIP instead of the lossy method of its source, or that was asked
+  /// for, which would have altered channels that are passed on.
   bool lossless_instead = false;
   bool full_size_only = false;  ///< the source's part has smaller levels, which were left out
 };
@@ -98,12 +101,22 @@ struct WriteReport {
 WriteReport write_exr(const std::string& path, const Frame& frame, const Attributes& attributes,
                       PixelType color_type = PixelType::half);
 
+/// How the part of the denoised channels is written; by default as the source is.
+struct DenoisedFormat {
+  std::optional<PixelType> type;             ///< of the denoised channels
+  std::optional<std::string> compression{};  ///< one of compression_names()
+};
+
+/// none, rle, zips, zip, piz, pxr24, b44, b44a, dwaa and dwab.
+std::span<const std::string_view> compression_names();
+
 /// Writes `source` again with the channels of the beauty, and of direct, indirect and light groups as far as
 /// the frame has them (all of the beauty's part), replaced by the frame's, in the same parts, types,
 /// compression, windows and attributes, every other channel bit for bit; diagnostics of the frame are added
 /// as layers to the beauty's part, and of its mipmap levels only the full size is written. The source's file
 /// is read again for this: throws Error(bad_input) naming it if it has changed since. Atomic as write_exr is.
 WriteReport write_denoised_exr(const std::string& path, const Frame& frame, const ExrContents& source,
-                               const LayerMap& layers, const Attributes& attributes);
+                               const LayerMap& layers, const Attributes& attributes,
+                               const DenoisedFormat& format = {});
 
 }  // namespace becalm::io

@@ -93,6 +93,11 @@ void convert(const FrameChannel& from, int first_row, int rows, Stripe::Plane& p
   }
 }
 
+/// The names of OpenEXR's methods, in the order of its enumeration.
+constexpr std::string_view kCompressions[] = {"none",  "rle", "zips", "zip",  "piz",
+                                              "pxr24", "b44", "b44a", "dwaa", "dwab"};
+static_assert(std::size(kCompressions) == Imf::NUM_COMPRESSION_METHODS);
+
 /// Whether compressing pixels that came out of this method once more could alter them. PXR24 drops bits that
 /// are already zero; B44 and the cosine transform of DWA (which it applies by channel name) do not repeat
 /// themselves.
@@ -265,8 +270,13 @@ WriteReport write_exr(const std::string& path, const Frame& frame, const Attribu
   return report;
 }
 
+std::span<const std::string_view> compression_names() {
+  return kCompressions;
+}
+
 WriteReport write_denoised_exr(const std::string& path, const Frame& frame, const ExrContents& source,
-                               const LayerMap& layers, const Attributes& attributes) {
+                               const LayerMap& layers, const Attributes& attributes,
+                               const DenoisedFormat& format) {
   WriteReport report;
   std::unique_ptr<Imf::MultiPartInputFile> from;
   reading(source.path(), [&] {
@@ -291,11 +301,12 @@ WriteReport write_denoised_exr(const std::string& path, const Frame& frame, cons
   }
 
   FrameChannels channels;
+  FrameChannels diagnostics;
   for (const AovInfo& entry : kAovTable) {
     if (!frame.has(entry.aov)) continue;
     const std::optional<LayerSource>& layer = layers[static_cast<std::size_t>(entry.aov)];
     if (entry.diagnostic) {
-      add_layer(frame, entry.aov, Imf::FLOAT, header, channels);
+      add_layer(frame, entry.aov, Imf::FLOAT, header, diagnostics);
     } else if (is_denoised(entry.aov)) {
       for (std::size_t c = 0; c < layer->channels.size(); ++c) {
         if (!layer->channels[c].empty())
@@ -306,9 +317,23 @@ WriteReport write_denoised_exr(const std::string& path, const Frame& frame, cons
   for (const LightGroup& group : frame.light_groups()) {
     for (int c = 0; c < 3; ++c) channels[light_channel(group, c)] = {&group.radiance, c};
   }
+  if (format.type) {
+    for (const auto& [name, channel] : channels) {
+      header.channels()[name].type = *format.type == PixelType::half ? Imf::HALF : Imf::FLOAT;
+    }
+  }
+  channels.merge(diagnostics);
+  const Imf::Compression source_compression = header.compression();
+  if (format.compression) {
+    const auto at = std::ranges::find(kCompressions, *format.compression);
+    header.compression() = static_cast<Imf::Compression>(at - std::begin(kCompressions));
+  }
+  const bool rounds_floats =
+      header.compression() == Imf::PXR24_COMPRESSION && source_compression != Imf::PXR24_COMPRESSION;
   for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
-    if (channels.contains(it.name()) || !may_alter(header.compression(), it.name(), it.channel().type))
-      continue;
+    if (channels.contains(it.name())) continue;
+    const Imf::PixelType type = it.channel().type;
+    if (!may_alter(header.compression(), it.name(), type) && !(rounds_floats && type == Imf::FLOAT)) continue;
     header.compression() = Imf::ZIP_COMPRESSION;
     report.lossless_instead = true;
   }

@@ -62,6 +62,27 @@ TEST_F(InfoOnSequences, WhatCannotBeDenoisedIsDescribedAndIsAnError) {
   EXPECT_NE(all.err.find("2 of 3 frames cannot be used\n"), std::string::npos) << all.err;
 }
 
+TEST_F(InfoOnSequences, Json) {
+  for (const int number : {1, 2}) write(number, noise_frame(number));
+  write(3, without_albedo(3));
+  write_text(frame_path(pattern_, 4), "no image at all");
+  const Outcome outcome = becalm({"info", pattern_, "--json"});
+  EXPECT_EQ(outcome.status, kBadInput);
+  const nlohmann::json sequence = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(sequence["frames"], "1-4");
+  ASSERT_EQ(sequence["kinds"].size(), 2u);
+  EXPECT_EQ(sequence["kinds"][0]["frames"], "1,2");
+  EXPECT_EQ(sequence["kinds"][0]["parts"][0]["data_window"]["width"], 48);
+  EXPECT_EQ(sequence["problems"][0]["frame"], 4);
+  const nlohmann::json file =
+      nlohmann::json::parse(becalm_done({"info", frame_path(pattern_, 1), "--json"}).out);
+  EXPECT_EQ(file["parts"][0]["channels"][0]["use"], "beauty.A");
+  EXPECT_EQ(file["problem"], "");
+  EXPECT_TRUE(nlohmann::json::parse(becalm_done({"info", "device", "--json"}).out).is_array());
+  EXPECT_TRUE(
+      nlohmann::json::parse(becalm_done({"info", write_scene(folder_), "--json"}).out)["lines"].is_array());
+}
+
 TEST_F(InfoOnSequences, FilesOfAnotherPaddingArePointedOut) {
   write(1, noise_frame(1));
   expect_error(becalm({"info", folder_ / "in.##.exr"}), kBadInput, {"in.0001.exr is there", "in.#.exr"});
