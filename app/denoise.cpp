@@ -66,7 +66,7 @@ class DenoiseJob {
  private:
   std::string settings() const;
   void find_existing();
-  void print_plan(const std::set<int>& needed, const InputLayout& layout);
+  void print_plan(const std::set<int>& needed);
   io::LoadedFrame read(int frame);
   void write(DenoisedFile& result);
   /// For what is the same with every frame that is written.
@@ -79,6 +79,7 @@ class DenoiseJob {
   FilterStep filter_;
   const InputFrames inputs_;
   Outputs outputs_;
+  const InputWindow window_;
   Fingerprints fingerprints_;
   io::Attributes attributes_;
   std::set<int> existing_;
@@ -96,7 +97,8 @@ DenoiseJob::DenoiseJob(const DenoiseCommand& command)
       inputs_(command.input, command.output.frames, command.frame, parse_missing(command.missing),
               [this](const auto& asked, const auto& on_disk) { return filter_.readable(asked, on_disk); }),
       outputs_("-o", inputs_.output_pattern(command.output.pattern), inputs_.outputs()),
-      fingerprints_(inputs_, filter_, layers_) {
+      window_(find_window(inputs_, layers_)),
+      fingerprints_(inputs_, filter_, layers_, window_) {
   std::vector<std::string> paths;
   for (const int frame : inputs_.readable()) paths.push_back(inputs_.path(frame));
   outputs_.keep_apart_from(paths);
@@ -129,12 +131,12 @@ ExitStatus DenoiseJob::run() {
   for (const filter::Step& step : steps) needed.insert(step.frame);
   const InputLayout layout = check_inputs(inputs_, needed, filter_, layers_);
   if (command_.dry_run) {
-    print_plan(needed, layout);
+    print_plan(needed);
     return ExitStatus::done;
   }
-  progress_->detail(
-      fmt::format("{}x{} px of {}", layout.width, layout.height, fingerprints_.layers_of(*needed.begin())));
-  filter_.build(layout.width, layout.height, layout.aovs, layout.light_groups.size());
+  progress_->detail(fmt::format("{}x{} px of {}", window_.width(), window_.height(),
+                                fingerprints_.layers_of(*needed.begin())));
+  filter_.build(window_.width(), window_.height(), layout.aovs, layout.light_groups.size());
   if (!inputs_.note().empty()) progress_->warn(inputs_.note());
   if (!inputs_.has_numbers()) {
     progress_->note(fmt::format(
@@ -163,7 +165,7 @@ std::string DenoiseJob::settings() const {
 }
 
 /// --dry-run: what would be read, as what, and written, on standard output.
-void DenoiseJob::print_plan(const std::set<int>& needed, const InputLayout& layout) {
+void DenoiseJob::print_plan(const std::set<int>& needed) {
   std::vector<int> written;
   std::ranges::set_difference(outputs_.frames(), existing_, std::back_inserter(written));
   const auto print = [](const char* verb, const std::string& pattern, const std::vector<int>& frames) {
@@ -171,7 +173,7 @@ void DenoiseJob::print_plan(const std::set<int>& needed, const InputLayout& layo
                io::format_frame_range(frames));
   };
   print("reads", command_.input, {needed.begin(), needed.end()});
-  fmt::print("takes {}x{} px of {}; passes on every other channel\n", layout.width, layout.height,
+  fmt::print("takes {}x{} px of {}; passes on every other channel\n", window_.width(), window_.height(),
              fingerprints_.layers_of(*needed.begin()));
   fmt::print("filters with preset {}: {}\n", command_.preset, settings());
   if (!existing_.empty()) print("keeps", command_.output.pattern, {existing_.begin(), existing_.end()});
@@ -194,10 +196,12 @@ io::LoadedFrame DenoiseJob::read(int frame) {
   progress_->detail(fmt::format("frame {}: reading {}", frame, inputs_.path(frame)));
   fingerprints_.take(frame);
   if (!filter_.denoises_additive()) {
-    return io::read_exr(inputs_.path(frame), frame, filter_.wanted(), layers_);
+    return io::read_exr(inputs_.path(frame), frame, filter_.wanted(), layers_, io::LightGroups::leave,
+                        window_.window);
   }
-  io::LoadedFrame loaded = io::read_exr(
-      inputs_.path(frame), frame, filter_.wanted() | filter::additive_aovs(), layers_, io::LightGroups::read);
+  io::LoadedFrame loaded =
+      io::read_exr(inputs_.path(frame), frame, filter_.wanted() | filter::additive_aovs(), layers_,
+                   io::LightGroups::read, window_.window);
   // Other parts are passed on.
   for (const AovInfo& entry : kAovTable) {
     if (!contains(filter::additive_aovs(), entry.aov) || !loaded.frame.has(entry.aov)) continue;

@@ -22,7 +22,7 @@ struct Checked {
 };
 
 bool same_layout(const InputLayout& a, const InputLayout& b) {
-  return a.width == b.width && a.height == b.height && a.aovs == b.aovs && a.light_groups == b.light_groups;
+  return a.display_window == b.display_window && a.aovs == b.aovs && a.light_groups == b.light_groups;
 }
 
 Checked check(const InputFrames& inputs, int frame, const FilterStep& filter,
@@ -59,11 +59,18 @@ const Checked* most_common(const std::vector<Checked>& frames) {
   return best;
 }
 
+/// The size, and the place where it is not the usual one.
+std::string text_of(const Imath::Box2i& window) {
+  const std::string size =
+      fmt::format("{}x{}", window.max.x - window.min.x + 1, window.max.y - window.min.y + 1);
+  return window.min == Imath::V2i(0) ? size : fmt::format("{} at ({}, {})", size, window.min.x, window.min.y);
+}
+
 /// How a layout differs from the one that `usual` has.
 std::string difference(const InputLayout& layout, const InputLayout& usual, const std::string& usual_path) {
-  if (layout.width != usual.width || layout.height != usual.height) {
-    return fmt::format("is {}x{}, and {} is {}x{}", layout.width, layout.height, usual_path, usual.width,
-                       usual.height);
+  if (layout.display_window != usual.display_window) {
+    return fmt::format("is {}, and {} is {}", text_of(layout.display_window), usual_path,
+                       text_of(usual.display_window));
   }
   for (const AovInfo& entry : kAovTable) {
     if (contains(layout.aovs, entry.aov) == contains(usual.aovs, entry.aov)) continue;
@@ -79,8 +86,7 @@ std::string difference(const InputLayout& layout, const InputLayout& usual, cons
 
 InputLayout layout_of(const io::ExrHeader& header, const FilterStep& filter) {
   InputLayout layout;
-  layout.width = header.data_window.max.x - header.data_window.min.x + 1;
-  layout.height = header.data_window.max.y - header.data_window.min.y + 1;
+  layout.display_window = header.display_window;
   const auto source = [&](Aov aov) -> const auto& {
     return header.layers[static_cast<std::size_t>(aov)];
   };
@@ -93,6 +99,28 @@ InputLayout layout_of(const io::ExrHeader& header, const FilterStep& filter) {
   }
   if (filter.denoises_additive()) layout.light_groups = header.light_groups;
   return layout;
+}
+
+InputWindow find_window(const InputFrames& inputs, const io::LayerOverrides& overrides) {
+  const std::vector<int>& frames = inputs.readable();
+  std::vector<std::optional<io::ExrHeader>> headers(frames.size());
+  tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t i) {
+    try {
+      headers[i] = io::read_exr_header(inputs.path(frames[i]), overrides, io::CheckChunks::no);
+    } catch (const Error&) {  // told by check_inputs if the frame is needed
+    }
+  });
+  Imath::Box2i all;
+  bool alike = true;
+  for (const auto& header : headers) {
+    if (!header) continue;
+    alike = alike && (all.isEmpty() || all == header->data_window);
+    all.extendBy(header->data_window);
+  }
+  for (const auto& header : headers) {
+    if (header && !alike) all.extendBy(header->display_window);
+  }
+  return {all};
 }
 
 InputLayout check_inputs(const InputFrames& inputs, const std::set<int>& frames, const FilterStep& filter,

@@ -138,17 +138,19 @@ ExrHeader read_exr_header(const std::string& path, const LayerOverrides& overrid
 }
 
 LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted,
-                     const LayerOverrides& overrides, LightGroups light_groups) {
+                     const LayerOverrides& overrides, LightGroups light_groups,
+                     const std::optional<Imath::Box2i>& frame_window) {
   LoadedFrame loaded;
   reading(path, [&] {
-    loaded.contents = std::make_shared<ExrContents>(path, stamp_of(path));
+    const FileStamp stamp = stamp_of(path);
     const std::unique_ptr<Imf::MultiPartInputFile> file = open_exr(path);
     ExrHeader header = header_of(path, *file, overrides);
     require_all_chunks(path, *file);
     loaded.layers = std::move(header.layers);
 
     const LayerSource& beauty = *loaded.layers[static_cast<std::size_t>(Aov::beauty)];
-    const Imath::Box2i window = header.data_window;
+    const Imath::Box2i window = frame_window.value_or(header.data_window);
+    loaded.contents = std::make_shared<ExrContents>(path, stamp, window);
     loaded.frame = Frame(frame_number, width_of(window), height_of(window));
 
     wanted.set(static_cast<std::size_t>(Aov::beauty));
@@ -157,11 +159,13 @@ LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted,
       const std::size_t index = static_cast<std::size_t>(entry.aov);
       if (!wanted.test(index) || !loaded.layers[index]) continue;
       const LayerSource& source = *loaded.layers[index];
-      // 1 is the alpha of a beauty without; every other channel is read over it.
-      Image& image =
-          loaded.frame.add(entry.aov, entry.aov == Aov::beauty ? 1.0f : value_of_nothing(entry.aov));
+      Image& image = loaded.frame.add(entry.aov, value_of_nothing(entry.aov));
       for (std::size_t c = 0; c < source.channels.size(); ++c) {
-        if (source.channels[c].empty()) continue;
+        if (source.channels[c].empty()) {  // a beauty without alpha is opaque
+          for (std::size_t i = c; i < image.data().size(); i += source.channels.size())
+            image.data()[i] = 1.0f;
+          continue;
+        }
         const float scale = c == 1 ? source.y_scale : 1.0f;
         parts[source.part][source.channels[c]].push_back({&image, static_cast<int>(c), scale});
       }

@@ -47,11 +47,13 @@ enum class CheckChunks { no, yes };
 ExrHeader read_exr_header(const std::string& path, const LayerOverrides& overrides, CheckChunks check_chunks);
 
 /// Reads one EXR file: the AOVs of `wanted` that it holds (the beauty always), and everything else as
-/// contents. The Frame covers the data window of the beauty's part; where another part's window is smaller,
-/// its AOV has the value for pixels that hit nothing. Throws Error(bad_input) naming the file for: no such
-/// file, not an EXR, truncated or corrupt pixels, no colour, a deep file, more than 65536 pixels a side.
+/// contents. The Frame covers `window`, or by default the data window of the beauty's part; outside its own
+/// part's window an AOV has the value for pixels that hit nothing, and the beauty is 0. Throws
+/// Error(bad_input) naming the file for: no such file, not an EXR, truncated or corrupt pixels, no colour, a
+/// deep file, more than 65536 pixels a side.
 LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted,
-                     const LayerOverrides& overrides = {}, LightGroups light_groups = LightGroups::leave);
+                     const LayerOverrides& overrides = {}, LightGroups light_groups = LightGroups::leave,
+                     const std::optional<Imath::Box2i>& window = std::nullopt);
 
 /// Threads with which OpenEXR compresses and decompresses, in the whole process; as many as processors unless
 /// set.
@@ -112,9 +114,10 @@ std::span<const std::string_view> compression_names();
 
 /// Writes `source` again with the channels of the beauty, and of direct, indirect and light groups as far as
 /// the frame has them (all of the beauty's part), replaced by the frame's, in the same parts, types,
-/// compression, windows and attributes, every other channel bit for bit; diagnostics of the frame are added
-/// as layers to the beauty's part, and of its mipmap levels only the full size is written. The source's file
-/// is read again for this: throws Error(bad_input) naming it if it has changed since. Atomic as write_exr is.
+/// compression, windows and attributes, every other channel bit for bit; the frame is cut to the file's
+/// window; diagnostics of the frame are added as layers to the beauty's part, and of its mipmap levels only
+/// the full size is written. The source's file is read again for this: throws Error(bad_input) naming it if
+/// it has changed since. Atomic as write_exr is.
 WriteReport write_denoised_exr(const std::string& path, const Frame& frame, const ExrContents& source,
                                const LayerMap& layers, const Attributes& attributes,
                                const DenoisedFormat& format = {});

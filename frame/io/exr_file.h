@@ -30,14 +30,18 @@ struct FileStamp {
 /// no more than their AOVs. Channels that are passed on are read when the result is written.
 class ExrContents {
  public:
-  ExrContents(std::string path, FileStamp stamp) : path_(std::move(path)), stamp_(stamp) {}
+  ExrContents(std::string path, FileStamp stamp, const Imath::Box2i& frame_window)
+      : path_(std::move(path)), stamp_(stamp), frame_window_(frame_window) {}
 
   const std::string& path() const { return path_; }
   const FileStamp& stamp() const { return stamp_; }
+  /// What the Frame covers, in the file's coordinates.
+  const Imath::Box2i& frame_window() const { return frame_window_; }
 
  private:
   std::string path_;
   FileStamp stamp_;
+  Imath::Box2i frame_window_;
 };
 
 /// Runs `work`, turning what OpenEXR throws about the file `path` into Error(bad_input).

@@ -70,12 +70,13 @@ std::uint32_t to_uint(float value) {
                            : static_cast<std::uint32_t>(std::clamp<double>(std::round(value), 0.0, largest));
 }
 
-/// Converts rows of the frame, the first of which is `first_row`, to the plane's type.
-void convert(const FrameChannel& from, int first_row, int rows, Stripe::Plane& plane, WriteReport& report) {
+/// Converts a window of the file, whose frame begins at `frame_origin`, to the plane's type.
+void convert(const FrameChannel& from, const Imath::V2i& frame_origin, const Imath::Box2i& window,
+             Stripe::Plane& plane, WriteReport& report) {
   char* to = plane.bytes.data();
-  for (int y = first_row; y < first_row + rows; ++y) {
-    for (int x = 0; x < from.image->width(); ++x) {
-      const float value = from.image->at(x, y, from.channel);
+  for (int y = window.min.y; y <= window.max.y; ++y) {
+    for (int x = window.min.x; x <= window.max.x; ++x) {
+      const float value = from.image->at(x - frame_origin.x, y - frame_origin.y, from.channel);
       switch (plane.type) {
         case Imf::HALF:
           store(to, to_half(value, report.half_overflows).bits());
@@ -122,10 +123,10 @@ void insert_attributes(Imf::Header& header, const Attributes& attributes) {
   }
 }
 
-/// Writes the pixels of one part: the channels that `from_frame` names, and all others from `source`, which
-/// may be null if there are none.
+/// Writes the pixels of one part: the channels that `from_frame` names, of a frame that begins at
+/// `frame_origin`, and all others from `source`, which may be null if there are none.
 void write_part(Imf::MultiPartOutputFile& file, int part, const FrameChannels& from_frame,
-                Imf::InputPart* source, WriteReport& report) {
+                const Imath::V2i& frame_origin, Imf::InputPart* source, WriteReport& report) {
   const Imf::Header& header = file.header(part);
   const Imath::Box2i& window = header.dataWindow();
   Stripe stripe(window);
@@ -148,7 +149,8 @@ void write_part(Imf::MultiPartOutputFile& file, int part, const FrameChannels& f
       }
       for (Stripe::Plane& plane : stripe.planes()) {
         if (!is_frames(plane)) continue;
-        convert(from_frame.at(plane.channel), first - window.min.y, last - first + 1, plane, report);
+        convert(from_frame.at(plane.channel), frame_origin,
+                Imath::Box2i({window.min.x, first}, {window.max.x, last}), plane, report);
       }
       write_lines(first, last, stripe.frame_buffer([](const Stripe::Plane&) { return true; }));
     });
@@ -265,8 +267,9 @@ WriteReport write_exr(const std::string& path, const Frame& frame, const Attribu
   }
   for (const LightGroup& group : frame.light_groups()) add_light_group(group, color, header, channels);
   WriteReport report;
-  writing(path, {header},
-          [&](Imf::MultiPartOutputFile& file) { write_part(file, 0, channels, nullptr, report); });
+  writing(path, {header}, [&](Imf::MultiPartOutputFile& file) {
+    write_part(file, 0, channels, Imath::V2i(0), nullptr, report);
+  });
   return report;
 }
 
@@ -293,7 +296,7 @@ WriteReport write_denoised_exr(const std::string& path, const Frame& frame, cons
   headers.reserve(from->parts());
   for (int part = 0; part < from->parts(); ++part) headers.push_back(from->header(part));
   Imf::Header& header = headers[beauty.part];
-  const Imath::V2i size = header.dataWindow().size() + Imath::V2i(1);
+  const Imath::V2i size = source.frame_window().size() + Imath::V2i(1);
   if (size != Imath::V2i(frame.width(), frame.height()) || !frame.has(Aov::beauty)) {
     throw Error(ExitStatus::bad_input,
                 fmt::format("{}: {}x{} pixels, but the denoised frame has {}x{}", source.path(), size.x,
@@ -352,7 +355,7 @@ WriteReport write_denoised_exr(const std::string& path, const Frame& frame, cons
     for (int part = 0; part < from->parts(); ++part) {
       if (part == beauty.part) {
         Imf::InputPart in(*from, part);
-        write_part(file, part, channels, &in, report);
+        write_part(file, part, channels, source.frame_window().min, &in, report);
       } else {
         copy_part(*from, file, part);
       }

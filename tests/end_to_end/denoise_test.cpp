@@ -66,6 +66,35 @@ void write_with_ids(const std::string& path, std::vector<std::uint32_t> ids) {
   file.writePixels(kHeight);
 }
 
+/// A still picture with a little noise of the number inside `drawn`, black and transparent outside, in a file
+/// of these windows.
+void write_window(const std::string& path, int number, const Imath::Box2i& data_window,
+                  const Imath::Box2i& display_window, const Imath::Box2i& drawn) {
+  const Frame still = noise_frame(7);
+  const Frame noise = noise_frame(number);
+  Image colors(kWidth, kHeight, 4);
+  for (int y = drawn.min.y; y <= drawn.max.y; ++y) {
+    for (int x = drawn.min.x; x <= drawn.max.x; ++x) {
+      for (int c = 0; c < 3; ++c) {
+        colors.at(x, y, c) =
+            still.image(Aov::beauty).at(x, y, c) + 0.1f * noise.image(Aov::beauty).at(x, y, c);
+      }
+      colors.at(x, y, 3) = 1.0f;
+    }
+  }
+  Imf::Header header(display_window, data_window);
+  Imf::FrameBuffer buffer;
+  const char* names[] = {"R", "G", "B", "A"};
+  for (std::size_t c = 0; c < 4; ++c) {
+    header.channels().insert(names[c], Imf::Channel(Imf::FLOAT));
+    buffer.insert(names[c], Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(colors.data().data() + c),
+                                       4 * sizeof(float), 4 * sizeof(float) * kWidth));
+  }
+  Imf::OutputFile file(path.c_str(), header);
+  file.setFrameBuffer(buffer);
+  file.writePixels(data_window.max.y - data_window.min.y + 1);
+}
+
 TEST_F(Denoise, AdditiveLayersStillAddUpToTheBeauty) {
   for (const int number : {1, 2, 3}) {
     Frame frame = noise_frame(number);
@@ -485,6 +514,38 @@ TEST_F(Denoise, TypeAndCompressionOfTheOutput) {
   EXPECT_EQ(file.header().compression(), Imf::PIZ_COMPRESSION);
   expect_error(becalm(command("out.####.exr", {"--resume"})), 2, {"type=half"});
   expect_error(becalm(command("b.####.exr", {"--compression", "best"})), 2, {"--compression", "zip"});
+}
+
+TEST_F(Denoise, DataWindowsMayMove) {
+  const Imath::Box2i display(Imath::V2i(0, 0), Imath::V2i(kWidth - 1, kHeight - 1));
+  const Imath::Box2i object(Imath::V2i(8, 5), Imath::V2i(38, 26));
+  const std::vector<Imath::Box2i> windows{{{2, 3}, {40, 28}}, {{4, 3}, {42, 30}}, {{6, 1}, {44, 28}}};
+  for (int number = 1; number <= 3; ++number) {
+    const Imath::Box2i& window = windows[static_cast<std::size_t>(number - 1)];
+    write_window(frame_path(input_, number), number, window, display, object);
+    write_window(frame_path(folder_ / "padded.####.exr", number), number, display, display, object);
+  }
+  const Outcome outcome = becalm_done(command("out.####.exr"));
+  EXPECT_EQ(outcome.err.find("shot"), std::string::npos) << "a window that moves is no cut: " << outcome.err;
+  becalm_done({"denoise", folder_ / "padded.####.exr", "-o", folder_ / "whole.####.exr", "--quiet"});
+  for (int number = 1; number <= 3; ++number) {
+    const Imath::Box2i& window = windows[static_cast<std::size_t>(number - 1)];
+    const std::string out = frame_path(folder_ / "out.####.exr", number);
+    const Imf::InputFile file(out.c_str());
+    EXPECT_EQ(file.header().dataWindow(), window);
+    EXPECT_EQ(file.header().displayWindow(), display);
+    const Frame cropped = read_frame(out);
+    const Frame whole = read_frame(frame_path(folder_ / "whole.####.exr", number));
+    for (int y = window.min.y; y <= window.max.y; ++y) {
+      for (int x = window.min.x; x <= window.max.x; ++x) {
+        for (int c = 0; c < 4; ++c) {
+          ASSERT_EQ(cropped.image(Aov::beauty).at(x - window.min.x, y - window.min.y, c),
+                    whole.image(Aov::beauty).at(x, y, c))
+              << number << ": " << x << ", " << y;
+        }
+      }
+    }
+  }
 }
 
 TEST_F(Denoise, OneFile) {
