@@ -9,6 +9,8 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
+#include <span>
 
 #include "app/cancel.h"
 #include "app/command.h"
@@ -38,6 +40,9 @@ struct DenoiseCommand {
   OutputOptions output;
   FilterOptions filter;
   RunningOptions running;
+  std::string type = "keep";
+  std::string compression = "keep";
+  bool dry_run = false;
   std::string preset = "balanced";
   std::optional<int> frame;
   LayerArguments layers;
@@ -53,6 +58,15 @@ void leave_other_parts(io::LoadedView& view) {
   }
 }
 
+io::DenoisedFormat format_of(const DenoiseCommand& command) {
+  io::DenoisedFormat format;
+  if (command.type != "keep") {
+    format.type = command.type == "half" ? io::PixelType::half : io::PixelType::float32;
+  }
+  if (command.compression != "keep") format.compression = command.compression;
+  return format;
+}
+
 /// One run of `becalm denoise`.
 class DenoiseJob {
  public:
@@ -61,20 +75,27 @@ class DenoiseJob {
 
  private:
   void choose_additive();
+  std::string settings() const;
   void find_existing();
+  void print_plan(const std::set<int>& needed);
   io::LoadedFrame read(int frame);
   void write(DenoisedFile& result);
+  /// For what is the same with every frame that is written.
+  void warn_once(const std::string& line);
 
   const DenoiseCommand& command_;
   const ThreadLimit threads_;
   io::LayerOptions layers_;
+  const io::DenoisedFormat format_;
   FilterStep filter_;
   const InputFrames inputs_;
   Outputs outputs_;
+  const InputWindow window_;
   Fingerprints fingerprints_;
   io::Attributes attributes_;
   std::vector<std::string> additive_notes_;
   std::set<int> existing_;
+  std::set<std::string> said_;
   std::optional<Progress> progress_;
   Profile profile_;
 };
@@ -83,11 +104,13 @@ DenoiseJob::DenoiseJob(const DenoiseCommand& command)
     : command_(command),
       threads_(command.running.threads),
       layers_(layer_options(command.layers)),
+      format_(format_of(command)),
       filter_(command.preset, command.filter),
       inputs_(command.input, command.output.frames, command.frame, parse_missing(command.missing),
               [this](const auto& asked, const auto& on_disk) { return filter_.readable(asked, on_disk); }),
       outputs_("-o", inputs_.output_pattern(command.output.pattern), inputs_.outputs()),
-      fingerprints_(inputs_, filter_, layers_) {
+      window_(find_window(inputs_, layers_)),
+      fingerprints_(inputs_, filter_, layers_, window_) {
   std::vector<std::string> paths;
   for (const int frame : inputs_.readable()) paths.push_back(inputs_.path(frame));
   outputs_.keep_apart_from(paths);
@@ -116,11 +139,12 @@ void DenoiseJob::choose_additive() {
 
 ExitStatus DenoiseJob::run() {
   attributes_ = {{"becalm:version", BECALM_VERSION},
-                 {"becalm:settings", filter_.describe(inputs_.readable()) + app::describe(command_.layers)},
+                 {"becalm:settings", settings()},
                  {"becalm:preset", command_.preset}};
   choose_additive();
 
-  outputs_.prepare();
+  if (!command_.output.overwrite && !command_.output.resume) outputs_.keep_foreign_files();
+  if (!command_.dry_run) outputs_.prepare();
   if (command_.output.resume) find_existing();
   // Without segments every frame depends on all before it.
   const std::set<int> wanted =
@@ -128,8 +152,11 @@ ExitStatus DenoiseJob::run() {
   const std::size_t asked = outputs_.frames().size();
   if (wanted.empty()) return all_there(asked, command_.running.quiet);
 
-  progress_.emplace(ProgressOptions{
-      .total = asked, .existing = existing_.size(), .work = wanted.size(), .quiet = command_.running.quiet});
+  progress_.emplace(ProgressOptions{.total = asked,
+                                    .existing = existing_.size(),
+                                    .work = wanted.size(),
+                                    .quiet = command_.running.quiet,
+                                    .verbose = command_.running.verbose});
   std::vector<filter::Step> steps;
   for (const filter::Segment& segment : filter_.schedule(inputs_.readable(), wanted, inputs_.step())) {
     steps.insert(steps.end(), segment.begin(), segment.end());
@@ -137,8 +164,15 @@ ExitStatus DenoiseJob::run() {
   std::set<int> needed;
   for (const filter::Step& step : steps) needed.insert(step.frame);
   const std::vector<InputLayout> views = check_inputs(inputs_, needed, filter_, layers_);
+  if (command_.dry_run) {
+    print_plan(needed);
+    return ExitStatus::done;
+  }
+  progress_->detail(fmt::format("{}x{} px of {}", window_.width(), window_.height(),
+                                fingerprints_.layers_of(*needed.begin())));
   for (const InputLayout& view : views) {
-    filter_.build(view.width, view.height, view.aovs, view.light_groups.size(), view.view, views.size());
+    filter_.build(window_.width(), window_.height(), view.aovs, view.light_groups.size(), view.view,
+                  views.size());
   }
   if (!inputs_.note().empty()) progress_->warn(inputs_.note());
   for (const std::string& note : additive_notes_) progress_->note(note);
@@ -159,6 +193,31 @@ ExitStatus DenoiseJob::run() {
   return conclude(*progress_, asked, command_.running.profile ? &profile_ : nullptr);
 }
 
+/// What decides the bytes of an output, besides the frames that it is made from.
+std::string DenoiseJob::settings() const {
+  std::string text = filter_.describe(inputs_.readable()) + app::describe(command_.layers);
+  if (command_.type != "keep") text += " type=" + command_.type;
+  if (command_.compression != "keep") text += " compression=" + command_.compression;
+  return text;
+}
+
+/// --dry-run: what would be read, as what, and written, on standard output.
+void DenoiseJob::print_plan(const std::set<int>& needed) {
+  std::vector<int> written;
+  std::ranges::set_difference(outputs_.frames(), existing_, std::back_inserter(written));
+  const auto print = [](const char* verb, const std::string& pattern, const std::vector<int>& frames) {
+    fmt::print("{} {}: {}, {}\n", verb, pattern, counted(frames.size(), "frame", "frames"),
+               io::format_frame_range(frames));
+  };
+  print("reads", command_.input, {needed.begin(), needed.end()});
+  fmt::print("takes {}x{} px of {}; passes on every other channel\n", window_.width(), window_.height(),
+             fingerprints_.layers_of(*needed.begin()));
+  for (const std::string& note : additive_notes_) fmt::print("{}\n", note);
+  fmt::print("filters with preset {}: {}\n", command_.preset, settings());
+  if (!existing_.empty()) print("keeps", command_.output.pattern, {existing_.begin(), existing_.end()});
+  print("writes", command_.output.pattern, written);
+}
+
 void DenoiseJob::find_existing() {
   Outputs::Existing found = outputs_.find_existing(attributes_);
   warn_unusable(found.unusable);
@@ -166,21 +225,28 @@ void DenoiseJob::find_existing() {
   std::vector<int> outdated;
   std::ranges::set_difference(found.frames, existing_, std::back_inserter(outdated));
   if (outdated.empty()) return;
-  say(fmt::format("becalm: {} made again, since the frames that they were made from have changed: {}\n",
-                  counted(outdated.size(), "frame is", "frames are"), io::format_frame_range(outdated)));
+  warn(fmt::format("{} made again, since the frames that they were made from have changed: {}",
+                   counted(outdated.size(), "frame is", "frames are"), io::format_frame_range(outdated)));
 }
 
 io::LoadedFrame DenoiseJob::read(int frame) {
   const ProfileScope scope(profile_, "read");
+  progress_->detail(fmt::format("frame {}: reading {}", frame, inputs_.path(frame)));
   fingerprints_.take(frame);
   if (!filter_.denoises_additive()) {
-    return io::read_exr(inputs_.path(frame), frame, filter_.wanted(), layers_);
+    return io::read_exr(inputs_.path(frame), frame, filter_.wanted(), layers_, io::LightGroups::leave,
+                        window_.window);
   }
-  io::LoadedFrame loaded = io::read_exr(
-      inputs_.path(frame), frame, filter_.wanted() | filter::additive_aovs(), layers_, io::LightGroups::read);
+  io::LoadedFrame loaded =
+      io::read_exr(inputs_.path(frame), frame, filter_.wanted() | filter::additive_aovs(), layers_,
+                   io::LightGroups::read, window_.window);
   leave_other_parts(loaded);
   std::ranges::for_each(loaded.other_views, leave_other_parts);
   return loaded;
+}
+
+void DenoiseJob::warn_once(const std::string& line) {
+  if (said_.insert(line).second) progress_->warn(line);
 }
 
 void DenoiseJob::write(DenoisedFile& result) {
@@ -199,15 +265,16 @@ void DenoiseJob::write(DenoisedFile& result) {
     {
       const ProfileScope scope(profile_, "write");
       report = io::write_denoised_exr(outputs_.path(number), result.frame, result.other_views, result.source,
-                                      attributes);
+                                      attributes, format_);
     }
-    warn_overflows(*progress_, number, report, "write the input as float to keep them");
+    warn_overflows(*progress_, number, report, "--type float keeps them");
     if (report.lossless_instead) {
-      progress_->warn(
-          fmt::format("frame {}: ZIP instead of the input's lossy compression, which would alter the "
-                      "channels passed on",
-                      number));
+      warn_once("ZIP instead of the lossy compression, which would alter the channels passed on");
     }
+    if (report.full_size_only) {
+      warn_once("only the full size of mipmaps is written; the smaller levels show the noisy picture");
+    }
+    progress_->detail(fmt::format("frame {}: wrote {}", number, outputs_.path(number)));
     progress_->frame_written(number);
   }
 }
@@ -219,6 +286,7 @@ Command add_denoise(CLI::App& becalm) {
   auto command = std::make_shared<DenoiseCommand>();
   parser.add_option("input", command->input, "The EXR files, such as 'in/shot.####.exr', or one file")
       ->required()
+      ->check(not_empty())
       ->option_text("INPUT");
   parser
       .add_option("--frame", command->frame,
@@ -236,6 +304,28 @@ Command add_denoise(CLI::App& becalm) {
   add_layer_options(parser, command->layers);
   add_output_options(parser, command->output, "all on disk");
   parser
+      .add_option("--type", command->type, "Type of the denoised channels (default: keep, that of the input)")
+      ->check(CLI::IsMember({"half", "float", "keep"}))
+      ->option_text("half|float|keep")
+      ->group("Output");
+  const std::span<const std::string_view> names = io::compression_names();
+  std::set<std::string> compressions(names.begin(), names.end());
+  compressions.insert("keep");
+  parser
+      .add_option(
+          "--compression", command->compression,
+          fmt::format(
+              "Compression of the part that holds them: {} or keep, the input's; ZIP instead of a lossy one "
+              "that would alter channels passed on (default: keep)",
+              fmt::join(names, ", ")))
+      ->check(CLI::IsMember(compressions))
+      ->option_text("NAME")
+      ->group("Output");
+  parser
+      .add_flag("--dry-run", command->dry_run,
+                "Check everything, print what would be read, as what, and written, and write nothing")
+      ->group("Output");
+  parser
       .add_option("--preset", command->preset,
                   "draft, balanced or final: speed against accuracy (default: balanced)")
       ->option_text("NAME")
@@ -252,6 +342,7 @@ Command add_denoise(CLI::App& becalm) {
       "hold\n" +
       settings_help());
   return {&parser, [command] {
+            apply(command->running);
             catch_signals();
             if (command->layers.additive == "none") command->filter.assignments.push_back("additive=0");
             return DenoiseJob(*command).run();

@@ -8,6 +8,7 @@
 
 #include "filter/guides.h"
 #include "frame/error.h"
+#include "frame/io/printable.h"
 #include "frame/io/sequence.h"
 
 namespace becalm::app {
@@ -82,7 +83,7 @@ void FilterStep::build(int width, int height, AovSet available, std::size_t ligh
   if (!device_) device_.emplace(device_options_);
   const std::uint64_t memory = std::min(memory_limit_, filter::usable_bytes(*device_)) / views;
   views_.push_back(
-      {view.empty() ? "" : ' ' + view,
+      {view.empty() ? "" : ' ' + io::printable(view),
        filter::SequenceFilter(*device_, settings_, width, height, available, diagnostics_, memory,
                               cuts_ == "auto" ? filter::FindCuts::yes : filter::FindCuts::no, light_groups)});
   if (views_.size() == 1) matched_ = filter::matched_text(settings_, available);
@@ -98,6 +99,7 @@ std::optional<Frame> FilterStep::run(const filter::Step& step, const Frame& fram
     denoised = views_[view].filter.run(step, frame, report);
   }
   const std::string name = fmt::format("frame {}{}", frame.number(), views_[view].name);
+  if (!matched_.empty()) progress.detail(fmt::format("device {}", device_->info().name));
   if (!matched_.empty()) progress.note(std::exchange(matched_, {}));
   profile.add(report.passes);
   if (!denoised) return denoised;

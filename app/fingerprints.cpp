@@ -7,7 +7,6 @@
 #include <filesystem>
 
 #include "app/content_hash.h"
-#include "app/input_check.h"
 
 namespace becalm::app {
 namespace {
@@ -33,9 +32,12 @@ void Fingerprints::take(int frame) {
 
 io::Attributes Fingerprints::of(int frame) {
   ContentHash hash;
+  for (const int side : {window_.window.min.x, window_.window.min.y, window_.width(), window_.height()}) {
+    hash.add(static_cast<std::uint64_t>(side));
+  }
   const std::set<int> frames = read_for(frame);
   for (const int read : frames) {
-    hash.add(static_cast<std::uint64_t>(static_cast<std::int64_t>(read)));
+    hash.add(static_cast<std::uint64_t>(read));
     hash.add(taken(read).hash);
   }
   const Taken& own = taken(frame);

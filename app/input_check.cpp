@@ -5,10 +5,9 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <map>
 #include <optional>
 
-#include "app/console.h"
+#include "app/frame_problems.h"
 #include "filter/additive.h"
 #include "frame/error.h"
 
@@ -24,17 +23,14 @@ struct Checked {
 
 Checked check(const InputFrames& inputs, int frame, const FilterStep& filter,
               const io::LayerOptions& layers) {
-  const std::string path = inputs.path(frame);
   try {
     std::vector<InputLayout> layout;
-    for (const io::ExrView& view : io::read_exr_header(path, layers, io::CheckChunks::yes)) {
+    for (const io::ExrView& view : io::read_exr_header(inputs.path(frame), layers, io::CheckChunks::yes)) {
       layout.push_back(layout_of(view, filter));
     }
     return {frame, std::move(layout), ""};
   } catch (const Error& error) {
-    std::string problem = error.what();
-    if (problem.starts_with(path + ": ")) problem.erase(0, path.size() + 2);
-    return {frame, std::nullopt, std::move(problem)};
+    return {frame, std::nullopt, error.what()};
   }
 }
 
@@ -60,11 +56,18 @@ const Checked* most_common(const std::vector<Checked>& frames) {
   return best;
 }
 
+/// The size, and the place where it is not the usual one.
+std::string text_of(const Imath::Box2i& window) {
+  const std::string size =
+      fmt::format("{}x{}", window.max.x - window.min.x + 1, window.max.y - window.min.y + 1);
+  return window.min == Imath::V2i(0) ? size : fmt::format("{} at ({}, {})", size, window.min.x, window.min.y);
+}
+
 /// How a layout differs from the one that `usual` has.
 std::string difference(const InputLayout& layout, const InputLayout& usual, const std::string& usual_path) {
-  if (layout.width != usual.width || layout.height != usual.height) {
-    return fmt::format("is {}x{}, and {} is {}x{}", layout.width, layout.height, usual_path, usual.width,
-                       usual.height);
+  if (layout.display_window != usual.display_window) {
+    return fmt::format("is {}, and {} is {}", text_of(layout.display_window), usual_path,
+                       text_of(usual.display_window));
   }
   for (const AovInfo& entry : kAovTable) {
     if (contains(layout.aovs, entry.aov) == contains(usual.aovs, entry.aov)) continue;
@@ -93,18 +96,12 @@ std::string difference(const std::vector<InputLayout>& views, const std::vector<
   return place + difference(*view, *usual_view, usual_path);
 }
 
-std::string name_of(const InputFrames& inputs, const std::vector<int>& frames) {
-  if (frames.size() == 1) return inputs.path(frames.front());
-  return fmt::format("{}: frames {}", inputs.pattern(), io::format_frame_range(frames));
-}
-
 }  // namespace
 
 InputLayout layout_of(const io::ExrView& header, const FilterStep& filter) {
   InputLayout layout;
   layout.view = header.view;
-  layout.width = header.data_window.max.x - header.data_window.min.x + 1;
-  layout.height = header.data_window.max.y - header.data_window.min.y + 1;
+  layout.display_window = header.display_window;
   const auto source = [&](Aov aov) -> const auto& {
     return header.layers[static_cast<std::size_t>(aov)];
   };
@@ -121,6 +118,31 @@ InputLayout layout_of(const io::ExrView& header, const FilterStep& filter) {
   return layout;
 }
 
+InputWindow find_window(const InputFrames& inputs, const io::LayerOptions& layers) {
+  const std::vector<int>& frames = inputs.readable();
+  std::vector<std::vector<io::ExrView>> headers(frames.size());
+  tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t i) {
+    try {
+      headers[i] = io::read_exr_header(inputs.path(frames[i]), layers, io::CheckChunks::no);
+    } catch (const Error&) {  // told by check_inputs if the frame is needed
+    }
+  });
+  Imath::Box2i all;
+  bool alike = true;
+  for (const auto& views : headers) {
+    for (const io::ExrView& view : views) {
+      alike = alike && (all.isEmpty() || all == view.data_window);
+      all.extendBy(view.data_window);
+    }
+  }
+  for (const auto& views : headers) {
+    for (const io::ExrView& view : views) {
+      if (!alike) all.extendBy(view.display_window);
+    }
+  }
+  return {all};
+}
+
 std::vector<InputLayout> check_inputs(const InputFrames& inputs, const std::set<int>& frames,
                                       const FilterStep& filter, const io::LayerOptions& layers) {
   std::vector<Checked> checked;
@@ -129,26 +151,15 @@ std::vector<InputLayout> check_inputs(const InputFrames& inputs, const std::set<
                     [&](std::size_t i) { checked[i] = check(inputs, checked[i].frame, filter, layers); });
 
   const Checked* usual = most_common(checked);
-  std::vector<std::pair<std::string, std::vector<int>>> problems;  // in the order of their first frames
-  std::size_t unusable = 0;
+  FrameProblems problems(inputs.pattern());
   for (const Checked& frame : checked) {
     if (frame.layout && *frame.layout == *usual->layout) continue;
-    ++unusable;
-    const std::string problem =
-        frame.layout ? difference(*frame.layout, *usual->layout, inputs.path(usual->frame)) : frame.problem;
-    auto known = std::ranges::find(problems, problem, [](const auto& entry) { return entry.first; });
-    if (known == problems.end()) known = problems.insert(known, {problem, {}});
-    known->second.push_back(frame.frame);
+    problems.add(frame.frame, frame.layout
+                                  ? difference(*frame.layout, *usual->layout, inputs.path(usual->frame))
+                                  : frame.problem);
   }
-  if (problems.empty()) return *usual->layout;
-  if (problems.size() == 1) {
-    const auto& [problem, of] = problems.front();
-    throw Error(ExitStatus::bad_input, fmt::format("{}: {}", name_of(inputs, of), problem));
-  }
-  for (const auto& [problem, of] : problems)
-    say(fmt::format("becalm: {}: {}\n", name_of(inputs, of), problem));
-  throw Error(ExitStatus::bad_input, fmt::format("{}: {} of {} frames cannot be used; nothing was written",
-                                                 inputs.pattern(), unusable, checked.size()));
+  if (!problems.empty()) problems.fail(checked.size(), "; nothing was written");
+  return *usual->layout;
 }
 
 }  // namespace becalm::app

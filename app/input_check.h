@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Imath/ImathBox.h>
+
 #include <set>
 #include <string>
 #include <vector>
@@ -16,8 +18,7 @@ namespace becalm::app {
 /// its views.
 struct InputLayout {
   std::string view;  ///< empty where there is but one
-  int width = 0;
-  int height = 0;
+  Imath::Box2i display_window;
   AovSet aovs;                            ///< of those that the filter uses
   std::vector<std::string> light_groups;  ///< that it denoises
 
@@ -27,6 +28,18 @@ struct InputLayout {
 /// What the filter takes of a view with this header: AOVs that are denoised with the beauty must be of its
 /// part, since other parts are passed on.
 InputLayout layout_of(const io::ExrView& header, const FilterStep& filter);
+
+/// What the filter sees of every frame: the data window where all are alike. Where they differ, as those of
+/// renderers that leave out empty margins, all that any of the frames that may be read covers, and the
+/// display window: so it depends neither on the job nor, mostly, on the shot.
+struct InputWindow {
+  Imath::Box2i window;
+  int width() const { return window.max.x - window.min.x + 1; }
+  int height() const { return window.max.y - window.min.y + 1; }
+};
+
+/// Of all views of all readable frames, in parallel; those whose headers cannot be read do not count.
+InputWindow find_window(const InputFrames& inputs, const io::LayerOptions& layers);
 
 /// Reads the headers of `frames`, in parallel, before any pixel is read and hours are spent. Throws
 /// Error(bad_input) unless every file is there, whole and of one layout, which is that of most frames: so it

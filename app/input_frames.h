@@ -31,7 +31,7 @@ class InputFrames {
   InputFrames(const std::string& pattern, const std::string& range, std::optional<int> frame, Missing missing,
               const Readable& readable);
 
-  const std::string& pattern() const { return pattern_.text(); }
+  const io::SequencePattern& pattern() const { return pattern_; }
   /// What may be read, ascending.
   const std::vector<int>& readable() const { return readable_; }
   std::string path(int frame) const { return pattern_.path(frame); }

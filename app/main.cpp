@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <memory>
 #include <new>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "app/command.h"
@@ -39,8 +40,13 @@ constexpr const char* kFooter =
     "becalm COMMAND --help tells a command's options.\n";
 
 int fail(ExitStatus status, std::string message) {
-  std::replace(message.begin(), message.end(), '\n', ' ');
-  becalm::app::say(fmt::format("becalm: error: {}\n", message));
+  std::replace_if(
+      message.begin(), message.end(), [](unsigned char c) { return c < ' ' || c == 0x7f; }, ' ');
+  if (becalm::app::message_format() == becalm::app::MessageFormat::json) {
+    becalm::app::say_event({{"event", "error"}, {"status", static_cast<int>(status)}, {"text", message}});
+  } else {
+    becalm::app::warn("error: " + message);
+  }
   return static_cast<int>(status);
 }
 

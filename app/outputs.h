@@ -23,6 +23,9 @@ class Outputs {
   /// Throws Error(usage) if one of the outputs is one of the inputs, links and all.
   void keep_apart_from(const std::vector<std::string>& inputs) const;
 
+  /// Throws Error(usage) if there is a file in an output's place that becalm did not write.
+  void keep_foreign_files() const;
+
   /// Makes the folder and removes what killed runs left half-written of these frames. Throws Error(resource),
   /// before hours of work whose result could not be written.
   void prepare() const;

@@ -42,14 +42,14 @@ void Profile::print() const {
   if (!device_.empty()) {
     say(fmt::format(
         "device {}: {} of {}x{} px, {:.1f} MiB held ({:.1f} MiB without shared memory), {:.1f} MiB of host "
-        "memory for transfers\n",
+        "memory for transfers",
         device_, memory_.tiles == 1 ? "1 tile" : fmt::format("{} tiles", memory_.tiles), memory_.tile.width,
         memory_.tile.height, mebibytes(memory_.device_bytes), mebibytes(memory_.device_bytes_unaliased),
         mebibytes(memory_.staging_bytes)));
   }
   rusage usage = {};
   getrusage(RUSAGE_SELF, &usage);
-  say(fmt::format("peak resident memory: {:.1f} MiB\n", static_cast<double>(usage.ru_maxrss) / 1024.0));
+  say(fmt::format("peak resident memory: {:.1f} MiB", static_cast<double>(usage.ru_maxrss) / 1024.0));
 }
 
 std::vector<double>& Profile::find(Samples& samples, const std::string& name) {
@@ -60,14 +60,14 @@ std::vector<double>& Profile::find(Samples& samples, const std::string& name) {
 
 void Profile::print_table(const char* title, const Samples& samples) {
   if (samples.empty()) return;
-  say(fmt::format("{} (median over the frames):\n", title));
+  say(fmt::format("{} (median over the frames):", title));
   double total_ms = 0.0;
   for (const auto& [name, values] : samples) {
     const double value = median(values);
     total_ms += value;
-    say(fmt::format("  {:<48} {:>10.2f} ms\n", name, value));
+    say(fmt::format("  {:<48} {:>10.2f} ms", name, value));
   }
-  say(fmt::format("  {:<48} {:>10.2f} ms\n", "sum", total_ms));
+  say(fmt::format("  {:<48} {:>10.2f} ms", "sum", total_ms));
 }
 
 }  // namespace becalm::app

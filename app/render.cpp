@@ -161,6 +161,10 @@ void RenderJob::find_existing() {
 }
 
 ExitStatus RenderJob::run() {
+  if (!command_.output.overwrite && !command_.output.resume) {
+    outputs_->keep_foreign_files();
+    if (noisy_outputs_) noisy_outputs_->keep_foreign_files();
+  }
   outputs_->prepare();
   if (noisy_outputs_) noisy_outputs_->prepare();
   if (command_.output.resume) find_existing();
@@ -191,7 +195,8 @@ Progress& RenderJob::start_progress(std::size_t frames_to_make) {
                       .work = frames_to_make,
                       .unit = "samples",
                       .units_per_frame = static_cast<double>(size_.width) * size_.height * command_.spp,
-                      .quiet = command_.running.quiet});
+                      .quiet = command_.running.quiet,
+                      .verbose = command_.running.verbose});
 }
 
 /// The tracer makes frame n+1 while frame n is filtered and written.
@@ -330,6 +335,7 @@ void RenderJob::write(Frame& result, Frame& noisy) {
                            command_.float_colors ? io::PixelType::float32 : io::PixelType::half);
   }
   warn_overflows(*progress_, result.number(), report, "--float keeps them");
+  progress_->detail(fmt::format("frame {}: wrote {}", result.number(), outputs_->path(result.number())));
   progress_->frame_written(result.number());
 }
 
@@ -408,6 +414,7 @@ Command add_render(CLI::App& becalm) {
   return {&parser, [command] {
             check_options_fit(*command);
             if (!command->debug_pixel.empty()) return debug_pixel(*command);
+            apply(command->running);
             catch_signals();
             return RenderJob(*command).run();
           }};

@@ -12,6 +12,7 @@
 #include "frame/io/channel_layers.h"
 #include "frame/io/exr.h"
 #include "frame/io/exr_file.h"
+#include "frame/io/printable.h"
 
 namespace becalm::io {
 namespace {
@@ -225,12 +226,12 @@ std::vector<std::string> choose_additive(std::string_view text, const std::vecto
 std::vector<std::string> describe(const std::vector<AdditiveSet>& sets) {
   std::vector<std::string> lines;
   for (const AdditiveSet& set : sets) {
-    lines.push_back(
-        set.adds_up()
-            ? fmt::format("{} add up to the beauty and are denoised with it", fmt::join(set.layers, ", "))
-            : fmt::format("{} do not add up to the beauty in {:.1f}% of the values and are passed on "
-                          "noisy; --additive NAME,... denoises them all the same",
-                          fmt::join(set.layers, ", "), 100.0 * set.share_off));
+    const std::string names = printable(fmt::format("{}", fmt::join(set.layers, ", ")), 1500);
+    lines.push_back(set.adds_up()
+                        ? fmt::format("{} add up to the beauty and are denoised with it", names)
+                        : fmt::format("{} do not add up to the beauty in {:.1f}% of the values and are "
+                                      "passed on noisy; --additive NAME,... denoises them all the same",
+                                      names, 100.0 * set.share_off));
   }
   return lines;
 }

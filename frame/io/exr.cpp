@@ -78,21 +78,22 @@ void read_part(Imf::MultiPartInputFile& file, int part_number, const TargetsByCh
 
 /// Makes the images of a view, and notes by part what is to be read into them. The view must stay where it
 /// is.
-void add_targets(const Imath::Box2i& window, AovSet wanted, LightGroups light_groups, LoadedView& view,
+void add_targets(AovSet wanted, LightGroups light_groups, LoadedView& view,
                  std::map<int, TargetsByChannel>& parts) {
   const auto add = [&](const LayerSource& source, Image& image) {
     for (std::size_t c = 0; c < source.channels.size(); ++c) {
-      if (source.channels[c].empty()) continue;
+      if (source.channels[c].empty()) {  // a beauty without alpha is opaque
+        for (std::size_t i = c; i < image.data().size(); i += source.channels.size()) image.data()[i] = 1.0f;
+        continue;
+      }
       parts[source.part][source.channels[c]].push_back(
-          {&image, window, static_cast<int>(c), source.scale[c], source.squared});
+          {&image, view.window, static_cast<int>(c), source.scale[c], source.squared});
     }
   };
   for (const AovInfo& entry : kAovTable) {
     const std::size_t index = static_cast<std::size_t>(entry.aov);
     if (!wanted.test(index) || !view.layers[index]) continue;
-    // 1 is the alpha of a beauty without; every other channel is read over it.
-    add(*view.layers[index],
-        view.frame.add(entry.aov, entry.aov == Aov::beauty ? 1.0f : value_of_nothing(entry.aov)));
+    add(*view.layers[index], view.frame.add(entry.aov, value_of_nothing(entry.aov)));
   }
   if (light_groups == LightGroups::leave) return;
   std::vector<LightGroup>& groups = view.frame.light_groups();
@@ -151,7 +152,7 @@ std::vector<ExrView> read_exr_header(const std::string& path, const LayerOptions
 }
 
 LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted, const LayerOptions& options,
-                     LightGroups light_groups) {
+                     LightGroups light_groups, const std::optional<Imath::Box2i>& window) {
   LoadedFrame loaded;
   reading(path, [&] {
     loaded.contents = std::make_shared<ExrContents>(path, stamp_of(path));
@@ -164,10 +165,10 @@ LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted, c
     std::map<int, TargetsByChannel> parts;
     for (std::size_t i = 0; i < views.size(); ++i) {
       LoadedView& view = i == 0 ? loaded : loaded.other_views[i - 1];
-      const Imath::Box2i& window = views[i].data_window;
       static_cast<ViewLayers&>(view) = views[i];
-      view.frame = Frame(frame_number, width_of(window), height_of(window));
-      add_targets(window, wanted, light_groups, view, parts);
+      view.window = window.value_or(views[i].data_window);
+      view.frame = Frame(frame_number, width_of(view.window), height_of(view.window));
+      add_targets(wanted, light_groups, view, parts);
     }
     for (const auto& [part, targets] : parts) read_part(*file, part, targets);
     multiply_by_colours(loaded);

@@ -48,6 +48,7 @@ class AtomicStream : public Imf::OStream {
 struct FrameChannel {
   const Image* image;
   int channel;
+  Imath::V2i origin = Imath::V2i(0);  ///< of the image in the file
 };
 
 using FrameChannels = std::map<std::string, FrameChannel>;
@@ -71,12 +72,13 @@ std::uint32_t to_uint(float value) {
                            : static_cast<std::uint32_t>(std::clamp<double>(std::round(value), 0.0, largest));
 }
 
-/// Converts rows of the frame, the first of which is `first_row`, to the plane's type.
-void convert(const FrameChannel& from, int first_row, int rows, Stripe::Plane& plane, WriteReport& report) {
+/// Converts a window of the file to the plane's type.
+void convert(const FrameChannel& from, const Imath::Box2i& window, Stripe::Plane& plane,
+             WriteReport& report) {
   char* to = plane.bytes.data();
-  for (int y = first_row; y < first_row + rows; ++y) {
-    for (int x = 0; x < from.image->width(); ++x) {
-      const float value = from.image->at(x, y, from.channel);
+  for (int y = window.min.y; y <= window.max.y; ++y) {
+    for (int x = window.min.x; x <= window.max.x; ++x) {
+      const float value = from.image->at(x - from.origin.x, y - from.origin.y, from.channel);
       switch (plane.type) {
         case Imf::HALF:
           store(to, to_half(value, report.half_overflows).bits());
@@ -93,6 +95,11 @@ void convert(const FrameChannel& from, int first_row, int rows, Stripe::Plane& p
     }
   }
 }
+
+/// The names of OpenEXR's methods, in the order of its enumeration.
+constexpr std::string_view kCompressions[] = {"none",  "rle", "zips", "zip",  "piz",
+                                              "pxr24", "b44", "b44a", "dwaa", "dwab"};
+static_assert(std::size(kCompressions) == Imf::NUM_COMPRESSION_METHODS);
 
 /// Whether compressing pixels that came out of this method once more could alter them. PXR24 drops bits that
 /// are already zero; B44 and the cosine transform of DWA (which it applies by channel name) do not repeat
@@ -144,7 +151,8 @@ void write_part(Imf::MultiPartOutputFile& file, int part, const FrameChannels& f
       }
       for (Stripe::Plane& plane : stripe.planes()) {
         if (!is_frames(plane)) continue;
-        convert(from_frame.at(plane.channel), first - window.min.y, last - first + 1, plane, report);
+        convert(from_frame.at(plane.channel), Imath::Box2i({window.min.x, first}, {window.max.x, last}),
+                plane, report);
       }
       write_lines(first, last, stripe.frame_buffer([](const Stripe::Plane&) { return true; }));
     });
@@ -202,15 +210,15 @@ void writing(const std::string& path, const std::vector<Imf::Header>& headers,
 }
 
 /// Adds the AOV as a layer under the table's name (bare for the beauty), with the view's if there is one.
-void add_layer(const Frame& frame, Aov aov, const std::string& view, Imf::PixelType type, Imf::Header& header,
-               FrameChannels& channels) {
+void add_layer(const Frame& frame, Aov aov, const std::string& view, Imf::PixelType type,
+               const Imath::V2i& origin, Imf::Header& header, FrameChannels& channels) {
   for (int c = 0; c < channel_count(aov); ++c) {
     std::string name(info(aov).name);
     for (const std::string& word : {view, std::string(1, info(aov).channels[c])}) {
       if (!word.empty()) name += (name.empty() ? "" : ".") + word;
     }
     header.channels().insert(name, Imf::Channel(type));
-    channels[name] = {&frame.image(aov), c};
+    channels[name] = {&frame.image(aov), c, origin};
   }
 }
 
@@ -251,6 +259,7 @@ struct Rewritten {
   std::vector<Imf::Header> headers;
   std::map<int, FrameChannels> channels;  ///< of the parts that are not copied
   std::list<Image> light;                 ///< radiance without the surfaces' colours
+  std::optional<PixelType> type;          ///< of replaced channels; that of the source without
 };
 
 /// Light of which the radiance is the product with the surface's colour; 0 where that is 0.
@@ -262,10 +271,14 @@ Image divided(const Image& radiance, const Image& colour) {
   return light;
 }
 
-void replace(const LayerSource& layer, const Image& image, Rewritten& file) {
+void replace(const LayerSource& layer, const Image& image, const Imath::V2i& origin, Rewritten& file) {
   for (std::size_t c = 0; c < layer.channels.size(); ++c) {
-    if (layer.channels[c].empty()) continue;
-    file.channels[layer.part][layer.channels[c]] = {&image, static_cast<int>(c)};
+    const std::string& name = layer.channels[c];
+    if (name.empty()) continue;
+    file.channels[layer.part][name] = {&image, static_cast<int>(c), origin};
+    if (file.type) {
+      file.headers[layer.part].channels()[name].type = *file.type == PixelType::half ? Imf::HALF : Imf::FLOAT;
+    }
   }
 }
 
@@ -275,7 +288,8 @@ void replace_view(const std::string& path, const LoadedView& view, const Frame& 
                   const std::string& diagnostics_view, Rewritten& file) {
   const LayerSource& beauty = beauty_of(view);
   Imf::Header& header = file.headers[beauty.part];
-  const Imath::V2i size = header.dataWindow().size() + Imath::V2i(1);
+  const Imath::V2i& origin = view.window.min;
+  const Imath::V2i size = view.window.size() + Imath::V2i(1);
   if (size != Imath::V2i(frame.width(), frame.height()) || !frame.has(Aov::beauty)) {
     throw Error(ExitStatus::bad_input, fmt::format("{}: {}x{} pixels, but the denoised frame has {}x{}", path,
                                                    size.x, size.y, frame.width(), frame.height()));
@@ -283,9 +297,9 @@ void replace_view(const std::string& path, const LoadedView& view, const Frame& 
   for (const AovInfo& entry : kAovTable) {
     if (!frame.has(entry.aov)) continue;
     if (entry.diagnostic) {
-      add_layer(frame, entry.aov, diagnostics_view, Imf::FLOAT, header, file.channels[beauty.part]);
+      add_layer(frame, entry.aov, diagnostics_view, Imf::FLOAT, origin, header, file.channels[beauty.part]);
     } else if (is_denoised(entry.aov)) {
-      replace(*view.layers[static_cast<std::size_t>(entry.aov)], frame.image(entry.aov), file);
+      replace(*view.layers[static_cast<std::size_t>(entry.aov)], frame.image(entry.aov), origin, file);
     }
   }
   for (const LightGroup& group : frame.light_groups()) {
@@ -293,28 +307,36 @@ void replace_view(const std::string& path, const LoadedView& view, const Frame& 
     const Image& light = colour == view.colours.end()
                              ? group.radiance
                              : file.light.emplace_back(divided(group.radiance, colour->second));
-    replace(view.lights.at(group.name).layer, light, file);
+    replace(view.lights.at(group.name).layer, light, origin, file);
   }
 }
 
-/// Chooses how the pixels of a part that is not copied are stored. Returns whether a lossy compression had to
-/// give way.
-bool prepare_header(const FrameChannels& channels, Imf::Header& header) {
-  bool lossless_instead = false;
+/// Chooses how the pixels of a part that is not copied are stored: by `compression` (one of kCompressions),
+/// or as they are.
+void prepare_header(const FrameChannels& channels, const std::optional<std::string>& compression,
+                    Imf::Header& header, WriteReport& report) {
+  const Imf::Compression source_compression = header.compression();
+  if (compression) {
+    const auto at = std::ranges::find(kCompressions, *compression);
+    header.compression() = static_cast<Imf::Compression>(at - std::begin(kCompressions));
+  }
+  const bool rounds_floats =
+      header.compression() == Imf::PXR24_COMPRESSION && source_compression != Imf::PXR24_COMPRESSION;
   for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
-    if (channels.contains(it.name()) || !may_alter(header.compression(), it.name(), it.channel().type))
-      continue;
+    if (channels.contains(it.name())) continue;
+    const Imf::PixelType type = it.channel().type;
+    if (!may_alter(header.compression(), it.name(), type) && !(rounds_floats && type == Imf::FLOAT)) continue;
     header.compression() = Imf::ZIP_COMPRESSION;
-    lossless_instead = true;
+    report.lossless_instead = true;
   }
   // The smaller levels of a mipmap show the noisy beauty, so only the full size is written.
   if (is_tiled(header)) {
     Imf::TileDescription tiles = header.tileDescription();
+    if (tiles.mode != Imf::ONE_LEVEL) report.full_size_only = true;
     tiles.mode = Imf::ONE_LEVEL;
     header.setTileDescription(tiles);
   }
   if (header.hasChunkCount()) header.setChunkCount(static_cast<int>(chunk_count(header)));
-  return lossless_instead;
 }
 
 }  // namespace
@@ -329,7 +351,8 @@ WriteReport write_exr(const std::string& path, const Frame& frame, const Attribu
   FrameChannels channels;
   for (const AovInfo& entry : kAovTable) {
     if (!frame.has(entry.aov)) continue;
-    add_layer(frame, entry.aov, "", is_always_float(entry.aov) ? Imf::FLOAT : color, header, channels);
+    add_layer(frame, entry.aov, "", is_always_float(entry.aov) ? Imf::FLOAT : color, Imath::V2i(0), header,
+              channels);
   }
   for (const LightGroup& group : frame.light_groups()) add_light_group(group, color, header, channels);
   WriteReport report;
@@ -338,9 +361,13 @@ WriteReport write_exr(const std::string& path, const Frame& frame, const Attribu
   return report;
 }
 
+std::span<const std::string_view> compression_names() {
+  return kCompressions;
+}
+
 WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
                                const std::vector<Frame>& other_views, const LoadedFrame& source,
-                               const Attributes& attributes) {
+                               const Attributes& attributes, const DenoisedFormat& format) {
   const std::string& source_path = source.contents->path();
   std::unique_ptr<Imf::MultiPartInputFile> from;
   reading(source_path, [&] {
@@ -353,6 +380,7 @@ WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
   });
 
   Rewritten rewritten;
+  rewritten.type = format.type;
   rewritten.headers.reserve(from->parts());
   for (int part = 0; part < from->parts(); ++part) rewritten.headers.push_back(from->header(part));
   replace_view(source_path, source, frame, "", rewritten);
@@ -363,7 +391,7 @@ WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
   }
   WriteReport report;
   for (const auto& [part, channels] : rewritten.channels) {
-    if (prepare_header(channels, rewritten.headers[part])) report.lossless_instead = true;
+    prepare_header(channels, format.compression, rewritten.headers[part], report);
     if (part != 0) insert_attributes(rewritten.headers[part], attributes);
   }
   insert_attributes(rewritten.headers.front(), attributes);

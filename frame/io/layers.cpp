@@ -11,6 +11,7 @@
 #include "frame/io/additive_layers.h"
 #include "frame/io/aliases.h"
 #include "frame/io/channel_layers.h"
+#include "frame/io/printable.h"
 
 namespace becalm::io {
 namespace {
@@ -144,14 +145,18 @@ class LayerFinder {
 
 /// The channels in one line, cut short where there are very many.
 std::string list_channels(const std::vector<PartChannels>& parts) {
-  constexpr std::size_t max_listed = 60;
+  constexpr std::size_t most_listed = 60;
+  constexpr std::size_t longest = 1500;
   std::vector<std::string_view> names;
   for (const PartChannels& part : parts) {
     names.insert(names.end(), part.channels.begin(), part.channels.end());
   }
   if (names.empty()) return "none";
-  const std::size_t listed = std::min(names.size(), max_listed);
-  std::string text = fmt::format("{}", fmt::join(names.begin(), names.begin() + listed, ", "));
+  std::string text;
+  std::size_t listed = 0;
+  for (; listed < std::min(names.size(), most_listed) && text.size() < longest; ++listed) {
+    text += (listed == 0 ? "" : ", ") + printable(names[listed]);
+  }
   if (listed < names.size()) text += fmt::format(" and {} more", names.size() - listed);
   return text;
 }
@@ -198,7 +203,7 @@ std::vector<std::string> find_views(const std::vector<PartChannels>& parts) {
 LayerMap find_layers(const std::string& file, const std::vector<PartChannels>& parts,
                      const LayerOptions& options, const std::string& view) {
   LayerFinder finder(parts, view);
-  const std::string place = view.empty() ? file : fmt::format("{}: view {}", file, view);
+  const std::string place = view.empty() ? file : fmt::format("{}: view {}", file, printable(view));
   LayerMap map;
   const auto set = [&](Aov aov, LayerSource source) {
     map[static_cast<std::size_t>(aov)] = std::move(source);

@@ -118,6 +118,18 @@ TEST_F(BadInput, WhatIsWrongWithFramesIsToldAtOnce) {
   EXPECT_TRUE(files_in(folder_.path() / "out").empty());
 }
 
+TEST_F(BadInput, EmptyTexts) {
+  write_noise("in.0001.exr", 1);
+  const std::string in = folder_ / "in.0001.exr";
+  expect_error(becalm({"denoise", "", "-o", folder_ / "out.exr"}), kUsage, {"input", "empty"});
+  expect_error(becalm({"denoise", in, "-o", ""}), kUsage, {"--output", "empty"});
+  expect_error(becalm({"denoise", in, "-o", folder_ / "out.exr", "--frames", ""}), kUsage,
+               {"--frames", "empty"});
+  expect_error(render({"--frames", ""}), kUsage, {"--frames", "empty"});
+  expect_error(becalm({"info", ""}), kUsage, {"empty"});
+  expect_error(becalm({"compare", in, ""}), kUsage, {"empty"});
+}
+
 TEST_F(BadInput, WhatIsWrongWithAllFramesIsToldOnce) {
   for (const int number : {1, 2, 3}) {
     Frame frame(number, 8, 8);

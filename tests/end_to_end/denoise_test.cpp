@@ -11,6 +11,8 @@
 
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/end_to_end/harness.h"
 
@@ -63,6 +65,35 @@ void write_with_ids(const std::string& path, std::vector<std::uint32_t> ids) {
   Imf::OutputFile file(path.c_str(), header);
   file.setFrameBuffer(buffer);
   file.writePixels(kHeight);
+}
+
+/// A still picture with a little noise of the number inside `drawn`, black and transparent outside, in a file
+/// of these windows.
+void write_window(const std::string& path, int number, const Imath::Box2i& data_window,
+                  const Imath::Box2i& display_window, const Imath::Box2i& drawn) {
+  const Frame still = noise_frame(7);
+  const Frame noise = noise_frame(number);
+  Image colors(kWidth, kHeight, 4);
+  for (int y = drawn.min.y; y <= drawn.max.y; ++y) {
+    for (int x = drawn.min.x; x <= drawn.max.x; ++x) {
+      for (int c = 0; c < 3; ++c) {
+        colors.at(x, y, c) =
+            still.image(Aov::beauty).at(x, y, c) + 0.1f * noise.image(Aov::beauty).at(x, y, c);
+      }
+      colors.at(x, y, 3) = 1.0f;
+    }
+  }
+  Imf::Header header(display_window, data_window);
+  Imf::FrameBuffer buffer;
+  const char* names[] = {"R", "G", "B", "A"};
+  for (std::size_t c = 0; c < 4; ++c) {
+    header.channels().insert(names[c], Imf::Channel(Imf::FLOAT));
+    buffer.insert(names[c], Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(colors.data().data() + c),
+                                       4 * sizeof(float), 4 * sizeof(float) * kWidth));
+  }
+  Imf::OutputFile file(path.c_str(), header);
+  file.setFrameBuffer(buffer);
+  file.writePixels(data_window.max.y - data_window.min.y + 1);
 }
 
 TEST_F(Denoise, AdditiveLayersStillAddUpToTheBeauty) {
@@ -285,6 +316,10 @@ TEST_F(Denoise, ResumeGivesTheSamePixels) {
   const Outcome again = becalm_done(command("a.####.exr", {"--resume"}));
   EXPECT_NE(again.err.find("all 4 frames are there"), std::string::npos) << again.err;
 
+  becalm_done({"denoise", folder_ / "in.0001.exr", "-o", folder_ / "draft.exr", "--preset", "draft"});
+  expect_error(becalm({"denoise", folder_ / "in.0001.exr", "-o", folder_ / "draft.exr", "--preset", "draft",
+                       "--segment", "8", "--resume"}),
+               2, {"draft.exr", "no segment, and this run has segment=8"});
   expect_error(becalm(command("a.####.exr", {"--resume", "--set", "patch_radius=5"})), 2,
                {"a.0001.exr", "patch_radius=5"});
   // The same frames are read for them, and the same pixels come out.
@@ -522,9 +557,111 @@ TEST_F(Denoise, FilesOfAnotherPaddingArePointedOut) {
   expect_error(becalm(command("out.####.exr", {"--frames", "1-2"})), 3, {"frame 1 of", "in.#.exr"});
 }
 
+TEST_F(Denoise, FilesThatBecalmDidNotWriteAreNotReplacedUnlessAsked) {
+  write_frames({1});
+  io::write_exr(folder_ / "out.0001.exr", noise_frame(9), {});
+  expect_error(becalm(command("out.####.exr")), 2, {"out.0001.exr", "--overwrite"});
+  EXPECT_EQ(io::read_attribute(folder_ / "out.0001.exr", "becalm:version"), "");
+  becalm_done(command("out.####.exr", {"--overwrite", "--quiet"}));
+  becalm_done(command("out.####.exr", {"-q"}));
+}
+
+TEST_F(Denoise, ProgressAsJson) {
+  write_frames({1, 2});
+  const Outcome outcome = becalm_done(command("out.####.exr", {"--progress", "json", "-v", "--profile"}));
+  std::istringstream lines(outcome.err);
+  std::vector<int> frames;
+  std::string last;
+  for (std::string line; std::getline(lines, line);) {
+    const nlohmann::json event = nlohmann::json::parse(line, nullptr, /*allow_exceptions=*/false);
+    ASSERT_TRUE(event.is_object()) << line;
+    last = event.at("event");
+    if (last != "frame") continue;
+    frames.push_back(event.at("frame"));
+    EXPECT_EQ(event.at("state"), "written");
+    EXPECT_EQ(event.at("total"), 2);
+  }
+  EXPECT_EQ(frames, (std::vector<int>{1, 2}));
+  EXPECT_NE(outcome.err.find(R"({"event":"end","written":2,"done":2,"total":2)"), std::string::npos)
+      << outcome.err;
+  const Outcome failed = becalm(command("out.png", {"--progress", "json"}));
+  EXPECT_EQ(failed.status, 2);
+  EXPECT_EQ(failed.err.rfind(R"({"event":"error","status":2,"text":"-o )", 0), 0u) << failed.err;
+}
+
+TEST_F(Denoise, VerboseTellsLayersDeviceAndFiles) {
+  write_frames({1});
+  const Outcome outcome = becalm_done(command("out.####.exr", {"-v"}));
+  for (const std::string& words :
+       {std::string("48x32 px of beauty=R,G,B,A albedo=albedo.R"), std::string("device "),
+        "reading " + folder_ / "in.0001.exr", "wrote " + folder_ / "out.0001.exr"}) {
+    EXPECT_NE(outcome.err.find(words), std::string::npos) << words << "\n" << outcome.err;
+  }
+}
+
+TEST_F(Denoise, ADryRunTellsWhatWouldBeReadAndWrittenAndWritesNothing) {
+  write_frames({1, 2, 3});
+  const Outcome outcome =
+      becalm_done(command("out/a.####.exr", {"--dry-run", "--frames", "2-3", "--type", "half"}));
+  EXPECT_EQ(outcome.err, "");
+  for (const std::string& words :
+       {"reads " + input_ + ": 3 frames, 1-3\n", std::string("takes 48x32 px of beauty=R,G,B,A albedo="),
+        std::string("filters with preset balanced: "), std::string(" type=half\n"),
+        "writes " + folder_ / "out/a.####.exr" + ": 2 frames, 2,3\n"}) {
+    EXPECT_NE(outcome.out.find(words), std::string::npos) << words << "\n" << outcome.out;
+  }
+  EXPECT_FALSE(fs::exists(folder_ / "out"));
+  fs::remove(folder_ / "in.0002.exr");
+  EXPECT_EQ(becalm(command("out/a.####.exr", {"--dry-run", "--frames", "2-3"})).status, 3);
+}
+
+TEST_F(Denoise, TypeAndCompressionOfTheOutput) {
+  write_frames({1});
+  becalm_done(command("out.####.exr", {"--type", "half", "--compression", "piz", "--quiet"}));
+  Imf::InputFile file((folder_ / "out.0001.exr").c_str());
+  EXPECT_EQ(file.header().channels().findChannel("R")->type, Imf::HALF);
+  EXPECT_EQ(file.header().channels().findChannel("albedo.R")->type, Imf::FLOAT);
+  EXPECT_EQ(file.header().compression(), Imf::PIZ_COMPRESSION);
+  expect_error(becalm(command("out.####.exr", {"--resume"})), 2, {"type=half"});
+  expect_error(becalm(command("b.####.exr", {"--compression", "best"})), 2, {"--compression", "zip"});
+}
+
+TEST_F(Denoise, DataWindowsMayMove) {
+  const Imath::Box2i display(Imath::V2i(0, 0), Imath::V2i(kWidth - 1, kHeight - 1));
+  const Imath::Box2i object(Imath::V2i(8, 5), Imath::V2i(38, 26));
+  const std::vector<Imath::Box2i> windows{{{2, 3}, {40, 28}}, {{4, 3}, {42, 30}}, {{6, 1}, {44, 28}}};
+  for (int number = 1; number <= 3; ++number) {
+    const Imath::Box2i& window = windows[static_cast<std::size_t>(number - 1)];
+    write_window(frame_path(input_, number), number, window, display, object);
+    write_window(frame_path(folder_ / "padded.####.exr", number), number, display, display, object);
+  }
+  const Outcome outcome = becalm_done(command("out.####.exr"));
+  EXPECT_EQ(outcome.err.find("shot"), std::string::npos) << "a window that moves is no cut: " << outcome.err;
+  becalm_done({"denoise", folder_ / "padded.####.exr", "-o", folder_ / "whole.####.exr", "--quiet"});
+  for (int number = 1; number <= 3; ++number) {
+    const Imath::Box2i& window = windows[static_cast<std::size_t>(number - 1)];
+    const std::string out = frame_path(folder_ / "out.####.exr", number);
+    const Imf::InputFile file(out.c_str());
+    EXPECT_EQ(file.header().dataWindow(), window);
+    EXPECT_EQ(file.header().displayWindow(), display);
+    const Frame cropped = read_frame(out);
+    const Frame whole = read_frame(frame_path(folder_ / "whole.####.exr", number));
+    for (int y = window.min.y; y <= window.max.y; ++y) {
+      for (int x = window.min.x; x <= window.max.x; ++x) {
+        for (int c = 0; c < 4; ++c) {
+          ASSERT_EQ(cropped.image(Aov::beauty).at(x - window.min.x, y - window.min.y, c),
+                    whole.image(Aov::beauty).at(x, y, c))
+              << number << ": " << x << ", " << y;
+        }
+      }
+    }
+  }
+}
+
 TEST_F(Denoise, OneFile) {
   write_frames({7});
-  becalm_done({"denoise", folder_ / "in.0007.exr", "-o", folder_ / "one.exr", "--quiet"});
+  const Outcome outcome = becalm_done({"denoise", folder_ / "in.0007.exr", "-o", folder_ / "one.exr"});
+  EXPECT_NE(outcome.err.find("\n1 frame written in"), std::string::npos) << outcome.err;
   EXPECT_FALSE(same_frame("one.exr", "in.0007.exr")) << "a frame alone is smoothed";
   becalm_done(
       {"denoise", folder_ / "in.0007.exr", "-o", folder_ / "one.exr", "--quiet", "--set", "smooth=none"});

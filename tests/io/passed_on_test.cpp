@@ -13,6 +13,7 @@
 #include <OpenEXR/ImfTiledInputPart.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "frame/error.h"
@@ -27,14 +28,15 @@ namespace {
 class PassedOn : public ::testing::Test {
  protected:
   /// Reads `source_`, doubles the beauty, adds the diagnostics that are wanted, and writes `result_`.
-  WriteReport denoise(AovSet diagnostics = {}, const LayerOverrides& overrides = {}) {
+  WriteReport denoise(AovSet diagnostics = {}, const LayerOverrides& overrides = {},
+                      const DenoisedFormat& format = {}) {
     LoadedFrame loaded = read_exr(source_, 1, {}, {.layers = overrides});
     for (float& value : loaded.frame.image(Aov::beauty).data()) value = 2.0f * value + 1.0f;
     for (const AovInfo& entry : kAovTable) {
       if (diagnostics.test(static_cast<std::size_t>(entry.aov))) loaded.frame.add(entry.aov, 0.3f);
     }
     layers_ = loaded.layers;
-    return write_denoised_exr(result_, loaded.frame, {}, loaded, {{"becalm:preset", "final"}});
+    return write_denoised_exr(result_, loaded.frame, {}, loaded, {{"becalm:preset", "final"}}, format);
   }
 
   /// Every channel of the part has its bits, but for the named ones.
@@ -123,7 +125,9 @@ TEST_F(PassedOn, ChannelsAttributesWindowsAndTypes) {
   header.displayWindow() = window(0, 0, 20, 64);
   add_attributes(header);
   write_test_file(source_, {header});
-  EXPECT_FALSE(denoise().lossless_instead);
+  const WriteReport report = denoise();
+  EXPECT_FALSE(report.lossless_instead);
+  EXPECT_FALSE(report.full_size_only);
   expect_same_but_for(kBeauty);
   expect_same_header();
   const Imf::Header after = read_header(result_);
@@ -171,6 +175,33 @@ TEST_F(PassedOn, LossyColoursOfOtherLayersAreKeptByZip) {
   }
 }
 
+TEST_F(PassedOn, TypesOfTheDenoisedChannelsOnRequest) {
+  write_test_file(source_, {scanline_part(window(0, 0, 20, 30), kMixed)});
+  for (const auto& [type, expected] :
+       {std::pair{PixelType::half, Imf::HALF}, {PixelType::float32, Imf::FLOAT}}) {
+    denoise(AovSet().set(static_cast<std::size_t>(Aov::gain)), {}, {.type = type});
+    expect_same_but_for(kBeauty);
+    const Imf::Header after = read_header(result_);
+    for (const std::string& name : kBeauty) EXPECT_EQ(after.channels()[name].type, expected) << name;
+    EXPECT_EQ(after.channels()["gain.Y"].type, Imf::FLOAT);
+    EXPECT_EQ(after.channels()["raw.half"].type, Imf::HALF);
+  }
+}
+
+TEST_F(PassedOn, CompressionOnRequestUnlessItWouldAlterOtherChannels) {
+  for (const std::string_view name : compression_names()) {
+    write_test_file(source_, {scanline_part(window(0, 0, 37, 70), kMixed)});
+    const WriteReport report = denoise({}, {}, {.type = {}, .compression = std::string(name)});
+    const bool alters = name == "b44" || name == "b44a" || name == "pxr24";  // half and float channels
+    EXPECT_EQ(report.lossless_instead, alters) << name;
+    expect_same_but_for(kBeauty);
+    const auto index = std::ranges::find(compression_names(), name) - compression_names().begin();
+    EXPECT_EQ(read_header(result_).compression(),
+              alters ? Imf::ZIP_COMPRESSION : static_cast<Imf::Compression>(index))
+        << name;
+  }
+}
+
 TEST_F(PassedOn, ALossyBeautyAloneStaysLossy) {
   write_test_file(source_,
                   {scanline_part(window(0, 0, 16, 16), {{"R"}, {"G"}, {"B"}}, Imf::B44_COMPRESSION)});
@@ -204,7 +235,7 @@ TEST_F(PassedOn, OfMipmapsTheFullSize) {
   Imf::Header header = tiled_part(window(0, 0, 50, 40), kMixed, 16, 16, Imf::MIPMAP_LEVELS);
   header.setChunkCount(12 + 4 + 1 + 1 + 1 + 1);
   write_test_file(source_, {header});
-  denoise();
+  EXPECT_TRUE(denoise().full_size_only);
   expect_same_but_for(kBeauty);
   expect_same_header(0, {"tiles", "chunkCount"});
   EXPECT_EQ(read_header(result_).chunkCount(), 12);
