@@ -11,10 +11,9 @@
 namespace becalm::filter {
 namespace {
 
-constexpr int kFinestBlock = 32;
-/// A network leaves outliers out, which are all that smaller blocks would get back: ragged light where it was
+/// Smoothing leaves outliers out, which are all that smaller blocks would get back: ragged light where it was
 /// smooth.
-constexpr int kFinestBlockOfNetwork = 128;
+constexpr int kFinestBlock = 128;
 /// No level changes a block by more than this.
 constexpr double kLargestFactor = 2.0;
 /// Relative noise of the whole frame's mean that is not waited for, and the most that the frame is brightened
@@ -83,11 +82,11 @@ bool counts(const NewFrame& frame, const Estimate& estimate, std::size_t i) {
   return frame.finite[i] && estimate.stats.data()[2 * i + 1] > 0.0f;
 }
 
-BlockGrid finest_level(const NewFrame& frame, const FilterTask& task, const Estimate& estimate,
-                       int block_px) {
+BlockGrid finest_level(const NewFrame& frame, const FilterTask& task, const Estimate& estimate) {
   const int width = estimate.color.width();
   const int height = estimate.color.height();
-  BlockGrid level{.width = ceil_div(width, block_px), .height = ceil_div(height, block_px), .blocks = {}};
+  BlockGrid level{
+      .width = ceil_div(width, kFinestBlock), .height = ceil_div(height, kFinestBlock), .blocks = {}};
   level.blocks.resize(static_cast<std::size_t>(level.width) * level.height);
   const std::span<const float> beauty = frame.frame.image(Aov::beauty).data();
   const std::span<const float> color = estimate.color.data();
@@ -96,7 +95,7 @@ BlockGrid finest_level(const NewFrame& frame, const FilterTask& task, const Esti
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x, ++i) {
       if (!counts(frame, estimate, i)) continue;
-      Block& block = level.at(x / block_px, y / block_px);
+      Block& block = level.at(x / kFinestBlock, y / kFinestBlock);
       for (std::size_t c = 0; c < 3; ++c) {
         block.frame[c] += exposure * beauty[4 * i + c];
         block.estimate[c] += exposure * color[4 * i + c];
@@ -157,13 +156,13 @@ void find_factors(BlockGrid& level, const BlockGrid* coarse, double share_of_noi
 }
 
 /// Multiplies the estimate and its additive AOVs by what lies between the factors at the blocks' centres.
-void apply(const BlockGrid& finest, int block_px, Estimate& estimate) {
+void apply(const BlockGrid& finest, Estimate& estimate) {
   const std::span<float> color = estimate.color.data();
   std::size_t i = 0;
   for (int y = 0; y < estimate.color.height(); ++y) {
-    const double v = (y + 0.5) / block_px - 0.5;
+    const double v = (y + 0.5) / kFinestBlock - 0.5;
     for (int x = 0; x < estimate.color.width(); ++x, ++i) {
-      const double u = (x + 0.5) / block_px - 0.5;
+      const double u = (x + 0.5) / kFinestBlock - 0.5;
       for (std::size_t c = 0; c < 3; ++c) {
         const auto factor = static_cast<float>(finest.factor(u, v, c));
         color[4 * i + c] *= factor;
@@ -194,22 +193,21 @@ void restore_whole(Block whole, double share_of_noise, const NewFrame& frame, Es
   const double noise = share_of_noise * std::min(whole.noise, residual);
   const double unseen = kUnseen * mean * kUnseen * mean;
   bring_to_frame(whole, noise > 0.0 ? noise * (noise / (noise + unseen)) : 0.0, 1.0 + kUnseen);
-  apply({.width = 1, .height = 1, .blocks = {whole}}, kFinestBlock, estimate);
+  apply({.width = 1, .height = 1, .blocks = {whole}}, estimate);
 }
 
 }  // namespace
 
 void restore_energy(const NewFrame& frame, const FilterTask& task, Estimate& estimate, double reach_px) {
-  const int block_px = task.settings.smooth == Smooth::network ? kFinestBlockOfNetwork : kFinestBlock;
-  std::vector<BlockGrid> levels{finest_level(frame, task, estimate, block_px)};
+  std::vector<BlockGrid> levels{finest_level(frame, task, estimate)};
   while (levels.back().blocks.size() > 1) levels.push_back(coarser(levels.back()));
   const auto share_of_noise = [&](std::size_t l) {
-    return std::min(4.0 * reach_px / std::ldexp(block_px, static_cast<int>(l)), 1.0);
+    return std::min(4.0 * reach_px / std::ldexp(kFinestBlock, static_cast<int>(l)), 1.0);
   };
   for (std::size_t l = levels.size(); l-- > 0;) {
     find_factors(levels[l], l + 1 < levels.size() ? &levels[l + 1] : nullptr, share_of_noise(l));
   }
-  apply(levels.front(), block_px, estimate);
+  apply(levels.front(), estimate);
   restore_whole(levels.back().blocks.front(), share_of_noise(levels.size() - 1), frame, estimate);
 }
 

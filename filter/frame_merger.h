@@ -40,6 +40,7 @@ struct FilterTask {
   AovSet diagnostics;  ///< those that are wanted
   Guides guides;
   std::size_t additive = 0;  ///< how many additive AOVs frames have (additive.h)
+  bool merged = false;       ///< frames are merged ones: they have NewFrame::own
 
   bool has_halves() const { return contains(used, Aov::half_a) && contains(used, Aov::half_b); }
   bool variance_known() const { return contains(used, Aov::variance) || has_halves(); }
@@ -51,12 +52,13 @@ struct FilterTask {
   bool smooths() const { return settings.smooth != Smooth::none; }
   /// Whether smoothed frames only decide the weights by which noisy ones are merged, and what comes out is
   /// smoothed.
-  bool smooths_merged() const { return settings.smooth == Smooth::network && settings.smooth_merged != 0; }
-  /// Images that are merged with the beauty's weights: additive AOVs, then the noisy radiance if that is.
-  std::size_t carried() const { return additive + (smooths_merged() ? 1 : 0); }
-  /// Whether the history's block means are brought to the frame's: what a network loses shows in wider blocks
-  /// alone (energy.h).
-  bool corrects_history() const { return settings.correct_levels > 0 && settings.smooth != Smooth::network; }
+  bool smooths_merged() const { return settings.smooth == Smooth::merged; }
+  /// Images that are merged with the beauty's weights: additive AOVs, then what is smoothed once it is
+  /// merged.
+  std::size_t carried() const { return additive + (smooths_merged() ? kNoisyLayers : 0); }
+
+  /// Noisy radiance with its variance; albedo with depth; normal.
+  static constexpr std::size_t kNoisyLayers = 3;
 };
 
 /// What is known of a frame's pixels, and how well.
@@ -64,16 +66,17 @@ struct Estimate {
   Estimate() = default;
   Estimate(gpu::Extent extent, std::size_t carried_count);
 
-  Image color;                  ///< four channels
-  Image stats;                  ///< (variance, effective sample count); a count of 0 where nothing is known
-  /// What goes with the beauty's weights, four channels each: additive AOVs; in the merge also, as the last,
-  /// the noisy radiance and its variance, if the task smooths what is merged.
+  Image color;  ///< four channels
+  Image stats;  ///< (variance, effective sample count); a count of 0 where nothing is known
+  /// What goes with the beauty's weights, four channels each: additive AOVs; in the merge also the noisy
+  /// layers, if the task smooths what is merged.
   std::vector<Image> additive;
 };
 
 /// A frame on its way into the chains.
 struct NewFrame {
   const Frame& frame;
+  const Frame* own = nullptr;        ///< of merged frames, the one whose features are not
   std::vector<std::uint8_t> finite;  ///< of finite_pixels
   float exposure;                    ///< of the whole frame
   float usual_depth = 1.0f;          ///< of typical_depth
@@ -85,11 +88,13 @@ struct NewFrame {
   }
 };
 
-/// The noisy radiance (RGB) that an estimate carries, and its variance (Y): that of a frame over the effective
-/// number of frames.
+/// The noisy layers that an estimate carries, as images of an AOV's channels.
 struct Accumulated {
-  Image color;
-  Image variance;
+  Image color;     ///< RGB
+  Image variance;  ///< Y: of a frame over the effective number of frames
+  Image albedo;    ///< RGB
+  Image normal;    ///< XYZ
+  Image depth;     ///< Y: of pack_features, in [0,2]
 };
 
 /// What a merger makes of a new frame. Images that are empty nobody wants.
@@ -100,7 +105,7 @@ struct MergedFrame {
   Image decision;       ///< four channels, as MergeOutputs::decision
   Image residual;       ///< one channel: patch distance of the finest level
   Accumulated accumulated;  ///< if that is a diagnostic that is wanted
-  Image flow;           ///< two channels: where in the history each pixel was found, as an offset in pixels
+  Image flow;  ///< two channels: where in the history each pixel was found, as an offset in pixels
 };
 
 /// What a chain made of one tile's target rectangle; spans of what nobody wants may be empty.

@@ -120,17 +120,6 @@ std::size_t pack_variance(const Frame& frame, const AovSet& used, std::span<cons
   return replaced;
 }
 
-void pack_half_difference(const Frame& frame, const Rect& rect, std::span<float> rgba) {
-  const auto a = frame.image(Aov::half_a).data();
-  const auto b = frame.image(Aov::half_b).data();
-  for_each_pixel(rect, frame.width(), [&](std::size_t in, std::size_t out) {
-    std::array<float, 4> e{};
-    for (std::size_t c = 0; c < 3; ++c) e[c] = 0.5f * (a[3 * in + c] - b[3 * in + c]);
-    if (!all_finite(e)) e = {};
-    std::ranges::copy(e, rgba.begin() + static_cast<std::ptrdiff_t>(4 * out));
-  });
-}
-
 float typical_depth(const Frame& frame, const AovSet& used) {
   if (!contains(used, Aov::depth)) return 1.0f;
   double sum = 0.0;

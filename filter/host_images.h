@@ -36,9 +36,6 @@ void pack_albedo(const Image& albedo, const Rect& rect, std::span<float> rgba);
 std::size_t pack_variance(const Frame& frame, const AovSet& used, std::span<const std::uint8_t> finite,
                           const Tile& tile, std::span<float> pairs);
 
-/// Half the difference of the half-buffers in a rectangle, as RGB and a 0; black where it is not finite.
-void pack_half_difference(const Frame& frame, const Rect& rect, std::span<float> rgba);
-
 /// The usual depth of a frame, by which depths are made relative: the geometric mean of those that are finite
 /// and positive; 1 without any, or if depth is not in `used`.
 float typical_depth(const Frame& frame, const AovSet& used);

@@ -6,7 +6,6 @@
 #include <string>
 #include <utility>
 
-#include "filter/correct.h"
 #include "filter/estimate_variance.h"
 #include "filter/noisy_inputs.h"
 #include "filter/validate.h"
@@ -58,15 +57,16 @@ WarpInputs add_demodulate_passes(Chain& chain, Extent extent, WarpInputs history
   history.color = irradiance;
   history.stats = stats;
   for (std::size_t i = 0; i < history.additive.size(); ++i) {
+    if (!history.additive[i].is_radiance) continue;
     const ImageId demodulated =
         chain.image(fmt::format("history.irradiance.additive.{}", i), Format::f32x4, extent);
     chain.pass("additive/demodulate")
-        .read("color", history.additive[i])
+        .read("color", history.additive[i].image)
         .read("albedo", history.albedo->previous)
         .write("irradiance", demodulated)
         .constants(params)
         .dispatch(extent);
-    history.additive[i] = demodulated;
+    history.additive[i].image = demodulated;
   }
   return history;
 }
@@ -198,7 +198,7 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
       .constants(params)
       .dispatch(full);
   for (std::size_t i = 0; i < history.additive.size(); ++i) {
-    const ImageId additive = history.additive[i];
+    const auto [additive, is_radiance] = history.additive[i];
     const ImageId taps_of_additive =
         add_resample_taps(chain, settings, window.full, additive, fmt::format("history.additive.{}", i));
     warped.additive.push_back(chain.image(fmt::format("warped.additive.{}", i), Format::f32x4, full));
@@ -212,22 +212,25 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
         .read("share", share)
         .write("warped", warped.additive.back())
         .specialize("resample", static_cast<int>(settings.resample))
-        .specialize("demodulated", history.albedo ? 1 : 0)
+        .specialize("demodulated", history.albedo && is_radiance ? 1 : 0)
         .constants(params)
         .dispatch(full);
   }
   return warped;
 }
 
-ImageId add_carry_pass(Chain& chain, Extent full, const NoisyInputs& noisy) {
-  const ImageId carried = chain.image("carried.cur", Format::f32x4, full);
+std::vector<AdditiveInput> add_noisy_layers(Chain& chain, Extent full, const NoisyInputs& noisy,
+                                            std::span<const gpu::History> history) {
+  const ImageId carried = chain.image("noisy.cur", Format::f32x4, full);
   chain.pass("merge/carry")
       .read("color", noisy.color)
       .read("variance", noisy.variance)
       .write("carried", carried)
       .constants(params::ImageParams{.width = full.width, .height = full.height})
       .dispatch(full);
-  return carried;
+  return {{.color = carried, .history = history[0]},
+          {.color = noisy.features->albedo_depth, .history = history[1], .is_radiance = false},
+          {.color = noisy.features->normal, .history = history[2], .is_radiance = false}};
 }
 
 int resample_margin_px(const Settings& settings) {
@@ -254,14 +257,16 @@ ImageId add_patch_sums(Chain& chain, const Settings& settings, Extent full, Imag
 }
 
 int merge_margin_px(const Settings& settings) {
-  return kVarianceEstimateMargin + correction_margin_px(settings) + validate_margin_px(settings) +
+  return kVarianceEstimateMargin + validate_margin_px(settings) +
          (settings.merge == MergeMode::variance ? settings.patch_radius : 0);
 }
 
 MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
                               const Alignment& alignment) {
-  std::vector<ImageId> additive_history;
-  for (const AdditiveInput& input : inputs.additive) additive_history.push_back(input.history.previous);
+  std::vector<CarriedImage> additive_history;
+  for (const AdditiveInput& input : inputs.additive) {
+    additive_history.push_back({input.history.previous, input.is_radiance});
+  }
   WarpedHistory warped = add_warp_passes(chain, settings, full,
                                          {.color = inputs.history_color.previous,
                                           .stats = inputs.history_stats.previous,
@@ -269,18 +274,6 @@ MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent ful
                                           .additive = std::move(additive_history),
                                           .albedo = inputs.albedo},
                                          alignment.offset);
-  if (settings.correct_levels > 0 && settings.smooth != Smooth::network) {
-    Corrected corrected = add_correction_passes(chain, settings, full,
-                                                {.color = inputs.noisy.color,
-                                                 .variance = inputs.noisy.variance,
-                                                 .exposure = inputs.noisy.exposure,
-                                                 .half_difference = inputs.noisy.half_difference,
-                                                 .estimate = warped.color,
-                                                 .estimate_stats = warped.stats,
-                                                 .additive = std::move(warped.additive)});
-    warped.color = corrected.estimate;
-    warped.additive = std::move(corrected.additive);
-  }
   if (settings.history_clip != HistoryClip::none) {
     if (!inputs.additive.empty()) {
       throw Error(ExitStatus::usage,

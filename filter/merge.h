@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,7 @@ struct FramePair {
 struct AdditiveInput {
   gpu::ImageId color;  ///< as MergeInputs::color
   gpu::History history;
+  bool is_radiance = true;  ///< what the albedo is divided out of
 };
 
 /// Images that the merge works on, all at full resolution and of one size but for the previous history in a
@@ -43,13 +45,19 @@ struct MergeInputs {
   std::optional<FramePair> albedo = {};  ///< as WarpInputs::albedo
 };
 
+/// An image of the history; radiance may be read without the albedo.
+struct CarriedImage {
+  gpu::ImageId image;
+  bool is_radiance = true;
+};
+
 /// What is read of the previous history: colour (f32x4) and statistics (f32x2), in the window if there is
 /// one.
 struct WarpInputs {
   gpu::ImageId color;
   gpu::ImageId stats;
   std::optional<SourceWindow> window = {};
-  std::vector<gpu::ImageId> additive = {};  ///< additive AOVs (f32x4)
+  std::vector<CarriedImage> additive = {};  ///< what goes with the radiance (f32x4)
   std::optional<FramePair> albedo = {};     ///< as pack_albedo gives it, if the history is read without it
 };
 
@@ -68,8 +76,10 @@ WarpedHistory add_warp_passes(gpu::Chain& chain, const Settings& settings, gpu::
 /// How far around the positions that offsets lead to the history is read.
 int resample_margin_px(const Settings& settings);
 
-/// The noisy radiance and its variance as one image (f32x4).
-gpu::ImageId add_carry_pass(gpu::Chain& chain, gpu::Extent full, const NoisyInputs& noisy);
+/// Inputs of the merge for the noisy layers of a new frame, which end in these images:
+/// FilterTask::kNoisyLayers.
+std::vector<AdditiveInput> add_noisy_layers(gpu::Chain& chain, gpu::Extent full, const NoisyInputs& noisy,
+                                            std::span<const gpu::History> history);
 
 /// How far from a pixel the merge reads offsets, the new frame and its variance.
 int merge_margin_px(const Settings& settings);

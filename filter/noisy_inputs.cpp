@@ -12,9 +12,14 @@ NoisyInputs::NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent 
   exposure = chain.input("exposure", Format::f32, {1, 1});
   given_variance_ = chain.input("variance.cur", Format::f32x2, extent);
   const bool fits_albedo = !task.variance_known() && contains(task.used, Aov::albedo);
-  if (use == NoisyUse::smooth || fits_albedo) {
+  if (use == NoisyUse::smooth || fits_albedo || task.smooths_merged()) {
     features = {.albedo_depth = chain.input("albedo_depth", Format::f32x4, extent),
                 .normal = chain.input("normal", Format::f32x4, extent)};
+    own_features = features;
+  }
+  if (task.merged) {
+    own_features = {.albedo_depth = chain.input("own.albedo_depth", Format::f32x4, extent),
+                    .normal = chain.input("own.normal", Format::f32x4, extent)};
   }
   if (task.variance_known()) {
     variance = given_variance_;
@@ -22,9 +27,6 @@ NoisyInputs::NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent 
     variance = add_variance_estimate(chain, extent, color, given_variance_, *features);
   } else {
     variance = add_variance_estimate(chain, extent, color, given_variance_);
-  }
-  if (use == NoisyUse::merge && task.has_halves() && task.corrects_history()) {
-    half_difference = chain.input("half_difference.cur", Format::f32x4, extent);
   }
 }
 
@@ -34,13 +36,12 @@ void NoisyInputs::upload(gpu::Chain& chain, const FilterTask& task, const NewFra
   report.replaced_variances +=
       pack_variance(frame.frame, task.used, frame.finite, tile, chain.upload<float>(given_variance_));
   chain.upload<float>(exposure)[0] = frame.exposure;
-  if (features) {
-    pack_features(frame.frame, task.used, frame.usual_depth, tile.target,
-                  chain.upload<float>(features->albedo_depth), chain.upload<float>(features->normal));
-  }
-  if (half_difference) {
-    pack_half_difference(frame.frame, tile.target, chain.upload<float>(*half_difference));
-  }
+  const auto upload_features = [&](const Frame& source, const FeatureImages& target) {
+    pack_features(source, task.used, frame.usual_depth, tile.target, chain.upload<float>(target.albedo_depth),
+                  chain.upload<float>(target.normal));
+  };
+  if (features) upload_features(frame.frame, *features);
+  if (task.merged) upload_features(*frame.own, *own_features);
 }
 
 }  // namespace becalm::filter

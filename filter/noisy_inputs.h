@@ -9,7 +9,7 @@
 
 namespace becalm::filter {
 
-/// What a noisy frame is an input of: smoothing looks at features, correcting the history at half-buffers.
+/// What a noisy frame is an input of: smoothing looks at features.
 enum class NoisyUse { smooth, merge };
 
 /// A noisy frame, or a tile of it, as the input of a chain.
@@ -21,11 +21,12 @@ class NoisyInputs {
   void upload(gpu::Chain& chain, const FilterTask& task, const NewFrame& frame, const Tile& tile,
               FrameReport& report) const;
 
-  gpu::ImageId color;                           ///< f32x4: pixels that are not finite replaced
-  gpu::ImageId variance;                        ///< f32x2, as MergeInputs::variance
-  gpu::ImageId exposure;                        ///< f32, 1x1
-  std::optional<gpu::ImageId> half_difference;  ///< f32x4: (half_a - half_b) / 2, if history is corrected
-  std::optional<FeatureImages> features;  ///< if frames are smoothed, or the variance is estimated by them
+  gpu::ImageId color;                     ///< f32x4: pixels that are not finite replaced
+  gpu::ImageId variance;                  ///< f32x2, as MergeInputs::variance
+  gpu::ImageId exposure;                  ///< f32, 1x1
+  std::optional<FeatureImages> features;  ///< where something looks at them
+  /// Of merged frames the features of the frame itself, else the same.
+  std::optional<FeatureImages> own_features;
 
  private:
   gpu::ImageId given_variance_;

@@ -73,6 +73,9 @@ Frame output_frame(const NewFrame& frame, const FilterTask& task, MergedFrame ma
   if (contains(diagnostics, Aov::accumulated)) {
     result.image(Aov::accumulated) = std::move(made.accumulated.color);
     result.image(Aov::accumulated_variance) = std::move(made.accumulated.variance);
+    result.image(Aov::accumulated_albedo) = std::move(made.accumulated.albedo);
+    result.image(Aov::accumulated_normal) = std::move(made.accumulated.normal);
+    result.image(Aov::accumulated_depth) = std::move(made.accumulated.depth);
   }
   unpack_additive(frame, task, made.merged.additive, result);
   return result;
@@ -200,7 +203,7 @@ Frame SequenceFilter::State::forward(const NewFrame& frame, FrameReport& report)
     if (contains(task.diagnostics, Aov::accumulated)) merged.accumulated = accumulated(merged.merged);
     merged.merged = merged_smoother->smooth(frame, std::move(merged.merged), report);
   }
-  if (task.settings.correct_levels > 0) restore_energy(frame, task, merged.merged);
+  if (task.settings.restore_energy != 0) restore_energy(frame, task, merged.merged);
   return output_frame(frame, task, std::move(merged), report);
 }
 

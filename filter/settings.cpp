@@ -48,7 +48,7 @@ using Field = std::variant<IntRange, IntChoice, IntList, FloatRange, NamedSet, N
                            Named<HistoryClip>, Named<ClipSpace>, Named<Accumulate>, Named<MergeMode>>;
 
 constexpr std::array<std::string_view, 4> kDistanceNames{"l2", "l1", "log_l1", "log_l1_centered"};
-constexpr std::array<std::string_view, 3> kSmoothNames{"none", "regression", "network"};
+constexpr std::array<std::string_view, 3> kSmoothNames{"none", "frames", "merged"};
 constexpr std::array<std::string_view, 2> kDirectionsNames{"forward", "both"};
 constexpr std::array<std::string_view, 3> kMotionNames{"none", "guide", "override"};
 constexpr std::array<std::string_view, 3> kResampleNames{"bilinear", "catmull_rom", "o_moms"};
@@ -104,22 +104,10 @@ const Row kTable[] = {
       "variance mode: 1 reads the history without its albedo and multiplies it by that of the frame, where "
       "frames have one and it differs by more than noise"},
      IntRange{&Settings::demodulate_history, 0, 1}},
-    {{"smooth", "none, regression or network",
-      "what is done to a frame by itself before it is matched and merged"},
+    {{"smooth", "none, frames or merged",
+      "frames: each frame is smoothed before it is matched and merged; merged: noisy frames are merged with "
+      "the weights of smoothed ones, then smoothed"},
      Named<Smooth>{&Settings::smooth, kSmoothNames}},
-    {{"smooth_radius", "integer 1..8", "radius of the window that smooth takes a pixel's value from"},
-     IntRange{&Settings::smooth_radius, 1, 8}},
-    {{"smooth_patch_radius", "integer 1..3", "radius of the patches that smooth compares"},
-     IntRange{&Settings::smooth_patch_radius, 1, 3}},
-    {{"smooth_strength", "number 0.01..10", "standard deviations of noise by which those patches may differ"},
-     FloatRange{&Settings::smooth_strength, 0.01f, 10.0f}},
-    {{"smooth_surfaces", "number 0..100",
-      "how much other normals, albedos and depths keep pixels out of the window; 0: not at all"},
-     FloatRange{&Settings::smooth_surfaces, 0.0f, 100.0f}},
-    {{"smooth_merged", "0 or 1",
-      "network: 1 merges noisy frames by the weights of smoothed ones and smooths what comes out; 0 gives "
-      "smoothed frames merged"},
-     IntRange{&Settings::smooth_merged, 0, 1}},
     {{"validate", "none, or some of depth, normal, id and flow joined by commas",
       "distrusts history that was of another surface than the new frame's, or (flow) whose offsets there and "
       "back disagree"},
@@ -171,10 +159,10 @@ const Row kTable[] = {
      FloatRange{&Settings::significance, 0.0f, 20.0f}},
     {{"max_history", "number 1..100000", "largest number of frames that the history may count for"},
      FloatRange{&Settings::max_history, 1.0f, 100000.0f}},
-    {{"correct_levels", "integer 0..6",
-      "the history's means over blocks of 2 to 2^N pixels are brought to those of the frame, and what comes "
-      "out over 32 and more; 0 leaves both"},
-     IntRange{&Settings::correct_levels, 0, 6}},
+    {{"restore_energy", "0 or 1",
+      "1 brings the mean of blocks of 128 px and more to the noisy frame's, as far as noise does not explain "
+      "the difference"},
+     IntRange{&Settings::restore_energy, 0, 1}},
     {{"additive", "0 or 1",
       "1 denoises direct, indirect and light groups with the beauty's weights, so that they still add up; 0 "
       "passes them on noisy"},
@@ -300,7 +288,7 @@ Settings preset(std::string_view name) {
   settings.motion = MotionUse::guide;
   if (name == "draft") {
     settings.match_downsample = 4;
-    settings.smooth = Smooth::network;
+    settings.smooth = Smooth::frames;
     settings.directions = Directions::forward;
     settings.prefilter = 0;
     settings.blur_radius = {5};
@@ -308,12 +296,8 @@ Settings preset(std::string_view name) {
   } else if (name == "final") {
     settings.match_downsample = 1;
     settings.prefilter = 2;
-    settings.smooth_radius = 7;
-    settings.smooth_strength = 0.3f;
     settings.patch_radius = 2;
-  } else if (name == "balanced") {
-    settings.smooth_radius = 3;
-  } else {
+  } else if (name != "balanced") {
     throw Error(ExitStatus::usage, fmt::format("preset '{}': expected draft, balanced or final", name));
   }
   return settings;

@@ -23,8 +23,9 @@ enum class Resample { bilinear = 0, catmull_rom = 1, o_moms = 2 };
 /// within segments.
 enum class Directions { forward, both };
 
-/// What is done to a frame by itself before it is matched and merged.
-enum class Smooth { none, regression, network };
+/// What is smoothed: nothing; each frame before it is matched and merged; or each frame, so that the weights
+/// of the merge are known, and then the noisy frames that were merged with them.
+enum class Smooth { none, frames, merged };
 
 /// How the merge weighs history against the new frame.
 enum class MergeMode { mask, variance };
@@ -65,12 +66,7 @@ struct Settings {
 
   Resample resample = Resample::catmull_rom;
   int demodulate_history = 1;
-  Smooth smooth = Smooth::regression;
-  int smooth_radius = 5;
-  int smooth_patch_radius = 1;
-  float smooth_strength = 0.35f;
-  float smooth_surfaces = 1.0f;
-  int smooth_merged = 0;
+  Smooth smooth = Smooth::merged;
   unsigned validate = 0;  ///< flags of Validate
   float validate_bias = 0.2f;
   float depth_tolerance = 0.05f;
@@ -90,7 +86,7 @@ struct Settings {
   int patch_radius = 1;
   float significance = 0.0f;
   float max_history = 64.0f;
-  int correct_levels = 4;
+  int restore_energy = 1;
   int additive = 1;
 };
 

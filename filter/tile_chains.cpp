@@ -125,26 +125,25 @@ TileChain::TileChain(gpu::Device& device, const FilterTask& task, const PyramidS
   merged.stats = chain.image("history.stats.next", Format::f32x2, target_extent);
   additive = additive_inputs(chain, task.additive, target_extent, "additive.cur");
   history_additive = additive_inputs(chain, task.carried(), source_extent, "history.additive.prev");
-  std::vector<gpu::ImageId> carried = additive;
-  if (task.smooths_merged()) carried.push_back(add_carry_pass(chain, target_extent, noisy));
-  std::vector<AdditiveInput> additive_merged;
-  for (std::size_t i = 0; i < carried.size(); ++i) {
+  std::vector<gpu::History> history;
+  for (std::size_t i = 0; i < task.carried(); ++i) {
     const std::string name = fmt::format("history.additive.next.{}", i);
     merged.additive.push_back(chain.image(name, Format::f32x4, target_extent));
-    additive_merged.push_back({carried[i], {history_additive[i], merged.additive[i]}});
+    history.push_back({history_additive[i], merged.additive[i]});
   }
-  merged.outputs = add_merge_passes(chain, settings, target_extent,
-                                    {.noisy = noisy,
-                                     .color = color,
-                                     .variance = variance,
-                                     .history_color = {history_color, merged.color},
-                                     .history_stats = {history_stats, merged.stats},
-                                     .history_window = window,
-                                     .rules = rules,
-                                     .surface = surface.value_or(FramePair{}),
-                                     .additive = additive_merged,
-                                     .albedo = albedo},
-                                    {merged.offset, found.residual});
+  merged.outputs =
+      add_merge_passes(chain, settings, target_extent,
+                       {.noisy = noisy,
+                        .color = color,
+                        .variance = variance,
+                        .history_color = {history_color, merged.color},
+                        .history_stats = {history_stats, merged.stats},
+                        .history_window = window,
+                        .rules = rules,
+                        .surface = surface.value_or(FramePair{}),
+                        .additive = carried_inputs(chain, task, target_extent, noisy, additive, history),
+                        .albedo = albedo},
+                       {merged.offset, found.residual});
   add_outputs(chain, task, merged);
   chain.plan();
 }

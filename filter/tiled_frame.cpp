@@ -10,7 +10,6 @@
 
 #include "filter/additive.h"
 #include "filter/ceil_div.h"
-#include "filter/correct.h"
 #include "filter/host_images.h"
 #include "filter/merge.h"
 #include "filter/validate.h"
@@ -109,7 +108,6 @@ void TiledFrame::plan(gpu::Device& device, std::uint64_t memory_limit) {
     TileRules rules = search_tile_rules(settings, device.info(), levels, coarse, merge_margin_px(settings));
     if (contains(task_.used, Aov::motion)) rules.reach = reach_of_motion_px(settings, full, levels);
     rules.reach += resample_margin_px(settings);
-    rules.grid = std::lcm(rules.grid, correction_grid_px(settings));
     const TileRules feature_rules = local_tile_rules(feature_margin_px(settings), rules.core_grid);
     std::unique_ptr<Chains> chains;
     std::vector<Tile> feature_tiles;

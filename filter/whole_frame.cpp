@@ -76,14 +76,12 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
   }
 
   additive_ = additive_inputs(chain_, task_.additive, full, "additive.cur");
-  std::vector<gpu::ImageId> carried = additive_;
-  if (task_.smooths_merged()) carried.push_back(add_carry_pass(chain_, full, noisy_));
-  std::vector<AdditiveInput> additive;
-  for (const gpu::ImageId input : carried) {
-    const std::string name = fmt::format("history.additive.{}", additive.size());
-    additive.push_back({input, chain_.history(name, Format::f32x4, full)});
-    merged_.additive.push_back(additive.back().history.next);
+  std::vector<gpu::History> history;
+  for (std::size_t i = 0; i < task_.carried(); ++i) {
+    history.push_back(chain_.history(fmt::format("history.additive.{}", i), Format::f32x4, full));
+    merged_.additive.push_back(history.back().next);
   }
+  const std::vector<AdditiveInput> additive = carried_inputs(chain_, task_, full, noisy_, additive_, history);
 
   merged_.color = history_color.next;
   merged_.stats = history_stats.next;

@@ -31,8 +31,11 @@ enum class Aov {
   residual,
   accumulated,
   accumulated_variance,
+  accumulated_albedo,
+  accumulated_normal,
+  accumulated_depth,
 };
-inline constexpr std::size_t kAovCount = 21;
+inline constexpr std::size_t kAovCount = 24;
 
 using AovSet = std::bitset<kAovCount>;
 
@@ -80,6 +83,10 @@ inline constexpr std::array<AovInfo, kAovCount> kAovTable{{
     {Aov::accumulated, "accumulated", "RGB", true,
      "noisy frames merged, as the last smoothing sees them, if there is one"},
     {Aov::accumulated_variance, "accumulated_variance", "Y", true, "variance of that"},
+    {Aov::accumulated_albedo, "accumulated_albedo", "RGB", true, "albedo merged alike"},
+    {Aov::accumulated_normal, "accumulated_normal", "XYZ", true, "normal merged alike"},
+    {Aov::accumulated_depth, "accumulated_depth", "Y", true,
+     "depth merged alike, as 2 z / (z + the frame's typical depth)"},
 }};
 
 constexpr const AovInfo& info(Aov aov) {

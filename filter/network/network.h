@@ -10,9 +10,14 @@
 #include "filter/gpu/chain.h"
 #include "filter/network/weights.h"
 #include "filter/noisy_inputs.h"
-#include "filter/smooth.h"
 
 namespace becalm::filter {
+
+struct Smoothed {
+  gpu::ImageId color;                  ///< f32x4
+  gpu::ImageId stats;                  ///< f32x2: (variance left, 1; or 0 for a pixel that is not finite)
+  std::vector<gpu::ImageId> additive;  ///< f32x4
+};
 
 /// The passes that smooth a frame by a network: it looks at the frame and its features and says, for each
 /// pixel of five scales, which pixels around it belong together; the radiance goes through those windows,

@@ -79,7 +79,7 @@ NetworkWeights parse_weights(std::span<const std::byte> file) {
   }
   for (std::size_t i = 0; i < kScales; ++i)
     weights.confidence[i] = reader.take_layer(c[i], 1 + kAffinities, 1);
-  weights.albedo = reader.take_layer(c[0], kWindowTaps, 1);
+  weights.albedo = reader.take_layer(c[0], 2 * kWindowTaps, 1);
   weights.error = reader.take_layer(c[0], 1, 1);
   if (!reader.at_end()) throw std::invalid_argument("network weights: the file is too long");
   return weights;

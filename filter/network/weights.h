@@ -9,8 +9,8 @@ namespace becalm::filter {
 
 /// Scales of the network: each is half as large as the one before.
 constexpr std::size_t kScales = 5;
-/// Channels that the network sees of a frame; shaders/network/inputs.comp makes them.
-constexpr int kNetworkInputs = 12;
+/// Channels that the network sees of a frame, the last one empty; shaders/network/inputs.comp makes them.
+constexpr int kNetworkInputs = 20;
 /// Pixels of a window whose weights it predicts, and pixels of the coarser scale's result besides.
 constexpr int kWindowTaps = 25;
 constexpr int kCoarseTaps = 4;
@@ -42,8 +42,8 @@ struct NetworkWeights {
   Layer finish;                           ///< the last one of the finest scale
   std::array<Layer, kScales> window;      ///< logits of the window's pixels, and of the coarser ones
   std::array<Layer, kScales> confidence;  ///< logit of how much a pixel counts; its affinities
-  Layer albedo;                           ///< logits of the window that the albedo is taken from
-  Layer error;                            ///< log of the squared relative error to be expected
+  Layer albedo;  ///< logits of the windows that the albedo is taken from: merged, own
+  Layer error;   ///< log of the squared relative error to be expected
 };
 
 /// Reads a file of export.py. Throws std::invalid_argument if it is none, or of another size.

@@ -70,6 +70,9 @@ constexpr Alias kAliases[] = {
     {.aov = Aov::residual, .layer = "residual"},
     {.aov = Aov::accumulated, .layer = "accumulated"},
     {.aov = Aov::accumulated_variance, .layer = "accumulated_variance"},
+    {.aov = Aov::accumulated_albedo, .layer = "accumulated_albedo"},
+    {.aov = Aov::accumulated_normal, .layer = "accumulated_normal"},
+    {.aov = Aov::accumulated_depth, .layer = "accumulated_depth"},
 };
 
 constexpr std::string_view kVraysNames[] = {"noiselevel", "zdepth",          "normals", "bump_normals",

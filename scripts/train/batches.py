@@ -16,16 +16,22 @@ CLEAN_FEATURES = 0.35
 
 
 def with_features_dropped(rng, features):
-    """Features (7 channels) with some taken away, as the filter packs a frame that lacks them."""
-    features = features.copy()
+    """Features (2 x 7 channels) with some taken away, as the filter packs a frame that lacks them."""
+    features = features.copy().reshape(2, 7, *features.shape[1:])
     nothing = rng.random() < 0.07  # beauty alone
     if nothing or rng.random() < WITHOUT_ALBEDO:
-        features[:3] = 1.0
+        features[:, :3] = 1.0
     if nothing or rng.random() < WITHOUT_NORMAL:
-        features[3:6] = 0.0
+        features[:, 3:6] = 0.0
     if nothing or rng.random() < WITHOUT_DEPTH:
-        features[6] = 0.0
-    return features
+        features[:, 6] = 0.0
+    return features.reshape(14, *features.shape[2:])
+
+
+def features_of(pair, clean):
+    """The merged features, then the frame's own: 2 x 7 channels."""
+    own = pair.features[2 if pair.merged else 0]
+    return np.concatenate([pair.features[1]] * 2 if clean else [pair.features[0], own])
 
 
 def crop(rng, pair, size):
@@ -35,7 +41,7 @@ def crop(rng, pair, size):
     x = rng.integers(width - size + 1)
     cut = lambda a: a[..., y : y + size, x : x + size].astype(np.float32)
     color = cut(pair.color)
-    features = with_features_dropped(rng, cut(pair.features[1 if rng.random() < CLEAN_FEATURES else 0]))
+    features = with_features_dropped(rng, cut(features_of(pair, rng.random() < CLEAN_FEATURES)))
     variance = np.full((1, size, size), -1.0, np.float32)
     gain = np.exp(rng.normal() * EXPOSURE_SPREAD)
     if pair.variances and (pair.merged or rng.random() >= WITHOUT_VARIANCE):
@@ -47,7 +53,11 @@ def crop(rng, pair, size):
     color, references = color[channels] * gain, references[:, channels] * gain
     axes = rng.permutation(3)
     signs = rng.choice([-1.0, 1.0], (3, 1, 1)).astype(np.float32)
-    features = np.concatenate([features[:3][channels], features[3:6][axes] * signs, features[6:]])
+    albedos, normals = [0, 7], [3, 10]
+    for first in albedos:
+        features[first : first + 3] = features[first : first + 3][channels]
+    for first in normals:
+        features[first : first + 3] = features[first : first + 3][axes] * signs
     arrays = [color, variance, features, references]
     if rng.random() < 0.5:
         arrays = [a[..., ::-1] for a in arrays]
@@ -68,7 +78,7 @@ def whole_frame(pair, clean=False, with_variance=True):
     height, width = (n // 16 * 16 for n in pair.color.shape[1:])
     cut = lambda a: torch.from_numpy(np.asarray(a)[..., :height, :width].astype(np.float32))[None]
     variance = cut(pair.variances[0]) ** 2 if pair.variances and with_variance else -torch.ones(1, 1, height, width)
-    return [cut(pair.color), variance, cut(pair.features[1 if clean else 0]), cut(np.stack(pair.references))]
+    return [cut(pair.color), variance, cut(features_of(pair, clean)), cut(np.stack(pair.references))]
 
 
 def is_held_out(folder):

@@ -2,7 +2,7 @@
 
 import torch
 
-from network import LOSS_FLOOR, LOSS_SCALE, divisor_of, network_inputs
+from network import FEATURES, LOSS_FLOOR, LOSS_SCALE, divisor_of, network_inputs
 
 # A pixel counts for at most this: else fireflies of the references rule the gradient.
 LARGEST_RELATIVE = 16.0
@@ -16,14 +16,14 @@ SHARE_OF_ERROR = 0.05
 def smoothed(network, batch, layout=torch.channels_last):
     """The network's result for a batch, and the log of its relative squared error."""
     color, variance, features, _ = batch
-    albedo, normal, depth = features[:, :3], features[:, 3:6], features[:, 6:7]
-    divisor = divisor_of(albedo)
+    features, own = features[:, :FEATURES], features[:, FEATURES:]
+    divisor, own_divisor = divisor_of(features[:, :3]), divisor_of(own[:, :3])
     of_divisor = (divisor * divisor).mean(1, keepdim=True)
     known = variance >= 0
     irradiance_variance = torch.where(known, variance / of_divisor, variance)
     irradiance = color / divisor
-    inputs = network_inputs(irradiance, irradiance_variance, albedo, normal, depth)
-    return network(inputs.contiguous(memory_format=layout), irradiance, divisor)
+    inputs = network_inputs(irradiance, irradiance_variance, features, own)
+    return network(inputs.contiguous(memory_format=layout), irradiance, divisor, own_divisor)
 
 
 def random_scales(count):

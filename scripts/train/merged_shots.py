@@ -47,13 +47,14 @@ def read_channels(path, names):
 
 
 def merge(becalm, folder, frames, wanted, preset, directions):
-    """The frame `wanted` merged from files of `frames`: radiance and its variance."""
+    """The frame `wanted` merged from files of `frames`: radiance, its variance, and features of 7 channels."""
     subprocess.run([becalm, "denoise", f"{folder}/in.####.exr", "-o", f"{folder}/out.####.exr", "--frames", frames, "--quiet",
-                    "--diagnostics", "--threads", "1", "--preset", preset, "--set", "smooth=network", "--set", "smooth_merged=1",
+                    "--diagnostics", "--threads", "1", "--preset", preset, "--set", "smooth=merged",
                     "--set", f"directions={directions}", "--cuts", "none"], check=True)
-    path = f"{folder}/out.{wanted:04d}.exr"
-    return (read_channels(path, ["accumulated.R", "accumulated.G", "accumulated.B"]),
-            read_channels(path, ["accumulated_variance.Y"]))
+    channels = [f"accumulated.{c}" for c in "RGB"] + ["accumulated_variance.Y"] + [f"accumulated_albedo.{c}" for c in "RGB"]
+    channels += [f"accumulated_normal.{c}" for c in "XYZ"] + ["accumulated_depth.Y"]
+    layers = read_channels(f"{folder}/out.{wanted:04d}.exr", channels)
+    return layers[:3], layers[3:4], layers[4:].astype(np.float16)
 
 
 def merge_shot(becalm, folder):
@@ -74,13 +75,14 @@ def merge_shot(becalm, folder):
                 if frame == wanted:
                     of_wanted = layers
             frames = f"1-{wanted}" if directions == "forward" else str(wanted)
-            color, variance = merge(becalm, temporary, frames, wanted, MATCHING[rng.integers(len(MATCHING))], directions)
+            color, variance, features = merge(becalm, temporary, frames, wanted, MATCHING[rng.integers(len(MATCHING))],
+                                              directions)
             exposure = shots.exposure_of(of_wanted["color"])
             finite = all(np.isfinite(image).all() for image in (color, variance, a["color"], b["color"]))
             if exposure == 0.0 or not finite:
                 continue
             pair = shots.packed_pair(color * exposure, [np.sqrt(variance) * exposure],
-                                     [shots.packed_features(of_wanted), clean], [r["color"] * exposure for r in (a, b)])
+                                     [features, clean, shots.packed_features(of_wanted)], [r["color"] * exposure for r in (a, b)])
             arrays.update({f"{directions}.{wanted:04d}.{name}": array for name, array in pair.items()})
     shots.save(f"{folder}/{shots.MERGED}", arrays)
 
@@ -89,8 +91,10 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("data")
     parser.add_argument("--becalm", required=True, help="the program")
+    parser.add_argument("--part", default="1/1", metavar="I/N", help="each Nth shot alone, from the Ith")
     args = parser.parse_args()
-    for folder in shots.complete_shots(args.data):
+    part, parts = map(int, args.part.split("/"))
+    for folder in shots.complete_shots(args.data)[part - 1::parts]:
         if not os.path.exists(f"{folder}/{shots.MERGED}"):
             merge_shot(args.becalm, folder)
             print(folder, flush=True)

@@ -10,7 +10,8 @@ import torch.nn as nn
 import torch.nn.functional as F
 
 CHANNELS = {"standard": (16, 24, 32, 48, 64), "small": (8, 16, 24, 32, 48)}
-INPUTS = 12
+INPUTS = 20  # 19, and a channel of zeros: four to a plane
+FEATURES = 7  # albedo, normal, depth
 WINDOW = 5
 TAPS = WINDOW * WINDOW
 COARSE_TAPS = 4
@@ -40,8 +41,12 @@ def replicate(x, pad):
     return F.pad(x, (pad, pad, pad, pad), mode="replicate")
 
 
-def network_inputs(irradiance, variance, albedo, normal, depth):
-    """The 12 input channels, from exposed radiance without albedo, its variance (negative: unknown), and the features."""
+def network_inputs(irradiance, variance, features, own):
+    """All input channels, from exposed radiance without albedo, its variance (negative: unknown), and features.
+
+    `features` were merged with the weights of the radiance, `own` are those of the frame itself; of a single frame both are
+    the same.
+    """
     t = 0.5 * torch.log1p(10.0 * irradiance.clamp(min=0.0))
     grey = t.mean(1, keepdim=True)
     padded = replicate(grey, 2)
@@ -51,7 +56,7 @@ def network_inputs(irradiance, variance, albedo, normal, depth):
     known = variance >= 0.0
     relative = torch.log1p(variance.clamp(min=0.0).sqrt() / (light + 0.1))
     noise = torch.where(known, relative, -torch.ones_like(relative))
-    return torch.cat([t, albedo, normal, depth, noise, deviation], 1)
+    return torch.cat([t, features, noise, deviation, own, torch.zeros_like(noise)], 1)
 
 
 class Convolution(nn.Module):
@@ -78,13 +83,13 @@ class Network(nn.Module):
         self.window = nn.ModuleList(nn.Conv2d(k, LOGITS if i + 1 < len(c) else TAPS, 1) for i, k in enumerate(c))
         # The first output is the logit of the confidence, the others are affinities.
         self.confidence = nn.ModuleList(nn.Conv2d(k, 1 + AFFINITIES, 1) for k in c)
-        self.albedo = nn.Conv2d(c[0], TAPS, 1)
+        self.albedo = nn.Conv2d(c[0], 2 * TAPS, 1)  # windows of the merged albedo and of the frame's own
         self.error = nn.Conv2d(c[0], 1, 1)
         for head in [*self.window, *self.confidence, self.albedo, self.error]:
             nn.init.normal_(head.weight, std=0.01)
             nn.init.zeros_(head.bias)
         with torch.no_grad():
-            self.albedo.bias[TAPS // 2] = ALBEDO_CENTRE
+            self.albedo.bias[TAPS // 2 :: TAPS] = ALBEDO_CENTRE
             for head in self.window[:-1]:
                 head.bias[TAPS:] = torch.log(torch.tensor(BILINEAR)) + 1.0
             for head in self.confidence:
@@ -105,7 +110,7 @@ class Network(nn.Module):
         out[0] = self.finish(out[0])
         return out
 
-    def forward(self, inputs, irradiance, divisor, valid=None):
+    def forward(self, inputs, irradiance, divisor, own_divisor, valid=None):
         """The smoothed radiance (exposed, with albedo again) and the log of its squared relative error.
 
         Width and height are multiples of 16. `valid` is 0 for pixels that do not count, else 1.
@@ -124,7 +129,8 @@ class Network(nn.Module):
         result = None
         for value, count, x, head, distance in reversed(list(zip(values, counts, f, self.window, distances))):
             result = mixed(head(x), distance, value, count, result)
-        smooth_divisor = window_mean(torch.softmax(self.albedo(f[0]) - distances[0], 1), divisor)
+        of_albedo = torch.softmax(self.albedo(f[0]) - torch.cat([distances[0], distances[0]], 1), 1)
+        smooth_divisor = window_mean(of_albedo[:, :TAPS], divisor) + window_mean(of_albedo[:, TAPS:], own_divisor)
         log_error = self.error(f[0]).clamp(-12.0, LARGEST_LOG_ERROR)
         return result * smooth_divisor, log_error
 

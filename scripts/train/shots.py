@@ -42,7 +42,8 @@ class Pair:
     name: str
     color: np.ndarray
     variances: list  # what the renderer tells of the noise: its own variance, that of the halves; may be empty
-    features: list  # (albedo, normal, depth) as 7 channels: as noisy as the frame, then of the references
+    # (albedo, normal, depth) as 7 channels: as the radiance, of the references, and of a merged frame its own.
+    features: list
     references: list  # two
     merged: bool = False  # of several frames, whose variance is always known
 

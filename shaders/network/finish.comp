@@ -1,6 +1,6 @@
-// Reads the finest scale's features, its result, the frame and its albedo; writes the smoothed radiance with an albedo again,
-// that of the pixel's window as the network weighs it, and (variance left, 1), from the error that the network expects. A pixel
-// that is not finite stays as it is.
+// Reads the finest scale's features, its result, the frame, its albedo and, of a merged frame, that of the frame itself; writes
+// the smoothed radiance with an albedo again, that of the pixel's windows in both as the network weighs them, and (variance
+// left, 1), from the error that the network expects. A pixel that is not finite stays as it is.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -21,12 +21,13 @@ layout(set = 0, binding = 4) uniform samplerBuffer color;
 layout(set = 0, binding = 5) uniform samplerBuffer variance;
 layout(set = 0, binding = 6) uniform samplerBuffer albedo_depth;
 layout(set = 0, binding = 7) uniform samplerBuffer exposure;
-layout(std430, set = 0, binding = 8) writeonly buffer SmoothedBuffer { vec4 data[]; } smoothed;
-layout(std430, set = 0, binding = 9) writeonly buffer StatsBuffer { vec2 data[]; } stats;
+layout(set = 0, binding = 8) uniform samplerBuffer own_albedo_depth;
+layout(std430, set = 0, binding = 9) writeonly buffer SmoothedBuffer { vec4 data[]; } smoothed;
+layout(std430, set = 0, binding = 10) writeonly buffer StatsBuffer { vec2 data[]; } stats;
 
 #include "lib/window.glsl"
 
-const int kMostOutputs = kTaps + 1;  // the last one is the log of the squared relative error
+const int kMostOutputs = 2 * kTaps + 1;  // the last one is the log of the squared relative error
 #include "lib/head.glsl"
 
 void main() {
@@ -40,16 +41,20 @@ void main() {
     const ivec2 tap = clamp(at + window_offset(t), ivec2(0), ivec2(p.padded_width, p.padded_height) - 1);
     const vec4 d = texelFetch(affinities, tap.y * p.padded_width + tap.x) - own_affinities;
     head[t] -= dot(d, d);
+    head[kTaps + t] -= dot(d, d);
   }
   float largest = head[0];
-  [[unroll]] for (int t = 1; t < kTaps; ++t) largest = max(largest, head[t]);
+  [[unroll]] for (int t = 1; t < 2 * kTaps; ++t) largest = max(largest, head[t]);
   vec3 divisor = vec3(0.0);
   float total = 0.0;
   [[unroll]] for (int t = 0; t < kTaps; ++t) {
     const ivec2 tap = clamp(at + window_offset(t), ivec2(0), ivec2(p.width, p.height) - 1);
+    const int from = tap.y * p.width + tap.x;
     const float weight = exp(head[t] - largest);
-    divisor += weight * divisor_of(texelFetch(albedo_depth, tap.y * p.width + tap.x).rgb);
-    total += weight;
+    const float own_weight = exp(head[kTaps + t] - largest);
+    divisor += weight * divisor_of(texelFetch(albedo_depth, from).rgb);
+    divisor += own_weight * divisor_of(texelFetch(own_albedo_depth, from).rgb);
+    total += weight + own_weight;
   }
   divisor /= total;
   const int index = at.y * p.width + at.x;
@@ -57,7 +62,7 @@ void main() {
   const vec4 own = texelFetch(color, index);
   const vec2 own_stats = texelFetch(variance, index).xy;
   const vec3 exposed = texelFetch(irradiance, padded).rgb * divisor;
-  const float left = variance_of_error(head[kTaps], dot(exposed, exposed) / 3.0) / exposed_to / exposed_to;
+  const float left = variance_of_error(head[2 * kTaps], dot(exposed, exposed) / 3.0) / exposed_to / exposed_to;
   if (at != ivec2(gl_GlobalInvocationID.xy)) return;
   smoothed.data[index] = own_stats.y > 0.0 ? vec4(exposed / exposed_to, own.a) : own;
   stats.data[index] = own_stats.y > 0.0 ? vec2(min(left, kLargestVariance), 1.0) : own_stats;

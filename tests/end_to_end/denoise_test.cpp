@@ -197,6 +197,8 @@ TEST_F(Denoise, BothEyesAreDenoisedWithTheirOwnLayers) {
     io::write_exr(frame_path(folder_ / "left.####.exr", number), left, {}, io::PixelType::float32);
     io::write_exr(frame_path(folder_ / "right.####.exr", number), right, {}, io::PixelType::float32);
   }
+  const std::string plan = becalm_done(command("out.####.exr", {"--dry-run"})).out;
+  EXPECT_NE(plan.find("right: beauty=right.R"), std::string::npos) << plan;
   becalm_done(command("out.####.exr"));
   for (const std::string eye : {"left", "right"}) {
     becalm_done({"denoise", folder_ / (eye + ".####.exr"), "-o", folder_ / (eye + ".calm.####.exr")});
@@ -236,6 +238,10 @@ TEST_F(Denoise, LayersThatAddUpToTheBeautyStillDo) {
   for (const int number : {1, 2}) write_lobes(frame_path(input_, number), noise_frame(number));
   const std::string said = "diffuse, specular add up to the beauty and are denoised with it";
   EXPECT_NE(becalm_done({"info", input_}).out.find(said), std::string::npos);
+  const std::string json = becalm_done({"info", input_, "--json"}).out;
+  EXPECT_NE(json.find("\"adds_up\": true"), std::string::npos) << json;
+  const std::string plan = becalm_done(command("out.####.exr", {"--dry-run"})).out;
+  EXPECT_NE(plan.find(said), std::string::npos) << plan;
   becalm_done(command("out.####.exr", {"--preset", "draft"}));
   EXPECT_EQ(io::read_attribute(folder_ / "out.0002.exr", "becalm:additive"), "diffuse,specular");
   const Frame denoised = io::read_exr(folder_ / "out.0002.exr", 2, {}, {.additive = {"diffuse", "specular"}},
@@ -500,8 +506,8 @@ TEST_F(Denoise, MemoryCutsFramesIntoTilesThatNobodySees) {
   for (const int number : {1, 2, 3}) {
     io::write_exr(frame_path(input_, number), noise_frame(number, 400, 320), {}, io::PixelType::float32);
   }
-  // With blocks of 4 px, tiles of frames this small are much smaller than they.
-  std::vector<std::string> options{"--profile", "--quiet", "--set", "correct_levels=2"};
+  // Without smoothing, tiles of frames this small are much smaller than they.
+  std::vector<std::string> options{"--profile", "--quiet", "--set", "smooth=none"};
   const Outcome whole = becalm_done(command("whole.####.exr", options));
   EXPECT_NE(whole.err.find("1 tile of 400x320 px"), std::string::npos) << whole.err;
   options.insert(options.end(), {"--memory", "20M"});

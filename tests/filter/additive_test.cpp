@@ -142,8 +142,9 @@ TEST_F(AdditiveTest, SumsStayWhatTheyAre) {
   const std::vector<std::vector<std::string>> changes{
       {},
       {"resample=o_moms"},
-      {"resample=bilinear", "correct_levels=0"},
+      {"resample=bilinear", "restore_energy=0"},
       {"smooth=none", "validate=depth,normal", "luminance_weight=1"},
+      {"smooth=frames"},
       {"merge=mask"}};
   for (const char* name : {"draft", "final"}) {
     for (const std::vector<std::string>& change : changes) {
@@ -187,12 +188,10 @@ TEST_F(AdditiveTest, TheBeautyDoesNotDependOnThem) {
 
 TEST_F(AdditiveTest, TilesDoNotShow) {
   Settings settings = preset("final");
-  settings.correct_levels = 1;
+  settings.smooth = Smooth::none;
   settings.pyramid_levels = 1;
   settings.blur_radius = {1};
   settings.prefilter = 0;
-  settings.smooth_radius = 1;
-  settings.smooth_patch_radius = 1;
   const auto large_frame = [](int number) { return noisy_frame(number, 320, 200); };
   const std::vector<Denoised> whole = denoise(settings, large_frame);
   ASSERT_EQ(memory_.tiles, 1u);

@@ -182,7 +182,7 @@ TEST_P(CombineTest, ExactEstimatesGiveTheForwardOne) {
   for (std::size_t i = 0; i < f.size(); ++i) ASSERT_EQ(found[i].color, f[i].color);
 }
 
-INSTANTIATE_TEST_SUITE_P(Of, CombineTest, testing::Values(Smooth::none, Smooth::regression),
+INSTANTIATE_TEST_SUITE_P(Of, CombineTest, testing::Values(Smooth::none, Smooth::frames),
                          [](const auto& info) {
                            return info.param == Smooth::none ? "NoisyFrames" : "SmoothedFrames";
                          });

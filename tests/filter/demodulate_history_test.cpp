@@ -46,7 +46,7 @@ constexpr float kAnyDifference = 100.0f;
 Settings along_motion(const char* assignment) {
   Settings settings = preset("draft");
   for (const char* change : {"smooth=none", "patch_radius=3", "significance=3", "luminance_weight=0",
-                             "motion=override", "correct_levels=0", assignment})
+                             "motion=override", "restore_energy=0", assignment})
     set(settings, change);
   return settings;
 }
@@ -153,7 +153,7 @@ TEST_F(DemodulateHistoryTest, EmittersAndBlackSurfacesKeepTheirBrightness) {
     set(settings, "directions=forward");
     // What the network leaves out of the brightest is given back to them by a third, which is not what is
     // tested here.
-    if (settings.smooth == Smooth::network) set(settings, "correct_levels=0");
+    set(settings, "restore_energy=0");
     SequenceFilter filter(device(), settings, kWidth, kHeight, striped(1).aovs());
     for (int number = 1; number <= 5; ++number) {
       const Denoised denoised = filter.denoise(striped(number));

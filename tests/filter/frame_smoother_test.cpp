@@ -19,21 +19,7 @@ constexpr std::uint64_t kUnlimited = std::numeric_limits<std::uint64_t>::max();
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
-Settings small_windows() {
-  Settings settings = preset("balanced");
-  settings.smooth = Smooth::regression;
-  settings.smooth_radius = 3;
-  settings.smooth_patch_radius = 1;
-  return settings;
-}
-
-Settings with_network() {
-  Settings settings = preset("balanced");
-  settings.smooth = Smooth::network;
-  return settings;
-}
-
-FilterTask task_of(const Frame& frame, const Settings& settings) {
+FilterTask task_of(const Frame& frame, const Settings& settings = preset("balanced")) {
   return {.settings = settings,
           .full = {frame.width(), frame.height()},
           .used = frame.aovs() & wanted_aovs(settings),
@@ -53,7 +39,7 @@ class FrameSmootherTest : public DeviceTest {
     FrameReport report;
     return smoother.smooth(input, report);
   }
-  static Estimate smooth(const Frame& frame, const Settings& settings = small_windows()) {
+  static Estimate smooth(const Frame& frame, const Settings& settings = preset("balanced")) {
     FrameSmoother smoother(device(), task_of(frame, settings), kUnlimited);
     return run(smoother, frame);
   }
@@ -103,76 +89,6 @@ TEST_F(FrameSmootherTest, TextureThatNothingExplainsStaysWhereThereIsLittleNoise
   frame.add(Aov::beauty) = full.image(Aov::beauty);
   const Image& albedo = full.image(Aov::albedo);
   EXPECT_LT(squared_error(smooth(frame).color, albedo), squared_error(frame.image(Aov::beauty), albedo));
-}
-
-/// Light with even noise and a step in it on a surface of one albedo.
-Frame lit_surface(const std::array<float, 3>& albedo) {
-  constexpr float noise = 0.1f;
-  std::mt19937 random(6);
-  std::normal_distribution<float> normal(0, noise);
-  Frame frame(1, 40, 24);
-  Image& beauty = frame.add(Aov::beauty, 1.0f);
-  Image& surface = frame.add(Aov::albedo);
-  Image& variance = frame.add(Aov::variance);
-  for (int y = 0; y < frame.height(); ++y) {
-    for (int x = 0; x < frame.width(); ++x) {
-      const float light = (x < 20 ? 1.0f : 1.25f) + normal(random);
-      for (int c = 0; c < 3; ++c) {
-        beauty.at(x, y, c) = light * albedo[c];
-        surface.at(x, y, c) = albedo[c];
-        variance.at(x, y, c) = std::pow(noise * albedo[c], 2.0f);
-      }
-    }
-  }
-  return frame;
-}
-
-TEST_F(FrameSmootherTest, ColouredSurfacesAreSmoothedAsGreyOnes) {
-  const std::array<float, 3> grey{0.4f, 0.4f, 0.4f};
-  const std::array<float, 3> red{0.8f, 0.05f, 0.05f};
-  const Estimate of_grey = smooth(lit_surface(grey));
-  const Estimate of_red = smooth(lit_surface(red));
-  for (std::size_t i = 0; i < of_grey.color.pixel_count(); ++i) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      const float light = of_grey.color.data()[4 * i + c] / grey[c];
-      ASSERT_NEAR(of_red.color.data()[4 * i + c] / red[c], light, 0.01f * light) << "pixel " << i;
-    }
-  }
-}
-
-TEST_F(FrameSmootherTest, SurfacesAreToldApartWhereTheirLightIsNot) {
-  // A pole of three pixels between what is nearer and what is farther, brighter than both by less than the
-  // noise: no plane over the depth has all three.
-  constexpr float noise = 0.4f;
-  std::mt19937 random(4);
-  std::normal_distribution<float> normal(0, noise);
-  Frame frame(1, 43, 60);
-  Image& beauty = frame.add(Aov::beauty, 1.0f);
-  frame.add(Aov::albedo, 0.5f);
-  frame.add(Aov::variance, noise * noise);
-  Image& depth = frame.add(Aov::depth);
-  const auto is_pole = [](int x) { return x >= 20 && x < 23; };
-  const auto light = [&](int x) { return is_pole(x) ? 1.35f : 1.0f; };
-  for (int y = 0; y < frame.height(); ++y) {
-    for (int x = 0; x < frame.width(); ++x) {
-      depth.at(x, y, 0) = is_pole(x) ? 4.0f : x < 20 ? 2.0f : 8.0f;
-      const float grey = light(x) + normal(random);
-      for (int c = 0; c < 3; ++c) beauty.at(x, y, c) = grey;
-    }
-  }
-  const auto error_of_pole = [&](float surfaces) {
-    Settings settings = small_windows();
-    settings.smooth_radius = 6;
-    settings.smooth_strength = 1.0f;
-    settings.smooth_surfaces = surfaces;
-    const Estimate smoothed = smooth(frame, settings);
-    double sum = 0;
-    for (int y = 0; y < frame.height(); ++y) {
-      for (int x = 20; x < 23; ++x) sum += std::pow(smoothed.color.at(x, y, 1) - light(x), 2);
-    }
-    return sum;
-  };
-  EXPECT_LT(error_of_pole(1.0f), 0.5 * error_of_pole(0.0f));
 }
 
 TEST_F(FrameSmootherTest, WhatIsBesideTheSunTakesNothingOfIt) {
@@ -227,9 +143,8 @@ Frame with_one_pixel(float value, float variance_there) {
 }
 
 TEST_F(FrameSmootherTest, ALoneBrightSampleIsSmoothedAndAPointOfLightStays) {
-  Settings settings = small_windows();
-  settings.smooth_radius = 7;
-  settings.correct_levels = 0;
+  Settings settings = preset("balanced");
+  settings.restore_energy = 0;
   const Frame speck = with_one_pixel(2.2f, 0.04f);
   const Frame star = with_one_pixel(20.0f, 1e-5f);
   FrameSmoother smoother(device(), task_of(speck, settings), kUnlimited);
@@ -275,9 +190,9 @@ TEST_F(FrameSmootherTest, KeepsTheEnergyOfSkewedNoise) {
       }
     }
   }
-  const auto share_kept = [&](int correct_levels) {
-    Settings settings = small_windows();
-    settings.correct_levels = correct_levels;
+  const auto share_kept = [&](int restore_energy) {
+    Settings settings = preset("balanced");
+    settings.restore_energy = restore_energy;
     FrameSmoother smoother(device(), task_of(frame, settings), kUnlimited);
     const Estimate smoothed = run(smoother, frame);
     double after = 0;
@@ -287,37 +202,18 @@ TEST_F(FrameSmootherTest, KeepsTheEnergyOfSkewedNoise) {
     return after / before;
   };
   EXPECT_NEAR(share_kept(0), 1.0, 0.01);
-  EXPECT_NEAR(share_kept(4), 1.0, 0.005);
-}
-
-TEST_F(FrameSmootherTest, TilesShowNoSeams) {
-  for (const bool with_variance : {true, false}) {
-    Frame frame = textured_frame(133, 157, 0.3f);
-    frame.image(Aov::beauty).at(70, 80, 1) = kNan;
-    if (!with_variance) frame.remove(Aov::variance);
-    FrameSmoother whole(device(), task_of(frame, small_windows()), kUnlimited);
-    ASSERT_EQ(whole.memory().tiles, 1u);
-    const std::uint64_t limit = whole.memory().device_bytes / 2;
-    FrameSmoother tiled(device(), task_of(frame, small_windows()), limit);
-    EXPECT_GE(tiled.memory().tiles, 4u);
-    EXPECT_LE(tiled.memory().device_bytes, limit);
-    const Estimate a = run(whole, frame);
-    const Estimate b = run(tiled, frame);
-    EXPECT_TRUE(std::ranges::equal(a.color.data(), b.color.data()));
-    EXPECT_TRUE(std::ranges::equal(a.stats.data(), b.stats.data()));
-  }
+  EXPECT_NEAR(share_kept(1), 1.0, 0.005);
 }
 
 TEST_F(FrameSmootherTest, IsRefusedWhereTheSmallestTilesAreTooLarge) {
-  EXPECT_THROW(FrameSmoother(device(), task_of(textured_frame(64, 64, 0.3f), small_windows()), 1000),
-               gpu::DeviceLimitError);
+  EXPECT_THROW(FrameSmoother(device(), task_of(textured_frame(64, 64, 0.3f)), 1000), gpu::DeviceLimitError);
 }
 
 /// What no number of the pixels' surroundings may break: each is put into some pixels of one AOV.
 TEST_F(FrameSmootherTest, ExtremesStayFinite) {
   Frame frame = textured_frame(40, 24, 0.3f);
   for (const Aov aov : {Aov::normal, Aov::depth, Aov::half_a, Aov::half_b}) frame.add(aov, 0.5f);
-  FrameSmoother smoother(device(), task_of(frame, small_windows()), kUnlimited);
+  FrameSmoother smoother(device(), task_of(frame), kUnlimited);
   const auto expect_finite = [&](const Frame& input, const char* what) {
     const Estimate smoothed = run(smoother, input);
     const std::vector<std::uint8_t> finite = finite_pixels(input.image(Aov::beauty));
@@ -363,14 +259,13 @@ TEST_F(FrameSmootherTest, SizesFromOnePixelUp) {
   }
 }
 
-TEST_F(FrameSmootherTest, TheNetworksTilesShowNoSeams) {
+TEST_F(FrameSmootherTest, TilesShowNoSeams) {
   Frame frame = textured_frame(613, 415, 0.3f);
   frame.image(Aov::beauty).at(70, 80, 1) = kNan;
-  const Settings settings = with_network();
-  FrameSmoother whole(device(), task_of(frame, settings), kUnlimited);
+  FrameSmoother whole(device(), task_of(frame), kUnlimited);
   ASSERT_EQ(whole.memory().tiles, 1u);
   const std::uint64_t limit = whole.memory().device_bytes * 9 / 10;
-  FrameSmoother tiled(device(), task_of(frame, settings), limit);
+  FrameSmoother tiled(device(), task_of(frame), limit);
   EXPECT_GE(tiled.memory().tiles, 2u);
   EXPECT_LE(tiled.memory().device_bytes, limit);
   const Estimate a = run(whole, frame);
@@ -386,7 +281,7 @@ TEST_F(FrameSmootherTest, WhatHasHardlyAnyNoiseComesOutAsItWentIn) {
   beauty.add(Aov::beauty) = frame.image(Aov::beauty);
   beauty.add(Aov::variance) = frame.image(Aov::variance);
   const Image& albedo = frame.image(Aov::albedo);
-  EXPECT_LT(squared_error(smooth(beauty, with_network()).color, albedo),
+  EXPECT_LT(squared_error(smooth(beauty).color, albedo),
             1.05 * squared_error(frame.image(Aov::beauty), albedo));
 }
 

@@ -28,7 +28,7 @@ constexpr double kExposure = 1.7;
 Settings uncorrected() {
   Settings settings = preset("balanced");
   settings.smooth = Smooth::none;
-  settings.correct_levels = 0;
+  settings.restore_energy = 0;
   settings.luminance_weight = 0.0f;
   settings.patch_radius = 3;
   settings.significance = 3.0f;
@@ -143,7 +143,7 @@ void expect_agreement(const reference::Merged& found, const reference::Merged& t
 }
 
 class VarianceGainTest : public MergeTest, public testing::WithParamInterface<Smooth> {};
-INSTANTIATE_TEST_SUITE_P(Smooth, VarianceGainTest, testing::Values(Smooth::none, Smooth::regression));
+INSTANTIATE_TEST_SUITE_P(Smooth, VarianceGainTest, testing::Values(Smooth::none, Smooth::frames));
 
 TEST_P(VarianceGainTest, AgreesWithTheReference) {
   Settings settings = uncorrected();

@@ -17,11 +17,12 @@ using reference::Estimate;
 using reference::Grid;
 
 struct Sample {
-  Sample(int width, int height) : pixels(width, height), features(width, height) {}
+  Sample(int width, int height) : pixels(width, height), features(width, height), own(width, height) {}
   gpu::Extent extent() const { return {pixels.width, pixels.height}; }
 
   Grid<Estimate> pixels;
   Grid<reference::SmoothFeatures> features;
+  Grid<reference::SmoothFeatures> own;  ///< of the frame itself, where `features` were merged
   float exposure = 1.7f;
 };
 
@@ -38,6 +39,8 @@ Sample noisy_sample(int width, int height) {
       for (int c = 0; c < 3; ++c) f[c] = static_cast<float>(pattern(2 * x, 2 * y, 4 + c));
       f[3] = static_cast<float>(wall ? 1.4 : 0.4 + 0.01 * y);
       f[wall ? 6 : 5] = 1.0;
+      sample.own.at(x, y) = f;
+      for (int c = 0; c < 3; ++c) sample.own.at(x, y)[c] = static_cast<float>(0.9 * f[c] + 0.02 * (x % 3));
       Estimate& e = sample.pixels.at(x, y);
       const double light = wall ? 0.5 : 1.0 + 0.02 * x;
       for (int c = 0; c < 3; ++c) {
@@ -59,7 +62,9 @@ Grid<Estimate> smooth_on(gpu::Device& device, const Sample& sample, const Networ
                          bool variance_known = true) {
   const gpu::Extent extent = sample.extent();
   gpu::Chain chain(device, "network test");
-  const NoisyInputs noisy(chain, task_with_variance(preset("balanced"), extent), extent, NoisyUse::smooth);
+  FilterTask task = task_with_variance(preset("balanced"), extent);
+  task.merged = true;
+  const NoisyInputs noisy(chain, task, extent, NoisyUse::smooth);
   const NetworkPasses network(chain, weights, extent, noisy, variance_known, {});
   const Smoothed& smoothed = network.smoothed();
   chain.output(smoothed.color);
@@ -68,11 +73,16 @@ Grid<Estimate> smooth_on(gpu::Device& device, const Sample& sample, const Networ
   network.upload_weights(chain);
   chain.upload<float>(noisy.exposure)[0] = sample.exposure;
   upload_estimate(chain, noisy.color, noisy.variance, sample.pixels);
-  for (std::size_t i = 0; i < sample.features.data.size(); ++i) {
-    const reference::SmoothFeatures& f = sample.features.data[i];
-    std::copy_n(f.begin(), 4, chain.upload<float>(noisy.features->albedo_depth).begin() + 4 * i);
-    std::copy_n(f.begin() + 4, 3, chain.upload<float>(noisy.features->normal).begin() + 4 * i);
-  }
+  const auto upload_features = [&](const Grid<reference::SmoothFeatures>& features,
+                                   const FeatureImages& images) {
+    for (std::size_t i = 0; i < features.data.size(); ++i) {
+      const reference::SmoothFeatures& f = features.data[i];
+      std::copy_n(f.begin(), 4, chain.upload<float>(images.albedo_depth).begin() + 4 * i);
+      std::copy_n(f.begin() + 4, 3, chain.upload<float>(images.normal).begin() + 4 * i);
+    }
+  };
+  upload_features(sample.features, *noisy.features);
+  upload_features(sample.own, *noisy.own_features);
   chain.run();
   return download_estimate(chain, smoothed.color, smoothed.stats, extent);
 }
@@ -101,8 +111,8 @@ class NetworkTest : public DeviceTest {
  protected:
   void expect_agreement(const Sample& sample, const NetworkWeights& weights, bool variance_known) {
     const Grid<Estimate> found = smooth_on(device(), sample, weights, variance_known);
-    const Grid<Estimate> truth = reference::smooth_by_network(sample.pixels, sample.features, sample.exposure,
-                                                              weights, variance_known);
+    const Grid<Estimate> truth = reference::smooth_by_network(sample.pixels, {sample.features, sample.own},
+                                                              sample.exposure, weights, variance_known);
     double changed = 0;
     for (int y = 0; y < found.height; ++y) {
       for (int x = 0; x < found.width; ++x) {
@@ -145,6 +155,7 @@ TEST_F(NetworkTest, AnEvenSurfaceStaysAsItIs) {
   Sample sample(40, 24);
   for (Estimate& e : sample.pixels.data) e = {.color = {0.3, 2.0, 5.0, 1.0}, .variance = 0.5, .count = 1.0};
   for (reference::SmoothFeatures& f : sample.features.data) f = {0.5, 0.25, 0.75, 1.0, 0.0, 0.0, 1.0};
+  sample.own = sample.features;
   for (const Estimate& e : smooth_on(device(), sample, random_weights()).data) {
     for (int c = 0; c < 4; ++c) ASSERT_NEAR(e.color[c], sample.pixels.data[0].color[c], 2e-6 * e.color[c]);
   }
@@ -172,7 +183,7 @@ TEST_F(NetworkTest, NothingIsInvented) {
   Sample sample = noisy_sample(40, 24);
   std::array<double, 2> range{1e30, 0.0};
   for (std::size_t i = 0; i < sample.pixels.data.size(); ++i) {
-    for (int c = 0; c < 3; ++c) sample.features.data[i][c] = 1.0;
+    for (int c = 0; c < 3; ++c) sample.features.data[i][c] = sample.own.data[i][c] = 1.0;
     sample.pixels.data[i].count = 1.0;
     range[0] = std::min(range[0], sample.pixels.data[i].color[1]);
     range[1] = std::max(range[1], sample.pixels.data[i].color[1]);

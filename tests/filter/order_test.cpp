@@ -99,7 +99,7 @@ TEST_F(SequenceFilterTest, CalmsAMovingPatternAndKeepsItsEnergy) {
 TEST_F(SequenceFilterTest, MaskModeIsNeverWorseThanNoisyAndKeepsTheEnergy) {
   const std::vector<int> frames{1, 2, 3, 4, 5, 6, 7};
   for (const Directions directions : {Directions::forward, Directions::both}) {
-    for (const Smooth smooth : {Smooth::none, Smooth::regression}) {
+    for (const Smooth smooth : {Smooth::none, Smooth::frames}) {
       Settings settings = preset("balanced");
       settings.merge = MergeMode::mask;
       settings.directions = directions;
@@ -264,7 +264,7 @@ TEST_F(SequenceFilterTest, NoAovsValuesReachFurtherThanTheirPixel) {
   for (const char* merge : {"merge=variance", "merge=mask"}) {
     Settings settings = preset("final");
     for (const char* assignment : {merge, "validate=depth,normal,id", "history_clip=variance", "additive=0",
-                                   "motion=guide", "demodulate=1", "smooth_radius=2", "correct_levels=2"}) {
+                                   "motion=guide", "demodulate=1"}) {
       set(settings, assignment);
     }
     SequenceFilter filter(device(), settings, 24, 20, full_frame(1).aovs());
@@ -311,7 +311,7 @@ TEST_F(SequenceFilterTest, NothingDriftsOverThousandsOfFrames) {
   settings.smooth = Smooth::none;
   settings.luminance_weight = 0.0f;
   settings.patch_radius = 3;
-  settings.correct_levels = 0;
+  settings.restore_energy = 0;
   settings.pyramid_levels = 1;
   settings.motion = MotionUse::override_offset;
   settings.max_history = 100000.0f;

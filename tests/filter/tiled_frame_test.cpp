@@ -114,8 +114,9 @@ class TiledFrameTest : public DeviceTest {
   }
 
   static void expect_same(const Denoised& tiled, const Denoised& whole) {
-    for (const Aov aov : {Aov::beauty, Aov::variance, Aov::flow, Aov::error_mask, Aov::sample_count,
-                          Aov::bias, Aov::gain, Aov::rejected_by, Aov::residual}) {
+    for (const Aov aov :
+         {Aov::beauty, Aov::variance, Aov::flow, Aov::error_mask, Aov::sample_count, Aov::bias, Aov::gain,
+          Aov::rejected_by, Aov::residual, Aov::accumulated, Aov::accumulated_variance}) {
       const auto a = tiled.frame.image(aov).data();
       const auto b = whole.frame.image(aov).data();
       std::size_t different = 0;
@@ -155,49 +156,51 @@ class TiledFrameTest : public DeviceTest {
     }
   }
 
+  static void expect_no_seams_in_both_directions(const Settings& settings, const Scene& scene,
+                                                 const std::vector<int>& frames = {1, 2, 3}) {
+    SequenceFilter whole = make(settings, scene, kUnlimited);
+    const std::uint64_t limit = whole.memory().device_bytes / 2;
+    SequenceFilter tiled = make(settings, scene, limit);
+    EXPECT_GE(tiled.memory().tiles, 2u);
+    EXPECT_LE(tiled.memory().device_bytes, limit);
+    const std::vector<Segment> segments = schedule(frames, {frames.begin(), frames.end()}, {.segment = 4});
+    ASSERT_EQ(segments.size(), 1u);
+    for (const Step& step : segments.front()) {
+      SCOPED_TRACE("frame " + std::to_string(step.frame));
+      const Frame frame = moving_frame(scene, step.frame);
+      Denoised a, b;
+      std::optional<Frame> of_tiles = tiled.run(step, frame, a.report);
+      std::optional<Frame> of_whole = whole.run(step, frame, b.report);
+      ASSERT_EQ(of_tiles.has_value(), step.direction == Direction::forward);
+      ASSERT_EQ(of_whole.has_value(), of_tiles.has_value());
+      if (!of_whole) continue;
+      a.frame = std::move(*of_tiles);
+      b.frame = std::move(*of_whole);
+      expect_same(a, b);
+    }
+  }
+
   /// A preset whose frames may be small and yet be cut: what is done to a frame by itself, and the
   /// correction by large blocks, reach far and have frames of their own below.
   static Settings forward(const char* name) {
     Settings settings = preset(name);
     settings.directions = Directions::forward;
     settings.smooth = Smooth::none;
-    settings.correct_levels = 2;
-    return settings;
-  }
-
-  static Settings smoothed(Settings settings) {
-    settings.smooth = Smooth::regression;
-    settings.smooth_radius = 2;
-    settings.smooth_patch_radius = 1;
     return settings;
   }
 };
 
 TEST_F(TiledFrameTest, ShowsNoSeamsWhereBothDirectionsMeet) {
-  const Scene scene{.width = 357, .height = 325, .halves = true};
-  Settings settings = smoothed(forward("balanced"));
+  Settings settings = forward("balanced");
   settings.directions = Directions::both;
-  SequenceFilter whole = make(settings, scene, kUnlimited);
-  const std::uint64_t limit = whole.memory().device_bytes / 2;
-  SequenceFilter tiled = make(settings, scene, limit);
-  EXPECT_GE(tiled.memory().tiles, 2u);
-  EXPECT_LE(tiled.memory().device_bytes, limit);
-  const std::vector<int> frames{1, 2, 3};
-  const std::vector<Segment> segments = schedule(frames, {1, 2, 3}, {.segment = 4});
-  ASSERT_EQ(segments.size(), 1u);
-  for (const Step& step : segments.front()) {
-    SCOPED_TRACE("frame " + std::to_string(step.frame));
-    const Frame frame = moving_frame(scene, step.frame);
-    Denoised a, b;
-    std::optional<Frame> of_tiles = tiled.run(step, frame, a.report);
-    std::optional<Frame> of_whole = whole.run(step, frame, b.report);
-    ASSERT_EQ(of_tiles.has_value(), step.direction == Direction::forward);
-    ASSERT_EQ(of_whole.has_value(), of_tiles.has_value());
-    if (!of_whole) continue;
-    a.frame = std::move(*of_tiles);
-    b.frame = std::move(*of_whole);
-    expect_same(a, b);
-  }
+  expect_no_seams_in_both_directions(settings, {.width = 357, .height = 325, .halves = true});
+}
+
+TEST_F(TiledFrameTest, ShowsNoSeamsWhereMergedFramesAreSmoothed) {
+  Settings settings = forward("balanced");
+  settings.directions = Directions::both;
+  settings.smooth = Smooth::merged;
+  expect_no_seams_in_both_directions(settings, {.width = 1000, .height = 405}, {1, 2});
 }
 
 TEST_F(TiledFrameTest, ShowsNoSeamsUnderAnyPreset) {
@@ -209,14 +212,14 @@ TEST_F(TiledFrameTest, ShowsNoSeamsUnderAnyPreset) {
 }
 
 TEST_F(TiledFrameTest, ShowsNoSeamsBetweenManySmallTiles) {
-  expect_no_seams(smoothed(forward("final")), {.width = 325, .height = 293}, 0.3, 12, 4);
+  expect_no_seams(forward("final"), {.width = 325, .height = 293}, 0.3, 12, 4);
 }
 
 TEST_F(TiledFrameTest, ShowsNoSeamsUnderOtherSettings) {
   const Scene scene{.width = 357, .height = 325};
   const std::vector<std::vector<const char*>> all{
       {"merge=mask", "mask_level=1", "resample=o_moms"},
-      {"pyramid_factor=4", "demodulate=1", "correct_levels=0"},
+      {"pyramid_factor=4", "demodulate=1", "restore_energy=0"},
       {"blur_radius=12,3"},
       {"distance=l2", "patch_radius=8", "prefilter=4"},
       {"weight_radiance=0", "blur_radius=5", "merge=mask", "luminance_weight=1", "accumulate=exponential"},
@@ -296,8 +299,7 @@ TEST_F(TiledFrameTest, SeesTheWholeHistoryOnlyWhereKnownMotionIsTheOffset) {
 }
 
 TEST_F(TiledFrameTest, TakesLongAndTinyFrames) {
-  Settings settings = smoothed(forward("balanced"));
-  settings.correct_levels = preset("balanced").correct_levels;
+  Settings settings = forward("balanced");
   for (const Scene scene : {Scene{.width = 16384, .height = 16}, {.width = 16, .height = 2500}}) {
     SCOPED_TRACE(scene.width);
     expect_no_seams(settings, scene, 0.5, 2, 2);

@@ -32,7 +32,7 @@ constexpr double kBrightness = 1.1;  // of radiance 1 at an exposure of 1
 Settings uncorrected() {
   Settings settings = preset("final");
   settings.validate = 0;
-  settings.correct_levels = 0;
+  settings.restore_energy = 0;
   settings.luminance_weight = 0.0f;
   settings.patch_radius = 3;
   settings.significance = 3.0f;

@@ -164,7 +164,7 @@ TEST_F(ExrRead, Description) {
 TEST_F(ExrRead, DescriptionOfTwoEyes) {
   write_test_file(path_, {named_part("l", {{"R"}, {"G"}, {"B"}}, "left"),
                           named_part("r", {{"R"}, {"G"}, {"B"}, {"Z"}}, "right")});
-  const std::vector<std::string> lines = describe_exr(path_);
+  const std::vector<std::string> lines = describe_exr(path_).lines();
   EXPECT_NE(std::ranges::find(lines, "  G  half   left beauty.G"), lines.end());
   EXPECT_NE(std::ranges::find(lines, "  G  half   right beauty.G"), lines.end());
   EXPECT_NE(std::ranges::find(lines, "  Z  half   right depth.Z"), lines.end());

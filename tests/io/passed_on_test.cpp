@@ -372,9 +372,11 @@ TEST_F(PassedOn, DenoisingAResultReplacesItsDiagnosticsAndAttributes) {
   EXPECT_EQ(read_exr(result_, 1, AovSet().set()).frame.image(Aov::flow).at(5, 3, 0), 0.3f);
 }
 
-/// Doubles every beauty of the source and writes them.
-void denoise_views(const std::string& source, const std::string& result) {
-  LoadedFrame loaded = read_exr(source, 1, {});
+/// Doubles every beauty of the source, read in this window or its own, and writes them.
+void denoise_views(const std::string& source, const std::string& result,
+                   const std::optional<Imath::Box2i>& seen = std::nullopt,
+                   const DenoisedFormat& format = {}) {
+  LoadedFrame loaded = read_exr(source, 1, {}, {}, LightGroups::leave, seen);
   const auto denoise = [](Frame& frame) {
     for (float& value : frame.image(Aov::beauty).data()) value = 2.0f * value + 1.0f;
     frame.add(Aov::gain, 0.25f);
@@ -385,7 +387,7 @@ void denoise_views(const std::string& source, const std::string& result) {
     denoise(view.frame);
     others.push_back(view.frame);
   }
-  write_denoised_exr(result, loaded.frame, others, loaded, {{"becalm:preset", "final"}});
+  write_denoised_exr(result, loaded.frame, others, loaded, {{"becalm:preset", "final"}}, format);
 }
 
 TEST_F(PassedOn, BothEyesOfOnePart) {
@@ -425,6 +427,29 @@ TEST_F(PassedOn, AnEyeAPart) {
             Imath::half(2.0f * test_value("B", 1, 1) + 1.0f));
   EXPECT_TRUE(result.frame.has(Aov::depth));
   EXPECT_FALSE(result.other_views[0].frame.has(Aov::depth));
+}
+
+TEST_F(PassedOn, EyesOfTwoWindowsSeenInALargerOne) {
+  Imf::Header left = named_part("left", {{"R"}, {"G"}, {"B"}, {"raw.id", Imf::UINT}}, "left");
+  left.dataWindow() = window(2, 0, 3, 4);
+  Imf::Header right = named_part("right", {{"R"}, {"G"}, {"B"}}, "right");
+  right.dataWindow() = window(1, 1, 4, 3);
+  write_test_file(source_, {left, right});
+  denoise_views(source_, result_, window(-1, -2, 8, 9), {.type = PixelType::float32, .compression = "zips"});
+  expect_same_but_for(kBeauty, 0);
+  expect_same_but_for(kBeauty, 1);
+  const LoadedFrame result = read_exr(result_, 1, {});
+  ASSERT_EQ(result.other_views.size(), 1u);
+  EXPECT_EQ(result.window, left.dataWindow());
+  EXPECT_EQ(result.other_views[0].window, right.dataWindow());
+  EXPECT_EQ(result.frame.image(Aov::beauty).at(1, 2, 0), 2.0f * Imath::half(test_value("R", 3, 2)) + 1.0f);
+  EXPECT_EQ(result.other_views[0].frame.image(Aov::beauty).at(2, 1, 2),
+            2.0f * Imath::half(test_value("B", 3, 2)) + 1.0f);
+  for (const int part : {0, 1}) {
+    const Imf::Header after = read_header(result_, part);
+    EXPECT_EQ(after.compression(), Imf::ZIPS_COMPRESSION);
+    for (const char* name : {"R", "G", "B"}) EXPECT_EQ(after.channels()[name].type, Imf::FLOAT) << name;
+  }
 }
 
 TEST_F(PassedOn, OverHalfsRangeIsCounted) {

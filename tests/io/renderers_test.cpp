@@ -116,7 +116,7 @@ TEST_F(Renderers, VRay) {
                             {"variance", "noiseLevel noiseLevel noiseLevel"}}));
   const float noise = test_value("noiseLevel", 3, 2);
   for (int c = 0; c < 3; ++c) EXPECT_EQ(read().frame.image(Aov::variance).at(3, 2, c), noise * noise);
-  const std::vector<std::string> lines = describe_exr(path_);
+  const std::vector<std::string> lines = describe_exr(path_).lines();
   EXPECT_NE(std::ranges::find(lines,
                               "  noiseLevel      float  variance.R squared, variance.G squared, "
                               "variance.B squared"),

@@ -79,6 +79,30 @@ class Shots(unittest.TestCase):
             self.assertLess(losses.rel_mse(torch.from_numpy(np.float32(pair.references[0]))[None],
                                            batches.whole_frame(pair)[3]), 0.01)
 
+    def test_merged_frames_are_read_and_always_tell_their_variance(self):
+        folder = f"{self.folder.name}/becalm-000000"
+        frame = batches.load(self.folder.name)[0][0]
+        merged = shots.packed_pair(frame.color, [0.5 * frame.variances[0]], frame.features, frame.references)
+        shots.save(f"{folder}/{shots.MERGED}", {f"both.0001.{name}": array for name, array in merged.items()})
+        pairs = shots.load_shot(folder)
+        self.assertEqual([p.name for p in pairs], ["becalm-000000/004.0001", "becalm-000000/both.0001"])
+        self.assertEqual([p.merged for p in pairs], [False, True])
+        rng = np.random.default_rng(1)
+        told = lambda pair: sum(batches.crop(rng, pair, SIZE)[1].min() >= 0 for _ in range(100))
+        self.assertEqual(told(pairs[1]), 100)
+        self.assertLess(told(pairs[0]), 90)
+
+    def test_training_begins_with_the_weights_given(self):
+        start = f"{self.folder.name}/start.weights"
+        network = Network(CHANNELS["small"])
+        with open(start, "wb") as file:
+            file.write(export.to_bytes(network))
+        args = train.parse(["--start", start, "--steps", "0", self.folder.name, f"{self.folder.name}/out"])
+        trainer = train.Trainer(args)
+        self.assertEqual(trainer.network.channels, CHANNELS["small"])
+        for found, expected in zip(trainer.network.parameters(), network.parameters()):
+            self.assertLess((found - expected).abs().max().item(), 1e-3)
+
     def test_the_loss_falls_and_training_goes_on_where_it_stopped(self):
         out = f"{self.folder.name}/out"
         def trained(steps):

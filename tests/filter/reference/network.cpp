@@ -107,8 +107,9 @@ struct Inputs {
   Grid<Counted> irradiance;
 };
 
-Inputs inputs_of(const Grid<Estimate>& sample, const Grid<SmoothFeatures>& features, double exposure,
+Inputs inputs_of(const Grid<Estimate>& sample, const TwoFeatures& both, double exposure,
                  bool variance_known) {
+  const Grid<SmoothFeatures>& features = both.merged;
   const int width = sample.width;
   const int height = sample.height;
   Inputs inputs{Planes(width, height), Grid<Counted>(width, height)};
@@ -136,6 +137,7 @@ Inputs inputs_of(const Grid<Estimate>& sample, const Grid<SmoothFeatures>& featu
         }
       }
       const SmoothFeatures& f = features.at(x, y);
+      const SmoothFeatures& own = both.own.at(x, y);
       const std::array<double, 3>& v = inputs.irradiance.at(x, y).value;
       double noise = -1.0;
       if (variance_known) {
@@ -156,7 +158,15 @@ Inputs inputs_of(const Grid<Estimate>& sample, const Grid<SmoothFeatures>& featu
                                   f[6],
                                   f[3],
                                   noise,
-                                  std::sqrt(std::max(squares - sum * sum, 0.0))};
+                                  std::sqrt(std::max(squares - sum * sum, 0.0)),
+                                  own[0],
+                                  own[1],
+                                  own[2],
+                                  own[4],
+                                  own[5],
+                                  own[6],
+                                  own[3],
+                                  0.0};
     }
   }
   return inputs;
@@ -268,10 +278,11 @@ Grid<Estimate> restored(const Grid<Estimate>& sample, const Grid<Estimate>& smoo
 
 }  // namespace
 
-Grid<Estimate> smooth_by_network(const Grid<Estimate>& sample, const Grid<SmoothFeatures>& features,
-                                 double exposure, const filter::NetworkWeights& weights,
-                                 bool variance_known) {
-  const Inputs inputs = inputs_of(padded(sample), padded(features), exposure, variance_known);
+Grid<Estimate> smooth_by_network(const Grid<Estimate>& sample, const TwoFeatures& features, double exposure,
+                                 const filter::NetworkWeights& weights, bool variance_known) {
+  const Grid<SmoothFeatures> merged = padded(features.merged);
+  const Grid<SmoothFeatures> own = padded(features.own);
+  const Inputs inputs = inputs_of(padded(sample), {merged, own}, exposure, variance_known);
   const std::array<Planes, kScales> f = features_of(inputs.channels, weights);
   std::array<Grid<Counted>, kScales> counted;
   for (std::size_t i = 0; i < kScales; ++i) {
@@ -307,10 +318,12 @@ Grid<Estimate> smooth_by_network(const Grid<Estimate>& sample, const Grid<Smooth
         const double distance =
             squared_distance(counted[0].clamped(x + t % 5 - 2, y + t / 5 - 2), counted[0].at(x, y));
         const double weight = std::exp(logits[t] - distance);
+        const double own_weight = std::exp(logits[kWindowTaps + t] - distance);
         for (int c = 0; c < 3; ++c) {
-          exposed[c] += weight * divisor(features.clamped(x + t % 5 - 2, y + t / 5 - 2)[c]);
+          exposed[c] += weight * divisor(features.merged.clamped(x + t % 5 - 2, y + t / 5 - 2)[c]);
+          exposed[c] += own_weight * divisor(features.own.clamped(x + t % 5 - 2, y + t / 5 - 2)[c]);
         }
-        total += weight;
+        total += weight + own_weight;
       }
       double square = 0;
       for (int c = 0; c < 3; ++c) {
