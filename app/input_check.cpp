@@ -10,6 +10,7 @@
 #include "app/frame_problems.h"
 #include "filter/additive.h"
 #include "frame/error.h"
+#include "frame/io/printable.h"
 
 namespace becalm::app {
 namespace {
@@ -81,7 +82,7 @@ std::string difference(const InputLayout& layout, const InputLayout& usual, cons
 
 std::string view_names(const std::vector<InputLayout>& views) {
   std::vector<std::string> names;
-  for (const InputLayout& view : views) names.push_back(view.view);
+  for (const InputLayout& view : views) names.push_back(io::printable(view.view));
   return fmt::format("{}", fmt::join(names, ","));
 }
 
@@ -92,7 +93,7 @@ std::string difference(const std::vector<InputLayout>& views, const std::vector<
                        view_names(usual));
   }
   const auto [view, usual_view] = std::ranges::mismatch(views, usual);
-  const std::string place = view->view.empty() ? "" : fmt::format("view {}: ", view->view);
+  const std::string place = view->view.empty() ? "" : fmt::format("view {}: ", io::printable(view->view));
   return place + difference(*view, *usual_view, usual_path);
 }
 

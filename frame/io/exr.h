@@ -124,8 +124,8 @@ std::span<const std::string_view> compression_names();
 /// compression, windows and attributes, every other channel bit for bit; the frame is cut to the file's
 /// window; diagnostics of the frame are added as layers to the beauty's part, and of its mipmap levels only
 /// the full size is written. `other_views` are the frames of the source's other views, in their order. The
-/// source's file is read again for this: throws Error(bad_input) naming it if it has changed since. Atomic as
-/// write_exr is.
+/// source's file is read again for this: throws Error(bad_input) naming it if it has changed since, or if
+/// its window is not inside the frame's. Atomic as write_exr is.
 WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
                                const std::vector<Frame>& other_views, const LoadedFrame& source,
                                const Attributes& attributes, const DenoisedFormat& format = {});

@@ -294,6 +294,11 @@ void replace_view(const std::string& path, const LoadedView& view, const Frame& 
     throw Error(ExitStatus::bad_input, fmt::format("{}: {}x{} pixels, but the denoised frame has {}x{}", path,
                                                    size.x, size.y, frame.width(), frame.height()));
   }
+  const Imath::Box2i& needed = header.dataWindow();
+  if (!view.window.intersects(needed.min) || !view.window.intersects(needed.max)) {
+    throw Error(ExitStatus::bad_input,
+                fmt::format("{}: its data window is not inside the denoised frame's", path));
+  }
   for (const AovInfo& entry : kAovTable) {
     if (!frame.has(entry.aov)) continue;
     if (entry.diagnostic) {

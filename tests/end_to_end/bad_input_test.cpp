@@ -164,13 +164,6 @@ TEST_F(BadInput, UnknownOption) {
   expect_error(render({"--spectral"}), kUsage, {"render", "--spectral"});
 }
 
-TEST_F(BadInput, OptionsOfLaterWorkAreNotSwallowed) {
-  for (const char* option : {"--motion=swap"}) {
-    expect_error(becalm({"denoise", folder_ / "in.####.exr", "-o", folder_ / "out.####.exr", option}), kUsage,
-                 {std::string(option).substr(0, 6)});
-  }
-}
-
 TEST_F(BadInput, MissingOutput) {
   expect_error(becalm({"render", scene_}), kUsage, {"-o"});
   expect_error(becalm({"denoise", scene_}), kUsage, {"--output"});

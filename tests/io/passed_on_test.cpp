@@ -452,6 +452,17 @@ TEST_F(PassedOn, EyesOfTwoWindowsSeenInALargerOne) {
   }
 }
 
+TEST_F(PassedOn, AFrameSmallerThanTheFilesWindowIsAnError) {
+  write_test_file(source_, {scanline_part(window(0, 0, 6, 4), kMixed)});
+  try {
+    denoise_views(source_, result_, window(0, 1, 9, 9));
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.status(), ExitStatus::bad_input);
+    EXPECT_EQ(std::string(error.what()), source_ + ": its data window is not inside the denoised frame's");
+  }
+}
+
 TEST_F(PassedOn, OverHalfsRangeIsCounted) {
   write_test_file(source_, {scanline_part(window(0, 0, 3, 1), {{"R"}, {"G", Imf::FLOAT}, {"B", Imf::UINT}})});
   LoadedFrame loaded = read_exr(source_, 1, {});
