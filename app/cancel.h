@@ -5,7 +5,8 @@
 namespace becalm::app {
 
 /// From now on SIGINT and SIGTERM ask the command to stop and leave whole files only; a second one ends the
-/// process at once with status 130.
+/// process at once with status 130. SIGPIPE is ignored: whoever reads the progress may leave before the last
+/// frame.
 void catch_signals();
 
 /// True once a signal came or `request_stop` was called; what the tracer and the loops over frames look at.

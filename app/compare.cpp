@@ -14,7 +14,10 @@
 
 #include "app/command.h"
 #include "app/compare_report.h"
+#include "app/console.h"
+#include "app/options.h"
 #include "frame/io/exr.h"
+#include "frame/io/layers.h"
 #include "frame/io/sequence.h"
 #include "frame/metrics.h"
 
@@ -28,6 +31,7 @@ struct CompareCommand {
   std::string test;
   std::string reference_b;
   std::string frames;
+  std::string layers;
   std::string report;
   std::string json;
   std::optional<double> max_rel_mse;
@@ -178,19 +182,23 @@ class CompareJob {
   const CompareCommand& command_;
   const io::SequencePattern reference_;
   const io::SequencePattern test_;
+  const io::LayerOptions layers_;
   std::optional<io::SequencePattern> reference_b_;
   std::vector<int> frames_;
 };
 
 CompareJob::CompareJob(const CompareCommand& command)
-    : command_(command), reference_(command.reference), test_(command.test) {
+    : command_(command),
+      reference_(command.reference),
+      test_(command.test),
+      layers_{.layers = io::parse_layer_overrides(command.layers)} {
   if (!command.reference_b.empty()) reference_b_.emplace(command.reference_b);
   frames_ = !command.frames.empty()        ? io::parse_frame_range(command.frames)
             : reference_.has_frame_field() ? reference_.frames_on_disk()
                                            : std::vector<int>{1};
   if (frames_.empty()) {
-    throw Error(ExitStatus::bad_input,
-                fmt::format("{}: no frame of this sequence is on disk", command.reference));
+    throw Error(ExitStatus::bad_input, fmt::format("{}: no frame of this sequence is on disk{}",
+                                                   command.reference, reference_.hint_of_other_padding()));
   }
   const io::SequencePattern* second = reference_b_ ? &*reference_b_ : nullptr;
   for (const io::SequencePattern* pattern : {&reference_, &test_, second}) {
@@ -202,14 +210,14 @@ CompareJob::CompareJob(const CompareCommand& command)
 
 Images CompareJob::read(int frame) const {
   Images images{.frame = frame, .test = {}, .reference = {}, .reference_b = {}};
-  images.reference = io::read_exr(reference_.path(frame), frame, {}).frame.image(Aov::beauty);
+  images.reference = io::read_exr(reference_.path(frame), frame, {}, layers_).frame.image(Aov::beauty);
   images.test = read_like(test_, frame, images.reference);
   if (reference_b_) images.reference_b = read_like(*reference_b_, frame, images.reference);
   return images;
 }
 
 Image CompareJob::read_like(const io::SequencePattern& pattern, int frame, const Image& reference) const {
-  Image image = io::read_exr(pattern.path(frame), frame, {}).frame.image(Aov::beauty);
+  Image image = io::read_exr(pattern.path(frame), frame, {}, layers_).frame.image(Aov::beauty);
   if (image.width() == reference.width() && image.height() == reference.height()) return image;
   throw Error(ExitStatus::bad_input,
               fmt::format("{}: is {}x{}, and {} is {}x{}", pattern.path(frame), image.width(), image.height(),
@@ -227,8 +235,8 @@ ExitStatus CompareJob::run() {
     figures.push_back(measure(now, before ? &*before : nullptr));
     print_row(std::to_string(frame), figures.back());
     if (figures.back().skipped > 0) {
-      fmt::print(stderr, "becalm: frame {}: {} pixels are not finite and were left out\n", frame,
-                 figures.back().skipped);
+      warn(
+          fmt::format("frame {}: {} pixels are not finite and were left out", frame, figures.back().skipped));
     }
     if (report)
       report->add(frame, now.test, reference_b_ ? mean_of(now.reference, now.reference_b) : now.reference);
@@ -240,7 +248,7 @@ ExitStatus CompareJob::run() {
 
   const std::vector<std::string> failures = find_failures(figures);
   if (!command_.json.empty()) write_json(figures, failures);
-  for (const std::string& failure : failures) fmt::print(stderr, "becalm: {}\n", failure);
+  for (const std::string& failure : failures) warn(failure);
   return failures.empty() ? ExitStatus::done : ExitStatus::comparison_failed;
 }
 
@@ -300,9 +308,11 @@ Command add_compare(CLI::App& becalm) {
   auto command = std::make_shared<CompareCommand>();
   parser.add_option("reference", command->reference, "The reference: a pattern or one file")
       ->required()
+      ->check(not_empty())
       ->option_text("REFERENCE");
   parser.add_option("test", command->test, "What is measured: a pattern or one file")
       ->required()
+      ->check(not_empty())
       ->option_text("TEST");
   parser
       .add_option("--reference-b", command->reference_b,
@@ -311,7 +321,13 @@ Command add_compare(CLI::App& becalm) {
       ->group("Input");
   parser
       .add_option("--frames", command->frames, "Frames to compare (default: those of the reference on disk)")
+      ->check(not_empty())
       ->option_text("RANGE")
+      ->group("Input");
+  parser
+      .add_option("--layers", command->layers,
+                  "The layer that is compared where its name is not known, of every file: beauty=NAME")
+      ->option_text("beauty=NAME")
       ->group("Input");
   parser.add_option("--json", command->json, "Write the figures to this file too")
       ->option_text("FILE")

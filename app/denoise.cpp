@@ -9,20 +9,27 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
+#include <span>
 
 #include "app/cancel.h"
 #include "app/command.h"
+#include "app/console.h"
+#include "app/counted.h"
 #include "app/filter_run.h"
 #include "app/filter_step.h"
+#include "app/fingerprints.h"
+#include "app/input_check.h"
 #include "app/input_frames.h"
+#include "app/layer_arguments.h"
 #include "app/options.h"
 #include "app/outputs.h"
 #include "app/profile.h"
 #include "app/progress.h"
 #include "app/writing.h"
 #include "filter/additive.h"
+#include "frame/io/additive_layers.h"
 #include "frame/io/exr.h"
-#include "frame/io/layers.h"
 #include "frame/io/sequence.h"
 
 namespace becalm::app {
@@ -33,15 +40,31 @@ struct DenoiseCommand {
   OutputOptions output;
   FilterOptions filter;
   RunningOptions running;
+  std::string type = "keep";
+  std::string compression = "keep";
+  bool dry_run = false;
   std::string preset = "balanced";
-  std::string layers;
+  std::optional<int> frame;
+  LayerArguments layers;
   std::string missing = "error";
 };
 
-std::vector<std::string> light_group_names(const Frame& frame) {
-  std::vector<std::string> names;
-  for (const LightGroup& group : frame.light_groups()) names.push_back(group.name);
-  return names;
+/// Of what adds up to the beauty, layers of other parts are passed on.
+void leave_other_parts(io::LoadedView& view) {
+  for (const AovInfo& entry : kAovTable) {
+    if (!contains(filter::additive_aovs(), entry.aov) || !view.frame.has(entry.aov)) continue;
+    const auto part_of = [&](Aov aov) { return view.layers[static_cast<std::size_t>(aov)]->part; };
+    if (part_of(entry.aov) != part_of(Aov::beauty)) view.frame.remove(entry.aov);
+  }
+}
+
+io::DenoisedFormat format_of(const DenoiseCommand& command) {
+  io::DenoisedFormat format;
+  if (command.type != "keep") {
+    format.type = command.type == "half" ? io::PixelType::half : io::PixelType::float32;
+  }
+  if (command.compression != "keep") format.compression = command.compression;
+  return format;
 }
 
 /// One run of `becalm denoise`.
@@ -51,49 +74,77 @@ class DenoiseJob {
   ExitStatus run();
 
  private:
+  void choose_additive();
+  std::string settings() const;
   void find_existing();
+  void print_plan(const std::set<int>& needed);
   io::LoadedFrame read(int frame);
-  void check_like_first(const io::LoadedFrame& loaded);
   void write(DenoisedFile& result);
+  /// For what is the same with every frame that is written.
+  void warn_once(const std::string& line);
 
   const DenoiseCommand& command_;
   const ThreadLimit threads_;
-  const io::LayerOverrides layers_;
+  io::LayerOptions layers_;
+  const io::DenoisedFormat format_;
   FilterStep filter_;
   const InputFrames inputs_;
   Outputs outputs_;
+  const InputWindow window_;
+  Fingerprints fingerprints_;
   io::Attributes attributes_;
+  std::vector<std::string> additive_notes_;
   std::set<int> existing_;
+  std::set<std::string> said_;
   std::optional<Progress> progress_;
   Profile profile_;
-  std::optional<Frame> first_;  ///< without its images: the size that all frames have
-  AovSet first_aovs_;
-  std::vector<std::string> first_light_groups_;
 };
 
 DenoiseJob::DenoiseJob(const DenoiseCommand& command)
     : command_(command),
       threads_(command.running.threads),
-      layers_(io::parse_layer_overrides(command.layers)),
+      layers_(layer_options(command.layers)),
+      format_(format_of(command)),
       filter_(command.preset, command.filter),
-      inputs_(command.input, command.output.frames, parse_missing(command.missing),
+      inputs_(command.input, command.output.frames, command.frame, parse_missing(command.missing),
               [this](const auto& asked, const auto& on_disk) { return filter_.readable(asked, on_disk); }),
-      outputs_("-o", command.output.pattern, inputs_.outputs()) {
+      outputs_("-o", inputs_.output_pattern(command.output.pattern), inputs_.outputs()),
+      window_(find_window(inputs_, layers_)),
+      fingerprints_(inputs_, filter_, layers_, window_) {
   std::vector<std::string> paths;
   for (const int frame : inputs_.readable()) paths.push_back(inputs_.path(frame));
   outputs_.keep_apart_from(paths);
 }
 
-ExitStatus DenoiseJob::run() {
-  const std::string first_path = inputs_.path(inputs_.readable().front());
-  attributes_ = {{"becalm:version", BECALM_VERSION},
-                 {"becalm:settings", filter_.describe(inputs_.readable()) +
-                                         (command_.layers.empty() ? "" : " layers=" + command_.layers)},
-                 {"becalm:preset", command_.preset}};
-  const std::string rendered_with = io::read_attribute(first_path, "becalm:settings");
-  if (!rendered_with.empty()) attributes_.emplace_back("becalm:input_settings", rendered_with);
+/// By the sequence's first frame, whichever frames this job is about.
+void DenoiseJob::choose_additive() {
+  if (!filter_.denoises_additive()) return;
+  const io::SequencePattern pattern(command_.input);
+  const std::string path = pattern.has_frame_field() ? pattern.path(pattern.frames_on_disk().front())
+                                                     : inputs_.path(inputs_.readable().front());
+  std::vector<io::AdditiveSet> sets;
+  if (command_.layers.additive == "auto") {
+    try {
+      sets = io::find_additive_sets(path, layers_);
+    } catch (const Error&) {
+      return;  // check_inputs tells what is wrong, if this frame is needed
+    }
+  }
+  layers_.additive = io::choose_additive(command_.layers.additive, sets);
+  additive_notes_ = io::describe(sets);
+  if (!layers_.additive.empty()) {
+    attributes_.emplace_back("becalm:additive", fmt::format("{}", fmt::join(layers_.additive, ",")));
+  }
+}
 
-  outputs_.prepare();
+ExitStatus DenoiseJob::run() {
+  attributes_ = {{"becalm:version", BECALM_VERSION},
+                 {"becalm:settings", settings()},
+                 {"becalm:preset", command_.preset}};
+  choose_additive();
+
+  if (!command_.output.overwrite && !command_.output.resume) outputs_.keep_foreign_files();
+  if (!command_.dry_run) outputs_.prepare();
   if (command_.output.resume) find_existing();
   // Without segments every frame depends on all before it.
   const std::set<int> wanted =
@@ -101,18 +152,38 @@ ExitStatus DenoiseJob::run() {
   const std::size_t asked = outputs_.frames().size();
   if (wanted.empty()) return all_there(asked, command_.running.quiet);
 
-  progress_.emplace(ProgressOptions{
-      .total = asked, .existing = existing_.size(), .work = wanted.size(), .quiet = command_.running.quiet});
-  if (!inputs_.note().empty()) progress_->warn(inputs_.note());
+  progress_.emplace(ProgressOptions{.total = asked,
+                                    .existing = existing_.size(),
+                                    .work = wanted.size(),
+                                    .quiet = command_.running.quiet,
+                                    .verbose = command_.running.verbose});
   std::vector<filter::Step> steps;
   for (const filter::Segment& segment : filter_.schedule(inputs_.readable(), wanted, inputs_.step())) {
     steps.insert(steps.end(), segment.begin(), segment.end());
+  }
+  std::set<int> needed;
+  for (const filter::Step& step : steps) needed.insert(step.frame);
+  const std::vector<InputLayout> views = check_inputs(inputs_, needed, filter_, layers_);
+  if (command_.dry_run) {
+    print_plan(needed);
+    return ExitStatus::done;
+  }
+  progress_->detail(fmt::format("{}x{} px of {}", window_.width(), window_.height(),
+                                fingerprints_.layers_of(*needed.begin())));
+  for (const InputLayout& view : views) {
+    filter_.build(window_.width(), window_.height(), view.aovs, view.light_groups.size(), view.view,
+                  views.size());
+  }
+  if (!inputs_.note().empty()) progress_->warn(inputs_.note());
+  for (const std::string& note : additive_notes_) progress_->note(note);
+  if (!inputs_.has_numbers()) {
+    progress_->note(fmt::format(
+        "{}: no frame number in the name, so this is frame 1; --frame N says otherwise", command_.input));
   }
   const double work_per_step = static_cast<double>(wanted.size()) / static_cast<double>(steps.size());
   run_filter(
       filter_, steps,
       {.read = [this](int frame) { return read(frame); },
-       .check = [this](const io::LoadedFrame& loaded) { check_like_first(loaded); },
        .write = [this](DenoisedFile& result) { write(result); }},
       [&](std::size_t step) {
         progress_->update(steps[step].frame, work_per_step * static_cast<double>(step));
@@ -122,59 +193,60 @@ ExitStatus DenoiseJob::run() {
   return conclude(*progress_, asked, command_.running.profile ? &profile_ : nullptr);
 }
 
+/// What decides the bytes of an output, besides the frames that it is made from.
+std::string DenoiseJob::settings() const {
+  std::string text = filter_.describe(inputs_.readable()) + app::describe(command_.layers);
+  if (command_.type != "keep") text += " type=" + command_.type;
+  if (command_.compression != "keep") text += " compression=" + command_.compression;
+  return text;
+}
+
+/// --dry-run: what would be read, as what, and written, on standard output.
+void DenoiseJob::print_plan(const std::set<int>& needed) {
+  std::vector<int> written;
+  std::ranges::set_difference(outputs_.frames(), existing_, std::back_inserter(written));
+  const auto print = [](const char* verb, const std::string& pattern, const std::vector<int>& frames) {
+    fmt::print("{} {}: {}, {}\n", verb, pattern, counted(frames.size(), "frame", "frames"),
+               io::format_frame_range(frames));
+  };
+  print("reads", command_.input, {needed.begin(), needed.end()});
+  fmt::print("takes {}x{} px of {}; passes on every other channel\n", window_.width(), window_.height(),
+             fingerprints_.layers_of(*needed.begin()));
+  for (const std::string& note : additive_notes_) fmt::print("{}\n", note);
+  fmt::print("filters with preset {}: {}\n", command_.preset, settings());
+  if (!existing_.empty()) print("keeps", command_.output.pattern, {existing_.begin(), existing_.end()});
+  print("writes", command_.output.pattern, written);
+}
+
 void DenoiseJob::find_existing() {
   Outputs::Existing found = outputs_.find_existing(attributes_);
   warn_unusable(found.unusable);
-  existing_ = std::move(found.frames);
+  existing_ = fingerprints_.up_to_date(found.frames, [this](int frame) { return outputs_.path(frame); });
+  std::vector<int> outdated;
+  std::ranges::set_difference(found.frames, existing_, std::back_inserter(outdated));
+  if (outdated.empty()) return;
+  warn(fmt::format("{} made again, since the frames that they were made from have changed: {}",
+                   counted(outdated.size(), "frame is", "frames are"), io::format_frame_range(outdated)));
 }
 
 io::LoadedFrame DenoiseJob::read(int frame) {
   const ProfileScope scope(profile_, "read");
+  progress_->detail(fmt::format("frame {}: reading {}", frame, inputs_.path(frame)));
+  fingerprints_.take(frame);
   if (!filter_.denoises_additive()) {
-    return io::read_exr(inputs_.path(frame), frame, filter_.wanted(), layers_);
+    return io::read_exr(inputs_.path(frame), frame, filter_.wanted(), layers_, io::LightGroups::leave,
+                        window_.window);
   }
-  io::LoadedFrame loaded = io::read_exr(
-      inputs_.path(frame), frame, filter_.wanted() | filter::additive_aovs(), layers_, io::LightGroups::read);
-  // Other parts are passed on.
-  for (const AovInfo& entry : kAovTable) {
-    if (!contains(filter::additive_aovs(), entry.aov) || !loaded.frame.has(entry.aov)) continue;
-    const auto part_of = [&](Aov aov) { return loaded.layers[static_cast<std::size_t>(aov)]->part; };
-    if (part_of(entry.aov) != part_of(Aov::beauty)) loaded.frame.remove(entry.aov);
-  }
+  io::LoadedFrame loaded =
+      io::read_exr(inputs_.path(frame), frame, filter_.wanted() | filter::additive_aovs(), layers_,
+                   io::LightGroups::read, window_.window);
+  leave_other_parts(loaded);
+  std::ranges::for_each(loaded.other_views, leave_other_parts);
   return loaded;
 }
 
-/// All frames have the size and the layers of the first one, so that it does not matter which that is;
-/// nothing is written of a frame that differs.
-void DenoiseJob::check_like_first(const io::LoadedFrame& loaded) {
-  const Frame& frame = loaded.frame;
-  if (!first_) {
-    first_.emplace(frame.number(), frame.width(), frame.height());
-    first_aovs_ = frame.aovs();
-    first_light_groups_ = light_group_names(frame);
-    filter_.build(frame.width(), frame.height(), first_aovs_, first_light_groups_.size());
-    return;
-  }
-  const std::string path = inputs_.path(frame.number());
-  if (frame.width() != first_->width() || frame.height() != first_->height()) {
-    throw Error(ExitStatus::bad_input,
-                fmt::format("{}: is {}x{}, and {} is {}x{}", path, frame.width(), frame.height(),
-                            inputs_.path(first_->number()), first_->width(), first_->height()));
-  }
-  const std::string first_path = inputs_.path(first_->number());
-  for (const AovInfo& entry : kAovTable) {
-    const bool of_first = contains(first_aovs_, entry.aov);
-    if (frame.has(entry.aov) == of_first) continue;
-    throw Error(ExitStatus::bad_input,
-                fmt::format("{}: has no layer '{}', which {} has", of_first ? path : first_path, entry.name,
-                            of_first ? first_path : path));
-  }
-  const std::vector<std::string> light_groups = light_group_names(frame);
-  if (light_groups != first_light_groups_) {
-    throw Error(ExitStatus::bad_input,
-                fmt::format("{}: has the light groups '{}', and {} has '{}'", path,
-                            fmt::join(light_groups, ","), first_path, fmt::join(first_light_groups_, ",")));
-  }
+void DenoiseJob::warn_once(const std::string& line) {
+  if (said_.insert(line).second) progress_->warn(line);
 }
 
 void DenoiseJob::write(DenoisedFile& result) {
@@ -184,22 +256,25 @@ void DenoiseJob::write(DenoisedFile& result) {
       continue;
     }
     io::Attributes attributes = attributes_;
+    for (auto& attribute : fingerprints_.of(result.frame.number()))
+      attributes.push_back(std::move(attribute));
     if (number != result.frame.number()) {
       attributes.emplace_back("becalm:held_from", std::to_string(result.frame.number()));
     }
     io::WriteReport report;
     {
       const ProfileScope scope(profile_, "write");
-      report = io::write_denoised_exr(outputs_.path(number), result.frame, *result.source.contents,
-                                      result.source.layers, attributes);
+      report = io::write_denoised_exr(outputs_.path(number), result.frame, result.other_views, result.source,
+                                      attributes, format_);
     }
-    warn_overflows(*progress_, number, report, "write the input as float to keep them");
+    warn_overflows(*progress_, number, report, "--type float keeps them");
     if (report.lossless_instead) {
-      progress_->warn(
-          fmt::format("frame {}: ZIP instead of the input's lossy compression, which would alter the "
-                      "channels passed on",
-                      number));
+      warn_once("ZIP instead of the lossy compression, which would alter the channels passed on");
     }
+    if (report.full_size_only) {
+      warn_once("only the full size of mipmaps is written; the smaller levels show the noisy picture");
+    }
+    progress_->detail(fmt::format("frame {}: wrote {}", number, outputs_.path(number)));
     progress_->frame_written(number);
   }
 }
@@ -211,7 +286,13 @@ Command add_denoise(CLI::App& becalm) {
   auto command = std::make_shared<DenoiseCommand>();
   parser.add_option("input", command->input, "The EXR files, such as 'in/shot.####.exr', or one file")
       ->required()
+      ->check(not_empty())
       ->option_text("INPUT");
+  parser
+      .add_option("--frame", command->frame,
+                  "The frame number of a single file (default: the one in its name, or 1)")
+      ->option_text("N")
+      ->group("Input");
   parser
       .add_option("--missing", command->missing,
                   "A frame of --frames that is not there: error stops before the first frame, skip writes "
@@ -220,14 +301,30 @@ Command add_denoise(CLI::App& becalm) {
       ->check(CLI::IsMember({"error", "skip", "hold"}))
       ->option_text("error|skip|hold")
       ->group("Input");
+  add_layer_options(parser, command->layers);
+  add_output_options(parser, command->output, "all on disk");
+  parser
+      .add_option("--type", command->type, "Type of the denoised channels (default: keep, that of the input)")
+      ->check(CLI::IsMember({"half", "float", "keep"}))
+      ->option_text("half|float|keep")
+      ->group("Output");
+  const std::span<const std::string_view> names = io::compression_names();
+  std::set<std::string> compressions(names.begin(), names.end());
+  compressions.insert("keep");
   parser
       .add_option(
-          "--layers", command->layers,
-          "Layers to read where the names are not known, such as albedo=diffcol,normal=N; becalm info tells "
-          "which are taken")
-      ->option_text("AOV=NAME,...")
-      ->group("Input");
-  add_output_options(parser, command->output, "all on disk");
+          "--compression", command->compression,
+          fmt::format(
+              "Compression of the part that holds them: {} or keep, the input's; ZIP instead of a lossy one "
+              "that would alter channels passed on (default: keep)",
+              fmt::join(names, ", ")))
+      ->check(CLI::IsMember(compressions))
+      ->option_text("NAME")
+      ->group("Output");
+  parser
+      .add_flag("--dry-run", command->dry_run,
+                "Check everything, print what would be read, as what, and written, and write nothing")
+      ->group("Output");
   parser
       .add_option("--preset", command->preset,
                   "draft, balanced or final: speed against accuracy (default: balanced)")
@@ -236,8 +333,8 @@ Command add_denoise(CLI::App& becalm) {
   add_filter_options(parser, command->filter);
   add_running_options(parser, command->running);
   parser.footer(
-      "Direct and indirect light and light groups (light.NAME) are denoised with the beauty\n"
-      "and still add up to it.\n"
+      "Direct and indirect light, light groups (light.NAME) and layers that add up to the beauty\n"
+      "are denoised with it and still add up.\n"
       "Every channel that is not denoised is passed on bit for bit.\n"
       "Examples:\n"
       "  becalm denoise 'in/shot.####.exr' -o 'out/shot.####.exr'\n"
@@ -245,7 +342,9 @@ Command add_denoise(CLI::App& becalm) {
       "hold\n" +
       settings_help());
   return {&parser, [command] {
+            apply(command->running);
             catch_signals();
+            if (command->layers.additive == "none") command->filter.assignments.push_back("additive=0");
             return DenoiseJob(*command).run();
           }};
 }

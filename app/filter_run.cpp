@@ -18,11 +18,16 @@ void run_filter(FilterStep& filter, std::span<const filter::Step> steps, const F
   std::future<io::LoadedFrame> next = start_reading(0);
   for (std::size_t i = 0; i < steps.size() && !stop_requested(); ++i) {
     io::LoadedFrame loaded = next.get();
-    files.check(loaded);
     if (i + 1 < steps.size()) next = start_reading(i + 1);
     on_step(i);
     std::optional<Frame> denoised = filter.run(steps[i], loaded.frame, progress, profile);
-    if (denoised) writer.push({std::move(*denoised), std::move(loaded)});
+    std::vector<Frame> other_views;
+    for (std::size_t view = 0; view < loaded.other_views.size(); ++view) {
+      std::optional<Frame> other =
+          filter.run(steps[i], loaded.other_views[view].frame, progress, profile, view + 1);
+      if (other) other_views.push_back(std::move(*other));
+    }
+    if (denoised) writer.push({std::move(*denoised), std::move(other_views), std::move(loaded)});
   }
   writer.finish();
 }

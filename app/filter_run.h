@@ -15,14 +15,14 @@ namespace becalm::app {
 /// A denoised frame on its way to its files, and what it was made from.
 struct DenoisedFile {
   Frame frame;
+  std::vector<Frame> other_views;  ///< of a stereo file, in the order of the source's
   io::LoadedFrame source;
 };
 
 /// Between the filter and the files.
 struct FilterFiles {
-  std::function<io::LoadedFrame(int frame)> read;     ///< on a thread of its own
-  std::function<void(const io::LoadedFrame&)> check;  ///< before the filter sees it
-  std::function<void(DenoisedFile&)> write;           ///< on a thread of its own
+  std::function<io::LoadedFrame(int frame)> read;  ///< on a thread of its own
+  std::function<void(DenoisedFile&)> write;        ///< on a thread of its own
 };
 
 /// Takes frames through the filter in the order of the steps, until a stop is requested: the next one is read

@@ -8,6 +8,7 @@
 
 #include "filter/guides.h"
 #include "frame/error.h"
+#include "frame/io/printable.h"
 #include "frame/io/sequence.h"
 
 namespace becalm::app {
@@ -77,51 +78,62 @@ std::vector<filter::Segment> FilterStep::schedule(const std::vector<int>& readab
                            .cuts = given_cuts_});
 }
 
-void FilterStep::build(int width, int height, AovSet available, std::size_t light_groups) {
-  device_.emplace(device_options_);
-  filter_.emplace(*device_, settings_, width, height, available, diagnostics_, memory_limit_,
-                  cuts_ == "auto" ? filter::FindCuts::yes : filter::FindCuts::no, light_groups);
-  matched_ = filter::matched_text(settings_, available);
+void FilterStep::build(int width, int height, AovSet available, std::size_t light_groups,
+                       const std::string& view, std::size_t views) {
+  if (!device_) device_.emplace(device_options_);
+  const std::uint64_t memory = std::min(memory_limit_, filter::usable_bytes(*device_)) / views;
+  views_.push_back(
+      {view.empty() ? "" : ' ' + io::printable(view),
+       filter::SequenceFilter(*device_, settings_, width, height, available, diagnostics_, memory,
+                              cuts_ == "auto" ? filter::FindCuts::yes : filter::FindCuts::no, light_groups)});
+  if (views_.size() == 1) matched_ = filter::matched_text(settings_, available);
 }
 
 std::optional<Frame> FilterStep::run(const filter::Step& step, const Frame& frame, Progress& progress,
-                                     Profile& profile) {
+                                     Profile& profile, std::size_t view) {
   std::optional<Frame> denoised;
   filter::FrameReport report;
   {
     const ProfileScope scope(profile,
                              step.direction == filter::Direction::forward ? "filter" : "filter backward");
-    denoised = filter_->run(step, frame, report);
+    denoised = views_[view].filter.run(step, frame, report);
   }
+  const std::string name = fmt::format("frame {}{}", frame.number(), views_[view].name);
+  if (!matched_.empty()) progress.detail(fmt::format("device {}", device_->info().name));
   if (!matched_.empty()) progress.note(std::exchange(matched_, {}));
   profile.add(report.passes);
   if (!denoised) return denoised;
-  if (report.new_shot) progress.note(fmt::format("frame {}: a new shot begins", frame.number()));
+  if (report.new_shot) progress.note(fmt::format("{}: a new shot begins", name));
   if (report.non_finite_pixels > 0) {
-    progress.warn(fmt::format("frame {}: {} pixels with NaN or Inf stay as they came", frame.number(),
-                              report.non_finite_pixels));
+    progress.warn(
+        fmt::format("{}: {} pixels with NaN or Inf stay as they came", name, report.non_finite_pixels));
   }
   if (report.replaced_variances > 0) {
-    progress.warn(
-        fmt::format("frame {}: {} variances that are negative or not finite were taken as pure noise",
-                    frame.number(), report.replaced_variances));
+    progress.warn(fmt::format("{}: {} variances that are negative or not finite were taken as pure noise",
+                              name, report.replaced_variances));
   }
   if (report.far_motions > 0) {
     progress.warn(
-        fmt::format("frame {}: {} pixels move too far from frame to frame for their motion to be a candidate",
-                    frame.number(), report.far_motions));
+        fmt::format("{}: {} pixels move too far from frame to frame for their motion to be a candidate", name,
+                    report.far_motions));
   }
   if (report.replaced_additive > 0) {
     progress.warn(
-        fmt::format("frame {}: {} values of direct, indirect or light groups with NaN or Inf were taken as 0",
-                    frame.number(), report.replaced_additive));
+        fmt::format("{}: {} values of direct, indirect or light groups with NaN or Inf were taken as 0", name,
+                    report.replaced_additive));
   }
   return denoised;
 }
 
 void FilterStep::finish(Profile& profile) const {
-  if (!filter_) return;
-  profile.set_device(device_->info().name, filter_->memory());
+  if (views_.empty()) return;
+  filter::FilterMemory memory = views_.front().filter.memory();
+  for (std::size_t view = 1; view < views_.size(); ++view) {
+    memory.device_bytes += views_[view].filter.memory().device_bytes;
+    memory.device_bytes_unaliased += views_[view].filter.memory().device_bytes_unaliased;
+    memory.staging_bytes += views_[view].filter.memory().staging_bytes;
+  }
+  profile.set_device(device_->info().name, memory);
   check_validation(*device_);
 }
 

@@ -41,11 +41,14 @@ class FilterStep {
   std::vector<filter::Segment> schedule(const std::vector<int>& readable, const std::set<int>& wanted,
                                         int step) const;
 
-  /// Opens the device and builds the chain; called before the first frame.
-  void build(int width, int height, AovSet available, std::size_t light_groups);
-  /// Takes the next step of a segment; returns the denoised frame if the step makes one.
-  std::optional<Frame> run(const filter::Step& step, const Frame& frame, Progress& progress,
-                           Profile& profile);
+  /// Opens the device and builds the chain; called before the first frame. Of a stereo sequence, called for
+  /// each of so many views, which share the memory; `view` is its name in messages.
+  void build(int width, int height, AovSet available, std::size_t light_groups, const std::string& view = "",
+             std::size_t views = 1);
+  /// Takes the next step of a segment; returns the denoised frame if the step makes one. `view` counts them
+  /// in the order in which they were built.
+  std::optional<Frame> run(const filter::Step& step, const Frame& frame, Progress& progress, Profile& profile,
+                           std::size_t view = 0);
   /// Throws DeviceError if the validation layer complained; tells the profile about the device.
   void finish(Profile& profile) const;
 
@@ -60,7 +63,11 @@ class FilterStep {
   std::string cuts_;  ///< as typed
   std::set<int> given_cuts_;
   std::optional<gpu::Device> device_;
-  std::optional<filter::SequenceFilter> filter_;
+  struct View {
+    std::string name;  ///< with a space before it; empty where there is but one
+    filter::SequenceFilter filter;
+  };
+  std::vector<View> views_;
   std::string matched_;  ///< what frames are matched by, until it has been said
 };
 

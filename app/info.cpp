@@ -1,17 +1,25 @@
 // becalm info: what a scene requires, what a file or sequence holds, which devices there are.
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "app/command.h"
+#include "app/counted.h"
+#include "app/frame_problems.h"
+#include "app/layer_arguments.h"
 #include "app/mebibytes.h"
+#include "app/options.h"
 #include "filter/gpu/device.h"
+#include "frame/io/additive_layers.h"
 #include "frame/io/exr.h"
-#include "frame/io/layers.h"
 #include "frame/io/sequence.h"
 #include "tracer/scene/load.h"
 
@@ -20,44 +28,223 @@ namespace {
 
 struct InfoCommand {
   std::string subject;
-  std::string layers;
+  LayerArguments layers;
+  bool json = false;
 };
 
 void print_lines(const std::vector<std::string>& lines) {
   for (const std::string& line : lines) fmt::print("{}\n", line);
 }
 
-void describe_devices() {
+using Json = nlohmann::ordered_json;
+
+void print_json(const Json& json) {
+  fmt::print("{}\n", json.dump(2, ' ', /*ensure_ascii=*/false, nlohmann::json::error_handler_t::replace));
+}
+
+Json to_json(const Imath::Box2i& window) {
+  return {{"x", window.min.x},
+          {"y", window.min.y},
+          {"width", window.max.x - window.min.x + 1},
+          {"height", window.max.y - window.min.y + 1}};
+}
+
+Json to_json(const std::vector<io::ExrDescription::Part>& parts) {
+  Json json = Json::array();
+  for (const io::ExrDescription::Part& part : parts) {
+    Json channels = Json::array();
+    for (const io::ExrDescription::Channel& channel : part.channels) {
+      channels.push_back({{"name", channel.name}, {"type", channel.type}, {"use", channel.use}});
+    }
+    json.push_back({{"name", part.name},
+                    {"storage", part.storage},
+                    {"compression", part.compression},
+                    {"data_window", to_json(part.data_window)},
+                    {"display_window", to_json(part.display_window)},
+                    {"channels", std::move(channels)}});
+  }
+  return json;
+}
+
+void describe_devices(bool json) {
   const gpu::Device chosen;  // says what to install where there is none
+  Json devices = Json::array();
   for (const gpu::DeviceInfo& device : gpu::list_devices()) {
+    const bool taken = device.index == chosen.info().index;
+    devices.push_back({{"index", device.index},
+                       {"name", device.name},
+                       {"type", device.type},
+                       {"driver", device.driver},
+                       {"memory_bytes", device.memory_bytes},
+                       {"max_storage_buffer_bytes", device.max_storage_buffer_bytes},
+                       {"taken_by_default", taken}});
+    if (json) continue;
     fmt::print("{}: {} ({}, {}), {:.0f} MiB memory, storage buffers up to {:.0f} MiB{}\n", device.index,
                device.name, device.type, device.driver, mebibytes(device.memory_bytes),
                mebibytes(device.max_storage_buffer_bytes),
-               device.index == chosen.info().index ? "; taken unless --device says otherwise" : "");
+               taken ? "; taken unless --device says otherwise" : "");
+  }
+  if (json) print_json(devices);
+}
+
+void describe_scene(const std::string& path, bool json) {
+  tracer::Scene scene = tracer::load_scene(path);
+  const std::vector<std::string> lines = tracer::describe_scene(scene);
+  json ? print_json({{"scene", path}, {"lines", lines}}) : print_lines(lines);
+}
+
+/// Without colour nothing adds up to it, and damaged pixels are not the header's business.
+std::vector<io::AdditiveSet> additive_sets(const std::string& path, const io::LayerOptions& layers) {
+  try {
+    return io::find_additive_sets(path, layers);
+  } catch (const Error&) {
+    return {};
   }
 }
 
-void describe_sequence(const io::SequencePattern& pattern, const io::LayerOverrides& layers) {
+Json to_json(const std::vector<io::AdditiveSet>& sets) {
+  Json json = Json::array();
+  for (const io::AdditiveSet& set : sets) {
+    json.push_back({{"layers", set.layers}, {"adds_up", set.adds_up()}, {"share_off", set.share_off}});
+  }
+  return json;
+}
+
+void describe_file(const std::string& path, const io::LayerOptions& layers, bool json) {
+  const io::ExrDescription file = io::describe_exr(path, layers);
+  const std::vector<io::AdditiveSet> sets = additive_sets(path, layers);
+  if (json) {
+    print_json({{"file", path},
+                {"parts", to_json(file.parts)},
+                {"additive", to_json(sets)},
+                {"problem", file.problem}});
+  } else {
+    fmt::print("{}: EXR with {}\n", path, counted(file.parts.size(), "part", "parts"));
+    print_lines(file.lines());
+    print_lines(io::describe(sets));
+  }
+  if (!file.problem.empty()) throw Error(ExitStatus::bad_input, file.problem);
+}
+
+/// One frame of a sequence.
+struct Described {
+  int frame = 0;
+  io::ExrDescription file;
+  std::vector<std::string> lines;  ///< of the file
+  std::string problem;
+};
+
+/// Frames of equal description.
+struct Kind {
+  const Described* first;
+  std::vector<int> frames;
+};
+
+std::vector<Described> describe_frames(const io::SequencePattern& pattern, const std::vector<int>& frames,
+                                       const io::LayerOptions& layers) {
+  std::vector<Described> described(frames.size());
+  tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t i) {
+    described[i].frame = frames[i];
+    try {
+      described[i].file = io::describe_exr(pattern.path(frames[i]), layers);
+      described[i].lines = described[i].file.lines();
+      described[i].problem = described[i].file.problem;
+    } catch (const Error& error) {
+      described[i].problem = error.what();
+    }
+  });
+  return described;
+}
+
+/// The lines of `kind` that `usual` has not, and those that only that one has.
+void print_difference(const Kind& kind, const Kind& usual) {
+  const auto print_missing = [](const Kind& from, const Kind& in, char sign) {
+    for (const std::string& line : from.first->lines) {
+      if (std::ranges::find(in.first->lines, line) == in.first->lines.end())
+        fmt::print("{} {}\n", sign, line);
+    }
+  };
+  print_missing(usual, kind, '-');
+  print_missing(kind, usual, '+');
+}
+
+/// Frames of equal description together, the most common first.
+std::vector<Kind> kinds_of(const std::vector<Described>& described) {
+  std::vector<Kind> kinds;
+  for (const Described& frame : described) {
+    if (frame.lines.empty()) continue;
+    auto kind = std::ranges::find_if(kinds, [&](const Kind& k) { return k.first->lines == frame.lines; });
+    if (kind == kinds.end()) kind = kinds.insert(kind, {&frame, {}});
+    kind->frames.push_back(frame.frame);
+  }
+  std::ranges::stable_sort(kinds, std::ranges::greater(),
+                           [](const Kind& kind) { return kind.frames.size(); });
+  return kinds;
+}
+
+void print_kinds(const std::vector<Kind>& kinds) {
+  constexpr std::size_t most_kinds = 10;  // a window may be another in every frame
+  for (std::size_t i = 0; i < std::min(kinds.size(), most_kinds); ++i) {
+    if (kinds.size() > 1) {
+      fmt::print("frames {}{}:\n", io::format_frame_range(kinds[i].frames), i == 0 ? "" : " have instead");
+    }
+    i == 0 ? print_lines(kinds[i].first->lines) : print_difference(kinds[i], kinds[0]);
+  }
+  if (kinds.size() > most_kinds) fmt::print("{} more kinds of frames\n", kinds.size() - most_kinds);
+}
+
+Json to_json(const std::vector<Kind>& kinds) {
+  Json json = Json::array();
+  for (const Kind& kind : kinds) {
+    json.push_back(
+        {{"frames", io::format_frame_range(kind.frames)}, {"parts", to_json(kind.first->file.parts)}});
+  }
+  return json;
+}
+
+/// The description that most frames have, and what others have instead; additive layers of the first frame,
+/// by which denoise chooses them.
+void describe_sequence(const io::SequencePattern& pattern, const io::LayerOptions& layers, bool json) {
   const std::vector<int> frames = pattern.frames_on_disk();
   if (frames.empty()) {
-    throw Error(ExitStatus::bad_input,
-                fmt::format("{}: no frame of this sequence is on disk", pattern.text()));
+    throw Error(ExitStatus::bad_input, fmt::format("{}: no frame of this sequence is on disk{}",
+                                                   pattern.text(), pattern.hint_of_other_padding()));
   }
-  fmt::print("{}: {} frames, {}\n", pattern.text(), frames.size(), io::format_frame_range(frames));
-  print_lines(io::describe_exr(pattern.path(frames.front()), layers));
+  const std::vector<Described> described = describe_frames(pattern, frames, layers);
+  const std::vector<Kind> kinds = kinds_of(described);
+  FrameProblems problems(pattern);
+  const std::vector<io::AdditiveSet> sets = additive_sets(pattern.path(frames.front()), layers);
+  Json problems_json = Json::array();
+  for (const Described& frame : described) {
+    if (frame.problem.empty()) continue;
+    problems.add(frame.frame, frame.problem);
+    problems_json.push_back({{"frame", frame.frame}, {"problem", frame.problem}});
+  }
+  if (json) {
+    print_json({{"pattern", pattern.text()},
+                {"frames", io::format_frame_range(frames)},
+                {"kinds", to_json(kinds)},
+                {"additive", to_json(sets)},
+                {"problems", std::move(problems_json)}});
+  } else {
+    fmt::print("{}: {}, {}\n", pattern.text(), counted(frames.size(), "frame", "frames"),
+               io::format_frame_range(frames));
+    print_kinds(kinds);
+    print_lines(io::describe(sets));
+  }
+  if (!problems.empty()) problems.fail(frames.size(), "");
 }
 
 ExitStatus describe(const InfoCommand& command) {
-  const io::LayerOverrides layers = io::parse_layer_overrides(command.layers);
+  const io::LayerOptions layers = layer_options(command.layers);
   if (command.subject == "device") {
-    describe_devices();
+    describe_devices(command.json);
   } else if (std::filesystem::path(command.subject).extension() == ".json") {
-    tracer::Scene scene = tracer::load_scene(command.subject);
-    print_lines(tracer::describe_scene(scene));
+    describe_scene(command.subject, command.json);
   } else if (const io::SequencePattern pattern(command.subject); pattern.has_frame_field()) {
-    describe_sequence(pattern, layers);
+    describe_sequence(pattern, layers, command.json);
   } else {
-    print_lines(io::describe_exr(command.subject, layers));
+    describe_file(command.subject, layers, command.json);
   }
   return ExitStatus::done;
 }
@@ -70,10 +257,10 @@ Command add_info(CLI::App& becalm) {
   auto command = std::make_shared<InfoCommand>();
   parser.add_option("subject", command->subject, "A scene, an EXR file or pattern, or the word device")
       ->required()
+      ->check(not_empty())
       ->option_text("SCENE.json|EXR|device");
-  parser
-      .add_option("--layers", command->layers, "Layers to read where the names are not known, as for denoise")
-      ->option_text("AOV=NAME,...");
+  add_layer_options(parser, command->layers);
+  parser.add_flag("--json", command->json, "Print one JSON object, for scripts");
   parser.footer(
       "Examples:\n"
       "  becalm info room.json\n"

@@ -21,32 +21,32 @@ int usual_step(const std::vector<int>& frames) {
   return frames.size() < 2 ? 1 : step;
 }
 
-InputFrames::InputFrames(const std::string& pattern, const std::string& range, Missing missing,
-                         const Readable& readable)
-    : pattern_(pattern) {
-  std::vector<int> asked;
-  if (!range.empty()) asked = io::parse_frame_range(range);
+InputFrames::InputFrames(const std::string& pattern, const std::string& range, std::optional<int> frame,
+                         Missing missing, const Readable& readable)
+    : pattern_(pattern), padding_(pattern_.padding()) {
   if (!pattern_.has_frame_field()) {
-    if (asked.size() > 1) {
-      throw Error(ExitStatus::usage,
-                  fmt::format("--frames {}: {} is a single file; a sequence has a frame field, such "
-                              "as ####.exr",
-                              range, pattern));
-    }
-    const int number = asked.empty() ? 1 : asked.front();
-    readable_ = {number};
-    outputs_[number] = {number};
+    take_single_file(range, frame);
     return;
   }
+  if (frame) {
+    throw Error(ExitStatus::usage,
+                fmt::format("--frame {}: is the number of a single file, and {} is a sequence; --frames says "
+                            "which of its frames to write",
+                            *frame, pattern));
+  }
+  std::vector<int> asked;
+  if (!range.empty()) asked = io::parse_frame_range(range);
   const std::vector<int> present = pattern_.frames_on_disk();
   if (present.empty()) {
-    throw Error(ExitStatus::bad_input, fmt::format("{}: no frame of this sequence is on disk", pattern));
+    throw Error(ExitStatus::bad_input, fmt::format("{}: no frame of this sequence is on disk{}", pattern,
+                                                   pattern_.hint_of_other_padding()));
   }
   const bool all = asked.empty();
   if (all) asked = present;
-  readable_ = readable(asked, present);
+  assign_outputs(asked, present, missing);
+  // A frame that is held is read whether or not it was asked for itself.
+  readable_ = readable(sources(), present);
   step_ = usual_step(readable_);
-  assign_outputs(asked, missing);
   const bool gaps =
       std::ranges::adjacent_find(readable_, [&](int a, int b) { return b - a > step_; }) != readable_.end();
   if (all && gaps) {
@@ -55,12 +55,33 @@ InputFrames::InputFrames(const std::string& pattern, const std::string& range, M
   }
 }
 
-void InputFrames::assign_outputs(const std::vector<int>& asked, Missing missing) {
+void InputFrames::take_single_file(const std::string& range, std::optional<int> frame) {
+  const std::string& file = pattern_.text();
+  if (!range.empty()) {
+    const std::vector<int> asked = io::parse_frame_range(range);
+    if (asked.size() > 1) {
+      throw Error(
+          ExitStatus::usage,
+          fmt::format("--frames {}: {} is a single file; a sequence has a frame field, such as ####.exr",
+                      range, file));
+    }
+    if (!frame) frame = asked.front();
+  }
+  const std::optional<io::NamedFrame> named = io::frame_in_name(file);
+  if (named) padding_ = named->padding;
+  has_numbers_ = frame || named;
+  const int number = frame ? *frame : named ? named->number : 1;
+  readable_ = {number};
+  outputs_[number] = {number};
+}
+
+void InputFrames::assign_outputs(const std::vector<int>& asked, const std::vector<int>& present,
+                                 Missing missing) {
   std::vector<int> absent;
   std::vector<int> without_earlier;
   for (const int number : asked) {
-    const auto after = std::ranges::upper_bound(readable_, number);
-    const bool has_earlier = after != readable_.begin();
+    const auto after = std::ranges::upper_bound(present, number);
+    const bool has_earlier = after != present.begin();
     if (has_earlier && after[-1] == number) {
       outputs_[number].push_back(number);
       continue;
@@ -72,8 +93,9 @@ void InputFrames::assign_outputs(const std::vector<int>& asked, Missing missing)
   const std::string& pattern = pattern_.text();
   if (!absent.empty() && missing == Missing::error) {
     throw Error(ExitStatus::bad_input,
-                fmt::format("{}: no file for frame {} of {}; --missing skip or hold goes on without", pattern,
-                            io::format_frame_range(absent), io::format_frame_range(asked)));
+                fmt::format("{}: no file for frame {} of {}{}; --missing skip or hold goes on without",
+                            pattern, io::format_frame_range(absent), io::format_frame_range(asked),
+                            pattern_.hint_of_other_padding()));
   }
   if (missing == Missing::hold && !without_earlier.empty()) {
     throw Error(ExitStatus::bad_input,
@@ -87,9 +109,19 @@ void InputFrames::assign_outputs(const std::vector<int>& asked, Missing missing)
   }
 }
 
+io::SequencePattern InputFrames::output_pattern(const std::string& text) const {
+  return padding_ > 0 ? io::SequencePattern(text, padding_) : io::SequencePattern(text);
+}
+
 std::vector<int> InputFrames::outputs() const {
   std::vector<int> numbers;
   for (const auto& [frame, outputs] : outputs_) numbers.insert(numbers.end(), outputs.begin(), outputs.end());
+  return numbers;
+}
+
+std::vector<int> InputFrames::sources() const {
+  std::vector<int> numbers;
+  for (const auto& [frame, outputs] : outputs_) numbers.push_back(frame);
   return numbers;
 }
 

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -24,18 +25,27 @@ class InputFrames {
   using Readable =
       std::function<std::vector<int>(const std::vector<int>& asked, const std::vector<int>& on_disk)>;
 
-  /// `range` empty: all on disk. Throws Error(usage) for a bad range, Error(bad_input) naming the frames that
-  /// are not there.
-  InputFrames(const std::string& pattern, const std::string& range, Missing missing,
+  /// `range` empty: all on disk. `frame` is the number of a single file, whatever its name says. Throws
+  /// Error(usage) for a bad range or a number for a sequence, Error(bad_input) naming the frames that are not
+  /// there.
+  InputFrames(const std::string& pattern, const std::string& range, std::optional<int> frame, Missing missing,
               const Readable& readable);
 
+  const io::SequencePattern& pattern() const { return pattern_; }
   /// What may be read, ascending.
   const std::vector<int>& readable() const { return readable_; }
   std::string path(int frame) const { return pattern_.path(frame); }
+  /// A pattern of outputs, in which a lone `#` has the padding of the input's numbers.
+  io::SequencePattern output_pattern(const std::string& text) const;
+  /// Whether frames have numbers: a single file in whose name there is none, and that nobody gave one, is
+  /// frame 1.
+  bool has_numbers() const { return has_numbers_; }
   /// The usual distance between the numbers of frames that may be read.
   int step() const { return step_; }
   /// Every frame that is written, ascending.
   std::vector<int> outputs() const;
+  /// Every frame that some output is made of, ascending.
+  std::vector<int> sources() const;
   /// For which frames a frame is written: its own number if that was asked for and, with `hold`, those of the
   /// missing frames after it.
   const std::vector<int>& outputs_of(int frame) const { return outputs_.at(frame); }
@@ -47,9 +57,12 @@ class InputFrames {
   const std::string& note() const { return note_; }
 
  private:
-  void assign_outputs(const std::vector<int>& asked, Missing missing);
+  void take_single_file(const std::string& range, std::optional<int> frame);
+  void assign_outputs(const std::vector<int>& asked, const std::vector<int>& present, Missing missing);
 
   io::SequencePattern pattern_;
+  int padding_ = 0;  ///< of the numbers in the files' names; 0: no number there
+  bool has_numbers_ = true;
   std::vector<int> readable_;
   int step_ = 1;
   std::map<int, std::vector<int>> outputs_;  ///< by the frame that is read

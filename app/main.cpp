@@ -8,9 +8,11 @@
 #include <cstdio>
 #include <memory>
 #include <new>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "app/command.h"
+#include "app/console.h"
 #include "app/help.h"
 #include "app/options.h"
 #include "filter/gpu/device.h"
@@ -38,9 +40,20 @@ constexpr const char* kFooter =
     "becalm COMMAND --help tells a command's options.\n";
 
 int fail(ExitStatus status, std::string message) {
-  std::replace(message.begin(), message.end(), '\n', ' ');
-  fmt::print(stderr, "becalm: error: {}\n", message);
+  std::replace_if(
+      message.begin(), message.end(), [](unsigned char c) { return c < ' ' || c == 0x7f; }, ' ');
+  if (becalm::app::message_format() == becalm::app::MessageFormat::json) {
+    becalm::app::say_event({{"event", "error"}, {"status", static_cast<int>(status)}, {"text", message}});
+  } else {
+    becalm::app::warn("error: " + message);
+  }
   return static_cast<int>(status);
+}
+
+/// What was printed is on its way, or the status says that it is not.
+int finish_output(int status) {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return status;
+  return fail(ExitStatus::resource, "standard output cannot be written to");
 }
 
 /// CLI11 says what is wrong but neither for which command nor where to read on.
@@ -74,22 +87,19 @@ int run(int argc, char** argv) {
   try {
     parser.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return parser.exit(error);  // --help, --version
+    if (error.get_exit_code() == 0) return finish_output(parser.exit(error));  // --help, --version
     return fail(ExitStatus::usage, usage_message(error, commands));
   }
   const auto chosen = std::find_if(commands.begin(), commands.end(), [](const becalm::app::Command& command) {
     return command.parser->parsed();
   });
-  const ExitStatus status = chosen->run();
-  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-    return fail(ExitStatus::resource, "standard output cannot be written to");
-  }
-  return static_cast<int>(status);
+  return finish_output(static_cast<int>(chosen->run()));
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  becalm::app::occupy_closed_streams();
   try {
     return run(argc, argv);
   } catch (const becalm::Error& error) {

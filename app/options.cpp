@@ -4,16 +4,25 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <map>
+#include <sstream>
 #include <string_view>
 
+#include "app/console.h"
 #include "frame/error.h"
 #include "frame/io/exr.h"
 
 namespace becalm::app {
+
+CLI::Validator not_empty() {
+  return CLI::Validator(
+      [](const std::string& text) { return text.empty() ? std::string("is empty") : std::string(); }, "");
+}
 
 CLI::Option* add_output_options(CLI::App& command, OutputOptions& options,
                                 const std::string& frames_default) {
@@ -21,6 +30,7 @@ CLI::Option* add_output_options(CLI::App& command, OutputOptions& options,
                             .add_option("-o,--output", options.pattern,
                                         "Where to write: an EXR name with a frame field such as ####")
                             ->required()
+                            ->check(not_empty())
                             ->option_text("PATTERN")
                             ->group("Output");
   command
@@ -28,10 +38,15 @@ CLI::Option* add_output_options(CLI::App& command, OutputOptions& options,
                   fmt::format("Frames to write: 1-24, 1-100x2, 5, 1-10,20-30; negative ones as --frames=-3-4 "
                               "(default: {})",
                               frames_default))
+      ->check(not_empty())
       ->option_text("RANGE")
       ->group("Output");
   command
       .add_flag("--resume", options.resume, "Keep the frames that are there, after checking their settings")
+      ->group("Output");
+  command
+      .add_flag("--overwrite", options.overwrite,
+                "Replace files that becalm did not write, too; those that it wrote are replaced anyway")
       ->group("Output");
   return output;
 }
@@ -43,7 +58,25 @@ void add_running_options(CLI::App& command, RunningOptions& options) {
       ->group("Running");
   command.add_flag("--profile", options.profile, "At the end, tell where time and memory went")
       ->group("Running");
-  command.add_flag("--quiet", options.quiet, "No progress; warnings and errors stay")->group("Running");
+  CLI::Option* quiet = command.add_flag("-q,--quiet", options.quiet, "No progress; warnings and errors stay")
+                           ->group("Running");
+  command
+      .add_flag("-v,--verbose", options.verbose,
+                "Also tell the layers taken, the device, and every file that is read and written")
+      ->excludes(quiet)
+      ->group("Running");
+  command
+      .add_option(
+          "--progress", options.progress,
+          "json: one object a line on standard error, for farm managers; its events are frame, progress, "
+          "message, end and error (default: text)")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->option_text("text|json")
+      ->group("Running");
+}
+
+void apply(const RunningOptions& options) {
+  set_message_format(options.progress == "json" ? MessageFormat::json : MessageFormat::text);
 }
 
 void add_filter_options(CLI::App& command, FilterOptions& options) {
@@ -154,14 +187,43 @@ std::string wrapped(std::string_view text, std::size_t indent, std::size_t width
   return lines;
 }
 
+constexpr std::array<std::string_view, 3> kPresets{"draft", "balanced", "final"};
+
+using PresetValues = std::map<std::string, std::string>;
+
+PresetValues preset_values(std::string_view name) {
+  PresetValues values;
+  std::istringstream words(filter::to_string(filter::preset(name)));
+  for (std::string word; words >> word;) {
+    const auto equals = word.find('=');
+    values[word.substr(0, equals)] = word.substr(equals + 1);
+  }
+  return values;
+}
+
 }  // namespace
 
 std::string settings_help() {
   constexpr std::size_t indent = 25;
   constexpr std::size_t width = 80;
-  std::string text = "Settings that --set changes:\n";
+  std::map<std::string_view, PresetValues> presets;
+  for (const std::string_view name : kPresets) presets.emplace(name, preset_values(name));
+  std::string text = "Settings that --set changes, and what the presets have:\n";
   for (const filter::SettingInfo& setting : filter::settings_table()) {
-    text += fmt::format("  {:<20} {}\n{}\n", setting.key, setting.type, wrapped(setting.help, indent, width));
+    text += fmt::format("  {:<20} {}\n{}\n{}", setting.key, setting.type,
+                        wrapped(setting.help, indent, width), std::string(indent, ' '));
+    const auto value_in = [&](std::string_view name) {
+      return presets.at(name).at(std::string(setting.key));
+    };
+    const std::string first = value_in(kPresets.front());
+    if (std::ranges::all_of(kPresets, [&](std::string_view name) { return value_in(name) == first; })) {
+      text += fmt::format("all: {}", first);
+    } else {
+      for (const std::string_view name : kPresets) {
+        text += fmt::format("{}{}: {}", name == kPresets.front() ? "" : "; ", name, value_in(name));
+      }
+    }
+    text += '\n';
   }
   return text;
 }

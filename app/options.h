@@ -14,15 +14,20 @@
 namespace CLI {  // NOLINT(readability-identifier-naming): the library's
 class App;
 class Option;
+class Validator;
 }  // namespace CLI
 
 namespace becalm::app {
+
+/// Refuses an empty text: a variable of the calling script that was not set, rather than a wish.
+CLI::Validator not_empty();
 
 /// Options that more than one subcommand has, with one name and one meaning.
 struct OutputOptions {
   std::string pattern;
   std::string frames;  ///< as typed; empty: the subcommand's default
   bool resume = false;
+  bool overwrite = false;
 };
 /// The option of the output pattern is returned, and is required.
 CLI::Option* add_output_options(CLI::App& command, OutputOptions& options, const std::string& frames_default);
@@ -31,7 +36,11 @@ struct RunningOptions {
   int threads = 0;  ///< 0: all processors
   bool profile = false;
   bool quiet = false;
+  bool verbose = false;
+  std::string progress = "text";
 };
+/// What holds for the whole process; called before the command runs.
+void apply(const RunningOptions& options);
 void add_running_options(CLI::App& command, RunningOptions& options);
 
 struct FilterOptions {

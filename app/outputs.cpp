@@ -8,7 +8,6 @@
 #include <cerrno>
 #include <charconv>
 #include <filesystem>
-#include <map>
 #include <sstream>
 #include <system_error>
 
@@ -53,12 +52,13 @@ bool process_runs(int process) {
   return ::kill(process, 0) == 0 || errno != ESRCH;
 }
 
-std::map<std::string, std::string> parse_settings(const std::string& text) {
-  std::map<std::string, std::string> settings;
+/// Keys and values in the order of the text.
+std::vector<std::pair<std::string, std::string>> parse_settings(const std::string& text) {
+  std::vector<std::pair<std::string, std::string>> settings;
   std::istringstream words(text);
   for (std::string word; words >> word;) {
     const auto equals = word.find('=');
-    settings[word.substr(0, equals)] = equals == std::string::npos ? "" : word.substr(equals + 1);
+    settings.emplace_back(word.substr(0, equals), equals == std::string::npos ? "" : word.substr(equals + 1));
   }
   return settings;
 }
@@ -67,17 +67,30 @@ std::map<std::string, std::string> parse_settings(const std::string& text) {
 std::string describe_difference(const std::string& there, const std::string& here) {
   const auto old_settings = parse_settings(there);
   const auto new_settings = parse_settings(here);
+  const auto find = [](const auto& settings, const std::string& key) {
+    return std::ranges::find(settings, key, [](const auto& setting) { return setting.first; });
+  };
   for (const auto& [key, value] : new_settings) {
-    const auto found = old_settings.find(key);
-    if (found != old_settings.end() && found->second == value) continue;
+    const auto found = find(old_settings, key);
     if (found == old_settings.end()) return fmt::format("no {}, and this run has {}={}", key, key, value);
+    if (found->second == value) continue;
     if (key == "scene") return "another content of the scene or of a file that it names";
     return fmt::format("{}={}, and this run has {}={}", key, found->second, key, value);
   }
   for (const auto& [key, value] : old_settings) {
-    if (!new_settings.contains(key)) return fmt::format("{}={}, and this run has none", key, value);
+    if (find(new_settings, key) == new_settings.end()) {
+      return fmt::format("{}={}, and this run has none", key, value);
+    }
   }
   return "the settings in another order";
+}
+
+bool is_of_becalm(const std::string& path) {
+  try {
+    return !io::read_attribute(path, "becalm:version").empty();
+  } catch (const Error&) {
+    return false;
+  }
 }
 
 bool is_whole(const std::string& path, int frame) {
@@ -91,15 +104,15 @@ bool is_whole(const std::string& path, int frame) {
 
 }  // namespace
 
-Outputs::Outputs(std::string_view option, const std::string& pattern, std::vector<int> frames)
-    : option_(option), pattern_(pattern), frames_(std::move(frames)) {
-  if (!is_exr_name(pattern)) {
+Outputs::Outputs(std::string_view option, io::SequencePattern pattern, std::vector<int> frames)
+    : option_(option), pattern_(std::move(pattern)), frames_(std::move(frames)) {
+  if (!is_exr_name(pattern_.text())) {
     throw Error(ExitStatus::usage,
-                fmt::format("{} {}: expected a file name that ends in .exr", option_, pattern));
+                fmt::format("{} {}: expected a file name that ends in .exr", option_, pattern_.text()));
   }
   if (frames_.size() > 1 && !pattern_.has_frame_field()) {
     throw Error(ExitStatus::usage, fmt::format("{} {}: {} frames need a frame field, such as ####.exr",
-                                               option_, pattern, frames_.size()));
+                                               option_, pattern_.text(), frames_.size()));
   }
 }
 
@@ -110,6 +123,16 @@ void Outputs::keep_apart_from(const std::vector<std::string>& inputs) const {
     if (!taken.contains(resolved(path(frame)))) continue;
     throw Error(ExitStatus::usage,
                 fmt::format("{} {}: would overwrite the input; choose another name", option_, path(frame)));
+  }
+}
+
+void Outputs::keep_foreign_files() const {
+  for (const int frame : frames_) {
+    std::error_code error;
+    if (!fs::is_regular_file(path(frame), error) || is_of_becalm(path(frame))) continue;
+    throw Error(ExitStatus::usage,
+                fmt::format("{} {}: is there, and becalm did not write it; --overwrite replaces it", option_,
+                            path(frame)));
   }
 }
 

@@ -15,13 +15,16 @@ class Outputs {
  public:
   /// Throws Error(usage) unless the pattern is an EXR name, with a frame field if there are several frames.
   /// `option` is the pattern's name in messages.
-  Outputs(std::string_view option, const std::string& pattern, std::vector<int> frames);
+  Outputs(std::string_view option, io::SequencePattern pattern, std::vector<int> frames);
 
   const std::vector<int>& frames() const { return frames_; }
   std::string path(int frame) const { return pattern_.path(frame); }
 
   /// Throws Error(usage) if one of the outputs is one of the inputs, links and all.
   void keep_apart_from(const std::vector<std::string>& inputs) const;
+
+  /// Throws Error(usage) if there is a file in an output's place that becalm did not write.
+  void keep_foreign_files() const;
 
   /// Makes the folder and removes what killed runs left half-written of these frames. Throws Error(resource),
   /// before hours of work whose result could not be written.

@@ -4,8 +4,8 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <cstdio>
 
+#include "app/console.h"
 #include "app/mebibytes.h"
 
 namespace becalm::app {
@@ -40,17 +40,16 @@ void Profile::print() const {
   print_table("wall time a frame", steps_ms_);
   print_table("device time a frame", passes_ms_);
   if (!device_.empty()) {
-    fmt::print(
-        stderr,
+    say(fmt::format(
         "device {}: {} of {}x{} px, {:.1f} MiB held ({:.1f} MiB without shared memory), {:.1f} MiB of host "
-        "memory for transfers\n",
+        "memory for transfers",
         device_, memory_.tiles == 1 ? "1 tile" : fmt::format("{} tiles", memory_.tiles), memory_.tile.width,
         memory_.tile.height, mebibytes(memory_.device_bytes), mebibytes(memory_.device_bytes_unaliased),
-        mebibytes(memory_.staging_bytes));
+        mebibytes(memory_.staging_bytes)));
   }
   rusage usage = {};
   getrusage(RUSAGE_SELF, &usage);
-  fmt::print(stderr, "peak resident memory: {:.1f} MiB\n", static_cast<double>(usage.ru_maxrss) / 1024.0);
+  say(fmt::format("peak resident memory: {:.1f} MiB", static_cast<double>(usage.ru_maxrss) / 1024.0));
 }
 
 std::vector<double>& Profile::find(Samples& samples, const std::string& name) {
@@ -61,14 +60,14 @@ std::vector<double>& Profile::find(Samples& samples, const std::string& name) {
 
 void Profile::print_table(const char* title, const Samples& samples) {
   if (samples.empty()) return;
-  fmt::print(stderr, "{} (median over the frames):\n", title);
+  say(fmt::format("{} (median over the frames):", title));
   double total_ms = 0.0;
   for (const auto& [name, values] : samples) {
     const double value = median(values);
     total_ms += value;
-    fmt::print(stderr, "  {:<48} {:>10.2f} ms\n", name, value);
+    say(fmt::format("  {:<48} {:>10.2f} ms", name, value));
   }
-  fmt::print(stderr, "  {:<48} {:>10.2f} ms\n", "sum", total_ms);
+  say(fmt::format("  {:<48} {:>10.2f} ms", "sum", total_ms));
 }
 
 }  // namespace becalm::app

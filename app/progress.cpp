@@ -6,13 +6,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "app/console.h"
+#include "app/counted.h"
 
 namespace becalm::app {
 namespace {
 
 constexpr std::chrono::milliseconds kRedrawEvery{100};
+constexpr std::chrono::seconds kReportEvery{1};  ///< in JSON
 constexpr int kBarWidth = 24;
 
 /// A terminal that understands carriage return and erase-to-end.
@@ -41,7 +45,8 @@ std::string format_duration(double seconds) {
   return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
 }
 
-Progress::Progress(const ProgressOptions& options) : options_(options), terminal_(is_terminal()) {}
+Progress::Progress(const ProgressOptions& options)
+    : options_(options), terminal_(message_format() == MessageFormat::text && is_terminal()) {}
 
 Progress::~Progress() {
   const std::lock_guard lock(mutex_);
@@ -52,13 +57,19 @@ void Progress::update(int frame, double frames_done) {
   const std::lock_guard lock(mutex_);
   frame_ = frame;
   frames_done_ = std::max(frames_done_, frames_done);
-  if (options_.quiet || !terminal_ || Clock::now() - drawn_ < kRedrawEvery) return;
-  draw();
+  if (options_.quiet) return;
+  if (message_format() == MessageFormat::json && Clock::now() - drawn_ >= kReportEvery) {
+    nlohmann::ordered_json event{{"event", "progress"}, {"frame", frame}};
+    event.update(figures());
+    say_event(event);
+    drawn_ = Clock::now();
+  }
+  if (terminal_ && Clock::now() - drawn_ >= kRedrawEvery) draw();
 }
 
 void Progress::frame_kept(int frame) {
   const std::lock_guard lock(mutex_);
-  frame_done(frame, "exists, gone through for the history");
+  frame_done(frame, "kept");
 }
 
 void Progress::frame_written(int frame) {
@@ -67,7 +78,7 @@ void Progress::frame_written(int frame) {
   frame_done(frame, "written");
 }
 
-void Progress::frame_done(int frame, std::string_view what) {
+void Progress::frame_done(int frame, std::string_view state) {
   ++worked_;
   frames_done_ = std::max(frames_done_, static_cast<double>(worked_));
   if (options_.quiet) return;
@@ -75,15 +86,22 @@ void Progress::frame_done(int frame, std::string_view what) {
     draw();
     return;
   }
-  fmt::print(stderr, "frame {}: {}, {} of {} done, {}{}\n", frame, what, options_.existing + written_,
-             options_.total, rate(), time_left());
+  if (message_format() == MessageFormat::json) {
+    nlohmann::ordered_json event{{"event", "frame"}, {"frame", frame}, {"state", state}};
+    event.update(figures());
+    say_event(event);
+    return;
+  }
+  say(fmt::format("frame {}: {}, {} of {} done, {}{}", frame,
+                  state == "written" ? state : "exists, gone through for the history",
+                  options_.existing + written_, options_.total, rate(), time_left()));
 }
 
 void Progress::warn(std::string_view line) {
   const std::lock_guard lock(mutex_);
   const bool redraw = line_shown_;
   erase();
-  fmt::print(stderr, "becalm: {}\n", line);
+  app::warn(line);
   if (redraw) draw();
 }
 
@@ -91,12 +109,23 @@ void Progress::note(std::string_view line) {
   if (!options_.quiet) warn(line);
 }
 
+void Progress::detail(std::string_view line) {
+  if (options_.verbose) warn(line);
+}
+
 void Progress::finish(bool done) {
   const std::lock_guard lock(mutex_);
   erase();
   if (options_.quiet || !done) return;
-  fmt::print(stderr, "{} frames written in {}, {}{}\n", written_, format_duration(elapsed_s()), rate(),
-             options_.existing > 0 ? fmt::format("; {} were there already", options_.existing) : "");
+  if (message_format() == MessageFormat::json) {
+    nlohmann::ordered_json event{{"event", "end"}, {"written", written_}};
+    event.update(figures());
+    say_event(event);
+    return;
+  }
+  say(fmt::format("{} written in {}, {}{}", counted(written_, "frame", "frames"),
+                  format_duration(elapsed_s()), rate(),
+                  options_.existing > 0 ? fmt::format("; {} were there already", options_.existing) : ""));
 }
 
 std::size_t Progress::written() const {
@@ -112,10 +141,23 @@ std::string Progress::rate() const {
   return format_rate(frames_done_ * options_.units_per_frame / std::max(1e-6, elapsed_s()), options_.unit);
 }
 
+double Progress::seconds_left() const {
+  return elapsed_s() * std::max(0.0, static_cast<double>(options_.work) - frames_done_) / frames_done_;
+}
+
 std::string Progress::time_left() const {
-  const double left = static_cast<double>(options_.work) - frames_done_;
-  if (frames_done_ <= 0.0 || left <= 0.0) return "";
-  return fmt::format(", {} left", format_duration(elapsed_s() * left / frames_done_));
+  if (frames_done_ <= 0.0 || frames_done_ >= static_cast<double>(options_.work)) return "";
+  return fmt::format(", {} left", format_duration(seconds_left()));
+}
+
+nlohmann::ordered_json Progress::figures() const {
+  nlohmann::ordered_json figures{{"done", options_.existing + written_},
+                                 {"total", options_.total},
+                                 {"work_done", frames_done_},
+                                 {"work_total", options_.work},
+                                 {"elapsed_s", elapsed_s()}};
+  if (frames_done_ > 0.0) figures["left_s"] = seconds_left();
+  return figures;
 }
 
 void Progress::draw() {
@@ -125,16 +167,14 @@ void Progress::draw() {
       fmt::format("[{:#<{}}{:.<{}}] {} of {}, frame {}, {}{}", "", filled, "", kBarWidth - filled,
                   options_.existing + written_, options_.total, frame_, rate(), time_left());
   line.resize(std::min(line.size(), terminal_columns() - 1));  // a wrapped line could not be drawn over
-  fmt::print(stderr, "\r{}\x1b[K", line);
-  std::fflush(stderr);
+  write_error(fmt::format("\r{}\x1b[K", line));
   drawn_ = Clock::now();
   line_shown_ = true;
 }
 
 void Progress::erase() {
   if (!line_shown_) return;
-  fmt::print(stderr, "\r\x1b[K");
-  std::fflush(stderr);
+  write_error("\r\x1b[K");
   line_shown_ = false;
 }
 

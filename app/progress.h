@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstddef>
 #include <mutex>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 
@@ -14,11 +15,13 @@ struct ProgressOptions {
   std::size_t work = 0;         ///< frames to go through, written or not
   std::string unit = "frames";  ///< what the rate counts: "samples" or "frames"
   double units_per_frame = 1.0;
-  bool quiet = false;  ///< warnings only
+  bool quiet = false;    ///< warnings only
+  bool verbose = false;  ///< details, too
 };
 
 /// Progress on standard error: frames done, time left and a rate, as one moving line on a terminal and as one
-/// line a frame elsewhere. May be called from any thread.
+/// line a frame elsewhere; or as JSON, whose events are `frame`, `progress` (at most one a second), `message`
+/// and `end`. May be called from any thread.
 class Progress {
  public:
   explicit Progress(const ProgressOptions& options);
@@ -36,6 +39,8 @@ class Progress {
   void warn(std::string_view line);
   /// Says something that is no trouble; not when quiet.
   void note(std::string_view line);
+  /// Says something that only --verbose asks for.
+  void detail(std::string_view line);
   /// Takes the moving line away; if all is `done`, prints the closing line: frames, time, rate.
   void finish(bool done);
 
@@ -47,8 +52,11 @@ class Progress {
 
   double elapsed_s() const;
   std::string rate() const;
+  double seconds_left() const;
   std::string time_left() const;
-  void frame_done(int frame, std::string_view what);
+  void frame_done(int frame, std::string_view state);
+  /// How far it is and how long it takes, for JSON.
+  nlohmann::ordered_json figures() const;
   void draw();
   void erase();
 

@@ -117,7 +117,7 @@ RenderJob::RenderJob(const RenderCommand& command)
       scene_hash_(scene_hash(command.scene)),
       size_(size_of(command, scene_.description())) {
   const std::vector<int> frames = frames_of(command, scene_.description());
-  outputs_.emplace("-o", command.output.pattern, frames);
+  outputs_.emplace("-o", io::SequencePattern(command.output.pattern), frames);
   attributes_ = render_attributes(asked_, command.float_colors);
   if (filter_) {
     readable_ = filter_->readable(frames, existing_frames(frames, scene_.description(), *filter_));
@@ -129,9 +129,9 @@ RenderJob::RenderJob(const RenderCommand& command)
 
 void RenderJob::choose_noisy_outputs() {
   if (!command_.keep_noisy.empty()) {
-    noisy_outputs_.emplace("--keep-noisy", command_.keep_noisy, readable_);
+    noisy_outputs_.emplace("--keep-noisy", io::SequencePattern(command_.keep_noisy), readable_);
   } else if (has_segments()) {
-    noisy_outputs_.emplace("-o", scratch_pattern(command_.output.pattern), readable_);
+    noisy_outputs_.emplace("-o", io::SequencePattern(scratch_pattern(command_.output.pattern)), readable_);
   } else {
     return;
   }
@@ -161,6 +161,10 @@ void RenderJob::find_existing() {
 }
 
 ExitStatus RenderJob::run() {
+  if (!command_.output.overwrite && !command_.output.resume) {
+    outputs_->keep_foreign_files();
+    if (noisy_outputs_) noisy_outputs_->keep_foreign_files();
+  }
   outputs_->prepare();
   if (noisy_outputs_) noisy_outputs_->prepare();
   if (command_.output.resume) find_existing();
@@ -191,7 +195,8 @@ Progress& RenderJob::start_progress(std::size_t frames_to_make) {
                       .work = frames_to_make,
                       .unit = "samples",
                       .units_per_frame = static_cast<double>(size_.width) * size_.height * command_.spp,
-                      .quiet = command_.running.quiet});
+                      .quiet = command_.running.quiet,
+                      .verbose = command_.running.verbose});
 }
 
 /// The tracer makes frame n+1 while frame n is filtered and written.
@@ -256,7 +261,6 @@ void RenderJob::filter_segment(const filter::Segment& segment) {
   run_filter(
       *filter_, segment,
       {.read = [this](int frame) { return read_noisy(frame); },
-       .check = [](const io::LoadedFrame&) {},
        .write = [this](DenoisedFile& file) { write(file.frame, file.source.frame); }},
       [](std::size_t) {}, *progress_, profile_);
 }
@@ -331,6 +335,7 @@ void RenderJob::write(Frame& result, Frame& noisy) {
                            command_.float_colors ? io::PixelType::float32 : io::PixelType::half);
   }
   warn_overflows(*progress_, result.number(), report, "--float keeps them");
+  progress_->detail(fmt::format("frame {}: wrote {}", result.number(), outputs_->path(result.number())));
   progress_->frame_written(result.number());
 }
 
@@ -409,6 +414,7 @@ Command add_render(CLI::App& becalm) {
   return {&parser, [command] {
             check_options_fit(*command);
             if (!command->debug_pixel.empty()) return debug_pixel(*command);
+            apply(command->running);
             catch_signals();
             return RenderJob(*command).run();
           }};

@@ -2,9 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
-
 #include "app/cancel.h"
+#include "app/console.h"
 
 namespace becalm::app {
 
@@ -15,12 +14,12 @@ void warn_overflows(Progress& progress, int frame, const io::WriteReport& report
 }
 
 void warn_unusable(const std::vector<std::string>& paths) {
-  for (const std::string& path : paths)
-    fmt::print(stderr, "becalm: {} is damaged and is written again\n", path);
+  for (const std::string& path : paths) warn(fmt::format("{} is damaged and is written again", path));
 }
 
 ExitStatus all_there(std::size_t frames, bool quiet) {
-  if (!quiet) fmt::print(stderr, "all {} frames are there already\n", frames);
+  if (!quiet)
+    say(frames == 1 ? "the frame is there already" : fmt::format("all {} frames are there already", frames));
   return ExitStatus::done;
 }
 
@@ -30,7 +29,7 @@ ExitStatus conclude(Progress& progress, std::size_t frames_asked, const Profile*
   progress.finish(!cut_short);
   if (profile != nullptr) profile->print();
   if (!cut_short) return ExitStatus::done;
-  fmt::print(stderr, "interrupted: {} of {} frames written; go on with --resume\n", written, frames_asked);
+  say(fmt::format("interrupted: {} of {} frames written; go on with --resume", written, frames_asked));
   return ExitStatus::interrupted;
 }
 

@@ -27,10 +27,6 @@ constexpr double kShareOfDevice = 0.9;
 /// The finishing passes may take one part in so many; the rest is the merger's, which needs more.
 constexpr std::uint64_t kShareOfFinish = 4;
 
-std::uint64_t usable_bytes(const gpu::Device& device) {
-  return static_cast<std::uint64_t>(kShareOfDevice * static_cast<double>(device.info().memory_bytes));
-}
-
 std::unique_ptr<FrameMerger> make_merger(gpu::Device& device, const FilterTask& task, std::uint64_t limit) {
   try {
     auto whole = std::make_unique<WholeFrame>(device, task);
@@ -86,6 +82,10 @@ Frame output_frame(const NewFrame& frame, const FilterTask& task, MergedFrame ma
 }
 
 }  // namespace
+
+std::uint64_t usable_bytes(const gpu::Device& device) {
+  return static_cast<std::uint64_t>(kShareOfDevice * static_cast<double>(device.info().memory_bytes));
+}
 
 AovSet wanted_aovs(const Settings& settings) {
   AovSet wanted;

@@ -20,6 +20,9 @@ AovSet wanted_aovs(const Settings& settings);
 /// Whether histories start anew where is_cut finds a cut, besides where the schedule says so.
 enum class FindCuts { no, yes };
 
+/// The bytes of a device that filters may take, all together.
+std::uint64_t usable_bytes(const gpu::Device& device);
+
 /// Denoises a sequence: every frame is aligned with the history of the frames before it, or after it, and
 /// merged. All frames have the size given at construction and the AOVs of `available` that the filter wants;
 /// a frame that differs throws Error(bad_input).

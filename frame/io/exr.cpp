@@ -5,10 +5,11 @@
 #include <OpenEXR/ImfStringAttribute.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <map>
-#include <string_view>
 
 #include "frame/error.h"
 #include "frame/io/exr_file.h"
@@ -20,8 +21,10 @@ namespace {
 /// One channel of a frame's image that a file's channel is read into.
 struct Target {
   Image* image;
+  Imath::Box2i window;  ///< of the frame
   int channel;
-  float scale;
+  float scale = 1.0f;
+  bool squared = false;
 };
 
 using TargetsByChannel = std::map<std::string, std::vector<Target>>;
@@ -41,8 +44,8 @@ float value_of_nothing(Aov aov) {
 }
 
 /// Copies what the stripe's lines and the frame's window have in common.
-void copy_lines(const Stripe::Plane& plane, const Imath::Box2i& lines, const Imath::Box2i& frame_window,
-                const Target& target) {
+void copy_lines(const Stripe::Plane& plane, const Imath::Box2i& lines, const Target& target) {
+  const Imath::Box2i& frame_window = target.window;
   const int x_begin = std::max(lines.min.x, frame_window.min.x);
   const int x_end = std::min(lines.max.x, frame_window.max.x) + 1;
   for (int y = std::max(lines.min.y, frame_window.min.y); y <= std::min(lines.max.y, frame_window.max.y);
@@ -51,13 +54,13 @@ void copy_lines(const Stripe::Plane& plane, const Imath::Box2i& lines, const Ima
     for (int x = x_begin; x < x_end; ++x) {
       float value;
       std::memcpy(&value, &plane.bytes[(row + (x - lines.min.x)) * sizeof value], sizeof value);
+      if (target.squared) value *= value;
       target.image->at(x - frame_window.min.x, y - frame_window.min.y, target.channel) = value * target.scale;
     }
   }
 }
 
-void read_part(Imf::MultiPartInputFile& file, int part_number, const TargetsByChannel& targets,
-               const Imath::Box2i& frame_window) {
+void read_part(Imf::MultiPartInputFile& file, int part_number, const TargetsByChannel& targets) {
   Imf::InputPart part(file, part_number);
   const Imath::Box2i window = part.header().dataWindow();
   Stripe stripe(window);
@@ -68,26 +71,50 @@ void read_part(Imf::MultiPartInputFile& file, int part_number, const TargetsByCh
     part.readPixels(first, last);
     const Imath::Box2i lines(Imath::V2i(window.min.x, first), Imath::V2i(window.max.x, last));
     for (const Stripe::Plane& plane : stripe.planes()) {
-      for (const Target& target : targets.at(plane.channel)) copy_lines(plane, lines, frame_window, target);
+      for (const Target& target : targets.at(plane.channel)) copy_lines(plane, lines, target);
     }
   });
 }
 
-/// Adds a group for every layer light.NAME with the channels R, G and B.
-void add_light_groups(const std::vector<std::string>& channels, Frame& frame, TargetsByChannel& targets) {
-  constexpr std::string_view begin = "light.";
-  constexpr std::string_view end = ".R";
-  std::vector<LightGroup>& groups = frame.light_groups();
-  for (const std::string& channel : channels) {
-    if (channel.size() <= begin.size() + end.size() || !channel.starts_with(begin) || !channel.ends_with(end))
-      continue;
-    const std::string name = channel.substr(begin.size(), channel.size() - begin.size() - end.size());
-    groups.push_back({name, Image(frame.width(), frame.height(), 3)});
+/// Makes the images of a view, and notes by part what is to be read into them. The view must stay where it
+/// is.
+void add_targets(AovSet wanted, LightGroups light_groups, LoadedView& view,
+                 std::map<int, TargetsByChannel>& parts) {
+  const auto add = [&](const LayerSource& source, Image& image) {
+    for (std::size_t c = 0; c < source.channels.size(); ++c) {
+      if (source.channels[c].empty()) {  // a beauty without alpha is opaque
+        for (std::size_t i = c; i < image.data().size(); i += source.channels.size()) image.data()[i] = 1.0f;
+        continue;
+      }
+      parts[source.part][source.channels[c]].push_back(
+          {&image, view.window, static_cast<int>(c), source.scale[c], source.squared});
+    }
+  };
+  for (const AovInfo& entry : kAovTable) {
+    const std::size_t index = static_cast<std::size_t>(entry.aov);
+    if (!wanted.test(index) || !view.layers[index]) continue;
+    add(*view.layers[index], view.frame.add(entry.aov, value_of_nothing(entry.aov)));
+  }
+  if (light_groups == LightGroups::leave) return;
+  std::vector<LightGroup>& groups = view.frame.light_groups();
+  for (const auto& [name, source] : view.lights) {
+    groups.push_back({name, Image(view.frame.width(), view.frame.height(), 3)});
   }
   for (LightGroup& group : groups) {
-    for (int c = 0; c < 3; ++c) {
-      targets[fmt::format("{}{}.{}", begin, group.name, "RGB"[c])].push_back({&group.radiance, c, 1.0f});
-    }
+    const LightSource& source = view.lights.at(group.name);
+    add(source.layer, group.radiance);
+    if (!source.colour) continue;
+    Image& colour = view.colours[group.name] = Image(view.frame.width(), view.frame.height(), 3);
+    add(*source.colour, colour);
+  }
+}
+
+void multiply_by_colours(LoadedView& view) {
+  for (LightGroup& group : view.frame.light_groups()) {
+    const auto colour = view.colours.find(group.name);
+    if (colour == view.colours.end()) continue;
+    std::ranges::transform(group.radiance.data(), colour->second.data(), group.radiance.data().begin(),
+                           std::multiplies<>());
   }
 }
 
@@ -98,41 +125,54 @@ void require_flat(const std::string& path, const Imf::MultiPartInputFile& file) 
   throw Error(ExitStatus::bad_input, fmt::format("{}: a deep image, expected flat pixels", path));
 }
 
+/// The views of the file, each with the windows of its beauty's part.
+std::vector<ExrView> views_of(const std::string& path, const Imf::MultiPartInputFile& file,
+                              const LayerOptions& options) {
+  require_flat(path, file);
+  std::vector<ExrView> views;
+  for (ViewLayers& found : find_view_layers(path, part_channels(file), options)) {
+    const Imf::Header& header = file.header(found.layers[static_cast<std::size_t>(Aov::beauty)]->part);
+    views.push_back({std::move(found), header.dataWindow(), header.displayWindow()});
+  }
+  return views;
+}
+
 }  // namespace
 
-LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted,
-                     const LayerOverrides& overrides, LightGroups light_groups) {
+std::vector<ExrView> read_exr_header(const std::string& path, const LayerOptions& options,
+                                     CheckChunks check_chunks) {
+  std::vector<ExrView> views;
+  reading(path, [&] {
+    stamp_of(path);
+    const std::unique_ptr<Imf::MultiPartInputFile> file = open_exr(path);
+    views = views_of(path, *file, options);
+    if (check_chunks == CheckChunks::yes) require_all_chunks(path, *file);
+  });
+  return views;
+}
+
+LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted, const LayerOptions& options,
+                     LightGroups light_groups, const std::optional<Imath::Box2i>& window) {
   LoadedFrame loaded;
   reading(path, [&] {
     loaded.contents = std::make_shared<ExrContents>(path, stamp_of(path));
     const std::unique_ptr<Imf::MultiPartInputFile> file = open_exr(path);
-    require_flat(path, *file);
-    loaded.layers = find_layers(path, channel_names(*file), overrides);
+    const std::vector<ExrView> views = views_of(path, *file, options);
     require_all_chunks(path, *file);
 
-    const LayerSource& beauty = *loaded.layers[static_cast<std::size_t>(Aov::beauty)];
-    const Imath::Box2i window = file->header(beauty.part).dataWindow();
-    loaded.frame = Frame(frame_number, width_of(window), height_of(window));
-
     wanted.set(static_cast<std::size_t>(Aov::beauty));
+    loaded.other_views.resize(views.size() - 1);
     std::map<int, TargetsByChannel> parts;
-    for (const AovInfo& entry : kAovTable) {
-      const std::size_t index = static_cast<std::size_t>(entry.aov);
-      if (!wanted.test(index) || !loaded.layers[index]) continue;
-      const LayerSource& source = *loaded.layers[index];
-      // 1 is the alpha of a beauty without; every other channel is read over it.
-      Image& image =
-          loaded.frame.add(entry.aov, entry.aov == Aov::beauty ? 1.0f : value_of_nothing(entry.aov));
-      for (std::size_t c = 0; c < source.channels.size(); ++c) {
-        if (source.channels[c].empty()) continue;
-        const float scale = c == 1 ? source.y_scale : 1.0f;
-        parts[source.part][source.channels[c]].push_back({&image, static_cast<int>(c), scale});
-      }
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      LoadedView& view = i == 0 ? loaded : loaded.other_views[i - 1];
+      static_cast<ViewLayers&>(view) = views[i];
+      view.window = window.value_or(views[i].data_window);
+      view.frame = Frame(frame_number, width_of(view.window), height_of(view.window));
+      add_targets(wanted, light_groups, view, parts);
     }
-    if (light_groups == LightGroups::read) {
-      add_light_groups(channel_names(*file)[beauty.part], loaded.frame, parts[beauty.part]);
-    }
-    for (const auto& [part, targets] : parts) read_part(*file, part, targets, window);
+    for (const auto& [part, targets] : parts) read_part(*file, part, targets);
+    multiply_by_colours(loaded);
+    std::ranges::for_each(loaded.other_views, multiply_by_colours);
   });
   return loaded;
 }

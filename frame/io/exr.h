@@ -1,7 +1,12 @@
 #pragma once
 
+#include <Imath/ImathBox.h>
+
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -13,9 +18,17 @@ namespace becalm::io {
 /// What is needed to write again, bit for bit, what was not denoised. Opaque outside frame/io/.
 class ExrContents;
 
-struct LoadedFrame {
+/// What was read of one view: all of a usual file, an eye of a stereo file.
+struct LoadedView : ViewLayers {
   Frame frame;
-  LayerMap layers;
+  Imath::Box2i window;  ///< that the frame covers, in the file's coordinates
+  /// Of light groups that are products: the surface's colour, which the frame's radiance contains.
+  std::map<std::string, Image> colours;
+};
+
+/// The default view of a file, or its only one, and what the file holds besides.
+struct LoadedFrame : LoadedView {
+  std::vector<LoadedView> other_views;
   std::shared_ptr<const ExrContents> contents;
 };
 
@@ -24,32 +37,69 @@ using Attributes = std::vector<std::pair<std::string, std::string>>;
 
 enum class PixelType { half, float32 };
 
-/// Whether read_exr reads the layers `light.NAME` of the beauty's part into the frame's light groups.
+/// Whether read_exr reads the layers `light.NAME` of a beauty's part into the frame's light groups.
 enum class LightGroups { leave, read };
 
-/// Reads one EXR file: the AOVs of `wanted` that it holds (the beauty always), and everything else as
-/// contents. The Frame covers the data window of the beauty's part; where another part's window is smaller,
-/// its AOV has the value for pixels that hit nothing. Throws Error(bad_input) naming the file for: no such
-/// file, not an EXR, truncated or corrupt pixels, no colour, a deep file, more than 65536 pixels a side.
+/// What read_exr would find of one view.
+struct ExrView : ViewLayers {
+  Imath::Box2i data_window;  ///< of the beauty's part
+  Imath::Box2i display_window;
+};
+
+/// Whether read_exr_header also looks for every chunk of pixels, which reads some bytes of each.
+enum class CheckChunks { no, yes };
+
+/// What read_exr would find, the default view first. Reads no pixels; throws as that does.
+std::vector<ExrView> read_exr_header(const std::string& path, const LayerOptions& options,
+                                     CheckChunks check_chunks);
+
+/// Reads one EXR file: of each view with a beauty the AOVs of `wanted` that it holds (the beauty always), and
+/// everything else as contents. Each view's Frame covers `window`, or by default the data window of its
+/// beauty's part; outside its own part's window an AOV has the value for pixels that hit nothing, and the
+/// beauty is 0. Throws Error(bad_input) naming the file for: no such file, not an EXR, truncated or corrupt
+/// pixels, no colour, a deep file, more than 65536 pixels a side.
 LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted,
-                     const LayerOverrides& overrides = {}, LightGroups light_groups = LightGroups::leave);
+                     const LayerOptions& options = {}, LightGroups light_groups = LightGroups::leave,
+                     const std::optional<Imath::Box2i>& window = std::nullopt);
 
 /// Threads with which OpenEXR compresses and decompresses, in the whole process; as many as processors unless
 /// set.
 void set_exr_threads(int count);
 
-/// Parts, windows, channels and what each was taken for, without reading pixels, for `becalm info`: one line
-/// of text each. A file without colour is described, and its last line says so.
-std::vector<std::string> describe_exr(const std::string& path, const LayerOverrides& overrides = {});
+/// What `becalm info` tells of a file. Names are printable, whatever the file holds.
+struct ExrDescription {
+  struct Channel {
+    std::string name;
+    std::string type;  ///< uint, half or float
+    std::string use;   ///< what it was taken for, such as `albedo.R`, or `passed on`
+  };
+  struct Part {
+    std::string name;  ///< empty where it has none
+    std::string storage;
+    std::string compression;
+    Imath::Box2i data_window;
+    Imath::Box2i display_window;
+    std::vector<Channel> channels;
+  };
+  std::vector<Part> parts;
+  std::string problem;  ///< why it could not be denoised, such as that it has no colour; or empty
+
+  /// One line for each part and for each channel.
+  std::vector<std::string> lines() const;
+};
+
+/// Reads no pixels. Throws as read_exr does, but describes a file without colour and deep ones.
+ExrDescription describe_exr(const std::string& path, const LayerOptions& options = {});
 
 /// The value of a text attribute of the first part, or empty. Throws as read_exr does.
 std::string read_attribute(const std::string& path, const std::string& name);
 
 struct WriteReport {
   std::size_t half_overflows = 0;  ///< finite values beyond half's range, written as its largest value
-  /// The beauty's part was compressed by ZIP instead of its source's lossy method, which would have altered
-  /// channels that are passed on.
+  /// The beauty's part was compressed by ZIP instead of the lossy method of its source, or that was asked
+  /// for, which would have altered channels that are passed on.
   bool lossless_instead = false;
+  bool full_size_only = false;  ///< the source's part has smaller levels, which were left out
 };
 
 /// Writes every AOV of the frame as a layer of a single-part scanline file with ZIP compression, light groups
@@ -60,12 +110,24 @@ struct WriteReport {
 WriteReport write_exr(const std::string& path, const Frame& frame, const Attributes& attributes,
                       PixelType color_type = PixelType::half);
 
+/// How the parts of the denoised channels are written; by default as the source is.
+struct DenoisedFormat {
+  std::optional<PixelType> type;             ///< of the denoised channels
+  std::optional<std::string> compression{};  ///< one of compression_names()
+};
+
+/// none, rle, zips, zip, piz, pxr24, b44, b44a, dwaa and dwab.
+std::span<const std::string_view> compression_names();
+
 /// Writes `source` again with the channels of the beauty, and of direct, indirect and light groups as far as
 /// the frame has them (all of the beauty's part), replaced by the frame's, in the same parts, types,
-/// compression, windows and attributes, every other channel bit for bit; diagnostics of the frame are added
-/// as layers to the beauty's part, and of its mipmap levels only the full size is written. The source's file
-/// is read again for this: throws Error(bad_input) naming it if it has changed since. Atomic as write_exr is.
-WriteReport write_denoised_exr(const std::string& path, const Frame& frame, const ExrContents& source,
-                               const LayerMap& layers, const Attributes& attributes);
+/// compression, windows and attributes, every other channel bit for bit; the frame is cut to the file's
+/// window; diagnostics of the frame are added as layers to the beauty's part, and of its mipmap levels only
+/// the full size is written. `other_views` are the frames of the source's other views, in their order. The
+/// source's file is read again for this: throws Error(bad_input) naming it if it has changed since, or if
+/// its window is not inside the frame's. Atomic as write_exr is.
+WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
+                               const std::vector<Frame>& other_views, const LoadedFrame& source,
+                               const Attributes& attributes, const DenoisedFormat& format = {});
 
 }  // namespace becalm::io

@@ -1,12 +1,15 @@
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfTileDescription.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "frame/error.h"
 #include "frame/io/exr.h"
 #include "frame/io/exr_file.h"
+#include "frame/io/printable.h"
 
 namespace becalm::io {
 namespace {
@@ -68,59 +71,78 @@ std::string storage_of(const Imf::Header& header) {
   return text;
 }
 
-std::string describe_part(int number, const Imf::Header& header) {
-  const std::string name = header.hasName() ? fmt::format(" '{}'", header.name()) : "";
-  return fmt::format("part {}{}: {}, {}, data window {}, display window {}", number, name, storage_of(header),
-                     name_of(header.compression()), text_of(header.dataWindow()),
-                     text_of(header.displayWindow()));
+/// What is done to the values of an AOV's channel when they are read, such as ` negated`.
+std::string change_of(const LayerSource& source, std::size_t channel) {
+  const float scale = source.scale[channel];
+  std::string change = source.squared ? " squared" : "";
+  if (scale < 0.0f) change += " negated";
+  if (std::abs(scale) != 1.0f) change += fmt::format(" times {:.6g}", std::abs(scale));
+  return change;
 }
 
-/// What the channel was taken for, such as `albedo.R`, or that it is passed on.
-std::string use_of(const LayerMap& layers, int part, const std::string& channel) {
-  std::string uses;
-  for (const AovInfo& entry : kAovTable) {
-    const std::optional<LayerSource>& source = layers[static_cast<std::size_t>(entry.aov)];
-    if (!source || source->part != part) continue;
-    const auto at = std::find(source->channels.begin(), source->channels.end(), channel);
-    if (at == source->channels.end()) continue;
-    const std::size_t index = at - source->channels.begin();
-    uses +=
-        fmt::format("{}{}.{}{}", uses.empty() ? "" : ", ", entry.aov == Aov::beauty ? "beauty" : entry.name,
-                    entry.channels[index], index == 1 && source->y_scale < 0.0f ? " negated" : "");
+/// What the channel was taken for, such as `albedo.R` or `right beauty.G`, or that it is passed on.
+std::string use_of(const std::vector<ViewLayers>& views, int part, const std::string& channel) {
+  std::vector<std::string> uses;
+  for (const ViewLayers& view : views) {
+    for (const AovInfo& entry : kAovTable) {
+      const std::optional<LayerSource>& source = view.layers[static_cast<std::size_t>(entry.aov)];
+      if (!source || source->part != part) continue;
+      for (std::size_t i = 0; i < source->channels.size(); ++i) {
+        if (source->channels[i] != channel) continue;
+        uses.push_back(fmt::format("{}{}{}.{}{}", printable(view.view), view.view.empty() ? "" : " ",
+                                   entry.aov == Aov::beauty ? "beauty" : entry.name, entry.channels[i],
+                                   change_of(*source, i)));
+      }
+    }
   }
-  return uses.empty() ? "passed on" : uses;
+  return uses.empty() ? "passed on" : fmt::format("{}", fmt::join(uses, ", "));
 }
 
 }  // namespace
 
-std::vector<std::string> describe_exr(const std::string& path, const LayerOverrides& overrides) {
+std::vector<std::string> ExrDescription::lines() const {
   std::vector<std::string> lines;
+  for (std::size_t number = 0; number < parts.size(); ++number) {
+    const Part& part = parts[number];
+    lines.push_back(fmt::format("part {}{}: {}, {}, data window {}, display window {}", number,
+                                part.name.empty() ? "" : fmt::format(" '{}'", part.name), part.storage,
+                                part.compression, text_of(part.data_window), text_of(part.display_window)));
+    std::size_t width = 0;
+    for (const Channel& channel : part.channels) width = std::max(width, channel.name.size());
+    for (const Channel& channel : part.channels) {
+      lines.push_back(fmt::format("  {:<{}}  {:<5}  {}", channel.name, width, channel.type, channel.use));
+    }
+  }
+  return lines;
+}
+
+ExrDescription describe_exr(const std::string& path, const LayerOptions& options) {
+  ExrDescription description;
   reading(path, [&] {
     stamp_of(path);
     const std::unique_ptr<Imf::MultiPartInputFile> file = open_exr(path);
-    const std::vector<std::vector<std::string>> names = channel_names(*file);
-    LayerMap layers;
-    std::string failure;
+    const std::vector<PartChannels> parts = part_channels(*file);
+    std::vector<ViewLayers> views;
     try {
-      layers = find_layers(path, names, overrides);
+      views = find_view_layers(path, parts, options);
     } catch (const Error& error) {
-      failure = error.what();
+      description.problem = error.what();
     }
-    lines.push_back(
-        fmt::format("{}: EXR with {} part{}", path, file->parts(), file->parts() == 1 ? "" : "s"));
-    for (int part = 0; part < file->parts(); ++part) {
-      const Imf::Header& header = file->header(part);
-      lines.push_back(describe_part(part, header));
-      std::size_t width = 0;
-      for (const std::string& name : names[part]) width = std::max(width, name.size());
-      for (const std::string& name : names[part]) {
-        lines.push_back(fmt::format("  {:<{}}  {:<5}  {}", name, width, name_of(header.channels()[name].type),
-                                    use_of(layers, part, name)));
+    for (int number = 0; number < file->parts(); ++number) {
+      const Imf::Header& header = file->header(number);
+      ExrDescription::Part& part = description.parts.emplace_back();
+      if (header.hasName()) part.name = printable(header.name());
+      part.storage = storage_of(header);
+      part.compression = name_of(header.compression());
+      part.data_window = header.dataWindow();
+      part.display_window = header.displayWindow();
+      for (const std::string& name : parts[number].channels) {
+        part.channels.push_back({printable(name), std::string(name_of(header.channels()[name].type)),
+                                 use_of(views, number, name)});
       }
     }
-    if (!failure.empty()) lines.push_back(failure);
   });
-  return lines;
+  return description;
 }
 
 }  // namespace becalm::io

@@ -1,7 +1,9 @@
 #include "frame/io/exr_file.h"
 
 #include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfIntAttribute.h>
 #include <OpenEXR/ImfPartType.h>
+#include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfTestFile.h>
 #include <OpenEXR/ImfThreading.h>
 #include <fmt/format.h>
@@ -96,16 +98,23 @@ std::unique_ptr<Imf::MultiPartInputFile> open_exr(const std::string& path) {
   return std::make_unique<Imf::MultiPartInputFile>(path.c_str());
 }
 
-std::vector<std::vector<std::string>> channel_names(const Imf::MultiPartInputFile& file) {
-  std::vector<std::vector<std::string>> names(file.parts());
-  for (int part = 0; part < file.parts(); ++part) {
-    if (is_deep(file.header(part))) continue;
-    const Imf::ChannelList& channels = file.header(part).channels();
-    for (auto channel = channels.begin(); channel != channels.end(); ++channel) {
-      names[part].emplace_back(channel.name());
+std::vector<PartChannels> part_channels(const Imf::MultiPartInputFile& file) {
+  std::vector<PartChannels> parts(file.parts());
+  for (int i = 0; i < file.parts(); ++i) {
+    const Imf::Header& header = file.header(i);
+    if (is_deep(header)) continue;
+    PartChannels& part = parts[i];
+    part.data_window = header.dataWindow();
+    if (file.parts() > 1 && header.hasName()) part.name = header.name();
+    if (header.hasView()) part.view = header.view();
+    if (Imf::hasMultiView(header)) part.multi_view = Imf::multiView(header);
+    const auto* samples = header.findTypedAttribute<Imf::IntAttribute>("samplesPerPixel");
+    if (samples != nullptr) part.samples_per_pixel = samples->value();
+    for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
+      part.channels.emplace_back(channel.name());
     }
   }
-  return names;
+  return parts;
 }
 
 bool is_deep(const Imf::Header& header) {

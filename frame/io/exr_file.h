@@ -48,8 +48,8 @@ void reading(const std::string& path, const std::function<void()>& work);
 FileStamp stamp_of(const std::string& path);
 std::unique_ptr<Imf::MultiPartInputFile> open_exr(const std::string& path);
 
-/// The channels of each part. A deep part has none that could be used.
-std::vector<std::vector<std::string>> channel_names(const Imf::MultiPartInputFile& file);
+/// What find_layers needs of each part. A deep part has no channels that could be used.
+std::vector<PartChannels> part_channels(const Imf::MultiPartInputFile& file);
 
 bool is_deep(const Imf::Header& header);
 bool is_tiled(const Imf::Header& header);

@@ -18,6 +18,7 @@
 #include <cassert>
 #include <cmath>
 #include <cstring>
+#include <list>
 #include <map>
 
 #include "frame/error.h"
@@ -47,6 +48,7 @@ class AtomicStream : public Imf::OStream {
 struct FrameChannel {
   const Image* image;
   int channel;
+  Imath::V2i origin = Imath::V2i(0);  ///< of the image in the file
 };
 
 using FrameChannels = std::map<std::string, FrameChannel>;
@@ -70,12 +72,13 @@ std::uint32_t to_uint(float value) {
                            : static_cast<std::uint32_t>(std::clamp<double>(std::round(value), 0.0, largest));
 }
 
-/// Converts rows of the frame, the first of which is `first_row`, to the plane's type.
-void convert(const FrameChannel& from, int first_row, int rows, Stripe::Plane& plane, WriteReport& report) {
+/// Converts a window of the file to the plane's type.
+void convert(const FrameChannel& from, const Imath::Box2i& window, Stripe::Plane& plane,
+             WriteReport& report) {
   char* to = plane.bytes.data();
-  for (int y = first_row; y < first_row + rows; ++y) {
-    for (int x = 0; x < from.image->width(); ++x) {
-      const float value = from.image->at(x, y, from.channel);
+  for (int y = window.min.y; y <= window.max.y; ++y) {
+    for (int x = window.min.x; x <= window.max.x; ++x) {
+      const float value = from.image->at(x - from.origin.x, y - from.origin.y, from.channel);
       switch (plane.type) {
         case Imf::HALF:
           store(to, to_half(value, report.half_overflows).bits());
@@ -92,6 +95,11 @@ void convert(const FrameChannel& from, int first_row, int rows, Stripe::Plane& p
     }
   }
 }
+
+/// The names of OpenEXR's methods, in the order of its enumeration.
+constexpr std::string_view kCompressions[] = {"none",  "rle", "zips", "zip",  "piz",
+                                              "pxr24", "b44", "b44a", "dwaa", "dwab"};
+static_assert(std::size(kCompressions) == Imf::NUM_COMPRESSION_METHODS);
 
 /// Whether compressing pixels that came out of this method once more could alter them. PXR24 drops bits that
 /// are already zero; B44 and the cosine transform of DWA (which it applies by channel name) do not repeat
@@ -143,7 +151,8 @@ void write_part(Imf::MultiPartOutputFile& file, int part, const FrameChannels& f
       }
       for (Stripe::Plane& plane : stripe.planes()) {
         if (!is_frames(plane)) continue;
-        convert(from_frame.at(plane.channel), first - window.min.y, last - first + 1, plane, report);
+        convert(from_frame.at(plane.channel), Imath::Box2i({window.min.x, first}, {window.max.x, last}),
+                plane, report);
       }
       write_lines(first, last, stripe.frame_buffer([](const Stripe::Plane&) { return true; }));
     });
@@ -200,27 +209,24 @@ void writing(const std::string& path, const std::vector<Imf::Header>& headers,
   stream.commit();
 }
 
-/// Adds the AOV as a layer under the table's name (bare for the beauty).
-void add_layer(const Frame& frame, Aov aov, Imf::PixelType type, Imf::Header& header,
-               FrameChannels& channels) {
+/// Adds the AOV as a layer under the table's name (bare for the beauty), with the view's if there is one.
+void add_layer(const Frame& frame, Aov aov, const std::string& view, Imf::PixelType type,
+               const Imath::V2i& origin, Imf::Header& header, FrameChannels& channels) {
   for (int c = 0; c < channel_count(aov); ++c) {
-    const char letter = info(aov).channels[c];
-    const std::string name =
-        info(aov).name.empty() ? std::string(1, letter) : fmt::format("{}.{}", info(aov).name, letter);
+    std::string name(info(aov).name);
+    for (const std::string& word : {view, std::string(1, info(aov).channels[c])}) {
+      if (!word.empty()) name += (name.empty() ? "" : ".") + word;
+    }
     header.channels().insert(name, Imf::Channel(type));
-    channels[name] = {&frame.image(aov), c};
+    channels[name] = {&frame.image(aov), c, origin};
   }
-}
-
-std::string light_channel(const LightGroup& group, int c) {
-  return fmt::format("light.{}.{}", group.name, "RGB"[c]);
 }
 
 /// Adds a light group's radiance as the layer light.NAME.
 void add_light_group(const LightGroup& group, Imf::PixelType type, Imf::Header& header,
                      FrameChannels& channels) {
   for (int c = 0; c < 3; ++c) {
-    const std::string name = light_channel(group, c);
+    const std::string name = fmt::format("light.{}.{}", group.name, "RGB"[c]);
     header.channels().insert(name, Imf::Channel(type));
     channels[name] = {&group.radiance, c};
   }
@@ -244,6 +250,100 @@ bool is_denoised(Aov aov) {
   return aov == Aov::beauty || aov == Aov::direct || aov == Aov::indirect;
 }
 
+const LayerSource& beauty_of(const LoadedView& view) {
+  return *view.layers[static_cast<std::size_t>(Aov::beauty)];
+}
+
+/// What becomes of the parts of a file that is written again.
+struct Rewritten {
+  std::vector<Imf::Header> headers;
+  std::map<int, FrameChannels> channels;  ///< of the parts that are not copied
+  std::list<Image> light;                 ///< radiance without the surfaces' colours
+  std::optional<PixelType> type;          ///< of replaced channels; that of the source without
+};
+
+/// Light of which the radiance is the product with the surface's colour; 0 where that is 0.
+Image divided(const Image& radiance, const Image& colour) {
+  Image light(radiance.width(), radiance.height(), radiance.channels());
+  std::ranges::transform(
+      radiance.data(), colour.data(), light.data().begin(),
+      [](float product, float factor) { return factor == 0.0f ? 0.0f : product / factor; });
+  return light;
+}
+
+void replace(const LayerSource& layer, const Image& image, const Imath::V2i& origin, Rewritten& file) {
+  for (std::size_t c = 0; c < layer.channels.size(); ++c) {
+    const std::string& name = layer.channels[c];
+    if (name.empty()) continue;
+    file.channels[layer.part][name] = {&image, static_cast<int>(c), origin};
+    if (file.type) {
+      file.headers[layer.part].channels()[name].type = *file.type == PixelType::half ? Imf::HALF : Imf::FLOAT;
+    }
+  }
+}
+
+/// Puts a denoised frame in the place of the view that it was made from. `diagnostics_view` tells its
+/// diagnostics from those of another view in the same part.
+void replace_view(const std::string& path, const LoadedView& view, const Frame& frame,
+                  const std::string& diagnostics_view, Rewritten& file) {
+  const LayerSource& beauty = beauty_of(view);
+  Imf::Header& header = file.headers[beauty.part];
+  const Imath::V2i& origin = view.window.min;
+  const Imath::V2i size = view.window.size() + Imath::V2i(1);
+  if (size != Imath::V2i(frame.width(), frame.height()) || !frame.has(Aov::beauty)) {
+    throw Error(ExitStatus::bad_input, fmt::format("{}: {}x{} pixels, but the denoised frame has {}x{}", path,
+                                                   size.x, size.y, frame.width(), frame.height()));
+  }
+  const Imath::Box2i& needed = header.dataWindow();
+  if (!view.window.intersects(needed.min) || !view.window.intersects(needed.max)) {
+    throw Error(ExitStatus::bad_input,
+                fmt::format("{}: its data window is not inside the denoised frame's", path));
+  }
+  for (const AovInfo& entry : kAovTable) {
+    if (!frame.has(entry.aov)) continue;
+    if (entry.diagnostic) {
+      add_layer(frame, entry.aov, diagnostics_view, Imf::FLOAT, origin, header, file.channels[beauty.part]);
+    } else if (is_denoised(entry.aov)) {
+      replace(*view.layers[static_cast<std::size_t>(entry.aov)], frame.image(entry.aov), origin, file);
+    }
+  }
+  for (const LightGroup& group : frame.light_groups()) {
+    const auto colour = view.colours.find(group.name);
+    const Image& light = colour == view.colours.end()
+                             ? group.radiance
+                             : file.light.emplace_back(divided(group.radiance, colour->second));
+    replace(view.lights.at(group.name).layer, light, origin, file);
+  }
+}
+
+/// Chooses how the pixels of a part that is not copied are stored: by `compression` (one of kCompressions),
+/// or as they are.
+void prepare_header(const FrameChannels& channels, const std::optional<std::string>& compression,
+                    Imf::Header& header, WriteReport& report) {
+  const Imf::Compression source_compression = header.compression();
+  if (compression) {
+    const auto at = std::ranges::find(kCompressions, *compression);
+    header.compression() = static_cast<Imf::Compression>(at - std::begin(kCompressions));
+  }
+  const bool rounds_floats =
+      header.compression() == Imf::PXR24_COMPRESSION && source_compression != Imf::PXR24_COMPRESSION;
+  for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
+    if (channels.contains(it.name())) continue;
+    const Imf::PixelType type = it.channel().type;
+    if (!may_alter(header.compression(), it.name(), type) && !(rounds_floats && type == Imf::FLOAT)) continue;
+    header.compression() = Imf::ZIP_COMPRESSION;
+    report.lossless_instead = true;
+  }
+  // The smaller levels of a mipmap show the noisy beauty, so only the full size is written.
+  if (is_tiled(header)) {
+    Imf::TileDescription tiles = header.tileDescription();
+    if (tiles.mode != Imf::ONE_LEVEL) report.full_size_only = true;
+    tiles.mode = Imf::ONE_LEVEL;
+    header.setTileDescription(tiles);
+  }
+  if (header.hasChunkCount()) header.setChunkCount(static_cast<int>(chunk_count(header)));
+}
+
 }  // namespace
 
 WriteReport write_exr(const std::string& path, const Frame& frame, const Attributes& attributes,
@@ -256,7 +356,8 @@ WriteReport write_exr(const std::string& path, const Frame& frame, const Attribu
   FrameChannels channels;
   for (const AovInfo& entry : kAovTable) {
     if (!frame.has(entry.aov)) continue;
-    add_layer(frame, entry.aov, is_always_float(entry.aov) ? Imf::FLOAT : color, header, channels);
+    add_layer(frame, entry.aov, "", is_always_float(entry.aov) ? Imf::FLOAT : color, Imath::V2i(0), header,
+              channels);
   }
   for (const LightGroup& group : frame.light_groups()) add_light_group(group, color, header, channels);
   WriteReport report;
@@ -265,71 +366,50 @@ WriteReport write_exr(const std::string& path, const Frame& frame, const Attribu
   return report;
 }
 
-WriteReport write_denoised_exr(const std::string& path, const Frame& frame, const ExrContents& source,
-                               const LayerMap& layers, const Attributes& attributes) {
-  WriteReport report;
+std::span<const std::string_view> compression_names() {
+  return kCompressions;
+}
+
+WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
+                               const std::vector<Frame>& other_views, const LoadedFrame& source,
+                               const Attributes& attributes, const DenoisedFormat& format) {
+  const std::string& source_path = source.contents->path();
   std::unique_ptr<Imf::MultiPartInputFile> from;
-  reading(source.path(), [&] {
-    if (stamp_of(source.path()) != source.stamp()) {
-      throw Error(ExitStatus::bad_input,
-                  fmt::format("{}: changed after it was read; its other channels cannot be passed on",
-                              source.path()));
+  reading(source_path, [&] {
+    if (stamp_of(source_path) != source.contents->stamp()) {
+      throw Error(
+          ExitStatus::bad_input,
+          fmt::format("{}: changed after it was read; its other channels cannot be passed on", source_path));
     }
-    from = open_exr(source.path());
+    from = open_exr(source_path);
   });
 
-  const LayerSource& beauty = *layers[static_cast<std::size_t>(Aov::beauty)];
-  std::vector<Imf::Header> headers;
-  headers.reserve(from->parts());
-  for (int part = 0; part < from->parts(); ++part) headers.push_back(from->header(part));
-  Imf::Header& header = headers[beauty.part];
-  const Imath::V2i size = header.dataWindow().size() + Imath::V2i(1);
-  if (size != Imath::V2i(frame.width(), frame.height()) || !frame.has(Aov::beauty)) {
-    throw Error(ExitStatus::bad_input,
-                fmt::format("{}: {}x{} pixels, but the denoised frame has {}x{}", source.path(), size.x,
-                            size.y, frame.width(), frame.height()));
+  Rewritten rewritten;
+  rewritten.type = format.type;
+  rewritten.headers.reserve(from->parts());
+  for (int part = 0; part < from->parts(); ++part) rewritten.headers.push_back(from->header(part));
+  replace_view(source_path, source, frame, "", rewritten);
+  for (std::size_t i = 0; i < other_views.size(); ++i) {
+    const LoadedView& view = source.other_views.at(i);
+    const bool has_own_part = beauty_of(view).part != beauty_of(source).part;
+    replace_view(source_path, view, other_views[i], has_own_part ? "" : view.view, rewritten);
   }
+  WriteReport report;
+  for (const auto& [part, channels] : rewritten.channels) {
+    prepare_header(channels, format.compression, rewritten.headers[part], report);
+    if (part != 0) insert_attributes(rewritten.headers[part], attributes);
+  }
+  insert_attributes(rewritten.headers.front(), attributes);
 
-  FrameChannels channels;
-  for (const AovInfo& entry : kAovTable) {
-    if (!frame.has(entry.aov)) continue;
-    const std::optional<LayerSource>& layer = layers[static_cast<std::size_t>(entry.aov)];
-    if (entry.diagnostic) {
-      add_layer(frame, entry.aov, Imf::FLOAT, header, channels);
-    } else if (is_denoised(entry.aov)) {
-      for (std::size_t c = 0; c < layer->channels.size(); ++c) {
-        if (!layer->channels[c].empty())
-          channels[layer->channels[c]] = {&frame.image(entry.aov), static_cast<int>(c)};
-      }
-    }
-  }
-  for (const LightGroup& group : frame.light_groups()) {
-    for (int c = 0; c < 3; ++c) channels[light_channel(group, c)] = {&group.radiance, c};
-  }
-  for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
-    if (channels.contains(it.name()) || !may_alter(header.compression(), it.name(), it.channel().type))
-      continue;
-    header.compression() = Imf::ZIP_COMPRESSION;
-    report.lossless_instead = true;
-  }
-  // The smaller levels of a mipmap show the noisy beauty, so only the full size is written.
-  if (is_tiled(header)) {
-    Imf::TileDescription tiles = header.tileDescription();
-    tiles.mode = Imf::ONE_LEVEL;
-    header.setTileDescription(tiles);
-  }
-  if (header.hasChunkCount()) header.setChunkCount(static_cast<int>(chunk_count(header)));
-  insert_attributes(headers.front(), attributes);
-  if (beauty.part != 0) insert_attributes(header, attributes);
-
-  writing(path, headers, [&](Imf::MultiPartOutputFile& file) {
+  writing(path, rewritten.headers, [&](Imf::MultiPartOutputFile& file) {
     for (int part = 0; part < from->parts(); ++part) {
-      if (part == beauty.part) {
-        Imf::InputPart in(*from, part);
-        write_part(file, part, channels, &in, report);
-      } else {
+      const auto channels = rewritten.channels.find(part);
+      if (channels == rewritten.channels.end()) {
         copy_part(*from, file, part);
+        continue;
       }
+      Imf::InputPart in(*from, part);
+      write_part(file, part, channels->second, &in, report);
     }
   });
   return report;

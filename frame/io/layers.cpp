@@ -4,157 +4,21 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cctype>
 #include <functional>
+#include <utility>
 
 #include "frame/error.h"
+#include "frame/io/additive_layers.h"
+#include "frame/io/aliases.h"
+#include "frame/io/channel_layers.h"
+#include "frame/io/printable.h"
 
 namespace becalm::io {
 namespace {
 
-/// One row: a layer of this name is this AOV. Rows of one AOV stand in the order of preference. Names are
-/// lower case, as are those they are compared with; a view layer's or a scene's name and a dot may stand
-/// before them. A new renderer is more rows.
-struct Alias {
-  Aov aov;
-  std::string_view layer;
-  float y_scale = 1.0f;
-};
-
-constexpr Alias kAliases[] = {
-    {Aov::beauty, ""},
-    {Aov::beauty, "combined"},
-    {Aov::beauty, "noisy image"},
-    {Aov::variance, "variance"},
-    {Aov::albedo, "denoising albedo"},
-    {Aov::albedo, "albedo"},
-    {Aov::normal, "denoising normal"},
-    {Aov::normal, "normal"},
-    {Aov::depth, "depth"},
-    {Aov::depth, "denoising depth"},
-    {Aov::depth, ""},
-    {Aov::motion, "motion"},
-    // Cycles: XY = position in the previous frame - position in this one, in pixels, y counted upwards.
-    {Aov::motion, "vector", -1.0f},
-    {Aov::half_a, "half_a"},
-    {Aov::half_b, "half_b"},
-    {Aov::direct, "direct"},
-    {Aov::indirect, "indirect"},
-    {Aov::object_id, "object_id"},
-    {Aov::material_id, "material_id"},
-    {Aov::flow, "flow"},
-    {Aov::error_mask, "error_mask"},
-    {Aov::sample_count, "sample_count"},
-    {Aov::bias, "bias"},
-    {Aov::gain, "gain"},
-    {Aov::rejected_by, "rejected_by"},
-    {Aov::residual, "residual"},
-    {Aov::accumulated, "accumulated"},
-    {Aov::accumulated_variance, "accumulated_variance"},
-    {Aov::accumulated_albedo, "accumulated_albedo"},
-    {Aov::accumulated_normal, "accumulated_normal"},
-    {Aov::accumulated_depth, "accumulated_depth"},
-};
-
 /// Blender writes what its compositor made of the picture as a layer of this scope. Its noise is no longer
 /// the renderer's, so it is the last choice.
 constexpr std::string_view kCompositeScope = "composite";
-
-/// Ways to spell an AOV's channels, in the order of kAovTable's letters.
-struct Spelling {
-  std::string_view table_channels;
-  std::string_view letters;
-};
-
-constexpr Spelling kSpellings[] = {
-    {"RGBA", "rgba"}, {"RGB", "rgb"}, {"XYZ", "xyz"}, {"XYZ", "rgb"}, {"Z", "z"}, {"Z", "v"}, {"Z", "y"},
-    {"Z", "r"},       {"XY", "xy"},   {"XY", "rg"},   {"Y", "y"},     {"Y", "v"}, {"Y", "r"},
-};
-
-struct SpelledLetter {
-  std::string_view word;
-  char letter;
-};
-
-constexpr SpelledLetter kSpelledLetters[] = {{"red", 'r'}, {"green", 'g'}, {"blue", 'b'}, {"alpha", 'a'}};
-
-std::string lower(std::string_view text) {
-  std::string result(text);
-  for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return result;
-}
-
-/// The channels of one layer of one part, by lower-case letter.
-struct Layer {
-  int part = 0;
-  std::string name;  ///< lower case; empty for bare channels
-  std::map<char, std::string> channels;
-};
-
-/// A layer's name and the channel's letter (or 0) in a channel's name. Layer names may hold dots and spaces,
-/// so only the last dot counts.
-std::pair<std::string, char> split_channel(const std::string& channel) {
-  const std::size_t dot = channel.rfind('.');
-  const std::string suffix =
-      lower(dot == std::string::npos ? channel : std::string_view(channel).substr(dot + 1));
-  std::string layer = dot == std::string::npos ? "" : lower(std::string_view(channel).substr(0, dot));
-  if (suffix.size() == 1) return {std::move(layer), suffix[0]};
-  for (const SpelledLetter& spelled : kSpelledLetters) {
-    if (spelled.word == suffix) return {std::move(layer), spelled.letter};
-  }
-  return {lower(channel), '\0'};
-}
-
-/// Layers in the order in which their first channels stand in the file. A channel without a letter is a layer
-/// of its own, so that `depth` alone is found as `depth.Z` is.
-std::vector<Layer> collect_layers(const std::vector<std::vector<std::string>>& part_channels) {
-  std::vector<Layer> layers;
-  for (std::size_t part = 0; part < part_channels.size(); ++part) {
-    for (const std::string& channel : part_channels[part]) {
-      const auto [name, letter] = split_channel(channel);
-      auto layer = std::find_if(layers.begin(), layers.end(), [&, &name = name](const Layer& other) {
-        return other.part == static_cast<int>(part) && other.name == name;
-      });
-      if (layer == layers.end()) layer = layers.insert(layer, Layer{static_cast<int>(part), name, {}});
-      layer->channels.emplace(letter, channel);
-    }
-  }
-  return layers;
-}
-
-/// The layer's channels as those of the AOV, if it has them all; alpha alone may be missing.
-std::optional<LayerSource> channels_as(const Layer& layer, Aov aov) {
-  const bool single = channel_count(aov) == 1;
-  if (const auto lone = layer.channels.find('\0'); single && lone != layer.channels.end()) {
-    return LayerSource{layer.part, {lone->second}};
-  }
-  for (const Spelling& spelling : kSpellings) {
-    if (spelling.table_channels != info(aov).channels) continue;
-    // Bare letters name a beauty's colours, and of the rest only Z's meaning is certain.
-    if (layer.name.empty() && aov == Aov::depth && spelling.letters != "z") continue;
-    LayerSource source{layer.part, {}};
-    for (char letter : spelling.letters) {
-      const auto channel = layer.channels.find(letter);
-      if (channel != layer.channels.end()) {
-        source.channels.push_back(channel->second);
-      } else if (letter == 'a') {
-        source.channels.emplace_back();
-      }
-    }
-    if (source.channels.size() == spelling.letters.size()) return source;
-  }
-  return std::nullopt;
-}
-
-/// What stands before the alias in the layer's name, without the dot ("" for nothing), or nullopt where the
-/// layer is not of that alias.
-std::optional<std::string_view> scope_before(std::string_view layer, std::string_view alias) {
-  if (layer == alias) return "";
-  if (alias.empty() || layer.size() <= alias.size() + 1 || !layer.ends_with(alias)) return std::nullopt;
-  const std::size_t dot = layer.size() - alias.size() - 1;
-  if (layer[dot] != '.') return std::nullopt;
-  return layer.substr(0, dot);
-}
 
 /// The view layer's or scene's name before a layer's own name, such as `viewlayer` of `viewlayer.combined`.
 std::string_view scope_of(std::string_view layer) {
@@ -167,142 +31,262 @@ struct Found {
   std::string scope;
 };
 
-/// The first layer that a row of the AOV names and whose scope is accepted.
-std::optional<Found> find_by_alias(const std::vector<Layer>& layers, Aov aov, auto accept_scope) {
-  for (const Alias& alias : kAliases) {
-    if (alias.aov != aov) continue;
-    for (const Layer& layer : layers) {
-      const std::optional<std::string_view> scope = scope_before(layer.name, alias.layer);
-      if (!scope || !accept_scope(*scope)) continue;
-      if (std::optional<LayerSource> source = channels_as(layer, aov)) {
-        source->y_scale = alias.y_scale;
-        return Found{std::move(*source), std::string(*scope)};
+/// What stands before the alias in the layer's name, or nullopt where it is not of that alias.
+std::optional<std::string_view> scope_of_alias(const ChannelLayer& layer, const Alias& alias) {
+  if (!alias.layer.empty()) return scope_before(layer.name(), alias.layer);
+  return layer.is_bare() ? std::optional<std::string_view>("") : std::nullopt;
+}
+
+void apply_convention(const Alias& alias, LayerSource& source) {
+  std::ranges::copy(alias.scale, source.scale.begin());
+  source.squared = alias.standard_deviation;
+}
+
+/// The layers of one view of a file, and what is found among them.
+class LayerFinder {
+ public:
+  LayerFinder(const std::vector<PartChannels>& parts, const std::string& view)
+      : layers_(collect_layers(parts, view)) {
+    for (const ChannelLayer& layer : layers_) is_vrays_ |= is_vrays(layer.name()) || layer.spells_colours_out;
+  }
+
+  /// Bare channels without a part's name, named beauties, bare channels of any part, a composite.
+  std::optional<Found> find_beauty() const {
+    const auto is_composite = [](std::string_view scope) { return scope == kCompositeScope; };
+    const auto is_whole_file = [](const ChannelLayer& layer, const Alias& alias) {
+      return alias.layer.empty() && layer.part_name.empty();
+    };
+    const auto is_named = [](const ChannelLayer&, const Alias& alias) { return !alias.layer.empty(); };
+    const auto is_any = [](const ChannelLayer&, const Alias&) { return true; };
+    if (auto found = find_by_alias(Aov::beauty, std::not_fn(is_composite), is_whole_file)) return found;
+    if (auto found = find_by_alias(Aov::beauty, std::not_fn(is_composite), is_named)) return found;
+    return find_by_alias(
+        Aov::beauty, [](std::string_view) { return true; }, is_any);
+  }
+
+  /// The first layer that a row of the AOV names and whose scope is accepted.
+  std::optional<Found> find_aov(Aov aov, auto accept_scope) const {
+    return find_by_alias(aov, accept_scope, [](const ChannelLayer&, const Alias&) { return true; });
+  }
+
+  std::optional<Found> find_override(const std::vector<PartChannels>& parts, Aov aov,
+                                     const std::string& wanted) const {
+    const std::string name = lower(wanted);
+    if (auto found = find_named(aov, name, [](const ChannelLayer&) { return true; })) return found;
+    for (std::size_t slash = name.find('/'); slash != std::string::npos; slash = name.find('/', slash + 1)) {
+      const auto is_in_part = [&](const ChannelLayer& layer) {
+        return lower(parts[layer.part].name) == name.substr(0, slash);
+      };
+      if (auto found = find_named(aov, name.substr(slash + 1), is_in_part)) return found;
+    }
+    return std::nullopt;
+  }
+
+  /// Layers of this part are looked at first from now on.
+  void prefer_part(int part) {
+    std::ranges::stable_partition(layers_, [&](const ChannelLayer& layer) { return layer.part == part; });
+  }
+
+  /// RenderMan's colour is `Ci.r`, `Ci.g`, `Ci.b`, and its alpha a bare `a` beside it.
+  void add_bare_alpha(LayerSource& beauty) const {
+    if (!beauty.channels[3].empty()) return;
+    for (const ChannelLayer& layer : layers_) {
+      const bool is_beside = layer.part == beauty.part && layer.own_name.empty();
+      if (is_beside && layer.channels.contains('a') && !layer.channels.contains('r')) {
+        beauty.channels[3] = layer.channels.at('a');
       }
     }
   }
-  return std::nullopt;
-}
 
-/// The convention of the row that names this layer, if one does; becalm's own otherwise.
-float y_scale_of(Aov aov, std::string_view layer) {
-  for (const Alias& alias : kAliases) {
-    if (alias.aov == aov && scope_before(layer, alias.layer)) return alias.y_scale;
-  }
-  return 1.0f;
-}
-
-std::optional<Found> find_override(const std::vector<Layer>& layers, Aov aov, const std::string& wanted) {
-  const std::string name = lower(wanted);
-  for (const bool whole : {true, false}) {
-    for (const Layer& layer : layers) {
-      const std::optional<std::string_view> scope = scope_before(layer.name, name);
-      if (!scope || (whole && !scope->empty())) continue;
-      if (std::optional<LayerSource> source = channels_as(layer, aov)) {
-        source->y_scale = y_scale_of(aov, layer.name);
-        return Found{std::move(*source), std::string(scope_of(layer.name))};
+ private:
+  std::optional<Found> find_by_alias(Aov aov, auto accept_scope, auto accept) const {
+    for (const Alias& alias : aliases()) {
+      if (alias.aov != aov || (alias.vray_only && !is_vrays_)) continue;
+      for (const ChannelLayer& layer : layers_) {
+        const std::optional<std::string_view> scope = scope_of_alias(layer, alias);
+        if (!scope || !accept_scope(*scope) || !accept(layer, alias)) continue;
+        if (std::optional<LayerSource> source = channels_as(layer, aov)) {
+          apply_convention(alias, *source);
+          return Found{std::move(*source), std::string(*scope)};
+        }
       }
     }
+    return std::nullopt;
   }
-  if (channel_count(aov) > 1) return std::nullopt;
-  for (const Layer& layer : layers) {
-    for (const auto& [letter, channel] : layer.channels) {
-      if (lower(channel) == name) return Found{{layer.part, {channel}}, ""};
-    }
-  }
-  return std::nullopt;
-}
 
-std::optional<Found> find_beauty(const std::vector<Layer>& layers) {
-  const auto is_composite = [](std::string_view scope) { return scope == kCompositeScope; };
-  if (auto found = find_by_alias(layers, Aov::beauty, std::not_fn(is_composite))) return found;
-  return find_by_alias(layers, Aov::beauty, is_composite);
-}
+  /// A layer by its whole name, by its end, or one channel; with the convention of the row that names it.
+  std::optional<Found> find_named(Aov aov, const std::string& name, auto accept) const {
+    for (const bool whole : {true, false}) {
+      for (const ChannelLayer& layer : layers_) {
+        const std::optional<std::string_view> scope = scope_before(layer.name(), name);
+        if (!accept(layer) || !scope || (whole && !scope->empty())) continue;
+        if (std::optional<LayerSource> source = channels_as(layer, aov)) {
+          for (const Alias& alias : aliases()) {
+            if (alias.aov != aov || !scope_of_alias(layer, alias)) continue;
+            apply_convention(alias, *source);
+            break;
+          }
+          return Found{std::move(*source), std::string(scope_of(layer.name()))};
+        }
+      }
+    }
+    if (channel_count(aov) > 1) return std::nullopt;
+    for (const ChannelLayer& layer : layers_) {
+      for (const auto& [letter, channel] : layer.channels) {
+        if (accept(layer) && lower(channel) == name) return Found{{layer.part, {channel}}, ""};
+      }
+    }
+    return std::nullopt;
+  }
+
+  std::vector<ChannelLayer> layers_;
+  bool is_vrays_ = false;
+};
 
 /// The channels in one line, cut short where there are very many.
-std::string list_channels(const std::vector<std::vector<std::string>>& part_channels) {
-  constexpr std::size_t max_listed = 60;
+std::string list_channels(const std::vector<PartChannels>& parts) {
+  constexpr std::size_t most_listed = 60;
+  constexpr std::size_t longest = 1500;
   std::vector<std::string_view> names;
-  for (const auto& channels : part_channels) names.insert(names.end(), channels.begin(), channels.end());
+  for (const PartChannels& part : parts) {
+    names.insert(names.end(), part.channels.begin(), part.channels.end());
+  }
   if (names.empty()) return "none";
-  const std::size_t listed = std::min(names.size(), max_listed);
-  std::string text = fmt::format("{}", fmt::join(names.begin(), names.begin() + listed, ", "));
+  std::string text;
+  std::size_t listed = 0;
+  for (; listed < std::min(names.size(), most_listed) && text.size() < longest; ++listed) {
+    text += (listed == 0 ? "" : ", ") + printable(names[listed]);
+  }
   if (listed < names.size()) text += fmt::format(" and {} more", names.size() - listed);
   return text;
 }
 
-}  // namespace
-
-LayerOverrides parse_layer_overrides(std::string_view text) {
-  LayerOverrides overrides;
-  while (!text.empty()) {
-    const std::size_t comma = text.find(',');
-    const std::string_view item = text.substr(0, comma);
-    text.remove_prefix(comma == std::string_view::npos ? text.size() : comma + 1);
-    const std::size_t equals = item.find('=');
-    const std::string_view key = item.substr(0, equals);
-    const std::optional<Aov> aov = find_aov(key);
-    if (!aov) {
-      std::string known = "beauty";
-      for (const AovInfo& entry : kAovTable) {
-        if (!entry.name.empty()) known += fmt::format(", {}", entry.name);
-      }
-      throw Error(ExitStatus::usage,
-                  fmt::format("layers '{}': no AOV is called '{}'; there are {}", item, key, known));
-    }
-    if (equals == std::string_view::npos || equals + 1 == item.size()) {
-      throw Error(ExitStatus::usage, fmt::format("layers '{}': no layer name; expected {}=NAME", item, key));
-    }
-    overrides[*aov] = item.substr(equals + 1);
-  }
-  return overrides;
+void change_motion(const MotionChange& change, LayerSource& motion) {
+  if (change.swap) std::swap(motion.channels[0], motion.channels[1]);
+  for (std::size_t axis = 0; axis < 2; ++axis) motion.scale[axis] *= change.scale[axis];
 }
 
-LayerMap find_layers(const std::string& file, const std::vector<std::vector<std::string>>& part_channels,
-                     const LayerOverrides& overrides) {
-  const std::vector<Layer> layers = collect_layers(part_channels);
+/// pbrt writes the variance of one sample, and in the header how many there were.
+void divide_by_samples(int samples, LayerSource& variance) {
+  for (float& scale : variance.scale) scale /= static_cast<float>(samples);
+}
+
+/// The layers `light.NAME` of the beauty's part, by NAME.
+std::map<std::string, LightSource> find_light_groups(const std::vector<PartChannels>& parts, int part,
+                                                     const std::string& view) {
+  constexpr std::string_view scope = "light.";
+  std::map<std::string, LightSource> lights;
+  for (const ChannelLayer& layer : collect_layers(parts, view)) {
+    if (layer.part != part || !layer.own_name.starts_with(scope)) continue;
+    if (std::optional<LayerSource> source = channels_as(layer, Aov::direct)) {
+      lights.emplace(layer.title.substr(scope.size()), LightSource{std::move(*source)});
+    }
+  }
+  return lights;
+}
+
+}  // namespace
+
+std::vector<std::string> find_views(const std::vector<PartChannels>& parts) {
+  std::vector<std::string> views;
+  const auto add = [&](const std::string& view) {
+    if (!view.empty() && std::ranges::find(views, view) == views.end()) views.push_back(view);
+  };
+  for (const PartChannels& part : parts) {
+    add(part.view);
+    if (part.view.empty()) std::ranges::for_each(part.multi_view, add);
+  }
+  if (views.empty()) views.emplace_back();
+  return views;
+}
+
+LayerMap find_layers(const std::string& file, const std::vector<PartChannels>& parts,
+                     const LayerOptions& options, const std::string& view) {
+  LayerFinder finder(parts, view);
+  const std::string place = view.empty() ? file : fmt::format("{}: view {}", file, printable(view));
   LayerMap map;
   const auto set = [&](Aov aov, LayerSource source) {
     map[static_cast<std::size_t>(aov)] = std::move(source);
   };
 
+  AovSet left_out;
   std::optional<std::string> beauty_scope;
-  for (const auto& [aov, name] : overrides) {
-    std::optional<Found> found = find_override(layers, aov, name);
+  for (const auto& [aov, name] : options.layers) {
+    if (lower(name) == "none") {
+      left_out.set(static_cast<std::size_t>(aov));
+      continue;
+    }
+    std::optional<Found> found = finder.find_override(parts, aov, name);
     if (!found) {
       throw Error(ExitStatus::bad_input,
-                  fmt::format("{}: no layer '{}' with channels for {} ({}); channels found: {}", file, name,
+                  fmt::format("{}: no layer '{}' with channels for {} ({}); channels found: {}", place, name,
                               aov == Aov::beauty ? "beauty" : info(aov).name, info(aov).channels,
-                              list_channels(part_channels)));
+                              list_channels(parts)));
     }
     if (aov == Aov::beauty) beauty_scope = found->scope;
     set(aov, std::move(found->source));
   }
   if (!beauty_scope) {
-    std::optional<Found> beauty = find_beauty(layers);
+    std::optional<Found> beauty = finder.find_beauty();
     if (!beauty) {
       throw Error(
           ExitStatus::bad_input,
           fmt::format(
               "{}: no colour: expected channels R G B or LAYER.Combined.R G B, or --layers beauty=NAME; "
               "channels found: {}",
-              file, list_channels(part_channels)));
+              place, list_channels(parts)));
     }
     beauty_scope = beauty->scope;
     set(Aov::beauty, std::move(beauty->source));
   }
+  LayerSource& beauty = *map[static_cast<std::size_t>(Aov::beauty)];
+  finder.add_bare_alpha(beauty);
+  finder.prefer_part(beauty.part);
 
   for (const AovInfo& entry : kAovTable) {
-    if (map[static_cast<std::size_t>(entry.aov)]) continue;
+    if (map[static_cast<std::size_t>(entry.aov)] || contains(left_out, entry.aov)) continue;
     const auto in_scope = [&](std::string_view scope) { return scope == *beauty_scope; };
     const auto in_none = [&](std::string_view scope) { return scope.empty(); };
     // A bare beauty tells no view layer, so any may go with it.
     const auto in_any = [&](std::string_view) { return beauty_scope->empty(); };
-    std::optional<Found> found = find_by_alias(layers, entry.aov, in_scope);
-    if (!found) found = find_by_alias(layers, entry.aov, in_none);
-    if (!found) found = find_by_alias(layers, entry.aov, in_any);
+    std::optional<Found> found = finder.find_aov(entry.aov, in_scope);
+    if (!found) found = finder.find_aov(entry.aov, in_none);
+    if (!found) found = finder.find_aov(entry.aov, in_any);
     if (found) set(entry.aov, std::move(found->source));
   }
+  if (auto& motion = map[static_cast<std::size_t>(Aov::motion)]) change_motion(options.motion, *motion);
+  if (auto& variance = map[static_cast<std::size_t>(Aov::variance)]) {
+    const int samples = parts[variance->part].samples_per_pixel;
+    if (samples > 1) divide_by_samples(samples, *variance);
+  }
   return map;
+}
+
+std::vector<ViewLayers> find_view_layers(const std::string& file, const std::vector<PartChannels>& parts,
+                                         const LayerOptions& options) {
+  std::vector<std::string> views = find_views(parts);
+  const std::string default_view = views.front();
+  std::erase_if(views, [&](const std::string& view) {
+    return view != default_view && !LayerFinder(parts, view).find_beauty();
+  });
+  std::vector<ViewLayers> found;
+  for (const std::string& view : views) {
+    ViewLayers& layers = found.emplace_back(ViewLayers{view, find_layers(file, parts, options, view), {}});
+    const int part = layers.layers[static_cast<std::size_t>(Aov::beauty)]->part;
+    layers.lights = find_light_groups(parts, part, view);
+    for (const std::string& name : options.additive) {
+      std::optional<LightSource> light = find_additive_layer(parts, part, view, name);
+      if (!light && view != views.front()) continue;
+      if (!light) {
+        throw Error(
+            ExitStatus::bad_input,
+            fmt::format("{}: no layer '{}' with channels R G B of the beauty's size; channels found: {}",
+                        file, name, list_channels(parts)));
+      }
+      layers.lights.insert_or_assign(name, std::move(*light));
+    }
+  }
+  return found;
 }
 
 }  // namespace becalm::io

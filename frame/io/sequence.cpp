@@ -22,6 +22,10 @@ bool is_digit(char c) {
   return c >= '0' && c <= '9';
 }
 
+bool is_letter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+
 /// Takes a number off the front of `text`, with its sign if there is one.
 std::optional<int> take_int(std::string_view& text) {
   int value = 0;
@@ -190,7 +194,40 @@ std::string format_frame_range(const std::vector<int>& frames) {
   return text;
 }
 
-SequencePattern::SequencePattern(std::string text) : text_(std::move(text)), prefix_(text_) {
+std::optional<NamedFrame> frame_in_name(const std::string& path) {
+  const std::string name = path.substr(path.rfind('/') + 1);
+  const std::string_view stem = std::string_view(name).substr(0, name.rfind('.'));
+  std::string_view digits;
+  for (std::string_view rest = stem; digits.empty() && !rest.empty();) {
+    const std::size_t dot = rest.rfind('.');
+    const std::string_view part = dot == std::string_view::npos ? rest : rest.substr(dot + 1);
+    if (is_frame_number(part)) digits = part;
+    rest = dot == std::string_view::npos ? std::string_view() : rest.substr(0, dot);
+  }
+  if (digits.empty()) {
+    std::size_t begin = stem.size();
+    while (begin > 0 && is_digit(stem[begin - 1])) --begin;
+    const auto letter_before = [&](char letter) {
+      return begin > 0 && (stem[begin - 1] == letter || stem[begin - 1] == letter - 'a' + 'A');
+    };
+    const bool follows_letter = begin > 1 && is_letter(stem[begin - 2]);
+    const bool follows_digit = begin > 1 && is_digit(stem[begin - 2]);
+    if ((letter_before('v') && !follows_letter) || (letter_before('x') && follows_digit)) return std::nullopt;
+    digits = stem.substr(begin);
+  }
+  std::string_view rest = digits;
+  const std::optional<int> number = take_int(rest);
+  if (!number || !rest.empty()) return std::nullopt;
+  return NamedFrame{*number, static_cast<int>(digits.size())};
+}
+
+SequencePattern::SequencePattern(std::string text) : SequencePattern(std::move(text), std::nullopt) {}
+
+SequencePattern::SequencePattern(std::string text, int lone_padding)
+    : SequencePattern(std::move(text), std::optional(lone_padding)) {}
+
+SequencePattern::SequencePattern(std::string text, std::optional<int> lone_padding)
+    : text_(std::move(text)), prefix_(text_) {
   // Folders are taken as they are: a field there would make the frames of one shot lie in many folders.
   const std::size_t slash = text_.rfind('/');
   std::optional<Field> field;
@@ -208,7 +245,9 @@ SequencePattern::SequencePattern(std::string text) : text_(std::move(text)), pre
   if (!field) return;
   prefix_ = text_.substr(0, field->begin);
   suffix_ = text_.substr(field->end);
-  padding_ = field->probe_disk ? padding_of(numbers_on_disk(prefix_, suffix_)) : field->padding;
+  padding_ = !field->probe_disk ? field->padding
+             : lone_padding     ? *lone_padding
+                                : padding_of(numbers_on_disk(prefix_, suffix_));
 }
 
 std::string SequencePattern::path(int frame) const {
@@ -227,6 +266,19 @@ std::vector<int> SequencePattern::frames_on_disk() const {
   }
   std::sort(frames.begin(), frames.end());
   return frames;
+}
+
+std::string SequencePattern::hint_of_other_padding() const {
+  if (!has_frame_field()) return "";
+  std::vector<std::string> numbers = numbers_on_disk(prefix_, suffix_);
+  std::erase_if(numbers, [&](const std::string& number) {
+    std::string_view rest = number;
+    const std::optional<int> frame = take_int(rest);
+    return !frame || fmt::format("{:0{}}", *frame, padding_) == number;
+  });
+  if (numbers.empty()) return "";
+  return fmt::format("; {}{}{} is there, and {}#{} finds it", prefix_,
+                     *std::min_element(numbers.begin(), numbers.end()), suffix_, prefix_, suffix_);
 }
 
 }  // namespace becalm::io

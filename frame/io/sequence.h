@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,6 +15,17 @@ std::vector<int> parse_frame_range(std::string_view text);
 /// Range text that parse_frame_range turns into `frames` again, equal steps joined; `frames` ascends.
 std::string format_frame_range(const std::vector<int>& frames);
 
+/// A frame number as it stands in a file's name.
+struct NamedFrame {
+  int number = 0;
+  int padding = 1;  ///< characters, the sign included
+};
+
+/// The frame number in a file's name: the last of its parts between dots that is a number (`shot.0052.exr`,
+/// `shot.-001.calm.exr`), or else the digits that end the name (`shot_0052.exr`, `Image0052.exr`). Neither
+/// versions (`shot_v02.exr`) nor sizes (`room_640x360.exr`) are frames. None of these: nothing.
+std::optional<NamedFrame> frame_in_name(const std::string& path);
+
 /// A file name with at most one frame field: `####`, `@@@@` (digits = characters), `%04d`, `%d`, `$F4` or
 /// `$F`; a lone `#` takes its padding from the files on disk, and 1 digit where there are none. Folders hold
 /// no field.
@@ -21,16 +33,25 @@ class SequencePattern {
  public:
   /// Throws Error(usage) if there are two frame fields in the text.
   explicit SequencePattern(std::string text);
+  /// A lone `#` has this padding, whatever is on disk.
+  SequencePattern(std::string text, int lone_padding);
 
   const std::string& text() const { return text_; }
   bool has_frame_field() const { return padding_ > 0; }
+  /// The least number of characters of a frame number; 0 without a frame field.
+  int padding() const { return padding_; }
   /// The file of a frame; negative numbers keep their sign before the padding: `shot.-001.exr` for `####` and
   /// -1. The text itself where it has no frame field.
   std::string path(int frame) const;
   /// Numbers of the files that exist, ascending; none where the text has no frame field.
   std::vector<int> frames_on_disk() const;
+  /// What to say behind "not found" where files exist whose numbers have another padding: `; shot.1.exr is
+  /// there, and shot.#.exr finds it`. Empty where none do.
+  std::string hint_of_other_padding() const;
 
  private:
+  SequencePattern(std::string text, std::optional<int> lone_padding);
+
   std::string text_;
   std::string prefix_;
   std::string suffix_;

@@ -54,6 +54,16 @@ TEST_F(Compare, EveryLimitFailsOnItsOwnLine) {
   EXPECT_EQ(becalm({"compare", reference_, test_, "--max-energy", "0.19"}).status, 1);
 }
 
+TEST_F(Compare, TheLayerMayBeNamed) {
+  Frame frame(1, 8, 8);
+  frame.add(Aov::albedo, 0.5f);
+  for (const std::string& pattern : {reference_, test_}) io::write_exr(frame_path(pattern, 1), frame, {});
+  const Outcome without = becalm({"compare", reference_, test_});
+  EXPECT_EQ(without.status, 3);
+  EXPECT_NE(without.err.find("--layers"), std::string::npos) << without.err;
+  becalm_done({"compare", reference_, test_, "--layers", "beauty=albedo", "--max-relmse", "0"});
+}
+
 TEST_F(Compare, OneBadFrameFailsALimit) {
   write_frames(3, 1.0f);
   Frame frame = noise_frame(2);
@@ -153,7 +163,10 @@ TEST(Help, IsOnStandardOutputAndListsEverything) {
     std::istringstream lines(outcome.out);
     for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 106u) << line;
   }
-  EXPECT_NE(becalm_done({"denoise", "--help"}).out.find("match_downsample"), std::string::npos);
+  const std::string denoise = becalm_done({"denoise", "--help"}).out;
+  for (const char* words : {"match_downsample", "draft: 4; balanced: 2; final: 1", "all: variance"}) {
+    EXPECT_NE(denoise.find(words), std::string::npos) << words;
+  }
 }
 
 }  // namespace

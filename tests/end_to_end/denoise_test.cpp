@@ -5,11 +5,14 @@
 #include <ImfHeader.h>
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
+#include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/end_to_end/harness.h"
 
@@ -62,6 +65,35 @@ void write_with_ids(const std::string& path, std::vector<std::uint32_t> ids) {
   Imf::OutputFile file(path.c_str(), header);
   file.setFrameBuffer(buffer);
   file.writePixels(kHeight);
+}
+
+/// A still picture with a little noise of the number inside `drawn`, black and transparent outside, in a file
+/// of these windows.
+void write_window(const std::string& path, int number, const Imath::Box2i& data_window,
+                  const Imath::Box2i& display_window, const Imath::Box2i& drawn) {
+  const Frame still = noise_frame(7);
+  const Frame noise = noise_frame(number);
+  Image colors(kWidth, kHeight, 4);
+  for (int y = drawn.min.y; y <= drawn.max.y; ++y) {
+    for (int x = drawn.min.x; x <= drawn.max.x; ++x) {
+      for (int c = 0; c < 3; ++c) {
+        colors.at(x, y, c) =
+            still.image(Aov::beauty).at(x, y, c) + 0.1f * noise.image(Aov::beauty).at(x, y, c);
+      }
+      colors.at(x, y, 3) = 1.0f;
+    }
+  }
+  Imf::Header header(display_window, data_window);
+  Imf::FrameBuffer buffer;
+  const char* names[] = {"R", "G", "B", "A"};
+  for (std::size_t c = 0; c < 4; ++c) {
+    header.channels().insert(names[c], Imf::Channel(Imf::FLOAT));
+    buffer.insert(names[c], Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(colors.data().data() + c),
+                                       4 * sizeof(float), 4 * sizeof(float) * kWidth));
+  }
+  Imf::OutputFile file(path.c_str(), header);
+  file.setFrameBuffer(buffer);
+  file.writePixels(data_window.max.y - data_window.min.y + 1);
 }
 
 TEST_F(Denoise, AdditiveLayersStillAddUpToTheBeauty) {
@@ -133,6 +165,121 @@ TEST_F(Denoise, PassesOnWhatItDoesNotDenoise) {
   EXPECT_NE(io::read_attribute(folder_ / "out.0002.exr", "becalm:version"), "");
 }
 
+/// Both eyes' beauty and albedo in one part, as OpenEXR names them.
+void write_stereo(const std::string& path, const Frame& left, const Frame& right) {
+  Imf::Header header(kWidth, kHeight);
+  Imf::addMultiView(header, {"left", "right"});
+  Imf::FrameBuffer buffer;
+  for (const Frame* eye : {&left, &right}) {
+    for (const Aov aov : {Aov::beauty, Aov::albedo}) {
+      const Image& image = eye->image(aov);
+      for (int c = 0; c < image.channels(); ++c) {
+        const std::string name =
+            std::string(aov == Aov::albedo ? "albedo." : "") + (eye == &right ? "right." : "") + "RGBA"[c];
+        header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+        char* first = const_cast<char*>(reinterpret_cast<const char*>(image.data().data() + c));
+        const std::size_t stride = sizeof(float) * static_cast<std::size_t>(image.channels());
+        buffer.insert(name, Imf::Slice(Imf::FLOAT, first, stride, stride * kWidth));
+      }
+    }
+  }
+  Imf::OutputFile file(path.c_str(), header);
+  file.setFrameBuffer(buffer);
+  file.writePixels(kHeight);
+}
+
+TEST_F(Denoise, BothEyesAreDenoisedWithTheirOwnLayers) {
+  for (const int number : {1, 2, 3}) {
+    Frame left = noise_frame(number);
+    Frame right = noise_frame(number + 10);
+    for (Frame* eye : {&left, &right}) eye->remove(Aov::normal);
+    write_stereo(frame_path(input_, number), left, right);
+    io::write_exr(frame_path(folder_ / "left.####.exr", number), left, {}, io::PixelType::float32);
+    io::write_exr(frame_path(folder_ / "right.####.exr", number), right, {}, io::PixelType::float32);
+  }
+  const std::string plan = becalm_done(command("out.####.exr", {"--dry-run"})).out;
+  EXPECT_NE(plan.find("right: beauty=right.R"), std::string::npos) << plan;
+  becalm_done(command("out.####.exr"));
+  for (const std::string eye : {"left", "right"}) {
+    becalm_done({"denoise", folder_ / (eye + ".####.exr"), "-o", folder_ / (eye + ".calm.####.exr")});
+  }
+  const io::LoadedFrame both = io::read_exr(folder_ / "out.0002.exr", 2, {});
+  ASSERT_EQ(both.other_views.size(), 1u);
+  EXPECT_TRUE(same_pixels(both.frame.image(Aov::beauty),
+                          read_frame(folder_ / "left.calm.0002.exr").image(Aov::beauty)));
+  EXPECT_TRUE(same_pixels(both.other_views[0].frame.image(Aov::beauty),
+                          read_frame(folder_ / "right.calm.0002.exr").image(Aov::beauty)));
+  EXPECT_NE(io::read_attribute(folder_ / "out.0002.exr", "becalm:layers").find("right: beauty=right.R"),
+            std::string::npos);
+}
+
+/// A beauty and two layers that share it out, as Arnold names them.
+void write_lobes(const std::string& path, const Frame& frame) {
+  Imf::Header header(kWidth, kHeight);
+  Imf::FrameBuffer buffer;
+  const std::map<std::string, float> shares{{"", 1.0f}, {"diffuse.", 0.25f}, {"specular.", 0.75f}};
+  std::map<std::string, std::vector<float>> layers;
+  for (const auto& [layer, share] : shares) {
+    std::vector<float>& pixels = layers[layer];
+    for (const float value : frame.image(Aov::beauty).data()) pixels.push_back(share * value);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::string name = layer + "RGB"[c];
+      header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+      buffer.insert(name,
+                    Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(pixels.data() + c), 16, 16 * kWidth));
+    }
+  }
+  Imf::OutputFile file(path.c_str(), header);
+  file.setFrameBuffer(buffer);
+  file.writePixels(kHeight);
+}
+
+TEST_F(Denoise, LayersThatAddUpToTheBeautyStillDo) {
+  for (const int number : {1, 2}) write_lobes(frame_path(input_, number), noise_frame(number));
+  const std::string said = "diffuse, specular add up to the beauty and are denoised with it";
+  EXPECT_NE(becalm_done({"info", input_}).out.find(said), std::string::npos);
+  const std::string json = becalm_done({"info", input_, "--json"}).out;
+  EXPECT_NE(json.find("\"adds_up\": true"), std::string::npos) << json;
+  const std::string plan = becalm_done(command("out.####.exr", {"--dry-run"})).out;
+  EXPECT_NE(plan.find(said), std::string::npos) << plan;
+  becalm_done(command("out.####.exr", {"--preset", "draft"}));
+  EXPECT_EQ(io::read_attribute(folder_ / "out.0002.exr", "becalm:additive"), "diffuse,specular");
+  const Frame denoised = io::read_exr(folder_ / "out.0002.exr", 2, {}, {.additive = {"diffuse", "specular"}},
+                                      io::LightGroups::read)
+                             .frame;
+  ASSERT_EQ(denoised.light_groups().size(), 2u);
+  for (std::size_t i = 0; i < denoised.image(Aov::beauty).pixel_count(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float beauty = denoised.image(Aov::beauty).data()[4 * i + c];
+      const float sum = denoised.light_groups()[0].radiance.data()[3 * i + c] +
+                        denoised.light_groups()[1].radiance.data()[3 * i + c];
+      ASSERT_NEAR(sum, beauty, 1e-5f * beauty);
+    }
+  }
+}
+
+TEST_F(Denoise, LayersMayBeLeftOutAndMotionTurned) {
+  for (const int number : {1, 2}) {
+    Frame frame = noise_frame(number);
+    frame.add(Aov::motion, 0.5f);
+    io::write_exr(frame_path(input_, number), frame, {}, io::PixelType::float32);
+  }
+  const std::vector<std::string> options{"--layers", "albedo=none", "--motion", "flip-x,scale=0.5"};
+  std::vector<std::string> info{"info", input_};
+  info.insert(info.end(), options.begin(), options.end());
+  const std::string described = becalm_done(info).out;
+  EXPECT_NE(described.find("motion.X  float  motion.X negated times 0.5"), std::string::npos) << described;
+  EXPECT_NE(described.find("albedo.R  float  passed on"), std::string::npos) << described;
+
+  std::vector<std::string> fast = options;
+  fast.insert(fast.end(), {"--preset", "draft"});
+  becalm_done(command("out.####.exr", fast));
+  EXPECT_NE(io::read_attribute(folder_ / "out.0002.exr", "becalm:settings")
+                .find(" layers=albedo=none motion=flip-x,scale=0.5"),
+            std::string::npos);
+  expect_error(becalm(command("out.####.exr", {"--motion", "flip"})), 2, {"motion 'flip'", "flip-x"});
+}
+
 TEST_F(Denoise, WritesEveryFrameOnDiskAndTellsOfGaps) {
   write_frames({1, 2, 5});
   const Outcome outcome = becalm_done(command("out/a.####.exr"));
@@ -175,12 +322,57 @@ TEST_F(Denoise, ResumeGivesTheSamePixels) {
   const Outcome again = becalm_done(command("a.####.exr", {"--resume"}));
   EXPECT_NE(again.err.find("all 4 frames are there"), std::string::npos) << again.err;
 
+  becalm_done({"denoise", folder_ / "in.0001.exr", "-o", folder_ / "draft.exr", "--preset", "draft"});
+  expect_error(becalm({"denoise", folder_ / "in.0001.exr", "-o", folder_ / "draft.exr", "--preset", "draft",
+                       "--segment", "8", "--resume"}),
+               2, {"draft.exr", "no segment, and this run has segment=8"});
   expect_error(becalm(command("a.####.exr", {"--resume", "--set", "patch_radius=5"})), 2,
                {"a.0001.exr", "patch_radius=5"});
   // The same frames are read for them, and the same pixels come out.
   becalm_done(command("a.####.exr", {"--resume", "--frames", "2-4"}));
   expect_error(becalm(command("a.####.exr", {"--resume", "--frames", "2-4", "--context", "none"})), 2,
                {"a.0002.exr", "context=2-4"});
+}
+
+TEST_F(Denoise, ResumeMakesAgainWhatWasMadeFromOtherFrames) {
+  write_frames({1, 2, 3, 4});
+  const std::vector<std::string> options{"--segment", "2", "--warmup", "0", "--resume", "--frames", "1-4"};
+  const std::string out = folder_ / "a.####.exr";
+  const auto times = [&] {
+    std::vector<fs::file_time_type> times;
+    for (const int frame : {1, 2, 3, 4}) times.push_back(fs::last_write_time(frame_path(out, frame)));
+    return times;
+  };
+  becalm_done(command("a.####.exr", options));
+  EXPECT_EQ(io::read_attribute(frame_path(out, 3), "becalm:inputs").substr(0, 4), "2,3 ");
+  EXPECT_EQ(io::read_attribute(frame_path(out, 3), "becalm:layers"),
+            "beauty=R,G,B,A albedo=albedo.R,albedo.G,albedo.B normal=normal.X,normal.Y,normal.Z");
+  const auto before = times();
+
+  fs::last_write_time(frame_path(input_, 1), fs::file_time_type::clock::now());
+  becalm_done(command("a.####.exr", options));
+  EXPECT_EQ(times(), before) << "the content counts, not the time";
+
+  io::write_exr(frame_path(input_, 3), noise_frame(33), {}, io::PixelType::float32);
+  const Outcome changed = becalm_done(command("a.####.exr", options));
+  EXPECT_NE(changed.err.find("2 frames are made again"), std::string::npos) << changed.err;
+  EXPECT_NE(changed.err.find("have changed: 2,3\n"), std::string::npos) << changed.err;
+  const auto after = times();
+  for (const std::size_t kept : {0, 3}) EXPECT_EQ(after[kept], before[kept]);
+  becalm_done(command("fresh.####.exr", options));
+  expect_same_beauty(folder_ / "fresh.####.exr", out, 1, 4);
+
+  io::write_exr(frame_path(input_, 5), noise_frame(5), {}, io::PixelType::float32);
+  const Outcome neighbour = becalm_done(command("a.####.exr", options));
+  EXPECT_NE(neighbour.err.find("1 frame is made again"), std::string::npos) << neighbour.err;
+  EXPECT_NE(neighbour.err.find("1 frame written"), std::string::npos) << neighbour.err;
+
+  for (const int frame : {1, 2, 3, 4, 5}) {
+    io::write_exr(frame_path(input_, frame), noise_frame(frame, 40, 24), {{"becalm:settings", "spp=9"}});
+  }
+  const Outcome other_shot = becalm_done(command("a.####.exr", options));
+  EXPECT_NE(other_shot.err.find("4 frames are made again"), std::string::npos) << other_shot.err;
+  for (const int frame : {1, 2, 3, 4}) EXPECT_EQ(read_frame(frame_path(out, frame)).width(), 40);
 }
 
 TEST_F(Denoise, AForwardFilterResumesToTheSamePixels) {
@@ -270,6 +462,18 @@ TEST_F(Denoise, HeldFramesMayComeFromTheContext) {
   EXPECT_FALSE(fs::exists(folder_ / "chunk.0002.exr"));
 }
 
+TEST_F(Denoise, WhatIsHeldDoesNotDependOnTheRange) {
+  write_frames({1, 2, 4});
+  for (const std::vector<std::string>& more :
+       {std::vector<std::string>{"--preset", "draft"}, {"--context", "none"}}) {
+    std::vector<std::string> options{"--frames", "3-4", "--missing", "hold", "--quiet"};
+    options.insert(options.end(), more.begin(), more.end());
+    becalm_done(command("out/a.####.exr", options));
+    EXPECT_EQ(files_in(folder_.path() / "out"), (std::vector<std::string>{"a.0003.exr", "a.0004.exr"}));
+    EXPECT_EQ(io::read_attribute(folder_ / "out/a.0003.exr", "becalm:held_from"), "2");
+  }
+}
+
 TEST_F(Denoise, StepsAreNotGaps) {
   write_frames({1, 3, 5});
   const Outcome outcome = becalm_done(command("a.####.exr"));
@@ -328,9 +532,142 @@ TEST_F(Denoise, ImagesOfOnePixelAndWideOnes) {
   }
 }
 
+TEST_F(Denoise, ASingleFileHasTheNumberOfItsName) {
+  write_frames({52});
+  const std::string file = folder_ / "in.0052.exr";
+  becalm_done({"denoise", file, "-o", folder_ / "out.####.exr", "--quiet"});
+  becalm_done({"denoise", file, "-o", folder_ / "short.#.exr", "--quiet"});
+  becalm_done({"denoise", file, "-o", folder_ / "other.####.exr", "--quiet", "--frame=-7"});
+  fs::rename(file, folder_ / "still.exr");
+  const Outcome still = becalm_done({"denoise", folder_ / "still.exr", "-o", folder_ / "still.####.exr"});
+  EXPECT_NE(still.err.find("still.exr: no frame number in the name, so this is frame 1; --frame"),
+            std::string::npos)
+      << still.err;
+  EXPECT_EQ(files_in(folder_.path()),
+            (std::vector<std::string>{"other.-007.exr", "out.0052.exr", "short.0052.exr", "still.0001.exr",
+                                      "still.exr"}));
+  write_frames({1, 2});
+  expect_error(becalm(command("out.####.exr", {"--frame", "3"})), 2, {"--frame 3", "--frames"});
+}
+
+TEST_F(Denoise, ALoneHashOfTheOutputHasThePaddingOfTheInput) {
+  write_frames({1, 2});
+  becalm_done(command("out/a.#.exr", {"--quiet"}));
+  EXPECT_EQ(files_in(folder_.path() / "out"), (std::vector<std::string>{"a.0001.exr", "a.0002.exr"}));
+}
+
+TEST_F(Denoise, FilesOfAnotherPaddingArePointedOut) {
+  io::write_exr(folder_ / "in.1.exr", noise_frame(1), {});
+  expect_error(becalm(command("out.####.exr")), 3, {"no frame", "in.1.exr is there", "in.#.exr"});
+  write_frames({2});
+  expect_error(becalm(command("out.####.exr", {"--frames", "1-2"})), 3, {"frame 1 of", "in.#.exr"});
+}
+
+TEST_F(Denoise, FilesThatBecalmDidNotWriteAreNotReplacedUnlessAsked) {
+  write_frames({1});
+  io::write_exr(folder_ / "out.0001.exr", noise_frame(9), {});
+  expect_error(becalm(command("out.####.exr")), 2, {"out.0001.exr", "--overwrite"});
+  EXPECT_EQ(io::read_attribute(folder_ / "out.0001.exr", "becalm:version"), "");
+  becalm_done(command("out.####.exr", {"--overwrite", "--quiet"}));
+  becalm_done(command("out.####.exr", {"-q"}));
+}
+
+TEST_F(Denoise, ProgressAsJson) {
+  write_frames({1, 2});
+  const Outcome outcome = becalm_done(command("out.####.exr", {"--progress", "json", "-v", "--profile"}));
+  std::istringstream lines(outcome.err);
+  std::vector<int> frames;
+  std::string last;
+  for (std::string line; std::getline(lines, line);) {
+    const nlohmann::json event = nlohmann::json::parse(line, nullptr, /*allow_exceptions=*/false);
+    ASSERT_TRUE(event.is_object()) << line;
+    last = event.at("event");
+    if (last != "frame") continue;
+    frames.push_back(event.at("frame"));
+    EXPECT_EQ(event.at("state"), "written");
+    EXPECT_EQ(event.at("total"), 2);
+  }
+  EXPECT_EQ(frames, (std::vector<int>{1, 2}));
+  EXPECT_NE(outcome.err.find(R"({"event":"end","written":2,"done":2,"total":2)"), std::string::npos)
+      << outcome.err;
+  const Outcome failed = becalm(command("out.png", {"--progress", "json"}));
+  EXPECT_EQ(failed.status, 2);
+  EXPECT_EQ(failed.err.rfind(R"({"event":"error","status":2,"text":"-o )", 0), 0u) << failed.err;
+}
+
+TEST_F(Denoise, VerboseTellsLayersDeviceAndFiles) {
+  write_frames({1});
+  const Outcome outcome = becalm_done(command("out.####.exr", {"-v"}));
+  for (const std::string& words :
+       {std::string("48x32 px of beauty=R,G,B,A albedo=albedo.R"), std::string("device "),
+        "reading " + folder_ / "in.0001.exr", "wrote " + folder_ / "out.0001.exr"}) {
+    EXPECT_NE(outcome.err.find(words), std::string::npos) << words << "\n" << outcome.err;
+  }
+}
+
+TEST_F(Denoise, ADryRunTellsWhatWouldBeReadAndWrittenAndWritesNothing) {
+  write_frames({1, 2, 3});
+  const Outcome outcome =
+      becalm_done(command("out/a.####.exr", {"--dry-run", "--frames", "2-3", "--type", "half"}));
+  EXPECT_EQ(outcome.err, "");
+  for (const std::string& words :
+       {"reads " + input_ + ": 3 frames, 1-3\n", std::string("takes 48x32 px of beauty=R,G,B,A albedo="),
+        std::string("filters with preset balanced: "), std::string(" type=half\n"),
+        "writes " + folder_ / "out/a.####.exr" + ": 2 frames, 2,3\n"}) {
+    EXPECT_NE(outcome.out.find(words), std::string::npos) << words << "\n" << outcome.out;
+  }
+  EXPECT_FALSE(fs::exists(folder_ / "out"));
+  fs::remove(folder_ / "in.0002.exr");
+  EXPECT_EQ(becalm(command("out/a.####.exr", {"--dry-run", "--frames", "2-3"})).status, 3);
+}
+
+TEST_F(Denoise, TypeAndCompressionOfTheOutput) {
+  write_frames({1});
+  becalm_done(command("out.####.exr", {"--type", "half", "--compression", "piz", "--quiet"}));
+  Imf::InputFile file((folder_ / "out.0001.exr").c_str());
+  EXPECT_EQ(file.header().channels().findChannel("R")->type, Imf::HALF);
+  EXPECT_EQ(file.header().channels().findChannel("albedo.R")->type, Imf::FLOAT);
+  EXPECT_EQ(file.header().compression(), Imf::PIZ_COMPRESSION);
+  expect_error(becalm(command("out.####.exr", {"--resume"})), 2, {"type=half"});
+  expect_error(becalm(command("b.####.exr", {"--compression", "best"})), 2, {"--compression", "zip"});
+}
+
+TEST_F(Denoise, DataWindowsMayMove) {
+  const Imath::Box2i display(Imath::V2i(0, 0), Imath::V2i(kWidth - 1, kHeight - 1));
+  const Imath::Box2i object(Imath::V2i(8, 5), Imath::V2i(38, 26));
+  const std::vector<Imath::Box2i> windows{{{2, 3}, {40, 28}}, {{4, 3}, {42, 30}}, {{6, 1}, {44, 28}}};
+  for (int number = 1; number <= 3; ++number) {
+    const Imath::Box2i& window = windows[static_cast<std::size_t>(number - 1)];
+    write_window(frame_path(input_, number), number, window, display, object);
+    write_window(frame_path(folder_ / "padded.####.exr", number), number, display, display, object);
+  }
+  const Outcome outcome = becalm_done(command("out.####.exr"));
+  EXPECT_EQ(outcome.err.find("shot"), std::string::npos) << "a window that moves is no cut: " << outcome.err;
+  becalm_done({"denoise", folder_ / "padded.####.exr", "-o", folder_ / "whole.####.exr", "--quiet"});
+  for (int number = 1; number <= 3; ++number) {
+    const Imath::Box2i& window = windows[static_cast<std::size_t>(number - 1)];
+    const std::string out = frame_path(folder_ / "out.####.exr", number);
+    const Imf::InputFile file(out.c_str());
+    EXPECT_EQ(file.header().dataWindow(), window);
+    EXPECT_EQ(file.header().displayWindow(), display);
+    const Frame cropped = read_frame(out);
+    const Frame whole = read_frame(frame_path(folder_ / "whole.####.exr", number));
+    for (int y = window.min.y; y <= window.max.y; ++y) {
+      for (int x = window.min.x; x <= window.max.x; ++x) {
+        for (int c = 0; c < 4; ++c) {
+          ASSERT_EQ(cropped.image(Aov::beauty).at(x - window.min.x, y - window.min.y, c),
+                    whole.image(Aov::beauty).at(x, y, c))
+              << number << ": " << x << ", " << y;
+        }
+      }
+    }
+  }
+}
+
 TEST_F(Denoise, OneFile) {
   write_frames({7});
-  becalm_done({"denoise", folder_ / "in.0007.exr", "-o", folder_ / "one.exr", "--quiet"});
+  const Outcome outcome = becalm_done({"denoise", folder_ / "in.0007.exr", "-o", folder_ / "one.exr"});
+  EXPECT_NE(outcome.err.find("\n1 frame written in"), std::string::npos) << outcome.err;
   EXPECT_FALSE(same_frame("one.exr", "in.0007.exr")) << "a frame alone is smoothed";
   becalm_done(
       {"denoise", folder_ / "in.0007.exr", "-o", folder_ / "one.exr", "--quiet", "--set", "smooth=none"});

@@ -48,14 +48,17 @@ TempFolder::~TempFolder() {
   fs::remove_all(path_, ignored);
 }
 
-Process::Process(const std::vector<std::string>& arguments) : command_("becalm") {
+Process::Process(const std::vector<std::string>& arguments, const std::string& shell_script)
+    : command_("becalm") {
   std::vector<std::string> words{BECALM_EXECUTABLE};
+  if (!shell_script.empty()) words.insert(words.begin(), {"bash", "-c", shell_script});
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
   pointers.reserve(words.size() + 1);
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   for (const std::string& argument : arguments) command_ += " '" + argument + "'";
+  if (!shell_script.empty()) command_ = fmt::format("{} as \"$0\" \"$@\" of: {}", command_, shell_script);
 
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
@@ -64,7 +67,7 @@ Process::Process(const std::vector<std::string>& arguments) : command_("becalm")
                                    kMode);
   posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, (streams_ / "err").c_str(), O_WRONLY | O_CREAT,
                                    kMode);
-  const int failure = posix_spawn(&process_, BECALM_EXECUTABLE, &actions, nullptr, pointers.data(), environ);
+  const int failure = posix_spawnp(&process_, pointers.front(), &actions, nullptr, pointers.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
   if (failure != 0) throw std::runtime_error(fmt::format("cannot start {}", BECALM_EXECUTABLE));
 }
@@ -93,6 +96,10 @@ Outcome Process::wait() {
 
 Outcome becalm(const std::vector<std::string>& arguments) {
   return Process(arguments).wait();
+}
+
+Outcome becalm_redirected(const std::vector<std::string>& arguments, const std::string& redirection) {
+  return Process(arguments, "exec \"$0\" \"$@\" " + redirection).wait();
 }
 
 Outcome becalm_done(const std::vector<std::string>& arguments) {

@@ -37,10 +37,11 @@ struct Outcome {
   std::string command;  ///< as one would type it
 };
 
-/// The real executable at work.
+/// The real executable at work; with a script, bash runs that instead, in which `"$0" "$@"` is becalm and its
+/// arguments.
 class Process {
  public:
-  explicit Process(const std::vector<std::string>& arguments);
+  explicit Process(const std::vector<std::string>& arguments, const std::string& shell_script = "");
   ~Process();
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
@@ -57,7 +58,9 @@ class Process {
 
 /// Runs `becalm ARGUMENTS...` to its end.
 Outcome becalm(const std::vector<std::string>& arguments);
-/// The same, expecting status 0.
+/// The same with its streams redirected as bash does it, such as `2>/dev/full`.
+Outcome becalm_redirected(const std::vector<std::string>& arguments, const std::string& redirection);
+/// Runs `becalm ARGUMENTS...`, expecting status 0.
 Outcome becalm_done(const std::vector<std::string>& arguments);
 
 /// Waits until `condition` holds, for a minute at most.

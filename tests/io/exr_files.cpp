@@ -127,7 +127,7 @@ Imf::Header tiled_part(const Imath::Box2i& data_window, const std::vector<TestCh
 
 void write_test_file(const std::string& path, std::vector<Imf::Header> parts) {
   for (std::size_t part = 0; part < parts.size() && parts.size() > 1; ++part) {
-    parts[part].setName("part" + std::to_string(part));
+    if (!parts[part].hasName()) parts[part].setName("part" + std::to_string(part));
     parts[part].displayWindow() = parts[0].displayWindow();
   }
   Imf::MultiPartOutputFile file(path.c_str(), parts.data(), static_cast<int>(parts.size()));
@@ -162,6 +162,30 @@ std::string read_bytes(const std::string& path) {
 
 void write_bytes(const std::string& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary) << bytes;
+}
+
+std::vector<TestChannel> layer_channels(const std::string& layer, const std::vector<std::string>& suffixes,
+                                        Imf::PixelType type) {
+  std::vector<TestChannel> channels;
+  for (const std::string& suffix : suffixes) {
+    channels.push_back({layer.empty() || suffix.empty() ? layer + suffix : layer + "." + suffix, type});
+  }
+  return channels;
+}
+
+std::vector<TestChannel> joined(const std::vector<std::vector<TestChannel>>& lists) {
+  std::vector<TestChannel> channels;
+  for (const std::vector<TestChannel>& list : lists)
+    channels.insert(channels.end(), list.begin(), list.end());
+  return channels;
+}
+
+Imf::Header named_part(const std::string& name, const std::vector<TestChannel>& channels,
+                       const std::string& view) {
+  Imf::Header header = scanline_part(window(0, 0, 8, 6), channels);
+  header.setName(name);
+  if (!view.empty()) header.setView(view);
+  return header;
 }
 
 std::vector<TestChannel> blender_channels(const std::string& view_layer) {

@@ -28,9 +28,17 @@ Imf::Header tiled_part(const Imath::Box2i& data_window, const std::vector<TestCh
                        int tile_width, int tile_height, Imf::LevelMode mode = Imf::ONE_LEVEL,
                        Imf::Compression compression = Imf::ZIP_COMPRESSION);
 
+/// `layer.SUFFIX` for each suffix; bare channels for an empty layer.
+std::vector<TestChannel> layer_channels(const std::string& layer, const std::vector<std::string>& suffixes,
+                                        Imf::PixelType type = Imf::FLOAT);
+std::vector<TestChannel> joined(const std::vector<std::vector<TestChannel>>& lists);
+/// A scanline part of 8x6 pixels with a name of its own, of an eye if `view` names one.
+Imf::Header named_part(const std::string& name, const std::vector<TestChannel>& channels,
+                       const std::string& view = "");
+
 /// Writes parts of these headers. Channels whose name begins with `Crypto` or `raw` hold arbitrary bits,
-/// infinities and NaNs among them; others hold values in [0, 2). Parts of a file of several are named
-/// `part0`, `part1` ...
+/// infinities and NaNs among them; others hold values in [0, 2). Parts of a file of several that have
+/// no name are named `part0`, `part1` ...
 void write_test_file(const std::string& path, std::vector<Imf::Header> parts);
 
 /// The value that write_test_file gave a channel's pixel, before it was rounded to the channel's type.

@@ -1,5 +1,6 @@
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfStringAttribute.h>
+#include <OpenEXR/ImfStringVectorAttribute.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -109,7 +110,8 @@ TEST_F(ExrRead, OneLayerMayServeTwoAovs) {
   std::vector<TestChannel> channels = kColour;
   for (const char* name : {"x.R", "x.G", "x.B"}) channels.push_back({name, Imf::FLOAT});
   write_test_file(path_, {scanline_part(window(0, 0, 4, 4), channels)});
-  const LoadedFrame loaded = read_exr(path_, 1, all_aovs(), {{Aov::half_a, "x"}, {Aov::half_b, "x"}});
+  const LoadedFrame loaded =
+      read_exr(path_, 1, all_aovs(), {.layers = {{Aov::half_a, "x"}, {Aov::half_b, "x"}}});
   EXPECT_EQ(loaded.frame.image(Aov::half_a).at(1, 2, 1), test_value("x.G", 1, 2));
   EXPECT_EQ(loaded.frame.image(Aov::half_b).at(1, 2, 1), test_value("x.G", 1, 2));
 }
@@ -146,7 +148,6 @@ TEST_F(ExrRead, Description) {
   write_test_file(path_,
                   {beauty, scanline_part(window(0, 0, 4, 4), {{"Z", Imf::FLOAT}}, Imf::PIZ_COMPRESSION)});
   const std::vector<std::string> expected = {
-      path_ + ": EXR with 2 parts",
       "part 0 'part0': tiles of 16x8, ZIP, data window 20x10 at (-2, 3), display window 16x16 at (0, 0)",
       "  B           half   beauty.B",
       "  G           half   beauty.G",
@@ -156,14 +157,49 @@ TEST_F(ExrRead, Description) {
       "  raw.U       uint   passed on",
       "part 1 'part1': scanlines, PIZ, data window 4x4 at (0, 0), display window 16x16 at (0, 0)",
       "  Z  float  depth.Z"};
-  EXPECT_EQ(describe_exr(path_), expected);
+  EXPECT_EQ(describe_exr(path_).lines(), expected);
+  EXPECT_EQ(describe_exr(path_).problem, "");
+}
+
+TEST_F(ExrRead, DescriptionOfTwoEyes) {
+  write_test_file(path_, {named_part("l", {{"R"}, {"G"}, {"B"}}, "left"),
+                          named_part("r", {{"R"}, {"G"}, {"B"}, {"Z"}}, "right")});
+  const std::vector<std::string> lines = describe_exr(path_).lines();
+  EXPECT_NE(std::ranges::find(lines, "  G  half   left beauty.G"), lines.end());
+  EXPECT_NE(std::ranges::find(lines, "  G  half   right beauty.G"), lines.end());
+  EXPECT_NE(std::ranges::find(lines, "  Z  half   right depth.Z"), lines.end());
+}
+
+TEST_F(ExrRead, AViewWithoutColourIsNone) {
+  Imf::Header header = scanline_part(window(0, 0, 4, 4), {{"R"}, {"G"}, {"B"}, {"Z"}});
+  header.insert("multiView", Imf::StringVectorAttribute({"left", "right"}));
+  write_test_file(path_, {header});
+  EXPECT_TRUE(read_exr(path_, 1, all_aovs()).other_views.empty());
 }
 
 TEST_F(ExrRead, DescriptionOfAFileWithoutColour) {
   write_test_file(path_, {scanline_part(window(0, 0, 4, 4), {{"Z", Imf::FLOAT}})});
-  const std::vector<std::string> lines = describe_exr(path_);
-  ASSERT_EQ(lines.size(), 4u);
-  EXPECT_NE(lines[3].find("no colour"), std::string::npos);
+  EXPECT_EQ(describe_exr(path_).lines().size(), 2u);
+  EXPECT_NE(describe_exr(path_).problem.find("no colour"), std::string::npos);
+}
+
+TEST_F(ExrRead, NamesOfAnyBytesArePrintable) {
+  write_test_file(path_,
+                  {scanline_part(window(0, 0, 4, 4), {{"\x1b[2J\xff.R", Imf::FLOAT}, {"caf\xc3\xa9.R"}})});
+  const ExrDescription description = describe_exr(path_);
+  EXPECT_EQ(description.parts[0].channels[0].name, "\\x1b[2J\\xff.R");
+  EXPECT_EQ(description.parts[0].channels[1].name, "caf\xc3\xa9.R");
+  EXPECT_NE(description.problem.find("channels found: \\x1b[2J\\xff.R, caf"), std::string::npos)
+      << description.problem;
+}
+
+TEST_F(ExrRead, ManyLongNamesAreCutShort) {
+  std::vector<TestChannel> channels;
+  for (int i = 0; i < 200; ++i) channels.push_back({std::to_string(i) + std::string(200, 'x')});
+  write_test_file(path_, {scanline_part(window(0, 0, 1, 1), channels)});
+  const std::string problem = describe_exr(path_).problem;
+  EXPECT_LT(problem.size(), 2500u);
+  EXPECT_NE(problem.find("... and "), std::string::npos) << problem;
 }
 
 }  // namespace

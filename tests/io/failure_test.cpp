@@ -227,8 +227,8 @@ TEST_F(FailedWrite, AFullDiskWhilePassingOn) {
     std::string error;
     {
       const FullDisk disk(size);
-      error = error_of(ExitStatus::resource,
-                       [&] { write_denoised_exr(path_, loaded.frame, *loaded.contents, loaded.layers, {}); });
+      error =
+          error_of(ExitStatus::resource, [&] { write_denoised_exr(path_, loaded.frame, {}, loaded, {}); });
     }
     EXPECT_EQ(error, path_ + ": cannot write it: File too large") << size;
     EXPECT_EQ(folder_.file_count(), 1u) << "the source alone";
@@ -259,9 +259,8 @@ TEST_F(FailedWrite, AFailureWhileReadingTheSourceNamesTheSource) {
   std::fill(bytes.end() - 9000, bytes.end(), '\x55');
   write_bytes(source, bytes);
   std::filesystem::last_write_time(source, time);
-  const std::string error = error_of(ExitStatus::bad_input, [&] {
-    write_denoised_exr(path_, loaded.frame, *loaded.contents, loaded.layers, {});
-  });
+  const std::string error =
+      error_of(ExitStatus::bad_input, [&] { write_denoised_exr(path_, loaded.frame, {}, loaded, {}); });
   EXPECT_TRUE(error.starts_with(source + ": ")) << error;
   EXPECT_EQ(folder_.file_count(), 1u);
 }

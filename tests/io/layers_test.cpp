@@ -9,8 +9,11 @@ namespace {
 
 using Names = std::vector<std::string>;
 
+constexpr std::array<float, 4> kAsItIs{1.0f, 1.0f, 1.0f, 1.0f};
+constexpr std::array<float, 4> kUpwards{1.0f, -1.0f, 1.0f, 1.0f};
+
 LayerMap find(const Names& channels, const LayerOverrides& overrides = {}) {
-  return find_layers("file.exr", {channels}, overrides);
+  return find_layers("file.exr", {{.channels = channels}}, {.layers = overrides});
 }
 
 const std::optional<LayerSource>& source(const LayerMap& map, Aov aov) {
@@ -80,7 +83,7 @@ TEST(Layers, BecalmsOwnNames) {
   const LayerMap map = find(all);
   for (const AovInfo& entry : kAovTable) {
     ASSERT_TRUE(source(map, entry.aov)) << entry.name;
-    EXPECT_EQ(source(map, entry.aov)->y_scale, 1.0f);
+    EXPECT_EQ(source(map, entry.aov)->scale, kAsItIs);
     for (std::size_t c = 0; c < entry.channels.size(); ++c) {
       EXPECT_EQ(channels_of(map, entry.aov)[c],
                 (entry.name.empty() ? "" : std::string(entry.name) + ".") + entry.channels[c]);
@@ -100,7 +103,7 @@ TEST(Layers, BlendersViewLayer) {
                    "ViewLayer.Denoising Normal.Z"}));
   EXPECT_EQ(channels_of(map, Aov::depth), Names{"ViewLayer.Depth.Z"});
   EXPECT_EQ(channels_of(map, Aov::motion), (Names{"ViewLayer.Vector.X", "ViewLayer.Vector.Y"}));
-  EXPECT_EQ(source(map, Aov::motion)->y_scale, -1.0f);
+  EXPECT_EQ(source(map, Aov::motion)->scale, kUpwards);
   EXPECT_FALSE(source(map, Aov::half_a));
 }
 
@@ -161,15 +164,127 @@ TEST(Layers, IncompleteLayersAreNotTaken) {
 }
 
 TEST(Layers, PartsAreTold) {
-  const LayerMap map =
-      find_layers("file.exr", {{"Z"}, {"R", "G", "B"}, {"albedo.R", "albedo.G", "albedo.B"}}, {});
+  const LayerMap map = find_layers("file.exr",
+                                   {{.channels = {"Z"}},
+                                    {.channels = {"R", "G", "B"}},
+                                    {.channels = {"albedo.R", "albedo.G", "albedo.B"}}},
+                                   {});
   EXPECT_EQ(source(map, Aov::depth)->part, 0);
   EXPECT_EQ(source(map, Aov::beauty)->part, 1);
   EXPECT_EQ(source(map, Aov::albedo)->part, 2);
 }
 
 TEST(Layers, ALayerIsNotPutTogetherFromTwoParts) {
-  EXPECT_THROW(find_layers("file.exr", {{"R", "G"}, {"B"}}, {}), Error);
+  EXPECT_THROW(find_layers("file.exr", {{.channels = {"R", "G"}}, {.channels = {"B"}}}, {}), Error);
+}
+
+TEST(Layers, DepthIsNeverTheZOfAPositionOrNormal) {
+  const std::vector<PartChannels> parts = {{.name = "RGBA", .channels = {"R", "G", "B"}},
+                                           {.name = "Position", .channels = {"X", "Y", "Z"}},
+                                           {.name = "ViewLayer.Normal", .channels = {"X", "Y", "Z"}}};
+  const LayerMap map = find_layers("file.exr", parts, {});
+  EXPECT_FALSE(source(map, Aov::depth));
+  EXPECT_EQ(source(map, Aov::normal)->part, 2);
+  EXPECT_FALSE(source(find({"R", "G", "B", "X", "Y", "Z"}), Aov::depth));
+  EXPECT_FALSE(source(find({"R", "G", "B", "P.X", "P.Y", "P.Z"}), Aov::depth));
+}
+
+TEST(Layers, ABareZIsThatOfTheBeautysPart) {
+  const std::vector<PartChannels> parts = {{.name = "shadow", .channels = {"Z"}},
+                                           {.name = "rgba", .channels = {"R", "G", "B", "Z"}}};
+  EXPECT_EQ(source(find_layers("file.exr", parts, {}), Aov::depth)->part, 1);
+}
+
+TEST(Layers, PartsNameTheirBareChannels) {
+  const std::vector<PartChannels> parts = {{.name = "albedo", .channels = {"R", "G", "B"}},
+                                           {.name = "V.Combined", .channels = {"A", "R", "G", "B"}},
+                                           {.name = "V.Depth", .channels = {"V"}},
+                                           {.name = "W.Vector", .channels = {"W", "X", "Y", "Z"}},
+                                           {.name = "V.Vector", .channels = {"W", "X", "Y", "Z"}}};
+  const LayerMap map = find_layers("file.exr", parts, {});
+  EXPECT_EQ(source(map, Aov::beauty)->part, 1);
+  EXPECT_EQ(source(map, Aov::albedo)->part, 0);
+  EXPECT_EQ(source(map, Aov::depth)->part, 2);
+  EXPECT_EQ(source(map, Aov::motion)->part, 4);
+  EXPECT_EQ(source(map, Aov::motion)->scale, kUpwards);
+}
+
+TEST(Layers, ABeautyMayLieInAPartOfAnyName) {
+  const std::vector<PartChannels> parts = {{.name = "N", .channels = {"R", "G", "B"}},
+                                           {.name = "shot 7", .channels = {"R", "G", "B"}}};
+  const LayerMap map = find_layers("file.exr", parts, {});
+  EXPECT_EQ(source(map, Aov::beauty)->part, 1);
+  EXPECT_EQ(source(map, Aov::normal)->part, 0);
+}
+
+TEST(Layers, OverridesAddressParts) {
+  const std::vector<PartChannels> parts = {
+      {.name = "main", .channels = {"R", "G", "B", "Z"}},
+      {.name = "first", .channels = {"R", "G", "B", "x.R", "x.G", "x.B", "Z"}},
+      {.name = "a/b", .channels = {"x.R", "x.G", "x.B"}}};
+  const auto part_of = [&](Aov aov, const std::string& name) {
+    return source(find_layers("file.exr", parts, {.layers = {{aov, name}}}), aov)->part;
+  };
+  EXPECT_EQ(part_of(Aov::albedo, "first"), 1);
+  EXPECT_EQ(part_of(Aov::albedo, "first/x"), 1);
+  EXPECT_EQ(part_of(Aov::albedo, "A/B/X"), 2);
+  EXPECT_EQ(part_of(Aov::depth, "first/Z"), 1);
+  EXPECT_EQ(part_of(Aov::depth, "Z"), 0);
+  EXPECT_THROW(part_of(Aov::albedo, "main/x"), Error);
+}
+
+TEST(Layers, NoneLeavesALayerOut) {
+  const LayerMap map = find(kBlender, {{Aov::albedo, "none"}, {Aov::motion, "None"}});
+  EXPECT_FALSE(source(map, Aov::albedo));
+  EXPECT_FALSE(source(map, Aov::motion));
+  EXPECT_TRUE(source(map, Aov::normal));
+}
+
+TEST(Layers, MotionIsChangedAfterTheTablesConvention) {
+  const auto motion = [](const std::string& change) {
+    const LayerOptions options{.motion = parse_motion_change(change)};
+    return *source(find_layers("file.exr", {{.channels = kBlender}}, options), Aov::motion);
+  };
+  EXPECT_EQ(motion("").scale, kUpwards);
+  EXPECT_EQ(motion("flip-x,flip-y,scale=0.5").scale, (std::array<float, 4>{-0.5f, 0.5f, 1.0f, 1.0f}));
+  EXPECT_EQ(motion("swap").channels, (Names{"ViewLayer.Vector.Y", "ViewLayer.Vector.X"}));
+  EXPECT_EQ(motion("swap").scale, kUpwards) << "the axes' signs stay at the axes";
+}
+
+TEST(Layers, AnEyeHasItsOwnAovs) {
+  const std::vector<PartChannels> one_part = {
+      {.multi_view = {"left", "right"},
+       .channels = {"A", "B", "G", "R", "Z", "albedo.B", "albedo.G", "albedo.R", "right.A", "right.B",
+                    "right.G", "right.R", "right.Z", "albedo.right.R", "albedo.right.G", "albedo.right.B",
+                    "N.X", "N.Y", "N.Z"}}};
+  EXPECT_EQ(find_views(one_part), (Names{"left", "right"}));
+  const LayerMap left = find_layers("file.exr", one_part, {}, "left");
+  EXPECT_EQ(channels_of(left, Aov::beauty), (Names{"R", "G", "B", "A"}));
+  EXPECT_EQ(channels_of(left, Aov::depth), Names{"Z"});
+  EXPECT_EQ(channels_of(left, Aov::albedo)[0], "albedo.R");
+  EXPECT_TRUE(source(left, Aov::normal));
+  const LayerMap right = find_layers("file.exr", one_part, {}, "right");
+  EXPECT_EQ(channels_of(right, Aov::beauty), (Names{"right.R", "right.G", "right.B", "right.A"}));
+  EXPECT_EQ(channels_of(right, Aov::depth), Names{"right.Z"});
+  EXPECT_EQ(channels_of(right, Aov::albedo)[2], "albedo.right.B");
+  EXPECT_FALSE(source(right, Aov::normal)) << "those of the left eye are of other surfaces";
+}
+
+TEST(Layers, APartMayBeAnEyes) {
+  const std::vector<PartChannels> parts = {
+      {.name = "left", .view = "left", .channels = {"R", "G", "B"}},
+      {.name = "left.depth", .view = "left", .channels = {"Z"}},
+      {.name = "right", .view = "right", .channels = {"R", "G", "B"}},
+      {.name = "albedo.right", .view = "right", .channels = {"R", "G", "B"}}};
+  EXPECT_EQ(find_views(parts), (Names{"left", "right"}));
+  const LayerMap left = find_layers("file.exr", parts, {}, "left");
+  const LayerMap right = find_layers("file.exr", parts, {}, "right");
+  EXPECT_EQ(source(left, Aov::beauty)->part, 0);
+  EXPECT_EQ(source(left, Aov::depth)->part, 1);
+  EXPECT_FALSE(source(left, Aov::albedo));
+  EXPECT_EQ(source(right, Aov::beauty)->part, 2);
+  EXPECT_EQ(source(right, Aov::albedo)->part, 3);
+  EXPECT_FALSE(source(right, Aov::depth));
 }
 
 TEST(Layers, NoColourListsTheChannels) {
@@ -179,9 +294,9 @@ TEST(Layers, NoColourListsTheChannels) {
                      }),
             "file.exr: no colour: expected channels R G B or LAYER.Combined.R G B, or --layers beauty=NAME; "
             "channels found: Z, id.U");
-  EXPECT_NE(
-      error_of(ExitStatus::bad_input, [] { find_layers("f.exr", {{}}, {}); }).find("channels found: none"),
-      std::string::npos);
+  EXPECT_NE(error_of(ExitStatus::bad_input, [] { find_layers("f.exr", {PartChannels()}, {}); })
+                .find("channels found: none"),
+            std::string::npos);
   const std::string many = error_of(ExitStatus::bad_input, [] { find(Names(100, "x.Y")); });
   EXPECT_NE(many.find("and 40 more"), std::string::npos);
 }
@@ -205,9 +320,9 @@ TEST(Layers, AnOverriddenBeautyChoosesTheViewLayer) {
 }
 
 TEST(Layers, OverridesKeepTheTablesConvention) {
-  EXPECT_EQ(source(find(kBlender, {{Aov::motion, "Vector"}}), Aov::motion)->y_scale, -1.0f);
+  EXPECT_EQ(source(find(kBlender, {{Aov::motion, "Vector"}}), Aov::motion)->scale, kUpwards);
   const LayerMap own = find({"R", "G", "B", "mv.X", "mv.Y"}, {{Aov::motion, "mv"}});
-  EXPECT_EQ(source(own, Aov::motion)->y_scale, 1.0f);
+  EXPECT_EQ(source(own, Aov::motion)->scale, kAsItIs);
   EXPECT_EQ(channels_of(find({"R", "G", "B", "Z"}, {{Aov::depth, "Z"}}), Aov::depth), Names{"Z"});
 }
 
@@ -233,6 +348,26 @@ TEST(LayerOverrides, Errors) {
             "layers 'albedo=': no layer name; expected albedo=NAME");
   EXPECT_EQ(error_of(ExitStatus::usage, [] { parse_layer_overrides("albedo"); }),
             "layers 'albedo': no layer name; expected albedo=NAME");
+}
+
+TEST(LayerOverrides, TheBeautyCannotBeLeftOut) {
+  EXPECT_EQ(error_of(ExitStatus::usage, [] { parse_layer_overrides("beauty=none"); }),
+            "layers 'beauty=none': the beauty cannot be left out");
+}
+
+TEST(MotionChange, Parsed) {
+  EXPECT_EQ(parse_motion_change(""), MotionChange());
+  EXPECT_EQ(parse_motion_change("flip-y,swap,scale=-2"),
+            (MotionChange{.swap = true, .scale = {-2.0f, 2.0f}}));
+}
+
+TEST(MotionChange, Errors) {
+  EXPECT_EQ(error_of(ExitStatus::usage, [] { parse_motion_change("flip"); }),
+            "motion 'flip': expected some of flip-x, flip-y, scale=S and swap");
+  for (const std::string text : {"scale=", "scale=0", "scale=x", "scale=1x", "scale=inf", "scale=nan"}) {
+    EXPECT_EQ(error_of(ExitStatus::usage, [&] { parse_motion_change(text); }),
+              "motion '" + text + "': expected scale=S with a number other than 0");
+  }
 }
 
 }  // namespace

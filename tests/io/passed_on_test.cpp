@@ -13,6 +13,7 @@
 #include <OpenEXR/ImfTiledInputPart.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "frame/error.h"
@@ -27,15 +28,15 @@ namespace {
 class PassedOn : public ::testing::Test {
  protected:
   /// Reads `source_`, doubles the beauty, adds the diagnostics that are wanted, and writes `result_`.
-  WriteReport denoise(AovSet diagnostics = {}, const LayerOverrides& overrides = {}) {
-    LoadedFrame loaded = read_exr(source_, 1, {}, overrides);
+  WriteReport denoise(AovSet diagnostics = {}, const LayerOverrides& overrides = {},
+                      const DenoisedFormat& format = {}) {
+    LoadedFrame loaded = read_exr(source_, 1, {}, {.layers = overrides});
     for (float& value : loaded.frame.image(Aov::beauty).data()) value = 2.0f * value + 1.0f;
     for (const AovInfo& entry : kAovTable) {
       if (diagnostics.test(static_cast<std::size_t>(entry.aov))) loaded.frame.add(entry.aov, 0.3f);
     }
     layers_ = loaded.layers;
-    return write_denoised_exr(result_, loaded.frame, *loaded.contents, loaded.layers,
-                              {{"becalm:preset", "final"}});
+    return write_denoised_exr(result_, loaded.frame, {}, loaded, {{"becalm:preset", "final"}}, format);
   }
 
   /// Every channel of the part has its bits, but for the named ones.
@@ -124,7 +125,9 @@ TEST_F(PassedOn, ChannelsAttributesWindowsAndTypes) {
   header.displayWindow() = window(0, 0, 20, 64);
   add_attributes(header);
   write_test_file(source_, {header});
-  EXPECT_FALSE(denoise().lossless_instead);
+  const WriteReport report = denoise();
+  EXPECT_FALSE(report.lossless_instead);
+  EXPECT_FALSE(report.full_size_only);
   expect_same_but_for(kBeauty);
   expect_same_header();
   const Imf::Header after = read_header(result_);
@@ -172,6 +175,33 @@ TEST_F(PassedOn, LossyColoursOfOtherLayersAreKeptByZip) {
   }
 }
 
+TEST_F(PassedOn, TypesOfTheDenoisedChannelsOnRequest) {
+  write_test_file(source_, {scanline_part(window(0, 0, 20, 30), kMixed)});
+  for (const auto& [type, expected] :
+       {std::pair{PixelType::half, Imf::HALF}, {PixelType::float32, Imf::FLOAT}}) {
+    denoise(AovSet().set(static_cast<std::size_t>(Aov::gain)), {}, {.type = type});
+    expect_same_but_for(kBeauty);
+    const Imf::Header after = read_header(result_);
+    for (const std::string& name : kBeauty) EXPECT_EQ(after.channels()[name].type, expected) << name;
+    EXPECT_EQ(after.channels()["gain.Y"].type, Imf::FLOAT);
+    EXPECT_EQ(after.channels()["raw.half"].type, Imf::HALF);
+  }
+}
+
+TEST_F(PassedOn, CompressionOnRequestUnlessItWouldAlterOtherChannels) {
+  for (const std::string_view name : compression_names()) {
+    write_test_file(source_, {scanline_part(window(0, 0, 37, 70), kMixed)});
+    const WriteReport report = denoise({}, {}, {.type = {}, .compression = std::string(name)});
+    const bool alters = name == "b44" || name == "b44a" || name == "pxr24";  // half and float channels
+    EXPECT_EQ(report.lossless_instead, alters) << name;
+    expect_same_but_for(kBeauty);
+    const auto index = std::ranges::find(compression_names(), name) - compression_names().begin();
+    EXPECT_EQ(read_header(result_).compression(),
+              alters ? Imf::ZIP_COMPRESSION : static_cast<Imf::Compression>(index))
+        << name;
+  }
+}
+
 TEST_F(PassedOn, ALossyBeautyAloneStaysLossy) {
   write_test_file(source_,
                   {scanline_part(window(0, 0, 16, 16), {{"R"}, {"G"}, {"B"}}, Imf::B44_COMPRESSION)});
@@ -205,7 +235,7 @@ TEST_F(PassedOn, OfMipmapsTheFullSize) {
   Imf::Header header = tiled_part(window(0, 0, 50, 40), kMixed, 16, 16, Imf::MIPMAP_LEVELS);
   header.setChunkCount(12 + 4 + 1 + 1 + 1 + 1);
   write_test_file(source_, {header});
-  denoise();
+  EXPECT_TRUE(denoise().full_size_only);
   expect_same_but_for(kBeauty);
   expect_same_header(0, {"tiles", "chunkCount"});
   EXPECT_EQ(read_header(result_).chunkCount(), 12);
@@ -342,12 +372,102 @@ TEST_F(PassedOn, DenoisingAResultReplacesItsDiagnosticsAndAttributes) {
   EXPECT_EQ(read_exr(result_, 1, AovSet().set()).frame.image(Aov::flow).at(5, 3, 0), 0.3f);
 }
 
+/// Doubles every beauty of the source, read in this window or its own, and writes them.
+void denoise_views(const std::string& source, const std::string& result,
+                   const std::optional<Imath::Box2i>& seen = std::nullopt,
+                   const DenoisedFormat& format = {}) {
+  LoadedFrame loaded = read_exr(source, 1, {}, {}, LightGroups::leave, seen);
+  const auto denoise = [](Frame& frame) {
+    for (float& value : frame.image(Aov::beauty).data()) value = 2.0f * value + 1.0f;
+    frame.add(Aov::gain, 0.25f);
+  };
+  denoise(loaded.frame);
+  std::vector<Frame> others;
+  for (LoadedView& view : loaded.other_views) {
+    denoise(view.frame);
+    others.push_back(view.frame);
+  }
+  write_denoised_exr(result, loaded.frame, others, loaded, {{"becalm:preset", "final"}}, format);
+}
+
+TEST_F(PassedOn, BothEyesOfOnePart) {
+  Imf::Header header =
+      scanline_part(window(0, 0, 6, 4),
+                    {{"R"}, {"G"}, {"B"}, {"right.R"}, {"right.G"}, {"right.B"}, {"raw.id", Imf::UINT}});
+  Imf::addMultiView(header, {"left", "right"});
+  write_test_file(source_, {header});
+  denoise_views(source_, result_);
+  expect_same_but_for({"R", "G", "B", "right.R", "right.G", "right.B"});
+  expect_same_header();
+  const LoadedFrame result = read_exr(result_, 1, AovSet().set());
+  ASSERT_EQ(result.other_views.size(), 1u);
+  const LoadedView& right = result.other_views[0];
+  EXPECT_EQ(right.view, "right");
+  EXPECT_EQ(right.frame.image(Aov::beauty).at(5, 3, 1),
+            Imath::half(2.0f * test_value("right.G", 5, 3) + 1.0f));
+  EXPECT_EQ(result.frame.image(Aov::beauty).at(5, 3, 1), Imath::half(2.0f * test_value("G", 5, 3) + 1.0f));
+  EXPECT_EQ(right.layers[static_cast<std::size_t>(Aov::gain)]->channels[0], "gain.right.Y");
+  EXPECT_EQ(right.frame.image(Aov::gain).at(5, 3, 0), 0.25f);
+}
+
+TEST_F(PassedOn, AnEyeAPart) {
+  Imf::Header right = named_part("right", {{"R"}, {"G"}, {"B"}, {"raw.id", Imf::UINT}}, "right");
+  right.dataWindow() = window(1, 1, 4, 3);
+  write_test_file(source_, {named_part("left", {{"R"}, {"G"}, {"B"}}, "left"), right,
+                            named_part("left.depth", {{"Z", Imf::FLOAT}}, "left")});
+  denoise_views(source_, result_);
+  expect_same_but_for(kBeauty, 0);
+  expect_same_but_for(kBeauty, 1);
+  expect_same_but_for({}, 2);
+  for (int part = 0; part < 3; ++part) expect_same_header(part);
+  const LoadedFrame result = read_exr(result_, 1, AovSet().set());
+  ASSERT_EQ(result.other_views.size(), 1u);
+  EXPECT_EQ(result.other_views[0].frame.width(), 4);
+  EXPECT_EQ(result.other_views[0].frame.image(Aov::beauty).at(0, 0, 2),
+            Imath::half(2.0f * test_value("B", 1, 1) + 1.0f));
+  EXPECT_TRUE(result.frame.has(Aov::depth));
+  EXPECT_FALSE(result.other_views[0].frame.has(Aov::depth));
+}
+
+TEST_F(PassedOn, EyesOfTwoWindowsSeenInALargerOne) {
+  Imf::Header left = named_part("left", {{"R"}, {"G"}, {"B"}, {"raw.id", Imf::UINT}}, "left");
+  left.dataWindow() = window(2, 0, 3, 4);
+  Imf::Header right = named_part("right", {{"R"}, {"G"}, {"B"}}, "right");
+  right.dataWindow() = window(1, 1, 4, 3);
+  write_test_file(source_, {left, right});
+  denoise_views(source_, result_, window(-1, -2, 8, 9), {.type = PixelType::float32, .compression = "zips"});
+  expect_same_but_for(kBeauty, 0);
+  expect_same_but_for(kBeauty, 1);
+  const LoadedFrame result = read_exr(result_, 1, {});
+  ASSERT_EQ(result.other_views.size(), 1u);
+  EXPECT_EQ(result.window, left.dataWindow());
+  EXPECT_EQ(result.other_views[0].window, right.dataWindow());
+  EXPECT_EQ(result.frame.image(Aov::beauty).at(1, 2, 0), 2.0f * Imath::half(test_value("R", 3, 2)) + 1.0f);
+  EXPECT_EQ(result.other_views[0].frame.image(Aov::beauty).at(2, 1, 2),
+            2.0f * Imath::half(test_value("B", 3, 2)) + 1.0f);
+  for (const int part : {0, 1}) {
+    const Imf::Header after = read_header(result_, part);
+    EXPECT_EQ(after.compression(), Imf::ZIPS_COMPRESSION);
+    for (const char* name : {"R", "G", "B"}) EXPECT_EQ(after.channels()[name].type, Imf::FLOAT) << name;
+  }
+}
+
+TEST_F(PassedOn, AFrameSmallerThanTheFilesWindowIsAnError) {
+  write_test_file(source_, {scanline_part(window(0, 0, 6, 4), kMixed)});
+  try {
+    denoise_views(source_, result_, window(0, 1, 9, 9));
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.status(), ExitStatus::bad_input);
+    EXPECT_EQ(std::string(error.what()), source_ + ": its data window is not inside the denoised frame's");
+  }
+}
+
 TEST_F(PassedOn, OverHalfsRangeIsCounted) {
   write_test_file(source_, {scanline_part(window(0, 0, 3, 1), {{"R"}, {"G", Imf::FLOAT}, {"B", Imf::UINT}})});
   LoadedFrame loaded = read_exr(source_, 1, {});
   for (float& value : loaded.frame.image(Aov::beauty).data()) value = 1e20f;
-  EXPECT_EQ(write_denoised_exr(result_, loaded.frame, *loaded.contents, loaded.layers, {}).half_overflows,
-            3u);
+  EXPECT_EQ(write_denoised_exr(result_, loaded.frame, {}, loaded, {}).half_overflows, 3u);
   const Image beauty = read_exr(result_, 1, {}).frame.image(Aov::beauty);
   EXPECT_EQ(beauty.at(2, 0, 0), 65504.0f);
   EXPECT_EQ(beauty.at(2, 0, 1), 1e20f);
@@ -358,7 +478,7 @@ TEST_F(PassedOn, TheSourceMayBeOverwritten) {
   write_test_file(source_, {scanline_part(window(0, 0, 6, 300), kMixed)});
   const Planes before = read_planes(source_);
   const LoadedFrame loaded = read_exr(source_, 1, {});
-  write_denoised_exr(source_, loaded.frame, *loaded.contents, loaded.layers, {});
+  write_denoised_exr(source_, loaded.frame, {}, loaded, {});
   EXPECT_EQ(read_planes(source_), before);
 }
 
@@ -367,7 +487,7 @@ TEST_F(PassedOn, AChangedSourceIsAnError) {
   const LoadedFrame loaded = read_exr(source_, 1, {});
   write_test_file(source_, {scanline_part(window(0, 0, 6, 5), kMixed)});
   try {
-    write_denoised_exr(result_, loaded.frame, *loaded.contents, loaded.layers, {});
+    write_denoised_exr(result_, loaded.frame, {}, loaded, {});
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.status(), ExitStatus::bad_input);

@@ -78,6 +78,27 @@ TEST(FrameRange, FormattedRangesParseToTheSameFrames) {
   }
 }
 
+TEST(FrameInName, IsTheLastNumberBetweenDotsOrTheDigitsAtTheEnd) {
+  const auto number = [](const std::string& path) {
+    const std::optional<NamedFrame> frame = frame_in_name(path);
+    return frame ? std::pair(frame->number, frame->padding) : std::pair(0, 0);
+  };
+  EXPECT_EQ(number("in.0052.exr"), std::pair(52, 4));
+  EXPECT_EQ(number("v02/shot.7.exr"), std::pair(7, 1));
+  EXPECT_EQ(number("shot.-001.exr"), std::pair(-1, 4));
+  EXPECT_EQ(number("shot.0052.calm.exr"), std::pair(52, 4));
+  EXPECT_EQ(number("shot_v02.0003.exr"), std::pair(3, 4));
+  EXPECT_EQ(number("shot_0052.exr"), std::pair(52, 4));
+  EXPECT_EQ(number("shot-0052.exr"), std::pair(52, 4));
+  EXPECT_EQ(number("Image0052.exr"), std::pair(52, 4));
+  EXPECT_EQ(number("0052.exr"), std::pair(52, 4));
+  EXPECT_EQ(number("conv0012.exr"), std::pair(12, 4));
+  for (const char* name : {"still.exr", "shot_v02.exr", "v3.exr", "room_640x360.exr", "0052/still.exr",
+                           "shot.99999999999.exr", "room4k.exr", ".exr", ""}) {
+    EXPECT_EQ(number(name), std::pair(0, 0)) << name;
+  }
+}
+
 TEST(SequencePattern, Fields) {
   EXPECT_EQ(SequencePattern("a/shot.####.exr").path(12), "a/shot.0012.exr");
   EXPECT_EQ(SequencePattern("shot.@@@.exr").path(12), "shot.012.exr");
@@ -132,6 +153,21 @@ TEST_F(OnDisk, FramesThatExist) {
   EXPECT_EQ(SequencePattern(folder_.path("shot.%d.exr")).frames_on_disk(), (Frames{12, 12345}));
   EXPECT_TRUE(SequencePattern(folder_.path("none.####.exr")).frames_on_disk().empty());
   EXPECT_TRUE(SequencePattern(folder_.path("no_folder/shot.####.exr")).frames_on_disk().empty());
+}
+
+TEST_F(OnDisk, HintsAtNumbersOfAnotherPadding) {
+  const SequencePattern pattern(folder_.path("shot.####.exr"));
+  touch("shot.0001.exr");
+  EXPECT_EQ(pattern.hint_of_other_padding(), "");
+  touch("shot.2.exr");
+  EXPECT_EQ(pattern.hint_of_other_padding(),
+            "; " + folder_.path("shot.2.exr") + " is there, and " + folder_.path("shot.#.exr") + " finds it");
+}
+
+TEST_F(OnDisk, LoneHashMayBeGivenItsPadding) {
+  touch("shot.0998.exr");
+  EXPECT_EQ(SequencePattern(folder_.path("shot.#.exr"), 2).path(7), folder_.path("shot.07.exr"));
+  EXPECT_EQ(SequencePattern(folder_.path("shot.###.exr"), 2).path(7), folder_.path("shot.007.exr"));
 }
 
 TEST_F(OnDisk, LoneHashTakesThePaddingOfTheFiles) {

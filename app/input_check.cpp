@@ -1,0 +1,166 @@
+#include "app/input_check.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "app/frame_problems.h"
+#include "filter/additive.h"
+#include "frame/error.h"
+#include "frame/io/printable.h"
+
+namespace becalm::app {
+namespace {
+
+/// One frame: its views' layouts, or why it has none.
+struct Checked {
+  int frame = 0;
+  std::optional<std::vector<InputLayout>> layout;
+  std::string problem;
+};
+
+Checked check(const InputFrames& inputs, int frame, const FilterStep& filter,
+              const io::LayerOptions& layers) {
+  try {
+    std::vector<InputLayout> layout;
+    for (const io::ExrView& view : io::read_exr_header(inputs.path(frame), layers, io::CheckChunks::yes)) {
+      layout.push_back(layout_of(view, filter));
+    }
+    return {frame, std::move(layout), ""};
+  } catch (const Error& error) {
+    return {frame, std::nullopt, error.what()};
+  }
+}
+
+/// The first frame of the layout that most frames have; of equally many, the one that comes first.
+const Checked* most_common(const std::vector<Checked>& frames) {
+  const auto count_like = [&](const Checked& frame) {
+    return std::ranges::count_if(
+        frames, [&](const Checked& other) { return other.layout && *other.layout == *frame.layout; });
+  };
+  const Checked* best = nullptr;
+  std::ptrdiff_t best_count = 0;
+  std::vector<const Checked*> kinds;
+  for (const Checked& frame : frames) {
+    if (!frame.layout) continue;
+    if (std::ranges::any_of(kinds, [&](const Checked* kind) { return *kind->layout == *frame.layout; }))
+      continue;
+    kinds.push_back(&frame);
+    if (const std::ptrdiff_t count = count_like(frame); count > best_count) {
+      best = &frame;
+      best_count = count;
+    }
+  }
+  return best;
+}
+
+/// The size, and the place where it is not the usual one.
+std::string text_of(const Imath::Box2i& window) {
+  const std::string size =
+      fmt::format("{}x{}", window.max.x - window.min.x + 1, window.max.y - window.min.y + 1);
+  return window.min == Imath::V2i(0) ? size : fmt::format("{} at ({}, {})", size, window.min.x, window.min.y);
+}
+
+/// How a layout differs from the one that `usual` has.
+std::string difference(const InputLayout& layout, const InputLayout& usual, const std::string& usual_path) {
+  if (layout.display_window != usual.display_window) {
+    return fmt::format("is {}, and {} is {}", text_of(layout.display_window), usual_path,
+                       text_of(usual.display_window));
+  }
+  for (const AovInfo& entry : kAovTable) {
+    if (contains(layout.aovs, entry.aov) == contains(usual.aovs, entry.aov)) continue;
+    return contains(usual.aovs, entry.aov)
+               ? fmt::format("has no layer '{}', which {} has", entry.name, usual_path)
+               : fmt::format("has a layer '{}', which {} has not", entry.name, usual_path);
+  }
+  return fmt::format("has the light groups '{}', and {} has '{}'", fmt::join(layout.light_groups, ","),
+                     usual_path, fmt::join(usual.light_groups, ","));
+}
+
+std::string view_names(const std::vector<InputLayout>& views) {
+  std::vector<std::string> names;
+  for (const InputLayout& view : views) names.push_back(io::printable(view.view));
+  return fmt::format("{}", fmt::join(names, ","));
+}
+
+std::string difference(const std::vector<InputLayout>& views, const std::vector<InputLayout>& usual,
+                       const std::string& usual_path) {
+  if (view_names(views) != view_names(usual)) {
+    return fmt::format("has the views '{}', and {} has '{}'", view_names(views), usual_path,
+                       view_names(usual));
+  }
+  const auto [view, usual_view] = std::ranges::mismatch(views, usual);
+  const std::string place = view->view.empty() ? "" : fmt::format("view {}: ", io::printable(view->view));
+  return place + difference(*view, *usual_view, usual_path);
+}
+
+}  // namespace
+
+InputLayout layout_of(const io::ExrView& header, const FilterStep& filter) {
+  InputLayout layout;
+  layout.view = header.view;
+  layout.display_window = header.display_window;
+  const auto source = [&](Aov aov) -> const auto& {
+    return header.layers[static_cast<std::size_t>(aov)];
+  };
+  const AovSet additive = filter.denoises_additive() ? filter::additive_aovs() : AovSet();
+  for (const AovInfo& entry : kAovTable) {
+    const bool used = entry.aov == Aov::beauty || contains(filter.wanted(), entry.aov) ||
+                      (contains(additive, entry.aov) && source(entry.aov) &&
+                       source(entry.aov)->part == source(Aov::beauty)->part);
+    layout.aovs.set(static_cast<std::size_t>(entry.aov), used && source(entry.aov));
+  }
+  if (filter.denoises_additive()) {
+    for (const auto& [name, source] : header.lights) layout.light_groups.push_back(name);
+  }
+  return layout;
+}
+
+InputWindow find_window(const InputFrames& inputs, const io::LayerOptions& layers) {
+  const std::vector<int>& frames = inputs.readable();
+  std::vector<std::vector<io::ExrView>> headers(frames.size());
+  tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t i) {
+    try {
+      headers[i] = io::read_exr_header(inputs.path(frames[i]), layers, io::CheckChunks::no);
+    } catch (const Error&) {  // told by check_inputs if the frame is needed
+    }
+  });
+  Imath::Box2i all;
+  bool alike = true;
+  for (const auto& views : headers) {
+    for (const io::ExrView& view : views) {
+      alike = alike && (all.isEmpty() || all == view.data_window);
+      all.extendBy(view.data_window);
+    }
+  }
+  for (const auto& views : headers) {
+    for (const io::ExrView& view : views) {
+      if (!alike) all.extendBy(view.display_window);
+    }
+  }
+  return {all};
+}
+
+std::vector<InputLayout> check_inputs(const InputFrames& inputs, const std::set<int>& frames,
+                                      const FilterStep& filter, const io::LayerOptions& layers) {
+  std::vector<Checked> checked;
+  for (const int frame : frames) checked.push_back({frame, std::nullopt, ""});
+  tbb::parallel_for(std::size_t{0}, checked.size(),
+                    [&](std::size_t i) { checked[i] = check(inputs, checked[i].frame, filter, layers); });
+
+  const Checked* usual = most_common(checked);
+  FrameProblems problems(inputs.pattern());
+  for (const Checked& frame : checked) {
+    if (frame.layout && *frame.layout == *usual->layout) continue;
+    problems.add(frame.frame, frame.layout
+                                  ? difference(*frame.layout, *usual->layout, inputs.path(usual->frame))
+                                  : frame.problem);
+  }
+  if (!problems.empty()) problems.fail(checked.size(), "; nothing was written");
+  return *usual->layout;
+}
+
+}  // namespace becalm::app

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <Imath/ImathBox.h>
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "app/filter_step.h"
+#include "app/input_frames.h"
+#include "frame/aov.h"
+#include "frame/io/exr.h"
+#include "frame/io/layers.h"
+
+namespace becalm::app {
+
+/// What all frames of a sequence have in common, and the filter is built for; of a stereo sequence, one of
+/// its views.
+struct InputLayout {
+  std::string view;  ///< empty where there is but one
+  Imath::Box2i display_window;
+  AovSet aovs;                            ///< of those that the filter uses
+  std::vector<std::string> light_groups;  ///< that it denoises
+
+  bool operator==(const InputLayout&) const = default;
+};
+
+/// What the filter takes of a view with this header: AOVs that are denoised with the beauty must be of its
+/// part, since other parts are passed on.
+InputLayout layout_of(const io::ExrView& header, const FilterStep& filter);
+
+/// What the filter sees of every frame: the data window where all are alike. Where they differ, as those of
+/// renderers that leave out empty margins, all that any of the frames that may be read covers, and the
+/// display window: so it depends neither on the job nor, mostly, on the shot.
+struct InputWindow {
+  Imath::Box2i window;
+  int width() const { return window.max.x - window.min.x + 1; }
+  int height() const { return window.max.y - window.min.y + 1; }
+};
+
+/// Of all views of all readable frames, in parallel; those whose headers cannot be read do not count.
+InputWindow find_window(const InputFrames& inputs, const io::LayerOptions& layers);
+
+/// Reads the headers of `frames`, in parallel, before any pixel is read and hours are spent. Throws
+/// Error(bad_input) unless every file is there, whole and of one layout, which is that of most frames: so it
+/// does not matter which of them is read first. One problem is told by the error; of several, each is a line
+/// on standard error with its frames, and the error counts them.
+std::vector<InputLayout> check_inputs(const InputFrames& inputs, const std::set<int>& frames,
+                                      const FilterStep& filter, const io::LayerOptions& layers);
+
+}  // namespace becalm::app

@@ -1,0 +1,43 @@
+#include "app/layer_arguments.h"
+
+#include <CLI/CLI.hpp>
+
+namespace becalm::app {
+
+void add_layer_options(CLI::App& command, LayerArguments& arguments) {
+  command
+      .add_option(
+          "--layers", arguments.layers,
+          "Layers to read where the names are not known, such as albedo=diffcol,normal=PART/N, or none "
+          "to leave one out; becalm info tells which are taken")
+      ->option_text("AOV=NAME,...")
+      ->group("Input");
+  command
+      .add_option("--motion", arguments.motion,
+                  "Where motion vectors count another way than becalm info says: some of flip-x, flip-y, "
+                  "scale=S, swap (X and Y), joined by commas")
+      ->option_text("CHANGE,...")
+      ->group("Input");
+  command
+      .add_option(
+          "--additive", arguments.additive,
+          "Layers that are denoised with the beauty so that they still add up to it: auto takes those "
+          "whose names say so and whose sum is the beauty (default: auto)")
+      ->option_text("auto|NAME,...|none")
+      ->group("Input");
+}
+
+io::LayerOptions layer_options(const LayerArguments& arguments) {
+  return {.layers = io::parse_layer_overrides(arguments.layers),
+          .motion = io::parse_motion_change(arguments.motion)};
+}
+
+std::string describe(const LayerArguments& arguments) {
+  std::string text;
+  if (!arguments.layers.empty()) text += " layers=" + arguments.layers;
+  if (!arguments.motion.empty()) text += " motion=" + arguments.motion;
+  if (arguments.additive != "auto") text += " additive_layers=" + arguments.additive;
+  return text;
+}
+
+}  // namespace becalm::app

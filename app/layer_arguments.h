@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+
+#include "frame/io/layers.h"
+
+namespace CLI {  // NOLINT(readability-identifier-naming): the library's
+class App;
+}  // namespace CLI
+
+namespace becalm::app {
+
+/// What `denoise` and `info` are told about the layers of files.
+struct LayerArguments {
+  std::string layers;
+  std::string motion;
+  std::string additive = "auto";
+};
+void add_layer_options(CLI::App& command, LayerArguments& arguments);
+
+/// Throws Error(usage). What is additive is another question, since it takes a file to answer.
+io::LayerOptions layer_options(const LayerArguments& arguments);
+/// As files record them, each after a space; empty where nothing was said.
+std::string describe(const LayerArguments& arguments);
+
+}  // namespace becalm::app

@@ -1,0 +1,239 @@
+#include "frame/io/additive_layers.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+
+#include "frame/io/aliases.h"
+#include "frame/io/channel_layers.h"
+#include "frame/io/exr.h"
+#include "frame/io/exr_file.h"
+#include "frame/io/printable.h"
+
+namespace becalm::io {
+namespace {
+
+/// Names of layers that share the beauty out, lower case; a file has some of them. One renderer offers
+/// several ways to share, which a file may have at once.
+constexpr std::string_view kArnoldLobes[] = {"diffuse", "specular", "coat",     "sheen",     "transmission",
+                                             "sss",     "volume",   "emission", "background"};
+constexpr std::string_view kArnoldPaths[] = {
+    "diffuse_direct",      "diffuse_indirect",      "specular_direct", "specular_indirect", "coat_direct",
+    "coat_indirect",       "sheen_direct",          "sheen_indirect",  "sss_direct",        "sss_indirect",
+    "transmission_direct", "transmission_indirect", "volume_direct",   "volume_indirect",   "emission",
+    "background"};
+constexpr std::string_view kArnoldOldPaths[] = {"direct_diffuse",
+                                                "indirect_diffuse",
+                                                "direct_specular",
+                                                "indirect_specular",
+                                                "reflection",
+                                                "refraction",
+                                                "sss",
+                                                "emission",
+                                                "background"};
+constexpr std::string_view kDirectAndIndirect[] = {"direct", "indirect", "emission", "background"};
+constexpr std::string_view kVray[] = {
+    "lighting", "gi",       "reflection", "reflect",    "refraction", "refract", "specular",
+    "sss",      "caustics", "background", "atmosphere", "selfillum",  "sheen",   "selfillumination"};
+constexpr std::string_view kRenderMan[] = {"directdiffuse",    "indirectdiffuse", "directspecular",
+                                           "indirectspecular", "subsurface",      "transmissive",
+                                           "emissive",         "background"};
+constexpr std::string_view kRenderManLobes[] = {"diffuse", "specular", "subsurface", "transmissive",
+                                                "emissive"};
+constexpr std::string_view kBlender[] = {"diffdir",  "diffind",   "glossdir",  "glossind", "transdir",
+                                         "transind", "volumedir", "volumeind", "emit",     "env"};
+
+constexpr std::span<const std::string_view> kSets[] = {kBlender,        kArnoldLobes,       kArnoldPaths,
+                                                       kArnoldOldPaths, kDirectAndIndirect, kVray,
+                                                       kRenderMan,      kRenderManLobes};
+
+/// Arnold's light groups, whose names the scene gives.
+constexpr std::string_view kArnoldGroup = "rgba_";
+
+/// Blender's light of a kind of surface is to be multiplied by its colour.
+struct ColouredBy {
+  std::string_view light;
+  std::string_view colour;
+};
+constexpr ColouredBy kColours[] = {{"diffdir", "diffcol"},   {"diffind", "diffcol"},
+                                   {"glossdir", "glosscol"}, {"glossind", "glosscol"},
+                                   {"transdir", "transcol"}, {"transind", "transcol"}};
+
+/// Rounding to half of each summand, of a colour that it is multiplied by, and of the sum.
+constexpr double kHalfRounding = 2.0 / 1024.0;
+/// Half's smallest step, many times over for many summands.
+constexpr double kSmallest = 1e-6;
+/// Values that may be farther off: clamped fireflies.
+constexpr double kAllowedShare = 1e-3;
+
+const ChannelLayer* find_layer(const std::vector<ChannelLayer>& layers, std::string_view name,
+                               const Imath::Box2i& window, const std::vector<PartChannels>& parts) {
+  for (const bool whole : {true, false}) {
+    for (const ChannelLayer& layer : layers) {
+      const std::optional<std::string_view> scope = scope_before(layer.name(), name);
+      const bool matches = scope && (scope->empty() || !whole) && parts[layer.part].data_window == window;
+      if (matches && channels_as(layer, Aov::direct)) return &layer;
+    }
+  }
+  return nullptr;
+}
+
+/// The layer's own name after its view layer's.
+std::string_view end_of(std::string_view name) {
+  return name.substr(name.rfind('.') + 1);
+}
+
+/// The candidates of a file: sets of at least two layers, by whole names.
+std::vector<std::vector<std::string>> candidates(const std::vector<PartChannels>& parts,
+                                                 const ViewLayers& view) {
+  const LayerSource& beauty = *view.layers[static_cast<std::size_t>(Aov::beauty)];
+  const Imath::Box2i& window = parts[beauty.part].data_window;
+  const std::vector<ChannelLayer> layers = collect_layers(parts, view.view);
+  // The beauty itself, and V-Ray's `diffuse`, which is its albedo.
+  const auto is_taken = [&](const LayerSource& source) {
+    return std::ranges::any_of(kAovTable, [&](const AovInfo& entry) {
+      const auto& taken = view.layers[static_cast<std::size_t>(entry.aov)];
+      if (!taken || taken->part != source.part || entry.aov == Aov::direct || entry.aov == Aov::indirect)
+        return false;
+      return taken->channels.front() == source.channels.front();
+    });
+  };
+  std::vector<std::vector<std::string>> sets;
+  const auto add = [&](auto is_of_set) {
+    std::vector<std::string> names;
+    for (const ChannelLayer& layer : layers) {
+      if (layer.is_bare() || parts[layer.part].data_window != window || !is_of_set(end_of(layer.name())))
+        continue;
+      const auto source = channels_as(layer, Aov::direct);
+      if (source && !is_taken(*source)) names.push_back(layer.title.empty() ? layer.name() : layer.title);
+    }
+    if (names.size() > 1 && std::ranges::find(sets, names) == sets.end()) sets.push_back(std::move(names));
+  };
+  for (const std::span<const std::string_view> set : kSets) {
+    add([&](std::string_view name) { return std::ranges::find(set, name) != set.end(); });
+  }
+  add([&](std::string_view name) { return name.starts_with(kArnoldGroup) && !names_an_aov(name); });
+  return sets;
+}
+
+std::vector<std::vector<std::string>> candidates_of(const std::string& path, const LayerOptions& options) {
+  std::vector<std::vector<std::string>> sets;
+  reading(path, [&] {
+    const std::vector<PartChannels> parts = part_channels(*open_exr(path));
+    sets = candidates(parts, find_view_layers(path, parts, options).front());
+  });
+  return sets;
+}
+
+/// Share of the values that the layers' sum misses.
+double share_off(const Frame& frame) {
+  const Image& beauty = frame.image(Aov::beauty);
+  std::size_t off = 0;
+  for (std::size_t i = 0; i < beauty.pixel_count(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double wanted = beauty.data()[4 * i + c];
+      double sum = 0.0;
+      double size = std::abs(wanted);
+      for (const LightGroup& group : frame.light_groups()) {
+        const double part = group.radiance.data()[3 * i + c];
+        sum += part;
+        size += std::abs(part);
+      }
+      if (std::abs(sum - wanted) > kHalfRounding * size + kSmallest) ++off;
+    }
+  }
+  return static_cast<double>(off) / static_cast<double>(3 * beauty.pixel_count());
+}
+
+/// Whether the light group is also read as direct or indirect light of the beauty's part.
+bool is_denoised_aov(const ViewLayers& view, const std::string& light) {
+  const LayerSource& layer = view.lights.at(light).layer;
+  const auto source = [&](Aov aov) -> const auto& {
+    return view.layers[static_cast<std::size_t>(aov)];
+  };
+  return std::ranges::any_of(std::array{Aov::direct, Aov::indirect}, [&](Aov aov) {
+    return source(aov) && source(aov)->part == source(Aov::beauty)->part && source(aov)->part == layer.part &&
+           source(aov)->channels == layer.channels;
+  });
+}
+
+}  // namespace
+
+std::optional<LightSource> find_additive_layer(const std::vector<PartChannels>& parts, int part,
+                                               const std::string& view, const std::string& name) {
+  const Imath::Box2i& window = parts[part].data_window;
+  const std::vector<ChannelLayer> layers = collect_layers(parts, view);
+  const ChannelLayer* layer = find_layer(layers, lower(name), window, parts);
+  if (layer == nullptr) return std::nullopt;
+  LightSource light{*channels_as(*layer, Aov::direct)};
+  const std::string_view end = end_of(layer->name());
+  for (const ColouredBy& row : kColours) {
+    if (row.light != end) continue;
+    const std::string colour =
+        layer->name().substr(0, layer->name().size() - end.size()) + std::string(row.colour);
+    if (const ChannelLayer* found = find_layer(layers, colour, window, parts)) {
+      light.colour = channels_as(*found, Aov::direct);
+    }
+  }
+  return light;
+}
+
+bool AdditiveSet::adds_up() const {
+  return share_off <= kAllowedShare;
+}
+
+std::vector<AdditiveSet> find_additive_sets(const std::string& path, const LayerOptions& options) {
+  std::vector<AdditiveSet> sets;
+  for (std::vector<std::string>& layers : candidates_of(path, options)) {
+    LayerOptions with_layers = options;
+    with_layers.additive = layers;
+    LoadedFrame loaded = read_exr(path, 0, {}, with_layers, LightGroups::read);
+    std::erase_if(loaded.frame.light_groups(), [&](const LightGroup& group) {
+      return std::ranges::find(layers, group.name) == layers.end();
+    });
+    const double off = share_off(loaded.frame);
+    // Those that are AOVs are denoised anyway.
+    std::erase_if(layers, [&](const std::string& name) { return is_denoised_aov(loaded, name); });
+    if (!layers.empty()) sets.push_back({std::move(layers), off});
+  }
+  return sets;
+}
+
+std::vector<std::string> choose_additive(std::string_view text, const std::vector<AdditiveSet>& sets) {
+  std::vector<std::string> chosen;
+  if (text == "none") return chosen;
+  if (text != "auto" && !text.empty()) {
+    for (std::size_t begin = 0; begin <= text.size();) {
+      const std::size_t comma = std::min(text.find(',', begin), text.size());
+      if (comma > begin) chosen.emplace_back(text.substr(begin, comma - begin));
+      begin = comma + 1;
+    }
+    return chosen;
+  }
+  for (const AdditiveSet& set : sets) {
+    if (!set.adds_up()) continue;
+    for (const std::string& layer : set.layers) {
+      if (std::ranges::find(chosen, layer) == chosen.end()) chosen.push_back(layer);
+    }
+  }
+  return chosen;
+}
+
+std::vector<std::string> describe(const std::vector<AdditiveSet>& sets) {
+  std::vector<std::string> lines;
+  for (const AdditiveSet& set : sets) {
+    const std::string names = printable(fmt::format("{}", fmt::join(set.layers, ", ")), 1500);
+    lines.push_back(set.adds_up()
+                        ? fmt::format("{} add up to the beauty and are denoised with it", names)
+                        : fmt::format("{} do not add up to the beauty in {:.1f}% of the values and are "
+                                      "passed on noisy; --additive NAME,... denoises them all the same",
+                                      names, 100.0 * set.share_off));
+  }
+  return lines;
+}
+
+}  // namespace becalm::io

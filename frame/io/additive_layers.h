@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "frame/io/layers.h"
+
+namespace becalm::io {
+
+/// The layer of this name (or this end after a dot) as part of the beauty of `part`, with its colour pass
+/// where it is one of Blender's. Nothing if there is none with R, G and B and the data window of that part.
+std::optional<LightSource> find_additive_layer(const std::vector<PartChannels>& parts, int part,
+                                               const std::string& view, const std::string& name);
+
+/// Layers that share a beauty out among them, such as diffuse and specular light, or the light groups.
+struct AdditiveSet {
+  std::vector<std::string> layers;
+  /// Share of the values of which the sum is farther from the beauty than rounding to half explains.
+  double share_off = 0.0;
+  bool adds_up() const;
+};
+
+/// The sets that the names of a file's layers suggest, each with how well it adds up to the beauty of the
+/// default view. Reads their pixels; throws as read_exr does.
+std::vector<AdditiveSet> find_additive_sets(const std::string& path, const LayerOptions& options);
+
+/// `--additive auto|NAME,NAME|none`: the layers that are denoised with the beauty; for auto those of the sets
+/// that add up.
+std::vector<std::string> choose_additive(std::string_view text, const std::vector<AdditiveSet>& sets);
+
+/// One line for each set, for people.
+std::vector<std::string> describe(const std::vector<AdditiveSet>& sets);
+
+}  // namespace becalm::io

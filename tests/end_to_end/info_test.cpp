@@ -1,0 +1,92 @@
+// becalm info on files and sequences: what it tells, and its exit status.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "tests/end_to_end/harness.h"
+
+namespace becalm::test {
+namespace {
+
+constexpr int kBadInput = 3;
+
+class InfoOnSequences : public testing::Test {
+ protected:
+  void write(int number, const Frame& frame) const { io::write_exr(frame_path(pattern_, number), frame, {}); }
+  Frame without_albedo(int number) const {
+    Frame frame = noise_frame(number);
+    frame.remove(Aov::albedo);
+    return frame;
+  }
+
+  TempFolder folder_;
+  std::string pattern_ = folder_ / "in.####.exr";
+};
+
+TEST_F(InfoOnSequences, ASequenceWhoseFramesAreAlikeIsDescribedOnce) {
+  for (const int number : {1, 2, 4}) write(number, noise_frame(number));
+  const Outcome outcome = becalm_done({"info", pattern_});
+  EXPECT_EQ(outcome.out.substr(0, outcome.out.find("\npart")), pattern_ + ": 3 frames, 1,2,4");
+  EXPECT_EQ(outcome.out.find("part 0"), outcome.out.rfind("part 0"));
+  EXPECT_NE(outcome.out.find("albedo.R"), std::string::npos);
+  EXPECT_EQ(outcome.err, "");
+}
+
+TEST_F(InfoOnSequences, FramesThatDifferAreToldApart) {
+  for (const int number : {2, 3, 4}) write(number, noise_frame(number));
+  for (const int number : {1, 5}) write(number, without_albedo(number));
+  const Outcome outcome = becalm_done({"info", pattern_});
+  EXPECT_NE(outcome.out.find("frames 2-4:\n"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("frames 1,5 have instead:\n"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("\n-   albedo.R"), std::string::npos) << outcome.out;
+}
+
+TEST_F(InfoOnSequences, WhatCannotBeDenoisedIsDescribedAndIsAnError) {
+  Frame depth(1, 8, 8);
+  depth.add(Aov::depth, 1.0f);
+  write(1, depth);
+  write(2, noise_frame(2));
+  write_text(frame_path(pattern_, 3), "no image at all");
+  const Outcome one = becalm({"info", frame_path(pattern_, 1)});
+  EXPECT_EQ(one.status, kBadInput);
+  EXPECT_NE(one.out.find("depth.Z"), std::string::npos);
+  EXPECT_EQ(one.out.find("no colour"), std::string::npos) << "data alone on standard output";
+  EXPECT_NE(one.err.find("becalm: error: " + frame_path(pattern_, 1) + ": no colour"), std::string::npos)
+      << one.err;
+  const Outcome all = becalm({"info", pattern_});
+  EXPECT_EQ(all.status, kBadInput);
+  EXPECT_NE(all.err.find("in.0001.exr: no colour"), std::string::npos) << all.err;
+  EXPECT_NE(all.err.find("in.0003.exr: not an EXR file"), std::string::npos) << all.err;
+  EXPECT_NE(all.err.find("2 of 3 frames cannot be used\n"), std::string::npos) << all.err;
+}
+
+TEST_F(InfoOnSequences, Json) {
+  for (const int number : {1, 2}) write(number, noise_frame(number));
+  write(3, without_albedo(3));
+  write_text(frame_path(pattern_, 4), "no image at all");
+  const Outcome outcome = becalm({"info", pattern_, "--json"});
+  EXPECT_EQ(outcome.status, kBadInput);
+  const nlohmann::json sequence = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(sequence["frames"], "1-4");
+  ASSERT_EQ(sequence["kinds"].size(), 2u);
+  EXPECT_EQ(sequence["kinds"][0]["frames"], "1,2");
+  EXPECT_EQ(sequence["kinds"][0]["parts"][0]["data_window"]["width"], 48);
+  EXPECT_EQ(sequence["problems"][0]["frame"], 4);
+  const nlohmann::json file =
+      nlohmann::json::parse(becalm_done({"info", frame_path(pattern_, 1), "--json"}).out);
+  EXPECT_EQ(file["parts"][0]["channels"][0]["use"], "beauty.A");
+  EXPECT_EQ(file["problem"], "");
+  EXPECT_TRUE(nlohmann::json::parse(becalm_done({"info", "device", "--json"}).out).is_array());
+  EXPECT_TRUE(
+      nlohmann::json::parse(becalm_done({"info", write_scene(folder_), "--json"}).out)["lines"].is_array());
+}
+
+TEST_F(InfoOnSequences, FilesOfAnotherPaddingArePointedOut) {
+  write(1, noise_frame(1));
+  expect_error(becalm({"info", folder_ / "in.##.exr"}), kBadInput, {"in.0001.exr is there", "in.#.exr"});
+}
+
+}  // namespace
+}  // namespace becalm::test

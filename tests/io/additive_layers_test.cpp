@@ -1,0 +1,158 @@
+#include "frame/io/additive_layers.h"
+
+#include <Imath/half.h>
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <gtest/gtest.h>
+
+#include "frame/error.h"
+#include "frame/io/exr.h"
+#include "tests/io/exr_files.h"
+#include "tests/io/temporary_folder.h"
+
+namespace becalm::io {
+namespace {
+
+constexpr int kWidth = 8;
+constexpr int kHeight = 6;
+
+using Names = std::vector<std::string>;
+
+class AdditiveLayers : public ::testing::Test {
+ protected:
+  /// Half channels R, G and B of each layer, of one value a pixel.
+  void write(const std::map<std::string, std::function<float(int)>>& layers) const {
+    Imf::Header header(kWidth, kHeight);
+    Imf::FrameBuffer buffer;
+    std::map<std::string, std::vector<Imath::half>> planes;
+    for (const auto& [layer, value] : layers) {
+      std::vector<Imath::half>& plane = planes[layer];
+      for (int i = 0; i < kWidth * kHeight; ++i) plane.emplace_back(value(i));
+      for (const char* letter : {"R", "G", "B"}) {
+        const std::string name = layer.empty() ? letter : layer + "." + letter;
+        header.channels().insert(name, Imf::Channel(Imf::HALF));
+        buffer.insert(name, Imf::Slice(Imf::HALF, reinterpret_cast<char*>(plane.data()), 2, 2 * kWidth));
+      }
+    }
+    Imf::OutputFile file(path_.c_str(), header);
+    file.setFrameBuffer(buffer);
+    file.writePixels(kHeight);
+  }
+
+  std::vector<AdditiveSet> sets() const { return find_additive_sets(path_, {}); }
+
+  /// Doubles beauty and light groups of the chosen layers, and writes them.
+  void denoise() const {
+    LoadedFrame loaded =
+        read_exr(path_, 1, {}, {.additive = choose_additive("auto", sets())}, LightGroups::read);
+    const auto twice = [](Image& image) {
+      for (float& value : image.data()) value *= 2.0f;
+    };
+    twice(loaded.frame.image(Aov::beauty));
+    for (LightGroup& group : loaded.frame.light_groups()) twice(group.radiance);
+    write_denoised_exr(result_, loaded.frame, {}, loaded, {});
+  }
+
+  float result(const std::string& channel, int i) const {
+    return read_value(read_planes(result_), channel, i);
+  }
+  static float read_value(const Planes& planes, const std::string& channel, int i) {
+    Imath::half value;
+    std::memcpy(&value, &planes.at(channel)[2 * static_cast<std::size_t>(i)], 2);
+    return value;
+  }
+
+  TemporaryFolder folder_;
+  const std::string path_ = folder_.path("image.exr");
+  const std::string result_ = folder_.path("result.exr");
+};
+
+float first(int i) {
+  return 0.1f * static_cast<float>(i % 7);
+}
+float second(int i) {
+  return 3.0f + 0.01f * static_cast<float>(i);
+}
+
+TEST_F(AdditiveLayers, ThoseThatAddUpAreChosen) {
+  write({{"", [](int i) { return first(i) + second(i); }}, {"diffuse", first}, {"specular", second}});
+  ASSERT_EQ(sets().size(), 1u);
+  EXPECT_EQ(sets()[0].layers, (Names{"diffuse", "specular"}));
+  EXPECT_TRUE(sets()[0].adds_up());
+  EXPECT_EQ(choose_additive("auto", sets()), (Names{"diffuse", "specular"}));
+  EXPECT_EQ(describe(sets()), Names{"diffuse, specular add up to the beauty and are denoised with it"});
+  denoise();
+  EXPECT_EQ(result("diffuse.G", 9), 2.0f * Imath::half(first(9)));
+  EXPECT_EQ(result("specular.B", 9), 2.0f * Imath::half(second(9)));
+}
+
+TEST_F(AdditiveLayers, ThoseThatDoNotAreLeft) {
+  write(
+      {{"", [](int i) { return 1.01f * (first(i) + second(i)); }}, {"diffuse", first}, {"specular", second}});
+  ASSERT_EQ(sets().size(), 1u);
+  EXPECT_FALSE(sets()[0].adds_up());
+  EXPECT_TRUE(choose_additive("auto", sets()).empty());
+  EXPECT_EQ(choose_additive("specular,diffuse", sets()), (Names{"specular", "diffuse"}));
+  EXPECT_TRUE(choose_additive("none", sets()).empty());
+  EXPECT_NE(describe(sets())[0].find("do not add up to the beauty in 100.0% of the values"),
+            std::string::npos)
+      << describe(sets())[0];
+}
+
+TEST_F(AdditiveLayers, ArnoldsLightGroups) {
+  write({{"", [](int i) { return first(i) + second(i); }},
+         {"RGBA_key", first},
+         {"RGBA_default", second},
+         {"RGBA_denoise_albedo", first}});
+  EXPECT_EQ(choose_additive("auto", sets()), (Names{"RGBA_default", "RGBA_key"}));
+}
+
+TEST_F(AdditiveLayers, VRaysElements) {
+  const auto third = [](int i) { return static_cast<float>(i % 3); };
+  write({{"", [&](int i) { return first(i) + second(i) + third(i); }},
+         {"lighting", first},
+         {"GI", second},
+         {"reflection", third},
+         {"diffuseFilter", first}});
+  EXPECT_EQ(choose_additive("auto", sets()), (Names{"GI", "lighting", "reflection"}));
+}
+
+TEST_F(AdditiveLayers, BlendersWithTheirColours) {
+  const auto colour = [](int i) { return i % 5 == 0 ? 0.0f : 0.2f * static_cast<float>(i % 5); };
+  const auto direct = [&](int i) { return colour(i) == 0.0f ? 0.0f : first(i); };
+  write({{"V.Combined", [&](int i) { return (direct(i) + second(i)) * colour(i) + first(i); }},
+         {"V.DiffDir", direct},
+         {"V.DiffInd", second},
+         {"V.DiffCol", colour},
+         {"V.Emit", first}});
+  EXPECT_EQ(choose_additive("auto", sets()), (Names{"V.DiffDir", "V.DiffInd", "V.Emit"}));
+  const Planes before = read_planes(path_);
+  denoise();
+  EXPECT_EQ(read_planes(result_).at("V.DiffCol.R"), before.at("V.DiffCol.R"));
+  for (int i = 0; i < kWidth * kHeight; ++i) {
+    const float sum = (result("V.DiffDir.R", i) + result("V.DiffInd.R", i)) * result("V.DiffCol.R", i) +
+                      result("V.Emit.R", i);
+    EXPECT_NEAR(sum, result("V.Combined.R", i), 2e-3f * sum + 1e-6f) << i;
+  }
+}
+
+TEST_F(AdditiveLayers, DirectAndIndirectLightAreDenoisedAnyway) {
+  write({{"", [](int i) { return first(i) + second(i); }}, {"direct", first}, {"indirect", second}});
+  EXPECT_TRUE(sets().empty());
+  write({{"", [](int i) { return 2.0f * first(i) + second(i); }},
+         {"direct", first},
+         {"indirect", second},
+         {"emission", first}});
+  EXPECT_EQ(choose_additive("auto", sets()), Names{"emission"});
+}
+
+TEST_F(AdditiveLayers, ALayerThatIsNotThereIsAnError) {
+  write({{"", first}});
+  EXPECT_THROW(read_exr(path_, 1, {}, {.additive = {"key"}}, LightGroups::read), Error);
+  EXPECT_TRUE(sets().empty());
+}
+
+}  // namespace
+}  // namespace becalm::io
