@@ -161,8 +161,10 @@ TEST_F(AdditiveTest, SumsStayWhatTheyAre) {
         ASSERT_EQ(frame.light_groups().size(), kGroups.size());
         std::vector<const Image*> groups;
         for (const LightGroup& group : frame.light_groups()) groups.push_back(&group.radiance);
-        EXPECT_LT(largest_difference(frame, groups), 1e-5) << text;
-        EXPECT_LT(largest_difference(frame, {&frame.image(Aov::direct), &frame.image(Aov::indirect)}), 1e-5)
+        // The spline rings around fireflies: large values cancel.
+        const double bound = settings.resample == Resample::o_moms ? 1e-4 : 1e-5;
+        EXPECT_LT(largest_difference(frame, groups), bound) << text;
+        EXPECT_LT(largest_difference(frame, {&frame.image(Aov::direct), &frame.image(Aov::indirect)}), bound)
             << text;
         if (settings.smooth == Smooth::none) continue;
         const Frame noisy = noisy_frame(frame.number());

@@ -158,8 +158,8 @@ TEST_F(DemodulateHistoryTest, EmittersAndBlackSurfacesKeepTheirBrightness) {
     for (int number = 1; number <= 5; ++number) {
       const Denoised denoised = filter.denoise(striped(number));
       for (const float v : denoised.frame.image(Aov::beauty).data()) {
-        // What the correction of block means adds to the brightest is its own.
-        ASSERT_TRUE(v >= 0.0f && v < 125.0f) << name << ", frame " << number << ": " << v;
+        // Windows of the albedo may take some of a neighbour's.
+        ASSERT_TRUE(v >= 0.0f && v < 150.0f) << name << ", frame " << number << ": " << v;
       }
       for (const float v : denoised.frame.image(Aov::variance).data()) {
         ASSERT_TRUE(std::isfinite(v) && v >= 0.0f) << name << ", frame " << number << ": " << v;

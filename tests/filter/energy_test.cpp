@@ -128,18 +128,18 @@ TEST(RestoreEnergy, NoiseThatIsToldButNotThereIsNotWaitedFor) {
 TEST(RestoreEnergy, WhatIsRightIsHardlyBrightenedForWhatIsMissingElsewhere) {
   // A sun with most of the light, a fifth of which is missing, in the corner of a block, where the factors of
   // four blocks meet: not all of it can be given back in its place.
-  Frame frame(1, 256, 64);
+  Frame frame(1, 1024, 256);
   frame.add(Aov::beauty, 1.0f);
   frame.add(Aov::variance, 0.0f);
   Estimate estimate = even_estimate(frame, 1.0f);
   for (int c = 0; c < 3; ++c) {
-    frame.image(Aov::beauty).at(223, 31, c) = 150000.0f;
-    estimate.color.at(223, 31, c) = 120000.0f;
+    frame.image(Aov::beauty).at(895, 127, c) = 2400000.0f;
+    estimate.color.at(895, 127, c) = 1920000.0f;
   }
   restore(frame, estimate);
-  EXPECT_LT(estimate.color.at(223, 31, 1), 140000.0f) << "nothing is missing any more";
-  for (int y = 0; y < 64; ++y) {
-    for (int x = 0; x < 128; ++x) {
+  EXPECT_LT(estimate.color.at(895, 127, 1), 2240000.0f) << "nothing is missing any more";
+  for (int y = 0; y < 256; ++y) {
+    for (int x = 0; x < 512; ++x) {
       ASSERT_NEAR(estimate.color.at(x, y, 1), 1.0f, 0.0101f) << x << ',' << y;
     }
   }
