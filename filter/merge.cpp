@@ -210,8 +210,8 @@ CarriedRead add_carried_read(Chain& chain, const Settings& settings, Extent full
   const CarriedImage& carried = history.additive[i];
   const bool own_share = carried.kind != Carried::additive;
   const bool demodulated = history.albedo && carried.kind != Carried::features;
-  const ImageId taps = add_resample_taps(chain, settings, window.full, carried.image,
-                                         fmt::format("history.additive.{}", i));
+  const ImageId taps =
+      add_resample_taps(chain, settings, window.full, carried.image, fmt::format("history.additive.{}", i));
   const CarriedRead made{
       .warped = chain.image(fmt::format("warped.additive.{}", i), Format::f32x4, full),
       .share = chain.image(fmt::format("warped.share.{}", i), Format::f32, own_share ? full : Extent{1, 1})};
@@ -286,7 +286,7 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
 }
 
 std::vector<CarriedInput> add_noisy_layers(Chain& chain, Extent full, const NoisyInputs& noisy,
-                                            std::span<const gpu::History> history) {
+                                           std::span<const gpu::History> history) {
   const ImageId carried = chain.image("noisy.cur", Format::f32x4, full);
   chain.pass("merge/carry")
       .read("color", noisy.color)
@@ -343,7 +343,8 @@ MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent ful
                                          alignment.offset);
   if (settings.history_clip != HistoryClip::none) {
     if (settings.smooth == Smooth::merged) {
-      throw Error(ExitStatus::usage, "history_clip: what smooth=merged carries has no such bounds; smooth=frames has");
+      throw Error(ExitStatus::usage,
+                  "history_clip: what smooth=merged carries has no such bounds; smooth=frames has");
     }
     if (!inputs.additive.empty()) {
       throw Error(ExitStatus::usage,

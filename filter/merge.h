@@ -86,7 +86,7 @@ int resample_margin_px(const Settings& settings);
 /// Inputs of the merge for the noisy layers of a new frame, which end in these images:
 /// FilterTask::kNoisyLayers.
 std::vector<CarriedInput> add_noisy_layers(gpu::Chain& chain, gpu::Extent full, const NoisyInputs& noisy,
-                                            std::span<const gpu::History> history);
+                                           std::span<const gpu::History> history);
 
 /// How far from a pixel the merge reads offsets, the new frame and its variance.
 int merge_margin_px(const Settings& settings);

@@ -6,8 +6,8 @@
 namespace becalm::filter {
 
 std::vector<CarriedInput> carried_inputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent,
-                                          const NoisyInputs& noisy, const std::vector<gpu::ImageId>& additive,
-                                          const std::vector<gpu::History>& history) {
+                                         const NoisyInputs& noisy, const std::vector<gpu::ImageId>& additive,
+                                         const std::vector<gpu::History>& history) {
   std::vector<CarriedInput> inputs;
   for (std::size_t i = 0; i < additive.size(); ++i) inputs.push_back({additive[i], history[i]});
   if (!task.smooths_merged()) return inputs;

@@ -11,8 +11,8 @@ namespace becalm::filter {
 /// What is merged with the beauty's weights: the additive AOVs given, then the noisy layers if the task
 /// smooths what is merged. `history` has one for each.
 std::vector<CarriedInput> carried_inputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent,
-                                          const NoisyInputs& noisy, const std::vector<gpu::ImageId>& additive,
-                                          const std::vector<gpu::History>& history);
+                                         const NoisyInputs& noisy, const std::vector<gpu::ImageId>& additive,
+                                         const std::vector<gpu::History>& history);
 
 /// Where a chain leaves what it makes of a tile's target rectangle.
 struct MergedImages {
