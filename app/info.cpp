@@ -11,9 +11,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "app/alpha_report.h"
 #include "app/command.h"
 #include "app/counted.h"
 #include "app/frame_problems.h"
+#include "app/half_buffers.h"
 #include "app/layer_arguments.h"
 #include "app/mebibytes.h"
 #include "app/options.h"
@@ -113,15 +115,18 @@ Json to_json(const std::vector<io::AdditiveSet>& sets) {
 void describe_file(const std::string& path, const io::LayerOptions& layers, bool json) {
   const io::ExrDescription file = io::describe_exr(path, layers);
   const std::vector<io::AdditiveSet> sets = additive_sets(path, layers);
+  const std::string alpha = alpha_outlook(path, layers);
   if (json) {
     print_json({{"file", path},
                 {"parts", to_json(file.parts)},
                 {"additive", to_json(sets)},
+                {"alpha", alpha},
                 {"problem", file.problem}});
   } else {
     fmt::print("{}: EXR with {}\n", path, counted(file.parts.size(), "part", "parts"));
     print_lines(file.lines());
     print_lines(io::describe(sets));
+    if (!alpha.empty()) fmt::print("{}\n", alpha);
   }
   if (!file.problem.empty()) throw Error(ExitStatus::bad_input, file.problem);
 }
@@ -203,7 +208,7 @@ Json to_json(const std::vector<Kind>& kinds) {
 }
 
 /// The description that most frames have, and what others have instead; additive layers of the first frame,
-/// by which denoise chooses them.
+/// by which denoise chooses them, and its alpha.
 void describe_sequence(const io::SequencePattern& pattern, const io::LayerOptions& layers, bool json) {
   const std::vector<int> frames = pattern.frames_on_disk();
   if (frames.empty()) {
@@ -214,6 +219,7 @@ void describe_sequence(const io::SequencePattern& pattern, const io::LayerOption
   const std::vector<Kind> kinds = kinds_of(described);
   FrameProblems problems(pattern);
   const std::vector<io::AdditiveSet> sets = additive_sets(pattern.path(frames.front()), layers);
+  const std::string alpha = alpha_outlook(pattern.path(frames.front()), layers);
   Json problems_json = Json::array();
   for (const Described& frame : described) {
     if (frame.problem.empty()) continue;
@@ -225,12 +231,17 @@ void describe_sequence(const io::SequencePattern& pattern, const io::LayerOption
                 {"frames", io::format_frame_range(frames)},
                 {"kinds", to_json(kinds)},
                 {"additive", to_json(sets)},
+                {"alpha", alpha},
                 {"problems", std::move(problems_json)}});
   } else {
     fmt::print("{}: {}, {}\n", pattern.text(), counted(frames.size(), "frame", "frames"),
                io::format_frame_range(frames));
+    if (const auto other = find_other_half(pattern)) {
+      fmt::print("{} is the other half of the samples; denoise takes the mean of both\n", other->text());
+    }
     print_kinds(kinds);
     print_lines(io::describe(sets));
+    if (!alpha.empty()) fmt::print("{}\n", alpha);
   }
   if (!problems.empty()) problems.fail(frames.size(), "");
 }
