@@ -14,6 +14,7 @@
 #include <span>
 
 #include "app/alpha_report.h"
+#include "app/audit_run.h"
 #include "app/cancel.h"
 #include "app/command.h"
 #include "app/console.h"
@@ -48,6 +49,7 @@ struct DenoiseCommand {
   std::string only;
   std::vector<std::string> channels;
   bool dry_run = false;
+  bool strict = false;
   std::string preset = "balanced";
   std::optional<int> frame;
   LayerArguments layers;
@@ -87,7 +89,9 @@ class DenoiseJob {
   void find_existing();
   void print_plan(const std::set<int>& needed);
   io::LoadedFrame read(int frame);
+  io::LoadedFrame read_pixels(int frame) const;
   io::LoadedFrame read_file(const std::string& path, int frame) const;
+  void require_sound_input(const std::vector<int>& frames) const;
   std::string halves_text() const;
   void write(DenoisedFile& result);
   /// For what is the same with every frame that is written.
@@ -175,6 +179,7 @@ ExitStatus DenoiseJob::run() {
   std::set<int> needed;
   for (const filter::Step& step : steps) needed.insert(step.frame);
   const std::vector<InputLayout> views = check_inputs(inputs_, needed, filter_, layers_);
+  if (command_.strict) require_sound_input({needed.begin(), needed.end()});
   io::check_selection(inputs_.path(*needed.begin()), layers_, format_.channels, "--channels");
   if (command_.dry_run) {
     print_plan(needed);
@@ -252,6 +257,10 @@ io::LoadedFrame DenoiseJob::read(int frame) {
   const ProfileScope scope(profile_, "read");
   progress_->detail(fmt::format("frame {}: reading {}", frame, inputs_.path(frame)));
   fingerprints_.take(frame);
+  return read_pixels(frame);
+}
+
+io::LoadedFrame DenoiseJob::read_pixels(int frame) const {
   io::LoadedFrame loaded = read_file(inputs_.path(frame), frame);
   if (inputs_.other_half()) {
     const std::string other = inputs_.other_half()->path(frame);
@@ -269,6 +278,17 @@ io::LoadedFrame DenoiseJob::read_file(const std::string& path, int frame) const 
   leave_other_parts(loaded);
   std::ranges::for_each(loaded.other_views, leave_other_parts);
   return loaded;
+}
+
+/// --strict: what an audit finds in the frames is an error.
+void DenoiseJob::require_sound_input(const std::vector<int>& frames) const {
+  const std::vector<FrameFinding> findings =
+      audit_frames(frames, [this](int frame) { return read_pixels(frame); });
+  if (findings.empty()) return;
+  for (const FrameFinding& finding : findings) warn(finding.text());
+  throw Error(ExitStatus::bad_input,
+              fmt::format("{}: --strict: {}; nothing was written", inputs_.pattern().text(),
+                          counted(findings.size(), "finding", "findings")));
 }
 
 std::string DenoiseJob::halves_text() const {
@@ -379,6 +399,10 @@ Command add_denoise(CLI::App& becalm) {
       .add_flag("--dry-run", command->dry_run,
                 "Check everything, print what would be read, as what, and written, and write nothing")
       ->group("Output");
+  parser
+      .add_flag("--strict", command->strict,
+                "Audit some frames first, as info --audit does; what is found is an error (status 3)")
+      ->group("Input");
   parser
       .add_option("--preset", command->preset,
                   "draft, balanced or final: speed against accuracy (default: balanced)")
