@@ -45,7 +45,8 @@ FolderLock::FolderLock(std::filesystem::path folder, const std::vector<std::stri
     take(names);
     struct stat own {};
     struct stat there {};
-    if (::fstat(file_, &own) != 0 || (::stat(path_.c_str(), &there) == 0 && own.st_ino == there.st_ino)) return;
+    if (::fstat(file_, &own) != 0 || (::stat(path_.c_str(), &there) == 0 && own.st_ino == there.st_ino))
+      return;
     ::close(file_);
   }
 }
@@ -66,9 +67,10 @@ void FolderLock::take(const std::vector<std::string>& names) {
     if (lock(file_, place_of(name), 1)) continue;
     if (!is_held_by_another(errno)) return;
     ::close(file_);
-    throw Error(ExitStatus::resource,
-                fmt::format("{}: another becalm is about to write it; wait for that one, or choose another -o",
-                            (folder_ / name).string()));
+    throw Error(
+        ExitStatus::resource,
+        fmt::format("{}: another becalm is about to write it; wait for that one, or choose another -o",
+                    (folder_ / name).string()));
   }
 }
 

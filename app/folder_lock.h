@@ -6,8 +6,9 @@
 
 namespace becalm::app {
 
-/// Names of files in a folder that no other process may write meanwhile: locks on `.becalm.lock` there, a byte a
-/// name, which the system drops with the process, however that ends. The file is removed by the last one.
+/// Names of files in a folder that no other process may write meanwhile: locks on `.becalm.lock` there, a
+/// byte a name, which the system drops with the process, however that ends. The file is removed by the last
+/// one.
 class FolderLock {
  public:
   /// Throws Error(resource) naming the first of the names that another process holds. Where the file system

@@ -28,9 +28,9 @@ class Outputs {
   /// Throws Error(usage) if there is a file in an output's place that becalm did not write.
   void keep_foreign_files() const;
 
-  /// Makes the folder, locks the frames against other processes as long as this lives, and removes what killed
-  /// runs left half-written of them. Throws Error(resource), before hours of work whose result could not be
-  /// written.
+  /// Makes the folder, locks the frames against other processes as long as this lives, and removes what
+  /// killed runs left half-written of them. Throws Error(resource), before hours of work whose result could
+  /// not be written.
   void prepare();
 
   struct Existing {

@@ -13,7 +13,7 @@ namespace {
 using namespace becalm;
 
 /// Larger windows are allowed and only cost time and memory here.
-constexpr int kMostPixels = 1 << 20;
+constexpr int kMostPixels = 1 << 12;
 
 bool is_small(const Imath::Box2i& window) {
   const auto size = [](int min, int max) { return static_cast<double>(max) - min + 1.0; };
