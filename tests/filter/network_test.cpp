@@ -59,13 +59,15 @@ Sample noisy_sample(int width, int height) {
 }
 
 Grid<Estimate> smooth_on(gpu::Device& device, const Sample& sample, const NetworkWeights& weights,
-                         bool variance_known = true) {
+                         bool variance_known = true,
+                         std::optional<Convolver> convolver = std::nullopt) {
   const gpu::Extent extent = sample.extent();
   gpu::Chain chain(device, "network test");
   FilterTask task = task_with_variance(preset("balanced"), extent);
   task.merged = true;
   const NoisyInputs noisy(chain, task, extent, NoisyUse::smooth);
-  const NetworkPasses network(chain, weights, extent, noisy, variance_known, {});
+  const NetworkPasses network(chain, weights, extent, noisy, variance_known, {},
+                              convolver.value_or(convolver_of(device.info())));
   const Smoothed& smoothed = network.smoothed();
   chain.output(smoothed.color);
   chain.output(smoothed.stats);
