@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "filter/network/convolution.h"
@@ -104,13 +106,11 @@ Framed add_inputs(Chain& chain, Extent size, ImageId inputs) {
   return framed;
 }
 
-/// One convolution, and what becomes of its rows while they are in the cache.
 struct HostLayer {
   Layer layer;
   Framed source;
-  std::optional<Framed> coarse = std::nullopt;   ///< before the source's channels
-  std::optional<Framed> framed = std::nullopt;   ///< where later layers read the result
-  std::optional<ImageId> planes = std::nullopt;  ///< where kernels do
+  std::optional<Framed> coarse;           ///< its channels come before the source's
+  std::variant<Framed, ImageId> result;  ///< framed, or planes
 };
 
 void add_layer(Chain& chain, const HostLayer& declared) {
@@ -118,25 +118,31 @@ void add_layer(Chain& chain, const HostLayer& declared) {
   auto pass = chain.host_pass("network/host_convolve");
   pass.read(declared.source.image);
   if (declared.coarse) pass.read(declared.coarse->image);
-  if (declared.framed) pass.write(declared.framed->image);
-  if (declared.planes) pass.write(*declared.planes);
+  const Framed* const declared_frame = std::get_if<Framed>(&declared.result);
+  const ImageId result_image = declared_frame ? declared_frame->image : std::get<ImageId>(declared.result);
+  pass.write(result_image);
   // The first run makes the convolution, so that chains that are only planned take no time.
   pass.run([=, convolution = std::shared_ptr<const HostConvolution>()](const HostImages& images) mutable {
-    const auto& [layer, source, coarse, framed, planes] = declared;
+    const auto& [layer, source, coarse, result] = declared;
     if (!convolution) {
       convolution = std::make_shared<const HostConvolution>(layer, coarse ? coarse->channels : 0, size.width);
     }
     const float* const from = images.read<float>(source.image).data();
     const float* const half = coarse ? images.read<float>(coarse->image).data() : nullptr;
-    float* const to = framed ? images.write<float>(framed->image).data() : nullptr;
+    const std::span<float> to = images.write<float>(result_image);
+    const Framed* const framed = std::get_if<Framed>(&result);
     const std::ptrdiff_t row_floats = std::ptrdiff_t{size.width + 2} * layer.outputs;
     for_rows(size.height, [&](int begin, int end) {
-      std::vector<float> unframed(framed ? 0 : row_floats);
+      std::vector<float> row(framed ? 0 : row_floats);
       for (int y = begin; y < end; ++y) {
-        float* const row = framed ? to + (y + 1) * row_floats : unframed.data();
-        convolution->make_row(y, from, half, row);
-        if (framed) frame_row(*framed, y, row);
-        if (planes) row_to_planes(row, size, layer.outputs, y, images.write<float>(*planes));
+        if (framed) {
+          float* const framed_row = to.data() + (y + 1) * row_floats;
+          convolution->make_row(y, from, half, framed_row);
+          frame_row(*framed, y, framed_row);
+        } else {
+          convolution->make_row(y, from, half, row.data());
+          row_to_planes(row.data(), size, layer.outputs, y, to);
+        }
       }
     });
   });
@@ -159,6 +165,18 @@ Framed add_pool(Chain& chain, const std::string& name, const Framed& fine) {
   return pooled;
 }
 
+void add_planes(Chain& chain, const Framed& framed, ImageId planes) {
+  chain.host_pass("network/host_planes").read(framed.image).write(planes).run([=](const HostImages& images) {
+    const float* const first = images.read<float>(framed.image).data() + framed.row_floats();
+    const std::span<float> to = images.write<float>(planes);
+    for_rows(framed.size.height, [&](int begin, int end) {
+      for (int y = begin; y < end; ++y) {
+        row_to_planes(first + y * framed.row_floats(), framed.size, framed.channels, y, to);
+      }
+    });
+  });
+}
+
 }  // namespace
 
 std::array<ImageId, kScales> add_host_features(Chain& chain, const NetworkWeights& weights, Extent size,
@@ -174,18 +192,16 @@ std::array<ImageId, kScales> add_host_features(Chain& chain, const NetworkWeight
     const Framed source = i == 0 ? add_inputs(chain, size, inputs)
                                  : add_pool(chain, fmt::format("network.framed.pooled.L{}", i), framed.back());
     framed.emplace_back(chain, fmt::format("network.framed.encode.L{}", i), extent(i), weights.channels[i]);
-    HostLayer layer{.layer = weights.encode[i], .source = source, .framed = framed.back()};
-    if (i + 1 == kScales) layer.planes = features[i];
-    add_layer(chain, layer);
+    add_layer(chain, {weights.encode[i], source, std::nullopt, framed.back()});
   }
   for (std::size_t i = kScales - 1; i-- > 0;) {
-    HostLayer layer{.layer = weights.decode[i], .source = framed[i], .coarse = framed[i + 1]};
-    framed[i] = Framed(chain, fmt::format("network.framed.decode.L{}", i), extent(i), weights.channels[i]);
-    layer.framed = framed[i];
-    if (i > 0) layer.planes = features[i];
-    add_layer(chain, layer);
+    const Framed decoded(chain, fmt::format("network.framed.decode.L{}", i), extent(i), weights.channels[i]);
+    add_layer(chain, {weights.decode[i], framed[i], framed[i + 1], decoded});
+    framed[i] = decoded;
   }
-  add_layer(chain, {.layer = weights.finish, .source = framed[0], .planes = features[0]});
+  // Not as soon as they are made: until the last decoder has run, each would take its memory twice.
+  for (std::size_t i = 1; i < kScales; ++i) add_planes(chain, framed[i], features[i]);
+  add_layer(chain, {weights.finish, framed[0], std::nullopt, features[0]});
   return features;
 }
 
