@@ -13,7 +13,7 @@ void FrameProblems::add(int frame, std::string problem) {
   const std::string path = pattern_.path(frame) + ": ";
   if (problem.starts_with(path)) problem.erase(0, path.size());
   auto known = std::ranges::find(problems_, problem, [](const auto& entry) { return entry.first; });
-  if (known == problems_.end()) known = problems_.insert(known, {std::move(problem), {}});
+  if (known == problems_.end()) known = problems_.insert(known, {problem, {}});
   known->second.push_back(frame);
 }
 

@@ -57,7 +57,7 @@ WarpInputs add_demodulate_passes(Chain& chain, Extent extent, WarpInputs history
   history.color = irradiance;
   history.stats = stats;
   for (std::size_t i = 0; i < history.additive.size(); ++i) {
-    if (!history.additive[i].is_radiance) continue;
+    if (history.additive[i].kind == Carried::features) continue;
     const ImageId demodulated =
         chain.image(fmt::format("history.irradiance.additive.{}", i), Format::f32x4, extent);
     chain.pass("additive/demodulate")
@@ -194,6 +194,45 @@ ImageId add_known_noise(Chain& chain, const Settings& settings, Extent full, Ima
   return known;
 }
 
+/// One image of the history where the target's pixels are, and the share of the sharp filter that it was read
+/// with.
+struct CarriedRead {
+  ImageId warped;
+  ImageId share;
+};
+
+/// Reads image `i` of what goes with the history. AOVs of light are read with the share given, others with
+/// one that keeps them within the range of the nearest pixels.
+CarriedRead add_carried_read(Chain& chain, const Settings& settings, Extent full,
+                             const params::WarpHistoryParams& params, const SourceWindow& window,
+                             ImageId offset, const WarpInputs& history, std::size_t i, ImageId factor,
+                             ImageId share) {
+  const CarriedImage& carried = history.additive[i];
+  const bool own_share = carried.kind != Carried::additive;
+  const bool demodulated = history.albedo && carried.kind != Carried::features;
+  const ImageId taps =
+      add_resample_taps(chain, settings, window.full, carried.image, fmt::format("history.additive.{}", i));
+  const CarriedRead made{
+      .warped = chain.image(fmt::format("warped.additive.{}", i), Format::f32x4, full),
+      .share = chain.image(fmt::format("warped.share.{}", i), Format::f32, own_share ? full : Extent{1, 1})};
+  chain.pass("additive/warp")
+      .read("offset", offset)
+      .read("history_color", carried.image)
+      .read("resample_taps", taps)
+      .read("history_stats", history.stats)
+      .read("target_origin", window.target_origin)
+      .read("factor", factor)
+      .read("share", share)
+      .write("warped", made.warped)
+      .write("own_share", made.share)
+      .specialize("resample", static_cast<int>(settings.resample))
+      .specialize("demodulated", demodulated ? 1 : 0)
+      .specialize("in_range", own_share ? 1 : 0)
+      .constants(params)
+      .dispatch(full);
+  return made;
+}
+
 }  // namespace
 
 WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent full, const WarpInputs& radiance,
@@ -228,30 +267,26 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
       .specialize("demodulated", history.albedo ? 1 : 0)
       .constants(params)
       .dispatch(full);
+  // AOVs of light add up to the noisy radiance, if that is carried, else to the colour: they share its read.
+  const auto noisy = std::ranges::find(history.additive, Carried::radiance, &CarriedImage::kind);
+  warped.additive.resize(history.additive.size());
+  ImageId share_of_light = share;
+  const auto read = [&](std::size_t i) {
+    const CarriedRead made =
+        add_carried_read(chain, settings, full, params, window, offset, history, i, factor, share_of_light);
+    warped.additive[i] = made.warped;
+    return made.share;
+  };
+  const auto first = static_cast<std::size_t>(noisy - history.additive.begin());
+  if (first < history.additive.size()) share_of_light = read(first);
   for (std::size_t i = 0; i < history.additive.size(); ++i) {
-    const auto [additive, is_radiance] = history.additive[i];
-    const ImageId taps_of_additive =
-        add_resample_taps(chain, settings, window.full, additive, fmt::format("history.additive.{}", i));
-    warped.additive.push_back(chain.image(fmt::format("warped.additive.{}", i), Format::f32x4, full));
-    chain.pass("additive/warp")
-        .read("offset", offset)
-        .read("history_color", additive)
-        .read("resample_taps", taps_of_additive)
-        .read("history_stats", history.stats)
-        .read("target_origin", window.target_origin)
-        .read("factor", factor)
-        .read("share", share)
-        .write("warped", warped.additive.back())
-        .specialize("resample", static_cast<int>(settings.resample))
-        .specialize("demodulated", history.albedo && is_radiance ? 1 : 0)
-        .constants(params)
-        .dispatch(full);
+    if (i != first) read(i);
   }
   return warped;
 }
 
-std::vector<AdditiveInput> add_noisy_layers(Chain& chain, Extent full, const NoisyInputs& noisy,
-                                            std::span<const gpu::History> history) {
+std::vector<CarriedInput> add_noisy_layers(Chain& chain, Extent full, const NoisyInputs& noisy,
+                                           std::span<const gpu::History> history) {
   const ImageId carried = chain.image("noisy.cur", Format::f32x4, full);
   chain.pass("merge/carry")
       .read("color", noisy.color)
@@ -259,9 +294,9 @@ std::vector<AdditiveInput> add_noisy_layers(Chain& chain, Extent full, const Noi
       .write("carried", carried)
       .constants(params::ImageParams{.width = full.width, .height = full.height})
       .dispatch(full);
-  return {{.color = carried, .history = history[0], .has_variance = true},
-          {.color = noisy.features->albedo_depth, .history = history[1], .is_radiance = false},
-          {.color = noisy.features->normal, .history = history[2], .is_radiance = false}};
+  return {{.color = carried, .history = history[0], .kind = Carried::radiance},
+          {.color = noisy.features->albedo_depth, .history = history[1], .kind = Carried::features},
+          {.color = noisy.features->normal, .history = history[2], .kind = Carried::features}};
 }
 
 int resample_margin_px(const Settings& settings) {
@@ -296,8 +331,8 @@ int merge_margin_px(const Settings& settings) {
 MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
                               const Alignment& alignment) {
   std::vector<CarriedImage> additive_history;
-  for (const AdditiveInput& input : inputs.additive) {
-    additive_history.push_back({input.history.previous, input.is_radiance});
+  for (const CarriedInput& input : inputs.additive) {
+    additive_history.push_back({input.history.previous, input.kind});
   }
   WarpedHistory warped = add_warp_passes(chain, settings, full,
                                          {.color = inputs.history_color.previous,
@@ -307,6 +342,10 @@ MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent ful
                                           .albedo = inputs.albedo},
                                          alignment.offset);
   if (settings.history_clip != HistoryClip::none) {
+    if (settings.smooth == Smooth::merged) {
+      throw Error(ExitStatus::usage,
+                  "history_clip: what smooth=merged carries has no such bounds; smooth=frames has");
+    }
     if (!inputs.additive.empty()) {
       throw Error(ExitStatus::usage,
                   "history_clip: direct, indirect and light groups would no longer add up to the beauty; "
@@ -325,7 +364,7 @@ MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent ful
                                : add_mask_gain(chain, settings, full, inputs, warped, trust, alignment);
   for (std::size_t i = 0; i < inputs.additive.size(); ++i) {
     const ImageId layer = inputs.additive[i].color;
-    const ImageId color = inputs.additive[i].has_variance
+    const ImageId color = inputs.additive[i].kind == Carried::radiance
                               ? add_known_noise(chain, settings, full, layer, warped.additive[i],
                                                 warped.stats, inputs.noisy.exposure)
                               : layer;

@@ -20,12 +20,18 @@ struct FramePair {
   gpu::ImageId previous;
 };
 
+/// What goes with the beauty's weights into its history.
+enum class Carried {
+  additive,  ///< an AOV of light, one of those that add up to the radiance
+  radiance,  ///< the noisy radiance, its variance in the fourth channel
+  features,  ///< no light: the albedo is not divided out of it
+};
+
 /// An image that goes with the beauty's weights into its history (f32x4).
-struct AdditiveInput {
+struct CarriedInput {
   gpu::ImageId color;  ///< as MergeInputs::color
   gpu::History history;
-  bool is_radiance = true;   ///< what the albedo is divided out of
-  bool has_variance = false;  ///< as its fourth channel
+  Carried kind = Carried::additive;
 };
 
 /// Images that the merge works on, all at full resolution and of one size but for the previous history in a
@@ -42,14 +48,14 @@ struct MergeInputs {
       {};               ///< where the previous history shows more than the new frame
   unsigned rules = 0;   ///< flags of Validate by which the history is validated
   FramePair surface{};  ///< as pack_surface gives it, if there are rules of kValidateBySurface
-  std::vector<AdditiveInput> additive = {};
+  std::vector<CarriedInput> additive = {};
   std::optional<FramePair> albedo = {};  ///< as WarpInputs::albedo
 };
 
-/// An image of the history; radiance may be read without the albedo.
+/// An image of the history (f32x4).
 struct CarriedImage {
   gpu::ImageId image;
-  bool is_radiance = true;
+  Carried kind = Carried::additive;
 };
 
 /// What is read of the previous history: colour (f32x4) and statistics (f32x2), in the window if there is
@@ -79,8 +85,8 @@ int resample_margin_px(const Settings& settings);
 
 /// Inputs of the merge for the noisy layers of a new frame, which end in these images:
 /// FilterTask::kNoisyLayers.
-std::vector<AdditiveInput> add_noisy_layers(gpu::Chain& chain, gpu::Extent full, const NoisyInputs& noisy,
-                                            std::span<const gpu::History> history);
+std::vector<CarriedInput> add_noisy_layers(gpu::Chain& chain, gpu::Extent full, const NoisyInputs& noisy,
+                                           std::span<const gpu::History> history);
 
 /// How far from a pixel the merge reads offsets, the new frame and its variance.
 int merge_margin_px(const Settings& settings);

@@ -5,14 +5,14 @@
 
 namespace becalm::filter {
 
-std::vector<AdditiveInput> carried_inputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent,
-                                          const NoisyInputs& noisy, const std::vector<gpu::ImageId>& additive,
-                                          const std::vector<gpu::History>& history) {
-  std::vector<AdditiveInput> inputs;
+std::vector<CarriedInput> carried_inputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent,
+                                         const NoisyInputs& noisy, const std::vector<gpu::ImageId>& additive,
+                                         const std::vector<gpu::History>& history) {
+  std::vector<CarriedInput> inputs;
   for (std::size_t i = 0; i < additive.size(); ++i) inputs.push_back({additive[i], history[i]});
   if (!task.smooths_merged()) return inputs;
   const std::span<const gpu::History> rest = std::span(history).subspan(additive.size());
-  for (const AdditiveInput& layer : add_noisy_layers(chain, extent, noisy, rest)) inputs.push_back(layer);
+  for (const CarriedInput& layer : add_noisy_layers(chain, extent, noisy, rest)) inputs.push_back(layer);
   return inputs;
 }
 

@@ -10,9 +10,9 @@ namespace becalm::filter {
 
 /// What is merged with the beauty's weights: the additive AOVs given, then the noisy layers if the task
 /// smooths what is merged. `history` has one for each.
-std::vector<AdditiveInput> carried_inputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent,
-                                          const NoisyInputs& noisy, const std::vector<gpu::ImageId>& additive,
-                                          const std::vector<gpu::History>& history);
+std::vector<CarriedInput> carried_inputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent,
+                                         const NoisyInputs& noisy, const std::vector<gpu::ImageId>& additive,
+                                         const std::vector<gpu::History>& history);
 
 /// Where a chain leaves what it makes of a tile's target rectangle.
 struct MergedImages {

@@ -81,7 +81,7 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
     history.push_back(chain_.history(fmt::format("history.additive.{}", i), Format::f32x4, full));
     merged_.additive.push_back(history.back().next);
   }
-  const std::vector<AdditiveInput> additive = carried_inputs(chain_, task_, full, noisy_, additive_, history);
+  const std::vector<CarriedInput> additive = carried_inputs(chain_, task_, full, noisy_, additive_, history);
 
   merged_.color = history_color.next;
   merged_.stats = history_stats.next;

@@ -20,8 +20,7 @@ def settings(*assignments, preset="final"):
     return ("--preset", preset, *(word for assignment in assignments for word in ("--set", assignment)))
 
 
-# What the smoothing of single frames and the correction of light add is told apart from the merge's own work, which then
-# decides on noise and needs larger patches.
+# What the network adds is told apart from the merge's own work, which then decides on noise and needs larger patches.
 MERGE = ("smooth=none", "patch_radius=3", "significance=3", "luminance_weight=0", "motion=none")
 FORWARD = ("directions=forward", *MERGE)
 SMOOTHER = ("directions=both", *MERGE)
@@ -30,26 +29,25 @@ WARMUP = ("--warmup", "8")
 NOISY = Variant("noisy", "noisy")
 VARIANTS = [
     NOISY,
-    Variant("mask", "paper's mask mode", settings("merge=mask", "correct_levels=0", *FORWARD), history="before"),
-    Variant("forward", "variance, forward", settings("correct_levels=0", *FORWARD), history="before"),
-    Variant("corrected", "variance, forward, light corrected", settings(*FORWARD), history="before"),
+    Variant("mask", "paper's mask mode", settings("merge=mask", *FORWARD), history="before"),
+    Variant("forward", "variance, forward", settings(*FORWARD), history="before"),
     Variant("smoother", "smoother", settings(*SMOOTHER), history="all"),
-    Variant("spatial", "spatial stage alone", settings("directions=forward", "max_history=1")),
-    Variant("final", "smoother + smooth (preset final)", settings()),
+    Variant("spatial", "single frames smoothed", settings("directions=forward", "max_history=1", "smooth=frames")),
+    Variant("final", "preset final", settings()),
     Variant("balanced", "preset balanced", settings(preset="balanced")),
     Variant("draft", "preset draft", settings(preset="draft")),
     Variant("segment_8", "smoother, segments of 8", (*settings(*SMOOTHER), "--segment", "8", *WARMUP), ablation=True, segment=8),
     Variant("segment_5", "smoother, segments of 5", (*settings(*SMOOTHER), "--segment", "5", *WARMUP), ablation=True, segment=5),
 ] + [Variant(name, title, settings(*changed), without, ablation=True) for name, title, changed, without in [
     ("forward_smooth", "final, forward", ("directions=forward",), ()),
-    ("uncorrected", "final without correction of light", ("correct_levels=0",), ()),
+    ("energy_unrestored", "final without the energy given back", ("restore_energy=0",), ()),
     ("half_buffers", "final, variance from half-buffers", (), ("variance",)),
     ("variance_alone", "final without half-buffers", (), ("half_a", "half_b")),
     ("estimated", "final, variance estimated", (), ("variance", "half_a", "half_b")),
     ("beauty_alone", "final, of the beauty alone", (), ("variance", "half_a", "half_b", "albedo", "normal", "depth", "motion", "object_id")),
     ("significant", "final, bias from 3 standard errors", ("significance=3",), ()),
     ("large_patch", "final, weights from 7x7 patches", ("patch_radius=3",), ()),
-    ("network", "final, smoothed by the network", ("smooth=network",), ()),
+    ("frames", "final, merging smoothed frames", ("smooth=frames",), ()),
     ("short_history", "final, history of 8 frames at most", ("max_history=8",), ()),
     ("radiance_alone", "final, matching radiance alone", ("weight_albedo=0", "weight_normal=0"), ()),
     ("guides_alone", "final, matching albedo and normal alone", ("weight_radiance=0",), ()),
@@ -61,8 +59,8 @@ VARIANTS = [
     ("bilinear", "final, bilinear resampling", ("resample=bilinear",), ()),
     ("o_moms", "final, O-MOMS resampling", ("resample=o_moms",), ()),
     ("validate_guides", "final, distrust by depth, normal and id", ("validate=depth,normal,id",), ()),
-    ("clip", "final, colour-box clip", ("history_clip=clip",), ()),
-    ("variance_clip", "final, variance clipping", ("history_clip=variance",), ()),
+    ("clip", "merging smoothed frames, colour-box clip", ("smooth=frames", "history_clip=clip"), ()),
+    ("variance_clip", "merging smoothed frames, variance clipping", ("smooth=frames", "history_clip=variance"), ()),
 ]]
 
 # A program that does not know these settings does what these values say.

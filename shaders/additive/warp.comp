@@ -1,5 +1,6 @@
-// Reads the history of an additive AOV as merge/warp_history reads the beauty's, with the share of the sharp filter that the
-// beauty has: what adds up before adds up afterwards. There is no clamp, since the range of one AOV is not that of another.
+// Reads an image that goes with the history as merge/warp_history reads the colour. An AOV of light takes the share of the
+// sharp filter that the sum of all has: what adds up before adds up afterwards, and there is no clamp, since the range of one
+// AOV is not that of another. What is no such part finds its own share, within the range of the nearest pixels.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -7,6 +8,7 @@
 
 layout(constant_id = 0) const int resample = 1;     // as in lib/resample.glsl
 layout(constant_id = 1) const int demodulated = 0;  // as in merge/warp_history
+layout(constant_id = 2) const int in_range = 0;     // 1: the image's own share, which is written
 
 layout(local_size_x = 8, local_size_y = 4) in;
 layout(push_constant) uniform Params { WarpHistoryParams p; };
@@ -18,6 +20,7 @@ layout(set = 0, binding = 4) uniform samplerBuffer target_origin;
 layout(set = 0, binding = 5) uniform samplerBuffer factor;
 layout(set = 0, binding = 6) uniform samplerBuffer share;
 layout(std430, set = 0, binding = 7) writeonly buffer WarpedBuffer { vec4 data[]; } warped;
+layout(std430, set = 0, binding = 8) writeonly buffer OwnShareBuffer { float data[]; } own_share;
 
 #include "lib/read_history.glsl"
 
@@ -26,7 +29,14 @@ void main() {
   if (at.x >= p.width || at.y >= p.height) return;
   const int index = at.y * p.width + at.x;
   const HistoryRead h = read_history(at, index);
-  const vec4 color = h.bilinear + texelFetch(share, index).x * (h.sharp - h.bilinear);
+  vec4 color;
+  if (in_range != 0) {
+    const float sharp = share_in_range(h);
+    own_share.data[index] = sharp;
+    color = clamp(h.bilinear + sharp * (h.sharp - h.bilinear), h.lowest, h.highest);
+  } else {
+    color = h.bilinear + texelFetch(share, index).x * (h.sharp - h.bilinear);
+  }
   const vec3 scale = demodulated != 0 ? texelFetch(factor, index).rgb : vec3(1.0);
   warped.data[index] = h.found ? color * vec4(scale, 1.0) : vec4(0.0);
 }

@@ -81,3 +81,12 @@ HistoryRead read_history(ivec2 at, int index) {
   }
   return HistoryRead(bilinear, sharp, is_sharp, found ? stats / weight : vec2(0.0), found, lowest, highest);
 }
+
+/// The share of the sharp filter, one for all channels, that keeps what is read within the range of the nearest taps.
+float share_in_range(HistoryRead h) {
+  float sharp = h.is_sharp ? 1.0 : 0.0;
+  [[unroll]] for (int c = 0; c < 4; ++c) {
+    sharp = min(sharp, sharp_share(h.sharp[c], h.bilinear[c], h.lowest[c], h.highest[c]));
+  }
+  return sharp;
+}

@@ -36,10 +36,7 @@ void main() {
   if (at.x >= p.width || at.y >= p.height) return;
   const int index = at.y * p.width + at.x;
   const HistoryRead h = read_history(at, index);
-  float sharp = h.is_sharp ? 1.0 : 0.0;
-  [[unroll]] for (int c = 0; c < 4; ++c) {
-    sharp = min(sharp, sharp_share(h.sharp[c], h.bilinear[c], h.lowest[c], h.highest[c]));
-  }
+  const float sharp = share_in_range(h);
   const vec4 color = h.bilinear + sharp * (h.sharp - h.bilinear);
   // Beyond the range there is rounding alone, which would be seen as negative radiance or as change in an even surface.
   const vec4 in_range = clamp(color, h.lowest, h.highest);

@@ -23,9 +23,9 @@ constexpr int kHeight = 43;
 constexpr gpu::Extent kFull{kWidth, kHeight};
 constexpr double kExposure = 1.7;
 
-/// The balanced preset without the correction of the history's means and luminance weights, which have tests
-/// of their own, and for frames that are noisy themselves: patches large enough to tell bias from noise.
-Settings uncorrected() {
+/// The balanced preset without luminance weights, which have tests of their own, for frames that are noisy
+/// themselves: patches large enough to tell bias from noise.
+Settings of_noisy_frames() {
   Settings settings = preset("balanced");
   settings.smooth = Smooth::none;
   settings.restore_energy = 0;
@@ -146,7 +146,7 @@ class VarianceGainTest : public MergeTest, public testing::WithParamInterface<Sm
 INSTANTIATE_TEST_SUITE_P(Smooth, VarianceGainTest, testing::Values(Smooth::none, Smooth::frames));
 
 TEST_P(VarianceGainTest, AgreesWithTheReference) {
-  Settings settings = uncorrected();
+  Settings settings = of_noisy_frames();
   settings.smooth = GetParam();
   MergeOnDevice merge(device(), settings);
   Grid<Estimate> history(kWidth, kHeight);
@@ -168,7 +168,7 @@ TEST_P(VarianceGainTest, AgreesWithTheReference) {
 }
 
 TEST_F(MergeTest, AFireflyHasNoPartInItsOwnWeight) {
-  const Settings settings = uncorrected();
+  const Settings settings = of_noisy_frames();
   MergeOnDevice merge(device(), settings);
   const Grid<Vec2> still(kWidth, kHeight);
   const Grid<Estimate> history = merge.run(noisy_sample(1), still).estimate;
@@ -185,7 +185,7 @@ TEST_F(MergeTest, AFireflyHasNoPartInItsOwnWeight) {
 }
 
 TEST_F(MergeTest, MaskGainAgreesWithTheReference) {
-  Settings settings = uncorrected();
+  Settings settings = of_noisy_frames();
   settings.merge = MergeMode::mask;
   settings.match_downsample = 1;  // the residual is given at full resolution
   settings.max_history = 3;
@@ -233,18 +233,18 @@ void expect_running_mean(gpu::Device& device, const Settings& settings) {
 }
 
 TEST_F(MergeTest, VarianceModeConvergesToTheRunningMean) {
-  expect_running_mean(device(), uncorrected());
+  expect_running_mean(device(), of_noisy_frames());
 }
 
 TEST_F(MergeTest, MaskModeConvergesToTheRunningMean) {
-  Settings settings = uncorrected();
+  Settings settings = of_noisy_frames();
   settings.merge = MergeMode::mask;
   settings.mask_alpha = 1.0f;
   expect_running_mean(device(), settings);
 }
 
 TEST_F(MergeTest, AnUnrelatedImageIsRejectedEverywhere) {
-  MergeOnDevice merge(device(), uncorrected());
+  MergeOnDevice merge(device(), of_noisy_frames());
   const Grid<Vec2> still(kWidth, kHeight);
   const auto unrelated = [](unsigned seed) {
     Grid<Estimate> sample(kWidth, kHeight);

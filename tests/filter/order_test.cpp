@@ -263,8 +263,8 @@ TEST_F(SequenceFilterTest, NoAovsValuesReachFurtherThanTheirPixel) {
   };
   for (const char* merge : {"merge=variance", "merge=mask"}) {
     Settings settings = preset("final");
-    for (const char* assignment : {merge, "validate=depth,normal,id", "history_clip=variance", "additive=0",
-                                   "motion=guide", "demodulate=1"}) {
+    for (const char* assignment : {merge, "smooth=frames", "validate=depth,normal,id",
+                                   "history_clip=variance", "additive=0", "motion=guide", "demodulate=1"}) {
       set(settings, assignment);
     }
     SequenceFilter filter(device(), settings, 24, 20, full_frame(1).aovs());

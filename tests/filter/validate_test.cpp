@@ -27,10 +27,10 @@ constexpr int kHeight = 33;
 constexpr gpu::Extent kFull{kWidth, kHeight};
 constexpr double kBrightness = 1.1;  // of radiance 1 at an exposure of 1
 
-/// The final preset with neither validation, correction nor luminance weights, for frames that are noisy
-/// themselves.
-Settings uncorrected() {
+/// The final preset with neither validation nor luminance weights, for frames that are noisy themselves.
+Settings of_noisy_frames() {
   Settings settings = preset("final");
+  settings.smooth = Smooth::none;
   settings.validate = 0;
   settings.restore_energy = 0;
   settings.luminance_weight = 0.0f;
@@ -205,7 +205,7 @@ TEST_F(ValidateTest, TakesFromTheHistorysWeightWhatTheReferenceSays) {
     for (const char* rules :
          {"validate=depth", "validate=normal", "validate=id", "validate=depth,normal,id"}) {
       for (const Vec2 shift : {Vec2{0, 0}, {2.625, -0.375}}) {
-        Settings settings = uncorrected();
+        Settings settings = of_noisy_frames();
         set(settings, merge);
         set(settings, rules);
         settings.mask_alpha = 1.0f;
@@ -241,7 +241,7 @@ TEST_F(ValidateTest, OffsetsThereAndBackThatDisagreeAreBias) {
   }
   for (const char* merge : {"merge=variance", "merge=mask"}) {
     for (const char* rules : {"validate=flow", "validate=id,flow"}) {
-      Settings settings = uncorrected();
+      Settings settings = of_noisy_frames();
       set(settings, merge);
       set(settings, rules);
       settings.mask_alpha = 1.0f;
@@ -263,7 +263,7 @@ TEST_F(ValidateTest, OffsetsThereAndBackThatDisagreeAreBias) {
 TEST_F(ValidateTest, DistrustIsPartOfTheVarianceThatIsLeft) {
   // Without bias the merged variance is a third of either; a history that is not believed leaves the
   // sample's.
-  Settings settings = uncorrected();
+  Settings settings = of_noisy_frames();
   set(settings, "validate=id");
   settings.validate_bias = 1000.0f;
   const Grid<Surface> now(kWidth, kHeight, {1, {0, 0, 1}, 1});
@@ -280,7 +280,7 @@ TEST_F(ValidateTest, DistrustIsPartOfTheVarianceThatIsLeft) {
 }
 
 TEST_F(ValidateTest, AStaticSceneIsTrustedWholly) {
-  Settings settings = uncorrected();
+  Settings settings = of_noisy_frames();
   set(settings, "validate=depth,normal,id");
   const Grid<Surface> still = scene(0);
   const Grid<Estimate> sample = noisy(1, 0.04, 1);
@@ -302,7 +302,7 @@ TEST_F(ValidateTest, RectificationAgreesWithTheReference) {
   for (const char* clip : {"history_clip=clamp", "history_clip=clip", "history_clip=variance"}) {
     for (const char* space : {"clip_space=rgb", "clip_space=ycocg"}) {
       for (const int radius : {1, 2}) {
-        Settings settings = uncorrected();
+        Settings settings = of_noisy_frames();
         set(settings, clip);
         set(settings, space);
         settings.clip_radius = radius;
@@ -342,7 +342,7 @@ TEST_F(ValidateTest, RectificationAgreesWithTheReference) {
 }
 
 TEST_F(ValidateTest, ExponentialAccumulationAlwaysGivesTheHistoryTheSameWeight) {
-  Settings settings = uncorrected();
+  Settings settings = of_noisy_frames();
   set(settings, "merge=mask");
   set(settings, "accumulate=exponential");
   const Grid<Surface> nothing(kWidth, kHeight);
@@ -361,7 +361,7 @@ TEST_F(ValidateTest, ExponentialAccumulationAlwaysGivesTheHistoryTheSameWeight) 
 TEST_F(ValidateTest, LuminanceWeightsBrightSamplesLessAsFarAsTheyAreNoisy) {
   // Eq. 4 of the survey: a sample of luminance 3 counts a quarter of a black history. That is for outliers:
   // of a difference that noise explains by half, half of it.
-  Settings settings = uncorrected();
+  Settings settings = of_noisy_frames();
   set(settings, "merge=mask");
   settings.luminance_weight = 1.0f;
   const Grid<Surface> nothing(kWidth, kHeight);

@@ -82,7 +82,8 @@ class Shots(unittest.TestCase):
     def test_merged_frames_are_read_and_always_tell_their_variance(self):
         folder = f"{self.folder.name}/becalm-000000"
         frame = batches.load(self.folder.name)[0][0]
-        merged = shots.packed_pair(frame.color, [0.5 * frame.variances[0]], frame.features, frame.references)
+        features = [*frame.features, frame.features[0]]
+        merged = shots.packed_pair(frame.color, [0.5 * frame.variances[0]], features, frame.references)
         shots.save(f"{folder}/{shots.MERGED}", {f"both.0001.{name}": array for name, array in merged.items()})
         pairs = shots.load_shot(folder)
         self.assertEqual([p.name for p in pairs], ["becalm-000000/004.0001", "becalm-000000/both.0001"])
@@ -126,7 +127,7 @@ class Networks(unittest.TestCase):
         self.network = Network(CHANNELS["small"])
         for head in self.network.window:
             torch.nn.init.normal_(head.weight, std=0.3)
-        self.color, self.features = 2.0 * torch.rand(1, 3, SIZE, SIZE), torch.rand(1, 7, SIZE, SIZE)
+        self.color, self.features = 2.0 * torch.rand(1, 3, SIZE, SIZE), torch.rand(1, 14, SIZE, SIZE)
         self.variance = torch.rand(1, 1, SIZE, SIZE)
 
     def smoothed(self, network, color):
@@ -142,7 +143,7 @@ class Networks(unittest.TestCase):
         self.assertEqual(len(data), 32 + 2 * parameter_count(self.network))
 
     def test_weights_are_positive_and_sum_to_one(self):
-        self.features[:, :3] = 1.0  # no albedo
+        self.features[:, :3] = self.features[:, 7:10] = 1.0  # no albedo
         found = self.smoothed(self.network, self.color)
         self.assertGreaterEqual(found.min().item(), self.color.min().item() - 1e-6)
         self.assertLessEqual(found.max().item(), self.color.max().item() + 1e-6)
