@@ -112,8 +112,8 @@ std::span<std::byte> Chain::HostImages::bytes(ImageId image, bool writes) const 
     if (use.image != image.index || use.writes() != writes) continue;
     return {chain_.buffer(use.image, chain_.parity).mapped, chain_.image(image).bytes()};
   }
-  throw DeviceError(chain_.label(pass_) + ": image '" + chain_.image(image).name + "' is not declared to be " +
-                    (writes ? "written" : "read"));
+  throw DeviceError(chain_.label(pass_) + ": image '" + chain_.image(image).name +
+                    "' is not declared to be " + (writes ? "written" : "read"));
 }
 
 const DeviceInfo& Chain::device() const {

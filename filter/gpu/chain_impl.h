@@ -47,10 +47,10 @@ struct Use {
 };
 
 struct PassDeclaration {
-  std::string kernel_name;         ///< or the host pass's name
+  std::string kernel_name;  ///< or the host pass's name
   bool is_host = false;
   std::function<void(const Chain::HostImages&)> work;  ///< of a host pass
-  const Kernel* kernel = nullptr;  ///< found by check(); null for a host pass
+  const Kernel* kernel = nullptr;                      ///< found by check(); null for a host pass
   std::vector<Use> uses;
   std::vector<std::byte> constants;
   std::vector<std::pair<std::string, std::int32_t>> specializations;

@@ -33,10 +33,10 @@ memory::desc rows_of(int channels, int rows, int width) {
 /// One oneDNN convolution, without padding, to a single row.
 class RowConvolution {
  public:
-  /// `weight` as [output][input][row][column]. `bias` is empty for none; with one, the result is rectified. `onto`
-  /// adds to what is in the result.
-  RowConvolution(int inputs, int outputs, int side, int width, std::vector<float> weight, std::vector<float> bias,
-                 bool onto)
+  /// `weight` as [output][input][row][column]. `bias` is empty for none; with one, the result is rectified.
+  /// `onto` adds to what is in the result.
+  RowConvolution(int inputs, int outputs, int side, int width, std::vector<float> weight,
+                 std::vector<float> bias, bool onto)
       : source_(rows_of(inputs, side, width + side - 1)), result_(rows_of(outputs, 1, width)) {
     const memory::desc any_weights(Dims{outputs, inputs, side, side}, memory::data_type::f32,
                                    memory::format_tag::any);
@@ -105,9 +105,9 @@ std::vector<float> direct_weights(const Layer& layer, int first_input) {
   return values;
 }
 
-/// What stands for nine taps on an image of half the size. In framed images, pixels 2n and 2n + 1 of a row, and rows
-/// likewise, have all their taps in pixels n and n + 1 of half the size. `odd_row` is of the row made; pixels are
-/// made in pairs, whose outputs lie behind one another.
+/// What stands for nine taps on an image of half the size. In framed images, pixels 2n and 2n + 1 of a row,
+/// and rows likewise, have all their taps in pixels n and n + 1 of half the size. `odd_row` is of the row
+/// made; pixels are made in pairs, whose outputs lie behind one another.
 std::vector<float> upsampled_weights(const Layer& layer, int inputs, int odd_row) {
   std::vector<float> values;
   for (int odd_column = 0; odd_column < 2; ++odd_column) {
@@ -130,8 +130,8 @@ std::vector<float> upsampled_weights(const Layer& layer, int inputs, int odd_row
 
 struct HostConvolution::Impl {
   Impl(const Layer& layer, int upsampled_inputs, int width)
-      : direct(layer.inputs - upsampled_inputs, layer.outputs, 3, width, direct_weights(layer, upsampled_inputs),
-               layer.bias, upsampled_inputs > 0),
+      : direct(layer.inputs - upsampled_inputs, layer.outputs, 3, width,
+               direct_weights(layer, upsampled_inputs), layer.bias, upsampled_inputs > 0),
         source_row((width + 2) * (layer.inputs - upsampled_inputs)),
         coarse_row((width / 2 + 2) * upsampled_inputs),
         outputs(layer.outputs) {
@@ -139,7 +139,8 @@ struct HostConvolution::Impl {
     assert(width % 2 == 0);
     for (int odd_row = 0; odd_row < 2; ++odd_row) {
       upsampled[odd_row].emplace(upsampled_inputs, 2 * layer.outputs, 2, width / 2 + 1,
-                                 upsampled_weights(layer, upsampled_inputs, odd_row), std::vector<float>(), false);
+                                 upsampled_weights(layer, upsampled_inputs, odd_row), std::vector<float>(),
+                                 false);
     }
   }
 

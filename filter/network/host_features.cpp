@@ -41,8 +41,8 @@ struct Framed {
   ImageId image;
 };
 
-/// Row y of a framed image with one that has its pixels: repeats them at the ends, and the row where it is the image's
-/// first or last.
+/// Row y of a framed image with one that has its pixels: repeats them at the ends, and the row where it is
+/// the image's first or last.
 void frame_row(const Framed& framed, int y, float* row) {
   const std::ptrdiff_t floats = framed.row_floats();
   float* const end = row + floats;
@@ -109,7 +109,7 @@ Framed add_inputs(Chain& chain, Extent size, ImageId inputs) {
 struct HostLayer {
   Layer layer;
   Framed source;
-  std::optional<Framed> coarse;           ///< its channels come before the source's
+  std::optional<Framed> coarse;          ///< its channels come before the source's
   std::variant<Framed, ImageId> result;  ///< framed, or planes
 };
 
@@ -151,17 +151,20 @@ void add_layer(Chain& chain, const HostLayer& declared) {
 Framed add_pool(Chain& chain, const std::string& name, const Framed& fine) {
   const Extent size{fine.size.width / 2, fine.size.height / 2};
   const Framed pooled(chain, name, size, fine.channels);
-  chain.host_pass("network/host_pool").read(fine.image).write(pooled.image).run([=](const HostImages& images) {
-    const float* const from = images.read<float>(fine.image).data() + fine.row_floats();
-    float* const to = images.write<float>(pooled.image).data() + pooled.row_floats();
-    for_rows(size.height, [&](int begin, int end) {
-      for (int y = begin; y < end; ++y) {
-        float* const row = to + y * pooled.row_floats();
-        pool_rows(from + 2 * y * fine.row_floats(), fine, row);
-        frame_row(pooled, y, row);
-      }
-    });
-  });
+  chain.host_pass("network/host_pool")
+      .read(fine.image)
+      .write(pooled.image)
+      .run([=](const HostImages& images) {
+        const float* const from = images.read<float>(fine.image).data() + fine.row_floats();
+        float* const to = images.write<float>(pooled.image).data() + pooled.row_floats();
+        for_rows(size.height, [&](int begin, int end) {
+          for (int y = begin; y < end; ++y) {
+            float* const row = to + y * pooled.row_floats();
+            pool_rows(from + 2 * y * fine.row_floats(), fine, row);
+            frame_row(pooled, y, row);
+          }
+        });
+      });
   return pooled;
 }
 
@@ -189,8 +192,9 @@ std::array<ImageId, kScales> add_host_features(Chain& chain, const NetworkWeight
   }
   std::vector<Framed> framed;
   for (std::size_t i = 0; i < kScales; ++i) {
-    const Framed source = i == 0 ? add_inputs(chain, size, inputs)
-                                 : add_pool(chain, fmt::format("network.framed.pooled.L{}", i), framed.back());
+    const Framed source = i == 0
+                              ? add_inputs(chain, size, inputs)
+                              : add_pool(chain, fmt::format("network.framed.pooled.L{}", i), framed.back());
     framed.emplace_back(chain, fmt::format("network.framed.encode.L{}", i), extent(i), weights.channels[i]);
     add_layer(chain, {weights.encode[i], source, std::nullopt, framed.back()});
   }

@@ -7,8 +7,9 @@
 
 namespace becalm::filter {
 
-/// Declares the passes that make the network's features of every scale by oneDNN, where the device is a processor: what
-/// shaders/network/convolve*.comp and pool.comp do elsewhere. `inputs` has `size`, which every scale divides.
+/// Declares the passes that make the network's features of every scale by oneDNN, where the device is a
+/// processor: what shaders/network/convolve*.comp and pool.comp do elsewhere. `inputs` has `size`, which
+/// every scale divides.
 std::array<gpu::ImageId, kScales> add_host_features(gpu::Chain& chain, const NetworkWeights& weights,
                                                     gpu::Extent size, gpu::ImageId inputs);
 

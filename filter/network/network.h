@@ -19,7 +19,8 @@ struct Smoothed {
   std::vector<gpu::ImageId> additive;  ///< f32x4
 };
 
-/// Who makes the network's features: the kernels of shaders/network/, or oneDNN where the device is a processor.
+/// Who makes the network's features: the kernels of shaders/network/, or oneDNN where the device is a
+/// processor.
 enum class Convolver { kernels, host };
 constexpr Convolver convolver_of(const gpu::DeviceInfo& device) {
   return device.is_processor ? Convolver::host : Convolver::kernels;

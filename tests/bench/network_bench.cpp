@@ -1,9 +1,9 @@
-// What the smoothing network takes a frame, its convolutions by kernels and by oneDNN in turn, and how far these are from a
-// floor: the products of the convolutions, all 3x3, at the rate of one core's best convolution.
+// What the smoothing network takes a frame, its convolutions by kernels and by oneDNN in turn.
 //
 //   bench_network WIDTH HEIGHT [RUNS]
 //
-// Processor times, which other programs change least, are of all threads; the wall's are those of passes.
+// Other programs change processor times, which are of all threads, less than the wall's, which those of
+// passes are.
 
 #include <fmt/format.h>
 
@@ -54,7 +54,8 @@ class NetworkJob {
     convolutions_ms_.push_back(convolutions_ms);
   }
   void print_passes() const {
-    for (const gpu::PassTime& pass : chain_.times()) fmt::print("  {:8.1f} ms  {}\n", pass.milliseconds, pass.name);
+    for (const gpu::PassTime& pass : chain_.times())
+      fmt::print("  {:8.1f} ms  {}\n", pass.milliseconds, pass.name);
   }
   const Runs& whole() const { return whole_; }
   double convolutions_ms() const { return median(convolutions_ms_); }
@@ -77,11 +78,14 @@ class NetworkJob {
 double giga_products(gpu::Extent full) {
   const filter::NetworkWeights& weights = filter::embedded_weights();
   const auto of = [](const filter::Layer& layer) { return static_cast<double>(layer.weight.size()); };
-  double a_pixel = of(weights.finish);
+  double a_pixel = of(weights.finish);  // of the finest scale
   double pixels = 1.0;
   for (std::size_t i = 0; i < filter::kScales; ++i, pixels /= 4) {
     a_pixel += of(weights.encode[i]) * pixels;
-    if (i + 1 < filter::kScales) a_pixel += of(weights.decode[i]) * pixels;
+    if (i + 1 == filter::kScales) break;
+    const filter::Layer& decode = weights.decode[i];
+    const int upsampled = weights.channels[i + 1];  // four products in the place of nine
+    a_pixel += (of(decode) - 5.0 * upsampled * decode.outputs) * pixels;
   }
   return a_pixel * static_cast<double>(full.elements()) * 1e-9;
 }
@@ -101,13 +105,15 @@ void compare(gpu::Extent full, int runs) {
     kernels.run();
     host.run();
   }
-  fmt::print("{}x{}, {:.1f} G products, medians of {} runs\n", full.width, full.height, giga_products(full), runs);
+  fmt::print("{}x{}, {:.1f} G products, medians of {} runs\n", full.width, full.height, giga_products(full),
+             runs);
   for (const auto& [name, job] : {std::pair{"kernels", &kernels}, {"oneDNN", &host}}) {
     const Duration whole = job->whole().middle();
-    fmt::print("{:8}: {:.3f} s, of all threads {:.3f} s; convolutions {:.3f} s; {:.0f} MiB\n", name, whole.wall_s,
-               whole.processor_s, job->convolutions_ms() * 1e-3, job->device_mib());
+    fmt::print("{:8}: {:.3f} s, of all threads {:.3f} s; convolutions {:.3f} s; {:.0f} MiB\n", name,
+               whole.wall_s, whole.processor_s, job->convolutions_ms() * 1e-3, job->device_mib());
   }
-  fmt::print("kernels / oneDNN, the whole network's processor time: {:.2f}\n", kernels.whole().ratio_to(host.whole()));
+  fmt::print("kernels / oneDNN, the whole network's processor time: {:.2f}\n",
+             kernels.whole().ratio_to(host.whole()));
   host.print_passes();
 }
 

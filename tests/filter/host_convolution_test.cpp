@@ -1,5 +1,5 @@
-// oneDNN's convolutions, row by row, against plain loops in double: every layer shape of the network, and what rows must
-// not depend on.
+// oneDNN's convolutions, row by row, against plain loops in double: every layer shape of the network, and
+// what rows must not depend on.
 #include "filter/network/host_convolution.h"
 
 #include <gtest/gtest.h>
@@ -52,8 +52,8 @@ Layer random_layer(int inputs, int outputs) {
 
 /// Compares every value to a millionth of the sum of its terms' magnitudes.
 void expect_matches(int upsampled, int direct, int outputs, int width, int height) {
-  SCOPED_TRACE(std::to_string(upsampled) + " + " + std::to_string(direct) + " to " + std::to_string(outputs) + ", " +
-               std::to_string(width) + "x" + std::to_string(height));
+  SCOPED_TRACE(std::to_string(upsampled) + " + " + std::to_string(direct) + " to " + std::to_string(outputs) +
+               ", " + std::to_string(width) + "x" + std::to_string(height));
   const Layer layer = random_layer(upsampled + direct, outputs);
   const FramedImage source(direct, width, height, 3);
   const FramedImage coarse(upsampled, width / 2, height / 2, 4);
@@ -84,7 +84,8 @@ void expect_matches(int upsampled, int direct, int outputs, int width, int heigh
 }
 
 TEST(HostConvolution, MatchesALoopForEveryLayer) {
-  for (const auto& [inputs, outputs] : {std::pair{20, 16}, {16, 16}, {16, 24}, {24, 32}, {32, 48}, {48, 64}}) {
+  for (const auto& [inputs, outputs] :
+       {std::pair{20, 16}, {16, 16}, {16, 24}, {24, 32}, {32, 48}, {48, 64}}) {
     expect_matches(0, inputs, outputs, 37, 5);
   }
   for (const auto& [coarse, fine] : {std::pair{24, 16}, {32, 24}, {48, 32}, {64, 48}}) {

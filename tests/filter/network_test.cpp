@@ -64,8 +64,7 @@ Sample noisy_sample(int width, int height) {
 }
 
 Grid<Estimate> smooth_on(gpu::Device& device, const Sample& sample, const NetworkWeights& weights,
-                         bool variance_known = true,
-                         std::optional<Convolver> convolver = std::nullopt) {
+                         bool variance_known = true, std::optional<Convolver> convolver = std::nullopt) {
   const gpu::Extent extent = sample.extent();
   gpu::Chain chain(device, "network test");
   FilterTask task = task_with_variance(preset("balanced"), extent);
@@ -125,7 +124,8 @@ class NetworkTest : public DeviceTest {
     expect_agreement(sample, truth, smooth_on(device(), sample, weights, variance_known, Convolver::host));
   }
 
-  static void expect_agreement(const Sample& sample, const Grid<Estimate>& truth, const Grid<Estimate>& found) {
+  static void expect_agreement(const Sample& sample, const Grid<Estimate>& truth,
+                               const Grid<Estimate>& found) {
     double changed = 0;
     for (int y = 0; y < found.height; ++y) {
       for (int x = 0; x < found.width; ++x) {
@@ -162,7 +162,8 @@ TEST_F(NetworkTest, OneDnnAndKernelsAgreeForImagesOfAnySize) {
     const Grid<Estimate> host = smooth_on(device(), sample, random_weights(), true, Convolver::host);
     for (std::size_t i = 0; i < host.data.size(); ++i) {
       for (int c = 0; c < 4; ++c) {
-        ASSERT_NEAR(host.data[i].color[c], kernels.data[i].color[c], 1e-3 * std::abs(kernels.data[i].color[c]));
+        ASSERT_NEAR(host.data[i].color[c], kernels.data[i].color[c],
+                    1e-3 * std::abs(kernels.data[i].color[c]));
       }
       ASSERT_NEAR(host.data[i].variance, kernels.data[i].variance, 1e-3 * kernels.data[i].variance);
       ASSERT_EQ(host.data[i].count, kernels.data[i].count);

@@ -1,4 +1,5 @@
-// Host passes: what they see and when, what is said of wrong ones. random_chain_test.cpp has them among others.
+// Host passes: what they see and when, what is said of wrong ones. random_chain_test.cpp has them among
+// others.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -94,10 +95,14 @@ TEST_F(HostPassTest, ReadsInputsAndWritesOutputsInChainsWithoutKernels) {
 
 TEST_F(HostPassTest, HandsAHistoryFromFrameToFrame) {
   const History sum = chain_.history("sum", Format::f32, kExtent);
-  chain_.host_pass("sum").read(input_).read(sum.previous).write(sum.next).run([=, this](const HostImages& host) {
-    std::ranges::transform(host.read<float>(input_), host.read<float>(sum.previous),
-                           host.write<float>(sum.next).begin(), std::plus<>());
-  });
+  chain_.host_pass("sum")
+      .read(input_)
+      .read(sum.previous)
+      .write(sum.next)
+      .run([=, this](const HostImages& host) {
+        std::ranges::transform(host.read<float>(input_), host.read<float>(sum.previous),
+                               host.write<float>(sum.next).begin(), std::plus<>());
+      });
   chain_.output(sum.next);
   chain_.build();
   EXPECT_EQ(run(sum.next, 1), 1);

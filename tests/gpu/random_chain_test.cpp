@@ -1,5 +1,5 @@
-// Chains made at random, so full of images that share memory, against the same arithmetic on the CPU. Where the
-// device is a processor, the passes may be host passes, all or some.
+// Chains made at random, so full of images that share memory, against the same arithmetic on the CPU. Where
+// the device is a processor, the passes may be host passes, all or some.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -120,11 +120,8 @@ Values chain_outputs(const Program& program, const ChainOptions& options, unsign
     const Extent extent = program.extents[pass.result];
     if (host_share > 0 && pass.salt % host_share == 0) {
       const std::array<ImageId, 3> used{images[pass.a], images[pass.b], images[pass.result]};
-      chain.host_pass("mix")
-          .read(used[0])
-          .read(used[1])
-          .write(used[2])
-          .run([used, salt = pass.salt](const Chain::HostImages& host) {
+      chain.host_pass("mix").read(used[0]).read(used[1]).write(used[2]).run(
+          [used, salt = pass.salt](const Chain::HostImages& host) {
             mix(host.read<std::uint32_t>(used[0]), host.read<std::uint32_t>(used[1]), salt,
                 host.write<std::uint32_t>(used[2]));
           });
