@@ -7,11 +7,14 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <set>
 #include <span>
 
+#include "app/alpha_report.h"
+#include "app/audit_run.h"
 #include "app/cancel.h"
 #include "app/command.h"
 #include "app/console.h"
@@ -19,6 +22,7 @@
 #include "app/filter_run.h"
 #include "app/filter_step.h"
 #include "app/fingerprints.h"
+#include "app/half_buffers.h"
 #include "app/input_check.h"
 #include "app/input_frames.h"
 #include "app/layer_arguments.h"
@@ -36,13 +40,16 @@ namespace becalm::app {
 namespace {
 
 struct DenoiseCommand {
-  std::string input;
+  std::vector<std::string> inputs;
   OutputOptions output;
   FilterOptions filter;
   RunningOptions running;
   std::string type = "keep";
   std::string compression = "keep";
+  std::string only;
+  std::vector<std::string> channels;
   bool dry_run = false;
+  bool strict = false;
   std::string preset = "balanced";
   std::optional<int> frame;
   LayerArguments layers;
@@ -64,6 +71,9 @@ io::DenoisedFormat format_of(const DenoiseCommand& command) {
     format.type = command.type == "half" ? io::PixelType::half : io::PixelType::float32;
   }
   if (command.compression != "keep") format.compression = command.compression;
+  format.channels.names = command.channels;
+  if (command.only == "beauty") format.channels.names = {"beauty"};
+  format.channels.denoised = command.only == "denoised";
   return format;
 }
 
@@ -79,6 +89,10 @@ class DenoiseJob {
   void find_existing();
   void print_plan(const std::set<int>& needed);
   io::LoadedFrame read(int frame);
+  io::LoadedFrame read_pixels(int frame) const;
+  io::LoadedFrame read_file(const std::string& path, int frame) const;
+  void require_sound_input(const std::vector<int>& frames) const;
+  std::string halves_text() const;
   void write(DenoisedFile& result);
   /// For what is the same with every frame that is written.
   void warn_once(const std::string& line);
@@ -106,20 +120,21 @@ DenoiseJob::DenoiseJob(const DenoiseCommand& command)
       layers_(layer_options(command.layers)),
       format_(format_of(command)),
       filter_(command.preset, command.filter),
-      inputs_(command.input, command.output.frames, command.frame, parse_missing(command.missing),
+      inputs_(command.inputs, command.output.frames, command.frame, parse_missing(command.missing),
               [this](const auto& asked, const auto& on_disk) { return filter_.readable(asked, on_disk); }),
       outputs_("-o", inputs_.output_pattern(command.output.pattern), inputs_.outputs()),
       window_(find_window(inputs_, layers_)),
       fingerprints_(inputs_, filter_, layers_, window_) {
   std::vector<std::string> paths;
-  for (const int frame : inputs_.readable()) paths.push_back(inputs_.path(frame));
+  for (const int frame : inputs_.readable())
+    std::ranges::copy(inputs_.paths(frame), std::back_inserter(paths));
   outputs_.keep_apart_from(paths);
 }
 
 /// By the sequence's first frame, whichever frames this job is about.
 void DenoiseJob::choose_additive() {
   if (!filter_.denoises_additive()) return;
-  const io::SequencePattern pattern(command_.input);
+  const io::SequencePattern& pattern = inputs_.pattern();
   const std::string path = pattern.has_frame_field() ? pattern.path(pattern.frames_on_disk().front())
                                                      : inputs_.path(inputs_.readable().front());
   std::vector<io::AdditiveSet> sets;
@@ -164,6 +179,8 @@ ExitStatus DenoiseJob::run() {
   std::set<int> needed;
   for (const filter::Step& step : steps) needed.insert(step.frame);
   const std::vector<InputLayout> views = check_inputs(inputs_, needed, filter_, layers_);
+  if (command_.strict) require_sound_input({needed.begin(), needed.end()});
+  io::check_selection(inputs_.path(*needed.begin()), layers_, format_.channels, "--channels");
   if (command_.dry_run) {
     print_plan(needed);
     return ExitStatus::done;
@@ -175,10 +192,12 @@ ExitStatus DenoiseJob::run() {
                   views.size());
   }
   if (!inputs_.note().empty()) progress_->warn(inputs_.note());
+  if (inputs_.other_half()) progress_->note(halves_text());
   for (const std::string& note : additive_notes_) progress_->note(note);
   if (!inputs_.has_numbers()) {
-    progress_->note(fmt::format(
-        "{}: no frame number in the name, so this is frame 1; --frame N says otherwise", command_.input));
+    progress_->note(
+        fmt::format("{}: no frame number in the name, so this is frame 1; --frame N says otherwise",
+                    inputs_.pattern().text()));
   }
   const double work_per_step = static_cast<double>(wanted.size()) / static_cast<double>(steps.size());
   run_filter(
@@ -198,6 +217,8 @@ std::string DenoiseJob::settings() const {
   std::string text = filter_.describe(inputs_.readable()) + app::describe(command_.layers);
   if (command_.type != "keep") text += " type=" + command_.type;
   if (command_.compression != "keep") text += " compression=" + command_.compression;
+  if (!command_.only.empty()) text += " only=" + command_.only;
+  if (!command_.channels.empty()) text += fmt::format(" channels={}", fmt::join(command_.channels, ","));
   return text;
 }
 
@@ -209,9 +230,12 @@ void DenoiseJob::print_plan(const std::set<int>& needed) {
     fmt::print("{} {}: {}, {}\n", verb, pattern, counted(frames.size(), "frame", "frames"),
                io::format_frame_range(frames));
   };
-  print("reads", command_.input, {needed.begin(), needed.end()});
-  fmt::print("takes {}x{} px of {}; passes on every other channel\n", window_.width(), window_.height(),
-             fingerprints_.layers_of(*needed.begin()));
+  print("reads", inputs_.pattern().text(), {needed.begin(), needed.end()});
+  fmt::print(
+      "takes {}x{} px of {}; {}\n", window_.width(), window_.height(),
+      fingerprints_.layers_of(*needed.begin()),
+      format_.channels.selects_all() ? "passes on every other channel" : "leaves channels out as told");
+  if (inputs_.other_half()) fmt::print("{}\n", halves_text());
   for (const std::string& note : additive_notes_) fmt::print("{}\n", note);
   fmt::print("filters with preset {}: {}\n", command_.preset, settings());
   if (!existing_.empty()) print("keeps", command_.output.pattern, {existing_.begin(), existing_.end()});
@@ -233,16 +257,43 @@ io::LoadedFrame DenoiseJob::read(int frame) {
   const ProfileScope scope(profile_, "read");
   progress_->detail(fmt::format("frame {}: reading {}", frame, inputs_.path(frame)));
   fingerprints_.take(frame);
-  if (!filter_.denoises_additive()) {
-    return io::read_exr(inputs_.path(frame), frame, filter_.wanted(), layers_, io::LightGroups::leave,
-                        window_.window);
+  return read_pixels(frame);
+}
+
+io::LoadedFrame DenoiseJob::read_pixels(int frame) const {
+  io::LoadedFrame loaded = read_file(inputs_.path(frame), frame);
+  if (inputs_.other_half()) {
+    const std::string other = inputs_.other_half()->path(frame);
+    join_halves(loaded, read_file(other, frame), other);
   }
-  io::LoadedFrame loaded =
-      io::read_exr(inputs_.path(frame), frame, filter_.wanted() | filter::additive_aovs(), layers_,
-                   io::LightGroups::read, window_.window);
+  return loaded;
+}
+
+io::LoadedFrame DenoiseJob::read_file(const std::string& path, int frame) const {
+  if (!filter_.denoises_additive()) {
+    return io::read_exr(path, frame, filter_.wanted(), layers_, io::LightGroups::leave, window_.window);
+  }
+  io::LoadedFrame loaded = io::read_exr(path, frame, filter_.wanted() | filter::additive_aovs(), layers_,
+                                        io::LightGroups::read, window_.window);
   leave_other_parts(loaded);
   std::ranges::for_each(loaded.other_views, leave_other_parts);
   return loaded;
+}
+
+/// --strict: what an audit finds in the frames is an error.
+void DenoiseJob::require_sound_input(const std::vector<int>& frames) const {
+  const std::vector<FrameFinding> findings =
+      audit_frames(frames, [this](int frame) { return read_pixels(frame); });
+  if (findings.empty()) return;
+  for (const FrameFinding& finding : findings) warn(finding.text());
+  throw Error(ExitStatus::bad_input,
+              fmt::format("{}: --strict: {}; nothing was written", inputs_.pattern().text(),
+                          counted(findings.size(), "finding", "findings")));
+}
+
+std::string DenoiseJob::halves_text() const {
+  return fmt::format("{} and {} hold a half of the samples each; their mean is denoised",
+                     inputs_.pattern().text(), inputs_.other_half()->text());
 }
 
 void DenoiseJob::warn_once(const std::string& line) {
@@ -258,6 +309,9 @@ void DenoiseJob::write(DenoisedFile& result) {
     io::Attributes attributes = attributes_;
     for (auto& attribute : fingerprints_.of(result.frame.number()))
       attributes.push_back(std::move(attribute));
+    if (std::string alpha = alpha_outcome(result.source, result.frame, result.other_views); !alpha.empty()) {
+      attributes.emplace_back("becalm:alpha", std::move(alpha));
+    }
     if (number != result.frame.number()) {
       attributes.emplace_back("becalm:held_from", std::to_string(result.frame.number()));
     }
@@ -284,10 +338,15 @@ void DenoiseJob::write(DenoisedFile& result) {
 Command add_denoise(CLI::App& becalm) {
   CLI::App& parser = *becalm.add_subcommand("denoise", "Denoise a sequence of EXR files of any renderer");
   auto command = std::make_shared<DenoiseCommand>();
-  parser.add_option("input", command->input, "The EXR files, such as 'in/shot.####.exr', or one file")
+  parser
+      .add_option(
+          "input", command->inputs,
+          "The EXR files, such as 'in/shot.####.exr', or one file; or two of halves of the samples, such "
+          "as shot.b0.####.exr and shot.b1.####.exr, of which the second is found beside the first")
       ->required()
+      ->expected(1, 2)
       ->check(not_empty())
-      ->option_text("INPUT");
+      ->option_text("INPUT [OTHER_HALF]");
   parser
       .add_option("--frame", command->frame,
                   "The frame number of a single file (default: the one in its name, or 1)")
@@ -321,10 +380,29 @@ Command add_denoise(CLI::App& becalm) {
       ->check(CLI::IsMember(compressions))
       ->option_text("NAME")
       ->group("Output");
+  CLI::Option* const only =
+      parser
+          .add_option("--only", command->only,
+                      "Leave out every channel but those of the beauty, or all that are denoised")
+          ->check(CLI::IsMember({"beauty", "denoised"}))
+          ->option_text("beauty|denoised")
+          ->group("Output");
+  parser
+      .add_option("--channels", command->channels,
+                  "Leave out every channel but these: channels, layers, or beauty, joined by commas")
+      ->delimiter(',')
+      ->check(not_empty())
+      ->excludes(only)
+      ->option_text("NAME,...")
+      ->group("Output");
   parser
       .add_flag("--dry-run", command->dry_run,
                 "Check everything, print what would be read, as what, and written, and write nothing")
       ->group("Output");
+  parser
+      .add_flag("--strict", command->strict,
+                "Audit some frames first, as info --audit does; what is found is an error (status 3)")
+      ->group("Input");
   parser
       .add_option("--preset", command->preset,
                   "draft, balanced or final: speed against accuracy (default: balanced)")

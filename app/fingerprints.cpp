@@ -80,11 +80,14 @@ const Fingerprints::Taken& Fingerprints::taken(int frame) {
     taken.layers += fmt::format("{}{}{}{}", taken.layers.empty() ? "" : " ", view.view,
                                 view.view.empty() ? "" : ": ", layers);
   }
+  if (inputs_.other_half()) taken.layers += " with the other half of the samples beside it";
   ContentHash hash;
   hash.add(taken.layers);
-  std::error_code error;
-  hash.add(std::filesystem::file_size(path, error));
-  hash.add_file(path);
+  for (const std::string& file : inputs_.paths(frame)) {
+    std::error_code error;
+    hash.add(std::filesystem::file_size(file, error));
+    hash.add_file(file);
+  }
   taken.hash = hash.value();
   const std::lock_guard lock(mutex_);
   return taken_.emplace(frame, std::move(taken)).first->second;

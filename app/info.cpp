@@ -10,10 +10,14 @@
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
+#include "app/alpha_report.h"
+#include "app/audit_run.h"
 #include "app/command.h"
 #include "app/counted.h"
 #include "app/frame_problems.h"
+#include "app/half_buffers.h"
 #include "app/layer_arguments.h"
 #include "app/mebibytes.h"
 #include "app/options.h"
@@ -30,6 +34,7 @@ struct InfoCommand {
   std::string subject;
   LayerArguments layers;
   bool json = false;
+  bool audit = false;
 };
 
 void print_lines(const std::vector<std::string>& lines) {
@@ -110,18 +115,64 @@ Json to_json(const std::vector<io::AdditiveSet>& sets) {
   return json;
 }
 
-void describe_file(const std::string& path, const io::LayerOptions& layers, bool json) {
+int frame_number(const std::string& path) {
+  const std::optional<io::NamedFrame> named = io::frame_in_name(path);
+  return named ? named->number : 1;
+}
+
+/// --audit: what would spoil the result of denoising these frames.
+std::vector<FrameFinding> audit_of(const io::SequencePattern& pattern, const std::vector<int>& frames,
+                                   const io::LayerOptions& layers) {
+  const std::optional<io::SequencePattern> other_half = find_other_half(pattern);
+  return audit_frames(frames, [&](int frame) {
+    const AovSet all = AovSet().set();
+    io::LoadedFrame loaded = io::read_exr(pattern.path(frame), frame, all, layers);
+    if (other_half) {
+      const std::string path = other_half->path(frame);
+      join_halves(loaded, io::read_exr(path, frame, all, layers), path);
+    }
+    return loaded;
+  });
+}
+
+void print_audit(const std::vector<FrameFinding>& findings) {
+  if (findings.empty()) fmt::print("audit: nothing found that would spoil the result\n");
+  for (const FrameFinding& finding : findings) fmt::print("audit: {}\n", finding.text());
+}
+
+Json to_json(const std::vector<FrameFinding>& findings) {
+  Json json = Json::array();
+  for (const FrameFinding& finding : findings) {
+    json.push_back({{"frame", finding.frame},
+                    {"view", finding.view},
+                    {"check", finding.finding.check},
+                    {"text", finding.finding.text}});
+  }
+  return json;
+}
+
+void describe_file(const InfoCommand& command, const io::LayerOptions& layers) {
+  const std::string& path = command.subject;
   const io::ExrDescription file = io::describe_exr(path, layers);
   const std::vector<io::AdditiveSet> sets = additive_sets(path, layers);
-  if (json) {
-    print_json({{"file", path},
-                {"parts", to_json(file.parts)},
-                {"additive", to_json(sets)},
-                {"problem", file.problem}});
+  const std::string alpha = alpha_outlook(path, layers);
+  std::vector<FrameFinding> findings;
+  const bool audits = command.audit && file.problem.empty();
+  if (audits) findings = audit_of(io::SequencePattern(path), {frame_number(path)}, layers);
+  if (command.json) {
+    Json json{{"file", path},
+              {"parts", to_json(file.parts)},
+              {"additive", to_json(sets)},
+              {"alpha", alpha},
+              {"problem", file.problem}};
+    if (audits) json["audit"] = to_json(findings);
+    print_json(json);
   } else {
     fmt::print("{}: EXR with {}\n", path, counted(file.parts.size(), "part", "parts"));
     print_lines(file.lines());
     print_lines(io::describe(sets));
+    if (!alpha.empty()) fmt::print("{}\n", alpha);
+    if (audits) print_audit(findings);
   }
   if (!file.problem.empty()) throw Error(ExitStatus::bad_input, file.problem);
 }
@@ -203,8 +254,9 @@ Json to_json(const std::vector<Kind>& kinds) {
 }
 
 /// The description that most frames have, and what others have instead; additive layers of the first frame,
-/// by which denoise chooses them.
-void describe_sequence(const io::SequencePattern& pattern, const io::LayerOptions& layers, bool json) {
+/// by which denoise chooses them, and its alpha.
+void describe_sequence(const io::SequencePattern& pattern, const io::LayerOptions& layers,
+                       const InfoCommand& command) {
   const std::vector<int> frames = pattern.frames_on_disk();
   if (frames.empty()) {
     throw Error(ExitStatus::bad_input, fmt::format("{}: no frame of this sequence is on disk{}",
@@ -214,23 +266,35 @@ void describe_sequence(const io::SequencePattern& pattern, const io::LayerOption
   const std::vector<Kind> kinds = kinds_of(described);
   FrameProblems problems(pattern);
   const std::vector<io::AdditiveSet> sets = additive_sets(pattern.path(frames.front()), layers);
+  const std::string alpha = alpha_outlook(pattern.path(frames.front()), layers);
   Json problems_json = Json::array();
   for (const Described& frame : described) {
     if (frame.problem.empty()) continue;
     problems.add(frame.frame, frame.problem);
     problems_json.push_back({{"frame", frame.frame}, {"problem", frame.problem}});
   }
-  if (json) {
-    print_json({{"pattern", pattern.text()},
-                {"frames", io::format_frame_range(frames)},
-                {"kinds", to_json(kinds)},
-                {"additive", to_json(sets)},
-                {"problems", std::move(problems_json)}});
+  std::vector<FrameFinding> findings;
+  const bool audits = command.audit && problems.empty();
+  if (audits) findings = audit_of(pattern, frames, layers);
+  if (command.json) {
+    Json json{{"pattern", pattern.text()},
+              {"frames", io::format_frame_range(frames)},
+              {"kinds", to_json(kinds)},
+              {"additive", to_json(sets)},
+              {"alpha", alpha},
+              {"problems", std::move(problems_json)}};
+    if (audits) json["audit"] = to_json(findings);
+    print_json(json);
   } else {
     fmt::print("{}: {}, {}\n", pattern.text(), counted(frames.size(), "frame", "frames"),
                io::format_frame_range(frames));
+    if (const auto other = find_other_half(pattern)) {
+      fmt::print("{} is the other half of the samples; denoise takes the mean of both\n", other->text());
+    }
     print_kinds(kinds);
     print_lines(io::describe(sets));
+    if (!alpha.empty()) fmt::print("{}\n", alpha);
+    if (audits) print_audit(findings);
   }
   if (!problems.empty()) problems.fail(frames.size(), "");
 }
@@ -242,9 +306,9 @@ ExitStatus describe(const InfoCommand& command) {
   } else if (std::filesystem::path(command.subject).extension() == ".json") {
     describe_scene(command.subject, command.json);
   } else if (const io::SequencePattern pattern(command.subject); pattern.has_frame_field()) {
-    describe_sequence(pattern, layers, command.json);
+    describe_sequence(pattern, layers, command);
   } else {
-    describe_file(command.subject, layers, command.json);
+    describe_file(command, layers);
   }
   return ExitStatus::done;
 }
@@ -260,6 +324,10 @@ Command add_info(CLI::App& becalm) {
       ->check(not_empty())
       ->option_text("SCENE.json|EXR|device");
   add_layer_options(parser, command->layers);
+  parser.add_flag(
+      "--audit", command->audit,
+      "Look at the pixels of some frames for what would spoil a denoised result: noise that repeats, "
+      "guides that mislead, clamped light and more");
   parser.add_flag("--json", command->json, "Print one JSON object, for scripts");
   parser.footer(
       "Examples:\n"

@@ -5,6 +5,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 
 #include "app/frame_problems.h"
@@ -22,12 +23,30 @@ struct Checked {
   std::string problem;
 };
 
+/// Of the views of one file.
+std::vector<InputLayout> read_layout(const std::string& path, const FilterStep& filter,
+                                     const io::LayerOptions& layers) {
+  std::vector<InputLayout> layout;
+  for (const io::ExrView& view : io::read_exr_header(path, layers, io::CheckChunks::yes)) {
+    layout.push_back(layout_of(view, filter));
+  }
+  return layout;
+}
+
 Checked check(const InputFrames& inputs, int frame, const FilterStep& filter,
               const io::LayerOptions& layers) {
   try {
-    std::vector<InputLayout> layout;
-    for (const io::ExrView& view : io::read_exr_header(inputs.path(frame), layers, io::CheckChunks::yes)) {
-      layout.push_back(layout_of(view, filter));
+    std::vector<InputLayout> layout = read_layout(inputs.path(frame), filter, layers);
+    if (!inputs.other_half()) return {frame, std::move(layout), ""};
+    const std::string other = inputs.other_half()->path(frame);
+    if (const std::vector<InputLayout> other_layout = read_layout(other, filter, layers);
+        other_layout != layout) {
+      throw Error(ExitStatus::bad_input,
+                  fmt::format("{}: has not the size and layers of the other half of its samples", other));
+    }
+    for (InputLayout& view : layout) {
+      view.aovs.reset(static_cast<std::size_t>(Aov::variance));
+      for (const Aov half : {Aov::half_a, Aov::half_b}) view.aovs.set(static_cast<std::size_t>(half));
     }
     return {frame, std::move(layout), ""};
   } catch (const Error& error) {
@@ -124,7 +143,10 @@ InputWindow find_window(const InputFrames& inputs, const io::LayerOptions& layer
   std::vector<std::vector<io::ExrView>> headers(frames.size());
   tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t i) {
     try {
-      headers[i] = io::read_exr_header(inputs.path(frames[i]), layers, io::CheckChunks::no);
+      for (const std::string& path : inputs.paths(frames[i])) {
+        std::ranges::move(io::read_exr_header(path, layers, io::CheckChunks::no),
+                          std::back_inserter(headers[i]));
+      }
     } catch (const Error&) {  // told by check_inputs if the frame is needed
     }
   });

@@ -7,6 +7,7 @@
 #include <limits>
 #include <system_error>
 
+#include "app/half_buffers.h"
 #include "frame/error.h"
 
 namespace becalm::app {
@@ -21,9 +22,19 @@ int usual_step(const std::vector<int>& frames) {
   return frames.size() < 2 ? 1 : step;
 }
 
-InputFrames::InputFrames(const std::string& pattern, const std::string& range, std::optional<int> frame,
-                         Missing missing, const Readable& readable)
-    : pattern_(pattern), padding_(pattern_.padding()) {
+InputFrames::InputFrames(const std::vector<std::string>& patterns, const std::string& range,
+                         std::optional<int> frame, Missing missing, const Readable& readable)
+    : pattern_(patterns.front()), padding_(pattern_.padding()) {
+  const std::string& pattern = pattern_.text();
+  if (patterns.size() > 1) {
+    other_half_.emplace(patterns[1]);
+    if (other_half_->has_frame_field() != pattern_.has_frame_field()) {
+      throw Error(ExitStatus::usage, fmt::format("{}: halves of one sequence must both have a frame field",
+                                                 other_half_->text()));
+    }
+  } else {
+    other_half_ = find_other_half(pattern_);
+  }
   if (!pattern_.has_frame_field()) {
     take_single_file(range, frame);
     return;
@@ -107,6 +118,12 @@ void InputFrames::assign_outputs(const std::vector<int>& asked, const std::vecto
     throw Error(ExitStatus::bad_input,
                 fmt::format("{}: none of frames {} is on disk", pattern, io::format_frame_range(asked)));
   }
+}
+
+std::vector<std::string> InputFrames::paths(int frame) const {
+  std::vector<std::string> paths{pattern_.path(frame)};
+  if (other_half_) paths.push_back(other_half_->path(frame));
+  return paths;
 }
 
 io::SequencePattern InputFrames::output_pattern(const std::string& text) const {

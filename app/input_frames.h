@@ -25,13 +25,18 @@ class InputFrames {
   using Readable =
       std::function<std::vector<int>(const std::vector<int>& asked, const std::vector<int>& on_disk)>;
 
-  /// `range` empty: all on disk. `frame` is the number of a single file, whatever its name says. Throws
-  /// Error(usage) for a bad range or a number for a sequence, Error(bad_input) naming the frames that are not
-  /// there.
-  InputFrames(const std::string& pattern, const std::string& range, std::optional<int> frame, Missing missing,
-              const Readable& readable);
+  /// `patterns` are one sequence, or two that hold a half of the samples each. `range` empty: all on disk.
+  /// `frame` is the number of a single file, whatever its name says. Throws Error(usage) for a bad range, a
+  /// number for a sequence, or a sequence beside a single file, Error(bad_input) naming the frames that are
+  /// not there.
+  InputFrames(const std::vector<std::string>& patterns, const std::string& range, std::optional<int> frame,
+              Missing missing, const Readable& readable);
 
   const io::SequencePattern& pattern() const { return pattern_; }
+  /// Of a pair of sequences, the other half of the samples: given as one, or found beside the first.
+  const std::optional<io::SequencePattern>& other_half() const { return other_half_; }
+  /// The files of a frame: one, or two halves.
+  std::vector<std::string> paths(int frame) const;
   /// What may be read, ascending.
   const std::vector<int>& readable() const { return readable_; }
   std::string path(int frame) const { return pattern_.path(frame); }
@@ -61,6 +66,7 @@ class InputFrames {
   void assign_outputs(const std::vector<int>& asked, const std::vector<int>& present, Missing missing);
 
   io::SequencePattern pattern_;
+  std::optional<io::SequencePattern> other_half_;
   int padding_ = 0;  ///< of the numbers in the files' names; 0: no number there
   bool has_numbers_ = true;
   std::vector<int> readable_;

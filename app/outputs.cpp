@@ -136,7 +136,7 @@ void Outputs::keep_foreign_files() const {
   }
 }
 
-void Outputs::prepare() const {
+void Outputs::prepare() {
   const fs::path folder = fs::path(pattern_.text()).parent_path();
   std::error_code error;
   if (!folder.empty()) fs::create_directories(folder, error);
@@ -150,6 +150,7 @@ void Outputs::prepare() const {
 
   std::set<std::string> names;
   for (const int frame : frames_) names.insert(fs::path(path(frame)).filename().string());
+  lock_ = std::make_unique<FolderLock>(place, std::vector<std::string>(names.begin(), names.end()));
   for (const fs::directory_entry& entry : fs::directory_iterator(place, error)) {
     const int owner = partial_owner(entry.path().filename().string(), names);
     if (owner > 0 && !process_runs(owner)) fs::remove(entry.path(), error);

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <memory>
 #include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "app/folder_lock.h"
 #include "frame/io/exr.h"
 #include "frame/io/sequence.h"
 
@@ -26,9 +28,10 @@ class Outputs {
   /// Throws Error(usage) if there is a file in an output's place that becalm did not write.
   void keep_foreign_files() const;
 
-  /// Makes the folder and removes what killed runs left half-written of these frames. Throws Error(resource),
-  /// before hours of work whose result could not be written.
-  void prepare() const;
+  /// Makes the folder, locks the frames against other processes as long as this lives, and removes what
+  /// killed runs left half-written of them. Throws Error(resource), before hours of work whose result could
+  /// not be written.
+  void prepare();
 
   struct Existing {
     std::set<int> frames;               ///< there, whole, and written with the same attributes
@@ -44,6 +47,7 @@ class Outputs {
   std::string option_;
   io::SequencePattern pattern_;
   std::vector<int> frames_;
+  std::unique_ptr<FolderLock> lock_;
 };
 
 /// The first frames up to the last one that is not among the existing: what a stage with a memory must go

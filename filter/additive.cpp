@@ -77,7 +77,7 @@ std::vector<Image> pack_additive(const Frame& frame, const FilterTask& task,
 }
 
 void unpack_additive(const NewFrame& frame, const FilterTask& task, const std::vector<Image>& denoised,
-                     Frame& result) {
+                     std::span<const std::uint8_t> as_they_came, Frame& result) {
   if (task.additive == 0) return;
   for (const Aov aov : kAdditiveAovs) {
     if (contains(task.used, aov)) result.add(aov);
@@ -88,9 +88,9 @@ void unpack_additive(const NewFrame& frame, const FilterTask& task, const std::v
   const std::vector<const Image*> sources = additive_images(frame.frame, task.used);
   const std::vector<Image*> targets = additive_images(result, task.used);
   for (std::size_t n = 0; n < targets.size(); ++n) {
-    for (std::size_t i = 0; i < frame.finite.size(); ++i) {
-      const auto pixel =
-          frame.finite[i] ? denoised[n].data().subspan(4 * i, 3) : sources[n]->data().subspan(3 * i, 3);
+    for (std::size_t i = 0; i < as_they_came.size(); ++i) {
+      const auto pixel = as_they_came[i] ? sources[n]->data().subspan(3 * i, 3)
+                                         : std::span<const float>(denoised[n].data()).subspan(4 * i, 3);
       std::ranges::copy(pixel, targets[n]->data().subspan(3 * i, 3).begin());
     }
   }

@@ -28,10 +28,10 @@ std::vector<const Image*> additive_images(const Frame& frame, const AovSet& used
 std::vector<Image> pack_additive(const Frame& frame, const FilterTask& task,
                                  std::span<const std::uint8_t> finite, FrameReport& report);
 
-/// Gives `result`, a denoised frame, the additive AOVs of `frame` as `denoised` has them; where `frame` is
-/// not finite, as they came.
+/// Gives `result`, a denoised frame, the additive AOVs of `frame` as `denoised` has them; as they came in the
+/// pixels that `as_they_came` marks.
 void unpack_additive(const NewFrame& frame, const FilterTask& task, const std::vector<Image>& denoised,
-                     Frame& result);
+                     std::span<const std::uint8_t> as_they_came, Frame& result);
 
 /// `count` inputs of a chain (f32x4), one for each additive AOV or image that is carried.
 std::vector<gpu::ImageId> additive_inputs(gpu::Chain& chain, std::size_t count, gpu::Extent extent,

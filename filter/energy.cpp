@@ -172,6 +172,19 @@ void apply(const BlockGrid& finest, Estimate& estimate) {
   }
 }
 
+/// A channel whose mean over the frame is not positive has no brightness to restore: additive AOVs of either
+/// sign may cancel there.
+void leave_channels_without_light(std::vector<BlockGrid>& levels) {
+  const std::array<double, 3> whole = levels.back().blocks.front().frame;
+  for (BlockGrid& level : levels) {
+    for (Block& block : level.blocks) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        if (!(whole[c] > 0.0)) block.frame[c] = block.estimate[c] = 0.0;
+      }
+    }
+  }
+}
+
 /// Brings the mean of the whole frame to that of the noisy one, given its block as it was before the finer
 /// ones were: those with a bright sample are noisier than others, take less of their difference, and light is
 /// missing again. Frames may tell more noise than they have, above all those of one sample, whose variance is
@@ -185,7 +198,7 @@ void restore_whole(Block whole, double share_of_noise, const NewFrame& frame, Es
   for (std::size_t i = 0; i < frame.finite.size(); ++i) {
     if (!counts(frame, estimate, i)) continue;
     for (std::size_t c = 0; c < 3; ++c) {
-      whole.estimate[c] += exposure * estimate.color.data()[4 * i + c];
+      if (whole.frame[c] > 0.0) whole.estimate[c] += exposure * estimate.color.data()[4 * i + c];
       residual += exposure * exposure * residual_square(frame, estimate, i, c) / 3.0;
     }
   }
@@ -201,6 +214,7 @@ void restore_whole(Block whole, double share_of_noise, const NewFrame& frame, Es
 void restore_energy(const NewFrame& frame, const FilterTask& task, Estimate& estimate, double reach_px) {
   std::vector<BlockGrid> levels{finest_level(frame, task, estimate)};
   while (levels.back().blocks.size() > 1) levels.push_back(coarser(levels.back()));
+  leave_channels_without_light(levels);
   const auto share_of_noise = [&](std::size_t l) {
     return std::min(4.0 * reach_px / std::ldexp(kFinestBlock, static_cast<int>(l)), 1.0);
   };

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "filter/additive.h"
+#include "filter/alpha.h"
 #include "filter/cuts.h"
 #include "filter/energy.h"
 #include "filter/finish.h"
@@ -40,18 +41,33 @@ std::unique_ptr<FrameMerger> make_merger(gpu::Device& device, const FilterTask& 
   return std::make_unique<TiledFrame>(device, task, limit);
 }
 
+/// 1 for each pixel that is written as it came: those that are not finite, and those that show nothing, into
+/// which smoothing would bring light that their alpha does not cover.
+std::vector<std::uint8_t> unfiltered_pixels(const NewFrame& frame) {
+  std::vector<std::uint8_t> pixels = empty_pixels(frame.frame.image(Aov::beauty));
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    if (!frame.finite[i]) pixels[i] = 1;
+  }
+  return pixels;
+}
+
 /// The estimate as a frame, with its additive AOVs and the diagnostics that are wanted.
 Frame output_frame(const NewFrame& frame, const FilterTask& task, MergedFrame made, FrameReport& report) {
   const AovSet& diagnostics = task.diagnostics;
   Frame result(frame.frame.number(), frame.frame.width(), frame.frame.height());
   const std::span<const float> stats = made.merged.stats.data();
-  const std::span<const float> beauty = frame.frame.image(Aov::beauty).data();
+  const Image& noisy = frame.frame.image(Aov::beauty);
+  const std::span<const float> beauty = noisy.data();
   const std::span<float> color = made.merged.color.data();
   const std::span<float> variance = result.add(Aov::variance).data();
+  const std::vector<std::uint8_t> as_they_came = unfiltered_pixels(frame);
+  pass_on_alpha(
+      noisy, task.settings.alpha != 0 ? noisy_alpha(noisy) : std::vector<std::uint8_t>(noisy.pixel_count()),
+      made.merged.color);
   std::span<float> count;
   if (contains(diagnostics, Aov::sample_count)) count = result.add(Aov::sample_count).data();
   for (std::size_t i = 0; i < frame.finite.size(); ++i) {
-    if (!frame.finite[i]) std::ranges::copy(beauty.subspan(4 * i, 4), color.begin() + 4 * i);
+    if (as_they_came[i]) std::ranges::copy(beauty.subspan(4 * i, 4), color.begin() + 4 * i);
     std::ranges::fill_n(variance.begin() + 3 * i, 3, stats[2 * i]);
     if (!count.empty()) count[i] = stats[2 * i + 1];
     report.mean_sample_count += stats[2 * i + 1];
@@ -77,7 +93,7 @@ Frame output_frame(const NewFrame& frame, const FilterTask& task, MergedFrame ma
     result.image(Aov::accumulated_normal) = std::move(made.accumulated.normal);
     result.image(Aov::accumulated_depth) = std::move(made.accumulated.depth);
   }
-  unpack_additive(frame, task, made.merged.additive, result);
+  unpack_additive(frame, task, made.merged.additive, as_they_came, result);
   return result;
 }
 

@@ -41,8 +41,8 @@ class SequenceFilter {
 
   /// Takes one step of a schedule; the steps of a segment come in their order, and `frame` is the step's.
   /// Steps forward that are wanted return the denoised frame. Predictions are kept from the step backward
-  /// that wants them to the step forward that takes them: some 24 bytes a pixel, and 16 for each additive
-  /// AOV, for each frame of a segment.
+  /// that wants them to the step forward that takes them: some 24 bytes a pixel, 48 more with smooth=merged,
+  /// and 16 for each additive AOV, for each frame of a segment.
   std::optional<Frame> run(const Step& step, const Frame& frame, FrameReport& report);
 
   /// A step forward of a frame that is wanted.

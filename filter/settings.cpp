@@ -167,6 +167,11 @@ const Row kTable[] = {
       "1 denoises direct, indirect and light groups with the beauty's weights, so that they still add up; 0 "
       "passes them on noisy"},
      IntRange{&Settings::additive, 0, 1}},
+    {{"alpha", "0 or 1",
+      "0 passes alpha on as it came; 1 denoises it with the beauty's weights where it is as rough as the "
+      "noise "
+      "of motion blur and depth of field, or as clean hair"},
+     IntRange{&Settings::alpha, 0, 1}},
 };
 
 template <class... Cases>

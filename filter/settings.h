@@ -88,6 +88,7 @@ struct Settings {
   float max_history = 64.0f;
   int restore_energy = 1;
   int additive = 1;
+  int alpha = 0;
 };
 
 /// One row of the settings table.

@@ -110,10 +110,25 @@ struct WriteReport {
 WriteReport write_exr(const std::string& path, const Frame& frame, const Attributes& attributes,
                       PixelType color_type = PixelType::half);
 
+/// Which channels are written: by default all.
+struct ChannelSelection {
+  /// Channels, layers (`diffuse` for `diffuse.R`), or `beauty`; all where there are none.
+  std::vector<std::string> names = {};
+  bool denoised = false;  ///< those that were denoised, and diagnostics, whatever their names
+
+  bool selects_all() const { return names.empty() && !denoised; }
+};
+
+/// Throws Error(usage) naming `option` if one of the names is of no channel of the file.
+void check_selection(const std::string& path, const LayerOptions& options, const ChannelSelection& selection,
+                     std::string_view option);
+
 /// How the parts of the denoised channels are written; by default as the source is.
 struct DenoisedFormat {
   std::optional<PixelType> type;             ///< of the denoised channels
   std::optional<std::string> compression{};  ///< one of compression_names()
+  /// Parts without a channel that is selected are left out, and deep ones unless all of theirs are.
+  ChannelSelection channels = {};
 };
 
 /// none, rle, zips, zip, piz, pxr24, b44, b44a, dwaa and dwab.

@@ -20,10 +20,12 @@
 #include <cstring>
 #include <list>
 #include <map>
+#include <set>
 
 #include "frame/error.h"
 #include "frame/io/atomic_file.h"
 #include "frame/io/exr_file.h"
+#include "frame/io/printable.h"
 #include "frame/io/stripe.h"
 
 namespace becalm::io {
@@ -176,20 +178,21 @@ void write_part(Imf::MultiPartOutputFile& file, int part, const FrameChannels& f
 }
 
 template <class InputPart, class OutputPart>
-void copy_as(Imf::MultiPartInputFile& from, Imf::MultiPartOutputFile& to, int part) {
+void copy_as(Imf::MultiPartInputFile& from, int part, Imf::MultiPartOutputFile& to, int to_part) {
   InputPart in(from, part);
-  OutputPart(to, part).copyPixels(in);
+  OutputPart(to, to_part).copyPixels(in);
 }
 
 /// Copies a part's chunks as they are, still compressed.
-void copy_part(Imf::MultiPartInputFile& from, Imf::MultiPartOutputFile& to, int part) {
+void copy_part(Imf::MultiPartInputFile& from, int part, Imf::MultiPartOutputFile& to, int to_part) {
   const Imf::Header& header = from.header(part);
   if (is_deep(header)) {
-    is_tiled(header) ? copy_as<Imf::DeepTiledInputPart, Imf::DeepTiledOutputPart>(from, to, part)
-                     : copy_as<Imf::DeepScanLineInputPart, Imf::DeepScanLineOutputPart>(from, to, part);
+    is_tiled(header)
+        ? copy_as<Imf::DeepTiledInputPart, Imf::DeepTiledOutputPart>(from, part, to, to_part)
+        : copy_as<Imf::DeepScanLineInputPart, Imf::DeepScanLineOutputPart>(from, part, to, to_part);
   } else {
-    is_tiled(header) ? copy_as<Imf::TiledInputPart, Imf::TiledOutputPart>(from, to, part)
-                     : copy_as<Imf::InputPart, Imf::OutputPart>(from, to, part);
+    is_tiled(header) ? copy_as<Imf::TiledInputPart, Imf::TiledOutputPart>(from, part, to, to_part)
+                     : copy_as<Imf::InputPart, Imf::OutputPart>(from, part, to, to_part);
   }
 }
 
@@ -316,6 +319,48 @@ void replace_view(const std::string& path, const LoadedView& view, const Frame& 
   }
 }
 
+/// Whether a channel is the selection's, of which `beauty` are the channels of that part.
+bool is_named(const ChannelSelection& selection, const std::string& channel,
+              const std::vector<std::string>& beauty) {
+  return std::ranges::any_of(selection.names, [&](const std::string& name) {
+    if (name == "beauty" && std::ranges::find(beauty, channel) != beauty.end()) return true;
+    return channel == name || channel.starts_with(name + '.');
+  });
+}
+
+/// The beauties' channels of a part, in all views.
+std::vector<std::string> beauty_channels(const std::vector<const ViewLayers*>& views, int part) {
+  std::vector<std::string> names;
+  for (const ViewLayers* view : views) {
+    const LayerSource& beauty = *view->layers[static_cast<std::size_t>(Aov::beauty)];
+    if (beauty.part == part) names.insert(names.end(), beauty.channels.begin(), beauty.channels.end());
+  }
+  return names;
+}
+
+/// Leaves channels out that are not selected. Returns whether the part is left with any.
+bool select_channels(const ChannelSelection& selection, const std::vector<std::string>& beauty, int part,
+                     Rewritten& file) {
+  if (selection.selects_all()) return true;
+  Imf::Header& header = file.headers[part];
+  const auto replaced = file.channels.find(part);
+  Imf::ChannelList kept;
+  bool all = true;
+  for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
+    const bool is_denoised = replaced != file.channels.end() && replaced->second.contains(it.name());
+    if ((selection.denoised && is_denoised) || is_named(selection, it.name(), beauty)) {
+      kept.insert(it.name(), it.channel());
+    } else {
+      all = false;
+    }
+  }
+  if (all) return true;
+  if (kept.begin() == kept.end() || is_deep(header)) return false;
+  header.channels() = kept;
+  file.channels[part];  // its chunks hold channels that are left out
+  return true;
+}
+
 /// Chooses how the pixels of a part that is not copied are stored: by `compression` (one of kCompressions),
 /// or as they are.
 void prepare_header(const FrameChannels& channels, const std::optional<std::string>& compression,
@@ -370,6 +415,31 @@ std::span<const std::string_view> compression_names() {
   return kCompressions;
 }
 
+void check_selection(const std::string& path, const LayerOptions& options, const ChannelSelection& selection,
+                     std::string_view option) {
+  if (selection.selects_all()) return;
+  reading(path, [&] {
+    const std::unique_ptr<Imf::MultiPartInputFile> file = open_exr(path);
+    const std::vector<PartChannels> parts = part_channels(*file);
+    const std::vector<ViewLayers> found = find_view_layers(path, parts, options);
+    std::vector<const ViewLayers*> views;
+    for (const ViewLayers& view : found) views.push_back(&view);
+    for (const std::string& name : selection.names) {
+      bool is_there = false;
+      for (std::size_t part = 0; part < parts.size(); ++part) {
+        const std::vector<std::string> beauty = beauty_channels(views, static_cast<int>(part));
+        is_there = is_there || std::ranges::any_of(parts[part].channels, [&](const std::string& channel) {
+                     return is_named({.names = {name}}, channel, beauty);
+                   });
+      }
+      if (is_there) continue;
+      throw Error(ExitStatus::usage,
+                  fmt::format("{} {}: {} has no such channel or layer; becalm info lists them", option,
+                              printable(name), path));
+    }
+  });
+}
+
 WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
                                const std::vector<Frame>& other_views, const LoadedFrame& source,
                                const Attributes& attributes, const DenoisedFormat& format) {
@@ -394,22 +464,38 @@ WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
     const bool has_own_part = beauty_of(view).part != beauty_of(source).part;
     replace_view(source_path, view, other_views[i], has_own_part ? "" : view.view, rewritten);
   }
-  WriteReport report;
-  for (const auto& [part, channels] : rewritten.channels) {
-    prepare_header(channels, format.compression, rewritten.headers[part], report);
-    if (part != 0) insert_attributes(rewritten.headers[part], attributes);
+  std::vector<const ViewLayers*> views{&source};
+  for (const LoadedView& view : source.other_views) views.push_back(&view);
+  std::set<int> with_denoised;
+  for (const auto& [part, channels] : rewritten.channels) with_denoised.insert(part);
+  std::vector<int> kept;
+  for (int part = 0; part < from->parts(); ++part) {
+    if (select_channels(format.channels, beauty_channels(views, part), part, rewritten)) kept.push_back(part);
   }
-  insert_attributes(rewritten.headers.front(), attributes);
+  if (kept.empty()) {
+    throw Error(ExitStatus::bad_input, fmt::format("{}: holds none of the channels to write", source_path));
+  }
+  WriteReport report;
+  std::vector<Imf::Header> headers;
+  for (const int part : kept) {
+    Imf::Header& header = headers.emplace_back(rewritten.headers[part]);
+    const auto channels = rewritten.channels.find(part);
+    const bool is_denoised = with_denoised.contains(part);
+    if (channels != rewritten.channels.end()) {
+      prepare_header(channels->second, is_denoised ? format.compression : std::nullopt, header, report);
+    }
+    if (is_denoised || part == kept.front()) insert_attributes(header, attributes);
+  }
 
-  writing(path, rewritten.headers, [&](Imf::MultiPartOutputFile& file) {
-    for (int part = 0; part < from->parts(); ++part) {
-      const auto channels = rewritten.channels.find(part);
+  writing(path, headers, [&](Imf::MultiPartOutputFile& file) {
+    for (std::size_t number = 0; number < kept.size(); ++number) {
+      const auto channels = rewritten.channels.find(kept[number]);
       if (channels == rewritten.channels.end()) {
-        copy_part(*from, file, part);
+        copy_part(*from, kept[number], file, static_cast<int>(number));
         continue;
       }
-      Imf::InputPart in(*from, part);
-      write_part(file, part, channels->second, &in, report);
+      Imf::InputPart in(*from, kept[number]);
+      write_part(file, static_cast<int>(number), channels->second, &in, report);
     }
   });
   return report;

@@ -84,7 +84,8 @@ class LayerFinder {
 
   /// Layers of this part are looked at first from now on.
   void prefer_part(int part) {
-    std::ranges::stable_partition(layers_, [&](const ChannelLayer& layer) { return layer.part == part; });
+    std::stable_partition(layers_.begin(), layers_.end(),
+                          [&](const ChannelLayer& layer) { return layer.part == part; });
   }
 
   /// RenderMan's colour is `Ci.r`, `Ci.g`, `Ci.b`, and its alpha a bare `a` beside it.

@@ -12,6 +12,8 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
 #include <sstream>
 
 #include "tests/end_to_end/harness.h"
@@ -163,6 +165,133 @@ TEST_F(Denoise, PassesOnWhatItDoesNotDenoise) {
   EXPECT_NE(io::read_attribute(folder_ / "out.0002.exr", "becalm:settings").find("max_history=8"),
             std::string::npos);
   EXPECT_NE(io::read_attribute(folder_ / "out.0002.exr", "becalm:version"), "");
+}
+
+/// A clean disc that moves over nothing, with premultiplied noise; alpha is `alpha` instead where it is
+/// given.
+Frame matte_frame(int number, std::optional<float> alpha = {}) {
+  Frame frame = noise_frame(number);
+  Image& beauty = frame.image(Aov::beauty);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const float inside = std::clamp(
+          8.5f - std::hypot(static_cast<float>(x - 14 - 2 * number), static_cast<float>(y - 16)), 0.0f, 1.0f);
+      for (int c = 0; c < 3; ++c) beauty.at(x, y, c) *= alpha ? 1.0f : inside;
+      beauty.at(x, y, 3) = alpha.value_or(inside);
+    }
+  }
+  return frame;
+}
+
+TEST_F(Denoise, ACleanMatteIsNotMoved) {
+  const std::optional<float> kinds[] = {std::nullopt, 0.0f, 1.0f};
+  for (const std::optional<float> kind : kinds) {
+    for (const int number : {1, 2, 3, 4}) {
+      io::write_exr(frame_path(input_, number), matte_frame(number, kind), {});
+    }
+    EXPECT_NE(becalm_done({"info", input_}).out.find("\nalpha: passed on as it is\n"), std::string::npos);
+    for (const char* preset : {"draft", "balanced"}) {
+      becalm_done(command("out.####.exr", {"--preset", preset, "--overwrite", "--set", "alpha=1"}));
+      for (const int number : {1, 2, 3, 4}) {
+        const Image before = read_frame(frame_path(input_, number)).image(Aov::beauty);
+        const std::string path = frame_path(folder_ / "out.####.exr", number);
+        const Image after = read_frame(path).image(Aov::beauty);
+        EXPECT_EQ(io::read_attribute(path, "becalm:alpha"), "passed on");
+        for (std::size_t i = 0; i < before.pixel_count(); ++i) {
+          ASSERT_EQ(after.data()[4 * i + 3], before.data()[4 * i + 3]) << preset << " pixel " << i;
+          if (kind || before.data()[4 * i + 3] > 0) continue;
+          ASSERT_EQ(after.data()[4 * i], 0.0f) << "light that no alpha covers, pixel " << i;
+        }
+      }
+    }
+  }
+}
+
+TEST_F(Denoise, NoisyAlphaIsDenoisedOnRequest) {
+  for (const int number : {1, 2, 3, 4}) {
+    Frame frame = noise_frame(7);
+    const Frame noise = noise_frame(number);
+    for (std::size_t i = 0; i < noise.image(Aov::beauty).pixel_count(); ++i) {
+      frame.image(Aov::beauty).data()[4 * i + 3] = std::min(noise.image(Aov::beauty).data()[4 * i], 1.0f);
+    }
+    io::write_exr(frame_path(input_, number), frame, {}, io::PixelType::float32);
+  }
+  EXPECT_NE(becalm_done({"info", input_}).out.find("look noisy"), std::string::npos);
+  becalm_done(command("passed.####.exr"));
+  becalm_done(command("out.####.exr", {"--set", "alpha=1"}));
+  EXPECT_EQ(io::read_attribute(folder_ / "passed.0002.exr", "becalm:alpha"), "passed on");
+  EXPECT_EQ(io::read_attribute(folder_ / "out.0002.exr", "becalm:alpha").find("denoised in "), 0u);
+  const Image after = read_frame(folder_ / "out.0002.exr").image(Aov::beauty);
+  for (std::size_t i = 3; i < after.data().size(); i += 4) {
+    ASSERT_GE(after.data()[i], 0.0f);
+    ASSERT_LE(after.data()[i], 1.0f);
+  }
+}
+
+std::set<std::string> channels_of(const std::string& path) {
+  Imf::InputFile file(path.c_str());
+  std::set<std::string> names;
+  for (auto it = file.header().channels().begin(); it != file.header().channels().end(); ++it)
+    names.insert(it.name());
+  return names;
+}
+
+TEST_F(Denoise, ChannelsToWriteAreSelected) {
+  for (const int number : {1, 2}) {
+    Frame frame = noise_frame(number);
+    for (const Aov aov : {Aov::direct, Aov::depth}) frame.add(aov, 0.5f);
+    io::write_exr(frame_path(input_, number), frame, {});
+  }
+  const std::set<std::string> beauty{"A", "B", "G", "R"};
+  const std::set<std::string> direct{"direct.B", "direct.G", "direct.R"};
+  std::set<std::string> denoised = beauty;
+  denoised.insert(direct.begin(), direct.end());
+  becalm_done(command("all.####.exr"));
+  becalm_done(command("beauty.####.exr", {"--only", "beauty"}));
+  becalm_done(command("denoised.####.exr", {"--only", "denoised"}));
+  becalm_done(command("named.####.exr", {"--channels", "direct,depth.Z"}));
+  EXPECT_EQ(channels_of(folder_ / "beauty.0002.exr"), beauty);
+  EXPECT_EQ(channels_of(folder_ / "denoised.0002.exr"), denoised);
+  EXPECT_EQ(channels_of(folder_ / "named.0002.exr"),
+            (std::set<std::string>{"depth.Z", "direct.B", "direct.G", "direct.R"}));
+  EXPECT_TRUE(same_frame("all.0002.exr", "beauty.0002.exr"));
+  expect_error(becalm(command("none.####.exr", {"--channels", "beauty,nothing"})), 2, {"--channels nothing"});
+  EXPECT_EQ(files_in(folder_.path()).size(), 10u) << "nothing was written";
+}
+
+TEST_F(Denoise, HalvesBesideEachOtherAreOneSequence) {
+  for (const int number : {1, 2, 3}) {
+    const Frame a = noise_frame(number);
+    const Frame b = noise_frame(number + 10);
+    io::write_exr(frame_path(folder_ / "shot.b0.####.exr", number), a, {}, io::PixelType::float32);
+    io::write_exr(frame_path(folder_ / "shot.b1.####.exr", number), b, {}, io::PixelType::float32);
+    Frame whole = noise_frame(number);
+    for (const Aov aov : {Aov::beauty, Aov::albedo}) {
+      for (std::size_t i = 0; i < whole.image(aov).data().size(); ++i) {
+        whole.image(aov).data()[i] = 0.5f * a.image(aov).data()[i] + 0.5f * b.image(aov).data()[i];
+      }
+    }
+    for (const auto& [half, from] : {std::pair{Aov::half_a, &a}, {Aov::half_b, &b}}) {
+      Image& radiance = whole.add(half);
+      for (std::size_t i = 0; i < radiance.data().size(); ++i) {
+        radiance.data()[i] = from->image(Aov::beauty).data()[i / 3 * 4 + i % 3];
+      }
+    }
+    io::write_exr(frame_path(input_, number), whole, {}, io::PixelType::float32);
+  }
+  becalm_done(command("whole.####.exr"));
+  const std::string first = folder_ / "shot.b0.####.exr";
+  const std::string second = folder_ / "shot.b1.####.exr";
+  EXPECT_NE(becalm_done({"denoise", first, "-o", folder_ / "found.####.exr"})
+                .err.find("a half of the samples each"),
+            std::string::npos);
+  becalm_done({"denoise", first, second, "-o", folder_ / "given.####.exr"});
+  for (const char* name : {"found.####.exr", "given.####.exr"}) {
+    expect_same_beauty(folder_ / "whole.####.exr", folder_ / name, 1, 3);
+  }
+  EXPECT_NE(becalm_done({"info", first}).out.find("is the other half of the samples"), std::string::npos);
+  fs::remove(frame_path(second, 2));
+  expect_error(becalm({"denoise", first, "-o", folder_ / "gap.####.exr"}), 3, {"shot.b1.0002.exr"});
 }
 
 /// Both eyes' beauty and albedo in one part, as OpenEXR names them.

@@ -83,6 +83,38 @@ TEST_F(InfoOnSequences, Json) {
       nlohmann::json::parse(becalm_done({"info", write_scene(folder_), "--json"}).out)["lines"].is_array());
 }
 
+TEST_F(InfoOnSequences, AnAuditTellsWhatWouldSpoilTheResult) {
+  const auto write_all = [&](int seed_step, float albedo) {
+    for (const int number : {1, 2, 3, 4}) {
+      Frame frame = noise_frame(1 + seed_step * number);
+      frame.remove(Aov::normal);
+      for (float& value : frame.image(Aov::albedo).data()) value *= albedo;
+      frame.image(Aov::beauty).at(number, number, 0) += 0.01f;  // no duplicate
+      write(number, frame);
+    }
+  };
+  const auto audit = [&] {
+    return nlohmann::json::parse(becalm_done({"info", pattern_, "--audit", "--json"}).out)["audit"];
+  };
+  write_all(1, 1.0f);
+  EXPECT_EQ(audit().size(), 0u) << audit();
+  EXPECT_NE(becalm_done({"info", frame_path(pattern_, 2), "--audit"}).out.find("audit: nothing found"),
+            std::string::npos);
+  becalm_done({"denoise", pattern_, "-o", folder_ / "sound.####.exr", "--strict", "--preset", "draft"});
+
+  write_all(0, 3.0f);
+  const nlohmann::json findings = audit();
+  ASSERT_EQ(findings.size(), 2u) << findings;
+  EXPECT_EQ(findings[0]["check"], "fixed_noise");
+  EXPECT_EQ(findings[1]["check"], "albedo");
+  EXPECT_EQ(findings[1]["frame"], 2);
+  const Outcome strict = becalm({"denoise", pattern_, "-o", folder_ / "out.####.exr", "--strict"});
+  EXPECT_EQ(strict.status, kBadInput);
+  EXPECT_NE(strict.err.find("becalm: frame 2: "), std::string::npos) << strict.err;
+  EXPECT_NE(strict.err.find("--strict: 2 findings; nothing was written"), std::string::npos) << strict.err;
+  EXPECT_FALSE(fs::exists(folder_ / "out.0001.exr"));
+}
+
 TEST_F(InfoOnSequences, FilesOfAnotherPaddingArePointedOut) {
   write(1, noise_frame(1));
   expect_error(becalm({"info", folder_ / "in.##.exr"}), kBadInput, {"in.0001.exr is there", "in.#.exr"});

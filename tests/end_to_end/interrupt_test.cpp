@@ -5,6 +5,9 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <thread>
+
 #include "tests/end_to_end/harness.h"
 
 namespace becalm::test {
@@ -90,6 +93,20 @@ TEST_F(Interrupt, SignalsEndARenderWithOneLineAndResumeGoesOn) {
       EXPECT_EQ(name.find("partial"), std::string::npos) << name;
     }
   }
+}
+
+TEST_F(Interrupt, TwoWritersOfOneFrameAreToldApart) {
+  Process first(render("out/a.####.exr", "1-3", {"--spp", "65536", "--size", "640x480", "--quiet"}));
+  ASSERT_TRUE(wait_until([&] { return fs::exists(folder_ / "out/.becalm.lock"); }));
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // from the file to the locks on it
+  expect_error(becalm(render("out/a.%04d.exr", "3-4", {"--spp", "1"})), 4,
+               {"out/a.0003.exr: another becalm is about to write it"});
+  becalm_done(render("out/a.####.exr", "7-8", {"--spp", "1", "--quiet"}));
+  becalm_done(render("out/b.####.exr", "1-2", {"--spp", "1", "--quiet"}));
+  first.signal(SIGINT);
+  EXPECT_EQ(first.wait().status, 130);
+  becalm_done(render("out/a.####.exr", "1-2", {"--spp", "1", "--quiet"}));
+  EXPECT_FALSE(fs::exists(folder_ / "out/.becalm.lock"));
 }
 
 TEST_F(Interrupt, ALongFrameIsGivenUpAtOnce) {

@@ -155,6 +155,17 @@ TEST(RestoreEnergy, AnEqualEstimateStaysBitForBit) {
   }
 }
 
+TEST(RestoreEnergy, AFrameWithoutBrightnessIsLeft) {
+  Frame frame(1, 300, 200);
+  Image& beauty = frame.add(Aov::beauty);
+  for (std::size_t i = 0; i < beauty.data().size(); ++i) beauty.data()[i] = i / 4 % 2 == 0 ? 1.0f : -1.0f;
+  Estimate estimate = even_estimate(frame, 0.25f);
+  estimate.additive.emplace_back(300, 200, 4, 2.0f);
+  restore(frame, estimate);
+  EXPECT_TRUE(std::ranges::all_of(estimate.color.data(), [](float v) { return v == 0.25f; }));
+  EXPECT_TRUE(std::ranges::all_of(estimate.additive[0].data(), [](float v) { return v == 2.0f; }));
+}
+
 TEST(RestoreEnergy, ExtremesStayFiniteInImagesOfAnySize) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (const auto& [width, height] : {std::pair{1, 1}, {1, 70}, {33, 32}}) {

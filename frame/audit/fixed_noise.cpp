@@ -1,0 +1,42 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "frame/audit/audit.h"
+#include "frame/audit/pixels.h"
+
+namespace becalm::audit {
+namespace {
+
+/// Below this share of rough pixels, detail is rather the picture's than noise.
+constexpr double kNoisyShare = 0.05;
+constexpr double kLargestCorrelation = 0.7;
+
+double correlation(const std::vector<float>& a, const std::vector<float>& b) {
+  double ab = 0.0;
+  double aa = 0.0;
+  double bb = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    ab += double(a[i]) * b[i];
+    aa += double(a[i]) * a[i];
+    bb += double(b[i]) * b[i];
+  }
+  return aa > 0.0 && bb > 0.0 ? ab / std::sqrt(aa * bb) : 0.0;
+}
+
+}  // namespace
+
+std::optional<Finding> check_fixed_noise(const Subject& subject) {
+  if (!subject.has_pair(Aov::beauty) || check_duplicate(subject)) return std::nullopt;
+  const Image& now = subject.frame.image(Aov::beauty);
+  if (rough_share(now) < kNoisyShare) return std::nullopt;
+  const double alike = correlation(fine_detail(now), fine_detail(subject.before->image(Aov::beauty)));
+  if (alike < kLargestCorrelation) return std::nullopt;
+  return Finding{
+      "fixed_noise",
+      fmt::format("{:.0f} % of the noise is that of the frame before, as with one seed for all frames, "
+                  "and merging frames does not remove it: render with a seed that changes",
+                  100.0 * alike)};
+}
+
+}  // namespace becalm::audit

@@ -1,0 +1,67 @@
+"""How a shot is cut into tasks, and what each of them waits for."""
+
+import json
+import os
+import re
+from pathlib import Path
+
+SEGMENT = 32  # frames that becalm filters together, counted from frame 0
+WARMUP = 8  # frames on either side that it reads besides
+
+
+def parse_frames(text):
+    """The first and the last frame of `1-96`, `-3-4` or `7`."""
+    match = re.fullmatch(r"(-?\d+)(?:-(-?\d+))?", text)
+    if not match:
+        raise ValueError(f"--frames {text}: expected A-B")
+    first = int(match[1])
+    last = int(match[2]) if match[2] is not None else first
+    if last < first:
+        raise ValueError(f"--frames {text}: ends before it begins")
+    return first, last
+
+
+def chunks(first, last, size):
+    """Ranges of at most `size` frames that begin at multiples of it, so that chunks and segments meet."""
+    result = []
+    at = first
+    while at <= last:
+        end = min((at // size + 1) * size - 1, last)
+        result.append((at, end))
+        at = end + 1
+    return result
+
+
+def context(chunk):
+    """All frames that denoising a chunk reads: whole segments and the warm-up."""
+    begin = chunk[0] // SEGMENT * SEGMENT - WARMUP
+    end = (chunk[1] // SEGMENT + 1) * SEGMENT - 1 + WARMUP
+    return begin, end
+
+
+def chunks_read(chunk, all_chunks):
+    """Numbers of the chunks that hold a frame of the chunk's context."""
+    begin, end = context(chunk)
+    return [i for i, (first, last) in enumerate(all_chunks) if first <= end and last >= begin]
+
+
+def frame_path(pattern, frame):
+    """A file of a `####` pattern, with the sign inside the padding, as becalm names it."""
+    return re.sub(r"#+", lambda field: f"{frame:0{len(field[0])}d}", pattern, count=1)
+
+
+def folder_of(output):
+    """Where the plan, the logs and the tasks' states of an output pattern are."""
+    path = Path(output)
+    return path.parent / ("farm." + re.sub(r"[.#]+exr$", "", path.name))
+
+
+def load(folder):
+    return json.loads((Path(folder) / "plan.json").read_text())
+
+
+def write_whole(path, text):
+    """Readers see all of the text or what was there before."""
+    partial = Path(f"{path}.{os.getpid()}")
+    partial.write_text(text)
+    partial.replace(path)

@@ -1,0 +1,130 @@
+#!/usr/bin/python3
+"""scripts/farm/: how shots are cut, what is submitted, and what a task does, with a stand-in for Slurm."""
+
+import os
+import stat
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import plan as farm
+
+FARM = Path(farm.__file__).parent
+
+FAKE_SBATCH = """#!/bin/sh
+echo "$@" >>"$CALLS"
+wc -l <"$CALLS" | tr -d ' '
+"""
+FAKE_BECALM = """#!/bin/sh
+echo "$@" >>"$CALLS"
+exit ${STATUS:-0}
+"""
+FAKE_SCONTROL = """#!/bin/sh
+echo scontrol "$@" >>"$CALLS"
+"""
+
+
+class Plan(unittest.TestCase):
+    def test_ranges(self):
+        self.assertEqual(farm.parse_frames("1-96"), (1, 96))
+        self.assertEqual(farm.parse_frames("-3--1"), (-3, -1))
+        self.assertEqual(farm.parse_frames("7"), (7, 7))
+        for wrong in ("", "a-b", "9-1", "1-10x2"):
+            self.assertRaises(ValueError, farm.parse_frames, wrong)
+
+    def test_chunks_meet_segments_and_cover_every_frame_once(self):
+        self.assertEqual(farm.chunks(1, 96, 32), [(1, 31), (32, 63), (64, 95), (96, 96)])
+        self.assertEqual(farm.chunks(-5, 3, 4), [(-5, -5), (-4, -1), (0, 3)])
+        for first, last, size in ((1, 240, 32), (-40, 17, 5), (3, 3, 1)):
+            frames = [f for a, b in farm.chunks(first, last, size) for f in range(a, b + 1)]
+            self.assertEqual(frames, list(range(first, last + 1)))
+
+    def test_a_chunk_reads_its_segments_and_the_warm_up(self):
+        chunks = farm.chunks(1, 200, 32)
+        self.assertEqual(farm.chunks_read(chunks[0], chunks), [0, 1])
+        self.assertEqual(farm.chunks_read(chunks[3], chunks), [2, 3, 4])
+        small = farm.chunks(0, 79, 4)
+        self.assertEqual(farm.chunks_read(small[8], small), list(range(6, 18)))
+
+    def test_names(self):
+        self.assertEqual(farm.frame_path("out/a.####.exr", 7), "out/a.0007.exr")
+        self.assertEqual(farm.frame_path("a.####.exr", -1), "a.-001.exr")
+        self.assertEqual(farm.folder_of("out/a.####.exr"), Path("out/farm.a"))
+
+
+class Submitted(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.path = Path(self.folder.name)
+        self.calls = self.path / "calls"
+        self.calls.touch()
+        for name, text in (("sbatch", FAKE_SBATCH), ("becalm", FAKE_BECALM), ("scontrol", FAKE_SCONTROL)):
+            program = self.path / name
+            program.write_text(text)
+            program.chmod(program.stat().st_mode | stat.S_IXUSR)
+        self.environment = {**os.environ, "PATH": f"{self.path}:{os.environ['PATH']}", "CALLS": str(self.calls),
+                            "BECALM_FARM_WAIT_S": "0"}
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def run_script(self, name, *arguments, **variables):
+        return subprocess.run([sys.executable, str(FARM / name), *map(str, arguments)], env={**self.environment, **variables},
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+    def submit(self, source, *more):
+        done = self.run_script("submit", source, "-o", self.path / "out/a.####.exr", "--frames", "1-70", "--becalm",
+                               self.path / "becalm", *more)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        lines = self.calls.read_text().splitlines()
+        self.calls.write_text("")
+        return lines
+
+    def test_a_scene_is_rendered_denoised_and_checked(self):
+        render, *denoise, check = self.submit(self.path / "shot.json", "--partition", "night", "--cpus", "4")
+        self.assertIn("--array=0-2", render)
+        self.assertIn("--partition=night", render)
+        self.assertIn("--requeue", render)
+        dependencies = [next(word for word in call.split() if word.startswith("--dependency")) for call in denoise]
+        self.assertEqual(dependencies, ["--dependency=afterok:1_0:1_1", "--dependency=afterok:1_0:1_1:1_2",
+                                        "--dependency=afterok:1_1:1_2"])
+        self.assertIn("--dependency=afterany:2:3:4", check)
+
+    def test_frames_that_are_there_are_denoised_as_one_array(self):
+        denoise, check = self.submit(self.path / "in.####.exr")
+        self.assertIn("--array=0-2", denoise)
+        self.assertNotIn("--dependency", denoise)
+        self.assertIn("--dependency=afterany:1", check)
+
+    def task(self, stage, number, **variables):
+        done = self.run_script("task", FARM, self.path / "out/farm.a", stage, SLURM_ARRAY_TASK_ID=str(number),
+                               SLURM_ARRAY_JOB_ID="9", **variables)
+        return done.returncode, self.calls.read_text().splitlines()
+
+    def test_tasks_resume_their_chunk_and_try_again_what_passes(self):
+        self.submit(self.path / "shot.json", "--render-options", "--spp 8")
+        status, calls = self.task("render", 1)
+        noisy = self.path / "out/noisy/a.####.exr"
+        self.assertEqual((status, calls),
+                         (0, [f"render {self.path}/shot.json -o {noisy} --frames 32-63 --resume --spp 8"]))
+        self.assertEqual(self.task("denoise", 0, STATUS="4")[1][-1], "scontrol requeue 9_0")
+        self.assertEqual(self.task("denoise", 0, STATUS="3")[1][-1].split()[0], "denoise")
+        status = self.run_script("status", self.path / "out/a.####.exr")
+        self.assertEqual(status.returncode, 1, status.stderr)
+        self.assertIn("rendered 0 of 70 frames", status.stdout)
+        self.assertIn("denoise.0 failed with status 3", status.stdout)
+        self.assertEqual(self.task("check", 0, STATUS="3")[0], 1)
+        self.assertEqual(self.task("check", 0)[0], 0)
+
+    def test_usage(self):
+        for wrong in (["x.json"], ["x.json", "-o", "a.exr", "--frames", "1-2"],
+                      ["x.json", "-o", "a.#.exr", "--frames", "2-1"]):
+            self.assertEqual(self.run_script("submit", *wrong).returncode, 2)
+        self.assertEqual(self.run_script("status").returncode, 2)
+        self.assertEqual(self.run_script("status", self.path / "b.#.exr").returncode, 2)
+
+
+if __name__ == "__main__":
+    unittest.main()
