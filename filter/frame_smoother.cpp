@@ -19,7 +19,8 @@ struct FrameSmoother::Passes {
       : chain(device, "smooth"),
         noisy(chain, task, extent, NoisyUse::smooth),
         additive(additive_inputs(chain, task.additive, extent, "additive.cur")),
-        network(chain, embedded_weights(), extent, noisy, task.variance_known(), additive) {
+        network(chain, embedded_weights(), extent, noisy, task.variance_known(), additive,
+                convolver_of(device.info())) {
     chain.output(network.smoothed().color);
     chain.output(network.smoothed().stats);
     for (const ImageId image : network.smoothed().additive) chain.output(image);

@@ -1,6 +1,7 @@
 #include "filter/gpu/chain.h"
 
 #include <algorithm>
+#include <chrono>
 #include <limits>
 
 #include "filter/gpu/chain_impl.h"
@@ -82,6 +83,39 @@ Chain::Pass Chain::pass(std::string_view kernel) {
   return {*this, impl_->passes.size() - 1};
 }
 
+Chain::HostPass Chain::host_pass(std::string name) {
+  impl_->require_declaring();
+  PassDeclaration& pass = impl_->passes.emplace_back();
+  pass.kernel_name = std::move(name);
+  pass.is_host = true;
+  impl_->has_host_passes = true;
+  return {*this, impl_->passes.size() - 1};
+}
+
+Chain::HostPass& Chain::HostPass::read(ImageId image) {
+  chain_.impl_->passes[index_].uses.push_back({"", image.index, Access::read});
+  return *this;
+}
+
+Chain::HostPass& Chain::HostPass::write(ImageId image) {
+  chain_.impl_->passes[index_].uses.push_back({"", image.index, Access::write});
+  return *this;
+}
+
+void Chain::HostPass::run(std::function<void(const HostImages&)> work) {
+  chain_.impl_->require_declaring();
+  chain_.impl_->passes[index_].work = std::move(work);
+}
+
+std::span<std::byte> Chain::HostImages::bytes(ImageId image, bool writes) const {
+  for (const Use& use : chain_.passes[pass_].uses) {
+    if (use.image != image.index || use.writes() != writes) continue;
+    return {chain_.buffer(use.image, chain_.parity).mapped, chain_.image(image).bytes()};
+  }
+  throw DeviceError(chain_.label(pass_) + ": image '" + chain_.image(image).name +
+                    "' is not declared to be " + (writes ? "written" : "read"));
+}
+
 const DeviceInfo& Chain::device() const {
   return impl_->device.info;
 }
@@ -122,6 +156,7 @@ void Chain::plan() {
   s.check();
   guarded(s.label(), [&] {
     s.plan_steps();
+    s.plan_segments();
     s.plan_memory();
   });
   s.is_planned = true;
@@ -163,6 +198,35 @@ std::span<const std::byte> Chain::download_bytes(ImageId image) const {
   return {host.mapped, host.bytes};
 }
 
+void Chain::Impl::submit(const Segment& segment) {
+  const bool is_first = segment.first_step == 0;
+  if (!is_first && !segment.has_commands()) return;
+  std::vector<vk::CommandBuffer> commands;
+  if (is_first && needs_reset) commands.push_back(*reset_commands);
+  commands.push_back(*segment.commands[static_cast<std::size_t>(parity)]);
+  device.device.resetFences(*fence);
+  device.queue.submit(vk::SubmitInfo({}, {}, commands), *fence);
+  constexpr auto forever = std::numeric_limits<std::uint64_t>::max();
+  const vk::Result result = device.device.waitForFences(*fence, true, forever);
+  if (result != vk::Result::eSuccess)
+    throw DeviceError(label() + ": waiting for the device: " + vk::to_string(result));
+}
+
+void Chain::Impl::run_segments() {
+  for (const Segment& segment : segments) {
+    submit(segment);
+    if (segment.host_pass < 0) continue;
+    const auto pass = static_cast<std::size_t>(segment.host_pass);
+    const auto start = std::chrono::steady_clock::now();
+    passes[pass].work(HostImages(*this, pass));
+    const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
+    times[pass].milliseconds = elapsed.count();
+  }
+  for (std::size_t i = 0; i < passes.size(); ++i) {
+    if (!passes[i].is_host) times[i].milliseconds = timer->milliseconds(static_cast<std::uint32_t>(i));
+  }
+}
+
 void Chain::run() {
   Impl& s = *impl_;
   if (!s.is_built) throw DeviceError(s.label() + ": cannot run before it is built");
@@ -171,17 +235,8 @@ void Chain::run() {
       throw DeviceError(s.label() + ": input '" + s.images[i].name + "' was never uploaded");
     }
   }
-  std::vector<vk::CommandBuffer> commands;
-  if (s.needs_reset) commands.push_back(*s.reset_commands);
-  commands.push_back(*s.commands[static_cast<std::size_t>(s.parity)]);
   try {
-    s.device.device.resetFences(*s.fence);
-    s.device.queue.submit(vk::SubmitInfo({}, {}, commands), *s.fence);
-    constexpr auto forever = std::numeric_limits<std::uint64_t>::max();
-    const vk::Result result = s.device.device.waitForFences(*s.fence, true, forever);
-    if (result != vk::Result::eSuccess)
-      throw DeviceError(s.label() + ": waiting for the device: " + vk::to_string(result));
-    s.timer->read(s.times);
+    s.run_segments();
   } catch (const vk::DeviceLostError&) {
     throw DeviceError(s.label() + ": device '" + s.device.info.name + "' was lost while it ran");
   } catch (const vk::SystemError& error) {

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <span>
@@ -31,7 +32,7 @@ struct ChainOptions {
   std::span<const Kernel> kernels = embedded_kernels();
 };
 
-/// A fixed sequence of compute passes over images of known size, built once and run for each frame:
+/// A fixed sequence of passes over images of known size, built once and run for each frame:
 ///
 ///     Chain chain(device, "align");
 ///     ImageId luma = chain.input("luma.cur", Format::f32, extent);
@@ -46,6 +47,8 @@ struct ChainOptions {
 /// size, every read written before; it throws DeviceError naming the pass and the binding, and
 /// DeviceLimitError for what is too large for the device.
 class Chain {
+  struct Impl;
+
  public:
   /// One pass being declared; `dispatch` completes it.
   class Pass {
@@ -73,6 +76,46 @@ class Chain {
     std::size_t index_;
   };
 
+  /// The images of a host pass while it runs: those that it declared to read, and to write.
+  class HostImages {
+   public:
+    template <class T>
+    std::span<const T> read(ImageId image) const {
+      return elements<const T>(bytes(image, /*writes=*/false));
+    }
+    template <class T>
+    std::span<T> write(ImageId image) const {
+      return elements<T>(bytes(image, /*writes=*/true));
+    }
+
+   private:
+    friend class Chain;
+    HostImages(Impl& chain, std::size_t pass) : chain_(chain), pass_(pass) {}
+    template <class T>
+    static std::span<T> elements(std::span<std::byte> bytes) {
+      return {reinterpret_cast<T*>(bytes.data()), bytes.size() / sizeof(T)};
+    }
+    std::span<std::byte> bytes(ImageId image, bool writes) const;
+    Impl& chain_;
+    std::size_t pass_;
+  };
+
+  /// One host pass being declared; `run` completes it.
+  class HostPass {
+   public:
+    HostPass& read(ImageId image);
+    HostPass& write(ImageId image);
+    /// What is called in every run, by the thread that runs the chain, after the passes before it and before
+    /// those behind it. It writes all of what it declared to write. What it throws, Chain::run throws.
+    void run(std::function<void(const HostImages&)> work);
+
+   private:
+    friend class Chain;
+    HostPass(Chain& chain, std::size_t index) : chain_(chain), index_(index) {}
+    Chain& chain_;
+    std::size_t index_;
+  };
+
   Chain(Device& device, std::string name, const ChainOptions& options = {});
   ~Chain();
   Chain(Chain&&) noexcept;
@@ -86,6 +129,8 @@ class Chain {
   void output(ImageId image);
 
   Pass pass(std::string_view kernel);
+  /// A pass of the program's own code, in the images' own memory. Only for devices whose is_processor is set.
+  HostPass host_pass(std::string name);
   /// The device that the chain runs on.
   const DeviceInfo& device() const;
   /// Checks the declarations and decides where in device memory each image goes, without asking the device
@@ -113,7 +158,7 @@ class Chain {
   /// Fills all history images with zero before the next run.
   void reset_history();
 
-  /// Device time of each pass of the last run.
+  /// Time of each pass of the last run: the device's, of host passes the host's.
   const std::vector<PassTime>& times() const;
   /// Device bytes held, or to be held once built, and what they would be if no images shared memory (both
   /// without staging memory).
@@ -125,7 +170,6 @@ class Chain {
  private:
   std::span<std::byte> upload_bytes(ImageId image);
   std::span<const std::byte> download_bytes(ImageId image) const;
-  struct Impl;
   std::unique_ptr<Impl> impl_;
 };
 

@@ -80,6 +80,20 @@ void Chain::Impl::plan_steps() {
   }
 }
 
+void Chain::Impl::plan_segments() {
+  segments.emplace_back();
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const bool is_host =
+        steps[i].kind == Step::Kind::pass && passes[static_cast<std::size_t>(steps[i].index)].is_host;
+    if (!is_host) {
+      segments.back().end_step = i + 1;
+      continue;
+    }
+    segments.back().host_pass = steps[i].index;
+    segments.push_back({.first_step = i + 1, .end_step = i + 1});
+  }
+}
+
 void Chain::Impl::plan_memory() {
   constexpr int never = -1;
   const int last_step = static_cast<int>(steps.size()) - 1;
@@ -132,16 +146,22 @@ void Chain::Impl::plan_memory() {
     buffers[owners[i]].offset = plan.offsets[i];
   }
   arena_bytes = plan.arena_bytes;
-  memory_type = device.memory_type(types, {}, vk::MemoryPropertyFlagBits::eDeviceLocal);
+  using Memory = vk::MemoryPropertyFlagBits;
+  // Where a processor is the device, what the host sees is as fast as any.
+  memory_type = has_host_passes ? device.memory_type(types, Memory::eHostVisible | Memory::eHostCoherent,
+                                                     Memory::eHostCached | Memory::eDeviceLocal)
+                                : device.memory_type(types, {}, Memory::eDeviceLocal);
   device_bytes = plan.total_bytes;
   device_bytes_unaliased = gpu::plan_memory(requests, alignment, false, limit).total_bytes;
 }
 
 void Chain::Impl::allocate() {
+  std::vector<std::byte*> mapped(arena_bytes.size());
   guarded(label() + ": " + format_mib(device_bytes) + " of device memory", [&] {
-    for (const std::uint64_t bytes : arena_bytes) {
-      arenas.emplace_back(device.device, vk::MemoryAllocateInfo(bytes, memory_type));
-      device.set_name(arenas.back(), name + " arena " + std::to_string(arenas.size() - 1));
+    for (std::size_t i = 0; i < arena_bytes.size(); ++i) {
+      arenas.emplace_back(device.device, vk::MemoryAllocateInfo(arena_bytes[i], memory_type));
+      device.set_name(arenas.back(), name + " arena " + std::to_string(i));
+      if (has_host_passes) mapped[i] = static_cast<std::byte*>(arenas[i].mapMemory(0, VK_WHOLE_SIZE));
     }
   });
   for (std::size_t i = 0; i < images.size(); ++i) {
@@ -149,7 +169,9 @@ void Chain::Impl::allocate() {
     if (buffer.bytes == 0) continue;
     buffer.buffer = {device.device, buffer_of(images[i])};
     device.set_name(buffer.buffer, images[i].name);
-    buffer.buffer.bindMemory(*arenas[static_cast<std::size_t>(buffer.arena)], buffer.offset);
+    const auto arena = static_cast<std::size_t>(buffer.arena);
+    buffer.buffer.bindMemory(*arenas[arena], buffer.offset);
+    if (has_host_passes) buffer.mapped = mapped[arena] + buffer.offset;
     if (images[i].extent.elements() <= device.limits.maxTexelBufferElements) {
       buffer.texels = {
           device.device,
@@ -171,11 +193,13 @@ void Chain::Impl::create_staging() {
 }
 
 void Chain::Impl::create_pipelines() {
+  pipelines.resize(passes.size());
   for (std::size_t i = 0; i < passes.size(); ++i) {
+    if (passes[i].is_host) continue;
     guarded(label(i), [&] {
       const Kernel& kernel = *passes[i].kernel;
-      pipelines.push_back({device.programs->pipeline(kernel, spec_values(passes[i])),
-                           *device.programs->layout(kernel).pipeline});
+      pipelines[i] = {device.programs->pipeline(kernel, spec_values(passes[i])),
+                      *device.programs->layout(kernel).pipeline};
     });
   }
 }
@@ -186,6 +210,7 @@ void Chain::Impl::create_descriptor_sets() {
   std::uint32_t texel_buffers = 0;
   std::vector<vk::DescriptorSetLayout> layouts;
   for (const PassDeclaration& pass : passes) {
+    if (pass.is_host) continue;
     layouts.push_back(*device.programs->layout(*pass.kernel).bindings);
     for (const BindingInfo& binding : pass.kernel->bindings) {
       ++(binding.is_texel_buffer() ? texel_buffers : storage_buffers);
@@ -195,12 +220,18 @@ void Chain::Impl::create_descriptor_sets() {
   if (texel_buffers > 0) {
     sizes.emplace_back(vk::DescriptorType::eUniformTexelBuffer, texel_buffers * parities);
   }
-  const auto set_count = static_cast<std::uint32_t>(passes.size()) * parities;
+  const auto set_count = static_cast<std::uint32_t>(layouts.size()) * parities;
+  if (set_count == 0) return;
   constexpr auto freed_one_by_one = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet;  // as RAII does
   descriptor_pool = {device.device, vk::DescriptorPoolCreateInfo(freed_one_by_one, set_count, sizes)};
   for (std::uint32_t p = 0; p < parities; ++p) {
-    descriptor_sets[p] = device.device.allocateDescriptorSets({*descriptor_pool, layouts});
+    std::vector<vk::raii::DescriptorSet> sets =
+        device.device.allocateDescriptorSets({*descriptor_pool, layouts});
+    auto next_set = sets.begin();
     for (std::size_t i = 0; i < passes.size(); ++i) {
+      descriptor_sets[p].push_back(passes[i].is_host ? vk::raii::DescriptorSet(nullptr)
+                                                     : std::move(*next_set++));
+      if (passes[i].is_host) continue;
       for (const Use& use : passes[i].uses) {
         const auto& bindings = passes[i].kernel->bindings;
         const BindingInfo& binding = *std::ranges::find(bindings, use.binding, &BindingInfo::name);

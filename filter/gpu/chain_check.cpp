@@ -159,6 +159,21 @@ void check_dispatch(const Kernel& kernel, const PassDeclaration& pass, const vk:
   check_count(texel_buffers, limits.maxPerStageDescriptorSampledImages, " texel buffers");
 }
 
+void check_host_pass(const PassDeclaration& pass, std::span<const ImageDeclaration> images,
+                     const DeviceInfo& device, const std::string& where) {
+  if (!device.is_processor) {
+    throw DeviceError(where + "is a host pass, and device '" + device.name + "' is no processor");
+  }
+  if (!pass.work) throw DeviceError(where + "is never given its work");
+  for (const Use& use : pass.uses) {
+    for (const Use* other = pass.uses.data(); other != &use; ++other) {
+      if (other->image != use.image || (!other->writes() && !use.writes())) continue;
+      throw DeviceError(where + "image '" + images[static_cast<std::size_t>(use.image)].name +
+                        "' is written and used at once");
+    }
+  }
+}
+
 }  // namespace
 
 void Chain::Impl::check() {
@@ -176,14 +191,19 @@ void Chain::Impl::check() {
   for (std::size_t i = 0; i < passes.size(); ++i) {
     PassDeclaration& pass = passes[i];
     const std::string where = label(i) + ": ";
-    pass.kernel = &find_kernel(options.kernels, pass, where);
     for (const Use& use : pass.uses) static_cast<void>(image({use.image}));
-    check_bindings(*pass.kernel, pass, images, device, where);
-    check_constants(*pass.kernel, pass, where);
-    check_dispatch(*pass.kernel, pass, device.limits, where);
+    if (pass.is_host) {
+      check_host_pass(pass, images, device.info, where);
+    } else {
+      pass.kernel = &find_kernel(options.kernels, pass, where);
+      check_bindings(*pass.kernel, pass, images, device, where);
+      check_constants(*pass.kernel, pass, where);
+      check_dispatch(*pass.kernel, pass, device.limits, where);
+    }
     for (const Use& use : pass.uses) {
       const auto index = static_cast<std::size_t>(use.image);
-      const std::string what = where + "binding '" + use.binding + "': image '" + images[index].name + "' ";
+      const std::string binding = pass.is_host ? "" : "binding '" + use.binding + "': ";
+      const std::string what = where + binding + "image '" + images[index].name + "' ";
       if (use.reads() && !has_content[index]) throw DeviceError(what + "is read before any pass writes it");
       if (use.writes() && images[index].role == Role::input)
         throw DeviceError(what + "is an input and cannot be written");

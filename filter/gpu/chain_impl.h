@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -46,8 +47,10 @@ struct Use {
 };
 
 struct PassDeclaration {
-  std::string kernel_name;
-  const Kernel* kernel = nullptr;  ///< found by check()
+  std::string kernel_name;  ///< or the host pass's name
+  bool is_host = false;
+  std::function<void(const Chain::HostImages&)> work;  ///< of a host pass
+  const Kernel* kernel = nullptr;                      ///< found by check(); null for a host pass
   std::vector<Use> uses;
   std::vector<std::byte> constants;
   std::vector<std::pair<std::string, std::int32_t>> specializations;
@@ -61,13 +64,24 @@ struct Step {
   int index;  ///< of the image or of the pass
 };
 
+/// A run is a list of these: commands for the device, then perhaps one host pass.
+struct Segment {
+  std::size_t first_step = 0;
+  std::size_t end_step = 0;  ///< behind its last step for the device
+  int host_pass = -1;
+  std::array<vk::raii::CommandBuffer, 2> commands = {nullptr, nullptr};  ///< by parity
+
+  bool has_commands() const { return end_step > first_step; }
+};
+
 /// An image's device memory, planned first and allocated then. History images swap: see Chain::Impl::buffer.
 struct DeviceBuffer {
   vk::raii::Buffer buffer = nullptr;
   vk::raii::BufferView texels = nullptr;  ///< null where the device cannot read so many elements as texels
   int arena = 0;
   std::uint64_t offset = 0;
-  std::uint64_t bytes = 0;  ///< 0: nothing touches the image
+  std::uint64_t bytes = 0;      ///< 0: nothing touches the image
+  std::byte* mapped = nullptr;  ///< where a host pass finds it; null in chains without host passes
 };
 
 struct PassPipeline {
@@ -94,16 +108,19 @@ struct Chain::Impl {
   void check();
 
   void plan_steps();
+  void plan_segments();
   void plan_memory();
   void allocate();
   void create_staging();
   void create_pipelines();
   void create_descriptor_sets();
   void record_all();
-  void record(const vk::raii::CommandBuffer& commands, int parity);
+  void record(const Segment& segment, int parity) const;
   void record_pass(const vk::raii::CommandBuffer& commands, std::size_t pass, int parity) const;
   void record_reset(const vk::raii::CommandBuffer& commands) const;
   std::vector<MemoryAccess> accesses(const Step& step, int parity) const;
+  void run_segments();
+  void submit(const Segment& segment);
 
   /// The buffer behind an image in frames of this parity: the two of a history change places every frame.
   const DeviceBuffer& buffer(int image, int parity) const {
@@ -119,6 +136,7 @@ struct Chain::Impl {
   bool is_planned = false;
   bool is_built = false;
   bool has_history = false;
+  bool has_host_passes = false;
 
   std::vector<Step> steps;
   std::vector<std::uint64_t> arena_bytes;
@@ -131,12 +149,12 @@ struct Chain::Impl {
   std::uint64_t device_bytes_unaliased = 0;
   std::uint64_t staging_bytes = 0;
 
-  std::vector<PassPipeline> pipelines;  // one a pass
+  std::vector<PassPipeline> pipelines;  // one a pass; null for host passes, as the descriptor sets
   vk::raii::DescriptorPool descriptor_pool = nullptr;
   std::array<std::vector<vk::raii::DescriptorSet>, 2> descriptor_sets;  // by parity, then pass
   std::optional<PassTimer> timer;
   vk::raii::CommandPool command_pool = nullptr;
-  std::array<vk::raii::CommandBuffer, 2> commands = {nullptr, nullptr};  // by parity
+  std::vector<Segment> segments;  // after the pool, since they hold buffers of it
   vk::raii::CommandBuffer reset_commands = nullptr;
   vk::raii::Fence fence = nullptr;
 

@@ -71,13 +71,16 @@ void Chain::Impl::record_pass(const vk::raii::CommandBuffer& commands, std::size
   timer->end(commands, index);
 }
 
-void Chain::Impl::record(const vk::raii::CommandBuffer& commands, int parity) {
+void Chain::Impl::record(const Segment& segment, int parity) const {
+  const vk::raii::CommandBuffer& commands = segment.commands[static_cast<std::size_t>(parity)];
   commands.begin(vk::CommandBufferBeginInfo());
-  timer->reset(commands);
-  // What the run before left in history images is to be seen, and its reads of shared memory are to be over.
+  if (segment.first_step == 0) timer->reset(commands);
+  // What the run or the segment before left is to be seen, and its reads of shared memory are to be over.
+  // (What a host pass did is available to all that is submitted after it.)
   barrier(commands, Stage::eAllCommands, Flag::eMemoryWrite, kWorkStages, kWorkAccesses);
   HazardTracker hazards;
-  for (const Step& step : steps) {
+  for (std::size_t i = segment.first_step; i < segment.end_step; ++i) {
+    const Step& step = steps[i];
     if (hazards.step(accesses(step, parity))) {
       barrier(commands, kWorkStages, kWorkAccesses, kWorkStages, kWorkAccesses);
     }
@@ -96,7 +99,11 @@ void Chain::Impl::record(const vk::raii::CommandBuffer& commands, int parity) {
     const vk::BufferCopy whole(0, 0, images[index].bytes());
     commands.copyBuffer(is_upload ? host : image, is_upload ? image : host, whole);
   }
-  barrier(commands, Stage::eCopy, Flag::eTransferWrite, Stage::eHost, Flag::eHostRead);
+  if (segment.host_pass >= 0) {
+    barrier(commands, kWorkStages, kWorkAccesses, Stage::eHost, Flag::eHostRead | Flag::eHostWrite);
+  } else {
+    barrier(commands, Stage::eCopy, Flag::eTransferWrite, Stage::eHost, Flag::eHostRead);
+  }
   commands.end();
 }
 
@@ -116,13 +123,17 @@ void Chain::Impl::record_all() {
   timer.emplace(device, static_cast<std::uint32_t>(passes.size()));
   command_pool = {device.device, vk::CommandPoolCreateInfo({}, device.queue_family)};
   const std::uint32_t parities = has_history ? 2 : 1;
+  const auto count = static_cast<std::uint32_t>(segments.size()) * parities + 1;
   auto allocated =
-      device.device.allocateCommandBuffers({*command_pool, vk::CommandBufferLevel::ePrimary, parities + 1});
-  for (std::uint32_t p = 0; p < parities; ++p) {
-    commands[p] = std::move(allocated[p]);
-    record(commands[p], static_cast<int>(p));
+      device.device.allocateCommandBuffers({*command_pool, vk::CommandBufferLevel::ePrimary, count});
+  auto next = allocated.begin();
+  for (Segment& segment : segments) {
+    for (std::uint32_t p = 0; p < parities; ++p) {
+      segment.commands[p] = std::move(*next++);
+      record(segment, static_cast<int>(p));
+    }
   }
-  reset_commands = std::move(allocated[parities]);
+  reset_commands = std::move(*next);
   record_reset(reset_commands);
   fence = {device.device, vk::FenceCreateInfo()};
 }

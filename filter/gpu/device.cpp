@@ -130,6 +130,7 @@ std::optional<Candidate> examine(const vk::raii::PhysicalDevice& device) {
   Candidate result{device, static_cast<std::uint32_t>(compute - families.begin()), {}};
   result.info.name = properties.deviceName.data();
   result.info.type = type_name(properties.deviceType);
+  result.info.is_processor = properties.deviceType == vk::PhysicalDeviceType::eCpu;
   result.info.driver = std::string(driver.driverName.data()) + " " + driver.driverInfo.data();
   result.info.max_storage_buffer_bytes = properties.limits.maxStorageBufferRange;
   const auto memory = device.getMemoryProperties();

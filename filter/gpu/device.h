@@ -24,7 +24,8 @@ class DeviceLimitError : public DeviceError {
 struct DeviceInfo {
   int index = 0;
   std::string name;
-  std::string type;  ///< "discrete GPU", "integrated GPU", "virtual GPU", "software", "other"
+  std::string type;           ///< "discrete GPU", "integrated GPU", "virtual GPU", "software", "other"
+  bool is_processor = false;  ///< a software device: its memory is the host's, its cores are too
   std::string driver;
   std::uint64_t memory_bytes = 0;
   std::uint64_t max_storage_buffer_bytes = 0;

@@ -20,16 +20,13 @@ void PassTimer::stamp(const vk::raii::CommandBuffer& commands, std::uint32_t que
   if (valid_bits_ != 0) commands.writeTimestamp2(vk::PipelineStageFlagBits2::eAllCommands, *pool_, query);
 }
 
-void PassTimer::read(std::vector<PassTime>& times) const {
-  if (valid_bits_ == 0) return;
-  const auto [result, ticks] = pool_.getResults<std::uint64_t>(
-      0, 2 * passes_, 2 * passes_ * sizeof(std::uint64_t), sizeof(std::uint64_t),
-      vk::QueryResultFlagBits::e64 | vk::QueryResultFlagBits::eWait);
-  for (std::size_t i = 0; i < passes_; ++i) {
-    const std::uint64_t elapsed =
-        (ticks[2 * i + 1] - ticks[2 * i]) & valid_bits_;  // right across a wrap, too
-    times[i].milliseconds = static_cast<double>(elapsed) * milliseconds_per_tick_;
-  }
+double PassTimer::milliseconds(std::uint32_t pass) const {
+  if (valid_bits_ == 0) return 0.0;
+  const auto [result, ticks] =
+      pool_.getResults<std::uint64_t>(2 * pass, 2, 2 * sizeof(std::uint64_t), sizeof(std::uint64_t),
+                                      vk::QueryResultFlagBits::e64 | vk::QueryResultFlagBits::eWait);
+  const std::uint64_t elapsed = (ticks[1] - ticks[0]) & valid_bits_;  // right across a wrap, too
+  return static_cast<double>(elapsed) * milliseconds_per_tick_;
 }
 
 }  // namespace becalm::gpu

@@ -5,9 +5,9 @@
 
 namespace becalm::gpu {
 
-/// Device time of one pass, from timestamps; 0 where the device has none.
+/// Device time of one pass, from timestamps; 0 where the device has none. Of a host pass: the host's time.
 struct PassTime {
-  std::string name;  ///< kernel and the first image it writes: `align/downsample luma.cur.L1`
+  std::string name;  ///< kernel or host pass, and the first image it writes: `align/downsample luma.cur.L1`
   double milliseconds = 0.0;
   std::uint64_t image_bytes = 0;  ///< size of all images that it binds, each once
 };

@@ -21,8 +21,8 @@ class PassTimer {
   void end(const vk::raii::CommandBuffer& commands, std::uint32_t pass) const {
     stamp(commands, 2 * pass + 1);
   }
-  /// Of a run that has ended; one entry a pass.
-  void read(std::vector<PassTime>& times) const;
+  /// Of a pass that was recorded, once its commands have ended.
+  double milliseconds(std::uint32_t pass) const;
 
  private:
   void stamp(const vk::raii::CommandBuffer& commands, std::uint32_t query) const;

@@ -7,6 +7,7 @@
 
 #include "filter/ceil_div.h"
 #include "filter/network/convolution.h"
+#include "filter/network/host_features.h"
 #include "shaders/shared/convolve_params.h"
 #include "shaders/shared/network_params.h"
 
@@ -62,12 +63,14 @@ void NetworkPasses::upload_weights(Chain& chain) const {
 
 NetworkPasses::NetworkPasses(Chain& chain, const NetworkWeights& weights, Extent full,
                              const NoisyInputs& frame, bool variance_known,
-                             const std::vector<ImageId>& additive)
+                             const std::vector<ImageId>& additive, Convolver convolver)
     : full_(full), padded_{padded_px(full.width), padded_px(full.height)} {
   const ImageId irradiance = chain.image("irradiance", Format::f32x4, padded_);
   const ImageId grey = chain.image("network.grey", Format::f32, padded_);
   add_demodulate(chain, frame, frame.color, irradiance, grey);
-  features_ = add_features(chain, weights, add_inputs(chain, frame, irradiance, grey, variance_known));
+  const ImageId inputs = add_inputs(chain, frame, irradiance, grey, variance_known);
+  features_ = convolver == Convolver::host ? add_host_features(chain, weights, padded_, inputs)
+                                           : add_features(chain, weights, inputs);
   for (std::size_t i = 0; i < kScales; ++i) {
     confidence_weights_[i] =
         weights_image(chain, fmt::format("confidence.L{}", i), pack_head({&weights.confidence[i]}));

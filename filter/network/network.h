@@ -19,6 +19,13 @@ struct Smoothed {
   std::vector<gpu::ImageId> additive;  ///< f32x4
 };
 
+/// Who makes the network's features: the kernels of shaders/network/, or oneDNN where the device is a
+/// processor.
+enum class Convolver { kernels, host };
+constexpr Convolver convolver_of(const gpu::DeviceInfo& device) {
+  return device.is_processor ? Convolver::host : Convolver::kernels;
+}
+
 /// The passes that smooth a frame by a network: it looks at the frame and its features and says, for each
 /// pixel of five scales, which pixels around it belong together; the radiance goes through those windows,
 /// from the coarsest scale to the finest. Weights are positive and sum to 1.
@@ -26,7 +33,7 @@ class NetworkPasses {
  public:
   /// Declares the passes. Additive AOVs (f32x4) go through the beauty's windows.
   NetworkPasses(gpu::Chain& chain, const NetworkWeights& weights, gpu::Extent full, const NoisyInputs& frame,
-                bool variance_known, const std::vector<gpu::ImageId>& additive);
+                bool variance_known, const std::vector<gpu::ImageId>& additive, Convolver convolver);
   /// Fills the weights' images; once the chain is built.
   void upload_weights(gpu::Chain& chain) const;
 

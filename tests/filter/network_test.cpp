@@ -1,8 +1,13 @@
 // The smoothing network's passes against the formulas in double, and what must hold whatever it has learned.
 #include "filter/network/network.h"
 
+#include <tbb/global_control.h>
+
 #include <algorithm>
+#include <array>
+#include <optional>
 #include <random>
+#include <vector>
 
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/grids.h"
@@ -59,13 +64,14 @@ Sample noisy_sample(int width, int height) {
 }
 
 Grid<Estimate> smooth_on(gpu::Device& device, const Sample& sample, const NetworkWeights& weights,
-                         bool variance_known = true) {
+                         bool variance_known = true, std::optional<Convolver> convolver = std::nullopt) {
   const gpu::Extent extent = sample.extent();
   gpu::Chain chain(device, "network test");
   FilterTask task = task_with_variance(preset("balanced"), extent);
   task.merged = true;
   const NoisyInputs noisy(chain, task, extent, NoisyUse::smooth);
-  const NetworkPasses network(chain, weights, extent, noisy, variance_known, {});
+  const NetworkPasses network(chain, weights, extent, noisy, variance_known, {},
+                              convolver.value_or(convolver_of(device.info())));
   const Smoothed& smoothed = network.smoothed();
   chain.output(smoothed.color);
   chain.output(smoothed.stats);
@@ -109,10 +115,17 @@ NetworkWeights random_weights() {
 
 class NetworkTest : public DeviceTest {
  protected:
+  /// With the features of every convolver that the device has.
   void expect_agreement(const Sample& sample, const NetworkWeights& weights, bool variance_known) {
-    const Grid<Estimate> found = smooth_on(device(), sample, weights, variance_known);
     const Grid<Estimate> truth = reference::smooth_by_network(sample.pixels, {sample.features, sample.own},
                                                               sample.exposure, weights, variance_known);
+    expect_agreement(sample, truth, smooth_on(device(), sample, weights, variance_known, Convolver::kernels));
+    if (!device().info().is_processor) return;
+    expect_agreement(sample, truth, smooth_on(device(), sample, weights, variance_known, Convolver::host));
+  }
+
+  static void expect_agreement(const Sample& sample, const Grid<Estimate>& truth,
+                               const Grid<Estimate>& found) {
     double changed = 0;
     for (int y = 0; y < found.height; ++y) {
       for (int x = 0; x < found.width; ++x) {
@@ -139,6 +152,34 @@ TEST_F(NetworkTest, AgreesWithTheReference) {
 
 TEST_F(NetworkTest, AgreesWithTheReferenceWhereTheVarianceIsUnknown) {
   expect_agreement(noisy_sample(32, 16), random_weights(), false);
+}
+
+TEST_F(NetworkTest, OneDnnAndKernelsAgreeForImagesOfAnySize) {
+  if (!device().info().is_processor) GTEST_SKIP() << "the device is no processor";
+  for (const gpu::Extent extent : {gpu::Extent{1, 1}, {200, 1}, {1, 70}, {33, 47}}) {
+    const Sample sample = noisy_sample(extent.width, extent.height);
+    const Grid<Estimate> kernels = smooth_on(device(), sample, random_weights(), true, Convolver::kernels);
+    const Grid<Estimate> host = smooth_on(device(), sample, random_weights(), true, Convolver::host);
+    for (std::size_t i = 0; i < host.data.size(); ++i) {
+      for (int c = 0; c < 4; ++c) {
+        ASSERT_NEAR(host.data[i].color[c], kernels.data[i].color[c],
+                    1e-3 * std::abs(kernels.data[i].color[c]));
+      }
+      ASSERT_NEAR(host.data[i].variance, kernels.data[i].variance, 1e-3 * kernels.data[i].variance);
+      ASSERT_EQ(host.data[i].count, kernels.data[i].count);
+    }
+  }
+}
+
+TEST_F(NetworkTest, TheNumberOfThreadsDoesNotMatter) {
+  const Sample sample = noisy_sample(70, 90);
+  const auto colors = [&](std::size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    std::vector<std::array<double, 4>> values;
+    for (const Estimate& e : smooth_on(device(), sample, random_weights()).data) values.push_back(e.color);
+    return values;
+  };
+  EXPECT_EQ(colors(1), colors(3));
 }
 
 TEST_F(NetworkTest, ImagesOfOnePixelAndOfOneRowComeOut) {

@@ -1,7 +1,9 @@
-// Chains made at random, so full of images that share memory, against the same arithmetic on the CPU.
+// Chains made at random, so full of images that share memory, against the same arithmetic on the CPU. Where
+// the device is a processor, the passes may be host passes, all or some.
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <random>
 #include <string>
 #include <vector>
@@ -61,6 +63,13 @@ Program random_program(unsigned seed) {
 
 using Values = std::vector<std::vector<std::uint32_t>>;
 
+void mix(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b, std::uint32_t salt,
+         std::span<std::uint32_t> result) {
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    result[i] = 3 * a[(i + 7) % a.size()] + 5 * b[(i + 31) % b.size()] + salt;
+  }
+}
+
 std::uint32_t input_value(std::size_t image, std::size_t element, int frame) {
   return static_cast<std::uint32_t>(image * 1'000'003 + element * 17 +
                                     static_cast<std::size_t>(frame) * 7919 + 1);
@@ -76,12 +85,7 @@ Values expected_outputs(const Program& program) {
       for (std::size_t e = 0; e < images[i].size(); ++e) images[i][e] = input_value(i, e, frame);
     }
     for (const MixPass& pass : program.passes) {
-      const auto& a = images[pass.a];
-      const auto& b = images[pass.b];
-      auto& result = images[pass.result];
-      for (std::size_t e = 0; e < result.size(); ++e) {
-        result[e] = 3 * a[(e + 7) % a.size()] + 5 * b[(e + 31) % b.size()] + pass.salt;
-      }
+      mix(images[pass.a], images[pass.b], pass.salt, images[pass.result]);
     }
     for (const std::size_t output : program.outputs) results.push_back(images[output]);
     for (std::size_t h = 0; h < program.histories; ++h) {
@@ -91,7 +95,8 @@ Values expected_outputs(const Program& program) {
   return results;
 }
 
-Values chain_outputs(const Program& program, const ChainOptions& options) {
+/// One in `host_share` passes, by its salt, is a host pass; 0: none.
+Values chain_outputs(const Program& program, const ChainOptions& options, unsigned host_share = 0) {
   Chain chain(validated_device(), "random", options);
   std::vector<ImageId> images;
   std::vector<ImageId> next;
@@ -113,6 +118,15 @@ Values chain_outputs(const Program& program, const ChainOptions& options) {
   }
   for (const MixPass& pass : program.passes) {
     const Extent extent = program.extents[pass.result];
+    if (host_share > 0 && pass.salt % host_share == 0) {
+      const std::array<ImageId, 3> used{images[pass.a], images[pass.b], images[pass.result]};
+      chain.host_pass("mix").read(used[0]).read(used[1]).write(used[2]).run(
+          [used, salt = pass.salt](const Chain::HostImages& host) {
+            mix(host.read<std::uint32_t>(used[0]), host.read<std::uint32_t>(used[1]), salt,
+                host.write<std::uint32_t>(used[2]));
+          });
+      continue;
+    }
     chain.pass("kernels/mix")
         .read("a", images[pass.a])
         .read("b", images[pass.b])
@@ -151,6 +165,11 @@ TEST(RandomChain, ComputesTheSameAsTheCpuHoweverItsMemoryIsLaidOut) {
     ASSERT_EQ(chain_outputs(program, test_options(true)), expected);
     ASSERT_EQ(chain_outputs(program, test_options(false)), expected);
     ASSERT_EQ(chain_outputs(program, several_arenas), expected);
+    if (!validated_device().info().is_processor) continue;
+    for (const unsigned host_share : {1, 2, 5}) {
+      ASSERT_EQ(chain_outputs(program, test_options(true), host_share), expected);
+      ASSERT_EQ(chain_outputs(program, several_arenas, host_share), expected);
+    }
   }
   EXPECT_TRUE(validated_device().validation_messages().empty());
 }
