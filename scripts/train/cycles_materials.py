@@ -27,10 +27,11 @@ class Inputs:
         return self.dice.uniform(low, high)
 
     def normal(self):
-        """A bumped normal's inputs, for a third of the textured materials."""
-        if not self.is_textured or not self.dice.chance(0.35):
+        """A bumped normal's inputs, for a third of the textured materials and a quarter of those of one colour."""
+        if not self.dice.chance(0.35 if self.is_textured else 0.25):
             return {}
-        height = self.value if self.dice.chance(0.6) else texture(self.graph, self.dice, self.extent)[1]
+        own = self.is_textured and self.dice.chance(0.6)
+        height = self.value if own else texture(self.graph, self.dice, self.extent)[1]
         bump = self.graph.add("Bump", {"Height": height, "Strength": self.dice.uniform(0.1, 0.9),
                                        "Distance": self.extent * self.dice.log_uniform(0.002, 0.03)})
         return {"Normal": bump.outputs["Normal"]}
