@@ -34,13 +34,18 @@ def features_of(pair, clean):
     return np.concatenate([pair.features[1]] * 2 if clean else [pair.features[0], own])
 
 
+def colors_of(pair):
+    """The radiance to smooth, then the frame's own: 6 channels."""
+    return np.concatenate([pair.color, pair.own if pair.merged else pair.color])
+
+
 def crop(rng, pair, size):
-    """One crop as float32 arrays: color, variance, features, references."""
+    """One crop as float32 arrays: radiance, variance, features, references."""
     height, width = pair.color.shape[1:]
     y = rng.integers(height - size + 1)
     x = rng.integers(width - size + 1)
     cut = lambda a: a[..., y : y + size, x : x + size].astype(np.float32)
-    color = cut(pair.color)
+    colors = cut(colors_of(pair))
     features = with_features_dropped(rng, cut(features_of(pair, rng.random() < CLEAN_FEATURES)))
     variance = np.full((1, size, size), -1.0, np.float32)
     gain = np.exp(rng.normal() * EXPOSURE_SPREAD)
@@ -50,7 +55,8 @@ def crop(rng, pair, size):
     references = np.stack([cut(r) for r in pair.references])
 
     channels = rng.permutation(3)
-    color, references = color[channels] * gain, references[:, channels] * gain
+    colors = colors[[*channels, *(3 + channels)]] * gain
+    references = references[:, channels] * gain
     axes = rng.permutation(3)
     signs = rng.choice([-1.0, 1.0], (3, 1, 1)).astype(np.float32)
     albedos, normals = [0, 7], [3, 10]
@@ -58,7 +64,7 @@ def crop(rng, pair, size):
         features[first : first + 3] = features[first : first + 3][channels]
     for first in normals:
         features[first : first + 3] = features[first : first + 3][axes] * signs
-    arrays = [color, variance, features, references]
+    arrays = [colors, variance, features, references]
     if rng.random() < 0.5:
         arrays = [a[..., ::-1] for a in arrays]
     if rng.random() < 0.5:
@@ -78,7 +84,7 @@ def whole_frame(pair, clean=False, with_variance=True):
     height, width = (n // 16 * 16 for n in pair.color.shape[1:])
     cut = lambda a: torch.from_numpy(np.asarray(a)[..., :height, :width].astype(np.float32))[None]
     variance = cut(pair.variances[0]) ** 2 if pair.variances and with_variance else -torch.ones(1, 1, height, width)
-    return [cut(pair.color), variance, cut(features_of(pair, clean)), cut(np.stack(pair.references))]
+    return [cut(colors_of(pair)), variance, cut(features_of(pair, clean)), cut(np.stack(pair.references))]
 
 
 def is_held_out(folder):

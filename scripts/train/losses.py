@@ -15,15 +15,15 @@ SHARE_OF_ERROR = 0.05
 
 def smoothed(network, batch, layout=torch.channels_last):
     """The network's result for a batch, and the log of its relative squared error."""
-    color, variance, features, _ = batch
-    features, own = features[:, :FEATURES], features[:, FEATURES:]
-    divisor, own_divisor = divisor_of(features[:, :3]), divisor_of(own[:, :3])
+    colors, variance, features, _ = batch
+    features, own_features = features[:, :FEATURES], features[:, FEATURES:]
+    divisor, own_divisor = divisor_of(features[:, :3]), divisor_of(own_features[:, :3])
     of_divisor = (divisor * divisor).mean(1, keepdim=True)
     known = variance >= 0
     irradiance_variance = torch.where(known, variance / of_divisor, variance)
-    irradiance = color / divisor
-    inputs = network_inputs(irradiance, irradiance_variance, features, own)
-    return network(inputs.contiguous(memory_format=layout), irradiance, divisor, own_divisor)
+    irradiance, own_irradiance = colors[:, :3] / divisor, colors[:, 3:] / own_divisor
+    inputs = network_inputs(irradiance, irradiance_variance, features, own_irradiance, own_features)
+    return network(inputs.contiguous(memory_format=layout), irradiance, own_irradiance, divisor, own_divisor)
 
 
 def random_scales(count):

@@ -78,11 +78,12 @@ def merge_shot(becalm, folder):
             color, variance, features = merge(becalm, temporary, frames, wanted, MATCHING[rng.integers(len(MATCHING))],
                                               directions)
             exposure = shots.exposure_of(of_wanted["color"])
-            finite = all(np.isfinite(image).all() for image in (color, variance, a["color"], b["color"]))
+            finite = all(np.isfinite(image).all() for image in (color, variance, of_wanted["color"], a["color"], b["color"]))
             if exposure == 0.0 or not finite:
                 continue
             pair = shots.packed_pair(color * exposure, [np.sqrt(variance) * exposure],
-                                     [features, clean, shots.packed_features(of_wanted)], [r["color"] * exposure for r in (a, b)])
+                                     [features, clean, shots.packed_features(of_wanted)], [r["color"] * exposure for r in (a, b)],
+                                     of_wanted["color"] * exposure)
             arrays.update({f"{directions}.{wanted:04d}.{name}": array for name, array in pair.items()})
     shots.save(f"{folder}/{shots.MERGED}", arrays)
 

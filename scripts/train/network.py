@@ -1,8 +1,9 @@
-"""The kernel-predicting network that smooths single frames, as PyTorch trains it.
+"""The kernel-predicting network that smooths frames and merged frames, as PyTorch trains it.
 
 A U-Net looks at a frame and its features and predicts, for each pixel of five scales, the weights of a 5x5 window and of the
 four nearest pixels of the coarser scale's result (Bako et al. 2017; Vogels et al. 2018). All weights are positive and sum to
-1: the network decides which pixels belong together, and never makes a colour. filter/network/ has the same in C++.
+1: the network decides which pixels belong together, and never makes a colour. At the finest scale the 3x3 pixels of the frame
+itself are in the same sum: what it shows sharp, merging has blurred. filter/network/ has the same in C++.
 """
 
 import torch
@@ -10,12 +11,15 @@ import torch.nn as nn
 import torch.nn.functional as F
 
 CHANNELS = {"standard": (16, 24, 32, 48, 64), "small": (8, 16, 24, 32, 48)}
-INPUTS = 20  # 19, and a channel of zeros: four to a plane
+INPUTS = 20
 FEATURES = 7  # albedo, normal, depth
 WINDOW = 5
 TAPS = WINDOW * WINDOW
 COARSE_TAPS = 4
 LOGITS = TAPS + COARSE_TAPS
+OWN_WINDOW = 3
+OWN_TAPS = OWN_WINDOW * OWN_WINDOW  # of the frame's own radiance, at the finest scale
+OWN_BIAS = -3.0  # of their logits, before training
 AFFINITIES = 4  # learned features of a pixel, by whose squared distances pixels of a window count less (Isik et al. 2021)
 LEAST_CONFIDENCE = 1e-8
 # Exposed radiance times this is what errors are measured on, with this added to their square's denominator.
@@ -41,13 +45,17 @@ def replicate(x, pad):
     return F.pad(x, (pad, pad, pad, pad), mode="replicate")
 
 
-def network_inputs(irradiance, variance, features, own):
+def compressed(irradiance):
+    return 0.5 * torch.log1p(10.0 * irradiance.clamp(min=0.0))
+
+
+def network_inputs(irradiance, variance, features, own_irradiance, own_features):
     """All input channels, from exposed radiance without albedo, its variance (negative: unknown), and features.
 
-    `features` were merged with the weights of the radiance, `own` are those of the frame itself; of a single frame both are
-    the same.
+    `features` were merged with the weights of the radiance, `own_...` are those of the frame itself; of a single frame both
+    are the same.
     """
-    t = 0.5 * torch.log1p(10.0 * irradiance.clamp(min=0.0))
+    t = compressed(irradiance)
     grey = t.mean(1, keepdim=True)
     padded = replicate(grey, 2)
     mean = F.avg_pool2d(padded, 5, 1)
@@ -56,7 +64,8 @@ def network_inputs(irradiance, variance, features, own):
     known = variance >= 0.0
     relative = torch.log1p(variance.clamp(min=0.0).sqrt() / (light + 0.1))
     noise = torch.where(known, relative, -torch.ones_like(relative))
-    return torch.cat([t, features, noise, deviation, own, torch.zeros_like(noise)], 1)
+    own_grey = compressed(own_irradiance).mean(1, keepdim=True)
+    return torch.cat([t, features, noise, deviation, own_features, own_grey], 1)
 
 
 class Convolution(nn.Module):
@@ -80,9 +89,10 @@ class Network(nn.Module):
         self.encode = nn.ModuleList(Convolution(i, o) for i, o in zip((INPUTS,) + c[:-1], c))
         self.decode = nn.ModuleList(Convolution(c[i + 1] + c[i], c[i]) for i in range(len(c) - 1))
         self.finish = Convolution(c[0], c[0])
-        self.window = nn.ModuleList(nn.Conv2d(k, LOGITS if i + 1 < len(c) else TAPS, 1) for i, k in enumerate(c))
-        # The first output is the logit of the confidence, the others are affinities.
-        self.confidence = nn.ModuleList(nn.Conv2d(k, 1 + AFFINITIES, 1) for k in c)
+        self.window = nn.ModuleList(nn.Conv2d(k, count, 1) for k, count in zip(c, logit_counts(len(c))))
+        # The first output is the logit of the confidence, the next are affinities; at the finest scale the last one is the
+        # logit of the confidence in the frame's own radiance.
+        self.confidence = nn.ModuleList(nn.Conv2d(k, 1 + AFFINITIES + (i == 0), 1) for i, k in enumerate(c))
         self.albedo = nn.Conv2d(c[0], 2 * TAPS, 1)  # windows of the merged albedo and of the frame's own
         self.error = nn.Conv2d(c[0], 1, 1)
         for head in [*self.window, *self.confidence, self.albedo, self.error]:
@@ -91,7 +101,8 @@ class Network(nn.Module):
         with torch.no_grad():
             self.albedo.bias[TAPS // 2 :: TAPS] = ALBEDO_CENTRE
             for head in self.window[:-1]:
-                head.bias[TAPS:] = torch.log(torch.tensor(BILINEAR)) + 1.0
+                head.bias[TAPS:LOGITS] = torch.log(torch.tensor(BILINEAR)) + 1.0
+            self.window[0].bias[LOGITS:] = OWN_BIAS
             for head in self.confidence:
                 nn.init.normal_(head.weight[1:], std=0.1)
                 head.bias[0] = 2.0
@@ -110,7 +121,7 @@ class Network(nn.Module):
         out[0] = self.finish(out[0])
         return out
 
-    def forward(self, inputs, irradiance, divisor, own_divisor, valid=None):
+    def forward(self, inputs, irradiance, own_irradiance, divisor, own_divisor, valid=None):
         """The smoothed radiance (exposed, with albedo again) and the log of its squared relative error.
 
         Width and height are multiples of 16. `valid` is 0 for pixels that do not count, else 1.
@@ -118,27 +129,42 @@ class Network(nn.Module):
         f = self.features(inputs)
         of_pixels = [head(x) for head, x in zip(self.confidence, f)]
         confidence = [torch.sigmoid(x[:, :1]).clamp(min=LEAST_CONFIDENCE) for x in of_pixels]
-        distances = [squared_distances(x[:, 1:]) for x in of_pixels]
+        own_confidence = torch.sigmoid(of_pixels[0][:, 1 + AFFINITIES :]).clamp(min=LEAST_CONFIDENCE)
+        distances = [squared_distances(x[:, 1 : 1 + AFFINITIES]) for x in of_pixels]
         if valid is not None:
-            confidence[0] = torch.where(valid > 0, confidence[0], torch.full_like(confidence[0], 1e-20))
+            hole = torch.full_like(own_confidence, 1e-20)
+            confidence[0] = torch.where(valid > 0, confidence[0], hole)
+            own_confidence = torch.where(valid > 0, own_confidence, hole)
         values, counts = [irradiance], [confidence[0]]
         for c in confidence[1:]:
             count = F.avg_pool2d(counts[-1], 2)
             values.append(F.avg_pool2d(counts[-1] * values[-1], 2) / count)
             counts.append(count * c)
         result = None
-        for value, count, x, head, distance in reversed(list(zip(values, counts, f, self.window, distances))):
-            result = mixed(head(x), distance, value, count, result)
+        for scale in reversed(range(len(f))):
+            own = (own_irradiance, own_confidence) if scale == 0 else None
+            result = mixed(self.window[scale](f[scale]), distances[scale], values[scale], counts[scale], result, own)
         of_albedo = torch.softmax(self.albedo(f[0]) - torch.cat([distances[0], distances[0]], 1), 1)
         smooth_divisor = window_mean(of_albedo[:, :TAPS], divisor) + window_mean(of_albedo[:, TAPS:], own_divisor)
         log_error = self.error(f[0]).clamp(-12.0, LARGEST_LOG_ERROR)
         return result * smooth_divisor, log_error
 
 
-def windows(x):
-    """All 5x5 windows: (batch, channels, 25, height, width), row by row."""
+def logit_counts(scales):
+    """Logits of each scale: the window's, the coarser scale's but at the coarsest, the frame's own at the finest."""
+    return [LOGITS + OWN_TAPS] + [LOGITS] * (scales - 2) + [TAPS]
+
+
+def windows(x, side=WINDOW):
+    """All windows: (batch, channels, side * side, height, width), row by row."""
     b, c, h, w = x.shape
-    return F.unfold(replicate(x, WINDOW // 2), WINDOW).view(b, c, TAPS, h, w)
+    return F.unfold(replicate(x, side // 2), side).view(b, c, side * side, h, w)
+
+
+def innermost(x):
+    """Of 5x5 windows (batch, 25, height, width), the 3x3 in their middle."""
+    b, _, h, w = x.shape
+    return x.view(b, WINDOW, WINDOW, h, w)[:, 1:-1, 1:-1].reshape(b, OWN_TAPS, h, w)
 
 
 def squared_distances(affinities):
@@ -172,20 +198,26 @@ def coarse_neighbours(x):
     ], 2)
 
 
-def mixed(logits, distance, value, count, coarse):
+def mixed(logits, distance, value, count, coarse, own):
     """Each pixel's window of `value`, counted by `count`, and the coarser result around it, by the softmax of the logits.
 
-    The logits of the window's pixels are less by their distance.
+    `own` are value and count of the frame itself, or None. The logits of a window's pixels are less by their distance.
     """
-    logits = torch.cat([logits[:, :TAPS] - distance, logits[:, TAPS:]], 1)
+    of_own = [logits[:, LOGITS:] - innermost(distance)] if own else []
+    logits = torch.cat([logits[:, :TAPS] - distance, logits[:, TAPS:LOGITS], *of_own], 1)
     weights = torch.exp(logits - logits.detach().amax(1, keepdim=True))
     of_window = weights[:, :TAPS] * windows(count)[:, 0]
     total = of_window.sum(1, keepdim=True)
     result = (windows(value) * of_window.unsqueeze(1)).sum(2)
     if coarse is not None:
-        of_coarse = weights[:, TAPS:]
+        of_coarse = weights[:, TAPS:LOGITS]
         total = total + of_coarse.sum(1, keepdim=True)
         result = result + (coarse_neighbours(coarse) * of_coarse.unsqueeze(1)).sum(2)
+    if own:
+        own_value, own_count = own
+        of_own = weights[:, LOGITS:] * windows(own_count, OWN_WINDOW)[:, 0]
+        total = total + of_own.sum(1, keepdim=True)
+        result = result + (windows(own_value, OWN_WINDOW) * of_own.unsqueeze(1)).sum(2)
     return result / total.clamp(min=1e-30)
 
 

@@ -45,7 +45,11 @@ class Pair:
     # (albedo, normal, depth) as 7 channels: as the radiance, of the references, and of a merged frame its own.
     features: list
     references: list  # two
-    merged: bool = False  # of several frames, whose variance is always known
+    own: np.ndarray = None  # of a merged frame, what it was before; its variance is always known
+
+    @property
+    def merged(self):
+        return self.own is not None
 
 
 def read_layers(path, renderer):
@@ -133,13 +137,15 @@ def pack_shot(folder):
     save(f"{folder}/{PACKED}", arrays)
 
 
-def packed_pair(color, deviations, features, references):
+def half(radiance):
+    return radiance.clip(-FIREFLY, FIREFLY).astype(np.float16)
+
+
+def packed_pair(color, deviations, features, references, own=None):
     """The arrays of a pair by name, of exposed radiance."""
-    arrays = {
-        "color": color.clip(-FIREFLY, FIREFLY).astype(np.float16),
-        "features": np.stack(features),
-        "references": np.stack(references).clip(-FIREFLY, FIREFLY).astype(np.float16),
-    }
+    arrays = {"color": half(color), "features": np.stack(features), "references": half(np.stack(references))}
+    if own is not None:
+        arrays["own"] = half(own)
     if deviations:
         arrays["deviations"] = np.stack(deviations).clip(0, FIREFLY).astype(np.float16)
     return arrays
@@ -163,7 +169,7 @@ def load_pairs(folder, file):
                     variances=list(deviations),
                     features=list(packed[f"{key}.features"]),
                     references=list(packed[f"{key}.references"]),
-                    merged=file == MERGED,
+                    own=packed[f"{key}.own"] if file == MERGED else None,
                 )
             )
     return pairs

@@ -83,7 +83,7 @@ class Shots(unittest.TestCase):
         folder = f"{self.folder.name}/becalm-000000"
         frame = batches.load(self.folder.name)[0][0]
         features = [*frame.features, frame.features[0]]
-        merged = shots.packed_pair(frame.color, [0.5 * frame.variances[0]], features, frame.references)
+        merged = shots.packed_pair(frame.color, [0.5 * frame.variances[0]], features, frame.references, frame.color)
         shots.save(f"{folder}/{shots.MERGED}", {f"both.0001.{name}": array for name, array in merged.items()})
         pairs = shots.load_shot(folder)
         self.assertEqual([p.name for p in pairs], ["becalm-000000/004.0001", "becalm-000000/both.0001"])
@@ -127,27 +127,27 @@ class Networks(unittest.TestCase):
         self.network = Network(CHANNELS["small"])
         for head in self.network.window:
             torch.nn.init.normal_(head.weight, std=0.3)
-        self.color, self.features = 2.0 * torch.rand(1, 3, SIZE, SIZE), torch.rand(1, 14, SIZE, SIZE)
+        self.colors, self.features = 2.0 * torch.rand(1, 6, SIZE, SIZE), torch.rand(1, 14, SIZE, SIZE)
         self.variance = torch.rand(1, 1, SIZE, SIZE)
 
-    def smoothed(self, network, color):
+    def smoothed(self, network, colors):
         with torch.no_grad():
-            return losses.smoothed(network, [color, self.variance, self.features, None])[0]
+            return losses.smoothed(network, [colors, self.variance, self.features, None])[0]
 
     def test_export_and_import_give_the_same_pixels(self):
         data = export.to_bytes(self.network)
         again = export.from_bytes(data)
         self.assertEqual(export.to_bytes(again), data)
-        expected, found = self.smoothed(self.network, self.color), self.smoothed(again, self.color)
+        expected, found = self.smoothed(self.network, self.colors), self.smoothed(again, self.colors)
         self.assertLess(((found - expected).abs() / expected).max().item(), 2e-2)  # of weights in half floats
         self.assertEqual(len(data), 32 + 2 * parameter_count(self.network))
 
     def test_weights_are_positive_and_sum_to_one(self):
         self.features[:, :3] = self.features[:, 7:10] = 1.0  # no albedo
-        found = self.smoothed(self.network, self.color)
-        self.assertGreaterEqual(found.min().item(), self.color.min().item() - 1e-6)
-        self.assertLessEqual(found.max().item(), self.color.max().item() + 1e-6)
-        even = torch.full_like(self.color, 3.0)
+        found = self.smoothed(self.network, self.colors)
+        self.assertGreaterEqual(found.min().item(), self.colors.min().item() - 1e-6)
+        self.assertLessEqual(found.max().item(), self.colors.max().item() + 1e-6)
+        even = torch.full_like(self.colors, 3.0)
         self.assertLess((self.smoothed(self.network, even) - 3.0).abs().max().item(), 1e-5)
 
     def test_the_error_is_learned_without_the_noise_of_references(self):
