@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
 #include <stdexcept>
@@ -30,15 +31,22 @@ class FileBytes {
   template <class T>
   T read(std::uint64_t offset) const {
     static_assert(std::endian::native == std::endian::little);
-    T value;
-    if (::pread(descriptor_, &value, sizeof value, static_cast<off_t>(offset)) != sizeof value) {
-      throw std::runtime_error("the file ends too early");
+    if (offset < block_offset_ || offset + sizeof(T) > block_offset_ + block_size_) {
+      block_offset_ = offset;
+      block_size_ = std::max<ssize_t>(
+          ::pread(descriptor_, block_.data(), block_.size(), static_cast<off_t>(offset)), 0);
+      if (block_size_ < sizeof(T)) throw std::runtime_error("the file ends too early");
     }
+    T value;
+    std::memcpy(&value, block_.data() + (offset - block_offset_), sizeof value);
     return value;
   }
 
  private:
   int descriptor_;
+  mutable std::array<char, 4096> block_{};  // what was read last
+  mutable std::uint64_t block_offset_ = 0;
+  mutable std::size_t block_size_ = 0;
 };
 
 /// Walks over a name with its final zero.
@@ -53,6 +61,18 @@ std::uint64_t skip_header(const FileBytes& file, std::uint64_t offset) {
     offset = skip_name(file, skip_name(file, offset));
     offset += sizeof(std::int32_t) + file.read<std::uint32_t>(offset);
   }
+  return offset + 1;
+}
+
+bool is_multi_part(const FileBytes& file) {
+  return (file.read<std::uint32_t>(4) & kMultiPartFlag) != 0;
+}
+
+/// Walks over the magic number, the version and the headers of all parts, which an empty header ends.
+std::uint64_t skip_headers(const FileBytes& file) {
+  std::uint64_t offset = 8;
+  if (!is_multi_part(file)) return skip_header(file, offset);
+  while (file.read<char>(offset) != '\0') offset = skip_header(file, offset);
   return offset + 1;
 }
 
@@ -125,13 +145,15 @@ std::uint64_t chunk_count(const Imf::Header& header) {
   return count;
 }
 
+void require_whole_headers(const std::string& path) {
+  skip_headers(FileBytes(path));
+}
+
 void require_all_chunks(const std::string& path, const Imf::MultiPartInputFile& image) {
   const std::uint64_t file_size = stamp_of(path).size;
   const FileBytes file(path);
-  const bool multi_part = (file.read<std::uint32_t>(4) & kMultiPartFlag) != 0;
-  std::uint64_t offset = 8;  // magic number and version
-  for (int part = 0; part < image.parts(); ++part) offset = skip_header(file, offset);
-  if (multi_part) ++offset;  // an empty header ends them
+  const bool multi_part = is_multi_part(file);
+  std::uint64_t offset = skip_headers(file);
   for (int part = 0; part < image.parts(); ++part) {
     const Imf::Header& header = image.header(part);
     const std::uint64_t count = chunk_count(header);

@@ -95,6 +95,7 @@ std::unique_ptr<Imf::MultiPartInputFile> open_exr(const std::string& path) {
   if (!Imf::isOpenExrFile(path.c_str())) {
     throw Error(ExitStatus::bad_input, fmt::format("{}: not an EXR file", path));
   }
+  require_whole_headers(path);
   return std::make_unique<Imf::MultiPartInputFile>(path.c_str());
 }
 

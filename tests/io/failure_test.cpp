@@ -114,6 +114,19 @@ TEST_F(BadFile, AnInterruptedWriteHasNoOffsets) {
   EXPECT_TRUE(read_error().starts_with(path_ + ": truncated, corrupt or unsupported EXR: ")) << read_error();
 }
 
+TEST_F(BadFile, AnAttributeThatIsLargerThanTheFileTakesNoMemory) {
+  write_test_file(path_, {scanline_part(window(0, 0, 4, 4), kColour)});
+  std::string bytes = read_bytes(path_);
+  bytes.insert(8, std::string("owner\0string\0", 13) + std::string("\0\0\0\x70", 4));
+  write_bytes(path_, bytes);
+  rusage before{};
+  rusage after{};
+  getrusage(RUSAGE_SELF, &before);
+  EXPECT_EQ(read_error(), path_ + ": truncated, corrupt or unsupported EXR: the file ends too early");
+  getrusage(RUSAGE_SELF, &after);
+  EXPECT_LT(after.ru_maxrss, before.ru_maxrss + (64 << 10));  // in KiB
+}
+
 TEST_F(BadFile, CorruptPixels) {
   write_test_file(path_, {scanline_part(window(0, 0, 64, 64), kColour)});
   std::string bytes = read_bytes(path_);
