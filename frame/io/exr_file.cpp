@@ -17,6 +17,7 @@
 #include <thread>
 
 #include "frame/error.h"
+#include "frame/io/exr_bytes.h"
 
 namespace becalm::io {
 namespace fs = std::filesystem;
@@ -95,7 +96,7 @@ std::unique_ptr<Imf::MultiPartInputFile> open_exr(const std::string& path) {
   if (!Imf::isOpenExrFile(path.c_str())) {
     throw Error(ExitStatus::bad_input, fmt::format("{}: not an EXR file", path));
   }
-  require_whole_headers(path);
+  ExrBytes(path).headers_end();  // throws before OpenEXR allocates what a damaged header asks for
   return std::make_unique<Imf::MultiPartInputFile>(path.c_str());
 }
 

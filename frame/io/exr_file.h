@@ -57,10 +57,6 @@ bool is_tiled(const Imf::Header& header);
 /// The number of chunks (runs of lines, or tiles) that a part of this header has.
 std::uint64_t chunk_count(const Imf::Header& header);
 
-/// While reading(): throws where an attribute ends behind the file's end. OpenEXR allocates and clears what
-/// an attribute says to be its size before it reads it.
-void require_whole_headers(const std::string& path);
-
 /// While reading(): throws where a chunk of pixels is missing or ends behind the file's end, in any part.
 /// Reads the chunks' sizes only, and must have passed before anything of the image's size is allocated: a
 /// header may claim any size.

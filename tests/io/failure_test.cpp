@@ -114,17 +114,31 @@ TEST_F(BadFile, AnInterruptedWriteHasNoOffsets) {
   EXPECT_TRUE(read_error().starts_with(path_ + ": truncated, corrupt or unsupported EXR: ")) << read_error();
 }
 
-TEST_F(BadFile, AnAttributeThatIsLargerThanTheFileTakesNoMemory) {
+TEST_F(BadFile, SizesThatLieTakeNoMemory) {
   write_test_file(path_, {scanline_part(window(0, 0, 4, 4), kColour)});
-  std::string bytes = read_bytes(path_);
-  bytes.insert(8, std::string("owner\0string\0", 13) + std::string("\0\0\0\x70", 4));
-  write_bytes(path_, bytes);
-  rusage before{};
-  rusage after{};
-  getrusage(RUSAGE_SELF, &before);
-  EXPECT_EQ(read_error(), path_ + ": truncated, corrupt or unsupported EXR: the file ends too early");
-  getrusage(RUSAGE_SELF, &after);
-  EXPECT_LT(after.ru_maxrss, before.ru_maxrss + (64 << 10));  // in KiB
+  const std::string whole = read_bytes(path_);
+  const std::string huge("\0\0\0\x70", 4);
+  const std::string small("\x8\0\0\0", 4);
+  const std::string of_string("string\0", 7);
+  const std::vector<std::string> lies = {
+      of_string + huge,
+      std::string("stringvector\0", 13) + small + huge + "abcd",
+      std::string("preview\0", 8) + small + std::string("\0\x70\0\0\0\x70\0\0", 8),
+      // Read as one byte, whatever its size says: what is behind it is the next attribute.
+      std::string("compression\0", 12) + small + std::string("\0x\0", 3) + of_string + huge,
+      // The list ends before it says.
+      std::string("chlist\0", 7) + small + std::string("\0x\0", 3) + of_string + huge,
+  };
+  for (const std::string& lie : lies) {
+    write_bytes(path_, whole.substr(0, 8) + std::string("owner\0", 6) + lie + whole.substr(8));
+    rusage before{};
+    rusage after{};
+    getrusage(RUSAGE_SELF, &before);
+    EXPECT_TRUE(read_error().starts_with(path_ + ": truncated, corrupt or unsupported EXR: "))
+        << read_error();
+    getrusage(RUSAGE_SELF, &after);
+    EXPECT_LT(after.ru_maxrss, before.ru_maxrss + (64 << 10)) << lie;  // in KiB
+  }
 }
 
 TEST_F(BadFile, CorruptPixels) {
