@@ -76,7 +76,7 @@ struct Estimate {
 /// A frame on its way into the chains.
 struct NewFrame {
   const Frame& frame;
-  const Frame* own = nullptr;        ///< of merged frames, the one whose features are not
+  const NewFrame* own = nullptr;     ///< of merged frames, the one itself
   std::vector<std::uint8_t> finite;  ///< of finite_pixels
   float exposure;                    ///< of the whole frame
   float usual_depth = 1.0f;          ///< of typical_depth

@@ -14,13 +14,27 @@ namespace becalm::filter {
 using gpu::Extent;
 using gpu::ImageId;
 
+namespace {
+
+/// How far from where it was noise is found after smoothing, for the energy of blocks.
+constexpr double kReachPx = 16.0;
+
+std::vector<Layered> layered(const std::vector<ImageId>& merged, const std::vector<ImageId>& own) {
+  std::vector<Layered> result;
+  for (std::size_t i = 0; i < merged.size(); ++i) result.push_back({merged[i], own[i]});
+  return result;
+}
+
+}  // namespace
+
 struct FrameSmoother::Passes {
   Passes(gpu::Device& device, const FilterTask& task, Extent extent)
       : chain(device, "smooth"),
         noisy(chain, task, extent, NoisyUse::smooth),
         additive(additive_inputs(chain, task.additive, extent, "additive.cur")),
-        network(chain, embedded_weights(), extent, noisy, task.variance_known(), additive,
-                convolver_of(device.info())) {
+        own_additive(task.merged ? additive_inputs(chain, task.additive, extent, "additive.own") : additive),
+        network(chain, embedded_weights(), extent, noisy, task.variance_known(),
+                layered(additive, own_additive), convolver_of(device.info())) {
     chain.output(network.smoothed().color);
     chain.output(network.smoothed().stats);
     for (const ImageId image : network.smoothed().additive) chain.output(image);
@@ -30,15 +44,9 @@ struct FrameSmoother::Passes {
   gpu::Chain chain;
   NoisyInputs noisy;
   std::vector<ImageId> additive;
+  std::vector<ImageId> own_additive;  ///< of merged frames those of the frame itself, else the same
   NetworkPasses network;
 };
-
-namespace {
-
-/// How far from where it was noise is found after smoothing, for the energy of blocks.
-constexpr double kReachPx = 16.0;
-
-}  // namespace
 
 FrameSmoother::FrameSmoother(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit)
     : task_(task),
@@ -55,6 +63,7 @@ Estimate FrameSmoother::smooth(const NewFrame& frame, FrameReport& report) {
     passes.noisy.upload(chain, task_, frame, tile, ignored);
     passes.network.upload_weights(chain);
     upload_additive(chain, passes.additive, frame.additive, tile.target);
+    if (task_.merged) upload_additive(chain, passes.own_additive, frame.own->additive, tile.target);
   };
   const auto download = [&](const Passes& passes, const Tile& tile) {
     const Smoothed& smoothed = passes.network.smoothed();

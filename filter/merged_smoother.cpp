@@ -62,7 +62,7 @@ Estimate MergedSmoother::smooth(const NewFrame& frame, Estimate merged, FrameRep
   if (contains(task_.used, Aov::depth)) still.image(Aov::depth) = std::move(noisy.depth);
   merged.additive.resize(task_.additive);
   Estimate smoothed = smoother_.smooth({.frame = still,
-                                        .own = &frame.frame,
+                                        .own = &frame,
                                         .finite = frame.finite,
                                         .exposure = frame.exposure,
                                         .usual_depth = frame.usual_depth,

@@ -8,7 +8,7 @@ namespace becalm::filter {
 using gpu::Format;
 
 NoisyInputs::NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent, NoisyUse use) {
-  color = chain.input("color.cur", Format::f32x4, extent);
+  own_color = color = chain.input("color.cur", Format::f32x4, extent);
   exposure = chain.input("exposure", Format::f32, {1, 1});
   given_variance_ = chain.input("variance.cur", Format::f32x2, extent);
   const bool fits_albedo = !task.variance_known() && contains(task.used, Aov::albedo);
@@ -18,6 +18,7 @@ NoisyInputs::NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent 
     own_features = features;
   }
   if (task.merged) {
+    own_color = chain.input("own.color", Format::f32x4, extent);
     own_features = {.albedo_depth = chain.input("own.albedo_depth", Format::f32x4, extent),
                     .normal = chain.input("own.normal", Format::f32x4, extent)};
   }
@@ -41,7 +42,11 @@ void NoisyInputs::upload(gpu::Chain& chain, const FilterTask& task, const NewFra
                   chain.upload<float>(target.normal));
   };
   if (features) upload_features(frame.frame, *features);
-  if (task.merged) upload_features(*frame.own, *own_features);
+  if (task.merged) {
+    pack_color(frame.own->frame.image(Aov::beauty), frame.finite, tile.target,
+               chain.upload<float>(own_color));
+    upload_features(frame.own->frame, *own_features);
+  }
 }
 
 }  // namespace becalm::filter

@@ -22,6 +22,7 @@ class NoisyInputs {
               FrameReport& report) const;
 
   gpu::ImageId color;                     ///< f32x4: pixels that are not finite replaced
+  gpu::ImageId own_color;                 ///< of merged frames that of the frame itself, else the same
   gpu::ImageId variance;                  ///< f32x2, as MergeInputs::variance
   gpu::ImageId exposure;                  ///< f32, 1x1
   std::optional<FeatureImages> features;  ///< where something looks at them

@@ -39,6 +39,8 @@ struct Extent {
 /// why).
 struct ImageId {
   int index = -1;
+
+  bool operator==(const ImageId&) const = default;
 };
 
 }  // namespace becalm::gpu

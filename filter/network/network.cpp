@@ -63,12 +63,10 @@ void NetworkPasses::upload_weights(Chain& chain) const {
 
 NetworkPasses::NetworkPasses(Chain& chain, const NetworkWeights& weights, Extent full,
                              const NoisyInputs& frame, bool variance_known,
-                             const std::vector<ImageId>& additive, Convolver convolver)
+                             const std::vector<Layered>& additive, Convolver convolver)
     : full_(full), padded_{padded_px(full.width), padded_px(full.height)} {
-  const ImageId irradiance = chain.image("irradiance", Format::f32x4, padded_);
-  const ImageId grey = chain.image("network.grey", Format::f32, padded_);
-  add_demodulate(chain, frame, frame.color, irradiance, grey);
-  const ImageId inputs = add_inputs(chain, frame, irradiance, grey, variance_known);
+  const Demodulated beauty = add_demodulate(chain, frame, "beauty", {frame.color, frame.own_color});
+  const ImageId inputs = add_inputs(chain, frame, beauty, variance_known);
   features_ = convolver == Convolver::host ? add_host_features(chain, weights, padded_, inputs)
                                            : add_features(chain, weights, inputs);
   for (std::size_t i = 0; i < kScales; ++i) {
@@ -80,40 +78,50 @@ NetworkPasses::NetworkPasses(Chain& chain, const NetworkWeights& weights, Extent
 
   const ImageId color = chain.image("windows.color", Format::f32x4, full);
   const ImageId stats = chain.image("windows.stats", Format::f32x2, full);
-  add_windows(chain, weights, frame, "beauty", irradiance, frame.color, color, stats);
+  add_windows(chain, weights, frame, "beauty", beauty.irradiance, frame.color, color, stats);
   const ImageId share = add_share(chain, frame, color, stats);
   smoothed_.color = add_restore(chain, "smoothed.color", frame.color, color, share);
   for (std::size_t i = 0; i < additive.size(); ++i) {
     const std::string name = fmt::format("additive.{}", i);
-    const ImageId divided = chain.image(name + ".irradiance", Format::f32x4, padded_);
-    add_demodulate(chain, frame, additive[i], divided, chain.image(name + ".grey", Format::f32, padded_));
+    const Layered irradiance = add_demodulate(chain, frame, name, additive[i]).irradiance;
     const ImageId windows = chain.image("windows." + name, Format::f32x4, full);
-    add_windows(chain, weights, frame, name, divided, additive[i], windows,
+    add_windows(chain, weights, frame, name, irradiance, additive[i].merged, windows,
                 chain.image(name + ".stats", Format::f32x2, full));
-    smoothed_.additive.push_back(add_restore(chain, "smoothed." + name, additive[i], windows, share));
+    smoothed_.additive.push_back(add_restore(chain, "smoothed." + name, additive[i].merged, windows, share));
   }
 }
 
-void NetworkPasses::add_demodulate(Chain& chain, const NoisyInputs& frame, ImageId color, ImageId irradiance,
-                                   ImageId grey) const {
-  chain.pass("network/demodulate")
-      .read("color", color)
-      .read("variance", frame.variance)
-      .read("albedo_depth", frame.features->albedo_depth)
-      .read("exposure", frame.exposure)
-      .write("irradiance", irradiance)
-      .write("grey", grey)
-      .constants(padded_params(full_, padded_))
-      .dispatch(padded_);
+NetworkPasses::Demodulated NetworkPasses::add_demodulate(Chain& chain, const NoisyInputs& frame,
+                                                         const std::string& name,
+                                                         const Layered& radiance) const {
+  const auto add = [&](const std::string& prefix, ImageId color, ImageId albedo_depth) {
+    const ImageId irradiance = chain.image(prefix + ".irradiance", Format::f32x4, padded_);
+    const ImageId grey = chain.image(prefix + ".grey", Format::f32, padded_);
+    chain.pass("network/demodulate")
+        .read("color", color)
+        .read("variance", frame.variance)
+        .read("albedo_depth", albedo_depth)
+        .read("exposure", frame.exposure)
+        .write("irradiance", irradiance)
+        .write("grey", grey)
+        .constants(padded_params(full_, padded_))
+        .dispatch(padded_);
+    return std::pair(irradiance, grey);
+  };
+  const auto [irradiance, grey] = add(name, radiance.merged, frame.features->albedo_depth);
+  if (radiance.own == radiance.merged) return {{irradiance, irradiance}, {grey, grey}};
+  const auto [own_irradiance, own_grey] = add("own." + name, radiance.own, frame.own_features->albedo_depth);
+  return {{irradiance, own_irradiance}, {grey, own_grey}};
 }
 
-ImageId NetworkPasses::add_inputs(Chain& chain, const NoisyInputs& frame, ImageId irradiance, ImageId grey,
+ImageId NetworkPasses::add_inputs(Chain& chain, const NoisyInputs& frame, const Demodulated& demodulated,
                                   bool variance_known) const {
   const ImageId inputs =
       chain.image("network.inputs", Format::f32x4, padded_.with_planes(kNetworkInputs / kPlane));
   chain.pass("network/inputs")
-      .read("irradiance", irradiance)
-      .read("grey", grey)
+      .read("irradiance", demodulated.irradiance.merged)
+      .read("grey", demodulated.grey.merged)
+      .read("own_grey", demodulated.grey.own)
       .read("variance", frame.variance)
       .read("albedo_depth", frame.features->albedo_depth)
       .read("normal", frame.features->normal)
@@ -162,21 +170,28 @@ NetworkPasses::Scales NetworkPasses::add_features(Chain& chain, const NetworkWei
 }
 
 void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, const NoisyInputs& frame,
-                                const std::string& name, ImageId irradiance, ImageId color, ImageId smoothed,
-                                ImageId stats) const {
+                                const std::string& name, const Layered& irradiance, ImageId color,
+                                ImageId smoothed, ImageId stats) const {
   Scales counted;
   Scales affinities;
   const auto scale_params = [&](std::size_t i) {
     return params::ScaleParams{.width = extent(i).width, .height = extent(i).height};
   };
   const auto planes = [&](std::size_t i) { return weights.channels[i] / kPlane; };
+  const ImageId own_counted = chain.image(name + ".own_counted", Format::f32x4, padded_);
   for (std::size_t i = 0; i < kScales; ++i) {
     counted[i] = chain.image(fmt::format("{}.counted.L{}", name, i), Format::f32x4, extent(i));
     affinities[i] = chain.image(fmt::format("{}.affinities.L{}", name, i), Format::f32x4, extent(i));
-    chain.pass(i == 0 ? "network/count" : "network/reduce")
-        .read("features", features_[i])
+    auto pass = chain.pass(i == 0 ? "network/count" : "network/reduce");
+    if (i == 0) {
+      pass.read("irradiance", irradiance.merged)
+          .read("own_irradiance", irradiance.own)
+          .write("own_counted", own_counted);
+    } else {
+      pass.read("finer", counted[i - 1]);
+    }
+    pass.read("features", features_[i])
         .read("weights", confidence_weights_[i])
-        .read(i == 0 ? "irradiance" : "finer", i == 0 ? irradiance : counted[i - 1])
         .write("counted", counted[i])
         .write("affinities", affinities[i])
         .specialize("planes", planes(i))
@@ -193,9 +208,11 @@ void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, con
         .read("counted", counted[i])
         .read("affinities", affinities[i])
         .read("coarse", coarse)
+        .read("own_counted", i == 0 ? own_counted : counted[i])
         .write("result", result)
         .specialize("planes", planes(i))
         .specialize("has_coarse", i + 1 < kScales ? 1 : 0)
+        .specialize("has_own", i == 0 ? 1 : 0)
         .constants(scale_params(i))
         .dispatch(extent(i));
   }

@@ -19,6 +19,12 @@ struct Smoothed {
   std::vector<gpu::ImageId> additive;  ///< f32x4
 };
 
+/// Radiance (f32x4) to be smoothed and, where that was merged, of the frame itself; else both are the same.
+struct Layered {
+  gpu::ImageId merged;
+  gpu::ImageId own;
+};
+
 /// Who makes the network's features: the kernels of shaders/network/, or oneDNN where the device is a
 /// processor.
 enum class Convolver { kernels, host };
@@ -31,9 +37,9 @@ constexpr Convolver convolver_of(const gpu::DeviceInfo& device) {
 /// from the coarsest scale to the finest. Weights are positive and sum to 1.
 class NetworkPasses {
  public:
-  /// Declares the passes. Additive AOVs (f32x4) go through the beauty's windows.
+  /// Declares the passes. Additive AOVs go through the beauty's windows.
   NetworkPasses(gpu::Chain& chain, const NetworkWeights& weights, gpu::Extent full, const NoisyInputs& frame,
-                bool variance_known, const std::vector<gpu::ImageId>& additive, Convolver convolver);
+                bool variance_known, const std::vector<Layered>& additive, Convolver convolver);
   /// Fills the weights' images; once the chain is built.
   void upload_weights(gpu::Chain& chain) const;
 
@@ -50,15 +56,20 @@ class NetworkPasses {
 
   gpu::Extent extent(std::size_t scale) const;
   gpu::ImageId weights_image(gpu::Chain& chain, const std::string& name, std::vector<float> values);
-  void add_demodulate(gpu::Chain& chain, const NoisyInputs& frame, gpu::ImageId color,
-                      gpu::ImageId irradiance, gpu::ImageId grey) const;
-  gpu::ImageId add_inputs(gpu::Chain& chain, const NoisyInputs& frame, gpu::ImageId irradiance,
-                          gpu::ImageId grey, bool variance_known) const;
+  struct Demodulated {
+    Layered irradiance;  ///< f32x4
+    Layered grey;        ///< f32
+  };
+  /// Of the frame, or of an additive AOV.
+  Demodulated add_demodulate(gpu::Chain& chain, const NoisyInputs& frame, const std::string& name,
+                             const Layered& radiance) const;
+  gpu::ImageId add_inputs(gpu::Chain& chain, const NoisyInputs& frame, const Demodulated& demodulated,
+                          bool variance_known) const;
   gpu::ImageId add_convolution(gpu::Chain& chain, const std::string& name, const Layer& layer,
                                std::size_t scale, gpu::ImageId source, const Coarse& coarse);
   Scales add_features(gpu::Chain& chain, const NetworkWeights& weights, gpu::ImageId inputs);
   void add_windows(gpu::Chain& chain, const NetworkWeights& weights, const NoisyInputs& frame,
-                   const std::string& name, gpu::ImageId irradiance, gpu::ImageId color,
+                   const std::string& name, const Layered& irradiance, gpu::ImageId color,
                    gpu::ImageId smoothed, gpu::ImageId stats) const;
 
   /// The share of the frame that is put back, and the variance then left.

@@ -75,10 +75,13 @@ NetworkWeights parse_weights(std::span<const std::byte> file) {
   }
   weights.finish = reader.take_layer(c[0], c[0], 3);
   for (std::size_t i = 0; i < kScales; ++i) {
-    weights.window[i] = reader.take_layer(c[i], i + 1 < kScales ? kWindowTaps + kCoarseTaps : kWindowTaps, 1);
+    const int coarse = i + 1 < kScales ? kCoarseTaps : 0;
+    const int own = i == 0 ? kOwnTaps : 0;
+    weights.window[i] = reader.take_layer(c[i], kWindowTaps + coarse + own, 1);
   }
-  for (std::size_t i = 0; i < kScales; ++i)
-    weights.confidence[i] = reader.take_layer(c[i], 1 + kAffinities, 1);
+  for (std::size_t i = 0; i < kScales; ++i) {
+    weights.confidence[i] = reader.take_layer(c[i], 1 + kAffinities + (i == 0 ? 1 : 0), 1);
+  }
   weights.albedo = reader.take_layer(c[0], 2 * kWindowTaps, 1);
   weights.error = reader.take_layer(c[0], 1, 1);
   if (!reader.at_end()) throw std::invalid_argument("network weights: the file is too long");

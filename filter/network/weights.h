@@ -9,11 +9,13 @@ namespace becalm::filter {
 
 /// Scales of the network: each is half as large as the one before.
 constexpr std::size_t kScales = 5;
-/// Channels that the network sees of a frame, the last one empty; shaders/network/inputs.comp makes them.
+/// Channels that the network sees of a frame; shaders/network/inputs.comp makes them.
 constexpr int kNetworkInputs = 20;
-/// Pixels of a window whose weights it predicts, and pixels of the coarser scale's result besides.
+/// Pixels of a window whose weights it predicts, pixels of the coarser scale's result besides, and at the
+/// finest scale those of 3x3 pixels of the frame itself, whose merged window it is.
 constexpr int kWindowTaps = 25;
 constexpr int kCoarseTaps = 4;
+constexpr int kOwnTaps = 9;
 /// Learned features of a pixel, by whose squared distances the pixels of a window count less (Isik et al.
 /// 2021).
 constexpr int kAffinities = 4;
@@ -40,8 +42,10 @@ struct NetworkWeights {
   std::array<Layer, kScales> encode;      ///< of the frame, then of the finer scale's maxima over 2x2 pixels
   std::array<Layer, kScales - 1> decode;  ///< of the coarser scale's features, and those of `encode`
   Layer finish;                           ///< the last one of the finest scale
-  std::array<Layer, kScales> window;      ///< logits of the window's pixels, and of the coarser ones
-  std::array<Layer, kScales> confidence;  ///< logit of how much a pixel counts; its affinities
+  std::array<Layer, kScales> window;      ///< logits of the window's pixels, of the coarser ones, of own ones
+  /// Logit of how much a pixel counts; its affinities; at the finest scale the logit of how much the frame's
+  /// own counts.
+  std::array<Layer, kScales> confidence;
   Layer albedo;  ///< logits of the windows that the albedo is taken from: merged, own
   Layer error;   ///< log of the squared relative error to be expected
 };

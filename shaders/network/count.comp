@@ -1,6 +1,6 @@
-// Reads the finest scale's features and the radiance without albedo; writes the radiance with how much each pixel counts in the
-// windows around it (a): the network's confidence, which keeps outliers out, and nearly nothing for a pixel that is not finite; and the
-// pixel's affinities.
+// Reads the finest scale's features and the radiance without albedo, of a merged frame also that of the frame itself; writes
+// both with how much each pixel counts in the windows around it (a): the network's confidence, which keeps outliers out, and
+// nearly nothing for a pixel that is not finite; and the pixel's affinities.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -14,10 +14,12 @@ layout(push_constant) uniform Params { ScaleParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer features;
 layout(set = 0, binding = 1) uniform samplerBuffer weights;
 layout(set = 0, binding = 2) uniform samplerBuffer irradiance;
-layout(std430, set = 0, binding = 3) writeonly buffer CountedBuffer { vec4 data[]; } counted;
-layout(std430, set = 0, binding = 4) writeonly buffer AffinitiesBuffer { vec4 data[]; } affinities;
+layout(set = 0, binding = 3) uniform samplerBuffer own_irradiance;
+layout(std430, set = 0, binding = 4) writeonly buffer CountedBuffer { vec4 data[]; } counted;
+layout(std430, set = 0, binding = 5) writeonly buffer OwnCountedBuffer { vec4 data[]; } own_counted;
+layout(std430, set = 0, binding = 6) writeonly buffer AffinitiesBuffer { vec4 data[]; } affinities;
 
-const int kMostOutputs = 5;  // the confidence, then the affinities
+const int kMostOutputs = 6;  // the confidence, the affinities, the confidence in the frame's own radiance
 #include "lib/head.glsl"
 
 void main() {
@@ -28,7 +30,9 @@ void main() {
   float head[kMostOutputs];
   apply_head(kMostOutputs, index, p.width * p.height, head);
   const vec4 value = texelFetch(irradiance, index);
+  const vec4 own = texelFetch(own_irradiance, index);
   if (!inside) return;
   counted.data[index] = vec4(value.rgb, value.a > 0.0 ? confidence(head[0]) : kConfidenceOfHole);
+  own_counted.data[index] = vec4(own.rgb, own.a > 0.0 ? confidence(head[5]) : kConfidenceOfHole);
   affinities.data[index] = vec4(head[1], head[2], head[3], head[4]);
 }

@@ -1,6 +1,6 @@
-// Reads what network/demodulate made of a frame, its variance, its features and, of a merged frame, those of the frame itself;
-// writes the network's input channels: compressed radiance, albedo, normal, depth, told noise, the local deviation of the grey
-// value over 5x5 pixels, the frame's own albedo, normal and depth, and a zero.
+// Reads what network/demodulate made of a frame, its variance, its features and, of a merged frame, the grey value and features
+// of the frame itself; writes the network's input channels: compressed radiance, albedo, normal, depth, told noise, the local
+// deviation of the grey value over 5x5 pixels, the frame's own albedo, normal, depth and grey value.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -21,21 +21,22 @@ layout(set = 0, binding = 4) uniform samplerBuffer normal;
 layout(set = 0, binding = 5) uniform samplerBuffer exposure;
 layout(set = 0, binding = 6) uniform samplerBuffer own_albedo_depth;
 layout(set = 0, binding = 7) uniform samplerBuffer own_normal;
-layout(std430, set = 0, binding = 8) writeonly buffer InputsBuffer { vec4 data[]; } inputs;
+layout(set = 0, binding = 8) uniform samplerBuffer own_grey;
+layout(std430, set = 0, binding = 9) writeonly buffer InputsBuffer { vec4 data[]; } inputs;
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   const ivec2 size = ivec2(p.padded_width, p.padded_height);
   if (at.x >= size.x || at.y >= size.y) return;
   const int index = at.y * size.x + at.x;
-  const float own = texelFetch(grey, index).x;
+  const float centre = texelFetch(grey, index).x;
   // Differences to the pixel itself keep even surfaces at a deviation of exactly 0.
   float sum = 0.0;
   float squares = 0.0;
   [[unroll]] for (int j = -2; j <= 2; ++j) {
     [[unroll]] for (int i = -2; i <= 2; ++i) {
       const ivec2 tap = clamp(at + ivec2(i, j), ivec2(0), size - 1);
-      const float d = texelFetch(grey, tap.y * size.x + tap.x).x - own;
+      const float d = texelFetch(grey, tap.y * size.x + tap.x).x - centre;
       sum += d;
       squares += d * d;
     }
@@ -59,5 +60,5 @@ void main() {
   const vec4 own_features = texelFetch(own_albedo_depth, from);
   const vec3 own_n = texelFetch(own_normal, from).xyz;
   inputs.data[3 * pixels + index] = vec4(own_features.rgb, own_n.x);
-  inputs.data[4 * pixels + index] = vec4(own_n.yz, own_features.a, 0.0);
+  inputs.data[4 * pixels + index] = vec4(own_n.yz, own_features.a, texelFetch(own_grey, index).x);
 }

@@ -1,7 +1,7 @@
-// Reads one scale's features, its counted radiance and the result of the coarser scale; writes this scale's result: the mean of
-// the 5x5 window and of the four nearest coarser pixels, weighted by the softmax of what the network says of each (Vogels et
-// al. 2018, with one convex sum in place of the two that they add and subtract), less the squared distance of affinities, and
-// by how much the window's pixels count.
+// Reads one scale's features, its counted radiance, at the finest scale also the frame's own, and the result of the coarser
+// scale; writes this scale's result: the mean of the 5x5 window, of the four nearest coarser pixels and of the frame's own 3x3,
+// weighted by the softmax of what the network says of each (Vogels et al. 2018, with one convex sum in place of the two that
+// they add and subtract), less the squared distance of affinities, and by how much the windows' pixels count.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -9,6 +9,7 @@
 
 layout(constant_id = 0) const int planes = 4;      // of four features each
 layout(constant_id = 1) const int has_coarse = 1;  // 0: this is the coarsest scale
+layout(constant_id = 2) const int has_own = 1;     // 1: this is the finest scale
 
 layout(local_size_x = 8, local_size_y = 4) in;
 layout(push_constant) uniform Params { ScaleParams p; };
@@ -17,16 +18,22 @@ layout(set = 0, binding = 1) uniform samplerBuffer weights;
 layout(set = 0, binding = 2) uniform samplerBuffer counted;
 layout(set = 0, binding = 3) uniform samplerBuffer affinities;
 layout(set = 0, binding = 4) uniform samplerBuffer coarse;
-layout(std430, set = 0, binding = 5) writeonly buffer ResultBuffer { vec4 data[]; } result;
+layout(set = 0, binding = 5) uniform samplerBuffer own_counted;
+layout(std430, set = 0, binding = 6) writeonly buffer ResultBuffer { vec4 data[]; } result;
 
 #include "lib/window.glsl"
 
 const int kCoarseTaps = 4;
-const int kMostOutputs = kTaps + kCoarseTaps;
+const int kOwnTaps = 9;
+const int kFirstOwn = kTaps + kCoarseTaps;
+const int kMostOutputs = kFirstOwn + kOwnTaps;
 #include "lib/head.glsl"
 
+/// Where the weight of the frame's own pixel beside this one is.
+int own_tap(ivec2 offset) { return kFirstOwn + 3 * (offset.y + 1) + offset.x + 1; }
+
 void main() {
-  const int taps = has_coarse != 0 ? kTaps + kCoarseTaps : kTaps;
+  const int taps = has_own != 0 ? kMostOutputs : has_coarse != 0 ? kFirstOwn : kTaps;
   load_head(taps);
   const ivec2 size = ivec2(p.width, p.height);
   const ivec2 at = min(ivec2(gl_GlobalInvocationID.xy), size - 1);
@@ -40,6 +47,8 @@ void main() {
     tap_index[t] = tap.y * size.x + tap.x;
     const vec4 d = texelFetch(affinities, tap_index[t]) - own_affinities;
     weight[t] -= dot(d, d);
+    const ivec2 offset = window_offset(t);
+    if (has_own != 0 && max(abs(offset.x), abs(offset.y)) <= 1) weight[own_tap(offset)] -= dot(d, d);
   }
   float largest = weight[0];
   [[unroll]] for (int t = 1; t < taps; ++t) largest = max(largest, weight[t]);
@@ -51,6 +60,13 @@ void main() {
     const float w = weight[t] * value.a;
     sum += w * value.rgb;
     total += w;
+    const ivec2 offset = window_offset(t);
+    if (has_own != 0 && max(abs(offset.x), abs(offset.y)) <= 1) {
+      const vec4 own_value = texelFetch(own_counted, tap_index[t]);
+      const float own_weight = weight[own_tap(offset)] * own_value.a;
+      sum += own_weight * own_value.rgb;
+      total += own_weight;
+    }
   }
   if (has_coarse != 0) {
     // The pixel's own, the one beside, above or below, and the one across the corner.

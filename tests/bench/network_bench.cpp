@@ -35,7 +35,7 @@ class NetworkJob {
     std::mt19937 random(1);
     std::uniform_real_distribution<float> uniform(0.0f, 1.0f);
     for (const gpu::ImageId image :
-         {noisy_.color, noisy_.variance, noisy_.exposure, noisy_.features->albedo_depth,
+         {noisy_.color, noisy_.own_color, noisy_.variance, noisy_.exposure, noisy_.features->albedo_depth,
           noisy_.features->normal, noisy_.own_features->albedo_depth, noisy_.own_features->normal}) {
       for (float& value : chain_.upload<float>(image)) value = uniform(random);
     }

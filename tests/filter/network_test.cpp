@@ -22,10 +22,12 @@ using reference::Estimate;
 using reference::Grid;
 
 struct Sample {
-  Sample(int width, int height) : pixels(width, height), features(width, height), own(width, height) {}
+  Sample(int width, int height)
+      : pixels(width, height), own_pixels(width, height), features(width, height), own(width, height) {}
   gpu::Extent extent() const { return {pixels.width, pixels.height}; }
 
   Grid<Estimate> pixels;
+  Grid<Estimate> own_pixels;  ///< of the frame itself, where `pixels` were merged
   Grid<reference::SmoothFeatures> features;
   Grid<reference::SmoothFeatures> own;  ///< of the frame itself, where `features` were merged
   float exposure = 1.7f;
@@ -58,6 +60,10 @@ Sample noisy_sample(int width, int height) {
         e.variance = static_cast<float>(std::pow(e.color[1], 2));
       }
       e.count = (x * 5 + y * 3) % 41 == 0 ? 0.0 : 1.0;
+      sample.own_pixels.at(x, y) = e;
+      for (int c = 0; c < 3; ++c) {
+        sample.own_pixels.at(x, y).color[c] *= static_cast<float>(std::max(1 + noise(random), 0.0));
+      }
     }
   }
   return sample;
@@ -89,6 +95,12 @@ Grid<Estimate> smooth_on(gpu::Device& device, const Sample& sample, const Networ
   };
   upload_features(sample.features, *noisy.features);
   upload_features(sample.own, *noisy.own_features);
+  for (std::size_t i = 0; i < sample.own_pixels.data.size(); ++i) {
+    for (int c = 0; c < 4; ++c) {
+      chain.upload<float>(noisy.own_color)[4 * i + c] =
+          static_cast<float>(sample.own_pixels.data[i].color[c]);
+    }
+  }
   chain.run();
   return download_estimate(chain, smoothed.color, smoothed.stats, extent);
 }
@@ -117,8 +129,9 @@ class NetworkTest : public DeviceTest {
  protected:
   /// With the features of every convolver that the device has.
   void expect_agreement(const Sample& sample, const NetworkWeights& weights, bool variance_known) {
-    const Grid<Estimate> truth = reference::smooth_by_network(sample.pixels, {sample.features, sample.own},
-                                                              sample.exposure, weights, variance_known);
+    const Grid<Estimate> truth =
+        reference::smooth_by_network({sample.pixels, sample.own_pixels}, {sample.features, sample.own},
+                                     sample.exposure, weights, variance_known);
     expect_agreement(sample, truth, smooth_on(device(), sample, weights, variance_known, Convolver::kernels));
     if (!device().info().is_processor) return;
     expect_agreement(sample, truth, smooth_on(device(), sample, weights, variance_known, Convolver::host));
@@ -197,6 +210,7 @@ TEST_F(NetworkTest, AnEvenSurfaceStaysAsItIs) {
   for (Estimate& e : sample.pixels.data) e = {.color = {0.3, 2.0, 5.0, 1.0}, .variance = 0.5, .count = 1.0};
   for (reference::SmoothFeatures& f : sample.features.data) f = {0.5, 0.25, 0.75, 1.0, 0.0, 0.0, 1.0};
   sample.own = sample.features;
+  sample.own_pixels = sample.pixels;
   for (const Estimate& e : smooth_on(device(), sample, random_weights()).data) {
     for (int c = 0; c < 4; ++c) ASSERT_NEAR(e.color[c], sample.pixels.data[0].color[c], 2e-6 * e.color[c]);
   }
@@ -207,9 +221,11 @@ TEST_F(NetworkTest, RadianceScaledByAPowerOfTwoScalesTheResultExactly) {
   Sample scaled = sample;
   constexpr float factor = 1024.0f;
   scaled.exposure /= factor;
-  for (Estimate& e : scaled.pixels.data) {
-    for (int c = 0; c < 3; ++c) e.color[c] *= factor;
-    e.variance *= factor * factor;
+  for (Grid<Estimate>* frame : {&scaled.pixels, &scaled.own_pixels}) {
+    for (Estimate& e : frame->data) {
+      for (int c = 0; c < 3; ++c) e.color[c] *= factor;
+      e.variance *= factor * factor;
+    }
   }
   const Grid<Estimate> expected = smooth_on(device(), sample, random_weights());
   const Grid<Estimate> found = smooth_on(device(), scaled, random_weights());
@@ -226,8 +242,10 @@ TEST_F(NetworkTest, NothingIsInvented) {
   for (std::size_t i = 0; i < sample.pixels.data.size(); ++i) {
     for (int c = 0; c < 3; ++c) sample.features.data[i][c] = sample.own.data[i][c] = 1.0;
     sample.pixels.data[i].count = 1.0;
-    range[0] = std::min(range[0], sample.pixels.data[i].color[1]);
-    range[1] = std::max(range[1], sample.pixels.data[i].color[1]);
+    for (const Grid<Estimate>* frame : {&sample.pixels, &sample.own_pixels}) {
+      range[0] = std::min(range[0], frame->data[i].color[1]);
+      range[1] = std::max(range[1], frame->data[i].color[1]);
+    }
   }
   for (const Estimate& e : smooth_on(device(), sample, random_weights()).data) {
     ASSERT_GE(e.color[1], range[0] * (1 - 1e-6));
@@ -239,9 +257,11 @@ TEST_F(NetworkTest, RadianceAtTheEndsOfFloatComesOutFinite) {
   for (const float scale : {1e-30f, 1e30f}) {
     Sample sample = noisy_sample(40, 24);
     sample.exposure = std::clamp(1.0f / scale, 1e-15f, 1e15f);
-    for (Estimate& e : sample.pixels.data) {
-      for (int c = 0; c < 3; ++c) e.color[c] *= scale;
-      e.variance = std::min(e.variance * scale * scale, 1e34);
+    for (Grid<Estimate>* frame : {&sample.pixels, &sample.own_pixels}) {
+      for (Estimate& e : frame->data) {
+        for (int c = 0; c < 3; ++c) e.color[c] *= scale;
+        e.variance = std::min(e.variance * scale * scale, 1e34);
+      }
     }
     for (const Estimate& e : smooth_on(device(), sample, random_weights()).data) {
       for (const double c : e.color) ASSERT_TRUE(std::isfinite(c));

@@ -202,7 +202,7 @@ TEST_F(TiledFrameTest, ShowsNoSeamsWhereMergedFramesAreSmoothed) {
   settings.directions = Directions::both;
   settings.smooth = Smooth::merged;
   // The merge fits in this in one piece, the smoothing does not.
-  expect_no_seams_in_both_directions(settings, {.width = 1000, .height = 405}, {1, 2}, 0.62, 1);
+  expect_no_seams_in_both_directions(settings, {.width = 1000, .height = 405}, {1, 2}, 0.66, 1);
 }
 
 TEST_F(TiledFrameTest, ShowsNoSeamsUnderAnyPreset) {

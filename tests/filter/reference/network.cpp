@@ -9,9 +9,12 @@ namespace becalm::reference {
 namespace {
 
 using filter::kCoarseTaps;
+using filter::kOwnTaps;
 using filter::kScales;
 using filter::kWindowTaps;
 using filter::Layer;
+
+constexpr int kFirstOwn = kWindowTaps + kCoarseTaps;
 
 using Pixel = std::vector<double>;
 using Planes = Grid<Pixel>;
@@ -105,23 +108,31 @@ Grid<T> padded(const Grid<T>& grid) {
 struct Inputs {
   Planes channels;
   Grid<Counted> irradiance;
+  Grid<Counted> own_irradiance;
 };
 
-Inputs inputs_of(const Grid<Estimate>& sample, const TwoFeatures& both, double exposure,
-                 bool variance_known) {
+double compressed(double v) {
+  return 0.5 * std::log(1.0 + 10.0 * std::max(v, 0.0));
+}
+
+Inputs inputs_of(const TwoSamples& samples, const TwoFeatures& both, double exposure, bool variance_known) {
+  const Grid<Estimate>& sample = samples.merged;
   const Grid<SmoothFeatures>& features = both.merged;
   const int width = sample.width;
   const int height = sample.height;
-  Inputs inputs{Planes(width, height), Grid<Counted>(width, height)};
-  const auto compressed = [](double v) { return 0.5 * std::log(1.0 + 10.0 * std::max(v, 0.0)); };
+  Inputs inputs{Planes(width, height), Grid<Counted>(width, height), Grid<Counted>(width, height)};
   Grid<double> grey(width, height);
+  Grid<double> own_grey(width, height);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       Counted& irradiance = inputs.irradiance.at(x, y);
-      irradiance.count = sample.at(x, y).count;
+      Counted& own = inputs.own_irradiance.at(x, y);
+      own.count = irradiance.count = sample.at(x, y).count;
       for (int c = 0; c < 3; ++c) {
         irradiance.value[c] = sample.at(x, y).color[c] * exposure / divisor(features.at(x, y)[c]);
+        own.value[c] = samples.own.at(x, y).color[c] * exposure / divisor(both.own.at(x, y)[c]);
         grey.at(x, y) += compressed(irradiance.value[c]) / 3;
+        own_grey.at(x, y) += compressed(own.value[c]) / 3;
       }
     }
   }
@@ -166,7 +177,7 @@ Inputs inputs_of(const Grid<Estimate>& sample, const TwoFeatures& both, double e
                                   own[5],
                                   own[6],
                                   own[3],
-                                  0.0};
+                                  own_grey.at(x, y)};
     }
   }
   return inputs;
@@ -199,15 +210,19 @@ Grid<Counted> reduced(const Grid<Counted>& fine) {
   return out;
 }
 
-/// One scale's result; `coarse` is that of the coarser one, or empty.
+/// One scale's result; `coarse` is that of the coarser one, `own` the frame itself, if there are any.
 Grid<Counted> mixed(const Grid<Counted>& counted, const Planes& features, const Layer& window,
-                    const Grid<Counted>* coarse) {
+                    const Grid<Counted>* coarse, const Grid<Counted>* own) {
   Grid<Counted> out(counted.width, counted.height);
   for (int y = 0; y < out.height; ++y) {
     for (int x = 0; x < out.width; ++x) {
       std::vector<double> logits = outputs_of(window, features.at(x, y));
       for (int t = 0; t < kWindowTaps; ++t) {
         logits[t] -= squared_distance(counted.clamped(x + t % 5 - 2, y + t / 5 - 2), counted.at(x, y));
+      }
+      for (int t = 0; own && t < kOwnTaps; ++t) {
+        logits[kFirstOwn + t] -=
+            squared_distance(counted.clamped(x + t % 3 - 1, y + t / 3 - 1), counted.at(x, y));
       }
       const double largest = *std::ranges::max_element(logits);
       Counted& pixel = out.at(x, y);
@@ -223,6 +238,10 @@ Grid<Counted> mixed(const Grid<Counted>& counted, const Planes& features, const 
         const int u = x / 2 + (t % 2 == 0 ? 0 : 2 * (x % 2) - 1);
         const int v = y / 2 + (t / 2 == 0 ? 0 : 2 * (y % 2) - 1);
         add(coarse->clamped(u, v), std::exp(logits[kWindowTaps + t] - largest));
+      }
+      for (int t = 0; own && t < kOwnTaps; ++t) {
+        const Counted& tap = own->clamped(x + t % 3 - 1, y + t / 3 - 1);
+        add(tap, std::exp(logits[kFirstOwn + t] - largest) * tap.count);
       }
       for (double& v : pixel.value) v /= std::max(pixel.count, 1e-30);
     }
@@ -280,11 +299,14 @@ Grid<Estimate> restored(const Grid<Estimate>& sample, const Grid<Estimate>& smoo
 
 }  // namespace
 
-Grid<Estimate> smooth_by_network(const Grid<Estimate>& sample, const TwoFeatures& features, double exposure,
+Grid<Estimate> smooth_by_network(const TwoSamples& samples, const TwoFeatures& features, double exposure,
                                  const filter::NetworkWeights& weights, bool variance_known) {
+  const Grid<Estimate>& sample = samples.merged;
   const Grid<SmoothFeatures> merged = padded(features.merged);
   const Grid<SmoothFeatures> own = padded(features.own);
-  const Inputs inputs = inputs_of(padded(sample), {merged, own}, exposure, variance_known);
+  const Grid<Estimate> merged_sample = padded(sample);
+  const Grid<Estimate> own_sample = padded(samples.own);
+  Inputs inputs = inputs_of({merged_sample, own_sample}, {merged, own}, exposure, variance_known);
   const std::array<Planes, kScales> f = features_of(inputs.channels, weights);
   std::array<Grid<Counted>, kScales> counted;
   for (std::size_t i = 0; i < kScales; ++i) {
@@ -293,9 +315,11 @@ Grid<Estimate> smooth_by_network(const Grid<Estimate>& sample, const TwoFeatures
       for (int x = 0; x < counted[i].width; ++x) {
         const std::vector<double> head = outputs_of(weights.confidence[i], f[i].at(x, y));
         const double confidence = std::max(sigmoid(head[0]), 1e-8);
-        std::copy(head.begin() + 1, head.end(), counted[i].at(x, y).affinities.begin());
+        std::copy_n(head.begin() + 1, filter::kAffinities, counted[i].at(x, y).affinities.begin());
         double& count = counted[i].at(x, y).count;
         if (i == 0) {
+          double& own_count = inputs.own_irradiance.at(x, y).count;
+          own_count = count > 0 ? std::max(sigmoid(head.back()), 1e-8) : 1e-20;
           count = count > 0 ? confidence : 1e-20;
         } else {
           count *= confidence;
@@ -305,7 +329,8 @@ Grid<Estimate> smooth_by_network(const Grid<Estimate>& sample, const TwoFeatures
   }
   Grid<Counted> result;
   for (std::size_t i = kScales; i-- > 0;) {
-    result = mixed(counted[i], f[i], weights.window[i], i + 1 < kScales ? &result : nullptr);
+    result = mixed(counted[i], f[i], weights.window[i], i + 1 < kScales ? &result : nullptr,
+                   i == 0 ? &inputs.own_irradiance : nullptr);
   }
 
   Grid<Estimate> smoothed(sample.width, sample.height);

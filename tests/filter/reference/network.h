@@ -16,10 +16,16 @@ struct TwoFeatures {
   const Grid<SmoothFeatures>& own;
 };
 
+/// A frame that was merged, and the frame itself, of which the colour counts.
+struct TwoSamples {
+  const Grid<Estimate>& merged;
+  const Grid<Estimate>& own;
+};
+
 /// The smoothing network in double, as scripts/train/network.py has it. Samples have a count of 1, or 0 for
 /// pixels that are not finite; a result's variance is the squared error that the network expects. Without
 /// `variance_known` the samples' variances count nothing.
-Grid<Estimate> smooth_by_network(const Grid<Estimate>& sample, const TwoFeatures& features, double exposure,
+Grid<Estimate> smooth_by_network(const TwoSamples& samples, const TwoFeatures& features, double exposure,
                                  const filter::NetworkWeights& weights, bool variance_known);
 
 }  // namespace becalm::reference
