@@ -109,7 +109,7 @@ void ExrBytes::require_value(const std::string& type, std::uint64_t offset, std:
   if (const auto found = fixed_sizes().find(type); found != fixed_sizes().end()) {
     if (size != found->second) throw_bad_size(type);
   } else if (type == "chlist") {
-    while (offset < end && !name(offset).empty()) offset += kChannelSize;
+    while (!name(offset).empty()) offset += kChannelSize;
     if (offset != end) throw_bad_size(type);
   } else if (type == "preview") {
     const std::uint64_t pixels = std::uint64_t{read<std::uint32_t>(offset)} * read<std::uint32_t>(offset + 4);
