@@ -46,6 +46,8 @@ std::optional<Finding> check_fireflies(const Subject& subject);
 std::optional<Finding> check_premultiplied(const Subject& subject);
 /// Reflectance above 1.
 std::optional<Finding> check_albedo(const Subject& subject);
+/// The albedo's edges are the beauty's once it is turned upside down or mirrored.
+std::optional<Finding> check_albedo_flipped(const Subject& subject);
 /// Normals that are not of unit length.
 std::optional<Finding> check_normal_length(const Subject& subject);
 /// Normals that all face along Z, as in view space.

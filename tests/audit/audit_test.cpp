@@ -53,6 +53,49 @@ TEST(Audit, ASoundFrameHasNoFinding) {
   EXPECT_EQ(found(frame), "");
 }
 
+/// Boxes of other albedo before a wall, under noise.
+Frame frame_of_boxes() {
+  std::mt19937 random(5);
+  std::normal_distribution<float> noise(1.0f, 0.5f);
+  std::uniform_int_distribution<int> position(0, 150);
+  Frame frame(1, 160, 120);
+  Image& beauty = frame.add(Aov::beauty, 1.0f);
+  Image& albedo = frame.add(Aov::albedo, 0.2f);
+  for (int box = 0; box < 12; ++box) {
+    const int left = position(random);
+    const int top = position(random) % 120;
+    for (int y = top; y < std::min(top + 25, 120); ++y) {
+      for (int x = left; x < std::min(left + 30, 160); ++x) {
+        for (int c = 0; c < 3; ++c) albedo.at(x, y, c) = 0.3f + 0.05f * static_cast<float>(box);
+      }
+    }
+  }
+  for (int y = 0; y < 120; ++y) {
+    for (int x = 0; x < 160; ++x) {
+      const float light = std::max(noise(random), 0.0f);
+      for (int c = 0; c < 3; ++c) beauty.at(x, y, c) = light * albedo.at(x, y, c);
+    }
+  }
+  return frame;
+}
+
+TEST(Audit, FindsAnAlbedoThatIsUpsideDownOrMirrored) {
+  const Frame sound = frame_of_boxes();
+  EXPECT_EQ(found(sound), "");
+  for (const auto& [x_too, y_too] : {std::pair(false, true), std::pair(true, false), std::pair(true, true)}) {
+    Frame frame = sound;
+    const Image albedo = sound.image(Aov::albedo);
+    for (int y = 0; y < 120; ++y) {
+      for (int x = 0; x < 160; ++x) {
+        for (int c = 0; c < 3; ++c) {
+          frame.image(Aov::albedo).at(x, y, c) = albedo.at(x_too ? 159 - x : x, y_too ? 119 - y : y, c);
+        }
+      }
+    }
+    EXPECT_EQ(found(frame), "albedo_flipped") << x_too << y_too;
+  }
+}
+
 TEST(Audit, ABlackFrameOfOnePixelHasOnlyLittleNoise) {
   Frame frame(1, 1, 1);
   frame.add(Aov::beauty);
