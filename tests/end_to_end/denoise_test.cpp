@@ -294,9 +294,12 @@ TEST_F(Denoise, HalvesBesideEachOtherAreOneSequence) {
   expect_error(becalm({"denoise", first, "-o", folder_ / "gap.####.exr"}), 3, {"shot.b1.0002.exr"});
 }
 
+const Imath::Box2i kDisplay(Imath::V2i(0, 0), Imath::V2i(kWidth - 1, kHeight - 1));
+
 /// Both eyes' beauty and albedo in one part, as OpenEXR names them.
-void write_stereo(const std::string& path, const Frame& left, const Frame& right) {
-  Imf::Header header(kWidth, kHeight);
+void write_stereo(const std::string& path, const Frame& left, const Frame& right,
+                  const Imath::Box2i& data_window = kDisplay) {
+  Imf::Header header(kDisplay, data_window);
   Imf::addMultiView(header, {"left", "right"});
   Imf::FrameBuffer buffer;
   for (const Frame* eye : {&left, &right}) {
@@ -314,7 +317,52 @@ void write_stereo(const std::string& path, const Frame& left, const Frame& right
   }
   Imf::OutputFile file(path.c_str(), header);
   file.setFrameBuffer(buffer);
-  file.writePixels(kHeight);
+  file.writePixels(data_window.max.y - data_window.min.y + 1);
+}
+
+TEST_F(Denoise, DataWindowsOfBothEyesMayMove) {
+  const Imath::Box2i object(Imath::V2i(8, 5), Imath::V2i(38, 26));
+  const std::vector<Imath::Box2i> windows{{{2, 3}, {40, 28}}, {{4, 3}, {42, 30}}, {{6, 1}, {44, 28}}};
+  for (int number = 1; number <= 3; ++number) {
+    Frame left = noise_frame(number);
+    Frame right = noise_frame(number + 10);
+    for (Frame* eye : {&left, &right}) {
+      for (const Aov aov : {Aov::beauty, Aov::albedo}) {
+        for (int y = 0; y < kHeight; ++y) {
+          for (int x = 0; x < kWidth; ++x) {
+            // As where nothing is hit.
+            const float outside = aov == Aov::albedo ? 1.0f : 0.0f;
+            if (!object.intersects(Imath::V2i(x, y))) std::ranges::fill(eye->image(aov).pixel(x, y), outside);
+          }
+        }
+      }
+    }
+    const Imath::Box2i& window = windows[static_cast<std::size_t>(number - 1)];
+    write_stereo(frame_path(input_, number), left, right, window);
+    write_stereo(frame_path(folder_ / "padded.####.exr", number), left, right);
+  }
+  becalm_done(command("out.####.exr"));
+  becalm_done({"denoise", folder_ / "padded.####.exr", "-o", folder_ / "whole.####.exr", "--quiet"});
+  for (int number = 1; number <= 3; ++number) {
+    const Imath::Box2i& window = windows[static_cast<std::size_t>(number - 1)];
+    const std::string out = frame_path(folder_ / "out.####.exr", number);
+    EXPECT_EQ(Imf::InputFile(out.c_str()).header().dataWindow(), window);
+    const io::LoadedFrame cropped = io::read_exr(out, number, {});
+    const io::LoadedFrame whole = io::read_exr(frame_path(folder_ / "whole.####.exr", number), number, {});
+    ASSERT_EQ(cropped.other_views.size(), 1u);
+    const auto expect_same = [&](const Image& part, const Image& image) {
+      for (int y = window.min.y; y <= window.max.y; ++y) {
+        for (int x = window.min.x; x <= window.max.x; ++x) {
+          for (int c = 0; c < 4; ++c) {
+            ASSERT_EQ(part.at(x - window.min.x, y - window.min.y, c), image.at(x, y, c)) << x << ", " << y;
+          }
+        }
+      }
+    };
+    expect_same(cropped.frame.image(Aov::beauty), whole.frame.image(Aov::beauty));
+    expect_same(cropped.other_views[0].frame.image(Aov::beauty),
+                whole.other_views[0].frame.image(Aov::beauty));
+  }
 }
 
 TEST_F(Denoise, BothEyesAreDenoisedWithTheirOwnLayers) {
@@ -762,7 +810,7 @@ TEST_F(Denoise, TypeAndCompressionOfTheOutput) {
 }
 
 TEST_F(Denoise, DataWindowsMayMove) {
-  const Imath::Box2i display(Imath::V2i(0, 0), Imath::V2i(kWidth - 1, kHeight - 1));
+  const Imath::Box2i& display = kDisplay;
   const Imath::Box2i object(Imath::V2i(8, 5), Imath::V2i(38, 26));
   const std::vector<Imath::Box2i> windows{{{2, 3}, {40, 28}}, {{4, 3}, {42, 30}}, {{6, 1}, {44, 28}}};
   for (int number = 1; number <= 3; ++number) {
