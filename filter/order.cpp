@@ -16,6 +16,7 @@
 #include "filter/frame_smoother.h"
 #include "filter/host_images.h"
 #include "filter/merged_smoother.h"
+#include "filter/packed_estimate.h"
 #include "filter/tiled_frame.h"
 #include "filter/whole_frame.h"
 
@@ -124,7 +125,11 @@ struct SequenceFilter::State {
   std::optional<MergedSmoother> merged_smoother;
   std::unique_ptr<FrameMerger> merger;
   std::optional<Finish> finish;
-  std::map<int, Estimate> predictions;  ///< by frame number
+  /// The frame smoothed by itself: as it was kept from an earlier step, or made now.
+  Estimate smoothed(const Step& step, const NewFrame& frame, FrameReport& report);
+
+  std::map<int, PackedEstimate> kept_smoothed;  ///< by frame number
+  std::map<int, PackedEstimate> predictions;
   FindCuts find_cuts = FindCuts::no;
   std::optional<ShotSignature> before;  ///< of the frame that the history ends with
 };
@@ -186,13 +191,29 @@ std::optional<Frame> SequenceFilter::run(const Step& step, const Frame& frame, F
     if (report.new_shot) reset();
     state_->before = std::move(signature);
   }
-  if (state_->smoother) new_frame.smoothed = state_->smoother->smooth(new_frame, report);
+  if (state_->smoother) new_frame.smoothed = state_->smoothed(step, new_frame, report);
   if (step.wanted && step.direction == Direction::forward) return state_->forward(new_frame, report);
   MergedFrame merged;
   if (step.wanted) merged.prediction = Estimate(task.full, task.carried());
   state_->merger->merge(new_frame, merged, report);
-  if (step.wanted) state_->predictions.insert_or_assign(step.frame, std::move(merged.prediction));
+  if (step.wanted) {
+    state_->predictions.insert_or_assign(
+        step.frame, PackedEstimate(std::move(merged.prediction), new_frame.exposure,
+                                   task.smooths_merged() ? FilterTask::kNoisyLayers : 0));
+  }
   return std::nullopt;
+}
+
+Estimate SequenceFilter::State::smoothed(const Step& step, const NewFrame& frame, FrameReport& report) {
+  if (task.settings.directions == Directions::forward) return smoother->smooth(frame, report);
+  auto kept = kept_smoothed.extract(step.frame);
+  // Packed even if nobody needs it again: what comes out does not depend on which frames a job has met
+  // before.
+  PackedEstimate packed =
+      kept ? std::move(kept.mapped()) : PackedEstimate(smoother->smooth(frame, report), frame.exposure, 0);
+  Estimate result = packed.estimate();
+  if (step.again) kept_smoothed.insert_or_assign(step.frame, std::move(packed));
+  return result;
 }
 
 Frame SequenceFilter::State::forward(const NewFrame& frame, FrameReport& report) {
@@ -210,8 +231,8 @@ Frame SequenceFilter::State::forward(const NewFrame& frame, FrameReport& report)
 
   if (const auto prediction = predictions.find(frame.frame.number()); prediction != predictions.end()) {
     Estimate combined(full, task.carried());
-    finish->run({.frame = frame, .forward = merged.merged, .prediction = prediction->second}, combined,
-                report);
+    finish->run({.frame = frame, .forward = merged.merged, .prediction = prediction->second.estimate()},
+                combined, report);
     merged.merged = std::move(combined);
     predictions.erase(prediction);
   }

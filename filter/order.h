@@ -40,9 +40,10 @@ class SequenceFilter {
   SequenceFilter(SequenceFilter&&) noexcept;
 
   /// Takes one step of a schedule; the steps of a segment come in their order, and `frame` is the step's.
-  /// Steps forward that are wanted return the denoised frame. Predictions are kept from the step backward
-  /// that wants them to the step forward that takes them: some 24 bytes a pixel, 48 more with smooth=merged,
-  /// and 16 for each additive AOV, for each frame of a segment.
+  /// Steps forward that are wanted return the denoised frame. Smoothed frames are kept until the last step
+  /// that needs them, predictions from the step backward that wants them to the step forward that takes them:
+  /// some 12 bytes a pixel each, 24 more with smooth=merged, and 8 for each additive AOV, for each frame of a
+  /// segment.
   std::optional<Frame> run(const Step& step, const Frame& frame, FrameReport& report);
 
   /// A step forward of a frame that is wanted.

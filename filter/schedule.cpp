@@ -42,7 +42,8 @@ void append_pass(Direction direction, const std::vector<int>& frames, const std:
   for (const int frame : frames) {
     const bool anew = pass.empty() || starts_anew(frame, pass.back().frame, options);
     if (anew && end == 0) pass.clear();
-    pass.push_back({frame, direction, anew, wanted.contains(frame)});
+    pass.push_back(
+        {.frame = frame, .direction = direction, .new_history = anew, .wanted = wanted.contains(frame)});
     if (pass.back().wanted) end = pass.size();
   }
   segment.insert(segment.end(), pass.begin(), pass.begin() + static_cast<std::ptrdiff_t>(end));
@@ -68,6 +69,12 @@ std::vector<Segment> schedule(std::span<const int> present, const std::set<int>&
       append_pass(Direction::backward, {frames.rbegin(), frames.rend()}, of_segment, options, segment);
     }
     append_pass(Direction::forward, frames, of_segment, options, segment);
+  }
+  std::set<int> later;
+  for (auto segment = segments.rbegin(); segment != segments.rend(); ++segment) {
+    for (auto step = segment->rbegin(); step != segment->rend(); ++step) {
+      step->again = !later.insert(step->frame).second;
+    }
   }
   return segments;
 }

@@ -16,6 +16,7 @@ struct Step {
   Direction direction = Direction::forward;
   bool new_history = false;  ///< nothing is carried over from the step before
   bool wanted = true;        ///< forward: the frame comes out; backward: its prediction is kept until then
+  bool again = false;        ///< a later step is of the same frame: its smoothed image is kept until then
 };
 
 struct ScheduleOptions {

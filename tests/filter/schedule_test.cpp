@@ -42,6 +42,18 @@ TEST(Schedule, GoesBackwardThenForwardThroughEachSegment) {
   EXPECT_EQ(text(segments[2]), "|<9* <8* |>7 >8* >9*");
 }
 
+TEST(Schedule, SaysWhichFramesComeAgain) {
+  std::string again;
+  for (const Segment& segment : schedule(range(1, 9), set_of(1, 9), {.segment = 4, .warmup = 1})) {
+    for (const Step& step : segment) {
+      if (step.again)
+        again += (step.direction == Direction::forward ? '>' : '<') + std::to_string(step.frame);
+    }
+  }
+  // Frames around a border of segments are met in both: 3 and 4, 7 and 8.
+  EXPECT_EQ(again, "<4<3<2<1>3<8<7<6<5<4>7<9<8");
+}
+
 TEST(Schedule, NegativeNumbersHaveSegmentsToo) {
   const auto segments = schedule(range(-5, 1), set_of(-5, 1), {.segment = 4, .warmup = 0});
   ASSERT_EQ(segments.size(), 3u);

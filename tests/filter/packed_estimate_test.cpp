@@ -1,0 +1,62 @@
+// What is kept of a frame comes back as it was, to a thousandth of each value.
+#include "filter/packed_estimate.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace becalm::filter {
+namespace {
+
+constexpr gpu::Extent kSize{21, 13};
+
+/// Radiance around `usual`, with fireflies and black pixels.
+Estimate estimate_around(float usual, std::size_t carried) {
+  Estimate estimate(kSize, carried);
+  std::mt19937 random(3);
+  std::lognormal_distribution<float> spread(0, 2);
+  const auto fill = [&](Image& image, float scale) {
+    for (float& value : image.data()) value = random() % 17 == 0 ? 0.0f : scale * spread(random);
+    image.data()[5] = 1e7f * scale;
+    image.data()[9] = -1e-7f * scale;
+  };
+  fill(estimate.color, usual);
+  for (Image& image : estimate.additive) fill(image, usual);
+  for (std::size_t i = 0; i < estimate.stats.pixel_count(); ++i) {
+    estimate.stats.data()[2 * i] = usual * usual * spread(random);
+    estimate.stats.data()[2 * i + 1] = static_cast<float>(i % 40);
+  }
+  return estimate;
+}
+
+void expect_near(const Image& found, const Image& expected) {
+  ASSERT_TRUE(found.same_shape(expected));
+  for (std::size_t i = 0; i < found.data().size(); ++i) {
+    // Twice: variances are kept as deviations.
+    ASSERT_NEAR(found.data()[i], expected.data()[i], 0x1p-9f * std::abs(expected.data()[i])) << i;
+  }
+}
+
+TEST(PackedEstimate, ComesBackToAThousandth) {
+  for (const float usual : {1e-15f, 1.0f, 1e15f}) {
+    const std::size_t carried = 2 + FilterTask::kNoisyLayers;
+    Estimate estimate = estimate_around(usual, carried);
+    for (float& value : estimate.additive[2].data()) value = std::abs(value);  // a variance among them
+    const Estimate found = PackedEstimate(estimate, 1.0f / usual, FilterTask::kNoisyLayers).estimate();
+    expect_near(found.color, estimate.color);
+    expect_near(found.stats, estimate.stats);
+    ASSERT_EQ(found.additive.size(), carried);
+    for (std::size_t i = 0; i < carried; ++i) expect_near(found.additive[i], estimate.additive[i]);
+  }
+}
+
+TEST(PackedEstimate, NothingIsCarriedWhereNothingWas) {
+  const Estimate estimate = estimate_around(2.0f, 0);
+  const Estimate found = PackedEstimate(estimate, 0.5f, 0).estimate();
+  EXPECT_TRUE(found.additive.empty());
+  expect_near(found.color, estimate.color);
+}
+
+}  // namespace
+}  // namespace becalm::filter
