@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "filter/merge.h"
+#include "filter/patch_sums.h"
 #include "shaders/shared/merge_params.h"
 
 namespace becalm::filter {
@@ -23,7 +24,7 @@ Combined add_combine_passes(gpu::Chain& chain, const Settings& settings, gpu::Ex
       .write("statistics", statistics)
       .constants(size)
       .dispatch(extent);
-  const ImageId sums = add_patch_sums(chain, settings, extent, statistics, "combine");
+  const ImageId sums = add_patch_sums(chain, settings.patch_radius, extent, statistics, "combine");
   const bool has_additive = !inputs.forward_additive.empty();
   Combined combined{chain.image("combined.color", Format::f32x4, extent),
                     chain.image("combined.stats", Format::f32x2, extent)};

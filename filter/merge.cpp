@@ -8,6 +8,7 @@
 
 #include "filter/estimate_variance.h"
 #include "filter/noisy_inputs.h"
+#include "filter/patch_sums.h"
 #include "filter/validate.h"
 #include "frame/error.h"
 #include "shaders/shared/merge_params.h"
@@ -100,8 +101,9 @@ ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, c
       .write("noise", noise)
       .constants(params::ImageParams{.width = full.width, .height = full.height})
       .dispatch(full);
-  const ImageId difference_sums = add_patch_sums(chain, settings, full, difference, "difference");
-  const ImageId noise_sums = add_patch_sums(chain, settings, full, noise, "noise");
+  const ImageId difference_sums =
+      add_patch_sums(chain, settings.patch_radius, full, difference, "difference");
+  const ImageId noise_sums = add_patch_sums(chain, settings.patch_radius, full, noise, "noise");
   const ImageId decision = chain.image("decision", Format::f32x4, full);
   chain.pass("merge/variance_gain")
       .read("color", inputs.color)
@@ -167,8 +169,8 @@ ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const
 constexpr int kNoisePatchRadius = 3;
 
 /// A noisy layer with no more variance than differs from the history.
-ImageId add_known_noise(Chain& chain, const Settings& settings, Extent full, ImageId noisy, ImageId warped,
-                        ImageId warped_stats, ImageId exposure) {
+ImageId add_known_noise(Chain& chain, Extent full, ImageId noisy, ImageId warped, ImageId warped_stats,
+                        ImageId exposure) {
   const params::ImageParams params{.width = full.width, .height = full.height};
   const ImageId statistics = chain.image("noise.repeated", Format::f32x4, full);
   chain.pass("merge/repeated_noise")
@@ -179,9 +181,7 @@ ImageId add_known_noise(Chain& chain, const Settings& settings, Extent full, Ima
       .write("statistics", statistics)
       .constants(params)
       .dispatch(full);
-  Settings patches = settings;
-  patches.patch_radius = kNoisePatchRadius;
-  const ImageId sums = add_patch_sums(chain, patches, full, statistics, "noise.repeated");
+  const ImageId sums = add_patch_sums(chain, kNoisePatchRadius, full, statistics, "noise.repeated");
   const ImageId known = chain.image("noisy.known", Format::f32x4, full);
   chain.pass("merge/known_noise")
       .read("noisy", noisy)
@@ -304,24 +304,6 @@ int resample_margin_px(const Settings& settings) {
   return taps + (settings.resample == Resample::o_moms ? kSplineRadius : 0);
 }
 
-ImageId add_patch_sums(Chain& chain, const Settings& settings, Extent full, ImageId statistics,
-                       const std::string& name) {
-  const ImageId rows = chain.image(name + ".rows", Format::f32x4, full);
-  const ImageId sums = chain.image(name + ".sums", Format::f32x4, full);
-  const auto box = [&](ImageId in, ImageId out, bool along_y) {
-    chain.pass("merge/box")
-        .read("statistics", in)
-        .write("sums", out)
-        .specialize("radius", settings.patch_radius)
-        .specialize("along_y", along_y ? 1 : 0)
-        .constants(params::ImageParams{.width = full.width, .height = full.height})
-        .dispatch(full);
-  };
-  box(statistics, rows, false);
-  box(rows, sums, true);
-  return sums;
-}
-
 int merge_margin_px(const Settings& settings) {
   return kVarianceEstimateMargin + validate_margin_px(settings) +
          std::max(settings.merge == MergeMode::variance ? settings.patch_radius : 0,
@@ -364,10 +346,10 @@ MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent ful
                                : add_mask_gain(chain, settings, full, inputs, warped, trust, alignment);
   for (std::size_t i = 0; i < inputs.additive.size(); ++i) {
     const ImageId layer = inputs.additive[i].color;
-    const ImageId color = inputs.additive[i].kind == Carried::radiance
-                              ? add_known_noise(chain, settings, full, layer, warped.additive[i],
-                                                warped.stats, inputs.noisy.exposure)
-                              : layer;
+    const ImageId color =
+        inputs.additive[i].kind == Carried::radiance
+            ? add_known_noise(chain, full, layer, warped.additive[i], warped.stats, inputs.noisy.exposure)
+            : layer;
     chain.pass("additive/blend")
         .read("color", color)
         .read("warped_color", warped.additive[i])

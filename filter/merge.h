@@ -106,9 +106,4 @@ struct MergeOutputs {
 MergeOutputs add_merge_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
                               const MergeInputs& inputs, const Alignment& alignment);
 
-/// Sums of f32x4 statistics over the rows above and below in a patch of `patch_radius`; kernels that take
-/// them add the pixel's own row, without the pixel.
-gpu::ImageId add_patch_sums(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
-                            gpu::ImageId statistics, const std::string& name);
-
 }  // namespace becalm::filter

@@ -8,6 +8,7 @@
 #include "filter/ceil_div.h"
 #include "filter/network/convolution.h"
 #include "filter/network/host_features.h"
+#include "filter/patch_sums.h"
 #include "shaders/shared/convolve_params.h"
 #include "shaders/shared/network_params.h"
 
@@ -19,6 +20,9 @@ using gpu::Format;
 using gpu::ImageId;
 
 namespace {
+
+/// Of the patch in which it is judged whether windows lost more than noise.
+constexpr int kLostRadius = 3;
 
 /// Weights of layers of 1x1, their outputs one behind another, as shaders/lib/head.glsl reads them.
 std::vector<float> pack_head(const std::vector<const Layer*>& layers) {
@@ -235,7 +239,7 @@ void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, con
 
 ImageId NetworkPasses::add_share(Chain& chain, const NoisyInputs& frame, ImageId color, ImageId stats) {
   const params::ScaleParams params{.width = full_.width, .height = full_.height};
-  const ImageId lost = chain.image("network.lost", Format::f32x2, full_);
+  const ImageId lost = chain.image("network.lost", Format::f32x4, full_);
   chain.pass("network/lost")
       .read("color", frame.color)
       .read("variance", frame.variance)
@@ -244,14 +248,17 @@ ImageId NetworkPasses::add_share(Chain& chain, const NoisyInputs& frame, ImageId
       .write("lost", lost)
       .constants(params)
       .dispatch(full_);
+  const ImageId sums = add_patch_sums(chain, kLostRadius, full_, lost, "network.lost");
   const ImageId share = chain.image("network.share", Format::f32, full_);
   smoothed_.stats = chain.image("smoothed.stats", Format::f32x2, full_);
   chain.pass("network/share")
       .read("lost", lost)
+      .read("lost_sums", sums)
       .read("variance", frame.variance)
       .read("expected", stats)
       .write("share", share)
       .write("stats", smoothed_.stats)
+      .specialize("radius", kLostRadius)
       .constants(params)
       .dispatch(full_);
   return share;
@@ -271,8 +278,8 @@ ImageId NetworkPasses::add_restore(Chain& chain, const std::string& name, ImageI
 }
 
 int network_margin_px() {
-  int convolutions = 2;  // the deviation's window
-  int windows = 2 + 3;   // the albedo's, and the patch that tells what was lost
+  int convolutions = 2;           // the deviation's window
+  int windows = 2 + kLostRadius;  // the albedo's, and the patch that tells what was lost
   for (std::size_t i = 0; i < kScales; ++i) {
     const int pixel = 1 << i;
     convolutions += 2 * pixel + (pixel - 1);  // encode and decode, and the pixels that share a coarser one

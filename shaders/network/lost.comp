@@ -1,5 +1,5 @@
 // Reads a frame, its variance and what the windows made of it; writes the squared difference and the variance that noise alone
-// would give it, both relative to the result's brightness; (0, -1) for a pixel that is not finite.
+// would give it, both relative to the result's brightness, and 1, 0; zeros for a pixel that is not finite.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/color.glsl"
@@ -12,7 +12,7 @@ layout(set = 0, binding = 0) uniform samplerBuffer color;
 layout(set = 0, binding = 1) uniform samplerBuffer variance;
 layout(set = 0, binding = 2) uniform samplerBuffer smoothed;
 layout(set = 0, binding = 3) uniform samplerBuffer exposure;
-layout(std430, set = 0, binding = 4) writeonly buffer LostBuffer { vec2 data[]; } lost;
+layout(std430, set = 0, binding = 4) writeonly buffer LostBuffer { vec4 data[]; } lost;
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
@@ -23,5 +23,5 @@ void main() {
   const float scale = 1.0 / brightness(y.r, y.g, y.b, texelFetch(exposure, 0).x);
   const vec3 d = clamp((texelFetch(color, index).rgb - y.rgb) * scale, -kLargestDifference, kLargestDifference);
   const float deviation = min(sqrt(max(stats.x, 0.0)) * scale, kLargestDifference);
-  lost.data[index] = stats.y > 0.0 ? vec2(dot(d, d) / 3.0, deviation * deviation) : vec2(0.0, -1.0);
+  lost.data[index] = stats.y > 0.0 ? vec4(dot(d, d) / 3.0, deviation * deviation, 1.0, 0.0) : vec4(0.0);
 }

@@ -1,47 +1,46 @@
-// Reads what the windows lost around each pixel, the variance of the frame and the error that the network expects; writes the
-// share of the frame that is put back, and the variance then left. What a patch lost beyond its noise was detail: of both, the
-// share has the least expected squared error (lib/gain.glsl). The pixel itself is left out: a share made from the value
-// that it weighs would darken the image. Only a pixel that no noise can explain, a star, decides for itself.
+// Reads what the windows lost at each pixel and the sums of it over patches, the variance of the frame and the error that the
+// network expects; writes the share of the frame that is put back, and the variance then left. What a patch lost beyond its
+// noise was detail: of both, the share has the least expected squared error (lib/gain.glsl). The pixel itself is left out: a
+// share made from the value that it weighs would darken the image. Only a pixel that no noise can explain, a star, decides for
+// itself.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "lib/gain.glsl"
 #include "shared/network_params.h"
 
-const int kRadius = 3;
 /// Noise must be exceeded by so many standard errors of its estimate: Monte Carlo noise is spikier than the Gaussian that
 /// they are those of.
 const float kSignificance = 3.0;
 /// Standard deviations, of the pixel's noise and of its patch's, that no noise exceeds.
 const float kCertain = 32.0;
 
+layout(constant_id = 0) const int radius = 3;
+
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant) uniform Params { ScaleParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer lost;
-layout(set = 0, binding = 1) uniform samplerBuffer variance;
-layout(set = 0, binding = 2) uniform samplerBuffer expected;
-layout(std430, set = 0, binding = 3) writeonly buffer ShareBuffer { float data[]; } share;
-layout(std430, set = 0, binding = 4) writeonly buffer StatsBuffer { vec2 data[]; } stats;
+layout(set = 0, binding = 1) uniform samplerBuffer lost_sums;
+layout(set = 0, binding = 2) uniform samplerBuffer variance;
+layout(set = 0, binding = 3) uniform samplerBuffer expected;
+layout(std430, set = 0, binding = 4) writeonly buffer ShareBuffer { float data[]; } share;
+layout(std430, set = 0, binding = 5) writeonly buffer StatsBuffer { vec2 data[]; } stats;
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= p.width || at.y >= p.height) return;
-  vec2 sum = vec2(0.0);
-  float count = 0.0;
-  for (int j = -kRadius; j <= kRadius; ++j) {
-    [[unroll]] for (int i = -kRadius; i <= kRadius; ++i) {
-      const ivec2 tap = at + ivec2(i, j);
-      const bool inside = all(greaterThanEqual(tap, ivec2(0))) && all(lessThan(tap, ivec2(p.width, p.height)));
-      const vec2 value = texelFetch(lost, inside ? tap.y * p.width + tap.x : 0).xy;
-      const bool counts = inside && value.y >= 0.0 && (i != 0 || j != 0);
-      sum += counts ? value : vec2(0.0);
-      count += counts ? 1.0 : 0.0;
-    }
-  }
   const int index = at.y * p.width + at.x;
+  vec4 sum = texelFetch(lost_sums, index);
+  [[unroll]] for (int i = -radius; i <= radius; ++i) {
+    if (i == 0) continue;
+    const bool inside = at.x + i >= 0 && at.x + i < p.width;
+    const vec4 tap = texelFetch(lost, inside ? index + i : index);
+    sum += inside ? tap : vec4(0.0);
+  }
+  const float count = sum.z;
   const vec2 noisy = texelFetch(variance, index).xy;
   const vec2 smooth_stats = texelFetch(expected, index).xy;
-  const vec2 mean = sum / max(count, 1.0);
+  const vec2 mean = sum.xy / max(count, 1.0);
   const float detail = excess_over_noise(mean.x, mean.y, max(count, 1.0), kSignificance);
   const vec2 own = texelFetch(lost, index).xy;
   const float noise = max(own.y, mean.y);
