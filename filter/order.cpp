@@ -205,7 +205,6 @@ std::optional<Frame> SequenceFilter::run(const Step& step, const Frame& frame, F
 }
 
 Estimate SequenceFilter::State::smoothed(const Step& step, const NewFrame& frame, FrameReport& report) {
-  if (task.settings.directions == Directions::forward) return smoother->smooth(frame, report);
   auto kept = kept_smoothed.extract(step.frame);
   // Packed even if nobody needs it again: what comes out does not depend on which frames a job has met
   // before.

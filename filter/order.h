@@ -42,8 +42,8 @@ class SequenceFilter {
   /// Takes one step of a schedule; the steps of a segment come in their order, and `frame` is the step's.
   /// Steps forward that are wanted return the denoised frame. Smoothed frames are kept until the last step
   /// that needs them, predictions from the step backward that wants them to the step forward that takes them:
-  /// some 12 bytes a pixel each, 24 more with smooth=merged, and 8 for each additive AOV, for each frame of a
-  /// segment.
+  /// some 12 bytes a pixel each, 24 more with smooth=merged, and 16 for each additive AOV, for each frame of
+  /// a segment.
   std::optional<Frame> run(const Step& step, const Frame& frame, FrameReport& report);
 
   /// A step forward of a frame that is wanted.

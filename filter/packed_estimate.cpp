@@ -40,6 +40,15 @@ float squared(float value) {
   return value * value;
 }
 
+/// Scales the colours of `image` as those of `whole` are scaled in `rounded`.
+void scale_as(const Image& whole, const Image& rounded, Image& image) {
+  for_pixels(image.pixel_count(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = 4 * begin; i < 4 * end; ++i) {
+      if (i % 4 != 3 && whole.data()[i] != 0.0f) image.data()[i] *= rounded.data()[i] / whole.data()[i];
+    }
+  });
+}
+
 }  // namespace
 
 HalfImage::HalfImage(const Image& image, const std::vector<float>& scale)
@@ -71,22 +80,23 @@ Image HalfImage::image() const {
   return image;
 }
 
-PackedEstimate::PackedEstimate(Estimate estimate, float exposure, std::size_t noisy_layers)
-    : noisy_layers_(noisy_layers) {
-  const std::vector<float> of_radiance = {exposure, exposure, exposure, 1.0f};
-  color_ = HalfImage(estimate.color, of_radiance);
+PackedEstimate::PackedEstimate(Estimate estimate, float exposure, std::size_t noisy_layers) {
+  std::vector<Image>& images = estimate.additive;
+  color_ = HalfImage(estimate.color, {exposure, exposure, exposure, 1.0f});
   apply_to_channel(estimate.stats, 0, deviation);
   stats_ = HalfImage(estimate.stats, {exposure, 1.0f});
-  const std::size_t noisy_radiance = estimate.additive.size() - noisy_layers;
-  for (std::size_t i = 0; i < estimate.additive.size(); ++i) {
-    if (i < noisy_radiance) {
-      additive_.emplace_back(estimate.additive[i], of_radiance);
-    } else if (i == noisy_radiance) {
-      apply_to_channel(estimate.additive[i], 3, deviation);
-      additive_.emplace_back(estimate.additive[i], std::vector<float>(4, exposure));
-    } else {
-      additive_.emplace_back(estimate.additive[i], std::vector<float>(4, 1.0f));
-    }
+  const std::size_t additive = images.size() - noisy_layers;
+  for (std::size_t i = additive; i < images.size(); ++i) {
+    const bool is_radiance = i == additive;
+    if (is_radiance) apply_to_channel(images[i], 3, deviation);
+    noisy_layers_.emplace_back(images[i], std::vector<float>(4, is_radiance ? exposure : 1.0f));
+  }
+  if (additive == 0) return;
+  const Image& whole = noisy_layers > 0 ? images[additive] : estimate.color;
+  const Image rounded = (noisy_layers > 0 ? noisy_layers_.front() : color_).image();
+  for (std::size_t i = 0; i < additive; ++i) {
+    scale_as(whole, rounded, images[i]);
+    additive_.push_back(std::move(images[i]));
   }
 }
 
@@ -95,8 +105,9 @@ Estimate PackedEstimate::estimate() const {
   estimate.color = color_.image();
   estimate.stats = stats_.image();
   apply_to_channel(estimate.stats, 0, squared);
-  for (const HalfImage& image : additive_) estimate.additive.push_back(image.image());
-  if (noisy_layers_ > 0) apply_to_channel(estimate.additive[additive_.size() - noisy_layers_], 3, squared);
+  estimate.additive = additive_;
+  for (const HalfImage& layer : noisy_layers_) estimate.additive.push_back(layer.image());
+  if (!noisy_layers_.empty()) apply_to_channel(estimate.additive[additive_.size()], 3, squared);
   return estimate;
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -27,19 +26,21 @@ class HalfImage {
   std::vector<std::pair<std::size_t, float>> exceptions_;  ///< by index
 };
 
-/// What is known of a frame's pixels, for keeping: half the memory, within 2^-10 of each value.
+/// What is known of a frame's pixels, for keeping: half the memory, within 2^-10 of each value. Additive AOVs
+/// stay floats, scaled as the rounding scales the radiance that they add up to.
 class PackedEstimate {
  public:
   PackedEstimate() = default;
-  /// `exposure` is the frame's; the last `noisy_layers` of the images carried are those of FilterTask.
+  /// `exposure` is the frame's; the last `noisy_layers` (0 or 3) of the images carried are those of
+  /// FilterTask.
   PackedEstimate(Estimate estimate, float exposure, std::size_t noisy_layers);
   Estimate estimate() const;
 
  private:
-  std::size_t noisy_layers_ = 0;
   HalfImage color_;
   HalfImage stats_;
-  std::vector<HalfImage> additive_;
+  std::vector<Image> additive_;
+  std::vector<HalfImage> noisy_layers_;
 };
 
 }  // namespace becalm::filter

@@ -7,7 +7,7 @@
 
 const int kRun = 16;
 
-layout(local_size_x = 8, local_size_y = 4) in;
+layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Params { BlurParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer distances;
 layout(std430, set = 0, binding = 1) writeonly buffer SumBuffer { float data[]; } sums;

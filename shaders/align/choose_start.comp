@@ -7,7 +7,7 @@
 #include "lib/motion.glsl"
 #include "shared/align_params.h"
 
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Params { ChooseStartParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer target;
 layout(set = 0, binding = 1) uniform samplerBuffer source;

@@ -9,7 +9,7 @@
 layout(constant_id = 0) const int kind = kDistanceLogL1Centered;
 layout(constant_id = 1) const int channels = 1;
 
-layout(local_size_x = 8, local_size_y = 4) in;
+layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Params { DistanceParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer target;
 layout(set = 0, binding = 1) uniform samplerBuffer warped;

@@ -9,7 +9,7 @@
 
 layout(constant_id = 0) const int factor = 1;
 
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Params { DownsampleParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer fine;
 layout(std430, set = 0, binding = 1) writeonly buffer CoarseBuffer { float data[]; } coarse;

@@ -9,7 +9,7 @@
 
 layout(constant_id = 0) const int guide_planes = 0;
 
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Params { PrefilterParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer radiance;
 layout(set = 0, binding = 1) uniform samplerBuffer guides;

@@ -13,7 +13,7 @@ layout(constant_id = 0) const bool demodulates = false;
 /// How many times brighter than its brightest neighbour a pixel may be.
 const float kFirefly = 4.0;
 
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Params { RadianceFeatureParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer color;
 layout(set = 0, binding = 1) uniform samplerBuffer exposure;

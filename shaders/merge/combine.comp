@@ -18,7 +18,7 @@ layout(constant_id = 2) const int writes_weight = 0;  // 1: `weight_backward` is
 /// Of the patch's, the least that a pixel's own variance counts for: one black window must not decide alone.
 const float kLeastOfPatch = 0.01;
 
-layout(local_size_x = 8, local_size_y = 4) in;
+layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Params { ImageParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer forward_color;
 layout(set = 0, binding = 1) uniform samplerBuffer forward_stats;

@@ -12,7 +12,7 @@
 
 layout(constant_id = 0) const int validated = 0;  // 1: `trust` says how far the history may be believed
 
-layout(local_size_x = 8, local_size_y = 4) in;
+layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Params { MaskGainParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer color;
 layout(set = 0, binding = 1) uniform samplerBuffer variance;

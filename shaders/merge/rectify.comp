@@ -16,7 +16,7 @@ layout(constant_id = 0) const int kind = kClip;
 layout(constant_id = 1) const int ycocg = 1;  // the box's axes: YCoCg instead of RGB
 layout(constant_id = 2) const int radius = 1;
 
-layout(local_size_x = 8, local_size_y = 4) in;
+layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Params { RectifyParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer color;
 layout(set = 0, binding = 1) uniform samplerBuffer variance;

@@ -13,7 +13,7 @@
 /// 2/S for the four samples that the cheapest frames have; measured in README.md.
 const float kNoiseOfVariation = 0.5;
 
-layout(local_size_x = 8, local_size_y = 4) in;
+layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Params { WarpHistoryParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer offset;
 layout(set = 0, binding = 1) uniform samplerBuffer albedo;

@@ -15,7 +15,7 @@ layout(constant_id = 1) const int by_normal = 1;
 layout(constant_id = 2) const int by_id = 1;
 layout(constant_id = 3) const int by_flow = 0;
 
-layout(local_size_x = 8, local_size_y = 4) in;
+layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Params { ValidateParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer offset;
 layout(set = 0, binding = 1) uniform samplerBuffer surface;

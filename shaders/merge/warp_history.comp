@@ -15,7 +15,7 @@ layout(constant_id = 0) const int resample = 1;      // as in lib/resample.glsl
 layout(constant_id = 1) const int writes_share = 0;  // 1: `share` is an image, for AOVs that are resampled alike
 layout(constant_id = 2) const int demodulated = 0;   // 1: the history comes without its albedo
 
-layout(local_size_x = 8, local_size_y = 4) in;
+layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Params { WarpHistoryParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer offset;
 layout(set = 0, binding = 1) uniform samplerBuffer history_color;

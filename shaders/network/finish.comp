@@ -11,7 +11,7 @@
 
 layout(constant_id = 0) const int planes = 4;      // of four features each
 
-layout(local_size_x = 8, local_size_y = 4) in;
+layout(local_size_x = 128, local_size_y = 1) in;
 layout(push_constant) uniform Params { PaddedParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer features;
 layout(set = 0, binding = 1) uniform samplerBuffer weights;

@@ -11,7 +11,7 @@
 
 layout(constant_id = 0) const int variance_known = 1;  // 0: nothing is known of the noise
 
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Params { PaddedParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer irradiance;
 layout(set = 0, binding = 1) uniform samplerBuffer grey;

@@ -17,7 +17,7 @@ const float kCertain = 32.0;
 
 layout(constant_id = 0) const int radius = 3;
 
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Params { ScaleParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer lost;
 layout(set = 0, binding = 1) uniform samplerBuffer lost_sums;

@@ -40,14 +40,34 @@ void expect_near(const Image& found, const Image& expected) {
 
 TEST(PackedEstimate, ComesBackToAThousandth) {
   for (const float usual : {1e-15f, 1.0f, 1e15f}) {
-    const std::size_t carried = 2 + FilterTask::kNoisyLayers;
+    const std::size_t carried = FilterTask::kNoisyLayers;
     Estimate estimate = estimate_around(usual, carried);
-    for (float& value : estimate.additive[2].data()) value = std::abs(value);  // a variance among them
+    for (float& value : estimate.additive[0].data()) value = std::abs(value);  // a variance among them
     const Estimate found = PackedEstimate(estimate, 1.0f / usual, FilterTask::kNoisyLayers).estimate();
     expect_near(found.color, estimate.color);
     expect_near(found.stats, estimate.stats);
     ASSERT_EQ(found.additive.size(), carried);
     for (std::size_t i = 0; i < carried; ++i) expect_near(found.additive[i], estimate.additive[i]);
+  }
+}
+
+TEST(PackedEstimate, WhatAddsUpStillDoes) {
+  constexpr std::size_t kFirst = 0;
+  constexpr std::size_t kSecond = 1;
+  constexpr std::size_t kWhole = 2;
+  Estimate estimate = estimate_around(1.0f, 2 + FilterTask::kNoisyLayers);
+  for (std::size_t i = 0; i < estimate.color.data().size(); ++i) {
+    float& whole = estimate.additive[kWhole].data()[i];
+    if (i % 4 == 3) whole = std::abs(whole);
+    estimate.additive[kSecond].data()[i] = whole - estimate.additive[kFirst].data()[i];
+  }
+  const Estimate found = PackedEstimate(estimate, 1.0f, FilterTask::kNoisyLayers).estimate();
+  for (std::size_t i = 0; i < estimate.color.data().size(); ++i) {
+    if (i % 4 == 3) continue;
+    const float first = found.additive[kFirst].data()[i];
+    const float second = found.additive[kSecond].data()[i];
+    ASSERT_NEAR(first + second, found.additive[kWhole].data()[i],
+                1e-6f * (std::abs(first) + std::abs(second)));
   }
 }
 
