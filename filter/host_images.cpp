@@ -189,31 +189,6 @@ void pack_guide(const Frame& frame, bool albedo, bool normal, const Rect& rect, 
   }
 }
 
-void pack_surface(const Frame& frame, const AovSet& used, const Rect& rect, std::span<float> surface) {
-  assert(surface.size() == rect.extent().elements() * 4);
-  constexpr float no_normal = 2.0f;  // kNoNormal of shaders/lib/surface.glsl
-  const auto given = [&](Aov aov) {
-    return contains(used, aov) ? frame.image(aov).data() : std::span<const float>();
-  };
-  const auto depths = given(Aov::depth);
-  const auto ids = given(Aov::object_id);
-  const auto normals = given(Aov::normal);
-  for_each_pixel(rect, frame.width(), [&](std::size_t in, std::size_t out) {
-    const auto pixel = surface.subspan(4 * out, 4);
-    pixel[0] = !depths.empty() && depths[in] > 0.0f ? 1.0f / depths[in] : 0.0f;
-    pixel[1] = !ids.empty() && std::isfinite(ids[in]) ? ids[in] : 0.0f;
-    pixel[2] = pixel[3] = no_normal;
-    if (normals.empty()) return;
-    const auto n = normals.subspan(3 * in, 3);
-    const float size = std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]);
-    if (!(std::isfinite(size) && size > 0.0f)) return;
-    const float x = n[0] / size;
-    const float y = n[1] / size;
-    pixel[2] = n[2] >= 0.0f ? x : std::copysign(1.0f - std::abs(y), x);
-    pixel[3] = n[2] >= 0.0f ? y : std::copysign(1.0f - std::abs(x), y);
-  });
-}
-
 void pack_motion(const Image& motion, const Rect& rect, float limit_px, std::span<float> pairs) {
   assert(motion.channels() == 2 && pairs.size() == rect.extent().elements() * 2);
   constexpr float none = 1e30f;  // kNoMotion of shaders/lib/motion.glsl

@@ -54,11 +54,6 @@ int guide_planes(bool albedo, bool normal);
 /// become 0. Albedo is clamped to [0,1].
 void pack_guide(const Frame& frame, bool albedo, bool normal, const Rect& rect, std::span<float> planes);
 
-/// What the pixels of a rectangle show, four values each: 1/depth (0 where nothing is hit), object number,
-/// and the normal on the octahedron, unfolded to a square (kNoNormal of shaders/lib/surface.glsl where there
-/// is none). AOVs that are not in `used`, and values that are not finite, are as where nothing is hit.
-void pack_surface(const Frame& frame, const AovSet& used, const Rect& rect, std::span<float> surface);
-
 /// A rectangle of the motion AOV as offset pairs. A pixel has none (shaders/lib/motion.glsl) where its motion
 /// is not finite, which is how a file masks it, or where a component exceeds the limit (motion_limit_px).
 void pack_motion(const Image& motion, const Rect& rect, float limit_px, std::span<float> pairs);

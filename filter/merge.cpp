@@ -9,7 +9,6 @@
 #include "filter/estimate_variance.h"
 #include "filter/noisy_inputs.h"
 #include "filter/patch_sums.h"
-#include "filter/validate.h"
 #include "frame/error.h"
 #include "shaders/shared/merge_params.h"
 
@@ -88,7 +87,7 @@ ImageId add_remodulation_pass(Chain& chain, Extent full, const params::WarpHisto
 }
 
 ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
-                          const WarpedHistory& warped, std::optional<ImageId> trust) {
+                          const WarpedHistory& warped) {
   const ImageId difference = chain.image("difference", Format::f32x4, full);
   const ImageId noise = chain.image("noise", Format::f32x4, full);
   chain.pass("merge/statistics")
@@ -115,25 +114,22 @@ ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, c
       .read("noise", noise)
       .read("difference_sums", difference_sums)
       .read("noise_sums", noise_sums)
-      .read("trust", trust.value_or(warped.stats))
       .write("merged_color", inputs.history_color.next)
       .write("merged_stats", inputs.history_stats.next)
       .write("decision", decision)
       .specialize("radius", settings.patch_radius)
-      .specialize("validated", trust ? 1 : 0)
       .specialize("smoothed", settings.smooth != Smooth::none ? 1 : 0)
       .constants(params::VarianceGainParams{.width = full.width,
                                             .height = full.height,
                                             .max_history = settings.max_history,
                                             .significance = settings.significance,
-                                            .luminance_weight = settings.luminance_weight,
-                                            .bias_between_surfaces = settings.validate_bias})
+                                            .luminance_weight = settings.luminance_weight})
       .dispatch(full);
   return decision;
 }
 
 ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
-                      const WarpedHistory& warped, std::optional<ImageId> trust, const Alignment& alignment) {
+                      const WarpedHistory& warped, const Alignment& alignment) {
   const std::size_t level =
       std::min(static_cast<std::size_t>(settings.mask_level), alignment.residual.size() - 1);
   const Extent extent = level_extent(settings, full, level);
@@ -145,11 +141,9 @@ ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const
       .read("warped_stats", warped.stats)
       .read("residual", alignment.residual[level])
       .read("exposure", inputs.noisy.exposure)
-      .read("trust", trust.value_or(warped.stats))
       .write("merged_color", inputs.history_color.next)
       .write("merged_stats", inputs.history_stats.next)
       .write("decision", decision)
-      .specialize("validated", trust ? 1 : 0)
       .constants(params::MaskGainParams{.width = full.width,
                                         .height = full.height,
                                         .residual_width = extent.width,
@@ -159,7 +153,6 @@ ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const
                                         .kappa = settings.mask_kappa,
                                         .eta = settings.mask_eta,
                                         .max_history = settings.max_history,
-                                        .exponential = settings.accumulate == Accumulate::exponential ? 1 : 0,
                                         .luminance_weight = settings.luminance_weight})
       .dispatch(full);
   return decision;
@@ -305,9 +298,8 @@ int resample_margin_px(const Settings& settings) {
 }
 
 int merge_margin_px(const Settings& settings) {
-  return kVarianceEstimateMargin + validate_margin_px(settings) +
-         std::max(settings.merge == MergeMode::variance ? settings.patch_radius : 0,
-                  settings.smooth == Smooth::merged ? kNoisePatchRadius : 0);
+  return kVarianceEstimateMargin + std::max(settings.merge == MergeMode::variance ? settings.patch_radius : 0,
+                                            settings.smooth == Smooth::merged ? kNoisePatchRadius : 0);
 }
 
 MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
@@ -323,27 +315,9 @@ MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent ful
                                           .additive = std::move(additive_history),
                                           .albedo = inputs.albedo},
                                          alignment.offset);
-  if (settings.history_clip != HistoryClip::none) {
-    if (settings.smooth == Smooth::merged) {
-      throw Error(ExitStatus::usage,
-                  "history_clip: what smooth=merged carries has no such bounds; smooth=frames has");
-    }
-    if (!inputs.additive.empty()) {
-      throw Error(ExitStatus::usage,
-                  "history_clip: direct, indirect and light groups would no longer add up to the beauty; "
-                  "additive=0 passes them on noisy");
-    }
-    warped = add_rectify_pass(chain, settings, full, inputs.color, inputs.variance, warped);
-  }
-  std::optional<ImageId> trust;
-  if (inputs.rules != 0) {
-    const SourceWindow window =
-        inputs.history_window ? *inputs.history_window : add_same_window(chain, full, "origin.validate");
-    trust = add_validate_pass(chain, settings, full, inputs.rules, inputs.surface, alignment, window);
-  }
   const ImageId decision = settings.merge == MergeMode::variance
-                               ? add_variance_gain(chain, settings, full, inputs, warped, trust)
-                               : add_mask_gain(chain, settings, full, inputs, warped, trust, alignment);
+                               ? add_variance_gain(chain, settings, full, inputs, warped)
+                               : add_mask_gain(chain, settings, full, inputs, warped, alignment);
   for (std::size_t i = 0; i < inputs.additive.size(); ++i) {
     const ImageId layer = inputs.additive[i].color;
     const ImageId color =

@@ -45,9 +45,7 @@ struct MergeInputs {
   gpu::History
       history_stats;  ///< f32x2: (variance left, effective sample count); a count of 0 means no history
   std::optional<SourceWindow> history_window =
-      {};               ///< where the previous history shows more than the new frame
-  unsigned rules = 0;   ///< flags of Validate by which the history is validated
-  FramePair surface{};  ///< as pack_surface gives it, if there are rules of kValidateBySurface
+      {};  ///< where the previous history shows more than the new frame
   std::vector<CarriedInput> additive = {};
   std::optional<FramePair> albedo = {};  ///< as WarpInputs::albedo
 };
@@ -97,12 +95,11 @@ struct MergeOutputs {
   std::vector<gpu::ImageId> warped_additive;  ///< f32x4
   gpu::ImageId decision;  ///< f32x4: share of the history rejected; its squared bias, which is to be added to
                           ///< warped_stats' variance where it predicts the new frame; weight of the new
-                          ///< sample; the rule that rejected (shaders/lib/rejection.glsl)
+                          ///< sample; 0
 };
 
 /// Merges the new frame with the warped history into history_color.next and history_stats.next, and additive
-/// AOVs with the same weights into their histories. Throws Error(usage) if `history_clip` leaves no such
-/// weights.
+/// AOVs with the same weights into their histories.
 MergeOutputs add_merge_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
                               const MergeInputs& inputs, const Alignment& alignment);
 

@@ -84,7 +84,6 @@ Frame output_frame(const NewFrame& frame, const FilterTask& task, MergedFrame ma
   add_decision(Aov::bias, 1);
   for (float& bias : result.image(Aov::bias).data()) bias = std::sqrt(bias);
   add_decision(Aov::gain, 2);
-  add_decision(Aov::rejected_by, 3);
   if (contains(diagnostics, Aov::residual)) result.image(Aov::residual) = std::move(made.residual);
   if (contains(diagnostics, Aov::flow)) result.image(Aov::flow) = std::move(made.flow);
   if (contains(diagnostics, Aov::accumulated)) {
@@ -109,9 +108,8 @@ AovSet wanted_aovs(const Settings& settings) {
   const auto want = [&](Aov aov, bool needed) { wanted.set(static_cast<std::size_t>(aov), needed); };
   const bool smooths = settings.smooth != Smooth::none;
   want(Aov::albedo, smooths || settings.weight_albedo > 0.0f || settings.demodulate_history != 0);
-  want(Aov::normal, smooths || settings.weight_normal > 0.0f || (settings.validate & validate_normal) != 0);
-  want(Aov::depth, smooths || (settings.validate & validate_depth) != 0);
-  want(Aov::object_id, (settings.validate & validate_id) != 0);
+  want(Aov::normal, smooths || settings.weight_normal > 0.0f);
+  want(Aov::depth, smooths);
   want(Aov::motion, settings.motion != MotionUse::none);
   for (const Aov aov : {Aov::variance, Aov::half_a, Aov::half_b}) want(aov, true);
   return wanted;

@@ -33,29 +33,19 @@ struct FloatRange {
   float lowest;
   float highest;
 };
-/// Some of the names, or "none".
-struct NamedSet {
-  unsigned Settings::*member;
-  std::span<const std::string_view> names;  ///< in the order of the bits, from the lowest
-};
 template <class Enum>
 struct Named {
   Enum Settings::*member;
   std::span<const std::string_view> names;  ///< in the order of the values, from 0
 };
-using Field = std::variant<IntRange, IntChoice, IntList, FloatRange, NamedSet, Named<Distance>,
-                           Named<MotionUse>, Named<Resample>, Named<Smooth>, Named<Directions>,
-                           Named<HistoryClip>, Named<ClipSpace>, Named<Accumulate>, Named<MergeMode>>;
+using Field = std::variant<IntRange, IntChoice, IntList, FloatRange, Named<Distance>, Named<MotionUse>,
+                           Named<Resample>, Named<Smooth>, Named<Directions>, Named<MergeMode>>;
 
 constexpr std::array<std::string_view, 4> kDistanceNames{"l2", "l1", "log_l1", "log_l1_centered"};
 constexpr std::array<std::string_view, 3> kSmoothNames{"none", "frames", "merged"};
 constexpr std::array<std::string_view, 2> kDirectionsNames{"forward", "both"};
 constexpr std::array<std::string_view, 3> kMotionNames{"none", "guide", "override"};
 constexpr std::array<std::string_view, 3> kResampleNames{"bilinear", "catmull_rom", "o_moms"};
-constexpr std::array<std::string_view, 4> kValidateNames{"depth", "normal", "id", "flow"};
-constexpr std::array<std::string_view, 4> kHistoryClipNames{"none", "clamp", "clip", "variance"};
-constexpr std::array<std::string_view, 2> kClipSpaceNames{"rgb", "ycocg"};
-constexpr std::array<std::string_view, 2> kAccumulateNames{"count", "exponential"};
 constexpr std::array<std::string_view, 2> kMergeNames{"mask", "variance"};
 
 struct Row {
@@ -108,29 +98,6 @@ const Row kTable[] = {
       "frames: each frame is smoothed before it is matched and merged; merged: noisy frames are merged with "
       "the weights of smoothed ones, then smoothed"},
      Named<Smooth>{&Settings::smooth, kSmoothNames}},
-    {{"validate", "none, or some of depth, normal, id and flow joined by commas",
-      "distrusts history that was of another surface than the new frame's, or (flow) whose offsets there and "
-      "back disagree"},
-     NamedSet{&Settings::validate, kValidateNames}},
-    {{"validate_bias", "number 0..1000",
-      "variance mode: relative bias that history of another surface is given; large ones reject it"},
-     FloatRange{&Settings::validate_bias, 0.0f, 1000.0f}},
-    {{"depth_tolerance", "number 0.001..10",
-      "relative difference of depth, beyond the surface's slope, that halves the trust in history"},
-     FloatRange{&Settings::depth_tolerance, 0.001f, 10.0f}},
-    {{"normal_tolerance", "number 0.001..2",
-      "difference of unit normals (for small angles, in radians) that halves the trust in history"},
-     FloatRange{&Settings::normal_tolerance, 0.001f, 2.0f}},
-    {{"history_clip", "none, clamp, clip or variance",
-      "history is brought into the box of the new frame's colours around it: each channel by itself, "
-      "towards their mean, or so with the box of their standard deviation"},
-     Named<HistoryClip>{&Settings::history_clip, kHistoryClipNames}},
-    {{"clip_space", "rgb or ycocg", "axes of the box"},
-     Named<ClipSpace>{&Settings::clip_space, kClipSpaceNames}},
-    {{"clip_radius", "1 or 2", "radius of the neighbourhood that makes the box"},
-     IntChoice{&Settings::clip_radius, {1, 2, 1}}},
-    {{"clip_gamma", "number 0..100", "size of the box of history_clip=variance in standard deviations"},
-     FloatRange{&Settings::clip_gamma, 0.0f, 100.0f}},
     {{"luminance_weight", "number 0..100",
       "1/(1 + this times the exposed luminance) weighs noisy samples and history against flicker"},
      FloatRange{&Settings::luminance_weight, 0.0f, 100.0f}},
@@ -149,9 +116,6 @@ const Row kTable[] = {
     {{"mask_level", "0 or 1",
       "mask mode: level of the patch distance, 0 the finest, 1 the first downsampled"},
      IntRange{&Settings::mask_level, 0, 1}},
-    {{"accumulate", "count or exponential",
-      "mask mode: a history of n frames weighs up to n/(n+1), or mask_alpha from the first"},
-     Named<Accumulate>{&Settings::accumulate, kAccumulateNames}},
     {{"patch_radius", "integer 1..8", "variance mode: radius of the patches that weights are estimated from"},
      IntRange{&Settings::patch_radius, 1, 8}},
     {{"significance", "number 0..20",
@@ -203,28 +167,6 @@ bool assign_list(std::vector<int>& target, std::string_view text, int lowest, in
   return true;
 }
 
-bool assign_set(unsigned& target, std::string_view text, std::span<const std::string_view> names) {
-  unsigned flags = 0;
-  for (bool more = text != "none"; more;) {
-    const auto comma = text.find(',');
-    const auto name = std::ranges::find(names, text.substr(0, comma));
-    if (name == names.end()) return false;
-    flags |= 1u << (name - names.begin());
-    more = comma != std::string_view::npos;
-    if (more) text.remove_prefix(comma + 1);
-  }
-  target = flags;
-  return true;
-}
-
-std::string set_text(unsigned flags, std::span<const std::string_view> names) {
-  std::vector<std::string_view> set;
-  for (std::size_t bit = 0; bit < names.size(); ++bit) {
-    if (flags & (1u << bit)) set.push_back(names[bit]);
-  }
-  return set.empty() ? "none" : fmt::format("{}", fmt::join(set, ","));
-}
-
 /// False if the text is not a value of the field.
 bool assign(Settings& settings, const Field& field, std::string_view text) {
   return std::visit(
@@ -249,7 +191,6 @@ bool assign(Settings& settings, const Field& field, std::string_view text) {
             settings.*f.member = *value;
             return true;
           },
-          [&](const NamedSet& f) { return assign_set(settings.*f.member, text, f.names); },
           [&]<class Enum>(const Named<Enum>& f) {
             const auto name = std::ranges::find(f.names, text);
             if (name == f.names.end()) return false;
@@ -267,7 +208,6 @@ std::string value_text(const Settings& settings, const Field& field) {
           [&](const IntChoice& f) { return fmt::format("{}", settings.*f.member); },
           [&](const IntList& f) { return fmt::format("{}", fmt::join(settings.*f.member, ",")); },
           [&](const FloatRange& f) { return fmt::format("{}", settings.*f.member); },
-          [&](const NamedSet& f) { return set_text(settings.*f.member, f.names); },
           [&]<class Enum>(const Named<Enum>& f) {
             return std::string(f.names[static_cast<std::size_t>(settings.*f.member)]);
           },

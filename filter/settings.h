@@ -30,21 +30,6 @@ enum class Smooth { none, frames, merged };
 /// How the merge weighs history against the new frame.
 enum class MergeMode { mask, variance };
 
-/// By what the history is validated: surface AOVs, and whether the flow back from the history agrees with
-/// that into it. Flags.
-enum Validate : unsigned { validate_depth = 1, validate_normal = 2, validate_id = 4, validate_flow = 8 };
-constexpr unsigned kValidateBySurface = validate_depth | validate_normal | validate_id;
-
-/// How the history is rectified by the new frame's colours around it: not at all; each channel clamped to
-/// their range; moved towards their mean until it lies in that box, or in the box of their standard
-/// deviation. The values are those of shaders/merge/rectify.comp.
-enum class HistoryClip { none = 0, clamp = 1, clip = 2, variance = 3 };
-enum class ClipSpace { rgb = 0, ycocg = 1 };
-
-/// Mask mode: what limits the history's weight. A history of n frames weighs n/(n+1) at most, or always
-/// `mask_alpha`.
-enum class Accumulate { count = 0, exponential = 1 };
-
 /// Everything that steers the filter. Names, ranges and help texts live in one table (settings.cpp), from
 /// which
 /// `--set KEY=VALUE`, the help and the files' `becalm:settings` attribute are made.
@@ -67,14 +52,6 @@ struct Settings {
   Resample resample = Resample::catmull_rom;
   int demodulate_history = 1;
   Smooth smooth = Smooth::merged;
-  unsigned validate = 0;  ///< flags of Validate
-  float validate_bias = 0.2f;
-  float depth_tolerance = 0.05f;
-  float normal_tolerance = 0.3f;
-  HistoryClip history_clip = HistoryClip::none;
-  ClipSpace clip_space = ClipSpace::ycocg;
-  int clip_radius = 1;
-  float clip_gamma = 1.0f;
   float luminance_weight = 0.0f;
   Directions directions = Directions::both;
   MergeMode merge = MergeMode::variance;
@@ -82,7 +59,6 @@ struct Settings {
   float mask_kappa = 2.0f;
   float mask_eta = 2.0f;
   int mask_level = 0;
-  Accumulate accumulate = Accumulate::count;
   int patch_radius = 1;
   float significance = 0.0f;
   float max_history = 64.0f;

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "filter/additive.h"
-#include "filter/validate.h"
 
 namespace becalm::filter {
 namespace {
@@ -112,11 +111,6 @@ TileChain::TileChain(gpu::Device& device, const FilterTask& task, const PyramidS
   }
   merged.residual = found.residual.front();
 
-  const unsigned rules = applicable_rules(settings, task.used);
-  if (rules != 0) {
-    surface = {chain.input("surface.cur", Format::f32x4, target_extent),
-               chain.input("surface.prev", Format::f32x4, source_extent)};
-  }
   if (task.demodulates_history()) {
     albedo = {chain.input("albedo.cur", Format::f32x4, target_extent),
               chain.input("albedo.prev", Format::f32x4, source_extent)};
@@ -139,8 +133,6 @@ TileChain::TileChain(gpu::Device& device, const FilterTask& task, const PyramidS
                         .history_color = {history_color, merged.color},
                         .history_stats = {history_stats, merged.stats},
                         .history_window = window,
-                        .rules = rules,
-                        .surface = surface.value_or(FramePair{}),
                         .additive = carried_inputs(chain, task, target_extent, noisy, additive, history),
                         .albedo = albedo},
                        {merged.offset, found.residual});

@@ -65,7 +65,6 @@ struct TileChain {
   std::optional<gpu::ImageId> start;   ///< offsets of level `coarse`
   std::optional<gpu::ImageId> motion;  ///< if a level of the tile starts from it, or offsets are to be that
   gpu::ImageId target_origin;          ///< where the target's rectangle begins in the source's
-  std::optional<FramePair> surface;
   std::optional<FramePair> albedo;
   gpu::ImageId history_color;
   gpu::ImageId history_stats;

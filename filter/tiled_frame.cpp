@@ -12,7 +12,6 @@
 #include "filter/ceil_div.h"
 #include "filter/host_images.h"
 #include "filter/merge.h"
-#include "filter/validate.h"
 #include "frame/error.h"
 
 namespace becalm::filter {
@@ -67,13 +66,6 @@ struct TiledFrame::Chains {
 
 TiledFrame::TiledFrame(gpu::Device& device, FilterTask task, std::uint64_t memory_limit)
     : task_(std::move(task)) {
-  if (applicable_rules(task_.settings, task_.used) & validate_flow) {
-    throw Error(
-        ExitStatus::usage,
-        fmt::format("validate=flow: frames of {}x{} px would have to be cut into tiles, of which offsets "
-                    "there and back cannot be compared; allow more memory or leave flow out",
-                    task_.full.width, task_.full.height));
-  }
   plan(device, memory_limit);
   chains_->for_each([](gpu::Chain& chain) { chain.build(); });
 
@@ -86,9 +78,7 @@ TiledFrame::TiledFrame(gpu::Device& device, FilterTask task, std::uint64_t memor
   }
   history_.estimate = Estimate(task_.full, task_.carried());
   merged_ = Estimate(task_.full, task_.carried());
-  const Image of_four_channels(task_.full.width, task_.full.height, 4);
-  if (chains_->tile->surface) history_.surface = surface_ = of_four_channels;
-  if (chains_->tile->albedo) history_.albedo = albedo_ = of_four_channels;
+  if (chains_->tile->albedo) history_.albedo = albedo_ = Image(task_.full.width, task_.full.height, 4);
 }
 
 TiledFrame::~TiledFrame() = default;
@@ -146,14 +136,12 @@ void TiledFrame::plan(gpu::Device& device, std::uint64_t memory_limit) {
 void TiledFrame::merge(const NewFrame& frame, MergedFrame& merged, FrameReport& report) {
   for (const Tile& tile : feature_tiles_) find_features(tile, frame, report);
   if (chains_->coarse) find_coarse_offsets(frame, report);
-  if (chains_->tile->surface) pack_surface(frame.frame, task_.used, bounds(task_.full), surface_.data());
   if (chains_->tile->albedo) {
     pack_albedo(frame.frame.image(Aov::albedo), bounds(task_.full), albedo_.data());
   }
   for (const Tile& tile : tiles_) merge_tile(tile, frame, merged, report);
   std::swap(history_.estimate, merged_);
   std::swap(history_.features, features_);
-  std::swap(history_.surface, surface_);
   std::swap(history_.albedo, albedo_);
 }
 
@@ -225,12 +213,10 @@ void TiledFrame::merge_tile(const Tile& tile, const NewFrame& frame, MergedFrame
   const auto origin = chain.upload<float>(chains.target_origin);
   origin[0] = static_cast<float>(tile.target.x - tile.source.x);
   origin[1] = static_cast<float>(tile.target.y - tile.source.y);
-  const auto upload_pair = [&](const FramePair& pair, const Image& current, const Image& previous) {
-    upload(chain, pair.current, view(current), tile.target);
-    upload(chain, pair.previous, view(previous), tile.source);
-  };
-  if (chains.surface) upload_pair(*chains.surface, surface_, history_.surface);
-  if (chains.albedo) upload_pair(*chains.albedo, albedo_, history_.albedo);
+  if (chains.albedo) {
+    upload(chain, chains.albedo->current, view(std::as_const(albedo_)), tile.target);
+    upload(chain, chains.albedo->previous, view(std::as_const(history_.albedo)), tile.source);
+  }
   upload(chain, chains.history_color, view(std::as_const(history_.estimate.color)), tile.source);
   upload(chain, chains.history_stats, view(std::as_const(history_.estimate.stats)), tile.source);
   upload_additive(chain, chains.additive, frame.merged_additive(), tile.target);

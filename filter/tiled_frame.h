@@ -30,8 +30,7 @@ struct HostFeatures {
 /// What is known of the frames before: all that goes from one frame to the next.
 struct HostHistory {
   Estimate estimate;
-  Image surface;  ///< what the frame before showed, as pack_surface gives it; empty if nobody asks
-  Image albedo;   ///< of the frame before, as pack_albedo gives it; empty if nobody asks
+  Image albedo;  ///< of the frame before, as pack_albedo gives it; empty if nobody asks
   HostFeatures
       features;  ///< those of the frame before; a new frame replaces their radiance by that of `color`
 };
@@ -65,8 +64,7 @@ class TiledFrame : public FrameMerger {
   HostHistory history_;
   HostFeatures features_;  ///< of the new frame
   Estimate merged_;        ///< the history of the next frame in the making
-  Image surface_;          ///< of the new frame, as is the albedo
-  Image albedo_;
+  Image albedo_;           ///< of the new frame
 };
 
 }  // namespace becalm::filter

@@ -11,7 +11,6 @@
 #include "filter/align.h"
 #include "filter/host_images.h"
 #include "filter/pixel_view.h"
-#include "filter/validate.h"
 
 namespace becalm::filter {
 
@@ -57,19 +56,10 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
   if (contains(task_.used, Aov::motion)) motion_ = chain_.input("motion.cur", Format::f32x2, full);
   const Features target_features = add_feature_passes(chain_, settings, full, "target", target);
   const Features source_features = add_feature_passes(chain_, settings, full, "source", source);
-  Alignment alignment = add_align_passes(chain_, settings, full, target_features, source_features,
-                                         {.name = {}, .motion = motion_});
+  const Alignment alignment = add_align_passes(chain_, settings, full, target_features, source_features,
+                                               {.name = {}, .motion = motion_});
   merged_.offset = alignment.offset;
   merged_.residual = alignment.residual.front();
-  const unsigned rules = applicable_rules(settings, task_.used);
-  if (rules & validate_flow) {
-    alignment.consistency =
-        add_consistency_passes(chain_, settings, full, target_features, source_features, alignment.offset);
-  }
-  if (rules & kValidateBySurface) {
-    surface_ = {chain_.input("surface.cur", Format::f32x4, full),
-                chain_.input("surface.prev", Format::f32x4, full)};
-  }
   if (task_.demodulates_history()) {
     albedo_ = {chain_.input("albedo.cur", Format::f32x4, full),
                chain_.input("albedo.prev", Format::f32x4, full)};
@@ -92,8 +82,6 @@ WholeFrame::WholeFrame(gpu::Device& device, FilterTask task)
                                       .history_color = history_color,
                                       .history_stats = history_stats,
                                       .history_window = {},
-                                      .rules = rules,
-                                      .surface = surface_.value_or(FramePair{}),
                                       .additive = additive,
                                       .albedo = albedo_},
                                      alignment);
@@ -117,7 +105,6 @@ void WholeFrame::merge(const NewFrame& frame, MergedFrame& merged, FrameReport& 
     pack_motion(frame.frame.image(Aov::motion), all.target, motion_limit_px(task_.settings, task_.full),
                 chain_.upload<float>(*motion_));
   }
-  if (surface_) pack_surface(frame.frame, task_.used, all.target, upload_next(chain_, *surface_));
   if (albedo_) pack_albedo(frame.frame.image(Aov::albedo), all.target, upload_next(chain_, *albedo_));
   chain_.run();
   add_times(report, chain_);

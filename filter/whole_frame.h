@@ -32,7 +32,6 @@ class WholeFrame : public FrameMerger {
   gpu::ImageId smoothed_stats_;
   std::optional<gpu::ImageId> guide_;
   std::optional<gpu::ImageId> motion_;
-  std::optional<FramePair> surface_;
   std::optional<FramePair> albedo_;
   std::vector<gpu::ImageId> additive_;
   MergedImages merged_;

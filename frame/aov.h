@@ -27,7 +27,6 @@ enum class Aov {
   sample_count,
   bias,
   gain,
-  rejected_by,
   residual,
   accumulated,
   accumulated_variance,
@@ -35,7 +34,7 @@ enum class Aov {
   accumulated_normal,
   accumulated_depth,
 };
-inline constexpr std::size_t kAovCount = 24;
+inline constexpr std::size_t kAovCount = static_cast<std::size_t>(Aov::accumulated_depth) + 1;
 
 using AovSet = std::bitset<kAovCount>;
 
@@ -75,9 +74,6 @@ inline constexpr std::array<AovInfo, kAovCount> kAovTable{{
     {Aov::bias, "bias", "Y", true,
      "root of the squared bias that the merge ascribed to the history, in units of radiance"},
     {Aov::gain, "gain", "Y", true, "weight of the new sample in the pixel, in [0,1]"},
-    {Aov::rejected_by, "rejected_by", "Y", true,
-     "rule that took most of the history's weight: 0 none, 1 there was no history, 2 the residual, 3 depth, "
-     "4 normal, 5 object number, 6 offsets there and back that disagree"},
     {Aov::residual, "residual", "Y", true,
      "patch distance at the offset, less that of equal pixels, of the finest level that was matched"},
     {Aov::accumulated, "accumulated", "RGB", true,

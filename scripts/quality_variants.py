@@ -58,9 +58,6 @@ VARIANTS = [
     ("history_albedo", "final, history with its albedo", ("demodulate_history=0",), ()),
     ("bilinear", "final, bilinear resampling", ("resample=bilinear",), ()),
     ("o_moms", "final, O-MOMS resampling", ("resample=o_moms",), ()),
-    ("validate_guides", "final, distrust by depth, normal and id", ("validate=depth,normal,id",), ()),
-    ("clip", "merging smoothed frames, colour-box clip", ("smooth=frames", "history_clip=clip"), ()),
-    ("variance_clip", "merging smoothed frames, variance clipping", ("smooth=frames", "history_clip=variance"), ()),
 ]]
 
 # A program that does not know these settings does what these values say.

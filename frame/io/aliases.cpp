@@ -66,7 +66,6 @@ constexpr Alias kAliases[] = {
     {.aov = Aov::sample_count, .layer = "sample_count"},
     {.aov = Aov::bias, .layer = "bias"},
     {.aov = Aov::gain, .layer = "gain"},
-    {.aov = Aov::rejected_by, .layer = "rejected_by"},
     {.aov = Aov::residual, .layer = "residual"},
     {.aov = Aov::accumulated, .layer = "accumulated"},
     {.aov = Aov::accumulated_variance, .layer = "accumulated_variance"},

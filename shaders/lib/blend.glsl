@@ -1,10 +1,10 @@
 // The end of both merge kernels: blends the new frame into the warped history with weight `alpha`; writes the new history
 // and the decision: (share of the history rejected; `distrust`, what to add to the history's variance where it is used as a
-// prediction of this frame; weight of the new sample; rule that rejected). Not a pure function: the including kernel
+// prediction of this frame; weight of the new sample; 0). Not a pure function: the including kernel
 // declares the buffers and the parameters. Values are chosen and then written once: a branch with stores of its own would
 // cost their time on a processor that runs lanes together.
 
-void blend(int index, float alpha, float bias_squared, float rejected, float rule, float distrust) {
+void blend(int index, float alpha, float bias_squared, float rejected, float distrust) {
   const vec4 x = texelFetch(color, index);
   const vec2 sample_stats = texelFetch(variance, index).xy;
   const vec4 h = texelFetch(warped_color, index);
@@ -29,18 +29,18 @@ void blend(int index, float alpha, float bias_squared, float rejected, float rul
                    : (1.0 - alpha) * (1.0 - alpha) * (stats.x + bias_squared) + alpha * alpha * sample_stats.x;
   vec2 merged_stats_value =
       vec2(min(merged_variance, kLargestVariance), min(blended_count(stats.y, alpha), p.max_history));
-  vec4 decided = vec4(rejected, distrust, alpha, rule);
+  vec4 decided = vec4(rejected, distrust, alpha, 0.0);
   if (!has_history) {
     merged = x;
     merged_stats_value = vec2(sample_stats.x, 1.0);
-    decided = vec4(1.0, 0.0, 1.0, kRejectedByAbsence);
+    decided = vec4(1.0, 0.0, 1.0, 0.0);
   }
   // A sample that is not finite says nothing: the history goes on as it is. Where there is none, the stand-in that the
   // pixel was given keeps the next match from seeing a hole; its count stays 0.
   if (!has_sample) {
     merged = has_history ? h : x;
     merged_stats_value = stats;
-    decided = vec4(0.0, distrust, 0.0, kRejectedByNothing);
+    decided = vec4(0.0, distrust, 0.0, 0.0);
   }
   merged_color.data[index] = merged;
   merged_stats.data[index] = merged_stats_value;

@@ -31,12 +31,6 @@ float gain(float variance_new, float variance_history, float bias_squared) {
   return total > 0.0f ? history_error / total : 1.0f;
 }
 
-/// Squared relative bias of a history that is trusted by `trust` in [0,1], given the relative difference of radiance that
-/// is to be expected between one surface and another.
-float bias_of_distrust(float trust, float between_surfaces) {
-  return (1.0f - trust) * between_surfaces * between_surfaces;
-}
-
 /// Weight of the new sample when sample and history count by 1/(1 + their luminance) besides (survey of Yang et al., eq. 4).
 float luminance_weighted(float alpha, float luminance_new, float luminance_history) {
   float weight_new = alpha / (1.0f + luminance_new);

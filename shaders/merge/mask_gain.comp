@@ -7,10 +7,7 @@
 #include "lib/bilinear.glsl"
 #include "lib/color.glsl"
 #include "lib/gain.glsl"
-#include "lib/rejection.glsl"
 #include "shared/merge_params.h"
-
-layout(constant_id = 0) const int validated = 0;  // 1: `trust` says how far the history may be believed
 
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Params { MaskGainParams p; };
@@ -20,10 +17,9 @@ layout(set = 0, binding = 2) uniform samplerBuffer warped_color;
 layout(set = 0, binding = 3) uniform samplerBuffer warped_stats;
 layout(set = 0, binding = 4) uniform samplerBuffer residual;
 layout(set = 0, binding = 5) uniform samplerBuffer exposure;
-layout(set = 0, binding = 6) uniform samplerBuffer trust;
-layout(std430, set = 0, binding = 7) writeonly buffer MergedColorBuffer { vec4 data[]; } merged_color;
-layout(std430, set = 0, binding = 8) writeonly buffer MergedStatsBuffer { vec2 data[]; } merged_stats;
-layout(std430, set = 0, binding = 9) writeonly buffer DecisionBuffer { vec4 data[]; } decision;
+layout(std430, set = 0, binding = 6) writeonly buffer MergedColorBuffer { vec4 data[]; } merged_color;
+layout(std430, set = 0, binding = 7) writeonly buffer MergedStatsBuffer { vec2 data[]; } merged_stats;
+layout(std430, set = 0, binding = 8) writeonly buffer DecisionBuffer { vec4 data[]; } decision;
 
 #include "lib/blend.glsl"
 
@@ -42,13 +38,9 @@ void main() {
   if (at.x >= p.width || at.y >= p.height) return;
   const int index = at.y * p.width + at.x;
   const float n = min(texelFetch(warped_stats, index).y, p.max_history - 1.0);
-  const float by_residual = clamp(p.kappa * read_residual(at) - p.eta, 0.0, 1.0);
-  const vec2 trusted = validated != 0 ? texelFetch(trust, index).xy : vec2(1.0, kRejectedByNothing);
-  const float most = p.exponential != 0 ? 1.0 : n / (n + 1.0);
-  const float history_weight = trusted.x * min(p.alpha * (1.0 - by_residual), most);
-  const float rejected = 1.0 - (1.0 - by_residual) * trusted.x;
+  const float rejected = clamp(p.kappa * read_residual(at) - p.eta, 0.0, 1.0);
+  const float history_weight = min(p.alpha * (1.0 - rejected), n / (n + 1.0));
   // Makes the inverse of a prediction's variance (1 - rejected) of what it would be.
   const float distrust = min(texelFetch(warped_stats, index).x * rejected / max(1.0 - rejected, 1e-6), kLargestVariance);
-  blend(index, 1.0 - history_weight, 0.0, rejected, rejection_rule(rejected, by_residual, 1.0 - trusted.x, trusted.y),
-        distrust);
+  blend(index, 1.0 - history_weight, 0.0, rejected, distrust);
 }

@@ -9,12 +9,10 @@
 #extension GL_EXT_control_flow_attributes : require
 #include "lib/color.glsl"
 #include "lib/gain.glsl"
-#include "lib/rejection.glsl"
 #include "shared/merge_params.h"
 
 layout(constant_id = 0) const int radius = 3;
-layout(constant_id = 1) const int validated = 0;  // 1: `trust` says how far the history may be believed
-layout(constant_id = 2) const int smoothed = 0;  // 1: the new frame is, and its variance that of a window's mean
+layout(constant_id = 1) const int smoothed = 0;  // 1: the new frame is, and its variance that of a window's mean
 
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Params { VarianceGainParams p; };
@@ -27,10 +25,9 @@ layout(set = 0, binding = 5) uniform samplerBuffer difference;
 layout(set = 0, binding = 6) uniform samplerBuffer noise;
 layout(set = 0, binding = 7) uniform samplerBuffer difference_sums;
 layout(set = 0, binding = 8) uniform samplerBuffer noise_sums;
-layout(set = 0, binding = 9) uniform samplerBuffer trust;
-layout(std430, set = 0, binding = 10) writeonly buffer MergedColorBuffer { vec4 data[]; } merged_color;
-layout(std430, set = 0, binding = 11) writeonly buffer MergedStatsBuffer { vec2 data[]; } merged_stats;
-layout(std430, set = 0, binding = 12) writeonly buffer DecisionBuffer { vec4 data[]; } decision;
+layout(std430, set = 0, binding = 9) writeonly buffer MergedColorBuffer { vec4 data[]; } merged_color;
+layout(std430, set = 0, binding = 10) writeonly buffer MergedStatsBuffer { vec2 data[]; } merged_stats;
+layout(std430, set = 0, binding = 11) writeonly buffer DecisionBuffer { vec4 data[]; } decision;
 
 #include "lib/blend.glsl"
 
@@ -54,7 +51,6 @@ void main() {
   float alpha = 1.0;
   float bias_squared = 0.0;
   float rejected = 0.0;
-  float rule = kRejectedByNothing;
   if (count >= 1.0) {
     const float variance_of_patch = noise_sum.x / count;
     const vec4 x = texelFetch(color, index);
@@ -73,15 +69,11 @@ void main() {
     // Grey noise gives the mean's square one degree of freedom, whatever the number of channels.
     const float of_mean = excess_over_noise(dot(mean, mean) / 3.0, expected / count, 1.0, p.significance);
     const float of_pixels = excess_over_noise(difference_sum.a / count, expected, count, p.significance);
-    const float of_residual = max(of_mean, of_pixels);
-    const vec2 trusted = validated != 0 ? texelFetch(trust, index).xy : vec2(1.0, kRejectedByNothing);
-    const float of_distrust = bias_of_distrust(trusted.x, p.bias_between_surfaces);
-    const float relative_bias = of_residual + of_distrust;
+    const float relative_bias = max(of_mean, of_pixels);
     alpha = max(gain(variance_new, variance_history, relative_bias), 1.0 / p.max_history);
     // The share of the weight that the history would have without bias: 1 - (1 - alpha) / (1 - alpha of no bias).
     rejected = relative_bias > 0.0 ? relative_bias / (variance_new + variance_history + relative_bias) : 0.0;
-    rule = rejection_rule(rejected, of_residual, of_distrust, trusted.y);
     bias_squared = min(relative_bias * scale * scale, kLargestVariance);
   }
-  blend(index, alpha, bias_squared, rejected, rule, bias_squared);
+  blend(index, alpha, bias_squared, rejected, bias_squared);
 }

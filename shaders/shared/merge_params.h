@@ -18,29 +18,12 @@ struct WarpHistoryParams {
   int history_height;
 };
 
-/// merge/validate.
-struct ValidateParams {
-  int width;
-  int height;
-  int history_width;
-  int history_height;
-  float depth_tolerance;
-  float normal_tolerance;
-};
-
-struct RectifyParams {
-  int width;
-  int height;
-  float gamma;  // standard deviations from the mean to the sides of the box
-};
-
 struct VarianceGainParams {
   int width;
   int height;
   float max_history;   // largest effective sample count
   float significance;  // standard errors by which a residual must exceed noise to count as bias
   float luminance_weight;
-  float bias_between_surfaces;  // relative
 };
 
 struct MaskGainParams {
@@ -53,7 +36,6 @@ struct MaskGainParams {
   float kappa;
   float eta;
   float max_history;
-  int exponential;  // 1: the history's count does not limit its weight
   float luminance_weight;
 };
 

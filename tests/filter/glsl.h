@@ -14,11 +14,9 @@ using std::max;
 using std::min;
 using std::sqrt;
 
-#include "shaders/lib/color.glsl"      // NOLINT(bugprone-suspicious-include)
-#include "shaders/lib/distance.glsl"   // NOLINT(bugprone-suspicious-include)
-#include "shaders/lib/gain.glsl"       // NOLINT(bugprone-suspicious-include)
-#include "shaders/lib/quadric.glsl"    // NOLINT(bugprone-suspicious-include)
-#include "shaders/lib/rejection.glsl"  // NOLINT(bugprone-suspicious-include)
-#include "shaders/lib/resample.glsl"   // NOLINT(bugprone-suspicious-include)
-#include "shaders/lib/surface.glsl"    // NOLINT(bugprone-suspicious-include)
+#include "shaders/lib/color.glsl"     // NOLINT(bugprone-suspicious-include)
+#include "shaders/lib/distance.glsl"  // NOLINT(bugprone-suspicious-include)
+#include "shaders/lib/gain.glsl"      // NOLINT(bugprone-suspicious-include)
+#include "shaders/lib/quadric.glsl"   // NOLINT(bugprone-suspicious-include)
+#include "shaders/lib/resample.glsl"  // NOLINT(bugprone-suspicious-include)
 }  // namespace becalm::glsl

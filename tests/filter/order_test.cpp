@@ -184,9 +184,8 @@ Settings unsmoothed() {
 }
 
 TEST_F(SequenceFilterTest, TheFirstFrameAndTheFrameAfterAResetAreTheInput) {
-  SequenceFilter filter(
-      device(), unsmoothed(), kWidth, kHeight, noisy_frame(1).aovs(),
-      aov_set({Aov::sample_count, Aov::error_mask, Aov::flow, Aov::bias, Aov::gain, Aov::rejected_by}));
+  SequenceFilter filter(device(), unsmoothed(), kWidth, kHeight, noisy_frame(1).aovs(),
+                        aov_set({Aov::sample_count, Aov::error_mask, Aov::flow, Aov::bias, Aov::gain}));
   for (const int number : {1, 5}) {
     const Frame noisy = noisy_frame(number);
     const Denoised denoised = filter.denoise(noisy);
@@ -194,8 +193,7 @@ TEST_F(SequenceFilterTest, TheFirstFrameAndTheFrameAfterAResetAreTheInput) {
         std::ranges::equal(denoised.frame.image(Aov::beauty).data(), noisy.image(Aov::beauty).data()));
     EXPECT_EQ(denoised.report.mean_sample_count, 1.0);
     EXPECT_EQ(denoised.report.mean_rejected, 1.0);
-    for (const auto& [aov, value] :
-         {std::pair{Aov::bias, 0.0f}, {Aov::gain, 1.0f}, {Aov::rejected_by, 1.0f}}) {
+    for (const auto& [aov, value] : {std::pair{Aov::bias, 0.0f}, {Aov::gain, 1.0f}}) {
       for (const float v : denoised.frame.image(aov).data()) ASSERT_EQ(v, value) << info(aov).name;
     }
     filter.denoise(noisy_frame(number + 1));
@@ -263,8 +261,7 @@ TEST_F(SequenceFilterTest, NoAovsValuesReachFurtherThanTheirPixel) {
   };
   for (const char* merge : {"merge=variance", "merge=mask"}) {
     Settings settings = preset("final");
-    for (const char* assignment : {merge, "smooth=frames", "validate=depth,normal,id",
-                                   "history_clip=variance", "additive=0", "motion=guide", "demodulate=1"}) {
+    for (const char* assignment : {merge, "smooth=frames", "additive=0", "motion=guide", "demodulate=1"}) {
       set(settings, assignment);
     }
     SequenceFilter filter(device(), settings, 24, 20, full_frame(1).aovs());

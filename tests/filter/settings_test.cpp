@@ -47,16 +47,11 @@ TEST(Settings, ValuesArrive) {
   set(settings, "merge=mask");
   set(settings, "mask_alpha=0.25");
   set(settings, "resample=o_moms");
-  set(settings, "validate=id,depth");
   EXPECT_EQ(settings.blur_radius, (std::vector{10, 4, 2}));
   EXPECT_EQ(settings.distance, Distance::l1);
   EXPECT_EQ(settings.merge, MergeMode::mask);
   EXPECT_EQ(settings.mask_alpha, 0.25f);
   EXPECT_EQ(settings.resample, Resample::o_moms);
-  EXPECT_EQ(settings.validate, validate_depth | validate_id);
-  EXPECT_NE(to_string(settings).find(" validate=depth,id "), std::string::npos);
-  set(settings, "validate=none");
-  EXPECT_EQ(settings.validate, 0u);
 }
 
 TEST(Settings, BadAssignmentsNameKeyValueAndRange) {
@@ -68,11 +63,6 @@ TEST(Settings, BadAssignmentsNameKeyValueAndRange) {
   EXPECT_EQ(error_of("distance=L1"),
             "--set distance: value 'L1': expected l2, l1, log_l1 or log_l1_centered");
   EXPECT_EQ(error_of("refine_levels=2x"), "--set refine_levels: value '2x': expected integer 0..12");
-  for (const std::string value : {"depth,none", "depth,", "", "Depth"}) {
-    EXPECT_EQ(error_of("validate=" + value),
-              "--set validate: value '" + value +
-                  "': expected none, or some of depth, normal, id and flow joined by commas");
-  }
   EXPECT_EQ(error_of("patch_radius"), "--set 'patch_radius': expected KEY=VALUE");
   EXPECT_TRUE(error_of("radius=3").starts_with("--set: no setting 'radius'; there are match_downsample, "));
 }

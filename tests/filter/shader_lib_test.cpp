@@ -160,29 +160,6 @@ TEST(Gain, KeepsToItsLimits) {
   EXPECT_FLOAT_EQ(excess_over_noise(3.0f, 1.0f, 8.0f, 2.0f), 1.0f);
 }
 
-TEST(Gain, DistrustIsBias) {
-  EXPECT_EQ(bias_of_distrust(1.0f, 0.3f), 0.0f);
-  EXPECT_FLOAT_EQ(bias_of_distrust(0.75f, 0.4f), 0.04f);
-  EXPECT_GT(gain(2.0f, 0.5f, bias_of_distrust(0.0f, 1000.0f)), 0.999f);
-}
-
-TEST(Rejection, NamesTheRuleThatTookMost) {
-  EXPECT_EQ(rejection_rule(0.0f, 0.0f, 0.0f, kRejectedByNothing), kRejectedByNothing);
-  EXPECT_EQ(rejection_rule(0.009f, 0.0f, 0.2f, kRejectedByDepth), kRejectedByNothing);
-  EXPECT_EQ(rejection_rule(0.5f, 0.3f, 0.2f, kRejectedByDepth), kRejectedByResidual);
-  EXPECT_EQ(rejection_rule(0.5f, 0.2f, 0.3f, kRejectedByDepth), kRejectedByDepth);
-}
-
-TEST(Surface, SlopesExplainDifferencesOfDepth) {
-  EXPECT_EQ(depth_difference(0.0f, 0.0f, 0.0f), 0.0f);
-  EXPECT_EQ(depth_difference(0.5f, 0.0f, 0.0f), 1.0f);
-  EXPECT_FLOAT_EQ(depth_difference(0.5f, 0.4f, 0.05f), 0.1f);
-  EXPECT_EQ(depth_difference(0.5f, 0.4f, 0.2f), 0.0f);
-  EXPECT_EQ(surface_slope(0.1f, 0.5f, 0.52f), 0.52f - 0.5f);
-  EXPECT_EQ(soft_trust(0.0f, 0.1f), 1.0f);
-  EXPECT_FLOAT_EQ(soft_trust(0.1f, 0.1f), 0.5f);
-}
-
 TEST(Compress, LiesInUnitRangeWhateverTheRadiance) {
   EXPECT_EQ(compress(exposed(-1.0f, 1.0f)), 0.0f);
   EXPECT_EQ(compress(exposed(0.0f, 1e15f)), 0.0f);

@@ -114,9 +114,8 @@ class TiledFrameTest : public DeviceTest {
   }
 
   static void expect_same(const Denoised& tiled, const Denoised& whole) {
-    for (const Aov aov :
-         {Aov::beauty, Aov::variance, Aov::flow, Aov::error_mask, Aov::sample_count, Aov::bias, Aov::gain,
-          Aov::rejected_by, Aov::residual, Aov::accumulated, Aov::accumulated_variance}) {
+    for (const Aov aov : {Aov::beauty, Aov::variance, Aov::flow, Aov::error_mask, Aov::sample_count,
+                          Aov::bias, Aov::gain, Aov::residual, Aov::accumulated, Aov::accumulated_variance}) {
       const auto a = tiled.frame.image(aov).data();
       const auto b = whole.frame.image(aov).data();
       std::size_t different = 0;
@@ -224,8 +223,7 @@ TEST_F(TiledFrameTest, ShowsNoSeamsUnderOtherSettings) {
       {"pyramid_factor=4", "demodulate=1", "restore_energy=0"},
       {"blur_radius=12,3"},
       {"distance=l2", "patch_radius=8", "prefilter=4"},
-      {"weight_radiance=0", "blur_radius=5", "merge=mask", "luminance_weight=1", "accumulate=exponential"},
-      {"validate=depth,normal,id", "history_clip=variance", "clip_radius=2"}};
+      {"weight_radiance=0", "blur_radius=5", "merge=mask", "luminance_weight=1"}};
   for (const std::vector<const char*>& assignments : all) {
     SCOPED_TRACE(assignments.front());
     Settings settings = forward("final");
@@ -308,22 +306,6 @@ TEST_F(TiledFrameTest, TakesLongAndTinyFrames) {
   }
   SequenceFilter filter = make(preset("balanced"), {.width = 1, .height = 1}, std::uint64_t{4} << 20);
   EXPECT_EQ(filter.memory().tiles, 1u);
-}
-
-TEST_F(TiledFrameTest, IsRefusedWhereOffsetsThereAndBackAreCompared) {
-  Settings settings = forward("balanced");
-  set(settings, "validate=flow");
-  const Scene scene{.width = 517, .height = 403};
-  EXPECT_NO_THROW(make(settings, {.width = 65, .height = 43}, kUnlimited));
-  try {
-    make(settings, scene, 16 << 20);
-    FAIL() << "517x403 px within 16 MiB in one piece";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.status(), ExitStatus::usage);
-    const std::string message = error.what();
-    EXPECT_TRUE(message.starts_with("validate=flow: frames of 517x403 px would have to be cut")) << message;
-    EXPECT_EQ(message.find('\n'), std::string::npos);
-  }
 }
 
 TEST_F(TiledFrameTest, IsRefusedWhereTheSmallestTilesAreTooLarge) {
