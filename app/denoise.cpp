@@ -410,6 +410,9 @@ Command add_denoise(CLI::App& becalm) {
       ->group("Filter");
   add_filter_options(parser, command->filter);
   add_running_options(parser, command->running);
+  parser.add_flag_callback(
+      "--help-settings", [] { throw CLI::CallForVersion(settings_help(), 0); },
+      "Print what --set takes and what the presets have, and exit");
   parser.footer(
       "Direct and indirect light, light groups (light.NAME) and layers that add up to the beauty\n"
       "are denoised with it and still add up.\n"
@@ -417,8 +420,7 @@ Command add_denoise(CLI::App& becalm) {
       "Examples:\n"
       "  becalm denoise 'in/shot.####.exr' -o 'out/shot.####.exr'\n"
       "  becalm denoise 'in/shot.####.exr' -o 'out/shot.####.exr' --frames 1-48 --preset final --missing "
-      "hold\n" +
-      settings_help());
+      "hold\n");
   return {&parser, [command] {
             apply(command->running);
             catch_signals();

@@ -410,7 +410,7 @@ Command add_render(CLI::App& becalm) {
       "Examples:\n"
       "  becalm render room.json -o 'out/room.####.exr' --frames 1-24 --spp 8 --aovs all\n"
       "  becalm render room.json -o 'out/room.####.exr' --spp 4 --denoise=final --resume\n"
-      "What --set takes is listed by becalm denoise --help.\n");
+      "What --set takes is listed by becalm denoise --help-settings.\n");
   return {&parser, [command] {
             check_options_fit(*command);
             if (!command->debug_pixel.empty()) return debug_pixel(*command);

@@ -362,18 +362,4 @@ Alignment add_align_passes(Chain& chain, const Settings& settings, Extent full, 
   return alignment;
 }
 
-ImageId add_consistency_passes(Chain& chain, const Settings& settings, Extent full, const Features& target,
-                               const Features& source, ImageId there) {
-  const Alignment back =
-      add_align_passes(chain, settings, full, source, target, {.name = "back.", .motion = {}});
-  const ImageId confidence = chain.image("confidence", Format::f32, full);
-  chain.pass("align/consistency")
-      .read("there", there)
-      .read("offset_coarse", back.offset)
-      .write("confidence", confidence)
-      .constants(params::FieldParams{.width = full.width, .height = full.height})
-      .dispatch(full);
-  return confidence;
-}
-
 }  // namespace becalm::filter

@@ -62,7 +62,6 @@ struct Alignment {
   /// Patch distance at the offset for each pyramid level (f32, sizes of pyramid_extents): the mean over the
   /// patch, less the distance of equal pixels.
   std::vector<gpu::ImageId> residual;
-  std::optional<gpu::ImageId> consistency = {};  ///< of add_consistency_passes, if anything asks for it
 };
 
 struct AlignOptions {
@@ -75,11 +74,5 @@ struct AlignOptions {
 /// section 3.1).
 Alignment add_align_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
                            const Features& target, const Features& source, const AlignOptions& options = {});
-
-/// Aligns the target with the source, too. Returns how far the offsets `there` and back lead to where they
-/// began, in [0,1] (f32, full resolution): 1 for exactly, 1/2 for a pixel beside it, 0 where the offset
-/// leaves the image.
-gpu::ImageId add_consistency_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
-                                    const Features& target, const Features& source, gpu::ImageId there);
 
 }  // namespace becalm::filter

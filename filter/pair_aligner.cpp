@@ -40,11 +40,6 @@ struct PairAligner::State {
     }
     alignment = add_align_passes(chain, settings, full, target_features, source_features,
                                  {.name = {}, .motion = motion});
-    if (settings.consistency != 0) {
-      confidence =
-          add_consistency_passes(chain, settings, full, target_features, source_features, alignment.offset);
-      chain.output(*confidence);
-    }
     chain.output(alignment.offset);
     for (const ImageId residual : alignment.residual) chain.output(residual);
     chain.build();
@@ -89,7 +84,6 @@ struct PairAligner::State {
   Inputs source;
   std::optional<ImageId> motion;
   Alignment alignment;
-  std::optional<ImageId> confidence;
 };
 
 PairAligner::PairAligner(gpu::Device& device, const Settings& settings, int width, int height,
@@ -114,8 +108,7 @@ PairAlignment PairAligner::align(const Frame& target, const Frame& source) {
   }
   s.chain.run();
 
-  PairAlignment result{s.download(s.alignment.offset, s.full, 2), {}, {}, s.chain.times()};
-  if (s.confidence) result.confidence = s.download(*s.confidence, s.full, 1);
+  PairAlignment result{s.download(s.alignment.offset, s.full, 2), {}, s.chain.times()};
   for (std::size_t l = 0; l < s.extents.size(); ++l) {
     result.residual.push_back(s.download(s.alignment.residual[l], s.extents[l], 1));
   }

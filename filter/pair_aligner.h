@@ -17,7 +17,6 @@ struct PairAlignment {
   /// One channel: the patch distance at the offset for each pyramid level, the finest first, at the sizes of
   /// pyramid_extents.
   std::vector<Image> residual;
-  Image confidence;  ///< one channel, as add_consistency_passes gives it; empty unless `consistency` is set
   std::vector<gpu::PassTime> passes;  ///< device time, in order of execution
 };
 

@@ -79,8 +79,6 @@ const Row kTable[] = {
      Named<MotionUse>{&Settings::motion, kMotionNames}},
     {{"motion_level", "integer 0..12", "level of the pyramid at which motion is a candidate"},
      IntRange{&Settings::motion_level, 0, 12}},
-    {{"consistency", "0 or 1", "1 aligns a pair both ways and says how far there and back agree"},
-     IntRange{&Settings::consistency, 0, 1}},
     {{"weight_radiance", "number 0..100", "weight of the radiance in matching; 0 leaves it out"},
      FloatRange{&Settings::weight_radiance, 0.0f, 100.0f}},
     {{"weight_albedo", "number 0..100", "weight of the albedo in matching, where a frame has one"},

@@ -44,7 +44,6 @@ struct Settings {
   int demodulate = 0;
   MotionUse motion = MotionUse::none;
   int motion_level = 1;
-  int consistency = 0;
   float weight_radiance = 1.0f;
   float weight_albedo = 2.0f;
   float weight_normal = 0.5f;

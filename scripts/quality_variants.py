@@ -69,7 +69,7 @@ class Program:
 
     def __init__(self, path):
         self.path = path
-        text = subprocess.run([path, "denoise", "--help"], check=True, capture_output=True, text=True).stdout
+        text = subprocess.run([path, "denoise", "--help-settings"], check=True, capture_output=True, text=True).stdout
         self.settings = set(re.findall(r"^  (\w+) {2,}", text.partition("Settings that --set changes")[2], re.MULTILINE))
 
     def options(self, variant):

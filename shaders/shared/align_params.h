@@ -119,7 +119,7 @@ struct ChooseStartParams {
 };
 
 /// Kernels that go from fields of offsets to another field of the same size: align/median_offset,
-/// align/override_offset, align/consistency.
+/// align/override_offset.
 struct FieldParams {
   int width;
   int height;

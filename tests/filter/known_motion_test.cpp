@@ -102,35 +102,5 @@ TEST_F(KnownMotion, WithoutTheAovChangesNothing) {
   EXPECT_TRUE(std::ranges::equal(with_it.data(), without.data()));
 }
 
-TEST_F(KnownMotion, ThereAndBackAgreeWhereTheContentIsInBothFrames) {
-  const Settings settings = with({"consistency=1"});
-  Frame target = frame_displaced(0.0f, 0.0f);
-  Frame source = frame_displaced(4.0f, 0.0f);
-  // A square that only the target shows: nothing leads back to it.
-  for (int y = 40; y < 64; ++y) {
-    for (int x = 90; x < 114; ++x) {
-      std::ranges::fill(target.image(Aov::beauty).pixel(x, y).first(3),
-                        static_cast<float>(3.0 * pattern(1.7 * x, 1.7 * y, 31)));
-    }
-  }
-  const PairAlignment found = align(settings, target, source);
-  ASSERT_EQ(found.confidence.channels(), 1);
-  double visible = 0, hidden = 0;
-  int visible_count = 0, hidden_count = 0;
-  for (int y = 12; y < kHeight - 12; ++y) {
-    for (int x = 12; x < kWidth - 12; ++x) {
-      const bool inside = x >= 94 && x < 110 && y >= 44 && y < 60;
-      const bool outside = x < 80 || x >= 124;
-      const float confidence = found.confidence.at(x, y, 0);
-      ASSERT_TRUE(confidence >= 0.0f && confidence <= 1.0f);
-      if (inside) hidden += confidence, ++hidden_count;
-      if (outside) visible += confidence, ++visible_count;
-    }
-  }
-  EXPECT_GT(visible / visible_count, 0.9);
-  EXPECT_LT(hidden / hidden_count, 0.5);
-  EXPECT_TRUE(align(with({}), target, source).confidence.empty());
-}
-
 }  // namespace
 }  // namespace becalm::filter
