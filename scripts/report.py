@@ -68,15 +68,16 @@ Written by `scripts/bench report` at {said("git", "describe", "--always", "--dir
 
 ## Cycles shots, 8 samples a pixel
 
-480x270, with albedo, normal and depth, without variance; `scripts/quality_cycles_shots.py` renders them, two references
-each. relMSE and temporal error are those of `becalm compare`, as a share of noisy's.
+480x270, with albedo, normal and depth, without variance; `scripts/quality_cycles_shots.py` renders
+them, two references each. relMSE and temporal error are those of `becalm compare`, as a share of
+noisy's.
 
 {quality_section(asked.output)}
 
 ## Time
 
-`becalm denoise` of frames {FRAMES} of `{SCENE}`, 1920x1080, with albedo, normal, depth and variance; medians of {RUNS} runs that
-alternate between the presets, files included.
+`becalm denoise` of frames {FRAMES} of `{SCENE}`, 1920x1080, with albedo, normal, depth and
+variance; medians of {RUNS} runs that alternate between the presets, files included.
 
 | preset | seconds a frame | processor seconds a frame | peak memory, MiB |
 | --- | --- | --- | --- |
