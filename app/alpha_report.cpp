@@ -25,7 +25,15 @@ std::size_t count_changed(const Image& before, const Image& after) {
   return changed;
 }
 
+std::string outcome_text(std::size_t changed, std::size_t pixels) {
+  return changed == 0 ? "passed on" : fmt::format("denoised in {} of {} pixels", changed, pixels);
+}
+
 }  // namespace
+
+std::string alpha_outcome(const Image& noisy, const Image& denoised) {
+  return outcome_text(count_changed(noisy, denoised), noisy.pixel_count());
+}
 
 std::string alpha_outcome(const io::LoadedFrame& source, const Frame& denoised,
                           const std::vector<Frame>& other_views) {
@@ -38,8 +46,7 @@ std::string alpha_outcome(const io::LoadedFrame& source, const Frame& denoised,
   };
   add(source, denoised);
   for (std::size_t i = 0; i < other_views.size(); ++i) add(source.other_views[i], other_views[i]);
-  if (pixels == 0) return "";
-  return changed == 0 ? "passed on" : fmt::format("denoised in {} of {} pixels", changed, pixels);
+  return pixels == 0 ? "" : outcome_text(changed, pixels);
 }
 
 std::string alpha_outlook(const std::string& path, const io::LayerOptions& layers) {

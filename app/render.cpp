@@ -11,6 +11,7 @@
 #include <optional>
 #include <set>
 
+#include "app/alpha_report.h"
 #include "app/cancel.h"
 #include "app/command.h"
 #include "app/filter_run.h"
@@ -328,10 +329,15 @@ void RenderJob::write(Frame& result, Frame& noisy) {
     result.image(entry.aov) = contains(asked_.aovs, entry.aov) ? std::move(noisy.image(entry.aov)) : Image();
   }
   if (!has_additive) result.light_groups() = std::move(noisy.light_groups());
+  io::Attributes attributes = attributes_;
+  if (filter_) {
+    attributes.emplace_back("becalm:alpha",
+                            alpha_outcome(noisy.image(Aov::beauty), result.image(Aov::beauty)));
+  }
   io::WriteReport report;
   {
     const ProfileScope scope(profile_, "write");
-    report = io::write_exr(outputs_->path(result.number()), result, attributes_,
+    report = io::write_exr(outputs_->path(result.number()), result, attributes,
                            command_.float_colors ? io::PixelType::float32 : io::PixelType::half);
   }
   warn_overflows(*progress_, result.number(), report, "--float keeps them");

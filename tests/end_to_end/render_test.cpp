@@ -64,6 +64,7 @@ TEST_F(Render, LightGroupsAreDenoisedUnlessToldOtherwise) {
   for (const char* preset : {"--denoise=draft", "--denoise"}) {
     render("b.exr", {"--frames", "1", "--aovs", "light_groups", "--float", preset});
     const Frame denoised = read("b.exr");
+    EXPECT_EQ(io::read_attribute(folder_ / "b.exr", "becalm:alpha"), "passed on");
     ASSERT_EQ(denoised.light_groups().size(), 1u);
     EXPECT_EQ(denoised.light_groups()[0].name, "default");
     EXPECT_EQ(same_pixels(noisy.light_groups()[0].radiance, denoised.light_groups()[0].radiance),
