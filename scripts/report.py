@@ -70,7 +70,8 @@ Written by `scripts/bench report` at {said("git", "describe", "--always", "--dir
 
 480x270, with albedo, normal and depth, without variance; `scripts/quality_cycles_shots.py` renders
 them, two references each. relMSE and temporal error are those of `becalm compare`, as a share of
-noisy's.
+noisy's. The network did not learn from them, but was extended after a look at `cloth` and
+`foliage` (`scripts/train/README.md`).
 
 {quality_section(asked.output)}
 
