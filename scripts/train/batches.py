@@ -3,6 +3,7 @@
 import numpy as np
 import torch
 
+import backgrounds
 import shots
 
 CROP = 80
@@ -13,6 +14,7 @@ WITHOUT_NORMAL = 0.2
 WITHOUT_DEPTH = 0.2
 WITHOUT_VARIANCE = 0.4
 CLEAN_FEATURES = 0.35
+WITH_BACKGROUND = 0.12
 
 
 def with_features_dropped(rng, features):
@@ -46,13 +48,19 @@ def crop(rng, pair, size):
     x = rng.integers(width - size + 1)
     cut = lambda a: a[..., y : y + size, x : x + size].astype(np.float32)
     colors = cut(colors_of(pair))
-    features = with_features_dropped(rng, cut(features_of(pair, rng.random() < CLEAN_FEATURES)))
+    features = cut(features_of(pair, rng.random() < CLEAN_FEATURES))
     variance = np.full((1, size, size), -1.0, np.float32)
-    gain = np.exp(rng.normal() * EXPOSURE_SPREAD)
     if pair.variances and (pair.merged or rng.random() >= WITHOUT_VARIANCE):
-        deviation = cut(pair.variances[rng.integers(len(pair.variances))])
-        variance = (deviation * gain) ** 2
+        variance = cut(pair.variances[rng.integers(len(pair.variances))]) ** 2
     references = np.stack([cut(r) for r in pair.references])
+    if rng.random() < WITH_BACKGROUND:
+        history = rng.integers(2, 13) if pair.merged else 1
+        background = backgrounds.random_background(rng, size)
+        colors, variance, features, references = backgrounds.put_behind(
+            rng, background, colors, variance, features, references, history)
+    features = with_features_dropped(rng, features)
+    gain = np.exp(rng.normal() * EXPOSURE_SPREAD)
+    variance = np.where(variance < 0, variance, variance * gain**2)
 
     channels = rng.permutation(3)
     colors = colors[[*channels, *(3 + channels)]] * gain

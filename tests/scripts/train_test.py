@@ -9,6 +9,7 @@ import numpy as np
 import OpenImageIO as oiio
 import torch
 
+import backgrounds
 import batches
 import export
 import losses
@@ -119,6 +120,39 @@ class Shots(unittest.TestCase):
         self.assertTrue(os.path.exists(f"{out}/best.pt"))
         with open(f"{out}/curve.csv") as file:
             self.assertEqual(len(file.readlines()), 2)
+
+
+class Backgrounds(unittest.TestCase):
+    def setUp(self):
+        self.rng = np.random.default_rng(3)
+        self.background = backgrounds.random_background(self.rng, SIZE)
+        self.background.radiance[:] = 7.0
+        self.background.noise = 0.0
+
+    def put_behind(self, history, variance=0.5):
+        return backgrounds.put_behind(
+            self.rng, self.background, np.ones((6, SIZE, SIZE), np.float32), np.full((1, SIZE, SIZE), variance),
+            np.ones((14, SIZE, SIZE), np.float32), np.ones((2, 3, SIZE, SIZE), np.float32), history)
+
+    def test_a_pixel_that_shows_it_alone_is_clean_and_others_keep_what_they_had(self):
+        self.background.coverage[:, :16], self.background.coverage[:, 16:] = 1.0, 0.0
+        colors, variance, features, references = self.put_behind(1)
+        for image, behind, before in ((colors, 7.0, 1.0), (variance, 0.0, 0.5), (features[6], 2.0, 1.0), (references, 7.0, 1.0)):
+            np.testing.assert_allclose(image[..., :16], behind)
+            np.testing.assert_allclose(image[..., 16:], before)
+
+    def test_edges_are_unbiased_with_the_variance_they_tell_and_less_of_it_after_merging(self):
+        self.background.coverage[:] = 0.5
+        self.background.samples = 8
+        of_history = []
+        for history in (1, 4):
+            colors, variance, _, references = self.put_behind(history, variance=0.0)
+            self.assertAlmostEqual(colors.mean(), 4.0, delta=0.1)
+            self.assertAlmostEqual(references.mean(), 4.0, delta=0.05)
+            self.assertAlmostEqual(colors[:3].var() / variance.mean(), 1.0, delta=0.2)
+            of_history.append(variance.mean())
+        self.assertAlmostEqual(of_history[1] / of_history[0], 0.25, delta=0.05)
+        self.assertLess(self.put_behind(1, variance=-1.0)[1].max(), 0.0)  # unknown stays unknown
 
 
 class Networks(unittest.TestCase):
