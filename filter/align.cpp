@@ -246,7 +246,7 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
     result.residual[l - finest] = residual;
     const Features& target = targets[l - finest];
     const Features& source = sources[l - finest];
-    if (search.motion && l == motion_level(settings, end)) {
+    if (search.motion && l == motion_level(end)) {
       coarse = add_motion_guide(chain, settings, search, l, target, source, coarse);
     }
     const Level level{

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cassert>
 #include <tuple>
 #include <utility>
 
@@ -27,15 +26,12 @@ void add_radiance_feature(Chain& chain, const Settings& settings, Extent full, c
                            0);
   };
   const auto weight_of = [&](int step) {
-    return step == settings.prefilter ? kFeatureRange * settings.weight_radiance : 0.0f;
+    return step == settings.prefilter ? kFeatureRange : 0.0f;
   };
   auto [radiance, plane] = target_of(0);
-  const bool demodulates = settings.demodulate != 0 && sources.guide_planes > 0;
   chain.pass("align/radiance_feature")
       .read("color", sources.color)
       .read("exposure", sources.exposure)
-      .read("guides", demodulates ? *sources.guide_features : sources.exposure)
-      .specialize("demodulates", demodulates ? 1 : 0)
       .write("features", radiance)
       .constants(params::RadianceFeatureParams{.width_in = full.width,
                                                .height_in = full.height,
@@ -43,8 +39,7 @@ void add_radiance_feature(Chain& chain, const Settings& settings, Extent full, c
                                                .height = extent.height,
                                                .downsample = settings.match_downsample,
                                                .plane = plane,
-                                               .weight = weight_of(0),
-                                               .albedo_weight = kFeatureRange * settings.weight_albedo})
+                                               .weight = weight_of(0)})
       .dispatch(extent);
   for (int step = 1; step <= settings.prefilter; ++step) {
     const ImageId unfiltered = radiance;
@@ -87,10 +82,8 @@ void add_guide_passes(Chain& chain, const Settings& settings, Extent full, Image
 
 Features add_feature_passes(Chain& chain, const Settings& settings, Extent full, const std::string& name,
                             const FeatureSources& sources) {
-  const bool radiance = settings.weight_radiance > 0.0f;
   const Extent extent = level_extent(settings, full, 0);
-  const int planes = sources.guide_planes + (radiance ? 1 : 0);
-  assert(planes > 0);
+  const int planes = sources.guide_planes + 1;
   const ImageId features =
       chain.image(fmt::format("features.{}.L0", name), Format::f32, {extent.width, extent.height, planes});
   if (sources.guide_planes > 0) {
@@ -108,7 +101,7 @@ Features add_feature_passes(Chain& chain, const Settings& settings, Extent full,
                                               .weight = 1.0f})
         .dispatch({extent.width, extent.height, sources.guide_planes});
   }
-  if (radiance) add_radiance_feature(chain, settings, full, name, sources, features);
+  add_radiance_feature(chain, settings, full, name, sources, features);
   return {features, planes};
 }
 
@@ -132,7 +125,6 @@ std::vector<Features> add_pyramid(Chain& chain, const Settings& settings, const 
 }
 
 int feature_margin_px(const Settings& settings) {
-  if (settings.weight_radiance == 0.0f) return 0;
   constexpr int neighbours = 1;  // by which a firefly is known
   // Each prefilter step has two taps to either side, twice as far apart as the step before. Of the last pixel
   // in a tile a part may lie beyond the tile.

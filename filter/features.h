@@ -34,7 +34,7 @@ struct FeatureSources {
 void add_guide_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full, gpu::ImageId guide,
                       const std::vector<float>& weights, gpu::ImageId guide_features);
 
-/// Features called `name`: the guide's planes, and the compressed luminance unless its weight is 0.
+/// Features called `name`: the guide's planes, then the compressed luminance.
 Features add_feature_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
                             const std::string& name, const FeatureSources& sources);
 

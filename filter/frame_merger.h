@@ -46,8 +46,7 @@ struct FilterTask {
   bool variance_known() const { return contains(used, Aov::variance) || has_halves(); }
   /// In variance mode alone: history that is never rejected would go on multiplying by noisy albedo.
   bool demodulates_history() const {
-    return contains(used, Aov::albedo) && settings.demodulate_history != 0 &&
-           settings.merge == MergeMode::variance;
+    return contains(used, Aov::albedo) && settings.merge == MergeMode::variance;
   }
   bool smooths() const { return settings.smooth != Smooth::none; }
   /// Whether smoothed frames only decide the weights by which noisy ones are merged, and what comes out is

@@ -72,7 +72,7 @@ Estimate FrameSmoother::smooth(const NewFrame& frame, FrameReport& report) {
     copy_core(download_additive(passes.chain, smoothed.additive), tile, result.additive);
   };
   chain_.run(report, upload, download);
-  if (task_.settings.restore_energy != 0) restore_energy(frame, task_, result, kReachPx);
+  restore_energy(frame, task_, result, kReachPx);
   return result;
 }
 

@@ -8,7 +8,7 @@
 
 namespace becalm::filter {
 
-/// The low-noise AOVs that guide the matching: those that the frames have and that the settings weigh.
+/// The low-noise AOVs that guide the matching: those that the frames have, if the settings ask for guides.
 struct Guides {
   bool albedo = false;
   bool normal = false;
@@ -17,7 +17,6 @@ struct Guides {
   int planes() const { return static_cast<int>(weights.size()); }
 };
 
-/// Throws Error(usage) if neither guides nor radiance are left to match.
 Guides guides_of(const Settings& settings, const AovSet& available);
 
 /// What frames with these AOVs are matched by, in words.

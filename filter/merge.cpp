@@ -119,28 +119,22 @@ ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, c
       .write("decision", decision)
       .specialize("radius", settings.patch_radius)
       .specialize("smoothed", settings.smooth != Smooth::none ? 1 : 0)
-      .constants(params::VarianceGainParams{.width = full.width,
-                                            .height = full.height,
-                                            .max_history = settings.max_history,
-                                            .significance = settings.significance,
-                                            .luminance_weight = settings.luminance_weight})
+      .constants(params::ImageParams{.width = full.width,
+                                            .height = full.height})
       .dispatch(full);
   return decision;
 }
 
 ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
                       const WarpedHistory& warped, const Alignment& alignment) {
-  const std::size_t level =
-      std::min(static_cast<std::size_t>(settings.mask_level), alignment.residual.size() - 1);
-  const Extent extent = level_extent(settings, full, level);
+  const Extent extent = level_extent(settings, full, 0);
   const ImageId decision = chain.image("decision", Format::f32x4, full);
   chain.pass("merge/mask_gain")
       .read("color", inputs.color)
       .read("variance", inputs.variance)
       .read("warped_color", warped.color)
       .read("warped_stats", warped.stats)
-      .read("residual", alignment.residual[level])
-      .read("exposure", inputs.noisy.exposure)
+      .read("residual", alignment.residual.front())
       .write("merged_color", inputs.history_color.next)
       .write("merged_stats", inputs.history_stats.next)
       .write("decision", decision)
@@ -148,12 +142,10 @@ ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const
                                         .height = full.height,
                                         .residual_width = extent.width,
                                         .residual_height = extent.height,
-                                        .residual_scale = static_cast<float>(level_px(settings, level)),
+                                        .residual_scale = static_cast<float>(level_px(settings, 0)),
                                         .alpha = settings.mask_alpha,
                                         .kappa = settings.mask_kappa,
-                                        .eta = settings.mask_eta,
-                                        .max_history = settings.max_history,
-                                        .luminance_weight = settings.luminance_weight})
+                                        .eta = settings.mask_eta})
       .dispatch(full);
   return decision;
 }

@@ -107,8 +107,8 @@ AovSet wanted_aovs(const Settings& settings) {
   AovSet wanted;
   const auto want = [&](Aov aov, bool needed) { wanted.set(static_cast<std::size_t>(aov), needed); };
   const bool smooths = settings.smooth != Smooth::none;
-  want(Aov::albedo, smooths || settings.weight_albedo > 0.0f || settings.demodulate_history != 0);
-  want(Aov::normal, smooths || settings.weight_normal > 0.0f);
+  want(Aov::albedo, smooths || settings.guides != 0 || settings.merge == MergeMode::variance);
+  want(Aov::normal, smooths || settings.guides != 0);
   want(Aov::depth, smooths);
   want(Aov::motion, settings.motion != MotionUse::none);
   for (const Aov aov : {Aov::variance, Aov::half_a, Aov::half_b}) want(aov, true);
@@ -146,7 +146,6 @@ SequenceFilter::SequenceFilter(gpu::Device& device, const Settings& settings, in
           .diagnostics = diagnostics,
           .guides = guides_of(settings, used),
           .additive = has_additive ? (used & additive_aovs()).count() + light_groups : 0};
-  if (!task.guides.albedo) task.settings.demodulate = 0;  // nothing to divide out
   std::uint64_t left = std::min(memory_limit, usable_bytes(device));
   if (task.smooths()) {
     FilterTask task_of_frame = task;
@@ -237,7 +236,7 @@ Frame SequenceFilter::State::forward(const NewFrame& frame, FrameReport& report)
     if (contains(task.diagnostics, Aov::accumulated)) merged.accumulated = accumulated(merged.merged);
     merged.merged = merged_smoother->smooth(frame, std::move(merged.merged), report);
   }
-  if (task.settings.restore_energy != 0) restore_energy(frame, task, merged.merged);
+  if (task.smooths()) restore_energy(frame, task, merged.merged);
   return output_frame(frame, task, std::move(merged), report);
 }
 

@@ -27,7 +27,6 @@ struct PairAligner::State {
         full{width, height},
         guides(guides_of(settings, available)),
         chain(device, "align pair") {
-    if (!guides.albedo) settings.demodulate = 0;  // nothing to divide out
     required.set(static_cast<std::size_t>(Aov::beauty));
     required.set(static_cast<std::size_t>(Aov::albedo), guides.albedo);
     required.set(static_cast<std::size_t>(Aov::normal), guides.normal);

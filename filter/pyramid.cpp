@@ -10,6 +10,9 @@ namespace {
 
 using gpu::Extent;
 
+/// Known motion is a candidate of the next to finest level: the finest alone cannot correct an error of
+/// several pixels, coarser ones blur its edges.
+constexpr std::size_t kMotionLevel = 1;
 constexpr int kSmallestLevel = 8;  // px; below, a patch is the whole image
 constexpr double kReachOfLongerSide = 0.09;
 constexpr int kSmallestGuideLimit = 256;  // px
@@ -43,8 +46,8 @@ int reach_px(const Settings& settings, std::size_t levels) {
   return reach;
 }
 
-std::size_t motion_level(const Settings& settings, std::size_t levels) {
-  return std::min(static_cast<std::size_t>(settings.motion_level), levels - 1);
+std::size_t motion_level(std::size_t levels) {
+  return std::min(kMotionLevel, levels - 1);
 }
 
 float motion_limit_px(const Settings& settings, Extent full) {
@@ -54,7 +57,7 @@ float motion_limit_px(const Settings& settings, Extent full) {
 
 int reach_of_motion_px(const Settings& settings, Extent full, std::size_t levels) {
   if (settings.motion == MotionUse::override_offset) return std::max(full.width, full.height);
-  const std::size_t guided_levels = motion_level(settings, levels) + 1;
+  const std::size_t guided_levels = motion_level(levels) + 1;
   return std::max(reach_px(settings, levels), guide_limit_px(full) + reach_px(settings, guided_levels));
 }
 

@@ -36,7 +36,7 @@ gpu::Extent level_extent(const Settings& settings, gpu::Extent full, std::size_t
 int level_px(const Settings& settings, std::size_t level);
 
 /// The level of `levels` that starts from known motion.
-std::size_t motion_level(const Settings& settings, std::size_t levels);
+std::size_t motion_level(std::size_t levels);
 
 /// Levels `finest` to `end` - 1 of a pyramid.
 struct LevelRange {

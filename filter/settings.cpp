@@ -71,34 +71,19 @@ const Row kTable[] = {
     {{"prefilter", "integer 0..5",
       "a-trous steps on the radiance that is matched, each reaching twice as far"},
      IntRange{&Settings::prefilter, 0, 5}},
-    {{"demodulate", "0 or 1", "1 matches radiance without the albedo, where a frame has one"},
-     IntRange{&Settings::demodulate, 0, 1}},
+    {{"guides", "0 or 1", "1 matches albedo and normal besides the radiance, where frames have them"},
+     IntRange{&Settings::guides, 0, 1}},
     {{"motion", "none, guide or override",
       "use of the motion AOV: a candidate of the search, unless longer than 256 px and an eighth of the "
       "frame's longer side along an axis; or the offset where known"},
      Named<MotionUse>{&Settings::motion, kMotionNames}},
-    {{"motion_level", "integer 0..12", "level of the pyramid at which motion is a candidate"},
-     IntRange{&Settings::motion_level, 0, 12}},
-    {{"weight_radiance", "number 0..100", "weight of the radiance in matching; 0 leaves it out"},
-     FloatRange{&Settings::weight_radiance, 0.0f, 100.0f}},
-    {{"weight_albedo", "number 0..100", "weight of the albedo in matching, where a frame has one"},
-     FloatRange{&Settings::weight_albedo, 0.0f, 100.0f}},
-    {{"weight_normal", "number 0..100", "weight of the normal in matching, where a frame has one"},
-     FloatRange{&Settings::weight_normal, 0.0f, 100.0f}},
     {{"resample", "bilinear, catmull_rom or o_moms",
       "filter by which the history is read between its pixels, from the blurriest to the sharpest"},
      Named<Resample>{&Settings::resample, kResampleNames}},
-    {{"demodulate_history", "0 or 1",
-      "variance mode: 1 reads the history without its albedo and multiplies it by that of the frame, where "
-      "frames have one and it differs by more than noise"},
-     IntRange{&Settings::demodulate_history, 0, 1}},
     {{"smooth", "none, frames or merged",
       "frames: each frame is smoothed before it is matched and merged; merged: noisy frames are merged with "
       "the weights of smoothed ones, then smoothed"},
      Named<Smooth>{&Settings::smooth, kSmoothNames}},
-    {{"luminance_weight", "number 0..100",
-      "1/(1 + this times the exposed luminance) weighs noisy samples and history against flicker"},
-     FloatRange{&Settings::luminance_weight, 0.0f, 100.0f}},
     {{"directions", "forward or both",
       "forward: from the frames before alone, as they come; both: from those after as well, within segments"},
      Named<Directions>{&Settings::directions, kDirectionsNames}},
@@ -111,20 +96,8 @@ const Row kTable[] = {
      FloatRange{&Settings::mask_kappa, 0.0f, 1000.0f}},
     {{"mask_eta", "number 0..100", "mask mode: threshold that noise alone stays below"},
      FloatRange{&Settings::mask_eta, 0.0f, 100.0f}},
-    {{"mask_level", "0 or 1",
-      "mask mode: level of the patch distance, 0 the finest, 1 the first downsampled"},
-     IntRange{&Settings::mask_level, 0, 1}},
     {{"patch_radius", "integer 1..8", "variance mode: radius of the patches that weights are estimated from"},
      IntRange{&Settings::patch_radius, 1, 8}},
-    {{"significance", "number 0..20",
-      "variance mode: standard errors above noise from which a residual counts as bias"},
-     FloatRange{&Settings::significance, 0.0f, 20.0f}},
-    {{"max_history", "number 1..100000", "largest number of frames that the history may count for"},
-     FloatRange{&Settings::max_history, 1.0f, 100000.0f}},
-    {{"restore_energy", "0 or 1",
-      "1 brings the mean of blocks of 128 px and more to the noisy frame's, as far as noise does not explain "
-      "the difference"},
-     IntRange{&Settings::restore_energy, 0, 1}},
     {{"additive", "0 or 1",
       "1 denoises direct, indirect and light groups with the beauty's weights, so that they still add up; 0 "
       "passes them on noisy"},
@@ -226,8 +199,6 @@ std::span<const SettingInfo> settings_table() {
 
 Settings preset(std::string_view name) {
   Settings settings;
-  // What smoothed frames gain by; decisions on noisy ones darken with it.
-  settings.luminance_weight = 1.0f;
   settings.motion = MotionUse::guide;
   if (name == "draft") {
     settings.match_downsample = 4;
@@ -240,8 +211,22 @@ Settings preset(std::string_view name) {
     settings.match_downsample = 1;
     settings.prefilter = 2;
     settings.patch_radius = 2;
+  } else if (name == "paper") {
+    // Hanika, Tessari and Dachsbacher 2021, sections 3.1 and 3.2.
+    settings.match_downsample = 1;
+    settings.pyramid_factor = 4;
+    settings.pyramid_levels = 4;
+    settings.blur_radius = {10, 4, 2, 2};
+    settings.refine_levels = 2;
+    settings.prefilter = 0;
+    settings.guides = 0;
+    settings.motion = MotionUse::none;
+    settings.resample = Resample::bilinear;
+    settings.smooth = Smooth::none;
+    settings.directions = Directions::forward;
+    settings.merge = MergeMode::mask;
   } else if (name != "balanced") {
-    throw Error(ExitStatus::usage, fmt::format("preset '{}': expected draft, balanced or final", name));
+    throw Error(ExitStatus::usage, fmt::format("preset '{}': expected draft, balanced, final or paper", name));
   }
   return settings;
 }

@@ -30,9 +30,8 @@ enum class Smooth { none, frames, merged };
 /// How the merge weighs history against the new frame.
 enum class MergeMode { mask, variance };
 
-/// Everything that steers the filter. Names, ranges and help texts live in one table (settings.cpp), from
-/// which
-/// `--set KEY=VALUE`, the help and the files' `becalm:settings` attribute are made.
+/// What a user may set of the filter. One table (settings.cpp) holds names, ranges and help texts;
+/// `--set KEY=VALUE`, the help and the files' `becalm:settings` attribute are made from it.
 struct Settings {
   int match_downsample = 2;
   int pyramid_factor = 2;
@@ -41,27 +40,17 @@ struct Settings {
   Distance distance = Distance::log_l1_centered;
   int refine_levels = 12;
   int prefilter = 1;
-  int demodulate = 0;
+  int guides = 1;
   MotionUse motion = MotionUse::none;
-  int motion_level = 1;
-  float weight_radiance = 1.0f;
-  float weight_albedo = 2.0f;
-  float weight_normal = 0.5f;
 
   Resample resample = Resample::catmull_rom;
-  int demodulate_history = 1;
   Smooth smooth = Smooth::merged;
-  float luminance_weight = 0.0f;
   Directions directions = Directions::both;
   MergeMode merge = MergeMode::variance;
   float mask_alpha = 0.9f;
   float mask_kappa = 2.0f;
   float mask_eta = 2.0f;
-  int mask_level = 0;
   int patch_radius = 1;
-  float significance = 0.0f;
-  float max_history = 64.0f;
-  int restore_energy = 1;
   int additive = 1;
   int alpha = 0;
 };
@@ -74,7 +63,7 @@ struct SettingInfo {
 };
 std::span<const SettingInfo> settings_table();
 
-/// The named preset (draft, balanced, final). Throws Error(usage) for another name.
+/// The named preset (draft, balanced, final, paper). Throws Error(usage) for another name.
 Settings preset(std::string_view name);
 
 /// Applies one `KEY=VALUE`. Throws Error(usage) naming the key, the value and the range.

@@ -20,7 +20,7 @@ Features feature_input(gpu::Chain& chain, const std::string& name, Extent extent
 /// Whether the levels from `coarse` on start from known motion, or those below it.
 bool coarse_takes_motion(const FilterTask& task, const PyramidSplit& split) {
   return contains(task.used, Aov::motion) && task.settings.motion == MotionUse::guide &&
-         motion_level(task.settings, split.levels) >= split.coarse;
+         motion_level(split.levels) >= split.coarse;
 }
 
 }  // namespace

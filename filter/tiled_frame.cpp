@@ -87,13 +87,10 @@ void TiledFrame::plan(gpu::Device& device, std::uint64_t memory_limit) {
   const Settings& settings = task_.settings;
   const Extent full = task_.full;
   const std::size_t levels = pyramid_extents(settings, full.width, full.height).size();
-  // Tiles have the residual of the level that the mask is made from.
-  const std::size_t first =
-      settings.merge == MergeMode::mask ? static_cast<std::size_t>(settings.mask_level) + 1 : 1;
   std::uint64_t least_work = std::numeric_limits<std::uint64_t>::max();
   std::uint64_t least_bytes = std::numeric_limits<std::uint64_t>::max();
   std::string reason;
-  for (std::size_t coarse = std::min(first, levels); coarse <= levels; ++coarse) {
+  for (std::size_t coarse = 1; coarse <= levels; ++coarse) {
     const PyramidSplit split{.levels = levels, .coarse = coarse};
     TileRules rules = search_tile_rules(settings, device.info(), levels, coarse, merge_margin_px(settings));
     if (contains(task_.used, Aov::motion)) rules.reach = reach_of_motion_px(settings, full, levels);

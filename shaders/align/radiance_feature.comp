@@ -1,14 +1,12 @@
 // Reads a colour image and the frame's exposure, writes the exposed luminance averaged over downsample x downsample pixels:
 // as a matching feature, or as it is for prefilter steps to follow. Compression comes last, since the mean of compressed
 // noisy values lies below the compressed mean: a target that is noisier than the history would look darker than it and
-// choose its darker pixels (README.md has the figures). With `demodulates` the albedo is divided out, where there is any.
+// choose its darker pixels (README.md has the figures).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "lib/color.glsl"
 #include "shared/align_params.h"
-
-layout(constant_id = 0) const bool demodulates = false;
 
 /// How many times brighter than its brightest neighbour a pixel may be.
 const float kFirefly = 4.0;
@@ -17,8 +15,7 @@ layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Params { RadianceFeatureParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer color;
 layout(set = 0, binding = 1) uniform samplerBuffer exposure;
-layout(set = 0, binding = 2) uniform samplerBuffer guides;
-layout(std430, set = 0, binding = 3) writeonly buffer FeaturesBuffer { float data[]; } features;
+layout(std430, set = 0, binding = 2) writeonly buffer FeaturesBuffer { float data[]; } features;
 
 float exposed_at(ivec2 at, float e) {
   const ivec2 q = clamp(at, ivec2(0), ivec2(p.width_in, p.height_in) - 1);
@@ -53,7 +50,5 @@ void main() {
       ++count;
     }
   }
-  float x = sum / float(count);
-  if (demodulates) x = demodulated(x, texelFetch(guides, at.y * p.width + at.x).x / p.albedo_weight);
-  features.data[(p.plane * p.height + at.y) * p.width + at.x] = radiance_feature(x, p.weight);
+  features.data[(p.plane * p.height + at.y) * p.width + at.x] = radiance_feature(sum / float(count), p.weight);
 }

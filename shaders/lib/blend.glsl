@@ -11,24 +11,12 @@ void blend(int index, float alpha, float bias_squared, float rejected, float dis
   const vec2 stats = texelFetch(warped_stats, index).xy;
   const bool has_sample = sample_stats.y > 0.0;
   const bool has_history = stats.y > 0.0;
-  if (p.luminance_weight > 0.0) {
-    const float scale = p.luminance_weight * texelFetch(exposure, 0).x;
-    const float weighted =
-        luminance_weighted(alpha, scale * max(luminance(x.r, x.g, x.b), 0.0), scale * max(luminance(h.r, h.g, h.b), 0.0));
-    // As far as noise explains the difference: a bright sky that a dark leaf has left is no outlier.
-    const vec3 d = clamp(x.rgb - h.rgb, -kLargestDifference, kLargestDifference);
-    const float difference = dot(d, d) / 3.0;
-    const float noise = sample_stats.x;
-    alpha = mix(alpha, weighted, noise > 0.0 ? noise / (noise + difference) : 0.0);
-  }
-
   // Written as h + alpha (x - h), equal images stay bit for bit equal.
   vec4 merged = alpha >= 1.0 ? x : h + alpha * (x - h);
   const float merged_variance =
       alpha >= 1.0 ? sample_stats.x
                    : (1.0 - alpha) * (1.0 - alpha) * (stats.x + bias_squared) + alpha * alpha * sample_stats.x;
-  vec2 merged_stats_value =
-      vec2(min(merged_variance, kLargestVariance), min(blended_count(stats.y, alpha), p.max_history));
+  vec2 merged_stats_value = vec2(min(merged_variance, kLargestVariance), blended_count(stats.y, alpha));
   vec4 decided = vec4(rejected, distrust, alpha, 0.0);
   if (!has_history) {
     merged = x;

@@ -5,6 +5,9 @@
 const float kLargestDifference = 1e9f;
 const float kLargestVariance = 1e34f;
 
+/// Largest effective number of frames in a history. A longer one gains little and follows slow changes late.
+const float kMostFrames = 64.0f;
+
 /// Standard deviations that a pixel may take from its neighbours' noise beyond its own, in units of its own light or the
 /// frame's typical luminance, whichever is more. What lies beside the disc of the sun is not as noisy as the disc's edge.
 const float kLargestBorrowedNoise = 32.0f;
@@ -38,7 +41,9 @@ float luminance_weighted(float alpha, float luminance_new, float luminance_histo
   return weight_new / (weight_new + weight_history);
 }
 
-/// Effective sample count after blending one new frame with weight `alpha` into a history of `n` frames, eq. 5.
+/// Effective sample count after blending one new frame with weight `alpha` into a history of `n` frames, eq. 5, and no
+/// more than kMostFrames.
 float blended_count(float n, float alpha) {
-  return n > 0.0f ? n / (alpha * alpha * n + (1.0f - alpha) * (1.0f - alpha)) : 1.0f;
+  float count = n > 0.0f ? n / (alpha * alpha * n + (1.0f - alpha) * (1.0f - alpha)) : 1.0f;
+  return min(count, kMostFrames);
 }

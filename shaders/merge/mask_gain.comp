@@ -16,10 +16,9 @@ layout(set = 0, binding = 1) uniform samplerBuffer variance;
 layout(set = 0, binding = 2) uniform samplerBuffer warped_color;
 layout(set = 0, binding = 3) uniform samplerBuffer warped_stats;
 layout(set = 0, binding = 4) uniform samplerBuffer residual;
-layout(set = 0, binding = 5) uniform samplerBuffer exposure;
-layout(std430, set = 0, binding = 6) writeonly buffer MergedColorBuffer { vec4 data[]; } merged_color;
-layout(std430, set = 0, binding = 7) writeonly buffer MergedStatsBuffer { vec2 data[]; } merged_stats;
-layout(std430, set = 0, binding = 8) writeonly buffer DecisionBuffer { vec4 data[]; } decision;
+layout(std430, set = 0, binding = 5) writeonly buffer MergedColorBuffer { vec4 data[]; } merged_color;
+layout(std430, set = 0, binding = 6) writeonly buffer MergedStatsBuffer { vec2 data[]; } merged_stats;
+layout(std430, set = 0, binding = 7) writeonly buffer DecisionBuffer { vec4 data[]; } decision;
 
 #include "lib/blend.glsl"
 
@@ -37,7 +36,7 @@ void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= p.width || at.y >= p.height) return;
   const int index = at.y * p.width + at.x;
-  const float n = min(texelFetch(warped_stats, index).y, p.max_history - 1.0);
+  const float n = min(texelFetch(warped_stats, index).y, kMostFrames - 1.0);
   const float rejected = clamp(p.kappa * read_residual(at) - p.eta, 0.0, 1.0);
   const float history_weight = min(p.alpha * (1.0 - rejected), n / (n + 1.0));
   // Makes the inverse of a prediction's variance (1 - rejected) of what it would be.

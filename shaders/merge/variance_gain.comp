@@ -14,8 +14,12 @@
 layout(constant_id = 0) const int radius = 3;
 layout(constant_id = 1) const int smoothed = 0;  // 1: the new frame is, and its variance that of a window's mean
 
+/// Standard errors by which a residual of noisy frames must exceed noise to count as bias. With less, noise rejects
+/// history; the residuals of smoothed frames are no random samples, so any excess counts.
+const float kSignificanceInNoise = 3.0;
+
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(push_constant) uniform Params { VarianceGainParams p; };
+layout(push_constant) uniform Params { ImageParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer color;
 layout(set = 0, binding = 1) uniform samplerBuffer variance;
 layout(set = 0, binding = 2) uniform samplerBuffer warped_color;
@@ -30,6 +34,20 @@ layout(std430, set = 0, binding = 10) writeonly buffer MergedStatsBuffer { vec2 
 layout(std430, set = 0, binding = 11) writeonly buffer DecisionBuffer { vec4 data[]; } decision;
 
 #include "lib/blend.glsl"
+
+/// `alpha`, with the sample and the history counting by 1/(1 + luminance) besides as far as noise explains their
+/// difference: a bright sky that a dark leaf has left is no outlier.
+float alpha_against_outliers(int index, float alpha) {
+  const vec3 x = texelFetch(color, index).rgb;
+  const vec3 h = texelFetch(warped_color, index).rgb;
+  const float exposed_to = texelFetch(exposure, 0).x;
+  const float weighted = luminance_weighted(alpha, exposed_to * max(luminance(x.r, x.g, x.b), 0.0),
+                                            exposed_to * max(luminance(h.r, h.g, h.b), 0.0));
+  const vec3 d = clamp(x - h, -kLargestDifference, kLargestDifference);
+  const float difference = dot(d, d) / 3.0;
+  const float noise_of_sample = texelFetch(variance, index).x;
+  return mix(alpha, weighted, noise_of_sample > 0.0 ? noise_of_sample / (noise_of_sample + difference) : 0.0);
+}
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
@@ -66,14 +84,17 @@ void main() {
     // Two views of the bias: what all pixels of the patch share shows in the mean difference, whose noise averages out;
     // misaligned detail shows in the squared differences alone.
     const vec3 mean = difference_sum.rgb / count;
+    const float significance = smoothed != 0 ? 0.0 : kSignificanceInNoise;
     // Grey noise gives the mean's square one degree of freedom, whatever the number of channels.
-    const float of_mean = excess_over_noise(dot(mean, mean) / 3.0, expected / count, 1.0, p.significance);
-    const float of_pixels = excess_over_noise(difference_sum.a / count, expected, count, p.significance);
+    const float of_mean = excess_over_noise(dot(mean, mean) / 3.0, expected / count, 1.0, significance);
+    const float of_pixels = excess_over_noise(difference_sum.a / count, expected, count, significance);
     const float relative_bias = max(of_mean, of_pixels);
-    alpha = max(gain(variance_new, variance_history, relative_bias), 1.0 / p.max_history);
+    alpha = max(gain(variance_new, variance_history, relative_bias), 1.0 / kMostFrames);
     // The share of the weight that the history would have without bias: 1 - (1 - alpha) / (1 - alpha of no bias).
     rejected = relative_bias > 0.0 ? relative_bias / (variance_new + variance_history + relative_bias) : 0.0;
     bias_squared = min(relative_bias * scale * scale, kLargestVariance);
   }
+  // Decisions on noisy frames would darken by these weights.
+  if (smoothed != 0) alpha = alpha_against_outliers(index, alpha);
   blend(index, alpha, bias_squared, rejected, bias_squared);
 }

@@ -29,7 +29,6 @@ struct RadianceFeatureParams {
   int downsample;  // 1, 2 or 4
   int plane;       // written
   float weight;    // 0 if prefilter steps follow
-  float albedo_weight;
 };
 
 /// align/prefilter.

@@ -18,14 +18,6 @@ struct WarpHistoryParams {
   int history_height;
 };
 
-struct VarianceGainParams {
-  int width;
-  int height;
-  float max_history;   // largest effective sample count
-  float significance;  // standard errors by which a residual must exceed noise to count as bias
-  float luminance_weight;
-};
-
 struct MaskGainParams {
   int width;
   int height;
@@ -35,8 +27,6 @@ struct MaskGainParams {
   float alpha;
   float kappa;
   float eta;
-  float max_history;
-  float luminance_weight;
 };
 
 #ifdef __cplusplus

@@ -141,8 +141,8 @@ class AdditiveTest : public DeviceTest {
 TEST_F(AdditiveTest, SumsStayWhatTheyAre) {
   const std::vector<std::vector<std::string>> changes{{},
                                                       {"resample=o_moms"},
-                                                      {"resample=bilinear", "restore_energy=0"},
-                                                      {"smooth=none", "luminance_weight=1"},
+                                                      {"resample=bilinear"},
+                                                      {"smooth=none"},
                                                       {"smooth=frames"},
                                                       {"merge=mask"}};
   for (const char* name : {"draft", "final"}) {

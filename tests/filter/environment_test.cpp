@@ -140,9 +140,7 @@ Frame rising_sun(int number) {
 TEST_F(EnvironmentTest, TheSunLeavesNothingOfItBesideIt) {
   Settings settings = preset("draft");
   settings.smooth = Smooth::none;
-  settings.luminance_weight = 0.0f;
   settings.patch_radius = 3;
-  settings.significance = 3.0f;
   SequenceFilter filter(device(), settings, kWidth, kHeight, rising_sun(1).aovs(), {});
   for (int number = 1; number <= 6; ++number) {
     const Frame denoised = filter.denoise(rising_sun(number)).frame;

@@ -20,7 +20,6 @@ TEST_P(FeaturesAtResolution, AreCompressedLuminanceAndWeightedGuides) {
   const int downsample = GetParam();
   Settings settings = preset("final");
   settings.match_downsample = downsample;
-  settings.weight_radiance = 0.5f;
   settings.prefilter = 0;
   const gpu::Extent full{kWidth, kHeight};
   gpu::Extent extent = pyramid_extents(settings, kWidth, kHeight).front();
@@ -65,7 +64,7 @@ TEST_P(FeaturesAtResolution, AreCompressedLuminanceAndWeightedGuides) {
       const double exposed = 2.0 * 3.0 * mean[0] / count;
       // Guides come first; the features' range is 16.
       const std::array<double, 3> expected{16.0 * mean[1] / count, 16.0 * 0.25 * mean[2] / count,
-                                           16.0 * 0.5 * exposed / (1.0 + exposed)};
+                                           16.0 * exposed / (1.0 + exposed)};
       for (int plane = 0; plane < 3; ++plane) {
         EXPECT_NEAR(found[(plane * extent.height + y) * extent.width + x], expected[plane], 1e-4)
             << "plane " << plane << " pixel " << x << "," << y;
@@ -101,12 +100,10 @@ reference::Grid<double> prefiltered(reference::Grid<double> image,
   return image;
 }
 
-TEST_F(FeaturesTest, RadianceIsSmoothedAlongTheGuidesWithoutFirefliesAndAlbedo) {
-  for (const bool demodulates : {false, true}) {
+TEST_F(FeaturesTest, RadianceIsSmoothedAlongTheGuidesWithoutFireflies) {
+  {
     Settings settings = preset("final");
     settings.prefilter = 2;
-    settings.demodulate = demodulates ? 1 : 0;
-    settings.weight_albedo = 0.5f;
     const gpu::Extent full{kWidth, kHeight};
     gpu::Chain chain(device(), "prefilter test");
     const gpu::ImageId color = chain.input("color", gpu::Format::f32x4, full);
@@ -130,14 +127,11 @@ TEST_F(FeaturesTest, RadianceIsSmoothedAlongTheGuidesWithoutFirefliesAndAlbedo) 
             firefly ? 0.25 * (2.0 + pattern(5, 3, 0) + pattern(7, 3, 0) + pattern(6, 2, 0) + pattern(6, 4, 0))
                     : value;
         for (int plane = 0; plane < 2; ++plane) {
-          // The first is an albedo of 0.2 to 0.9, weighted; a black row has none to divide out.
           const double guide =
               plane == 0 ? (y == 5 ? 0.0 : 8.0 * (0.2 + 0.7 * pattern(x, y, 7))) : 3.0 * (x > 8);
           planes[plane].at(x, y) = static_cast<float>(guide);
           chain.upload<float>(guides)[plane * kWidth * kHeight + i] = static_cast<float>(guide);
         }
-        const double albedo = planes[0].at(x, y) / 8.0;
-        if (demodulates && albedo > 0.02) radiance.at(x, y) /= albedo;
       }
     }
     chain.upload<float>(exposure_image)[0] = 1.0f;

@@ -59,11 +59,7 @@ TEST_F(KnownMotion, GuidesTheSearchBeyondItsReach) {
   const Frame target = frame_displaced(0.0f, kFar + 0.7f);  // nearly right: the search mends the rest
   const Frame source = frame_displaced(kFar, 0.0f);
   EXPECT_LT(share_found(align(with({"motion=none"}), target, source).offset, kFar), 0.1);
-  // From the finest level on nothing mends the places where the patch prefers a wrong coarse offset.
-  for (const auto& [level, share] :
-       {std::pair("motion_level=0", 0.7), {"motion_level=1", 0.95}, {"motion_level=12", 0.95}}) {
-    EXPECT_GT(share_found(align(with({"motion=guide", level}), target, source).offset, kFar), share) << level;
-  }
+  EXPECT_GT(share_found(align(with({"motion=guide"}), target, source).offset, kFar), 0.95);
 }
 
 TEST_F(KnownMotion, IsNotFollowedWhereItIsWrong) {

@@ -23,15 +23,11 @@ constexpr int kHeight = 43;
 constexpr gpu::Extent kFull{kWidth, kHeight};
 constexpr double kExposure = 1.7;
 
-/// The balanced preset without luminance weights, which have tests of their own, for frames that are noisy
-/// themselves: patches large enough to tell bias from noise.
+/// The balanced preset for frames that are noisy themselves: patches large enough to tell bias from noise.
 Settings of_noisy_frames() {
   Settings settings = preset("balanced");
   settings.smooth = Smooth::none;
-  settings.restore_energy = 0;
-  settings.luminance_weight = 0.0f;
   settings.patch_radius = 3;
-  settings.significance = 3.0f;
   return settings;
 }
 
@@ -188,7 +184,6 @@ TEST_F(MergeTest, MaskGainAgreesWithTheReference) {
   Settings settings = of_noisy_frames();
   settings.merge = MergeMode::mask;
   settings.match_downsample = 1;  // the residual is given at full resolution
-  settings.max_history = 3;
   MergeOnDevice merge(device(), settings);
   Grid<Estimate> history(kWidth, kHeight);
   const Grid<Vec2> offset = wavy_offset();

@@ -104,8 +104,6 @@ TEST_F(SequenceFilterTest, MaskModeIsNeverWorseThanNoisyAndKeepsTheEnergy) {
       settings.merge = MergeMode::mask;
       settings.directions = directions;
       settings.smooth = smooth;
-      if (smooth == Smooth::none)
-        settings.luminance_weight = 0.0f;  // as in draft: noisy frames darken with it
       SequenceFilter filter(device(), settings, kWidth, kHeight, noisy_frame(1).aovs());
       double energy = 0, clean_energy = 0;
       for (const Segment& segment :
@@ -261,7 +259,7 @@ TEST_F(SequenceFilterTest, NoAovsValuesReachFurtherThanTheirPixel) {
   };
   for (const char* merge : {"merge=variance", "merge=mask"}) {
     Settings settings = preset("final");
-    for (const char* assignment : {merge, "smooth=frames", "additive=0", "motion=guide", "demodulate=1"}) {
+    for (const char* assignment : {merge, "smooth=frames", "additive=0", "motion=guide"}) {
       set(settings, assignment);
     }
     SequenceFilter filter(device(), settings, 24, 20, full_frame(1).aovs());
@@ -303,17 +301,14 @@ TEST_F(SequenceFilterTest, BlackFramesStayBlackAndHoldNothingBack) {
 }
 
 TEST_F(SequenceFilterTest, NothingDriftsOverThousandsOfFrames) {
-  // Sums that are never begun anew: each frame weighs 1/n, and what floats round away adds up.
+  // A history that is never begun anew: what floats round away in each frame would add up.
   Settings settings = preset("draft");
   settings.smooth = Smooth::none;
-  settings.luminance_weight = 0.0f;
   settings.patch_radius = 3;
-  settings.restore_energy = 0;
   settings.pyramid_levels = 1;
   settings.motion = MotionUse::override_offset;
-  settings.max_history = 100000.0f;
-  settings.significance = 20.0f;  // noise never counts as bias
   constexpr int size = 8;
+  constexpr int first_counted = 1000;
   constexpr int frames = 10000;
   SequenceFilter filter(device(), settings, size, size, aov_set({Aov::variance, Aov::motion}));
   std::mt19937 random(6);
@@ -323,24 +318,21 @@ TEST_F(SequenceFilterTest, NothingDriftsOverThousandsOfFrames) {
   frame.add(Aov::variance, 0.05f * 0.05f);
   frame.add(Aov::motion);
   double of_inputs = 0;
+  double of_outputs = 0;
   Denoised denoised;
   for (int number = 1; number <= frames; ++number) {
     for (std::size_t i = 0; i < beauty.pixel_count(); ++i) {
       for (std::size_t c = 0; c < 3; ++c) {
-        const float value = beauty.data()[4 * i + c] = 0.3f + 0.01f * static_cast<float>(i) + noise(random);
-        of_inputs += value / (3.0 * size * size * frames);
+        beauty.data()[4 * i + c] = 0.3f + 0.01f * static_cast<float>(i) + noise(random);
       }
     }
     denoised = filter.denoise(frame);
+    if (number < first_counted) continue;
+    of_inputs += mean(frame);
+    of_outputs += mean(denoised.frame);
   }
-  double of_output = 0;
-  for (std::size_t i = 0; i < beauty.pixel_count(); ++i) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      of_output += denoised.frame.image(Aov::beauty).data()[4 * i + c] / (3.0 * size * size);
-    }
-  }
-  EXPECT_NEAR(denoised.report.mean_sample_count, frames, 0.01 * frames);
-  EXPECT_NEAR(of_output / of_inputs, 1.0, 1e-5);
+  EXPECT_GT(denoised.report.mean_sample_count, 32.0);
+  EXPECT_NEAR(of_outputs / of_inputs, 1.0, 3e-5);
 }
 
 TEST_F(SequenceFilterTest, ExtremesStayFinite) {

@@ -73,21 +73,6 @@ TEST_F(PairAlignerTest, ExposureIsTheTargetsForBothFrames) {
   EXPECT_GT(mean_residual(source), 0.01);
 }
 
-TEST_F(PairAlignerTest, WithoutAlbedoThereIsNothingToDemodulate) {
-  Frame target = frame_with({Aov::beauty}, 0), source = frame_with({Aov::beauty}, 1);
-  for (Frame* frame : {&target, &source}) {
-    frame->remove(Aov::albedo);
-    Image& normal = frame->add(Aov::normal);
-    for (std::size_t i = 0; i < normal.data().size(); ++i) normal.data()[i] = i % 7 < 3 ? 0.6f : -0.5f;
-  }
-  Settings settings = preset("balanced");
-  PairAligner plain(device(), settings, kWidth, kHeight, target.aovs());
-  settings.demodulate = 1;
-  PairAligner demodulating(device(), settings, kWidth, kHeight, target.aovs());
-  const Image a = plain.align(target, source).offset, b = demodulating.align(target, source).offset;
-  EXPECT_TRUE(std::ranges::equal(a.data(), b.data()));
-}
-
 TEST_F(PairAlignerTest, GivesTheSizesThatItPromises) {
   const Frame frame = frame_with({Aov::beauty}, 0);
   Settings settings = preset("final");
@@ -127,12 +112,6 @@ TEST_F(PairAlignerTest, RefusesFramesThatDiffer) {
   Frame smaller(3, kWidth / 2, kHeight);
   smaller.add(Aov::beauty);
   EXPECT_EQ(refusal(smaller), "frame 3: size 80x112: expected 160x112 as the aligner's frames");
-}
-
-TEST_F(PairAlignerTest, RefusesSettingsThatLeaveNothingToMatch) {
-  Settings settings = preset("final");
-  set(settings, "weight_radiance=0");
-  EXPECT_THROW(PairAligner(device(), settings, kWidth, kHeight, {}), Error);
 }
 
 }  // namespace

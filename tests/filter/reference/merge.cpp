@@ -38,15 +38,27 @@ double gain(double sample, double history, double bias) {
   return total > 0 ? 1 - sample / total : 1.0;
 }
 
-Estimate blend(const Estimate& sample, const Estimate& history, double alpha, double bias,
-               double max_history) {
+constexpr double kMostFrames = 64;
+
+/// Counts both by 1/(1 + luminance) besides (survey of Yang et al., eq. 4), as far as noise explains their
+/// difference.
+double against_outliers(double alpha, const Estimate& sample, const Estimate& history, double exposure) {
+  double difference = 0;
+  for (int c = 0; c < 3; ++c) difference += std::pow(sample.color[c] - history.color[c], 2) / 3;
+  const double noise = sample.variance > 0 ? sample.variance / (sample.variance + difference) : 0;
+  const double of_sample = alpha / (1 + exposure * std::max(luminance(sample.color), 0.0));
+  const double of_history = (1 - alpha) / (1 + exposure * std::max(luminance(history.color), 0.0));
+  return std::lerp(alpha, of_sample / (of_sample + of_history), noise);
+}
+
+Estimate blend(const Estimate& sample, const Estimate& history, double alpha, double bias) {
   if (sample.count <= 0 && history.count > 0) return history;
   if (sample.count <= 0) return {sample.color, 0.0, 0.0};
   if (history.count <= 0) return {sample.color, sample.variance, 1.0};
   Estimate out;
   for (int c = 0; c < 4; ++c) out.color[c] = (1 - alpha) * history.color[c] + alpha * sample.color[c];
   out.variance = (1 - alpha) * (1 - alpha) * (history.variance + bias) + alpha * alpha * sample.variance;
-  out.count = std::min(max_history, 1 / (alpha * alpha + (1 - alpha) * (1 - alpha) / history.count));
+  out.count = std::min(kMostFrames, 1 / (alpha * alpha + (1 - alpha) * (1 - alpha) / history.count));
   return out;
 }
 
@@ -143,6 +155,8 @@ Grid<Estimate> warp(const Grid<Estimate>& history, const Grid<Vec2>& offset, fil
 Merged merge_by_variance(const Grid<Estimate>& sample, const Grid<Estimate>& warped, double exposure,
                          const filter::Settings& settings) {
   const int radius = settings.patch_radius;
+  const bool smoothed = settings.smooth != filter::Smooth::none;
+  const double significance = smoothed ? 0.0 : 3.0;
   Merged merged{Grid<Estimate>(sample.width, sample.height), Grid<double>(sample.width, sample.height)};
   for (int y = 0; y < sample.height; ++y) {
     for (int x = 0; x < sample.width; ++x) {
@@ -175,14 +189,13 @@ Merged merge_by_variance(const Grid<Estimate>& sample, const Grid<Estimate>& war
         const double own_scale = 1 / brightness(warped.at(x, y).color, exposure);
         const double own_variance = counts ? own.variance * own_scale * own_scale : 0.0;
         const double light = std::max(std::abs(luminance(own.color)), 1 / exposure) * own_scale;
-        const double borrowed = settings.smooth == filter::Smooth::none ? std::pow(32 * light, 2) : 0.0;
+        const double borrowed = smoothed ? 0.0 : std::pow(32 * light, 2);
         variance_new = std::min(variance_new, own_variance + borrowed);
         double mean_square = 0;
         for (int c = 0; c < 3; ++c) mean_square += mean[c] * mean[c] / (3.0 * count * count);
-        const double relative_bias = std::max(excess(mean_square, noise / count, 1, settings.significance),
-                                              excess(squares / count, noise, count, settings.significance));
-        const double least = 1 / static_cast<double>(settings.max_history);
-        alpha = std::max(least, gain(variance_new, variance_history, relative_bias));
+        const double relative_bias = std::max(excess(mean_square, noise / count, 1, significance),
+                                              excess(squares / count, noise, count, significance));
+        alpha = std::max(1 / kMostFrames, gain(variance_new, variance_history, relative_bias));
         const double unbiased = gain(variance_new, variance_history, 0);
         const double biased = gain(variance_new, variance_history, relative_bias);
         rejected = variance_new + variance_history > 0 ? 1 - (1 - biased) / (1 - unbiased)
@@ -192,7 +205,8 @@ Merged merge_by_variance(const Grid<Estimate>& sample, const Grid<Estimate>& war
       }
       const bool sampled = sample.at(x, y).count > 0;
       const bool held = warped.at(x, y).count > 0;
-      merged.estimate.at(x, y) = blend(sample.at(x, y), warped.at(x, y), alpha, bias, settings.max_history);
+      if (smoothed) alpha = against_outliers(alpha, sample.at(x, y), warped.at(x, y), exposure);
+      merged.estimate.at(x, y) = blend(sample.at(x, y), warped.at(x, y), alpha, bias);
       merged.rejected.at(x, y) = !sampled ? 0.0 : (held ? rejected : 1.0);
     }
   }
@@ -206,9 +220,9 @@ Merged merge_by_mask(const Grid<Estimate>& sample, const Grid<Estimate>& warped,
     const Estimate& s = sample.data[i];
     const Estimate& h = warped.data[i];
     const double mask = std::clamp(settings.mask_kappa * residual.data[i] - settings.mask_eta, 0.0, 1.0);
-    const double n = std::min<double>(h.count, settings.max_history - 1.0);
+    const double n = std::min<double>(h.count, kMostFrames - 1.0);
     const double weight = std::min(settings.mask_alpha * (1 - mask), n / (n + 1));
-    merged.estimate.data[i] = blend(s, h, 1 - weight, 0, settings.max_history);
+    merged.estimate.data[i] = blend(s, h, 1 - weight, 0);
     merged.rejected.data[i] = s.count <= 0 ? 0.0 : (h.count > 0 ? mask : 1.0);
   }
   return merged;
