@@ -6,7 +6,7 @@
 #include <bit>
 #include <cstdint>
 
-#include "filter/alpha.h"
+#include "filter/sequence/alpha.h"
 #include "frame/error.h"
 
 namespace becalm::app {

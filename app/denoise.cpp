@@ -31,7 +31,7 @@
 #include "app/profile.h"
 #include "app/progress.h"
 #include "app/writing.h"
-#include "filter/additive.h"
+#include "filter/merge/additive.h"
 #include "frame/io/additive_layers.h"
 #include "frame/io/exr.h"
 #include "frame/io/sequence.h"

@@ -6,7 +6,7 @@
 #include "app/filter_step.h"
 #include "app/profile.h"
 #include "app/progress.h"
-#include "filter/schedule.h"
+#include "filter/sequence/schedule.h"
 #include "frame/frame.h"
 #include "frame/io/exr.h"
 

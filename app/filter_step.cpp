@@ -6,7 +6,7 @@
 #include <iterator>
 #include <utility>
 
-#include "filter/guides.h"
+#include "filter/align/guides.h"
 #include "frame/error.h"
 #include "frame/io/printable.h"
 #include "frame/io/sequence.h"

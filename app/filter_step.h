@@ -11,7 +11,7 @@
 #include "app/profile.h"
 #include "app/progress.h"
 #include "filter/gpu/device.h"
-#include "filter/order.h"
+#include "filter/sequence/sequence_filter.h"
 #include "frame/frame.h"
 
 namespace becalm::app {

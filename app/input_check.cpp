@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "app/frame_problems.h"
-#include "filter/additive.h"
+#include "filter/merge/additive.h"
 #include "frame/error.h"
 #include "frame/io/printable.h"
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "filter/frame_merger.h"
+#include "filter/report.h"
 
 namespace becalm::app {
 

@@ -25,7 +25,7 @@
 #include "app/scene_hash.h"
 #include "app/stage.h"
 #include "app/writing.h"
-#include "filter/additive.h"
+#include "filter/merge/additive.h"
 #include "frame/io/exr.h"
 #include "frame/io/sequence.h"
 #include "tracer/render.h"

@@ -2,7 +2,7 @@
 
 The file: the magic "becalmNW", then as little-endian 32-bit numbers the number of inputs and the channels of the five scales,
 then all parameters as half floats, layer by layer: weights as [output][input][row][column], biases behind them. The order of
-the layers is that of `layers` here and of filter/network/weights.cpp.
+the layers is that of `layers` here and of filter/smooth/weights.cpp.
 """
 
 import struct

@@ -3,7 +3,7 @@
 A U-Net looks at a frame and its features and predicts, for each pixel of five scales, the weights of a 5x5 window and of the
 four nearest pixels of the coarser scale's result (Bako et al. 2017; Vogels et al. 2018). All weights are positive and sum to
 1: the network decides which pixels belong together, and never makes a colour. At the finest scale the 3x3 pixels of the frame
-itself are in the same sum: what it shows sharp, merging has blurred. filter/network/ has the same in C++.
+itself are in the same sum: what it shows sharp, merging has blurred. filter/smooth/ has the same in C++.
 """
 
 import torch

@@ -1,4 +1,4 @@
-// Weights of the convolutions of network/. Not pure functions: the including kernel has kTaps, `p`, which is ConvolveParams, and
+// Weights of the convolutions of smooth/. Not pure functions: the including kernel has kTaps, `p`, which is ConvolveParams, and
 // the texel buffer `weights`. A pass convolves `planes` planes of its source; a workgroup makes the kOutputs planes of the result
 // that gl_WorkGroupID.z says. Its weights, a bias for each of these planes and kWeights more, lie one behind the other. They are
 // copied to shared memory and read there at literal offsets, outside of all branches and loops: only so does lavapipe load each once

@@ -1,4 +1,4 @@
-// The 3x3 convolution of network/convolve and network/convolve_onto, kBlock pixels of a row an invocation. Not pure functions:
+// The 3x3 convolution of smooth/convolve and smooth/convolve_onto, kBlock pixels of a row an invocation. Not pure functions:
 // the including kernel has `p`, which is ConvolveParams, and the texel buffers `source` and `weights`.
 
 const int kTaps = 9;

@@ -1,4 +1,4 @@
-// The 5x5 window of network/mix and network/finish.
+// The 5x5 window of smooth/mix and smooth/finish.
 
 const int kTaps = 25;
 

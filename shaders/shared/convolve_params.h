@@ -1,4 +1,4 @@
-// Push constants of the kernels in shaders/network/convolve*.comp and pool.comp; see align_params.h for the
+// Push constants of the kernels in shaders/smooth/convolve*.comp and pool.comp; see align_params.h for the
 // rules.
 #ifndef BECALM_CONVOLVE_PARAMS_H
 #define BECALM_CONVOLVE_PARAMS_H

@@ -1,4 +1,4 @@
-// Push constants of the kernels in shaders/network/; see align_params.h for the rules.
+// Push constants of the kernels in shaders/smooth/; see align_params.h for the rules.
 #ifndef BECALM_NETWORK_PARAMS_H
 #define BECALM_NETWORK_PARAMS_H
 

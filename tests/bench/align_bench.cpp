@@ -16,7 +16,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "filter/align.h"
+#include "filter/align/align.h"
 #include "frame/error.h"
 #include "tests/bench/align_job.h"
 #include "tests/bench/json_service.h"

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "filter/pair_aligner.h"
+#include "filter/align/pair_aligner.h"
 #include "frame/error.h"
 #include "tests/bench/align_job.h"
 

@@ -13,7 +13,7 @@
 #include <random>
 #include <string_view>
 
-#include "filter/network/network.h"
+#include "filter/smooth/network.h"
 #include "tests/bench/stopwatch.h"
 #include "tests/filter/task.h"
 
@@ -47,8 +47,8 @@ class NetworkJob {
     double convolutions_ms = 0.0;
     for (const gpu::PassTime& pass : chain_.times()) {
       const std::string_view name = pass.name;
-      const bool convolves = name.starts_with("network/convolve") || name.starts_with("network/pool") ||
-                             name.starts_with("network/host");
+      const bool convolves = name.starts_with("smooth/convolve") || name.starts_with("smooth/pool") ||
+                             name.starts_with("smooth/host");
       if (convolves) convolutions_ms += pass.milliseconds;
     }
     convolutions_ms_.push_back(convolutions_ms);

@@ -1,7 +1,7 @@
 // In the place of the library's, for bench_align, which has no network: with that it would need oneDNN and
 // oneTBB wherever it is copied to.
 
-#include "filter/network/host_features.h"
+#include "filter/smooth/host_features.h"
 
 namespace becalm::filter {
 

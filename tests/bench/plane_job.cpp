@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "filter/align.h"
+#include "filter/align/align.h"
 #include "filter/gpu/chain.h"
 #include "frame/error.h"
 #include "tests/bench/align_job.h"

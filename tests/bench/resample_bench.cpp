@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "filter/merge.h"
+#include "filter/merge/merge.h"
 #include "frame/error.h"
 #include "tests/bench/json_service.h"
 #include "tests/bench/raw_image.h"

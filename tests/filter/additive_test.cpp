@@ -1,5 +1,5 @@
 // Additive AOVs: what adds up to the beauty before the filter adds up to it afterwards.
-#include "filter/additive.h"
+#include "filter/merge/additive.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "filter/order.h"
+#include "filter/sequence/sequence_filter.h"
 #include "frame/error.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/guided_frame.h"
@@ -139,12 +139,8 @@ class AdditiveTest : public DeviceTest {
 };
 
 TEST_F(AdditiveTest, SumsStayWhatTheyAre) {
-  const std::vector<std::vector<std::string>> changes{{},
-                                                      {"resample=o_moms"},
-                                                      {"resample=bilinear"},
-                                                      {"smooth=none"},
-                                                      {"smooth=frames"},
-                                                      {"merge=mask"}};
+  const std::vector<std::vector<std::string>> changes{
+      {}, {"resample=o_moms"}, {"resample=bilinear"}, {"smooth=none"}, {"smooth=frames"}, {"merge=mask"}};
   for (const char* name : {"draft", "final"}) {
     for (const std::vector<std::string>& change : changes) {
       Settings settings = preset(name);

@@ -5,8 +5,8 @@
 #include <limits>
 #include <random>
 
-#include "filter/align.h"
-#include "filter/pair_aligner.h"
+#include "filter/align/align.h"
+#include "filter/align/pair_aligner.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/pattern.h"
 

@@ -1,4 +1,4 @@
-#include "filter/align.h"
+#include "filter/align/align.h"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // Which alpha is noise, and which is passed on as it came.
-#include "filter/alpha.h"
+#include "filter/sequence/alpha.h"
 
 #include <gtest/gtest.h>
 

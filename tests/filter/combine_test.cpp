@@ -1,5 +1,5 @@
 // The smoother's passes against the formula in double.
-#include "filter/combine.h"
+#include "filter/merge/combine.h"
 
 #include <algorithm>
 #include <array>

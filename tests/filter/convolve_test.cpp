@@ -1,4 +1,4 @@
-// The convolutions and the pooling of shaders/network/ against plain loops in double: every layer shape of
+// The convolutions and the pooling of shaders/smooth/ against plain loops in double: every layer shape of
 // the network, on sizes that no block or workgroup divides.
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "filter/gpu/chain.h"
-#include "filter/network/convolution.h"
+#include "filter/smooth/convolution.h"
 #include "shaders/shared/convolve_params.h"
 #include "tests/filter/device_fixture.h"
 
@@ -123,7 +123,7 @@ TEST_F(ConvolveTest, PoolsTheLargestOfFourPixels) {
     gpu::Chain chain(device(), "pool");
     const ImageId fine = chain.input("fine", Format::f32x4, size.with_planes(3));
     const ImageId coarse = chain.image("coarse", Format::f32x4, half(size).with_planes(3));
-    chain.pass("network/pool")
+    chain.pass("smooth/pool")
         .read("fine", fine)
         .write("coarse", coarse)
         .constants(PoolParams{size.width, size.height})

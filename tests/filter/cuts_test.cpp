@@ -1,12 +1,12 @@
 // Cuts are found between shots, and not where noise, motion or light alone change a picture.
-#include "filter/cuts.h"
+#include "filter/sequence/cuts.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "filter/host_images.h"
+#include "filter/input/host_images.h"
 #include "tests/filter/pattern.h"
 
 namespace becalm::filter {

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "filter/host_images.h"
-#include "filter/order.h"
+#include "filter/input/host_images.h"
+#include "filter/sequence/sequence_filter.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/guided_frame.h"
 #include "tests/filter/pattern.h"

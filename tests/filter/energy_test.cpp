@@ -1,5 +1,5 @@
 // Light that the output's large blocks lack is given back.
-#include "filter/energy.h"
+#include "filter/smooth/energy.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <limits>
 #include <random>
 
-#include "filter/host_images.h"
+#include "filter/input/host_images.h"
 
 namespace becalm::filter {
 namespace {

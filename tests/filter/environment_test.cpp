@@ -5,7 +5,7 @@
 #include <random>
 #include <string>
 
-#include "filter/order.h"
+#include "filter/sequence/sequence_filter.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/guided_frame.h"
 #include "tests/filter/pattern.h"
@@ -101,7 +101,7 @@ TEST_F(EnvironmentTest, LeavesBeforeItLeaveNothingBehindWhateverItsAlbedoIsCalle
       const Frame noisy = leaves_before_sky(number, convention);
       const Errors after = errors(filter.denoise(noisy).frame, number);
       // What leaves leave behind, a frame late, is 30 % and more. The rest is what the network smears between
-      // leaves of a few pixels and a sky that is a hundred times as bright (filter/network/README.md).
+      // leaves of a few pixels and a sky that is a hundred times as bright (filter/smooth/README.md).
       EXPECT_LT(after.sky, 0.15) << "albedo " << name << ", frame " << number;
       least = std::min(least, after.leaf);
       EXPECT_LT(after.leaf, 2.5 * least) << "albedo " << name << ", frame " << number;

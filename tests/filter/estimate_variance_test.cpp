@@ -1,6 +1,6 @@
 // The variance of frames that come without one: against the formulas in double, and against noise that is
 // known.
-#include "filter/estimate_variance.h"
+#include "filter/input/estimate_variance.h"
 
 #include <algorithm>
 #include <array>
@@ -128,7 +128,7 @@ class EstimateVarianceTest : public DeviceTest {
     gpu::Chain chain(device(), "variance estimate test");
     const gpu::ImageId color = chain.input("color", gpu::Format::f32x4, full);
     const gpu::ImageId valid = chain.input("valid", gpu::Format::f32x2, full);
-    const FeatureImages features{.albedo_depth = chain.input("albedo_depth", gpu::Format::f32x4, full),
+    const SurfaceImages features{.albedo_depth = chain.input("albedo_depth", gpu::Format::f32x4, full),
                                  .normal = chain.input("normal", gpu::Format::f32x4, full)};
     const gpu::ImageId variance = knows_albedo == KnowsAlbedo::yes
                                       ? add_variance_estimate(chain, full, color, valid, features)

@@ -1,5 +1,5 @@
 // Single frames smoothed: what must be kept, what must go, and what must not matter.
-#include "filter/frame_smoother.h"
+#include "filter/smooth/frame_smoother.h"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,8 @@
 #include <limits>
 #include <random>
 
-#include "filter/host_images.h"
-#include "filter/order.h"
+#include "filter/input/host_images.h"
+#include "filter/sequence/sequence_filter.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/pattern.h"
 

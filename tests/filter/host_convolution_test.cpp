@@ -1,6 +1,6 @@
 // oneDNN's convolutions, row by row, against plain loops in double: every layer shape of the network, and
 // what rows must not depend on.
-#include "filter/network/host_convolution.h"
+#include "filter/smooth/host_convolution.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <limits>
 
-#include "filter/pair_aligner.h"
+#include "filter/align/pair_aligner.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/pattern.h"
 

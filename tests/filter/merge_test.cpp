@@ -1,9 +1,9 @@
-#include "filter/merge.h"
+#include "filter/merge/merge.h"
 
 #include <functional>
 #include <random>
 
-#include "filter/noisy_inputs.h"
+#include "filter/input/noisy_inputs.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/grids.h"
 #include "tests/filter/pattern.h"

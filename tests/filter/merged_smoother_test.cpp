@@ -1,5 +1,5 @@
 // Noisy frames merged by the weights of smoothed ones, and smoothed then.
-#include "filter/merged_smoother.h"
+#include "filter/smooth/merged_smoother.h"
 
 #include <cmath>
 #include <limits>
@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "filter/order.h"
+#include "filter/sequence/sequence_filter.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/pattern.h"
 

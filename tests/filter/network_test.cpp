@@ -1,5 +1,5 @@
 // The smoothing network's passes against the formulas in double, and what must hold whatever it has learned.
-#include "filter/network/network.h"
+#include "filter/smooth/network.h"
 
 #include <tbb/global_control.h>
 
@@ -86,7 +86,7 @@ Grid<Estimate> smooth_on(gpu::Device& device, const Sample& sample, const Networ
   chain.upload<float>(noisy.exposure)[0] = sample.exposure;
   upload_estimate(chain, noisy.color, noisy.variance, sample.pixels);
   const auto upload_features = [&](const Grid<reference::SmoothFeatures>& features,
-                                   const FeatureImages& images) {
+                                   const SurfaceImages& images) {
     for (std::size_t i = 0; i < features.data.size(); ++i) {
       const reference::SmoothFeatures& f = features.data[i];
       std::copy_n(f.begin(), 4, chain.upload<float>(images.albedo_depth).begin() + 4 * i);

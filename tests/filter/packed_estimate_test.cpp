@@ -1,5 +1,5 @@
 // What is kept of a frame comes back as it was, to a thousandth of each value.
-#include "filter/packed_estimate.h"
+#include "filter/sequence/packed_estimate.h"
 
 #include <gtest/gtest.h>
 

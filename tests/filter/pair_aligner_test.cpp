@@ -1,8 +1,8 @@
-#include "filter/pair_aligner.h"
+#include "filter/align/pair_aligner.h"
 
 #include <fmt/format.h>
 
-#include "filter/align.h"
+#include "filter/align/align.h"
 #include "frame/error.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/pattern.h"

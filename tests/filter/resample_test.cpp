@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <random>
 
-#include "filter/merge.h"
+#include "filter/merge/merge.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/grids.h"
 #include "tests/filter/pattern.h"

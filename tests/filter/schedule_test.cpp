@@ -1,5 +1,5 @@
 // Which frames meet in which order, and that it does not depend on how a sequence is cut into jobs.
-#include "filter/schedule.h"
+#include "filter/sequence/schedule.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filter/frame_merger.h"
+#include "filter/task.h"
 
 namespace becalm::filter {
 

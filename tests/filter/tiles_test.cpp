@@ -1,4 +1,4 @@
-#include "filter/tiles.h"
+#include "filter/tiles/tiles.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "filter/align.h"
+#include "filter/align/align.h"
 
 namespace becalm::filter {
 namespace {

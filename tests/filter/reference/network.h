@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "filter/network/weights.h"
+#include "filter/smooth/weights.h"
 #include "tests/filter/reference/merge.h"
 
 namespace becalm::reference {

@@ -1,0 +1,365 @@
+#include "filter/align/align.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numeric>
+
+#include "filter/ceil_div.h"
+#include "shaders/shared/align_params.h"
+
+namespace becalm::filter {
+namespace {
+
+using gpu::Chain;
+using gpu::Extent;
+using gpu::Format;
+using gpu::ImageId;
+
+constexpr int kShifts = (2 * kWindowReach + 1) * (2 * kWindowReach + 1);
+
+// The 25 distance images of a level exist for one band of rows at a time; a band of this size stays in the
+// last-level cache of a desktop processor and keeps the memory small whatever the image size.
+constexpr std::int64_t kBandBytes = 16 << 20;
+constexpr int kBlurRun = 16;  // kRun of align/blur.comp
+
+int blur_radius(const Settings& settings, std::size_t level) {
+  return settings.blur_radius[std::min(level, settings.blur_radius.size() - 1)];
+}
+
+int refines(const Settings& settings, std::size_t level) {
+  return static_cast<int>(level) < settings.refine_levels ? 1 : 0;
+}
+
+struct CoarseOffset {
+  ImageId image;
+  Extent extent;
+  float scale;
+};
+
+/// The source's features as the target's pixels see them from where the level starts.
+ImageId add_warp(Chain& chain, const Settings& settings, const Search& search, std::size_t level,
+                 Extent extent, const Features& source, const CoarseOffset& coarse) {
+  const Extent source_extent = level_extent(settings, search.window.full, level);
+  const ImageId warped = chain.image(fmt::format("{}features.warped.L{}", search.name, level), Format::f32,
+                                     extent.with_planes(source.planes));
+  chain.pass("align/warp_source")
+      .read("source", source.image)
+      .read("offset_coarse", coarse.image)
+      .read("target_origin", search.window.target_origin)
+      .write("warped", warped)
+      .specialize("planes", source.planes)
+      .constants(params::WarpSourceParams{.width = extent.width,
+                                          .height = extent.height,
+                                          .source_width = source_extent.width,
+                                          .source_height = source_extent.height,
+                                          .level_px = level_px(settings, level),
+                                          .coarse_width = coarse.extent.width,
+                                          .coarse_height = coarse.extent.height,
+                                          .coarse_scale = coarse.scale})
+      .dispatch(extent);
+  return warped;
+}
+
+/// Where a level starts from: the coarser offset or the known motion, whichever looks more alike.
+CoarseOffset add_motion_guide(Chain& chain, const Settings& settings, const Search& search, std::size_t level,
+                              const Features& target, const Features& source, const CoarseOffset& coarse) {
+  const Extent extent = level_extent(settings, search.full, level);
+  const Extent source_extent = level_extent(settings, search.window.full, level);
+  const ImageId start = chain.image(search.name + "offset.guided", Format::f32x2, extent);
+  chain.pass("align/choose_start")
+      .read("target", target.image)
+      .read("source", source.image)
+      .read("offset_coarse", coarse.image)
+      .read("motion", *search.motion)
+      .read("target_origin", search.window.target_origin)
+      .write("start", start)
+      .constants(params::ChooseStartParams{.width = extent.width,
+                                           .height = extent.height,
+                                           .source_width = source_extent.width,
+                                           .source_height = source_extent.height,
+                                           .planes = target.planes,
+                                           .coarse_width = coarse.extent.width,
+                                           .coarse_height = coarse.extent.height,
+                                           .coarse_scale = coarse.scale,
+                                           .full_width = search.full.width,
+                                           .full_height = search.full.height,
+                                           .level_px = level_px(settings, level)})
+      .dispatch(extent);
+  return {start, extent, 1.0f};
+}
+
+/// What a level is searched in and where its result goes.
+struct Level {
+  std::size_t index;
+  std::string name;
+  Extent extent;
+  int radius;
+  int channels;
+  ImageId target;
+  ImageId warped;
+  CoarseOffset coarse;
+  ImageId offset;
+  ImageId residual;
+};
+
+/// Largest radius that `match` is faster for than the bands (shaders/align/README.md has the figures).
+constexpr int kLargestMatchRadius = 10;
+
+/// What the differences of two pixels add up to at most where all weights are about 1.
+constexpr double kLargestDifference = 8.0 * kFeatureRange;
+
+/// How many factors 1 + d/2 a product may have before it leaves the range of floats (log_of in
+/// align/match.comp).
+int log_of(int radius) {
+  constexpr double largest_log2 = 126.0;
+  const double factor_log2 = std::log2(1.0 + 0.5 * kLargestDifference);
+  const int side = 2 * radius + 1;
+  return factor_log2 * side * side < largest_log2 ? 0 : factor_log2 * side < largest_log2 ? 1 : 2;
+}
+
+/// What one invocation of align/match makes.
+struct Strip {
+  int columns;
+  int rows;
+};
+
+/// A software device has eight lanes, no registers to run out of and pays for every read; hardware wants many
+/// small invocations whose 25 sums a column stay in registers.
+Strip match_strip(const gpu::DeviceInfo& device) {
+  return device.type == "software" ? Strip{8, 32} : Strip{2, 16};
+}
+
+/// The level in one pass whose distances never leave the processor.
+void add_match(Chain& chain, const Settings& settings, const Level& level) {
+  const Strip strip = match_strip(chain.device());
+  chain.pass("align/match")
+      .read("target", level.target)
+      .read("warped", level.warped)
+      .read("offset_coarse", level.coarse.image)
+      .write("offset", level.offset)
+      .write("residual", level.residual)
+      .specialize("kind", static_cast<int>(settings.distance))
+      .specialize("channels", level.channels)
+      .specialize("radius", level.radius)
+      .specialize("strip_columns", strip.columns)
+      .specialize("strip_rows", strip.rows)
+      .specialize("log_of", log_of(level.radius))
+      .constants(params::MatchParams{.width = level.extent.width,
+                                     .height = level.extent.height,
+                                     .coarse_width = level.coarse.extent.width,
+                                     .coarse_height = level.coarse.extent.height,
+                                     .coarse_scale = level.coarse.scale,
+                                     .refine = refines(settings, level.index)})
+      .dispatch({ceil_div(level.extent.width, strip.columns), ceil_div(level.extent.height, strip.rows)});
+}
+
+/// The level in bands: distances, blur and choice. The cost hardly depends on the radius, since sums slide.
+void add_bands(Chain& chain, const Settings& settings, const Level& level) {
+  const auto [width, height, planes] = level.extent;
+  const int radius = level.radius;
+  const int kind = static_cast<int>(settings.distance);
+  const std::int64_t row_bytes = std::int64_t(width) * kShifts * sizeof(float);
+  // Whole runs, so that runs begin at the same rows whatever the width.
+  const int runs = std::max((static_cast<int>(kBandBytes / row_bytes) - 2 * radius) / kBlurRun, 1);
+  const int band = std::min(runs * kBlurRun, height);
+  const ImageId distances =
+      chain.image("distances." + level.name, Format::f32, {width, band + 2 * radius, kShifts});
+  const ImageId row_sums =
+      chain.image("row_sums." + level.name, Format::f32, {width, band + 2 * radius, kShifts});
+  const ImageId patch_sums = chain.image("patch_sums." + level.name, Format::f32, {width, band, kShifts});
+
+  for (int first_row = 0; first_row < height; first_row += band) {
+    const int rows = std::min(band, height - first_row);
+    const int rows_in = rows + 2 * radius;
+    chain.pass("align/distance")
+        .read("target", level.target)
+        .read("warped", level.warped)
+        .write("distances", distances)
+        .specialize("kind", kind)
+        .specialize("channels", level.channels)
+        .constants(params::DistanceParams{
+            .width = width, .height = height, .first_row = first_row - radius, .rows = rows_in})
+        .dispatch({width, rows_in});
+    chain.pass("align/blur")
+        .read("distances", distances)
+        .write("sums", row_sums)
+        .constants(params::BlurParams{
+            .width = width, .rows_in = rows_in, .rows = rows_in, .radius_x = radius, .radius_y = 0})
+        .dispatch({ceil_div(width, kBlurRun), rows_in, kShifts});
+    chain.pass("align/blur")
+        .read("distances", row_sums)
+        .write("sums", patch_sums)
+        .constants(params::BlurParams{
+            .width = width, .rows_in = rows_in, .rows = rows, .radius_x = 0, .radius_y = radius})
+        .dispatch({width, ceil_div(rows, kBlurRun), kShifts});
+    chain.pass("align/select_offset")
+        .read("sums", patch_sums)
+        .read("offset_coarse", level.coarse.image)
+        .write("offset", level.offset)
+        .write("residual", level.residual)
+        .specialize("kind", kind)
+        .constants(params::SelectParams{.width = width,
+                                        .height = height,
+                                        .first_row = first_row,
+                                        .rows = rows,
+                                        .radius = radius,
+                                        .coarse_width = level.coarse.extent.width,
+                                        .coarse_height = level.coarse.extent.height,
+                                        .coarse_scale = level.coarse.scale,
+                                        .refine = refines(settings, level.index)})
+        .dispatch({width, rows});
+  }
+}
+
+}  // namespace
+
+SourceWindow add_same_window(Chain& chain, Extent full, const std::string& name) {
+  const ImageId origin = chain.image(name, Format::f32x2, {1, 1});
+  chain.pass("align/zero_offset").write("offset", origin).dispatch({1, 1});
+  return {full, origin};
+}
+
+SearchResult add_search_passes(Chain& chain, const Settings& settings, const Search& search) {
+  assert(search.target.planes == search.source.planes && search.levels.finest < search.levels.end);
+  const auto [finest, end] = search.levels;
+  const std::vector<Features> targets =
+      add_pyramid(chain, settings, search.levels, search.full, search.target, search.name + "target");
+  const std::vector<Features> sources =
+      add_pyramid(chain, settings, search.levels, search.window.full, search.source, search.name + "source");
+
+  SearchResult result;
+  result.residual.resize(end - finest);
+  CoarseOffset coarse;
+  if (search.start) {
+    coarse = {*search.start, level_extent(settings, search.full, end),
+              static_cast<float>(settings.pyramid_factor)};
+  } else {
+    coarse = {chain.image(search.name + "offset.none", Format::f32x2, {1, 1}), {1, 1}, 1.0f};
+    chain.pass("align/zero_offset").write("offset", coarse.image).dispatch({1, 1});
+  }
+  for (std::size_t l = end; l-- > finest;) {
+    const Extent extent = level_extent(settings, search.full, l);
+    const ImageId residual = chain.image(search.name + fmt::format("residual.L{}", l), Format::f32, extent);
+    result.residual[l - finest] = residual;
+    const Features& target = targets[l - finest];
+    const Features& source = sources[l - finest];
+    if (search.motion && l == motion_level(end)) {
+      coarse = add_motion_guide(chain, settings, search, l, target, source, coarse);
+    }
+    const Level level{
+        .index = l,
+        .name = fmt::format("{}L{}", search.name, l),
+        .extent = extent,
+        .radius = blur_radius(settings, l),
+        .channels = search.target.planes,
+        .target = target.image,
+        .warped = add_warp(chain, settings, search, l, extent, source, coarse),
+        .coarse = coarse,
+        .offset = chain.image(search.name + fmt::format("offset_noisy.L{}", l), Format::f32x2, extent),
+        .residual = residual};
+    if (level.radius <= kLargestMatchRadius) {
+      add_match(chain, settings, level);
+    } else {
+      add_bands(chain, settings, level);
+    }
+    const ImageId offset = chain.image(search.name + fmt::format("offset.L{}", l), Format::f32x2, extent);
+    chain.pass("align/median_offset")
+        .read("offset_noisy", level.offset)
+        .write("offset", offset)
+        .constants(params::FieldParams{.width = extent.width, .height = extent.height})
+        .dispatch(extent);
+    coarse = {offset, extent, static_cast<float>(settings.pyramid_factor)};
+  }
+  result.offset = coarse.image;
+  return result;
+}
+
+TileRules search_tile_rules(const Settings& settings, const gpu::DeviceInfo& device, std::size_t levels,
+                            std::size_t end, int margin_px) {
+  // Sums slide along runs to the right and down. Tiles begin where runs do.
+  struct Runs {
+    int x;
+    int y;
+  };
+  const auto runs_of = [&](std::size_t level) {
+    return blur_radius(settings, level) > kLargestMatchRadius ? Runs{kBlurRun, kBlurRun}
+                                                              : Runs{1, match_strip(device).rows};
+  };
+  // How far from the core the offsets of level `end` must be right, in full-resolution pixels.
+  const auto margin_at_end = [&](const auto& run_of) {
+    constexpr int bilinear = 1;
+    constexpr int median = 1;
+    constexpr int cut_pixel = 1;  // of a level's last pixel in a tile a part may lie beyond the tile
+    int margin = ceil_div(margin_px, settings.match_downsample) + bilinear;
+    for (std::size_t l = 0; l < end; ++l) {
+      // Every sum of a run has the rounding of all that was ever in it: a run is right as a whole or not at
+      // all.
+      margin += median + (run_of(runs_of(l)) - 1) + blur_radius(settings, l) + kWindowReach;
+      margin = ceil_div(margin, settings.pyramid_factor) + bilinear + cut_pixel;
+    }
+    return margin * level_px(settings, end);
+  };
+  TileRules rules{.grid = level_px(settings, end),
+                  .core_grid = level_px(settings, end),
+                  .left = margin_at_end([](const Runs& runs) { return runs.x; }),
+                  .above = margin_at_end([](const Runs& runs) { return runs.y; }),
+                  .after = margin_at_end([](const Runs&) { return 1; }),
+                  .reach = reach_px(settings, levels)};
+  for (std::size_t l = 0; l < end; ++l) {
+    const Runs runs = runs_of(l);
+    rules.grid = std::lcm(rules.grid, std::lcm(runs.x, runs.y) * level_px(settings, l));
+  }
+  return rules;
+}
+
+ImageId add_upsample_pass(Chain& chain, const Settings& settings, Extent full, ImageId offset,
+                          const std::string& name) {
+  if (settings.match_downsample == 1) return offset;
+  const Extent extent = level_extent(settings, full, 0);
+  const ImageId upsampled = chain.image(name + "offset.full", Format::f32x2, full);
+  chain.pass("align/upsample_offset")
+      .read("offset_coarse", offset)
+      .write("offset", upsampled)
+      .specialize("scale", settings.match_downsample)
+      .constants(params::UpsampleParams{
+          .width_in = extent.width, .height_in = extent.height, .width = full.width, .height = full.height})
+      .dispatch({extent.width, full.height});
+  return upsampled;
+}
+
+ImageId add_override_pass(Chain& chain, Extent full, ImageId offset, ImageId motion,
+                          const std::string& name) {
+  const ImageId overridden = chain.image(name + "offset.overridden", Format::f32x2, full);
+  chain.pass("align/override_offset")
+      .read("found", offset)
+      .read("motion", motion)
+      .write("offset", overridden)
+      .constants(params::FieldParams{.width = full.width, .height = full.height})
+      .dispatch(full);
+  return overridden;
+}
+
+Alignment add_align_passes(Chain& chain, const Settings& settings, Extent full, const Features& target,
+                           const Features& source, const AlignOptions& options) {
+  const bool guides = options.motion && settings.motion == MotionUse::guide;
+  const SearchResult found =
+      add_search_passes(chain, settings,
+                        {.name = options.name,
+                         .levels = {0, pyramid_extents(settings, full.width, full.height).size()},
+                         .full = full,
+                         .window = add_same_window(chain, full, options.name + "origin.align"),
+                         .target = target,
+                         .source = source,
+                         .start = {},
+                         .motion = guides ? options.motion : std::nullopt});
+  Alignment alignment{add_upsample_pass(chain, settings, full, found.offset, options.name), found.residual};
+  if (options.motion && settings.motion == MotionUse::override_offset) {
+    alignment.offset = add_override_pass(chain, full, alignment.offset, *options.motion, options.name);
+  }
+  return alignment;
+}
+
+}  // namespace becalm::filter

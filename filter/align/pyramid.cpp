@@ -1,0 +1,76 @@
+#include "filter/align/pyramid.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "filter/ceil_div.h"
+
+namespace becalm::filter {
+namespace {
+
+using gpu::Extent;
+
+/// Known motion is a candidate of the next to finest level: the finest alone cannot correct an error of
+/// several pixels, coarser ones blur its edges.
+constexpr std::size_t kMotionLevel = 1;
+constexpr int kSmallestLevel = 8;  // px; below, a patch is the whole image
+constexpr double kReachOfLongerSide = 0.09;
+constexpr int kSmallestGuideLimit = 256;  // px
+constexpr int kGuideLimitShare = 8;       // of the longer side, one in so many
+
+Extent shrink(Extent extent, int factor) {
+  return {ceil_div(extent.width, factor), ceil_div(extent.height, factor)};
+}
+
+int guide_limit_px(Extent full) {
+  return std::max(kSmallestGuideLimit, std::max(full.width, full.height) / kGuideLimitShare);
+}
+
+}  // namespace
+
+std::vector<Extent> pyramid_extents(const Settings& settings, int width, int height) {
+  std::vector<Extent> extents{shrink({width, height}, settings.match_downsample)};
+  const double wanted_reach = kReachOfLongerSide * std::max(width, height);
+  while (settings.pyramid_levels > 0 ? extents.size() < static_cast<std::size_t>(settings.pyramid_levels)
+                                     : reach_px(settings, extents.size()) < wanted_reach) {
+    const Extent next = shrink(extents.back(), settings.pyramid_factor);
+    if (std::min(next.width, next.height) < kSmallestLevel) break;
+    extents.push_back(next);
+  }
+  return extents;
+}
+
+int reach_px(const Settings& settings, std::size_t levels) {
+  int reach = 0;
+  for (std::size_t l = 0; l < levels; ++l) reach += kWindowReach * level_px(settings, l);
+  return reach;
+}
+
+std::size_t motion_level(std::size_t levels) {
+  return std::min(kMotionLevel, levels - 1);
+}
+
+float motion_limit_px(const Settings& settings, Extent full) {
+  if (settings.motion == MotionUse::override_offset) return std::numeric_limits<float>::max();
+  return static_cast<float>(guide_limit_px(full));
+}
+
+int reach_of_motion_px(const Settings& settings, Extent full, std::size_t levels) {
+  if (settings.motion == MotionUse::override_offset) return std::max(full.width, full.height);
+  const std::size_t guided_levels = motion_level(levels) + 1;
+  return std::max(reach_px(settings, levels), guide_limit_px(full) + reach_px(settings, guided_levels));
+}
+
+Extent level_extent(const Settings& settings, Extent full, std::size_t level) {
+  Extent extent = shrink(full, settings.match_downsample);
+  for (std::size_t l = 0; l < level; ++l) extent = shrink(extent, settings.pyramid_factor);
+  return extent;
+}
+
+int level_px(const Settings& settings, std::size_t level) {
+  int px = settings.match_downsample;
+  for (std::size_t l = 0; l < level; ++l) px *= settings.pyramid_factor;
+  return px;
+}
+
+}  // namespace becalm::filter

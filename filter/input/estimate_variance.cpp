@@ -1,0 +1,40 @@
+#include "filter/input/estimate_variance.h"
+
+#include "shaders/shared/merge_params.h"
+
+namespace becalm::filter {
+namespace {
+
+gpu::ImageId estimate_image(gpu::Chain& chain, gpu::Extent full) {
+  return chain.image("variance.estimated", gpu::Format::f32x2, full);
+}
+
+}  // namespace
+
+gpu::ImageId add_variance_estimate(gpu::Chain& chain, gpu::Extent full, gpu::ImageId color,
+                                   gpu::ImageId valid, const SurfaceImages& features) {
+  const gpu::ImageId variance = estimate_image(chain, full);
+  chain.pass("merge/estimate_variance")
+      .read("color", color)
+      .read("valid", valid)
+      .read("albedo_depth", features.albedo_depth)
+      .read("normal", features.normal)
+      .write("variance", variance)
+      .constants(params::ImageParams{.width = full.width, .height = full.height})
+      .dispatch(full);
+  return variance;
+}
+
+gpu::ImageId add_variance_estimate(gpu::Chain& chain, gpu::Extent full, gpu::ImageId color,
+                                   gpu::ImageId valid) {
+  const gpu::ImageId variance = estimate_image(chain, full);
+  chain.pass("merge/second_difference")
+      .read("color", color)
+      .read("valid", valid)
+      .write("variance", variance)
+      .constants(params::ImageParams{.width = full.width, .height = full.height})
+      .dispatch(full);
+  return variance;
+}
+
+}  // namespace becalm::filter

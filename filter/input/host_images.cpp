@@ -1,0 +1,240 @@
+#include "filter/input/host_images.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+#include "filter/luminance.h"
+
+namespace becalm::filter {
+namespace {
+
+/// Exposures beyond this range make squares of scaled values leave the range of floats.
+constexpr double kLargestExposure = 1e15;
+
+/// Calls `use(index in an image of that width, index in the rectangle)` for each pixel, row by row.
+template <class Use>
+void for_each_pixel(const Rect& rect, int image_width, const Use& use) {
+  std::size_t in_rect = 0;
+  for (int y = rect.y; y < rect.y + rect.height; ++y) {
+    std::size_t in_image = static_cast<std::size_t>(y) * image_width + rect.x;
+    for (int x = 0; x < rect.width; ++x) use(in_image++, in_rect++);
+  }
+}
+
+bool all_finite(std::span<const float> values) {
+  return std::ranges::all_of(values, [](float v) { return std::isfinite(v); });
+}
+
+/// False for NaN too.
+bool is_within(std::span<const float> values, float limit) {
+  return std::ranges::all_of(values, [&](float value) { return std::abs(value) <= limit; });
+}
+
+/// The mean of those pixels next to one that `is_finite` says are; `otherwise` in each channel if none is.
+template <std::size_t channels, class IsFinite>
+std::array<float, channels> mean_of_neighbours(const Image& image, std::size_t pixel,
+                                               const IsFinite& is_finite, float otherwise) {
+  const int width = image.width();
+  const int x = static_cast<int>(pixel % width);
+  const int y = static_cast<int>(pixel / width);
+  std::array<float, channels> mean{};
+  int count = 0;
+  for (int v = std::max(y - 1, 0); v <= std::min(y + 1, image.height() - 1); ++v) {
+    for (int u = std::max(x - 1, 0); u <= std::min(x + 1, width - 1); ++u) {
+      const std::size_t neighbour = static_cast<std::size_t>(v) * width + u;
+      if (neighbour == pixel || !is_finite(neighbour)) continue;
+      for (std::size_t c = 0; c < channels; ++c) mean[c] += image.data()[channels * neighbour + c];
+      ++count;
+    }
+  }
+  for (float& value : mean) value = count > 0 ? value / static_cast<float>(count) : otherwise;
+  return mean;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> finite_pixels(const Image& beauty) {
+  std::vector<std::uint8_t> finite(beauty.pixel_count());
+  for (std::size_t i = 0; i < finite.size(); ++i) {
+    finite[i] = all_finite(beauty.data().subspan(i * beauty.channels(), beauty.channels())) ? 1 : 0;
+  }
+  return finite;
+}
+
+void pack_color(const Image& beauty, std::span<const std::uint8_t> finite, const Rect& rect,
+                std::span<float> rgba) {
+  assert(beauty.channels() == 4 && rgba.size() == rect.extent().elements() * 4);
+  const int width = beauty.width();
+  for (int y = 0; y < rect.height; ++y) {
+    const std::size_t row = static_cast<std::size_t>(rect.y + y) * width + rect.x;
+    const std::size_t row_floats = static_cast<std::size_t>(rect.width) * 4;
+    std::ranges::copy(beauty.data().subspan(4 * row, row_floats), rgba.subspan(y * row_floats).begin());
+  }
+  for_each_pixel(rect, width, [&](std::size_t in, std::size_t out) {
+    if (finite[in]) return;
+    const auto is_finite = [&](std::size_t i) { return finite[i] != 0; };
+    std::ranges::copy(mean_of_neighbours<4>(beauty, in, is_finite, 0.0f), rgba.subspan(4 * out, 4).begin());
+  });
+}
+
+void pack_albedo(const Image& albedo, const Rect& rect, std::span<float> rgba) {
+  assert(albedo.channels() == 3 && rgba.size() == rect.extent().elements() * 4);
+  const auto is_finite = [&](std::size_t i) { return all_finite(albedo.data().subspan(3 * i, 3)); };
+  for_each_pixel(rect, albedo.width(), [&](std::size_t in, std::size_t out) {
+    std::array<float, 3> value{};
+    std::ranges::copy(albedo.data().subspan(3 * in, 3), value.begin());
+    if (!is_finite(in)) value = mean_of_neighbours<3>(albedo, in, is_finite, 1.0f);
+    for (std::size_t c = 0; c < 3; ++c) rgba[4 * out + c] = std::clamp(value[c], 0.0f, 1.0f);
+    rgba[4 * out + 3] = 0.0f;
+  });
+}
+
+std::size_t pack_variance(const Frame& frame, const AovSet& used, std::span<const std::uint8_t> finite,
+                          const Tile& tile, std::span<float> pairs) {
+  const bool given = contains(used, Aov::variance);
+  const bool halves = contains(used, Aov::half_a) && contains(used, Aov::half_b);
+  std::size_t replaced = 0;
+  for_each_pixel(tile.target, frame.width(), [&](std::size_t in, std::size_t out) {
+    float variance = 0.0f;
+    if (given) {
+      const auto v = frame.image(Aov::variance).data().subspan(in * 3, 3);
+      variance = (v[0] + v[1] + v[2]) / 3.0f;
+    } else if (halves) {
+      const auto a = frame.image(Aov::half_a).data().subspan(in * 3, 3);
+      const auto b = frame.image(Aov::half_b).data().subspan(in * 3, 3);
+      for (int c = 0; c < 3; ++c) variance += (a[c] - b[c]) * (a[c] - b[c]) / 12.0f;
+    }
+    if (finite[in] && !(std::isfinite(variance) && variance >= 0.0f)) {
+      const float l = luminance(frame.image(Aov::beauty).data().subspan(in * 4, 4));
+      variance = l * l;
+      const int x = static_cast<int>(in % frame.width());
+      const int y = static_cast<int>(in / frame.width());
+      if (tile.core.contains(x, y)) ++replaced;
+    }
+    pairs[2 * out] = finite[in] ? std::min(variance, kLargestVariance) : 0.0f;
+    pairs[2 * out + 1] = finite[in];
+  });
+  return replaced;
+}
+
+float typical_depth(const Frame& frame, const AovSet& used) {
+  if (!contains(used, Aov::depth)) return 1.0f;
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (const float z : frame.image(Aov::depth).data()) {
+    if (!(z > 0.0f) || !std::isfinite(z)) continue;
+    sum += std::log(static_cast<double>(z));
+    ++count;
+  }
+  return count > 0 ? static_cast<float>(std::exp(sum / static_cast<double>(count))) : 1.0f;
+}
+
+void pack_features(const Frame& frame, const AovSet& used, float usual_depth, const Rect& rect,
+                   std::span<float> albedo_depth, std::span<float> normal) {
+  if (contains(used, Aov::albedo)) {
+    pack_albedo(frame.image(Aov::albedo), rect, albedo_depth);
+  } else {
+    std::ranges::fill(albedo_depth, 1.0f);
+  }
+  const bool has_depth = contains(used, Aov::depth);
+  const bool has_normal = contains(used, Aov::normal);
+  for_each_pixel(rect, frame.width(), [&](std::size_t in, std::size_t out) {
+    const auto n = normal.subspan(4 * out, 4);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float axis = has_normal ? frame.image(Aov::normal).data()[3 * in + c] : 0.0f;
+      n[c] = std::isfinite(axis) ? std::clamp(axis, -1.0f, 1.0f) : 0.0f;
+    }
+    n[3] = 0.0f;
+    const float z = has_depth ? frame.image(Aov::depth).data()[in] : 0.0f;
+    // Nothing hit is as far as can be; what is behind the eye or no number counts as near.
+    albedo_depth[4 * out + 3] = z == std::numeric_limits<float>::infinity() ? 2.0f
+                                : z > 0.0f                                  ? 2.0f / (1.0f + usual_depth / z)
+                                                                            : 0.0f;
+  });
+}
+
+int guide_planes(bool albedo, bool normal) {
+  return (albedo ? 1 : 0) + (normal ? 2 : 0);
+}
+
+void pack_guide(const Frame& frame, bool albedo, bool normal, const Rect& rect, std::span<float> planes) {
+  const auto count = static_cast<std::size_t>(rect.extent().elements());
+  assert(planes.size() == count * guide_planes(albedo, normal));
+  std::size_t plane = 0;
+  if (albedo) {
+    const auto values = frame.image(Aov::albedo).data();
+    for_each_pixel(rect, frame.width(), [&](std::size_t in, std::size_t out) {
+      const float l = luminance(values.subspan(3 * in, 3));
+      planes[out] = std::isfinite(l) ? std::clamp(l, 0.0f, 1.0f) : 0.0f;
+    });
+    ++plane;
+  }
+  if (normal) {
+    // Orthonormal axes across the diagonal (1,1,1): no two of the six axis directions look the same along
+    // them.
+    constexpr float half_root = 0.70710678f;
+    constexpr float sixth_root = 0.40824829f;
+    const auto values = frame.image(Aov::normal).data();
+    const auto u = planes.subspan(plane * count, count);
+    const auto v = planes.subspan((plane + 1) * count, count);
+    for_each_pixel(rect, frame.width(), [&](std::size_t in, std::size_t out) {
+      const auto n = values.subspan(3 * in, 3);
+      const bool finite = all_finite(n);
+      u[out] = finite ? std::clamp((n[0] - n[1]) * half_root, -1.0f, 1.0f) : 0.0f;
+      v[out] = finite ? std::clamp((n[0] + n[1] - 2.0f * n[2]) * sixth_root, -1.0f, 1.0f) : 0.0f;
+    });
+  }
+}
+
+void pack_motion(const Image& motion, const Rect& rect, float limit_px, std::span<float> pairs) {
+  assert(motion.channels() == 2 && pairs.size() == rect.extent().elements() * 2);
+  constexpr float none = 1e30f;  // kNoMotion of shaders/lib/motion.glsl
+  for_each_pixel(rect, motion.width(), [&](std::size_t in, std::size_t out) {
+    const auto pixel = motion.data().subspan(2 * in, 2);
+    const bool known = is_within(pixel, limit_px);
+    for (std::size_t c = 0; c < 2; ++c) pairs[2 * out + c] = known ? pixel[c] : none;
+  });
+}
+
+std::size_t count_far_motions(const Image& motion, float limit_px) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < motion.pixel_count(); ++i) {
+    const auto pixel = motion.data().subspan(2 * i, 2);
+    if (all_finite(pixel) && !is_within(pixel, limit_px)) ++count;
+  }
+  return count;
+}
+
+float exposure(const Image& beauty) {
+  const auto for_each_luminance = [&](const auto& use) {
+    for (std::size_t i = 0; i < beauty.pixel_count(); ++i) {
+      const float l = luminance(beauty.data().subspan(i * beauty.channels(), beauty.channels()));
+      if (l > 0.0f && std::isfinite(l)) use(static_cast<double>(l));
+    }
+  };
+  double mean = 0.0;
+  for_each_luminance([&](double l) { mean += l / static_cast<double>(beauty.pixel_count()); });
+  // Exponents and mantissas apart, so that radiance scaled by a power of two has exactly the scaled exposure.
+  std::int64_t exponents = 0;
+  double mantissas = 0.0;
+  std::int64_t count = 0;
+  for_each_luminance([&](double l) {
+    if (l < 1e-6 * mean) return;
+    int exponent = 0;
+    mantissas += std::log2(std::frexp(l, &exponent));
+    exponents += exponent;
+    ++count;
+  });
+  if (count == 0) return 1.0f;
+  std::int64_t whole = exponents / count;
+  if (whole * count > exponents) --whole;  // rounds down
+  const double rest =
+      (static_cast<double>(exponents - whole * count) + mantissas) / static_cast<double>(count);
+  const double typical = std::ldexp(std::exp2(rest), static_cast<int>(whole));
+  return static_cast<float>(std::clamp(1.0 / typical, 1.0 / kLargestExposure, kLargestExposure));
+}
+
+}  // namespace becalm::filter

@@ -1,0 +1,52 @@
+#include "filter/input/noisy_inputs.h"
+
+#include "filter/input/estimate_variance.h"
+#include "filter/input/host_images.h"
+
+namespace becalm::filter {
+
+using gpu::Format;
+
+NoisyInputs::NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent, NoisyUse use) {
+  own_color = color = chain.input("color.cur", Format::f32x4, extent);
+  exposure = chain.input("exposure", Format::f32, {1, 1});
+  given_variance_ = chain.input("variance.cur", Format::f32x2, extent);
+  const bool fits_albedo = !task.variance_known() && contains(task.used, Aov::albedo);
+  if (use == NoisyUse::smooth || fits_albedo || task.smooths_merged()) {
+    features = {.albedo_depth = chain.input("albedo_depth", Format::f32x4, extent),
+                .normal = chain.input("normal", Format::f32x4, extent)};
+    own_features = features;
+  }
+  if (task.merged) {
+    own_color = chain.input("own.color", Format::f32x4, extent);
+    own_features = {.albedo_depth = chain.input("own.albedo_depth", Format::f32x4, extent),
+                    .normal = chain.input("own.normal", Format::f32x4, extent)};
+  }
+  if (task.variance_known()) {
+    variance = given_variance_;
+  } else if (fits_albedo) {
+    variance = add_variance_estimate(chain, extent, color, given_variance_, *features);
+  } else {
+    variance = add_variance_estimate(chain, extent, color, given_variance_);
+  }
+}
+
+void NoisyInputs::upload(gpu::Chain& chain, const FilterTask& task, const NewFrame& frame, const Tile& tile,
+                         FrameReport& report) const {
+  pack_color(frame.frame.image(Aov::beauty), frame.finite, tile.target, chain.upload<float>(color));
+  report.replaced_variances +=
+      pack_variance(frame.frame, task.used, frame.finite, tile, chain.upload<float>(given_variance_));
+  chain.upload<float>(exposure)[0] = frame.exposure;
+  const auto upload_features = [&](const Frame& source, const SurfaceImages& target) {
+    pack_features(source, task.used, frame.usual_depth, tile.target, chain.upload<float>(target.albedo_depth),
+                  chain.upload<float>(target.normal));
+  };
+  if (features) upload_features(frame.frame, *features);
+  if (task.merged) {
+    pack_color(frame.own->frame.image(Aov::beauty), frame.finite, tile.target,
+               chain.upload<float>(own_color));
+    upload_features(frame.own->frame, *own_features);
+  }
+}
+
+}  // namespace becalm::filter

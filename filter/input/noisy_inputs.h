@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+
+#include "filter/estimate.h"
+#include "filter/gpu/chain.h"
+#include "filter/input/surface_images.h"
+#include "filter/report.h"
+#include "filter/task.h"
+#include "filter/tiles/tiles.h"
+
+namespace becalm::filter {
+
+/// What a noisy frame is an input of: smoothing looks at features.
+enum class NoisyUse { smooth, merge };
+
+/// A noisy frame, or a tile of it, as the input of a chain.
+class NoisyInputs {
+ public:
+  /// Declares the inputs and, for frames that come without variance, the pass that estimates it.
+  NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent, NoisyUse use);
+  /// Fills them with the target rectangle of a tile, and counts the variances that had to be replaced.
+  void upload(gpu::Chain& chain, const FilterTask& task, const NewFrame& frame, const Tile& tile,
+              FrameReport& report) const;
+
+  gpu::ImageId color;                     ///< f32x4: pixels that are not finite replaced
+  gpu::ImageId own_color;                 ///< of merged frames that of the frame itself, else the same
+  gpu::ImageId variance;                  ///< f32x2, as MergeInputs::variance
+  gpu::ImageId exposure;                  ///< f32, 1x1
+  std::optional<SurfaceImages> features;  ///< where something looks at them
+  /// Of merged frames the features of the frame itself, else the same.
+  std::optional<SurfaceImages> own_features;
+
+ private:
+  gpu::ImageId given_variance_;
+};
+
+}  // namespace becalm::filter

@@ -1,0 +1,140 @@
+#include "filter/merge/combine.h"
+
+#include <fmt/format.h>
+
+#include <string>
+
+#include "filter/merge/additive.h"
+#include "filter/merge/patch_sums.h"
+#include "filter/tiles/pixel_view.h"
+#include "shaders/shared/merge_params.h"
+
+namespace becalm::filter {
+
+using gpu::Extent;
+using gpu::Format;
+using gpu::ImageId;
+
+namespace {
+
+/// An estimate, or a tile of it, as the input of a chain.
+struct EstimateInputs {
+  EstimateInputs(gpu::Chain& chain, const FilterTask& task, Extent extent, const std::string& name)
+      : color(chain.input(name + ".color", Format::f32x4, extent)),
+        stats(chain.input(name + ".stats", Format::f32x2, extent)),
+        additive(additive_inputs(chain, task.carried(), extent, name + ".additive")) {}
+
+  void upload(gpu::Chain& chain, const Estimate& estimate, const Rect& rect) const {
+    filter::upload(chain, color, view(estimate.color), rect);
+    filter::upload(chain, stats, view(estimate.stats), rect);
+    upload_additive(chain, additive, estimate.additive, rect);
+  }
+
+  ImageId color;
+  ImageId stats;
+  std::vector<ImageId> additive;
+};
+
+}  // namespace
+
+Combined add_combine_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent extent,
+                            const CombineInputs& inputs) {
+  const params::ImageParams size{.width = extent.width, .height = extent.height};
+  const ImageId statistics = chain.image("combine.statistics", Format::f32x4, extent);
+  chain.pass("merge/combine_statistics")
+      .read("forward_color", inputs.forward_color)
+      .read("forward_stats", inputs.forward_stats)
+      .read("backward_color", inputs.backward_color)
+      .read("backward_stats", inputs.backward_stats)
+      .read("exposure", inputs.exposure)
+      .write("statistics", statistics)
+      .constants(size)
+      .dispatch(extent);
+  const ImageId sums = add_patch_sums(chain, settings.patch_radius, extent, statistics, "combine");
+  const bool has_additive = !inputs.forward_additive.empty();
+  Combined combined{chain.image("combined.color", Format::f32x4, extent),
+                    chain.image("combined.stats", Format::f32x2, extent)};
+  const ImageId weight =
+      chain.image("combine.weight", Format::f32, has_additive ? extent : gpu::Extent{1, 1});
+  chain.pass("merge/combine")
+      .read("forward_color", inputs.forward_color)
+      .read("forward_stats", inputs.forward_stats)
+      .read("backward_color", inputs.backward_color)
+      .read("backward_stats", inputs.backward_stats)
+      .read("statistics", statistics)
+      .read("statistics_sums", sums)
+      .write("color", combined.color)
+      .write("stats", combined.stats)
+      .write("weight_backward", weight)
+      .specialize("radius", settings.patch_radius)
+      .specialize("smoothed", settings.smooth == Smooth::none ? 0 : 1)
+      .specialize("writes_weight", has_additive ? 1 : 0)
+      .constants(size)
+      .dispatch(extent);
+  for (std::size_t i = 0; i < inputs.forward_additive.size(); ++i) {
+    combined.additive.push_back(chain.image(fmt::format("combined.additive.{}", i), Format::f32x4, extent));
+    chain.pass("merge/additive_combine")
+        .read("forward_color", inputs.forward_additive[i])
+        .read("backward_color", inputs.backward_additive[i])
+        .read("weight", weight)
+        .write("combined", combined.additive.back())
+        .constants(size)
+        .dispatch(extent);
+  }
+  return combined;
+}
+
+struct Combiner::Passes {
+  Passes(gpu::Device& device, const FilterTask& task, Extent extent)
+      : chain(device, "combine"),
+        exposure(chain.input("exposure", Format::f32, {1, 1})),
+        forward(chain, task, extent, "forward"),
+        prediction(chain, task, extent, "prediction"),
+        combined(add_combine_passes(chain, task.settings, extent,
+                                    {.exposure = exposure,
+                                     .forward_color = forward.color,
+                                     .forward_stats = forward.stats,
+                                     .backward_color = prediction.color,
+                                     .backward_stats = prediction.stats,
+                                     .forward_additive = forward.additive,
+                                     .backward_additive = prediction.additive})) {
+    chain.output(combined.color);
+    chain.output(combined.stats);
+    for (const ImageId image : combined.additive) chain.output(image);
+    chain.plan();
+  }
+
+  gpu::Chain chain;
+  ImageId exposure;
+  EstimateInputs forward;
+  EstimateInputs prediction;
+  Combined combined;
+};
+
+Combiner::Combiner(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit)
+    : task_(task), chain_(device, task, local_tile_rules(task.settings.patch_radius), memory_limit) {}
+
+Combiner::~Combiner() = default;
+
+Estimate Combiner::run(float exposure, const Estimate& forward, const Estimate& prediction,
+                       FrameReport& report) {
+  Estimate result(task_.full, task_.carried());
+  const auto upload = [&](Passes& passes, const Tile& tile) {
+    passes.chain.upload<float>(passes.exposure)[0] = exposure;
+    passes.forward.upload(passes.chain, forward, tile.target);
+    passes.prediction.upload(passes.chain, prediction, tile.target);
+  };
+  const auto download = [&](const Passes& passes, const Tile& tile) {
+    copy_core(passes.chain.download<float>(passes.combined.color), tile, result.color);
+    copy_core(passes.chain.download<float>(passes.combined.stats), tile, result.stats);
+    copy_core(download_additive(passes.chain, passes.combined.additive), tile, result.additive);
+  };
+  chain_.run(report, upload, download);
+  return result;
+}
+
+FilterMemory Combiner::memory() const {
+  return chain_.memory();
+}
+
+}  // namespace becalm::filter

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "filter/estimate.h"
+#include "filter/gpu/chain.h"
+#include "filter/tiles/local_chain.h"
+
+namespace becalm::filter {
+
+/// Two estimates of a frame: colours are f32x4, statistics f32x2 of (variance, effective sample count; a
+/// count of 0 where nothing is known).
+struct CombineInputs {
+  gpu::ImageId exposure;       ///< f32, 1x1
+  gpu::ImageId forward_color;  ///< from the frames before and the frame itself
+  gpu::ImageId forward_stats;
+  gpu::ImageId backward_color;  ///< from the frames after it alone
+  gpu::ImageId backward_stats;
+  std::vector<gpu::ImageId> forward_additive = {};  ///< additive AOVs, f32x4
+  std::vector<gpu::ImageId> backward_additive = {};
+};
+
+struct Combined {
+  gpu::ImageId color;
+  gpu::ImageId stats;
+  std::vector<gpu::ImageId> additive = {};
+};
+
+/// The fixed-interval smoother: both estimates of a frame, weighed by the inverse of their variances.
+Combined add_combine_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent extent,
+                            const CombineInputs& inputs);
+
+/// Combines what the frames up to one know of it with what the frames after it predict, tile by tile.
+class Combiner {
+ public:
+  /// Plans the largest tiles that take at most `memory_limit` bytes. Throws DeviceLimitError if not even the
+  /// smallest do.
+  Combiner(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit);
+  ~Combiner();
+
+  /// `forward` includes the frame, `prediction` does not; `exposure` is the frame's. Adds the device times to
+  /// the report.
+  Estimate run(float exposure, const Estimate& forward, const Estimate& prediction, FrameReport& report);
+  FilterMemory memory() const;
+
+ private:
+  struct Passes;
+  FilterTask task_;
+  LocalChain<Passes> chain_;
+};
+
+}  // namespace becalm::filter

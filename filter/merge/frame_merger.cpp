@@ -1,0 +1,347 @@
+#include "filter/merge/frame_merger.h"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "filter/ceil_div.h"
+#include "filter/input/host_images.h"
+#include "filter/merge/additive.h"
+#include "filter/merge/merge_chains.h"
+
+namespace becalm::filter {
+namespace {
+
+using gpu::Extent;
+
+/// The pixels of a level that cover a rectangle which begins at the level's multiples.
+Rect at_level(const Rect& rect, int px) {
+  return {rect.x / px, rect.y / px, ceil_div(rect.width, px), ceil_div(rect.height, px)};
+}
+
+/// Puts a tile's core where it belongs in those images of the frame that are wanted.
+void unpack(const MergedTile& pixels, const Tile& tile, int residual_px, MergedFrame& frame) {
+  copy_core(pixels.color, tile, frame.merged.color);
+  copy_core(pixels.stats, tile, frame.merged.stats);
+  copy_core(pixels.warped_color, tile, frame.prediction.color);
+  copy_core(pixels.warped_stats, tile, frame.prediction.stats);
+  copy_core(pixels.additive, tile, frame.merged.additive);
+  copy_core(pixels.warped_additive, tile, frame.prediction.additive);
+  copy_core(pixels.offset, tile, frame.flow);
+  copy_core(pixels.decision, tile, frame.decision);
+  const Rect& core = tile.core;
+  const int residual_width = ceil_div(tile.target.width, residual_px);
+  for (int y = core.y; y < core.y + core.height; ++y) {
+    std::size_t t =
+        static_cast<std::size_t>(y - tile.target.y) * tile.target.width + (core.x - tile.target.x);
+    for (int x = core.x; x < core.x + core.width; ++x, ++t) {
+      if (!frame.prediction.stats.empty()) {
+        float& variance = frame.prediction.stats.at(x, y, 0);
+        variance = std::min(variance + pixels.decision[4 * t + 1], kLargestVariance);
+      }
+      if (!frame.residual.empty()) {
+        const int column = (x - tile.target.x) / residual_px;
+        const int row = (y - tile.target.y) / residual_px;
+        frame.residual.at(x, y, 0) = pixels.residual[static_cast<std::size_t>(row) * residual_width + column];
+      }
+    }
+  }
+}
+
+}  // namespace
+
+struct FrameMerger::Chains {
+  /// Of a frame that is one tile.
+  Chains(gpu::Device& device, const FilterTask& task, const PyramidSplit& whole)
+      : split(whole), merge(device, task, split, task.full, task.full, /*is_whole_frame=*/true) {}
+
+  /// Of a frame that is cut into tiles like `tile`.
+  Chains(gpu::Device& device, const FilterTask& task, const PyramidSplit& cut, const Tile& tile)
+      : split(cut),
+        merge(device, task, split, tile.target.extent(), tile.source.extent(), /*is_whole_frame=*/false) {
+    const Extent target = tile.target.extent();
+    new_frame.emplace(device, task, split, FeatureChain::Of::new_frame, target);
+    history.emplace(device, task, split, FeatureChain::Of::history, target);
+    if (split.has_coarse()) coarse.emplace(device, task, split, new_frame->finest.planes);
+  }
+
+  template <class Use>
+  void for_each(const Use& use) {
+    if (new_frame) use(new_frame->chain);
+    if (history) use(history->chain);
+    if (coarse) use(coarse->chain);
+    use(merge.chain);
+  }
+
+  std::uint64_t device_bytes() {
+    std::uint64_t sum = 0;
+    for_each([&](const gpu::Chain& chain) { sum += chain.device_bytes(); });
+    return sum;
+  }
+
+  PyramidSplit split;
+  MergeChain merge;
+  std::optional<FeatureChain> new_frame;
+  std::optional<FeatureChain> history;
+  std::optional<CoarseChain> coarse;
+};
+
+struct FrameMerger::Host {
+  /// Images of a whole frame at one level of the pyramid, on the host.
+  struct Planes {
+    Planes() = default;
+    explicit Planes(Extent size) : extent(size), values(size.elements()) {}
+    PixelView<float> view() { return {values, extent}; }
+    PixelView<const float> view() const { return {values, extent}; }
+    PixelView<const float> first_planes(int planes) const {
+      const Extent part = extent.with_planes(planes);
+      return {std::span(values).first(part.elements()), part};
+    }
+
+    Extent extent;
+    std::vector<float> values;
+  };
+
+  /// What is matched of a whole frame.
+  struct Matched {
+    Planes finest;  ///< level 0
+    Planes coarse;  ///< level `coarse` of the split
+  };
+
+  Host(const FilterTask& task, const Chains& chains)
+      : history(task.full, task.carried()), next(task.full, task.carried()) {
+    const int planes = chains.new_frame->finest.planes;
+    for (Matched* made : {&history_features, &features}) {
+      made->finest = Planes(level_extent(task.settings, task.full, 0).with_planes(planes));
+      if (!chains.split.has_coarse()) continue;
+      made->coarse = Planes(level_extent(task.settings, task.full, chains.split.coarse).with_planes(planes));
+    }
+  }
+
+  Estimate history;
+  Estimate next;             ///< the history of the next frame in the making
+  Matched history_features;  ///< the guides are those of the frame before
+  Matched features;          ///< of the new frame
+};
+
+FrameMerger::FrameMerger(gpu::Device& device, FilterTask task, std::uint64_t memory_limit)
+    : task_(std::move(task)) {
+  if (!plan_whole_frame(device, memory_limit)) {
+    plan_tiles_of_frame(device, memory_limit);
+    host_ = std::make_unique<Host>(task_, *chains_);
+  }
+  chains_->for_each([](gpu::Chain& chain) { chain.build(); });
+  if (task_.demodulates_history()) {
+    albedo_ = previous_albedo_ = Image(task_.full.width, task_.full.height, 4);
+  }
+}
+
+FrameMerger::~FrameMerger() = default;
+
+bool FrameMerger::plan_whole_frame(gpu::Device& device, std::uint64_t memory_limit) {
+  const std::size_t levels = pyramid_extents(task_.settings, task_.full.width, task_.full.height).size();
+  try {
+    chains_ = std::make_unique<Chains>(device, task_, PyramidSplit{.levels = levels, .coarse = levels});
+  } catch (const gpu::DeviceLimitError&) {
+    return false;  // an image is too large for the device: those of tiles are smaller
+  }
+  tiles_ = {uncut(task_.full)};
+  return chains_->device_bytes() <= memory_limit;
+}
+
+void FrameMerger::plan_tiles_of_frame(gpu::Device& device, std::uint64_t memory_limit) {
+  const Settings& settings = task_.settings;
+  const Extent full = task_.full;
+  const std::size_t levels = pyramid_extents(settings, full.width, full.height).size();
+  std::uint64_t least_work = std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t least_bytes = std::numeric_limits<std::uint64_t>::max();
+  std::string reason;
+  tiles_.clear();
+  for (std::size_t coarse = 1; coarse <= levels; ++coarse) {
+    const PyramidSplit split{.levels = levels, .coarse = coarse};
+    TileRules rules = search_tile_rules(settings, device.info(), levels, coarse, merge_margin_px(settings));
+    if (contains(task_.used, Aov::motion)) rules.reach = reach_of_motion_px(settings, full, levels);
+    rules.reach += resample_margin_px(settings);
+    const TileRules feature_rules = local_tile_rules(feature_margin_px(settings), rules.core_grid);
+    std::unique_ptr<Chains> chains;
+    std::vector<Tile> feature_tiles;
+    const auto fits = [&](const Tile& tile) {
+      try {
+        chains = std::make_unique<Chains>(device, task_, split, tile);
+      } catch (const gpu::DeviceLimitError& error) {
+        if (reason.empty()) reason = error.what();
+        return false;
+      }
+      feature_tiles = cut_tiles(full, tile.target.extent(), feature_rules);
+      if (feature_tiles.empty()) {
+        if (reason.empty()) reason = "the prefilter reaches further than tiles have room for";
+        return false;
+      }
+      const std::uint64_t bytes = chains->device_bytes();
+      if (bytes < least_bytes) {
+        least_bytes = bytes;
+        reason = tiles_too_large(tile, bytes, memory_limit);
+      }
+      return bytes <= memory_limit;
+    };
+    std::vector<Tile> tiles = plan_tiles(full, rules, fits);
+    if (tiles.empty()) continue;
+    const std::uint64_t work = tiles.size() * tiles.front().target.extent().elements();
+    if (work >= least_work) continue;
+    least_work = work;
+    chains_ = std::move(chains);
+    feature_tiles_ = std::move(feature_tiles);
+    tiles_ = std::move(tiles);
+  }
+  if (tiles_.empty()) throw cannot_be_cut(full, reason);
+}
+
+void FrameMerger::merge(const NewFrame& frame, MergedFrame& merged, FrameReport& report) {
+  if (host_) {
+    for (const Tile& tile : feature_tiles_) find_features(tile, frame, report);
+    if (chains_->coarse) find_coarse_offsets(frame, report);
+  }
+  if (!albedo_.empty()) {
+    pack_albedo(frame.frame.image(Aov::albedo), bounds(task_.full), albedo_.data());
+  }
+  for (const Tile& tile : tiles_) merge_tile(tile, frame, merged, report);
+  std::swap(previous_albedo_, albedo_);
+  if (!host_) return;
+  std::swap(host_->history, host_->next);
+  std::swap(host_->history_features, host_->features);
+}
+
+void FrameMerger::find_features(const Tile& tile, const NewFrame& frame, FrameReport& report) {
+  const auto keep = [&](const FeatureChain& from, Host::Matched& to) {
+    const auto keep_level = [&](const Features& features, std::size_t level, Host::Planes& planes) {
+      const int px = level_px(task_.settings, level);
+      const Extent extent = level_extent(task_.settings, tile.target.extent(), level);
+      const Rect core = at_level(tile.core, px);
+      copy_rect({from.chain.download<float>(features.image), extent.with_planes(features.planes)},
+                within(core, at_level(tile.target, px)), planes.view(), core.x, core.y);
+    };
+    keep_level(from.finest, 0, to.finest);
+    if (from.coarse) keep_level(*from.coarse, chains_->split.coarse, to.coarse);
+    add_times(report, from.chain);
+  };
+  FeatureChain& new_frame = *chains_->new_frame;
+  if (task_.smooths()) {
+    upload(new_frame.chain, new_frame.color, view(frame.smoothed.color), tile.target);
+  } else {
+    pack_color(frame.frame.image(Aov::beauty), frame.finite, tile.target,
+               new_frame.chain.upload<float>(new_frame.color));
+  }
+  new_frame.chain.upload<float>(new_frame.exposure)[0] = frame.exposure;
+  if (new_frame.guide) {
+    pack_guide(frame.frame, task_.guides.albedo, task_.guides.normal, tile.target,
+               new_frame.chain.upload<float>(*new_frame.guide));
+  }
+  new_frame.chain.run();
+  keep(new_frame, host_->features);
+
+  FeatureChain& history = *chains_->history;
+  upload(history.chain, history.color, view(std::as_const(host_->history.color)), tile.target);
+  if (history.guide) {
+    upload(history.chain, *history.guide, host_->history_features.finest.first_planes(task_.guides.planes()),
+           at_level(tile.target, level_px(task_.settings, 0)));
+  }
+  history.chain.upload<float>(history.exposure)[0] = frame.exposure;
+  history.chain.run();
+  keep(history, host_->history_features);
+}
+
+void FrameMerger::find_coarse_offsets(const NewFrame& frame, FrameReport& report) {
+  CoarseChain& coarse = *chains_->coarse;
+  if (coarse.motion) {
+    pack_motion(frame.frame.image(Aov::motion), bounds(task_.full),
+                motion_limit_px(task_.settings, task_.full), coarse.chain.upload<float>(*coarse.motion));
+  }
+  std::ranges::copy(host_->features.coarse.values, coarse.chain.upload<float>(coarse.target.image).begin());
+  std::ranges::copy(host_->history_features.coarse.values,
+                    coarse.chain.upload<float>(coarse.source.image).begin());
+  coarse.chain.run();
+  add_times(report, coarse.chain);
+}
+
+void FrameMerger::upload_cut(const Tile& tile) {
+  MergeChain& merge = chains_->merge;
+  gpu::Chain& chain = merge.chain;
+  const MergeChain::Cut& cut = *merge.cut;
+  const auto origin = chain.upload<float>(cut.target_origin);
+  origin[0] = static_cast<float>(tile.target.x - tile.source.x);
+  origin[1] = static_cast<float>(tile.target.y - tile.source.y);
+  const int finest_px = level_px(task_.settings, 0);
+  upload(chain, cut.target.image, std::as_const(host_->features.finest).view(),
+         at_level(tile.target, finest_px));
+  upload(chain, cut.source.image, std::as_const(host_->history_features.finest).view(),
+         at_level(tile.source, finest_px));
+  if (cut.start) {
+    const CoarseChain& coarse = *chains_->coarse;
+    const std::size_t level = chains_->split.coarse;
+    upload(chain, *cut.start,
+           {coarse.chain.download<float>(coarse.offset), level_extent(task_.settings, task_.full, level), 2},
+           at_level(tile.target, level_px(task_.settings, level)));
+  }
+  upload(chain, merge.color.previous, view(std::as_const(host_->history.color)), tile.source);
+  upload(chain, merge.stats.previous, view(std::as_const(host_->history.stats)), tile.source);
+  for (std::size_t i = 0; i < merge.carried.size(); ++i) {
+    upload(chain, merge.carried[i].previous, view(std::as_const(host_->history.additive[i])), tile.source);
+  }
+}
+
+void FrameMerger::merge_tile(const Tile& tile, const NewFrame& frame, MergedFrame& merged,
+                             FrameReport& report) {
+  MergeChain& merge = chains_->merge;
+  gpu::Chain& chain = merge.chain;
+  merge.noisy.upload(chain, task_, frame, tile, report);
+  if (task_.smooths()) {
+    upload(chain, merge.smoothed_color, view(frame.smoothed.color), tile.target);
+    upload(chain, merge.smoothed_stats, view(frame.smoothed.stats), tile.target);
+  }
+  upload_additive(chain, merge.additive, frame.merged_additive(), tile.target);
+  if (merge.motion) {
+    pack_motion(frame.frame.image(Aov::motion), tile.target, motion_limit_px(task_.settings, task_.full),
+                chain.upload<float>(*merge.motion));
+  }
+  if (merge.guide) {
+    pack_guide(frame.frame, task_.guides.albedo, task_.guides.normal, tile.target,
+               chain.upload<float>(*merge.guide));
+  }
+  if (merge.albedo) {
+    upload(chain, merge.albedo->current, view(std::as_const(albedo_)), tile.target);
+    upload(chain, merge.albedo->previous, view(std::as_const(previous_albedo_)), tile.source);
+  }
+  if (host_) upload_cut(tile);
+  chain.run();
+  add_times(report, chain);
+
+  const MergedTile pixels = merge.download();
+  unpack(pixels, tile, level_px(task_.settings, 0), merged);
+  if (!host_) return;
+  copy_core(pixels.color, tile, host_->next.color);
+  copy_core(pixels.stats, tile, host_->next.stats);
+  copy_core(pixels.additive, tile, host_->next.additive);
+}
+
+void FrameMerger::reset() {
+  if (!host_) {
+    chains_->merge.chain.reset_history();
+    return;
+  }
+  const auto clear = [](Image& image) { std::ranges::fill(image.data(), 0.0f); };
+  clear(host_->history.color);
+  clear(host_->history.stats);
+  for (Image& image : host_->history.additive) clear(image);
+  std::ranges::fill(host_->history_features.finest.values, 0.0f);
+  std::ranges::fill(host_->history_features.coarse.values, 0.0f);
+}
+
+FilterMemory FrameMerger::memory() const {
+  FilterMemory memory{.tiles = tiles_.size(), .tile = tiles_.front().target.extent()};
+  chains_->for_each([&](const gpu::Chain& chain) { add_memory(memory, chain); });
+  return memory;
+}
+
+}  // namespace becalm::filter

@@ -1,0 +1,330 @@
+#include "filter/merge/merge.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "filter/input/estimate_variance.h"
+#include "filter/input/noisy_inputs.h"
+#include "filter/merge/patch_sums.h"
+#include "frame/error.h"
+#include "shaders/shared/merge_params.h"
+
+namespace becalm::filter {
+namespace {
+
+using gpu::Chain;
+using gpu::Extent;
+using gpu::Format;
+using gpu::ImageId;
+
+/// Radius of the spline's prefilter: its weights fall by 0.34 a pixel, to 2e-4 here.
+constexpr int kSplineRadius = 8;
+
+/// What the resampling filter's kernel is summed over: the history itself, or its spline coefficients.
+ImageId add_resample_taps(Chain& chain, const Settings& settings, Extent extent, ImageId history_color,
+                          const std::string& name) {
+  if (settings.resample != Resample::o_moms) return history_color;
+  const auto prefilter = [&](ImageId in, const std::string& out_name, bool along_y) {
+    const ImageId out = chain.image(out_name, Format::f32x4, extent);
+    chain.pass("merge/spline_prefilter")
+        .read("values", in)
+        .write("coefficients", out)
+        .specialize("radius", kSplineRadius)
+        .specialize("along_y", along_y ? 1 : 0)
+        .constants(params::ImageParams{.width = extent.width, .height = extent.height})
+        .dispatch(extent);
+    return out;
+  };
+  return prefilter(prefilter(history_color, name + ".spline.rows", false), name + ".spline", true);
+}
+
+/// The history with its radiance divided by the albedo that it was seen with.
+WarpInputs add_demodulate_passes(Chain& chain, Extent extent, WarpInputs history) {
+  const params::ImageParams params{.width = extent.width, .height = extent.height};
+  const ImageId irradiance = chain.image("history.irradiance", Format::f32x4, extent);
+  const ImageId stats = chain.image("history.irradiance.stats", Format::f32x2, extent);
+  chain.pass("merge/demodulate_history")
+      .read("color", history.color)
+      .read("stats", history.stats)
+      .read("albedo", history.albedo->previous)
+      .write("irradiance", irradiance)
+      .write("irradiance_stats", stats)
+      .constants(params)
+      .dispatch(extent);
+  history.color = irradiance;
+  history.stats = stats;
+  for (std::size_t i = 0; i < history.additive.size(); ++i) {
+    if (history.additive[i].kind == Carried::features) continue;
+    const ImageId demodulated =
+        chain.image(fmt::format("history.irradiance.additive.{}", i), Format::f32x4, extent);
+    chain.pass("merge/additive_demodulate")
+        .read("color", history.additive[i].image)
+        .read("albedo", history.albedo->previous)
+        .write("irradiance", demodulated)
+        .constants(params)
+        .dispatch(extent);
+    history.additive[i].image = demodulated;
+  }
+  return history;
+}
+
+/// What a history without its albedo is multiplied by where the target's pixels are.
+ImageId add_remodulation_pass(Chain& chain, Extent full, const params::WarpHistoryParams& params,
+                              const FramePair& albedo, const SourceWindow& window, ImageId offset) {
+  const ImageId factor = chain.image("history.factor", Format::f32x4, full);
+  chain.pass("merge/remodulation")
+      .read("offset", offset)
+      .read("albedo", albedo.current)
+      .read("history_albedo", albedo.previous)
+      .read("target_origin", window.target_origin)
+      .write("factor", factor)
+      .constants(params)
+      .dispatch(full);
+  return factor;
+}
+
+ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
+                          const WarpedHistory& warped) {
+  const ImageId difference = chain.image("difference", Format::f32x4, full);
+  const ImageId noise = chain.image("noise", Format::f32x4, full);
+  chain.pass("merge/statistics")
+      .read("color", inputs.color)
+      .read("variance", inputs.variance)
+      .read("warped_color", warped.color)
+      .read("warped_stats", warped.stats)
+      .read("exposure", inputs.noisy.exposure)
+      .write("difference", difference)
+      .write("noise", noise)
+      .constants(params::ImageParams{.width = full.width, .height = full.height})
+      .dispatch(full);
+  const ImageId difference_sums =
+      add_patch_sums(chain, settings.patch_radius, full, difference, "difference");
+  const ImageId noise_sums = add_patch_sums(chain, settings.patch_radius, full, noise, "noise");
+  const ImageId decision = chain.image("decision", Format::f32x4, full);
+  chain.pass("merge/variance_gain")
+      .read("color", inputs.color)
+      .read("variance", inputs.variance)
+      .read("warped_color", warped.color)
+      .read("warped_stats", warped.stats)
+      .read("exposure", inputs.noisy.exposure)
+      .read("difference", difference)
+      .read("noise", noise)
+      .read("difference_sums", difference_sums)
+      .read("noise_sums", noise_sums)
+      .write("merged_color", inputs.history_color.next)
+      .write("merged_stats", inputs.history_stats.next)
+      .write("decision", decision)
+      .specialize("radius", settings.patch_radius)
+      .specialize("smoothed", settings.smooth != Smooth::none ? 1 : 0)
+      .constants(params::ImageParams{.width = full.width, .height = full.height})
+      .dispatch(full);
+  return decision;
+}
+
+ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
+                      const WarpedHistory& warped, const Alignment& alignment) {
+  const Extent extent = level_extent(settings, full, 0);
+  const ImageId decision = chain.image("decision", Format::f32x4, full);
+  chain.pass("merge/mask_gain")
+      .read("color", inputs.color)
+      .read("variance", inputs.variance)
+      .read("warped_color", warped.color)
+      .read("warped_stats", warped.stats)
+      .read("residual", alignment.residual.front())
+      .write("merged_color", inputs.history_color.next)
+      .write("merged_stats", inputs.history_stats.next)
+      .write("decision", decision)
+      .constants(params::MaskGainParams{.width = full.width,
+                                        .height = full.height,
+                                        .residual_width = extent.width,
+                                        .residual_height = extent.height,
+                                        .residual_scale = static_cast<float>(level_px(settings, 0)),
+                                        .alpha = settings.mask_alpha,
+                                        .kappa = settings.mask_kappa,
+                                        .eta = settings.mask_eta})
+      .dispatch(full);
+  return decision;
+}
+
+/// Radius of the patches that noise is told from detail by.
+constexpr int kNoisePatchRadius = 3;
+
+/// A noisy layer with no more variance than differs from the history.
+ImageId add_known_noise(Chain& chain, Extent full, ImageId noisy, ImageId warped, ImageId warped_stats,
+                        ImageId exposure) {
+  const params::ImageParams params{.width = full.width, .height = full.height};
+  const ImageId statistics = chain.image("noise.repeated", Format::f32x4, full);
+  chain.pass("merge/repeated_noise")
+      .read("noisy", noisy)
+      .read("warped_noisy", warped)
+      .read("warped_stats", warped_stats)
+      .read("exposure", exposure)
+      .write("statistics", statistics)
+      .constants(params)
+      .dispatch(full);
+  const ImageId sums = add_patch_sums(chain, kNoisePatchRadius, full, statistics, "noise.repeated");
+  const ImageId known = chain.image("noisy.known", Format::f32x4, full);
+  chain.pass("merge/known_noise")
+      .read("noisy", noisy)
+      .read("statistics", statistics)
+      .read("statistics_sums", sums)
+      .write("known", known)
+      .specialize("radius", kNoisePatchRadius)
+      .constants(params)
+      .dispatch(full);
+  return known;
+}
+
+/// One image of the history where the target's pixels are, and the share of the sharp filter that it was read
+/// with.
+struct CarriedRead {
+  ImageId warped;
+  ImageId share;
+};
+
+/// Reads image `i` of what goes with the history. AOVs of light are read with the share given, others with
+/// one that keeps them within the range of the nearest pixels.
+CarriedRead add_carried_read(Chain& chain, const Settings& settings, Extent full,
+                             const params::WarpHistoryParams& params, const SourceWindow& window,
+                             ImageId offset, const WarpInputs& history, std::size_t i, ImageId factor,
+                             ImageId share) {
+  const CarriedImage& carried = history.additive[i];
+  const bool own_share = carried.kind != Carried::additive;
+  const bool demodulated = history.albedo && carried.kind != Carried::features;
+  const ImageId taps =
+      add_resample_taps(chain, settings, window.full, carried.image, fmt::format("history.additive.{}", i));
+  const CarriedRead made{
+      .warped = chain.image(fmt::format("warped.additive.{}", i), Format::f32x4, full),
+      .share = chain.image(fmt::format("warped.share.{}", i), Format::f32, own_share ? full : Extent{1, 1})};
+  chain.pass("merge/additive_warp")
+      .read("offset", offset)
+      .read("history_color", carried.image)
+      .read("resample_taps", taps)
+      .read("history_stats", history.stats)
+      .read("target_origin", window.target_origin)
+      .read("factor", factor)
+      .read("share", share)
+      .write("warped", made.warped)
+      .write("own_share", made.share)
+      .specialize("resample", static_cast<int>(settings.resample))
+      .specialize("demodulated", demodulated ? 1 : 0)
+      .specialize("in_range", own_share ? 1 : 0)
+      .constants(params)
+      .dispatch(full);
+  return made;
+}
+
+}  // namespace
+
+WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent full, const WarpInputs& radiance,
+                              ImageId offset) {
+  WarpedHistory warped{chain.image("warped.color", Format::f32x4, full),
+                       chain.image("warped.stats", Format::f32x2, full)};
+  const SourceWindow window =
+      radiance.window ? *radiance.window : add_same_window(chain, full, "origin.merge");
+  const WarpInputs history = radiance.albedo ? add_demodulate_passes(chain, window.full, radiance) : radiance;
+  const ImageId taps = add_resample_taps(chain, settings, window.full, history.color, "history");
+  const ImageId share =
+      chain.image("warped.share", Format::f32, history.additive.empty() ? Extent{1, 1} : full);
+  const params::WarpHistoryParams params{.width = full.width,
+                                         .height = full.height,
+                                         .history_width = window.full.width,
+                                         .history_height = window.full.height};
+  const ImageId factor = history.albedo
+                             ? add_remodulation_pass(chain, full, params, *history.albedo, window, offset)
+                             : history.color;
+  chain.pass("merge/warp_history")
+      .read("offset", offset)
+      .read("history_color", history.color)
+      .read("resample_taps", taps)
+      .read("history_stats", history.stats)
+      .read("target_origin", window.target_origin)
+      .read("factor", factor)
+      .write("warped_color", warped.color)
+      .write("warped_stats", warped.stats)
+      .write("share", share)
+      .specialize("resample", static_cast<int>(settings.resample))
+      .specialize("writes_share", history.additive.empty() ? 0 : 1)
+      .specialize("demodulated", history.albedo ? 1 : 0)
+      .constants(params)
+      .dispatch(full);
+  // AOVs of light add up to the noisy radiance, if that is carried, else to the colour: they share its read.
+  const auto noisy = std::ranges::find(history.additive, Carried::radiance, &CarriedImage::kind);
+  warped.additive.resize(history.additive.size());
+  ImageId share_of_light = share;
+  const auto read = [&](std::size_t i) {
+    const CarriedRead made =
+        add_carried_read(chain, settings, full, params, window, offset, history, i, factor, share_of_light);
+    warped.additive[i] = made.warped;
+    return made.share;
+  };
+  const auto first = static_cast<std::size_t>(noisy - history.additive.begin());
+  if (first < history.additive.size()) share_of_light = read(first);
+  for (std::size_t i = 0; i < history.additive.size(); ++i) {
+    if (i != first) read(i);
+  }
+  return warped;
+}
+
+std::vector<CarriedInput> add_noisy_layers(Chain& chain, Extent full, const NoisyInputs& noisy,
+                                           std::span<const gpu::History> history) {
+  const ImageId carried = chain.image("noisy.cur", Format::f32x4, full);
+  chain.pass("merge/carry")
+      .read("color", noisy.color)
+      .read("variance", noisy.variance)
+      .write("carried", carried)
+      .constants(params::ImageParams{.width = full.width, .height = full.height})
+      .dispatch(full);
+  return {{.color = carried, .history = history[0], .kind = Carried::radiance},
+          {.color = noisy.features->albedo_depth, .history = history[1], .kind = Carried::features},
+          {.color = noisy.features->normal, .history = history[2], .kind = Carried::features}};
+}
+
+int resample_margin_px(const Settings& settings) {
+  constexpr int taps = 2;
+  return taps + (settings.resample == Resample::o_moms ? kSplineRadius : 0);
+}
+
+int merge_margin_px(const Settings& settings) {
+  return kVarianceEstimateMargin + std::max(settings.merge == MergeMode::variance ? settings.patch_radius : 0,
+                                            settings.smooth == Smooth::merged ? kNoisePatchRadius : 0);
+}
+
+MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
+                              const Alignment& alignment) {
+  std::vector<CarriedImage> additive_history;
+  for (const CarriedInput& input : inputs.additive) {
+    additive_history.push_back({input.history.previous, input.kind});
+  }
+  WarpedHistory warped = add_warp_passes(chain, settings, full,
+                                         {.color = inputs.history_color.previous,
+                                          .stats = inputs.history_stats.previous,
+                                          .window = inputs.history_window,
+                                          .additive = std::move(additive_history),
+                                          .albedo = inputs.albedo},
+                                         alignment.offset);
+  const ImageId decision = settings.merge == MergeMode::variance
+                               ? add_variance_gain(chain, settings, full, inputs, warped)
+                               : add_mask_gain(chain, settings, full, inputs, warped, alignment);
+  for (std::size_t i = 0; i < inputs.additive.size(); ++i) {
+    const ImageId layer = inputs.additive[i].color;
+    const ImageId color =
+        inputs.additive[i].kind == Carried::radiance
+            ? add_known_noise(chain, full, layer, warped.additive[i], warped.stats, inputs.noisy.exposure)
+            : layer;
+    chain.pass("merge/additive_blend")
+        .read("color", color)
+        .read("warped_color", warped.additive[i])
+        .read("warped_stats", warped.stats)
+        .read("decision", decision)
+        .write("merged", inputs.additive[i].history.next)
+        .constants(params::ImageParams{.width = full.width, .height = full.height})
+        .dispatch(full);
+  }
+  return {warped.color, warped.stats, std::move(warped.additive), decision};
+}
+
+}  // namespace becalm::filter

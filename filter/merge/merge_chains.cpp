@@ -1,0 +1,213 @@
+#include "filter/merge/merge_chains.h"
+
+#include <fmt/format.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "filter/merge/additive.h"
+
+namespace becalm::filter {
+namespace {
+
+using gpu::Extent;
+using gpu::Format;
+
+Features feature_input(gpu::Chain& chain, const std::string& name, Extent extent, int planes) {
+  return {chain.input(name, Format::f32, extent.with_planes(planes)), planes};
+}
+
+/// Whether the levels from `coarse` on start from known motion, or those below it.
+bool coarse_takes_motion(const FilterTask& task, const PyramidSplit& split) {
+  return contains(task.used, Aov::motion) && task.settings.motion == MotionUse::guide &&
+         motion_level(split.levels) >= split.coarse;
+}
+
+}  // namespace
+
+FeatureChain::FeatureChain(gpu::Device& device, const FilterTask& task, const PyramidSplit& split, Of of,
+                           Extent part)
+    : chain(device, of == Of::history ? "features of the history" : "features of the frame") {
+  const Settings& settings = task.settings;
+  const std::string name = of == Of::history ? "source" : "target";
+  const int planes = task.guides.planes();
+  color = chain.input("color", Format::f32x4, part);
+  exposure = chain.input("exposure", Format::f32, {1, 1});
+  FeatureSources sources{.color = color, .exposure = exposure, .guide_features = {}, .guide_planes = planes};
+  if (planes > 0) {
+    const Extent matching = level_extent(settings, part, 0).with_planes(planes);
+    if (of == Of::history) {
+      guide = sources.guide_features = chain.input("guide.features", Format::f32, matching);
+    } else {
+      guide = chain.input("guide", Format::f32, part.with_planes(planes));
+      sources.guide_features = chain.image("guide.features", Format::f32, matching);
+      add_guide_passes(chain, settings, part, *guide, task.guides.weights, *sources.guide_features);
+    }
+  }
+  finest = add_feature_passes(chain, settings, part, name, sources);
+  chain.output(finest.image);
+  if (split.has_coarse()) {
+    coarse = add_pyramid(chain, settings, {.finest = 0, .end = split.coarse + 1}, part, finest, name).back();
+    chain.output(coarse->image);
+  }
+  chain.plan();
+}
+
+CoarseChain::CoarseChain(gpu::Device& device, const FilterTask& task, const PyramidSplit& split, int planes)
+    : chain(device, "coarse levels") {
+  const Extent extent = level_extent(task.settings, task.full, split.coarse);
+  target = feature_input(chain, "features.target", extent, planes);
+  source = feature_input(chain, "features.source", extent, planes);
+  if (coarse_takes_motion(task, split)) motion = chain.input("motion", Format::f32x2, task.full);
+  const SearchResult found = add_search_passes(chain, task.settings,
+                                               {.name = {},
+                                                .levels = {.finest = split.coarse, .end = split.levels},
+                                                .full = task.full,
+                                                .window = add_same_window(chain, task.full, "origin"),
+                                                .target = target,
+                                                .source = source,
+                                                .start = {},
+                                                .motion = motion});
+  offset = found.offset;
+  chain.output(offset);
+  chain.plan();
+}
+
+gpu::History MergeChain::history(const std::string& name, Format format, bool is_whole_frame, Extent target,
+                                 Extent source) {
+  if (is_whole_frame) return chain.history(name, format, target);
+  return {.previous = chain.input(name + ".prev", format, source),
+          .next = chain.image(name + ".next", format, target)};
+}
+
+MergeChain::Matched MergeChain::features_of_frame(const FilterTask& task, gpu::ImageId target_color) {
+  FeatureSources target{
+      .color = target_color, .exposure = noisy.exposure, .guide_features = {}, .guide_planes = 0};
+  FeatureSources source{
+      .color = color.previous, .exposure = noisy.exposure, .guide_features = {}, .guide_planes = 0};
+  if (const int planes = task.guides.planes(); planes > 0) {
+    guide = chain.input("guide.cur", Format::f32, task.full.with_planes(planes));
+    const gpu::History features = chain.history(
+        "guide.features", Format::f32, level_extent(task.settings, task.full, 0).with_planes(planes));
+    add_guide_passes(chain, task.settings, task.full, *guide, task.guides.weights, features.next);
+    target.guide_features = features.next;
+    source.guide_features = features.previous;
+    target.guide_planes = source.guide_planes = planes;
+  }
+  return {.target = add_feature_passes(chain, task.settings, task.full, "target", target),
+          .source = add_feature_passes(chain, task.settings, task.full, "source", source),
+          .window = add_same_window(chain, task.full, "origin")};
+}
+
+MergeChain::Matched MergeChain::features_of_tile(const FilterTask& task, const PyramidSplit& split,
+                                                 Extent target, Extent source) {
+  const int planes = task.guides.planes() + 1;
+  cut = Cut{
+      .target_origin = chain.input("target_origin", Format::f32x2, {1, 1}),
+      .target = feature_input(chain, "features.target.L0", level_extent(task.settings, target, 0), planes),
+      .source = feature_input(chain, "features.source.L0", level_extent(task.settings, source, 0), planes),
+      .start = {}};
+  if (split.has_coarse()) {
+    cut->start =
+        chain.input("offset.start", Format::f32x2, level_extent(task.settings, target, split.coarse));
+  }
+  return {.target = cut->target, .source = cut->source, .window = {source, cut->target_origin}};
+}
+
+MergeChain::MergeChain(gpu::Device& device, const FilterTask& task, const PyramidSplit& split, Extent target,
+                       Extent source, bool is_whole_frame)
+    : chain(device, "merge"), noisy(chain, task, target, NoisyUse::merge) {
+  const Settings& settings = task.settings;
+  gpu::ImageId new_color = noisy.color;
+  gpu::ImageId new_variance = noisy.variance;
+  if (task.smooths()) {
+    smoothed_color = new_color = chain.input("smoothed.color", Format::f32x4, target);
+    smoothed_stats = new_variance = chain.input("smoothed.stats", Format::f32x2, target);
+  }
+  color = history("history.color", Format::f32x4, is_whole_frame, target, source);
+  stats = history("history.stats", Format::f32x2, is_whole_frame, target, source);
+  if (contains(task.used, Aov::motion) && !coarse_takes_motion(task, split)) {
+    motion = chain.input("motion.cur", Format::f32x2, target);
+  }
+  const Matched matched =
+      is_whole_frame ? features_of_frame(task, new_color) : features_of_tile(task, split, target, source);
+  const bool guides = motion && settings.motion == MotionUse::guide;
+  const SearchResult found = add_search_passes(chain, settings,
+                                               {.name = {},
+                                                .levels = {.finest = 0, .end = split.coarse},
+                                                .full = target,
+                                                .window = matched.window,
+                                                .target = matched.target,
+                                                .source = matched.source,
+                                                .start = cut ? cut->start : std::nullopt,
+                                                .motion = guides ? motion : std::nullopt});
+  offset_ = add_upsample_pass(chain, settings, target, found.offset);
+  if (motion && settings.motion == MotionUse::override_offset) {
+    offset_ = add_override_pass(chain, target, offset_, *motion);
+  }
+  residual_ = found.residual.front();
+
+  if (task.demodulates_history()) {
+    albedo = {chain.input("albedo.cur", Format::f32x4, target),
+              chain.input("albedo.prev", Format::f32x4, source)};
+  }
+  additive = additive_inputs(chain, task.additive, target, "additive.cur");
+  for (std::size_t i = 0; i < task.carried(); ++i) {
+    carried.push_back(
+        history(fmt::format("history.additive.{}", i), Format::f32x4, is_whole_frame, target, source));
+  }
+  std::vector<CarriedInput> inputs;
+  for (std::size_t i = 0; i < additive.size(); ++i) inputs.push_back({additive[i], carried[i]});
+  if (task.smooths_merged()) {
+    const std::span<const gpu::History> layers = std::span(carried).subspan(additive.size());
+    for (const CarriedInput& layer : add_noisy_layers(chain, target, noisy, layers)) inputs.push_back(layer);
+  }
+  outputs_ = add_merge_passes(chain, settings, target,
+                              {.noisy = noisy,
+                               .color = new_color,
+                               .variance = new_variance,
+                               .history_color = color,
+                               .history_stats = stats,
+                               .history_window = matched.window,
+                               .additive = inputs,
+                               .albedo = albedo},
+                              {offset_, found.residual});
+  add_outputs(task);
+  chain.plan();
+}
+
+void MergeChain::add_outputs(const FilterTask& task) {
+  predicts_ = task.settings.directions == Directions::both;
+  wants_offset_ = contains(task.diagnostics, Aov::flow);
+  wants_residual_ = contains(task.diagnostics, Aov::residual);
+  chain.output(color.next);
+  chain.output(stats.next);
+  for (const gpu::History& image : carried) chain.output(image.next);
+  chain.output(outputs_.decision);
+  if (predicts_) {
+    chain.output(outputs_.warped_color);
+    chain.output(outputs_.warped_stats);
+    for (const gpu::ImageId image : outputs_.warped_additive) chain.output(image);
+  }
+  if (wants_offset_) chain.output(offset_);
+  if (wants_residual_) chain.output(residual_);
+}
+
+MergedTile MergeChain::download() const {
+  MergedTile tile;
+  tile.color = chain.download<float>(color.next);
+  tile.stats = chain.download<float>(stats.next);
+  for (const gpu::History& image : carried) tile.additive.push_back(chain.download<float>(image.next));
+  tile.decision = chain.download<float>(outputs_.decision);
+  if (predicts_) {
+    tile.warped_color = chain.download<float>(outputs_.warped_color);
+    tile.warped_stats = chain.download<float>(outputs_.warped_stats);
+    tile.warped_additive = download_additive(chain, outputs_.warped_additive);
+  }
+  if (wants_offset_) tile.offset = chain.download<float>(offset_);
+  if (wants_residual_) tile.residual = chain.download<float>(residual_);
+  return tile;
+}
+
+}  // namespace becalm::filter

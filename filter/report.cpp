@@ -1,0 +1,24 @@
+#include "filter/report.h"
+
+#include <algorithm>
+
+namespace becalm::filter {
+
+void add_times(FrameReport& report, const gpu::Chain& chain) {
+  for (const gpu::PassTime& pass : chain.times()) {
+    const auto same = std::ranges::find(report.passes, pass.name, &gpu::PassTime::name);
+    if (same == report.passes.end()) {
+      report.passes.push_back(pass);
+    } else {
+      same->milliseconds += pass.milliseconds;
+    }
+  }
+}
+
+void add_memory(FilterMemory& memory, const gpu::Chain& chain) {
+  memory.device_bytes += chain.device_bytes();
+  memory.device_bytes_unaliased += chain.device_bytes_unaliased();
+  memory.staging_bytes += chain.staging_bytes();
+}
+
+}  // namespace becalm::filter

@@ -1,0 +1,98 @@
+#include "filter/sequence/cuts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "filter/ceil_div.h"
+#include "filter/luminance.h"
+
+namespace becalm::filter {
+namespace {
+
+/// Cells along the longer side. No cell is smaller than kSmallestCell pixels, so that noise averages out of
+/// it.
+constexpr int kCells = 24;
+constexpr int kSmallestCell = 8;
+/// How far a cell may move from frame to frame: a twelfth of the image.
+constexpr int kReach = 2;
+/// Beyond these differences cells do not look alike.
+constexpr float kLuminanceDifference = 0.1f;
+constexpr float kAlbedoDifference = 0.1f;
+constexpr float kNormalDifference = 0.3f;
+/// The share of cells without a match that makes a cut; filter/README.md has the shares measured.
+constexpr double kCutByGuides = 0.15;
+constexpr double kCutByLuminance = 0.03;
+
+/// Sums of what is finite in a cell.
+struct CellMean {
+  void add(float value) {
+    if (!std::isfinite(value)) return;
+    sum += value;
+    ++count;
+  }
+  float mean() const { return count > 0 ? static_cast<float>(sum / count) : 0.0f; }
+
+  double sum = 0.0;
+  int count = 0;
+};
+
+/// The largest of the cells' differences, each relative to what still counts as alike.
+float difference(const ShotSignature::Cell& a, const ShotSignature::Cell& b, bool guides) {
+  if (!guides) return std::abs(a[0] - b[0]) / kLuminanceDifference;
+  const float normal = std::hypot(a[2] - b[2], a[3] - b[3], a[4] - b[4]);
+  return std::max(std::abs(a[1] - b[1]) / kAlbedoDifference, normal / kNormalDifference);
+}
+
+/// Share of the cells of `a` that look like no cell nearby in `b`.
+double unmatched(const ShotSignature& a, const ShotSignature& b) {
+  int count = 0;
+  for (int y = 0; y < a.rows; ++y) {
+    for (int x = 0; x < a.columns; ++x) {
+      const auto& cell = a.cells[static_cast<std::size_t>(y) * a.columns + x];
+      bool matched = false;
+      for (int v = std::max(y - kReach, 0); v <= std::min(y + kReach, a.rows - 1); ++v) {
+        for (int u = std::max(x - kReach, 0); u <= std::min(x + kReach, a.columns - 1); ++u) {
+          matched |= difference(cell, b.cells[static_cast<std::size_t>(v) * b.columns + u], a.guides) <= 1.0f;
+        }
+      }
+      count += matched ? 0 : 1;
+    }
+  }
+  return static_cast<double>(count) / static_cast<double>(a.cells.size());
+}
+
+}  // namespace
+
+ShotSignature shot_signature(const Frame& frame, const AovSet& used, float exposure) {
+  const int longer = std::max(frame.width(), frame.height());
+  const int cell_px = std::max(ceil_div(longer, kCells), kSmallestCell);
+  const bool albedo = contains(used, Aov::albedo) && frame.has(Aov::albedo);
+  const bool normal = contains(used, Aov::normal) && frame.has(Aov::normal);
+  ShotSignature signature{.columns = ceil_div(frame.width(), cell_px),
+                          .rows = ceil_div(frame.height(), cell_px),
+                          .guides = albedo || normal,
+                          .cells = {}};
+  std::vector<std::array<CellMean, 5>> means(static_cast<std::size_t>(signature.columns) * signature.rows);
+  for (int y = 0; y < frame.height(); ++y) {
+    for (int x = 0; x < frame.width(); ++x) {
+      auto& cell = means[static_cast<std::size_t>(y / cell_px) * signature.columns + x / cell_px];
+      const float light = std::max(luminance(frame.image(Aov::beauty).pixel(x, y)) * exposure, 0.0f);
+      cell[0].add(std::isinf(light) ? 1.0f : light / (1.0f + light));
+      if (albedo) cell[1].add(std::clamp(luminance(frame.image(Aov::albedo).pixel(x, y)), 0.0f, 1.0f));
+      for (int c = 0; normal && c < 3; ++c) cell[2 + c].add(frame.image(Aov::normal).at(x, y, c));
+    }
+  }
+  for (const auto& cell : means) {
+    auto& out = signature.cells.emplace_back();
+    std::ranges::transform(cell, out.begin(), [](const CellMean& mean) { return mean.mean(); });
+  }
+  return signature;
+}
+
+bool is_cut(const ShotSignature& a, const ShotSignature& b) {
+  const double share = std::max(unmatched(a, b), unmatched(b, a));
+  return share > (a.guides ? kCutByGuides : kCutByLuminance);
+}
+
+}  // namespace becalm::filter

@@ -1,0 +1,114 @@
+#include "filter/sequence/packed_estimate.h"
+
+#include <half.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+
+namespace becalm::filter {
+namespace {
+
+constexpr float kLargestError = 0x1p-10f;
+constexpr std::size_t kPixelsATask = 1 << 14;
+
+template <class Body>
+void for_pixels(std::size_t count, const Body& body) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kPixelsATask),
+                    [&](const tbb::blocked_range<std::size_t>& block) { body(block.begin(), block.end()); });
+}
+
+/// Variances as deviations, whose range is half as wide, or back.
+template <class Function>
+void apply_to_channel(Image& image, int channel, const Function& function) {
+  const std::size_t channels = static_cast<std::size_t>(image.channels());
+  for_pixels(image.pixel_count(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      float& value = image.data()[i * channels + static_cast<std::size_t>(channel)];
+      value = function(value);
+    }
+  });
+}
+
+float deviation(float variance) {
+  return std::sqrt(std::max(variance, 0.0f));
+}
+
+float squared(float value) {
+  return value * value;
+}
+
+/// Scales the colours of `image` as those of `whole` are scaled in `rounded`.
+void scale_as(const Image& whole, const Image& rounded, Image& image) {
+  for_pixels(image.pixel_count(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = 4 * begin; i < 4 * end; ++i) {
+      if (i % 4 != 3 && whole.data()[i] != 0.0f) image.data()[i] *= rounded.data()[i] / whole.data()[i];
+    }
+  });
+}
+
+}  // namespace
+
+HalfImage::HalfImage(const Image& image, const std::vector<float>& scale)
+    : width_(image.width()), height_(image.height()), scale_(scale), halves_(image.data().size()) {
+  std::mutex mutex;
+  for_pixels(image.pixel_count(), [&](std::size_t begin, std::size_t end) {
+    std::vector<std::pair<std::size_t, float>> missed;
+    for (std::size_t i = begin * scale_.size(); i < end * scale_.size(); ++i) {
+      const float value = image.data()[i];
+      const float of_channel = scale_[i % scale_.size()];
+      halves_[i] = imath_float_to_half(value * of_channel);
+      const float back = imath_half_to_float(halves_[i]) / of_channel;
+      if (!(std::abs(back - value) <= kLargestError * std::abs(value))) missed.emplace_back(i, value);
+    }
+    if (missed.empty()) return;
+    const std::scoped_lock lock(mutex);
+    exceptions_.insert(exceptions_.end(), missed.begin(), missed.end());
+  });
+}
+
+Image HalfImage::image() const {
+  Image image(width_, height_, static_cast<int>(scale_.size()));
+  for_pixels(image.pixel_count(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin * scale_.size(); i < end * scale_.size(); ++i) {
+      image.data()[i] = imath_half_to_float(halves_[i]) / scale_[i % scale_.size()];
+    }
+  });
+  for (const auto& [index, value] : exceptions_) image.data()[index] = value;
+  return image;
+}
+
+PackedEstimate::PackedEstimate(Estimate estimate, float exposure, std::size_t noisy_layers) {
+  std::vector<Image>& images = estimate.additive;
+  color_ = HalfImage(estimate.color, {exposure, exposure, exposure, 1.0f});
+  apply_to_channel(estimate.stats, 0, deviation);
+  stats_ = HalfImage(estimate.stats, {exposure, 1.0f});
+  const std::size_t additive = images.size() - noisy_layers;
+  for (std::size_t i = additive; i < images.size(); ++i) {
+    const bool is_radiance = i == additive;
+    if (is_radiance) apply_to_channel(images[i], 3, deviation);
+    noisy_layers_.emplace_back(images[i], std::vector<float>(4, is_radiance ? exposure : 1.0f));
+  }
+  if (additive == 0) return;
+  const Image& whole = noisy_layers > 0 ? images[additive] : estimate.color;
+  const Image rounded = (noisy_layers > 0 ? noisy_layers_.front() : color_).image();
+  for (std::size_t i = 0; i < additive; ++i) {
+    scale_as(whole, rounded, images[i]);
+    additive_.push_back(std::move(images[i]));
+  }
+}
+
+Estimate PackedEstimate::estimate() const {
+  Estimate estimate;
+  estimate.color = color_.image();
+  estimate.stats = stats_.image();
+  apply_to_channel(estimate.stats, 0, squared);
+  estimate.additive = additive_;
+  for (const HalfImage& layer : noisy_layers_) estimate.additive.push_back(layer.image());
+  if (!noisy_layers_.empty()) apply_to_channel(estimate.additive[additive_.size()], 3, squared);
+  return estimate;
+}
+
+}  // namespace becalm::filter

@@ -1,0 +1,253 @@
+#include "filter/sequence/sequence_filter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "filter/align/pyramid.h"
+#include "filter/input/frame_check.h"
+#include "filter/input/host_images.h"
+#include "filter/merge/additive.h"
+#include "filter/merge/combine.h"
+#include "filter/merge/frame_merger.h"
+#include "filter/sequence/alpha.h"
+#include "filter/sequence/cuts.h"
+#include "filter/sequence/packed_estimate.h"
+#include "filter/smooth/energy.h"
+#include "filter/smooth/frame_smoother.h"
+#include "filter/smooth/merged_smoother.h"
+
+namespace becalm::filter {
+namespace {
+
+/// Share of the device's memory that the filter may take: the driver and others need some, too.
+constexpr double kShareOfDevice = 0.9;
+
+/// Smoothing and combining may take one part in so many each; the rest is the merger's, which needs more.
+constexpr std::uint64_t kShareOfOthers = 4;
+
+/// 1 for each pixel that is written as it came: those that are not finite, and those that show nothing, into
+/// which smoothing would bring light that their alpha does not cover.
+std::vector<std::uint8_t> unfiltered_pixels(const NewFrame& frame) {
+  std::vector<std::uint8_t> pixels = empty_pixels(frame.frame.image(Aov::beauty));
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    if (!frame.finite[i]) pixels[i] = 1;
+  }
+  return pixels;
+}
+
+/// The estimate as a frame, with its additive AOVs and the diagnostics that are wanted.
+Frame output_frame(const NewFrame& frame, const FilterTask& task, MergedFrame made, Accumulated accumulated,
+                   FrameReport& report) {
+  const AovSet& diagnostics = task.diagnostics;
+  Frame result(frame.frame.number(), frame.frame.width(), frame.frame.height());
+  const std::span<const float> stats = made.merged.stats.data();
+  const Image& noisy = frame.frame.image(Aov::beauty);
+  const std::span<const float> beauty = noisy.data();
+  const std::span<float> color = made.merged.color.data();
+  const std::span<float> variance = result.add(Aov::variance).data();
+  const std::vector<std::uint8_t> as_they_came = unfiltered_pixels(frame);
+  pass_on_alpha(
+      noisy, task.settings.alpha != 0 ? noisy_alpha(noisy) : std::vector<std::uint8_t>(noisy.pixel_count()),
+      made.merged.color);
+  std::span<float> count;
+  if (contains(diagnostics, Aov::sample_count)) count = result.add(Aov::sample_count).data();
+  for (std::size_t i = 0; i < frame.finite.size(); ++i) {
+    if (as_they_came[i]) std::ranges::copy(beauty.subspan(4 * i, 4), color.begin() + 4 * i);
+    std::ranges::fill_n(variance.begin() + 3 * i, 3, stats[2 * i]);
+    if (!count.empty()) count[i] = stats[2 * i + 1];
+    report.mean_sample_count += stats[2 * i + 1];
+  }
+  report.mean_sample_count /= static_cast<double>(frame.finite.size());
+  result.image(Aov::beauty) = std::move(made.merged.color);
+  const auto add_decision = [&](Aov aov, std::size_t value) {
+    if (!contains(diagnostics, aov)) return;
+    const std::span<float> layer = result.add(aov).data();
+    for (std::size_t i = 0; i < layer.size(); ++i) layer[i] = made.decision.data()[4 * i + value];
+  };
+  add_decision(Aov::error_mask, 0);
+  add_decision(Aov::bias, 1);
+  for (float& bias : result.image(Aov::bias).data()) bias = std::sqrt(bias);
+  add_decision(Aov::gain, 2);
+  if (contains(diagnostics, Aov::residual)) result.image(Aov::residual) = std::move(made.residual);
+  if (contains(diagnostics, Aov::flow)) result.image(Aov::flow) = std::move(made.flow);
+  if (contains(diagnostics, Aov::accumulated)) {
+    result.image(Aov::accumulated) = std::move(accumulated.color);
+    result.image(Aov::accumulated_variance) = std::move(accumulated.variance);
+    result.image(Aov::accumulated_albedo) = std::move(accumulated.albedo);
+    result.image(Aov::accumulated_normal) = std::move(accumulated.normal);
+    result.image(Aov::accumulated_depth) = std::move(accumulated.depth);
+  }
+  unpack_additive(frame, task, made.merged.additive, as_they_came, result);
+  return result;
+}
+
+}  // namespace
+
+std::uint64_t usable_bytes(const gpu::Device& device) {
+  return static_cast<std::uint64_t>(kShareOfDevice * static_cast<double>(device.info().memory_bytes));
+}
+
+AovSet wanted_aovs(const Settings& settings) {
+  AovSet wanted;
+  const auto want = [&](Aov aov, bool needed) { wanted.set(static_cast<std::size_t>(aov), needed); };
+  const bool smooths = settings.smooth != Smooth::none;
+  want(Aov::albedo, smooths || settings.guides != 0 || settings.merge == MergeMode::variance);
+  want(Aov::normal, smooths || settings.guides != 0);
+  want(Aov::depth, smooths);
+  want(Aov::motion, settings.motion != MotionUse::none);
+  for (const Aov aov : {Aov::variance, Aov::half_a, Aov::half_b}) want(aov, true);
+  return wanted;
+}
+
+struct SequenceFilter::State {
+  Frame forward(const NewFrame& frame, FrameReport& report);
+
+  FilterTask task;
+  std::optional<FrameSmoother> smoother;
+  std::optional<MergedSmoother> merged_smoother;
+  std::optional<FrameMerger> merger;
+  std::optional<Combiner> combiner;
+  /// The frame smoothed by itself: as it was kept from an earlier step, or made now.
+  Estimate smoothed(const Step& step, const NewFrame& frame, FrameReport& report);
+
+  std::map<int, PackedEstimate> kept_smoothed;  ///< by frame number
+  std::map<int, PackedEstimate> predictions;
+  FindCuts find_cuts = FindCuts::no;
+  std::optional<ShotSignature> before;  ///< of the frame that the history ends with
+};
+
+SequenceFilter::SequenceFilter(gpu::Device& device, const Settings& settings, int width, int height,
+                               AovSet available, AovSet diagnostics, std::uint64_t memory_limit,
+                               FindCuts find_cuts, std::size_t light_groups)
+    : state_(std::make_unique<State>()) {
+  const bool has_additive = settings.additive != 0;
+  const AovSet used = available & (wanted_aovs(settings) | (has_additive ? additive_aovs() : AovSet()));
+  state_->find_cuts = find_cuts;
+  FilterTask& task = state_->task;
+  task = {.settings = settings,
+          .full = {width, height},
+          .used = used,
+          .diagnostics = diagnostics,
+          .guides = guides_of(settings, used),
+          .additive = has_additive ? (used & additive_aovs()).count() + light_groups : 0};
+  std::uint64_t left = std::min(memory_limit, usable_bytes(device));
+  if (task.smooths()) {
+    FilterTask task_of_frame = task;
+    if (task.smooths_merged()) task_of_frame.additive = 0;
+    state_->smoother.emplace(device, task_of_frame, left / kShareOfOthers);
+    left -= state_->smoother->memory().device_bytes;
+  }
+  if (task.smooths_merged()) {
+    state_->merged_smoother.emplace(device, task, left / kShareOfOthers);
+    left -= state_->merged_smoother->memory().device_bytes;
+  }
+  if (settings.directions == Directions::both) {
+    state_->combiner.emplace(device, task, left / kShareOfOthers);
+    left -= state_->combiner->memory().device_bytes;
+  }
+  state_->merger.emplace(device, task, left);
+}
+SequenceFilter::~SequenceFilter() = default;
+SequenceFilter::SequenceFilter(SequenceFilter&&) noexcept = default;
+
+std::optional<Frame> SequenceFilter::run(const Step& step, const Frame& frame, FrameReport& report) {
+  const FilterTask& task = state_->task;
+  check_frame(frame, task.full.width, task.full.height, task.used, "the frames before it");
+  const Image& beauty = frame.image(Aov::beauty);
+  NewFrame new_frame{.frame = frame,
+                     .finite = finite_pixels(beauty),
+                     .exposure = exposure(beauty),
+                     .usual_depth = typical_depth(frame, task.used),
+                     .additive = {}};
+  new_frame.additive = pack_additive(frame, task, new_frame.finite, report);
+  report.non_finite_pixels = static_cast<std::size_t>(std::ranges::count(new_frame.finite, 0));
+  if (contains(task.used, Aov::motion)) {
+    report.far_motions =
+        count_far_motions(frame.image(Aov::motion), motion_limit_px(task.settings, task.full));
+  }
+  if (step.new_history) reset();
+  if (state_->find_cuts == FindCuts::yes) {
+    ShotSignature signature = shot_signature(frame, task.used, new_frame.exposure);
+    report.new_shot = state_->before && is_cut(*state_->before, signature);
+    if (report.new_shot) reset();
+    state_->before = std::move(signature);
+  }
+  if (state_->smoother) new_frame.smoothed = state_->smoothed(step, new_frame, report);
+  if (step.wanted && step.direction == Direction::forward) return state_->forward(new_frame, report);
+  MergedFrame merged;
+  if (step.wanted) merged.prediction = Estimate(task.full, task.carried());
+  state_->merger->merge(new_frame, merged, report);
+  if (step.wanted) {
+    state_->predictions.insert_or_assign(
+        step.frame, PackedEstimate(std::move(merged.prediction), new_frame.exposure,
+                                   task.smooths_merged() ? FilterTask::kNoisyLayers : 0));
+  }
+  return std::nullopt;
+}
+
+Estimate SequenceFilter::State::smoothed(const Step& step, const NewFrame& frame, FrameReport& report) {
+  auto kept = kept_smoothed.extract(step.frame);
+  // Packed even if nobody needs it again: what comes out does not depend on which frames a job has met
+  // before.
+  PackedEstimate packed =
+      kept ? std::move(kept.mapped()) : PackedEstimate(smoother->smooth(frame, report), frame.exposure, 0);
+  Estimate result = packed.estimate();
+  if (step.again) kept_smoothed.insert_or_assign(step.frame, std::move(packed));
+  return result;
+}
+
+Frame SequenceFilter::State::forward(const NewFrame& frame, FrameReport& report) {
+  const gpu::Extent full = task.full;
+  MergedFrame merged;
+  merged.merged = Estimate(full, task.carried());
+  merged.decision = Image(full.width, full.height, 4);
+  if (contains(task.diagnostics, Aov::residual)) merged.residual = Image(full.width, full.height, 1);
+  if (contains(task.diagnostics, Aov::flow)) merged.flow = Image(full.width, full.height, 2);
+  merger->merge(frame, merged, report);
+  for (std::size_t i = 0; i < merged.decision.pixel_count(); ++i) {
+    report.mean_rejected += merged.decision.data()[4 * i];
+  }
+  report.mean_rejected /= static_cast<double>(full.elements());
+
+  if (const auto prediction = predictions.find(frame.frame.number()); prediction != predictions.end()) {
+    merged.merged = combiner->run(frame.exposure, merged.merged, prediction->second.estimate(), report);
+    predictions.erase(prediction);
+  }
+  Accumulated noisy;
+  if (merged_smoother) {
+    if (contains(task.diagnostics, Aov::accumulated)) noisy = accumulated(merged.merged);
+    merged.merged = merged_smoother->smooth(frame, std::move(merged.merged), report);
+  }
+  if (task.smooths()) restore_energy(frame, task, merged.merged);
+  return output_frame(frame, task, std::move(merged), std::move(noisy), report);
+}
+
+Denoised SequenceFilter::denoise(const Frame& frame) {
+  Denoised denoised;
+  denoised.frame = *run({.frame = frame.number()}, frame, denoised.report);
+  return denoised;
+}
+
+void SequenceFilter::reset() {
+  state_->merger->reset();
+  state_->before.reset();
+}
+
+FilterMemory SequenceFilter::memory() const {
+  FilterMemory memory = state_->merger->memory();
+  const auto add = [&](const FilterMemory& other) {
+    memory.device_bytes += other.device_bytes;
+    memory.device_bytes_unaliased += other.device_bytes_unaliased;
+    memory.staging_bytes += other.staging_bytes;
+  };
+  if (state_->smoother) add(state_->smoother->memory());
+  if (state_->merged_smoother) add(state_->merged_smoother->memory());
+  if (state_->combiner) add(state_->combiner->memory());
+  return memory;
+}
+
+}  // namespace becalm::filter

@@ -1,0 +1,83 @@
+#include "filter/smooth/frame_smoother.h"
+
+#include <vector>
+
+#include "filter/input/estimate_variance.h"
+#include "filter/input/host_images.h"
+#include "filter/input/noisy_inputs.h"
+#include "filter/merge/additive.h"
+#include "filter/smooth/energy.h"
+#include "filter/smooth/network.h"
+
+namespace becalm::filter {
+
+using gpu::Extent;
+using gpu::ImageId;
+
+namespace {
+
+/// How far from where it was noise is found after smoothing, for the energy of blocks.
+constexpr double kReachPx = 16.0;
+
+std::vector<Layered> layered(const std::vector<ImageId>& merged, const std::vector<ImageId>& own) {
+  std::vector<Layered> result;
+  for (std::size_t i = 0; i < merged.size(); ++i) result.push_back({merged[i], own[i]});
+  return result;
+}
+
+}  // namespace
+
+struct FrameSmoother::Passes {
+  Passes(gpu::Device& device, const FilterTask& task, Extent extent)
+      : chain(device, "smooth"),
+        noisy(chain, task, extent, NoisyUse::smooth),
+        additive(additive_inputs(chain, task.additive, extent, "additive.cur")),
+        own_additive(task.merged ? additive_inputs(chain, task.additive, extent, "additive.own") : additive),
+        network(chain, embedded_weights(), extent, noisy, task.variance_known(),
+                layered(additive, own_additive), convolver_of(device.info())) {
+    chain.output(network.smoothed().color);
+    chain.output(network.smoothed().stats);
+    for (const ImageId image : network.smoothed().additive) chain.output(image);
+    chain.plan();
+  }
+
+  gpu::Chain chain;
+  NoisyInputs noisy;
+  std::vector<ImageId> additive;
+  std::vector<ImageId> own_additive;  ///< of merged frames those of the frame itself, else the same
+  NetworkPasses network;
+};
+
+FrameSmoother::FrameSmoother(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit)
+    : task_(task),
+      chain_(device, task, local_tile_rules(network_margin_px() + kVarianceEstimateMargin, kNetworkGridPx),
+             memory_limit) {}
+
+FrameSmoother::~FrameSmoother() = default;
+
+Estimate FrameSmoother::smooth(const NewFrame& frame, FrameReport& report) {
+  Estimate result(task_.full, task_.additive);
+  FrameReport ignored;  // what is replaced is counted where the frame is merged
+  const auto upload = [&](Passes& passes, const Tile& tile) {
+    gpu::Chain& chain = passes.chain;
+    passes.noisy.upload(chain, task_, frame, tile, ignored);
+    passes.network.upload_weights(chain);
+    upload_additive(chain, passes.additive, frame.additive, tile.target);
+    if (task_.merged) upload_additive(chain, passes.own_additive, frame.own->additive, tile.target);
+  };
+  const auto download = [&](const Passes& passes, const Tile& tile) {
+    const Smoothed& smoothed = passes.network.smoothed();
+    copy_core(passes.chain.download<float>(smoothed.color), tile, result.color);
+    copy_core(passes.chain.download<float>(smoothed.stats), tile, result.stats);
+    copy_core(download_additive(passes.chain, smoothed.additive), tile, result.additive);
+  };
+  chain_.run(report, upload, download);
+  restore_energy(frame, task_, result, kReachPx);
+  return result;
+}
+
+FilterMemory FrameSmoother::memory() const {
+  return chain_.memory();
+}
+
+}  // namespace becalm::filter

@@ -1,0 +1,175 @@
+#include "filter/smooth/host_convolution.h"
+
+#include <array>
+#include <cassert>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include <dnnl.hpp>
+
+#include "filter/gpu/device.h"
+
+// Of libgomp, by which Debian's oneDNN makes its threads. Not from omp.h, which is each compiler's own.
+extern "C" void omp_set_num_threads(int threads);
+
+namespace becalm::filter {
+namespace {
+
+using dnnl::memory;
+using Dims = memory::dims;
+
+const dnnl::engine& processor() {
+  static const dnnl::engine engine(dnnl::engine::kind::cpu, 0);
+  return engine;
+}
+
+memory::desc rows_of(int channels, int rows, int width) {
+  return {Dims{1, channels, rows, width}, memory::data_type::f32, memory::format_tag::nhwc};
+}
+
+/// One oneDNN convolution, without padding, to a single row.
+class RowConvolution {
+ public:
+  /// `weight` as [output][input][row][column]. `bias` is empty for none; with one, the result is rectified.
+  /// `onto` adds to what is in the result.
+  RowConvolution(int inputs, int outputs, int side, int width, std::vector<float> weight,
+                 std::vector<float> bias, bool onto)
+      : source_(rows_of(inputs, side, width + side - 1)), result_(rows_of(outputs, 1, width)) {
+    const memory::desc any_weights(Dims{outputs, inputs, side, side}, memory::data_type::f32,
+                                   memory::format_tag::any);
+    const memory::desc biases(Dims{outputs}, memory::data_type::f32, memory::format_tag::x);
+    dnnl::post_ops after;
+    if (onto) after.append_sum();
+    if (!bias.empty()) after.append_eltwise(1.0f, dnnl::algorithm::eltwise_relu, 0.0f, 0.0f);
+    dnnl::primitive_attr attributes;
+    attributes.set_post_ops(after);
+    attributes.set_scratchpad_mode(dnnl::scratchpad_mode::user);  // the library's own is one for all threads
+    using Convolution = dnnl::convolution_forward;
+    const Dims ones{1, 1};
+    const Dims zeros{0, 0};
+    constexpr auto inference = dnnl::prop_kind::forward_inference;
+    constexpr auto direct = dnnl::algorithm::convolution_direct;
+    const auto declared =
+        bias.empty()
+            ? Convolution::desc(inference, direct, source_, any_weights, result_, ones, zeros, zeros)
+            : Convolution::desc(inference, direct, source_, any_weights, biases, result_, ones, zeros, zeros);
+    const Convolution::primitive_desc chosen(declared, attributes, processor());
+    primitive_ = Convolution(chosen);
+    scratch_ = chosen.scratchpad_desc();
+
+    dnnl::stream stream(processor());
+    memory as_given({Dims{outputs, inputs, side, side}, memory::data_type::f32, memory::format_tag::oihw},
+                    processor(), weight.data());
+    memory packed(chosen.weights_desc(), processor());
+    dnnl::reorder(as_given, packed).execute(stream, as_given, packed);
+    constants_.emplace(DNNL_ARG_WEIGHTS, packed);
+    if (!bias.empty()) {
+      memory values(biases, processor());
+      std::copy(bias.begin(), bias.end(), static_cast<float*>(values.get_data_handle()));
+      constants_.emplace(DNNL_ARG_BIAS, values);
+    }
+    stream.wait();
+  }
+
+  /// `source`: the first of its rows; `result`: its first pixel.
+  void run(const float* source, float* result) const {
+    thread_local std::vector<std::byte> scratch;
+    if (scratch.size() < scratch_.get_size()) scratch.resize(scratch_.get_size());
+    auto arguments = constants_;
+    arguments.emplace(DNNL_ARG_SRC, memory(source_, processor(), const_cast<float*>(source)));
+    arguments.emplace(DNNL_ARG_DST, memory(result_, processor(), result));
+    arguments.emplace(DNNL_ARG_SCRATCHPAD, memory(scratch_, processor(), scratch.data()));
+    dnnl::stream stream(processor());
+    primitive_.execute(stream, arguments);
+    stream.wait();
+  }
+
+ private:
+  memory::desc source_;
+  memory::desc result_;
+  memory::desc scratch_;
+  dnnl::primitive primitive_;
+  std::unordered_map<int, memory> constants_;
+};
+
+std::vector<float> direct_weights(const Layer& layer, int first_input) {
+  std::vector<float> values;
+  for (int o = 0; o < layer.outputs; ++o) {
+    for (int i = first_input; i < layer.inputs; ++i) {
+      for (int t = 0; t < 9; ++t) values.push_back(layer.at(o, i, t / 3, t % 3));
+    }
+  }
+  return values;
+}
+
+/// What stands for nine taps on an image of half the size. In framed images, pixels 2n and 2n + 1 of a row,
+/// and rows likewise, have all their taps in pixels n and n + 1 of half the size. `odd_row` is of the row
+/// made; pixels are made in pairs, whose outputs lie behind one another.
+std::vector<float> upsampled_weights(const Layer& layer, int inputs, int odd_row) {
+  std::vector<float> values;
+  for (int odd_column = 0; odd_column < 2; ++odd_column) {
+    for (int o = 0; o < layer.outputs; ++o) {
+      for (int i = 0; i < inputs; ++i) {
+        std::array<double, 4> sums{};
+        for (int row = 0; row < 3; ++row) {
+          for (int column = 0; column < 3; ++column) {
+            sums[2 * ((odd_row + row) / 2) + (odd_column + column) / 2] += layer.at(o, i, row, column);
+          }
+        }
+        values.insert(values.end(), sums.begin(), sums.end());
+      }
+    }
+  }
+  return values;
+}
+
+}  // namespace
+
+struct HostConvolution::Impl {
+  Impl(const Layer& layer, int upsampled_inputs, int width)
+      : direct(layer.inputs - upsampled_inputs, layer.outputs, 3, width,
+               direct_weights(layer, upsampled_inputs), layer.bias, upsampled_inputs > 0),
+        source_row((width + 2) * (layer.inputs - upsampled_inputs)),
+        coarse_row((width / 2 + 2) * upsampled_inputs),
+        outputs(layer.outputs) {
+    if (upsampled_inputs == 0) return;
+    assert(width % 2 == 0);
+    for (int odd_row = 0; odd_row < 2; ++odd_row) {
+      upsampled[odd_row].emplace(upsampled_inputs, 2 * layer.outputs, 2, width / 2 + 1,
+                                 upsampled_weights(layer, upsampled_inputs, odd_row), std::vector<float>(),
+                                 false);
+    }
+  }
+
+  RowConvolution direct;
+  std::array<std::optional<RowConvolution>, 2> upsampled;  // for even and odd framed rows; empty without
+  std::ptrdiff_t source_row;                               // floats of a framed row
+  std::ptrdiff_t coarse_row;
+  int outputs;
+};
+
+HostConvolution::HostConvolution(const Layer& layer, int upsampled_inputs, int width) {
+  // Rows are made by this program's threads, one each.
+  omp_set_num_threads(1);
+  try {
+    impl_ = std::make_unique<Impl>(layer, upsampled_inputs, width);
+  } catch (const dnnl::error& error) {
+    throw gpu::DeviceError(std::string("oneDNN: ") + error.what());
+  }
+}
+
+HostConvolution::~HostConvolution() = default;
+
+void HostConvolution::make_row(int y, const float* source, const float* coarse, float* result) const {
+  omp_set_num_threads(1);  // of the calling thread alone
+  const int framed_row = y + 1;
+  if (impl_->upsampled[0]) {
+    impl_->upsampled[framed_row % 2]->run(coarse + framed_row / 2 * impl_->coarse_row, result);
+  }
+  impl_->direct.run(source + y * impl_->source_row, result + impl_->outputs);
+}
+
+}  // namespace becalm::filter

@@ -1,0 +1,209 @@
+#include "filter/smooth/host_features.h"
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "filter/smooth/convolution.h"
+#include "filter/smooth/host_convolution.h"
+
+namespace becalm::filter {
+
+using gpu::Chain;
+using gpu::Extent;
+using gpu::Format;
+using gpu::ImageId;
+using HostImages = Chain::HostImages;
+
+namespace {
+
+constexpr int kRowsATask = 8;
+
+/// An image as HostConvolution reads it.
+struct Framed {
+  Framed(Chain& chain, const std::string& name, Extent size, int channels)
+      : size(size),
+        channels(channels),
+        image(chain.image(name, Format::f32, {(size.width + 2) * channels, size.height + 2})) {}
+
+  std::ptrdiff_t row_floats() const { return std::ptrdiff_t{size.width + 2} * channels; }
+
+  Extent size;
+  int channels;
+  ImageId image;
+};
+
+/// Row y of a framed image with one that has its pixels: repeats them at the ends, and the row where it is
+/// the image's first or last.
+void frame_row(const Framed& framed, int y, float* row) {
+  const std::ptrdiff_t floats = framed.row_floats();
+  float* const end = row + floats;
+  std::copy_n(row + framed.channels, framed.channels, row);
+  std::copy_n(end - 2 * framed.channels, framed.channels, end - framed.channels);
+  if (y == 0) std::copy(row, end, row - floats);
+  if (y == framed.size.height - 1) std::copy(row, end, end);
+}
+
+/// Row y of the planes of four channels that kernels read, from a framed row.
+void row_to_planes(const float* row, Extent size, int channels, int y, std::span<float> planes) {
+  for (int plane = 0; plane < channels / kPlane; ++plane) {
+    float* to = planes.data() + (std::ptrdiff_t{plane} * size.height + y) * size.width * kPlane;
+    const float* from = row + channels + plane * kPlane;
+    for (int x = 0; x < size.width; ++x) std::copy_n(from + x * channels, kPlane, to + x * kPlane);
+  }
+}
+
+void row_from_planes(std::span<const float> planes, Extent size, int channels, int y, float* row) {
+  for (int plane = 0; plane < channels / kPlane; ++plane) {
+    const float* from = planes.data() + (std::ptrdiff_t{plane} * size.height + y) * size.width * kPlane;
+    float* to = row + channels + plane * kPlane;
+    for (int x = 0; x < size.width; ++x) std::copy_n(from + x * kPlane, kPlane, to + x * channels);
+  }
+}
+
+/// The largest of each 2x2 pixels of a framed row and the next, to a framed row of half as many.
+void pool_rows(const float* row, const Framed& fine, float* pooled) {
+  const int channels = fine.channels;
+  const float* const next_row = row + fine.row_floats();
+  for (int x = 0; x < fine.size.width / 2; ++x) {
+    const std::ptrdiff_t from = std::ptrdiff_t{2 * x + 1} * channels;
+    for (int c = 0; c < channels; ++c) {
+      const float above = std::max(row[from + c], row[from + channels + c]);
+      const float below = std::max(next_row[from + c], next_row[from + channels + c]);
+      pooled[(x + 1) * channels + c] = std::max(above, below);
+    }
+  }
+}
+
+/// Calls make(first, end) for blocks of rows, by several threads.
+template <class Make>
+void for_rows(int rows, const Make& make) {
+  tbb::parallel_for(tbb::blocked_range<int>(0, rows, kRowsATask),
+                    [&](const tbb::blocked_range<int>& block) { make(block.begin(), block.end()); });
+}
+
+Framed add_inputs(Chain& chain, Extent size, ImageId inputs) {
+  const Framed framed(chain, "network.framed.inputs", size, kNetworkInputs);
+  chain.host_pass("smooth/host_frame").read(inputs).write(framed.image).run([=](const HostImages& images) {
+    const auto planes = images.read<float>(inputs);
+    float* const first = images.write<float>(framed.image).data() + framed.row_floats();
+    for_rows(size.height, [&](int begin, int end) {
+      for (int y = begin; y < end; ++y) {
+        float* const row = first + y * framed.row_floats();
+        row_from_planes(planes, size, kNetworkInputs, y, row);
+        frame_row(framed, y, row);
+      }
+    });
+  });
+  return framed;
+}
+
+struct HostLayer {
+  Layer layer;
+  Framed source;
+  std::optional<Framed> coarse;          ///< its channels come before the source's
+  std::variant<Framed, ImageId> result;  ///< framed, or planes
+};
+
+void add_layer(Chain& chain, const HostLayer& declared) {
+  const Extent size = declared.source.size;
+  auto pass = chain.host_pass("smooth/host_convolve");
+  pass.read(declared.source.image);
+  if (declared.coarse) pass.read(declared.coarse->image);
+  const Framed* const declared_frame = std::get_if<Framed>(&declared.result);
+  const ImageId result_image = declared_frame ? declared_frame->image : std::get<ImageId>(declared.result);
+  pass.write(result_image);
+  // The first run makes the convolution, so that chains that are only planned take no time.
+  pass.run([=, convolution = std::shared_ptr<const HostConvolution>()](const HostImages& images) mutable {
+    const auto& [layer, source, coarse, result] = declared;
+    if (!convolution) {
+      convolution = std::make_shared<const HostConvolution>(layer, coarse ? coarse->channels : 0, size.width);
+    }
+    const float* const from = images.read<float>(source.image).data();
+    const float* const half = coarse ? images.read<float>(coarse->image).data() : nullptr;
+    const std::span<float> to = images.write<float>(result_image);
+    const Framed* const framed = std::get_if<Framed>(&result);
+    const std::ptrdiff_t row_floats = std::ptrdiff_t{size.width + 2} * layer.outputs;
+    for_rows(size.height, [&](int begin, int end) {
+      std::vector<float> row(framed ? 0 : row_floats);
+      for (int y = begin; y < end; ++y) {
+        if (framed) {
+          float* const framed_row = to.data() + (y + 1) * row_floats;
+          convolution->make_row(y, from, half, framed_row);
+          frame_row(*framed, y, framed_row);
+        } else {
+          convolution->make_row(y, from, half, row.data());
+          row_to_planes(row.data(), size, layer.outputs, y, to);
+        }
+      }
+    });
+  });
+}
+
+Framed add_pool(Chain& chain, const std::string& name, const Framed& fine) {
+  const Extent size{fine.size.width / 2, fine.size.height / 2};
+  const Framed pooled(chain, name, size, fine.channels);
+  chain.host_pass("smooth/host_pool").read(fine.image).write(pooled.image).run([=](const HostImages& images) {
+    const float* const from = images.read<float>(fine.image).data() + fine.row_floats();
+    float* const to = images.write<float>(pooled.image).data() + pooled.row_floats();
+    for_rows(size.height, [&](int begin, int end) {
+      for (int y = begin; y < end; ++y) {
+        float* const row = to + y * pooled.row_floats();
+        pool_rows(from + 2 * y * fine.row_floats(), fine, row);
+        frame_row(pooled, y, row);
+      }
+    });
+  });
+  return pooled;
+}
+
+void add_planes(Chain& chain, const Framed& framed, ImageId planes) {
+  chain.host_pass("smooth/host_planes").read(framed.image).write(planes).run([=](const HostImages& images) {
+    const float* const first = images.read<float>(framed.image).data() + framed.row_floats();
+    const std::span<float> to = images.write<float>(planes);
+    for_rows(framed.size.height, [&](int begin, int end) {
+      for (int y = begin; y < end; ++y) {
+        row_to_planes(first + y * framed.row_floats(), framed.size, framed.channels, y, to);
+      }
+    });
+  });
+}
+
+}  // namespace
+
+std::array<ImageId, kScales> add_host_features(Chain& chain, const NetworkWeights& weights, Extent size,
+                                               ImageId inputs) {
+  std::array<ImageId, kScales> features;
+  const auto extent = [&](std::size_t scale) { return Extent{size.width >> scale, size.height >> scale}; };
+  for (std::size_t i = 0; i < kScales; ++i) {
+    features[i] = chain.image(fmt::format("network.features.L{}", i), Format::f32x4,
+                              extent(i).with_planes(weights.channels[i] / kPlane));
+  }
+  std::vector<Framed> framed;
+  for (std::size_t i = 0; i < kScales; ++i) {
+    const Framed source = i == 0
+                              ? add_inputs(chain, size, inputs)
+                              : add_pool(chain, fmt::format("network.framed.pooled.L{}", i), framed.back());
+    framed.emplace_back(chain, fmt::format("network.framed.encode.L{}", i), extent(i), weights.channels[i]);
+    add_layer(chain, {weights.encode[i], source, std::nullopt, framed.back()});
+  }
+  for (std::size_t i = kScales - 1; i-- > 0;) {
+    const Framed decoded(chain, fmt::format("network.framed.decode.L{}", i), extent(i), weights.channels[i]);
+    add_layer(chain, {weights.decode[i], framed[i], framed[i + 1], decoded});
+    framed[i] = decoded;
+  }
+  // Not as soon as they are made: until the last decoder has run, each would take its memory twice.
+  for (std::size_t i = 1; i < kScales; ++i) add_planes(chain, framed[i], features[i]);
+  add_layer(chain, {weights.finish, framed[0], std::nullopt, features[0]});
+  return features;
+}
+
+}  // namespace becalm::filter

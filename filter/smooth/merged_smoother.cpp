@@ -1,0 +1,77 @@
+#include "filter/smooth/merged_smoother.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace becalm::filter {
+namespace {
+
+FilterTask task_of_merged(FilterTask task) {
+  task.used.set(static_cast<std::size_t>(Aov::variance));
+  for (const Aov half : {Aov::half_a, Aov::half_b}) task.used.reset(static_cast<std::size_t>(half));
+  task.merged = true;
+  return task;
+}
+
+}  // namespace
+
+Accumulated accumulated(const Estimate& merged) {
+  const std::size_t count = merged.additive.size();
+  const Image& radiance = merged.additive[count - 3];
+  const Image& albedo_depth = merged.additive[count - 2];
+  const Image& normal = merged.additive[count - 1];
+  const int width = radiance.width();
+  const int height = radiance.height();
+  Accumulated result{.color = Image(width, height, 3),
+                     .variance = Image(width, height, 1),
+                     .albedo = Image(width, height, 3),
+                     .normal = Image(width, height, 3),
+                     .depth = Image(width, height, 1)};
+  const auto copy = [](const Image& layer, std::size_t pixel, Image& target) {
+    std::ranges::copy(layer.data().subspan(4 * pixel, 3), target.data().subspan(3 * pixel, 3).begin());
+  };
+  for (std::size_t i = 0; i < radiance.pixel_count(); ++i) {
+    copy(radiance, i, result.color);
+    copy(albedo_depth, i, result.albedo);
+    copy(normal, i, result.normal);
+    // A sharp filter that reads between the history's pixels may leave their range.
+    for (float& value : result.albedo.data().subspan(3 * i, 3)) value = std::clamp(value, 0.0f, 1.0f);
+    result.depth.data()[i] = std::clamp(albedo_depth.data()[4 * i + 3], 0.0f, 2.0f);
+    const float frames = std::max(merged.stats.data()[2 * i + 1], 1.0f);
+    result.variance.data()[i] = std::max(radiance.data()[4 * i + 3], 0.0f) / frames;
+  }
+  return result;
+}
+
+MergedSmoother::MergedSmoother(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit)
+    : task_(task_of_merged(task)), smoother_(device, task_, memory_limit) {}
+
+Estimate MergedSmoother::smooth(const NewFrame& frame, Estimate merged, FrameReport& report) {
+  Accumulated noisy = accumulated(merged);
+  Frame still(frame.frame.number(), frame.frame.width(), frame.frame.height());
+  Image& beauty = still.image(Aov::beauty) = std::move(merged.color);
+  Image& variance = still.add(Aov::variance);
+  for (std::size_t i = 0; i < beauty.pixel_count(); ++i) {
+    std::ranges::copy(noisy.color.data().subspan(3 * i, 3), beauty.data().subspan(4 * i, 3).begin());
+    std::ranges::fill_n(variance.data().begin() + 3 * i, 3, noisy.variance.data()[i]);
+    float& depth = noisy.depth.data()[i];
+    depth = frame.usual_depth * depth / (2.0f - depth);  // infinite where nothing was hit
+  }
+  if (contains(task_.used, Aov::albedo)) still.image(Aov::albedo) = std::move(noisy.albedo);
+  if (contains(task_.used, Aov::normal)) still.image(Aov::normal) = std::move(noisy.normal);
+  if (contains(task_.used, Aov::depth)) still.image(Aov::depth) = std::move(noisy.depth);
+  merged.additive.resize(task_.additive);
+  Estimate smoothed = smoother_.smooth({.frame = still,
+                                        .own = &frame,
+                                        .finite = frame.finite,
+                                        .exposure = frame.exposure,
+                                        .usual_depth = frame.usual_depth,
+                                        .additive = std::move(merged.additive)},
+                                       report);
+  for (std::size_t i = 0; i < beauty.pixel_count(); ++i) {
+    smoothed.stats.data()[2 * i + 1] = merged.stats.data()[2 * i + 1];
+  }
+  return smoothed;
+}
+
+}  // namespace becalm::filter

@@ -1,0 +1,291 @@
+#include "filter/smooth/network.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "filter/ceil_div.h"
+#include "filter/merge/patch_sums.h"
+#include "filter/smooth/convolution.h"
+#include "filter/smooth/host_features.h"
+#include "shaders/shared/convolve_params.h"
+#include "shaders/shared/network_params.h"
+
+namespace becalm::filter {
+
+using gpu::Chain;
+using gpu::Extent;
+using gpu::Format;
+using gpu::ImageId;
+
+namespace {
+
+/// Of the patch in which it is judged whether windows lost more than noise.
+constexpr int kLostRadius = 3;
+
+/// Weights of layers of 1x1, their outputs one behind another, as shaders/lib/head.glsl reads them.
+std::vector<float> pack_head(const std::vector<const Layer*>& layers) {
+  std::vector<float> values;
+  std::vector<float> biases;
+  for (const Layer* layer : layers) {
+    values.insert(values.end(), layer->weight.begin(), layer->weight.end());
+    biases.insert(biases.end(), layer->bias.begin(), layer->bias.end());
+  }
+  biases.resize(static_cast<std::size_t>(ceil_div(static_cast<int>(biases.size()), kPlane)) * kPlane);
+  values.insert(values.end(), biases.begin(), biases.end());
+  return values;
+}
+
+int padded_px(int size) {
+  return ceil_div(size, kNetworkGridPx) * kNetworkGridPx;
+}
+
+params::PaddedParams padded_params(Extent full, Extent padded) {
+  return {.width = full.width,
+          .height = full.height,
+          .padded_width = padded.width,
+          .padded_height = padded.height};
+}
+
+}  // namespace
+
+Extent NetworkPasses::extent(std::size_t scale) const {
+  return {padded_.width >> scale, padded_.height >> scale};
+}
+
+ImageId NetworkPasses::weights_image(Chain& chain, const std::string& name, std::vector<float> values) {
+  const ImageId image =
+      chain.input("weights." + name, Format::f32x4, {static_cast<int>(values.size()) / kPlane, 1});
+  weights_.emplace_back(image, std::move(values));
+  return image;
+}
+
+void NetworkPasses::upload_weights(Chain& chain) const {
+  for (const auto& [image, values] : weights_) std::ranges::copy(values, chain.upload<float>(image).begin());
+}
+
+NetworkPasses::NetworkPasses(Chain& chain, const NetworkWeights& weights, Extent full,
+                             const NoisyInputs& frame, bool variance_known,
+                             const std::vector<Layered>& additive, Convolver convolver)
+    : full_(full), padded_{padded_px(full.width), padded_px(full.height)} {
+  const Demodulated beauty = add_demodulate(chain, frame, "beauty", {frame.color, frame.own_color});
+  const ImageId inputs = add_inputs(chain, frame, beauty, variance_known);
+  features_ = convolver == Convolver::host ? add_host_features(chain, weights, padded_, inputs)
+                                           : add_features(chain, weights, inputs);
+  for (std::size_t i = 0; i < kScales; ++i) {
+    confidence_weights_[i] =
+        weights_image(chain, fmt::format("confidence.L{}", i), pack_head({&weights.confidence[i]}));
+    window_weights_[i] = weights_image(chain, fmt::format("window.L{}", i), pack_head({&weights.window[i]}));
+  }
+  finish_weights_ = weights_image(chain, "finish", pack_head({&weights.albedo, &weights.error}));
+
+  const ImageId color = chain.image("windows.color", Format::f32x4, full);
+  const ImageId stats = chain.image("windows.stats", Format::f32x2, full);
+  add_windows(chain, weights, frame, "beauty", beauty.irradiance, frame.color, color, stats);
+  const ImageId share = add_share(chain, frame, color, stats);
+  smoothed_.color = add_restore(chain, "smoothed.color", frame.color, color, share);
+  for (std::size_t i = 0; i < additive.size(); ++i) {
+    const std::string name = fmt::format("additive.{}", i);
+    const Layered irradiance = add_demodulate(chain, frame, name, additive[i]).irradiance;
+    const ImageId windows = chain.image("windows." + name, Format::f32x4, full);
+    add_windows(chain, weights, frame, name, irradiance, additive[i].merged, windows,
+                chain.image(name + ".stats", Format::f32x2, full));
+    smoothed_.additive.push_back(add_restore(chain, "smoothed." + name, additive[i].merged, windows, share));
+  }
+}
+
+NetworkPasses::Demodulated NetworkPasses::add_demodulate(Chain& chain, const NoisyInputs& frame,
+                                                         const std::string& name,
+                                                         const Layered& radiance) const {
+  const auto add = [&](const std::string& prefix, ImageId color, ImageId albedo_depth) {
+    const ImageId irradiance = chain.image(prefix + ".irradiance", Format::f32x4, padded_);
+    const ImageId grey = chain.image(prefix + ".grey", Format::f32, padded_);
+    chain.pass("smooth/demodulate")
+        .read("color", color)
+        .read("variance", frame.variance)
+        .read("albedo_depth", albedo_depth)
+        .read("exposure", frame.exposure)
+        .write("irradiance", irradiance)
+        .write("grey", grey)
+        .constants(padded_params(full_, padded_))
+        .dispatch(padded_);
+    return std::pair(irradiance, grey);
+  };
+  const auto [irradiance, grey] = add(name, radiance.merged, frame.features->albedo_depth);
+  if (radiance.own == radiance.merged) return {{irradiance, irradiance}, {grey, grey}};
+  const auto [own_irradiance, own_grey] = add("own." + name, radiance.own, frame.own_features->albedo_depth);
+  return {{irradiance, own_irradiance}, {grey, own_grey}};
+}
+
+ImageId NetworkPasses::add_inputs(Chain& chain, const NoisyInputs& frame, const Demodulated& demodulated,
+                                  bool variance_known) const {
+  const ImageId inputs =
+      chain.image("network.inputs", Format::f32x4, padded_.with_planes(kNetworkInputs / kPlane));
+  chain.pass("smooth/inputs")
+      .read("irradiance", demodulated.irradiance.merged)
+      .read("grey", demodulated.grey.merged)
+      .read("own_grey", demodulated.grey.own)
+      .read("variance", frame.variance)
+      .read("albedo_depth", frame.features->albedo_depth)
+      .read("normal", frame.features->normal)
+      .read("own_albedo_depth", frame.own_features->albedo_depth)
+      .read("own_normal", frame.own_features->normal)
+      .read("exposure", frame.exposure)
+      .write("inputs", inputs)
+      .specialize("variance_known", variance_known ? 1 : 0)
+      .constants(padded_params(full_, padded_))
+      .dispatch(padded_);
+  return inputs;
+}
+
+ImageId NetworkPasses::add_convolution(Chain& chain, const std::string& name, const Layer& layer,
+                                       std::size_t scale, ImageId source, const Coarse& coarse) {
+  const Convolution convolution(layer, coarse ? coarse->channels : 0);
+  const ImageId weights = weights_image(chain, name, convolution.weights());
+  return convolution.add_passes(chain, "network." + name, extent(scale), weights, source,
+                                coarse ? coarse->features : ImageId{});
+}
+
+NetworkPasses::Scales NetworkPasses::add_features(Chain& chain, const NetworkWeights& weights,
+                                                  ImageId inputs) {
+  Scales features;
+  for (std::size_t i = 0; i < kScales; ++i) {
+    ImageId source = inputs;
+    if (i > 0) {
+      const Extent fine = extent(i - 1);
+      const int planes = weights.channels[i - 1] / kPlane;
+      source =
+          chain.image(fmt::format("network.pooled.L{}", i), Format::f32x4, extent(i).with_planes(planes));
+      chain.pass("smooth/pool")
+          .read("fine", features[i - 1])
+          .write("coarse", source)
+          .constants(params::PoolParams{.width = fine.width, .height = fine.height})
+          .dispatch(extent(i).with_planes(planes));
+    }
+    features[i] = add_convolution(chain, fmt::format("encode.L{}", i), weights.encode[i], i, source, {});
+  }
+  for (std::size_t i = kScales - 1; i-- > 0;) {
+    features[i] = add_convolution(chain, fmt::format("decode.L{}", i), weights.decode[i], i, features[i],
+                                  CoarseFeatures{features[i + 1], weights.channels[i + 1]});
+  }
+  features[0] = add_convolution(chain, "finish.L0", weights.finish, 0, features[0], {});
+  return features;
+}
+
+void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, const NoisyInputs& frame,
+                                const std::string& name, const Layered& irradiance, ImageId color,
+                                ImageId smoothed, ImageId stats) const {
+  Scales counted;
+  Scales affinities;
+  const auto scale_params = [&](std::size_t i) {
+    return params::ScaleParams{.width = extent(i).width, .height = extent(i).height};
+  };
+  const auto planes = [&](std::size_t i) { return weights.channels[i] / kPlane; };
+  const ImageId own_counted = chain.image(name + ".own_counted", Format::f32x4, padded_);
+  for (std::size_t i = 0; i < kScales; ++i) {
+    counted[i] = chain.image(fmt::format("{}.counted.L{}", name, i), Format::f32x4, extent(i));
+    affinities[i] = chain.image(fmt::format("{}.affinities.L{}", name, i), Format::f32x4, extent(i));
+    auto pass = chain.pass(i == 0 ? "smooth/count" : "smooth/reduce");
+    if (i == 0) {
+      pass.read("irradiance", irradiance.merged)
+          .read("own_irradiance", irradiance.own)
+          .write("own_counted", own_counted);
+    } else {
+      pass.read("finer", counted[i - 1]);
+    }
+    pass.read("features", features_[i])
+        .read("weights", confidence_weights_[i])
+        .write("counted", counted[i])
+        .write("affinities", affinities[i])
+        .specialize("planes", planes(i))
+        .constants(scale_params(i))
+        .dispatch(extent(i));
+  }
+  ImageId result = counted.back();  // stands for the coarser result, which the coarsest scale does not read
+  for (std::size_t i = kScales; i-- > 0;) {
+    const ImageId coarse = result;
+    result = chain.image(fmt::format("{}.windows.L{}", name, i), Format::f32x4, extent(i));
+    chain.pass("smooth/mix")
+        .read("features", features_[i])
+        .read("weights", window_weights_[i])
+        .read("counted", counted[i])
+        .read("affinities", affinities[i])
+        .read("coarse", coarse)
+        .read("own_counted", i == 0 ? own_counted : counted[i])
+        .write("result", result)
+        .specialize("planes", planes(i))
+        .specialize("has_coarse", i + 1 < kScales ? 1 : 0)
+        .specialize("has_own", i == 0 ? 1 : 0)
+        .constants(scale_params(i))
+        .dispatch(extent(i));
+  }
+  chain.pass("smooth/finish")
+      .read("features", features_[0])
+      .read("weights", finish_weights_)
+      .read("affinities", affinities[0])
+      .read("irradiance", result)
+      .read("color", color)
+      .read("variance", frame.variance)
+      .read("albedo_depth", frame.features->albedo_depth)
+      .read("own_albedo_depth", frame.own_features->albedo_depth)
+      .read("exposure", frame.exposure)
+      .write("smoothed", smoothed)
+      .write("stats", stats)
+      .specialize("planes", planes(0))
+      .constants(padded_params(full_, padded_))
+      .dispatch(full_);
+}
+
+ImageId NetworkPasses::add_share(Chain& chain, const NoisyInputs& frame, ImageId color, ImageId stats) {
+  const params::ScaleParams params{.width = full_.width, .height = full_.height};
+  const ImageId lost = chain.image("network.lost", Format::f32x4, full_);
+  chain.pass("smooth/lost")
+      .read("color", frame.color)
+      .read("variance", frame.variance)
+      .read("smoothed", color)
+      .read("exposure", frame.exposure)
+      .write("lost", lost)
+      .constants(params)
+      .dispatch(full_);
+  const ImageId sums = add_patch_sums(chain, kLostRadius, full_, lost, "network.lost");
+  const ImageId share = chain.image("network.share", Format::f32, full_);
+  smoothed_.stats = chain.image("smoothed.stats", Format::f32x2, full_);
+  chain.pass("smooth/share")
+      .read("lost", lost)
+      .read("lost_sums", sums)
+      .read("variance", frame.variance)
+      .read("expected", stats)
+      .write("share", share)
+      .write("stats", smoothed_.stats)
+      .specialize("radius", kLostRadius)
+      .constants(params)
+      .dispatch(full_);
+  return share;
+}
+
+ImageId NetworkPasses::add_restore(Chain& chain, const std::string& name, ImageId color, ImageId smoothed,
+                                   ImageId share) const {
+  const ImageId restored = chain.image(name, Format::f32x4, full_);
+  chain.pass("smooth/restore")
+      .read("color", color)
+      .read("smoothed", smoothed)
+      .read("share", share)
+      .write("restored", restored)
+      .constants(params::ScaleParams{.width = full_.width, .height = full_.height})
+      .dispatch(full_);
+  return restored;
+}
+
+int network_margin_px() {
+  int convolutions = 2;           // the deviation's window
+  int windows = 2 + kLostRadius;  // the albedo's, and the patch that tells what was lost
+  for (std::size_t i = 0; i < kScales; ++i) {
+    const int pixel = 1 << i;
+    convolutions += 2 * pixel + (pixel - 1);  // encode and decode, and the pixels that share a coarser one
+    windows += 3 * pixel;                     // the window, and the coarser scale's neighbours
+  }
+  return convolutions + 1 + windows;
+}
+
+}  // namespace becalm::filter

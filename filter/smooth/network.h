@@ -1,0 +1,94 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "filter/gpu/chain.h"
+#include "filter/input/noisy_inputs.h"
+#include "filter/input/surface_images.h"
+#include "filter/smooth/weights.h"
+
+namespace becalm::filter {
+
+struct Smoothed {
+  gpu::ImageId color;                  ///< f32x4
+  gpu::ImageId stats;                  ///< f32x2: (variance left, 1; or 0 for a pixel that is not finite)
+  std::vector<gpu::ImageId> additive;  ///< f32x4
+};
+
+/// Radiance (f32x4) to be smoothed and, where that was merged, of the frame itself; else both are the same.
+struct Layered {
+  gpu::ImageId merged;
+  gpu::ImageId own;
+};
+
+/// Who makes the network's features: the kernels of shaders/smooth/, or oneDNN where the device is a
+/// processor.
+enum class Convolver { kernels, host };
+constexpr Convolver convolver_of(const gpu::DeviceInfo& device) {
+  return device.is_processor ? Convolver::host : Convolver::kernels;
+}
+
+/// The passes that smooth a frame by a network: it looks at the frame and its features and says, for each
+/// pixel of five scales, which pixels around it belong together; the radiance goes through those windows,
+/// from the coarsest scale to the finest. Weights are positive and sum to 1.
+class NetworkPasses {
+ public:
+  /// Declares the passes. Additive AOVs go through the beauty's windows.
+  NetworkPasses(gpu::Chain& chain, const NetworkWeights& weights, gpu::Extent full, const NoisyInputs& frame,
+                bool variance_known, const std::vector<Layered>& additive, Convolver convolver);
+  /// Fills the weights' images; once the chain is built.
+  void upload_weights(gpu::Chain& chain) const;
+
+  const Smoothed& smoothed() const { return smoothed_; }
+
+ private:
+  using Scales = std::array<gpu::ImageId, kScales>;
+  /// Features of the next coarser scale.
+  struct CoarseFeatures {
+    gpu::ImageId features;
+    int channels;
+  };
+  using Coarse = std::optional<CoarseFeatures>;
+
+  gpu::Extent extent(std::size_t scale) const;
+  gpu::ImageId weights_image(gpu::Chain& chain, const std::string& name, std::vector<float> values);
+  struct Demodulated {
+    Layered irradiance;  ///< f32x4
+    Layered grey;        ///< f32
+  };
+  /// Of the frame, or of an additive AOV.
+  Demodulated add_demodulate(gpu::Chain& chain, const NoisyInputs& frame, const std::string& name,
+                             const Layered& radiance) const;
+  gpu::ImageId add_inputs(gpu::Chain& chain, const NoisyInputs& frame, const Demodulated& demodulated,
+                          bool variance_known) const;
+  gpu::ImageId add_convolution(gpu::Chain& chain, const std::string& name, const Layer& layer,
+                               std::size_t scale, gpu::ImageId source, const Coarse& coarse);
+  Scales add_features(gpu::Chain& chain, const NetworkWeights& weights, gpu::ImageId inputs);
+  void add_windows(gpu::Chain& chain, const NetworkWeights& weights, const NoisyInputs& frame,
+                   const std::string& name, const Layered& irradiance, gpu::ImageId color,
+                   gpu::ImageId smoothed, gpu::ImageId stats) const;
+
+  /// The share of the frame that is put back, and the variance then left.
+  gpu::ImageId add_share(gpu::Chain& chain, const NoisyInputs& frame, gpu::ImageId color, gpu::ImageId stats);
+  gpu::ImageId add_restore(gpu::Chain& chain, const std::string& name, gpu::ImageId color,
+                           gpu::ImageId smoothed, gpu::ImageId share) const;
+
+  gpu::Extent full_;
+  gpu::Extent padded_;
+  std::vector<std::pair<gpu::ImageId, std::vector<float>>> weights_;
+  Scales features_;
+  Scales confidence_weights_;
+  Scales window_weights_;
+  gpu::ImageId finish_weights_;
+  Smoothed smoothed_;
+};
+
+/// How far from a pixel the passes read, in pixels, and the multiple at which rectangles have to begin.
+int network_margin_px();
+constexpr int kNetworkGridPx = 1 << (kScales - 1);
+
+}  // namespace becalm::filter

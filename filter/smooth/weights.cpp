@@ -1,0 +1,96 @@
+#include "filter/smooth/weights.h"
+
+#include <half.h>
+
+#include <cstdint>
+#include <cstring>
+#include <stdexcept>
+#include <string_view>
+
+extern "C" {
+extern const std::byte becalm_standard_weights[];
+extern const std::byte becalm_standard_weights_end[];
+}
+
+namespace becalm::filter {
+namespace {
+
+constexpr std::string_view kMagic = "becalmNW";
+
+class Reader {
+ public:
+  explicit Reader(std::span<const std::byte> file) : rest_(file) {}
+
+  template <class T>
+  T take() {
+    if (rest_.size() < sizeof(T)) throw std::invalid_argument("network weights: the file is too short");
+    T value;
+    std::memcpy(&value, rest_.data(), sizeof(T));
+    rest_ = rest_.subspan(sizeof(T));
+    return value;
+  }
+
+  std::vector<float> take_halves(std::size_t count) {
+    std::vector<float> values(count);
+    for (float& value : values) value = imath_half_to_float(take<std::uint16_t>());
+    return values;
+  }
+
+  Layer take_layer(int inputs, int outputs, int side) {
+    Layer layer{.inputs = inputs, .outputs = outputs, .side = side, .weight = {}, .bias = {}};
+    layer.weight = take_halves(static_cast<std::size_t>(outputs) * inputs * side * side);
+    layer.bias = take_halves(outputs);
+    return layer;
+  }
+
+  bool at_end() const { return rest_.empty(); }
+
+ private:
+  std::span<const std::byte> rest_;
+};
+
+}  // namespace
+
+NetworkWeights parse_weights(std::span<const std::byte> file) {
+  Reader reader(file);
+  for (const char c : kMagic) {
+    if (reader.take<char>() != c) throw std::invalid_argument("network weights: not a file of export.py");
+  }
+  if (reader.take<std::uint32_t>() != kNetworkInputs) {
+    throw std::invalid_argument("network weights: trained for other inputs");
+  }
+  NetworkWeights weights;
+  for (int& count : weights.channels) {
+    count = static_cast<int>(reader.take<std::uint32_t>());
+    if (count < 8 || count > 256 || count % 8 != 0) {
+      throw std::invalid_argument("network weights: channels come in eights, 8 to 256 of them");
+    }
+  }
+  const std::array<int, kScales>& c = weights.channels;
+  for (std::size_t i = 0; i < kScales; ++i) {
+    weights.encode[i] = reader.take_layer(i == 0 ? kNetworkInputs : c[i - 1], c[i], 3);
+  }
+  for (std::size_t i = 0; i + 1 < kScales; ++i) {
+    weights.decode[i] = reader.take_layer(c[i + 1] + c[i], c[i], 3);
+  }
+  weights.finish = reader.take_layer(c[0], c[0], 3);
+  for (std::size_t i = 0; i < kScales; ++i) {
+    const int coarse = i + 1 < kScales ? kCoarseTaps : 0;
+    const int own = i == 0 ? kOwnTaps : 0;
+    weights.window[i] = reader.take_layer(c[i], kWindowTaps + coarse + own, 1);
+  }
+  for (std::size_t i = 0; i < kScales; ++i) {
+    weights.confidence[i] = reader.take_layer(c[i], 1 + kAffinities + (i == 0 ? 1 : 0), 1);
+  }
+  weights.albedo = reader.take_layer(c[0], 2 * kWindowTaps, 1);
+  weights.error = reader.take_layer(c[0], 1, 1);
+  if (!reader.at_end()) throw std::invalid_argument("network weights: the file is too long");
+  return weights;
+}
+
+const NetworkWeights& embedded_weights() {
+  static const NetworkWeights weights = parse_weights({becalm_standard_weights, becalm_standard_weights_end});
+  return weights;
+}
+
+}  // namespace becalm::filter

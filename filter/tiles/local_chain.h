@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "filter/gpu/chain.h"
+#include "filter/report.h"
+#include "filter/task.h"
+#include "filter/tiles/tiles.h"
+
+namespace becalm::filter {
+
+/// A chain that keeps nothing from frame to frame and whose pixels depend on their surroundings alone, so
+/// that frames which the device cannot hold are cut into tiles, which the results do not show. `Passes`
+/// declares it for tiles of one size: it is made from (device, task, extent) and has a member `chain`.
+template <class Passes>
+class LocalChain {
+ public:
+  /// Builds the chain for the largest tiles that take at most `memory_limit` bytes. Throws DeviceLimitError
+  /// if not even the smallest do.
+  LocalChain(gpu::Device& device, const FilterTask& task, const TileRules& rules,
+             std::uint64_t memory_limit) {
+    std::string reason;
+    tiles_ = plan_tiles(task.full, rules, [&](const Tile& tile) {
+      try {
+        passes_ = std::make_unique<Passes>(device, task, tile.target.extent());
+      } catch (const gpu::DeviceLimitError& error) {
+        reason = error.what();
+        return false;
+      }
+      const std::uint64_t bytes = passes_->chain.device_bytes();
+      reason = tiles_too_large(tile, bytes, memory_limit);
+      return bytes <= memory_limit;
+    });
+    if (tiles_.empty()) throw cannot_be_cut(task.full, reason);
+    passes_->chain.build();
+  }
+
+  /// For each tile, `upload(passes, tile)` fills the inputs and `download(passes, tile)` takes what the chain
+  /// made of them. Adds the device times to the report.
+  template <class Upload, class Download>
+  void run(FrameReport& report, const Upload& upload, const Download& download) {
+    for (const Tile& tile : tiles_) {
+      upload(*passes_, tile);
+      passes_->chain.run();
+      add_times(report, passes_->chain);
+      download(*passes_, tile);
+    }
+  }
+
+  FilterMemory memory() const {
+    FilterMemory memory{.tiles = tiles_.size(), .tile = tiles_.front().target.extent()};
+    add_memory(memory, passes_->chain);
+    return memory;
+  }
+
+ private:
+  std::vector<Tile> tiles_;
+  std::unique_ptr<Passes> passes_;
+};
+
+}  // namespace becalm::filter

@@ -1,0 +1,64 @@
+// Reads what smooth/demodulate made of a frame, its variance, its features and, of a merged frame, the grey value and features
+// of the frame itself; writes the network's input channels: compressed radiance, albedo, normal, depth, told noise, the local
+// deviation of the grey value over 5x5 pixels, the frame's own albedo, normal, depth and grey value.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#include "lib/color.glsl"
+#include "lib/network.glsl"
+#include "lib/reflectance.glsl"
+#include "shared/network_params.h"
+
+layout(constant_id = 0) const int variance_known = 1;  // 0: nothing is known of the noise
+
+layout(local_size_x = 64, local_size_y = 1) in;
+layout(push_constant) uniform Params { PaddedParams p; };
+layout(set = 0, binding = 0) uniform samplerBuffer irradiance;
+layout(set = 0, binding = 1) uniform samplerBuffer grey;
+layout(set = 0, binding = 2) uniform samplerBuffer variance;
+layout(set = 0, binding = 3) uniform samplerBuffer albedo_depth;
+layout(set = 0, binding = 4) uniform samplerBuffer normal;
+layout(set = 0, binding = 5) uniform samplerBuffer exposure;
+layout(set = 0, binding = 6) uniform samplerBuffer own_albedo_depth;
+layout(set = 0, binding = 7) uniform samplerBuffer own_normal;
+layout(set = 0, binding = 8) uniform samplerBuffer own_grey;
+layout(std430, set = 0, binding = 9) writeonly buffer InputsBuffer { vec4 data[]; } inputs;
+
+void main() {
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  const ivec2 size = ivec2(p.padded_width, p.padded_height);
+  if (at.x >= size.x || at.y >= size.y) return;
+  const int index = at.y * size.x + at.x;
+  const float centre = texelFetch(grey, index).x;
+  // Differences to the pixel itself keep even surfaces at a deviation of exactly 0.
+  float sum = 0.0;
+  float squares = 0.0;
+  [[unroll]] for (int j = -2; j <= 2; ++j) {
+    [[unroll]] for (int i = -2; i <= 2; ++i) {
+      const ivec2 tap = clamp(at + ivec2(i, j), ivec2(0), size - 1);
+      const float d = texelFetch(grey, tap.y * size.x + tap.x).x - centre;
+      sum += d;
+      squares += d * d;
+    }
+  }
+  const float deviation = sqrt(max(squares / 25.0 - (sum / 25.0) * (sum / 25.0), 0.0));
+
+  const int from = min(at.y, p.height - 1) * p.width + min(at.x, p.width - 1);
+  const vec4 value = texelFetch(irradiance, index);
+  const vec4 features = texelFetch(albedo_depth, from);
+  const vec3 n = texelFetch(normal, from).xyz;
+  float noise = kNoiseUnknown;
+  if (variance_known != 0) {
+    const float exposed_deviation = sqrt(max(texelFetch(variance, from).x, 0.0)) * texelFetch(exposure, 0).x;
+    const float divisor = sqrt(variance_divisor_of(divisor_of(features.rgb)));
+    noise = told_noise(exposed_deviation / divisor, luminance(value.r, value.g, value.b));
+  }
+  const int pixels = size.x * size.y;
+  inputs.data[index] = vec4(compressed_radiance(value.r), compressed_radiance(value.g), compressed_radiance(value.b), features.r);
+  inputs.data[pixels + index] = vec4(features.g, features.b, n.x, n.y);
+  inputs.data[2 * pixels + index] = vec4(n.z, features.a, noise, deviation);
+  const vec4 own_features = texelFetch(own_albedo_depth, from);
+  const vec3 own_n = texelFetch(own_normal, from).xyz;
+  inputs.data[3 * pixels + index] = vec4(own_features.rgb, own_n.x);
+  inputs.data[4 * pixels + index] = vec4(own_n.yz, own_features.a, texelFetch(own_grey, index).x);
+}

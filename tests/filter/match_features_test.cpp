@@ -1,0 +1,192 @@
+#include "filter/align/match_features.h"
+
+#include <cmath>
+
+#include "filter/input/host_images.h"
+#include "tests/filter/device_fixture.h"
+#include "tests/filter/pattern.h"
+#include "tests/filter/reference/grid.h"
+
+namespace becalm::filter {
+namespace {
+
+constexpr int kWidth = 13;
+constexpr int kHeight = 7;
+
+class FeaturesTest : public DeviceTest {};
+class FeaturesAtResolution : public FeaturesTest, public testing::WithParamInterface<int> {};
+
+TEST_P(FeaturesAtResolution, AreCompressedLuminanceAndWeightedGuides) {
+  const int downsample = GetParam();
+  Settings settings = preset("final");
+  settings.match_downsample = downsample;
+  settings.prefilter = 0;
+  const gpu::Extent full{kWidth, kHeight};
+  gpu::Extent extent = pyramid_extents(settings, kWidth, kHeight).front();
+  extent.planes = 2;
+
+  gpu::Chain chain(device(), "features test");
+  const gpu::ImageId color = chain.input("color", gpu::Format::f32x4, full);
+  const gpu::ImageId exposure_image = chain.input("exposure", gpu::Format::f32, {1, 1});
+  const gpu::ImageId guide = chain.input("guide", gpu::Format::f32, {kWidth, kHeight, 2});
+  const gpu::ImageId guide_features = chain.image("guide.features", gpu::Format::f32, extent);
+  add_guide_passes(chain, settings, full, guide, {1.0f, 0.25f}, guide_features);
+  const Features features =
+      add_feature_passes(chain, settings, full, "target", {color, exposure_image, guide_features, 2});
+  ASSERT_EQ(features.planes, 3);
+  chain.output(features.image);
+  chain.build();
+
+  const auto value = [](int x, int y, unsigned plane) { return static_cast<float>(pattern(x, y, plane)); };
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const int i = y * kWidth + x;
+      std::ranges::fill_n(chain.upload<float>(color).begin() + 4 * i, 4, 3.0f * value(x, y, 0));
+      for (int plane = 0; plane < 2; ++plane) {
+        chain.upload<float>(guide)[plane * kWidth * kHeight + i] = value(x, y, 1 + plane);
+      }
+    }
+  }
+  chain.upload<float>(exposure_image)[0] = 2.0f;
+  chain.run();
+
+  const auto found = chain.download<float>(features.image);
+  for (int y = 0; y < extent.height; ++y) {
+    for (int x = 0; x < extent.width; ++x) {
+      std::array<double, 3> mean{};
+      int count = 0;
+      for (int v = y * downsample; v < std::min((y + 1) * downsample, kHeight); ++v) {
+        for (int u = x * downsample; u < std::min((x + 1) * downsample, kWidth); ++u) {
+          for (unsigned plane = 0; plane < 3; ++plane) mean[plane] += value(u, v, plane);
+          ++count;
+        }
+      }
+      const double exposed = 2.0 * 3.0 * mean[0] / count;
+      // Guides come first; the features' range is 16.
+      const std::array<double, 3> expected{16.0 * mean[1] / count, 16.0 * 0.25 * mean[2] / count,
+                                           16.0 * exposed / (1.0 + exposed)};
+      for (int plane = 0; plane < 3; ++plane) {
+        EXPECT_NEAR(found[(plane * extent.height + y) * extent.width + x], expected[plane], 1e-4)
+            << "plane " << plane << " pixel " << x << "," << y;
+      }
+    }
+  }
+}
+
+/// The prefilter as it is written down (Dammertz et al. 2010), in double: `steps` of a 5x5 B3 spline whose
+/// taps lie 1, 2, 4 ... px apart and count less the more their guides differ.
+reference::Grid<double> prefiltered(reference::Grid<double> image,
+                                    const std::vector<reference::Grid<double>>& guides, int steps) {
+  constexpr std::array<double, 5> spline{1 / 16.0, 1 / 4.0, 3 / 8.0, 1 / 4.0, 1 / 16.0};
+  for (int step = 0; step < steps; ++step) {
+    const auto before = image;
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 0; x < image.width; ++x) {
+        double sum = 0, weights = 0;
+        for (int j = 0; j < 5; ++j) {
+          for (int i = 0; i < 5; ++i) {
+            const int u = x + ((i - 2) << step), v = y + ((j - 2) << step);
+            double distance = 0;
+            for (const auto& guide : guides) distance += std::pow(guide.clamped(u, v) - guide.at(x, y), 2);
+            const double weight = spline[i] * spline[j] * std::exp(-distance / 2);
+            sum += weight * before.clamped(u, v);
+            weights += weight;
+          }
+        }
+        image.at(x, y) = sum / weights;
+      }
+    }
+  }
+  return image;
+}
+
+TEST_F(FeaturesTest, RadianceIsSmoothedAlongTheGuidesWithoutFireflies) {
+  {
+    Settings settings = preset("final");
+    settings.prefilter = 2;
+    const gpu::Extent full{kWidth, kHeight};
+    gpu::Chain chain(device(), "prefilter test");
+    const gpu::ImageId color = chain.input("color", gpu::Format::f32x4, full);
+    const gpu::ImageId exposure_image = chain.input("exposure", gpu::Format::f32, {1, 1});
+    const gpu::ImageId guides = chain.input("guides", gpu::Format::f32, {kWidth, kHeight, 2});
+    const Features features =
+        add_feature_passes(chain, settings, full, "target", {color, exposure_image, guides, 2});
+    chain.output(features.image);
+    chain.build();
+
+    reference::Grid<double> radiance(kWidth, kHeight);
+    std::vector<reference::Grid<double>> planes(2, radiance);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        const int i = y * kWidth + x;
+        const float value = static_cast<float>(0.5 + pattern(x, y, 0));
+        // A firefly in the middle counts as the mean of the four nearest.
+        const bool firefly = x == 6 && y == 3;
+        std::ranges::fill_n(chain.upload<float>(color).begin() + 4 * i, 4, firefly ? 1e6f : value);
+        radiance.at(x, y) =
+            firefly ? 0.25 * (2.0 + pattern(5, 3, 0) + pattern(7, 3, 0) + pattern(6, 2, 0) + pattern(6, 4, 0))
+                    : value;
+        for (int plane = 0; plane < 2; ++plane) {
+          const double guide =
+              plane == 0 ? (y == 5 ? 0.0 : 8.0 * (0.2 + 0.7 * pattern(x, y, 7))) : 3.0 * (x > 8);
+          planes[plane].at(x, y) = static_cast<float>(guide);
+          chain.upload<float>(guides)[plane * kWidth * kHeight + i] = static_cast<float>(guide);
+        }
+      }
+    }
+    chain.upload<float>(exposure_image)[0] = 1.0f;
+    chain.run();
+
+    const auto expected = prefiltered(radiance, planes, 2);
+    const auto found = chain.download<float>(features.image).subspan(2 * kWidth * kHeight);
+    for (std::size_t i = 0; i < expected.data.size(); ++i) {
+      EXPECT_NEAR(found[i], 16.0 * expected.data[i] / (1.0 + expected.data[i]), 1e-4)
+          << "pixel " << i % kWidth << "," << i / kWidth;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Downsample, FeaturesAtResolution, testing::Values(1, 2, 4));
+
+TEST(HostImages, ExposureBringsTheTypicalLuminanceToOne) {
+  Image image(4, 4, 4, 0.0f);
+  EXPECT_EQ(exposure(image), 1.0f) << "a black frame";
+  for (std::size_t i = 0; i < image.pixel_count(); ++i) {
+    std::ranges::fill(image.data().subspan(4 * i, 3), i % 2 ? 0.1f : 10.0f);
+  }
+  EXPECT_NEAR(exposure(image), 1.0f, 1e-5f) << "geometric mean";
+  image.at(0, 0, 1) = std::nanf("");
+  image.at(1, 0, 1) = INFINITY;
+  EXPECT_NEAR(exposure(image), 1.0f, 1e-5f) << "what is not finite does not count";
+  for (float& v : image.data()) v = 1e-30f;
+  EXPECT_TRUE(std::isfinite(exposure(image)));
+  EXPECT_GT(exposure(image), 1e10f);
+}
+
+TEST(HostImages, HolesAreFilledFromTheirNeighbours) {
+  Image image(3, 1, 4, 2.0f);
+  image.at(1, 0, 0) = std::nanf("");
+  image.at(2, 0, 3) = 4.0f;
+  std::vector<float> packed(12);
+  const auto finite = finite_pixels(image);
+  EXPECT_EQ(finite, (std::vector<std::uint8_t>{1, 0, 1}));
+  pack_color(image, finite, {0, 0, 3, 1}, packed);
+  EXPECT_EQ(packed[4], 2.0f);
+  EXPECT_EQ(packed[7], 3.0f);
+}
+
+TEST(HostImages, GuidesTellTheSixAxesApart) {
+  Frame frame(1, 6, 1);
+  Image& normal = frame.add(Aov::normal);
+  for (int axis = 0; axis < 6; ++axis) normal.at(axis, 0, axis / 2) = axis % 2 ? -1.0f : 1.0f;
+  std::vector<float> planes(12);
+  pack_guide(frame, false, true, {0, 0, 6, 1}, planes);
+  for (int a = 0; a < 6; ++a) {
+    for (int b = 0; b < a; ++b) {
+      EXPECT_GT(std::hypot(planes[a] - planes[b], planes[6 + a] - planes[6 + b]), 0.5f) << a << " and " << b;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace becalm::filter
