@@ -218,7 +218,7 @@ void add_bands(Chain& chain, const Settings& settings, const Level& level) {
 
 SourceWindow add_same_window(Chain& chain, Extent full, const std::string& name) {
   const ImageId origin = chain.image(name, Format::f32x2, {1, 1});
-  chain.pass("align/zero_offset").write("offset", origin).dispatch({1, 1});
+  chain.fill(origin, 0.0f);
   return {full, origin};
 }
 
@@ -238,7 +238,7 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
               static_cast<float>(settings.pyramid_factor)};
   } else {
     coarse = {chain.image(search.name + "offset.none", Format::f32x2, {1, 1}), {1, 1}, 1.0f};
-    chain.pass("align/zero_offset").write("offset", coarse.image).dispatch({1, 1});
+    chain.fill(coarse.image, 0.0f);
   }
   for (std::size_t l = end; l-- > finest;) {
     const Extent extent = level_extent(settings, search.full, l);

@@ -44,7 +44,7 @@ void add_radiance_feature(Chain& chain, const Settings& settings, Extent full, c
     std::tie(radiance, plane) = target_of(step);
     chain.pass("align/prefilter")
         .read("radiance", unfiltered)
-        .read("guides", sources.guide_planes > 0 ? *sources.guide_features : unfiltered)
+        .read("guides", sources.guide_features)
         .write("filtered", radiance)
         .specialize("guide_planes", sources.guide_planes)
         .constants(params::PrefilterParams{.width = extent.width,

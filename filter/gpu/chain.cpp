@@ -1,6 +1,7 @@
 #include "filter/gpu/chain.h"
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <limits>
 
@@ -18,7 +19,7 @@ Chain::Impl::~Impl() {
 }
 
 std::string Chain::Impl::label(std::size_t pass) const {
-  return label() + ": pass " + std::to_string(pass) + " '" + passes[pass].kernel_name + "'";
+  return label() + ": pass " + std::to_string(pass) + " '" + passes[pass].name + "'";
 }
 
 void Chain::Impl::require_declaring() const {
@@ -79,17 +80,26 @@ void Chain::output(ImageId image) {
 
 Chain::Pass Chain::pass(std::string_view kernel) {
   impl_->require_declaring();
-  impl_->passes.emplace_back().kernel_name = kernel;
+  impl_->passes.emplace_back().name = kernel;
   return {*this, impl_->passes.size() - 1};
 }
 
 Chain::HostPass Chain::host_pass(std::string name) {
   impl_->require_declaring();
   PassDeclaration& pass = impl_->passes.emplace_back();
-  pass.kernel_name = std::move(name);
-  pass.is_host = true;
+  pass.name = std::move(name);
+  pass.kind = PassKind::host;
   impl_->has_host_passes = true;
   return {*this, impl_->passes.size() - 1};
+}
+
+void Chain::fill(ImageId image, float value) {
+  impl_->require_declaring();
+  PassDeclaration& pass = impl_->passes.emplace_back();
+  pass.name = "fill";
+  pass.kind = PassKind::fill;
+  pass.fill_bits = std::bit_cast<std::uint32_t>(value);
+  pass.uses.push_back({"", image.index, Access::write});
 }
 
 Chain::HostPass& Chain::HostPass::read(ImageId image) {
@@ -120,14 +130,22 @@ const DeviceInfo& Chain::device() const {
   return impl_->device.info;
 }
 
-Chain::Pass& Chain::Pass::read(std::string_view binding, ImageId image) {
-  chain_.impl_->passes[index_].uses.push_back({std::string(binding), image.index, Access::read});
+Chain::Pass& Chain::Pass::use(std::string_view binding, std::optional<ImageId> image, bool writes) {
+  PassDeclaration& pass = chain_.impl_->passes[index_];
+  if (image) {
+    pass.uses.push_back({std::string(binding), image->index, writes ? Access::write : Access::read});
+  } else {
+    pass.absent.emplace_back(binding);
+  }
   return *this;
 }
 
-Chain::Pass& Chain::Pass::write(std::string_view binding, ImageId image) {
-  chain_.impl_->passes[index_].uses.push_back({std::string(binding), image.index, Access::write});
-  return *this;
+Chain::Pass& Chain::Pass::read(std::string_view binding, std::optional<ImageId> image) {
+  return use(binding, image, /*writes=*/false);
+}
+
+Chain::Pass& Chain::Pass::write(std::string_view binding, std::optional<ImageId> image) {
+  return use(binding, image, /*writes=*/true);
 }
 
 Chain::Pass& Chain::Pass::read_write(std::string_view binding, ImageId image) {
@@ -170,6 +188,7 @@ void Chain::build() {
     s.allocate();
     s.create_staging();
     s.create_pipelines();
+    s.create_nothing();
     s.create_descriptor_sets();
     s.record_all();
   });
@@ -223,7 +242,8 @@ void Chain::Impl::run_segments() {
     times[pass].milliseconds = elapsed.count();
   }
   for (std::size_t i = 0; i < passes.size(); ++i) {
-    if (!passes[i].is_host) times[i].milliseconds = timer->milliseconds(static_cast<std::uint32_t>(i));
+    if (passes[i].kind != PassKind::host)
+      times[i].milliseconds = timer->milliseconds(static_cast<std::uint32_t>(i));
   }
 }
 

@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -53,8 +54,9 @@ class Chain {
   /// One pass being declared; `dispatch` completes it.
   class Pass {
    public:
-    Pass& read(std::string_view binding, ImageId image);
-    Pass& write(std::string_view binding, ImageId image);
+    /// Without an image the kernel, as it is specialized, must not touch the binding.
+    Pass& read(std::string_view binding, std::optional<ImageId> image);
+    Pass& write(std::string_view binding, std::optional<ImageId> image);
     /// A binding the kernel both reads and writes.
     Pass& read_write(std::string_view binding, ImageId image);
     /// Push constants: a plain struct of shaders/shared/, 4-byte scalars only.
@@ -71,6 +73,7 @@ class Chain {
    private:
     friend class Chain;
     Pass(Chain& chain, std::size_t index) : chain_(chain), index_(index) {}
+    Pass& use(std::string_view binding, std::optional<ImageId> image, bool writes);
     Pass& constant_bytes(std::span<const std::byte> bytes);
     Chain& chain_;
     std::size_t index_;
@@ -129,6 +132,8 @@ class Chain {
   void output(ImageId image);
 
   Pass pass(std::string_view kernel);
+  /// Fills an image with one value (of a u32 image: with the value's bits).
+  void fill(ImageId image, float value);
   /// A pass of the program's own code, in the images' own memory. Only for devices whose is_processor is set.
   HostPass host_pass(std::string name);
   /// The device that the chain runs on.

@@ -83,8 +83,8 @@ void Chain::Impl::plan_steps() {
 void Chain::Impl::plan_segments() {
   segments.emplace_back();
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    const bool is_host =
-        steps[i].kind == Step::Kind::pass && passes[static_cast<std::size_t>(steps[i].index)].is_host;
+    const bool is_host = steps[i].kind == Step::Kind::pass &&
+                         passes[static_cast<std::size_t>(steps[i].index)].kind == PassKind::host;
     if (!is_host) {
       segments.back().end_step = i + 1;
       continue;
@@ -195,7 +195,7 @@ void Chain::Impl::create_staging() {
 void Chain::Impl::create_pipelines() {
   pipelines.resize(passes.size());
   for (std::size_t i = 0; i < passes.size(); ++i) {
-    if (passes[i].is_host) continue;
+    if (passes[i].kind != PassKind::kernel) continue;
     guarded(label(i), [&] {
       const Kernel& kernel = *passes[i].kernel;
       pipelines[i] = {device.programs->pipeline(kernel, spec_values(passes[i])),
@@ -204,13 +204,26 @@ void Chain::Impl::create_pipelines() {
   }
 }
 
+void Chain::Impl::create_nothing() {
+  if (std::ranges::none_of(passes, [](const PassDeclaration& pass) { return !pass.absent.empty(); })) return;
+  using Usage = vk::BufferUsageFlagBits;
+  constexpr std::uint64_t one_element = 16;
+  nothing = device.create_host_buffer(one_element, Usage::eStorageBuffer | Usage::eUniformTexelBuffer,
+                                      name + " nothing");
+  const auto view_as = [&](Format format) {
+    return vk::raii::BufferView(device.device, {{}, *nothing.buffer, texel_format(format), 0, VK_WHOLE_SIZE});
+  };
+  nothing_texels = view_as(Format::f32x4);
+  nothing_unsigned_texels = view_as(Format::u32);
+}
+
 void Chain::Impl::create_descriptor_sets() {
   const std::uint32_t parities = has_history ? 2 : 1;
   std::uint32_t storage_buffers = 0;
   std::uint32_t texel_buffers = 0;
   std::vector<vk::DescriptorSetLayout> layouts;
   for (const PassDeclaration& pass : passes) {
-    if (pass.is_host) continue;
+    if (pass.kind != PassKind::kernel) continue;
     layouts.push_back(*device.programs->layout(*pass.kernel).bindings);
     for (const BindingInfo& binding : pass.kernel->bindings) {
       ++(binding.is_texel_buffer() ? texel_buffers : storage_buffers);
@@ -229,25 +242,37 @@ void Chain::Impl::create_descriptor_sets() {
         device.device.allocateDescriptorSets({*descriptor_pool, layouts});
     auto next_set = sets.begin();
     for (std::size_t i = 0; i < passes.size(); ++i) {
-      descriptor_sets[p].push_back(passes[i].is_host ? vk::raii::DescriptorSet(nullptr)
-                                                     : std::move(*next_set++));
-      if (passes[i].is_host) continue;
+      if (passes[i].kind != PassKind::kernel) {
+        descriptor_sets[p].emplace_back(nullptr);
+        continue;
+      }
+      const vk::DescriptorSet set = *descriptor_sets[p].emplace_back(std::move(*next_set++));
+      const auto binding_of = [&](const std::string& binding) -> const BindingInfo& {
+        return *std::ranges::find(passes[i].kernel->bindings, binding, &BindingInfo::name);
+      };
       for (const Use& use : passes[i].uses) {
-        const auto& bindings = passes[i].kernel->bindings;
-        const BindingInfo& binding = *std::ranges::find(bindings, use.binding, &BindingInfo::name);
         const DeviceBuffer& memory = buffer(use.image, static_cast<int>(p));
-        const vk::DescriptorBufferInfo whole(*memory.buffer, 0, VK_WHOLE_SIZE);
-        const vk::BufferView texels = *memory.texels;
-        vk::WriteDescriptorSet write(*descriptor_sets[p][i], binding.binding, 0, 1, descriptor_type(binding));
-        if (binding.is_texel_buffer()) {
-          write.setTexelBufferView(texels);
-        } else {
-          write.setBufferInfo(whole);
-        }
-        device.device.updateDescriptorSets(write, {});
+        bind(set, binding_of(use.binding), *memory.buffer, *memory.texels);
+      }
+      for (const std::string& absent : passes[i].absent) {
+        const BindingInfo& binding = binding_of(absent);
+        bind(set, binding, *nothing.buffer,
+             binding.element == "utexel" ? *nothing_unsigned_texels : *nothing_texels);
       }
     }
   }
+}
+
+void Chain::Impl::bind(vk::DescriptorSet set, const BindingInfo& binding, vk::Buffer memory,
+                       vk::BufferView texels) const {
+  const vk::DescriptorBufferInfo whole(memory, 0, VK_WHOLE_SIZE);
+  vk::WriteDescriptorSet write(set, binding.binding, 0, 1, descriptor_type(binding));
+  if (binding.is_texel_buffer()) {
+    write.setTexelBufferView(texels);
+  } else {
+    write.setBufferInfo(whole);
+  }
+  device.device.updateDescriptorSets(write, {});
 }
 
 }  // namespace becalm::gpu

@@ -35,7 +35,7 @@ std::string_view access_name(bool reads, bool writes) {
 
 const Kernel& find_kernel(std::span<const Kernel> kernels, const PassDeclaration& pass,
                           const std::string& where) {
-  const auto found = std::ranges::find(kernels, pass.kernel_name, &Kernel::name);
+  const auto found = std::ranges::find(kernels, pass.name, &Kernel::name);
   if (found == kernels.end()) throw DeviceError(where + "there is no such kernel");
   return *found;
 }
@@ -100,8 +100,18 @@ void check_bindings(const Kernel& kernel, const PassDeclaration& pass,
       }
     }
   }
+  for (const std::string& absent : pass.absent) {
+    const std::string what = where + "binding '" + absent + "' ";
+    if (std::ranges::find(kernel.bindings, absent, &BindingInfo::name) == kernel.bindings.end()) {
+      throw DeviceError(what + "is left without an image, and the kernel has no such binding");
+    }
+    if (std::ranges::find(pass.uses, absent, &Use::binding) != pass.uses.end()) {
+      throw DeviceError(what + "is both given an image and left without one");
+    }
+  }
   for (const BindingInfo& binding : kernel.bindings) {
-    if (std::ranges::find(pass.uses, binding.name, &Use::binding) == pass.uses.end()) {
+    if (std::ranges::find(pass.uses, binding.name, &Use::binding) == pass.uses.end() &&
+        std::ranges::find(pass.absent, binding.name) == pass.absent.end()) {
       throw DeviceError(where + "binding '" + std::string(binding.name) + "' has no image");
     }
   }
@@ -192,9 +202,8 @@ void Chain::Impl::check() {
     PassDeclaration& pass = passes[i];
     const std::string where = label(i) + ": ";
     for (const Use& use : pass.uses) static_cast<void>(image({use.image}));
-    if (pass.is_host) {
-      check_host_pass(pass, images, device.info, where);
-    } else {
+    if (pass.kind == PassKind::host) check_host_pass(pass, images, device.info, where);
+    if (pass.kind == PassKind::kernel) {
       pass.kernel = &find_kernel(options.kernels, pass, where);
       check_bindings(*pass.kernel, pass, images, device, where);
       check_constants(*pass.kernel, pass, where);
@@ -202,7 +211,7 @@ void Chain::Impl::check() {
     }
     for (const Use& use : pass.uses) {
       const auto index = static_cast<std::size_t>(use.image);
-      const std::string binding = pass.is_host ? "" : "binding '" + use.binding + "': ";
+      const std::string binding = pass.kind != PassKind::kernel ? "" : "binding '" + use.binding + "': ";
       const std::string what = where + binding + "image '" + images[index].name + "' ";
       if (use.reads() && !has_content[index]) throw DeviceError(what + "is read before any pass writes it");
       if (use.writes() && images[index].role == Role::input)

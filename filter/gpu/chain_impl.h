@@ -46,12 +46,17 @@ struct Use {
   bool writes() const { return access != Access::read; }
 };
 
+/// What runs a pass: a kernel of the device, the program itself, or the device's own fill.
+enum class PassKind { kernel, host, fill };
+
 struct PassDeclaration {
-  std::string kernel_name;  ///< or the host pass's name
-  bool is_host = false;
+  std::string name;  ///< of the kernel, or of the host pass
+  PassKind kind = PassKind::kernel;
+  std::uint32_t fill_bits = 0;                         ///< of a fill
   std::function<void(const Chain::HostImages&)> work;  ///< of a host pass
-  const Kernel* kernel = nullptr;                      ///< found by check(); null for a host pass
+  const Kernel* kernel = nullptr;                      ///< found by check(); null for other kinds
   std::vector<Use> uses;
+  std::vector<std::string> absent;  ///< bindings that the kernel does not touch as it is specialized
   std::vector<std::byte> constants;
   std::vector<std::pair<std::string, std::int32_t>> specializations;
   std::optional<Extent> extent;
@@ -113,6 +118,9 @@ struct Chain::Impl {
   void allocate();
   void create_staging();
   void create_pipelines();
+  void create_nothing();
+  void bind(vk::DescriptorSet set, const BindingInfo& binding, vk::Buffer buffer,
+            vk::BufferView texels) const;
   void create_descriptor_sets();
   void record_all();
   void record(const Segment& segment, int parity) const;
@@ -149,7 +157,10 @@ struct Chain::Impl {
   std::uint64_t device_bytes_unaliased = 0;
   std::uint64_t staging_bytes = 0;
 
-  std::vector<PassPipeline> pipelines;  // one a pass; null for host passes, as the descriptor sets
+  std::vector<PassPipeline> pipelines;  // one a pass; null where no kernel runs, as the descriptor sets
+  HostBuffer nothing;                   // what absent bindings are bound to; null if there are none
+  vk::raii::BufferView nothing_texels = nullptr;
+  vk::raii::BufferView nothing_unsigned_texels = nullptr;
   vk::raii::DescriptorPool descriptor_pool = nullptr;
   std::array<std::vector<vk::raii::DescriptorSet>, 2> descriptor_sets;  // by parity, then pass
   std::optional<PassTimer> timer;

@@ -25,8 +25,8 @@ void barrier(const vk::raii::CommandBuffer& commands, vk::PipelineStageFlags2 fr
 
 std::string time_name(const PassDeclaration& pass, const std::vector<ImageDeclaration>& images) {
   const auto written = std::ranges::find_if(pass.uses, [](const Use& use) { return use.writes(); });
-  if (written == pass.uses.end()) return pass.kernel_name;
-  return pass.kernel_name + " " + images[static_cast<std::size_t>(written->image)].name;
+  if (written == pass.uses.end()) return pass.name;
+  return pass.name + " " + images[static_cast<std::size_t>(written->image)].name;
 }
 
 std::uint64_t image_bytes(const PassDeclaration& pass, const std::vector<ImageDeclaration>& images) {
@@ -55,6 +55,14 @@ std::vector<MemoryAccess> Chain::Impl::accesses(const Step& step, int parity) co
 void Chain::Impl::record_pass(const vk::raii::CommandBuffer& commands, std::size_t pass, int parity) const {
   constexpr auto compute = vk::PipelineBindPoint::eCompute;
   const PassDeclaration& declared = passes[pass];
+  const auto index = static_cast<std::uint32_t>(pass);
+  if (declared.kind == PassKind::fill) {
+    timer->begin(commands, index);
+    commands.fillBuffer(*buffer(declared.uses.front().image, parity).buffer, 0, VK_WHOLE_SIZE,
+                        declared.fill_bits);
+    timer->end(commands, index);
+    return;
+  }
   const auto& [pipeline, layout] = pipelines[pass];
   commands.bindPipeline(compute, pipeline);
   commands.bindDescriptorSets(compute, layout, 0, *descriptor_sets[static_cast<std::size_t>(parity)][pass],
@@ -62,7 +70,6 @@ void Chain::Impl::record_pass(const vk::raii::CommandBuffer& commands, std::size
   if (!declared.constants.empty()) {
     commands.pushConstants<std::byte>(layout, vk::ShaderStageFlagBits::eCompute, 0, declared.constants);
   }
-  const auto index = static_cast<std::uint32_t>(pass);
   const std::uint32_t* size = declared.kernel->local_size;
   const Extent extent = *declared.extent;
   timer->begin(commands, index);

@@ -54,8 +54,8 @@ Combined add_combine_passes(gpu::Chain& chain, const Settings& settings, gpu::Ex
   const bool has_additive = !inputs.forward_additive.empty();
   Combined combined{chain.image("combined.color", Format::f32x4, extent),
                     chain.image("combined.stats", Format::f32x2, extent)};
-  const ImageId weight =
-      chain.image("combine.weight", Format::f32, has_additive ? extent : gpu::Extent{1, 1});
+  std::optional<ImageId> weight;
+  if (has_additive) weight = chain.image("combine.weight", Format::f32, extent);
   chain.pass("merge/combine")
       .read("forward_color", inputs.forward_color)
       .read("forward_stats", inputs.forward_stats)

@@ -182,23 +182,27 @@ ImageId add_known_noise(Chain& chain, Extent full, ImageId noisy, ImageId warped
 /// with.
 struct CarriedRead {
   ImageId warped;
-  ImageId share;
+  std::optional<ImageId> share;  ///< if it is its own
 };
 
 /// Reads image `i` of what goes with the history. AOVs of light are read with the share given, others with
 /// one that keeps them within the range of the nearest pixels.
 CarriedRead add_carried_read(Chain& chain, const Settings& settings, Extent full,
                              const params::WarpHistoryParams& params, const SourceWindow& window,
-                             ImageId offset, const WarpInputs& history, std::size_t i, ImageId factor,
-                             ImageId share) {
+                             ImageId offset, const WarpInputs& history, std::size_t i,
+                             std::optional<ImageId> factor, std::optional<ImageId> share) {
   const CarriedImage& carried = history.additive[i];
   const bool own_share = carried.kind != Carried::additive;
   const bool demodulated = history.albedo && carried.kind != Carried::features;
   const ImageId taps =
       add_resample_taps(chain, settings, window.full, carried.image, fmt::format("history.additive.{}", i));
-  const CarriedRead made{
-      .warped = chain.image(fmt::format("warped.additive.{}", i), Format::f32x4, full),
-      .share = chain.image(fmt::format("warped.share.{}", i), Format::f32, own_share ? full : Extent{1, 1})};
+  CarriedRead made{.warped = chain.image(fmt::format("warped.additive.{}", i), Format::f32x4, full),
+                   .share = {}};
+  if (own_share) {
+    made.share = chain.image(fmt::format("warped.share.{}", i), Format::f32, full);
+    share.reset();
+  }
+  if (!demodulated) factor.reset();
   chain.pass("merge/additive_warp")
       .read("offset", offset)
       .read("history_color", carried.image)
@@ -227,15 +231,16 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
       radiance.window ? *radiance.window : add_same_window(chain, full, "origin.merge");
   const WarpInputs history = radiance.albedo ? add_demodulate_passes(chain, window.full, radiance) : radiance;
   const ImageId taps = add_resample_taps(chain, settings, window.full, history.color, "history");
-  const ImageId share =
-      chain.image("warped.share", Format::f32, history.additive.empty() ? Extent{1, 1} : full);
+  std::optional<ImageId> share;
+  if (!history.additive.empty()) share = chain.image("warped.share", Format::f32, full);
   const params::WarpHistoryParams params{.width = full.width,
                                          .height = full.height,
                                          .history_width = window.full.width,
                                          .history_height = window.full.height};
-  const ImageId factor = history.albedo
-                             ? add_remodulation_pass(chain, full, params, *history.albedo, window, offset)
-                             : history.color;
+  std::optional<ImageId> factor;
+  if (history.albedo) {
+    factor = add_remodulation_pass(chain, full, params, *history.albedo, window, offset);
+  }
   chain.pass("merge/warp_history")
       .read("offset", offset)
       .read("history_color", history.color)
@@ -247,14 +252,14 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
       .write("warped_stats", warped.stats)
       .write("share", share)
       .specialize("resample", static_cast<int>(settings.resample))
-      .specialize("writes_share", history.additive.empty() ? 0 : 1)
+      .specialize("writes_share", share ? 1 : 0)
       .specialize("demodulated", history.albedo ? 1 : 0)
       .constants(params)
       .dispatch(full);
   // AOVs of light add up to the noisy radiance, if that is carried, else to the colour: they share its read.
   const auto noisy = std::ranges::find(history.additive, Carried::radiance, &CarriedImage::kind);
   warped.additive.resize(history.additive.size());
-  ImageId share_of_light = share;
+  std::optional<ImageId> share_of_light = share;
   const auto read = [&](std::size_t i) {
     const CarriedRead made =
         add_carried_read(chain, settings, full, params, window, offset, history, i, factor, share_of_light);

@@ -202,29 +202,29 @@ void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, con
         .constants(scale_params(i))
         .dispatch(extent(i));
   }
-  ImageId result = counted.back();  // stands for the coarser result, which the coarsest scale does not read
+  std::optional<ImageId> coarse;
   for (std::size_t i = kScales; i-- > 0;) {
-    const ImageId coarse = result;
-    result = chain.image(fmt::format("{}.windows.L{}", name, i), Format::f32x4, extent(i));
+    const ImageId result = chain.image(fmt::format("{}.windows.L{}", name, i), Format::f32x4, extent(i));
     chain.pass("smooth/mix")
         .read("features", features_[i])
         .read("weights", window_weights_[i])
         .read("counted", counted[i])
         .read("affinities", affinities[i])
         .read("coarse", coarse)
-        .read("own_counted", i == 0 ? own_counted : counted[i])
+        .read("own_counted", i == 0 ? std::optional(own_counted) : std::nullopt)
         .write("result", result)
         .specialize("planes", planes(i))
-        .specialize("has_coarse", i + 1 < kScales ? 1 : 0)
+        .specialize("has_coarse", coarse ? 1 : 0)
         .specialize("has_own", i == 0 ? 1 : 0)
         .constants(scale_params(i))
         .dispatch(extent(i));
+    coarse = result;
   }
   chain.pass("smooth/finish")
       .read("features", features_[0])
       .read("weights", finish_weights_)
       .read("affinities", affinities[0])
-      .read("irradiance", result)
+      .read("irradiance", coarse)
       .read("color", color)
       .read("variance", frame.variance)
       .read("albedo_depth", frame.features->albedo_depth)
