@@ -1,4 +1,4 @@
-// Writes the offset field of one pixel that the coarsest level starts from: no motion.
+// Writes the offset field of one pixel from which the coarsest level starts: no motion.
 #version 460
 
 layout(local_size_x = 1) in;
