@@ -1,8 +1,8 @@
 // The end of both merge kernels: blends the new frame into the warped history with weight `alpha`; writes the
 // new history and the decision: (share of the history rejected; `distrust`, which is added to the history's
 // variance where it predicts this frame; weight of the new sample; 0). Not a pure function: the including
-// kernel declares the buffers and the parameters. Values are selected first and written once: stores within
-// branches would cost their time on a processor that runs lanes together.
+// kernel declares the buffers and the parameters. Values are selected first and written once: on a processor
+// that runs lanes together, a store within a branch costs its time even where the branch is not taken.
 
 void blend(int index, float alpha, float bias_squared, float rejected, float distrust) {
   const vec4 x = texelFetch(color, index);

@@ -18,7 +18,8 @@ float confidence(float logit) { return max(1.0f / (1.0f + exp(-logit)), kLeastCo
 /// The confidence of a pixel that is not finite: less than that of any finite pixel, but not 0.
 const float kConfidenceOfHole = 1e-20f;
 
-/// Squared errors of exposed radiance times kErrorScale are relative to its square plus kErrorFloor.
+/// The relative squared error is e^2 / (x^2 + kErrorFloor), with the error e and the exposed radiance x both
+/// times kErrorScale.
 const float kErrorScale = 0.3f;
 const float kErrorFloor = 0.01f;
 

@@ -25,7 +25,7 @@ layout(std430, set = 0, binding = 7) writeonly buffer DecisionBuffer { vec4 data
 
 float residual_at(int x, int y) { return texelFetch(residual, y * p.residual_width + x).x; }
 
-/// The residual at the pixel's centre, read bilinearly from an image of lower resolution.
+/// The residual at the pixel's centre, read bilinearly from an image of equal or lower resolution.
 float read_residual(ivec2 at) {
   const BilinearTaps taps = bilinear_taps(at, vec2(0.0), ivec2(p.residual_width, p.residual_height), p.residual_scale);
   const float top = mix(residual_at(taps.lo.x, taps.lo.y), residual_at(taps.hi.x, taps.lo.y), taps.t.x);
