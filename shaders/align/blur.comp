@@ -1,6 +1,7 @@
-// Reads 25 images of a band, writes their box sums along one direction, so that two passes sum a square patch. An
-// invocation slides its sum along a run of pixels and starts anew at the next run, which bounds the rounding error.
-// Rows outside of the image hold zero already; columns outside count as zero here.
+// Reads 25 distance images of a band of rows; writes their box sums along one direction, so that two passes
+// sum a square patch. An invocation slides its sum along a run of kRun pixels and starts afresh at the next
+// run, which bounds the rounding error. Rows outside of the image already hold zero; columns outside count as
+// zero here.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/align_params.h"
@@ -12,7 +13,7 @@ layout(push_constant) uniform Params { BlurParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer distances;
 layout(std430, set = 0, binding = 1) writeonly buffer SumBuffer { float data[]; } sums;
 
-// One invocation a run and image; the extent is in runs along the blurred direction.
+// One invocation per run and image; the dispatch counts runs along the blurred direction.
 void main() {
   const ivec3 at = ivec3(gl_GlobalInvocationID);
   const bool along_x = p.radius_x > 0 || p.radius_y == 0;

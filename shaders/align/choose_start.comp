@@ -1,6 +1,7 @@
-// Reads target and source features of one level, the coarser level's offsets and known motion at full resolution; writes
-// where the level starts from: the motion where its patch looks more alike, else the coarser offset. The target's first
-// pixel lies at target_origin in the source (align/warp_source).
+// Reads target and source features of one level, the coarser level's offsets and the known motion at full
+// resolution; writes the start of the level's search: the motion, averaged over the pixel, where its patch
+// matches better, else the coarser offset. The target's first pixel lies at target_origin in the source
+// (align/warp_source).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -20,7 +21,7 @@ layout(std430, set = 0, binding = 5) writeonly buffer StartBuffer { vec2 data[];
 
 const int kRadius = 2;
 
-/// Sum over the patch of the features' differences at one offset.
+/// Sum over the patch of absolute differences of the features at one offset.
 float patch_difference(ivec2 at, vec2 offset) {
   const ivec2 origin = ivec2(texelFetch(target_origin, 0).xy) / p.level_px;
   float sum = 0.0;

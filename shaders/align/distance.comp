@@ -1,5 +1,6 @@
-// For patches too large for `match`: reads the target's features and the warped source's, writes, for one band of rows,
-// the 25 images of pixel distances d(target(p), warped(p + s)), s in [-2,2]^2, counted from that of equal pixels.
+// For patches too large for `match`: reads the features of the target and of the warped source; writes, for
+// one band of rows, the 25 images of pixel distances d(target(p), warped(p + s)), s in [-2,2]^2, less the
+// distance of equal pixels.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

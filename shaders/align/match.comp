@@ -1,10 +1,12 @@
-// One level of the search in one pass (Hanika et al. 2021, section 3.1): reads the target's features, the source's as
-// warp_source left them and the coarser level's offsets; writes each pixel's offset at this level and its residual.
-// The 25 distances of a pixel never leave the invocation. It goes down a strip of `strip_columns` columns and keeps, for each
-// shift, the sums over the patch's rows of every column that a patch of the strip has; a new row is added and the oldest
-// taken away. Strips end after `strip_rows` rows, which bounds the rounding error.
-// Under a logarithmic distance sums are logarithms of products (lib/distance.glsl): `log_of` says how many factors stay
-// within the range of floats.
+// One level of the search in one pass (Hanika et al. 2021, section 3.1): reads the target's features, the
+// source's features as warp_source wrote them and the coarser level's offsets; writes each pixel's offset at
+// this level and its residual.
+// The 25 distances of a pixel stay within the invocation, which makes a strip of `strip_columns` x
+// `strip_rows` pixels from top to bottom. For each of the 25 shifts and each column that a patch of the strip
+// covers, it keeps the sum over the patch's rows; each step adds a row and removes the oldest. Strips end
+// after `strip_rows` rows, which bounds the rounding error.
+// Under a logarithmic distance, sums are logarithms of products (lib/distance.glsl). `log_of` says which
+// product stays within the range of floats: that of a patch, of a column or of one pixel.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -40,7 +42,7 @@ layout(std430, set = 0, binding = 4) writeonly buffer ResidualBuffer { float dat
 /// First element of a row; rows outside of the image repeat its border.
 int line(int row, int plane) { return (plane * p.height + clamp(row, 0, p.height - 1)) * p.width; }
 
-// Not a parameter: an array whose size is specialized cannot be one.
+// A global, since an array of specialized size cannot be a parameter.
 float difference[5 * kColumns];
 
 /// Sets `difference` for the five shifts of row `sy` and every column.
@@ -66,7 +68,7 @@ void main() {
   const int first_column = at.x - radius;
   const int first_row = max(at.y - radius, 0);
   const int end_row = min(at.y + strip_rows, p.height);
-  float inside[kColumns];  // columns outside of the image are in no patch
+  float inside[kColumns];  // columns outside of the image count in no patch
   [[unroll]] for (int i = 0; i < kColumns; ++i) {
     inside[i] = first_column + i >= 0 && first_column + i < p.width ? 1.0 : 0.0;
   }
@@ -94,7 +96,7 @@ void main() {
       }
     }
     const int y = row - radius;
-    // A loop, since a driver may run a branch that no invocation takes.
+    // A loop instead of a branch: a driver may execute a branch that no invocation takes.
     for (bool is_complete = y >= at.y; is_complete; is_complete = false) {
       float cost[strip_columns][25];
       [[unroll]] for (int k = 0; k < 25; ++k) {

@@ -1,7 +1,7 @@
-// Reads the offsets of one level, writes the median of each component over 3x3 pixels. What a level adds to its start is
-// measured over a patch whose pixels each start from their own offset, so that the noise of a single pixel's start passes
-// through to its result; the median takes it out and keeps motion borders (Sun et al. 2010, "Secrets of optical flow
-// estimation and their principles", find the same for the warping steps of optical flow).
+// Reads the offsets of one level; writes the median of each component over 3x3 pixels. A level measures its
+// shift over a patch whose pixels each start from their own offset, so the noise of a single pixel's start
+// passes into its result. The median removes that noise and keeps motion borders (Sun et al. 2010, "Secrets
+// of optical flow estimation and their principles", find the same for the warping steps of optical flow).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

@@ -1,6 +1,8 @@
-// One step of an a-trous filter on the exposed luminance; the last makes it a matching feature (Dammertz et al. 2010, "Edge-avoiding a-trous wavelet transform for
-// fast global illumination filtering"): B3-spline taps `step` pixels apart, weighted by how alike the guides are. Averaged
-// before it is compared, noise finds less to match, and patches may be smaller (README.md has the figures).
+// One step of an a-trous filter on the exposed luminance (Dammertz et al. 2010, "Edge-avoiding a-trous
+// wavelet transform for fast global illumination filtering"): reads luminance and guide features; writes the
+// mean of B3-spline taps `step` pixels apart, weighted by the similarity of their guides. The last step
+// compresses the range, which makes the result a matching feature. Averaged luminance leaves the search less
+// noise to match, so patches may be smaller.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -15,7 +17,7 @@ layout(set = 0, binding = 0) uniform samplerBuffer radiance;
 layout(set = 0, binding = 1) uniform samplerBuffer guides;
 layout(std430, set = 0, binding = 2) writeonly buffer FilteredBuffer { float data[]; } filtered;
 
-/// Half of the squared distance of guides, in the features' range, at which a weight falls by a factor of e.
+/// Squared distance of guides, in the features' range, at which a weight falls by a factor of e.
 const float kGuideSpread = 2.0;
 
 void main() {

@@ -1,14 +1,14 @@
-// Reads a colour image and the frame's exposure, writes the exposed luminance averaged over downsample x downsample pixels:
-// as a matching feature, or as it is for prefilter steps to follow. Compression comes last, since the mean of compressed
-// noisy values lies below the compressed mean: a target that is noisier than the history would look darker than it and
-// choose its darker pixels (README.md has the figures).
+// Reads a colour image and the frame's exposure; writes the exposed luminance averaged over downsample x
+// downsample pixels: as a matching feature, or uncompressed if prefilter steps follow. Averages come before
+// range compression, since the mean of compressed noisy values is lower than the compressed mean: a target
+// that is noisier than the history would look darker and match the history's darker pixels.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "lib/color.glsl"
 #include "shared/align_params.h"
 
-/// How many times brighter than its brightest neighbour a pixel may be.
+/// A pixel more than this many times brighter than its brightest neighbour is a firefly.
 const float kFirefly = 4.0;
 
 layout(local_size_x = 64, local_size_y = 1) in;
@@ -23,7 +23,7 @@ float exposed_at(ivec2 at, float e) {
   return exposed(luminance(c.r, c.g, c.b), e);
 }
 
-/// The exposed luminance; of a pixel that outshines all of its neighbours by far, the mean of the four nearest.
+/// The pixel's exposed luminance, or the mean of its four nearest neighbours if it is a firefly.
 float without_firefly(ivec2 at, float e) {
   const float here = exposed_at(at, e);
   float brightest = 0.0;

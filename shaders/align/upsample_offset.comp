@@ -1,5 +1,6 @@
-// Reads the offsets at matching resolution, writes them at full resolution in full-resolution pixels, bilinearly. One
-// invocation makes the part of a row that one coarse pixel covers, whose pixels share their taps.
+// Reads the offsets at matching resolution; writes them at full resolution in full-resolution pixels,
+// interpolated bilinearly. An invocation makes the pixels of one row that one coarse pixel covers; they share
+// their taps.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

@@ -1,6 +1,7 @@
-// Reads the source's features of one level and the coarser level's offsets; writes the source as the target's pixels see
-// it from there, source(p + start(p)), so that a level searches a regular image (the warp of Hanika et al. 2021, figure 4).
-// The source's images may show more of the frame than the target's: the target's first pixel then lies at target_origin.
+// Reads the source's features of one level and the coarser level's offsets; writes the source as seen from
+// each target pixel's start, source(p + start(p)), so that the level searches a regular image (the warp of
+// Hanika et al. 2021, figure 4). If the source's images cover more of the frame than the target's, the
+// target's first pixel lies at target_origin in them.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

@@ -1,5 +1,5 @@
-// Where a position lies between the pixels of an image. A position is a pixel and the displacement from its centre: their
-// sum would round the displacement to what the pixel's coordinates leave of a float, 0.001 px at 16384 px,
+// Bilinear taps of a position. A position is a pixel and the displacement from its centre. Their sum would
+// round the displacement to what the pixel's coordinates leave of a float's precision, 0.001 px at 16384 px,
 // and differently in every tile.
 
 struct BilinearTaps {
@@ -15,8 +15,7 @@ BilinearTaps bilinear_taps(ivec2 pixel, vec2 displacement, ivec2 size) {
   return BilinearTaps(clamp(lo, ivec2(0), size - 1), clamp(lo + 1, ivec2(0), size - 1), displacement - base);
 }
 
-/// The same in an image that is `scale`, a power of two, times smaller than the one that `pixel` is of; its size may be
-/// rounded up.
+/// The same in an image that is smaller by the factor `scale`, a power of two. Its size may be rounded up.
 BilinearTaps bilinear_taps(ivec2 pixel, vec2 displacement, ivec2 size, float scale) {
   const vec2 coarse = floor(vec2(pixel) / scale);
   const vec2 within = vec2(pixel) - scale * coarse + displacement;

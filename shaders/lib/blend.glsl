@@ -1,8 +1,8 @@
-// The end of both merge kernels: blends the new frame into the warped history with weight `alpha`; writes the new history
-// and the decision: (share of the history rejected; `distrust`, what to add to the history's variance where it is used as a
-// prediction of this frame; weight of the new sample; 0). Not a pure function: the including kernel
-// declares the buffers and the parameters. Values are chosen and then written once: a branch with stores of its own would
-// cost their time on a processor that runs lanes together.
+// The end of both merge kernels: blends the new frame into the warped history with weight `alpha`; writes the
+// new history and the decision: (share of the history rejected; `distrust`, which is added to the history's
+// variance where it predicts this frame; weight of the new sample; 0). Not a pure function: the including
+// kernel declares the buffers and the parameters. Values are selected first and written once: on a processor
+// that runs lanes together, a store within a branch costs its time even where the branch is not taken.
 
 void blend(int index, float alpha, float bias_squared, float rejected, float distrust) {
   const vec4 x = texelFetch(color, index);
@@ -11,7 +11,7 @@ void blend(int index, float alpha, float bias_squared, float rejected, float dis
   const vec2 stats = texelFetch(warped_stats, index).xy;
   const bool has_sample = sample_stats.y > 0.0;
   const bool has_history = stats.y > 0.0;
-  // Written as h + alpha (x - h), equal images stay bit for bit equal.
+  // The form h + alpha (x - h) keeps equal images equal bit for bit.
   vec4 merged = alpha >= 1.0 ? x : h + alpha * (x - h);
   const float merged_variance =
       alpha >= 1.0 ? sample_stats.x
@@ -23,8 +23,8 @@ void blend(int index, float alpha, float bias_squared, float rejected, float dis
     merged_stats_value = vec2(sample_stats.x, 1.0);
     decided = vec4(1.0, 0.0, 1.0, 0.0);
   }
-  // A sample that is not finite says nothing: the history goes on as it is. Where there is none, the stand-in that the
-  // pixel was given keeps the next match from seeing a hole; its count stays 0.
+  // A sample that is not finite leaves the history as it is. Without history, the pixel's replacement value
+  // keeps the next match from seeing a hole; its count stays 0.
   if (!has_sample) {
     merged = has_history ? h : x;
     merged_stats_value = stats;

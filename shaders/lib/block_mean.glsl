@@ -1,7 +1,7 @@
 // Mean over the pixels that one pixel of a smaller image covers. The including kernel enables
 // GL_EXT_control_flow_attributes.
 
-/// Mean of the `factor` x `factor` pixels of a plane that pixel `at` covers, of those that lie in the image.
+/// Mean of the `factor` x `factor` pixels of a plane that pixel `at` covers, as far as they lie in the image.
 float block_mean(samplerBuffer image, ivec2 at, int plane, ivec2 size, int factor) {
   float sum = 0.0;
   float count = 0.0;

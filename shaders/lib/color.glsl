@@ -3,8 +3,8 @@
 /// Rec.709 luminance.
 float luminance(float r, float g, float b) { return 0.2126f * r + 0.7152f * g + 0.0722f * b; }
 
-/// A radiance for matching: exposure brings the frame's typical luminance to 1, and no pixel counts for more than 16 of
-/// them, so that no firefly can decide the mean of its neighbours.
+/// A radiance for matching, in units of the frame's typical luminance and limited to 16 of them, so that no
+/// firefly decides the mean of its neighbours.
 float exposed(float radiance, float exposure) { return min(max(radiance * exposure, 0.0f), 16.0f); }
 
 /// Range compression of an exposed radiance to [0,1).
@@ -14,10 +14,11 @@ float compress(float x) { return x / (1.0f + x); }
 /// the radiance stays as it is.
 float demodulated(float radiance, float albedo) { return albedo > 0.02f ? radiance / albedo : radiance; }
 
-/// The matching feature of an exposed radiance; a weight of 0 leaves it as it is, for prefilter steps to follow.
+/// The matching feature of an exposed radiance. A weight of 0 leaves it uncompressed, for prefilter steps to
+/// follow.
 float radiance_feature(float x, float weight) { return weight > 0.0f ? weight * compress(x) : x; }
 
-/// Divisor that makes differences relative: the luminance, with a floor of a tenth of the frame's typical luminance,
+/// Divisor that makes differences relative: the luminance plus a tenth of the frame's typical luminance,
 /// below which errors count absolutely.
 float brightness(float r, float g, float b, float exposure) {
   return max(luminance(r, g, b), 0.0f) + 0.1f / exposure;

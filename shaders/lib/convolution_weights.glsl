@@ -1,8 +1,9 @@
-// Weights of the convolutions of smooth/. Not pure functions: the including kernel has kTaps, `p`, which is ConvolveParams, and
-// the texel buffer `weights`. A pass convolves `planes` planes of its source; a workgroup makes the kOutputs planes of the result
-// that gl_WorkGroupID.z says. Its weights, a bias for each of these planes and kWeights more, lie one behind the other. They are
-// copied to shared memory and read there at literal offsets, outside of all branches and loops: only so does lavapipe load each once
-// for all lanes, and a loop over the planes would take a hundred times as long.
+// Weights of the convolutions of smooth/. Not pure functions: the including kernel defines kTaps, `p`
+// (ConvolveParams) and the texel buffer `weights`. A pass convolves `planes` planes of its source. A
+// workgroup makes the kOutputs planes of the result that gl_WorkGroupID.z selects. Its weights are
+// contiguous: a bias for each of these planes, then kWeights more. They are copied to shared memory and read
+// there at literal offsets, outside of all branches and loops: only then does lavapipe load each of them once
+// for all lanes. A loop over the planes would take a hundred times as long.
 
 layout(constant_id = 0) const int planes = 4;
 
@@ -22,12 +23,12 @@ void load_weights() {
   barrier();
 }
 
-/// Weight from one channel of the pass's source, at one tap, to the four channels of a plane of the result.
+/// Weights from one channel of the pass's source, at one tap, to the four channels of a plane of the result.
 vec4 weight_of(int channel, int tap, int plane_out) {
   return shared_weights[kOutputs + (channel * kTaps + tap) * kOutputs + plane_out];
 }
 
-/// First of the kOutputs planes of the result that this workgroup makes.
+/// The first of the kOutputs planes of the result that this workgroup makes.
 int first_output() { return int(gl_WorkGroupID.z) * kOutputs; }
 
 vec4 finished(vec4 sum) { return p.rectify != 0 ? max(sum, 0.0) : sum; }

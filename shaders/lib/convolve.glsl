@@ -1,15 +1,16 @@
-// The 3x3 convolution of smooth/convolve and smooth/convolve_onto, kBlock pixels of a row an invocation. Not pure functions:
-// the including kernel has `p`, which is ConvolveParams, and the texel buffers `source` and `weights`.
+// The 3x3 convolution of smooth/convolve and smooth/convolve_onto, kBlock pixels of a row per invocation. Not
+// pure functions: the including kernel defines `p` (ConvolveParams) and the texel buffers `source` and
+// `weights`.
 
 const int kTaps = 9;
 const int kBlock = 2;
 
 #include "lib/convolution_weights.glsl"
 
-/// Of pixel x of the block, plane o of the result: element o * kBlock + x.
+/// The sum for pixel x of the block and plane o of the result is element o * kBlock + x.
 vec4 sums[kOutputs * kBlock];
 
-/// Adds the source's share to `sums`; pixels outside of the image repeat its border.
+/// Adds the source's part of the convolution to `sums`. Pixels outside of the image repeat its border.
 void convolve(ivec2 at) {
   const int pixels = p.width * p.height;
   int columns[kBlock + 2];

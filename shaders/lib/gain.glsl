@@ -1,40 +1,43 @@
 // The merge's scalar estimation problem (Philippi et al., eq. 4 and 5).
 #include "lib/language.glsl"
 
-/// Limits that keep squares and sums of them within the range of floats: of a relative difference, and of a variance.
+/// Limits of a relative difference and of a variance, which keep squares and sums of them within the range of
+/// floats.
 const float kLargestDifference = 1e9f;
 const float kLargestVariance = 1e34f;
 
 /// Largest effective number of frames in a history. A longer one gains little and follows slow changes late.
 const float kMostFrames = 64.0f;
 
-/// Standard deviations that a pixel may take from its neighbours' noise beyond its own, in units of its own light or the
-/// frame's typical luminance, whichever is more. What lies beside the disc of the sun is not as noisy as the disc's edge.
+/// How far the noise that a pixel takes from its neighbours may exceed its own, as a standard deviation in
+/// units of the pixel's luminance or the frame's typical luminance, whichever is more. Sky beside the disc of
+/// the sun is not as noisy as the disc's edge.
 const float kLargestBorrowedNoise = 32.0f;
 
-/// Variance of a pixel's neighbours, as far as the pixel may have it too: `light` is the pixel's luminance or the frame's
-/// typical one, whichever is more.
+/// The variance of a pixel's neighbours, limited to what the pixel may have: `light` is the pixel's luminance
+/// or the frame's typical one, whichever is more.
 float borrowed_variance(float of_neighbours, float own, float light) {
   float borrowed = kLargestBorrowedNoise * light;
   return min(of_neighbours, own + borrowed * borrowed);
 }
 
-/// Part of a squared quantity that noise does not explain: what is left of `measured` after `noise` and after
-/// `standard_errors` times the spread that the estimate of `noise` has over `count` pixels of Gaussian noise.
+/// Part of a squared quantity that noise does not explain: `measured` less `noise` and less `standard_errors`
+/// standard errors, which are those of a noise estimate over `count` pixels of Gaussian noise.
 float excess_over_noise(float measured, float noise, float count, float standard_errors) {
   return max(0.0f, measured - noise * (1.0f + standard_errors * sqrt(2.0f / count)));
 }
 
-/// Weight of the new sample that minimises the expected squared error, eq. 4: `variance_new` is of the new sample's mean,
-/// `variance_history` and `bias_squared` are of the history.
+/// Weight of the new sample that minimises the expected squared error, eq. 4. `variance_new` is that of the
+/// new sample's mean; `variance_history` and `bias_squared` are the history's.
 float gain(float variance_new, float variance_history, float bias_squared) {
   float history_error = variance_history + bias_squared;
   float total = history_error + variance_new;
-  // Both exact: nothing to gain either way, and the new sample is certainly of this frame.
+  // Both are exact: take the new sample, which is certainly of this frame.
   return total > 0.0f ? history_error / total : 1.0f;
 }
 
-/// Weight of the new sample when sample and history count by 1/(1 + their luminance) besides (survey of Yang et al., eq. 4).
+/// The weight `alpha` of the new sample after both sample and history are also weighted by 1/(1 + luminance)
+/// (survey of Yang et al., eq. 4).
 float luminance_weighted(float alpha, float luminance_new, float luminance_history) {
   float weight_new = alpha / (1.0f + luminance_new);
   float weight_history = (1.0f - alpha) / (1.0f + luminance_history);

@@ -1,11 +1,12 @@
-// A layer of 1x1 on the features of a pixel. The including kernel has the constant `planes`, of four features each, and the texel
-// buffers `features` and `weights`, and says by kMostOutputs how many outputs there are at most. `weights` has for each output a
-// vector a plane, then all biases, four in a vector. They are copied to shared memory and read from there at literal offsets,
-// outside of all branches, as lib/convolution.glsl explains.
+// A 1x1 layer on the features of a pixel. The including kernel defines the constant `planes` (of four
+// features each), the texel buffers `features` and `weights`, and kMostOutputs, the largest number of
+// outputs. `weights` holds for each output one vector per plane, then all biases, four in a vector. They are
+// copied to shared memory and read there at literal offsets, outside of all branches
+// (lib/convolution_weights.glsl says why).
 
 shared vec4 head_weights[planes * kMostOutputs + (kMostOutputs + 3) / 4];
 
-/// To be called by all invocations, before anything else.
+/// All invocations must call this before anything else.
 void load_head(int outputs) {
   const int count = planes * outputs + (outputs + 3) / 4;
   const int invocations = int(gl_WorkGroupSize.x * gl_WorkGroupSize.y);
@@ -13,7 +14,7 @@ void load_head(int outputs) {
   barrier();
 }
 
-/// The outputs of the pixel `index` of images of `pixels`.
+/// The outputs for pixel `index` of an image of `pixels` pixels.
 void apply_head(int outputs, int index, int pixels, out float values[kMostOutputs]) {
   [[unroll]] for (int o = 0; o < outputs; ++o) values[o] = head_weights[outputs * planes + o / 4][o % 4];
   [[unroll]] for (int g = 0; g < planes; ++g) {

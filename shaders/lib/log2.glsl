@@ -1,7 +1,8 @@
 #include "lib/language.glsl"
 
-/// log2(x) for finite x >= 1, within 2.2e-6; exactly 0 at 1. A least-squares polynomial on the mantissa, reweighted towards
-/// the smallest maximum error: the software device's own log2 takes a fifth of the whole search longer.
+/// log2(x) for finite x >= 1, within 2.2e-6; exactly 0 at 1. A least-squares polynomial on the mantissa,
+/// reweighted towards the smallest maximum error: with the software device's own log2 the whole search takes
+/// a fifth longer.
 float log2_of_product(float x) {
   int bits = floatBitsToInt(x);
   float exponent = float((bits >> 23) - 127);

@@ -1,28 +1,30 @@
 #include "lib/language.glsl"
 
-// What the network sees of a frame; scripts/train/network.py has the same.
+// Encodings of the network's inputs and outputs; scripts/train/network.py has the same.
 
-/// Radiance, 1 where it is the frame's typical one, as the network sees it: close to the logarithm where it is bright.
+/// Input for a radiance in units of the frame's typical luminance: close to the logarithm where it is bright.
 float compressed_radiance(float radiance) { return 0.5f * log(1.0f + 10.0f * max(radiance, 0.0f)); }
 
-/// The relative noise that the network is told, from the standard deviation of a pixel of this luminance.
+/// Input for a pixel's noise: its standard deviation relative to its luminance, compressed.
 float told_noise(float deviation, float light) { return log(1.0f + deviation / (max(light, 0.0f) + 0.1f)); }
 
-/// The noise that the network is told where nothing is known of it.
+/// Input where the noise is not known.
 const float kNoiseUnknown = -1.0f;
 
-/// No finite pixel counts for less, so that windows of fireflies alone still have a mean.
+/// The least confidence of a finite pixel, so that windows of fireflies alone still have a mean.
 const float kLeastConfidence = 1e-8f;
 float confidence(float logit) { return max(1.0f / (1.0f + exp(-logit)), kLeastConfidence); }
 
-/// A pixel that is not finite counts for this: less than any that is, but not nothing.
+/// The confidence of a pixel that is not finite: less than that of any finite pixel, but not 0.
 const float kConfidenceOfHole = 1e-20f;
 
-/// Errors are relative to the square of exposed radiance times this, plus a floor.
+/// The relative squared error is e^2 / (x^2 + kErrorFloor), with the error e and the exposed radiance x both
+/// times kErrorScale.
 const float kErrorScale = 0.3f;
 const float kErrorFloor = 0.01f;
 
-/// Variance of a pixel, in exposed units, from the network's log of its squared relative error. What is black is known to be.
+/// Variance of a pixel, in exposed units, from the network's log of its squared relative error. Black pixels
+/// count as exact.
 float variance_of_error(float log_error, float mean_square) {
   float scale = kErrorScale * kErrorScale;
   if (mean_square == 0.0f) return 0.0f;

@@ -1,10 +1,11 @@
 // Subpixel minimum of a quadric through 3x3 costs (Hanika et al. 2021, section 3.1; fit as in Hasinoff et al. 2016).
 #include "lib/language.glsl"
 
-/// Weighted least-squares fit, weights (1,2,1)x(1,2,1), of c + b.x + x.A.x/2 to the 3x3 costs, row-major from (-1,-1).
-/// True if the fit has a minimum within one pixel of the centre, which `x` and `y` then are; false leaves them 0.
-/// The scale of the costs does not matter: a hundredth of the larger curvature added to the diagonal takes the nearest
-/// point of a valley (an edge fixes one direction only); curvatures up to `rounding` mean nothing.
+/// Fits c + b.x + x.A.x/2 to the 3x3 costs, row-major from (-1,-1), by least squares with weights
+/// (1,2,1)x(1,2,1). Returns true if the fit has a minimum within one pixel of the centre and sets `x` and `y`
+/// to it, else to 0. The scale of the costs does not matter. A hundredth of the larger curvature is added to
+/// the diagonal, which selects the nearest point of a valley (an edge fixes one direction only). Curvatures
+/// up to `rounding` are ignored.
 bool quadric_minimum(float c00, float c10, float c20, float c01, float c11, float c21, float c02, float c12, float c22,
                      float rounding, OUT(float) x, OUT(float) y) {
   x = 0.0f;
@@ -28,10 +29,10 @@ bool quadric_minimum(float c00, float c10, float c20, float c01, float c11, floa
   return true;
 }
 
-/// Largest subpixel offset along one axis that the costs allow, given the cost `here` and its two neighbours, all counted
-/// from that of a perfect match. An image displaced by m costs about |m| times what a whole pixel costs (m^2 times under
-/// L2), so that a perfect match has no subpixel part, however uneven its surroundings; noise raises `here` and with it
-/// the limit.
+/// Largest subpixel offset along one axis that the costs allow. `here` is the pixel's cost, `before` and
+/// `after` are its neighbours'; a perfect match costs 0. An image displaced by m costs about |m| times as
+/// much as one displaced by a whole pixel (m^2 times under L2). So a perfect match has no subpixel part,
+/// however uneven its surroundings; noise raises `here` and with it the limit.
 float subpixel_limit(float here, float before, float after, bool squared) {
   float ratio = here / max(0.5f * (before + after), 1e-30f);
   return min(squared ? sqrt(ratio) : ratio, 1.0f);

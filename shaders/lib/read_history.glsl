@@ -1,12 +1,12 @@
-// The read of a history at the offsets, bilinear and by the sharp filter. Not a pure function: the including kernel has the
-// constant `resample`, the parameters and the texel buffers offset, history_color, resample_taps, history_stats and
-// target_origin.
+// Reads a history at the offsets, bilinearly and by the sharp filter. Not pure functions: the including
+// kernel declares the constant `resample`, the parameters and the texel buffers offset, history_color,
+// resample_taps, history_stats and target_origin.
 #include "lib/resample.glsl"
 
 struct HistoryRead {
   vec4 bilinear;
   vec4 sharp;
-  bool is_sharp;  // there is history under all taps of the sharp filter, which is not `bilinear`
+  bool is_sharp;  // history lies under all taps of the sharp filter, and `sharp` differs from `bilinear`
   vec2 stats;
   bool found;
   vec4 lowest;  // of the taps of `bilinear`
@@ -66,8 +66,8 @@ HistoryRead read_history(ivec2 at, int index) {
       highest = w > 0.0 ? max(highest, tap_color) : highest;
     }
   }
-  // Half a pixel of grace at the border: a tap there is still nearest to a pixel that exists. Without half of its weight
-  // the pixel is mostly hole.
+  // Positions may lie up to half a pixel outside of the image: their nearest pixel exists. A pixel with half
+  // of its weight or less in the history is mostly a hole.
   const vec2 after_first = vec2(nearest) + t;
   const vec2 after_last = vec2(nearest + 1 - ivec2(p.history_width, p.history_height)) + t;
   const bool inside = all(greaterThanEqual(after_first, vec2(-0.5))) && all(lessThanEqual(after_last, vec2(0.5)));
@@ -82,7 +82,8 @@ HistoryRead read_history(ivec2 at, int index) {
   return HistoryRead(bilinear, sharp, is_sharp, found ? stats / weight : vec2(0.0), found, lowest, highest);
 }
 
-/// The share of the sharp filter, one for all channels, that keeps what is read within the range of the nearest taps.
+/// The largest share of the sharp filter, one for all channels, that keeps the result within the range of the
+/// nearest taps.
 float share_in_range(HistoryRead h) {
   float sharp = h.is_sharp ? 1.0 : 0.0;
   [[unroll]] for (int c = 0; c < 4; ++c) {

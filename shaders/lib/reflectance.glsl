@@ -1,9 +1,10 @@
-// Radiance without the albedo, and back.
+// Division of radiance by albedo.
 
-/// What radiance is divided by: the albedo, but for nearly black ones, whose radiance did not come from them and would be
-/// blown up. Continuous, so that a texture around the limit stays even.
+/// Divisor of the radiance: the albedo, but at least 0.04. Radiance of nearly black surfaces does not come
+/// from their albedo, and the division would amplify it. The limit is continuous, so a texture around it
+/// stays even.
 vec3 divisor_of(vec3 albedo) { return max(albedo, vec3(0.04)); }
 
-/// What a variance is divided by where the radiance is divided by `divisor`: variances are means over channels, so it is the
-/// mean of the squares, and what comes back to the same albedo is what it was.
+/// Divisor of the variance where the radiance is divided by `divisor`: the mean of its squares, since a
+/// variance is a mean over channels. Multiplying by it again restores the variance.
 float variance_divisor_of(vec3 divisor) { return dot(divisor, divisor) / 3.0; }

@@ -29,8 +29,9 @@ void o_moms(float t, OUT(float) w0, OUT(float) w1, OUT(float) w2, OUT(float) w3)
   w2 = 13.0f / 21.0f + s * (1.0f / 14.0f + s * (0.5f * s - 1.0f));
 }
 
-/// Largest share in [0,1] of a sharp result, the rest being the bilinear one, that keeps a channel within the range of the
-/// taps that the bilinear one is between. A millionth of the range's ends is rounding, which limits nothing.
+/// Largest share in [0,1] of the sharp result in a mix with the bilinear one that keeps a channel within the
+/// range of the bilinear taps. An excess of up to a millionth of the range's ends is rounding and limits
+/// nothing.
 float sharp_share(float sharp, float bilinear, float lowest, float highest) {
   float above = sharp - highest;
   float below = lowest - sharp;

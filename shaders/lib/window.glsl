@@ -2,5 +2,5 @@
 
 const int kTaps = 25;
 
-/// The taps go row by row.
+/// Taps are row-major.
 ivec2 window_offset(int tap) { return ivec2(tap % 5 - 2, tap / 5 - 2); }

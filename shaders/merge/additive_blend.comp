@@ -1,5 +1,5 @@
-// Reads an additive AOV of the new frame and of the warped history, and what the merge decided for the beauty; writes the
-// AOV's new history: lib/blend.glsl with the weight given.
+// Reads an additive AOV of the new frame and of the warped history, and the merge's decision for the beauty;
+// writes the AOV's new history, blended as in lib/blend.glsl with the beauty's weight.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/merge_params.h"

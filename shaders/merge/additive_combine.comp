@@ -1,5 +1,5 @@
-// Reads both estimates of an additive AOV and the weight that merge/combine gave the backward one of the beauty; writes their
-// combination.
+// Reads the forward and backward estimates of an additive AOV and the weight of the beauty's backward
+// estimate (merge/combine); writes their combination.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/merge_params.h"

@@ -1,5 +1,5 @@
-// Reads the history of an additive AOV and the albedo of the frame that it ends with; writes it without the albedo, as
-// merge/demodulate_history does with the beauty's.
+// Reads the history of an additive AOV and the albedo of the history's last frame; writes the AOV divided by
+// that albedo, as merge/demodulate_history does with the beauty.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/reflectance.glsl"

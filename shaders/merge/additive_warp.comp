@@ -1,6 +1,8 @@
-// Reads an image that goes with the history as merge/warp_history reads the colour. An AOV of light takes the share of the
-// sharp filter that the sum of all has: what adds up before adds up afterwards, and there is no clamp, since the range of one
-// AOV is not that of another. What is no such part finds its own share, within the range of the nearest pixels.
+// Reads an image that is merged with the beauty's weights; writes it at the target's pixels, as
+// merge/warp_history does with the beauty. A light AOV takes the share of the sharp filter of the image that
+// it is a part of, so AOVs that add up before add up afterwards; it is not clamped, since its range is not
+// that of the sum. Other images (`in_range`) find a share of their own, which keeps them within the range of
+// the nearest pixels.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -8,7 +10,7 @@
 
 layout(constant_id = 0) const int resample = 1;     // as in lib/resample.glsl
 layout(constant_id = 1) const int demodulated = 0;  // as in merge/warp_history
-layout(constant_id = 2) const int in_range = 0;     // 1: the image's own share, which is written
+layout(constant_id = 2) const int in_range = 0;     // 1: finds the image's own share and writes it
 
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Params { WarpHistoryParams p; };

@@ -1,5 +1,5 @@
-// Reads the new frame and its variance; writes both in one image, (radiance, variance), as the frame's noisy radiance is merged
-// with the weights of smoothed frames.
+// Reads the new frame and its variance; writes both in one image, (radiance, variance), so that the noisy
+// radiance can be merged with the weights of smoothed frames.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/merge_params.h"

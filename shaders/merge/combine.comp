@@ -1,9 +1,10 @@
-// Reads the forward estimate of a frame, which includes the frame itself, the backward prediction, which does not, and the
-// patch sums of combine_statistics; writes their combination with weights of inverse variances: the fixed-interval
-// smoother in its two-filter form (Fraser and Potter 1969). The variances that weigh are those of the patch without the
-// pixel itself, over the pixel's own effective sample counts: a Monte Carlo pixel's variance grows with its value, and
-// weights made from the values that they weigh would darken the image. The variance of a smoothed pixel is that of its
-// window, and its bias is its own: there the pixel's own variance counts as much, by the geometric mean of both.
+// Reads the forward estimate of a frame, which includes the frame itself, the backward prediction, which does
+// not, and the patch sums of combine_statistics; writes their combination with inverse variances as weights:
+// the fixed-interval smoother in its two-filter form (Fraser and Potter 1969).
+// The variances are those of the patch without the pixel, divided by the pixel's own effective sample counts:
+// a Monte Carlo pixel's variance grows with its value, and weights derived from that value would darken the
+// image. A smoothed pixel's variance is that of its window, while its bias is its own. There the weights use
+// the geometric mean of the pixel's and the patch's variance.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -13,9 +14,10 @@
 
 layout(constant_id = 0) const int radius = 3;
 layout(constant_id = 1) const int smoothed = 0;       // 1: estimates are merged from smoothed frames
-layout(constant_id = 2) const int writes_weight = 0;  // 1: `weight_backward` is an image, for AOVs that are combined alike
+layout(constant_id = 2) const int writes_weight = 0;  // 1: writes `weight_backward`, for AOVs that are combined with it
 
-/// Of the patch's, the least that a pixel's own variance counts for: one black window must not decide alone.
+/// A pixel's own variance counts as at least this share of its patch's: one black window must not decide
+/// alone.
 const float kLeastOfPatch = 0.01;
 
 layout(local_size_x = 64, local_size_y = 1) in;
@@ -48,11 +50,12 @@ void main() {
   const bool has_f = stats_f.y > 0.0;
   const bool has_b = stats_b.y > 0.0;
   const float counted = stats_b.y / max(stats_f.y + stats_b.y, 1e-6);
-  // A frame's variance over the count is the estimate's; without neighbours to tell, frames count alike.
+  // An estimate's variance is that of a frame over the sample count. Without neighbours, all frames count
+  // alike.
   vec2 of_frame = sum.xy / max(sum.w, 1.0);
   if (smoothed != 0) of_frame = sqrt(of_frame) * sqrt(max(texelFetch(statistics, index).xy, kLeastOfPatch * of_frame));
   float weight = sum.w >= 1.0 ? gain(of_frame.y / max(stats_b.y, 1e-6), of_frame.x / max(stats_f.y, 1e-6), 0.0) : counted;
-  // Both exact: the forward estimate has seen the frame.
+  // Both are exact: take the forward estimate, which includes the frame.
   if (sum.w >= 1.0 && of_frame.x + of_frame.y <= 0.0) weight = 0.0;
   if (!has_f) weight = 1.0;
   if (!has_b) weight = 0.0;

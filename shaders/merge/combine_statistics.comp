@@ -1,7 +1,8 @@
-// Reads two estimates of a frame; writes what the weights of `combine` are made of, as sums and at the pixel: (variance a
-// frame of the first, of the second, squared difference of the two, 1), relative to their brightness. The variance a frame
-// is the variance times the effective sample count, so that a pixel may differ from its neighbours in how long its history
-// is. Pixels of which one estimate knows nothing count nothing.
+// Reads two estimates of a frame; writes the per-pixel statistics from which `combine` makes its weights:
+// (variance per frame of the first, of the second, squared difference of the two, 1), relative to their
+// brightness. The variance per frame is the variance times the effective sample count, so that a patch may
+// average pixels with histories of different lengths. Pixels that one of the estimates knows nothing of get
+// zeros.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/color.glsl"

@@ -1,5 +1,6 @@
-// Reads a history and the albedo of the frame that it ends with; writes its radiance without the albedo, and the statistics of
-// that. Texture then comes from each frame's own albedo, while resampling from frame to frame blurs the light alone.
+// Reads a history and the albedo of its last frame; writes the history's radiance divided by that albedo,
+// with statistics to match. Texture then comes from each frame's own albedo, and repeated resampling blurs
+// the light alone.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/reflectance.glsl"
@@ -20,7 +21,7 @@ void main() {
   const vec3 divisor = divisor_of(texelFetch(albedo, index).rgb);
   const vec4 value = texelFetch(color, index);
   irradiance.data[index] = vec4(value.rgb / divisor, value.a);
-  // At most kLargestVariance / 0.04^2, of which sums stay within the range of floats.
+  // At most kLargestVariance / 0.04^2, so that sums stay within the range of floats.
   const vec2 of_value = texelFetch(stats, index).xy;
   irradiance_stats.data[index] = vec2(of_value.x / variance_divisor_of(divisor), of_value.y);
 }

@@ -1,9 +1,10 @@
-// Reads a frame that came without variance and its features; writes an estimate of each pixel's variance: the square of
-// what a first-order fit of the 3x3 pixels around, by albedo, normal, depth and position, leaves of the pixel itself, over
-// the share of independent noise that is left in such a remainder. The radiance is fitted without its albedo. So textures,
-// surface edges and gradients of light are no noise; only what no feature explains inflates it: borders of shadows and of
-// what is seen in mirrors. The square is of one pixel and therefore noisy itself, but has no bias, and fireflies are in it
-// as they are in half-buffers, so that correct/ can tell them from light.
+// Reads a frame that came without variance and its features; writes an estimate of each pixel's variance. A
+// first-order fit over 3x3 pixels predicts the radiance without albedo from albedo, normal, depth and
+// position. The estimate is the pixel's squared residual over the share of independent noise that such a
+// residual keeps.
+// So textures, surface edges and gradients of light do not count as noise; only detail that no feature
+// explains, such as borders of shadows and of reflections, raises the estimate. The square of a single pixel
+// is noisy itself, but unbiased, and fireflies appear in it as they do in half-buffers.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -21,9 +22,9 @@ layout(std430, set = 0, binding = 4) writeonly buffer VarianceBuffer { vec2 data
 
 const int kTaps = 9;
 const int kFeatures = 9;  // albedo, depth, normal, position
-const float kRidge = 1e-2;  // of the sum of weights: features that are flat or mere noise explain nothing
+const float kRidge = 1e-2;  // share of the sum of weights: flat or noisy features explain nothing
 const float kWeightRadius = 0.3;  // difference of features at which a pixel counts for exp(-1/2)
-const float kLeastWeight = 0.02;  // so that a pixel like none of its neighbours is not its own explanation
+const float kLeastWeight = 0.02;  // so that a pixel unlike all of its neighbours does not explain itself
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
@@ -49,8 +50,9 @@ void main() {
     [[unroll]] for (int f = 0; f < 2; ++f) feature[t][7 + f] = 0.5 * float(shift[f]);
   }
 
-  // Normal equations, the features first and the constant last: the fit's value at the pixel is the constant, of which each
-  // tap's part is its weight times (slope . feature + constant), the solution for the constant's unit vector.
+  // Normal equations, features first and the constant last. The fit's value at the pixel is the constant. A
+  // tap's share in it is the tap's weight times (slope . feature + constant), where slope and constant solve
+  // the equations for the constant's unit vector.
   float m[kFeatures + 1][kFeatures + 1];
   float sum = 0.0;
   [[unroll]] for (int t = 0; t < kTaps; ++t) sum += weight[t];
@@ -79,7 +81,7 @@ void main() {
   }
 
   vec3 remainder = vec3(0.0);
-  float noise_left = 0.0;  // of unit variance
+  float noise_left = 0.0;  // the residual's variance if each pixel has unit variance
   [[unroll]] for (int t = 0; t < kTaps; ++t) {
     float part = constant;
     [[unroll]] for (int f = 0; f < kFeatures; ++f) part += slope[f] * feature[t][f];

@@ -1,6 +1,6 @@
-// Reads a noisy layer (radiance, variance) and patch sums of merge/repeated_noise; writes the layer with its variance lowered to
-// what differs from frame to frame: detail that no feature explains is taken for noise by an estimate from one frame, and
-// renderers that stratify their samples overstate theirs.
+// Reads a noisy layer (radiance, variance) and the patch sums of merge/repeated_noise; writes the layer with
+// its variance lowered to what differs from frame to frame. An estimate from one frame mistakes detail that
+// no feature explains for noise, and renderers that stratify their samples overstate the variance.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -27,7 +27,7 @@ void main() {
     sum += inside ? tap : vec4(0.0);
   }
   const vec4 value = texelFetch(noisy, index);
-  // A firefly among calm pixels keeps its own: it differs by itself.
+  // A firefly among calm pixels keeps its variance, since its own difference is large.
   const vec4 own = texelFetch(statistics, index);
   const float repeated = sum.z >= 1.0 && sum.x < sum.y ? sum.x / sum.y : 1.0;
   const float share = own.z > 0.0 && own.x < own.y ? max(repeated, own.x / own.y) : 1.0;

@@ -1,7 +1,8 @@
-// Reads the new frame, the warped history and the aligner's residual patch distance at one level; writes the merged
-// frame. The history's weight is clamp(alpha (1 - m), 0, 1) with m = kappa eps - eta (Hanika et al. 2021, section 3.2).
-// Differs from the paper: m is clamped to [0,1], since a negative m would raise the weight beyond alpha, up to a history
-// that never ends; and a history of n frames weighs at most n/(n+1), so that the first frames are averaged evenly.
+// Reads the new frame, the warped history and the aligner's residual patch distance eps at one level; writes
+// the merged frame. The history's weight is clamp(alpha (1 - m), 0, 1) with m = kappa eps - eta (Hanika et
+// al. 2021, section 3.2). Differs from the paper: m is clamped to [0,1], since a negative m would raise the
+// weight above alpha, up to a history that never fades; and a history of n frames weighs at most n/(n+1), so
+// that the first frames are averaged evenly.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/bilinear.glsl"
@@ -24,7 +25,7 @@ layout(std430, set = 0, binding = 7) writeonly buffer DecisionBuffer { vec4 data
 
 float residual_at(int x, int y) { return texelFetch(residual, y * p.residual_width + x).x; }
 
-/// The residual image read bilinearly at the pixel's centre; it may be of a coarser level.
+/// The residual at the pixel's centre, read bilinearly from an image of equal or lower resolution.
 float read_residual(ivec2 at) {
   const BilinearTaps taps = bilinear_taps(at, vec2(0.0), ivec2(p.residual_width, p.residual_height), p.residual_scale);
   const float top = mix(residual_at(taps.lo.x, taps.lo.y), residual_at(taps.hi.x, taps.lo.y), taps.t.x);
@@ -39,7 +40,7 @@ void main() {
   const float n = min(texelFetch(warped_stats, index).y, kMostFrames - 1.0);
   const float rejected = clamp(p.kappa * read_residual(at) - p.eta, 0.0, 1.0);
   const float history_weight = min(p.alpha * (1.0 - rejected), n / (n + 1.0));
-  // Makes the inverse of a prediction's variance (1 - rejected) of what it would be.
+  // Added to the prediction's variance, it multiplies the inverse variance by (1 - rejected).
   const float distrust = min(texelFetch(warped_stats, index).x * rejected / max(1.0 - rejected, 1e-6), kLargestVariance);
   blend(index, 1.0 - history_weight, 0.0, rejected, distrust);
 }

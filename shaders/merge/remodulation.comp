@@ -1,8 +1,9 @@
-// Reads the offsets, the albedo of the new frame and that of the last one; writes what history without its albedo is to be
-// multiplied by. That is the new frame's albedo as far as it differs from the last one's, read at the offsets, by more than
-// its noise: an albedo of few samples is noisy at edges and in texture, and noise multiplied in anew in every frame would never
-// average out. Of S samples that edges fall between, the mean squared difference of two frames is 2/S of the variance that the
-// albedo has around the pixel.
+// Reads the offsets, the new frame's albedo and the last frame's; writes the factor by which a history
+// without albedo is multiplied. The factor is the last frame's albedo, read at the offsets, and changes to
+// the new frame's as far as the two differ by more than noise. An albedo of few samples is noisy at edges and
+// in texture, and noise that every frame multiplies in anew would never average out. If S samples fall on
+// both sides of an edge, the mean squared difference of two frames is 2/S of the albedo's variance around the
+// pixel.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -10,7 +11,7 @@
 #include "lib/resample.glsl"
 #include "shared/merge_params.h"
 
-/// 2/S for the four samples that the cheapest frames have; measured in README.md.
+/// 2/S for four samples, as the cheapest frames have them.
 const float kNoiseOfVariation = 0.5;
 
 layout(local_size_x = 64, local_size_y = 1) in;

@@ -1,6 +1,7 @@
-// Reads the new frame's noisy layer (radiance, variance) and the history's where its pixels are; writes what the share of the
-// variance that repeats from frame to frame is made from: (squared difference as of one frame, variance, 1, 0), relative to the
-// history's brightness; zeros where there is no history.
+// Reads the new frame's noisy layer (radiance, variance) and the same layer of the warped history; writes the
+// statistics from which known_noise finds how much of the variance differs from frame to frame: (squared
+// difference scaled to one frame's noise, variance, 1, 0), relative to the history's brightness; zeros where
+// there is no history.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/color.glsl"
@@ -24,7 +25,7 @@ void main() {
   const float frames = texelFetch(warped_stats, index).y;
   const float scale = 1.0 / brightness(h.r, h.g, h.b, texelFetch(exposure, 0).x);
   const vec3 d = clamp((x.rgb - h.rgb) * scale, -kLargestDifference, kLargestDifference);
-  // The difference has the noise of one frame and of the mean of n.
+  // The difference of a frame and a mean of n has (n + 1) / n times a frame's variance.
   const float of_frame = dot(d, d) / 3.0 * frames / (frames + 1.0);
   const float variance = min(x.a * scale * scale, kLargestDifference * kLargestDifference);
   statistics.data[index] = frames > 0.0 ? vec4(of_frame, variance, 1.0, 0.0) : vec4(0.0);

@@ -1,7 +1,8 @@
-// Reads a frame that came without variance and without albedo; writes an estimate of each pixel's variance: the squared
-// second difference along both axes, [1 -2 1] by [1 -2 1] (Immerkaer 1996), over what independent noise has of it. Whatever
-// is the sum of a function of x and one of y, as gradients and straight edges along an axis are, is no noise, and little of
-// the rest: with no feature to explain a texture, it is the highest frequency alone that noise can be told from it by.
+// Reads a frame that came without variance and without albedo; writes an estimate of each pixel's variance:
+// the squared second difference along both axes, [1 -2 1] by [1 -2 1] (Immerkaer 1996), over the variance
+// that unit noise gives it. It vanishes for any sum of a function of x and a function of y, such as gradients
+// and edges along an axis, and is small for most other detail. Without features that explain texture, only
+// the highest frequency tells noise from it.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -14,7 +15,7 @@ layout(set = 0, binding = 0) uniform samplerBuffer color;
 layout(set = 0, binding = 1) uniform samplerBuffer valid;
 layout(std430, set = 0, binding = 2) writeonly buffer VarianceBuffer { vec2 data[]; } variance;
 
-/// The difference along an axis, of as many pixels as there are of up to three.
+/// Coefficients of the difference along an axis, over three pixels or as many as the image has.
 float coefficient(int tap, int size) {
   if (size == 1) return tap == 0 ? 1.0 : 0.0;
   if (size == 2) return tap == 2 ? 0.0 : 1.0 - 2.0 * float(tap);
@@ -27,7 +28,7 @@ void main() {
   const ivec2 size = ivec2(p.width, p.height);
   const ivec2 first = clamp(at - 1, ivec2(0), max(size - 3, 0));
   vec3 difference = vec3(0.0);
-  float noise = 0.0;  // of unit variance
+  float noise = 0.0;  // the difference's variance if each pixel has unit variance
   [[unroll]] for (int t = 0; t < 9; ++t) {
     const ivec2 tap = ivec2(t % 3, t / 3);
     const float c = coefficient(tap.x, size.x) * coefficient(tap.y, size.y);
@@ -35,7 +36,7 @@ void main() {
     difference += c * texelFetch(color, from.y * size.x + from.x).rgb;
     noise += c * c;
   }
-  // Scaled before it is squared, which may leave the range of floats.
+  // Scaled before squaring: the square of the difference alone may exceed the range of floats.
   const vec3 deviation = clamp(difference * inversesqrt(3.0 * noise), -vec3(1e18), vec3(1e18));
   const int index = at.y * size.x + at.x;
   variance.data[index] = vec2(min(dot(deviation, deviation), kLargestVariance), texelFetch(valid, index).y);

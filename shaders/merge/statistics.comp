@@ -1,7 +1,8 @@
-// Reads the new frame, its variance and the warped history; writes what the gain's patch statistics are sums of:
-// (difference r, g, b; squared difference) and (variance of the new, variance of the history, 1, 0). All are relative to
-// the history's brightness, so that the brightest pixel of a patch does not drown the rest, and limited so that no square
-// or sum leaves the range of floats. Pixels without history or with a non-finite sample count nothing.
+// Reads the new frame, its variance and the warped history; writes what variance_gain's patch sums add up:
+// (difference r, g, b; squared difference) and (variance of the new frame, variance of the history, 1, 0).
+// All are relative to the history's brightness, so that the brightest pixel does not dominate its patch, and
+// limited so that no square or sum leaves the range of floats. Pixels without history or with a sample that
+// is not finite get zeros.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/color.glsl"

@@ -1,9 +1,10 @@
-// Reads the new frame, the warped history and the patch sums of their statistics; writes the merged frame, which is the
-// next frame's history. The weight of the new sample minimises the expected squared error (Philippi et al., eq. 4) with
-// bias^2 estimated from patch residuals that noise does not explain. The pixel itself is left out of its patch: a Monte
-// Carlo sample's variance grows with its value, so weights made from the value that they weigh would darken the image. The
-// variance left in a smoothed pixel is that of its window, so there it may say that the pixel is better known than its patch:
-// sky between leaves. Otherwise it bounds the patch's by far, which counts beside the disc of the sun alone.
+// Reads the new frame, the warped history and the patch sums of their statistics; writes the merged frame,
+// which is the next frame's history. The weight of the new sample minimises the expected squared error
+// (Philippi et al., eq. 4); bias^2 is estimated from the patch residuals that noise does not explain.
+// The pixel is left out of its own patch: a Monte Carlo sample's variance grows with its value, and weights
+// derived from that value would darken the image. A smoothed pixel's variance is that of its window. It
+// replaces the patch's variance where it is smaller: sky between leaves. The variance of an unsmoothed pixel
+// only limits by how much the patch's may exceed it, which matters beside the disc of the sun.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -12,10 +13,10 @@
 #include "shared/merge_params.h"
 
 layout(constant_id = 0) const int radius = 3;
-layout(constant_id = 1) const int smoothed = 0;  // 1: the new frame is, and its variance that of a window's mean
+layout(constant_id = 1) const int smoothed = 0;  // 1: the new frame is smoothed; its variance is that of a window's mean
 
-/// Standard errors by which a residual of noisy frames must exceed noise to count as bias. With less, noise rejects
-/// history; the residuals of smoothed frames are no random samples, so any excess counts.
+/// Standard errors by which a residual of noisy frames must exceed noise to count as bias; below that, noise
+/// would reject history. Residuals of smoothed frames are no random samples: any excess counts.
 const float kSignificanceInNoise = 3.0;
 
 layout(local_size_x = 64, local_size_y = 1) in;
@@ -35,8 +36,8 @@ layout(std430, set = 0, binding = 11) writeonly buffer DecisionBuffer { vec4 dat
 
 #include "lib/blend.glsl"
 
-/// `alpha`, with the sample and the history counting by 1/(1 + luminance) besides as far as noise explains their
-/// difference: a bright sky that a dark leaf has left is no outlier.
+/// `alpha` after sample and history are also weighted by 1/(1 + luminance), as far as noise explains their
+/// difference: bright sky that a dark leaf has just uncovered is no outlier.
 float alpha_against_outliers(int index, float alpha) {
   const vec3 x = texelFetch(color, index).rgb;
   const vec3 h = texelFetch(warped_color, index).rgb;
@@ -53,7 +54,7 @@ void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= p.width || at.y >= p.height) return;
   const int index = at.y * p.width + at.x;
-  // The rows above and below are summed already; of the pixel's own row all but the pixel.
+  // The sums hold the rows above and below. Add the pixel's own row without the pixel.
   vec4 difference_sum = texelFetch(difference_sums, index);
   vec4 noise_sum = texelFetch(noise_sums, index);
   [[unroll]] for (int i = -radius; i <= radius; ++i) {
@@ -81,20 +82,21 @@ void main() {
                                              : borrowed_variance(variance_of_patch, own_variance, light);
     const float variance_history = noise_sum.y / count;
     const float expected = variance_of_patch + variance_history;
-    // Two views of the bias: what all pixels of the patch share shows in the mean difference, whose noise averages out;
-    // misaligned detail shows in the squared differences alone.
+    // Two estimates of the bias: what all pixels of the patch share shows in the mean difference, whose noise
+    // averages out; misaligned detail shows in the squared differences alone.
     const vec3 mean = difference_sum.rgb / count;
     const float significance = smoothed != 0 ? 0.0 : kSignificanceInNoise;
-    // Grey noise gives the mean's square one degree of freedom, whatever the number of channels.
+    // Noise is taken as grey: the squared mean then has one degree of freedom, whatever the number of
+    // channels.
     const float of_mean = excess_over_noise(dot(mean, mean) / 3.0, expected / count, 1.0, significance);
     const float of_pixels = excess_over_noise(difference_sum.a / count, expected, count, significance);
     const float relative_bias = max(of_mean, of_pixels);
     alpha = max(gain(variance_new, variance_history, relative_bias), 1.0 / kMostFrames);
-    // The share of the weight that the history would have without bias: 1 - (1 - alpha) / (1 - alpha of no bias).
+    // The share by which the bias lowers the history's weight: 1 - (1 - alpha) / (1 - alpha without bias).
     rejected = relative_bias > 0.0 ? relative_bias / (variance_new + variance_history + relative_bias) : 0.0;
     bias_squared = min(relative_bias * scale * scale, kLargestVariance);
   }
-  // Decisions on noisy frames would darken by these weights.
+  // Not for noisy frames, which these weights would darken.
   if (smoothed != 0) alpha = alpha_against_outliers(index, alpha);
   blend(index, alpha, bias_squared, rejected, bias_squared);
 }

@@ -1,18 +1,18 @@
-// Reads the offsets and the history's colour and statistics, writes both where the target's pixels are: statistics
-// bilinearly, colour by the chosen filter. A sharp filter's negative lobes would make negative radiance and ring around
-// fireflies, so its result is mixed with the bilinear one, by one share for all channels, until it lies within the range of
-// the four nearest taps: given that share the result is linear in the history, so images resampled alike still add up.
-// `resample_taps` is what the filter's kernel is summed over, the history's colour or its spline coefficients. Statistics
-// are (variance, effective sample count); a count of 0 means that there is no history. History that comes without its albedo
-// is multiplied by `factor`. The history's images may show more of the frame than the target's: the target's first pixel
-// then lies at target_origin.
+// Reads the offsets and the history's colour and statistics; writes both at the target's pixels: statistics
+// bilinearly, colour by a sharp filter. The negative lobes of that filter would make negative radiance and
+// rings around fireflies, so its result is mixed with the bilinear one, by one share for all channels, until
+// it lies within the range of the four nearest taps. Given the share, the result is linear in the history, so
+// images that are resampled with the same share still add up.
+// Statistics are (variance, effective sample count); a count of 0 means that there is no history. A history
+// without its albedo is multiplied by `factor`. If the history's images cover more of the frame than the
+// target's, the target's first pixel lies at target_origin in them.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "shared/merge_params.h"
 
 layout(constant_id = 0) const int resample = 1;      // as in lib/resample.glsl
-layout(constant_id = 1) const int writes_share = 0;  // 1: `share` is an image, for AOVs that are resampled alike
+layout(constant_id = 1) const int writes_share = 0;  // 1: writes `share`, for AOVs that are resampled with it
 layout(constant_id = 2) const int demodulated = 0;   // 1: the history comes without its albedo
 
 layout(local_size_x = 64, local_size_y = 1) in;
@@ -38,7 +38,8 @@ void main() {
   const HistoryRead h = read_history(at, index);
   const float sharp = share_in_range(h);
   const vec4 color = h.bilinear + sharp * (h.sharp - h.bilinear);
-  // Beyond the range there is rounding alone, which would be seen as negative radiance or as change in an even surface.
+  // Only rounding is left beyond the range. It would show as negative radiance or as change in an even
+  // surface.
   const vec4 in_range = clamp(color, h.lowest, h.highest);
   const vec3 scale = demodulated != 0 ? texelFetch(factor, index).rgb : vec3(1.0);
   warped_color.data[index] = h.found ? in_range * vec4(scale, 1.0) : vec4(0.0);

@@ -48,8 +48,7 @@ struct DownsampleParams {
   int height;
 };
 
-/// align/warp_source: the source as one level starts from. Coarse offsets times `coarse_scale` are offsets of
-/// this level.
+/// align/warp_source. Coarse offsets times `coarse_scale` are offsets of this level.
 struct WarpSourceParams {
   int width;
   int height;
@@ -71,8 +70,8 @@ struct MatchParams {
   int refine;  // 1: add the minimum of the quadric through the 3x3 costs around the best
 };
 
-/// align/distance: rows [first_row, first_row + rows) of a level's 25 distance images, which are in memory a
-/// band at a time.
+/// align/distance: rows [first_row, first_row + rows) of a level's 25 distance images, one band of rows at a
+/// time.
 struct DistanceParams {
   int width;
   int height;
@@ -102,7 +101,7 @@ struct SelectParams {
   int refine;  // as in MatchParams
 };
 
-/// align/choose_start: one level of the search, and the motion's size at full resolution.
+/// align/choose_start: sizes of the level in target and source, of the coarser offsets, and of the motion.
 struct ChooseStartParams {
   int width;
   int height;
@@ -117,7 +116,7 @@ struct ChooseStartParams {
   int level_px;  // full-resolution pixels in one of this level
 };
 
-/// Kernels that go from fields of offsets to another field of the same size: align/median_offset,
+/// Kernels that turn fields of offsets into another field of the same size: align/median_offset,
 /// align/override_offset.
 struct FieldParams {
   int width;

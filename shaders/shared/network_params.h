@@ -6,7 +6,7 @@
 namespace becalm::filter::params {
 #endif
 
-/// A frame, and the same repeated at its border up to a size that every scale divides.
+/// Sizes of a frame and of its padded copy, which repeats the border up to a size that every scale divides.
 struct PaddedParams {
   int width;
   int height;
@@ -14,7 +14,7 @@ struct PaddedParams {
   int padded_height;
 };
 
-/// One scale of the padded frame.
+/// Size of one scale of the padded frame, or of the frame.
 struct ScaleParams {
   int width;
   int height;

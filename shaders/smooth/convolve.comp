@@ -1,6 +1,7 @@
-// A 3x3 convolution, or the first share of one: reads `planes` planes of the source, which has the result's size, and the pass's
-// weights; writes for each channel and pixel of the result a bias plus the weighted sum of the pixels around, rectified if asked
-// for. An invocation makes 2 pixels of a row in 2 planes: dispatch {ceil(width / 2), height, planes of the result / 2}.
+// A 3x3 convolution, or the first part of one: reads `planes` planes of the source, which has the result's
+// size, and the pass's weights; writes for each channel and pixel of the result a bias plus the weighted sum
+// of the 3x3 pixels around, rectified if `rectify` is set. An invocation makes 2 pixels of a row in 2 planes:
+// dispatch {ceil(width / 2), height, planes of the result / 2}.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

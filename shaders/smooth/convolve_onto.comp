@@ -1,5 +1,5 @@
-// A further share of a 3x3 convolution: reads and writes as smooth/convolve does, but adds to what earlier shares have left in
-// the result. It rectifies, if asked for, after adding.
+// A further part of a 3x3 convolution: reads and writes as smooth/convolve does, but adds to what earlier
+// parts left in the result. It rectifies, if `rectify` is set, after adding.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

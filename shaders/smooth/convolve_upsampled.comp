@@ -1,8 +1,9 @@
-// A further share of a 3x3 convolution, of a source of half the size, of which (x, y) reads (x / 2, y / 2): adds to what earlier
-// shares have left in the result. The nine pixels around a fine one lie in 2x2 coarse ones (which ones, depends on whether its
-// x and y are even), so there are 16 weights in the place of 9, each the sum of those that fall on one coarse pixel, and 4
-// products in the place of 9. An invocation makes the 2x2 pixels of a coarse one in 2 planes: dispatch {ceil(width / 2),
-// ceil(height / 2), planes of the result / 2}.
+// A further part of a 3x3 convolution, over a source of half the size: pixel (x, y) of the result reads (x /
+// 2, y / 2) of the source. It adds to what earlier parts left in the result. The nine neighbours of a fine
+// pixel lie in 2x2 coarse pixels (which ones depends on whether its x and y are even). So there are 16
+// weights instead of 9, each the sum of those that fall on one coarse pixel, and 4 products instead of 9. An
+// invocation makes the 2x2 pixels of a coarse one in 2 planes: dispatch {ceil(width / 2), ceil(height / 2),
+// planes of the result / 2}.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

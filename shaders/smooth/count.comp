@@ -1,6 +1,7 @@
-// Reads the finest scale's features and the radiance without albedo, of a merged frame also that of the frame itself; writes
-// both with how much each pixel counts in the windows around it (a): the network's confidence, which keeps outliers out, and
-// nearly nothing for a pixel that is not finite; and the pixel's affinities.
+// Reads the finest scale's features and the radiance without albedo, that of a merged frame and that of the
+// frame itself; writes both with each pixel's confidence in the alpha channel, and the pixel's affinities.
+// The confidence multiplies the pixel's weight in every window that contains it, which keeps outliers out. It
+// is nearly 0 for a pixel that is not finite.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

@@ -1,5 +1,6 @@
-// Reads a frame and its features; writes the padded frame's radiance without albedo, in units of the frame's typical luminance
-// (a: 1, or 0 for a pixel that is not finite), and the range-compressed grey value that the local deviation is taken of.
+// Reads a frame and its features; writes for the padded frame the radiance without albedo, in units of the
+// frame's typical luminance (a: 1, or 0 for a pixel that is not finite), and the range-compressed grey value,
+// of which smooth/inputs takes the local deviation.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/gain.glsl"

@@ -1,6 +1,7 @@
-// Reads the finest scale's features, its result, the frame, its albedo and, of a merged frame, that of the frame itself; writes
-// the smoothed radiance with an albedo again, that of the pixel's windows in both as the network weighs them, and (variance
-// left, 1), from the error that the network expects. A pixel that is not finite stays as it is.
+// Reads the finest scale's features and result, the frame, its albedo and, for a merged frame, the albedo of
+// the frame itself; writes the smoothed radiance, multiplied by the mean of both albedos over windows that
+// the network predicts, and (remaining variance, 1) from the error that the network expects. A pixel that is
+// not finite stays as it is.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

@@ -1,6 +1,7 @@
-// Reads what smooth/demodulate made of a frame, its variance, its features and, of a merged frame, the grey value and features
-// of the frame itself; writes the network's input channels: compressed radiance, albedo, normal, depth, told noise, the local
-// deviation of the grey value over 5x5 pixels, the frame's own albedo, normal, depth and grey value.
+// Reads a frame's outputs of smooth/demodulate, its variance, its features and, for a merged frame, the grey
+// value and features of the frame itself; writes the network's input channels: compressed radiance, albedo,
+// normal, depth, relative noise, local deviation of the grey value over 5x5 pixels; albedo, normal, depth and
+// grey value of the frame itself.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -9,7 +10,7 @@
 #include "lib/reflectance.glsl"
 #include "shared/network_params.h"
 
-layout(constant_id = 0) const int variance_known = 1;  // 0: nothing is known of the noise
+layout(constant_id = 0) const int variance_known = 1;  // 0: the noise is not known
 
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Params { PaddedParams p; };
@@ -30,7 +31,7 @@ void main() {
   if (at.x >= size.x || at.y >= size.y) return;
   const int index = at.y * size.x + at.x;
   const float centre = texelFetch(grey, index).x;
-  // Differences to the pixel itself keep even surfaces at a deviation of exactly 0.
+  // Differences from the pixel itself keep the deviation of even surfaces at exactly 0.
   float sum = 0.0;
   float squares = 0.0;
   [[unroll]] for (int j = -2; j <= 2; ++j) {

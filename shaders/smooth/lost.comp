@@ -1,5 +1,6 @@
-// Reads a frame, its variance and what the windows made of it; writes the squared difference and the variance that noise alone
-// would give it, both relative to the result's brightness, and 1, 0; zeros for a pixel that is not finite.
+// Reads a frame, its variance and the smoothed result; writes (squared difference of both, variance that
+// noise alone would give it, 1, 0), relative to the result's brightness; zeros for a pixel that is not
+// finite.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/color.glsl"

@@ -1,7 +1,8 @@
-// Reads one scale's features, its counted radiance, at the finest scale also the frame's own, and the result of the coarser
-// scale; writes this scale's result: the mean of the 5x5 window, of the four nearest coarser pixels and of the frame's own 3x3,
-// weighted by the softmax of what the network says of each (Vogels et al. 2018, with one convex sum in place of the two that
-// they add and subtract), less the squared distance of affinities, and by how much the windows' pixels count.
+// Reads one scale's features and counted radiance, the coarser scale's result and, at the finest scale, the
+// counted radiance of the frame itself; writes this scale's result: a weighted mean of the 5x5 window, of the
+// four nearest coarser pixels and, at the finest scale, of the frame's own 3x3 pixels. The weights are a
+// softmax over the network's logits, less the squared distance of affinities, times the confidence of each
+// pixel of a window (Vogels et al. 2018, with one convex sum instead of two that are added and subtracted).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -29,7 +30,7 @@ const int kFirstOwn = kTaps + kCoarseTaps;
 const int kMostOutputs = kFirstOwn + kOwnTaps;
 #include "lib/head.glsl"
 
-/// Where the weight of the frame's own pixel beside this one is.
+/// Index of the weight of the frame's own pixel at `offset` from this one.
 int own_tap(ivec2 offset) { return kFirstOwn + 3 * (offset.y + 1) + offset.x + 1; }
 
 void main() {
@@ -69,7 +70,8 @@ void main() {
     }
   }
   if (has_coarse != 0) {
-    // The pixel's own, the one beside, above or below, and the one across the corner.
+    // The coarse pixel that covers this one, the two beside it on this pixel's side, and the one across the
+    // corner.
     const ivec2 own = at / 2;
     const ivec2 other = clamp(own + 2 * (at % 2) - 1, ivec2(0), size / 2 - 1);
     [[unroll]] for (int t = 0; t < kCoarseTaps; ++t) {

@@ -1,5 +1,5 @@
-// Reads an image of any number of planes; writes the largest of each 2x2 pixels, channel by channel, at half the size, rounded
-// up. An invocation makes one pixel of one plane: dispatch the extent of the coarse image.
+// Reads an image of any number of planes; writes the maximum of each 2x2 pixels, channel by channel, at half
+// the size, rounded up. An invocation makes one pixel of one plane: dispatch the extent of the coarse image.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/convolve_params.h"

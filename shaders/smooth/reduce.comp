@@ -1,5 +1,6 @@
-// Reads counted radiance of the finer scale and this scale's features; writes the counted radiance of this scale: of each four
-// pixels the mean as they count, and their mean count times the network's confidence at this scale; and the pixel's affinities.
+// Reads the finer scale's counted radiance and this scale's features; writes this scale's counted radiance:
+// the mean of each 2x2 pixels weighted by their confidences, and their mean confidence times the network's
+// confidence at this scale; and the pixel's affinities.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

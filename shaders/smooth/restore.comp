@@ -1,4 +1,5 @@
-// Reads a frame or an additive AOV, what the windows made of it, and the share that is put back; writes both mixed by that share.
+// Reads a frame or an additive AOV, its smoothed result and the share that is put back; writes both mixed by
+// that share.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/network_params.h"

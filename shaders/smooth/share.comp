@@ -1,18 +1,19 @@
-// Reads what the windows lost at each pixel and the sums of it over patches, the variance of the frame and the error that the
-// network expects; writes the share of the frame that is put back, and the variance then left. What a patch lost beyond its
-// noise was detail: of both, the share has the least expected squared error (lib/gain.glsl). The pixel itself is left out: a
-// share made from the value that it weighs would darken the image. Only a pixel that no noise can explain, a star, decides for
-// itself.
+// Reads smooth/lost's output, its sums over patches, the variance of the frame and the error that the network
+// expects; writes the share of the frame that is put back, and the variance that then remains. What a patch
+// lost beyond its noise was detail: the share minimises the expected squared error of the mix
+// (lib/gain.glsl). The pixel itself is left out of its patch, since a share derived from the value that it
+// weighs would darken the image. Only a pixel that no noise can explain, such as a star, decides for itself.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "lib/gain.glsl"
 #include "shared/network_params.h"
 
-/// Noise must be exceeded by so many standard errors of its estimate: Monte Carlo noise is spikier than the Gaussian that
-/// they are those of.
+/// Standard errors by which the loss must exceed the noise. Monte Carlo noise is spikier than the Gaussian
+/// noise that standard errors assume.
 const float kSignificance = 3.0;
-/// Standard deviations, of the pixel's noise and of its patch's, that no noise exceeds.
+/// A difference of more than this many standard deviations of the pixel's and of its patch's noise is not
+/// noise.
 const float kCertain = 32.0;
 
 layout(constant_id = 0) const int radius = 3;
