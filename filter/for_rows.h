@@ -13,4 +13,10 @@ void for_rows(int rows, const Body& body) {
                     [&](const tbb::blocked_range<int>& block) { body(block.begin(), block.end()); });
 }
 
+/// Calls `body(i)` for each i in [0, count), on all threads.
+template <class Body>
+void for_each_in_parallel(int count, const Body& body) {
+  tbb::parallel_for(0, count, body);
+}
+
 }  // namespace becalm::filter

@@ -105,7 +105,7 @@ struct Level {
   ImageId residual;
 };
 
-/// Largest radius that `match` is faster for than the bands (shaders/align/README.md has the figures).
+/// Largest radius for which `match` is faster than bands.
 constexpr int kLargestMatchRadius = 10;
 
 /// What the differences of two pixels add up to at most where all weights are about 1.

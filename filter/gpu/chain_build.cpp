@@ -10,6 +10,11 @@ namespace becalm::gpu {
 
 namespace {
 
+/// What absent bindings are bound to: those that are read to one part, each that is written to one of its
+/// own, or there would seem to be hazards. As many bytes as the offset of a buffer may have to be a multiple
+/// of.
+constexpr std::uint64_t kNothingBytes = 256;
+
 vk::Format texel_format(Format format) {
   switch (format) {
     case Format::f32:
@@ -205,13 +210,14 @@ void Chain::Impl::create_pipelines() {
 }
 
 void Chain::Impl::create_nothing() {
-  if (std::ranges::none_of(passes, [](const PassDeclaration& pass) { return !pass.absent.empty(); })) return;
+  std::size_t absent = 0;
+  for (const PassDeclaration& pass : passes) absent += pass.absent.size();
+  if (absent == 0) return;
   using Usage = vk::BufferUsageFlagBits;
-  constexpr std::uint64_t one_element = 16;
-  nothing = device.create_host_buffer(one_element, Usage::eStorageBuffer | Usage::eUniformTexelBuffer,
-                                      name + " nothing");
+  nothing = device.create_host_buffer((absent + 1) * kNothingBytes,
+                                      Usage::eStorageBuffer | Usage::eUniformTexelBuffer, name + " nothing");
   const auto view_as = [&](Format format) {
-    return vk::raii::BufferView(device.device, {{}, *nothing.buffer, texel_format(format), 0, VK_WHOLE_SIZE});
+    return vk::raii::BufferView(device.device, {{}, *nothing.buffer, texel_format(format), 0, kNothingBytes});
   };
   nothing_texels = view_as(Format::f32x4);
   nothing_unsigned_texels = view_as(Format::u32);
@@ -241,6 +247,7 @@ void Chain::Impl::create_descriptor_sets() {
     std::vector<vk::raii::DescriptorSet> sets =
         device.device.allocateDescriptorSets({*descriptor_pool, layouts});
     auto next_set = sets.begin();
+    std::uint64_t next_nothing = 1;
     for (std::size_t i = 0; i < passes.size(); ++i) {
       if (passes[i].kind != PassKind::kernel) {
         descriptor_sets[p].emplace_back(nullptr);
@@ -252,25 +259,25 @@ void Chain::Impl::create_descriptor_sets() {
       };
       for (const Use& use : passes[i].uses) {
         const DeviceBuffer& memory = buffer(use.image, static_cast<int>(p));
-        bind(set, binding_of(use.binding), *memory.buffer, *memory.texels);
+        bind(set, binding_of(use.binding), {*memory.buffer, 0, VK_WHOLE_SIZE}, *memory.texels);
       }
       for (const std::string& absent : passes[i].absent) {
         const BindingInfo& binding = binding_of(absent);
-        bind(set, binding, *nothing.buffer,
+        const std::uint64_t offset = binding.writes ? kNothingBytes * next_nothing++ : 0;
+        bind(set, binding, {*nothing.buffer, offset, kNothingBytes},
              binding.element == "utexel" ? *nothing_unsigned_texels : *nothing_texels);
       }
     }
   }
 }
 
-void Chain::Impl::bind(vk::DescriptorSet set, const BindingInfo& binding, vk::Buffer memory,
-                       vk::BufferView texels) const {
-  const vk::DescriptorBufferInfo whole(memory, 0, VK_WHOLE_SIZE);
+void Chain::Impl::bind(vk::DescriptorSet set, const BindingInfo& binding,
+                       const vk::DescriptorBufferInfo& part, vk::BufferView texels) const {
   vk::WriteDescriptorSet write(set, binding.binding, 0, 1, descriptor_type(binding));
   if (binding.is_texel_buffer()) {
     write.setTexelBufferView(texels);
   } else {
-    write.setBufferInfo(whole);
+    write.setBufferInfo(part);
   }
   device.device.updateDescriptorSets(write, {});
 }

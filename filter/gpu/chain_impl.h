@@ -119,7 +119,7 @@ struct Chain::Impl {
   void create_staging();
   void create_pipelines();
   void create_nothing();
-  void bind(vk::DescriptorSet set, const BindingInfo& binding, vk::Buffer buffer,
+  void bind(vk::DescriptorSet set, const BindingInfo& binding, const vk::DescriptorBufferInfo& part,
             vk::BufferView texels) const;
   void create_descriptor_sets();
   void record_all();

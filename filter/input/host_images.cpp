@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cassert>
 #include <cmath>
 #include <limits>
 
+#include "filter/for_rows.h"
 #include "filter/luminance.h"
 
 namespace becalm::filter {
@@ -14,15 +16,56 @@ namespace {
 /// Exposures beyond this range make squares of scaled values leave the range of floats.
 constexpr double kLargestExposure = 1e15;
 
-/// Calls `use(index in an image of that width, index in the rectangle)` for each pixel, row by row.
+/// Calls `use(index in an image of that width, index in the rectangle)` for each pixel, on all threads.
 template <class Use>
 void for_each_pixel(const Rect& rect, int image_width, const Use& use) {
-  std::size_t in_rect = 0;
-  for (int y = rect.y; y < rect.y + rect.height; ++y) {
-    std::size_t in_image = static_cast<std::size_t>(y) * image_width + rect.x;
-    for (int x = 0; x < rect.width; ++x) use(in_image++, in_rect++);
-  }
+  for_rows(rect.height, [&](int begin, int end) {
+    for (int y = begin; y < end; ++y) {
+      std::size_t in_rect = static_cast<std::size_t>(y) * rect.width;
+      std::size_t in_image = (static_cast<std::size_t>(rect.y) + y) * image_width + rect.x;
+      for (int x = 0; x < rect.width; ++x) use(in_image++, in_rect++);
+    }
+  });
 }
+
+/// The sum of `of_row(y)`, made on all threads; the order of its additions is always the same.
+template <class Sum, class OfRow>
+Sum sum_of_rows(int rows, const OfRow& of_row) {
+  std::vector<Sum> sums(static_cast<std::size_t>(rows));
+  for_each_in_parallel(rows, [&](int y) { sums[static_cast<std::size_t>(y)] = of_row(y); });
+  Sum sum{};
+  for (const Sum& row : sums) sum += row;
+  return sum;
+}
+
+/// A sum of logarithms and their number.
+struct LogarithmSum {
+  LogarithmSum& operator+=(const LogarithmSum& other) {
+    exponents += other.exponents;
+    mantissas += other.mantissas;
+    count += other.count;
+    return *this;
+  }
+  /// Adds log2 of a positive value: exponents and mantissas apart, so that values scaled by a power of two
+  /// have exactly the scaled geometric mean.
+  void add(double value) {
+    int exponent = 0;
+    mantissas += std::log2(std::frexp(value, &exponent));
+    exponents += exponent;
+    ++count;
+  }
+  double geometric_mean() const {
+    std::int64_t whole = exponents / count;
+    if (whole * count > exponents) --whole;  // rounds down
+    const double rest =
+        (static_cast<double>(exponents - whole * count) + mantissas) / static_cast<double>(count);
+    return std::ldexp(std::exp2(rest), static_cast<int>(whole));
+  }
+
+  std::int64_t exponents = 0;
+  double mantissas = 0.0;
+  std::int64_t count = 0;
+};
 
 bool all_finite(std::span<const float> values) {
   return std::ranges::all_of(values, [](float v) { return std::isfinite(v); });
@@ -58,9 +101,9 @@ std::array<float, channels> mean_of_neighbours(const Image& image, std::size_t p
 
 std::vector<std::uint8_t> finite_pixels(const Image& beauty) {
   std::vector<std::uint8_t> finite(beauty.pixel_count());
-  for (std::size_t i = 0; i < finite.size(); ++i) {
+  for_each_pixel(bounds({beauty.width(), beauty.height()}), beauty.width(), [&](std::size_t i, std::size_t) {
     finite[i] = all_finite(beauty.data().subspan(i * beauty.channels(), beauty.channels())) ? 1 : 0;
-  }
+  });
   return finite;
 }
 
@@ -68,15 +111,14 @@ void pack_color(const Image& beauty, std::span<const std::uint8_t> finite, const
                 std::span<float> rgba) {
   assert(beauty.channels() == 4 && rgba.size() == rect.extent().elements() * 4);
   const int width = beauty.width();
-  for (int y = 0; y < rect.height; ++y) {
-    const std::size_t row = static_cast<std::size_t>(rect.y + y) * width + rect.x;
-    const std::size_t row_floats = static_cast<std::size_t>(rect.width) * 4;
-    std::ranges::copy(beauty.data().subspan(4 * row, row_floats), rgba.subspan(y * row_floats).begin());
-  }
+  const auto is_finite = [&](std::size_t i) { return finite[i] != 0; };
   for_each_pixel(rect, width, [&](std::size_t in, std::size_t out) {
-    if (finite[in]) return;
-    const auto is_finite = [&](std::size_t i) { return finite[i] != 0; };
-    std::ranges::copy(mean_of_neighbours<4>(beauty, in, is_finite, 0.0f), rgba.subspan(4 * out, 4).begin());
+    const auto pixel = rgba.subspan(4 * out, 4).begin();
+    if (is_finite(in)) {
+      std::ranges::copy(beauty.data().subspan(4 * in, 4), pixel);
+    } else {
+      std::ranges::copy(mean_of_neighbours<4>(beauty, in, is_finite, 0.0f), pixel);
+    }
   });
 }
 
@@ -96,7 +138,7 @@ std::size_t pack_variance(const Frame& frame, const AovSet& used, std::span<cons
                           const Tile& tile, std::span<float> pairs) {
   const bool given = contains(used, Aov::variance);
   const bool halves = contains(used, Aov::half_a) && contains(used, Aov::half_b);
-  std::size_t replaced = 0;
+  std::atomic<std::size_t> replaced = 0;
   for_each_pixel(tile.target, frame.width(), [&](std::size_t in, std::size_t out) {
     float variance = 0.0f;
     if (given) {
@@ -122,14 +164,16 @@ std::size_t pack_variance(const Frame& frame, const AovSet& used, std::span<cons
 
 float typical_depth(const Frame& frame, const AovSet& used) {
   if (!contains(used, Aov::depth)) return 1.0f;
-  double sum = 0.0;
-  std::size_t count = 0;
-  for (const float z : frame.image(Aov::depth).data()) {
-    if (!(z > 0.0f) || !std::isfinite(z)) continue;
-    sum += std::log(static_cast<double>(z));
-    ++count;
-  }
-  return count > 0 ? static_cast<float>(std::exp(sum / static_cast<double>(count))) : 1.0f;
+  const Image& depth = frame.image(Aov::depth);
+  const auto sum = sum_of_rows<LogarithmSum>(depth.height(), [&](int y) {
+    LogarithmSum row;
+    for (int x = 0; x < depth.width(); ++x) {
+      const float z = depth.at(x, y, 0);
+      if (z > 0.0f && std::isfinite(z)) row.add(z);
+    }
+    return row;
+  });
+  return sum.count > 0 ? static_cast<float>(sum.geometric_mean()) : 1.0f;
 }
 
 void pack_features(const Frame& frame, const AovSet& used, float usual_depth, const Rect& rect,
@@ -209,32 +253,27 @@ std::size_t count_far_motions(const Image& motion, float limit_px) {
 }
 
 float exposure(const Image& beauty) {
-  const auto for_each_luminance = [&](const auto& use) {
-    for (std::size_t i = 0; i < beauty.pixel_count(); ++i) {
-      const float l = luminance(beauty.data().subspan(i * beauty.channels(), beauty.channels()));
+  /// Calls `use` with each luminance of a row that is positive and finite.
+  const auto for_each_luminance = [&](int y, const auto& use) {
+    for (int x = 0; x < beauty.width(); ++x) {
+      const float l = luminance(beauty.pixel(x, y));
       if (l > 0.0f && std::isfinite(l)) use(static_cast<double>(l));
     }
   };
-  double mean = 0.0;
-  for_each_luminance([&](double l) { mean += l / static_cast<double>(beauty.pixel_count()); });
-  // Exponents and mantissas apart, so that radiance scaled by a power of two has exactly the scaled exposure.
-  std::int64_t exponents = 0;
-  double mantissas = 0.0;
-  std::int64_t count = 0;
-  for_each_luminance([&](double l) {
-    if (l < 1e-6 * mean) return;
-    int exponent = 0;
-    mantissas += std::log2(std::frexp(l, &exponent));
-    exponents += exponent;
-    ++count;
+  const double mean = sum_of_rows<double>(beauty.height(), [&](int y) {
+    double row = 0.0;
+    for_each_luminance(y, [&](double l) { row += l / static_cast<double>(beauty.pixel_count()); });
+    return row;
   });
-  if (count == 0) return 1.0f;
-  std::int64_t whole = exponents / count;
-  if (whole * count > exponents) --whole;  // rounds down
-  const double rest =
-      (static_cast<double>(exponents - whole * count) + mantissas) / static_cast<double>(count);
-  const double typical = std::ldexp(std::exp2(rest), static_cast<int>(whole));
-  return static_cast<float>(std::clamp(1.0 / typical, 1.0 / kLargestExposure, kLargestExposure));
+  const auto sum = sum_of_rows<LogarithmSum>(beauty.height(), [&](int y) {
+    LogarithmSum row;
+    for_each_luminance(y, [&](double l) {
+      if (l >= 1e-6 * mean) row.add(l);
+    });
+    return row;
+  });
+  if (sum.count == 0) return 1.0f;
+  return static_cast<float>(std::clamp(1.0 / sum.geometric_mean(), 1.0 / kLargestExposure, kLargestExposure));
 }
 
 }  // namespace becalm::filter

@@ -7,58 +7,71 @@
 #include <vector>
 
 #include "filter/ceil_div.h"
+#include "filter/for_rows.h"
 
 namespace becalm::filter {
 namespace {
 
-/// Smoothing leaves outliers out, which are all that smaller blocks would get back: ragged light where it was
-/// smooth.
+/// Smaller blocks would get back little but single bright samples: ragged light where it was smooth.
 constexpr int kFinestBlock = 128;
 /// No level changes a block by more than this.
 constexpr double kLargestFactor = 2.0;
-/// Relative noise of the whole frame's mean that is not waited for, and the most that the frame is brightened
-/// by at last: a difference between frames that is hardly seen, while a bias of as much is a darker shot.
+/// Relative noise of the whole frame's mean below which the difference is given back all the same, and the
+/// most that the frame is brightened by at last: between two frames it is hardly seen, but a bias of as much
+/// is a darker shot.
 constexpr double kUnseen = 0.01;
 
+using Channels = std::array<double, 3>;
+
 struct Block {
-  std::array<double, 3> frame{};     ///< sums over pixels, exposed
-  std::array<double, 3> estimate{};  ///< the same
-  double noise = 0.0;                ///< variance of `frame`, averaged over channels
-  std::array<double, 3> factor{1.0, 1.0, 1.0};
+  Channels frame{};     ///< sums over pixels, exposed
+  Channels estimate{};  ///< the same
+  double noise = 0.0;   ///< variance of `frame`, averaged over channels
+  Channels factor{1.0, 1.0, 1.0};
 };
 
 /// Blocks of one size, row by row.
 struct BlockGrid {
-  int width = 0;
-  int height = 0;
-  std::vector<Block> blocks;
+  BlockGrid(int columns, int rows)
+      : width(columns), height(rows), blocks(static_cast<std::size_t>(columns) * rows) {}
 
   Block& at(int x, int y) { return blocks[static_cast<std::size_t>(y) * width + x]; }
   const Block& at(int x, int y) const { return blocks[static_cast<std::size_t>(y) * width + x]; }
 
-  /// The factor at a position in blocks from the centre of the first one, bilinearly.
-  double factor(double x, double y, std::size_t channel) const {
-    const double cx = std::clamp(x, 0.0, width - 1.0);
-    const double cy = std::clamp(y, 0.0, height - 1.0);
-    const int x0 = static_cast<int>(cx);
-    const int y0 = static_cast<int>(cy);
-    const int x1 = std::min(x0 + 1, width - 1);
-    const int y1 = std::min(y0 + 1, height - 1);
-    const auto value = [&](int u, int v) { return at(u, v).factor[channel]; };
-    return std::lerp(std::lerp(value(x0, y0), value(x1, y0), cx - x0),
-                     std::lerp(value(x0, y1), value(x1, y1), cx - x0), cy - y0);
-  }
+  int width;
+  int height;
+  std::vector<Block> blocks;
 };
 
-/// Square of what a channel of the frame's pixel has beside the estimate.
+/// The two blocks whose centres a position, in blocks from the centre of the first one, lies between.
+struct Between {
+  Between(double position, int count) {
+    const double inside = std::clamp(position, 0.0, count - 1.0);
+    low = static_cast<int>(inside);
+    high = std::min(low + 1, count - 1);
+    share = inside - low;
+  }
+  int low;
+  int high;
+  double share;  ///< of `high`
+};
+
+double factor_between(const BlockGrid& grid, const Between& x, const Between& y, std::size_t channel) {
+  const auto value = [&](int u, int v) { return grid.at(u, v).factor[channel]; };
+  return std::lerp(std::lerp(value(x.low, y.low), value(x.high, y.low), x.share),
+                   std::lerp(value(x.low, y.high), value(x.high, y.high), x.share), y.share);
+}
+
+/// Squared difference of a channel of the frame's pixel from the estimate.
 double residual_square(const NewFrame& frame, const Estimate& estimate, std::size_t i, std::size_t c) {
   const double x = frame.frame.image(Aov::beauty).data()[4 * i + c];
   const double e = x - estimate.color.data()[4 * i + c];
   return e * e;
 }
 
-/// Variance of the mean of a pixel's channel as the frame tells it; negative or not finite if it does not.
-double told_noise(const NewFrame& frame, const FilterTask& task, std::size_t i, std::size_t c) {
+/// Variance of the mean of a pixel's channel according to the frame's AOVs; negative or not finite if
+/// unknown.
+double known_variance(const NewFrame& frame, const FilterTask& task, std::size_t i, std::size_t c) {
   if (task.has_halves()) {
     const double e = 0.5 * (double(frame.frame.image(Aov::half_a).data()[3 * i + c]) -
                             frame.frame.image(Aov::half_b).data()[3 * i + c]);
@@ -67,12 +80,12 @@ double told_noise(const NewFrame& frame, const FilterTask& task, std::size_t i, 
   return contains(task.used, Aov::variance) ? frame.frame.image(Aov::variance).data()[3 * i + c] : -1.0;
 }
 
-/// Averaged over channels: what the frame tells, else what the pixel has beside the estimate.
+/// The known variance, else the squared difference from the estimate; averaged over channels.
 double pixel_noise(const NewFrame& frame, const FilterTask& task, const Estimate& estimate, std::size_t i) {
   double sum = 0.0;
   for (std::size_t c = 0; c < 3; ++c) {
-    const double told = told_noise(frame, task, i, c);
-    sum += (std::isfinite(told) && told >= 0.0 ? told : residual_square(frame, estimate, i, c)) / 3.0;
+    const double known = known_variance(frame, task, i, c);
+    sum += (std::isfinite(known) && known >= 0.0 ? known : residual_square(frame, estimate, i, c)) / 3.0;
   }
   return sum;
 }
@@ -85,14 +98,12 @@ bool counts(const NewFrame& frame, const Estimate& estimate, std::size_t i) {
 BlockGrid finest_level(const NewFrame& frame, const FilterTask& task, const Estimate& estimate) {
   const int width = estimate.color.width();
   const int height = estimate.color.height();
-  BlockGrid level{
-      .width = ceil_div(width, kFinestBlock), .height = ceil_div(height, kFinestBlock), .blocks = {}};
-  level.blocks.resize(static_cast<std::size_t>(level.width) * level.height);
+  BlockGrid level(ceil_div(width, kFinestBlock), ceil_div(height, kFinestBlock));
   const std::span<const float> beauty = frame.frame.image(Aov::beauty).data();
   const std::span<const float> color = estimate.color.data();
   const double exposure = frame.exposure;
-  std::size_t i = 0;
-  for (int y = 0; y < height; ++y) {
+  const auto add_row = [&](int y) {
+    std::size_t i = static_cast<std::size_t>(y) * width;
     for (int x = 0; x < width; ++x, ++i) {
       if (!counts(frame, estimate, i)) continue;
       Block& block = level.at(x / kFinestBlock, y / kFinestBlock);
@@ -102,13 +113,15 @@ BlockGrid finest_level(const NewFrame& frame, const FilterTask& task, const Esti
       }
       block.noise += exposure * exposure * pixel_noise(frame, task, estimate, i);
     }
-  }
+  };
+  for_each_in_parallel(level.height, [&](int row) {
+    for (int y = row * kFinestBlock; y < std::min((row + 1) * kFinestBlock, height); ++y) add_row(y);
+  });
   return level;
 }
 
 BlockGrid coarser(const BlockGrid& fine) {
-  BlockGrid level{.width = (fine.width + 1) / 2, .height = (fine.height + 1) / 2, .blocks = {}};
-  level.blocks.resize(static_cast<std::size_t>(level.width) * level.height);
+  BlockGrid level((fine.width + 1) / 2, (fine.height + 1) / 2);
   for (int y = 0; y < fine.height; ++y) {
     for (int x = 0; x < fine.width; ++x) {
       Block& block = level.at(x / 2, y / 2);
@@ -126,7 +139,7 @@ BlockGrid coarser(const BlockGrid& fine) {
 /// Brings the block's factor to where the estimate has the frame's mean, by the share of the difference that
 /// is more than `noise`, its variance, and by no more than `largest` times or part.
 void bring_to_frame(Block& block, double noise, double largest) {
-  std::array<double, 3> difference{};
+  Channels difference{};
   double squares = 0.0;
   for (std::size_t c = 0; c < 3; ++c) {
     difference[c] = block.frame[c] - block.factor[c] * block.estimate[c];
@@ -141,41 +154,51 @@ void bring_to_frame(Block& block, double noise, double largest) {
   }
 }
 
-/// Decides one level's factors, given those of the next coarser one, if there is one. The difference between
-/// frame and estimate has this share of the frame's noise.
-void find_factors(BlockGrid& level, const BlockGrid* coarse, double share_of_noise) {
+/// Decides one level's factors, given those of the next coarser one, if there is one.
+void find_factors(BlockGrid& level, const BlockGrid* coarse) {
   for (int y = 0; y < level.height; ++y) {
     for (int x = 0; x < level.width; ++x) {
       Block& block = level.at(x, y);
       for (std::size_t c = 0; c < 3 && coarse; ++c) {
-        block.factor[c] = coarse->factor((x + 0.5) / 2.0 - 0.5, (y + 0.5) / 2.0 - 0.5, c);
+        block.factor[c] = factor_between(*coarse, {(x + 0.5) / 2.0 - 0.5, coarse->width},
+                                         {(y + 0.5) / 2.0 - 0.5, coarse->height}, c);
       }
-      bring_to_frame(block, share_of_noise * block.noise, kLargestFactor);
+      bring_to_frame(block, block.noise, kLargestFactor);
     }
   }
 }
 
 /// Multiplies the estimate and its additive AOVs by what lies between the factors at the blocks' centres.
-void apply(const BlockGrid& finest, Estimate& estimate) {
-  const std::span<float> color = estimate.color.data();
-  std::size_t i = 0;
-  for (int y = 0; y < estimate.color.height(); ++y) {
-    const double v = (y + 0.5) / kFinestBlock - 0.5;
-    for (int x = 0; x < estimate.color.width(); ++x, ++i) {
-      const double u = (x + 0.5) / kFinestBlock - 0.5;
+void apply(const BlockGrid& grid, int block_px, Estimate& estimate) {
+  const int width = estimate.color.width();
+  std::vector<Between> columns;
+  for (int x = 0; x < width; ++x) columns.emplace_back((x + 0.5) / block_px - 0.5, grid.width);
+  const auto scale_row = [&](int y) {
+    const Between row((y + 0.5) / block_px - 0.5, grid.height);
+    std::vector<Channels> along(static_cast<std::size_t>(grid.width));
+    for (int x = 0; x < grid.width; ++x) {
+      for (std::size_t c = 0; c < 3; ++c) along[x][c] = factor_between(grid, {double(x), grid.width}, row, c);
+    }
+    std::size_t i = static_cast<std::size_t>(y) * width;
+    for (const Between& column : columns) {
       for (std::size_t c = 0; c < 3; ++c) {
-        const auto factor = static_cast<float>(finest.factor(u, v, c));
-        color[4 * i + c] *= factor;
+        const auto factor =
+            static_cast<float>(std::lerp(along[column.low][c], along[column.high][c], column.share));
+        estimate.color.data()[4 * i + c] *= factor;
         for (Image& image : estimate.additive) image.data()[4 * i + c] *= factor;
       }
+      ++i;
     }
-  }
+  };
+  for_rows(estimate.color.height(), [&](int begin, int end) {
+    for (int y = begin; y < end; ++y) scale_row(y);
+  });
 }
 
 /// A channel whose mean over the frame is not positive has no brightness to restore: additive AOVs of either
 /// sign may cancel there.
 void leave_channels_without_light(std::vector<BlockGrid>& levels) {
-  const std::array<double, 3> whole = levels.back().blocks.front().frame;
+  const Channels whole = levels.back().blocks.front().frame;
   for (BlockGrid& level : levels) {
     for (Block& block : level.blocks) {
       for (std::size_t c = 0; c < 3; ++c) {
@@ -185,44 +208,62 @@ void leave_channels_without_light(std::vector<BlockGrid>& levels) {
   }
 }
 
-/// Brings the mean of the whole frame to that of the noisy one, given its block as it was before the finer
-/// ones were: those with a bright sample are noisier than others, take less of their difference, and light is
-/// missing again. Frames may tell more noise than they have, above all those of one sample, whose variance is
-/// its square: what the estimate does not explain bounds it. Noise that is not seen is not waited for:
-/// V^2 / (V + kUnseen^2) stands for the variance V.
-void restore_whole(Block whole, double share_of_noise, const NewFrame& frame, Estimate& estimate) {
-  whole.estimate = {};
-  whole.factor = {1.0, 1.0, 1.0};
+/// Sums over the whole frame of what is left of it beside the estimate, exposed.
+struct Remainder {
+  Channels estimate{};
+  double residual = 0.0;  ///< averaged over channels
+};
+
+Remainder remainder_of(const NewFrame& frame, const Estimate& estimate) {
+  const int width = estimate.color.width();
   const double exposure = frame.exposure;
-  double residual = 0.0;
-  for (std::size_t i = 0; i < frame.finite.size(); ++i) {
-    if (!counts(frame, estimate, i)) continue;
-    for (std::size_t c = 0; c < 3; ++c) {
-      if (whole.frame[c] > 0.0) whole.estimate[c] += exposure * estimate.color.data()[4 * i + c];
-      residual += exposure * exposure * residual_square(frame, estimate, i, c) / 3.0;
+  std::vector<Remainder> rows(static_cast<std::size_t>(estimate.color.height()));
+  for_each_in_parallel(estimate.color.height(), [&](int y) {
+    Remainder sum;
+    for (std::size_t i = static_cast<std::size_t>(y) * width; i < (y + std::size_t{1}) * width; ++i) {
+      if (!counts(frame, estimate, i)) continue;
+      for (std::size_t c = 0; c < 3; ++c) {
+        sum.estimate[c] += exposure * estimate.color.data()[4 * i + c];
+        sum.residual += exposure * exposure * residual_square(frame, estimate, i, c) / 3.0;
+      }
     }
+    rows[y] = sum;
+  });
+  Remainder whole;
+  for (const Remainder& row : rows) {
+    for (std::size_t c = 0; c < 3; ++c) whole.estimate[c] += row.estimate[c];
+    whole.residual += row.residual;
   }
+  return whole;
+}
+
+/// Brings the mean of the whole frame to that of the noisy one, given its block as it was before finer ones
+/// changed it. A frame may claim more noise than it has (of one sample the variance is its square): the
+/// residual bounds it. V^2 / (V + kUnseen^2) replaces the variance V.
+void restore_whole(Block whole, const NewFrame& frame, Estimate& estimate) {
+  const Remainder left = remainder_of(frame, estimate);
+  whole.factor = {1.0, 1.0, 1.0};
+  for (std::size_t c = 0; c < 3; ++c) whole.estimate[c] = whole.frame[c] > 0.0 ? left.estimate[c] : 0.0;
   const double mean = (whole.estimate[0] + whole.estimate[1] + whole.estimate[2]) / 3.0;
-  const double noise = share_of_noise * std::min(whole.noise, residual);
+  const double noise = std::min(whole.noise, left.residual);
   const double unseen = kUnseen * mean * kUnseen * mean;
   bring_to_frame(whole, noise > 0.0 ? noise * (noise / (noise + unseen)) : 0.0, 1.0 + kUnseen);
-  apply({.width = 1, .height = 1, .blocks = {whole}}, estimate);
+  BlockGrid one(1, 1);
+  one.blocks = {whole};
+  apply(one, 1, estimate);
 }
 
 }  // namespace
 
-void restore_energy(const NewFrame& frame, const FilterTask& task, Estimate& estimate, double reach_px) {
+void restore_energy(const NewFrame& frame, const FilterTask& task, Estimate& estimate) {
   std::vector<BlockGrid> levels{finest_level(frame, task, estimate)};
   while (levels.back().blocks.size() > 1) levels.push_back(coarser(levels.back()));
   leave_channels_without_light(levels);
-  const auto share_of_noise = [&](std::size_t l) {
-    return std::min(4.0 * reach_px / std::ldexp(kFinestBlock, static_cast<int>(l)), 1.0);
-  };
   for (std::size_t l = levels.size(); l-- > 0;) {
-    find_factors(levels[l], l + 1 < levels.size() ? &levels[l + 1] : nullptr, share_of_noise(l));
+    find_factors(levels[l], l + 1 < levels.size() ? &levels[l + 1] : nullptr);
   }
-  apply(levels.front(), estimate);
-  restore_whole(levels.back().blocks.front(), share_of_noise(levels.size() - 1), frame, estimate);
+  apply(levels.front(), kFinestBlock, estimate);
+  restore_whole(levels.back().blocks.front(), frame, estimate);
 }
 
 }  // namespace becalm::filter

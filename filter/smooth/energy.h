@@ -1,23 +1,19 @@
 #pragma once
 
-#include <limits>
-
 #include "filter/estimate.h"
 #include "filter/task.h"
 
 namespace becalm::filter {
 
-/// Brings the means of the estimate's colour over large blocks, from the whole frame down to 32 px, to those
-/// of the noisy frame, by the share of the difference that its noise does not explain; down to 128 px where a
-/// network smooths. The corrections on the device (correct.h) end at smaller blocks, where a bias of a
-/// percent drowns in noise; summed over a frame it is what a user sees as a darker shot. The mean of the
-/// whole frame comes once more at last, by a percent at most: noise of less than that is not waited for, nor
-/// noise that the frame tells and does not have beside the estimate. Additive AOVs take the same factors, and
-/// a channel whose mean over the frame is not positive is left. `task` says where the noise is known from;
-/// where from nothing, what a pixel has beside the estimate stands for it. An estimate that was made of this
-/// frame alone has its very noise, moved by at most `reach_px`: the difference of a block then has only the
-/// noise that crossed the block's border. Works on the host, for the whole frame, whatever its tiles.
-void restore_energy(const NewFrame& frame, const FilterTask& task, Estimate& estimate,
-                    double reach_px = std::numeric_limits<double>::infinity());
+/// Gives the light back that smoothing took out with bright samples: brings the means of the estimate's
+/// colour over blocks, from the whole frame down to 128 px, to those of the noisy frame, by the share of the
+/// difference that the frame's noise does not explain. Then the mean of the whole frame once more, by a
+/// percent at most, since blocks with a bright sample are noisier than others and take less of their
+/// difference. `task` says where the frame's variance is known from; a pixel without it has its squared
+/// difference from the estimate. Additive AOVs take the same factors. A channel whose mean over the frame is
+/// not positive stays as it is.
+///
+/// On the host, since blocks are larger than tiles.
+void restore_energy(const NewFrame& frame, const FilterTask& task, Estimate& estimate);
 
 }  // namespace becalm::filter

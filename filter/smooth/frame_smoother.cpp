@@ -6,7 +6,6 @@
 #include "filter/input/host_images.h"
 #include "filter/input/noisy_inputs.h"
 #include "filter/merge/additive.h"
-#include "filter/smooth/energy.h"
 #include "filter/smooth/network.h"
 
 namespace becalm::filter {
@@ -15,9 +14,6 @@ using gpu::Extent;
 using gpu::ImageId;
 
 namespace {
-
-/// How far from where it was noise is found after smoothing, for the energy of blocks.
-constexpr double kReachPx = 16.0;
 
 std::vector<Layered> layered(const std::vector<ImageId>& merged, const std::vector<ImageId>& own) {
   std::vector<Layered> result;

@@ -10,7 +10,7 @@
 namespace becalm::filter {
 
 /// Smooths single frames before they are matched and merged, so that decisions are made on what is hardly
-/// noisy. What a frame loses of its light by that is given back over blocks of 32 px and more (energy.h).
+/// noisy.
 class FrameSmoother {
  public:
   /// Plans the largest tiles that take at most `memory_limit` bytes. Throws DeviceLimitError if not even the

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <random>
 
+#include "filter/task.h"
+
 namespace becalm::filter {
 namespace {
 

@@ -141,12 +141,13 @@ TEST(SharpShare, EndsWhereTheRangeDoes) {
 TEST(Gain, AveragesEvenlyWithoutBias) {
   // Eq. 6: with equal variances the weights give the running mean.
   float n = 1.0f;
-  for (int frame = 2; frame < 100; ++frame) {
+  for (int frame = 2; frame <= static_cast<int>(kMostFrames); ++frame) {
     const float alpha = gain(0.5f, 0.5f / n, 0.0f);
     EXPECT_NEAR(alpha, 1.0f / frame, 1e-6f);
     n = blended_count(n, alpha);
     EXPECT_NEAR(n, frame, 1e-3f * frame);
   }
+  EXPECT_EQ(blended_count(kMostFrames, 0.001f), kMostFrames);
 }
 
 TEST(Gain, KeepsToItsLimits) {

@@ -66,6 +66,23 @@ TEST_F(ChainErrors, NameABindingWithoutAnImage) {
   expect_build_error("pass 0 'kernels/scale': binding 'fine' has no image");
 }
 
+TEST_F(ChainErrors, NameABindingThatIsLeftWithoutAnImageAndCannotBe) {
+  scale(fine_, scaled_).read("fine", std::nullopt).dispatch(kExtent);
+  expect_build_error("pass 0 'kernels/scale': binding 'fine' is both given an image and left without one");
+}
+
+TEST_F(ChainErrors, NameAnUnknownBindingThatIsLeftWithoutAnImage) {
+  scale(fine_, scaled_).read("coarse", std::nullopt).dispatch(kExtent);
+  expect_build_error(
+      "pass 0 'kernels/scale': binding 'coarse' is left without an image, and the kernel has no such "
+      "binding");
+}
+
+TEST_F(ChainErrors, NameAnImageFilledThatIsAnInput) {
+  chain_.fill(fine_, 0.0f);
+  expect_build_error("pass 0 'fill': image 'fine' is an input and cannot be written");
+}
+
 TEST_F(ChainErrors, NameABindingGivenTwice) {
   scale(fine_, scaled_).read("fine", fine_).dispatch(kExtent);
   expect_build_error("pass 0 'kernels/scale': binding 'fine' is given twice");

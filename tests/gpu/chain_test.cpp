@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 #include <vector>
 
 #include "tests/gpu/support.h"
@@ -46,6 +47,42 @@ TEST_F(ChainTest, RunsAKernelOnEveryPixelOfAnyExtent) {
     const auto result = s.chain.download<float>(s.scaled);
     ASSERT_EQ(result.size(), extent.elements());
     for (std::size_t i = 0; i < result.size(); ++i) ASSERT_EQ(result[i], static_cast<float>(i) + 11.0f) << i;
+  }
+}
+
+TEST_F(ChainTest, FillsImagesAndLeavesBindingsWithoutAnImageAlone) {
+  constexpr Extent extent{130, 3};
+  for (const bool has_b : {false, true}) {
+    Chain chain(validated_device(), "optional", test_options());
+    const ImageId a = chain.image("a", Format::f32, extent);
+    const ImageId sum = chain.image("sum", Format::f32, extent);
+    std::optional<ImageId> b, copy;
+    chain.fill(a, 2.5f);
+    if (has_b) {
+      b = chain.image("b", Format::f32, extent);
+      copy = chain.image("copy", Format::f32, extent);
+      chain.fill(*b, 0.75f);
+      chain.output(*copy);
+    }
+    chain.pass("kernels/add_if")
+        .read("a", a)
+        .read("b", b)
+        .write("sum", sum)
+        .write("copy", copy)
+        .specialize("has_b", has_b ? 1 : 0)
+        .specialize("has_copy", has_b ? 1 : 0)
+        .constants(ScaleParams{extent.width, extent.height})
+        .dispatch(extent);
+    chain.output(sum);
+    chain.build();
+    for (int run = 0; run < 2; ++run) {
+      chain.run();
+      for (const float value : chain.download<float>(sum)) ASSERT_EQ(value, has_b ? 3.25f : 2.5f);
+      if (copy) {
+        for (const float value : chain.download<float>(*copy)) ASSERT_EQ(value, 3.25f);
+      }
+    }
+    ASSERT_EQ(chain.times().front().name, "fill a");
   }
 }
 
