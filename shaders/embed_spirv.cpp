@@ -40,6 +40,7 @@ struct Kernel {
   std::vector<Binding> bindings;
   std::vector<SpecConstant> spec_constants;
   std::uint32_t push_constant_bytes = 0;
+  bool takes_dispatch_size = false;
   std::uint32_t local_size[3] = {1, 1, 1};
 };
 
@@ -146,6 +147,13 @@ std::uint32_t reflect_push_constants(const Compiler& compiler,
   return bytes;
 }
 
+/// Whether the push constants are those of lib/dispatch_size.glsl, which the chain supplies.
+bool is_dispatch_size(const Compiler& compiler, const spirv_cross::ShaderResources& resources) {
+  if (resources.push_constant_buffers.empty()) return false;
+  const spirv_cross::TypeID type = resources.push_constant_buffers[0].base_type_id;
+  return compiler.get_name(type) == "DispatchSize";
+}
+
 SpecConstant reflect_spec_constant(const Compiler& compiler,
                                    const spirv_cross::SpecializationConstant& constant) {
   SpecConstant result;
@@ -218,6 +226,7 @@ Kernel reflect(const std::string& name, const std::string& path) {
   }
 
   kernel.push_constant_bytes = reflect_push_constants(compiler, resources);
+  kernel.takes_dispatch_size = is_dispatch_size(compiler, resources);
   for (const auto& constant : compiler.get_specialization_constants()) {
     kernel.spec_constants.push_back(reflect_spec_constant(compiler, constant));
   }
@@ -260,8 +269,8 @@ void write_table(std::ostream& out, const std::string& function, const std::vect
       } else {
         out << "kSpecConstants" << i;
       }
-      out << ", " << k.push_constant_bytes << ", {" << k.local_size[0] << ", " << k.local_size[1] << ", "
-          << k.local_size[2] << "}},\n";
+      out << ", " << k.push_constant_bytes << ", " << (k.takes_dispatch_size ? "true" : "false") << ", {"
+          << k.local_size[0] << ", " << k.local_size[1] << ", " << k.local_size[2] << "}},\n";
     }
     out << "};\n";
   }

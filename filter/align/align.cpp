@@ -269,7 +269,6 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
     chain.pass("align/median_offset")
         .read("offset_noisy", level.offset)
         .write("offset", offset)
-        .constants(params::FieldParams{.width = extent.width, .height = extent.height})
         .dispatch(extent);
     coarse = {offset, extent, static_cast<float>(settings.pyramid_factor)};
   }
@@ -337,7 +336,6 @@ ImageId add_override_pass(Chain& chain, Extent full, ImageId offset, ImageId mot
       .read("found", offset)
       .read("motion", motion)
       .write("offset", overridden)
-      .constants(params::FieldParams{.width = full.width, .height = full.height})
       .dispatch(full);
   return overridden;
 }

@@ -126,7 +126,14 @@ void check_specialization(const Kernel& kernel, const PassDeclaration& pass, con
   if (given > 1) throw DeviceError(where + "specialization constant '" + constant + "' is given twice");
 }
 
-void check_constants(const Kernel& kernel, const PassDeclaration& pass, const std::string& where) {
+void check_constants(const Kernel& kernel, PassDeclaration& pass, const std::string& where) {
+  if (kernel.takes_dispatch_size) {
+    if (!pass.constants.empty())
+      throw DeviceError(where + "constants are given, the kernel's is the dispatch's size");
+    const std::array<std::int32_t, 2> size{pass.extent->width, pass.extent->height};
+    const auto bytes = std::as_bytes(std::span(size));
+    pass.constants.assign(bytes.begin(), bytes.end());
+  }
   if (pass.constants.size() != kernel.push_constant_bytes) {
     throw DeviceError(where + "the constants take " + std::to_string(pass.constants.size()) +
                       " bytes, the kernel's take " + std::to_string(kernel.push_constant_bytes));
@@ -206,8 +213,8 @@ void Chain::Impl::check() {
     if (pass.kind == PassKind::kernel) {
       pass.kernel = &find_kernel(options.kernels, pass, where);
       check_bindings(*pass.kernel, pass, images, device, where);
-      check_constants(*pass.kernel, pass, where);
       check_dispatch(*pass.kernel, pass, device.limits, where);
+      check_constants(*pass.kernel, pass, where);
     }
     for (const Use& use : pass.uses) {
       const auto index = static_cast<std::size_t>(use.image);

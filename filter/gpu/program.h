@@ -32,6 +32,7 @@ struct Kernel {
   std::span<const BindingInfo> bindings;
   std::span<const SpecConstantInfo> spec_constants;
   std::uint32_t push_constant_bytes;
+  bool takes_dispatch_size;  ///< its push constants are the width and height that it is dispatched over
   std::uint32_t local_size[3];
 };
 

@@ -20,7 +20,6 @@ gpu::ImageId add_variance_estimate(gpu::Chain& chain, gpu::Extent full, gpu::Ima
       .read("albedo_depth", features.albedo_depth)
       .read("normal", features.normal)
       .write("variance", variance)
-      .constants(params::ImageParams{.width = full.width, .height = full.height})
       .dispatch(full);
   return variance;
 }
@@ -32,7 +31,6 @@ gpu::ImageId add_variance_estimate(gpu::Chain& chain, gpu::Extent full, gpu::Ima
       .read("color", color)
       .read("valid", valid)
       .write("variance", variance)
-      .constants(params::ImageParams{.width = full.width, .height = full.height})
       .dispatch(full);
   return variance;
 }

@@ -39,7 +39,6 @@ struct EstimateInputs {
 
 Combined add_combine_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent extent,
                             const CombineInputs& inputs) {
-  const params::ImageParams size{.width = extent.width, .height = extent.height};
   const ImageId statistics = chain.image("combine.statistics", Format::f32x4, extent);
   chain.pass("merge/combine_statistics")
       .read("forward_color", inputs.forward_color)
@@ -48,7 +47,6 @@ Combined add_combine_passes(gpu::Chain& chain, const Settings& settings, gpu::Ex
       .read("backward_stats", inputs.backward_stats)
       .read("exposure", inputs.exposure)
       .write("statistics", statistics)
-      .constants(size)
       .dispatch(extent);
   const ImageId sums = add_patch_sums(chain, settings.patch_radius, extent, statistics, "combine");
   const bool has_additive = !inputs.forward_additive.empty();
@@ -69,7 +67,6 @@ Combined add_combine_passes(gpu::Chain& chain, const Settings& settings, gpu::Ex
       .specialize("radius", settings.patch_radius)
       .specialize("smoothed", settings.smooth == Smooth::none ? 0 : 1)
       .specialize("writes_weight", has_additive ? 1 : 0)
-      .constants(size)
       .dispatch(extent);
   for (std::size_t i = 0; i < inputs.forward_additive.size(); ++i) {
     combined.additive.push_back(chain.image(fmt::format("combined.additive.{}", i), Format::f32x4, extent));
@@ -78,7 +75,6 @@ Combined add_combine_passes(gpu::Chain& chain, const Settings& settings, gpu::Ex
         .read("backward_color", inputs.backward_additive[i])
         .read("weight", weight)
         .write("combined", combined.additive.back())
-        .constants(size)
         .dispatch(extent);
   }
   return combined;

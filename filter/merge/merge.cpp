@@ -34,7 +34,6 @@ ImageId add_resample_taps(Chain& chain, const Settings& settings, Extent extent,
         .write("coefficients", out)
         .specialize("radius", kSplineRadius)
         .specialize("along_y", along_y ? 1 : 0)
-        .constants(params::ImageParams{.width = extent.width, .height = extent.height})
         .dispatch(extent);
     return out;
   };
@@ -43,7 +42,6 @@ ImageId add_resample_taps(Chain& chain, const Settings& settings, Extent extent,
 
 /// The history with its radiance divided by the albedo that it was seen with.
 WarpInputs add_demodulate_passes(Chain& chain, Extent extent, WarpInputs history) {
-  const params::ImageParams params{.width = extent.width, .height = extent.height};
   const ImageId irradiance = chain.image("history.irradiance", Format::f32x4, extent);
   const ImageId stats = chain.image("history.irradiance.stats", Format::f32x2, extent);
   chain.pass("merge/demodulate_history")
@@ -52,7 +50,6 @@ WarpInputs add_demodulate_passes(Chain& chain, Extent extent, WarpInputs history
       .read("albedo", history.albedo->previous)
       .write("irradiance", irradiance)
       .write("irradiance_stats", stats)
-      .constants(params)
       .dispatch(extent);
   history.color = irradiance;
   history.stats = stats;
@@ -64,7 +61,6 @@ WarpInputs add_demodulate_passes(Chain& chain, Extent extent, WarpInputs history
         .read("color", history.additive[i].image)
         .read("albedo", history.albedo->previous)
         .write("irradiance", demodulated)
-        .constants(params)
         .dispatch(extent);
     history.additive[i].image = demodulated;
   }
@@ -98,7 +94,6 @@ ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, c
       .read("exposure", inputs.noisy.exposure)
       .write("difference", difference)
       .write("noise", noise)
-      .constants(params::ImageParams{.width = full.width, .height = full.height})
       .dispatch(full);
   const ImageId difference_sums =
       add_patch_sums(chain, settings.patch_radius, full, difference, "difference");
@@ -119,7 +114,6 @@ ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, c
       .write("decision", decision)
       .specialize("radius", settings.patch_radius)
       .specialize("smoothed", settings.smooth != Smooth::none ? 1 : 0)
-      .constants(params::ImageParams{.width = full.width, .height = full.height})
       .dispatch(full);
   return decision;
 }
@@ -155,7 +149,6 @@ constexpr int kNoisePatchRadius = 3;
 /// A noisy layer with no more variance than differs from the history.
 ImageId add_known_noise(Chain& chain, Extent full, ImageId noisy, ImageId warped, ImageId warped_stats,
                         ImageId exposure) {
-  const params::ImageParams params{.width = full.width, .height = full.height};
   const ImageId statistics = chain.image("noise.repeated", Format::f32x4, full);
   chain.pass("merge/repeated_noise")
       .read("noisy", noisy)
@@ -163,7 +156,6 @@ ImageId add_known_noise(Chain& chain, Extent full, ImageId noisy, ImageId warped
       .read("warped_stats", warped_stats)
       .read("exposure", exposure)
       .write("statistics", statistics)
-      .constants(params)
       .dispatch(full);
   const ImageId sums = add_patch_sums(chain, kNoisePatchRadius, full, statistics, "noise.repeated");
   const ImageId known = chain.image("noisy.known", Format::f32x4, full);
@@ -173,7 +165,6 @@ ImageId add_known_noise(Chain& chain, Extent full, ImageId noisy, ImageId warped
       .read("statistics_sums", sums)
       .write("known", known)
       .specialize("radius", kNoisePatchRadius)
-      .constants(params)
       .dispatch(full);
   return known;
 }
@@ -281,7 +272,6 @@ std::vector<CarriedInput> add_noisy_layers(Chain& chain, Extent full, const Nois
       .read("color", noisy.color)
       .read("variance", noisy.variance)
       .write("carried", carried)
-      .constants(params::ImageParams{.width = full.width, .height = full.height})
       .dispatch(full);
   return {{.color = carried, .history = history[0], .kind = Carried::radiance},
           {.color = noisy.features->albedo_depth, .history = history[1], .kind = Carried::features},
@@ -326,7 +316,6 @@ MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent ful
         .read("warped_stats", warped.stats)
         .read("decision", decision)
         .write("merged", inputs.additive[i].history.next)
-        .constants(params::ImageParams{.width = full.width, .height = full.height})
         .dispatch(full);
   }
   return {warped.color, warped.stats, std::move(warped.additive), decision};

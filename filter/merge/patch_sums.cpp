@@ -17,7 +17,6 @@ ImageId add_patch_sums(gpu::Chain& chain, int radius, gpu::Extent full, ImageId 
         .write("sums", out)
         .specialize("radius", radius)
         .specialize("along_y", along_y ? 1 : 0)
-        .constants(params::ImageParams{.width = full.width, .height = full.height})
         .dispatch(full);
   };
   box(statistics, rows, false);

@@ -178,9 +178,6 @@ void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, con
                                 ImageId smoothed, ImageId stats) const {
   Scales counted;
   Scales affinities;
-  const auto scale_params = [&](std::size_t i) {
-    return params::ScaleParams{.width = extent(i).width, .height = extent(i).height};
-  };
   const auto planes = [&](std::size_t i) { return weights.channels[i] / kPlane; };
   const ImageId own_counted = chain.image(name + ".own_counted", Format::f32x4, padded_);
   for (std::size_t i = 0; i < kScales; ++i) {
@@ -199,7 +196,6 @@ void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, con
         .write("counted", counted[i])
         .write("affinities", affinities[i])
         .specialize("planes", planes(i))
-        .constants(scale_params(i))
         .dispatch(extent(i));
   }
   std::optional<ImageId> coarse;
@@ -216,7 +212,6 @@ void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, con
         .specialize("planes", planes(i))
         .specialize("has_coarse", coarse ? 1 : 0)
         .specialize("has_own", i == 0 ? 1 : 0)
-        .constants(scale_params(i))
         .dispatch(extent(i));
     coarse = result;
   }
@@ -238,7 +233,6 @@ void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, con
 }
 
 ImageId NetworkPasses::add_share(Chain& chain, const NoisyInputs& frame, ImageId color, ImageId stats) {
-  const params::ScaleParams params{.width = full_.width, .height = full_.height};
   const ImageId lost = chain.image("network.lost", Format::f32x4, full_);
   chain.pass("smooth/lost")
       .read("color", frame.color)
@@ -246,7 +240,6 @@ ImageId NetworkPasses::add_share(Chain& chain, const NoisyInputs& frame, ImageId
       .read("smoothed", color)
       .read("exposure", frame.exposure)
       .write("lost", lost)
-      .constants(params)
       .dispatch(full_);
   const ImageId sums = add_patch_sums(chain, kLostRadius, full_, lost, "network.lost");
   const ImageId share = chain.image("network.share", Format::f32, full_);
@@ -259,7 +252,6 @@ ImageId NetworkPasses::add_share(Chain& chain, const NoisyInputs& frame, ImageId
       .write("share", share)
       .write("stats", smoothed_.stats)
       .specialize("radius", kLostRadius)
-      .constants(params)
       .dispatch(full_);
   return share;
 }
@@ -272,7 +264,6 @@ ImageId NetworkPasses::add_restore(Chain& chain, const std::string& name, ImageI
       .read("smoothed", smoothed)
       .read("share", share)
       .write("restored", restored)
-      .constants(params::ScaleParams{.width = full_.width, .height = full_.height})
       .dispatch(full_);
   return restored;
 }

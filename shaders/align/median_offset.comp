@@ -5,10 +5,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-#include "shared/align_params.h"
+#include "lib/dispatch_size.glsl"
 
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(push_constant) uniform Params { FieldParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer offset_noisy;
 layout(std430, set = 0, binding = 1) writeonly buffer OffsetBuffer { vec2 data[]; } offset;
 

@@ -1,11 +1,10 @@
 // Reads offsets and known motion, both at full resolution; writes the motion where it is known, else the offset.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "lib/dispatch_size.glsl"
 #include "lib/motion.glsl"
-#include "shared/align_params.h"
 
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(push_constant) uniform Params { FieldParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer found;
 layout(set = 0, binding = 1) uniform samplerBuffer motion;
 layout(std430, set = 0, binding = 2) writeonly buffer OffsetBuffer { vec2 data[]; } offset;

@@ -2,10 +2,9 @@
 // writes the AOV's new history, blended as in lib/blend.glsl with the beauty's weight.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "shared/merge_params.h"
+#include "lib/dispatch_size.glsl"
 
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(push_constant) uniform Params { ImageParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer color;
 layout(set = 0, binding = 1) uniform samplerBuffer warped_color;
 layout(set = 0, binding = 2) uniform samplerBuffer warped_stats;

@@ -2,11 +2,10 @@
 // that albedo, as merge/demodulate_history does with the beauty.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "lib/dispatch_size.glsl"
 #include "lib/reflectance.glsl"
-#include "shared/merge_params.h"
 
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(push_constant) uniform Params { ImageParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer color;
 layout(set = 0, binding = 1) uniform samplerBuffer albedo;
 layout(std430, set = 0, binding = 2) writeonly buffer IrradianceBuffer { vec4 data[]; } irradiance;

@@ -6,13 +6,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-#include "shared/merge_params.h"
+#include "lib/dispatch_size.glsl"
 
 layout(constant_id = 0) const int radius = 3;
 layout(constant_id = 1) const int along_y = 0;  // 1: over the rows above and below, without the pixel's own
 
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(push_constant) uniform Params { ImageParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer statistics;
 layout(std430, set = 0, binding = 1) writeonly buffer SumBuffer { vec4 data[]; } sums;
 

@@ -2,10 +2,9 @@
 // radiance can be merged with the weights of smoothed frames.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "shared/merge_params.h"
+#include "lib/dispatch_size.glsl"
 
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(push_constant) uniform Params { ImageParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer color;
 layout(set = 0, binding = 1) uniform samplerBuffer variance;
 layout(std430, set = 0, binding = 2) writeonly buffer CarriedBuffer { vec4 data[]; } carried;

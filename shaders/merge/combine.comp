@@ -9,8 +9,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "lib/combine.glsl"
+#include "lib/dispatch_size.glsl"
 #include "lib/gain.glsl"
-#include "shared/merge_params.h"
 
 layout(constant_id = 0) const int radius = 3;
 layout(constant_id = 1) const int smoothed = 0;       // 1: estimates are merged from smoothed frames
@@ -21,7 +21,6 @@ layout(constant_id = 2) const int writes_weight = 0;  // 1: writes `weight_backw
 const float kLeastOfPatch = 0.01;
 
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(push_constant) uniform Params { ImageParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer forward_color;
 layout(set = 0, binding = 1) uniform samplerBuffer forward_stats;
 layout(set = 0, binding = 2) uniform samplerBuffer backward_color;

@@ -8,12 +8,11 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
+#include "lib/dispatch_size.glsl"
 #include "lib/gain.glsl"
 #include "lib/reflectance.glsl"
-#include "shared/merge_params.h"
 
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(push_constant) uniform Params { ImageParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer color;
 layout(set = 0, binding = 1) uniform samplerBuffer valid;
 layout(set = 0, binding = 2) uniform samplerBuffer albedo_depth;

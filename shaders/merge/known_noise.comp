@@ -4,12 +4,11 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-#include "shared/merge_params.h"
+#include "lib/dispatch_size.glsl"
 
 layout(constant_id = 0) const int radius = 3;
 
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(push_constant) uniform Params { ImageParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer noisy;
 layout(set = 0, binding = 1) uniform samplerBuffer statistics;
 layout(set = 0, binding = 2) uniform samplerBuffer statistics_sums;

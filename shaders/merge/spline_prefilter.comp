@@ -3,14 +3,13 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
+#include "lib/dispatch_size.glsl"
 #include "lib/resample.glsl"
-#include "shared/merge_params.h"
 
 layout(constant_id = 0) const int radius = 8;
 layout(constant_id = 1) const int along_y = 0;
 
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(push_constant) uniform Params { ImageParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer values;
 layout(std430, set = 0, binding = 1) writeonly buffer CoefficientBuffer { vec4 data[]; } coefficients;
 

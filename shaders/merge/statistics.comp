@@ -6,11 +6,10 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/color.glsl"
+#include "lib/dispatch_size.glsl"
 #include "lib/gain.glsl"
-#include "shared/merge_params.h"
 
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(push_constant) uniform Params { ImageParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer color;
 layout(set = 0, binding = 1) uniform samplerBuffer variance;
 layout(set = 0, binding = 2) uniform samplerBuffer warped_color;

@@ -9,8 +9,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "lib/color.glsl"
+#include "lib/dispatch_size.glsl"
 #include "lib/gain.glsl"
-#include "shared/merge_params.h"
 
 layout(constant_id = 0) const int radius = 3;
 layout(constant_id = 1) const int smoothed = 0;  // 1: the new frame is smoothed; its variance is that of a window's mean
@@ -20,7 +20,6 @@ layout(constant_id = 1) const int smoothed = 0;  // 1: the new frame is smoothed
 const float kSignificanceInNoise = 3.0;
 
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(push_constant) uniform Params { ImageParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer color;
 layout(set = 0, binding = 1) uniform samplerBuffer variance;
 layout(set = 0, binding = 2) uniform samplerBuffer warped_color;

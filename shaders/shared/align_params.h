@@ -116,13 +116,6 @@ struct ChooseStartParams {
   int level_px;  // full-resolution pixels in one of this level
 };
 
-/// Kernels that turn fields of offsets into another field of the same size: align/median_offset,
-/// align/override_offset.
-struct FieldParams {
-  int width;
-  int height;
-};
-
 /// align/upsample_offset: matching resolution to full resolution.
 struct UpsampleParams {
   int width_in;

@@ -6,11 +6,6 @@
 namespace becalm::filter::params {
 #endif
 
-struct ImageParams {
-  int width;
-  int height;
-};
-
 struct WarpHistoryParams {
   int width;
   int height;

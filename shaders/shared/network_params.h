@@ -14,12 +14,6 @@ struct PaddedParams {
   int padded_height;
 };
 
-/// Size of one scale of the padded frame, or of the frame.
-struct ScaleParams {
-  int width;
-  int height;
-};
-
 #ifdef __cplusplus
 }  // namespace becalm::filter::params
 #endif

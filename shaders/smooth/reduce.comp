@@ -4,13 +4,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
+#include "lib/dispatch_size.glsl"
 #include "lib/network.glsl"
-#include "shared/network_params.h"
 
 layout(constant_id = 0) const int planes = 4;  // of four features each
 
 layout(local_size_x = 128, local_size_y = 1) in;
-layout(push_constant) uniform Params { ScaleParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer features;
 layout(set = 0, binding = 1) uniform samplerBuffer weights;
 layout(set = 0, binding = 2) uniform samplerBuffer finer;

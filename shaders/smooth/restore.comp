@@ -2,10 +2,9 @@
 // that share.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "shared/network_params.h"
+#include "lib/dispatch_size.glsl"
 
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(push_constant) uniform Params { ScaleParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer color;
 layout(set = 0, binding = 1) uniform samplerBuffer smoothed;
 layout(set = 0, binding = 2) uniform samplerBuffer share;

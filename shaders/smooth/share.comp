@@ -6,8 +6,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
+#include "lib/dispatch_size.glsl"
 #include "lib/gain.glsl"
-#include "shared/network_params.h"
 
 /// Standard errors by which the loss must exceed the noise. Monte Carlo noise is spikier than the Gaussian
 /// noise that standard errors assume.
@@ -19,7 +19,6 @@ const float kCertain = 32.0;
 layout(constant_id = 0) const int radius = 3;
 
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(push_constant) uniform Params { ScaleParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer lost;
 layout(set = 0, binding = 1) uniform samplerBuffer lost_sums;
 layout(set = 0, binding = 2) uniform samplerBuffer variance;
