@@ -84,7 +84,7 @@ void smooth(benchmark::State& state, Convolver convolver) {
   const gpu::Extent full{static_cast<int>(state.range(0)), static_cast<int>(state.range(1))};
   NetworkJob job(full, convolver);
   double convolutions_s = 0.0;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     job.run();
     convolutions_s += job.convolutions_s();
   }
