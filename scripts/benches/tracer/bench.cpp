@@ -5,6 +5,7 @@
 #include <tbb/global_control.h>
 
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -202,7 +203,10 @@ int main(int argc, char** argv) {
   try {
     return becalm::bench::run({argv + 1, argv + argc});
   } catch (const becalm::Error& error) {
-    fmt::print(stderr, "bench_tracer: {}\n", error.what());
+    std::fprintf(stderr, "bench_tracer: %s\n", error.what());
     return static_cast<int>(error.status());
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "bench_tracer: %s\n", error.what());
+    return 4;
   }
 }
