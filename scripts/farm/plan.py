@@ -1,12 +1,12 @@
-"""How a shot is cut into tasks, and what each of them waits for."""
+"""The plan of a shot on a farm: its chunks of frames, the frames that each needs, and the files that tasks share."""
 
 import json
 import os
 import re
 from pathlib import Path
 
-SEGMENT = 32  # frames that becalm filters together, counted from frame 0
-WARMUP = 8  # frames on either side that it reads besides
+SEGMENT = 32  # frames that becalm filters together; segments begin at multiples of it
+WARMUP = 8  # further frames that it reads on either side of a segment
 
 
 def parse_frames(text):
@@ -22,7 +22,7 @@ def parse_frames(text):
 
 
 def chunks(first, last, size):
-    """Ranges of at most `size` frames that begin at multiples of it, so that chunks and segments meet."""
+    """Ranges of at most `size` frames that begin at multiples of it, as segments do."""
     result = []
     at = first
     while at <= last:
@@ -33,25 +33,25 @@ def chunks(first, last, size):
 
 
 def context(chunk):
-    """All frames that denoising a chunk reads: whole segments and the warm-up."""
+    """The range of all frames that denoising a chunk reads: whole segments and the warm-up."""
     begin = chunk[0] // SEGMENT * SEGMENT - WARMUP
     end = (chunk[1] // SEGMENT + 1) * SEGMENT - 1 + WARMUP
     return begin, end
 
 
 def chunks_read(chunk, all_chunks):
-    """Numbers of the chunks that hold a frame of the chunk's context."""
+    """Numbers of the chunks that contain a frame of the chunk's context."""
     begin, end = context(chunk)
     return [i for i, (first, last) in enumerate(all_chunks) if first <= end and last >= begin]
 
 
 def frame_path(pattern, frame):
-    """A file of a `####` pattern, with the sign inside the padding, as becalm names it."""
+    """The file of a frame in a `####` pattern. As in becalm, a minus sign counts as a digit of the padding."""
     return re.sub(r"#+", lambda field: f"{frame:0{len(field[0])}d}", pattern, count=1)
 
 
 def folder_of(output):
-    """Where the plan, the logs and the tasks' states of an output pattern are."""
+    """The folder of an output pattern's plan, logs and task states."""
     path = Path(output)
     return path.parent / ("farm." + re.sub(r"[.#]+exr$", "", path.name))
 
@@ -61,7 +61,7 @@ def load(folder):
 
 
 def write_whole(path, text):
-    """Readers see all of the text or what was there before."""
+    """Replaces a file atomically: readers see the old text or all of the new one."""
     partial = Path(f"{path}.{os.getpid()}")
     partial.write_text(text)
     partial.replace(path)

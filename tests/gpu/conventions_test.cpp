@@ -67,7 +67,7 @@ TEST_F(Conventions, AcceptAKernelThatKeepsThem) {
   std::stringstream text;
   text << std::ifstream(table()).rdbuf();
   EXPECT_NE(text.str().find("{\"made\", 0, \"float\", false, true}"), std::string::npos);
-  EXPECT_NE(text.str().find("{\"odd/k\", kWords0, kBindings0, {}, 0, {8, 1, 1}}"), std::string::npos);
+  EXPECT_NE(text.str().find("{\"odd/k\", kWords0, kBindings0, {}, 0, false, {8, 1, 1}}"), std::string::npos);
 }
 
 TEST_F(Conventions, WantOneNamedBufferARole) {

@@ -1,4 +1,4 @@
-"""What scripts/bench quality computes itself, on data whose answer is known."""
+"""What `scripts/bench quality` computes itself, on data with known results."""
 
 import json
 import os
@@ -10,18 +10,18 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO as oiio
 
-from quality_cells import radiance
-from quality_data import MissingFrames, frame_path
-from quality_goals import seam_ratio
-from quality_shots import Shots
-from quality_still import over_ideal, relative_error, still_pixels
-from quality_tables import Results, geometric_mean, scene_table
-from quality_variants import NOISY, VARIANTS, Program, Variant
+from benches.quality.cells import radiance
+from benches.quality.data import MissingFrames, frame_path
+from benches.quality.goals import seam_ratio
+from benches.quality.shots import Shots
+from benches.quality.still import over_ideal, relative_error, still_pixels
+from benches.quality.tables import Results, geometric_mean, scene_table
+from benches.quality.variants import NOISY, VARIANTS, Program, Variant
 
 BECALM = os.environ["BECALM"]
 SHAPE = (60, 80)
-MOVING = np.s_[:, 60:]          # columns with motion vectors
-SHADED = np.s_[0:20, 0:20]      # no motion, but a shadow that sweeps over
+MOVING = np.s_[:, 60:]          # these pixels have motion vectors
+SHADED = np.s_[0:20, 0:20]      # no motion vectors, but the light changes from frame to frame
 FRAMES = range(1, 17)
 MEASURED = range(7, 11)
 SIGMA = 0.1
@@ -97,7 +97,7 @@ class Seams(unittest.TestCase):
 
 
 def write_exr(path, values, channels=("R", "G", "B")):
-    """Of 4x3 pixels, a value a channel."""
+    """Writes 4x3 pixels with one value for each channel."""
     path.parent.mkdir(parents=True, exist_ok=True)
     spec = oiio.ImageSpec(4, 3, len(channels), "half")
     spec.channelnames = channels

@@ -2,43 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
 #include "tests/tracer/shading/statistics.h"
 
 namespace becalm::tracer::test {
 namespace {
-
-/// Regularised incomplete beta function I_x(a, b): Lentz's continued fraction (Abramowitz and Stegun 26.5.8).
-double incomplete_beta(double a, double b, double x) {
-  if (x <= 0.0) return 0.0;
-  if (x >= 1.0) return 1.0;
-  if (x > (a + 1.0) / (a + b + 2.0)) return 1.0 - incomplete_beta(b, a, 1.0 - x);
-  const double front =
-      std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) + a * std::log(x) + b * std::log1p(-x)) /
-      a;
-  constexpr double tiny = 1e-300;
-  double c = 1.0, d = 1.0 - (a + b) * x / (a + 1.0);
-  d = 1.0 / (std::abs(d) < tiny ? tiny : d);
-  double fraction = d;
-  for (int m = 1; m < 1000; ++m) {
-    for (const double term : {m * (b - m) * x / ((a + 2.0 * m - 1.0) * (a + 2.0 * m)),
-                              -(a + m) * (a + b + m) * x / ((a + 2.0 * m) * (a + 2.0 * m + 1.0))}) {
-      d = 1.0 + term * d;
-      d = 1.0 / (std::abs(d) < tiny ? tiny : d);
-      c = 1.0 + term / c;
-      if (std::abs(c) < tiny) c = tiny;
-      fraction *= c * d;
-    }
-    if (std::abs(c * d - 1.0) < 1e-13) break;
-  }
-  return front * fraction;
-}
-
-/// Probability that Student's t exceeds |t| on either side.
-double student_p_value(double t, double degrees_of_freedom) {
-  return incomplete_beta(0.5 * degrees_of_freedom, 0.5, degrees_of_freedom / (degrees_of_freedom + t * t));
-}
 
 double block_mean(const Image& beauty, int x0, int y0, int block, int channel) {
   double sum = 0.0;
@@ -97,7 +67,8 @@ double equal_means_p_value(const Estimate& a, const Estimate& b) {
   const double freedom = variance * variance /
                          (a.variance_of_mean * a.variance_of_mean / (a.seeds - 1.0) +
                           b.variance_of_mean * b.variance_of_mean / (b.seeds - 1.0));
-  return student_p_value((a.mean - b.mean) / std::sqrt(variance), freedom);
+  const double t = std::abs(a.mean - b.mean) / std::sqrt(variance);
+  return 2.0 * cdf(complement(boost::math::students_t(freedom), t));
 }
 
 void expect_same_expectation(const Estimator& a, const Estimator& b, int block, double largest_error,

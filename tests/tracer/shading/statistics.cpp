@@ -4,42 +4,13 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <utility>
 
 namespace becalm::tracer {
 namespace {
-
-/// Regularised upper incomplete gamma function Q(a, x): series below a + 1, Lentz's continued fraction above.
-double gamma_q(double a, double x) {
-  if (x <= 0.0) return 1.0;
-  const double scale = std::exp(a * std::log(x) - x - std::lgamma(a));
-  constexpr double precision = 1e-14;
-  if (x < a + 1.0) {
-    double term = 1.0 / a;
-    double sum = term;
-    for (int n = 1; n < 100000 && term > sum * precision; ++n) {
-      term *= x / (a + n);
-      sum += term;
-    }
-    return 1.0 - scale * sum;
-  }
-  double b = x + 1.0 - a;
-  double c = std::numeric_limits<double>::max();
-  double d = 1.0 / b;
-  double fraction = d;
-  for (int n = 1; n < 100000; ++n) {
-    const double numerator = n * (a - n);
-    b += 2.0;
-    d = 1.0 / (numerator * d + b);
-    c = b + numerator / c;
-    fraction *= c * d;
-    if (std::abs(c * d - 1.0) < precision) break;
-  }
-  return scale * fraction;
-}
 
 constexpr std::array<double, 4> kNode = {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563,
                                          0.8611363115940526};
@@ -168,7 +139,7 @@ std::vector<Cell> split_at_jumps(const Chart& chart) {
 }  // namespace
 
 double chi_square_p_value(double statistic, int degrees_of_freedom) {
-  return gamma_q(0.5 * degrees_of_freedom, 0.5 * statistic);
+  return cdf(complement(boost::math::chi_squared(degrees_of_freedom), statistic));
 }
 
 double sidak_level(double suite_level, int tests) {

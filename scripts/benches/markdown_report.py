@@ -1,0 +1,33 @@
+"""Reports as markdown and JSON."""
+
+import json
+
+
+def markdown(header, rows):
+    """A table whose columns have equal width, so that it can be read as text too."""
+    cells = [[str(c) for c in row] for row in [header, *rows]]
+    widths = [max(len(row[i]) for row in cells) for i in range(len(header))]
+    lines = ["| " + " | ".join(c.ljust(w) if i == 0 else c.rjust(w) for i, (c, w) in enumerate(zip(row, widths))) + " |"
+             for row in cells]
+    rule = "| " + " | ".join("-" * w if i == 0 else "-" * (w - 1) + ":" for i, w in enumerate(widths)) + " |"
+    return "\n".join([lines[0], rule, *lines[1:]]) + "\n"
+
+
+def figure(value, digits=4):
+    """A number as a cell; None, which was not measured, is a dash."""
+    return "-" if value is None else f"{value:.{digits}f}"
+
+
+class Report:
+    """Writes KEY.md and KEY.json for each section, and report.md of all sections in the folder, in the given order of keys."""
+
+    def __init__(self, folder, order, title):
+        self.folder, self.order, self.title = folder, order, title
+        folder.mkdir(parents=True, exist_ok=True)
+
+    def add(self, key, title, text, data):
+        print(f"\n{title}\n\n{text}", flush=True)
+        (self.folder / f"{key}.json").write_text(json.dumps(data, indent=1))
+        (self.folder / f"{key}.md").write_text(f"## {title}\n\n{text}")
+        sections = [self.folder / f"{name}.md" for name in self.order]
+        (self.folder / "report.md").write_text("\n".join([f"# {self.title}\n", *(s.read_text() for s in sections if s.exists())]))

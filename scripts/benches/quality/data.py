@@ -1,0 +1,69 @@
+"""The frames that the variants are measured on: noisy ones in FOLDER/SCENE/nSPP, references in FOLDER/SCENE/a and b."""
+
+import re
+import subprocess
+from pathlib import Path
+
+SCENES = Path(__file__).resolve().parents[3] / "scenes"
+AOVS = ["variance", "albedo", "normal", "depth", "motion", "object_id"]
+HALVES = ["half_a", "half_b"]  # exist from 2 spp on
+REFERENCES = {"a": 1001, "b": 1002}  # folders and seeds; the seed of noisy frames is their number of samples per pixel
+
+
+class MissingFrames(Exception):
+    pass
+
+
+class Data:
+    def __init__(self, folder, frames, measured, spps, render=None):
+        """render(scene_file, pattern, frames, spp, seed, aovs) makes frames that do not exist; None: they are missing."""
+        self.folder, self.frames, self.measured, self.spps, self.render = Path(folder), frames, measured, sorted(spps), render
+
+    def noisy(self, scene, spp):
+        """The pattern of the noisy frames. Raises MissingFrames if one does not exist."""
+        return self._pattern(scene, f"n{spp}", self.frames, spp, spp, AOVS + (HALVES if spp > 1 else []))
+
+    def cleanest(self, scene):
+        """The pattern of the noisy frames with the largest sample count that exists."""
+        for spp in reversed(self.spps):
+            try:
+                return self.noisy(scene, spp)
+            except MissingFrames:
+                continue
+        raise MissingFrames(f"{self.folder / scene} has no noisy frames")
+
+    def references(self, scene, spp):
+        """The patterns of the two references."""
+        return [self._pattern(scene, name, self.measured, spp, seed, []) for name, seed in REFERENCES.items()]
+
+    def _pattern(self, scene, name, frames, spp, seed, aovs):
+        pattern = self.folder / scene / name / "f.####.exr"
+        if self.render:
+            self.render(SCENES / f"{scene}.json", pattern, frames, spp, seed, aovs)
+        return require(pattern, frames)
+
+
+def require(pattern, frames):
+    """Returns the pattern. Raises MissingFrames if one of its frames does not exist."""
+    missing = next((path for path in (frame_path(pattern, frame) for frame in frames) if not path.exists()), None)
+    if missing:
+        raise MissingFrames(f"{missing} is not there")
+    return pattern
+
+
+def frame_path(pattern, frame):
+    """The pattern with its last run of # replaced by the frame, padded to its length with zeros."""
+    pattern = Path(pattern)
+    return pattern.with_name(re.sub("#+(?=[^#]*$)", lambda signs: f"{frame:0{len(signs[0])}d}", pattern.name))
+
+
+def frame_range(frames):
+    return f"{frames[0]}-{frames[-1]}"
+
+
+def renderer(becalm, size):
+    def render(scene_file, pattern, frames, spp, seed, aovs):
+        print(f"render {scene_file.stem}, {spp} spp, frames {frame_range(frames)}", flush=True)
+        subprocess.run([becalm, "render", scene_file, "-o", pattern, "--frames", frame_range(frames), "--size", size, "--spp", str(spp),
+                        "--seed", str(seed), "--float", "--quiet", "--resume", *(["--aovs", ",".join(aovs)] if aovs else [])], check=True)
+    return render

@@ -1,0 +1,91 @@
+"""The compared variants: ways to run `becalm denoise`. A new variant needs only a new row here."""
+
+import re
+import subprocess
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Variant:
+    name: str               # in file names and on the command line
+    title: str
+    options: tuple = ()     # of `becalm denoise`
+    without: tuple = ()     # layers that are removed from the input
+    ablation: bool = False  # one idea changed; measured only at the sample counts of --ablation-spp
+    history: str = ""       # frames that an ideal merge of still pixels has: "before", up to the current one, or "all"
+    segment: int = 0        # frames per segment, if temporal error at seams is measured
+
+
+def settings(*assignments, preset="final"):
+    return ("--preset", preset, *(word for assignment in assignments for word in ("--set", assignment)))
+
+
+# The merge without the network. It then weighs noisy frames, for which patches must be larger.
+MERGE = ("smooth=none", "patch_radius=3", "significance=3", "luminance_weight=0", "motion=none")
+FORWARD = ("directions=forward", *MERGE)
+SMOOTHER = ("directions=both", *MERGE)
+WARMUP = ("--warmup", "8")
+
+NOISY = Variant("noisy", "noisy")
+VARIANTS = [
+    NOISY,
+    Variant("mask", "paper's mask mode", settings("merge=mask", *FORWARD), history="before"),
+    Variant("forward", "variance, forward", settings(*FORWARD), history="before"),
+    Variant("smoother", "smoother", settings(*SMOOTHER), history="all"),
+    Variant("spatial", "single frames smoothed", settings("directions=forward", "max_history=1", "smooth=frames")),
+    Variant("final", "preset final", settings()),
+    Variant("balanced", "preset balanced", settings(preset="balanced")),
+    Variant("draft", "preset draft", settings(preset="draft")),
+    Variant("segment_8", "smoother, segments of 8", (*settings(*SMOOTHER), "--segment", "8", *WARMUP), ablation=True, segment=8),
+    Variant("segment_5", "smoother, segments of 5", (*settings(*SMOOTHER), "--segment", "5", *WARMUP), ablation=True, segment=5),
+] + [Variant(name, title, settings(*changed), without, ablation=True) for name, title, changed, without in [
+    ("forward_smooth", "final, forward", ("directions=forward",), ()),
+    ("energy_unrestored", "final without the energy given back", ("restore_energy=0",), ()),
+    ("half_buffers", "final, variance from half-buffers", (), ("variance",)),
+    ("variance_alone", "final without half-buffers", (), ("half_a", "half_b")),
+    ("estimated", "final, variance estimated", (), ("variance", "half_a", "half_b")),
+    ("beauty_alone", "final, of the beauty alone", (), ("variance", "half_a", "half_b", "albedo", "normal", "depth", "motion", "object_id")),
+    ("significant", "final, bias from 3 standard errors", ("significance=3",), ()),
+    ("large_patch", "final, weights from 7x7 patches", ("patch_radius=3",), ()),
+    ("frames", "final, merging smoothed frames", ("smooth=frames",), ()),
+    ("short_history", "final, history of 8 frames at most", ("max_history=8",), ()),
+    ("radiance_alone", "final, matching radiance alone", ("weight_albedo=0", "weight_normal=0"), ()),
+    ("guides_alone", "final, matching albedo and normal alone", ("weight_radiance=0",), ()),
+    ("unfiltered", "final, matching without prefilter", ("prefilter=0",), ()),
+    ("motion_none", "final, without motion vectors", ("motion=none",), ()),
+    ("motion_vectors", "final, motion vectors in place of the search", ("motion=override",), ()),
+    ("luminance_none", "final without luminance weights", ("luminance_weight=0",), ()),
+    ("history_albedo", "final, history with its albedo", ("demodulate_history=0",), ()),
+    ("bilinear", "final, bilinear resampling", ("resample=bilinear",), ()),
+    ("o_moms", "final, O-MOMS resampling", ("resample=o_moms",), ()),
+]]
+
+# A program that does not have one of these settings behaves as with this value.
+PLAIN = {"directions": "forward", "smooth": "none", "resample": "catmull_rom", "demodulate_history": "0"}
+
+
+class Program:
+    """A becalm executable, and the settings that it has."""
+
+    def __init__(self, path):
+        self.path = path
+        text = subprocess.run([path, "denoise", "--help-settings"], check=True, capture_output=True, text=True).stdout
+        self.settings = set(re.findall(r"^  (\w+) {2,}", text.partition("Settings that --set changes")[2], re.MULTILINE))
+
+    def options(self, variant):
+        """The options for `denoise`, without settings that this program lacks and whose value is its fixed behaviour."""
+        words = list(variant.options)
+        for key, value in PLAIN.items():
+            if key not in self.settings and f"{key}={value}" in words:
+                place = words.index(f"{key}={value}")
+                del words[place - 1:place + 1]
+        return words
+
+    def refusal(self, variant):
+        """The program's reason to refuse the variant's options, or "". It checks options before it looks for files."""
+        if variant is NOISY:
+            return ""
+        run = subprocess.run([self.path, "denoise", "none.####.exr", "-o", "never.####.exr", *self.options(variant)],
+                             capture_output=True, text=True)
+        wrong_usage = 2
+        return run.stderr.strip().splitlines()[0].partition("; there are")[0] if run.returncode == wrong_usage else ""

@@ -1,0 +1,91 @@
+"""Writes RESULTS.md: the quality of each preset on the Cycles shots, and its time and memory at 1920x1080. Called by
+`scripts/bench report`."""
+
+import argparse
+import datetime
+import os
+import platform
+import re
+import statistics
+import subprocess
+import sys
+from pathlib import Path
+
+PRESETS = ("draft", "balanced", "final")
+SCENE, FRAMES, SPP = "scenes/crossing.json", "5-10", 4
+RUNS = 3  # of each preset, alternating
+
+
+def said(*command):
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
+
+
+def processor():
+    names = re.findall(r"model name\s*: (.*)", Path("/proc/cpuinfo").read_text())
+    return f"{names[0] if names else platform.machine()}, {os.cpu_count()} processors"
+
+
+def measured(becalm, folder, preset):
+    """Wall and processor seconds per frame, and peak memory in MiB, of one run."""
+    command = [becalm, "denoise", f"{folder}/in.####.exr", "-o", f"{folder}/out.####.exr", "--preset", preset, "--overwrite", "--quiet"]
+    time = subprocess.run(["/usr/bin/time", "-f", "%e %U %S %M", *command], check=True, capture_output=True, text=True).stderr.split()[-4:]
+    wall, user, system, kib = map(float, time)
+    frames = len(list(Path(folder).glob("in.*.exr")))
+    return wall / frames, (user + system) / frames, kib / 1024
+
+
+def time_table(becalm, folder):
+    """Yields the rows of the table of times: medians of alternating runs."""
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    subprocess.run([becalm, "render", SCENE, "-o", f"{folder}/in.####.exr", "--frames", FRAMES, "--spp", str(SPP), "--size", "1920x1080",
+                    "--aovs", "albedo,normal,depth,variance", "--resume", "--quiet"], check=True)
+    runs = {preset: [] for preset in PRESETS}
+    for _ in range(RUNS):
+        for preset in PRESETS:
+            runs[preset].append(measured(becalm, folder, preset))
+    for preset in PRESETS:
+        wall, spent, mib = (statistics.median(column) for column in zip(*runs[preset]))
+        yield f"| {preset} | {wall:.1f} | {spent:.1f} | {mib:.0f} |"
+
+
+def quality_section(folder):
+    text = (folder / "report.md").read_text()
+    found = re.search(r"## 8 samples per pixel\n(.*?)\n## ", text, re.DOTALL)
+    return found[1].strip() if found else sys.exit(f"report: {folder}/report.md: no section '8 samples per pixel'")
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="scripts/bench report", description=__doc__)
+    parser.add_argument("--becalm", default="build/release/becalm")
+    parser.add_argument("-o", "--output", type=Path, default=Path("out/report"), metavar="DIR", help="pictures and plots (default: out/report)")
+    asked = parser.parse_args()
+    subprocess.run([sys.executable, "-m", "benches.quality.run", "--becalm", asked.becalm, "--shots", "cycles", "--variants",
+                    "noisy,draft,balanced,final", "--pictured", "final", "-o", str(asked.output)], check=True)
+    rows = "\n".join(time_table(asked.becalm, "build/report"))
+    Path("RESULTS.md").write_text(f"""# Results
+
+Written by `scripts/bench report` at {said("git", "describe", "--always", "--dirty")}, {datetime.date.today()}, on {processor()}.
+
+## Cycles shots, 8 samples a pixel
+
+480x270, with albedo, normal and depth, without variance;
+`scripts/benches/quality/cycles/render.py` renders them, two references each. relMSE and temporal
+error are those of `becalm compare`, as a share of noisy's. The network did not learn from them, but
+was extended after a look at `cloth` and `foliage` (`scripts/train/README.md`).
+
+{quality_section(asked.output)}
+
+## Time
+
+`becalm denoise` of frames {FRAMES} of `{SCENE}`, 1920x1080, with albedo, normal, depth and
+variance; medians of {RUNS} runs that alternate between the presets, files included.
+
+| preset | seconds a frame | processor seconds a frame | peak memory, MiB |
+| --- | --- | --- | --- |
+{rows}
+""")
+    print("RESULTS.md")
+
+
+if __name__ == "__main__":
+    main()

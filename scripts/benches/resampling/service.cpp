@@ -1,0 +1,88 @@
+// The merge's warp of the history as a service for scripts/bench resampling: reads JSON commands, one a line,
+// and answers each with a line of JSON.
+//
+//   {"do": "build", "width": W, "height": H, "resample": "bilinear" | "catmull_rom" | "o_moms"}
+//   {"do": "warp", "offset": [DX, DY], "from": FILE, "to": FILE}     as read_raw, RGBA
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "filter/merge/merge.h"
+#include "frame/error.h"
+#include "scripts/benches/json_service.h"
+#include "scripts/benches/raw_image.h"
+
+namespace becalm::bench {
+namespace {
+
+using nlohmann::json;
+
+/// The passes that warp a history without holes, by one offset for all pixels.
+class WarpJob {
+ public:
+  WarpJob(gpu::Device& device, const filter::Settings& settings, gpu::Extent full)
+      : full_(full), chain_(device, "warp") {
+    offset_ = chain_.input("offset", gpu::Format::f32x2, full);
+    color_ = chain_.input("history.color", gpu::Format::f32x4, full);
+    stats_ = chain_.input("history.stats", gpu::Format::f32x2, full);
+    warped_ =
+        filter::add_warp_passes(chain_, settings, full, {.color = color_, .stats = stats_}, offset_).color;
+    chain_.output(warped_);
+    chain_.build();
+    std::ranges::fill(chain_.upload<float>(stats_), 1.0f);
+  }
+
+  void warp(float dx, float dy, const std::string& from, const std::string& to) {
+    const auto offsets = chain_.upload<float>(offset_);
+    for (std::size_t i = 0; i < offsets.size(); i += 2) {
+      offsets[i] = dx;
+      offsets[i + 1] = dy;
+    }
+    const Image color = read_raw(from, full_);
+    if (color.channels() != 4) throw Error(ExitStatus::bad_input, fmt::format("{}: expected RGBA", from));
+    std::ranges::copy(color.data(), chain_.upload<float>(color_).begin());
+    chain_.run();
+    Image warped(full_.width, full_.height, 4);
+    std::ranges::copy(chain_.download<float>(warped_), warped.data().begin());
+    write_raw(to, warped);
+  }
+
+ private:
+  gpu::Extent full_;
+  gpu::Chain chain_;
+  gpu::ImageId offset_, color_, stats_, warped_;
+};
+
+class Service {
+ public:
+  json answer(const json& command) {
+    const std::string what = command.at("do");
+    if (what == "build") {
+      filter::Settings settings = filter::preset("final");
+      filter::set(settings, fmt::format("resample={}", command.at("resample").get<std::string>()));
+      job_ = std::make_unique<WarpJob>(device_, settings,
+                                       gpu::Extent{command.at("width"), command.at("height")});
+      return {{"built", true}};
+    }
+    if (what != "warp") throw Error(ExitStatus::usage, fmt::format("no command '{}'", what));
+    if (!job_) throw Error(ExitStatus::usage, "nothing is built");
+    const json& offset = command.at("offset");
+    job_->warp(offset.at(0), offset.at(1), command.at("from"), command.at("to"));
+    return {{"warped", true}};
+  }
+
+ private:
+  gpu::Device device_{{.select = "", .validation = false}};
+  std::unique_ptr<WarpJob> job_;
+};
+
+}  // namespace
+}  // namespace becalm::bench
+
+int main() {
+  return becalm::bench::serve<becalm::bench::Service>("bench_resampling");
+}

@@ -1,0 +1,72 @@
+// becalm denoise: what it prints: the plan, progress, the profile.
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/end_to_end/denoise_fixture.h"
+
+namespace becalm::test {
+namespace {
+
+TEST_F(Denoise, ADryRunTellsWhatWouldBeReadAndWrittenAndWritesNothing) {
+  write_frames({1, 2, 3});
+  const Outcome outcome =
+      becalm_done(command("out/a.####.exr", {"--dry-run", "--frames", "2-3", "--type", "half"}));
+  EXPECT_EQ(outcome.err, "");
+  for (const std::string& words :
+       {"reads " + input_ + ": 3 frames, 1-3\n", std::string("takes 48x32 px of beauty=R,G,B,A albedo="),
+        std::string("filters with preset balanced: "), std::string(" type=half\n"),
+        "writes " + folder_ / "out/a.####.exr" + ": 2 frames, 2,3\n"}) {
+    EXPECT_NE(outcome.out.find(words), std::string::npos) << words << "\n" << outcome.out;
+  }
+  EXPECT_FALSE(fs::exists(folder_ / "out"));
+  fs::remove(folder_ / "in.0002.exr");
+  EXPECT_EQ(becalm(command("out/a.####.exr", {"--dry-run", "--frames", "2-3"})).status, 3);
+}
+
+TEST_F(Denoise, VerboseTellsLayersDeviceAndFiles) {
+  write_frames({1});
+  const Outcome outcome = becalm_done(command("out.####.exr", {"-v"}));
+  for (const std::string& words :
+       {std::string("48x32 px of beauty=R,G,B,A albedo=albedo.R"), std::string("device "),
+        "reading " + folder_ / "in.0001.exr", "wrote " + folder_ / "out.0001.exr"}) {
+    EXPECT_NE(outcome.err.find(words), std::string::npos) << words << "\n" << outcome.err;
+  }
+}
+
+TEST_F(Denoise, ProgressAsJson) {
+  write_frames({1, 2});
+  const Outcome outcome = becalm_done(command("out.####.exr", {"--progress", "json", "-v", "--profile"}));
+  std::istringstream lines(outcome.err);
+  std::vector<int> frames;
+  std::string last;
+  for (std::string line; std::getline(lines, line);) {
+    const nlohmann::json event = nlohmann::json::parse(line, nullptr, /*allow_exceptions=*/false);
+    ASSERT_TRUE(event.is_object()) << line;
+    last = event.at("event");
+    if (last != "frame") continue;
+    frames.push_back(event.at("frame"));
+    EXPECT_EQ(event.at("state"), "written");
+    EXPECT_EQ(event.at("total"), 2);
+  }
+  EXPECT_EQ(frames, (std::vector<int>{1, 2}));
+  EXPECT_NE(outcome.err.find(R"({"event":"end","written":2,"done":2,"total":2)"), std::string::npos)
+      << outcome.err;
+  const Outcome failed = becalm(command("out.png", {"--progress", "json"}));
+  EXPECT_EQ(failed.status, 2);
+  EXPECT_EQ(failed.err.rfind(R"({"event":"error","status":2,"text":"-o )", 0), 0u) << failed.err;
+}
+
+TEST_F(Denoise, ProfileTellsWhereTimeAndMemoryWent) {
+  write_frames({1, 2});
+  const Outcome outcome = becalm_done(command("a.####.exr", {"--profile", "--quiet"}));
+  for (const char* words : {"read", "filter", "write", "device time a frame", "align/", "merge/", "MiB held",
+                            "peak resident memory"}) {
+    EXPECT_NE(outcome.err.find(words), std::string::npos) << words << "\n" << outcome.err;
+  }
+}
+
+}  // namespace
+}  // namespace becalm::test

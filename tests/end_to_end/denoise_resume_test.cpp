@@ -1,0 +1,100 @@
+// becalm denoise: --resume, and output files that exist.
+
+#include <gtest/gtest.h>
+
+#include "tests/end_to_end/denoise_fixture.h"
+
+namespace becalm::test {
+namespace {
+
+TEST_F(Denoise, ResumeGivesTheSamePixels) {
+  write_frames({1, 2, 3, 4});
+  becalm_done(command("whole.####.exr"));
+  becalm_done(command("a.####.exr"));
+  fs::remove(folder_ / "a.0002.exr");
+  fs::remove(folder_ / "a.0003.exr");
+  const auto first = fs::last_write_time(folder_ / "a.0001.exr");
+  becalm_done(command("a.####.exr", {"--resume"}));
+  EXPECT_EQ(fs::last_write_time(folder_ / "a.0001.exr"), first);
+  expect_same_beauty(folder_ / "whole.####.exr", folder_ / "a.####.exr", 1, 4);
+  const Outcome again = becalm_done(command("a.####.exr", {"--resume"}));
+  EXPECT_NE(again.err.find("all 4 frames are there"), std::string::npos) << again.err;
+
+  becalm_done({"denoise", folder_ / "in.0001.exr", "-o", folder_ / "draft.exr", "--preset", "draft"});
+  expect_error(becalm({"denoise", folder_ / "in.0001.exr", "-o", folder_ / "draft.exr", "--preset", "draft",
+                       "--segment", "8", "--resume"}),
+               2, {"draft.exr", "no segment, and this run has segment=8"});
+  expect_error(becalm(command("a.####.exr", {"--resume", "--set", "patch_radius=5"})), 2,
+               {"a.0001.exr", "patch_radius=5"});
+  // The same frames are read for them, and the same pixels come out.
+  becalm_done(command("a.####.exr", {"--resume", "--frames", "2-4"}));
+  expect_error(becalm(command("a.####.exr", {"--resume", "--frames", "2-4", "--context", "none"})), 2,
+               {"a.0002.exr", "context=2-4"});
+}
+
+TEST_F(Denoise, ResumeMakesAgainWhatWasMadeFromOtherFrames) {
+  write_frames({1, 2, 3, 4});
+  const std::vector<std::string> options{"--segment", "2", "--warmup", "0", "--resume", "--frames", "1-4"};
+  const std::string out = folder_ / "a.####.exr";
+  const auto times = [&] {
+    std::vector<fs::file_time_type> times;
+    for (const int frame : {1, 2, 3, 4}) times.push_back(fs::last_write_time(frame_path(out, frame)));
+    return times;
+  };
+  becalm_done(command("a.####.exr", options));
+  EXPECT_EQ(io::read_attribute(frame_path(out, 3), "becalm:inputs").substr(0, 4), "2,3 ");
+  EXPECT_EQ(io::read_attribute(frame_path(out, 3), "becalm:layers"),
+            "beauty=R,G,B,A albedo=albedo.R,albedo.G,albedo.B normal=normal.X,normal.Y,normal.Z");
+  const auto before = times();
+
+  fs::last_write_time(frame_path(input_, 1), fs::file_time_type::clock::now());
+  becalm_done(command("a.####.exr", options));
+  EXPECT_EQ(times(), before) << "the content counts, not the time";
+
+  io::write_exr(frame_path(input_, 3), noise_frame(33), {}, io::PixelType::float32);
+  const Outcome changed = becalm_done(command("a.####.exr", options));
+  EXPECT_NE(changed.err.find("2 frames are made again"), std::string::npos) << changed.err;
+  EXPECT_NE(changed.err.find("have changed: 2,3\n"), std::string::npos) << changed.err;
+  const auto after = times();
+  for (const std::size_t kept : {0, 3}) EXPECT_EQ(after[kept], before[kept]);
+  becalm_done(command("fresh.####.exr", options));
+  expect_same_beauty(folder_ / "fresh.####.exr", out, 1, 4);
+
+  io::write_exr(frame_path(input_, 5), noise_frame(5), {}, io::PixelType::float32);
+  const Outcome neighbour = becalm_done(command("a.####.exr", options));
+  EXPECT_NE(neighbour.err.find("1 frame is made again"), std::string::npos) << neighbour.err;
+  EXPECT_NE(neighbour.err.find("1 frame written"), std::string::npos) << neighbour.err;
+
+  for (const int frame : {1, 2, 3, 4, 5}) {
+    io::write_exr(frame_path(input_, frame), noise_frame(frame, 40, 24), {{"becalm:settings", "spp=9"}});
+  }
+  const Outcome other_shot = becalm_done(command("a.####.exr", options));
+  EXPECT_NE(other_shot.err.find("4 frames are made again"), std::string::npos) << other_shot.err;
+  for (const int frame : {1, 2, 3, 4}) EXPECT_EQ(read_frame(frame_path(out, frame)).width(), 40);
+}
+
+TEST_F(Denoise, AForwardFilterResumesToTheSamePixels) {
+  write_frames({1, 2, 3, 4});
+  const std::vector<std::string> draft{"--preset", "draft"};
+  becalm_done(command("whole.####.exr", draft));
+  becalm_done(command("a.####.exr", draft));
+  fs::remove(folder_ / "a.0003.exr");
+  const Outcome outcome = becalm_done(command("a.####.exr", {"--preset", "draft", "--resume"}));
+  EXPECT_NE(outcome.err.find("frame 2: exists"), std::string::npos) << outcome.err;
+  expect_same_beauty(folder_ / "whole.####.exr", folder_ / "a.####.exr", 1, 4);
+  // The history would begin elsewhere, and other pixels would come out.
+  expect_error(becalm(command("a.####.exr", {"--preset", "draft", "--resume", "--frames", "2-4"})), 2,
+               {"a.0002.exr", "first_frame=2"});
+}
+
+TEST_F(Denoise, FilesThatBecalmDidNotWriteAreNotReplacedUnlessAsked) {
+  write_frames({1});
+  io::write_exr(folder_ / "out.0001.exr", noise_frame(9), {});
+  expect_error(becalm(command("out.####.exr")), 2, {"out.0001.exr", "--overwrite"});
+  EXPECT_EQ(io::read_attribute(folder_ / "out.0001.exr", "becalm:version"), "");
+  becalm_done(command("out.####.exr", {"--overwrite", "--quiet"}));
+  becalm_done(command("out.####.exr", {"-q"}));
+}
+
+}  // namespace
+}  // namespace becalm::test

@@ -1,0 +1,208 @@
+// becalm denoise: which frames are read and written: file names, gaps, cuts, and jobs of parts of a sequence.
+
+#include <gtest/gtest.h>
+
+#include "tests/end_to_end/denoise_fixture.h"
+
+namespace becalm::test {
+namespace {
+
+TEST_F(Denoise, OneFile) {
+  write_frames({7});
+  const Outcome outcome = becalm_done({"denoise", folder_ / "in.0007.exr", "-o", folder_ / "one.exr"});
+  EXPECT_NE(outcome.err.find("\n1 frame written in"), std::string::npos) << outcome.err;
+  EXPECT_FALSE(same_frame("one.exr", "in.0007.exr")) << "a frame alone is smoothed";
+  becalm_done(
+      {"denoise", folder_ / "in.0007.exr", "-o", folder_ / "one.exr", "--quiet", "--set", "smooth=none"});
+  EXPECT_TRUE(same_frame("one.exr", "in.0007.exr")) << "and otherwise stays as it is";
+}
+
+TEST_F(Denoise, ASingleFileHasTheNumberOfItsName) {
+  write_frames({52});
+  const std::string file = folder_ / "in.0052.exr";
+  becalm_done({"denoise", file, "-o", folder_ / "out.####.exr", "--quiet"});
+  becalm_done({"denoise", file, "-o", folder_ / "short.#.exr", "--quiet"});
+  becalm_done({"denoise", file, "-o", folder_ / "other.####.exr", "--quiet", "--frame=-7"});
+  fs::rename(file, folder_ / "still.exr");
+  const Outcome still = becalm_done({"denoise", folder_ / "still.exr", "-o", folder_ / "still.####.exr"});
+  EXPECT_NE(still.err.find("still.exr: no frame number in the name, so this is frame 1; --frame"),
+            std::string::npos)
+      << still.err;
+  EXPECT_EQ(files_in(folder_.path()),
+            (std::vector<std::string>{"other.-007.exr", "out.0052.exr", "short.0052.exr", "still.0001.exr",
+                                      "still.exr"}));
+  write_frames({1, 2});
+  expect_error(becalm(command("out.####.exr", {"--frame", "3"})), 2, {"--frame 3", "--frames"});
+}
+
+TEST_F(Denoise, ALoneHashOfTheOutputHasThePaddingOfTheInput) {
+  write_frames({1, 2});
+  becalm_done(command("out/a.#.exr", {"--quiet"}));
+  EXPECT_EQ(files_in(folder_.path() / "out"), (std::vector<std::string>{"a.0001.exr", "a.0002.exr"}));
+}
+
+TEST_F(Denoise, FilesOfAnotherPaddingArePointedOut) {
+  io::write_exr(folder_ / "in.1.exr", noise_frame(1), {});
+  expect_error(becalm(command("out.####.exr")), 3, {"no frame", "in.1.exr is there", "in.#.exr"});
+  write_frames({2});
+  expect_error(becalm(command("out.####.exr", {"--frames", "1-2"})), 3, {"frame 1 of", "in.#.exr"});
+}
+
+TEST_F(Denoise, HalvesBesideEachOtherAreOneSequence) {
+  for (const int number : {1, 2, 3}) {
+    const Frame a = noise_frame(number);
+    const Frame b = noise_frame(number + 10);
+    io::write_exr(frame_path(folder_ / "shot.b0.####.exr", number), a, {}, io::PixelType::float32);
+    io::write_exr(frame_path(folder_ / "shot.b1.####.exr", number), b, {}, io::PixelType::float32);
+    Frame whole = noise_frame(number);
+    for (const Aov aov : {Aov::beauty, Aov::albedo}) {
+      for (std::size_t i = 0; i < whole.image(aov).data().size(); ++i) {
+        whole.image(aov).data()[i] = 0.5f * a.image(aov).data()[i] + 0.5f * b.image(aov).data()[i];
+      }
+    }
+    for (const auto& [half, from] : {std::pair{Aov::half_a, &a}, {Aov::half_b, &b}}) {
+      Image& radiance = whole.add(half);
+      for (std::size_t i = 0; i < radiance.data().size(); ++i) {
+        radiance.data()[i] = from->image(Aov::beauty).data()[i / 3 * 4 + i % 3];
+      }
+    }
+    io::write_exr(frame_path(input_, number), whole, {}, io::PixelType::float32);
+  }
+  becalm_done(command("whole.####.exr"));
+  const std::string first = folder_ / "shot.b0.####.exr";
+  const std::string second = folder_ / "shot.b1.####.exr";
+  EXPECT_NE(becalm_done({"denoise", first, "-o", folder_ / "found.####.exr"})
+                .err.find("a half of the samples each"),
+            std::string::npos);
+  becalm_done({"denoise", first, second, "-o", folder_ / "given.####.exr"});
+  for (const char* name : {"found.####.exr", "given.####.exr"}) {
+    expect_same_beauty(folder_ / "whole.####.exr", folder_ / name, 1, 3);
+  }
+  EXPECT_NE(becalm_done({"info", first}).out.find("is the other half of the samples"), std::string::npos);
+  fs::remove(frame_path(second, 2));
+  expect_error(becalm({"denoise", first, "-o", folder_ / "gap.####.exr"}), 3, {"shot.b1.0002.exr"});
+}
+
+TEST_F(Denoise, WritesEveryFrameOnDiskAndTellsOfGaps) {
+  write_frames({1, 2, 5});
+  const Outcome outcome = becalm_done(command("out/a.####.exr"));
+  EXPECT_EQ(files_in(folder_.path() / "out"),
+            (std::vector<std::string>{"a.0001.exr", "a.0002.exr", "a.0005.exr"}));
+  EXPECT_NE(outcome.err.find("only frames 1,2,5 are on disk"), std::string::npos) << outcome.err;
+}
+
+TEST_F(Denoise, StepsAreNotGaps) {
+  write_frames({1, 3, 5});
+  const Outcome outcome = becalm_done(command("a.####.exr"));
+  EXPECT_EQ(outcome.err.find("on disk"), std::string::npos) << outcome.err;
+  EXPECT_FALSE(same_frame("a.0003.exr", "in.0003.exr")) << "the history was dropped";
+}
+
+TEST_F(Denoise, MissingSkipStartsAnewAfterTheGap) {
+  write_frames({1, 2, 4});
+  becalm_done(
+      command("skip.####.exr", {"--frames", "1-4", "--missing", "skip", "--quiet", "--set", "smooth=none"}));
+  EXPECT_FALSE(fs::exists(folder_ / "skip.0003.exr"));
+  EXPECT_TRUE(same_frame("skip.0004.exr", "in.0004.exr")) << "without history the frame stays as it is";
+}
+
+TEST_F(Denoise, MissingHoldWritesOneOutputForEachInput) {
+  write_frames({1, 2, 5});
+  const Outcome outcome = becalm_done(command("hold.####.exr", {"--frames", "1-6", "--missing", "hold"}));
+  EXPECT_NE(outcome.err.find("6 frames written"), std::string::npos) << outcome.err;
+  EXPECT_TRUE(same_frame("hold.0003.exr", "hold.0002.exr"));
+  EXPECT_TRUE(same_frame("hold.0004.exr", "hold.0002.exr"));
+  EXPECT_TRUE(same_frame("hold.0006.exr", "hold.0005.exr"));
+  EXPECT_EQ(io::read_attribute(folder_ / "hold.0003.exr", "becalm:held_from"), "2");
+  EXPECT_EQ(io::read_attribute(folder_ / "hold.0002.exr", "becalm:held_from"), "");
+  expect_error(becalm(command("b.####.exr", {"--frames", "0-2", "--missing", "hold"})), 3,
+               {"frame 0", "hold"});
+}
+
+TEST_F(Denoise, HeldFramesMayComeFromTheContext) {
+  write_frames({1, 2, 4});
+  becalm_done(command("whole.####.exr", {"--frames", "1-4", "--missing", "hold", "--quiet"}));
+  becalm_done(command("chunk.####.exr", {"--frames", "3-4", "--missing", "hold", "--quiet"}));
+  expect_same_beauty(folder_ / "whole.####.exr", folder_ / "chunk.####.exr", 3, 4);
+  EXPECT_FALSE(fs::exists(folder_ / "chunk.0002.exr"));
+}
+
+TEST_F(Denoise, WhatIsHeldDoesNotDependOnTheRange) {
+  write_frames({1, 2, 4});
+  for (const std::vector<std::string>& more :
+       {std::vector<std::string>{"--preset", "draft"}, {"--context", "none"}}) {
+    std::vector<std::string> options{"--frames", "3-4", "--missing", "hold", "--quiet"};
+    options.insert(options.end(), more.begin(), more.end());
+    becalm_done(command("out/a.####.exr", options));
+    EXPECT_EQ(files_in(folder_.path() / "out"), (std::vector<std::string>{"a.0003.exr", "a.0004.exr"}));
+    EXPECT_EQ(io::read_attribute(folder_ / "out/a.0003.exr", "becalm:held_from"), "2");
+  }
+}
+
+TEST_F(Denoise, NothingIsCarriedOverACut) {
+  write_frames({1, 2, 3});
+  for (const int number : {4, 5}) {
+    Frame frame = noise_frame(number);
+    for (float& v : frame.image(Aov::albedo).data()) v = 1.0f - v;
+    for (float& v : frame.image(Aov::normal).data()) v = -v;
+    io::write_exr(frame_path(input_, number), frame, {}, io::PixelType::float32);
+  }
+  const Outcome found = becalm_done(command("auto.####.exr"));
+  EXPECT_NE(found.err.find("frame 4: a new shot begins"), std::string::npos) << found.err;
+  EXPECT_EQ(found.err.find("shot"), found.err.rfind("shot")) << found.err;
+  becalm_done(command("given.####.exr", {"--cuts", "4", "--quiet"}));
+  becalm_done(command("second.####.exr", {"--frames", "4-5", "--context", "none", "--quiet"}));
+  becalm_done(command("none.####.exr", {"--cuts", "none", "--quiet"}));
+  expect_same_beauty(folder_ / "auto.####.exr", folder_ / "given.####.exr", 1, 5);
+  expect_same_beauty(folder_ / "auto.####.exr", folder_ / "second.####.exr", 4, 5);
+  EXPECT_FALSE(same_frame("auto.0003.exr", "none.0003.exr"));
+}
+
+/// Frames first to last as one job, which must be bit for bit those of `whole`.
+TEST_F(Denoise, ResultsDoNotDependOnHowASequenceIsCutIntoJobs) {
+  for (int number = 1; number <= 24; ++number) write_frames({number});
+  const std::vector<std::string> settings{"--segment", "8", "--warmup", "3", "--quiet"};
+  const auto job = [&](const std::string& pattern, const std::string& frames) {
+    std::vector<std::string> more = settings;
+    if (!frames.empty()) more.insert(more.end(), {"--frames", frames});
+    becalm_done(command(pattern, more));
+  };
+  job("whole.####.exr", "");
+  for (const char* frames : {"1-7", "8-15", "16-24"}) job("chunk.####.exr", frames);
+  expect_same_beauty(folder_ / "whole.####.exr", folder_ / "chunk.####.exr", 1, 24);
+  for (const int frame : {1, 7, 8, 13, 24}) {
+    job("single.####.exr", std::to_string(frame));
+    expect_same_beauty(folder_ / "whole.####.exr", folder_ / "single.####.exr", frame, frame);
+    EXPECT_EQ(io::read_attribute(frame_path(folder_ / "single.####.exr", frame), "becalm:settings"),
+              io::read_attribute(frame_path(folder_ / "whole.####.exr", frame), "becalm:settings"));
+  }
+  EXPECT_FALSE(same_frame("whole.0001.exr", "in.0001.exr")) << "frames after the first say nothing about it";
+}
+
+TEST_F(Denoise, DefaultSegmentsMakeJobsIndependentToo) {
+  for (int number = 1; number <= 96; ++number) {
+    io::write_exr(frame_path(input_, number), noise_frame(number, 24, 16), {}, io::PixelType::float32);
+  }
+  becalm_done(command("whole.####.exr", {"--frames", "1-96", "--quiet"}));
+  for (const char* frames : {"1-31", "32-63", "64-96"}) {
+    becalm_done(command("chunk.####.exr", {"--frames", frames, "--quiet"}));
+  }
+  expect_same_beauty(folder_ / "whole.####.exr", folder_ / "chunk.####.exr", 1, 96);
+}
+
+TEST_F(Denoise, ContextLimitsWhatIsReadBesidesTheFramesThatAreWritten) {
+  write_frames({1, 2, 3, 4, 5});
+  becalm_done(
+      command("none.####.exr", {"--frames", "3", "--context", "none", "--quiet", "--set", "smooth=none"}));
+  EXPECT_TRUE(same_frame("none.0003.exr", "in.0003.exr")) << "alone, a frame stays as it is";
+  becalm_done(command("some.####.exr", {"--frames", "3", "--context", "2-4", "--quiet"}));
+  EXPECT_EQ(files_in(folder_.path()).size(), 7u) << "context is not written";
+  fs::remove(folder_ / "in.0001.exr");
+  fs::remove(folder_ / "in.0005.exr");
+  becalm_done(command("all.####.exr", {"--frames", "3", "--quiet"}));
+  EXPECT_TRUE(same_frame("some.0003.exr", "all.0003.exr"));
+  expect_error(becalm(command("a.####.exr", {"--context", "some"})), 2, {"some"});
+}
+
+}  // namespace
+}  // namespace becalm::test

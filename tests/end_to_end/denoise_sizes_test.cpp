@@ -1,0 +1,207 @@
+// becalm denoise: data windows, images of one pixel and wide ones, tiles, and both eyes of a stereo pair.
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
+#include <ImfOutputFile.h>
+#include <ImfStandardAttributes.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/end_to_end/denoise_fixture.h"
+
+namespace becalm::test {
+namespace {
+
+const Imath::Box2i kDisplay(Imath::V2i(0, 0), Imath::V2i(kWidth - 1, kHeight - 1));
+
+/// A still picture with a little noise of the number inside `drawn`, black and transparent outside, in a file
+/// of these windows.
+void write_window(const std::string& path, int number, const Imath::Box2i& data_window,
+                  const Imath::Box2i& display_window, const Imath::Box2i& drawn) {
+  const Frame still = noise_frame(7);
+  const Frame noise = noise_frame(number);
+  Image colors(kWidth, kHeight, 4);
+  for (int y = drawn.min.y; y <= drawn.max.y; ++y) {
+    for (int x = drawn.min.x; x <= drawn.max.x; ++x) {
+      for (int c = 0; c < 3; ++c) {
+        colors.at(x, y, c) =
+            still.image(Aov::beauty).at(x, y, c) + 0.1f * noise.image(Aov::beauty).at(x, y, c);
+      }
+      colors.at(x, y, 3) = 1.0f;
+    }
+  }
+  Imf::Header header(display_window, data_window);
+  Imf::FrameBuffer buffer;
+  const char* names[] = {"R", "G", "B", "A"};
+  for (std::size_t c = 0; c < 4; ++c) {
+    header.channels().insert(names[c], Imf::Channel(Imf::FLOAT));
+    buffer.insert(names[c], Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(colors.data().data() + c),
+                                       4 * sizeof(float), 4 * sizeof(float) * kWidth));
+  }
+  Imf::OutputFile file(path.c_str(), header);
+  file.setFrameBuffer(buffer);
+  file.writePixels(data_window.max.y - data_window.min.y + 1);
+}
+
+/// Both eyes' beauty and albedo in one part, as OpenEXR names them.
+void write_stereo(const std::string& path, const Frame& left, const Frame& right,
+                  const Imath::Box2i& data_window = kDisplay) {
+  Imf::Header header(kDisplay, data_window);
+  Imf::addMultiView(header, {"left", "right"});
+  Imf::FrameBuffer buffer;
+  for (const Frame* eye : {&left, &right}) {
+    for (const Aov aov : {Aov::beauty, Aov::albedo}) {
+      const Image& image = eye->image(aov);
+      for (int c = 0; c < image.channels(); ++c) {
+        const std::string name =
+            std::string(aov == Aov::albedo ? "albedo." : "") + (eye == &right ? "right." : "") + "RGBA"[c];
+        header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+        char* first = const_cast<char*>(reinterpret_cast<const char*>(image.data().data() + c));
+        const std::size_t stride = sizeof(float) * static_cast<std::size_t>(image.channels());
+        buffer.insert(name, Imf::Slice(Imf::FLOAT, first, stride, stride * kWidth));
+      }
+    }
+  }
+  Imf::OutputFile file(path.c_str(), header);
+  file.setFrameBuffer(buffer);
+  file.writePixels(data_window.max.y - data_window.min.y + 1);
+}
+
+TEST_F(Denoise, DataWindowsMayMove) {
+  const Imath::Box2i& display = kDisplay;
+  const Imath::Box2i object(Imath::V2i(8, 5), Imath::V2i(38, 26));
+  const std::vector<Imath::Box2i> windows{{{2, 3}, {40, 28}}, {{4, 3}, {42, 30}}, {{6, 1}, {44, 28}}};
+  for (int number = 1; number <= 3; ++number) {
+    const Imath::Box2i& window = windows[static_cast<std::size_t>(number - 1)];
+    write_window(frame_path(input_, number), number, window, display, object);
+    write_window(frame_path(folder_ / "padded.####.exr", number), number, display, display, object);
+  }
+  const Outcome outcome = becalm_done(command("out.####.exr"));
+  EXPECT_EQ(outcome.err.find("shot"), std::string::npos) << "a window that moves is no cut: " << outcome.err;
+  becalm_done({"denoise", folder_ / "padded.####.exr", "-o", folder_ / "whole.####.exr", "--quiet"});
+  for (int number = 1; number <= 3; ++number) {
+    const Imath::Box2i& window = windows[static_cast<std::size_t>(number - 1)];
+    const std::string out = frame_path(folder_ / "out.####.exr", number);
+    const Imf::InputFile file(out.c_str());
+    EXPECT_EQ(file.header().dataWindow(), window);
+    EXPECT_EQ(file.header().displayWindow(), display);
+    const Frame cropped = read_frame(out);
+    const Frame whole = read_frame(frame_path(folder_ / "whole.####.exr", number));
+    for (int y = window.min.y; y <= window.max.y; ++y) {
+      for (int x = window.min.x; x <= window.max.x; ++x) {
+        for (int c = 0; c < 4; ++c) {
+          ASSERT_EQ(cropped.image(Aov::beauty).at(x - window.min.x, y - window.min.y, c),
+                    whole.image(Aov::beauty).at(x, y, c))
+              << number << ": " << x << ", " << y;
+        }
+      }
+    }
+  }
+}
+
+TEST_F(Denoise, DataWindowsOfBothEyesMayMove) {
+  const Imath::Box2i object(Imath::V2i(8, 5), Imath::V2i(38, 26));
+  const std::vector<Imath::Box2i> windows{{{2, 3}, {40, 28}}, {{4, 3}, {42, 30}}, {{6, 1}, {44, 28}}};
+  for (int number = 1; number <= 3; ++number) {
+    Frame left = noise_frame(number);
+    Frame right = noise_frame(number + 10);
+    for (Frame* eye : {&left, &right}) {
+      for (const Aov aov : {Aov::beauty, Aov::albedo}) {
+        for (int y = 0; y < kHeight; ++y) {
+          for (int x = 0; x < kWidth; ++x) {
+            // As where nothing is hit.
+            const float outside = aov == Aov::albedo ? 1.0f : 0.0f;
+            if (!object.intersects(Imath::V2i(x, y))) std::ranges::fill(eye->image(aov).pixel(x, y), outside);
+          }
+        }
+      }
+    }
+    const Imath::Box2i& window = windows[static_cast<std::size_t>(number - 1)];
+    write_stereo(frame_path(input_, number), left, right, window);
+    write_stereo(frame_path(folder_ / "padded.####.exr", number), left, right);
+  }
+  becalm_done(command("out.####.exr"));
+  becalm_done({"denoise", folder_ / "padded.####.exr", "-o", folder_ / "whole.####.exr", "--quiet"});
+  for (int number = 1; number <= 3; ++number) {
+    const Imath::Box2i& window = windows[static_cast<std::size_t>(number - 1)];
+    const std::string out = frame_path(folder_ / "out.####.exr", number);
+    EXPECT_EQ(Imf::InputFile(out.c_str()).header().dataWindow(), window);
+    const io::LoadedFrame cropped = io::read_exr(out, number, {});
+    const io::LoadedFrame whole = io::read_exr(frame_path(folder_ / "whole.####.exr", number), number, {});
+    ASSERT_EQ(cropped.other_views.size(), 1u);
+    const auto expect_same = [&](const Image& part, const Image& image) {
+      for (int y = window.min.y; y <= window.max.y; ++y) {
+        for (int x = window.min.x; x <= window.max.x; ++x) {
+          for (int c = 0; c < 4; ++c) {
+            ASSERT_EQ(part.at(x - window.min.x, y - window.min.y, c), image.at(x, y, c)) << x << ", " << y;
+          }
+        }
+      }
+    };
+    expect_same(cropped.frame.image(Aov::beauty), whole.frame.image(Aov::beauty));
+    expect_same(cropped.other_views[0].frame.image(Aov::beauty),
+                whole.other_views[0].frame.image(Aov::beauty));
+  }
+}
+
+TEST_F(Denoise, BothEyesAreDenoisedWithTheirOwnLayers) {
+  for (const int number : {1, 2, 3}) {
+    Frame left = noise_frame(number);
+    Frame right = noise_frame(number + 10);
+    for (Frame* eye : {&left, &right}) eye->remove(Aov::normal);
+    write_stereo(frame_path(input_, number), left, right);
+    io::write_exr(frame_path(folder_ / "left.####.exr", number), left, {}, io::PixelType::float32);
+    io::write_exr(frame_path(folder_ / "right.####.exr", number), right, {}, io::PixelType::float32);
+  }
+  const std::string plan = becalm_done(command("out.####.exr", {"--dry-run"})).out;
+  EXPECT_NE(plan.find("right: beauty=right.R"), std::string::npos) << plan;
+  becalm_done(command("out.####.exr"));
+  for (const std::string eye : {"left", "right"}) {
+    becalm_done({"denoise", folder_ / (eye + ".####.exr"), "-o", folder_ / (eye + ".calm.####.exr")});
+  }
+  const io::LoadedFrame both = io::read_exr(folder_ / "out.0002.exr", 2, {});
+  ASSERT_EQ(both.other_views.size(), 1u);
+  EXPECT_TRUE(same_pixels(both.frame.image(Aov::beauty),
+                          read_frame(folder_ / "left.calm.0002.exr").image(Aov::beauty)));
+  EXPECT_TRUE(same_pixels(both.other_views[0].frame.image(Aov::beauty),
+                          read_frame(folder_ / "right.calm.0002.exr").image(Aov::beauty)));
+  EXPECT_NE(io::read_attribute(folder_ / "out.0002.exr", "becalm:layers").find("right: beauty=right.R"),
+            std::string::npos);
+}
+
+TEST_F(Denoise, ImagesOfOnePixelAndWideOnes) {
+  for (const auto& [width, height] : {std::pair{1, 1}, {2048, 4}}) {
+    for (const int number : {1, 2}) {
+      io::write_exr(frame_path(input_, number), noise_frame(number, width, height), {},
+                    io::PixelType::float32);
+    }
+    for (const char* preset : {"draft", "balanced"}) {
+      becalm_done(command("out.####.exr", {"--preset", preset, "--quiet"}));
+      const Frame frame = read_frame(folder_ / "out.0002.exr");
+      ASSERT_EQ(frame.width(), width);
+      ASSERT_EQ(frame.height(), height);
+      for (const float v : frame.image(Aov::beauty).data()) ASSERT_TRUE(std::isfinite(v)) << preset;
+    }
+  }
+}
+
+TEST_F(Denoise, MemoryCutsFramesIntoTilesThatNobodySees) {
+  for (const int number : {1, 2, 3}) {
+    io::write_exr(frame_path(input_, number), noise_frame(number, 400, 320), {}, io::PixelType::float32);
+  }
+  // Without smoothing, tiles of frames this small are much smaller than they.
+  std::vector<std::string> options{"--profile", "--quiet", "--set", "smooth=none"};
+  const Outcome whole = becalm_done(command("whole.####.exr", options));
+  EXPECT_NE(whole.err.find("1 tile of 400x320 px"), std::string::npos) << whole.err;
+  options.insert(options.end(), {"--memory", "20M"});
+  const Outcome tiled = becalm_done(command("tiled.####.exr", options));
+  EXPECT_NE(tiled.err.find(" tiles of "), std::string::npos) << tiled.err;
+  expect_same_beauty(folder_ / "whole.####.exr", folder_ / "tiled.####.exr", 1, 3);
+}
+
+}  // namespace
+}  // namespace becalm::test

@@ -1,0 +1,151 @@
+// What is written for tiles, smaller levels and files of several parts.
+
+#include <Imath/half.h>
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfDeepFrameBuffer.h>
+#include <OpenEXR/ImfDeepScanLineInputPart.h>
+#include <OpenEXR/ImfDeepScanLineOutputPart.h>
+#include <OpenEXR/ImfMultiPartInputFile.h>
+#include <OpenEXR/ImfMultiPartOutputFile.h>
+#include <OpenEXR/ImfOutputPart.h>
+#include <OpenEXR/ImfPartType.h>
+#include <OpenEXR/ImfTiledInputPart.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "frame/io/exr.h"
+#include "tests/io/exr_files.h"
+#include "tests/io/passed_on_fixture.h"
+
+namespace becalm::io {
+namespace {
+
+TEST_F(PassedOn, Tiles) {
+  for (const Imf::LineOrder order : {Imf::INCREASING_Y, Imf::DECREASING_Y, Imf::RANDOM_Y}) {
+    Imf::Header header = tiled_part(window(-5, -7, 45, 400), kMixed, 16, 24);
+    header.lineOrder() = order;
+    write_test_file(source_, {header});
+    denoise();
+    expect_same_but_for(kBeauty);
+    expect_same_header();
+  }
+}
+
+TEST_F(PassedOn, OfMipmapsTheFullSize) {
+  Imf::Header header = tiled_part(window(0, 0, 50, 40), kMixed, 16, 16, Imf::MIPMAP_LEVELS);
+  header.setChunkCount(12 + 4 + 1 + 1 + 1 + 1);
+  write_test_file(source_, {header});
+  EXPECT_TRUE(denoise().full_size_only);
+  expect_same_but_for(kBeauty);
+  expect_same_header(0, {"tiles", "chunkCount"});
+  EXPECT_EQ(read_header(result_).chunkCount(), 12);
+  EXPECT_EQ(read_header(result_).tileDescription().mode, Imf::ONE_LEVEL);
+}
+
+TEST_F(PassedOn, PartsKeepTheirChunks) {
+  Imf::Header ids = scanline_part(
+      window(-2, 0, 12, 100), {{"CryptoA.R", Imf::FLOAT}, {"CryptoB.G", Imf::FLOAT}}, Imf::PIZ_COMPRESSION);
+  add_attributes_of_a_part(ids);
+  write_test_file(source_, {ids, scanline_part(window(0, 0, 20, 30), kMixed),
+                            tiled_part(window(0, 0, 33, 17), {{"N.X"}, {"N.Y"}, {"N.Z"}}, 8, 8,
+                                       Imf::RIPMAP_LEVELS, Imf::B44_COMPRESSION),
+                            scanline_part(window(0, 0, 21, 40), {{"light.R"}, {"light.G"}, {"light.B"}},
+                                          Imf::DWAB_COMPRESSION)});
+  denoise();
+  EXPECT_EQ(layers_[0]->part, 1);
+  expect_same_but_for({}, 0);
+  expect_same_but_for(kBeauty, 1);
+  expect_same_but_for({}, 2);
+  expect_same_but_for({}, 3);
+  for (int part = 0; part < 4; ++part) expect_same_header(part);
+  EXPECT_EQ(read_attribute(result_, "becalm:preset"), "final") << "in the first part too";
+
+  // Lossy parts can only be equal because their chunks were not decompressed; so are the smaller levels.
+  Imf::MultiPartInputFile before(source_.c_str());
+  Imf::MultiPartInputFile after(result_.c_str());
+  Imf::TiledInputPart tiles_before(before, 2);
+  Imf::TiledInputPart tiles_after(after, 2);
+  int x = 0, y = 0, level_x = 2, level_y = 1, size_before = 0, size_after = 0;
+  const char* bytes_before = nullptr;
+  const char* bytes_after = nullptr;
+  tiles_before.rawTileData(x, y, level_x, level_y, bytes_before, size_before);
+  tiles_after.rawTileData(x, y, level_x, level_y, bytes_after, size_after);
+  EXPECT_EQ(std::string(bytes_before, size_before), std::string(bytes_after, size_after));
+}
+
+TEST_F(PassedOn, DeepParts) {
+  constexpr int width = 6;
+  constexpr int height = 40;
+  const Imath::Box2i deep_window = window(0, 0, width, height);
+  Imf::Header deep(deep_window, deep_window);
+  deep.setName("deep");
+  deep.setType(Imf::DEEPSCANLINE);
+  deep.compression() = Imf::ZIPS_COMPRESSION;
+  deep.channels().insert("Z", Imf::Channel(Imf::FLOAT));
+  Imf::Header flat = scanline_part(deep_window, {{"R"}, {"G"}, {"B"}});
+  flat.setName("flat");
+  std::vector<unsigned> counts(width * height);
+  std::vector<float> samples(width * height * 3);
+  std::vector<float*> pointers(width * height);
+  for (std::size_t i = 0; i < samples.size(); ++i) samples[i] = 0.5f * static_cast<float>(i);
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    counts[i] = i % 4;
+    pointers[i] = &samples[i * 3];
+  }
+  const auto buffer = [&] {
+    Imf::DeepFrameBuffer result;
+    result.insertSampleCountSlice(Imf::Slice(Imf::UINT, reinterpret_cast<char*>(counts.data()),
+                                             sizeof(unsigned), width * sizeof(unsigned)));
+    result.insert("Z", Imf::DeepSlice(Imf::FLOAT, reinterpret_cast<char*>(pointers.data()), sizeof(float*),
+                                      width * sizeof(float*), sizeof(float)));
+    return result;
+  };
+  {
+    const Imf::Header headers[] = {deep, flat};
+    Imf::MultiPartOutputFile file(source_.c_str(), headers, 2);
+    Imf::DeepScanLineOutputPart out(file, 0);
+    out.setFrameBuffer(buffer());
+    out.writePixels(height);
+    std::vector<Imath::half> colour(width * height, Imath::half(0.5f));
+    Imf::FrameBuffer pixels;
+    for (const char* name : {"R", "G", "B"}) {
+      pixels.insert(name, Imf::Slice(Imf::HALF, reinterpret_cast<char*>(colour.data()), 2, 2 * width));
+    }
+    Imf::OutputPart flat_out(file, 1);
+    flat_out.setFrameBuffer(pixels);
+    flat_out.writePixels(height);
+  }
+  denoise();
+  const std::vector<float> expected = samples;
+  std::fill(samples.begin(), samples.end(), -1.0f);
+  std::fill(counts.begin(), counts.end(), 9u);
+  Imf::MultiPartInputFile file(result_.c_str());
+  Imf::DeepScanLineInputPart in(file, 0);
+  in.setFrameBuffer(buffer());
+  in.readPixelSampleCounts(0, height - 1);
+  in.readPixels(0, height - 1);
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    ASSERT_EQ(counts[i], i % 4);
+    for (std::size_t s = 0; s < counts[i]; ++s) EXPECT_EQ(samples[i * 3 + s], expected[i * 3 + s]);
+  }
+}
+
+TEST_F(PassedOn, DiagnosticsAreAddedToTheBeautysPart) {
+  write_test_file(source_, {scanline_part(window(0, 0, 4, 4), {{"id.U", Imf::UINT}}),
+                            scanline_part(window(0, 0, 6, 4), kMixed)});
+  AovSet diagnostics;
+  diagnostics.set(static_cast<std::size_t>(Aov::flow));
+  diagnostics.set(static_cast<std::size_t>(Aov::sample_count));
+  denoise(diagnostics);
+  expect_same_but_for({}, 0);
+  expect_same_but_for(kBeauty, 1);
+  const Imf::Header header = read_header(result_, 1);
+  ASSERT_NE(header.channels().findChannel("flow.Y"), nullptr);
+  EXPECT_EQ(header.channels()["sample_count.Y"].type, Imf::FLOAT);
+  EXPECT_EQ(header.channels().findChannel("error_mask.Y"), nullptr);
+  EXPECT_EQ(read_exr(result_, 1, AovSet().set()).frame.image(Aov::flow).at(5, 3, 1), 0.3f);
+}
+
+}  // namespace
+}  // namespace becalm::io
