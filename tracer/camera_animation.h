@@ -1,7 +1,7 @@
 #pragma once
 
 #include "tracer/camera.h"
-#include "tracer/scene/scene.h"
+#include "tracer/scene/scene_description.h"
 
 namespace becalm::tracer {
 

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "tracer/math/ray_differential.h"
 #include "tracer/mis.h"
 #include "tracer/path_trace.h"
-#include "tracer/ray_differential.h"
 #include "tracer/shading_vertex.h"
 
 // The estimator

@@ -4,10 +4,11 @@
 #include <vector>
 
 #include "tracer/camera_animation.h"
-#include "tracer/interiors.h"
 #include "tracer/radiance_split.h"
 #include "tracer/sampling/sampler.h"
-#include "tracer/snapshot.h"
+#include "tracer/scene/scene_needs.h"
+#include "tracer/snapshot/interiors.h"
+#include "tracer/snapshot/snapshot.h"
 
 namespace becalm::tracer {
 

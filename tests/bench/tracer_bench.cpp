@@ -14,7 +14,7 @@
 #include "tests/bench/minimal_integrator.h"
 #include "tests/bench/ray_floor.h"
 #include "tests/bench/stopwatch.h"
-#include "tracer/scene/load.h"
+#include "tracer/scene/load/load.h"
 
 namespace becalm::bench {
 namespace {

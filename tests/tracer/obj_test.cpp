@@ -1,4 +1,4 @@
-#include "tracer/scene/obj.h"
+#include "tracer/scene/load/obj.h"
 
 #include <gtest/gtest.h>
 

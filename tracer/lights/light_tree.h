@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "tracer/lights/light_bounds.h"
-#include "tracer/vec.h"
+#include "tracer/math/vec.h"
 
 namespace becalm::tracer {
 

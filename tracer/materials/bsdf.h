@@ -3,7 +3,7 @@
 #include <optional>
 #include <variant>
 
-#include "tracer/vec.h"
+#include "tracer/math/vec.h"
 
 namespace becalm::tracer {
 

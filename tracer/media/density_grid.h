@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "tracer/vec.h"
+#include "tracer/math/vec.h"
 
 namespace becalm::tracer {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "tracer/math/vec.h"
 #include "tracer/scene/texture.h"
-#include "tracer/vec.h"
 
 namespace becalm::tracer {
 

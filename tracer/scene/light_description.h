@@ -5,7 +5,7 @@
 #include <variant>
 
 #include "tracer/lights/lights.h"
-#include "tracer/scene/keyframes.h"
+#include "tracer/math/keyframes.h"
 
 // The lights of a scene file over time. What has a surface is an object that emits.
 

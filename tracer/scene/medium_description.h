@@ -2,9 +2,9 @@
 
 #include <variant>
 
+#include "tracer/math/keyframes.h"
 #include "tracer/media/cloud_shape.h"
 #include "tracer/media/homogeneous_medium.h"
-#include "tracer/scene/keyframes.h"
 
 namespace becalm::tracer {
 
