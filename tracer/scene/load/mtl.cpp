@@ -39,7 +39,7 @@ std::map<std::string, Keywords> scan(const std::string& path, std::string_view t
     const auto needed = numbers.find(keyword);
     for (int i = 0; needed != numbers.end() && i < needed->second; ++i) {
       const std::string_view word = take_word(line);
-      if (!is_float(word)) {
+      if (!parse_float(word)) {
         fail_in_file(path, fmt::format("line {}: '{}' needs {} finite numbers, found '{}'", line_number,
                                        keyword, needed->second, word));
       }

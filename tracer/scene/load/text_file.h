@@ -1,7 +1,6 @@
 #pragma once
 
 #include <fstream>
-#include <iterator>
 #include <optional>
 #include <string>
 
@@ -9,15 +8,18 @@
 
 namespace becalm::tracer {
 
-/// The bytes of a file; nothing if it cannot be read.
+/// The bytes of a file; nothing if it cannot be read (a folder can be opened, but not read).
 inline std::optional<std::string> read_text_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  if (!file) return std::nullopt;
-  try {
-    return std::string{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  } catch (const std::ios_base::failure&) {  // a folder opens as a file would, and cannot be read
-    return std::nullopt;
+  std::string text;
+  while (file) {
+    constexpr std::size_t block = std::size_t{1} << 20;
+    const std::size_t size = text.size();
+    text.resize(size + block);
+    file.read(text.data() + size, block);
+    text.resize(size + static_cast<std::size_t>(file.gcount()));
   }
+  return file.eof() ? std::make_optional(std::move(text)) : std::nullopt;
 }
 
 /// Throws: the file at this path says something that cannot be read.

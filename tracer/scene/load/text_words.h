@@ -4,43 +4,52 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string_view>
 
 namespace becalm::tracer {
 
-// Words of text files with one statement a line (OBJ, MTL).
+// Words of text files with one statement a line (OBJ, MTL). Lines end with "\n", "\r\n" or "\r".
 
-inline constexpr std::string_view kBlanks = " \t\r";
+inline bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\r';
+}
 
 /// The next line of the text, removed from it.
 inline std::string_view take_line(std::string_view& text) {
-  const std::size_t end = std::min(text.find('\n'), text.size());
+  const auto ends_line = [](char c) { return c == '\n' || c == '\r'; };
+  const auto end = static_cast<std::size_t>(std::ranges::find_if(text, ends_line) - text.begin());
   const std::string_view line = text.substr(0, end);
-  text.remove_prefix(std::min(end + 1, text.size()));
+  text.remove_prefix(end);
+  text.remove_prefix(text.starts_with("\r\n") ? 2 : std::min<std::size_t>(1, text.size()));
   return line;
 }
 
 /// The next word of the line, removed from it; empty at its end.
 inline std::string_view take_word(std::string_view& line) {
-  line.remove_prefix(std::min(line.find_first_not_of(kBlanks), line.size()));
-  const std::string_view word = line.substr(0, line.find_first_of(kBlanks));
-  line.remove_prefix(word.size());
+  const auto begin = std::ranges::find_if_not(line, is_blank);
+  const auto end = std::find_if(begin, line.end(), is_blank);
+  const std::string_view word(begin, end);
+  line = std::string_view(end, line.end());
   return word;
 }
 
 /// What is left of the line, without blanks around it.
 inline std::string_view trimmed(std::string_view line) {
-  line.remove_prefix(std::min(line.find_first_not_of(kBlanks), line.size()));
-  return line.substr(0, line.find_last_not_of(kBlanks) + 1);
+  while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
+  while (!line.empty() && is_blank(line.back())) line.remove_suffix(1);
+  return line;
 }
 
-/// Whether the word is a number that float can hold; denormals count as such.
-inline bool is_float(std::string_view word) {
+/// The word as a number; nothing if it is none, or beyond what float can hold. Denormals are numbers.
+inline std::optional<float> parse_float(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);
   double value = 0.0;
   const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  return error == std::errc() && stop == word.data() + word.size() &&
-         std::abs(value) <= std::numeric_limits<float>::max();
+  if (error != std::errc() || stop != word.data() + word.size() ||
+      !(std::abs(value) <= std::numeric_limits<float>::max()))
+    return std::nullopt;
+  return static_cast<float>(value);
 }
 
 }  // namespace becalm::tracer
