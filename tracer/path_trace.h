@@ -65,7 +65,7 @@ struct PathContext {
 /// Estimates the radiance that arrives at that raster position.
 using PathFunction = PathSample (*)(const PathContext& context, const V2f& raster, Sampler& sampler);
 
-/// The integrator compiled for some of what scenes need.
+/// The integrator compiled with some of its features.
 struct PathVariant {
   const char* name;
   bool surfaces;  ///< materials other than plain diffuse ones

@@ -52,8 +52,9 @@ struct Environment::Map {
   double build_tables();
 };
 
-/// Gives the whole radiance. A texel weighs what bilinear reading gives on average over it, (1 6 1)/8 in x
-/// and y, so that every direction of positive radiance can be drawn; rows weigh by their solid angle besides.
+/// Returns the radiance integrated over all directions. A texel weighs what bilinear reading gives on average
+/// over it, (1 6 1)/8 in x and y, so that every direction of positive radiance can be drawn; rows weigh by
+/// their solid angle besides.
 double Environment::Map::build_tables() {
   const int width = texels.width();
   const int height = texels.height();

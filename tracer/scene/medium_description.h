@@ -21,7 +21,7 @@ struct CloudDescription {
 
 using MediumDescription = std::variant<HomogeneousMedium, CloudDescription>;
 
-/// Whether the medium ever changes, its place apart.
+/// Whether the medium changes over time, apart from its place.
 inline bool animated(const MediumDescription& description) {
   const auto* cloud = std::get_if<CloudDescription>(&description);
   return cloud != nullptr && (cloud->offset.animated() || cloud->evolution.animated() ||

@@ -29,11 +29,11 @@ float srgb_to_linear(float v) {
   return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
 }
 
-/// Between an image's least and largest number, for its texels to be steps in between: a hot pixel must not
-/// cost all others their precision.
+/// Largest difference of an image's numbers at which it is stored as steps between them: beyond it, one
+/// bright pixel would cost all others their precision.
 constexpr float kWidestRange = 16.0f;
 
-/// The largest footprint that says anything: from one picture's width on everything is averaged.
+/// Footprints are limited to one picture's width: everything is averaged there.
 constexpr float kWholePicture = 1.0f;
 
 /// The cache knows a file as `PREFIX:path`, since one file may be used in several ways.

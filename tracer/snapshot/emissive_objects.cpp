@@ -13,7 +13,7 @@ TriangleKey triangle_at(const ObjectState& object, const std::array<std::uint32_
                         const M44f& to_world) {
   TriangleKey key;
   for (int k = 0; k < 3; ++k) key[k] = transform_point(object.mesh->positions[corners[k]], to_world);
-  // Mirroring turns the winding around, but not what is outside.
+  // Mirroring reverses the winding; swapping two corners keeps the outside outside.
   if (to_world.determinant() < 0.0f) std::swap(key[1], key[2]);
   return key;
 }
@@ -53,8 +53,8 @@ void add_emissive_objects(const SceneDescription& description, int frame, std::s
     object.emission = {static_cast<float>(emission[0]), static_cast<float>(emission[1]),
                        static_cast<float>(emission[2])};
     object.first_light = kNoLight;
-    // Points chosen on a light are taken to be there, so what has holes is left to rays that meet it by
-    // chance.
+    // Light sampling takes every point of a light to be there, so emitters with opacity are left to rays that
+    // hit them by chance.
     if (is_black(object.emission) || has_alpha(*object.material)) continue;
     if (object.mesh != nullptr) {
       object.first_light = static_cast<std::uint32_t>(lights.triangles.size());

@@ -51,8 +51,8 @@ inline void cross_boundary(Interiors& interiors, const ObjectState& object, std:
   }
 }
 
-/// Those that a point lies in when the shutter opens, found by following a ray: an object that it leaves
-/// before it enters was around the point.
+/// The objects with a medium around a point when the shutter opens: those that a ray from it leaves without
+/// having entered them.
 Interiors interiors_at(const Snapshot& snapshot, const V3f& point);
 
 }  // namespace becalm::tracer

@@ -122,7 +122,7 @@ void filter_opacity(const RTCFilterFunctionNArguments* args) {
 struct Intersector::State {
   State() : device(rtcNewDevice(nullptr)) {
     if (!device) throw Error(ExitStatus::resource, "Embree cannot start on this machine");
-    // Embree keeps errors for each thread; the first of any thread is what check() wants.
+    // Embree keeps errors for each thread; check() reports the first of any thread.
     rtcSetDeviceErrorFunction(
         device.get(),
         [](void* first, RTCError error, const char*) {
@@ -161,7 +161,7 @@ struct Intersector::State {
     RTCGeometry geometry = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
         geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.positions.size()));
-    // Indices are needed as they are, so Embree reads ours.
+    // The indices need no transform, so Embree shares them.
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
                                3 * sizeof(std::uint32_t), mesh.triangles.size());
     if (vertices != nullptr) {
@@ -198,7 +198,8 @@ struct Intersector::State {
 
   static void set_transforms(RTCGeometry instance, std::span<const M44f> to_world) {
     rtcSetGeometryTimeStepCount(instance, static_cast<unsigned>(to_world.size()));
-    // Imath's row vectors and row-major order lay a matrix out as column vectors in column-major order do.
+    // Imath's matrices (row vectors, row-major) have the memory layout of column vectors in column-major
+    // order.
     for (unsigned step = 0; step < to_world.size(); ++step) {
       rtcSetGeometryTransform(instance, step, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, to_world[step].getValue());
     }
@@ -227,7 +228,8 @@ struct Intersector::State {
   }
 
   std::atomic<RTCError> first_error{RTC_ERROR_NONE};
-  std::atomic<std::int64_t> embree_bytes{0};  // before the device, which counts in it to the end
+  // Declared before the device, which updates it until it is destroyed.
+  std::atomic<std::int64_t> embree_bytes{0};
   DevicePtr device;
   std::vector<Source> baked_sources;  ///< of each geometry of baked_scene
   ScenePtr baked_scene;

@@ -37,8 +37,8 @@ std::vector<double> times_of_keys(const TransformCurve& curve, double frame, con
   return times;
 }
 
-/// Largest distance between the curve and its steps at the times given and between those of the steps,
-/// relative to the object's size.
+/// Largest distance between the curve and its steps relative to the object's size, at the given times and at
+/// four times in each segment.
 double error(const TransformCurve& curve, double frame, const Shutter& shutter, int segments, double radius,
              std::vector<double> times) {
   const MotionSteps<double> steps = motion_steps(curve, frame, shutter, segments);
@@ -57,8 +57,7 @@ double error(const TransformCurve& curve, double frame, const Shutter& shutter, 
 int motion_segments(const TransformCurve& curve, double frame, const Shutter& shutter, double radius) {
   if (!shutter.blurs() || !curve.animated()) return 0;
   const std::vector<double> times = times_of_keys(curve, frame, shutter);
-  // Between keys the values are monotone, so what is the same at the keys and at both ends is so all the
-  // time.
+  // Values are monotone between keys: if they agree at the keys and at both ends, nothing moves.
   const TransformCurve::Value first = curve.at(shutter.at(frame, 0.0));
   const auto same = [&](double time) { return curve.at(shutter.at(frame, time)) == first; };
   if (same(1.0) && std::ranges::all_of(times, same)) return 0;

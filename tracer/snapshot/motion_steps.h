@@ -9,7 +9,7 @@
 namespace becalm::tracer {
 
 /// Transforms at equally spaced times from the shutter's opening to its closing, linear between them, as
-/// Embree interpolates the motion of instances. A single one when nothing moves in that time.
+/// Embree interpolates the motion of instances. A single one if nothing moves in that time.
 template <class T>
 class MotionSteps {
  public:
@@ -33,8 +33,9 @@ class MotionSteps {
   std::vector<Matrix> steps_;
 };
 
-/// The curve during the shutter's interval of that frame with as few steps as keep points within `radius` of
-/// the object's origin closer to their exact places than a thousandth of it (at most 32 segments).
+/// The number of segments, at most 32, with which linear motion keeps every point within `radius` of the
+/// object's origin within a thousandth of the object's size of its exact place; 0 if nothing moves while the
+/// shutter is open.
 int motion_segments(const TransformCurve& curve, double frame, const Shutter& shutter, double radius);
 
 MotionSteps<double> motion_steps(const TransformCurve& curve, double frame, const Shutter& shutter,

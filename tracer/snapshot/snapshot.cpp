@@ -98,7 +98,7 @@ Snapshot::Snapshot(const SceneDescription& description, int frame)
 void Snapshot::set_frame(int frame) {
   if (frame == frame_ && whole_) return;
   check_camera(*description_, frame);
-  // What an exception leaves half done is made anew from everything that may have changed.
+  // If the last call threw, everything that may have changed is made anew.
   const bool all = !std::exchange(whole_, false);
   bool moved = all, lights_changed = all;
   for (const std::size_t geometry : shapes_.set_frame(frame)) {
@@ -125,7 +125,8 @@ void Snapshot::set_frame(int frame) {
   for (const LightDescription& light : description_->lights) {
     lights_changed = lights_changed || animated(light);
   }
-  // The share of light from infinity depends on the scene's size, so any motion counts beside it.
+  // The share of samples that light from infinity gets depends on the scene's size, which any motion may
+  // change.
   if (lights_changed || (moved && (description_->environment || !description_->lights.empty())))
     build_lights(frame);
   update_media(frame);

@@ -20,7 +20,8 @@ inline constexpr std::uint32_t kNoLight = ~0u;
 /// An object's transforms at one moment.
 struct Place {
   M44f to_world;
-  M44f normal_to_world;  ///< the inverse transpose's directions; outside stays outside under mirroring
+  M44f normal_to_world;  ///< the inverse transpose up to a positive factor: the outside stays outside under
+                         ///< mirroring
 };
 
 /// One object at a frame.
@@ -30,14 +31,14 @@ struct ObjectState {
   const Material* material = nullptr;
   const Medium* interior = nullptr;
   bool material_varies = false;  ///< over the surface, or by a random choice
-  Place place;                   ///< when the shutter opens; all of it if the object does not move meanwhile
+  Place place;                   ///< when the shutter opens, and all the time if the object does not move
   MotionSteps<float> blur;       ///< while the shutter is open
   MotionSteps<double> exact;     ///< the same in double, and a frame before: for the motion AOV
   MotionSteps<double> exact_previous;
-  float scale = 1.0f;        ///< bound of |p to_world| / |p| without the translation
-  float translation = 0.0f;  ///< largest coordinate of the translation
-  std::uint32_t first_light =
-      kNoLight;  ///< its first triangle's number among the lights' triangles, or its number among the spheres
+  float scale = 1.0f;                    ///< bound of |p to_world| / |p| without the translation
+  float translation = 0.0f;              ///< largest coordinate of the translation
+  std::uint32_t first_light = kNoLight;  ///< number of its first triangle among the lights' triangles, or of
+                                         ///< its sphere among the spheres
   V3f emission{0.0f};
   std::uint16_t light_group = 0;
   bool two_sided = false;
@@ -47,8 +48,8 @@ struct ObjectState {
   Place at(float time) const;
 };
 
-/// The scene at one frame: what a path asks. Kept between frames, and only what differs is evaluated,
-/// committed or built.
+/// The scene at one frame, as paths query it. It is kept from frame to frame: only what differs is evaluated,
+/// committed or built anew.
 class Snapshot {
  public:
   /// The description must outlive the snapshot and keep its address.
@@ -74,7 +75,7 @@ class Snapshot {
 
   const SceneDescription* description_;
   int frame_ = 0;
-  bool whole_ = true;  ///< whether everything is that frame's
+  bool whole_ = true;  ///< false while set_frame() works, and after it has thrown
   FrameShapes shapes_;
   std::vector<ObjectState> objects_;
   std::unique_ptr<Intersector> intersector_;

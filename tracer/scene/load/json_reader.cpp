@@ -158,7 +158,7 @@ json parse_json_file(const std::string& file) {
   // The library keeps the last of equal keys and drops the others silently.
   std::vector<std::set<std::string>> open_objects;
   const auto reject = [&](int depth, json::parse_event_t event, json& parsed) {
-    // What reads the document later recurses into it.
+    // Later readers recurse into the document.
     constexpr int deepest = 100;
     if (depth > deepest)
       throw Error(ExitStatus::bad_input,

@@ -219,7 +219,7 @@ Material read_material(const std::string& name, const JsonValue& json, SceneDesc
   return material;
 }
 
-/// A mix must end in materials that scatter, and opacity belongs to the whole of it.
+/// Throws for a mix that contains itself, an interface, or a part with an opacity.
 void check_mixes(const JsonValue& json, const std::vector<Material>& materials) {
   enum class State { unseen, open, done };
   std::vector<State> states(materials.size(), State::unseen);

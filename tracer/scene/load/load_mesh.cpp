@@ -42,7 +42,7 @@ LoadedMesh read_mesh(const JsonValue& json, const std::string& scene_file) {
   json.allow_keys({"obj", "materials"});
   const std::string path = beside(scene_file, json.at("obj").string());
   expect_file(json.at("obj"), path);
-  // "mtl" is the only word there is; without it the file's materials do not count.
+  // "mtl" is the only choice; without it the OBJ file's materials are ignored.
   if (const auto materials = json.find("materials")) {
     materials->choice({"mtl"});
     return {Mesh(), load_obj_parts(path), path};

@@ -49,8 +49,8 @@ bool scales_alike(const TransformCurve& transform) {
   });
 }
 
-/// Throws for what does not go together; makes emissive spheres turn not, since motion blur's straight lines
-/// between turned places would shrink them.
+/// Throws for combinations that are not supported. Removes the rotation of emissive spheres: motion blur is
+/// linear between transforms and would shrink a turning sphere.
 void check_fits(const JsonValue& json, Object& object, const SceneDescription& scene) {
   const Material& material = scene.materials[object.material];
   if (material.is_interface && object.emissive)
@@ -141,7 +141,7 @@ Scatter read_scatter(const JsonValue& json) {
   return scatter;
 }
 
-/// The object that stands before in the file under that name.
+/// The earlier object of that name.
 const Object& read_ground(const JsonValue& json, const SceneDescription& scene) {
   const std::string name = json.string();
   const auto found = std::ranges::find(scene.objects, name, &Object::name);

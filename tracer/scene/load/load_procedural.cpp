@@ -54,7 +54,7 @@ OceanDescription read_ocean(const JsonValue& json) {
                    "spread_deg", "trains", "seed", "gravity", "time_s"});
   OceanDescription ocean;
   ocean.size = json.at("size").number(kSmallest, kLargest);
-  // More turns than these, and float coordinates are coarse against the waves.
+  // Float coordinates are too coarse for waves shorter than these limits.
   ocean.wavelength = json.at("wavelength").number(1e-3 * ocean.size, ocean.size);
   ocean.shortest_wavelength = number_or(json, "shortest_wavelength", 1e-4 * ocean.size, ocean.wavelength,
                                         std::max(1e-4 * ocean.size, ocean.wavelength / 40.0));
@@ -75,7 +75,7 @@ BlobsDescription read_blobs(const JsonValue& json) {
   BlobsDescription blobs;
   blobs.count = integer_or(json, "count", 1, kMostBalls, blobs.count);
   blobs.extent = number_or(json, "extent", kSmallest, kLargest, blobs.extent);
-  // Radii and the blend in proportion: the field is marched in one float unit.
+  // Radii and blend are limited relative to the extent: the field is marched in float.
   blobs.radius = Curve<1>::Value{0.3 * blobs.extent};
   read_curve_into(blobs.radius, json, "radius", 1e-3 * blobs.extent, 1e3 * blobs.extent);
   blobs.variation = number_or(json, "variation", 0.0, 0.9, blobs.variation);

@@ -21,13 +21,13 @@ V3f to_v3f(const std::array<double, 3>& v);
 /// [r, g, b] or one number, each in [0, high].
 V3f read_color(const JsonValue& json, double high);
 
-/// The path as the scene file means it: relative to itself.
+/// A path in the scene file, which is relative to that file.
 std::string beside(const std::string& scene_file, const std::string& path);
 
 /// Throws at the value that names the file if it is not there.
 void expect_file(const JsonValue& json, const std::string& path);
 
-/// Numbers of what the file has given names.
+/// The numbers of things by their names in the file.
 using Names = std::map<std::string, std::uint32_t, std::less<>>;
 
 /// The number of what `json` names; `what` says in the message what was expected.

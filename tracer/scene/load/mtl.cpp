@@ -113,7 +113,7 @@ class Translator {
     return false;
   }
 
-  /// Where nothing is said of it, `otherwise`.
+  /// `otherwise` if the file gives none.
   float roughness(float otherwise) const {
     if (has("Pr")) return unit(mtl_.roughness);
     return has("Ns") ? std::sqrt(std::sqrt(2.0f / (std::max(0.0f, mtl_.shininess) + 2.0f))) : otherwise;

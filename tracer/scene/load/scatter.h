@@ -17,10 +17,9 @@ struct Scatter {
   double tilt_deg = 0.0;                            ///< leans by at most so much from the upright
 };
 
-/// The copies stand evenly spread (a low-discrepancy sequence), so that n of them look like the first n of
-/// more. Each one's own transform acts before the scatter's. With a `ground`, an object of a mesh, they are
-/// moved up or down onto its topmost point; those that miss it are left out. The object and the ground must
-/// stand still.
+/// The copies stand evenly spread (a low-discrepancy sequence), and so do the first n of more copies. Each
+/// one's own transform acts before the scatter's. With a `ground`, an object of a mesh, they are moved up or
+/// down onto its topmost point; those that miss it are left out. The object and the ground must stand still.
 std::vector<Object> scattered_copies(const Object& object, const Scatter& scatter,
                                      const SceneDescription& scene, const Object* ground);
 
