@@ -40,7 +40,7 @@ class Interiors {
   int count_ = 0;
 };
 
-/// Notes that light going in that direction crosses the object's surface.
+/// Updates `interiors` for light that crosses the object's surface in that direction.
 inline void cross_boundary(Interiors& interiors, const ObjectState& object, std::uint32_t number,
                            const V3f& dir_world, const Surface& surface) {
   if (object.interior == nullptr) return;

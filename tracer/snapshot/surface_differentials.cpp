@@ -12,7 +12,7 @@ namespace {
 /// uvs span an area if the sine between their edges exceeds this: 32-bit uvs resolve no less.
 constexpr double kLeastUvSine = 1e-6;
 
-/// What two edges of a triangle change, as change along the parameters.
+/// Turns changes along two edges of a triangle into changes along its parameters u and v.
 struct FromEdges {
   V2d duv1, duv2;
   double determinant;
@@ -59,7 +59,7 @@ SurfaceDifferentials surface_differentials(const Mesh& mesh, std::uint32_t trian
     result.dpdu = parameters.du(edge1, edge2);
     result.dpdv = parameters.dv(edge1, edge2);
   }
-  // Zero-length tangents would serve nobody either.
+  // Tangents of length 0 are of no use either.
   if (!(V3d(result.dpdu).cross(V3d(result.dpdv)).length() > 0.0) || !is_finite(result.dpdu) ||
       !is_finite(result.dpdv)) {
     const ShadingFrame frame = ShadingFrame::from_normal(geometric);
