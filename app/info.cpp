@@ -25,7 +25,8 @@
 #include "frame/io/additive_layers.h"
 #include "frame/io/exr.h"
 #include "frame/io/sequence.h"
-#include "tracer/scene/load.h"
+#include "tracer/describe_scene.h"
+#include "tracer/scene/load/load.h"
 
 namespace becalm::app {
 namespace {

@@ -29,7 +29,7 @@
 #include "frame/io/exr.h"
 #include "frame/io/sequence.h"
 #include "tracer/render.h"
-#include "tracer/scene/load.h"
+#include "tracer/scene/load/load.h"
 
 namespace becalm::app {
 namespace {

@@ -7,7 +7,7 @@
 #include "app/options.h"
 #include "frame/aov.h"
 #include "tracer/render.h"
-#include "tracer/scene/scene.h"
+#include "tracer/snapshot/scene.h"
 
 namespace becalm::app {
 

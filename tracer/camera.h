@@ -3,8 +3,8 @@
 #include <numbers>
 #include <optional>
 
-#include "tracer/intersect.h"
 #include "tracer/scene/transform.h"
+#include "tracer/snapshot/intersect.h"
 
 namespace becalm::tracer {
 

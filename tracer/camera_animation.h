@@ -1,7 +1,7 @@
 #pragma once
 
 #include "tracer/camera.h"
-#include "tracer/scene/scene.h"
+#include "tracer/scene/scene_description.h"
 
 namespace becalm::tracer {
 
@@ -20,7 +20,7 @@ class CameraAnimation {
         current_(at_frame(frame, 0.0f)),
         previous_(at_frame(frame - 1, 0.0f)) {}
 
-  /// When the shutter opens; all of it if the camera does not move meanwhile.
+  /// When the shutter opens, and all the time if the camera does not move.
   const Camera& current() const { return current_; }
   const Camera& previous() const { return previous_; }
 

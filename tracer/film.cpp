@@ -69,8 +69,8 @@ void SplitStatistics::write(Frame& frame, int x, int y) const {
 
 V3d PixelStatistics::variance_of_mean() const {
   const double n = sums_.count;
-  // One sample says nothing about its spread. Its square is the second moment's estimate and so at least the
-  // variance on average: too much noise is assumed rather than none.
+  // One sample has no spread. Its square estimates the second moment, which is at least the variance: the
+  // noise is overestimated instead of being 0.
   return sums_.count >= 2 ? sums_.squares / (n * (n - 1.0)) : sums_.mean * sums_.mean;
 }
 

@@ -8,11 +8,11 @@
 
 namespace becalm::tracer {
 
-/// Which of some numbers most samples gave: numbers cannot be averaged.
+/// The id that most samples gave: ids cannot be averaged.
 class MajorityVote {
  public:
   void add(std::uint32_t number);
-  /// Of equals the least; 0 without votes.
+  /// The least of those with the most votes; 0 without votes.
   std::uint32_t winner() const;
   void clear() { votes_.clear(); }
 

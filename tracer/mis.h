@@ -2,7 +2,7 @@
 
 #include <cassert>
 
-#include "tracer/scene/scene.h"
+#include "tracer/scene/scene_description.h"
 
 namespace becalm::tracer {
 

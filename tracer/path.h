@@ -1,8 +1,8 @@
 #pragma once
 
+#include "tracer/math/ray_differential.h"
 #include "tracer/mis.h"
 #include "tracer/path_trace.h"
-#include "tracer/ray_differential.h"
 #include "tracer/shading_vertex.h"
 
 // The estimator
@@ -10,8 +10,7 @@
 // Let x_0 be the eye, x_1, x_2, ... the vertices of a path, and L(x_k) the radiance that leaves x_k towards
 // x_{k-1}. Then
 //
-//   L(x_k) = Le(x_k) + int f_k(wi) |cos wi| L(x_{k+1}(wi)) dwi                                      over the
-//   unit sphere
+//   L(x_k) = Le(x_k) + int over the unit sphere of f_k(wi) |cos wi| L(x_{k+1}(wi)) dwi
 //
 // with x_{k+1}(wi) the first surface in direction wi, or the environment. The indirect part of the integral
 // is estimated by one direction wi from the material's density p_m (per solid angle): the throughput T_{k+1}
@@ -20,11 +19,11 @@
 // choice of the light), and the two are combined with weights that add up to 1 wherever both may be drawn
 // (Veach and Guibas 1995):
 //
-//   T_k f_k(w_l) |cos w_l| V(w_l) Le / p_l(w_l) * w_light(w_l)     +     T_{k+1} Le(x_{k+1}) *
-//   w_material(w_m)
+//   T_k f_k(w_l) |cos w_l| V(w_l) Le / p_l(w_l) * w_light(w_l)  +  T_{k+1} Le(x_{k+1}) * w_material(w_m)
 //
-//   w_light = h(p_l, p_m),  w_material = h(p_m, p_l),  h(a, b) = a^n / (a^n + b^n),  n = 2: power, 1:
-//   balance.
+//   w_light = h(p_l, p_m),  w_material = h(p_m, p_l),  h(a, b) = a^n / (a^n + b^n)
+//
+// with n = 2 for the power and n = 1 for the balance heuristic.
 //
 // A delta lobe has no density that lights could be drawn against: after it, and at x_1, where no light was
 // drawn, Le counts whole. `direct: light` and `direct: material` set one weight to 1 and the other to 0, so
@@ -71,7 +70,7 @@ class Path {
         draws_lights_(integrator_.direct != Direct::material && !snapshot_.lights().empty() &&
                       !context.guides_only) {
     if constexpr (F.blur) {
-      // Drawn whichever of them the scene has, so that the dimensions of what follows do not depend on it.
+      // Both are always drawn, so that the later dimensions do not depend on which of the two the scene has.
       time_ = sampler.next_1d();
       const V2f u_lens = sampler.next_2d();
       start(context.cameras.moves() ? context.cameras.current(time_) : context.cameras.current(), raster,
@@ -94,7 +93,7 @@ class Path {
   void start(const Camera& camera, const V2f& raster, const std::optional<V2f>& u_lens) {
     ray_ = u_lens ? camera.ray(raster, *u_lens) : camera.ray(raster);
     if constexpr (F.textures) {
-      // Those of the pinhole: what the lens adds, its samples average.
+      // The pinhole's: the samples themselves average over the lens.
       const V3f dir(camera.direction(raster));
       const RayDifferential pixel{.dpdx = V3f(0.0f),
                                   .dpdy = V3f(0.0f),
@@ -123,7 +122,7 @@ class Path {
   void gather_direct_light(const ObjectState& object, std::uint32_t number, const ShadingVertex& vertex,
                            float u_light, const V2f& u);
 
-  /// Each ray decides anew what it passes through.
+  /// Gives the next ray its own opacity decisions.
   void next_ray_seed() { ray_.seed += kRaySeedStep; }
 
   std::optional<Hit> closest(const Ray& ray) const {
@@ -155,7 +154,7 @@ class Path {
     if (context_.split != nullptr) context_.split->add(radiance, scatterings, group);
   }
 
-  /// Weight of light that the ray ran into by itself, when light sampling finds it with that density.
+  /// Weight of light that the ray hit, where light sampling finds it with density light_pdf().
   template <class LightPdf>
   float weight(const LightPdf& light_pdf) const {
     if (material_pdf_ == 0.0f || integrator_.direct == Direct::material) return 1.0f;

@@ -55,8 +55,7 @@ void Path<F>::gather_direct_light_in_medium(const V3f& position, float g, float 
          light->group);
 }
 
-/// What the shadow ray's media let pass, from those that it starts in; nothing if it meets more than
-/// interfaces.
+/// Transmittance along the shadow ray, which starts inside `interiors`; 0 if it hits anything but interfaces.
 template <Features F>
 V3f Path<F>::transmission(Ray shadow, Interiors interiors) {
   MediumRandom random(sampler_.next_2d());

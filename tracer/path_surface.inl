@@ -18,8 +18,8 @@ void Path<F>::gather_emission(const ObjectState& object, const Hit& hit, const S
   gather(throughput_ * radiance * mis, scatterings_, object.light_group);
 }
 
-/// The BSDF at the hit: the material's own, or, where it varies, that in `local`. The surface's normal
-/// becomes that of its relief.
+/// The BSDF at the hit: the material's ready one, or, where the material varies, one evaluated into `local`.
+/// Bump and normal maps replace the surface's shading normal.
 template <Features F>
 const Bsdf& Path<F>::shade(const ObjectState& object, const Hit& hit, Surface& surface, float u_mix,
                            std::optional<Bsdf>& local, V3f& tangent) {

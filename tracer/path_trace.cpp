@@ -17,8 +17,8 @@ V3f emitted(const ObjectState& object, const Surface& surface, const V3f& ray_di
   return object.two_sided || ray_dir.dot(surface.normal_geometric) < 0.0f ? object.emission : V3f(0.0f);
 }
 
-/// Of a point that appears there now and appeared there in the previous frame. What was behind the previous
-/// camera has no place to come from and counts as unmoved.
+/// Offset from a point's raster position to its previous one. A point that was behind the previous camera has
+/// none and counts as unmoved.
 V2f motion(const std::optional<V2d>& current, const std::optional<V2d>& previous) {
   return current && previous ? V2f(*previous - *current) : V2f(0.0f);
 }
@@ -81,7 +81,7 @@ void Path<F>::escape() {
   }
 }
 
-/// What the eye sees first, so far along the ray.
+/// Records what the camera's ray meets first, at `distance` along it.
 template <Features F>
 void Path<F>::see_primary(std::uint32_t object, float distance, const PointMotion& point) {
   result_.covered = true;
@@ -100,7 +100,7 @@ bool Path<F>::survives_roulette(float u) {
   ++depth_;
   travelled_ = 0.0f;
   next_ray_seed();
-  // A path that may still meet the surface of albedo and normal must get there.
+  // Paths are kept until they reach the surface that gives albedo and normal.
   if (depth_ < integrator_.roulette_depth || scatterings_ == 0) return true;
   const float survival = std::min(1.0f, max_component(throughput_) / radiance_scale_);
   if (u >= survival) return false;
@@ -119,8 +119,8 @@ V3f Path<F>::visibility(const V3f& from, const V3f& position, const LightSample&
   shadow.t_max = kInfinity;
   if (light.distance < kInfinity) {
     shadow.dir = position + light.dir_world * light.distance - from;
-    // A point that is on no surface is not hit. Elsewhere the ray ends short of the light, by rounding errors
-    // of the light's coordinates and its own.
+    // Points and spots have no surface to hit. For other lights the ray ends short of the light by the
+    // rounding errors of both ends.
     const float size = std::max(light.extent, largest_coordinate(from));
     shadow.t_max = light.delta ? 1.0f : 1.0f - kShadowShortening - size * 0x1p-18f / light.distance;
   }
@@ -147,7 +147,7 @@ constexpr PathVariant variant(const char* name) {
   return {name, F.surfaces, F.textures, F.media, F.blur, F.guides, &trace_path<F>};
 }
 
-// A ladder and not all combinations: README.md has what each rung costs where it is not needed.
+// A ladder and not all combinations: a rung that is not needed costs 0 to 12%.
 template <bool kGuides>
 constexpr std::array kVariants = {
     variant<Features{false, false, false, false, kGuides}>("diffuse"),

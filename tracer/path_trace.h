@@ -4,10 +4,11 @@
 #include <vector>
 
 #include "tracer/camera_animation.h"
-#include "tracer/interiors.h"
 #include "tracer/radiance_split.h"
 #include "tracer/sampling/sampler.h"
-#include "tracer/snapshot.h"
+#include "tracer/scene/scene_needs.h"
+#include "tracer/snapshot/interiors.h"
+#include "tracer/snapshot/snapshot.h"
 
 namespace becalm::tracer {
 
@@ -64,7 +65,7 @@ struct PathContext {
 /// Estimates the radiance that arrives at that raster position.
 using PathFunction = PathSample (*)(const PathContext& context, const V2f& raster, Sampler& sampler);
 
-/// The integrator compiled for some of what scenes need.
+/// The integrator compiled with some of its features.
 struct PathVariant {
   const char* name;
   bool surfaces;  ///< materials other than plain diffuse ones

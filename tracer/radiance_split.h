@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "tracer/vec.h"
+#include "tracer/math/vec.h"
 
 namespace becalm::tracer {
 

@@ -69,8 +69,8 @@ struct FrameSetup {
     return trace(context, raster, sampler);
   }
 
-  /// Where in the pixel filter the sample falls, in [0,1)^2: anywhere, or where the jitter puts all pixels'
-  /// samples of this number.
+  /// Position in the pixel filter, in [0,1)^2: the sampler's, or with jitter the one that all pixels share
+  /// for this sample number.
   V2f filter_point(Sampler& sampler, std::uint32_t index) const {
     const V2f u = sampler.next_2d();
     const Jitter& jitter = description.film.jitter;

@@ -10,7 +10,7 @@
 
 #include "frame/frame.h"
 #include "tracer/path_trace.h"
-#include "tracer/scene/scene.h"
+#include "tracer/snapshot/scene.h"
 
 namespace becalm::tracer {
 

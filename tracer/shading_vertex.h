@@ -1,8 +1,8 @@
 #pragma once
 
 #include "tracer/materials/bsdf.h"
-#include "tracer/materials/shading_frame.h"
-#include "tracer/surface.h"
+#include "tracer/math/shading_frame.h"
+#include "tracer/snapshot/surface.h"
 
 namespace becalm::tracer {
 

@@ -5,8 +5,8 @@
 
 #include "frame/error.h"
 #include "tests/fuzz/fuzz_folder.h"
-#include "tracer/scene/mtl.h"
-#include "tracer/scene/obj.h"
+#include "tracer/scene/load/mtl.h"
+#include "tracer/scene/load/obj.h"
 
 namespace {
 

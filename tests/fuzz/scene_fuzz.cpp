@@ -10,7 +10,7 @@
 #include "frame/error.h"
 #include "tests/fuzz/fuzz_folder.h"
 #include "tracer/render.h"
-#include "tracer/scene/load.h"
+#include "tracer/scene/load/load.h"
 
 namespace {
 

@@ -5,7 +5,7 @@
 
 #include "tests/tracer/estimates.h"
 #include "tests/tracer/shading/statistics.h"
-#include "tracer/unit_sphere.h"
+#include "tracer/math/unit_sphere.h"
 
 namespace becalm::tracer::test {
 namespace {

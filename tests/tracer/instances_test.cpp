@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "tests/tracer/test_scenes.h"
-#include "tracer/scene/scatter.h"
-#include "tracer/snapshot.h"
+#include "tracer/scene/load/scatter.h"
+#include "tracer/snapshot/snapshot.h"
 
 namespace becalm::tracer::test {
 namespace {

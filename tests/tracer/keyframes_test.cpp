@@ -1,4 +1,4 @@
-#include "tracer/scene/keyframes.h"
+#include "tracer/math/keyframes.h"
 
 #include <gtest/gtest.h>
 

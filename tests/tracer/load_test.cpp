@@ -1,4 +1,4 @@
-#include "tracer/scene/load.h"
+#include "tracer/scene/load/load.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -7,6 +7,7 @@
 
 #include "frame/error.h"
 #include "tests/tracer/test_scenes.h"
+#include "tracer/describe_scene.h"
 
 namespace becalm::tracer::test {
 namespace {

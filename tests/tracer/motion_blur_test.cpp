@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "tests/tracer/estimates.h"
-#include "tracer/snapshot.h"
+#include "tracer/snapshot/snapshot.h"
 
 namespace becalm::tracer::test {
 namespace {

@@ -1,5 +1,5 @@
 // Wavefront materials, and meshes by material.
-#include "tracer/scene/mtl.h"
+#include "tracer/scene/load/mtl.h"
 
 #include <gtest/gtest.h>
 

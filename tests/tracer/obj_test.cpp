@@ -1,5 +1,6 @@
-#include "tracer/scene/obj.h"
+#include "tracer/scene/load/obj.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "frame/error.h"
@@ -45,6 +46,24 @@ TEST(Obj, CutsConcavePolygonsInside) {
   EXPECT_NEAR(area, 3.0, 1e-6);
 }
 
+TEST(Obj, CutsPolygonsIntoTwoTrianglesFewerThanTheyHaveCorners) {
+  // A comb whose tines are corners on one line, then a polygon of no area.
+  const Mesh comb = load_obj(write_file("m.obj",
+                                        "v 0 0 0\nv 5 0 0\nv 5 2 0\nv 4 2 0\nv 4 1 0\nv 3 1 0\nv 3 2 0\n"
+                                        "v 2 2 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\n"
+                                        "f 1 2 3 4 5 6 7 8 9 10 11 12\n"));
+  ASSERT_EQ(comb.triangles.size(), 10u);
+  double area = 0.0;
+  for (const auto& t : comb.triangles) {
+    const V3f& a = comb.positions[t[0]];
+    const float z = (comb.positions[t[1]] - a).cross(comb.positions[t[2]] - a).z;
+    EXPECT_GE(z, 0.0f);
+    area += 0.5 * z;
+  }
+  EXPECT_NEAR(area, 8.0, 1e-6);
+  EXPECT_EQ(load_obj(write_file("m.obj", kCorners + "f 1 2 1 2 1\n")).triangles.size(), 3u);
+}
+
 TEST(Obj, SplitsVerticesWhereNormalsOrUvsDiffer) {
   const Mesh mesh = load_obj(write_file(
       "m.obj",
@@ -63,6 +82,40 @@ TEST(Obj, CountsBackwardFromNegativeIndicesAndAcceptsWindowsLines) {
   EXPECT_EQ(mesh.positions[mesh.triangles[0][2]], V3f(1, 1, 1));
 }
 
+TEST(Obj, AcceptsLinesThatEndInACarriageReturn) {
+  const Mesh mesh = load_obj(write_file("m.obj", "v 0 0 0\rv 1 0 0\rv 1 1 0\r\rf 1 2 3\r"));
+  EXPECT_EQ(mesh.triangles.size(), 1u);
+  EXPECT_EQ(obj_error("v 0 0 0\rv 1 0\r"), "m.obj: line 2: 'v' needs 3 finite numbers, found ''");
+}
+
+/// Separate triangles, more than a megabyte of them: the file is read in several blocks.
+std::string long_obj(int count) {
+  std::string text;
+  for (int i = 0; i < count; ++i) {
+    text += fmt::format("v {0} 0 0\nv {0} 1 0\nv {0} 0 1\n", i);
+    text += i % 2 == 0 ? "f -3 -2 -1\n" : fmt::format("f {} {} {}\n", 3 * i + 1, 3 * i + 2, 3 * i + 3);
+  }
+  return text;
+}
+
+TEST(Obj, CountsLinesFacesAndElementsThroughAllBlocks) {
+  constexpr int count = 40000;
+  const std::string text = long_obj(count);
+  ASSERT_GT(text.size(), 1u << 20);
+  const Mesh mesh = load_obj(write_file("m.obj", text));
+  ASSERT_EQ(mesh.triangles.size(), static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) {
+    const auto corner = static_cast<std::uint32_t>(3 * i);
+    ASSERT_EQ(mesh.triangles[i], (std::array{corner, corner + 1, corner + 2}));
+    ASSERT_EQ(mesh.positions[corner + 1], V3f(static_cast<float>(i), 1, 0));
+  }
+  EXPECT_EQ(obj_error(text + "v 0 x 0\nv y 0 0\n"),
+            "m.obj: line 160001: 'v' needs 3 finite numbers, found 'x'");
+  EXPECT_EQ(obj_error(text + "f 1 2 0\n"), "m.obj: line 160001: 'f' needs indices other than 0, found '0'");
+  EXPECT_EQ(obj_error(text + "f 1 2\nf 1 2 120001\n"),
+            "m.obj: face 40001: vertex index 120001 is outside the file's 120000");
+}
+
 TEST(Obj, NamesTheFaceOfABadIndex) {
   EXPECT_EQ(obj_error(kCorners + "f 1 2 3\nf 1 2 9\n"),
             "m.obj: face 2: vertex index 9 is outside the file's 4");
@@ -71,7 +124,11 @@ TEST(Obj, NamesTheFaceOfABadIndex) {
             "m.obj: face 1: normal index 3 is outside the file's 0");
   EXPECT_EQ(obj_error(kCorners + "f 1/7 2/7 3/7\n"), "m.obj: face 1: uv index 7 is outside the file's 0");
   EXPECT_EQ(obj_error(kCorners + "f 1 2 -9\n"), "m.obj: face 1: vertex index -4 is outside the file's 4");
-  EXPECT_NE(obj_error(kCorners + "f 0 1 2\n"), "");
+  EXPECT_EQ(obj_error(kCorners + "f 0 1 2\n"), "m.obj: line 5: 'f' needs indices other than 0, found '0'");
+  EXPECT_EQ(obj_error(kCorners + "f 1 2 3 # x\n"),
+            "m.obj: line 5: 'f' needs indices other than 0, found '#'");
+  EXPECT_EQ(obj_error(kCorners + "f 1/1/1/1 2 3\n"),
+            "m.obj: line 5: 'f' needs indices other than 0, found '1/1/1/1'");
 }
 
 TEST(Obj, NamesTheLineOfABadCoordinate) {

@@ -1,5 +1,5 @@
 // Ray differentials against finite differences of traced rays, surface differentials against moved points.
-#include "tracer/ray_differential.h"
+#include "tracer/math/ray_differential.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <limits>
 #include <optional>
 
-#include "tracer/surface_differentials.h"
+#include "tracer/snapshot/surface_differentials.h"
 
 namespace becalm::tracer {
 namespace {

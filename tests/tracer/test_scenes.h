@@ -3,7 +3,7 @@
 #include <string>
 
 #include "tracer/render.h"
-#include "tracer/scene/load.h"
+#include "tracer/scene/load/load.h"
 
 namespace becalm::tracer::test {
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "frame/error.h"
+#include "tracer/math/picture_lookup.h"
 #include "tracer/sampling/discrete_distribution.h"
 
 namespace becalm::tracer {
@@ -51,8 +52,9 @@ struct Environment::Map {
   double build_tables();
 };
 
-/// Gives the whole radiance. A texel weighs what bilinear reading gives on average over it, (1 6 1)/8 in x
-/// and y, so that every direction of positive radiance can be drawn; rows weigh by their solid angle besides.
+/// Returns the radiance integrated over all directions. A texel weighs what bilinear reading gives on average
+/// over it, (1 6 1)/8 in x and y, so that every direction of positive radiance can be drawn; rows weigh by
+/// their solid angle besides.
 double Environment::Map::build_tables() {
   const int width = texels.width();
   const int height = texels.height();
@@ -134,17 +136,9 @@ V3f Environment::radiance(const V3f& dir_world) const {
 
 V3f Environment::radiance_at(const V2f& image_position) const {
   const Image& texels = map_->texels;
-  const V2f position = image_position - V2f(0.5f);
-  const float floor_x = std::floor(position.x);
-  const float floor_y = std::floor(position.y);
-  const int x0 = wrapped(static_cast<int>(floor_x), texels.width());
-  const int x1 = wrapped(x0 + 1, texels.width());
-  const int y0 = std::clamp(static_cast<int>(floor_y), 0, texels.height() - 1);
-  const int y1 = std::clamp(static_cast<int>(floor_y) + 1, 0, texels.height() - 1);
-  const float tx = position.x - floor_x;
-  const float ty = position.y - floor_y;
-  return (rgb(texels, x0, y0) * (1.0f - tx) + rgb(texels, x1, y0) * tx) * (1.0f - ty) +
-         (rgb(texels, x0, y1) * (1.0f - tx) + rgb(texels, x1, y1) * tx) * ty;
+  const auto [r, g, b] =
+      bilinear<3, PictureRows::hold>(texels.data().data(), texels.width(), texels.height(), image_position);
+  return {r, g, b};
 }
 
 std::optional<Environment::Sample> Environment::sample(const V2f& u) const {

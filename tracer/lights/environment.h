@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "frame/image.h"
-#include "tracer/vec.h"
+#include "tracer/math/vec.h"
 
 namespace becalm::tracer {
 

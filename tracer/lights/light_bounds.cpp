@@ -16,7 +16,7 @@ DirectionBounds unite(const DirectionBounds& a, const DirectionBounds& b) {
   const double angle = 0.5 * (a.angle_rad + between + b.angle_rad);
   const V3d turn_axis = cross.normalized();
   if (angle >= pi || turn_axis == V3d(0.0)) return {a.axis, pi};
-  // Turned about what is at a right angle to it.
+  // Rotates a.axis about turn_axis, which is perpendicular to it.
   const double turn = angle - a.angle_rad;
   return {a.axis * std::cos(turn) + turn_axis.cross(a.axis) * std::sin(turn), angle};
 }

@@ -2,11 +2,11 @@
 
 #include <cstdint>
 
-#include "tracer/vec.h"
+#include "tracer/math/vec.h"
 
 namespace becalm::tracer {
 
-/// A direction in which light was looked for. A delta light (a point, a spot, a sun without size) has no
+/// A direction drawn towards a light. A delta light (a point, a spot, a sun without size) has no
 /// density that a ray could be drawn against: its sample must not be weighed against other samplers.
 struct LightSample {
   V3f dir_world;   ///< unit, from the shaded point to the light
@@ -18,8 +18,7 @@ struct LightSample {
   float pdf_solid_angle;
   std::uint16_t group;
   bool delta;
-  float extent =
-      0.0f;  ///< largest coordinate of the emitter's surface: the measure of where it is off by rounding
+  float extent = 0.0f;  ///< largest coordinate of the emitter's surface: its rounding errors grow with it
 };
 
 /// Mean of the channels, the measure of light for choices among lights.

@@ -15,7 +15,7 @@ constexpr int kDeepestUneven = 31;
 constexpr int kBuckets = 12;
 /// Clusters of no more than this are halved: the best cut is not worth the search.
 constexpr std::size_t kSmallestBinned = 5;
-/// What is dark by less than this in the cosine may be so by rounding of the bounds.
+/// A cluster counts as dark only beyond this margin in the cosine, since its bounds are rounded.
 constexpr float kCosineTolerance = 1e-3f;
 /// Least cosine that the importance counts: at grazing angles bounds say little.
 constexpr float kLeastCosine = 0.05f;

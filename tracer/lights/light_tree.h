@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "tracer/lights/light_bounds.h"
-#include "tracer/vec.h"
+#include "tracer/math/vec.h"
 
 namespace becalm::tracer {
 
@@ -34,7 +34,7 @@ class LightTree {
   /// probability leaves the range of float.
   std::optional<Choice> sample(const V3f& point, float u) const;
 
-  /// With which sample() chooses that emitter, exactly.
+  /// The probability with which sample() chooses that emitter, bit for bit.
   float probability(std::size_t index, const V3f& point) const;
 
  private:
@@ -54,7 +54,7 @@ class LightTree {
   };
   class Builder;
 
-  /// Part of the first child; nothing where neither can shine on the point.
+  /// Probability of the first child; nothing where neither can shine on the point.
   std::optional<double> first_share(std::size_t node, const V3d& point) const;
 
   std::vector<Node> nodes_;  ///< depth first

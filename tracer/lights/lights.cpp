@@ -120,7 +120,7 @@ std::vector<double> Lights::finite_powers() const {
     add(moving(i) ? triangle_motion_[i] : MotionKeys{},
         [&](float time) { return (moving(i) ? triangle_at(i, time) : triangles_[i]).power(); });
   }
-  // What power does not depend on may be broken all the same.
+  // The power does not tell whether the position is finite.
   const auto if_finite = [](double power, const V3f& place) { return is_finite(place) ? power : 0.0; };
   for (const EmissiveSphere& sphere : spheres_) {
     add(sphere.motion, [&](float time) {
@@ -140,7 +140,7 @@ std::vector<double> Lights::finite_powers() const {
   return powers;
 }
 
-/// What moves may face anywhere while it does.
+/// The bounds of moving emitters face everywhere.
 std::vector<LightBounds> Lights::finite_bounds(std::span<const double> powers) const {
   std::vector<LightBounds> all(powers.size());
   // Linear motion stays in the box of its keys.

@@ -15,8 +15,8 @@
 #include "tracer/lights/sphere_light.h"
 #include "tracer/lights/spot_light.h"
 #include "tracer/lights/sun_light.h"
+#include "tracer/math/vec.h"
 #include "tracer/sampling/discrete_distribution.h"
-#include "tracer/vec.h"
 
 namespace becalm::tracer {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "tracer/vec.h"
+#include "tracer/math/vec.h"
 
 namespace becalm::tracer {
 

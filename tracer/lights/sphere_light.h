@@ -9,7 +9,7 @@
 #include "tracer/lights/cone.h"
 #include "tracer/lights/light_sample.h"
 #include "tracer/lights/motion_keys.h"
-#include "tracer/vec.h"
+#include "tracer/math/vec.h"
 
 namespace becalm::tracer {
 

@@ -7,7 +7,7 @@
 
 #include "tracer/lights/cone.h"
 #include "tracer/lights/light_sample.h"
-#include "tracer/vec.h"
+#include "tracer/math/vec.h"
 
 namespace becalm::tracer {
 

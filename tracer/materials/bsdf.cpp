@@ -71,7 +71,7 @@ void widen_model(DielectricBsdf& bsdf, float slope_variance) {
   widen_alpha(bsdf.alpha, slope_variance);
 }
 void widen_model(PrincipledBsdf& bsdf, float slope_variance) {
-  // What is scattered more than once stays that of the narrower lobe: the little that is missing is lost.
+  // Multiple scattering stays that of the narrower lobe; the small difference is lost.
   widen_alpha(bsdf.alpha, slope_variance);
   bsdf.alpha = std::min(bsdf.alpha, bsdf.aspect);  // so that neither width exceeds 1
   widen_alpha(bsdf.coat_alpha, slope_variance);

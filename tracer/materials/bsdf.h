@@ -3,7 +3,7 @@
 #include <optional>
 #include <variant>
 
-#include "tracer/vec.h"
+#include "tracer/math/vec.h"
 
 namespace becalm::tracer {
 
@@ -53,7 +53,7 @@ struct PrincipledBsdf {
   float coat_alpha;
 };
 
-/// A new model is one .inl, one entry here and one case of the scene loader.
+/// A new model is one .inl and one entry here; ../README.md has the rest of the way.
 using Bsdf = std::variant<DiffuseBsdf, ConductorBsdf, DielectricBsdf, PrincipledBsdf>;
 
 /// Lobes narrower than this many radians are handled as delta functions: 32-bit directions could not resolve

@@ -20,7 +20,7 @@ inline float fresnel_dielectric(float cos_o, float eta_ratio, float* cos_t = nul
   return std::min(1.0f, 0.5f * (parallel * parallel + perpendicular * perpendicular));
 }
 
-/// What is above counts as this: such a metal reflects 99.96% at normal incidence.
+/// Larger indices are clamped to this: such a metal reflects 99.96% at normal incidence.
 inline constexpr double kLargestIndex = 1e4;
 
 /// Share of unpolarised light that a metal with index of refraction eta + i k reflects in air, in [0,1];

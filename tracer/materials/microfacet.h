@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tracer/vec.h"
+#include "tracer/math/vec.h"
 
 namespace becalm::tracer {
 

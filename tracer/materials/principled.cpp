@@ -29,7 +29,7 @@ PrincipledBsdf make_principled(const PrincipledParameters& parameters) {
   bsdf.base_color = {unit(color.x), unit(color.y), unit(color.z)};
   bsdf.metal = unit(parameters.metallic);
   bsdf.glass = (1.0f - bsdf.metal) * unit(parameters.transmission);
-  // Beyond these, which reflect 99.9%, 32-bit numbers lose the rest.
+  // Indices beyond these reflect more than 99.9%, and float does not resolve the rest.
   const float ior = parameters.ior;
   bsdf.eta = ior > 0.0f && std::isfinite(ior) ? std::clamp(ior, 1e-3f, 1e3f) : 1.0f;
   const float ratio = (bsdf.eta - 1.0f) / (bsdf.eta + 1.0f);
@@ -55,8 +55,8 @@ PrincipledBsdf make_principled(const PrincipledParameters& parameters) {
   const float f90 = f90_of(bsdf.f0);
   const float dielectric = 1.0f - bsdf.metal - bsdf.glass;
   const float lost = std::max(0.0f, 1.0f - mean);
-  // Smooth surfaces lose light at grazing angles alone, where few samples look for what is given back: its
-  // weight would be large. So less is given back where little is lost on average.
+  // Smooth surfaces lose light at grazing angles alone. The cosine lobe that gives it back is rarely sampled
+  // there, with large weights; so less is given back where little is lost on average.
   constexpr float least_lost = 0.01f;
   bsdf.multiple_f0 = multiple_scattering(bsdf.f0, f90, mean) * std::min(1.0f, lost / least_lost);
   for (int c = 0; c < 3; ++c) {

@@ -30,7 +30,8 @@ struct PrincipledAlbedo {
   float sheen;         ///< in its strongest channel
   float coat;
 
-  /// Of light on a microsurface that absorbs nothing. Rounding errors are no loss.
+  /// Share of light that one scattering loses on a microsurface that absorbs nothing. Rounding errors count
+  /// as 0.
   float lost() const {
     const float lost = 1.0f - specular.f0 - specular.f90;
     return lost > 1e-6f ? lost : 0.0f;

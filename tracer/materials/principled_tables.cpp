@@ -20,7 +20,7 @@ V2f lattice_point(int i) {
 }
 
 /// Added to the albedos: more than the largest errors of interpolation, so that no material returns more
-/// light than it receives. Costs as much of the light that metals would return.
+/// light than it receives. Metals lose as much of the light that they should return.
 constexpr float kMargin = 0.003f;
 
 float fifth_power(float v) {

@@ -17,14 +17,13 @@ constexpr float kBaseHeight = 0.08f;
 constexpr float kBaseSolid = 0.14f;
 /// Share of the box's height above which clouds are thinned out, so that the highest are not cut off.
 constexpr float kTopFade = 0.8f;
-/// What the threshold gains from the base to the box's top.
+/// Rise of the threshold from the base to the box's top.
 constexpr float kTopThreshold = 1.6f;
-/// What the threshold gains towards the border. Together with the factor min(1, kRimSlope * rim), which takes
-/// away what is left there.
+/// Rise of the threshold towards the border. The factor min(1, kRimSlope * rim) removes what is left there.
 constexpr float kRimThreshold = 1.0f;
 constexpr float kRimSlope = 4.0f;
-/// Weight of the first octave, and its frequency along y beside the given one: slower, so that clouds stand
-/// on their base and few fly off.
+/// Weight of the first octave, and the factor of its frequency along y: lower, so that clouds rest on their
+/// base and few float free.
 constexpr float kFieldWeight = 1.5f;
 constexpr double kFieldStretch = 0.75;
 /// The field's bias at coverage 0 and 1.

@@ -3,8 +3,8 @@
 #include <array>
 #include <cstdint>
 
+#include "tracer/math/vec.h"
 #include "tracer/media/density_grid.h"
-#include "tracer/vec.h"
 
 namespace becalm::tracer {
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "tracer/vec.h"
+#include "tracer/math/vec.h"
 
 namespace becalm::tracer {
 
@@ -92,7 +92,7 @@ void visit_blocks(const DensityGrid& grid, const GridSpan& span, const Visit& vi
   float origin[3], dir_inverse[3], t_face[3];
   int block[3], step[3], end[3], face[3];
   for (int a = 0; a < 3; ++a) {
-    // Along what is parallel but for rounding there are no faces.
+    // A ray that is parallel to faces, but for rounding, crosses none of them.
     const bool parallel = std::abs(span.dir[a]) < 1e-30f;
     step[a] = span.dir[a] < 0.0f ? -1 : 1;
     end[a] = step[a] < 0 ? -1 : grid.blocks()[a];

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "tracer/vec.h"
+#include "tracer/math/vec.h"
 
 namespace becalm::tracer {
 
@@ -27,9 +27,8 @@ inline constexpr std::array<std::array<float, 4>, 32> kNoiseGradients = [] {
 }();
 
 /// Gradient noise in four dimensions: C2, 0 at lattice points, within [-1,1] up to a few percent and mostly
-/// within
-/// +-0.6. A pure function of point and seed, by integer hashing alone. Coordinates up to 2^52 in size.
-/// Source: Perlin, "Improving noise", 2002, with the gradients of four dimensions.
+/// within 0.6 of 0. A pure function of point and seed, by integer hashing alone. Coordinates up to 2^52 in
+/// size. Source: Perlin, "Improving noise", 2002, with the gradients of four dimensions.
 inline float gradient_noise(const NoisePoint& p, std::uint32_t seed) {
   constexpr std::array<std::uint32_t, 4> primes = {0x9e3779b1u, 0x85ebca77u, 0xc2b2ae3du, 0x27d4eb2fu};
   std::uint32_t hash[4][2];

@@ -1,10 +1,10 @@
 #pragma once
 
+#include "tracer/math/vec.h"
 #include "tracer/media/cloud_shape.h"
 #include "tracer/media/density_grid.h"
 #include "tracer/media/medium_random.h"
 #include "tracer/media/medium_sample.h"
-#include "tracer/vec.h"
 
 namespace becalm::tracer {
 

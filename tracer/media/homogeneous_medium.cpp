@@ -24,7 +24,7 @@ int choose_channel(const V3f& probabilities, float u) {
 V3f transmittance(const HomogeneousMedium& medium, float distance) {
   V3f result;
   for (int c = 0; c < 3; ++c) {
-    // 0 times an infinite distance is no number.
+    // 0 times an infinite distance would be NaN.
     result[c] = medium.extinction[c] == 0.0f ? 1.0f : std::exp(-medium.extinction[c] * distance);
   }
   return result;

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "tracer/math/vec.h"
 #include "tracer/media/medium_random.h"
 #include "tracer/media/medium_sample.h"
-#include "tracer/vec.h"
 
 namespace becalm::tracer {
 

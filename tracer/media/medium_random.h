@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "tracer/math/vec.h"
 #include "tracer/sampling/sobol.h"
-#include "tracer/vec.h"
 
 namespace becalm::tracer {
 

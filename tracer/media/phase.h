@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "tracer/materials/shading_frame.h"
-#include "tracer/vec.h"
+#include "tracer/math/shading_frame.h"
+#include "tracer/math/vec.h"
 
 // The phase function of Henyey and Greenstein ("Diffuse radiation in the galaxy", 1941) with mean cosine g in
 // (-1,1): the density per solid angle of the direction wi in which light is scattered on,

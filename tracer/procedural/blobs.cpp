@@ -67,8 +67,8 @@ bool Blobs::update(const BlobsDescription& description, double frame) {
   return true;
 }
 
-/// Where a plane across an axis is so far out that even a point of it beside all balls would have f > 0.
-/// Balls are no nearer to any point of the plane than the plane is to their centres.
+/// For each side of the box the nearest plane beyond which f > 0 for certain, by bisection: no point of a
+/// plane is nearer to a centre than the plane is.
 Imath::Box3f Blobs::make_bounds() const {
   Imath::Box3f box;
   const float* centres[3] = {balls_.x, balls_.y, balls_.z};
@@ -121,7 +121,7 @@ Blobs::Field Blobs::field(const V3f& p) const {
       const int i = n + lane;
       const float x = p.x - balls_.x[i], y = p.y - balls_.y[i], z = p.z - balls_.z[i];
       const float from_centre = std::sqrt(x * x + y * y + z * z);
-      // At a centre any direction is as good as another: none.
+      // At a centre, which has no direction, the result is 0.
       const float per_length = 1.0f / std::max(from_centre, 1e-12f);
       to_x[i] = x * per_length;
       to_y[i] = y * per_length;
@@ -190,7 +190,8 @@ ProceduralPoint Blobs::point(const V3f& p, float) const {
     q -= f.value / std::max(f.gradient.dot(f.gradient), 1e-4f) * f.gradient;
     f = field(q);
   }
-  // In a crease the gradient is short, and a ray must start further away for the field to tell.
+  // In a crease the gradient is short, and a ray must start further away for the field to exceed the
+  // tolerance.
   const float steepness = f.gradient.length();
   const V3f normal = steepness > 0.0f ? f.gradient / steepness : V3f(0.0f, 1.0f, 0.0f);
   const float error = 8.0f * kTolerance / std::max(steepness, 0.05f);

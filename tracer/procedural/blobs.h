@@ -9,8 +9,8 @@
 
 namespace becalm::tracer {
 
-/// Balls whose sums are made side by side; `count` is a multiple of kBallLanes, and what fills it up is too
-/// far away to matter.
+/// Balls are summed in lanes: `count` is a multiple of kBallLanes, filled up with balls too far away to
+/// matter.
 inline constexpr int kBallLanes = 8;
 
 /// Balls in units of a sphere that holds them all.

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <variant>
 
-#include "tracer/scene/keyframes.h"
+#include "tracer/math/keyframes.h"
 
 // What a scene file says of procedural surfaces. All stand in object space, y up, around the origin.
 

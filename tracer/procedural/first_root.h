@@ -35,17 +35,17 @@ inline float first_root_of_parabola(float value, float slope, float curvature) {
 /// the first root.
 inline float safe_step(const Ahead& ahead) {
   const float sure = first_root_of_parabola(ahead.value, ahead.slope, ahead.curvature);
-  // Up to a reach, the cubic is above the parabola that bends by the most it does there.
+  // Up to `reach` the cubic lies above the parabola that has the cubic's largest curvature there.
   const float reach = 3.0f * sure;
   const float curvature = ahead.third * reach * (1.0f / 3.0f) - ahead.second;
   if (!(curvature < ahead.curvature)) return sure;
   return std::min(reach, first_root_of_parabola(ahead.value, ahead.slope, curvature));
 }
 
-/// Moves t, which is less than t1, to the first place from there on at which the field along a ray is on the
-/// other side or within `tolerance` of it, and returns true; or to one not before t1 up to which there is
-/// none, and returns false. `look(t, side)` says what is Ahead, and which side it is if that is not known; a
-/// value within the tolerance must be the field's own and no lower bound of it.
+/// Advances t, which is less than t1, along a ray. Returns true at the first t where the field changes its
+/// side or is within `tolerance` of 0, and false at a t of t1 or more before which there is none. `look(t,
+/// side)` returns what is Ahead, and sets the side if it is unknown; a value within the tolerance must be the
+/// field's own and no lower bound.
 template <class Look>
 bool march(const Look& look, float& t, float t1, float tolerance, Side& side) {
   while (t < t1) {

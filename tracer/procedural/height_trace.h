@@ -15,8 +15,9 @@ inline float height_tolerance(float highest) {
   return 0x1p-21f * std::max(1.0f, highest);
 }
 
-/// The first crossing of a height field over the unit square (x, z in [0,1]), whose heights are `scale`
-/// XX
+/// The t of the first crossing of a height field over the unit square (x, z in [0,1]), whose heights are
+/// `scale` times the pyramid's. `leaf(i, j, t, t_exit, side)` looks for it in a cell of level 0 between t and
+/// t_exit: it moves t there and returns true, or returns false.
 ///
 /// Walks the cells along the ray and goes up a level at each parent's border, as Tevs, Ihrke and Seidel,
 /// "Maximum mipmaps for fast, accurate, and scalable dynamic height field rendering", 2008. Cells whose range
@@ -25,7 +26,7 @@ inline float height_tolerance(float highest) {
 template <class Leaf>
 std::optional<float> trace_heights(const HeightPyramid& pyramid, const UnitRay& ray, float scale,
                                    float tolerance, const Leaf& leaf) {
-  // A tiny slope in place of none keeps every product finite; nothing moves by it.
+  // A tiny slope instead of 0 keeps every product finite.
   const auto slanted = [](float d) { return std::abs(d) < 1e-18f ? 1e-18f : d; };
   const float dx = slanted(ray.dir.x), dz = slanted(ray.dir.z);
   const float per_dx = 1.0f / dx, per_dz = 1.0f / dz;

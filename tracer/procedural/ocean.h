@@ -11,8 +11,7 @@
 
 namespace becalm::tracer {
 
-/// Trains whose sums are made side by side; `count` is a multiple of kTrainLanes, and what fills it up is
-/// flat.
+/// Trains are summed in lanes: `count` is a multiple of kTrainLanes, filled up with flat trains.
 inline constexpr int kTrainLanes = 8;
 
 /// Plane waves: height = sum of amplitude sin(2 pi (kx x + kz z + phase)), all in units of the ocean's side.

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "tracer/vec.h"
+#include "tracer/math/vec.h"
 
 namespace becalm::tracer {
 

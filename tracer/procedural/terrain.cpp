@@ -49,7 +49,7 @@ void Terrain::bake() {
   }
 }
 
-/// Blocks of two by two cells; the range of a cell is found from its controls when a ray comes there.
+/// Stores ranges of blocks of two by two cells; that of a single cell follows from its controls.
 void Terrain::bake_ranges() {
   const Level& finest = levels_[0];
   pyramid_.resize(finest.resolution, 1);
@@ -114,7 +114,7 @@ void Terrain::bake_coarser(const Level& fine, Level& coarse) {
 
 Imath::Box3f Terrain::unit_bounds() const {
   const HeightRange all = pyramid_.all();
-  // Rays start inside by as much as rounding may hide.
+  // Padded by more than rounding may hide.
   const float pad = 4.0f * tolerance_;
   return {V3f(0.0f, scale_ * all.low - pad, 0.0f), V3f(1.0f, scale_ * all.high + pad, 1.0f)};
 }

@@ -12,7 +12,7 @@ namespace becalm::tracer {
 
 namespace {
 
-// What looks like mountains at one times the height over a quarter of the side.
+// Tuned by eye for four mountains a side.
 constexpr int kMassifOctaves = 3;     ///< of smooth noise; the rest are gullies
 constexpr float kMassifGain = 0.45f;  ///< amplitude from octave to octave
 constexpr float kFirstGully = 3.0f;   ///< frequency of the coarsest, in mountains
@@ -53,7 +53,8 @@ float gradient_noise(float x, float z, std::uint32_t seed) {
   return (1.0f - fv) * (d[0] + fu * (d[1] - d[0])) + fv * (d[2] + fu * (d[3] - d[2]));
 }
 
-/// A wave's origin in each of the three by three cells around one; three more that weigh nothing.
+/// The origins of the waves in the three by three cells around one, filled up to 12 with origins too far away
+/// to weigh anything.
 struct StripeOrigins {
   static constexpr int kCount = 12;
 

@@ -37,7 +37,7 @@ WaveTrains make_wave_trains(const OceanDescription& description, double frame) {
     // S(w) dw over d(ln k) goes as w^-4, that is as k^-2.
     amplitudes[n] = std::exp(-0.625 / (relative_k * relative_k)) / relative_k;
     energy += 0.5 * amplitudes[n] * amplitudes[n];
-    // Short waves run more ways than long ones.
+    // Short waves spread over more directions than long ones.
     const double gauss = std::sqrt(-2.0 * std::log(uniform(description.seed, n, 1))) *
                          std::cos(kTurn * uniform(description.seed, n, 2));
     const double angle =

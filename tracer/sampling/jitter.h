@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "tracer/vec.h"
+#include "tracer/math/vec.h"
 
 namespace becalm::tracer {
 

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
+#include "tracer/math/vec.h"
 #include "tracer/sampling/sobol.h"
-#include "tracer/vec.h"
 
 namespace becalm::tracer {
 

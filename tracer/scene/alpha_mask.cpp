@@ -4,23 +4,12 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "tracer/math/picture_lookup.h"
 #include "tracer/scene/image_channel.h"
 
 namespace becalm::tracer {
 
 namespace {
-
-/// The index below v - 0.5 and above it, in a picture of `size` texels that repeats; v in [0,1).
-struct Neighbours {
-  int low, high;
-  float fraction;
-};
-Neighbours neighbours(float v, int size) {
-  const float x = v * static_cast<float>(size) - 0.5f;
-  const float below = std::floor(x);
-  const int low = (static_cast<int>(below) + size) % size;
-  return {low, low + 1 == size ? 0 : low + 1, x - below};
-}
 
 std::uint8_t to_byte(float v) {
   return v > 0.0f ? static_cast<std::uint8_t>(std::lround(255.0f * std::min(v, 1.0f))) : 0;
@@ -29,15 +18,12 @@ std::uint8_t to_byte(float v) {
 }  // namespace
 
 AlphaMask AlphaMask::read(const std::string& path, TextureContent content, const V2f& repeat) {
-  const std::unique_ptr<OIIO::ImageInput> file = open_image(path);
-  if (!file) throw std::runtime_error(OIIO::geterror());
+  const std::unique_ptr<OIIO::ImageInput> file = open_flat_image(path);
   const OIIO::ImageSpec& spec = file->spec();
-  require_flat(spec);
   constexpr std::string_view names[] = {"a", "", "r", "g", "b", "a"};
   const std::string_view name = names[static_cast<std::size_t>(content)];
-  const int channel = find_channel(spec, name);
-  if (channel < 0 && content != TextureContent::color)
-    throw std::runtime_error("it has no channel '" + std::string(name) + "'");
+  const int channel =
+      content == TextureContent::color ? find_channel(spec, name) : require_channel(spec, name);
 
   AlphaMask mask;
   mask.width_ = spec.width;
@@ -60,16 +46,10 @@ AlphaMask AlphaMask::read(const std::string& path, TextureContent content, const
 }
 
 float AlphaMask::opacity(const V2f& uv) const {
-  const float u = uv.x * repeat_.x, v = 1.0f - uv.y * repeat_.y;  // v runs up, rows run down
-  if (!std::isfinite(u) || !std::isfinite(v)) return 0.0f;
-  const Neighbours x = neighbours(u - std::floor(u), width_);
-  const Neighbours y = neighbours(v - std::floor(v), height_);
-  const auto texel = [&](int column, int row) {
-    return static_cast<float>(texels_[static_cast<std::size_t>(row) * width_ + column]);
-  };
-  const float top = texel(x.low, y.low) + x.fraction * (texel(x.high, y.low) - texel(x.low, y.low));
-  const float bottom = texel(x.low, y.high) + x.fraction * (texel(x.high, y.high) - texel(x.low, y.high));
-  return std::min(1.0f, (top + y.fraction * (bottom - top)) / 255.0f);
+  if (!std::isfinite(uv.x * repeat_.x) || !std::isfinite(uv.y * repeat_.y)) return 0.0f;
+  const V2f st = picture_point(uv, repeat_);
+  const V2f position(st.x * static_cast<float>(width_), st.y * static_cast<float>(height_));
+  return std::min(1.0f, bilinear<1>(texels_.data(), width_, height_, position)[0] / 255.0f);
 }
 
 }  // namespace becalm::tracer

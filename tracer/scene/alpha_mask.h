@@ -4,14 +4,13 @@
 #include <string>
 #include <vector>
 
+#include "tracer/math/vec.h"
 #include "tracer/scene/texture.h"
-#include "tracer/vec.h"
 
 namespace becalm::tracer {
 
-/// How much of a surface is there: an image of 8-bit numbers in memory, looked up while rays are traced. No
-/// MIP levels: what passes between the texels of one lookup is found by the samples of a pixel, and
-/// converges.
+/// Opacity over a surface: an image of 8-bit numbers in memory, looked up while rays are traced. Without MIP
+/// levels: the samples of a pixel average over texels below its size.
 class AlphaMask {
  public:
   /// Reads one channel of the image: `content` r, g, b or a; `color` stands for the alpha channel, or the

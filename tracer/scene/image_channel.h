@@ -24,6 +24,14 @@ inline void require_flat(const OIIO::ImageSpec& spec) {
     throw std::runtime_error("it is a volume or has deep pixels, expected a flat image");
 }
 
+/// As open_image and require_flat; also throws std::runtime_error with the reason for what cannot be opened.
+inline std::unique_ptr<OIIO::ImageInput> open_flat_image(const std::string& path) {
+  std::unique_ptr<OIIO::ImageInput> file = open_image(path);
+  if (!file) throw std::runtime_error(OIIO::geterror());
+  require_flat(file->spec());
+  return file;
+}
+
 /// Whether the file has three colours; grey otherwise, with or without alpha.
 inline bool has_colors(const OIIO::ImageSpec& spec) {
   return spec.nchannels >= 3;
@@ -33,6 +41,13 @@ inline bool has_colors(const OIIO::ImageSpec& spec) {
 inline int find_channel(const OIIO::ImageSpec& spec, std::string_view name) {
   if (name == "a") return spec.alpha_channel;
   return has_colors(spec) ? static_cast<int>(std::string_view("rgb").find(name)) : 0;
+}
+
+/// As find_channel. Throws std::runtime_error if there is none.
+inline int require_channel(const OIIO::ImageSpec& spec, std::string_view name) {
+  const int channel = find_channel(spec, name);
+  if (channel < 0) throw std::runtime_error("it has no channel '" + std::string(name) + "'");
+  return channel;
 }
 
 }  // namespace becalm::tracer

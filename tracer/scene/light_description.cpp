@@ -17,7 +17,7 @@ float number_at(const Curve<1>& curve, double frame) {
   return static_cast<float>(curve.at(frame)[0]);
 }
 
-/// The aim less the position in double: what is far from the origin may still be aimed exactly.
+/// The difference is taken in double: a spot far from the origin is still aimed exactly.
 V3f direction_of(const SpotDescription& spot, double frame) {
   Curve<3>::Value direction = spot.aim.at(frame);
   if (spot.aim_is_target) {
@@ -40,7 +40,7 @@ bool operator==(const SpotKey& a, const SpotKey& b) {
   return a.position == b.position && a.direction == b.direction;
 }
 
-/// Appends the places at the times where the pieces of the interval meet, if they differ.
+/// Appends the places at the ends of the interval's pieces, unless they are all the same.
 template <class Key, class At>
 MotionKeys add_keys(const ShutterInterval& shutter, const At& at, std::vector<Key>& keys) {
   const std::size_t first = keys.size();

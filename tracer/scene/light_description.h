@@ -5,7 +5,7 @@
 #include <variant>
 
 #include "tracer/lights/lights.h"
-#include "tracer/scene/keyframes.h"
+#include "tracer/math/keyframes.h"
 
 // The lights of a scene file over time. What has a surface is an object that emits.
 
@@ -50,7 +50,7 @@ SunLight evaluate(const SunDescription& sun, double frame);
 /// Whether the light ever changes.
 bool animated(const LightDescription& light);
 
-/// Whether it moves while the shutter is open, if that is at the right time: suns do not.
+/// Whether its place changes over time, so that it may move while the shutter is open. Suns never do.
 bool moves(const LightDescription& light);
 
 /// When the shutter is open, in frames, and into how many linear pieces motion in it is cut.

@@ -7,7 +7,7 @@ namespace becalm::tracer {
 
 namespace {
 
-/// Of inputs: their constants.
+/// Reads an input's constant.
 struct Constants {
   template <class T>
   T operator()(const MaterialInput<T>& input) const {
@@ -15,7 +15,7 @@ struct Constants {
   }
 };
 
-/// Of inputs: their values at a place.
+/// Reads an input's value at a place.
 struct Lookup {
   const Textures::Reader& textures;
   const TexturePoint& point;
@@ -130,8 +130,8 @@ void add_lobes(MaterialNeeds& needs, const MixMaterial&) {
   needs.mix = true;
 }
 
-/// Of a material that was not yet `seen`: what is mixed of one part twice, level upon level, must not double
-/// the work with each.
+/// Visits each material once: mixes that name one part twice on every level would otherwise take exponential
+/// time.
 void add_needs(MaterialNeeds& needs, std::span<const Material> materials, const Material& material,
                std::set<const Material*>& seen) {
   if (!seen.insert(&material).second) return;

@@ -2,9 +2,9 @@
 
 #include <variant>
 
+#include "tracer/math/keyframes.h"
 #include "tracer/media/cloud_shape.h"
 #include "tracer/media/homogeneous_medium.h"
-#include "tracer/scene/keyframes.h"
 
 namespace becalm::tracer {
 
@@ -21,7 +21,7 @@ struct CloudDescription {
 
 using MediumDescription = std::variant<HomogeneousMedium, CloudDescription>;
 
-/// Whether the medium ever changes, its place apart.
+/// Whether the medium changes over time, apart from its place.
 inline bool animated(const MediumDescription& description) {
   const auto* cloud = std::get_if<CloudDescription>(&description);
   return cloud != nullptr && (cloud->offset.animated() || cloud->evolution.animated() ||

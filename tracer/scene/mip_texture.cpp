@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "tracer/math/picture_lookup.h"
+
 namespace becalm::tracer {
 
 namespace {
@@ -97,71 +99,60 @@ void MipTexture::add_level(int width, int height, const std::vector<float>& texe
   }
 }
 
-template <int kStored>
-MipTexture::Texel MipTexture::bilinear(const Level& level, const V2f& st) const {
-  const float x = st.x * static_cast<float>(level.width) - 0.5f;
-  const float y = st.y * static_cast<float>(level.height) - 0.5f;
-  const float floor_x = std::floor(x), floor_y = std::floor(y);
-  const float fx = x - floor_x, fy = y - floor_y;
-  // s and t are in [0,1], so that at most one step around the picture is missing.
-  const auto wrap = [](int i, int size) { return i < 0 ? i + size : i >= size ? i - size : i; };
-  const int x0 = wrap(static_cast<int>(floor_x), level.width), x1 = wrap(x0 + 1, level.width);
-  const int y0 = wrap(static_cast<int>(floor_y), level.height), y1 = wrap(y0 + 1, level.height);
-  const std::uint16_t* base = steps_.data() + level.first * kStored;
-  const auto texel = [&](int column, int row) {
-    return base + (static_cast<std::size_t>(row) * level.width + column) * kStored;
-  };
-  const std::uint16_t *a = texel(x0, y0), *b = texel(x1, y0), *c = texel(x0, y1), *d = texel(x1, y1);
-  const float wa = (1.0f - fx) * (1.0f - fy), wb = fx * (1.0f - fy), wc = (1.0f - fx) * fy, wd = fx * fy;
-  Texel sum{};
-  for (int i = 0; i < kStored; ++i) {
-    sum[i] = wa * static_cast<float>(a[i]) + wb * static_cast<float>(b[i]) + wc * static_cast<float>(c[i]) +
-             wd * static_cast<float>(d[i]);
-  }
-  return sum;
+template <std::size_t kStored>
+MipTexture::Texel<kStored> MipTexture::at_level(std::size_t level, const V2f& st) const {
+  const auto& [width, height, first] = levels_[level];
+  const V2f position(st.x * static_cast<float>(width), st.y * static_cast<float>(height));
+  return bilinear<kStored>(steps_.data() + first * kStored, width, height, position);
 }
 
-template <int kStored>
-MipTexture::Texel MipTexture::trilinear(float lod, const V2f& st) const {
+template <std::size_t kStored>
+MipTexture::Texel<kStored> MipTexture::trilinear(float lod, const V2f& st) const {
   const float last = static_cast<float>(levels_.size() - 1);
   const float level = std::clamp(lod, 0.0f, last);
   const auto finer = static_cast<std::size_t>(level);
   const float coarse_share = level - static_cast<float>(finer);
-  Texel value = bilinear<kStored>(levels_[finer], st);
+  Texel<kStored> value = at_level<kStored>(finer, st);
   if (coarse_share == 0.0f) return value;
-  const Texel coarse = bilinear<kStored>(levels_[finer + 1], st);
-  for (int i = 0; i < kStored; ++i) value[i] += coarse_share * (coarse[i] - value[i]);
+  const Texel<kStored> coarse = at_level<kStored>(finer + 1, st);
+  for (std::size_t i = 0; i < kStored; ++i) value[i] += coarse_share * (coarse[i] - value[i]);
   return value;
 }
 
-template <int kStored>
-MipTexture::Texel MipTexture::probes(const V2f& st, const V2f& dst_dx, const V2f& dst_dy) const {
+template <std::size_t kStored>
+MipTexture::Texel<kStored> MipTexture::probes(const V2f& st, const V2f& dst_dx, const V2f& dst_dy) const {
   const V2f size(static_cast<float>(levels_[0].width), static_cast<float>(levels_[0].height));
   const float length_x = (dst_dx * size).length(), length_y = (dst_dy * size).length();
   const V2f& along = length_x > length_y ? dst_dx : dst_dy;
   const float longer = std::max(length_x, length_y);
   const float shorter = std::max(std::min(length_x, length_y), longer / kAnisotropy);
-  if (!(longer > 1.0f)) return bilinear<kStored>(levels_[0], st);
+  if (!(longer > 1.0f)) return at_level<kStored>(0, st);
   // Each probe averages a square of the shorter side.
   const float lod = std::log2(std::max(shorter, 1.0f));
   const int count =
       std::clamp(static_cast<int>(std::ceil(longer / std::max(shorter, 1.0f) - 0.5f)), 1, kAnisotropy);
   if (count == 1) return trilinear<kStored>(lod, st);
-  Texel sum{};
+  Texel<kStored> sum{};
   for (int i = 0; i < count; ++i) {
     V2f at = st + along * ((static_cast<float>(i) + 0.5f) / static_cast<float>(count) - 0.5f);
     at.x -= std::floor(at.x);
     at.y -= std::floor(at.y);
-    const Texel probe = trilinear<kStored>(lod, at);
-    for (int c = 0; c < kStored; ++c) sum[c] += probe[c];
+    const Texel<kStored> probe = trilinear<kStored>(lod, at);
+    for (std::size_t c = 0; c < kStored; ++c) sum[c] += probe[c];
   }
   for (float& value : sum) value /= static_cast<float>(count);
   return sum;
 }
 
 void MipTexture::read(const V2f& st, const V2f& dst_dx, const V2f& dst_dy, float* values) const {
-  const Texel sum = channels_ == 3 ? probes<4>(st, dst_dx, dst_dy) : probes<1>(st, dst_dx, dst_dy);
-  for (int c = 0; c < channels_; ++c) values[c] = least_ + step_ * sum[c];
+  const auto write = [&](const auto& steps) {
+    for (int c = 0; c < channels_; ++c) values[c] = least_ + step_ * steps[static_cast<std::size_t>(c)];
+  };
+  if (channels_ == 3) {
+    write(probes<4>(st, dst_dx, dst_dy));
+  } else {
+    write(probes<1>(st, dst_dx, dst_dy));
+  }
 }
 
 }  // namespace becalm::tracer

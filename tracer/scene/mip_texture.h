@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "tracer/vec.h"
+#include "tracer/math/vec.h"
 
 namespace becalm::tracer {
 
@@ -34,15 +34,16 @@ class MipTexture {
     std::size_t first;  ///< texel
   };
   /// Three channels take four, so that a texel is one load.
-  using Texel = std::array<float, 4>;
+  template <std::size_t kStored>
+  using Texel = std::array<float, kStored>;
 
   void add_level(int width, int height, const std::vector<float>& texels);
-  template <int kStored>
-  Texel bilinear(const Level& level, const V2f& st) const;
-  template <int kStored>
-  Texel trilinear(float lod, const V2f& st) const;
-  template <int kStored>
-  Texel probes(const V2f& st, const V2f& dst_dx, const V2f& dst_dy) const;
+  template <std::size_t kStored>
+  Texel<kStored> at_level(std::size_t level, const V2f& st) const;
+  template <std::size_t kStored>
+  Texel<kStored> trilinear(float lod, const V2f& st) const;
+  template <std::size_t kStored>
+  Texel<kStored> probes(const V2f& st, const V2f& dst_dx, const V2f& dst_dy) const;
 
   int channels_;
   float least_ = 0.0f;

@@ -6,8 +6,8 @@ namespace becalm::tracer {
 
 namespace {
 
-/// Cosine to the geometric normal of what is brought back from beyond the horizon: as in path_trace.cpp,
-/// where normals are turned to be visible.
+/// Cosine to the geometric normal that a normal beyond the horizon is brought back to, as in visible_normal
+/// (shading_vertex.h).
 constexpr float kLeastCos = 0.01f;
 
 /// Parameter directions whose angle is smaller than this span no surface.

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "frame/error.h"
+#include "tracer/math/picture_lookup.h"
 #include "tracer/scene/image_channel.h"
 #include "tracer/scene/mip_texture.h"
 
@@ -28,11 +29,11 @@ float srgb_to_linear(float v) {
   return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
 }
 
-/// Between an image's least and largest number, for its texels to be steps in between: a hot pixel must not
-/// cost all others their precision.
+/// Largest difference of an image's numbers at which it is stored as steps between them: beyond it, one
+/// bright pixel would cost all others their precision.
 constexpr float kWidestRange = 16.0f;
 
-/// The largest footprint that says anything: from one picture's width on everything is averaged.
+/// Footprints are limited to one picture's width: everything is averaged there.
 constexpr float kWholePicture = 1.0f;
 
 /// The cache knows a file as `PREFIX:path`, since one file may be used in several ways.
@@ -187,12 +188,9 @@ std::uint32_t Textures::count() const {
 }
 
 std::uint32_t Textures::add(const TextureSettings& settings) {
-  const std::unique_ptr<OIIO::ImageInput> file = open_image(settings.path);
-  if (!file) throw std::runtime_error(OIIO::geterror());
-  require_flat(file->spec());
+  const std::unique_ptr<OIIO::ImageInput> file = open_flat_image(settings.path);
   const std::string_view what = prefix(settings);
-  if (what.size() == 1 && find_channel(file->spec(), what) < 0)
-    throw std::runtime_error("it has no channel '" + std::string(what) + "'");
+  if (what.size() == 1) require_channel(file->spec(), what);
   if (!state_) state_ = std::make_unique<State>();
   const OIIO::ustring name(std::string(what) + ":" + settings.path);
   const bool known = std::any_of(state_->entries.begin(), state_->entries.end(),
@@ -270,13 +268,10 @@ void Textures::Reader::read(std::uint32_t texture, const TexturePoint& point, in
   State& state = *textures_->state_;
   const State::Entry& entry = state.entries[texture];
   const V2f& repeat = entry.settings.repeat;
-  // Into the unit square: texels are counted in int.
-  const auto wrap = [](float v) { return finite_or_zero(v - std::floor(v)); };
   const auto limit = [](float v) {
     return std::isnan(v) ? kWholePicture : std::clamp(v, -kWholePicture, kWholePicture);
   };
-  // t runs down the picture, v runs up.
-  const V2f st(wrap(point.uv.x * repeat.x), 1.0f - wrap(point.uv.y * repeat.y));
+  const V2f st = picture_point(point.uv, repeat);
   const V2f st_dx(limit(point.duv_dx.x * repeat.x), limit(-point.duv_dx.y * repeat.y));
   const V2f st_dy(limit(point.duv_dy.x * repeat.x), limit(-point.duv_dy.y * repeat.y));
   if (entry.resident) {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "tracer/vec.h"
+#include "tracer/math/vec.h"
 
 namespace becalm::tracer {
 

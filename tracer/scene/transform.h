@@ -1,7 +1,7 @@
 #pragma once
 
-#include "tracer/scene/keyframes.h"
-#include "tracer/vec.h"
+#include "tracer/math/keyframes.h"
+#include "tracer/math/vec.h"
 
 namespace becalm::tracer {
 

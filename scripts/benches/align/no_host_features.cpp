@@ -1,4 +1,4 @@
-// Replaces filter/network/host_features.cpp in bench_align, which uses no network and must run on machines
+// Replaces filter/smooth/host_features.cpp in bench_align, which uses no network and must run on machines
 // without oneDNN and oneTBB.
 
 #include "filter/smooth/host_features.h"

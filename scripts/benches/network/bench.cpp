@@ -7,7 +7,7 @@
 #include <random>
 #include <string_view>
 
-#include "filter/network/network.h"
+#include "filter/smooth/network.h"
 #include "tests/filter/task.h"
 
 namespace becalm::bench {

@@ -16,7 +16,7 @@
 #include "scripts/benches/stopwatch.h"
 #include "scripts/benches/tracer/minimal_integrator.h"
 #include "scripts/benches/tracer/ray_floor.h"
-#include "tracer/scene/load.h"
+#include "tracer/scene/load/load.h"
 
 namespace becalm::bench {
 namespace {

@@ -3,8 +3,8 @@
 #include <limits>
 #include <numbers>
 
-#include "tracer/materials/shading_frame.h"
-#include "tracer/surface.h"
+#include "tracer/math/shading_frame.h"
+#include "tracer/snapshot/surface.h"
 
 namespace becalm::bench {
 

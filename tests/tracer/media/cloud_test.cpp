@@ -7,7 +7,7 @@
 #include "tests/tracer/media/test_media.h"
 #include "tracer/media/cloud_shape.h"
 #include "tracer/media/gradient_noise.h"
-#include "tracer/media/update_medium.h"
+#include "tracer/snapshot/update_medium.h"
 
 namespace becalm::tracer {
 namespace {

@@ -1,4 +1,4 @@
-#include "tracer/scene/load_media.h"
+#include "tracer/scene/load/load_media.h"
 
 #include <gtest/gtest.h>
 

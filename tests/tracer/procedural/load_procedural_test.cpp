@@ -1,4 +1,4 @@
-#include "tracer/scene/load_procedural.h"
+#include "tracer/scene/load/load_procedural.h"
 
 #include <gtest/gtest.h>
 

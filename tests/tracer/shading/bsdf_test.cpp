@@ -12,7 +12,7 @@
 #include "tests/tracer/shading/statistics.h"
 #include "tests/tracer/shading/test_directions.h"
 #include "tracer/materials/conductor_ior.h"
-#include "tracer/materials/shading_frame.h"
+#include "tracer/math/shading_frame.h"
 
 namespace becalm::tracer {
 namespace {

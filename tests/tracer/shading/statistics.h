@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "tracer/vec.h"
+#include "tracer/math/vec.h"
 
 namespace becalm::tracer {
 

@@ -1,0 +1,23 @@
+# cmake -DROOT=PROJECT -P include_order.cmake: fails if a file of tracer/ includes from a folder after its own in this
+# order, or from one that is not in it.
+set(order tracer/math tracer/sampling tracer/materials tracer/lights tracer/media tracer/procedural tracer/scene
+          tracer/snapshot tracer/scene/load tracer)
+file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/tracer/*.h ${ROOT}/tracer/*.inl ${ROOT}/tracer/*.cpp)
+set(wrong 0)
+foreach(file IN LISTS files)
+  cmake_path(GET file PARENT_PATH folder)
+  list(FIND order ${folder} own)
+  file(STRINGS ${ROOT}/${file} includes REGEX "^#include \"tracer/")
+  foreach(include IN LISTS includes)
+    string(REGEX REPLACE "^#include \"(.*)/[^/]*\"$" "\\1" included ${include})
+    list(FIND order ${included} other)
+    if(own EQUAL -1 OR other EQUAL -1 OR other GREATER own)
+      message("${file}: ${include}: ${folder}/ must not include from ${included}/")
+      math(EXPR wrong "${wrong} + 1")
+    endif()
+  endforeach()
+endforeach()
+list(JOIN order " " text)
+if(wrong GREATER 0)
+  message(FATAL_ERROR "${wrong} includes against the order of the folders: ${text}")
+endif()

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "tracer/math/vec.h"
+
+namespace becalm::tracer {
+
+/// v less its whole part; 0 for what is not finite.
+inline float fraction_of(float v) {
+  const float fraction = v - std::floor(v);
+  return std::isfinite(fraction) ? fraction : 0.0f;
+}
+
+/// Where uv, whose v runs up, stands on a picture of which `repeat` copies lie over the unit square: (s, t)
+/// in [0,1] from the top left corner.
+inline V2f picture_point(const V2f& uv, const V2f& repeat) {
+  return {fraction_of(uv.x * repeat.x), 1.0f - fraction_of(uv.y * repeat.y)};
+}
+
+/// What stands above the top row and below the bottom one.
+enum class PictureRows { repeat, hold };
+
+/// Linear between the four texels around the position, in texels from the top left corner of the picture, on
+/// or in it. `kChannels` numbers a texel, rows from the top; columns repeat.
+template <std::size_t kChannels, PictureRows kRows = PictureRows::repeat, class Number>
+std::array<float, kChannels> bilinear(const Number* texels, int width, int height, const V2f& position) {
+  const float x = position.x - 0.5f, y = position.y - 0.5f;
+  const float floor_x = std::floor(x), floor_y = std::floor(y);
+  const float fx = x - floor_x, fy = y - floor_y;
+  const auto wrap = [](int i, int size) { return i < 0 ? i + size : i >= size ? i - size : i; };
+  const auto row_at = [&](int row) {
+    return kRows == PictureRows::repeat ? wrap(row, height) : std::clamp(row, 0, height - 1);
+  };
+  const int x0 = wrap(static_cast<int>(floor_x), width), x1 = wrap(x0 + 1, width);
+  const int y0 = row_at(static_cast<int>(floor_y)), y1 = row_at(static_cast<int>(floor_y) + 1);
+  const auto texel = [&](int column, int row) {
+    return texels + (static_cast<std::size_t>(row) * width + column) * kChannels;
+  };
+  const Number *a = texel(x0, y0), *b = texel(x1, y0), *c = texel(x0, y1), *d = texel(x1, y1);
+  // In this form the mean of equal texels is exact.
+  const auto mix = [](float low, float high, float share) { return low + share * (high - low); };
+  std::array<float, kChannels> values;
+  for (std::size_t i = 0; i < kChannels; ++i) {
+    values[i] = mix(mix(static_cast<float>(a[i]), static_cast<float>(b[i]), fx),
+                    mix(static_cast<float>(c[i]), static_cast<float>(d[i]), fx), fy);
+  }
+  return values;
+}
+
+}  // namespace becalm::tracer

@@ -1,0 +1,291 @@
+#include "tracer/scene/load/mtl.h"
+
+#include <fmt/format.h>
+#include <tiny_obj_loader.h>
+
+#include <filesystem>
+#include <map>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+#include "frame/error.h"
+#include "tracer/scene/load/text_file.h"
+#include "tracer/scene/load/text_words.h"
+
+namespace becalm::tracer {
+
+namespace {
+
+/// Which statements a material has: tinyobjloader does not tell what is absent from what is 0.
+using Keywords = std::set<std::string, std::less<>>;
+
+/// Checks that there are numbers where tinyobjloader would read anything else as 0. Returns the keywords of
+/// each material.
+std::map<std::string, Keywords> scan(const std::string& path, std::string_view text) {
+  static const std::map<std::string_view, int> numbers = {
+      {"Kd", 3}, {"Ks", 3}, {"Ke", 3}, {"Tf", 3}, {"Ns", 1},  {"Ni", 1},    {"d", 1},      {"Tr", 1},
+      {"Pr", 1}, {"Pm", 1}, {"Ps", 1}, {"Pc", 1}, {"Pcr", 1}, {"aniso", 1}, {"anisor", 1}, {"illum", 1}};
+  std::map<std::string, Keywords> materials;
+  Keywords* current = nullptr;
+  for (int line_number = 1; !text.empty(); ++line_number) {
+    std::string_view line = take_line(text);
+    const std::string_view keyword = take_word(line);
+    if (keyword == "newmtl") {
+      current = &materials[std::string(trimmed(line))];
+      continue;
+    }
+    if (current != nullptr) current->emplace(keyword);
+    const auto needed = numbers.find(keyword);
+    for (int i = 0; needed != numbers.end() && i < needed->second; ++i) {
+      const std::string_view word = take_word(line);
+      if (!parse_float(word)) {
+        fail_in_file(path, fmt::format("line {}: '{}' needs {} finite numbers, found '{}'", line_number,
+                                       keyword, needed->second, word));
+      }
+    }
+  }
+  return materials;
+}
+
+float unit(float v) {
+  return std::clamp(v, 0.0f, 1.0f);
+}
+V3f unit_color(const float* v) {
+  return {unit(v[0]), unit(v[1]), unit(v[2])};
+}
+
+/// Index of refraction of a dielectric that reflects f0 at normal incidence.
+float ior_of_reflectance(float f0) {
+  const float root = std::sqrt(std::min(f0, 0.9f));
+  return (1.0f + root) / (1.0f - root);
+}
+
+/// Turns one parsed material into ours.
+class Translator {
+ public:
+  Translator(const std::string& path, const tinyobj::material_t& mtl, const Keywords& keywords,
+             Textures& textures)
+      : path_(path), mtl_(mtl), keywords_(keywords), textures_(textures) {}
+
+  MtlMaterial translate() const {
+    MtlMaterial result;
+    Material& material = result.material;
+    material.name = mtl_.name;
+    const V3f specular = unit_color(mtl_.specular);
+    bool clear = false;
+    if (is_physically_based()) {
+      material.model = principled();
+    } else if (mtl_.illum == 4 || mtl_.illum == 6 || mtl_.illum == 7 || mtl_.illum == 9) {
+      clear = true;
+      material.model =
+          DielectricMaterial{.ior = mtl_.ior > 1.0f ? std::min(mtl_.ior, 10.0f) : 1.5f,
+                             .roughness = {roughness(0.0f)},
+                             .transmittance = {has("Tf") ? unit_color(mtl_.transmittance) : V3f(1.0f)}};
+    } else if ((mtl_.illum == 3 || mtl_.illum == 5) && !is_black(specular)) {
+      material.model =
+          ConductorMaterial{.reflectance = {specular}, .ior = {}, .roughness = {roughness(0.0f)}};
+    } else {
+      material.model = principled();
+    }
+    if (!clear) set_opacity(material);
+    if (!mtl_.bump_texname.empty()) {
+      material.bump = BumpMap{scalar_texture(mtl_.bump_texname, mtl_.bump_texopt, 1.0f),
+                              mtl_.bump_texopt.bump_multiplier};
+    }
+    if (!mtl_.normal_texname.empty()) {
+      material.normal_map =
+          NormalMap{add(mtl_.normal_texname, mtl_.normal_texopt, TextureContent::data, V3f(1.0f))};
+    }
+    set_emission(result);
+    finish_material(material);
+    return result;
+  }
+
+ private:
+  bool has(std::string_view keyword) const { return keywords_.contains(keyword); }
+
+  bool is_physically_based() const {
+    for (const char* keyword :
+         {"Pr", "map_Pr", "Pm", "map_Pm", "Ps", "map_Ps", "Pc", "Pcr", "aniso", "anisor"}) {
+      if (has(keyword)) return true;
+    }
+    return false;
+  }
+
+  /// `otherwise` if the file gives none.
+  float roughness(float otherwise) const {
+    if (has("Pr")) return unit(mtl_.roughness);
+    return has("Ns") ? std::sqrt(std::sqrt(2.0f / (std::max(0.0f, mtl_.shininess) + 2.0f))) : otherwise;
+  }
+
+  PrincipledMaterial principled() const {
+    PrincipledMaterial m;
+    const V3f diffuse = has("Kd") ? unit_color(mtl_.diffuse) : V3f(0.8f);
+    m.base_color.value = diffuse;
+    if (!mtl_.diffuse_texname.empty()) {
+      const V3f scale = has("Kd") && !is_black(diffuse) ? diffuse : V3f(1.0f);
+      m.base_color.texture = add(mtl_.diffuse_texname, mtl_.diffuse_texopt, TextureContent::color, scale);
+    }
+    m.roughness = scalar(roughness(1.0f), mtl_.roughness_texname, mtl_.roughness_texopt, has("Pr"));
+    m.metallic = scalar(mtl_.metallic, mtl_.metallic_texname, mtl_.metallic_texopt, has("Pm"));
+    m.sheen = scalar(mtl_.sheen, mtl_.sheen_texname, mtl_.sheen_texopt, has("Ps"));
+    m.clearcoat.value = unit(mtl_.clearcoat_thickness);
+    m.clearcoat_roughness.value = unit(mtl_.clearcoat_roughness);
+    m.anisotropy.value = unit(mtl_.anisotropy);
+    m.anisotropy_rotation.value = unit(mtl_.anisotropy_rotation);
+    const float reflectance = max_component(unit_color(mtl_.specular));
+    if (mtl_.ior > 1.0f) {
+      m.ior = std::min(mtl_.ior, 10.0f);
+    } else if (has("Ks")) {
+      m.ior = ior_of_reflectance(reflectance);
+    }
+    return m;
+  }
+
+  ScalarInput scalar(float value, const std::string& image, const tinyobj::texture_option_t& options,
+                     bool scaled) const {
+    ScalarInput input{unit(value)};
+    if (!image.empty())
+      input.texture = scalar_texture(image, options, scaled && value > 0.0f ? unit(value) : 1.0f);
+    return input;
+  }
+
+  void set_opacity(Material& material) const {
+    material.opacity = unit(mtl_.dissolve);
+    if (mtl_.alpha_texname.empty()) return;
+    const std::string file = image_path(mtl_.alpha_texname);
+    try {
+      material.opacity_mask =
+          AlphaMask::read(file, channel(mtl_.alpha_texopt, TextureContent::color), repeat(mtl_.alpha_texopt));
+    } catch (const std::runtime_error& error) {
+      fail_unreadable(mtl_.alpha_texname, error);
+    }
+  }
+
+  void set_emission(MtlMaterial& result) const {
+    result.emission = {std::max(0.0f, mtl_.emission[0]), std::max(0.0f, mtl_.emission[1]),
+                       std::max(0.0f, mtl_.emission[2])};
+    if (mtl_.emissive_texname.empty()) return;
+    const std::uint32_t texture =
+        add(mtl_.emissive_texname, mtl_.emissive_texopt, TextureContent::color, V3f(1.0f));
+    constexpr float whole = 1.0f;
+    const V3f mean = Textures::Reader(textures_).color(texture, {V2f(0.5f), {whole, 0.0f}, {0.0f, whole}});
+    textures_.check();
+    result.emission = is_black(result.emission) ? mean : result.emission * mean;
+  }
+
+  static V2f repeat(const tinyobj::texture_option_t& options) { return {options.scale[0], options.scale[1]}; }
+
+  static TextureContent channel(const tinyobj::texture_option_t& options, TextureContent otherwise) {
+    switch (options.imfchan) {
+      case 'r':
+        return TextureContent::r;
+      case 'g':
+        return TextureContent::g;
+      case 'b':
+        return TextureContent::b;
+      default:
+        return otherwise;
+    }
+  }
+
+  std::string image_path(std::string name) const {
+    std::replace(name.begin(), name.end(), '\\', '/');
+    std::string file = (std::filesystem::path(path_).parent_path() / name).string();
+    if (!std::filesystem::is_regular_file(file))
+      fail_in_file(path_, fmt::format("material '{}': no file '{}'", mtl_.name, name));
+    return file;
+  }
+
+  [[noreturn]] void fail_unreadable(const std::string& name, const std::runtime_error& error) const {
+    fail_in_file(path_, fmt::format("material '{}': cannot read '{}': {}", mtl_.name, name, error.what()));
+  }
+
+  std::uint32_t scalar_texture(const std::string& name, const tinyobj::texture_option_t& options,
+                               float scale) const {
+    return add(name, options, channel(options, TextureContent::r), V3f(scale));
+  }
+
+  std::uint32_t add(const std::string& name, const tinyobj::texture_option_t& options, TextureContent content,
+                    const V3f& scale) const {
+    const TextureSettings settings{.path = image_path(name),
+                                   .space = ColorSpace::srgb,
+                                   .repeat = repeat(options),
+                                   .scale = scale,
+                                   .content = content};
+    try {
+      return textures_.add(settings);
+    } catch (const std::runtime_error& error) {
+      fail_unreadable(name, error);
+    }
+  }
+
+  const std::string& path_;
+  const tinyobj::material_t& mtl_;
+  const Keywords& keywords_;
+  Textures& textures_;
+};
+
+}  // namespace
+
+std::vector<MtlMaterial> load_mtl(const std::string& path, Textures& textures) {
+  const std::optional<std::string> text = read_text_file(path);
+  if (!text) fail_in_file(path, "cannot read the material file");
+  const std::map<std::string, Keywords> keywords = scan(path, *text);
+  std::map<std::string, int> numbers;
+  std::vector<tinyobj::material_t> parsed;
+  std::istringstream stream(*text);
+  std::string warning, error;
+  tinyobj::LoadMtl(&numbers, &parsed, &stream, &warning, &error);
+  std::vector<MtlMaterial> materials;
+  static const Keywords none;
+  for (const tinyobj::material_t& mtl : parsed) {
+    if (mtl.name.empty()) continue;  // what tinyobjloader makes of a file without any
+    const auto known = keywords.find(mtl.name);
+    materials.push_back(
+        Translator(path, mtl, known == keywords.end() ? none : known->second, textures).translate());
+  }
+  return materials;
+}
+
+std::vector<MtlMaterial> load_part_materials(const std::string& obj_path, const ObjParts& obj,
+                                             Textures& textures) {
+  const std::filesystem::path folder = std::filesystem::path(obj_path).parent_path();
+  std::vector<MtlMaterial> library;
+  const auto read = [&](std::string_view name) {
+    std::vector<MtlMaterial> more = load_mtl((folder / name).string(), textures);
+    std::move(more.begin(), more.end(), std::back_inserter(library));
+  };
+  for (const std::string& names : obj.material_libraries) {
+    // One name with blanks in it, or several.
+    std::string_view rest = names;
+    if (std::filesystem::is_regular_file(folder / names)) {
+      read(names);
+    } else {
+      while (!trimmed(rest).empty()) read(take_word(rest));
+    }
+  }
+  std::vector<MtlMaterial> materials;
+  for (const ObjPart& part : obj.parts) {
+    const auto found = std::find_if(library.begin(), library.end(), [&](const MtlMaterial& candidate) {
+      return candidate.material.name == part.material;
+    });
+    if (found != library.end()) {
+      materials.push_back(*found);
+    } else if (part.material.empty()) {
+      MtlMaterial white;
+      white.material.model = DiffuseMaterial{V3f(0.8f)};
+      finish_material(white.material);
+      materials.push_back(std::move(white));
+    } else {
+      fail_in_file(obj_path,
+                   fmt::format("no material '{}' in {}", part.material,
+                               obj.material_libraries.empty() ? "it, since it names no mtllib"
+                                                              : "'" + obj.material_libraries.front() + "'"));
+    }
+  }
+  return materials;
+}
+
+}  // namespace becalm::tracer

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <fstream>
+#include <optional>
+#include <string>
+
+#include "frame/error.h"
+
+namespace becalm::tracer {
+
+/// The bytes of a file; nothing if it cannot be read (a folder can be opened, but not read).
+inline std::optional<std::string> read_text_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string text;
+  while (file) {
+    constexpr std::size_t block = std::size_t{1} << 20;
+    const std::size_t size = text.size();
+    text.resize(size + block);
+    file.read(text.data() + size, block);
+    text.resize(size + static_cast<std::size_t>(file.gcount()));
+  }
+  return file.eof() ? std::make_optional(std::move(text)) : std::nullopt;
+}
+
+/// Throws: the file at this path says something that cannot be read.
+[[noreturn]] inline void fail_in_file(const std::string& path, const std::string& message) {
+  throw Error(ExitStatus::bad_input, path + ": " + message);
+}
+
+}  // namespace becalm::tracer
