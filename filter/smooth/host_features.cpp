@@ -1,8 +1,6 @@
 #include "filter/smooth/host_features.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <memory>
@@ -12,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "filter/for_rows.h"
 #include "filter/smooth/convolution.h"
 #include "filter/smooth/host_convolution.h"
 
@@ -24,8 +23,6 @@ using gpu::ImageId;
 using HostImages = Chain::HostImages;
 
 namespace {
-
-constexpr int kRowsATask = 8;
 
 /// An image as HostConvolution reads it.
 struct Framed {
@@ -81,13 +78,6 @@ void pool_rows(const float* row, const Framed& fine, float* pooled) {
       pooled[(x + 1) * channels + c] = std::max(above, below);
     }
   }
-}
-
-/// Calls make(first, end) for blocks of rows, by several threads.
-template <class Make>
-void for_rows(int rows, const Make& make) {
-  tbb::parallel_for(tbb::blocked_range<int>(0, rows, kRowsATask),
-                    [&](const tbb::blocked_range<int>& block) { make(block.begin(), block.end()); });
 }
 
 Framed add_inputs(Chain& chain, Extent size, ImageId inputs) {

@@ -16,7 +16,7 @@ from benches.quality.shots import KNOWN, Shots
 from benches.quality.variants import NOISY, VARIANTS, Program, Variant
 
 SCENES = ["penumbra", "crossing", "spheres", "fence", "courtyard", "dining", "ocean"]
-PICTURED = ["noisy", "mask", "forward", "smoother", "final"]
+PICTURED = ["noisy", "paper", "forward", "smoother", "final"]
 
 
 def _words(text):

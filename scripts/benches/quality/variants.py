@@ -21,7 +21,7 @@ def settings(*assignments, preset="final"):
 
 
 # The merge without the network. It then weighs noisy frames, for which patches must be larger.
-MERGE = ("smooth=none", "patch_radius=3", "significance=3", "luminance_weight=0", "motion=none")
+MERGE = ("smooth=none", "patch_radius=3", "motion=none")
 FORWARD = ("directions=forward", *MERGE)
 SMOOTHER = ("directions=both", *MERGE)
 WARMUP = ("--warmup", "8")
@@ -29,10 +29,9 @@ WARMUP = ("--warmup", "8")
 NOISY = Variant("noisy", "noisy")
 VARIANTS = [
     NOISY,
-    Variant("mask", "paper's mask mode", settings("merge=mask", *FORWARD), history="before"),
+    Variant("paper", "preset paper", settings(preset="paper"), history="before"),
     Variant("forward", "variance, forward", settings(*FORWARD), history="before"),
     Variant("smoother", "smoother", settings(*SMOOTHER), history="all"),
-    Variant("spatial", "single frames smoothed", settings("directions=forward", "max_history=1", "smooth=frames")),
     Variant("final", "preset final", settings()),
     Variant("balanced", "preset balanced", settings(preset="balanced")),
     Variant("draft", "preset draft", settings(preset="draft")),
@@ -40,28 +39,22 @@ VARIANTS = [
     Variant("segment_5", "smoother, segments of 5", (*settings(*SMOOTHER), "--segment", "5", *WARMUP), ablation=True, segment=5),
 ] + [Variant(name, title, settings(*changed), without, ablation=True) for name, title, changed, without in [
     ("forward_smooth", "final, forward", ("directions=forward",), ()),
-    ("energy_unrestored", "final without the energy given back", ("restore_energy=0",), ()),
     ("half_buffers", "final, variance from half-buffers", (), ("variance",)),
     ("variance_alone", "final without half-buffers", (), ("half_a", "half_b")),
     ("estimated", "final, variance estimated", (), ("variance", "half_a", "half_b")),
     ("beauty_alone", "final, of the beauty alone", (), ("variance", "half_a", "half_b", "albedo", "normal", "depth", "motion", "object_id")),
-    ("significant", "final, bias from 3 standard errors", ("significance=3",), ()),
     ("large_patch", "final, weights from 7x7 patches", ("patch_radius=3",), ()),
     ("frames", "final, merging smoothed frames", ("smooth=frames",), ()),
-    ("short_history", "final, history of 8 frames at most", ("max_history=8",), ()),
-    ("radiance_alone", "final, matching radiance alone", ("weight_albedo=0", "weight_normal=0"), ()),
-    ("guides_alone", "final, matching albedo and normal alone", ("weight_radiance=0",), ()),
+    ("radiance_alone", "final, matching radiance alone", ("guides=0",), ()),
     ("unfiltered", "final, matching without prefilter", ("prefilter=0",), ()),
     ("motion_none", "final, without motion vectors", ("motion=none",), ()),
     ("motion_vectors", "final, motion vectors in place of the search", ("motion=override",), ()),
-    ("luminance_none", "final without luminance weights", ("luminance_weight=0",), ()),
-    ("history_albedo", "final, history with its albedo", ("demodulate_history=0",), ()),
     ("bilinear", "final, bilinear resampling", ("resample=bilinear",), ()),
     ("o_moms", "final, O-MOMS resampling", ("resample=o_moms",), ()),
 ]]
 
 # A program that does not have one of these settings behaves as with this value.
-PLAIN = {"directions": "forward", "smooth": "none", "resample": "catmull_rom", "demodulate_history": "0"}
+PLAIN = {"directions": "forward", "smooth": "none", "resample": "catmull_rom"}
 
 
 class Program:
