@@ -405,7 +405,7 @@ Command add_denoise(CLI::App& becalm) {
       ->group("Input");
   parser
       .add_option("--preset", command->preset,
-                  "draft, balanced or final: speed against accuracy (default: balanced)")
+                  "draft, balanced or final: speed against accuracy (default: balanced); paper: as published")
       ->option_text("NAME")
       ->group("Filter");
   add_filter_options(parser, command->filter);

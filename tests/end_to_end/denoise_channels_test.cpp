@@ -161,7 +161,7 @@ TEST_F(Denoise, PassesOnWhatItDoesNotDenoise) {
   for (std::size_t i = 0; i < ids.size(); ++i) ids[i] = 0xfff00000u + static_cast<std::uint32_t>(i * 7919);
   write_with_ids(folder_ / "in.0001.exr", ids);
   write_with_ids(folder_ / "in.0002.exr", ids);
-  becalm_done(command("out.####.exr", {"--set", "max_history=8", "--quiet"}));
+  becalm_done(command("out.####.exr", {"--set", "patch_radius=3", "--quiet"}));
 
   Imf::InputFile file((folder_ / "out.0002.exr").c_str());
   ASSERT_NE(file.header().channels().findChannel("crypto.id"), nullptr);
@@ -176,7 +176,7 @@ TEST_F(Denoise, PassesOnWhatItDoesNotDenoise) {
   EXPECT_EQ(passed, ids);
 
   EXPECT_EQ(io::read_attribute(folder_ / "out.0002.exr", "becalm:preset"), "balanced");
-  EXPECT_NE(io::read_attribute(folder_ / "out.0002.exr", "becalm:settings").find("max_history=8"),
+  EXPECT_NE(io::read_attribute(folder_ / "out.0002.exr", "becalm:settings").find("patch_radius=3"),
             std::string::npos);
   EXPECT_NE(io::read_attribute(folder_ / "out.0002.exr", "becalm:version"), "");
 }

@@ -71,6 +71,8 @@ TEST(Settings, PresetsDifferAndOthersAreRefused) {
   EXPECT_EQ(preset("draft").match_downsample, 4);
   EXPECT_EQ(preset("balanced").match_downsample, 2);
   EXPECT_EQ(preset("final").match_downsample, 1);
+  EXPECT_EQ(preset("paper").merge, MergeMode::mask);
+  EXPECT_EQ(preset("paper").smooth, Smooth::none);
   EXPECT_THROW(preset("best"), Error);
 }
 
