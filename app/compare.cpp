@@ -120,7 +120,8 @@ FrameFigures measure(const Images& now, const Images* before) {
   return figures;
 }
 
-/// The first frame has no temporal error; that alone is no figure, while NaN elsewhere is one.
+/// The temporal error of a frame that follows no other is not a value. NaN in other columns is one, and
+/// fails.
 bool has_value(const Column& column, const FrameFigures& figures) {
   return column.value != &FrameFigures::temporal || !std::isnan(figures.temporal);
 }
