@@ -11,7 +11,7 @@
 namespace becalm {
 namespace {
 
-/// Keeps relative errors of black pixels finite (DESIGN, metrics).
+/// Keeps relative errors of black pixels finite.
 constexpr double kRelativeFloor = 0.01;
 
 /// Sums of K terms over the pixels and channels that are finite in every image; `count` is the number of
@@ -95,8 +95,8 @@ std::array<double, kSsimTaps> ssim_weights() {
   return weights;
 }
 
-/// Weighted sums over a window's measurable pixels: of 1, x, a, b, x^2, ab and x(a+b)/2, of the test x and
-/// the references a and b. Their noise is in none of the products' means if it is independent.
+/// Weighted sums over a window's measurable pixels, of 1, x, a, b, x^2, ab and x(a+b)/2, where x is the test
+/// and a and b are the references. Independent noise of a and b does not bias these means.
 using Moments = std::array<double, 7>;
 
 void add_scaled(Moments& sum, double weight, const Moments& moments) {

@@ -22,9 +22,9 @@ constexpr std::string_view kCompressions[] = {"none",  "rle", "zips", "zip",  "p
                                               "pxr24", "b44", "b44a", "dwaa", "dwab"};
 static_assert(std::size(kCompressions) == Imf::NUM_COMPRESSION_METHODS);
 
-/// Whether compressing pixels that came out of this method once more could alter them. PXR24 drops bits that
-/// are already zero; B44 and the cosine transform of DWA (which it applies by channel name) do not repeat
-/// themselves.
+/// Whether pixels that were decompressed from this method may change when they are compressed by it again.
+/// PXR24 drops bits that are zero by then; B44, and the cosine transform that DWA applies to channels of some
+/// names, lose something each time.
 bool may_alter(Imf::Compression compression, std::string_view channel, Imf::PixelType type) {
   if (compression == Imf::B44_COMPRESSION || compression == Imf::B44A_COMPRESSION) return type == Imf::HALF;
   if (compression != Imf::DWAA_COMPRESSION && compression != Imf::DWAB_COMPRESSION) return false;
@@ -50,10 +50,10 @@ struct Rewritten {
   std::vector<Imf::Header> headers;
   std::map<int, FrameChannels> channels;  ///< of the parts that are not copied
   std::list<Image> light;                 ///< radiance without the surfaces' colours
-  std::optional<PixelType> type;          ///< of replaced channels; that of the source without
+  std::optional<PixelType> type;          ///< of replaced channels; the source's if empty
 };
 
-/// Light of which the radiance is the product with the surface's colour; 0 where that is 0.
+/// The light whose product with the surface's colour is the radiance; 0 where the colour is 0.
 Image divided(const Image& radiance, const Image& colour) {
   Image light(radiance.width(), radiance.height(), radiance.channels());
   std::ranges::transform(
@@ -107,7 +107,7 @@ void replace_view(const std::string& path, const LoadedView& view, const Frame& 
   }
 }
 
-/// Whether a channel is the selection's, of which `beauty` are the channels of that part.
+/// Whether the selection names the channel. `beauty`: the part's channels that the name `beauty` selects.
 bool is_named(const ChannelSelection& selection, const std::string& channel,
               const std::vector<std::string>& beauty) {
   return std::ranges::any_of(selection.names, [&](const std::string& name) {
