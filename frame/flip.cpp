@@ -11,7 +11,7 @@
 
 #include "frame/compared_pixels.h"
 
-// Headings in quotes are those of the paper's section on the algorithm.
+// Names in quotes are steps of the paper's algorithm (its color pipeline, feature pipeline and their union).
 
 namespace becalm {
 namespace {
@@ -102,7 +102,7 @@ void normalise(std::vector<Tap>& taps, double Tap::*value) {
 }
 
 /// "Spatial filtering": the contrast sensitivity functions, which are sums of Gaussians
-/// a sqrt(pi/b) exp(-pi^2 x^2 / b) of the paper's table 1. "Feature detection": derivatives of a Gaussian
+/// a sqrt(pi/b) exp(-pi^2 x^2 / b) with the paper's constants. "Feature detection": derivatives of a Gaussian
 /// whose width is that of the eye's edge detectors, 0.082 degrees.
 Kernels::Kernels(double pixels_per_degree) {
   constexpr double pi = std::numbers::pi;
