@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
-#include <functional>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -16,6 +16,7 @@
 #include "app/compare_report.h"
 #include "app/console.h"
 #include "app/options.h"
+#include "frame/flip.h"
 #include "frame/io/exr.h"
 #include "frame/io/layers.h"
 #include "frame/io/sequence.h"
@@ -26,6 +27,45 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
+/// What a limit bounds: from above, from below, or the absolute value from above. Comparisons are written so
+/// that NaN, which means that no pixel was finite, fails.
+enum class Limit { max, min, max_absolute };
+
+double limited(Limit kind, double value) {
+  return kind == Limit::max_absolute ? std::abs(value) : value;
+}
+
+bool fails(Limit kind, double value, double limit) {
+  return kind == Limit::min ? !(value >= limit) : !(limited(kind, value) <= limit);
+}
+
+/// One column of the table, and the option that limits it.
+struct Column {
+  const char* title;
+  const char* key;  ///< in the JSON file
+  double FrameFigures::*value;
+  std::string (*format)(double);
+  const char* option;
+  Limit limit;
+  const char* help;
+};
+
+const std::array kColumns{
+    Column{"relMSE", "relmse", &FrameFigures::rel_mse, [](double v) { return fmt::format("{:.4e}", v); },
+           "--max-relmse", Limit::max, "Largest relMSE"},
+    Column{"PSNR dB", "psnr", &FrameFigures::psnr_db, [](double v) { return fmt::format("{:.2f}", v); },
+           "--min-psnr", Limit::min, "Smallest PSNR, in dB for a peak of 1"},
+    Column{"SSIM", "ssim", &FrameFigures::ssim, [](double v) { return fmt::format("{:.4f}", v); },
+           "--min-ssim", Limit::min, "Smallest SSIM"},
+    Column{"FLIP", "flip", &FrameFigures::flip, [](double v) { return fmt::format("{:.4f}", v); },
+           "--max-flip", Limit::max, "Largest mean FLIP, of 67 pixels per degree, after clamping to [0,1]"},
+    Column{"temporal", "temporal", &FrameFigures::temporal, [](double v) { return fmt::format("{:.4e}", v); },
+           "--max-temporal", Limit::max, "Largest temporal error"},
+    Column{"energy", "energy", &FrameFigures::energy,
+           [](double v) { return fmt::format("{:+.3f} %", v * 100.0); }, "--max-energy", Limit::max_absolute,
+           "Largest share by which the mean may differ: 0.01 is 1 %"},
+};
+
 struct CompareCommand {
   std::string reference;
   std::string test;
@@ -34,11 +74,7 @@ struct CompareCommand {
   std::string layers;
   std::string report;
   std::string json;
-  std::optional<double> max_rel_mse;
-  std::optional<double> max_temporal;
-  std::optional<double> max_energy;
-  std::optional<double> min_psnr;
-  std::optional<double> min_ssim;
+  std::array<std::optional<double>, kColumns.size()> limits;  ///< in the columns' order
 };
 
 /// The images of one frame.
@@ -46,7 +82,11 @@ struct Images {
   int frame = 0;
   Image test;
   Image reference;
-  Image reference_b;  ///< empty without --reference-b
+  Image reference_b;     ///< empty without --reference-b
+  Image reference_mean;  ///< of both references; empty without --reference-b
+
+  /// For what has no form of two references: the one with the least noise.
+  const Image& best_reference() const { return reference_b.empty() ? reference : reference_mean; }
 };
 
 Image mean_of(const Image& a, const Image& b) {
@@ -70,6 +110,7 @@ FrameFigures measure(const Images& now, const Images* before) {
     figures.ssim = ssim(now.test, now.reference).value;
     figures.energy = energy(now.test, now.reference).value;
   }
+  figures.flip = flip(now.test, now.best_reference()).value;
   if (before != nullptr && before->frame == now.frame - 1) {
     figures.temporal = two ? temporal_error(now.test, before->test, now.reference, before->reference,
                                             now.reference_b, before->reference_b)
@@ -79,51 +120,8 @@ FrameFigures measure(const Images& now, const Images* before) {
   return figures;
 }
 
-/// One column of the table, and the limit that may be set on it.
-struct Column {
-  const char* title;
-  const char* key;     ///< in the JSON file
-  const char* option;  ///< that sets the limit
-  double FrameFigures::*value;
-  std::function<bool(double value, double limit)> fails;
-  std::string (*format)(double);
-};
-
-/// Comparisons are written so that NaN, which means that no pixel was finite, fails.
-bool above(double value, double limit) {
-  return !(value <= limit);
-}
-bool below(double value, double limit) {
-  return !(value >= limit);
-}
-
-const std::vector<Column>& columns() {
-  static const std::vector<Column> all{
-      {"relMSE", "relmse", "--max-relmse", &FrameFigures::rel_mse, above,
-       [](double v) { return fmt::format("{:.4e}", v); }},
-      {"PSNR dB", "psnr", "--min-psnr", &FrameFigures::psnr_db, below,
-       [](double v) { return fmt::format("{:.2f}", v); }},
-      {"SSIM", "ssim", "--min-ssim", &FrameFigures::ssim, below,
-       [](double v) { return fmt::format("{:.4f}", v); }},
-      {"temporal", "temporal", "--max-temporal", &FrameFigures::temporal, above,
-       [](double v) { return fmt::format("{:.4e}", v); }},
-      {"energy", "energy", "--max-energy", &FrameFigures::energy,
-       [](double value, double limit) { return above(std::abs(value), limit); },
-       [](double v) { return fmt::format("{:+.3f} %", v * 100.0); }},
-  };
-  return all;
-}
-
-std::optional<double> limit_of(const CompareCommand& command, const Column& column) {
-  const std::string option = column.option;
-  if (option == "--max-relmse") return command.max_rel_mse;
-  if (option == "--min-psnr") return command.min_psnr;
-  if (option == "--min-ssim") return command.min_ssim;
-  if (option == "--max-temporal") return command.max_temporal;
-  return command.max_energy;
-}
-
-/// The first frame has no temporal error; that alone is no figure, while NaN elsewhere is one.
+/// The temporal error of a frame that follows no other is not a value. NaN in other columns is one, and
+/// fails.
 bool has_value(const Column& column, const FrameFigures& figures) {
   return column.value != &FrameFigures::temporal || !std::isnan(figures.temporal);
 }
@@ -131,7 +129,7 @@ bool has_value(const Column& column, const FrameFigures& figures) {
 /// Mean over the frames; PSNR is a mean of decibels, as tables give it.
 FrameFigures mean_of(const std::vector<FrameFigures>& frames) {
   FrameFigures mean;
-  for (const Column& column : columns()) {
+  for (const Column& column : kColumns) {
     double sum = 0.0;
     std::size_t count = 0;
     for (const FrameFigures& figures : frames) {
@@ -147,7 +145,7 @@ FrameFigures mean_of(const std::vector<FrameFigures>& frames) {
 
 void print_row(const std::string& name, const FrameFigures& figures) {
   fmt::print("{:>6}", name);
-  for (const Column& column : columns()) {
+  for (const Column& column : kColumns) {
     fmt::print("  {:>11}", has_value(column, figures) ? column.format(figures.*column.value) : "-");
   }
   fmt::print("\n");
@@ -155,13 +153,13 @@ void print_row(const std::string& name, const FrameFigures& figures) {
 
 void print_header() {
   fmt::print("{:>6}", "frame");
-  for (const Column& column : columns()) fmt::print("  {:>11}", column.title);
+  for (const Column& column : kColumns) fmt::print("  {:>11}", column.title);
   fmt::print("\n");
 }
 
 nlohmann::ordered_json to_json(const FrameFigures& figures) {
   nlohmann::ordered_json json;
-  for (const Column& column : columns())
+  for (const Column& column : kColumns)
     json[column.key] = figures.*column.value;  // NaN and infinity become null
   json["skipped_pixels"] = figures.skipped;
   return json;
@@ -209,10 +207,13 @@ CompareJob::CompareJob(const CompareCommand& command)
 }
 
 Images CompareJob::read(int frame) const {
-  Images images{.frame = frame, .test = {}, .reference = {}, .reference_b = {}};
+  Images images{.frame = frame, .test = {}, .reference = {}, .reference_b = {}, .reference_mean = {}};
   images.reference = io::read_exr(reference_.path(frame), frame, {}, layers_).frame.image(Aov::beauty);
   images.test = read_like(test_, frame, images.reference);
-  if (reference_b_) images.reference_b = read_like(*reference_b_, frame, images.reference);
+  if (reference_b_) {
+    images.reference_b = read_like(*reference_b_, frame, images.reference);
+    images.reference_mean = mean_of(images.reference, images.reference_b);
+  }
   return images;
 }
 
@@ -238,8 +239,7 @@ ExitStatus CompareJob::run() {
       warn(
           fmt::format("frame {}: {} pixels are not finite and were left out", frame, figures.back().skipped));
     }
-    if (report)
-      report->add(frame, now.test, reference_b_ ? mean_of(now.reference, now.reference_b) : now.reference);
+    if (report) report->add(frame, now.test, now.best_reference());
     before = std::move(now);
   }
   print_row("mean", mean_of(figures));
@@ -255,8 +255,9 @@ ExitStatus CompareJob::run() {
 /// A limit holds for every frame: one bad frame in a hundred is seen, and would not be in the mean.
 std::vector<std::string> CompareJob::find_failures(const std::vector<FrameFigures>& figures) const {
   std::vector<std::string> failures;
-  for (const Column& column : columns()) {
-    const std::optional<double> limit = limit_of(command_, column);
+  for (std::size_t i = 0; i < kColumns.size(); ++i) {
+    const Column& column = kColumns[i];
+    const std::optional<double> limit = command_.limits[i];
     if (!limit) continue;
     const FrameFigures* worst = nullptr;
     std::size_t failed = 0;
@@ -264,9 +265,12 @@ std::vector<std::string> CompareJob::find_failures(const std::vector<FrameFigure
     for (const FrameFigures& entry : figures) {
       if (!has_value(column, entry)) continue;
       ++measured;
-      if (!column.fails(entry.*column.value, *limit)) continue;
+      if (!fails(column.limit, entry.*column.value, *limit)) continue;
       ++failed;
-      if (worst == nullptr || column.fails(entry.*column.value, worst->*column.value)) worst = &entry;
+      if (worst == nullptr ||
+          fails(column.limit, entry.*column.value, limited(column.limit, worst->*column.value))) {
+        worst = &entry;
+      }
     }
     if (measured == 0) {
       failures.push_back(fmt::format("failed: no {} could be measured for {}: no frame follows another",
@@ -315,8 +319,10 @@ Command add_compare(CLI::App& becalm) {
       ->check(not_empty())
       ->option_text("TEST");
   parser
-      .add_option("--reference-b", command->reference_b,
-                  "A second, independent reference: its noise and the first one's no longer count as error")
+      .add_option(
+          "--reference-b", command->reference_b,
+          "A second, independent reference: its noise and the first one's no longer count as error; FLIP "
+          "takes the mean of both, whose noise does")
       ->option_text("SECOND")
       ->group("Input");
   parser
@@ -337,16 +343,11 @@ Command add_compare(CLI::App& becalm) {
                   "Write pictures of the errors and an index.html into this folder")
       ->option_text("DIR")
       ->group("Output");
-  const auto add_limit = [&](const char* name, std::optional<double>& limit, const char* help) {
-    parser.add_option(name, limit, help)
+  for (std::size_t i = 0; i < kColumns.size(); ++i) {
+    parser.add_option(kColumns[i].option, command->limits[i], kColumns[i].help)
         ->option_text("X")
         ->group("Limits (any frame beyond one: exit status 1)");
-  };
-  add_limit("--max-relmse", command->max_rel_mse, "Largest relMSE");
-  add_limit("--max-temporal", command->max_temporal, "Largest temporal error");
-  add_limit("--max-energy", command->max_energy, "Largest share by which the mean may differ: 0.01 is 1 %");
-  add_limit("--min-psnr", command->min_psnr, "Smallest PSNR, in dB for a peak of 1");
-  add_limit("--min-ssim", command->min_ssim, "Smallest SSIM");
+  }
   parser.footer(
       "Examples:\n"
       "  becalm compare 'ref/shot.####.exr' 'out/shot.####.exr' --report report\n"

@@ -162,8 +162,9 @@ void CompareReport::finish(const std::string& title, const std::vector<FrameFigu
       escape(title), scale, kCoolest, kHottest);
   for (const FrameFigures& entry : figures) {
     html += fmt::format(
-        "<section><h2>frame {}: relMSE {:.3e}, PSNR {:.2f} dB, SSIM {:.4f}, energy {:+.3f} %</h2>\n",
-        entry.frame, entry.rel_mse, entry.psnr_db, entry.ssim, entry.energy * 100.0);
+        "<section><h2>frame {}: relMSE {:.3e}, PSNR {:.2f} dB, SSIM {:.4f}, FLIP {:.4f}, energy {:+.3f} "
+        "%</h2>\n",
+        entry.frame, entry.rel_mse, entry.psnr_db, entry.ssim, entry.flip, entry.energy * 100.0);
     html += "<div class=\"row\">";
     for (const char* what : {"reference", "test", "error"}) {
       html +=

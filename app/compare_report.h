@@ -13,6 +13,7 @@ struct FrameFigures {
   double rel_mse = 0.0;
   double psnr_db = 0.0;
   double ssim = 0.0;
+  double flip = 0.0;
   double temporal = 0.0;
   double energy = 0.0;
   std::size_t skipped = 0;  ///< pixels that are not finite in one of the images

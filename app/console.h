@@ -12,7 +12,7 @@ enum class MessageFormat { text, json };
 void set_message_format(MessageFormat format);
 MessageFormat message_format();
 
-/// Writes to standard error. A failure is ignored: a message that nobody can read is not worth a frame.
+/// Writes to standard error. A failure is ignored: a run does not end because a message is lost.
 void write_error(std::string_view text);
 /// A line of text, or {"event": "message", "text": LINE}.
 void say(std::string_view line);

@@ -7,11 +7,11 @@
 
 namespace becalm::app {
 
-/// Tells contents apart, which is all that is asked of it: FNV-1a over words of 8 bytes, with a rotation that
-/// lets the high bits of a word reach the low ones. Some 5 GB/s.
+/// A hash that tells contents apart and is not cryptographic: FNV-1a over words of 8 bytes, with a rotation
+/// that lets the high bits of a word reach the low ones. Some 5 GB/s.
 class ContentHash {
  public:
-  /// Equal bytes in other portions give another hash, unless all portions but the last are of whole words.
+  /// Bytes may come in portions of multiples of 8 without changing the hash; other portions change it.
   void add(std::string_view bytes);
   void add(std::uint64_t word);
   /// Throws Error(bad_input) if the file cannot be read.

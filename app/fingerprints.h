@@ -7,7 +7,7 @@
 #include <set>
 #include <string>
 
-#include "app/filter_step.h"
+#include "app/filter_stage.h"
 #include "app/input_check.h"
 #include "app/input_frames.h"
 #include "frame/io/exr.h"
@@ -21,7 +21,7 @@ namespace becalm::app {
 /// on, and bytes cost a tenth of decoding them. May be called from any thread.
 class Fingerprints {
  public:
-  Fingerprints(const InputFrames& inputs, const FilterStep& filter, const io::LayerOptions& layers,
+  Fingerprints(const InputFrames& inputs, const FilterStage& filter, const io::LayerOptions& layers,
                const InputWindow& window)
       : inputs_(inputs), filter_(filter), layers_(layers), window_(window) {}
 
@@ -29,7 +29,7 @@ class Fingerprints {
   void take(int frame);
   /// For the output of a frame: `becalm:inputs`, the frames that it is made from and a hash of them, as
   /// `1-40 0123456789abcdef`; `becalm:layers`, what was taken from the frame's own file; and
-  /// `becalm:input_settings` if becalm wrote that. Takes frames that were not taken yet.
+  /// `becalm:input_settings` if becalm wrote that. Calls take() for frames that were not taken yet.
   io::Attributes of(int frame);
   /// `beauty=R,G,B,A albedo=...`: what the filter takes of the frame's file.
   std::string layers_of(int frame) { return taken(frame).layers; }
@@ -46,7 +46,7 @@ class Fingerprints {
   std::set<int> read_for(int frame) const;
 
   const InputFrames& inputs_;
-  const FilterStep& filter_;
+  const FilterStage& filter_;
   const io::LayerOptions& layers_;
   const InputWindow& window_;
   std::mutex mutex_;

@@ -14,8 +14,8 @@
 namespace becalm::app {
 namespace {
 
-/// A write lock of bytes from `start`; a length of 0 is all of them. Of the open file, not of the process, so
-/// that a process may hold several and closing one leaves the others.
+/// Locks `length` bytes from `start`; 0 means all that follow. The lock belongs to the open file and not to
+/// the process, so that closing another descriptor of the file does not drop it.
 bool lock(int file, off_t start, off_t length) {
   struct flock range {};
   range.l_type = F_WRLCK;

@@ -6,9 +6,9 @@
 
 namespace becalm::app {
 
-/// Names of files in a folder that no other process may write meanwhile: locks on `.becalm.lock` there, a
-/// byte a name, which the system drops with the process, however that ends. The file is removed by the last
-/// one.
+/// Reserves file names in a folder against other processes, by locks on `.becalm.lock` there: one byte for
+/// each name. The system drops the locks when the process ends, however it ends. The last holder removes the
+/// file.
 class FolderLock {
  public:
   /// Throws Error(resource) naming the first of the names that another process holds. Where the file system

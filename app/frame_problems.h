@@ -18,8 +18,9 @@ class FrameProblems {
   /// A file's path at the front of `problem` is left out, so that frames with one problem share a line.
   void add(int frame, std::string problem);
   bool empty() const { return problems_.empty(); }
-  /// Throws Error(bad_input): the only problem with its frames; or, if there are several, how many of `total`
-  /// frames have one and `consequence`, after each problem went to standard error as a line of its own.
+  /// Throws Error(bad_input). The message of a single problem is the problem with its frames. Several
+  /// problems are first printed on standard error, a line each; the message is then how many of `total`
+  /// frames have one, and `consequence`.
   [[noreturn]] void fail(std::size_t total, std::string_view consequence) const;
 
  private:

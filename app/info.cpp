@@ -99,7 +99,7 @@ void describe_scene(const std::string& path, bool json) {
   json ? print_json({{"scene", path}, {"lines", lines}}) : print_lines(lines);
 }
 
-/// Without colour nothing adds up to it, and damaged pixels are not the header's business.
+/// No sets for a file without colour or with damaged pixels: its header is still described.
 std::vector<io::AdditiveSet> additive_sets(const std::string& path, const io::LayerOptions& layers) {
   try {
     return io::find_additive_sets(path, layers);
@@ -208,7 +208,7 @@ std::vector<Described> describe_frames(const io::SequencePattern& pattern, const
   return described;
 }
 
-/// The lines of `kind` that `usual` has not, and those that only that one has.
+/// The lines of `usual` that `kind` lacks, and those of `kind` that `usual` lacks.
 void print_difference(const Kind& kind, const Kind& usual) {
   const auto print_missing = [](const Kind& from, const Kind& in, char sign) {
     for (const std::string& line : from.first->lines) {
@@ -235,7 +235,7 @@ std::vector<Kind> kinds_of(const std::vector<Described>& described) {
 }
 
 void print_kinds(const std::vector<Kind>& kinds) {
-  constexpr std::size_t most_kinds = 10;  // a window may be another in every frame
+  constexpr std::size_t most_kinds = 10;  // data windows may differ in every frame
   for (std::size_t i = 0; i < std::min(kinds.size(), most_kinds); ++i) {
     if (kinds.size() > 1) {
       fmt::print("frames {}{}:\n", io::format_frame_range(kinds[i].frames), i == 0 ? "" : " have instead");
@@ -254,8 +254,8 @@ Json to_json(const std::vector<Kind>& kinds) {
   return json;
 }
 
-/// The description that most frames have, and what others have instead; additive layers of the first frame,
-/// by which denoise chooses them, and its alpha.
+/// The description that most frames have, and how others differ from it; of the first frame, the additive
+/// layers, which denoise chooses by it, and what becomes of alpha.
 void describe_sequence(const io::SequencePattern& pattern, const io::LayerOptions& layers,
                        const InfoCommand& command) {
   const std::vector<int> frames = pattern.frames_on_disk();

@@ -24,7 +24,7 @@ struct Checked {
 };
 
 /// Of the views of one file.
-std::vector<InputLayout> read_layout(const std::string& path, const FilterStep& filter,
+std::vector<InputLayout> read_layout(const std::string& path, const FilterStage& filter,
                                      const io::LayerOptions& layers) {
   std::vector<InputLayout> layout;
   for (const io::ExrView& view : io::read_exr_header(path, layers, io::CheckChunks::yes)) {
@@ -33,7 +33,7 @@ std::vector<InputLayout> read_layout(const std::string& path, const FilterStep& 
   return layout;
 }
 
-Checked check(const InputFrames& inputs, int frame, const FilterStep& filter,
+Checked check(const InputFrames& inputs, int frame, const FilterStage& filter,
               const io::LayerOptions& layers) {
   try {
     std::vector<InputLayout> layout = read_layout(inputs.path(frame), filter, layers);
@@ -118,7 +118,7 @@ std::string difference(const std::vector<InputLayout>& views, const std::vector<
 
 }  // namespace
 
-InputLayout layout_of(const io::ExrView& header, const FilterStep& filter) {
+InputLayout layout_of(const io::ExrView& header, const FilterStage& filter) {
   InputLayout layout;
   layout.view = header.view;
   layout.display_window = header.display_window;
@@ -167,7 +167,7 @@ InputWindow find_window(const InputFrames& inputs, const io::LayerOptions& layer
 }
 
 std::vector<InputLayout> check_inputs(const InputFrames& inputs, const std::set<int>& frames,
-                                      const FilterStep& filter, const io::LayerOptions& layers) {
+                                      const FilterStage& filter, const io::LayerOptions& layers) {
   std::vector<Checked> checked;
   for (const int frame : frames) checked.push_back({frame, std::nullopt, ""});
   tbb::parallel_for(std::size_t{0}, checked.size(),

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "app/filter_step.h"
+#include "app/filter_stage.h"
 #include "app/input_frames.h"
 #include "frame/aov.h"
 #include "frame/io/exr.h"
@@ -27,11 +27,11 @@ struct InputLayout {
 
 /// What the filter takes of a view with this header: AOVs that are denoised with the beauty must be of its
 /// part, since other parts are passed on.
-InputLayout layout_of(const io::ExrView& header, const FilterStep& filter);
+InputLayout layout_of(const io::ExrView& header, const FilterStage& filter);
 
-/// What the filter sees of every frame: the data window where all are alike. Where they differ, as those of
-/// renderers that leave out empty margins, all that any of the frames that may be read covers, and the
-/// display window: so it depends neither on the job nor, mostly, on the shot.
+/// The window that the filter sees of every frame: the data window if all frames have the same. If they
+/// differ, since the renderer crops empty margins, it covers the display window and the data windows of all
+/// frames that may be read, so that it does not depend on which frames a job writes.
 struct InputWindow {
   Imath::Box2i window;
   int width() const { return window.max.x - window.min.x + 1; }
@@ -41,11 +41,10 @@ struct InputWindow {
 /// Of all views of all readable frames, in parallel; those whose headers cannot be read do not count.
 InputWindow find_window(const InputFrames& inputs, const io::LayerOptions& layers);
 
-/// Reads the headers of `frames`, in parallel, before any pixel is read and hours are spent. Throws
-/// Error(bad_input) unless every file is there, whole and of one layout, which is that of most frames: so it
-/// does not matter which of them is read first. One problem is told by the error; of several, each is a line
-/// on standard error with its frames, and the error counts them.
+/// Reads the headers of `frames`, in parallel, before any pixel is read. Throws Error(bad_input) as
+/// FrameProblems does unless every file is there, whole, and of the layout that most frames have. Returns the
+/// views of that layout.
 std::vector<InputLayout> check_inputs(const InputFrames& inputs, const std::set<int>& frames,
-                                      const FilterStep& filter, const io::LayerOptions& layers);
+                                      const FilterStage& filter, const io::LayerOptions& layers);
 
 }  // namespace becalm::app

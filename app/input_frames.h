@@ -21,7 +21,7 @@ int usual_step(const std::vector<int>& frames);
 /// Which files of a sequence are read, and for which frames each is written.
 class InputFrames {
  public:
-  /// Of frames that are asked for and of those on disk, those that may be read.
+  /// Chooses the frames that may be read from those asked for and those on disk.
   using Readable =
       std::function<std::vector<int>(const std::vector<int>& asked, const std::vector<int>& on_disk)>;
 
@@ -42,8 +42,7 @@ class InputFrames {
   std::string path(int frame) const { return pattern_.path(frame); }
   /// A pattern of outputs, in which a lone `#` has the padding of the input's numbers.
   io::SequencePattern output_pattern(const std::string& text) const;
-  /// Whether frames have numbers: a single file in whose name there is none, and that nobody gave one, is
-  /// frame 1.
+  /// False for a single file that has no number, neither in its name nor by --frame: it is frame 1.
   bool has_numbers() const { return has_numbers_; }
   /// The usual distance between the numbers of frames that may be read.
   int step() const { return step_; }
@@ -54,11 +53,11 @@ class InputFrames {
   /// For which frames a frame is written: its own number if that was asked for and, with `hold`, those of the
   /// missing frames after it.
   const std::vector<int>& outputs_of(int frame) const { return outputs_.at(frame); }
-  /// Frames of which some output is not among the existing.
+  /// Frames that have an output which is not among the existing ones.
   std::set<int> sources_of_missing(const std::set<int>& existing) const;
-  /// Frames that are written, up to the last one of which some output is not among the existing.
+  /// Frames that have outputs, up to the last one that has an output which is not among the existing ones.
   std::set<int> up_to_last_missing(const std::set<int>& existing) const;
-  /// One line about gaps that nobody asked about, or empty.
+  /// One line about gaps between the files, where --frames did not say which to use; or empty.
   const std::string& note() const { return note_; }
 
  private:

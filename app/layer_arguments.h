@@ -18,7 +18,7 @@ struct LayerArguments {
 };
 void add_layer_options(CLI::App& command, LayerArguments& arguments);
 
-/// Throws Error(usage). What is additive is another question, since it takes a file to answer.
+/// Throws Error(usage). Leaves `additive` empty: io::choose_additive needs the layers of a file for it.
 io::LayerOptions layer_options(const LayerArguments& arguments);
 /// As files record them, each after a space; empty where nothing was said.
 std::string describe(const LayerArguments& arguments);

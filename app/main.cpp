@@ -50,13 +50,13 @@ int fail(ExitStatus status, std::string message) {
   return static_cast<int>(status);
 }
 
-/// What was printed is on its way, or the status says that it is not.
+/// Flushes standard output. The status tells if it could not be written.
 int finish_output(int status) {
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return status;
   return fail(ExitStatus::resource, "standard output cannot be written to");
 }
 
-/// CLI11 says what is wrong but neither for which command nor where to read on.
+/// CLI11's message, with the command that it is about and where its help is.
 std::string usage_message(const CLI::ParseError& error, const std::array<becalm::app::Command, 4>& commands) {
   std::string command;
   for (const auto& entry : commands) {

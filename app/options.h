@@ -19,7 +19,7 @@ class Validator;
 
 namespace becalm::app {
 
-/// Refuses an empty text: a variable of the calling script that was not set, rather than a wish.
+/// Refuses an empty text: most likely a variable that the calling script did not set.
 CLI::Validator not_empty();
 
 /// Options that more than one subcommand has, with one name and one meaning.
@@ -39,7 +39,7 @@ struct RunningOptions {
   bool verbose = false;
   std::string progress = "text";
 };
-/// What holds for the whole process; called before the command runs.
+/// Sets what holds for the whole process: the format of messages. Called before the command runs.
 void apply(const RunningOptions& options);
 void add_running_options(CLI::App& command, RunningOptions& options);
 

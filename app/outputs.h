@@ -22,7 +22,7 @@ class Outputs {
   const std::vector<int>& frames() const { return frames_; }
   std::string path(int frame) const { return pattern_.path(frame); }
 
-  /// Throws Error(usage) if one of the outputs is one of the inputs, links and all.
+  /// Throws Error(usage) if one of the outputs is one of the inputs, also through links.
   void keep_apart_from(const std::vector<std::string>& inputs) const;
 
   /// Throws Error(usage) if there is a file in an output's place that becalm did not write.
@@ -50,8 +50,8 @@ class Outputs {
   std::unique_ptr<FolderLock> lock_;
 };
 
-/// The first frames up to the last one that is not among the existing: what a stage with a memory must go
-/// through.
+/// The frames up to the last one that is not among the existing ones: what a filter whose history is
+/// unbounded must go through.
 std::vector<int> up_to_last_missing(const std::vector<int>& frames, const std::set<int>& existing);
 
 }  // namespace becalm::app

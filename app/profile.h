@@ -16,7 +16,7 @@ namespace becalm::app {
 /// any thread.
 class Profile {
  public:
-  /// One frame's wall time in a step of the way: "render", "read", "filter", "write".
+  /// The wall time that one frame took in a step: "render", "read", "filter", "write".
   void add(const std::string& step, double seconds);
   /// One frame's device times.
   void add(const std::vector<gpu::PassTime>& passes);

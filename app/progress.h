@@ -30,16 +30,16 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// `frame` is being worked on; `frames_done` of the work, parts of a frame included, are behind us.
+  /// `frame` is being worked on; `frames_done` frames of the work are done, parts of a frame included.
   void update(int frame, double frames_done);
   /// The frame was worked on but its file exists already and is not written again.
   void frame_kept(int frame);
   void frame_written(int frame);
   /// A line that --quiet does not silence.
   void warn(std::string_view line);
-  /// Says something that is no trouble; not when quiet.
+  /// A line of information, which --quiet silences.
   void note(std::string_view line);
-  /// Says something that only --verbose asks for.
+  /// A line that is printed with --verbose only.
   void detail(std::string_view line);
   /// Takes the moving line away; if all is `done`, prints the closing line: frames, time, rate.
   void finish(bool done);

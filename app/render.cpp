@@ -5,8 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <filesystem>
-#include <map>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <set>
@@ -14,46 +13,46 @@
 #include "app/alpha_report.h"
 #include "app/cancel.h"
 #include "app/command.h"
-#include "app/filter_run.h"
-#include "app/filter_step.h"
+#include "app/filter_stage.h"
+#include "app/frame_sink.h"
 #include "app/input_frames.h"
 #include "app/options.h"
 #include "app/outputs.h"
+#include "app/pipeline.h"
 #include "app/profile.h"
 #include "app/progress.h"
+#include "app/render_ahead.h"
 #include "app/render_arguments.h"
+#include "app/rendered_frames.h"
 #include "app/scene_hash.h"
-#include "app/stage.h"
-#include "app/writing.h"
-#include "filter/merge/additive.h"
+#include "filter/additive.h"
 #include "frame/io/exr.h"
 #include "frame/io/sequence.h"
 #include "tracer/render.h"
-#include "tracer/scene/load/load.h"
+#include "tracer/scene/load.h"
 
 namespace becalm::app {
 namespace {
 
 /// What the filter wants of the tracer: a single sample has no halves.
-AovSet filter_input(const FilterStep& filter, int spp) {
+AovSet filter_input(const FilterStage& filter, int spp) {
   AovSet wanted = filter.wanted();
   if (spp == 1)
     wanted.reset(static_cast<std::size_t>(Aov::half_a)).reset(static_cast<std::size_t>(Aov::half_b));
   return wanted;
 }
 
-/// Where noisy frames wait for the filter if nobody wants to keep them: beside the outputs, which without a
-/// frame field are one while the filter may want others, too.
+/// Where noisy frames wait for the filter without --keep-noisy: beside the outputs. The name has a frame
+/// field even if the output, being one frame, has none: the filter reads its neighbours, too.
 std::string scratch_pattern(const std::string& output) {
   const bool has_field = io::SequencePattern(output).has_frame_field();
   return output.substr(0, output.rfind('.')) + (has_field ? ".noisy.exr" : ".noisy.####.exr");
 }
 
-/// What a filter with segments may read: the scene's frames, at the distance of those that are asked for, and
-/// whatever
-/// --context names. It is rendered where it is read.
+/// The frames that can be rendered for a filter with segments: the scene's, at the distance of those asked
+/// for, and those that --context names.
 std::vector<int> existing_frames(const std::vector<int>& asked, const tracer::SceneDescription& scene,
-                                 const FilterStep& filter) {
+                                 const FilterStage& filter) {
   std::set<int> frames(asked.begin(), asked.end());
   const int step = usual_step(asked);
   for (int frame = scene.frames.first; frame <= scene.frames.last; ++frame) {
@@ -72,38 +71,32 @@ class RenderJob {
 
  private:
   bool has_segments() const { return filter_ && filter_->has_segments(); }
-  void choose_noisy_outputs();
+  void choose_noisy_files();
   void find_existing();
-  Progress& start_progress(std::size_t frames_to_make);
+  void start_progress(std::size_t frames_to_make);
   void run_frame_by_frame(const std::vector<int>& work);
   void run_segments(const std::vector<int>& work);
-  void filter_segment(const filter::Segment& segment);
-  io::LoadedFrame read_noisy(int frame) const;
-  std::optional<Frame> make_noisy(int frame);
-  std::optional<Frame> trace(int frame);
-  void write_noisy(const Frame& frame);
-  void denoise_and_write(Frame& noisy);
-  void write(Frame& result, Frame& noisy);
+  RenderedFrames rendered_frames();
+  void run_steps(const std::vector<filter::Step>& steps,
+                 const std::function<std::optional<io::LoadedFrame>(std::size_t)>& source);
+  void write(FinishedFrame& finished, FrameSink& sink);
 
   io::Attributes render_attributes(const AskedAovs& aovs, bool float_colors) const;
 
   const RenderCommand& command_;
   const ThreadLimit threads_;
   const AskedAovs asked_;
-  std::optional<FilterStep> filter_;
+  std::optional<FilterStage> filter_;
   const AovSet rendered_;  ///< what was asked for and what the filter wants
   tracer::Scene scene_;
   const std::string scene_hash_;
   const Size size_;
   std::optional<Outputs> outputs_;
   std::vector<int> readable_;  ///< by the filter, rendered for it if need be
-  std::optional<Outputs> noisy_outputs_;
+  std::optional<NoisyFiles> noisy_files_;
   io::Attributes attributes_;
-  io::Attributes noisy_attributes_;
   std::set<int> existing_;
-  std::set<int> existing_noisy_;
   std::optional<Progress> progress_;
-  int frames_made_ = 0;  ///< by the tracer or from --keep-noisy, in this run
   Profile profile_;
 };
 
@@ -112,7 +105,7 @@ RenderJob::RenderJob(const RenderCommand& command)
       threads_(command.running.threads),
       asked_(parse_aovs(command.aovs)),
       filter_(command.preset.empty() ? std::nullopt
-                                     : std::make_optional<FilterStep>(command.preset, command.filter)),
+                                     : std::make_optional<FilterStage>(command.preset, command.filter)),
       rendered_(asked_.aovs | (filter_ ? filter_input(*filter_, command.spp) : AovSet())),
       scene_(tracer::load_scene(command.scene)),
       scene_hash_(scene_hash(command.scene)),
@@ -125,22 +118,20 @@ RenderJob::RenderJob(const RenderCommand& command)
     attributes_.back().second += ' ' + filter_->describe(readable_);
     attributes_.emplace_back("becalm:preset", command.preset);
   }
-  choose_noisy_outputs();
+  choose_noisy_files();
 }
 
-void RenderJob::choose_noisy_outputs() {
-  if (!command_.keep_noisy.empty()) {
-    noisy_outputs_.emplace("--keep-noisy", io::SequencePattern(command_.keep_noisy), readable_);
-  } else if (has_segments()) {
-    noisy_outputs_.emplace("-o", io::SequencePattern(scratch_pattern(command_.output.pattern)), readable_);
-  } else {
-    return;
-  }
+void RenderJob::choose_noisy_files() {
+  const bool kept = !command_.keep_noisy.empty();
+  if (!kept && !has_segments()) return;
+  const std::string pattern = kept ? command_.keep_noisy : scratch_pattern(command_.output.pattern);
+  noisy_files_.emplace(
+      NoisyFiles{.outputs = Outputs(kept ? "--keep-noisy" : "-o", io::SequencePattern(pattern), readable_),
+                 .attributes = render_attributes({rendered_, asked_.light_groups}, /*float_colors=*/true)});
   std::vector<std::string> written;
   written.reserve(outputs_->frames().size());
   for (const int frame : outputs_->frames()) written.push_back(outputs_->path(frame));
-  noisy_outputs_->keep_apart_from(written);
-  noisy_attributes_ = render_attributes({rendered_, asked_.light_groups}, /*float_colors=*/true);
+  noisy_files_->outputs.keep_apart_from(written);
 }
 
 io::Attributes RenderJob::render_attributes(const AskedAovs& aovs, bool float_colors) const {
@@ -158,16 +149,16 @@ void RenderJob::find_existing() {
     return std::move(found.frames);
   };
   existing_ = find(*outputs_, attributes_);
-  if (noisy_outputs_) existing_noisy_ = find(*noisy_outputs_, noisy_attributes_);
+  if (noisy_files_) noisy_files_->existing = find(noisy_files_->outputs, noisy_files_->attributes);
 }
 
 ExitStatus RenderJob::run() {
   if (!command_.output.overwrite && !command_.output.resume) {
     outputs_->keep_foreign_files();
-    if (noisy_outputs_) noisy_outputs_->keep_foreign_files();
+    if (noisy_files_) noisy_files_->outputs.keep_foreign_files();
   }
   outputs_->prepare();
-  if (noisy_outputs_) noisy_outputs_->prepare();
+  if (noisy_files_) noisy_files_->outputs.prepare();
   if (command_.output.resume) find_existing();
   const std::vector<int>& asked = outputs_->frames();
 
@@ -189,8 +180,8 @@ ExitStatus RenderJob::run() {
   return conclude(*progress_, asked.size(), command_.running.profile ? &profile_ : nullptr);
 }
 
-Progress& RenderJob::start_progress(std::size_t frames_to_make) {
-  return progress_.emplace(
+void RenderJob::start_progress(std::size_t frames_to_make) {
+  progress_.emplace(
       ProgressOptions{.total = outputs_->frames().size(),
                       .existing = existing_.size(),
                       .work = frames_to_make,
@@ -200,127 +191,55 @@ Progress& RenderJob::start_progress(std::size_t frames_to_make) {
                       .verbose = command_.running.verbose});
 }
 
-/// The tracer makes frame n+1 while frame n is filtered and written.
-void RenderJob::run_frame_by_frame(const std::vector<int>& work) {
-  start_progress(work.size());
-  Stage<Frame> behind_tracer(
-      1, [this](Frame& frame) { denoise_and_write(frame); }, request_stop);
-  for (const int number : work) {
-    progress_->update(number, frames_made_);
-    std::optional<Frame> frame = make_noisy(number);
-    if (!frame || stop_requested()) break;
-    ++frames_made_;
-    behind_tracer.push(std::move(*frame));
-  }
-  behind_tracer.finish(/*drop=*/interrupted() && filter_);
-}
-
-/// The tracer makes the frames of segment n+1 while segment n is filtered and written. Noisy frames wait in
-/// files.
-void RenderJob::run_segments(const std::vector<int>& work) {
-  std::vector<filter::Segment> segments =
-      filter_->schedule(readable_, {work.begin(), work.end()}, usual_step(readable_));
-  std::map<int, std::size_t> last_use;  // of a noisy frame: the segment after which nothing reads it
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    for (const filter::Step& step : segments[i]) last_use[step.frame] = i;
-  }
-  Progress& progress = start_progress(last_use.size());
-  if (const std::size_t more = last_use.size() - work.size(); more > 0) {
-    progress.note(fmt::format(
-        "{} frames more are rendered for those before and after them; --context none does without", more));
-  }
-  Stage<std::size_t> behind_tracer(
-      1,
-      [&](std::size_t& segment) {
-        filter_segment(segments[segment]);
-        if (stop_requested() || !command_.keep_noisy.empty()) return;
-        for (const auto& [frame, last] : last_use) {
-          if (last == segment) std::filesystem::remove(noisy_outputs_->path(frame));
-        }
-      },
-      request_stop);
-  std::set<int> made;
-  for (std::size_t i = 0; i < segments.size() && !stop_requested(); ++i) {
-    std::set<int> needed;
-    for (const filter::Step& step : segments[i]) needed.insert(step.frame);
-    for (const int number : needed) {
-      if (stop_requested() || !made.insert(number).second) continue;
-      progress.update(number, frames_made_);
-      if (!existing_noisy_.contains(number)) {
-        const std::optional<Frame> noisy = trace(number);
-        if (!noisy) break;
-        write_noisy(*noisy);
-      }
-      ++frames_made_;
-    }
-    if (!stop_requested()) behind_tracer.push(i);
-  }
-  behind_tracer.finish(/*drop=*/interrupted());
-}
-
-void RenderJob::filter_segment(const filter::Segment& segment) {
-  run_filter(
-      *filter_, segment,
-      {.read = [this](int frame) { return read_noisy(frame); },
-       .write = [this](DenoisedFile& file) { write(file.frame, file.source.frame); }},
-      [](std::size_t) {}, *progress_, profile_);
-}
-
-io::LoadedFrame RenderJob::read_noisy(int frame) const {
-  return io::read_exr(noisy_outputs_->path(frame), frame, rendered_, {},
-                      asked_.light_groups ? io::LightGroups::read : io::LightGroups::leave);
-}
-
-std::optional<Frame> RenderJob::make_noisy(int frame) {
-  if (existing_noisy_.contains(frame)) {
-    const ProfileScope scope(profile_, "read");
-    return read_noisy(frame).frame;
-  }
-  std::optional<Frame> noisy = trace(frame);
-  if (noisy && noisy_outputs_) write_noisy(*noisy);
-  return noisy;
-}
-
-std::optional<Frame> RenderJob::trace(int frame) {
+RenderedFrames RenderJob::rendered_frames() {
   tracer::RenderOptions options = render_options(command_, size_);
   options.aovs = rendered_;
   options.light_groups = asked_.light_groups;
-  options.progress = [this, frame](double share) { progress_->update(frame, frames_made_ + share); };
-  options.cancel = &stop_requested();
-  tracer::RenderReport report;
-  const ProfileScope scope(profile_, "render");
-  std::optional<Frame> noisy = tracer::render_frame(scene_, frame, options, &report);
-  if (report.non_finite_samples > 0) {
-    const tracer::PixelSample first = report.first_non_finite.value_or(tracer::PixelSample{});
-    progress_->warn(
-        fmt::format("frame {}: {} samples were NaN or Inf and were left out; the first: --frames {} "
-                    "--debug-pixel {},{},{}",
-                    frame, report.non_finite_samples, frame, first.x, first.y, first.sample));
-  }
-  return noisy;
+  return {scene_, options, noisy_files_ ? &*noisy_files_ : nullptr, *progress_, profile_};
 }
 
-void RenderJob::write_noisy(const Frame& frame) {
-  const ProfileScope scope(profile_, "write noisy");
-  io::write_exr(noisy_outputs_->path(frame.number()), frame, noisy_attributes_, io::PixelType::float32);
+void RenderJob::run_frame_by_frame(const std::vector<int>& work) {
+  start_progress(work.size());
+  RenderedFrames frames = rendered_frames();
+  std::vector<filter::Step> steps;
+  for (const int frame : work) steps.push_back({.frame = frame});
+  run_steps(steps, [&](std::size_t step) { return frames.make(steps[step].frame); });
 }
 
-void RenderJob::denoise_and_write(Frame& noisy) {
-  Frame result(noisy.number(), noisy.width(), noisy.height());
-  if (filter_) {
-    const filter::Step step{.frame = noisy.number(), .new_history = false, .wanted = true};
-    result = *filter_->run(step, noisy, *progress_, profile_);
-  } else {
-    result.image(Aov::beauty) = std::move(noisy.image(Aov::beauty));
+void RenderJob::run_segments(const std::vector<int>& work) {
+  std::vector<filter::Segment> segments =
+      filter_->schedule(readable_, {work.begin(), work.end()}, usual_step(readable_));
+  std::set<int> needed;
+  for (const filter::Segment& segment : segments) {
+    for (const filter::Step& step : segment) needed.insert(step.frame);
   }
-  if (existing_.contains(noisy.number())) {
-    progress_->frame_kept(noisy.number());
-    return;
+  start_progress(needed.size());
+  if (const std::size_t more = needed.size() - work.size(); more > 0) {
+    progress_->note(fmt::format(
+        "{} frames more are rendered for those before and after them; --context none does without", more));
   }
-  write(result, noisy);
+  RenderedFrames frames = rendered_frames();
+  RenderAhead ahead(frames, *noisy_files_, std::move(segments), !command_.keep_noisy.empty());
+  run_steps(ahead.steps(), [&](std::size_t step) { return ahead.next(step); });
+  ahead.finish();
 }
 
-void RenderJob::write(Frame& result, Frame& noisy) {
+void RenderJob::run_steps(const std::vector<filter::Step>& steps,
+                          const std::function<std::optional<io::LoadedFrame>(std::size_t)>& source) {
+  FrameSink sink(*outputs_, existing_, "--float keeps them", *progress_, profile_);
+  run_pipeline(steps.size(),
+               {.source = source,
+                .filter = [&](std::size_t step, io::LoadedFrame noisy) -> std::optional<FinishedFrame> {
+                  if (!filter_) return unfiltered(std::move(noisy));
+                  return filter_->run(steps[step], std::move(noisy), *progress_, profile_);
+                },
+                .sink = [&](FinishedFrame finished) { write(finished, sink); }});
+}
+
+void RenderJob::write(FinishedFrame& finished, FrameSink& sink) {
+  Frame& result = finished.frame;
+  Frame& noisy = finished.source.frame;
+  if (!sink.wants(result.number())) return;
   // What was asked for and not denoised comes from the tracer as it is, as `becalm denoise` passes it on.
   const bool has_additive = filter_ && filter_->denoises_additive();
   for (const AovInfo& entry : kAovTable) {
@@ -334,15 +253,10 @@ void RenderJob::write(Frame& result, Frame& noisy) {
     attributes.emplace_back("becalm:alpha",
                             alpha_outcome(noisy.image(Aov::beauty), result.image(Aov::beauty)));
   }
-  io::WriteReport report;
-  {
-    const ProfileScope scope(profile_, "write");
-    report = io::write_exr(outputs_->path(result.number()), result, attributes,
-                           command_.float_colors ? io::PixelType::float32 : io::PixelType::half);
-  }
-  warn_overflows(*progress_, result.number(), report, "--float keeps them");
-  progress_->detail(fmt::format("frame {}: wrote {}", result.number(), outputs_->path(result.number())));
-  progress_->frame_written(result.number());
+  sink.write(result.number(), [&](const std::string& path) {
+    return io::write_exr(path, result, attributes,
+                         command_.float_colors ? io::PixelType::float32 : io::PixelType::half);
+  });
 }
 
 /// --debug-pixel: the path of one sample on standard output, and nothing written.

@@ -43,10 +43,10 @@ struct AskedAovs {
 };
 AskedAovs parse_aovs(const std::string& text);
 tracer::PixelSample parse_pixel_sample(const std::string& text);
-/// Options that say how to denoise, without --denoise; no -o where there must be one.
+/// Refuses options of the filter without --denoise, and a missing -o.
 void check_options_fit(const RenderCommand& command);
 
-/// What parse_aovs turns into the set again.
+/// The inverse of parse_aovs.
 std::string format_aovs(const AskedAovs& asked);
 
 /// Everything that decides the value of a sample.

@@ -11,7 +11,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Meshes and images are whatever strings of the scene name files: no key has to be known here.
+/// The files of every string in the scene that names one: meshes and images, under whichever key.
 void add_named_files(const nlohmann::json& node, const fs::path& folder, ContentHash& hash) {
   if (node.is_structured()) {
     for (const nlohmann::json& child : node) add_named_files(child, folder, hash);

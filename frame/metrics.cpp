@@ -4,41 +4,15 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 #include <vector>
+
+#include "frame/compared_pixels.h"
 
 namespace becalm {
 namespace {
 
-/// Keeps relative errors of black pixels finite (DESIGN, metrics).
+/// Keeps relative errors of black pixels finite.
 constexpr double kRelativeFloor = 0.01;
-
-constexpr double kNothingMeasured = std::numeric_limits<double>::quiet_NaN();
-
-int compared_channels(const Image& image) {
-  return std::min(3, image.channels());
-}
-
-template <std::size_t N>
-void require_comparable(const std::array<const Image*, N>& images) {
-  for (const Image* image : images) {
-    if (image->empty()) throw std::invalid_argument("a metric was asked of an empty image");
-    if (image->width() != images[0]->width() || image->height() != images[0]->height() ||
-        compared_channels(*image) != compared_channels(*images[0])) {
-      throw std::invalid_argument("a metric was asked of images of different sizes or channel counts");
-    }
-  }
-}
-
-template <std::size_t N>
-bool all_finite(const std::array<const Image*, N>& images, int x, int y, int channels) {
-  for (const Image* image : images) {
-    for (int c = 0; c < channels; ++c) {
-      if (!std::isfinite(image->at(x, y, c))) return false;
-    }
-  }
-  return true;
-}
 
 /// Sums of K terms over the pixels and channels that are finite in every image; `count` is the number of
 /// terms in each sum.
@@ -121,8 +95,8 @@ std::array<double, kSsimTaps> ssim_weights() {
   return weights;
 }
 
-/// Weighted sums over a window's measurable pixels: of 1, x, a, b, x^2, ab and x(a+b)/2, of the test x and
-/// the references a and b. Their noise is in none of the products' means if it is independent.
+/// Weighted sums over a window's measurable pixels, of 1, x, a, b, x^2, ab and x(a+b)/2, where x is the test
+/// and a and b are the references. Independent noise of a and b does not bias these means.
 using Moments = std::array<double, 7>;
 
 void add_scaled(Moments& sum, double weight, const Moments& moments) {

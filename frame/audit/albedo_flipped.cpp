@@ -10,13 +10,13 @@
 namespace becalm::audit {
 namespace {
 
-constexpr int kCellPx = 4;  // less noise
-/// Fewer cells tell nothing; with fewer that have an edge in the albedo there is nothing to compare.
+constexpr int kCellPx = 4;  // pixels are averaged into cells, which have less noise
+/// The check needs so many cells, and an edge of the albedo above kEdge in this share of them.
 constexpr std::size_t kLeastCells = 500;
 constexpr double kEdge = 0.1;
 constexpr double kShareOfEdges = 0.05;
-/// By so much the edges' correlation must rise: on 115 random shots of two renderers a flip of a sound albedo
-/// raised it by at most 0.14.
+/// A flip must raise the edges' correlation by this much: flipping a correct albedo raised it by at most 0.14
+/// in 115 random shots of two renderers.
 constexpr double kLeastGain = 0.2;
 
 struct Grid {
@@ -44,7 +44,7 @@ Grid cells(const Image& image) {
   return grid;
 }
 
-/// How much each cell differs from those to its right and below; 1 is much.
+/// How much each cell differs from those to its right and below, up to 1.
 Grid edges(const Grid& grid) {
   Grid result{grid.width - 1, grid.height - 1, {}};
   for (int y = 0; y < result.height; ++y) {

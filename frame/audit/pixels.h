@@ -15,7 +15,7 @@ std::vector<float> brightness(const Image& image);
 /// clean pictures.
 double rough_share(const Image& beauty);
 
-/// What a pixel's brightness has beside the mean of the 3x3 around it; 0 at the border.
+/// Each pixel's brightness minus the mean of the 3x3 pixels around it; 0 at the border.
 std::vector<float> fine_detail(const Image& beauty);
 
 }  // namespace becalm::audit

@@ -33,7 +33,7 @@ std::vector<double> block_ratios(const Image& variance, auto expected, auto seen
   return ratios;
 }
 
-/// The value that this share of the blocks is below.
+/// The quantile: this share of the blocks is below it.
 double quantile(std::vector<double> values, double share) {
   const auto at =
       values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));

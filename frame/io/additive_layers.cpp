@@ -17,8 +17,8 @@
 namespace becalm::io {
 namespace {
 
-/// Names of layers that share the beauty out, lower case; a file has some of them. One renderer offers
-/// several ways to share, which a file may have at once.
+/// Lower-case names of layers whose sum is the beauty; a file has some of a set. A renderer may offer several
+/// sets, and a file may have more than one of them.
 constexpr std::string_view kArnoldLobes[] = {"diffuse", "specular", "coat",     "sheen",     "transmission",
                                              "sss",     "volume",   "emission", "background"};
 constexpr std::string_view kArnoldPaths[] = {
@@ -51,10 +51,10 @@ constexpr std::span<const std::string_view> kSets[] = {kBlender,        kArnoldL
                                                        kArnoldOldPaths, kDirectAndIndirect, kVray,
                                                        kRenderMan,      kRenderManLobes};
 
-/// Arnold's light groups, whose names the scene gives.
+/// What the names of Arnold's light groups begin with; the scene gives the rest.
 constexpr std::string_view kArnoldGroup = "rgba_";
 
-/// Blender's light of a kind of surface is to be multiplied by its colour.
+/// Blender's light of these layers is multiplied by the surface's colour in another layer.
 struct ColouredBy {
   std::string_view light;
   std::string_view colour;
@@ -63,11 +63,12 @@ constexpr ColouredBy kColours[] = {{"diffdir", "diffcol"},   {"diffind", "diffco
                                    {"glossdir", "glosscol"}, {"glossind", "glosscol"},
                                    {"transdir", "transcol"}, {"transind", "transcol"}};
 
-/// Rounding to half of each summand, of a colour that it is multiplied by, and of the sum.
+/// Relative error by rounding to half: of each summand, of the colour that it is multiplied by, and of the
+/// sum.
 constexpr double kHalfRounding = 2.0 / 1024.0;
-/// Half's smallest step, many times over for many summands.
+/// Absolute error by rounding to half near 0: its smallest step, 6e-8, for many summands.
 constexpr double kSmallest = 1e-6;
-/// Values that may be farther off: clamped fireflies.
+/// Share of the values that may be farther off, such as clamped fireflies.
 constexpr double kAllowedShare = 1e-3;
 
 const ChannelLayer* find_layer(const std::vector<ChannelLayer>& layers, std::string_view name,

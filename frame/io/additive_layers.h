@@ -9,15 +9,15 @@
 
 namespace becalm::io {
 
-/// The layer of this name (or this end after a dot) as part of the beauty of `part`, with its colour pass
-/// where it is one of Blender's. Nothing if there is none with R, G and B and the data window of that part.
+/// The layer whose name this is, or ends in this after a dot, as a summand of the beauty of `part`; with its
+/// colour pass if it is one of Blender's. Nothing if no such layer has R, G, B and that part's data window.
 std::optional<LightSource> find_additive_layer(const std::vector<PartChannels>& parts, int part,
                                                const std::string& view, const std::string& name);
 
-/// Layers that share a beauty out among them, such as diffuse and specular light, or the light groups.
+/// Layers whose sum should be the beauty, such as diffuse and specular light, or the light groups.
 struct AdditiveSet {
   std::vector<std::string> layers;
-  /// Share of the values of which the sum is farther from the beauty than rounding to half explains.
+  /// Share of the values whose sum is farther from the beauty than rounding to half explains.
   double share_off = 0.0;
   bool adds_up() const;
 };

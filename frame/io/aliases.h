@@ -9,15 +9,16 @@
 
 namespace becalm::io {
 
-/// One row: a layer of this name is this AOV. Names are lower case, as are those they are compared with; a
-/// view layer's or a scene's name and a dot may stand before them. An empty name means bare channels.
+/// One row of the table of names: a layer of this name is this AOV. Names are compared in lower case, without
+/// the name of a view layer or scene and the dot that may stand before them. An empty name means bare
+/// channels.
 struct Alias {
   Aov aov;
   std::string_view layer;
   /// Brings the writer's motion to offset_cur_to_prev_px.
   std::array<float, 2> scale{1.0f, 1.0f};
   bool standard_deviation = false;
-  /// The name means something else in other renderers' files: it counts only in V-Ray's.
+  /// Counts in V-Ray's files only: elsewhere the name means something else.
   bool vray_only = false;
 };
 

@@ -12,8 +12,8 @@ namespace becalm::io {
 
 std::string lower(std::string_view text);
 
-/// The channels of one layer of one part that belong to one view, by lower-case letter; 0 for a channel
-/// without a letter, which is a layer of its own.
+/// The channels of one view in one layer of one part, by lower-case letter. A channel whose name does
+/// not end in a letter or a colour is a layer of its own, and has letter 0.
 struct ChannelLayer {
   int part = 0;
   std::string part_name;   ///< lower case, without the view
@@ -24,16 +24,16 @@ struct ChannelLayer {
 
   /// What the layer goes by: bare channels have their part's name.
   const std::string& name() const { return own_name.empty() ? part_name : own_name; }
-  /// Bare channels whose part's name does not say that they are something else than a beauty.
+  /// Whether these are bare channels of a part whose name is not that of another AOV: they may be a beauty.
   bool is_bare() const;
 };
 
 /// The layers of a view (of find_views), in the order in which their first channels stand in the file.
 std::vector<ChannelLayer> collect_layers(const std::vector<PartChannels>& parts, const std::string& view);
 
-/// The layer's channels as those of the AOV, if it has them all; alpha alone may be missing, and a variance
-/// of one channel counts for all three. Of bare channels only colours and a Z that no X and Y stand beside
-/// are certain.
+/// The layer's channels as those of the AOV, if it has them all. Alpha may be missing, and a variance of one
+/// channel serves for all three. Bare channels count as colour, or as depth if they have a Z without X and Y,
+/// and as nothing else.
 std::optional<LayerSource> channels_as(const ChannelLayer& layer, Aov aov);
 
 }  // namespace becalm::io

@@ -76,8 +76,8 @@ void read_part(Imf::MultiPartInputFile& file, int part_number, const TargetsByCh
   });
 }
 
-/// Makes the images of a view, and notes by part what is to be read into them. The view must stay where it
-/// is.
+/// Makes the images of a view, and notes for each part what is to be read into them. `parts` points into the
+/// view afterwards, so it must not move.
 void add_targets(AovSet wanted, LightGroups light_groups, LoadedView& view,
                  std::map<int, TargetsByChannel>& parts) {
   const auto add = [&](const LayerSource& source, Image& image) {

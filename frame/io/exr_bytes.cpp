@@ -102,8 +102,8 @@ std::uint64_t ExrBytes::header_end(std::uint64_t offset) const {
   return offset;
 }
 
-/// OpenEXR allocates and clears what sizes within a value say before it reads it, and reads some types to an
-/// end of their own: what is behind them would then be taken for other attributes than here.
+/// Checks types whose size OpenEXR takes from within the value: it allocates that much before it reads, and
+/// it would then look for the next attribute at another place than this class.
 void ExrBytes::require_value(const std::string& type, std::uint64_t offset, std::uint64_t size) const {
   const std::uint64_t end = offset + size;
   if (const auto found = fixed_sizes().find(type); found != fixed_sizes().end()) {

@@ -6,7 +6,7 @@
 #include "frame/io/exr_bytes.h"
 #include "frame/io/exr_file.h"
 
-// Neither of OpenEXR's interfaces can tell that a file ends too early without reading all of it.
+// OpenEXR tells that a file ends too early only by reading all of it.
 
 namespace becalm::io {
 namespace {

@@ -16,8 +16,8 @@
 namespace becalm::io {
 namespace {
 
-/// Blender writes what its compositor made of the picture as a layer of this scope. Its noise is no longer
-/// the renderer's, so it is the last choice.
+/// The scope of the layer that Blender's compositor writes. Its noise may be changed, so it is the last
+/// choice for the beauty.
 constexpr std::string_view kCompositeScope = "composite";
 
 /// The view layer's or scene's name before a layer's own name, such as `viewlayer` of `viewlayer.combined`.
@@ -50,7 +50,8 @@ class LayerFinder {
     for (const ChannelLayer& layer : layers_) is_vrays_ |= is_vrays(layer.name()) || layer.spells_colours_out;
   }
 
-  /// Bare channels without a part's name, named beauties, bare channels of any part, a composite.
+  /// In this order: bare channels of a part without a name, layers with a beauty's name, bare channels of any
+  /// part, a composite.
   std::optional<Found> find_beauty() const {
     const auto is_composite = [](std::string_view scope) { return scope == kCompositeScope; };
     const auto is_whole_file = [](const ChannelLayer& layer, const Alias& alias) {
@@ -248,7 +249,7 @@ LayerMap find_layers(const std::string& file, const std::vector<PartChannels>& p
     if (map[static_cast<std::size_t>(entry.aov)] || contains(left_out, entry.aov)) continue;
     const auto in_scope = [&](std::string_view scope) { return scope == *beauty_scope; };
     const auto in_none = [&](std::string_view scope) { return scope.empty(); };
-    // A bare beauty tells no view layer, so any may go with it.
+    // A bare beauty names no view layer, so AOVs of any view layer may go with it.
     const auto in_any = [&](std::string_view) { return beauty_scope->empty(); };
     std::optional<Found> found = finder.find_aov(entry.aov, in_scope);
     if (!found) found = finder.find_aov(entry.aov, in_none);

@@ -5,8 +5,8 @@
 
 namespace becalm::io {
 
-/// Text out of a file as it may go to a terminal: control characters and what is not UTF-8 as `\x1b`, a
-/// backslash twice, and `...` after `most` characters of output or a few more.
+/// Text from a file, made safe for a terminal: control characters and bytes that are not UTF-8 become escapes
+/// such as `\x1b`, a backslash is doubled, and after about `most` characters the rest is cut to `...`.
 std::string printable(std::string_view text, std::size_t most = 100);
 
 }  // namespace becalm::io

@@ -14,7 +14,7 @@
 namespace becalm::io {
 namespace {
 
-/// More frames than any shot has: a range beyond is a slip of the keyboard, and is refused before it costs
+/// More frames than any shot has: a longer range is taken for a typing error and refused before it takes
 /// memory.
 constexpr std::int64_t kMaxFrames = 1'000'000;
 
@@ -150,8 +150,8 @@ std::vector<std::string> numbers_on_disk(const std::string& prefix, const std::s
   return numbers;
 }
 
-/// The width that most zero-padded numbers have; without any, the least width of all, since a wider padding
-/// would have padded that one.
+/// The width that most zero-padded numbers have. If none is padded, the width of the shortest number, since a
+/// wider padding would have added zeros to it.
 int padding_of(const std::vector<std::string>& numbers) {
   if (numbers.empty()) return 1;
   std::map<int, int> zero_padded;

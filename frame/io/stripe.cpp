@@ -19,7 +19,7 @@ std::size_t samples(int length, int sampling) {
   return (static_cast<std::size_t>(length) + sampling - 1) / sampling;
 }
 
-/// Whole chunks of every compression: the largest, DWAB's, has 256 lines.
+/// A multiple of the lines of every compression's chunks; the largest, DWAB's, have 256.
 constexpr int kStripeLines = 256;
 
 int stripe_lines(const Imf::Header& header) {

@@ -32,10 +32,10 @@ TEST_F(Compare, EqualSequencesHaveNoError) {
   write_frames(2, 1.0f);
   const Outcome outcome =
       becalm_done({"compare", reference_, test_, "--max-relmse", "0", "--max-temporal", "0", "--max-energy",
-                   "0", "--min-ssim", "0.9999", "--min-psnr", "100"});
+                   "0", "--min-ssim", "0.9999", "--min-psnr", "100", "--max-flip", "0"});
   EXPECT_EQ(outcome.err, "");
   EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 4) << outcome.out;
-  for (const char* word : {"relMSE", "PSNR", "SSIM", "temporal", "energy", "mean"}) {
+  for (const char* word : {"relMSE", "PSNR", "SSIM", "FLIP", "temporal", "energy", "mean"}) {
     EXPECT_NE(outcome.out.find(word), std::string::npos) << word;
   }
 }
@@ -44,10 +44,11 @@ TEST_F(Compare, EveryLimitFailsOnItsOwnLine) {
   write_frames(3, 1.2f);
   const Outcome outcome =
       becalm({"compare", reference_, test_, "--max-relmse", "0.001", "--max-temporal", "0.001",
-              "--max-energy", "0.1", "--min-ssim", "0.99999", "--min-psnr", "60"});
+              "--max-energy", "0.1", "--min-ssim", "0.99999", "--min-psnr", "60", "--max-flip", "0.001"});
   EXPECT_EQ(outcome.status, 1);
-  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 5) << outcome.err;
-  for (const char* option : {"--max-relmse", "--max-temporal", "--max-energy", "--min-ssim", "--min-psnr"}) {
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 6) << outcome.err;
+  for (const char* option :
+       {"--max-relmse", "--max-temporal", "--max-energy", "--min-ssim", "--min-psnr", "--max-flip"}) {
     EXPECT_NE(outcome.err.find(option), std::string::npos) << option << "\n" << outcome.err;
   }
   EXPECT_EQ(becalm({"compare", reference_, test_, "--max-energy", "0.21"}).status, 0);
@@ -73,6 +74,17 @@ TEST_F(Compare, OneBadFrameFailsALimit) {
   EXPECT_EQ(outcome.status, 1);
   EXPECT_NE(outcome.err.find("frame 2"), std::string::npos) << outcome.err;
   EXPECT_NE(outcome.err.find("1 of 3 frames"), std::string::npos) << outcome.err;
+}
+
+TEST_F(Compare, TheWorstFrameIsNamedWhateverItsSign) {
+  write_frames(3, 1.0f);
+  for (const auto& [number, factor] : {std::pair{1, 0.5f}, std::pair{2, 0.8f}, std::pair{3, 1.2f}}) {
+    Frame frame = noise_frame(number);
+    for (float& value : frame.image(Aov::beauty).data()) value *= factor;
+    io::write_exr(frame_path(test_, number), frame, {}, io::PixelType::float32);
+  }
+  const Outcome outcome = becalm({"compare", reference_, test_, "--max-energy", "0.1"});
+  EXPECT_NE(outcome.err.find("energy of frame 1 is -50.000 %"), std::string::npos) << outcome.err;
 }
 
 TEST_F(Compare, ALimitThatNothingWasMeasuredForFails) {
@@ -121,6 +133,7 @@ TEST_F(Compare, WritesAReportAndJson) {
   ASSERT_EQ(json["frames"].size(), 2u);
   EXPECT_TRUE(json["frames"][0]["temporal"].is_null());
   EXPECT_GT(json["frames"][1]["temporal"].get<double>(), 0.0);
+  EXPECT_GT(json["mean"]["flip"].get<double>(), 0.0);
   EXPECT_NEAR(json["mean"]["energy"].get<double>(), 0.1, 1e-4);
 }
 

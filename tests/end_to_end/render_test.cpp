@@ -91,6 +91,30 @@ TEST_F(Render, NoisyFramesThatTheFilterReadsAreGoneAtTheEnd) {
                            read_frame(folder_ / "whole.0002.exr").image(Aov::beauty)));
 }
 
+TEST_F(Render, SegmentsThatTheTracerRunsAheadOfAreThoseOfRenderThenDenoise) {
+  const std::vector<std::string> segments{"--segment", "1", "--warmup", "1"};
+  std::vector<std::string> options{"--float", "--spp", "1", "--denoise"};
+  options.insert(options.end(), segments.begin(), segments.end());
+  render("out/both.####.exr", options);
+  EXPECT_EQ(files_in(folder_.path() / "out").size(), 4u);
+  render("noisy.####.exr", {"--float", "--spp", "1", "--aovs", "albedo,normal,depth,motion,variance"});
+  std::vector<std::string> denoise{"denoise", folder_ / "noisy.####.exr", "-o", folder_ / "then.####.exr",
+                                   "--quiet"};
+  denoise.insert(denoise.end(), segments.begin(), segments.end());
+  becalm_done(denoise);
+  expect_same_beauty(folder_ / "out/both.####.exr", folder_ / "then.####.exr", 1, 4);
+}
+
+TEST_F(Render, AFrameThatCannotBeWrittenEndsTheRun) {
+  fs::create_directories(folder_ / "out/a.0002.exr/in_the_way");
+  for (const std::vector<std::string>& more :
+       {std::vector<std::string>{}, {"--denoise=draft"}, {"--denoise"}}) {
+    expect_error(becalm(command("out/a.####.exr", more)), 4, {"out/a.0002.exr"});
+    EXPECT_TRUE(fs::exists(folder_ / "out/a.0001.exr"));
+    fs::remove(folder_ / "out/a.0001.exr");
+  }
+}
+
 TEST_F(Render, OneFrameNeedsNoFieldAndSizeIsAChoice) {
   render("a.exr", {"--frames", "2", "--size", "9x7"});
   const Frame frame = read_frame(folder_ / "a.exr");

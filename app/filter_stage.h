@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "app/options.h"
+#include "app/pipeline.h"
 #include "app/profile.h"
 #include "app/progress.h"
 #include "filter/gpu/device.h"
@@ -16,43 +17,47 @@
 
 namespace becalm::app {
 
-/// The filter as `denoise` and `render --denoise` both run it: opens the device, builds the chain once, and
-/// reports what happened to each frame.
-class FilterStep {
+/// The filter in the pipeline of `denoise` and `render --denoise`: opens the device, builds the chain once,
+/// and reports what happened to each frame.
+class FilterStage {
  public:
   /// Throws Error(usage) for a preset or setting that does not exist, and a size that is none.
-  FilterStep(const std::string& preset, const FilterOptions& options);
+  FilterStage(const std::string& preset, const FilterOptions& options);
 
   AovSet wanted() const { return filter::wanted_aovs(settings_); }
   /// Whether light groups and the AOVs of filter::additive_aovs() are denoised, too, where frames have them.
   bool denoises_additive() const { return settings_.additive != 0; }
   AovSet diagnostics() const { return diagnostics_; }
-  /// Whether history is bounded, so that frames after one and before it are read again for it.
+  /// Whether history is bounded by segments, each of which reads the frames around it again.
   bool has_segments() const { return segment_ > 0; }
-  /// The settings as the files record them: equal text means that the filter does the same to a frame. A
-  /// history without segments begins at the first frame that is read, which therefore is part of it.
+  /// The settings as the files record them: equal text means that the filter does the same to a frame. It
+  /// names the first frame that is read if there are no segments, since history begins there.
   std::string describe(const std::vector<int>& readable) const;
-  /// What else than the frames of --frames may be read, of the frames that exist; `asked` and `existing`
-  /// ascend.
+  /// Those of the existing frames that may be read: the ones asked for and what --context allows besides.
+  /// `asked` and `existing` ascend.
   std::vector<int> readable(const std::vector<int>& asked, const std::vector<int>& existing) const;
-  /// Frames of --context, as far as they are named.
+  /// The frames that --context names; none for `none` and for the default.
   std::vector<int> context_frames() const;
   /// In which order frames pass through `run`. `step` is the usual distance between frame numbers.
   std::vector<filter::Segment> schedule(const std::vector<int>& readable, const std::set<int>& wanted,
                                         int step) const;
 
-  /// Opens the device and builds the chain; called before the first frame. Of a stereo sequence, called for
-  /// each of so many views, which share the memory; `view` is its name in messages.
+  /// Opens the device and builds the chain; called before the first frame. For a stereo sequence, called once
+  /// for each of the `views`, which share the memory; `view` is the name in messages.
   void build(int width, int height, AovSet available, std::size_t light_groups, const std::string& view = "",
              std::size_t views = 1);
-  /// Takes the next step of a segment; returns the denoised frame if the step makes one. `view` counts them
-  /// in the order in which they were built.
-  std::optional<Frame> run(const filter::Step& step, const Frame& frame, Progress& progress, Profile& profile,
-                           std::size_t view = 0);
+  /// Takes the next step of a segment with all views of its frame; returns the denoised frame if the step
+  /// makes one.
+  std::optional<FinishedFrame> run(const filter::Step& step, io::LoadedFrame noisy, Progress& progress,
+                                   Profile& profile);
   /// Throws DeviceError if the validation layer complained; tells the profile about the device.
   void finish(Profile& profile) const;
 
  private:
+  /// `view` counts them in the order in which they were built.
+  std::optional<Frame> run_view(const filter::Step& step, const Frame& frame, Progress& progress,
+                                Profile& profile, std::size_t view);
+
   filter::Settings settings_;
   AovSet diagnostics_;
   gpu::DeviceOptions device_options_;
@@ -68,7 +73,7 @@ class FilterStep {
     filter::SequenceFilter filter;
   };
   std::vector<View> views_;
-  std::string matched_;  ///< what frames are matched by, until it has been said
+  std::string matched_;  ///< what frames are matched by; empty once it has been printed
 };
 
 }  // namespace becalm::app

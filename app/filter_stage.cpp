@@ -1,4 +1,4 @@
-#include "app/filter_step.h"
+#include "app/filter_stage.h"
 
 #include <fmt/format.h>
 
@@ -21,7 +21,7 @@ constexpr int kWarmup = 8;
 
 }  // namespace
 
-FilterStep::FilterStep(const std::string& preset, const FilterOptions& options)
+FilterStage::FilterStage(const std::string& preset, const FilterOptions& options)
     : settings_(resolve_settings(preset, options)),
       diagnostics_(diagnostics_of(options)),
       device_options_(device_options(options)),
@@ -40,10 +40,10 @@ FilterStep::FilterStep(const std::string& preset, const FilterOptions& options)
                             *options.warmup));
   }
   warmup_ = has_segments() ? options.warmup.value_or(kWarmup) : 0;
-  context_frames();  // throws for what is no range
+  context_frames();  // throws if --context is no range
 }
 
-std::string FilterStep::describe(const std::vector<int>& readable) const {
+std::string FilterStage::describe(const std::vector<int>& readable) const {
   const std::string history = has_segments()
                                   ? fmt::format("segment={} warmup={} context={}", segment_, warmup_,
                                                 context_.empty()     ? "all"
@@ -54,7 +54,8 @@ std::string FilterStep::describe(const std::vector<int>& readable) const {
                      diagnostics_.any() ? "yes" : "no", cuts_, history);
 }
 
-std::vector<int> FilterStep::readable(const std::vector<int>& asked, const std::vector<int>& existing) const {
+std::vector<int> FilterStage::readable(const std::vector<int>& asked,
+                                       const std::vector<int>& existing) const {
   if (context_.empty() && has_segments()) return existing;
   std::vector<int> allowed;
   std::ranges::set_union(asked, context_frames(), std::back_inserter(allowed));
@@ -63,13 +64,13 @@ std::vector<int> FilterStep::readable(const std::vector<int>& asked, const std::
   return readable;
 }
 
-std::vector<int> FilterStep::context_frames() const {
+std::vector<int> FilterStage::context_frames() const {
   if (context_.empty() || context_ == "none") return {};
   return io::parse_frame_range(context_);
 }
 
-std::vector<filter::Segment> FilterStep::schedule(const std::vector<int>& readable,
-                                                  const std::set<int>& wanted, int step) const {
+std::vector<filter::Segment> FilterStage::schedule(const std::vector<int>& readable,
+                                                   const std::set<int>& wanted, int step) const {
   return filter::schedule(readable, wanted,
                           {.directions = settings_.directions,
                            .segment = segment_,
@@ -78,8 +79,8 @@ std::vector<filter::Segment> FilterStep::schedule(const std::vector<int>& readab
                            .cuts = given_cuts_});
 }
 
-void FilterStep::build(int width, int height, AovSet available, std::size_t light_groups,
-                       const std::string& view, std::size_t views) {
+void FilterStage::build(int width, int height, AovSet available, std::size_t light_groups,
+                        const std::string& view, std::size_t views) {
   if (!device_) device_.emplace(device_options_);
   const std::uint64_t memory = std::min(memory_limit_, filter::usable_bytes(*device_)) / views;
   views_.push_back(
@@ -89,8 +90,20 @@ void FilterStep::build(int width, int height, AovSet available, std::size_t ligh
   if (views_.size() == 1) matched_ = filter::matched_text(settings_, available);
 }
 
-std::optional<Frame> FilterStep::run(const filter::Step& step, const Frame& frame, Progress& progress,
-                                     Profile& profile, std::size_t view) {
+std::optional<FinishedFrame> FilterStage::run(const filter::Step& step, io::LoadedFrame noisy,
+                                              Progress& progress, Profile& profile) {
+  std::optional<Frame> denoised = run_view(step, noisy.frame, progress, profile, 0);
+  std::vector<Frame> other_views;
+  for (std::size_t view = 0; view < noisy.other_views.size(); ++view) {
+    std::optional<Frame> other = run_view(step, noisy.other_views[view].frame, progress, profile, view + 1);
+    if (other) other_views.push_back(std::move(*other));
+  }
+  if (!denoised) return std::nullopt;
+  return FinishedFrame{std::move(*denoised), std::move(other_views), std::move(noisy)};
+}
+
+std::optional<Frame> FilterStage::run_view(const filter::Step& step, const Frame& frame, Progress& progress,
+                                           Profile& profile, std::size_t view) {
   std::optional<Frame> denoised;
   filter::FrameReport report;
   {
@@ -125,7 +138,7 @@ std::optional<Frame> FilterStep::run(const filter::Step& step, const Frame& fram
   return denoised;
 }
 
-void FilterStep::finish(Profile& profile) const {
+void FilterStage::finish(Profile& profile) const {
   if (views_.empty()) return;
   filter::FilterMemory memory = views_.front().filter.memory();
   for (std::size_t view = 1; view < views_.size(); ++view) {

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/layer_arguments.h"
+#include "app/options.h"
+#include "frame/io/exr.h"
+
+namespace becalm::app {
+
+/// What the user typed after `becalm denoise`.
+struct DenoiseCommand {
+  std::vector<std::string> inputs;
+  OutputOptions output;
+  FilterOptions filter;
+  RunningOptions running;
+  std::string type = "keep";
+  std::string compression = "keep";
+  std::string only;
+  std::vector<std::string> channels;
+  bool dry_run = false;
+  bool strict = false;
+  std::string preset = "balanced";
+  std::optional<int> frame;
+  LayerArguments layers;
+  std::string missing = "error";
+};
+
+void add_denoise_options(CLI::App& parser, DenoiseCommand& command);
+
+/// How the outputs are written.
+io::DenoisedFormat format_of(const DenoiseCommand& command);
+/// What decides the bytes of an output besides the filter and the inputs, as files record it: each after a
+/// space, and nothing for a default.
+std::string describe_output(const DenoiseCommand& command);
+
+}  // namespace becalm::app

@@ -1,0 +1,71 @@
+#include "app/frame_sink.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "app/cancel.h"
+#include "app/console.h"
+
+namespace becalm::app {
+
+FrameSink::FrameSink(const Outputs& outputs, const std::set<int>& existing, std::string remedy,
+                     Progress& progress, Profile& profile)
+    : outputs_(outputs),
+      existing_(existing),
+      remedy_(std::move(remedy)),
+      progress_(progress),
+      profile_(profile) {}
+
+bool FrameSink::wants(int number) {
+  if (!existing_.contains(number)) return true;
+  progress_.frame_kept(number);
+  return false;
+}
+
+void FrameSink::write(int number, const std::function<io::WriteReport(const std::string& path)>& write) {
+  const std::string path = outputs_.path(number);
+  io::WriteReport report;
+  {
+    const ProfileScope scope(profile_, "write");
+    report = write(path);
+  }
+  if (report.half_overflows > 0) {
+    progress_.warn(fmt::format("frame {}: {} values beyond half's range were written as its largest; {}",
+                               number, report.half_overflows, remedy_));
+  }
+  if (report.lossless_instead) {
+    warn_once("ZIP instead of the lossy compression, which would alter the channels passed on");
+  }
+  if (report.full_size_only) {
+    warn_once("only the full size of mipmaps is written; the smaller levels show the noisy picture");
+  }
+  progress_.detail(fmt::format("frame {}: wrote {}", number, path));
+  progress_.frame_written(number);
+}
+
+void FrameSink::warn_once(const std::string& line) {
+  if (said_.insert(line).second) progress_.warn(line);
+}
+
+void warn_unusable(const std::vector<std::string>& paths) {
+  for (const std::string& path : paths) warn(fmt::format("{} is damaged and is written again", path));
+}
+
+ExitStatus all_there(std::size_t frames, bool quiet) {
+  if (!quiet)
+    say(frames == 1 ? "the frame is there already" : fmt::format("all {} frames are there already", frames));
+  return ExitStatus::done;
+}
+
+ExitStatus conclude(Progress& progress, std::size_t frames_asked, const Profile* profile) {
+  const std::size_t written = progress.written();
+  const bool cut_short = interrupted() && written < frames_asked;
+  progress.finish(!cut_short);
+  if (profile != nullptr) profile->print();
+  if (!cut_short) return ExitStatus::done;
+  say(fmt::format("interrupted: {} of {} frames written; go on with --resume", written, frames_asked));
+  return ExitStatus::interrupted;
+}
+
+}  // namespace becalm::app

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "app/outputs.h"
+#include "app/profile.h"
+#include "app/progress.h"
+#include "frame/error.h"
+#include "frame/io/exr.h"
+
+namespace becalm::app {
+
+/// The end of the pipeline: frames become files, and the user hears of it.
+class FrameSink {
+ public:
+  /// `existing` are outputs that stay; `remedy` tells what would keep values beyond half's range.
+  FrameSink(const Outputs& outputs, const std::set<int>& existing, std::string remedy, Progress& progress,
+            Profile& profile);
+
+  /// Whether this output is to be written. One that exists counts as done.
+  bool wants(int number);
+  /// Runs `write` for the output's path and says what became of it.
+  void write(int number, const std::function<io::WriteReport(const std::string& path)>& write);
+
+ private:
+  /// For what is the same with every frame that is written.
+  void warn_once(const std::string& line);
+
+  const Outputs& outputs_;
+  const std::set<int>& existing_;
+  const std::string remedy_;
+  Progress& progress_;
+  Profile& profile_;
+  std::set<std::string> said_;
+};
+
+/// One line for each file that --resume found damaged and that is therefore written again.
+void warn_unusable(const std::vector<std::string>& paths);
+
+/// --resume with nothing left to do.
+ExitStatus all_there(std::size_t frames, bool quiet);
+
+/// The last words of a command that writes frames, and its status: done, or interrupted and how to go on.
+ExitStatus conclude(Progress& progress, std::size_t frames_asked, const Profile* profile);
+
+}  // namespace becalm::app

@@ -1,0 +1,44 @@
+#include "app/input_pixels.h"
+
+#include <algorithm>
+
+#include "app/half_buffers.h"
+#include "filter/additive.h"
+
+namespace becalm::app {
+namespace {
+
+/// Removes additive layers that are not of the beauty's part: they are passed on, not denoised.
+void leave_other_parts(io::LoadedView& view) {
+  for (const AovInfo& entry : kAovTable) {
+    if (!contains(filter::additive_aovs(), entry.aov) || !view.frame.has(entry.aov)) continue;
+    const auto part_of = [&](Aov aov) { return view.layers[static_cast<std::size_t>(aov)]->part; };
+    if (part_of(entry.aov) != part_of(Aov::beauty)) view.frame.remove(entry.aov);
+  }
+}
+
+io::LoadedFrame read_file(const std::string& path, int frame, const FilterStage& filter,
+                          const io::LayerOptions& layers, const InputWindow& window) {
+  if (!filter.denoises_additive()) {
+    return io::read_exr(path, frame, filter.wanted(), layers, io::LightGroups::leave, window.window);
+  }
+  io::LoadedFrame loaded = io::read_exr(path, frame, filter.wanted() | filter::additive_aovs(), layers,
+                                        io::LightGroups::read, window.window);
+  leave_other_parts(loaded);
+  std::ranges::for_each(loaded.other_views, leave_other_parts);
+  return loaded;
+}
+
+}  // namespace
+
+io::LoadedFrame read_pixels(const InputFrames& inputs, int frame, const FilterStage& filter,
+                            const io::LayerOptions& layers, const InputWindow& window) {
+  io::LoadedFrame loaded = read_file(inputs.path(frame), frame, filter, layers, window);
+  if (inputs.other_half()) {
+    const std::string other = inputs.other_half()->path(frame);
+    join_halves(loaded, read_file(other, frame, filter, layers, window), other);
+  }
+  return loaded;
+}
+
+}  // namespace becalm::app

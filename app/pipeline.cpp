@@ -1,0 +1,53 @@
+#include "app/pipeline.h"
+
+#include <future>
+#include <utility>
+
+#include "app/cancel.h"
+
+namespace becalm::app {
+
+void run_pipeline(std::size_t steps, const Stages& stages) {
+  // Outside the try block: their destructors wait for the other threads, which must know by then that they
+  // are to stop.
+  std::future<std::optional<io::LoadedFrame>> made;
+  std::future<void> written;
+  const auto start_source = [&](std::size_t step) {
+    made = std::async(std::launch::async, stages.source, step);
+  };
+  const auto sink = [&stages](FinishedFrame frame) {
+    try {
+      stages.sink(std::move(frame));
+    } catch (...) {
+      request_stop();
+      throw;
+    }
+  };
+  try {
+    if (steps > 0) start_source(0);
+    for (std::size_t step = 0; step < steps; ++step) {
+      std::optional<io::LoadedFrame> noisy = made.get();
+      if (!noisy || stop_requested()) break;
+      if (step + 1 < steps) start_source(step + 1);
+      std::optional<FinishedFrame> finished = stages.filter(step, std::move(*noisy));
+      if (!finished) continue;
+      if (written.valid()) written.get();
+      written = std::async(std::launch::async, sink, std::move(*finished));
+    }
+    if (written.valid()) written.get();
+  } catch (...) {
+    request_stop();
+    throw;
+  }
+}
+
+FinishedFrame unfiltered(io::LoadedFrame noisy) {
+  FinishedFrame finished{.frame = Frame(noisy.frame.number(), noisy.frame.width(), noisy.frame.height()),
+                         .other_views = {},
+                         .source = {}};
+  finished.frame.image(Aov::beauty) = std::move(noisy.frame.image(Aov::beauty));
+  finished.source = std::move(noisy);
+  return finished;
+}
+
+}  // namespace becalm::app

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <future>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "app/rendered_frames.h"
+#include "filter/schedule.h"
+#include "frame/io/exr.h"
+
+namespace becalm::app {
+
+/// The source of a filter with segments, which reads frames more than once and in both directions of time:
+/// the tracer writes the frames of the next segments to files, in ascending order, while the pipeline reads
+/// those of one segment. At most one segment waits between them.
+class RenderAhead {
+ public:
+  /// Starts the tracer, on a thread of its own. `files` are those of `frames`; unless `keep_files`, those
+  /// that no segment needs any more are removed.
+  RenderAhead(RenderedFrames& frames, const NoisyFiles& files, std::vector<filter::Segment> segments,
+              bool keep_files);
+  /// Waits for the frame at work, which a requested stop cuts short.
+  ~RenderAhead();
+  RenderAhead(const RenderAhead&) = delete;
+  RenderAhead& operator=(const RenderAhead&) = delete;
+
+  /// Those of all segments.
+  const std::vector<filter::Step>& steps() const { return steps_; }
+  /// The noisy frame of a step; nothing if a stop was requested. Throws what ended the tracer.
+  std::optional<io::LoadedFrame> next(std::size_t step);
+  /// Behind the pipeline: throws what ended the tracer, and removes the last files unless a stop was
+  /// requested.
+  void finish();
+
+ private:
+  void trace();
+  void end();
+  void close();
+  void remove_files(std::size_t segment) const;
+
+  RenderedFrames& frames_;
+  const NoisyFiles& files_;
+  const std::vector<filter::Segment> segments_;
+  const bool keep_files_;
+  std::vector<filter::Step> steps_;
+  std::vector<std::size_t> ends_;        ///< of each segment, the step behind its last one
+  std::map<int, std::size_t> last_use_;  ///< of a frame: the last segment that reads it
+  std::size_t removed_ = 0;              ///< segments whose files are gone
+  std::mutex mutex_;                     ///< of what follows
+  std::condition_variable changed_;
+  std::size_t made_ = 0;     ///< segments whose files are there
+  std::size_t reading_ = 0;  ///< the segment that the pipeline reads
+  bool ended_ = false;       ///< no further segment will be made
+  bool closed_ = false;      ///< no further segment is needed
+  std::future<void> tracer_;
+};
+
+}  // namespace becalm::app

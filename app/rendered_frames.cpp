@@ -1,0 +1,67 @@
+#include "app/rendered_frames.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "app/cancel.h"
+
+namespace becalm::app {
+
+RenderedFrames::RenderedFrames(tracer::Scene& scene, const tracer::RenderOptions& options,
+                               const NoisyFiles* files, Progress& progress, Profile& profile)
+    : scene_(scene), options_(options), files_(files), progress_(progress), profile_(profile) {}
+
+std::optional<io::LoadedFrame> RenderedFrames::make(int frame) {
+  progress_.update(frame, made_);
+  io::LoadedFrame loaded;
+  if (files_ != nullptr && files_->existing.contains(frame)) {
+    const ProfileScope scope(profile_, "read");
+    loaded = read_file(frame);
+  } else {
+    std::optional<Frame> noisy = render(frame);
+    if (!noisy) return std::nullopt;
+    loaded.frame = std::move(*noisy);
+  }
+  if (stop_requested()) return std::nullopt;
+  ++made_;
+  return loaded;
+}
+
+bool RenderedFrames::make_file(int frame) {
+  progress_.update(frame, made_);
+  if (!files_->existing.contains(frame) && !render(frame)) return false;
+  ++made_;
+  return true;
+}
+
+io::LoadedFrame RenderedFrames::read_file(int frame) const {
+  return io::read_exr(files_->outputs.path(frame), frame, options_.aovs, {},
+                      options_.light_groups ? io::LightGroups::read : io::LightGroups::leave);
+}
+
+std::optional<Frame> RenderedFrames::render(int frame) {
+  tracer::RenderOptions options = options_;
+  options.progress = [this, frame](double share) { progress_.update(frame, made_ + share); };
+  options.cancel = &stop_requested();
+  tracer::RenderReport report;
+  std::optional<Frame> noisy;
+  {
+    const ProfileScope scope(profile_, "render");
+    noisy = tracer::render_frame(scene_, frame, options, &report);
+  }
+  if (report.non_finite_samples > 0) {
+    const tracer::PixelSample first = report.first_non_finite.value_or(tracer::PixelSample{});
+    progress_.warn(
+        fmt::format("frame {}: {} samples were NaN or Inf and were left out; the first: --frames {} "
+                    "--debug-pixel {},{},{}",
+                    frame, report.non_finite_samples, frame, first.x, first.y, first.sample));
+  }
+  if (noisy && files_ != nullptr) {
+    const ProfileScope scope(profile_, "write noisy");
+    io::write_exr(files_->outputs.path(frame), *noisy, files_->attributes, io::PixelType::float32);
+  }
+  return noisy;
+}
+
+}  // namespace becalm::app

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <optional>
+#include <set>
+#include <string>
+
+#include "app/outputs.h"
+#include "app/profile.h"
+#include "app/progress.h"
+#include "frame/frame.h"
+#include "frame/io/exr.h"
+#include "tracer/render.h"
+
+namespace becalm::app {
+
+/// Files of noisy frames, as float with every layer that the filter reads.
+struct NoisyFiles {
+  Outputs outputs;
+  io::Attributes attributes;
+  std::set<int> existing{};  ///< those that --resume found whole: read instead of rendered
+};
+
+/// The tracer as a source of frames. Frames are made by one thread at a time; any may read files.
+class RenderedFrames {
+ public:
+  /// With `files`, every frame that is rendered is also written there.
+  RenderedFrames(tracer::Scene& scene, const tracer::RenderOptions& options, const NoisyFiles* files,
+                 Progress& progress, Profile& profile);
+
+  /// Renders the frame or reads the file that is there; nothing if a stop was requested meanwhile.
+  std::optional<io::LoadedFrame> make(int frame);
+  /// Sees to it that the frame's file is there; false if a stop was requested meanwhile.
+  bool make_file(int frame);
+  io::LoadedFrame read_file(int frame) const;
+
+ private:
+  std::optional<Frame> render(int frame);
+
+  tracer::Scene& scene_;
+  const tracer::RenderOptions options_;
+  const NoisyFiles* const files_;
+  Progress& progress_;
+  Profile& profile_;
+  int made_ = 0;  ///< rendered or read, in this run
+};
+
+}  // namespace becalm::app

@@ -1,0 +1,191 @@
+#include "frame/io/exr_parts.h"
+
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfDeepScanLineInputPart.h>
+#include <OpenEXR/ImfDeepScanLineOutputPart.h>
+#include <OpenEXR/ImfDeepTiledInputPart.h>
+#include <OpenEXR/ImfDeepTiledOutputPart.h>
+#include <OpenEXR/ImfIO.h>
+#include <OpenEXR/ImfOutputPart.h>
+#include <OpenEXR/ImfStringAttribute.h>
+#include <OpenEXR/ImfTileDescription.h>
+#include <OpenEXR/ImfTiledInputPart.h>
+#include <OpenEXR/ImfTiledOutputPart.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstring>
+
+#include "frame/error.h"
+#include "frame/io/atomic_file.h"
+#include "frame/io/exr_file.h"
+#include "frame/io/stripe.h"
+
+namespace becalm::io {
+namespace {
+
+/// OpenEXR's view of an AtomicFile. OpenEXR writes its offset tables in destructors, which swallow
+/// exceptions; the file remembers them until it is committed.
+class AtomicStream : public Imf::OStream {
+ public:
+  explicit AtomicStream(const std::string& path) : OStream(path.c_str()), file_(path) {}
+
+  void write(const char* bytes, int size) override { file_.write(bytes, static_cast<std::size_t>(size)); }
+  std::uint64_t tellp() override { return file_.position(); }
+  void seekp(std::uint64_t position) override { file_.seek(position); }
+  void commit() { file_.commit(); }
+
+ private:
+  AtomicFile file_;
+};
+
+template <class T>
+void store(char* to, T value) {
+  std::memcpy(to, &value, sizeof value);
+}
+
+Imath::half to_half(float value, std::size_t& overflows) {
+  if (std::isfinite(value) && std::abs(value) > HALF_MAX) {
+    ++overflows;
+    value = std::copysign(HALF_MAX, value);
+  }
+  return Imath::half(value);
+}
+
+std::uint32_t to_uint(float value) {
+  constexpr double largest = 4294967295.0;
+  return std::isnan(value) ? 0u
+                           : static_cast<std::uint32_t>(std::clamp<double>(std::round(value), 0.0, largest));
+}
+
+/// Converts a window of the file to the plane's type.
+void convert(const FrameChannel& from, const Imath::Box2i& window, Stripe::Plane& plane,
+             WriteReport& report) {
+  char* to = plane.bytes.data();
+  for (int y = window.min.y; y <= window.max.y; ++y) {
+    for (int x = window.min.x; x <= window.max.x; ++x) {
+      const float value = from.image->at(x - from.origin.x, y - from.origin.y, from.channel);
+      switch (plane.type) {
+        case Imf::HALF:
+          store(to, to_half(value, report.half_overflows).bits());
+          to += 2;
+          break;
+        case Imf::UINT:
+          store(to, to_uint(value));
+          to += 4;
+          break;
+        default:
+          store(to, value);
+          to += 4;
+      }
+    }
+  }
+}
+
+template <class InputPart, class OutputPart>
+void copy_as(Imf::MultiPartInputFile& from, int part, Imf::MultiPartOutputFile& to, int to_part) {
+  InputPart in(from, part);
+  OutputPart(to, to_part).copyPixels(in);
+}
+
+}  // namespace
+
+void add_layer(const Frame& frame, Aov aov, const std::string& view, Imf::PixelType type,
+               const Imath::V2i& origin, Imf::Header& header, FrameChannels& channels) {
+  for (int c = 0; c < channel_count(aov); ++c) {
+    std::string name(info(aov).name);
+    for (const std::string& word : {view, std::string(1, info(aov).channels[c])}) {
+      if (!word.empty()) name += (name.empty() ? "" : ".") + word;
+    }
+    header.channels().insert(name, Imf::Channel(type));
+    channels[name] = {&frame.image(aov), c, origin};
+  }
+}
+
+void insert_attributes(Imf::Header& header, const Attributes& attributes) {
+  for (const auto& [name, value] : attributes) {
+    // OpenEXR refuses to change an attribute's type. Its erase() leaks, so it is called only where it must
+    // be.
+    const bool is_there = header.find(name) != header.end();
+    if (is_there && header.findTypedAttribute<Imf::StringAttribute>(name) == nullptr) header.erase(name);
+    header.insert(name, Imf::StringAttribute(value));
+  }
+}
+
+void writing(const std::string& path, const std::vector<Imf::Header>& headers,
+             const std::function<void(Imf::MultiPartOutputFile&)>& work) {
+  AtomicStream stream(path);
+  try {
+    Imf::MultiPartOutputFile file(stream, headers.data(), static_cast<int>(headers.size()));
+    work(file);
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw Error(ExitStatus::resource, fmt::format("{}: cannot be written: {}", path, error.what()));
+  }
+  stream.commit();
+}
+
+void write_part(Imf::MultiPartOutputFile& file, int part, const FrameChannels& from_frame,
+                Imf::InputPart* source, WriteReport& report) {
+  const Imf::Header& header = file.header(part);
+  const Imath::Box2i& window = header.dataWindow();
+  Stripe stripe(window);
+  for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
+    stripe.add(it.name(), it.channel().type, it.channel().xSampling, it.channel().ySampling);
+  }
+  const auto is_frames = [&](const Stripe::Plane& plane) { return from_frame.contains(plane.channel); };
+  const bool all_frames = std::all_of(stripe.planes().begin(), stripe.planes().end(), is_frames);
+
+  assert(all_frames || source != nullptr);
+
+  const auto write_stripes = [&](auto&& write_lines) {
+    for_each_stripe(header, [&](int first, int last) {
+      stripe.move_to(first, last);
+      if (!all_frames) {
+        reading(source->fileName(), [&] {
+          source->setFrameBuffer(stripe.frame_buffer(std::not_fn(is_frames)));
+          source->readPixels(first, last);
+        });
+      }
+      for (Stripe::Plane& plane : stripe.planes()) {
+        if (!is_frames(plane)) continue;
+        convert(from_frame.at(plane.channel), Imath::Box2i({window.min.x, first}, {window.max.x, last}),
+                plane, report);
+      }
+      write_lines(first, last, stripe.frame_buffer([](const Stripe::Plane&) { return true; }));
+    });
+  };
+
+  if (is_tiled(header)) {
+    Imf::TiledOutputPart out(file, part);
+    const int tile_height = static_cast<int>(header.tileDescription().ySize);
+    write_stripes([&](int first, int last, const Imf::FrameBuffer& pixels) {
+      out.setFrameBuffer(pixels);
+      out.writeTiles(0, out.numXTiles() - 1, (first - window.min.y) / tile_height,
+                     (last - window.min.y) / tile_height);
+    });
+  } else {
+    Imf::OutputPart out(file, part);
+    write_stripes([&](int first, int last, const Imf::FrameBuffer& pixels) {
+      out.setFrameBuffer(pixels);
+      out.writePixels(last - first + 1);
+    });
+  }
+}
+
+void copy_part(Imf::MultiPartInputFile& from, int part, Imf::MultiPartOutputFile& to, int to_part) {
+  const Imf::Header& header = from.header(part);
+  if (is_deep(header)) {
+    is_tiled(header)
+        ? copy_as<Imf::DeepTiledInputPart, Imf::DeepTiledOutputPart>(from, part, to, to_part)
+        : copy_as<Imf::DeepScanLineInputPart, Imf::DeepScanLineOutputPart>(from, part, to, to_part);
+  } else {
+    is_tiled(header) ? copy_as<Imf::TiledInputPart, Imf::TiledOutputPart>(from, part, to, to_part)
+                     : copy_as<Imf::InputPart, Imf::OutputPart>(from, part, to, to_part);
+  }
+}
+
+}  // namespace becalm::io

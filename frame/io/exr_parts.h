@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Imath/ImathVec.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfInputPart.h>
+#include <OpenEXR/ImfMultiPartInputFile.h>
+#include <OpenEXR/ImfMultiPartOutputFile.h>
+#include <OpenEXR/ImfPixelType.h>
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "frame/frame.h"
+#include "frame/io/exr.h"
+
+namespace becalm::io {
+
+/// One channel of the frame on its way into a file, under the file's name for it.
+struct FrameChannel {
+  const Image* image;
+  int channel;
+  Imath::V2i origin = Imath::V2i(0);  ///< of the image in the file
+};
+
+using FrameChannels = std::map<std::string, FrameChannel>;
+
+/// Adds the AOV as a layer under the table's name (bare for the beauty), with the view's if there is one.
+void add_layer(const Frame& frame, Aov aov, const std::string& view, Imf::PixelType type,
+               const Imath::V2i& origin, Imf::Header& header, FrameChannels& channels);
+
+void insert_attributes(Imf::Header& header, const Attributes& attributes);
+
+/// Runs `work` on a file that appears at `path` when it returns, turning what OpenEXR throws into
+/// Error(resource).
+void writing(const std::string& path, const std::vector<Imf::Header>& headers,
+             const std::function<void(Imf::MultiPartOutputFile&)>& work);
+
+/// Writes the pixels of one part: the channels that `from_frame` names, and all others from `source`, which
+/// may be null if there are none.
+void write_part(Imf::MultiPartOutputFile& file, int part, const FrameChannels& from_frame,
+                Imf::InputPart* source, WriteReport& report);
+
+/// Copies a part's chunks as they are, still compressed.
+void copy_part(Imf::MultiPartInputFile& from, int part, Imf::MultiPartOutputFile& to, int to_part);
+
+}  // namespace becalm::io

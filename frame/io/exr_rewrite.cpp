@@ -1,0 +1,272 @@
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfTileDescription.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <list>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "frame/error.h"
+#include "frame/io/exr_file.h"
+#include "frame/io/exr_parts.h"
+#include "frame/io/printable.h"
+
+namespace becalm::io {
+namespace {
+
+/// The names of OpenEXR's methods, in the order of its enumeration.
+constexpr std::string_view kCompressions[] = {"none",  "rle", "zips", "zip",  "piz",
+                                              "pxr24", "b44", "b44a", "dwaa", "dwab"};
+static_assert(std::size(kCompressions) == Imf::NUM_COMPRESSION_METHODS);
+
+/// Whether pixels that were decompressed from this method may change when they are compressed by it again.
+/// PXR24 drops bits that are zero by then; B44, and the cosine transform that DWA applies to channels of some
+/// names, lose something each time.
+bool may_alter(Imf::Compression compression, std::string_view channel, Imf::PixelType type) {
+  if (compression == Imf::B44_COMPRESSION || compression == Imf::B44A_COMPRESSION) return type == Imf::HALF;
+  if (compression != Imf::DWAA_COMPRESSION && compression != Imf::DWAB_COMPRESSION) return false;
+  std::string letter(channel.substr(channel.rfind('.') + 1));
+  std::transform(letter.begin(), letter.end(), letter.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  static constexpr std::string_view transformed[] = {"r", "g", "b", "y", "by", "ry", "red", "green", "blue"};
+  return type != Imf::UINT &&
+         std::find(std::begin(transformed), std::end(transformed), letter) != std::end(transformed);
+}
+
+/// Whether a denoised frame's image takes the place of its source's.
+bool is_denoised(Aov aov) {
+  return aov == Aov::beauty || aov == Aov::direct || aov == Aov::indirect;
+}
+
+const LayerSource& beauty_of(const LoadedView& view) {
+  return *view.layers[static_cast<std::size_t>(Aov::beauty)];
+}
+
+/// What becomes of the parts of a file that is written again.
+struct Rewritten {
+  std::vector<Imf::Header> headers;
+  std::map<int, FrameChannels> channels;  ///< of the parts that are not copied
+  std::list<Image> light;                 ///< radiance without the surfaces' colours
+  std::optional<PixelType> type;          ///< of replaced channels; the source's if empty
+};
+
+/// The light whose product with the surface's colour is the radiance; 0 where the colour is 0.
+Image divided(const Image& radiance, const Image& colour) {
+  Image light(radiance.width(), radiance.height(), radiance.channels());
+  std::ranges::transform(
+      radiance.data(), colour.data(), light.data().begin(),
+      [](float product, float factor) { return factor == 0.0f ? 0.0f : product / factor; });
+  return light;
+}
+
+void replace(const LayerSource& layer, const Image& image, const Imath::V2i& origin, Rewritten& file) {
+  for (std::size_t c = 0; c < layer.channels.size(); ++c) {
+    const std::string& name = layer.channels[c];
+    if (name.empty()) continue;
+    file.channels[layer.part][name] = {&image, static_cast<int>(c), origin};
+    if (file.type) {
+      file.headers[layer.part].channels()[name].type = *file.type == PixelType::half ? Imf::HALF : Imf::FLOAT;
+    }
+  }
+}
+
+/// Puts a denoised frame in the place of the view that it was made from. `diagnostics_view` tells its
+/// diagnostics from those of another view in the same part.
+void replace_view(const std::string& path, const LoadedView& view, const Frame& frame,
+                  const std::string& diagnostics_view, Rewritten& file) {
+  const LayerSource& beauty = beauty_of(view);
+  Imf::Header& header = file.headers[beauty.part];
+  const Imath::V2i& origin = view.window.min;
+  const Imath::V2i size = view.window.size() + Imath::V2i(1);
+  if (size != Imath::V2i(frame.width(), frame.height()) || !frame.has(Aov::beauty)) {
+    throw Error(ExitStatus::bad_input, fmt::format("{}: {}x{} pixels, but the denoised frame has {}x{}", path,
+                                                   size.x, size.y, frame.width(), frame.height()));
+  }
+  const Imath::Box2i& needed = header.dataWindow();
+  if (!view.window.intersects(needed.min) || !view.window.intersects(needed.max)) {
+    throw Error(ExitStatus::bad_input,
+                fmt::format("{}: its data window is not inside the denoised frame's", path));
+  }
+  for (const AovInfo& entry : kAovTable) {
+    if (!frame.has(entry.aov)) continue;
+    if (entry.diagnostic) {
+      add_layer(frame, entry.aov, diagnostics_view, Imf::FLOAT, origin, header, file.channels[beauty.part]);
+    } else if (is_denoised(entry.aov)) {
+      replace(*view.layers[static_cast<std::size_t>(entry.aov)], frame.image(entry.aov), origin, file);
+    }
+  }
+  for (const LightGroup& group : frame.light_groups()) {
+    const auto colour = view.colours.find(group.name);
+    const Image& light = colour == view.colours.end()
+                             ? group.radiance
+                             : file.light.emplace_back(divided(group.radiance, colour->second));
+    replace(view.lights.at(group.name).layer, light, origin, file);
+  }
+}
+
+/// Whether the selection names the channel. `beauty`: the part's channels that the name `beauty` selects.
+bool is_named(const ChannelSelection& selection, const std::string& channel,
+              const std::vector<std::string>& beauty) {
+  return std::ranges::any_of(selection.names, [&](const std::string& name) {
+    if (name == "beauty" && std::ranges::find(beauty, channel) != beauty.end()) return true;
+    return channel == name || channel.starts_with(name + '.');
+  });
+}
+
+/// The beauties' channels of a part, in all views.
+std::vector<std::string> beauty_channels(const std::vector<const ViewLayers*>& views, int part) {
+  std::vector<std::string> names;
+  for (const ViewLayers* view : views) {
+    const LayerSource& beauty = *view->layers[static_cast<std::size_t>(Aov::beauty)];
+    if (beauty.part == part) names.insert(names.end(), beauty.channels.begin(), beauty.channels.end());
+  }
+  return names;
+}
+
+/// Leaves channels out that are not selected. Returns whether the part is left with any.
+bool select_channels(const ChannelSelection& selection, const std::vector<std::string>& beauty, int part,
+                     Rewritten& file) {
+  if (selection.selects_all()) return true;
+  Imf::Header& header = file.headers[part];
+  const auto replaced = file.channels.find(part);
+  Imf::ChannelList kept;
+  bool all = true;
+  for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
+    const bool is_denoised = replaced != file.channels.end() && replaced->second.contains(it.name());
+    if ((selection.denoised && is_denoised) || is_named(selection, it.name(), beauty)) {
+      kept.insert(it.name(), it.channel());
+    } else {
+      all = false;
+    }
+  }
+  if (all) return true;
+  if (kept.begin() == kept.end() || is_deep(header)) return false;
+  header.channels() = kept;
+  file.channels[part];  // its chunks hold channels that are left out
+  return true;
+}
+
+/// Chooses how the pixels of a part that is not copied are stored: by `compression` (one of kCompressions),
+/// or as they are.
+void prepare_header(const FrameChannels& channels, const std::optional<std::string>& compression,
+                    Imf::Header& header, WriteReport& report) {
+  const Imf::Compression source_compression = header.compression();
+  if (compression) {
+    const auto at = std::ranges::find(kCompressions, *compression);
+    header.compression() = static_cast<Imf::Compression>(at - std::begin(kCompressions));
+  }
+  const bool rounds_floats =
+      header.compression() == Imf::PXR24_COMPRESSION && source_compression != Imf::PXR24_COMPRESSION;
+  for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
+    if (channels.contains(it.name())) continue;
+    const Imf::PixelType type = it.channel().type;
+    if (!may_alter(header.compression(), it.name(), type) && !(rounds_floats && type == Imf::FLOAT)) continue;
+    header.compression() = Imf::ZIP_COMPRESSION;
+    report.lossless_instead = true;
+  }
+  // The smaller levels of a mipmap show the noisy beauty, so only the full size is written.
+  if (is_tiled(header)) {
+    Imf::TileDescription tiles = header.tileDescription();
+    if (tiles.mode != Imf::ONE_LEVEL) report.full_size_only = true;
+    tiles.mode = Imf::ONE_LEVEL;
+    header.setTileDescription(tiles);
+  }
+  if (header.hasChunkCount()) header.setChunkCount(static_cast<int>(chunk_count(header)));
+}
+
+}  // namespace
+
+std::span<const std::string_view> compression_names() {
+  return kCompressions;
+}
+
+void check_selection(const std::string& path, const LayerOptions& options, const ChannelSelection& selection,
+                     std::string_view option) {
+  if (selection.selects_all()) return;
+  reading(path, [&] {
+    const std::unique_ptr<Imf::MultiPartInputFile> file = open_exr(path);
+    const std::vector<PartChannels> parts = part_channels(*file);
+    const std::vector<ViewLayers> found = find_view_layers(path, parts, options);
+    std::vector<const ViewLayers*> views;
+    for (const ViewLayers& view : found) views.push_back(&view);
+    for (const std::string& name : selection.names) {
+      bool is_there = false;
+      for (std::size_t part = 0; part < parts.size(); ++part) {
+        const std::vector<std::string> beauty = beauty_channels(views, static_cast<int>(part));
+        is_there = is_there || std::ranges::any_of(parts[part].channels, [&](const std::string& channel) {
+                     return is_named({.names = {name}}, channel, beauty);
+                   });
+      }
+      if (is_there) continue;
+      throw Error(ExitStatus::usage,
+                  fmt::format("{} {}: {} has no such channel or layer; becalm info lists them", option,
+                              printable(name), path));
+    }
+  });
+}
+
+WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
+                               const std::vector<Frame>& other_views, const LoadedFrame& source,
+                               const Attributes& attributes, const DenoisedFormat& format) {
+  const std::string& source_path = source.contents->path();
+  std::unique_ptr<Imf::MultiPartInputFile> from;
+  reading(source_path, [&] {
+    if (stamp_of(source_path) != source.contents->stamp()) {
+      throw Error(
+          ExitStatus::bad_input,
+          fmt::format("{}: changed after it was read; its other channels cannot be passed on", source_path));
+    }
+    from = open_exr(source_path);
+  });
+
+  Rewritten rewritten;
+  rewritten.type = format.type;
+  rewritten.headers.reserve(from->parts());
+  for (int part = 0; part < from->parts(); ++part) rewritten.headers.push_back(from->header(part));
+  replace_view(source_path, source, frame, "", rewritten);
+  for (std::size_t i = 0; i < other_views.size(); ++i) {
+    const LoadedView& view = source.other_views.at(i);
+    const bool has_own_part = beauty_of(view).part != beauty_of(source).part;
+    replace_view(source_path, view, other_views[i], has_own_part ? "" : view.view, rewritten);
+  }
+  std::vector<const ViewLayers*> views{&source};
+  for (const LoadedView& view : source.other_views) views.push_back(&view);
+  std::set<int> with_denoised;
+  for (const auto& [part, channels] : rewritten.channels) with_denoised.insert(part);
+  std::vector<int> kept;
+  for (int part = 0; part < from->parts(); ++part) {
+    if (select_channels(format.channels, beauty_channels(views, part), part, rewritten)) kept.push_back(part);
+  }
+  if (kept.empty()) {
+    throw Error(ExitStatus::bad_input, fmt::format("{}: holds none of the channels to write", source_path));
+  }
+  WriteReport report;
+  std::vector<Imf::Header> headers;
+  for (const int part : kept) {
+    Imf::Header& header = headers.emplace_back(rewritten.headers[part]);
+    const auto channels = rewritten.channels.find(part);
+    const bool is_denoised = with_denoised.contains(part);
+    if (channels != rewritten.channels.end()) {
+      prepare_header(channels->second, is_denoised ? format.compression : std::nullopt, header, report);
+    }
+    if (is_denoised || part == kept.front()) insert_attributes(header, attributes);
+  }
+
+  writing(path, headers, [&](Imf::MultiPartOutputFile& file) {
+    for (std::size_t number = 0; number < kept.size(); ++number) {
+      const auto channels = rewritten.channels.find(kept[number]);
+      if (channels == rewritten.channels.end()) {
+        copy_part(*from, kept[number], file, static_cast<int>(number));
+        continue;
+      }
+      Imf::InputPart in(*from, kept[number]);
+      write_part(file, static_cast<int>(number), channels->second, &in, report);
+    }
+  });
+  return report;
+}
+
+}  // namespace becalm::io
