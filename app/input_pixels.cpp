@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "app/half_buffers.h"
-#include "filter/additive.h"
+#include "filter/merge/additive.h"
 
 namespace becalm::app {
 namespace {

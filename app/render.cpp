@@ -25,11 +25,11 @@
 #include "app/render_arguments.h"
 #include "app/rendered_frames.h"
 #include "app/scene_hash.h"
-#include "filter/additive.h"
+#include "filter/merge/additive.h"
 #include "frame/io/exr.h"
 #include "frame/io/sequence.h"
 #include "tracer/render.h"
-#include "tracer/scene/load.h"
+#include "tracer/scene/load/load.h"
 
 namespace becalm::app {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "app/rendered_frames.h"
-#include "filter/schedule.h"
+#include "filter/sequence/schedule.h"
 #include "frame/io/exr.h"
 
 namespace becalm::app {
