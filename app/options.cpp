@@ -187,7 +187,7 @@ std::string wrapped(std::string_view text, std::size_t indent, std::size_t width
   return lines;
 }
 
-constexpr std::array<std::string_view, 3> kPresets{"draft", "balanced", "final"};
+constexpr std::array<std::string_view, 4> kPresets{"draft", "balanced", "final", "paper"};
 
 using PresetValues = std::map<std::string, std::string>;
 
