@@ -23,6 +23,7 @@ class NoisyInputs {
   void upload(gpu::Chain& chain, const FilterTask& task, const NewFrame& frame, const Tile& tile,
               FrameReport& report) const;
 
+  bool has_albedo;                        ///< else it is 1 everywhere
   gpu::ImageId color;                     ///< f32x4: pixels that are not finite replaced
   gpu::ImageId own_color;                 ///< of merged frames that of the frame itself, else the same
   gpu::ImageId variance;                  ///< f32x2, as MergeInputs::variance

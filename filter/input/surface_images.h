@@ -8,6 +8,8 @@ namespace becalm::filter {
 struct SurfaceImages {
   gpu::ImageId albedo_depth;  ///< f32x4: albedo, and depth brought to [0,2]
   gpu::ImageId normal;        ///< f32x4: normal, 0
+
+  bool operator==(const SurfaceImages&) const = default;
 };
 
 }  // namespace becalm::filter

@@ -228,6 +228,9 @@ void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, con
       .write("smoothed", smoothed)
       .write("stats", stats)
       .specialize("planes", planes(0))
+      .specialize("albedos", !frame.has_albedo                      ? 0
+                             : frame.own_features == frame.features ? 1
+                                                                    : 2)
       .constants(padded_params(full_, padded_))
       .dispatch(full_);
 }

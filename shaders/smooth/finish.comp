@@ -10,7 +10,9 @@
 #include "lib/reflectance.glsl"
 #include "shared/network_params.h"
 
-layout(constant_id = 0) const int planes = 4;      // of four features each
+layout(constant_id = 0) const int planes = 4;  // of four features each
+// 0: all albedos are 1; 1: the albedo of the frame itself is `albedo_depth`; 2: it is `own_albedo_depth`
+layout(constant_id = 1) const int albedos = 2;
 
 layout(local_size_x = 128, local_size_y = 1) in;
 layout(push_constant) uniform Params { PaddedParams p; };
@@ -31,13 +33,9 @@ layout(std430, set = 0, binding = 10) writeonly buffer StatsBuffer { vec2 data[]
 const int kMostOutputs = 2 * kTaps + 1;  // the last one is the log of the squared relative error
 #include "lib/head.glsl"
 
-void main() {
-  load_head(kMostOutputs);
-  const ivec2 at = min(ivec2(gl_GlobalInvocationID.xy), ivec2(p.width, p.height) - 1);
-  const int padded = at.y * p.padded_width + at.x;
-  float head[kMostOutputs];
-  apply_head(kMostOutputs, padded, p.padded_width * p.padded_height, head);
-  const vec4 own_affinities = texelFetch(affinities, padded);
+/// What the albedos of the windows multiply by: their mean, by a softmax over the logits of `head`.
+vec3 mean_divisor(ivec2 at, float head[kMostOutputs]) {
+  const vec4 own_affinities = texelFetch(affinities, at.y * p.padded_width + at.x);
   [[unroll]] for (int t = 0; t < kTaps; ++t) {
     const ivec2 tap = clamp(at + window_offset(t), ivec2(0), ivec2(p.padded_width, p.padded_height) - 1);
     const vec4 d = texelFetch(affinities, tap.y * p.padded_width + tap.x) - own_affinities;
@@ -46,18 +44,28 @@ void main() {
   }
   float largest = head[0];
   [[unroll]] for (int t = 1; t < 2 * kTaps; ++t) largest = max(largest, head[t]);
-  vec3 divisor = vec3(0.0);
+  vec3 sum = vec3(0.0);
   float total = 0.0;
   [[unroll]] for (int t = 0; t < kTaps; ++t) {
     const ivec2 tap = clamp(at + window_offset(t), ivec2(0), ivec2(p.width, p.height) - 1);
     const int from = tap.y * p.width + tap.x;
     const float weight = exp(head[t] - largest);
     const float own_weight = exp(head[kTaps + t] - largest);
-    divisor += weight * divisor_of(texelFetch(albedo_depth, from).rgb);
-    divisor += own_weight * divisor_of(texelFetch(own_albedo_depth, from).rgb);
+    const vec3 divisor = divisor_of(texelFetch(albedo_depth, from).rgb);
+    const vec3 own_divisor = albedos == 2 ? divisor_of(texelFetch(own_albedo_depth, from).rgb) : divisor;
+    sum += weight * divisor + own_weight * own_divisor;
     total += weight + own_weight;
   }
-  divisor /= total;
+  return sum / total;
+}
+
+void main() {
+  load_head(kMostOutputs);
+  const ivec2 at = min(ivec2(gl_GlobalInvocationID.xy), ivec2(p.width, p.height) - 1);
+  const int padded = at.y * p.padded_width + at.x;
+  float head[kMostOutputs];
+  apply_head(kMostOutputs, padded, p.padded_width * p.padded_height, head);
+  const vec3 divisor = albedos != 0 ? mean_divisor(at, head) : vec3(1.0);
   const int index = at.y * p.width + at.x;
   const float exposed_to = texelFetch(exposure, 0).x;
   const vec4 own = texelFetch(color, index);

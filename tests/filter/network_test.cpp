@@ -69,12 +69,17 @@ Sample noisy_sample(int width, int height) {
   return sample;
 }
 
+/// What the frames are said to be: merged ones, which have albedos of their own, single ones, or without any.
+enum class Kind { merged, single, without_albedo };
+
 Grid<Estimate> smooth_on(gpu::Device& device, const Sample& sample, const NetworkWeights& weights,
-                         bool variance_known = true, std::optional<Convolver> convolver = std::nullopt) {
+                         bool variance_known = true, std::optional<Convolver> convolver = std::nullopt,
+                         Kind kind = Kind::merged) {
   const gpu::Extent extent = sample.extent();
   gpu::Chain chain(device, "network test");
   FilterTask task = task_with_variance(preset("balanced"), extent);
-  task.merged = true;
+  task.merged = kind == Kind::merged;
+  task.used.set(static_cast<std::size_t>(Aov::albedo), kind != Kind::without_albedo);
   const NoisyInputs noisy(chain, task, extent, NoisyUse::smooth);
   const NetworkPasses network(chain, weights, extent, noisy, variance_known, {},
                               convolver.value_or(convolver_of(device.info())));
@@ -165,6 +170,23 @@ TEST_F(NetworkTest, AgreesWithTheReference) {
 
 TEST_F(NetworkTest, AgreesWithTheReferenceWhereTheVarianceIsUnknown) {
   expect_agreement(noisy_sample(32, 16), random_weights(), false);
+}
+
+TEST_F(NetworkTest, AgreesWithTheReferenceForSingleFramesWithAndWithoutAlbedo) {
+  Sample sample = noisy_sample(27, 21);
+  sample.own = sample.features;
+  sample.own_pixels = sample.pixels;
+  for (const Kind kind : {Kind::single, Kind::without_albedo}) {
+    for (reference::SmoothFeatures& f : sample.features.data) {
+      if (kind == Kind::without_albedo) std::fill_n(f.begin(), 3, 1.0);
+    }
+    sample.own = sample.features;
+    const Grid<Estimate> truth =
+        reference::smooth_by_network({sample.pixels, sample.own_pixels}, {sample.features, sample.own},
+                                     sample.exposure, embedded_weights(), true);
+    expect_agreement(sample, truth,
+                     smooth_on(device(), sample, embedded_weights(), true, std::nullopt, kind));
+  }
 }
 
 TEST_F(NetworkTest, OneDnnAndKernelsAgreeForImagesOfAnySize) {
