@@ -14,6 +14,7 @@ from pathlib import Path
 PRESETS = ("draft", "balanced", "final")
 SCENE, FRAMES, SPP = "scenes/crossing.json", "5-10", 4
 RUNS = 3  # of each preset, alternating
+VARIANTS = ("noisy", *PRESETS, "paper", "frames", "forward_smooth", "radiance_alone", "beauty_alone")
 
 
 def said(*command):
@@ -60,7 +61,7 @@ def main():
     parser.add_argument("-o", "--output", type=Path, default=Path("out/report"), metavar="DIR", help="pictures and plots (default: out/report)")
     asked = parser.parse_args()
     subprocess.run([sys.executable, "-m", "benches.quality.run", "--becalm", asked.becalm, "--shots", "cycles", "--variants",
-                    "noisy,draft,balanced,final", "--pictured", "final", "-o", str(asked.output)], check=True)
+                    ",".join(VARIANTS), "--pictured", "final", "-o", str(asked.output)], check=True)
     rows = "\n".join(time_table(asked.becalm, "build/report"))
     Path("RESULTS.md").write_text(f"""# Results
 
@@ -71,7 +72,8 @@ Written by `scripts/bench report` at {said("git", "describe", "--always", "--dir
 480x270, with albedo, normal and depth, without variance;
 `scripts/benches/quality/cycles/render.py` renders them, two references each. relMSE and temporal
 error are those of `becalm compare`, as a share of noisy's. The network did not learn from them, but
-was extended after a look at `cloth` and `foliage` (`scripts/train/README.md`).
+was extended after a look at `cloth` and `foliage` (`scripts/train/README.md`). The last four rows
+change one thing of `final`.
 
 {quality_section(asked.output)}
 

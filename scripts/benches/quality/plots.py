@@ -80,7 +80,7 @@ def write_plots(folder, results, energy_limit, time_spp):
     """Writes all plots. Returns their files by title."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = {f"{title} against samples per pixel": folder / f"{metric}.png" for metric, title in METRICS.items() if metric != "energy"}
-    for metric in ("relmse", "temporal", "ssim"):
+    for metric in ("relmse", "temporal", "ssim", "flip"):
         plot_errors(folder / f"{metric}.png", results, metric)
     paths["energy of every scene"] = folder / "energy.png"
     plot_energy(paths["energy of every scene"], results, energy_limit)

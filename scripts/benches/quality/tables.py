@@ -6,7 +6,7 @@ from benches.markdown_report import figure, markdown
 from benches.quality.variants import NOISY
 
 NOT_AVAILABLE = "not available"
-METRICS = {"relmse": "relMSE", "temporal": "temporal error", "energy": "energy", "ssim": "SSIM"}
+METRICS = {"relmse": "relMSE", "temporal": "temporal error", "energy": "energy", "ssim": "SSIM", "flip": "FLIP"}
 
 
 class Results:
