@@ -9,7 +9,7 @@
 
 namespace becalm::filter {
 
-/// What is known of a frame's pixels, and how well.
+/// Radiance of a frame's pixels with its variance and effective sample count.
 struct Estimate {
   Estimate() = default;
   Estimate(gpu::Extent extent, std::size_t carried_count)
@@ -18,21 +18,21 @@ struct Estimate {
         additive(carried_count, color) {}
 
   Image color;  ///< four channels
-  Image stats;  ///< (variance, effective sample count); a count of 0 where nothing is known
-  /// What goes with the beauty's weights, four channels each: additive AOVs; in the merge also the noisy
-  /// layers, if the task smooths what is merged.
+  Image stats;  ///< (variance, effective sample count); a count of 0 means no data
+  /// Images merged with the beauty's weights, four channels each: the additive AOVs; in the merge also the
+  /// noisy layers, if the task smooths merged frames.
   std::vector<Image> additive;
 };
 
-/// A frame on its way into the chains.
+/// A frame prepared as input of the chains.
 struct NewFrame {
   const Frame& frame;
-  const NewFrame* own = nullptr;     ///< of merged frames, the one itself
-  std::vector<std::uint8_t> finite;  ///< of finite_pixels
-  float exposure;                    ///< of the whole frame
-  float usual_depth = 1.0f;          ///< of typical_depth
-  std::vector<Image> additive = {};  ///< of pack_additive
-  Estimate smoothed = {};            ///< what is matched and merged in place of the frame, if not empty
+  const NewFrame* own = nullptr;     ///< of a merged frame: the unmerged one
+  std::vector<std::uint8_t> finite;  ///< from finite_pixels
+  float exposure;                    ///< of the whole frame, from exposure()
+  float usual_depth = 1.0f;          ///< from typical_depth
+  std::vector<Image> additive = {};  ///< from pack_additive
+  Estimate smoothed = {};            ///< if not empty, matched and merged instead of the frame
 
   const std::vector<Image>& merged_additive() const {
     return smoothed.additive.empty() ? additive : smoothed.additive;

@@ -4,7 +4,7 @@
 
 namespace becalm::filter {
 
-/// Rec.709 luminance, as shaders/lib/color.glsl has it.
+/// Rec.709 luminance, the same as in shaders/lib/color.glsl.
 inline float luminance(std::span<const float> rgb) {
   return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
 }

@@ -9,33 +9,39 @@
 
 namespace becalm::filter {
 
-/// What happened to one frame.
+/// Counts, averages and times of one filtered frame.
 struct FrameReport {
-  std::size_t non_finite_pixels = 0;  ///< pixels with NaN or Inf in the beauty: passed through as they came
-  /// Variances that were not finite or negative, taken as 100 % of noise.
+  /// Pixels with NaN or Inf in the beauty, which are passed through unchanged.
+  std::size_t non_finite_pixels = 0;
+  /// Variances that were negative or not finite, replaced by the squared luminance (100 % noise).
   std::size_t replaced_variances = 0;
-  /// Values of additive AOVs that were not finite where the beauty was, taken as 0.
+  /// Non-finite values of additive AOVs in pixels with a finite beauty, replaced by 0.
   std::size_t replaced_additive = 0;
-  std::size_t far_motions = 0;  ///< pixels whose known motion is beyond motion_limit_px and is not followed
-  bool new_shot = false;       ///< a cut was found between this frame and the one before it in this direction
-  double mean_rejected = 0.0;  ///< share of the history that was rejected, averaged over pixels
-  double mean_sample_count = 0.0;     ///< effective number of frames in a pixel, averaged over pixels
-  std::vector<gpu::PassTime> passes;  ///< device time, in order of execution; of a pass in all tiles together
+  /// Pixels whose motion exceeds motion_limit_px and is ignored.
+  std::size_t far_motions = 0;
+  /// A cut was found between this frame and the previous one in this direction.
+  bool new_shot = false;
+  /// Rejected share of the history, averaged over pixels.
+  double mean_rejected = 0.0;
+  /// Effective number of frames per pixel, averaged over pixels.
+  double mean_sample_count = 0.0;
+  /// Device time of each pass, summed over tiles, in order of execution.
+  std::vector<gpu::PassTime> passes;
 };
 
-/// Adds the device times of a chain's last run to those of the same passes.
+/// Adds the pass times of a chain's last run to the report, summed by pass name.
 void add_times(FrameReport& report, const gpu::Chain& chain);
 
-/// How frames are cut, and what the device holds for them.
+/// Number and size of the tiles, and the memory held for them.
 struct FilterMemory {
   std::size_t tiles = 1;
-  gpu::Extent tile;  ///< what a tile sees of the new frame
+  gpu::Extent tile;  ///< size of a tile's target rectangle
   std::uint64_t device_bytes = 0;
-  std::uint64_t device_bytes_unaliased = 0;  ///< if no images shared memory
-  std::uint64_t staging_bytes = 0;           ///< of host memory through which images come and go
+  std::uint64_t device_bytes_unaliased = 0;  ///< device_bytes if images did not share memory
+  std::uint64_t staging_bytes = 0;           ///< host memory for uploads and downloads
 };
 
-/// Adds what a chain holds.
+/// Adds the memory that a chain holds.
 void add_memory(FilterMemory& memory, const gpu::Chain& chain);
 
 }  // namespace becalm::filter

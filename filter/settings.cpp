@@ -21,7 +21,7 @@ struct IntRange {
 };
 struct IntChoice {
   int Settings::*member;
-  std::array<int, 3> values;  ///< unused ones repeat the first
+  std::array<int, 3> values;  ///< unused entries repeat the first value
 };
 struct IntList {
   std::vector<int> Settings::*member;
@@ -36,7 +36,7 @@ struct FloatRange {
 template <class Enum>
 struct Named {
   Enum Settings::*member;
-  std::span<const std::string_view> names;  ///< in the order of the values, from 0
+  std::span<const std::string_view> names;  ///< of the enum's values in order, from 0
 };
 using Field = std::variant<IntRange, IntChoice, IntList, FloatRange, Named<Distance>, Named<MotionUse>,
                            Named<Resample>, Named<Smooth>, Named<Directions>, Named<MergeMode>>;
@@ -226,7 +226,8 @@ Settings preset(std::string_view name) {
     settings.directions = Directions::forward;
     settings.merge = MergeMode::mask;
   } else if (name != "balanced") {
-    throw Error(ExitStatus::usage, fmt::format("preset '{}': expected draft, balanced, final or paper", name));
+    throw Error(ExitStatus::usage,
+                fmt::format("preset '{}': expected draft, balanced, final or paper", name));
   }
   return settings;
 }

@@ -11,27 +11,26 @@ namespace becalm::filter {
 /// shaders/lib/distance.glsl.
 enum class Distance { l2 = 0, l1 = 1, log_l1 = 2, log_l1_centered = 3 };
 
-/// What known motion (the `motion` AOV) is for: nothing, a candidate where one level of the search starts
-/// from, or the offset itself wherever it is known.
+/// Use of the `motion` AOV: none; a candidate start offset at one level of the search; or the offset itself
+/// in pixels that have motion.
 enum class MotionUse { none, guide, override_offset };
 
-/// The filter by which the history is read between its pixels. The values are those of
-/// shaders/lib/resample.glsl.
+/// The filter that reads the history between its pixels. The values are those of shaders/lib/resample.glsl.
 enum class Resample { bilinear = 0, catmull_rom = 1, o_moms = 2 };
 
-/// Which frames an output is made from: those up to it, of unbounded history; or those after it as well,
-/// within segments.
+/// The frames that contribute to an output: the frames up to it, with unbounded history; or also the frames
+/// after it, within segments.
 enum class Directions { forward, both };
 
-/// What is smoothed: nothing; each frame before it is matched and merged; or each frame, so that the weights
-/// of the merge are known, and then the noisy frames that were merged with them.
+/// What is smoothed: nothing; each frame before it is matched and merged; or each frame, to obtain the merge
+/// weights, and then the noisy frames that were merged with them.
 enum class Smooth { none, frames, merged };
 
-/// How the merge weighs history against the new frame.
+/// How the merge weights the history against the new frame.
 enum class MergeMode { mask, variance };
 
-/// What a user may set of the filter. One table (settings.cpp) holds names, ranges and help texts;
-/// `--set KEY=VALUE`, the help and the files' `becalm:settings` attribute are made from it.
+/// The filter's settings. One table (settings.cpp) holds their names, ranges and help texts; `--set
+/// KEY=VALUE`, the help and the output files' `becalm:settings` attribute use it.
 struct Settings {
   int match_downsample = 2;
   int pyramid_factor = 2;
@@ -58,7 +57,7 @@ struct Settings {
 /// One row of the settings table.
 struct SettingInfo {
   std::string_view key;
-  std::string_view type;  ///< what a value looks like: "integer 1..8", "one of l2, l1, ..."
+  std::string_view type;  ///< accepted values, such as "integer 1..8"
   std::string_view help;
 };
 std::span<const SettingInfo> settings_table();

@@ -9,31 +9,32 @@
 
 namespace becalm::filter {
 
-/// What chains are built for.
+/// What the passes of the chains depend on: settings, frame size and AOVs.
 struct FilterTask {
   Settings settings;
   gpu::Extent full;
-  AovSet used;         ///< what is read of a frame besides the beauty
-  AovSet diagnostics;  ///< those that are wanted
+  AovSet used;         ///< AOVs that are read besides the beauty
+  AovSet diagnostics;  ///< diagnostic AOVs requested in the output
   Guides guides;
-  std::size_t additive = 0;  ///< how many additive AOVs frames have (merge/additive.h)
-  bool merged = false;       ///< frames are merged ones: they have NewFrame::own
+  std::size_t additive = 0;  ///< number of additive AOVs of a frame (merge/additive.h)
+  bool merged = false;       ///< the input frames are merged frames, with NewFrame::own set
 
   bool has_halves() const { return contains(used, Aov::half_a) && contains(used, Aov::half_b); }
   bool variance_known() const { return contains(used, Aov::variance) || has_halves(); }
-  /// In variance mode alone: history that is never rejected would go on multiplying by noisy albedo.
+  /// Whether the albedo is divided out of the history. Only in variance mode: where history is never
+  /// rejected, factors of noisy albedo would accumulate.
   bool demodulates_history() const {
     return contains(used, Aov::albedo) && settings.merge == MergeMode::variance;
   }
   bool smooths() const { return settings.smooth != Smooth::none; }
-  /// Whether smoothed frames only decide the weights by which noisy ones are merged, and what comes out is
-  /// smoothed.
+  /// Whether smoothed frames only determine the merge weights, and the merged noisy layers are smoothed for
+  /// the output.
   bool smooths_merged() const { return settings.smooth == Smooth::merged; }
-  /// Images that are merged with the beauty's weights: additive AOVs, then what is smoothed once it is
-  /// merged.
+  /// Number of images merged with the beauty's weights: additive AOVs, then the noisy layers that are
+  /// smoothed after the merge.
   std::size_t carried() const { return additive + (smooths_merged() ? kNoisyLayers : 0); }
 
-  /// Noisy radiance with its variance; albedo with depth; normal.
+  /// The noisy layers: radiance with its variance; albedo with depth; normal.
   static constexpr std::size_t kNoisyLayers = 3;
 };
 

@@ -20,8 +20,8 @@ using gpu::ImageId;
 
 constexpr int kShifts = (2 * kWindowReach + 1) * (2 * kWindowReach + 1);
 
-// The 25 distance images of a level exist for one band of rows at a time; a band of this size stays in the
-// last-level cache of a desktop processor and keeps the memory small whatever the image size.
+// The 25 distance images of a level exist for one band of rows at a time. A band of this size stays in the
+// last-level cache of a desktop processor, and memory does not grow with the image's height.
 constexpr std::int64_t kBandBytes = 16 << 20;
 constexpr int kBlurRun = 16;  // kRun of align/blur.comp
 
@@ -39,7 +39,7 @@ struct CoarseOffset {
   float scale;
 };
 
-/// The source's features as the target's pixels see them from where the level starts.
+/// Warps the source's features to the target's pixels by the level's start offsets.
 ImageId add_warp(Chain& chain, const Settings& settings, const Search& search, std::size_t level,
                  Extent extent, const Features& source, const CoarseOffset& coarse) {
   const Extent source_extent = level_extent(settings, search.window.full, level);
@@ -63,7 +63,8 @@ ImageId add_warp(Chain& chain, const Settings& settings, const Search& search, s
   return warped;
 }
 
-/// Where a level starts from: the coarser offset or the known motion, whichever looks more alike.
+/// Start offsets of a level: per pixel the coarser level's offset or the known motion, whichever has the
+/// smaller distance.
 CoarseOffset add_motion_guide(Chain& chain, const Settings& settings, const Search& search, std::size_t level,
                               const Features& target, const Features& source, const CoarseOffset& coarse) {
   const Extent extent = level_extent(settings, search.full, level);
@@ -91,7 +92,7 @@ CoarseOffset add_motion_guide(Chain& chain, const Settings& settings, const Sear
   return {start, extent, 1.0f};
 }
 
-/// What a level is searched in and where its result goes.
+/// Inputs and outputs of the search at one level.
 struct Level {
   std::size_t index;
   std::string name;
@@ -105,14 +106,14 @@ struct Level {
   ImageId residual;
 };
 
-/// Largest radius for which `match` is faster than bands.
+/// Largest radius for which add_match is faster than add_bands.
 constexpr int kLargestMatchRadius = 10;
 
-/// What the differences of two pixels add up to at most where all weights are about 1.
+/// Largest sum of two pixels' feature differences, for weights of about 1.
 constexpr double kLargestDifference = 8.0 * kFeatureRange;
 
-/// How many factors 1 + d/2 a product may have before it leaves the range of floats (log_of in
-/// align/match.comp).
+/// The largest product of factors 1 + d/2 that stays within the range of floats: that of a patch (0), of a
+/// column (1) or of one pixel (2). Constant `log_of` of align/match.comp.
 int log_of(int radius) {
   constexpr double largest_log2 = 126.0;
   const double factor_log2 = std::log2(1.0 + 0.5 * kLargestDifference);
@@ -120,19 +121,19 @@ int log_of(int radius) {
   return factor_log2 * side * side < largest_log2 ? 0 : factor_log2 * side < largest_log2 ? 1 : 2;
 }
 
-/// What one invocation of align/match makes.
+/// Pixels that one invocation of align/match computes.
 struct Strip {
   int columns;
   int rows;
 };
 
-/// A software device has eight lanes, no registers to run out of and pays for every read; hardware wants many
-/// small invocations whose 25 sums a column stay in registers.
+/// On a software device with eight lanes reads are the main cost, so strips are large. Hardware needs many
+/// small invocations whose 25 sums per column stay in registers.
 Strip match_strip(const gpu::DeviceInfo& device) {
   return device.type == "software" ? Strip{8, 32} : Strip{2, 16};
 }
 
-/// The level in one pass whose distances never leave the processor.
+/// Searches the level in one pass that stores no distances in memory.
 void add_match(Chain& chain, const Settings& settings, const Level& level) {
   const Strip strip = match_strip(chain.device());
   chain.pass("align/match")
@@ -156,13 +157,14 @@ void add_match(Chain& chain, const Settings& settings, const Level& level) {
       .dispatch({ceil_div(level.extent.width, strip.columns), ceil_div(level.extent.height, strip.rows)});
 }
 
-/// The level in bands: distances, blur and choice. The cost hardly depends on the radius, since sums slide.
+/// Searches the level in bands of rows: distances, blur and choice. Sliding sums make the cost nearly
+/// independent of the radius.
 void add_bands(Chain& chain, const Settings& settings, const Level& level) {
   const auto [width, height, planes] = level.extent;
   const int radius = level.radius;
   const int kind = static_cast<int>(settings.distance);
   const std::int64_t row_bytes = std::int64_t(width) * kShifts * sizeof(float);
-  // Whole runs, so that runs begin at the same rows whatever the width.
+  // A band holds whole runs, so that runs begin at the same rows for every width.
   const int runs = std::max((static_cast<int>(kBandBytes / row_bytes) - 2 * radius) / kBlurRun, 1);
   const int band = std::min(runs * kBlurRun, height);
   const ImageId distances =
@@ -278,7 +280,7 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
 
 TileRules search_tile_rules(const Settings& settings, const gpu::DeviceInfo& device, std::size_t levels,
                             std::size_t end, int margin_px) {
-  // Sums slide along runs to the right and down. Tiles begin where runs do.
+  // Sums slide along runs, to the right and down. Tiles begin where runs begin.
   struct Runs {
     int x;
     int y;
@@ -287,15 +289,15 @@ TileRules search_tile_rules(const Settings& settings, const gpu::DeviceInfo& dev
     return blur_radius(settings, level) > kLargestMatchRadius ? Runs{kBlurRun, kBlurRun}
                                                               : Runs{1, match_strip(device).rows};
   };
-  // How far from the core the offsets of level `end` must be right, in full-resolution pixels.
+  // Margin around the core in which the offsets of level `end` must be exact, in full-resolution pixels.
   const auto margin_at_end = [&](const auto& run_of) {
     constexpr int bilinear = 1;
     constexpr int median = 1;
-    constexpr int cut_pixel = 1;  // of a level's last pixel in a tile a part may lie beyond the tile
+    constexpr int cut_pixel = 1;  // a tile may end within a level's last pixel
     int margin = ceil_div(margin_px, settings.match_downsample) + bilinear;
     for (std::size_t l = 0; l < end; ++l) {
-      // Every sum of a run has the rounding of all that was ever in it: a run is right as a whole or not at
-      // all.
+      // A sliding sum carries the rounding errors of all values before it in its run, so a run is exact only
+      // if it is computed as a whole.
       margin += median + (run_of(runs_of(l)) - 1) + blur_radius(settings, l) + kWindowReach;
       margin = ceil_div(margin, settings.pyramid_factor) + bilinear + cut_pixel;
     }

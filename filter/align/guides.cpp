@@ -8,8 +8,8 @@
 namespace becalm::filter {
 namespace {
 
-/// Weights of one plane beside the radiance's 1: clean features say more about motion than noisy radiance
-/// does, and normals vary less than albedo.
+/// Weight of one plane; the radiance's is 1. Clean features show motion better than noisy radiance does, and
+/// normals vary less than albedo.
 constexpr float kWeightOfAlbedo = 2.0f;
 constexpr float kWeightOfNormal = 0.5f;
 

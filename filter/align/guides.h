@@ -8,18 +8,18 @@
 
 namespace becalm::filter {
 
-/// The low-noise AOVs that guide the matching: those that the frames have, if the settings ask for guides.
+/// The low-noise AOVs that guide the matching: those that frames have, if `settings.guides` is 1.
 struct Guides {
   bool albedo = false;
   bool normal = false;
-  std::vector<float> weights;  ///< one entry a plane, in the order of pack_guide
+  std::vector<float> weights;  ///< one per plane, in the order of pack_guide
 
   int planes() const { return static_cast<int>(weights.size()); }
 };
 
 Guides guides_of(const Settings& settings, const AovSet& available);
 
-/// What frames with these AOVs are matched by, in words.
+/// A sentence for the user that names what frames with these AOVs are matched by.
 std::string matched_text(const Settings& settings, const AovSet& available);
 
 }  // namespace becalm::filter

@@ -15,7 +15,7 @@ using gpu::Extent;
 using gpu::Format;
 using gpu::ImageId;
 
-/// The compressed luminance as the last plane of `features`, smoothed along the guides by `prefilter` steps.
+/// Writes the compressed luminance, smoothed by `prefilter` guided steps, to the last plane of `features`.
 void add_radiance_feature(Chain& chain, const Settings& settings, Extent full, const std::string& name,
                           const FeatureSources& sources, ImageId features) {
   const Extent extent = level_extent(settings, full, 0);
@@ -123,9 +123,9 @@ std::vector<Features> add_pyramid(Chain& chain, const Settings& settings, const 
 }
 
 int feature_margin_px(const Settings& settings) {
-  constexpr int neighbours = 1;  // by which a firefly is known
-  // Each prefilter step has two taps to either side, twice as far apart as the step before. Of the last pixel
-  // in a tile a part may lie beyond the tile.
+  constexpr int neighbours = 1;  // that the firefly test reads
+  // Each prefilter step has two taps on either side, twice as far apart as in the previous step. A tile may
+  // end within its last pixel.
   const int matching = 2 * ((1 << settings.prefilter) - 1) + 1;
   return matching * settings.match_downsample + neighbours;
 }

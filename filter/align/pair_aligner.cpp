@@ -16,7 +16,7 @@ using gpu::Format;
 using gpu::ImageId;
 
 struct PairAligner::State {
-  /// The inputs of one of the two frames.
+  /// The inputs for one of the two frames.
   struct Inputs {
     ImageId color;
     std::optional<ImageId> guide;

@@ -20,20 +20,21 @@ struct PairAlignment {
   std::vector<gpu::PassTime> passes;  ///< device time, in order of execution
 };
 
-/// Aligns one frame with another, as SequenceFilter aligns its history with each frame, but with nothing
-/// merged. The frames are matched by radiance, scaled by the target's exposure, and by those of albedo and
-/// normal that are available and weighed.
+/// Aligns one frame with another by the search that SequenceFilter uses for its history, without merging. The
+/// frames are matched by radiance, scaled by the target's exposure, and, if `settings.guides` is 1, by albedo
+/// and normal where available.
 class PairAligner {
  public:
-  /// Throws Error(usage) if the settings leave nothing to match, DeviceError for trouble with the device.
+  /// Throws DeviceError if the device fails or cannot hold the images.
   PairAligner(gpu::Device& device, const Settings& settings, int width, int height, const AovSet& available);
   ~PairAligner();
   PairAligner(PairAligner&&) noexcept;
 
-  /// Throws Error(bad_input) if a frame has another size or lacks an AOV that is matched.
+  /// Throws Error(bad_input) if a frame has another size or lacks an AOV that is matched, or if the target
+  /// lacks the motion that is used.
   PairAlignment align(const Frame& target, const Frame& source);
 
-  /// Device memory held, and what it would be without sharing.
+  /// Device memory held, and what it would be if images did not share memory.
   std::uint64_t device_bytes() const;
   std::uint64_t device_bytes_unaliased() const;
 

@@ -10,13 +10,13 @@ namespace {
 
 using gpu::Extent;
 
-/// Known motion is a candidate of the next to finest level: the finest alone cannot correct an error of
-/// several pixels, coarser ones blur its edges.
+/// Known motion is a candidate at the second finest level: the finest alone cannot correct an error of
+/// several pixels, and coarser levels blur the edges of the motion.
 constexpr std::size_t kMotionLevel = 1;
-constexpr int kSmallestLevel = 8;  // px; below, a patch is the whole image
+constexpr int kSmallestLevel = 8;  // px; in a smaller level a patch covers the whole image
 constexpr double kReachOfLongerSide = 0.09;
 constexpr int kSmallestGuideLimit = 256;  // px
-constexpr int kGuideLimitShare = 8;       // of the longer side, one in so many
+constexpr int kGuideLimitShare = 8;       // the limit is the longer side divided by this
 
 Extent shrink(Extent extent, int factor) {
   return {ceil_div(extent.width, factor), ceil_div(extent.height, factor)};

@@ -5,16 +5,16 @@
 
 namespace becalm::filter {
 
-/// Variance estimated from one frame alone, for frames that come without; returns an image as
-/// MergeInputs::variance wants it. `valid` is such an image of which only the second value is read.
-/// For frames with albedo:
+/// Estimates the variance from a single frame, for frames without a variance layer. Returns an image in the
+/// format of MergeInputs::variance. `valid` has that format too; only its second value is read. For frames
+/// with albedo:
 gpu::ImageId add_variance_estimate(gpu::Chain& chain, gpu::Extent full, gpu::ImageId color,
                                    gpu::ImageId valid, const SurfaceImages& features);
-/// For frames without, whose texture nothing explains:
+/// For frames without albedo, whose texture cannot be told from noise:
 gpu::ImageId add_variance_estimate(gpu::Chain& chain, gpu::Extent full, gpu::ImageId color,
                                    gpu::ImageId valid);
 
-/// How far from a pixel the estimates read within the frame, in pixels.
+/// Radius of the neighbourhood that the estimates read, in pixels.
 constexpr int kVarianceEstimateMargin = 1;
 
 }  // namespace becalm::filter

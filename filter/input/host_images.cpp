@@ -13,10 +13,10 @@
 namespace becalm::filter {
 namespace {
 
-/// Exposures beyond this range make squares of scaled values leave the range of floats.
+/// Exposures are clamped to [1/this, this]; beyond it, squares of scaled values leave the range of floats.
 constexpr double kLargestExposure = 1e15;
 
-/// Calls `use(index in an image of that width, index in the rectangle)` for each pixel, on all threads.
+/// Calls `use(index in the image, index in the rectangle)` for each pixel of the rectangle, on all threads.
 template <class Use>
 void for_each_pixel(const Rect& rect, int image_width, const Use& use) {
   for_rows(rect.height, [&](int begin, int end) {
@@ -28,7 +28,7 @@ void for_each_pixel(const Rect& rect, int image_width, const Use& use) {
   });
 }
 
-/// The sum of `of_row(y)`, made on all threads; the order of its additions is always the same.
+/// The sum of `of_row(y)` over all rows. Rows are computed on all threads and added in a fixed order.
 template <class Sum, class OfRow>
 Sum sum_of_rows(int rows, const OfRow& of_row) {
   std::vector<Sum> sums(static_cast<std::size_t>(rows));
@@ -38,7 +38,7 @@ Sum sum_of_rows(int rows, const OfRow& of_row) {
   return sum;
 }
 
-/// A sum of logarithms and their number.
+/// A sum of logarithms and the number of its terms.
 struct LogarithmSum {
   LogarithmSum& operator+=(const LogarithmSum& other) {
     exponents += other.exponents;
@@ -46,8 +46,8 @@ struct LogarithmSum {
     count += other.count;
     return *this;
   }
-  /// Adds log2 of a positive value: exponents and mantissas apart, so that values scaled by a power of two
-  /// have exactly the scaled geometric mean.
+  /// Adds log2 of a positive value. Exponents and mantissas are summed separately, so that values scaled by a
+  /// power of two have exactly the scaled geometric mean.
   void add(double value) {
     int exponent = 0;
     mantissas += std::log2(std::frexp(value, &exponent));
@@ -71,12 +71,13 @@ bool all_finite(std::span<const float> values) {
   return std::ranges::all_of(values, [](float v) { return std::isfinite(v); });
 }
 
-/// False for NaN too.
+/// Also false for NaN.
 bool is_within(std::span<const float> values, float limit) {
   return std::ranges::all_of(values, [&](float value) { return std::abs(value) <= limit; });
 }
 
-/// The mean of those pixels next to one that `is_finite` says are; `otherwise` in each channel if none is.
+/// The mean of the neighbouring pixels for which `is_finite` is true; `otherwise` in each channel if there
+/// are none.
 template <std::size_t channels, class IsFinite>
 std::array<float, channels> mean_of_neighbours(const Image& image, std::size_t pixel,
                                                const IsFinite& is_finite, float otherwise) {
@@ -193,7 +194,7 @@ void pack_features(const Frame& frame, const AovSet& used, float usual_depth, co
     }
     n[3] = 0.0f;
     const float z = has_depth ? frame.image(Aov::depth).data()[in] : 0.0f;
-    // Nothing hit is as far as can be; what is behind the eye or no number counts as near.
+    // Infinite depth (nothing hit) maps to the maximum; NaN and depths of 0 or less map to 0.
     albedo_depth[4 * out + 3] = z == std::numeric_limits<float>::infinity() ? 2.0f
                                 : z > 0.0f                                  ? 2.0f / (1.0f + usual_depth / z)
                                                                             : 0.0f;
@@ -217,8 +218,7 @@ void pack_guide(const Frame& frame, bool albedo, bool normal, const Rect& rect, 
     ++plane;
   }
   if (normal) {
-    // Orthonormal axes across the diagonal (1,1,1): no two of the six axis directions look the same along
-    // them.
+    // Orthonormal axes perpendicular to (1,1,1): the six axis directions have distinct projections onto them.
     constexpr float half_root = 0.70710678f;
     constexpr float sixth_root = 0.40824829f;
     const auto values = frame.image(Aov::normal).data();
@@ -253,7 +253,7 @@ std::size_t count_far_motions(const Image& motion, float limit_px) {
 }
 
 float exposure(const Image& beauty) {
-  /// Calls `use` with each luminance of a row that is positive and finite.
+  /// Calls `use` with each positive, finite luminance of row y.
   const auto for_each_luminance = [&](int y, const auto& use) {
     for (int x = 0; x < beauty.width(); ++x) {
       const float l = luminance(beauty.pixel(x, y));

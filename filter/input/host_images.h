@@ -9,60 +9,60 @@
 
 namespace becalm::filter {
 
-/// What lies between a Frame, or a rectangle of it, and the buffers of the GPU chain, all plain loops over
-/// pixels. Non-finite input follows one rule: such a pixel is counted, takes no part in any decision, and
-/// comes out as it went in.
+/// Conversion between a Frame, or a rectangle of it, and the buffers of a chain. Non-finite input follows one
+/// rule: the pixel is counted, takes no part in any decision, and is output unchanged.
 
-/// Variances are limited to this, so that sums of them stay within the range of floats; as in
+/// Variances are clamped to this, so that their sums stay within the range of floats; the same value as in
 /// shaders/lib/gain.glsl.
 constexpr float kLargestVariance = 1e34f;
 
-/// One entry a pixel: 1 where all channels of the beauty are finite, else 0.
+/// One entry per pixel: 1 if all channels of the beauty are finite, else 0.
 std::vector<std::uint8_t> finite_pixels(const Image& beauty);
 
-/// A rectangle of the beauty as RGBA; a pixel that is not finite becomes the mean of its finite neighbours (0
-/// without any), so that matching sees no hole there.
+/// Packs a rectangle of the beauty as RGBA. A non-finite pixel becomes the mean of its finite neighbours (0
+/// if it has none), so that matching finds no hole there.
 void pack_color(const Image& beauty, std::span<const std::uint8_t> finite, const Rect& rect,
                 std::span<float> rgba);
 
-/// A rectangle of the albedo as RGB and a 0, clamped to [0,1]. A pixel that is not finite becomes the mean of
-/// its finite neighbours, 1 without any: its radiance is divided by what the next frame's is multiplied by.
+/// Packs a rectangle of the albedo as RGB and a 0, clamped to [0,1]. A non-finite pixel becomes the mean of
+/// its finite neighbours (1 if it has none), since radiance is divided and multiplied by it.
 void pack_albedo(const Image& albedo, const Rect& rect, std::span<float> rgba);
 
-/// (variance, valid) pairs of a tile's target rectangle. The variance is the mean over channels of the
-/// `variance` AOV, or of ((a-b)/2)^2 for two half-buffers; 0 where neither is in `used`. A variance that is
-/// not finite or negative is replaced by the square of the pixel's luminance: 100 % of noise. Returns how
-/// many of the tile's core were.
+/// Packs (variance, valid) pairs of a tile's target rectangle. The variance is the mean over channels of the
+/// `variance` AOV, or of ((a-b)/2)^2 for two half-buffers; 0 if neither is in `used`. A variance that is
+/// negative or not finite is replaced by the pixel's squared luminance (100 % noise). Returns the number of
+/// replaced variances in the tile's core.
 std::size_t pack_variance(const Frame& frame, const AovSet& used, std::span<const std::uint8_t> finite,
                           const Tile& tile, std::span<float> pairs);
 
-/// The usual depth of a frame, by which depths are made relative: the geometric mean of those that are finite
-/// and positive; 1 without any, or if depth is not in `used`.
+/// The typical depth of a frame, relative to which depths are packed: the geometric mean of the finite,
+/// positive depths; 1 if there are none or depth is not in `used`.
 float typical_depth(const Frame& frame, const AovSet& used);
 
-/// Features of a rectangle: (albedo, depth) with the albedo of pack_albedo, 1 if it is not in `used`, and the
-/// depth z as 2 z / (z + usual); and (normal, 0). Another AOV that is not in `used` is 0; so are values of it
-/// that are not finite.
+/// Packs the features of a rectangle: (albedo, depth) and (normal, 0). The albedo is that of pack_albedo, or
+/// 1 if it is not in `used`. The depth z is packed as 2 z / (z + usual_depth), infinity as 2. A depth or
+/// normal that is not in `used`, or is NaN, becomes 0.
 void pack_features(const Frame& frame, const AovSet& used, float usual_depth, const Rect& rect,
                    std::span<float> albedo_depth, std::span<float> normal);
 
-/// Number of guide planes that a frame with these AOVs gives: albedo one, normal two.
+/// Number of guide planes of a frame with these AOVs: one for albedo, two for normal.
 int guide_planes(bool albedo, bool normal);
 
-/// Guide planes of a rectangle: the albedo's luminance, then the normal's components along two axes of no
-/// special direction in the scene (a unit vector has two degrees of freedom). Values that are not finite
-/// become 0. Albedo is clamped to [0,1].
+/// Packs the guide planes of a rectangle: the albedo's luminance, then the normal's components along two axes
+/// perpendicular to (1,1,1) (a unit vector has two degrees of freedom). Non-finite values become 0. Albedo is
+/// clamped to [0,1].
 void pack_guide(const Frame& frame, bool albedo, bool normal, const Rect& rect, std::span<float> planes);
 
-/// A rectangle of the motion AOV as offset pairs. A pixel has none (shaders/lib/motion.glsl) where its motion
-/// is not finite, which is how a file masks it, or where a component exceeds the limit (motion_limit_px).
+/// Packs a rectangle of the motion AOV as offset pairs. A pixel is marked as having no motion (kNoMotion of
+/// shaders/lib/motion.glsl) if its motion is not finite, which is how files mask it, or if a component
+/// exceeds the limit (motion_limit_px).
 void pack_motion(const Image& motion, const Rect& rect, float limit_px, std::span<float> pairs);
 
-/// How many pixels have a finite motion of which a component exceeds the limit.
+/// Number of pixels with a finite motion that has a component beyond the limit.
 std::size_t count_far_motions(const Image& motion, float limit_px);
 
-/// 1 / geometric mean of the finite luminances above a millionth of their mean (traces of light on black
-/// would decide it otherwise); 1 for a black frame. It brings the frame into a known range.
+/// The factor that brings a frame into a known range: 1 / geometric mean of the finite luminances above a
+/// millionth of their mean (traces of light on black would dominate it otherwise); 1 for a black frame.
 float exposure(const Image& beauty);
 
 }  // namespace becalm::filter

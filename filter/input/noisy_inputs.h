@@ -11,7 +11,7 @@
 
 namespace becalm::filter {
 
-/// What a noisy frame is an input of: smoothing looks at features.
+/// The chain that reads a noisy frame; the smoothing chain always reads features.
 enum class NoisyUse { smooth, merge };
 
 /// A noisy frame, or a tile of it, as the input of a chain.
@@ -19,17 +19,17 @@ class NoisyInputs {
  public:
   /// Declares the inputs and, for frames that come without variance, the pass that estimates it.
   NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent, NoisyUse use);
-  /// Fills them with the target rectangle of a tile, and counts the variances that had to be replaced.
+  /// Uploads the target rectangle of a tile and counts the replaced variances.
   void upload(gpu::Chain& chain, const FilterTask& task, const NewFrame& frame, const Tile& tile,
               FrameReport& report) const;
 
-  bool has_albedo;                        ///< else it is 1 everywhere
-  gpu::ImageId color;                     ///< f32x4: pixels that are not finite replaced
-  gpu::ImageId own_color;                 ///< of merged frames that of the frame itself, else the same
+  bool has_albedo;                        ///< if false, the albedo is 1 everywhere
+  gpu::ImageId color;                     ///< f32x4, non-finite pixels replaced
+  gpu::ImageId own_color;                 ///< of a merged frame: the unmerged frame's, else the same
   gpu::ImageId variance;                  ///< f32x2, as MergeInputs::variance
   gpu::ImageId exposure;                  ///< f32, 1x1
-  std::optional<SurfaceImages> features;  ///< where something looks at them
-  /// Of merged frames the features of the frame itself, else the same.
+  std::optional<SurfaceImages> features;  ///< if a pass reads them
+  /// Of a merged frame: the unmerged frame's features, else the same.
   std::optional<SurfaceImages> own_features;
 
  private:

@@ -4,9 +4,9 @@
 
 namespace becalm::filter {
 
-/// Features that a pixel's surroundings are explained by, at full resolution, as pack_features gives them.
+/// Feature images at full resolution, in the format of pack_features.
 struct SurfaceImages {
-  gpu::ImageId albedo_depth;  ///< f32x4: albedo, and depth brought to [0,2]
+  gpu::ImageId albedo_depth;  ///< f32x4: albedo, and depth mapped to [0,2]
   gpu::ImageId normal;        ///< f32x4: normal, 0
 
   bool operator==(const SurfaceImages&) const = default;

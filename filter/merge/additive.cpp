@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::array kAdditiveAovs{Aov::direct, Aov::indirect};
 
-/// The additive AOVs of a frame or of a constant one.
+/// The additive AOVs of a frame, const or not.
 template <class Result, class AnyFrame>
 std::vector<Result*> images_of(AnyFrame& frame, const AovSet& used) {
   std::vector<Result*> images;

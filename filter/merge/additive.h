@@ -15,35 +15,36 @@
 
 namespace becalm::filter {
 
-/// Additive AOVs: the light groups, and direct and indirect light, each of which add up to the beauty. They
-/// go through the filter as RGBA images (A is 0) in the order of additive_images, with the beauty's weights.
+/// Additive AOVs: direct and indirect light, which add up to the beauty, and the light groups, which do too.
+/// The filter carries them as RGBA images (A is 0) in the order of additive_images, with the beauty's
+/// weights.
 AovSet additive_aovs();
 
-/// The additive AOVs of a frame: those of additive_aovs() that are in `used`, then the light groups
-/// by their names.
+/// The additive AOVs of a frame: those of additive_aovs() that are in `used`, then the light groups, sorted
+/// by name.
 std::vector<Image*> additive_images(Frame& frame, const AovSet& used);
 std::vector<const Image*> additive_images(const Frame& frame, const AovSet& used);
 
-/// The additive AOVs of a new frame, ready for the chains: where the beauty is not finite the mean of finite
-/// neighbours, as pack_color makes it; values that are not finite where the beauty is are 0 and counted in
-/// the report. Throws Error(bad_input) if the frame has not as many as the task says.
+/// Packs the additive AOVs of a new frame for the chains. Where the beauty is not finite, a pixel becomes the
+/// mean of its finite neighbours, as in pack_color; other non-finite values become 0 and are counted in the
+/// report. Throws Error(bad_input) if their number differs from the task's.
 std::vector<Image> pack_additive(const Frame& frame, const FilterTask& task,
                                  std::span<const std::uint8_t> finite, FrameReport& report);
 
-/// Gives `result`, a denoised frame, the additive AOVs of `frame` as `denoised` has them; as they came in the
-/// pixels that `as_they_came` marks.
+/// Adds the additive AOVs to `result`, a denoised frame: those of `denoised`, but unchanged from `frame` in
+/// the pixels that `as_they_came` marks.
 void unpack_additive(const NewFrame& frame, const FilterTask& task, const std::vector<Image>& denoised,
                      std::span<const std::uint8_t> as_they_came, Frame& result);
 
-/// `count` inputs of a chain (f32x4), one for each additive AOV or image that is carried.
+/// `count` inputs of a chain (f32x4), one for each additive AOV or carried image.
 std::vector<gpu::ImageId> additive_inputs(gpu::Chain& chain, std::size_t count, gpu::Extent extent,
                                           const std::string& name);
 
-/// Fills such inputs with a rectangle.
+/// Uploads a rectangle of `images` to such inputs.
 void upload_additive(gpu::Chain& chain, const std::vector<gpu::ImageId>& inputs,
                      const std::vector<Image>& images, const Rect& rect);
 
-/// What a chain made of additive AOVs, if anything.
+/// Pixels of a chain's outputs for additive AOVs; empty if there are none.
 std::vector<std::span<const float>> download_additive(const gpu::Chain& chain,
                                                       const std::vector<gpu::ImageId>& images);
 

@@ -17,7 +17,7 @@ using gpu::ImageId;
 
 namespace {
 
-/// An estimate, or a tile of it, as the input of a chain.
+/// The inputs of a chain for an estimate or a tile of it.
 struct EstimateInputs {
   EstimateInputs(gpu::Chain& chain, const FilterTask& task, Extent extent, const std::string& name)
       : color(chain.input(name + ".color", Format::f32x4, extent)),

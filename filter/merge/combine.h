@@ -10,12 +10,12 @@
 namespace becalm::filter {
 
 /// Two estimates of a frame: colours are f32x4, statistics f32x2 of (variance, effective sample count; a
-/// count of 0 where nothing is known).
+/// count of 0 means no data).
 struct CombineInputs {
   gpu::ImageId exposure;       ///< f32, 1x1
-  gpu::ImageId forward_color;  ///< from the frames before and the frame itself
+  gpu::ImageId forward_color;  ///< from the frame and the frames before it
   gpu::ImageId forward_stats;
-  gpu::ImageId backward_color;  ///< from the frames after it alone
+  gpu::ImageId backward_color;  ///< from the frames after it
   gpu::ImageId backward_stats;
   std::vector<gpu::ImageId> forward_additive = {};  ///< additive AOVs, f32x4
   std::vector<gpu::ImageId> backward_additive = {};
@@ -27,15 +27,16 @@ struct Combined {
   std::vector<gpu::ImageId> additive = {};
 };
 
-/// The fixed-interval smoother: both estimates of a frame, weighed by the inverse of their variances.
+/// The fixed-interval smoother: the mean of both estimates of a frame, weighted by the inverse of their
+/// variances.
 Combined add_combine_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent extent,
                             const CombineInputs& inputs);
 
-/// Combines what the frames up to one know of it with what the frames after it predict, tile by tile.
+/// Combines the forward estimate of a frame with the prediction from the frames after it, tile by tile.
 class Combiner {
  public:
-  /// Plans the largest tiles that take at most `memory_limit` bytes. Throws DeviceLimitError if not even the
-  /// smallest do.
+  /// Plans the largest tiles that take at most `memory_limit` bytes. Throws DeviceLimitError if even the
+  /// smallest tiles take more.
   Combiner(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit);
   ~Combiner();
 

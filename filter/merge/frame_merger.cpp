@@ -16,12 +16,12 @@ namespace {
 
 using gpu::Extent;
 
-/// The pixels of a level that cover a rectangle which begins at the level's multiples.
+/// A rectangle in pixels of a level. `px` is the side of such a pixel; `rect` begins at multiples of it.
 Rect at_level(const Rect& rect, int px) {
   return {rect.x / px, rect.y / px, ceil_div(rect.width, px), ceil_div(rect.height, px)};
 }
 
-/// Puts a tile's core where it belongs in those images of the frame that are wanted.
+/// Copies a tile's core into the images of the frame that are not empty.
 void unpack(const MergedTile& pixels, const Tile& tile, int residual_px, MergedFrame& frame) {
   copy_core(pixels.color, tile, frame.merged.color);
   copy_core(pixels.stats, tile, frame.merged.stats);
@@ -53,11 +53,11 @@ void unpack(const MergedTile& pixels, const Tile& tile, int residual_px, MergedF
 }  // namespace
 
 struct FrameMerger::Chains {
-  /// Of a frame that is one tile.
+  /// For a frame that is one tile.
   Chains(gpu::Device& device, const FilterTask& task, const PyramidSplit& whole)
       : split(whole), merge(device, task, split, task.full, task.full, /*is_whole_frame=*/true) {}
 
-  /// Of a frame that is cut into tiles like `tile`.
+  /// For a frame that is cut into tiles of the size of `tile`.
   Chains(gpu::Device& device, const FilterTask& task, const PyramidSplit& cut, const Tile& tile)
       : split(cut),
         merge(device, task, split, tile.target.extent(), tile.source.extent(), /*is_whole_frame=*/false) {
@@ -104,7 +104,7 @@ struct FrameMerger::Host {
     std::vector<float> values;
   };
 
-  /// What is matched of a whole frame.
+  /// Features of a whole frame.
   struct Matched {
     Planes finest;  ///< level 0
     Planes coarse;  ///< level `coarse` of the split
@@ -121,8 +121,8 @@ struct FrameMerger::Host {
   }
 
   Estimate history;
-  Estimate next;             ///< the history of the next frame in the making
-  Matched history_features;  ///< the guides are those of the frame before
+  Estimate next;             ///< the next frame's history, filled tile by tile
+  Matched history_features;  ///< its guide planes are the previous frame's
   Matched features;          ///< of the new frame
 };
 
@@ -145,7 +145,7 @@ bool FrameMerger::plan_whole_frame(gpu::Device& device, std::uint64_t memory_lim
   try {
     chains_ = std::make_unique<Chains>(device, task_, PyramidSplit{.levels = levels, .coarse = levels});
   } catch (const gpu::DeviceLimitError&) {
-    return false;  // an image is too large for the device: those of tiles are smaller
+    return false;  // an image is too large for the device; tiles have smaller images
   }
   tiles_ = {uncut(task_.full)};
   return chains_->device_bytes() <= memory_limit;

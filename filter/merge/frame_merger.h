@@ -12,28 +12,29 @@
 
 namespace becalm::filter {
 
-/// What is made of a new frame. Images that are empty nobody wants.
+/// Results of merging a new frame. An empty image is not wanted.
 struct MergedFrame {
-  Estimate merged;      ///< the history and the frame
-  Estimate prediction;  ///< the history alone, where the frame's pixels are; its squared bias, as this frame
-                        ///< showed it, is part of the variance
-  Image decision;       ///< four channels, as MergeOutputs::decision
-  Image residual;       ///< one channel: patch distance of the finest level
-  Image flow;           ///< two channels: where in the history each pixel was found, as an offset in pixels
+  Estimate merged;  ///< history and new frame, merged
+  /// The history alone, warped to the new frame. Its variance includes the squared bias estimated against
+  /// that frame.
+  Estimate prediction;
+  Image decision;  ///< four channels, as MergeOutputs::decision
+  Image residual;  ///< one channel: patch distance of the finest level
+  Image flow;      ///< two channels: reprojection offset into the history, in pixels
 };
 
-/// Merges new frames with the history that it keeps. A frame that the device can hold is one tile, whose
-/// history stays on the device. Others are cut: the coarse levels are searched for the whole frame at once,
-/// the finer ones and the merge run tile after tile, and the history is on the host. Tiles see so much around
-/// them that the results do not show them.
+/// Merges new frames with the history that it keeps. A frame that the device can hold is one tile, and its
+/// history stays on the device. Other frames are cut: the coarse levels are searched for the whole frame at
+/// once, the finer levels and the merge run tile by tile, and the history is kept on the host. Tiles have
+/// margins, so that the results do not depend on the cut.
 class FrameMerger {
  public:
   /// Chooses the largest tiles whose chains hold at most `memory_limit` bytes on the device. Throws
-  /// DeviceLimitError if not even the smallest do.
+  /// DeviceLimitError if even the smallest tiles hold more.
   FrameMerger(gpu::Device& device, FilterTask task, std::uint64_t memory_limit);
   ~FrameMerger();
 
-  /// Adds to the report how many variances were replaced, and the device times.
+  /// Merges a frame. Adds the number of replaced variances and the device times to the report.
   void merge(const NewFrame& frame, MergedFrame& merged, FrameReport& report);
   /// Forgets the history.
   void reset();
@@ -51,10 +52,10 @@ class FrameMerger {
 
   FilterTask task_;
   std::vector<Tile> tiles_;
-  std::vector<Tile> feature_tiles_;  ///< of which features are made, if the frame is cut
+  std::vector<Tile> feature_tiles_;  ///< for making features, if the frame is cut
   std::unique_ptr<Chains> chains_;
-  std::unique_ptr<Host> host_;  ///< of a frame that is cut: what goes from one frame to the next
-  Image albedo_;                ///< of the new frame, as pack_albedo gives it, if the merge asks
+  std::unique_ptr<Host> host_;  ///< if the frame is cut: state kept between frames
+  Image albedo_;                ///< of the new frame, from pack_albedo, if the history is demodulated
   Image previous_albedo_;
 };
 

@@ -20,10 +20,10 @@ using gpu::Extent;
 using gpu::Format;
 using gpu::ImageId;
 
-/// Radius of the spline's prefilter: its weights fall by 0.34 a pixel, to 2e-4 here.
+/// Radius of the spline's prefilter: its weights fall by a factor of 0.34 per pixel, to 2e-4 at this radius.
 constexpr int kSplineRadius = 8;
 
-/// What the resampling filter's kernel is summed over: the history itself, or its spline coefficients.
+/// The image that the resampling kernel is applied to: the history itself, or its spline coefficients.
 ImageId add_resample_taps(Chain& chain, const Settings& settings, Extent extent, ImageId history_color,
                           const std::string& name) {
   if (settings.resample != Resample::o_moms) return history_color;
@@ -40,7 +40,7 @@ ImageId add_resample_taps(Chain& chain, const Settings& settings, Extent extent,
   return prefilter(prefilter(history_color, name + ".spline.rows", false), name + ".spline", true);
 }
 
-/// The history with its radiance divided by the albedo that it was seen with.
+/// Divides the history's radiance by the previous frame's albedo.
 WarpInputs add_demodulate_passes(Chain& chain, Extent extent, WarpInputs history) {
   const ImageId irradiance = chain.image("history.irradiance", Format::f32x4, extent);
   const ImageId stats = chain.image("history.irradiance.stats", Format::f32x2, extent);
@@ -67,7 +67,7 @@ WarpInputs add_demodulate_passes(Chain& chain, Extent extent, WarpInputs history
   return history;
 }
 
-/// What a history without its albedo is multiplied by where the target's pixels are.
+/// The factor by which the warped, demodulated history is multiplied in each target pixel.
 ImageId add_remodulation_pass(Chain& chain, Extent full, const params::WarpHistoryParams& params,
                               const FramePair& albedo, const SourceWindow& window, ImageId offset) {
   const ImageId factor = chain.image("history.factor", Format::f32x4, full);
@@ -143,10 +143,10 @@ ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const
   return decision;
 }
 
-/// Radius of the patches that noise is told from detail by.
+/// Radius of the patches that distinguish noise from detail.
 constexpr int kNoisePatchRadius = 3;
 
-/// A noisy layer with no more variance than differs from the history.
+/// The noisy layer, its variance limited to what differs from the history.
 ImageId add_known_noise(Chain& chain, Extent full, ImageId noisy, ImageId warped, ImageId warped_stats,
                         ImageId exposure) {
   const ImageId statistics = chain.image("noise.repeated", Format::f32x4, full);
@@ -169,15 +169,14 @@ ImageId add_known_noise(Chain& chain, Extent full, ImageId noisy, ImageId warped
   return known;
 }
 
-/// One image of the history where the target's pixels are, and the share of the sharp filter that it was read
-/// with.
+/// A carried image warped to the target, and the share of the sharp filter that it was read with.
 struct CarriedRead {
   ImageId warped;
-  std::optional<ImageId> share;  ///< if it is its own
+  std::optional<ImageId> share;  ///< set if the image was read with a share of its own
 };
 
-/// Reads image `i` of what goes with the history. AOVs of light are read with the share given, others with
-/// one that keeps them within the range of the nearest pixels.
+/// Warps carried image `i` of the history. Additive AOVs are read with the given share, other images with a
+/// share of their own that keeps them within the range of the nearest pixels.
 CarriedRead add_carried_read(Chain& chain, const Settings& settings, Extent full,
                              const params::WarpHistoryParams& params, const SourceWindow& window,
                              ImageId offset, const WarpInputs& history, std::size_t i,
@@ -247,7 +246,7 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
       .specialize("demodulated", history.albedo ? 1 : 0)
       .constants(params)
       .dispatch(full);
-  // AOVs of light add up to the noisy radiance, if that is carried, else to the colour: they share its read.
+  // Additive AOVs add up to the noisy radiance if it is carried, else to the colour; they use its share.
   const auto noisy = std::ranges::find(history.additive, Carried::radiance, &CarriedImage::kind);
   warped.additive.resize(history.additive.size());
   std::optional<ImageId> share_of_light = share;

@@ -13,39 +13,38 @@ namespace becalm::filter {
 
 class NoisyInputs;
 
-/// An image (f32x4) of the new frame and the last frame's of the same kind; the latter in the history's
-/// window.
+/// An image (f32x4) of the new frame and that of the previous frame, which covers the history's window.
 struct FramePair {
   gpu::ImageId current;
   gpu::ImageId previous;
 };
 
-/// What goes with the beauty's weights into its history.
+/// The kinds of images that are merged with the beauty's weights.
 enum class Carried {
-  additive,  ///< an AOV of light, one of those that add up to the radiance
-  radiance,  ///< the noisy radiance, its variance in the fourth channel
-  features,  ///< no light: the albedo is not divided out of it
+  additive,  ///< an additive AOV
+  radiance,  ///< the noisy radiance, with its variance in the fourth channel
+  features,  ///< albedo, depth, normal: never divided by the albedo
 };
 
-/// An image that goes with the beauty's weights into its history (f32x4).
+/// An image (f32x4) that is merged into its history with the beauty's weights.
 struct CarriedInput {
   gpu::ImageId color;  ///< as MergeInputs::color
   gpu::History history;
   Carried kind = Carried::additive;
 };
 
-/// Images that the merge works on, all at full resolution and of one size but for the previous history in a
-/// window of its own.
+/// Images that the merge reads and writes, at full resolution. All have one size, but the previous history
+/// may cover a larger window.
 struct MergeInputs {
-  const NoisyInputs& noisy;  ///< the new frame as it came
-  gpu::ImageId color;        ///< f32x4: what is merged, the new frame or that smoothed
-  gpu::ImageId variance;     ///< f32x2: (variance of the pixel's mean, averaged over channels; 1, or 0 for a
-                             ///< pixel that is not finite)
+  const NoisyInputs& noisy;  ///< the new frame, not smoothed
+  gpu::ImageId color;        ///< f32x4: the frame to merge, noisy or smoothed
+  /// f32x2: (variance of the pixel's mean, averaged over channels; 1, or 0 for a non-finite pixel).
+  gpu::ImageId variance;
   gpu::History history_color;  ///< f32x4
-  gpu::History
-      history_stats;  ///< f32x2: (variance left, effective sample count); a count of 0 means no history
-  std::optional<SourceWindow> history_window =
-      {};  ///< where the previous history shows more than the new frame
+  /// f32x2: (remaining variance, effective sample count); a count of 0 means no history.
+  gpu::History history_stats;
+  /// Set if the previous history covers more of the frame than the other images.
+  std::optional<SourceWindow> history_window = {};
   std::vector<CarriedInput> additive = {};
   std::optional<FramePair> albedo = {};  ///< as WarpInputs::albedo
 };
@@ -56,50 +55,49 @@ struct CarriedImage {
   Carried kind = Carried::additive;
 };
 
-/// What is read of the previous history: colour (f32x4) and statistics (f32x2), in the window if there is
-/// one.
+/// The previous history: colour (f32x4) and statistics (f32x2), which cover the window if there is one.
 struct WarpInputs {
   gpu::ImageId color;
   gpu::ImageId stats;
   std::optional<SourceWindow> window = {};
-  std::vector<CarriedImage> additive = {};  ///< what goes with the radiance (f32x4)
-  std::optional<FramePair> albedo = {};     ///< as pack_albedo gives it, if the history is read without it
+  std::vector<CarriedImage> additive = {};  ///< carried images
+  std::optional<FramePair> albedo = {};     ///< from pack_albedo, if the history is demodulated
 };
 
-/// The history where the target's pixels are.
+/// The history warped to the target's pixels.
 struct WarpedHistory {
   gpu::ImageId color;                       ///< f32x4
   gpu::ImageId stats;                       ///< f32x2
   std::vector<gpu::ImageId> additive = {};  ///< f32x4
 };
 
-/// Reads the previous history at the offsets (f32x2, full resolution). Given the albedo, radiance is read
-/// without the last frame's and multiplied by the new frame's, as far as that is no noise.
+/// Reads the previous history at the offsets (f32x2, full resolution). If the albedo is given, radiance is
+/// divided by the previous albedo before the read and multiplied by the new one afterwards, as far as the two
+/// differ by more than noise (merge/remodulation.comp).
 WarpedHistory add_warp_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
                               const WarpInputs& history, gpu::ImageId offset);
 
-/// How far around the positions that offsets lead to the history is read.
+/// Radius in pixels of the neighbourhood of a history position that the resampling filter reads.
 int resample_margin_px(const Settings& settings);
 
-/// Inputs of the merge for the noisy layers of a new frame, which end in these images:
-/// FilterTask::kNoisyLayers.
+/// Inputs of the merge for the noisy layers of a new frame; `history` has FilterTask::kNoisyLayers images.
 std::vector<CarriedInput> add_noisy_layers(gpu::Chain& chain, gpu::Extent full, const NoisyInputs& noisy,
                                            std::span<const gpu::History> history);
 
-/// How far from a pixel the merge reads offsets, the new frame and its variance.
+/// Radius in pixels of the neighbourhood in which the merge reads offsets, the new frame and its variance.
 int merge_margin_px(const Settings& settings);
 
 struct MergeOutputs {
-  gpu::ImageId warped_color;                  ///< f32x4: the history where the new frame's pixels are
+  gpu::ImageId warped_color;                  ///< f32x4: the history warped to the new frame
   gpu::ImageId warped_stats;                  ///< f32x2, as the history's
   std::vector<gpu::ImageId> warped_additive;  ///< f32x4
-  gpu::ImageId decision;  ///< f32x4: share of the history rejected; its squared bias, which is to be added to
-                          ///< warped_stats' variance where it predicts the new frame; weight of the new
-                          ///< sample; 0
+  /// f32x4: rejected share of the history; its squared bias, to be added to the variance of warped_stats if
+  /// the warped history is used as a prediction of the new frame; weight of the new sample; 0.
+  gpu::ImageId decision;
 };
 
-/// Merges the new frame with the warped history into history_color.next and history_stats.next, and additive
-/// AOVs with the same weights into their histories.
+/// Merges the new frame with the warped history into history_color.next and history_stats.next, and carried
+/// images with the same weights into their histories.
 MergeOutputs add_merge_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
                               const MergeInputs& inputs, const Alignment& alignment);
 

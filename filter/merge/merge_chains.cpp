@@ -18,7 +18,7 @@ Features feature_input(gpu::Chain& chain, const std::string& name, Extent extent
   return {chain.input(name, Format::f32, extent.with_planes(planes)), planes};
 }
 
-/// Whether the levels from `coarse` on start from known motion, or those below it.
+/// Whether known motion is a candidate in the coarse chain, rather than at a finer level.
 bool coarse_takes_motion(const FilterTask& task, const PyramidSplit& split) {
   return contains(task.used, Aov::motion) && task.settings.motion == MotionUse::guide &&
          motion_level(split.levels) >= split.coarse;

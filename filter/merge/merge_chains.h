@@ -1,6 +1,6 @@
 #pragma once
 
-// The chains that merge a frame with its history; frame_merger.cpp says in which order they run.
+// The chains that merge a frame with its history; frame_merger.cpp runs them in order.
 
 #include <cstddef>
 #include <optional>
@@ -15,17 +15,17 @@
 
 namespace becalm::filter {
 
-/// Where the search of the whole frame ends and that of the tiles begins.
+/// The pyramid level that separates the search of the whole frame from that of the tiles.
 struct PyramidSplit {
   std::size_t levels = 1;  ///< of the whole frame's pyramid
-  std::size_t coarse =
-      1;  ///< levels from this one on are searched for the whole frame at once, if there are any
+  /// The levels from this one on are searched for the whole frame at once; none if it equals `levels`.
+  std::size_t coarse = 1;
 
   bool has_coarse() const { return coarse < levels; }
 };
 
-/// Matching features of a part of a frame, from its colour and its guides. The guides of a history are those
-/// of the frame before, which are features already.
+/// Matching features of a part of a frame, made from its colour and its guides. The history's guides are the
+/// previous frame's guide features, at matching resolution.
 struct FeatureChain {
   enum class Of { new_frame, history };
   FeatureChain(gpu::Device& device, const FilterTask& task, const PyramidSplit& split, Of of,
@@ -34,24 +34,24 @@ struct FeatureChain {
   gpu::Chain chain;
   gpu::ImageId color;
   gpu::ImageId exposure;
-  std::optional<gpu::ImageId>
-      guide;  ///< at full resolution for a new frame, at matching resolution for a history
+  /// At full resolution for a new frame, at matching resolution for the history.
+  std::optional<gpu::ImageId> guide;
   Features finest;
-  std::optional<Features> coarse;  ///< of level `coarse` of the split
+  std::optional<Features> coarse;  ///< at level `coarse` of the split
 };
 
-/// The offsets of level `coarse`, for the whole frame.
+/// Searches the offsets at level `coarse` for the whole frame.
 struct CoarseChain {
   CoarseChain(gpu::Device& device, const FilterTask& task, const PyramidSplit& split, int planes);
 
   gpu::Chain chain;
   Features target;
   Features source;
-  std::optional<gpu::ImageId> motion;  ///< at full resolution, if a coarse level starts from it
+  std::optional<gpu::ImageId> motion;  ///< at full resolution, if it is a candidate at a coarse level
   gpu::ImageId offset;
 };
 
-/// What a merge left of one tile's target rectangle; spans of what nobody wants are empty.
+/// Results of a merge in a tile's target rectangle; spans that are not wanted are empty.
 struct MergedTile {
   std::span<const float> color;
   std::span<const float> stats;
@@ -61,11 +61,11 @@ struct MergedTile {
   std::vector<std::span<const float>> warped_additive;  ///< as `warped_color`
   std::span<const float> decision;
   std::span<const float> offset;    ///< at full resolution
-  std::span<const float> residual;  ///< of the finest level
+  std::span<const float> residual;  ///< at the finest level
 };
 
-/// The finer levels of the search, and the merge, for one tile. A tile that is the whole frame makes its own
-/// features and keeps its history on the device; of other tiles both are inputs.
+/// The search at the finer levels and the merge, for one tile. For a tile that is the whole frame, the chain
+/// makes the features and keeps the history on the device; for other tiles both are inputs.
 struct MergeChain {
   MergeChain(gpu::Device& device, const FilterTask& task, const PyramidSplit& split, gpu::Extent target,
              gpu::Extent source, bool is_whole_frame);
@@ -76,25 +76,25 @@ struct MergeChain {
   NoisyInputs noisy;
   gpu::ImageId smoothed_color;  ///< if the task smooths
   gpu::ImageId smoothed_stats;
-  std::optional<gpu::ImageId> motion;  ///< if a level of the tile starts from it, or offsets are to be that
+  std::optional<gpu::ImageId> motion;  ///< candidate or offset, if the tile uses it
   std::optional<FramePair> albedo;
-  std::vector<gpu::ImageId> additive;  ///< of the new frame, or smoothed
+  std::vector<gpu::ImageId> additive;  ///< of the new frame, noisy or smoothed
   gpu::History color;                  ///< `previous` is an input unless the tile is the whole frame
   gpu::History stats;
   std::vector<gpu::History> carried;
-  std::optional<gpu::ImageId> guide;  ///< of the whole frame: its guides at full resolution
+  std::optional<gpu::ImageId> guide;  ///< if the tile is the whole frame: guides at full resolution
 
   /// Inputs of tiles that are not the whole frame.
   struct Cut {
-    gpu::ImageId target_origin;  ///< where the target's rectangle begins in the source's
-    Features target;             ///< of level 0, as is the source
+    gpu::ImageId target_origin;  ///< position of the target rectangle in the source rectangle
+    Features target;             ///< at level 0, as is the source
     Features source;
-    std::optional<gpu::ImageId> start;  ///< offsets of level `coarse`
+    std::optional<gpu::ImageId> start;  ///< offsets at level `coarse`
   };
   std::optional<Cut> cut;
 
  private:
-  /// How the tile's target and source are matched.
+  /// Features of the tile's target and source.
   struct Matched {
     Features target;
     Features source;

@@ -6,8 +6,8 @@
 
 namespace becalm::filter {
 
-/// Sums of f32x4 statistics over the rows above and below in a patch of `radius`; kernels that take them add
-/// the pixel's own row, without the pixel.
+/// Sums of f32x4 statistics over a patch of `radius` without the pixel's own row. Kernels that read them add
+/// that row, without the pixel.
 gpu::ImageId add_patch_sums(gpu::Chain& chain, int radius, gpu::Extent full, gpu::ImageId statistics,
                             const std::string& name);
 

@@ -12,14 +12,14 @@
 
 namespace becalm::filter {
 
-/// A chain that keeps nothing from frame to frame and whose pixels depend on their surroundings alone, so
-/// that frames which the device cannot hold are cut into tiles, which the results do not show. `Passes`
-/// declares it for tiles of one size: it is made from (device, task, extent) and has a member `chain`.
+/// A chain without history whose pixels depend only on a margin around them. Frames that the device cannot
+/// hold are cut into tiles; the results do not depend on the cut. `Passes` declares the chain for tiles of
+/// one size: it is constructed from (device, task, extent) and has a member `chain`.
 template <class Passes>
 class LocalChain {
  public:
   /// Builds the chain for the largest tiles that take at most `memory_limit` bytes. Throws DeviceLimitError
-  /// if not even the smallest do.
+  /// if even the smallest tiles take more.
   LocalChain(gpu::Device& device, const FilterTask& task, const TileRules& rules,
              std::uint64_t memory_limit) {
     std::string reason;
@@ -38,8 +38,8 @@ class LocalChain {
     passes_->chain.build();
   }
 
-  /// For each tile, `upload(passes, tile)` fills the inputs and `download(passes, tile)` takes what the chain
-  /// made of them. Adds the device times to the report.
+  /// For each tile, `upload(passes, tile)` fills the inputs and `download(passes, tile)` reads the outputs.
+  /// Adds the device times to the report.
   template <class Upload, class Download>
   void run(FrameReport& report, const Upload& upload, const Download& download) {
     for (const Tile& tile : tiles_) {

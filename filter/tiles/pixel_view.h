@@ -9,8 +9,8 @@
 
 namespace becalm::filter {
 
-/// Pixels of `channels` floats each on the host, row by row and plane after plane, as chains take and give
-/// them.
+/// Host pixels of `channels` floats each, in the layout of a chain's uploads and downloads: plane by plane,
+/// row by row.
 template <class Float>
 struct PixelView {
   std::span<Float> values;
@@ -21,16 +21,16 @@ struct PixelView {
 PixelView<float> view(Image& image);
 PixelView<const float> view(const Image& image);
 
-/// Copies a rectangle of every plane to (x, y) of images with as many planes and channels.
+/// Copies `rect` of every plane of `from` to (x, y) in `to`, which has as many planes and channels.
 void copy_rect(const PixelView<const float>& from, const Rect& rect, const PixelView<float>& to, int x,
                int y);
 
-/// Copies the core of a tile's pixels into a frame's image, if that is not empty.
+/// Copies the core of a tile's pixels into the frame's image. Does nothing if that image is empty.
 void copy_core(std::span<const float> pixels, const Tile& tile, Image& image);
 void copy_core(const std::vector<std::span<const float>>& pixels, const Tile& tile,
                std::vector<Image>& images);
 
-/// Fills an input of a chain with a rectangle.
+/// Uploads a rectangle of `from` to an input of a chain.
 void upload(gpu::Chain& chain, gpu::ImageId image, const PixelView<const float>& from, const Rect& rect);
 
 }  // namespace becalm::filter

@@ -23,7 +23,7 @@ struct TileSpan {
   Span source;
 };
 
-/// The rules along one axis.
+/// TileRules along one axis.
 struct SpanRules {
   int grid;
   int core_grid;
@@ -66,7 +66,7 @@ std::vector<TileSpan> cut(int frame, int target, const SpanRules& rules) {
   return tiles;
 }
 
-/// Sizes of target rectangles that are worth a try, falling: the smallest for each number of tiles.
+/// Candidate sizes of target rectangles in descending order: the smallest size for each number of tiles.
 std::vector<int> useful_sizes(int frame, const SpanRules& rules) {
   std::vector<int> sizes;
   std::size_t count = 0;
