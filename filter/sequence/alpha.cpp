@@ -8,18 +8,19 @@
 namespace becalm::filter {
 namespace {
 
-/// Smaller steps are not seen and may come from rounding or dithering to 8 bits.
+/// Smaller steps are ignored: they are invisible and may come from rounding or dithering to 8 bits.
 constexpr float kStep = 1.0f / 64.0f;
-/// Half the side of the window in which rough pixels are counted.
+/// Radius of the window in which rough pixels are counted.
 constexpr int kNoiseReach = 7;
-/// Noise of 4 samples or more makes a tenth of the pixels rough, or more, that differ from a neighbour; edges
-/// do so only where they cross.
+/// Under noise of 4 samples or more, at least a tenth of the pixels that differ from a neighbour are rough;
+/// edges have rough pixels only where they cross.
 constexpr int kFewestRough = 6;
 constexpr int kShareOfRough = 20;
-/// How far around an empty pixel transparent ones must be black: farther than a colour's own noise reaches.
+/// Transparent pixels within this distance of an empty pixel must be black. It is farther than a colour's own
+/// noise extends.
 constexpr int kEmptyReach = 2;
 
-/// Sums over windows of a mask.
+/// Sums of a mask over windows.
 class WindowSums {
  public:
   WindowSums(std::span<const std::uint8_t> mask, int width, int height)
@@ -33,7 +34,7 @@ class WindowSums {
     }
   }
 
-  /// Of the pixels at most `reach` away in x and y.
+  /// The sum over the pixels at most `reach` away in x and y.
   int around(int x, int y, int reach) const {
     const int x0 = std::max(x - reach, 0);
     const int y0 = std::max(y - reach, 0);
@@ -53,10 +54,10 @@ class WindowSums {
 
 constexpr std::array<std::pair<int, int>, 4> kFourDirections{{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
 
-/// What alpha does between a pixel and its neighbours.
+/// Steps of alpha between a pixel and its neighbours.
 struct Steps {
-  bool any = false;      ///< there is one
-  bool reverses = true;  ///< it rises or falls to both sides, in all directions
+  bool any = false;      ///< there is a step
+  bool reverses = true;  ///< in every direction alpha rises to both sides or falls to both sides
 };
 
 Steps steps_at(const Image& beauty, int x, int y) {

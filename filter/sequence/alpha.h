@@ -9,19 +9,19 @@
 
 namespace becalm::filter {
 
-/// 1 for each pixel of an RGBA image whose alpha looks noisy, as motion blur and depth of field make it at
-/// few samples: alpha that differs from a neighbour's, in a window in which it goes up and down in all
-/// directions at too many pixels for an edge or a gradient. Clean hair and foliage look alike, so nothing is
-/// altered by this test alone. Alpha of 0 and 1 with equal neighbours is never noisy, and neither are steps
-/// below 1/64.
+/// 1 for each pixel of an RGBA image whose alpha looks noisy, as under motion blur and depth of field at few
+/// samples: alpha differs from a neighbour's, and in the window around it more pixels than at an edge or in a
+/// gradient have an alpha that rises or falls to both sides in all directions. Clean hair and foliage pass
+/// this test too, so the filter uses it only with alpha=1. Alpha that equals all its neighbours is never
+/// noisy; steps below 1/64 are ignored.
 std::vector<std::uint8_t> noisy_alpha(const Image& beauty);
 
-/// 1 for each pixel of an RGBA image that shows nothing: colour and alpha are 0, and so is the colour of
-/// every pixel around it whose alpha is 0. None where alpha is 0 everywhere: its writer has no matte.
+/// 1 for each empty pixel of an RGBA image: colour and alpha are 0, and so is the colour of every transparent
+/// pixel near it. If alpha is 0 everywhere, the image has no matte and no pixel is empty.
 std::vector<std::uint8_t> empty_pixels(const Image& beauty);
 
-/// Gives `denoised` the alpha of `beauty`, except where `noisy` is 1: there its own, brought into
-/// [0,1].
+/// Copies the alpha of `beauty` to `denoised`, except where `noisy` is 1: there `denoised` keeps its own,
+/// clamped to [0,1].
 void pass_on_alpha(const Image& beauty, std::span<const std::uint8_t> noisy, Image& denoised);
 
 }  // namespace becalm::filter

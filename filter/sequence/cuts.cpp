@@ -10,21 +10,20 @@
 namespace becalm::filter {
 namespace {
 
-/// Cells along the longer side. No cell is smaller than kSmallestCell pixels, so that noise averages out of
-/// it.
+/// Cells along the longer side. No cell is smaller than kSmallestCell pixels, so that noise averages out.
 constexpr int kCells = 24;
 constexpr int kSmallestCell = 8;
-/// How far a cell may move from frame to frame: a twelfth of the image.
+/// Largest movement of a cell between two frames, in cells: a twelfth of the image.
 constexpr int kReach = 2;
-/// Beyond these differences cells do not look alike.
+/// Largest differences between similar cells.
 constexpr float kLuminanceDifference = 0.1f;
 constexpr float kAlbedoDifference = 0.1f;
 constexpr float kNormalDifference = 0.3f;
-/// The share of cells without a match that makes a cut; filter/README.md has the shares measured.
+/// A cut has a larger share of cells without a match than this.
 constexpr double kCutByGuides = 0.15;
 constexpr double kCutByLuminance = 0.03;
 
-/// Sums of what is finite in a cell.
+/// Sum and number of the finite values in a cell.
 struct CellMean {
   void add(float value) {
     if (!std::isfinite(value)) return;
@@ -37,14 +36,14 @@ struct CellMean {
   int count = 0;
 };
 
-/// The largest of the cells' differences, each relative to what still counts as alike.
+/// The largest of the cells' differences, each relative to the largest difference of similar cells.
 float difference(const ShotSignature::Cell& a, const ShotSignature::Cell& b, bool guides) {
   if (!guides) return std::abs(a[0] - b[0]) / kLuminanceDifference;
   const float normal = std::hypot(a[2] - b[2], a[3] - b[3], a[4] - b[4]);
   return std::max(std::abs(a[1] - b[1]) / kAlbedoDifference, normal / kNormalDifference);
 }
 
-/// Share of the cells of `a` that look like no cell nearby in `b`.
+/// Share of the cells of `a` that have no similar cell nearby in `b`.
 double unmatched(const ShotSignature& a, const ShotSignature& b) {
   int count = 0;
   for (int y = 0; y < a.rows; ++y) {

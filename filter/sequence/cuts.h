@@ -7,23 +7,24 @@
 
 namespace becalm::filter {
 
-/// What a frame shows, coarsely: means over cells of pixels, of which noise has little left.
+/// A coarse description of a frame: means over cells of pixels, in which little noise remains.
 struct ShotSignature {
-  /// Range-compressed luminance, albedo's luminance, normal; 0 where the frame has none or nothing finite.
+  /// Range-compressed luminance, albedo's luminance, normal; 0 where the frame has no such AOV or no finite
+  /// value.
   using Cell = std::array<float, 5>;
 
   int columns = 0;
   int rows = 0;
-  bool guides = false;  ///< whether albedo or normals are there to compare by
+  bool guides = false;  ///< whether cells have albedo or normals to compare
   std::vector<Cell> cells;
 };
 
-/// `used` are the AOVs to look at, of those that the frame has; `exposure` is the frame's.
+/// Reads those AOVs of the frame that are in `used`; `exposure` is the frame's.
 ShotSignature shot_signature(const Frame& frame, const AovSet& used, float exposure);
 
-/// Whether a cut lies between two frames, of which it does not matter which is the first: too many cells of
-/// one look like no cell nearby in the other. Compares albedo and normals where there are any, which light
-/// that changes leaves alone, and else the luminance.
+/// Whether there is a cut between two frames, given in any order: too many cells of one have no similar cell
+/// nearby in the other. Compares albedo and normals if there are any, since changing light does not affect
+/// them, else the luminance.
 bool is_cut(const ShotSignature& a, const ShotSignature& b);
 
 }  // namespace becalm::filter

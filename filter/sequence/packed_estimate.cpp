@@ -20,7 +20,8 @@ void for_pixels(std::size_t count, const Body& body) {
                     [&](const tbb::blocked_range<std::size_t>& block) { body(block.begin(), block.end()); });
 }
 
-/// Variances as deviations, whose range is half as wide, or back.
+/// Applies `function` to a channel: it converts variances to standard deviations, whose range is half as
+/// wide, or back.
 template <class Function>
 void apply_to_channel(Image& image, int channel, const Function& function) {
   const std::size_t channels = static_cast<std::size_t>(image.channels());
@@ -40,7 +41,7 @@ float squared(float value) {
   return value * value;
 }
 
-/// Scales the colours of `image` as those of `whole` are scaled in `rounded`.
+/// Multiplies the colours of `image` by the ratio of `rounded` to `whole`.
 void scale_as(const Image& whole, const Image& rounded, Image& image) {
   for_pixels(image.pixel_count(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = 4 * begin; i < 4 * end; ++i) {

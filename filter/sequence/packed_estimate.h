@@ -8,12 +8,12 @@
 
 namespace becalm::filter {
 
-/// An image as half floats, for keeping. Values that half floats miss by more than 2^-10 are kept beside
-/// them.
+/// An image stored as half floats. Values whose relative error would exceed 2^-10 are stored as floats
+/// besides.
 class HalfImage {
  public:
   HalfImage() = default;
-  /// `scale`, of each channel in turn, brings usual values near 1.
+  /// `scale` has one factor per channel, which brings typical values near 1.
   HalfImage(const Image& image, const std::vector<float>& scale);
   Image image() const;
 
@@ -22,16 +22,16 @@ class HalfImage {
   int height_ = 0;
   std::vector<float> scale_;
   std::vector<std::uint16_t> halves_;
-  std::vector<std::pair<std::size_t, float>> exceptions_;  ///< by index
+  std::vector<std::pair<std::size_t, float>> exceptions_;  ///< index, value
 };
 
-/// What is known of a frame's pixels, for keeping: half the memory, within 2^-10 of each value. Additive AOVs
-/// stay floats, scaled as the rounding scales the radiance that they add up to.
+/// An Estimate in half the memory, within a relative 2^-10 of each value (2^-9 of variances). Additive AOVs
+/// stay floats; they are scaled by the same ratio as rounding scales the radiance that they add up to.
 class PackedEstimate {
  public:
   PackedEstimate() = default;
-  /// `exposure` is the frame's; the last `noisy_layers` (0 or 3) of the images carried are those of
-  /// FilterTask.
+  /// `exposure` is the frame's; the last `noisy_layers` (0 or 3) of the carried images are the noisy layers
+  /// of FilterTask.
   PackedEstimate(Estimate estimate, float exposure, std::size_t noisy_layers);
   Estimate estimate() const;
 

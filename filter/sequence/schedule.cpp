@@ -20,7 +20,7 @@ long floor_divide(long number, long divisor) {
   return number / divisor - (number % divisor < 0 ? 1 : 0);
 }
 
-/// The segment that holds a frame.
+/// The segment that contains a frame.
 FrameSpan segment_of(int frame, const ScheduleOptions& options) {
   if (options.segment == 0) return {};
   const long first = floor_divide(frame, options.segment) * options.segment;
@@ -33,8 +33,8 @@ bool starts_anew(int frame, int before, const ScheduleOptions& options) {
   return cut != options.cuts.end() && *cut <= std::max(frame, before);
 }
 
-/// Appends one pass over `frames`, which are in the order of the direction, from where the history of the
-/// first wanted one begins to the last wanted one.
+/// Appends one pass over `frames`, which are in the order of the direction. It begins with the first frame in
+/// the history of the first wanted frame and ends with the last wanted frame.
 void append_pass(Direction direction, const std::vector<int>& frames, const std::set<int>& wanted,
                  const ScheduleOptions& options, Segment& segment) {
   Segment pass;

@@ -23,14 +23,15 @@
 namespace becalm::filter {
 namespace {
 
-/// Share of the device's memory that the filter may take: the driver and others need some, too.
+/// Share of the device's memory that the filter may take; the driver and other programs need the rest.
 constexpr double kShareOfDevice = 0.9;
 
-/// Smoothing and combining may take one part in so many each; the rest is the merger's, which needs more.
+/// The smoothers and the combiner may each take 1 / kShareOfOthers of the memory left; the merger takes the
+/// rest.
 constexpr std::uint64_t kShareOfOthers = 4;
 
-/// 1 for each pixel that is written as it came: those that are not finite, and those that show nothing, into
-/// which smoothing would bring light that their alpha does not cover.
+/// 1 for each pixel that is output unchanged: non-finite pixels, and empty ones, into which smoothing would
+/// spread light without alpha.
 std::vector<std::uint8_t> unfiltered_pixels(const NewFrame& frame) {
   std::vector<std::uint8_t> pixels = empty_pixels(frame.frame.image(Aov::beauty));
   for (std::size_t i = 0; i < pixels.size(); ++i) {
@@ -39,7 +40,7 @@ std::vector<std::uint8_t> unfiltered_pixels(const NewFrame& frame) {
   return pixels;
 }
 
-/// The estimate as a frame, with its additive AOVs and the diagnostics that are wanted.
+/// Converts the estimate to a frame, with its additive AOVs and the diagnostics that are wanted.
 Frame output_frame(const NewFrame& frame, const FilterTask& task, MergedFrame made, Accumulated accumulated,
                    FrameReport& report) {
   const AovSet& diagnostics = task.diagnostics;
@@ -111,13 +112,13 @@ struct SequenceFilter::State {
   std::optional<MergedSmoother> merged_smoother;
   std::optional<FrameMerger> merger;
   std::optional<Combiner> combiner;
-  /// The frame smoothed by itself: as it was kept from an earlier step, or made now.
+  /// The smoothed frame: kept from an earlier step, or computed now.
   Estimate smoothed(const Step& step, const NewFrame& frame, FrameReport& report);
 
   std::map<int, PackedEstimate> kept_smoothed;  ///< by frame number
   std::map<int, PackedEstimate> predictions;
   FindCuts find_cuts = FindCuts::no;
-  std::optional<ShotSignature> before;  ///< of the frame that the history ends with
+  std::optional<ShotSignature> before;  ///< of the last frame in the history
 };
 
 SequenceFilter::SequenceFilter(gpu::Device& device, const Settings& settings, int width, int height,
@@ -191,8 +192,8 @@ std::optional<Frame> SequenceFilter::run(const Step& step, const Frame& frame, F
 
 Estimate SequenceFilter::State::smoothed(const Step& step, const NewFrame& frame, FrameReport& report) {
   auto kept = kept_smoothed.extract(step.frame);
-  // Packed even if nobody needs it again: what comes out does not depend on which frames a job has met
-  // before.
+  // Packed even if no later step needs it, so that the output does not depend on which frames a job has
+  // filtered before.
   PackedEstimate packed =
       kept ? std::move(kept.mapped()) : PackedEstimate(smoother->smooth(frame, report), frame.exposure, 0);
   Estimate result = packed.estimate();

@@ -14,29 +14,29 @@
 namespace becalm::filter {
 
 struct Denoised {
-  Frame frame;  ///< beauty, the variance left, additive AOVs, and the diagnostics asked for
+  Frame frame;  ///< beauty, remaining variance, additive AOVs, and the requested diagnostics
   FrameReport report;
 };
 
-/// AOVs that the filter uses when a frame has them, besides the additive ones (merge/additive.h), which it
-/// denoises if `additive` is set; what else a frame carries is ignored.
+/// AOVs that the filter uses if a frame has them, besides the additive ones (merge/additive.h), which it
+/// denoises if `additive` is set. Other AOVs are ignored.
 AovSet wanted_aovs(const Settings& settings);
 
-/// Whether histories start anew where is_cut finds a cut, besides where the schedule says so.
+/// Whether the history is also dropped where is_cut finds a cut, in addition to where the schedule says so.
 enum class FindCuts { no, yes };
 
-/// The bytes of a device that filters may take, all together.
+/// Device memory that all filters together may take, in bytes.
 std::uint64_t usable_bytes(const gpu::Device& device);
 
-/// Denoises a sequence: every frame is aligned with the history of the frames before it, or after it, and
-/// merged. All frames have the size given at construction and the AOVs of `available` that the filter wants;
-/// a frame that differs throws Error(bad_input).
+/// Denoises a sequence: every frame is aligned with the history of the frames before it (in backward steps,
+/// of those after it) and merged. All frames have the size given at construction and the AOVs of `available`
+/// that the filter wants; a frame that differs throws Error(bad_input).
 class SequenceFilter {
  public:
-  /// Builds the chains for this size. `diagnostics` are those of the AOV table's to put into the
-  /// results. Frames that the device cannot hold whole, or not within `memory_limit` bytes, are cut
-  /// into tiles, which the results do not show. Every frame has `light_groups` of them. Throws
-  /// gpu::DeviceError if the smallest tiles are still too large.
+  /// Builds the chains for this size. `diagnostics` selects the diagnostic AOVs in the results. Frames that
+  /// the device cannot hold whole, or not within `memory_limit` bytes, are cut into tiles; the results do not
+  /// depend on the cut. Every frame has `light_groups` light groups. Throws gpu::DeviceError if even the
+  /// smallest tiles are too large.
   SequenceFilter(gpu::Device& device, const Settings& settings, int width, int height, AovSet available,
                  AovSet diagnostics = {},
                  std::uint64_t memory_limit = std::numeric_limits<std::uint64_t>::max(),
@@ -44,20 +44,19 @@ class SequenceFilter {
   ~SequenceFilter();
   SequenceFilter(SequenceFilter&&) noexcept;
 
-  /// Takes one step of a schedule; the steps of a segment come in their order, and `frame` is the step's.
-  /// Steps forward that are wanted return the denoised frame. Smoothed frames are kept until the last step
-  /// that needs them, predictions from the step backward that wants them to the step forward that takes them:
-  /// some 12 bytes a pixel each, 24 more with smooth=merged, and 16 for each additive AOV, for each frame of
-  /// a segment.
+  /// Runs one step of a schedule. Call it for the steps of a segment in order; `frame` is the step's frame.
+  /// Wanted forward steps return the denoised frame. Smoothed frames are kept until the last step that needs
+  /// them, predictions from the backward step to the forward step of their frame. Each takes some 12 bytes
+  /// per pixel, 24 more with smooth=merged, and 16 for each additive AOV, for each frame of a segment.
   std::optional<Frame> run(const Step& step, const Frame& frame, FrameReport& report);
 
-  /// A step forward of a frame that is wanted.
+  /// Runs a wanted forward step.
   Denoised denoise(const Frame& frame);
 
-  /// Forgets the history: the next frame starts anew, as after a cut or a missing frame.
+  /// Drops the history: the next frame starts a new one, as after a cut or a missing frame.
   void reset();
 
-  /// How the frames are cut, and the device memory held for it.
+  /// Number and size of the tiles, and the device memory held for them.
   FilterMemory memory() const;
 
  private:

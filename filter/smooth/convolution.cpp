@@ -9,10 +9,10 @@
 namespace becalm::filter {
 namespace {
 
-constexpr int kPlanesMade = 2;  // by a workgroup: kOutputs of shaders/lib/convolution_weights.glsl
+constexpr int kPlanesMade = 2;  // per workgroup: kOutputs of shaders/lib/convolution_weights.glsl
 constexpr int kOutputsMade = kPlanesMade * kPlane;
-constexpr int kMostPlanes = 4;      // that one pass reads: kernels of more take seconds to compile
-constexpr int kBlock = 2;           // pixels that an invocation makes along an axis
+constexpr int kMostPlanes = 4;      // read by one pass; kernels that read more take seconds to compile
+constexpr int kBlock = 2;           // pixels per invocation along an axis
 constexpr int kDirectTaps = 9;      // of shaders/lib/convolve.glsl
 constexpr int kUpsampledTaps = 16;  // of shaders/smooth/convolve_upsampled.comp
 
@@ -20,8 +20,8 @@ float direct_weight(const Layer& layer, int output, int input, int tap) {
   return layer.at(output, input, tap / 3, tap % 3);
 }
 
-/// What stands for nine taps on an image of half the size: for each of the pixels (y % 2, x % 2), the sums of
-/// the taps that fall on each of 2x2 coarse pixels.
+/// Weights that replace the nine taps on an image of half the size: for each of the pixels (y % 2, x % 2),
+/// the sums of the taps that fall on each of 2x2 coarse pixels.
 float upsampled_weight(const Layer& layer, int output, int input, int tap) {
   const int y = tap / 8;
   const int x = tap / 4 % 2;
@@ -44,8 +44,8 @@ Convolution::Convolution(const Layer& layer, int upsampled_inputs) : outputs_(la
   upsampled_ = pack(layer, 0, upsampled_inputs, kUpsampledTaps, upsampled_weight);
 }
 
-/// Appends the weights of the passes over the layer's `inputs` channels from `first_input` on, which are the
-/// source's first; the layer's first pass has the bias.
+/// Appends the weights of the passes over `inputs` channels of the layer from `first_input` on, which are the
+/// first channels of the source. The layer's first pass has the bias.
 template <class WeightOf>
 std::vector<Convolution::Part> Convolution::pack(const Layer& layer, int first_input, int inputs, int taps,
                                                  const WeightOf& weight_of) {

@@ -12,20 +12,20 @@
 namespace becalm::filter {
 namespace {
 
-/// Smaller blocks would get back little but single bright samples: ragged light where it was smooth.
+/// Smaller blocks would restore mainly single bright samples, which makes smooth light uneven.
 constexpr int kFinestBlock = 128;
-/// No level changes a block by more than this.
+/// Limit of the factor by which one level changes a block.
 constexpr double kLargestFactor = 2.0;
-/// Relative noise of the whole frame's mean below which the difference is given back all the same, and the
-/// most that the frame is brightened by at last: between two frames it is hardly seen, but a bias of as much
-/// is a darker shot.
+/// Relative noise of the frame's mean below which the difference is restored regardless of noise, and limit
+/// of the final change of the whole frame. Such a change is hardly visible between two frames, but a bias of
+/// that size darkens a shot.
 constexpr double kUnseen = 0.01;
 
 using Channels = std::array<double, 3>;
 
 struct Block {
-  Channels frame{};     ///< sums over pixels, exposed
-  Channels estimate{};  ///< the same
+  Channels frame{};     ///< sums of exposed radiance over pixels
+  Channels estimate{};  ///< the same, of the estimate
   double noise = 0.0;   ///< variance of `frame`, averaged over channels
   Channels factor{1.0, 1.0, 1.0};
 };
@@ -43,7 +43,8 @@ struct BlockGrid {
   std::vector<Block> blocks;
 };
 
-/// The two blocks whose centres a position, in blocks from the centre of the first one, lies between.
+/// The two blocks whose centres enclose a position. The position is in blocks, relative to the centre of the
+/// first block.
 struct Between {
   Between(double position, int count) {
     const double inside = std::clamp(position, 0.0, count - 1.0);
@@ -53,7 +54,7 @@ struct Between {
   }
   int low;
   int high;
-  double share;  ///< of `high`
+  double share;  ///< weight of `high`
 };
 
 double factor_between(const BlockGrid& grid, const Between& x, const Between& y, std::size_t channel) {
@@ -62,7 +63,7 @@ double factor_between(const BlockGrid& grid, const Between& x, const Between& y,
                    std::lerp(value(x.low, y.high), value(x.high, y.high), x.share), y.share);
 }
 
-/// Squared difference of a channel of the frame's pixel from the estimate.
+/// Squared difference between the frame and the estimate in channel c of pixel i.
 double residual_square(const NewFrame& frame, const Estimate& estimate, std::size_t i, std::size_t c) {
   const double x = frame.frame.image(Aov::beauty).data()[4 * i + c];
   const double e = x - estimate.color.data()[4 * i + c];
@@ -90,7 +91,7 @@ double pixel_noise(const NewFrame& frame, const FilterTask& task, const Estimate
   return sum;
 }
 
-/// Whether both the frame and the estimate know a pixel.
+/// Whether both the frame and the estimate have data in a pixel.
 bool counts(const NewFrame& frame, const Estimate& estimate, std::size_t i) {
   return frame.finite[i] && estimate.stats.data()[2 * i + 1] > 0.0f;
 }
@@ -136,8 +137,8 @@ BlockGrid coarser(const BlockGrid& fine) {
   return level;
 }
 
-/// Brings the block's factor to where the estimate has the frame's mean, by the share of the difference that
-/// is more than `noise`, its variance, and by no more than `largest` times or part.
+/// Changes the block's factor towards the one that gives the estimate the frame's mean: by the share of the
+/// difference that exceeds its variance, `noise`, and at most by a factor of `largest` or 1 / `largest`.
 void bring_to_frame(Block& block, double noise, double largest) {
   Channels difference{};
   double squares = 0.0;
@@ -154,7 +155,7 @@ void bring_to_frame(Block& block, double noise, double largest) {
   }
 }
 
-/// Decides one level's factors, given those of the next coarser one, if there is one.
+/// Computes one level's factors from those of the next coarser level, if there is one.
 void find_factors(BlockGrid& level, const BlockGrid* coarse) {
   for (int y = 0; y < level.height; ++y) {
     for (int x = 0; x < level.width; ++x) {
@@ -168,7 +169,7 @@ void find_factors(BlockGrid& level, const BlockGrid* coarse) {
   }
 }
 
-/// Multiplies the estimate and its additive AOVs by what lies between the factors at the blocks' centres.
+/// Multiplies the estimate and its additive AOVs by the factors, interpolated between the blocks' centres.
 void apply(const BlockGrid& grid, int block_px, Estimate& estimate) {
   const int width = estimate.color.width();
   std::vector<Between> columns;
@@ -195,8 +196,8 @@ void apply(const BlockGrid& grid, int block_px, Estimate& estimate) {
   });
 }
 
-/// A channel whose mean over the frame is not positive has no brightness to restore: additive AOVs of either
-/// sign may cancel there.
+/// Excludes channels whose mean over the frame is not positive. They have no brightness to restore: values of
+/// either sign may cancel there.
 void leave_channels_without_light(std::vector<BlockGrid>& levels) {
   const Channels whole = levels.back().blocks.front().frame;
   for (BlockGrid& level : levels) {
@@ -208,7 +209,7 @@ void leave_channels_without_light(std::vector<BlockGrid>& levels) {
   }
 }
 
-/// Sums over the whole frame of what is left of it beside the estimate, exposed.
+/// Exposed sums over the whole frame: the estimate, and its squared difference from the frame.
 struct Remainder {
   Channels estimate{};
   double residual = 0.0;  ///< averaged over channels
@@ -237,9 +238,10 @@ Remainder remainder_of(const NewFrame& frame, const Estimate& estimate) {
   return whole;
 }
 
-/// Brings the mean of the whole frame to that of the noisy one, given its block as it was before finer ones
-/// changed it. A frame may claim more noise than it has (of one sample the variance is its square): the
-/// residual bounds it. V^2 / (V + kUnseen^2) replaces the variance V.
+/// Changes the mean of the estimate towards that of the noisy frame. `whole` is the coarsest block, with the
+/// sums from before the finer levels changed the estimate. A frame may state more noise than it has (the
+/// variance of one sample may be given as its square), so the residual bounds it. V^2 / (V + kUnseen^2)
+/// replaces the relative variance V.
 void restore_whole(Block whole, const NewFrame& frame, Estimate& estimate) {
   const Remainder left = remainder_of(frame, estimate);
   whole.factor = {1.0, 1.0, 1.0};

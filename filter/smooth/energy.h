@@ -5,15 +5,13 @@
 
 namespace becalm::filter {
 
-/// Gives the light back that smoothing took out with bright samples: brings the means of the estimate's
-/// colour over blocks, from the whole frame down to 128 px, to those of the noisy frame, by the share of the
-/// difference that the frame's noise does not explain. Then the mean of the whole frame once more, by a
-/// percent at most, since blocks with a bright sample are noisier than others and take less of their
-/// difference. `task` says where the frame's variance is known from; a pixel without it has its squared
-/// difference from the estimate. Additive AOVs take the same factors. A channel whose mean over the frame is
-/// not positive stays as it is.
-///
-/// On the host, since blocks are larger than tiles.
+/// Restores light that smoothing removed with bright samples. Scales the estimate's colour in blocks, from
+/// the whole frame down to 128 px: each block's mean moves towards the noisy frame's by the share of the
+/// difference that the frame's noise does not explain. Then scales the whole frame once more, by 1 % at most,
+/// since blocks with a bright sample are noisier than others and are corrected by a smaller share. `task`
+/// says which AOVs the frame's variance comes from; where it is unknown, the squared difference from the
+/// estimate is used. Additive AOVs are scaled by the same factors. A channel whose mean over the frame is not
+/// positive is unchanged. Runs on the host, since blocks are larger than tiles.
 void restore_energy(const NewFrame& frame, const FilterTask& task, Estimate& estimate);
 
 }  // namespace becalm::filter

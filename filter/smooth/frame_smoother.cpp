@@ -40,7 +40,7 @@ struct FrameSmoother::Passes {
   gpu::Chain chain;
   NoisyInputs noisy;
   std::vector<ImageId> additive;
-  std::vector<ImageId> own_additive;  ///< of merged frames those of the frame itself, else the same
+  std::vector<ImageId> own_additive;  ///< of merged frames: those of the unmerged frame, else the same
   NetworkPasses network;
 };
 
@@ -53,7 +53,7 @@ FrameSmoother::~FrameSmoother() = default;
 
 Estimate FrameSmoother::smooth(const NewFrame& frame, FrameReport& report) {
   Estimate result(task_.full, task_.additive);
-  FrameReport ignored;  // what is replaced is counted where the frame is merged
+  FrameReport ignored;  // replaced variances are counted when the frame is merged
   const auto upload = [&](Passes& passes, const Tile& tile) {
     gpu::Chain& chain = passes.chain;
     passes.noisy.upload(chain, task_, frame, tile, ignored);
@@ -68,7 +68,6 @@ Estimate FrameSmoother::smooth(const NewFrame& frame, FrameReport& report) {
     copy_core(download_additive(passes.chain, smoothed.additive), tile, result.additive);
   };
   chain_.run(report, upload, download);
-  // X
   return result;
 }
 

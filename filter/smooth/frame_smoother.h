@@ -9,16 +9,16 @@
 
 namespace becalm::filter {
 
-/// Smooths single frames before they are matched and merged, so that decisions are made on what is hardly
-/// noisy.
+/// Smooths single frames before they are matched and merged, so that offsets and merge weights depend little
+/// on noise.
 class FrameSmoother {
  public:
-  /// Plans the largest tiles that take at most `memory_limit` bytes. Throws DeviceLimitError if not even the
-  /// smallest do.
+  /// Plans the largest tiles that take at most `memory_limit` bytes. Throws DeviceLimitError if even the
+  /// smallest tiles take more.
   FrameSmoother(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit);
   ~FrameSmoother();
 
-  /// The frame smoothed: its colour, and (variance left, 1; or 0 for a pixel that is not finite).
+  /// Returns the smoothed colour, with (remaining variance; 1, or 0 for a non-finite pixel).
   Estimate smooth(const NewFrame& frame, FrameReport& report);
   FilterMemory memory() const;
 

@@ -12,7 +12,8 @@
 
 #include "filter/gpu/device.h"
 
-// Of libgomp, by which Debian's oneDNN makes its threads. Not from omp.h, which is each compiler's own.
+// From libgomp, which Debian's oneDNN uses for its threads. Not included from omp.h, since each compiler has
+// its own.
 extern "C" void omp_set_num_threads(int threads);
 
 namespace becalm::filter {
@@ -30,11 +31,11 @@ memory::desc rows_of(int channels, int rows, int width) {
   return {Dims{1, channels, rows, width}, memory::data_type::f32, memory::format_tag::nhwc};
 }
 
-/// One oneDNN convolution, without padding, to a single row.
+/// A oneDNN convolution without padding that computes a single row.
 class RowConvolution {
  public:
-  /// `weight` as [output][input][row][column]. `bias` is empty for none; with one, the result is rectified.
-  /// `onto` adds to what is in the result.
+  /// `weight` is ordered [output][input][row][column]. `bias` may be empty; if it is not, the result is
+  /// rectified. `onto` adds to the result's previous values.
   RowConvolution(int inputs, int outputs, int side, int width, std::vector<float> weight,
                  std::vector<float> bias, bool onto)
       : source_(rows_of(inputs, side, width + side - 1)), result_(rows_of(outputs, 1, width)) {
@@ -46,7 +47,8 @@ class RowConvolution {
     if (!bias.empty()) after.append_eltwise(1.0f, dnnl::algorithm::eltwise_relu, 0.0f, 0.0f);
     dnnl::primitive_attr attributes;
     attributes.set_post_ops(after);
-    attributes.set_scratchpad_mode(dnnl::scratchpad_mode::user);  // the library's own is one for all threads
+    attributes.set_scratchpad_mode(
+        dnnl::scratchpad_mode::user);  // the library's own scratchpad is shared by all threads
     using Convolution = dnnl::convolution_forward;
     const Dims ones{1, 1};
     const Dims zeros{0, 0};
@@ -74,7 +76,7 @@ class RowConvolution {
     stream.wait();
   }
 
-  /// `source`: the first of its rows; `result`: its first pixel.
+  /// `source` is the first source row, `result` the first pixel of the result.
   void run(const float* source, float* result) const {
     thread_local std::vector<std::byte> scratch;
     if (scratch.size() < scratch_.get_size()) scratch.resize(scratch_.get_size());
@@ -105,9 +107,9 @@ std::vector<float> direct_weights(const Layer& layer, int first_input) {
   return values;
 }
 
-/// What stands for nine taps on an image of half the size. In framed images, pixels 2n and 2n + 1 of a row,
-/// and rows likewise, have all their taps in pixels n and n + 1 of half the size. `odd_row` is of the row
-/// made; pixels are made in pairs, whose outputs lie behind one another.
+/// Weights that replace the nine taps on an image of half the size. In framed images, all taps of pixels 2n
+/// and 2n + 1 of a row fall on pixels n and n + 1 of half the size, and likewise for rows. `odd_row` is the
+/// parity of the computed row. Pixels are computed in pairs, whose outputs are consecutive.
 std::vector<float> upsampled_weights(const Layer& layer, int inputs, int odd_row) {
   std::vector<float> values;
   for (int odd_column = 0; odd_column < 2; ++odd_column) {
@@ -145,14 +147,15 @@ struct HostConvolution::Impl {
   }
 
   RowConvolution direct;
-  std::array<std::optional<RowConvolution>, 2> upsampled;  // for even and odd framed rows; empty without
-  std::ptrdiff_t source_row;                               // floats of a framed row
+  std::array<std::optional<RowConvolution>, 2>
+      upsampled;              // for even and odd framed rows; empty without upsampled inputs
+  std::ptrdiff_t source_row;  // floats per framed row
   std::ptrdiff_t coarse_row;
   int outputs;
 };
 
 HostConvolution::HostConvolution(const Layer& layer, int upsampled_inputs, int width) {
-  // Rows are made by this program's threads, one each.
+  // This program's threads compute the rows, one thread per row.
   omp_set_num_threads(1);
   try {
     impl_ = std::make_unique<Impl>(layer, upsampled_inputs, width);
@@ -164,7 +167,7 @@ HostConvolution::HostConvolution(const Layer& layer, int upsampled_inputs, int w
 HostConvolution::~HostConvolution() = default;
 
 void HostConvolution::make_row(int y, const float* source, const float* coarse, float* result) const {
-  omp_set_num_threads(1);  // of the calling thread alone
+  omp_set_num_threads(1);  // applies to the calling thread only
   const int framed_row = y + 1;
   if (impl_->upsampled[0]) {
     impl_->upsampled[framed_row % 2]->run(coarse + framed_row / 2 * impl_->coarse_row, result);

@@ -24,7 +24,7 @@ using HostImages = Chain::HostImages;
 
 namespace {
 
-/// An image as HostConvolution reads it.
+/// A framed image, as HostConvolution reads it.
 struct Framed {
   Framed(Chain& chain, const std::string& name, Extent size, int channels)
       : size(size),
@@ -38,8 +38,8 @@ struct Framed {
   ImageId image;
 };
 
-/// Row y of a framed image with one that has its pixels: repeats them at the ends, and the row where it is
-/// the image's first or last.
+/// Writes the frame around row y, whose pixels are given: repeats the pixels at both ends, and the row itself
+/// above the first row and below the last.
 void frame_row(const Framed& framed, int y, float* row) {
   const std::ptrdiff_t floats = framed.row_floats();
   float* const end = row + floats;
@@ -49,7 +49,7 @@ void frame_row(const Framed& framed, int y, float* row) {
   if (y == framed.size.height - 1) std::copy(row, end, end);
 }
 
-/// Row y of the planes of four channels that kernels read, from a framed row.
+/// Copies a framed row to row y of the planes of four channels that kernels read.
 void row_to_planes(const float* row, Extent size, int channels, int y, std::span<float> planes) {
   for (int plane = 0; plane < channels / kPlane; ++plane) {
     float* to = planes.data() + (std::ptrdiff_t{plane} * size.height + y) * size.width * kPlane;
@@ -66,7 +66,7 @@ void row_from_planes(std::span<const float> planes, Extent size, int channels, i
   }
 }
 
-/// The largest of each 2x2 pixels of a framed row and the next, to a framed row of half as many.
+/// Writes the maxima over 2x2 pixels of a framed row and the next one to a framed row of half the size.
 void pool_rows(const float* row, const Framed& fine, float* pooled) {
   const int channels = fine.channels;
   const float* const next_row = row + fine.row_floats();
@@ -111,7 +111,7 @@ void add_layer(Chain& chain, const HostLayer& declared) {
   const Framed* const declared_frame = std::get_if<Framed>(&declared.result);
   const ImageId result_image = declared_frame ? declared_frame->image : std::get<ImageId>(declared.result);
   pass.write(result_image);
-  // The first run makes the convolution, so that chains that are only planned take no time.
+  // The first run creates the convolution, so that chains that are only planned take no time.
   pass.run([=, convolution = std::shared_ptr<const HostConvolution>()](const HostImages& images) mutable {
     const auto& [layer, source, coarse, result] = declared;
     if (!convolution) {
@@ -190,7 +190,7 @@ std::array<ImageId, kScales> add_host_features(Chain& chain, const NetworkWeight
     add_layer(chain, {weights.decode[i], framed[i], framed[i + 1], decoded});
     framed[i] = decoded;
   }
-  // Not as soon as they are made: until the last decoder has run, each would take its memory twice.
+  // Planes are written after the last decoder: earlier, each scale would take its memory twice until then.
   for (std::size_t i = 1; i < kScales; ++i) add_planes(chain, framed[i], features[i]);
   add_layer(chain, {weights.finish, framed[0], std::nullopt, features[0]});
   return features;

@@ -34,7 +34,7 @@ Accumulated accumulated(const Estimate& merged) {
     copy(radiance, i, result.color);
     copy(albedo_depth, i, result.albedo);
     copy(normal, i, result.normal);
-    // A sharp filter that reads between the history's pixels may leave their range.
+    // A sharp resampling filter may leave the range of the history's pixels.
     for (float& value : result.albedo.data().subspan(3 * i, 3)) value = std::clamp(value, 0.0f, 1.0f);
     result.depth.data()[i] = std::clamp(albedo_depth.data()[4 * i + 3], 0.0f, 2.0f);
     const float frames = std::max(merged.stats.data()[2 * i + 1], 1.0f);

@@ -9,25 +9,24 @@
 
 namespace becalm::filter {
 
-/// The noisy layers that an estimate carries, as images of an AOV's channels.
+/// The noisy layers that an estimate carries, as images with an AOV's channels.
 struct Accumulated {
   Image color;     ///< RGB
-  Image variance;  ///< Y: of a frame over the effective number of frames
+  Image variance;  ///< Y: variance of one frame / effective number of frames
   Image albedo;    ///< RGB
   Image normal;    ///< XYZ
-  Image depth;     ///< Y: of pack_features, in [0,2]
+  Image depth;     ///< Y: as from pack_features, in [0,2]
 };
 
-/// Smooths noisy frames that were merged, with the features of the frame where they were merged. What is left
-/// of the noise after that is less than after merging smoothed frames: detail that many frames share is no
-/// longer taken for noise.
+/// Smooths merged noisy frames, with the merged features and those of the unmerged frame. The remaining error
+/// is smaller than after merging smoothed frames: detail that many frames share is no longer taken for noise.
 class MergedSmoother {
  public:
-  /// As FrameSmoother.
+  /// As FrameSmoother's constructor.
   MergedSmoother(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit);
 
-  /// `merged` carries the noisy radiance and its variance summed with the merge's weights; returns what is to
-  /// come out for the frame.
+  /// `merged` carries the noisy layers, merged with the merge's weights. Returns the estimate to output for
+  /// `frame`.
   Estimate smooth(const NewFrame& frame, Estimate merged, FrameReport& report);
   FilterMemory memory() const { return smoother_.memory(); }
 

@@ -21,10 +21,10 @@ using gpu::ImageId;
 
 namespace {
 
-/// Of the patch in which it is judged whether windows lost more than noise.
+/// Radius of the patch that shows whether windows removed more than noise.
 constexpr int kLostRadius = 3;
 
-/// Weights of layers of 1x1, their outputs one behind another, as shaders/lib/head.glsl reads them.
+/// Weights of 1x1 layers with concatenated outputs, as shaders/lib/head.glsl reads them.
 std::vector<float> pack_head(const std::vector<const Layer*>& layers) {
   std::vector<float> values;
   std::vector<float> biases;
@@ -273,10 +273,10 @@ ImageId NetworkPasses::add_restore(Chain& chain, const std::string& name, ImageI
 
 int network_margin_px() {
   int convolutions = 2;           // the deviation's window
-  int windows = 2 + kLostRadius;  // the albedo's, and the patch that tells what was lost
+  int windows = 2 + kLostRadius;  // the albedo's window, and the patch of kLostRadius
   for (std::size_t i = 0; i < kScales; ++i) {
     const int pixel = 1 << i;
-    convolutions += 2 * pixel + (pixel - 1);  // encode and decode, and the pixels that share a coarser one
+    convolutions += 2 * pixel + (pixel - 1);  // encode and decode, and the pixels that a coarser one covers
     windows += 3 * pixel;                     // the window, and the coarser scale's neighbours
   }
   return convolutions + 1 + windows;

@@ -15,32 +15,33 @@ namespace becalm::filter {
 
 struct Smoothed {
   gpu::ImageId color;                  ///< f32x4
-  gpu::ImageId stats;                  ///< f32x2: (variance left, 1; or 0 for a pixel that is not finite)
+  gpu::ImageId stats;                  ///< f32x2: (remaining variance; 1, or 0 for a non-finite pixel)
   std::vector<gpu::ImageId> additive;  ///< f32x4
 };
 
-/// Radiance (f32x4) to be smoothed and, where that was merged, of the frame itself; else both are the same.
+/// Radiance (f32x4) to smooth: of a merged frame and of the unmerged one. For a single frame both are the
+/// same.
 struct Layered {
   gpu::ImageId merged;
   gpu::ImageId own;
 };
 
-/// Who makes the network's features: the kernels of shaders/smooth/, or oneDNN where the device is a
+/// What computes the network's features: the kernels of shaders/smooth/, or oneDNN if the device is a
 /// processor.
 enum class Convolver { kernels, host };
 constexpr Convolver convolver_of(const gpu::DeviceInfo& device) {
   return device.is_processor ? Convolver::host : Convolver::kernels;
 }
 
-/// The passes that smooth a frame by a network: it looks at the frame and its features and says, for each
-/// pixel of five scales, which pixels around it belong together; the radiance goes through those windows,
-/// from the coarsest scale to the finest. Weights are positive and sum to 1.
+/// The passes that smooth a frame by a network. From the frame and its features the network predicts the
+/// weights of a window around each pixel of five scales. The windows average the radiance, from the coarsest
+/// scale to the finest. Weights are positive and sum to 1.
 class NetworkPasses {
  public:
-  /// Declares the passes. Additive AOVs go through the beauty's windows.
+  /// Declares the passes. Additive AOVs are averaged by the beauty's windows.
   NetworkPasses(gpu::Chain& chain, const NetworkWeights& weights, gpu::Extent full, const NoisyInputs& frame,
                 bool variance_known, const std::vector<Layered>& additive, Convolver convolver);
-  /// Fills the weights' images; once the chain is built.
+  /// Uploads the weights; call it after the chain is built.
   void upload_weights(gpu::Chain& chain) const;
 
   const Smoothed& smoothed() const { return smoothed_; }
@@ -60,7 +61,7 @@ class NetworkPasses {
     Layered irradiance;  ///< f32x4
     Layered grey;        ///< f32
   };
-  /// Of the frame, or of an additive AOV.
+  /// For the frame or an additive AOV.
   Demodulated add_demodulate(gpu::Chain& chain, const NoisyInputs& frame, const std::string& name,
                              const Layered& radiance) const;
   gpu::ImageId add_inputs(gpu::Chain& chain, const NoisyInputs& frame, const Demodulated& demodulated,
@@ -72,7 +73,7 @@ class NetworkPasses {
                    const std::string& name, const Layered& irradiance, gpu::ImageId color,
                    gpu::ImageId smoothed, gpu::ImageId stats) const;
 
-  /// The share of the frame that is put back, and the variance then left.
+  /// Computes the share of the frame that is put back, and the remaining variance.
   gpu::ImageId add_share(gpu::Chain& chain, const NoisyInputs& frame, gpu::ImageId color, gpu::ImageId stats);
   gpu::ImageId add_restore(gpu::Chain& chain, const std::string& name, gpu::ImageId color,
                            gpu::ImageId smoothed, gpu::ImageId share) const;
@@ -87,7 +88,8 @@ class NetworkPasses {
   Smoothed smoothed_;
 };
 
-/// How far from a pixel the passes read, in pixels, and the multiple at which rectangles have to begin.
+/// Radius of the neighbourhood that the passes read, in pixels, and the multiple at which rectangles must
+/// begin.
 int network_margin_px();
 constexpr int kNetworkGridPx = 1 << (kScales - 1);
 

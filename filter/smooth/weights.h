@@ -9,15 +9,15 @@ namespace becalm::filter {
 
 /// Scales of the network: each is half as large as the one before.
 constexpr std::size_t kScales = 5;
-/// Channels that the network sees of a frame; shaders/smooth/inputs.comp makes them.
+/// Number of input channels of the network; shaders/smooth/inputs.comp computes them.
 constexpr int kNetworkInputs = 20;
-/// Pixels of a window whose weights it predicts, pixels of the coarser scale's result besides, and at the
-/// finest scale those of 3x3 pixels of the frame itself, whose merged window it is.
+/// Number of pixels whose weights the network predicts: of a window, of the coarser scale's result and, at
+/// the finest scale, of 3x3 pixels of the unmerged frame.
 constexpr int kWindowTaps = 25;
 constexpr int kCoarseTaps = 4;
 constexpr int kOwnTaps = 9;
-/// Learned features of a pixel, by whose squared distances the pixels of a window count less (Isik et al.
-/// 2021).
+/// Number of learned features of a pixel; their squared distances lower the weights of a window's pixels
+/// (Isik et al. 2021).
 constexpr int kAffinities = 4;
 
 /// One layer: `weight` as [output][input][row][column] of a `side` x `side` kernel, and a bias for each
@@ -35,25 +35,25 @@ struct Layer {
 };
 
 /// The parameters of a trained network, as scripts/train/export.py writes them. Convolutions of 3x3
-/// (`encode`, `decode`, `finish`) make features of each scale; layers of 1x1 turn a pixel's features into
-/// what is done with its radiance.
+/// (`encode`, `decode`, `finish`) compute the features of each scale; 1x1 layers turn a pixel's features into
+/// weights.
 struct NetworkWeights {
   std::array<int, kScales> channels{};
-  std::array<Layer, kScales> encode;      ///< of the frame, then of the finer scale's maxima over 2x2 pixels
-  std::array<Layer, kScales - 1> decode;  ///< of the coarser scale's features, and those of `encode`
-  Layer finish;                           ///< the last one of the finest scale
-  std::array<Layer, kScales> window;      ///< logits of the window's pixels, of the coarser ones, of own ones
-  /// Logit of how much a pixel counts; its affinities; at the finest scale the logit of how much the frame's
-  /// own counts.
+  std::array<Layer, kScales> encode;      ///< reads the frame, then the finer scale's maxima over 2x2 pixels
+  std::array<Layer, kScales - 1> decode;  ///< reads the coarser scale's features and those of `encode`
+  Layer finish;                           ///< the last layer of the finest scale
+  std::array<Layer, kScales> window;      ///< logits of the pixels of window, coarser scale, unmerged frame
+  /// Logit of a pixel's confidence; its affinities; at the finest scale the logit of the confidence of the
+  /// unmerged frame's pixel.
   std::array<Layer, kScales> confidence;
-  Layer albedo;  ///< logits of the windows that the albedo is taken from: merged, own
-  Layer error;   ///< log of the squared relative error to be expected
+  Layer albedo;  ///< logits of the windows that average the albedo: merged, unmerged
+  Layer error;   ///< log of the expected squared relative error
 };
 
-/// Reads a file of export.py. Throws std::invalid_argument if it is none, or of another size.
+/// Parses a file of export.py. Throws std::invalid_argument if it is not one or has another size.
 NetworkWeights parse_weights(std::span<const std::byte> file);
 
-/// The network that is part of the program.
+/// The network that is embedded in the program.
 const NetworkWeights& embedded_weights();
 
 }  // namespace becalm::filter
