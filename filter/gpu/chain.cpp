@@ -12,9 +12,9 @@ namespace becalm::gpu {
 Chain::Impl::~Impl() {
   if (*device.device == vk::Device()) return;
   try {
-    device.device.waitIdle();  // nothing may be destroyed that a failed run left in use
+    device.device.waitIdle();  // a failed run may still use objects that are about to be destroyed
   } catch (const vk::SystemError&) {
-    // A lost device uses nothing any more.
+    // A lost device no longer uses any object.
   }
 }
 

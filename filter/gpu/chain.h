@@ -19,16 +19,16 @@
 
 namespace becalm::gpu {
 
-/// An image that lives from frame to frame: a pass writes `next`, and in the following frame that is
-/// `previous`. Filled with zero when built and by Chain::reset_history.
+/// An image that is kept from frame to frame: a pass writes `next`, which is `previous` in the following
+/// frame. Both are zero in the first run and after Chain::reset_history.
 struct History {
   ImageId previous;
   ImageId next;
 };
 
 struct ChainOptions {
-  bool alias_memory = true;  ///< images whose lifetimes do not meet share memory
-  /// No allocation is larger than this, unless one image is; the device's own limit applies as well.
+  bool alias_memory = true;  ///< images whose lifetimes do not overlap share memory
+  /// No allocation is larger than this, unless a single image is. The device's own limit applies as well.
   std::uint64_t max_arena_bytes = std::numeric_limits<std::uint64_t>::max();
   std::span<const Kernel> kernels = embedded_kernels();
 };
@@ -43,10 +43,10 @@ struct ChainOptions {
 ///     chain.output(half);
 ///     chain.build();
 ///
-/// Barriers, lifetimes, memory aliasing, debug labels and timestamps follow from the declarations. `build`
-/// checks them: every binding of a kernel named once and only those, formats, read against write, constants'
-/// size, every read written before; it throws DeviceError naming the pass and the binding, and
-/// DeviceLimitError for what is too large for the device.
+/// Barriers, lifetimes, memory aliasing, debug labels and timestamps are derived from the declarations.
+/// `build` checks them: each binding of a kernel is named exactly once, and no other; formats, access and the
+/// size of the constants match the kernel; every image is written before it is read. It throws DeviceError
+/// naming the pass and the binding, and DeviceLimitError if something is too large for the device.
 class Chain {
   struct Impl;
 
@@ -54,10 +54,10 @@ class Chain {
   /// One pass being declared; `dispatch` completes it.
   class Pass {
    public:
-    /// Without an image the kernel, as it is specialized, must not touch the binding.
+    /// Without an image, the kernel as specialized must not access the binding.
     Pass& read(std::string_view binding, std::optional<ImageId> image);
     Pass& write(std::string_view binding, std::optional<ImageId> image);
-    /// A binding the kernel both reads and writes.
+    /// A binding that the kernel both reads and writes.
     Pass& read_write(std::string_view binding, ImageId image);
     /// Push constants: a plain struct of shaders/shared/, 4-byte scalars only.
     template <class Params>
@@ -66,8 +66,8 @@ class Chain {
       return constant_bytes(std::as_bytes(std::span(&params, 1)));
     }
     Pass& specialize(std::string_view constant, std::int32_t value);
-    /// One invocation a pixel of `extent`, rounded up to whole workgroups; kernels check their bounds. Where
-    /// an invocation makes a block of pixels, pass the extent in blocks.
+    /// One invocation per pixel of `extent`, rounded up to whole workgroups; kernels check their bounds. If
+    /// an invocation computes a block of pixels, pass the extent in blocks.
     void dispatch(Extent extent);
 
    private:
@@ -79,7 +79,7 @@ class Chain {
     std::size_t index_;
   };
 
-  /// The images of a host pass while it runs: those that it declared to read, and to write.
+  /// The images that a host pass declared to read and to write, while it runs.
   class HostImages {
    public:
     template <class T>
@@ -108,8 +108,9 @@ class Chain {
    public:
     HostPass& read(ImageId image);
     HostPass& write(ImageId image);
-    /// What is called in every run, by the thread that runs the chain, after the passes before it and before
-    /// those behind it. It writes all of what it declared to write. What it throws, Chain::run throws.
+    /// `work` is called in every run, by the thread that runs the chain, between the preceding and the
+    /// following passes. It must write every pixel of the images that it declared to write. Chain::run passes
+    /// on its exceptions.
     void run(std::function<void(const HostImages&)> work);
 
    private:
@@ -128,24 +129,24 @@ class Chain {
   /// An image that the host fills before each run.
   ImageId input(std::string name, Format format, Extent extent);
   History history(const std::string& name, Format format, Extent extent);
-  /// Makes an image downloadable after a run, as its last writer left it.
+  /// Makes an image downloadable after a run, with the values of its last writer.
   void output(ImageId image);
 
   Pass pass(std::string_view kernel);
-  /// Fills an image with one value (of a u32 image: with the value's bits).
+  /// Fills an image with one value (a u32 image with the value's bits).
   void fill(ImageId image, float value);
-  /// A pass of the program's own code, in the images' own memory. Only for devices whose is_processor is set.
+  /// A pass that runs the program's own code on the images' memory. Only for devices whose is_processor is
+  /// set.
   HostPass host_pass(std::string name);
   /// The device that the chain runs on.
   const DeviceInfo& device() const;
-  /// Checks the declarations and decides where in device memory each image goes, without asking the device
-  /// for any: device_bytes and staging_bytes then tell what `build` will take. Nothing can be declared
-  /// afterwards.
+  /// Checks the declarations and plans the place of each image in device memory, without allocating any.
+  /// device_bytes and staging_bytes then tell what `build` will take. Nothing can be declared afterwards.
   void plan();
-  /// Plans, unless that has been done, and makes everything that runs need.
+  /// Plans, unless that has been done, allocates memory and creates the objects that runs need.
   void build();
 
-  /// Host memory of an input: fill it, or keep what earlier runs were given. Valid as long as the chain.
+  /// Host memory of an input, which keeps its values between runs. Valid as long as the chain.
   template <class T>
   std::span<T> upload(ImageId image) {
     auto bytes = upload_bytes(image);
@@ -163,9 +164,9 @@ class Chain {
   /// Fills all history images with zero before the next run.
   void reset_history();
 
-  /// Time of each pass of the last run: the device's, of host passes the host's.
+  /// Time of each pass of the last run: device time, or host time for host passes.
   const std::vector<PassTime>& times() const;
-  /// Device bytes held, or to be held once built, and what they would be if no images shared memory (both
+  /// Device bytes held, or to be held once built, and what they would be if images did not share memory (both
   /// without staging memory).
   std::uint64_t device_bytes() const;
   std::uint64_t device_bytes_unaliased() const;

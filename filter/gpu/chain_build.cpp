@@ -10,9 +10,9 @@ namespace becalm::gpu {
 
 namespace {
 
-/// What absent bindings are bound to: those that are read to one part, each that is written to one of its
-/// own, or there would seem to be hazards. As many bytes as the offset of a buffer may have to be a multiple
-/// of.
+/// Bytes of one part of the buffer that absent bindings are bound to. Absent bindings that are read share one
+/// part; each one that is written has a part of its own, or validation would report hazards. The size is the
+/// largest alignment that a device may require of a buffer's offset.
 constexpr std::uint64_t kNothingBytes = 256;
 
 vk::Format texel_format(Format format) {
@@ -152,7 +152,7 @@ void Chain::Impl::plan_memory() {
   }
   arena_bytes = plan.arena_bytes;
   using Memory = vk::MemoryPropertyFlagBits;
-  // Where a processor is the device, what the host sees is as fast as any.
+  // If the device is a processor, host-visible memory is as fast as any other.
   memory_type = has_host_passes ? device.memory_type(types, Memory::eHostVisible | Memory::eHostCoherent,
                                                      Memory::eHostCached | Memory::eDeviceLocal)
                                 : device.memory_type(types, {}, Memory::eDeviceLocal);
@@ -241,7 +241,8 @@ void Chain::Impl::create_descriptor_sets() {
   }
   const auto set_count = static_cast<std::uint32_t>(layouts.size()) * parities;
   if (set_count == 0) return;
-  constexpr auto freed_one_by_one = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet;  // as RAII does
+  constexpr auto freed_one_by_one =
+      vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet;  // as vulkan_raii does
   descriptor_pool = {device.device, vk::DescriptorPoolCreateInfo(freed_one_by_one, set_count, sizes)};
   for (std::uint32_t p = 0; p < parities; ++p) {
     std::vector<vk::raii::DescriptorSet> sets =

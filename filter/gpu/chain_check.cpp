@@ -1,4 +1,4 @@
-// What Chain::build checks before it asks the device for anything.
+// The checks of Chain::plan, which come before anything is allocated.
 
 #include <algorithm>
 #include <array>
@@ -83,7 +83,8 @@ void check_binding(const Kernel& kernel, const ImageDeclaration& image, const Us
   }
 }
 
-/// Each binding of the kernel once; no image both written and otherwise used, which would be a race.
+/// Each binding of the kernel must be given once. An image that is written must have no other binding, which
+/// would be a race.
 void check_bindings(const Kernel& kernel, const PassDeclaration& pass,
                     std::span<const ImageDeclaration> images, const Device::Impl& device,
                     const std::string& where) {

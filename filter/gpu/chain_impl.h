@@ -1,7 +1,7 @@
 #pragma once
 
-// For the files of filter/gpu/ alone: what a Chain holds. chain.cpp declares and runs, chain_check.cpp
-// checks, chain_build.cpp decides memory and makes the Vulkan objects, chain_record.cpp records the commands.
+// Private to filter/gpu/: the members of a Chain. chain.cpp declares and runs, chain_check.cpp checks,
+// chain_build.cpp plans memory and creates the Vulkan objects, chain_record.cpp records the commands.
 
 #include <array>
 #include <cstddef>
@@ -46,7 +46,7 @@ struct Use {
   bool writes() const { return access != Access::read; }
 };
 
-/// What runs a pass: a kernel of the device, the program itself, or the device's own fill.
+/// What runs a pass: a kernel on the device, the program's own code, or the device's fill command.
 enum class PassKind { kernel, host, fill };
 
 struct PassDeclaration {
@@ -56,37 +56,38 @@ struct PassDeclaration {
   std::function<void(const Chain::HostImages&)> work;  ///< of a host pass
   const Kernel* kernel = nullptr;                      ///< found by check(); null for other kinds
   std::vector<Use> uses;
-  std::vector<std::string> absent;  ///< bindings that the kernel does not touch as it is specialized
+  std::vector<std::string> absent;  ///< bindings that the kernel as specialized does not access
   std::vector<std::byte> constants;
   std::vector<std::pair<std::string, std::int32_t>> specializations;
   std::optional<Extent> extent;
 };
 
-/// What a run does, one after the other: inputs arrive before their first reader, outputs leave after their
-/// last writer, so that neither holds memory longer than it must.
+/// One step of a run. Inputs are uploaded just before their first reader and outputs downloaded just after
+/// their last writer, so that neither holds device memory longer than necessary.
 struct Step {
   enum class Kind { upload, pass, download } kind;
   int index;  ///< of the image or of the pass
 };
 
-/// A run is a list of these: commands for the device, then perhaps one host pass.
+/// A run is a list of segments: commands for the device, then at most one host pass.
 struct Segment {
   std::size_t first_step = 0;
-  std::size_t end_step = 0;  ///< behind its last step for the device
+  std::size_t end_step = 0;  ///< one past its last step for the device
   int host_pass = -1;
   std::array<vk::raii::CommandBuffer, 2> commands = {nullptr, nullptr};  ///< by parity
 
   bool has_commands() const { return end_step > first_step; }
 };
 
-/// An image's device memory, planned first and allocated then. History images swap: see Chain::Impl::buffer.
+/// An image's device memory, first planned, then allocated. The images of a history swap: see
+/// Chain::Impl::buffer.
 struct DeviceBuffer {
   vk::raii::Buffer buffer = nullptr;
-  vk::raii::BufferView texels = nullptr;  ///< null where the device cannot read so many elements as texels
+  vk::raii::BufferView texels = nullptr;  ///< null if the device cannot read so many elements as texels
   int arena = 0;
   std::uint64_t offset = 0;
-  std::uint64_t bytes = 0;      ///< 0: nothing touches the image
-  std::byte* mapped = nullptr;  ///< where a host pass finds it; null in chains without host passes
+  std::uint64_t bytes = 0;      ///< 0: no step uses the image
+  std::byte* mapped = nullptr;  ///< host address for host passes; null in chains without them
 };
 
 struct PassPipeline {
@@ -94,7 +95,7 @@ struct PassPipeline {
   vk::PipelineLayout layout;
 };
 
-/// Workgroups of `local_size` invocations that cover `pixels`.
+/// Number of workgroups of `local_size` invocations that cover `pixels`.
 constexpr std::uint32_t workgroups(int pixels, std::uint32_t local_size) {
   return (static_cast<std::uint32_t>(pixels) + local_size - 1) / local_size;
 }
@@ -130,7 +131,7 @@ struct Chain::Impl {
   void run_segments();
   void submit(const Segment& segment);
 
-  /// The buffer behind an image in frames of this parity: the two of a history change places every frame.
+  /// The buffer of an image in frames of this parity. The two buffers of a history swap every frame.
   const DeviceBuffer& buffer(int image, int parity) const {
     const ImageDeclaration& declared = images[static_cast<std::size_t>(image)];
     return buffers[static_cast<std::size_t>(parity == 1 && declared.is_history() ? declared.partner : image)];
@@ -150,22 +151,22 @@ struct Chain::Impl {
   std::vector<std::uint64_t> arena_bytes;
   std::uint32_t memory_type = 0;
   std::vector<vk::raii::DeviceMemory> arenas;
-  std::vector<DeviceBuffer> buffers;  // one an image
-  std::vector<HostBuffer> staging;    // one an image; null but for inputs and outputs
-  std::vector<bool> is_filled;        // one an image: the host has asked for its upload memory
+  std::vector<DeviceBuffer> buffers;  // one per image
+  std::vector<HostBuffer> staging;    // one per image; null except for inputs and outputs
+  std::vector<bool> is_filled;        // one per image: the host has requested its upload memory
   std::uint64_t device_bytes = 0;
   std::uint64_t device_bytes_unaliased = 0;
   std::uint64_t staging_bytes = 0;
 
-  std::vector<PassPipeline> pipelines;  // one a pass; null where no kernel runs, as the descriptor sets
-  HostBuffer nothing;                   // what absent bindings are bound to; null if there are none
+  std::vector<PassPipeline> pipelines;  // one per pass; null for passes without a kernel
+  HostBuffer nothing;                   // bound to absent bindings; null if there are none
   vk::raii::BufferView nothing_texels = nullptr;
   vk::raii::BufferView nothing_unsigned_texels = nullptr;
   vk::raii::DescriptorPool descriptor_pool = nullptr;
   std::array<std::vector<vk::raii::DescriptorSet>, 2> descriptor_sets;  // by parity, then pass
   std::optional<PassTimer> timer;
   vk::raii::CommandPool command_pool = nullptr;
-  std::vector<Segment> segments;  // after the pool, since they hold buffers of it
+  std::vector<Segment> segments;  // declared after the pool, since they hold its buffers
   vk::raii::CommandBuffer reset_commands = nullptr;
   vk::raii::Fence fence = nullptr;
 

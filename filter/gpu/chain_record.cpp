@@ -1,4 +1,4 @@
-// The commands of a built chain: its steps with the barriers that their hazards ask for.
+// Records the commands of a chain: its steps, with barriers where there are hazards.
 
 #include <algorithm>
 #include <set>
@@ -82,8 +82,8 @@ void Chain::Impl::record(const Segment& segment, int parity) const {
   const vk::raii::CommandBuffer& commands = segment.commands[static_cast<std::size_t>(parity)];
   commands.begin(vk::CommandBufferBeginInfo());
   if (segment.first_step == 0) timer->reset(commands);
-  // What the run or the segment before left is to be seen, and its reads of shared memory are to be over.
-  // (What a host pass did is available to all that is submitted after it.)
+  // The writes of the previous run or segment must be visible, and its reads of shared memory complete. (A
+  // host pass's writes are visible to everything that is submitted after it.)
   barrier(commands, Stage::eAllCommands, Flag::eMemoryWrite, kWorkStages, kWorkAccesses);
   HazardTracker hazards;
   for (std::size_t i = segment.first_step; i < segment.end_step; ++i) {

@@ -49,7 +49,7 @@ bool has_extension(const Properties& properties, std::string_view name) {
   return std::ranges::any_of(properties, [&](const auto& p) { return name == p.extensionName.data(); });
 }
 
-/// The messenger collects into `messages`; null without validation.
+/// The messenger appends to `messages`, which is null without validation.
 vk::raii::Instance create_instance(const vk::raii::Context& context, std::vector<std::string>* messages,
                                    bool& has_debug_utils) {
   if (context.enumerateInstanceVersion() < VK_API_VERSION_1_3) {
@@ -110,7 +110,7 @@ std::string type_name(vk::PhysicalDeviceType type) {
   }
 }
 
-/// The lowest is taken when nobody asks for a device by name.
+/// Rank of a device; the lowest is taken if no device is selected.
 int preference(const DeviceInfo& info) {
   constexpr std::array order = {"discrete GPU", "integrated GPU", "virtual GPU", "other", "software"};
   return static_cast<int>(std::ranges::find(order, info.type) - order.begin());
@@ -271,7 +271,7 @@ HostBuffer Device::Impl::create_host_buffer(std::uint64_t bytes, vk::BufferUsage
   result.buffer = {device, vk::BufferCreateInfo({}, bytes, usage)};
   set_name(result.buffer, name);
   const vk::MemoryRequirements needs = result.buffer.getMemoryRequirements();
-  // Cached: the host reads results back at a fraction of the speed from memory that is not.
+  // Cached, since the host reads uncached memory at a fraction of the speed.
   const std::uint32_t type =
       memory_type(needs.memoryTypeBits, Memory::eHostVisible | Memory::eHostCoherent, Memory::eHostCached);
   result.memory = {device, vk::MemoryAllocateInfo(needs.size, type)};

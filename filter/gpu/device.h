@@ -8,14 +8,15 @@
 
 namespace becalm::gpu {
 
-/// Trouble with the device: none found, out of memory, lost, or an invalid chain. One line, naming pass and
-/// image where there is one.
+/// No device was found, it is out of memory or lost, or a chain is invalid. The message is one line and names
+/// pass and image if there are any.
 class DeviceError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// More than the device can bind, dispatch or hold at once: the same chain over smaller images may do.
+/// A chain needs more than the device can bind, dispatch or hold at once. The same chain over smaller images
+/// may succeed.
 class DeviceLimitError : public DeviceError {
  public:
   using DeviceError::DeviceError;
@@ -25,7 +26,7 @@ struct DeviceInfo {
   int index = 0;
   std::string name;
   std::string type;           ///< "discrete GPU", "integrated GPU", "virtual GPU", "software", "other"
-  bool is_processor = false;  ///< a software device: its memory is the host's, its cores are too
+  bool is_processor = false;  ///< a software device: it uses the host's cores and memory
   std::string driver;
   std::uint64_t memory_bytes = 0;
   std::uint64_t max_storage_buffer_bytes = 0;
@@ -39,11 +40,11 @@ struct DeviceOptions {
   bool validation = false;  ///< validation layer with synchronization validation; any message is an error
 };
 
-/// An open device with one compute queue. Not copied, shared by reference; one thread at a time.
+/// An open device with one compute queue. Not copyable; may be used by one thread at a time.
 class Device {
  public:
-  /// Throws DeviceError: no driver (naming the Debian package to install), no such device, no validation
-  /// layer.
+  /// Throws DeviceError if there is no driver (naming the Debian package to install), no such device or no
+  /// validation layer.
   explicit Device(const DeviceOptions& options = {});
   ~Device();
   Device(const Device&) = delete;
@@ -51,7 +52,7 @@ class Device {
 
   const DeviceInfo& info() const;
 
-  /// Validation messages so far; empty without validation, and in a correct program with it.
+  /// Validation messages so far; empty without validation, and with it in a correct program.
   const std::vector<std::string>& validation_messages() const;
 
   /// The Vulkan objects, for this library's own files (device_impl.h).

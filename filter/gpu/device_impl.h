@@ -1,6 +1,6 @@
 #pragma once
 
-// For the files of filter/gpu/ alone: what a Device holds. vulkan_raii.hpp makes them slow to compile.
+// Private to filter/gpu/: the members of a Device. vulkan_raii.hpp is slow to compile.
 
 #include <cstdint>
 #include <memory>
@@ -25,13 +25,13 @@ decltype(auto) guarded(std::string_view what, Action&& action) {
   }
 }
 
-/// `1920x1080 float`-style figures in messages: bytes as MiB with one digit.
+/// Bytes as MiB with one decimal, for messages.
 std::string format_mib(std::uint64_t bytes);
 
-/// A buffer with memory of its own that the host sees; mapped for its whole life.
+/// A buffer with its own host-visible memory, mapped for its whole lifetime.
 struct HostBuffer {
   vk::raii::DeviceMemory memory = nullptr;
-  vk::raii::Buffer buffer = nullptr;  // after memory, so that it goes first
+  vk::raii::Buffer buffer = nullptr;  // declared after memory, so that it is destroyed first
   std::byte* mapped = nullptr;
   std::uint64_t bytes = 0;
 };
@@ -44,20 +44,20 @@ struct Device::Impl {
 
   HostBuffer create_host_buffer(std::uint64_t bytes, vk::BufferUsageFlags usage,
                                 const std::string& name) const;
-  /// Index of the first of `types` that has `wanted`, else of the first that has `needed`.
+  /// Index of the first of `types` that has `needed` and `wanted`, else of the first that has `needed`.
   std::uint32_t memory_type(std::uint32_t types, vk::MemoryPropertyFlags needed,
                             vk::MemoryPropertyFlags wanted) const;
-  /// Gives a Vulkan object the name under which tools and validation messages show it.
+  /// Sets the name of a Vulkan object in tools and validation messages.
   template <class Handle>
   void set_name(const Handle& object, const std::string& name) const {
     if (!has_debug_utils) return;
     const auto handle = reinterpret_cast<std::uint64_t>(static_cast<typename Handle::CType>(*object));
     device.setDebugUtilsObjectNameEXT({Handle::objectType, handle, name.c_str()});
   }
-  /// Throws if validation has had anything to say since the last call.
+  /// Throws DeviceError if there are validation messages since the last call.
   void check_validation(std::string_view what);
 
-  // In this order: each needs those before it.
+  // The order matters: each member needs those before it.
   vk::raii::Context context;
   std::vector<std::string> messages;
   std::size_t messages_checked = 0;
@@ -75,7 +75,7 @@ struct Device::Impl {
   vk::PhysicalDeviceMemoryProperties memory_properties;
   std::uint64_t max_allocation_bytes = 0;
   std::uint64_t max_buffer_bytes = 0;
-  std::uint32_t timestamp_bits = 0;  // 0: none
+  std::uint32_t timestamp_bits = 0;  // 0: no timestamps
 };
 
 }  // namespace becalm::gpu

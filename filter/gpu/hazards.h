@@ -6,7 +6,7 @@
 
 namespace becalm::gpu {
 
-/// Bytes of device memory that one step of a chain touches.
+/// Bytes of device memory that one step of a chain reads or writes.
 struct MemoryAccess {
   int arena = 0;
   std::uint64_t begin = 0;
@@ -14,12 +14,12 @@ struct MemoryAccess {
   bool writes = false;
 };
 
-/// Decides where a chain needs barriers. It sees memory, not images, so that two images that share memory are
-/// told apart from one image no more than they should be. Pure arithmetic, no device types.
+/// Decides where a chain needs barriers. It compares memory ranges, not images, so it also finds conflicts
+/// between images that share memory. Pure arithmetic, no device types.
 class HazardTracker {
  public:
-  /// Notes the accesses of the next step. True if they conflict (read after write, write after read, write
-  /// after write) with a step since the last barrier: a full barrier must come before this step.
+  /// Adds the accesses of the next step. Returns true if they conflict (read after write, write after read,
+  /// write after write) with a step since the last barrier: a full barrier must come before this step.
   bool step(std::span<const MemoryAccess> accesses);
 
  private:

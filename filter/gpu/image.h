@@ -22,7 +22,7 @@ constexpr std::uint64_t bytes_per_element(Format format) {
   return 0;
 }
 
-/// Size of an image or of a dispatch in pixels; `planes` images of one size lie behind one another.
+/// Size of an image or of a dispatch in pixels. An image has `planes` planes of this size, one after another.
 struct Extent {
   int width = 0;
   int height = 0;
@@ -35,8 +35,8 @@ struct Extent {
   bool operator==(const Extent&) const = default;
 };
 
-/// Names an image of one Chain. Images are storage buffers, row-major, plane after plane (see README.md for
-/// why).
+/// Identifies an image of one Chain. Images are storage buffers, row-major, plane after plane (see README.md
+/// for why).
 struct ImageId {
   int index = -1;
 

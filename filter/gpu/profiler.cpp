@@ -16,7 +16,7 @@ void PassTimer::reset(const vk::raii::CommandBuffer& commands) const {
 }
 
 void PassTimer::stamp(const vk::raii::CommandBuffer& commands, std::uint32_t query) const {
-  // After all earlier commands, so that a pass is not charged with the end of the one before it.
+  // After all earlier commands, so that a pass's time does not include the end of the previous pass.
   if (valid_bits_ != 0) commands.writeTimestamp2(vk::PipelineStageFlagBits2::eAllCommands, *pool_, query);
 }
 
@@ -25,7 +25,7 @@ double PassTimer::milliseconds(std::uint32_t pass) const {
   const auto [result, ticks] =
       pool_.getResults<std::uint64_t>(2 * pass, 2, 2 * sizeof(std::uint64_t), sizeof(std::uint64_t),
                                       vk::QueryResultFlagBits::e64 | vk::QueryResultFlagBits::eWait);
-  const std::uint64_t elapsed = (ticks[1] - ticks[0]) & valid_bits_;  // right across a wrap, too
+  const std::uint64_t elapsed = (ticks[1] - ticks[0]) & valid_bits_;  // also correct if the counter wraps
   return static_cast<double>(elapsed) * milliseconds_per_tick_;
 }
 

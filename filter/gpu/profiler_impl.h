@@ -1,6 +1,6 @@
 #pragma once
 
-// For the files of filter/gpu/ alone: timestamps around the passes of a command buffer.
+// Private to filter/gpu/: timestamps around the passes of a command buffer.
 
 #include <cstdint>
 #include <vector>
@@ -14,14 +14,14 @@ namespace becalm::gpu {
 
 class PassTimer {
  public:
-  /// Does nothing, and says 0, where the device's queue has no timestamps.
+  /// If the device's queue has no timestamps, all functions do nothing and times are 0.
   PassTimer(const Device::Impl& device, std::uint32_t passes);
   void reset(const vk::raii::CommandBuffer& commands) const;
   void begin(const vk::raii::CommandBuffer& commands, std::uint32_t pass) const { stamp(commands, 2 * pass); }
   void end(const vk::raii::CommandBuffer& commands, std::uint32_t pass) const {
     stamp(commands, 2 * pass + 1);
   }
-  /// Of a pass that was recorded, once its commands have ended.
+  /// Time of a recorded pass; call it after its commands have ended.
   double milliseconds(std::uint32_t pass) const;
 
  private:

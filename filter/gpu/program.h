@@ -25,18 +25,19 @@ struct SpecConstantInfo {
   std::string_view type;  ///< "int", "uint", "float" or "bool"
 };
 
-/// A compiled kernel: its SPIR-V and what reflection says of it. Embedded in the executable at build time.
+/// A compiled kernel: its SPIR-V and the interface reflected from it. Embedded in the executable at build
+/// time.
 struct Kernel {
   std::string_view name;  ///< path below shaders/ without the ending: `align/select_offset`
   std::span<const std::uint32_t> spirv;
   std::span<const BindingInfo> bindings;
   std::span<const SpecConstantInfo> spec_constants;
   std::uint32_t push_constant_bytes;
-  bool takes_dispatch_size;  ///< its push constants are the width and height that it is dispatched over
+  bool takes_dispatch_size;  ///< its push constants are the dispatch's width and height
   std::uint32_t local_size[3];
 };
 
-/// Kernels of the whole project, made by shaders/CMakeLists.txt; sorted by name.
+/// Kernels of the whole project, compiled by shaders/CMakeLists.txt; sorted by name.
 std::span<const Kernel> embedded_kernels();
 
 }  // namespace becalm::gpu

@@ -1,6 +1,6 @@
 #pragma once
 
-// For the files of filter/gpu/ alone: pipelines made from embedded kernels.
+// Private to filter/gpu/: pipelines made from embedded kernels.
 
 #include <cstdint>
 #include <map>
@@ -14,7 +14,7 @@
 
 namespace becalm::gpu {
 
-/// Constant id and its 32 bits, in order of id.
+/// Constant ids and their 32-bit values, sorted by id.
 using SpecValues = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
 constexpr vk::DescriptorType descriptor_type(const BindingInfo& binding) {
@@ -22,16 +22,16 @@ constexpr vk::DescriptorType descriptor_type(const BindingInfo& binding) {
                                    : vk::DescriptorType::eStorageBuffer;
 }
 
-/// What all pipelines of one kernel share.
+/// Objects that all pipelines of one kernel share.
 struct ProgramLayout {
   vk::raii::ShaderModule module = nullptr;
   vk::raii::DescriptorSetLayout bindings = nullptr;
   vk::raii::PipelineLayout pipeline = nullptr;
 };
 
-/// The device's layouts and pipelines. Makes each once, however many passes of however many chains use it,
-/// since a pipeline can take a second to compile. References stay valid as long as the device. Kernels are
-/// those of embedded tables, which last.
+/// The device's layouts and pipelines. Each is created once and shared by all passes of all chains, since a
+/// pipeline can take a second to compile. References stay valid as long as the device. Kernels must come from
+/// embedded tables, which are never freed.
 class Programs {
  public:
   explicit Programs(const Device::Impl& device) : device_(device) {}
