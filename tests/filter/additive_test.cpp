@@ -1,4 +1,4 @@
-// Additive AOVs: what adds up to the beauty before the filter adds up to it afterwards.
+// Additive AOVs that add up to the beauty before the filter still do so afterwards.
 #include "filter/merge/additive.h"
 
 #include <algorithm>
@@ -23,8 +23,9 @@ constexpr int kHeight = 48;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 const std::vector<std::string> kGroups{"key", "rim", "sky"};
 
-/// A pattern that moves by (1.3, -0.6) px a frame, of albedo 0.04 to 1, under skewed noise with fireflies;
-/// its light comes from three groups, each with noise and an edge of its own, and from one of them directly.
+/// A pattern with albedo 0.04 to 1 that moves by (1.3, -0.6) px per frame, under skewed noise with fireflies.
+/// Three light groups light it, each with its own noise and edge; the first is the direct light, the others
+/// the indirect.
 Frame noisy_frame(int number, int width = kWidth, int height = kHeight) {
   std::mt19937 random(number);
   std::exponential_distribution<float> exponential;
@@ -84,8 +85,8 @@ bool same_bits(const Image& a, const Image& b) {
          });
 }
 
-/// Largest difference between the sum of the images and the beauty, relative to the beauty (and to a
-/// thousandth of what is usual, below which sums of fireflies' neighbours are rounding).
+/// Largest difference between the sum of the images and the beauty, relative to the beauty (or to 1e-3 where
+/// it is darker: there the differences are rounding errors next to fireflies).
 double largest_difference(const Frame& frame, const std::vector<const Image*>& parts) {
   double largest = 0.0;
   for (std::size_t i = 0; i < frame.image(Aov::beauty).pixel_count(); ++i) {
@@ -111,7 +112,7 @@ class AdditiveTest : public DeviceTest {
  protected:
   static constexpr std::uint64_t kUnlimited = std::numeric_limits<std::uint64_t>::max();
 
-  /// Frames 3 and 4 of the six that `frame_of` makes.
+  /// Denoises frames 3 and 4 of the six frames of `frame_of`.
   template <class FrameOf>
   std::vector<Denoised> denoise(const Settings& settings, const FrameOf& frame_of,
                                 std::uint64_t memory_limit = kUnlimited) {
@@ -156,7 +157,7 @@ TEST_F(AdditiveTest, SumsStayWhatTheyAre) {
         ASSERT_EQ(frame.light_groups().size(), kGroups.size());
         std::vector<const Image*> groups;
         for (const LightGroup& group : frame.light_groups()) groups.push_back(&group.radiance);
-        // Large values cancel where the spline rings around fireflies, and beside those of noisy frames.
+        // Large values cancel where the spline rings around fireflies, and next to fireflies of noisy frames.
         const double bound = settings.resample == Resample::o_moms ? 1e-4
                              : settings.smooth == Smooth::none     ? 2e-5
                                                                    : 1e-5;
@@ -207,9 +208,9 @@ TEST_F(AdditiveTest, TilesDoNotShow) {
 TEST_F(AdditiveTest, PixelsThatAreNotFinite) {
   const auto damaged = [](int number) {
     Frame frame = noisy_frame(number);
-    frame.image(Aov::beauty).at(10, 20, 1) = kNan;  // and its AOVs, some of which stay finite
+    frame.image(Aov::beauty).at(10, 20, 1) = kNan;  // some of its AOVs stay finite
     frame.light_groups()[1].radiance.at(10, 20, 1) = kNan;
-    frame.light_groups()[2].radiance.at(30, 20, 0) = -INFINITY;  // in a beauty that is finite
+    frame.light_groups()[2].radiance.at(30, 20, 0) = -INFINITY;  // the beauty is finite here
     frame.image(Aov::direct).at(31, 20, 2) = kNan;
     return frame;
   };

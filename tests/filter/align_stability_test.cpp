@@ -1,5 +1,4 @@
-// What must not move offsets: fireflies, flat and periodic areas, borders, the scale of the images, memory
-// that is shared.
+// Offsets must not depend on fireflies, flat and periodic areas, borders, the images' scale or shared memory.
 #include <array>
 #include <cmath>
 #include <limits>
@@ -16,7 +15,7 @@ namespace {
 constexpr int kWidth = 96;
 constexpr int kHeight = 80;
 
-/// `value(x, y)` as a grey beauty.
+/// A frame with the grey beauty `value(x, y)`.
 template <class Value>
 Frame frame_of(int width, int height, const Value& value) {
   Frame frame(1, width, height);
@@ -97,7 +96,7 @@ TEST_F(AlignStability, APeriodicPatternThatStandsStillStaysStill) {
 }
 
 TEST_F(AlignStability, MotionThatOnlyTheFinestLevelSeesIsFound) {
-  // A grainy square that is smaller than the coarser levels' patches moves over a background that does not.
+  // A grainy square, smaller than the coarser levels' patches, moves over a static background.
   const auto scene = [](int shift) {
     return frame_of(kWidth, kHeight, [=](int x, int y) {
       const bool in_square = x - shift >= 40 && x - shift < 52 && y >= 34 && y < 46;
@@ -107,7 +106,7 @@ TEST_F(AlignStability, MotionThatOnlyTheFinestLevelSeesIsFound) {
     });
   };
   Settings settings = preset("final");
-  settings.prefilter = 0;  // blurs grain
+  settings.prefilter = 0;  // it blurs grain
   const Image offset = align(settings, scene(0), scene(2)).offset;
   std::vector<float> inside, outside;
   for (int y = 38; y < 42; ++y) {
@@ -121,7 +120,7 @@ TEST_F(AlignStability, MotionThatOnlyTheFinestLevelSeesIsFound) {
 
 TEST_F(AlignStability, ContentThatReachesTheBorderIsFollowedThere) {
   const Image offset = align(preset("final"), displaced(0, 0), displaced(-3, 0)).offset;
-  // The right border's content is there in both; the left border's has left.
+  // The content of the right border is in both frames; that of the left border is not.
   int found = 0;
   for (int y = 0; y < kHeight; ++y) found += std::abs(offset.at(kWidth - 1, y, 0) + 3.0f) < 0.5f;
   EXPECT_GE(found, kHeight * 8 / 10);
@@ -135,14 +134,14 @@ TEST_F(AlignStability, APowerOfTwoOfBrightnessChangesNothing) {
     for (const double gain : {0x1p-20, 0x1p20}) {
       const PairAlignment other = align(settings, displaced(0, 0, gain), displaced(2.5, 1, gain));
       for (std::size_t i = 0; i < one.offset.data().size(); ++i) {
-        // The exposure is a logarithm's mean and rounds.
+        // The exposure is computed from a mean of logarithms, which rounds.
         ASSERT_NEAR(one.offset.data()[i], other.offset.data()[i], 1e-3f) << distance << " gain " << gain;
       }
     }
   }
 }
 
-/// Offsets of two images of features, found twice by one chain.
+/// Offsets between two feature images, from two runs of one chain.
 template <class Target, class Source>
 std::array<std::vector<float>, 2> align_features(gpu::Device& device, const Settings& settings,
                                                  bool shares_memory, const Target& target_value,
@@ -172,7 +171,7 @@ std::array<std::vector<float>, 2> align_features(gpu::Device& device, const Sett
 TEST_F(AlignStability, ShiftingBothImagesShiftsNothingElse) {
   Settings settings = preset("final");
   settings.pyramid_levels = 3;
-  constexpr int by = 8;  // whole pixels of the coarsest level, so that the pyramids are the same
+  constexpr int by = 8;  // a multiple of the coarsest level's pixel, so that the pyramids are the same
   const auto offsets = [&](int shift) {
     return align_features(
         device(), settings, true, [=](int x, int y) { return pattern(x - shift, y, 12); },

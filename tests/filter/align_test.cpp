@@ -50,7 +50,7 @@ GpuAlignment align_on(gpu::Device& device, const Settings& settings, gpu::Extent
   return result;
 }
 
-/// The pattern in the range that the filter gives to its features.
+/// The pattern, scaled to the range of the filter's features.
 Grid<double> feature_image(int width, int height, Vec2 shift, unsigned seed) {
   Grid<double> image = pattern_image(width, height, shift, seed);
   for (double& value : image.data) value *= 16.0;
@@ -64,12 +64,12 @@ double median(std::vector<double> values) {
 
 class AlignTest : public DeviceTest {};
 
-/// The source shows the target's content displaced by `truth`; pixels within `border` px of the border may
-/// have lost theirs.
+/// The source shows the target's content displaced by `truth`. Content within `border` px of the border may
+/// be outside the source.
 void expect_shift_found(gpu::Device& device, Vec2 truth, double bound_px) {
   const int width = 1920, height = 1080;
   Settings settings = preset("final");
-  settings.blur_radius = {5};  // shaders/align/README.md has what other radii reach
+  settings.blur_radius = {5};  // more exact on clean texture than smaller radii (shaders/align/README.md)
   const GpuAlignment found =
       align_on(device, settings, {width, height}, {feature_image(width, height, {}, 3)},
                {feature_image(width, height, {-truth.x, -truth.y}, 3)});
@@ -137,7 +137,7 @@ TEST_P(AlignAgainstReference, OffsetsAndResidualsAgree) {
     target.push_back(feature_image(extents[0].width, extents[0].height, {}, 20 + plane));
     source.push_back(
         feature_image(extents[0].width, extents[0].height, {3.3 - 0.1 * plane, -1.6}, 20 + plane));
-    // Both sides hold the very floats that the device gets.
+    // Both hold exactly the floats that the device gets.
     for (double& value : target.back().data) value = static_cast<float>(value + noise(random));
     for (double& value : source.back().data) value = static_cast<float>(value + noise(random));
   }
@@ -193,7 +193,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& info) { return info.param.name; });
 
 TEST_F(AlignTest, BandsLeaveNoSeams) {
-  // A width of 4000 px makes bands of some 30 rows.
+  // At a width of 4000 px, bands have some 30 rows.
   Settings settings = preset("final");
   settings.pyramid_levels = 1;
   const int width = 4000, height = 97;

@@ -1,4 +1,4 @@
-// Which alpha is noise, and which is passed on as it came.
+// Which alpha counts as noise and which is passed on unchanged.
 #include "filter/sequence/alpha.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ std::ptrdiff_t count_noisy(const Image& beauty) {
   return std::ranges::count(noisy_alpha(beauty), 1);
 }
 
-/// Coverage of an edge that a pixel's filter makes `width_px` wide.
+/// Coverage at an edge that the pixel filter blurs to `width_px`.
 float covered(float distance_px, float width_px) {
   return std::clamp(0.5f - distance_px / width_px, 0.0f, 1.0f);
 }

@@ -1,4 +1,4 @@
-// The smoother's passes against the formula in double.
+// The passes that combine both directions, against the formula in double.
 #include "filter/merge/combine.h"
 
 #include <algorithm>
@@ -23,7 +23,7 @@ struct Pixel {
 };
 using Pixels = std::vector<Pixel>;
 
-/// Of estimates that were merged from noisy frames, or from smoothed ones.
+/// Run for estimates merged from noisy frames and from smoothed ones.
 class CombineTest : public DeviceTest, public testing::WithParamInterface<Smooth> {
  protected:
   CombineTest() {

@@ -1,5 +1,5 @@
-// The convolutions and the pooling of shaders/smooth/ against plain loops in double: every layer shape of
-// the network, on sizes that no block or workgroup divides.
+// The convolutions and the pooling of shaders/smooth/ against plain loops in double: every layer shape of the
+// network, on sizes that are no multiple of a block or workgroup.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -47,8 +47,8 @@ double pixel(std::span<const float> image, Extent size, int c, int x, int y) {
 
 class ConvolveTest : public DeviceTest {
  protected:
-  /// Runs a layer with weights and images made at random, `coarse` channels of which are of an image of half
-  /// the size, and compares every value: to a millionth of the sum of its terms' magnitudes.
+  /// Runs a layer with random weights and images, `coarse` of whose channels are those of an image of half
+  /// the size. Compares every value to within a millionth of the sum of its terms' magnitudes.
   static void expect_matches(int coarse, int fine, int outputs, Extent size) {
     SCOPED_TRACE(std::to_string(coarse) + " + " + std::to_string(fine) + " to " + std::to_string(outputs) +
                  ", " + std::to_string(size.width) + "x" + std::to_string(size.height));

@@ -1,4 +1,4 @@
-// Cuts are found between shots, and not where noise, motion or light alone change a picture.
+// Cuts are found between shots, and not where only noise, motion or light changes the image.
 #include "filter/sequence/cuts.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ AovSet all_aovs() {
   return AovSet().set();
 }
 
-/// A textured plane that `shift_px` has moved over, lit by `light`, with exponential noise as of 1 sample.
+/// A textured plane, moved by `shift_px` and lit by `light`, with exponential noise as from 1 sample.
 Frame make_frame(double shift_px, unsigned scene, double light = 1.0, unsigned seed = 1) {
   std::mt19937 random(seed);
   std::exponential_distribution<float> noise;

@@ -1,4 +1,4 @@
-// The history read without its albedo.
+// The history with its albedo divided out.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,8 +20,8 @@ constexpr int kWidth = 64;
 constexpr int kHeight = 48;
 constexpr float kShift = 0.5f;  // pixels a frame, along both axes
 
-/// A frame of surfaces that move by half a pixel a frame, as its motion says: `albedo_at(u, v)` and
-/// `radiance_at(u, v)`, the same in all channels.
+/// A frame of surfaces that move by half a pixel per frame, with their motion AOV. Albedo is `albedo_at(u,
+/// v)` and radiance `radiance_at(u, v)` in all channels.
 template <class AlbedoAt, class RadianceAt>
 Frame moving_frame(int number, const AlbedoAt& albedo_at, const RadianceAt& radiance_at) {
   const auto u_of = [&](int x) { return x + kShift * static_cast<float>(number); };
@@ -39,7 +39,7 @@ Frame moving_frame(int number, const AlbedoAt& albedo_at, const RadianceAt& radi
   return frame;
 }
 
-/// Noise that explains any difference between frames: their mean along the known motion is an even one.
+/// A noise that explains any difference between frames, so that the merge averages them with equal weights.
 constexpr float kAnyDifference = 100.0f;
 
 /// Merges frames along the known motion.
@@ -49,11 +49,11 @@ Settings along_motion() {
   return settings;
 }
 
-/// With it the history is read without its albedo.
+/// If it is known, the history is demodulated.
 enum class Albedo { known, unknown };
 
-/// Mean squared difference of a denoised frame from `truth_at(x, y)`, away from the borders, at which
-/// surfaces come into view.
+/// Mean squared difference of a denoised frame from `truth_at(x, y)`, excluding the borders, where surfaces
+/// come into view.
 template <class TruthAt>
 double squared_error(const Frame& frame, const TruthAt& truth_at) {
   constexpr int margin = 12;
@@ -76,7 +76,7 @@ float texture(float u, float v) {
 
 class DemodulateHistoryTest : public DeviceTest {
  protected:
-  /// The last of the frames that `frame_of` makes, merged along the known motion.
+  /// The last frame of `frame_of`, merged along the known motion.
   template <class FrameOf>
   static Frame last_of(const FrameOf& frame_of, Albedo albedo) {
     AovSet available = frame_of(1).aovs();
@@ -91,7 +91,7 @@ class DemodulateHistoryTest : public DeviceTest {
 TEST_F(DemodulateHistoryTest, HistoryOfAnotherPlaceGetsTheTextureOfTheFrame) {
   const auto frame_of = [](int number) {
     Frame frame = moving_frame(number, texture, [](float u, float v) { return kIrradiance * texture(u, v); });
-    for (float& v : frame.image(Aov::motion).data()) v += 2.5f;  // three pixels off in all
+    for (float& v : frame.image(Aov::motion).data()) v += 2.5f;  // an error of three pixels in total
     std::ranges::fill(frame.image(Aov::variance).data(), kAnyDifference);
     return frame;
   };
@@ -104,7 +104,7 @@ TEST_F(DemodulateHistoryTest, HistoryOfAnotherPlaceGetsTheTextureOfTheFrame) {
 }
 
 TEST_F(DemodulateHistoryTest, NoiseOfTheAlbedoMakesNothingWorse) {
-  // Stripes with soft edges that four samples fall on, as out of focus; the radiance shares their noise.
+  // Stripes with soft edges, as out of focus, of four samples; albedo and radiance have the same noise.
   const auto covered = [](float u) {
     return std::clamp(std::abs(std::fmod(u, 16.0f) - 8.0f) - 3.5f, 0.0f, 1.0f);
   };
@@ -134,7 +134,7 @@ TEST_F(DemodulateHistoryTest, NoiseOfTheAlbedoMakesNothingWorse) {
 }
 
 TEST_F(DemodulateHistoryTest, EmittersAndBlackSurfacesKeepTheirBrightness) {
-  // Stripes of emitters that are called white or black, between walls that are dark, grey, black or white.
+  // Stripes of emitters with an albedo of 1 or 0, between walls that are dark, grey, black or white.
   struct Stripe {
     float albedo;
     float radiance;
@@ -154,7 +154,7 @@ TEST_F(DemodulateHistoryTest, EmittersAndBlackSurfacesKeepTheirBrightness) {
     for (int number = 1; number <= 5; ++number) {
       const Denoised denoised = filter.denoise(striped(number));
       for (const float v : denoised.frame.image(Aov::beauty).data()) {
-        // Windows of the albedo may take some of a neighbour's.
+        // The albedo's windows may include neighbours.
         ASSERT_TRUE(v >= 0.0f && v < 150.0f) << name << ", frame " << number << ": " << v;
       }
       for (const float v : denoised.frame.image(Aov::variance).data()) {

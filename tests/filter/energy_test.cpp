@@ -1,4 +1,4 @@
-// Light that the output's large blocks lack is given back.
+// Light that is missing in the output's large blocks is restored.
 #include "filter/smooth/energy.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr float kNoise = 0.2f;
 
-enum class Told { variance, halves, nothing };  ///< of a frame's noise
+enum class Told { variance, halves, nothing };  ///< what the frame states about its noise
 
 /// A frame of radiance 1 under noise.
 Frame noisy_frame(int width, int height, Told told) {
@@ -82,7 +82,7 @@ TEST(RestoreEnergy, NoiseHardlyMovesAnExactEstimate) {
     const Frame frame = noisy_frame(200, 150, told);
     Estimate estimate = even_estimate(frame, 1.0f);
     restore(frame, estimate);
-    // A block's mean has a standard error of 0.2 / 32; only what exceeds it moves anything.
+    // A block's mean has a standard error of 0.2 / 32; only a larger difference changes anything.
     for (std::size_t i = 0; i < estimate.color.pixel_count(); ++i) {
       ASSERT_NEAR(estimate.color.data()[4 * i + 1], 1.0f, 0.03f) << "pixel " << i;
     }
@@ -100,7 +100,7 @@ TEST(RestoreEnergy, LightOfRareBrightSamplesIsInTheWholeFrame) {
       frame.image(Aov::half_a).data()[3 * i + c] += 20;
     }
   }
-  // Of 80 blocks those with more bright samples than others are the noisier ones.
+  // Of the 80 blocks, those with more bright samples are noisier.
   const double mean = mean_green(frame.image(Aov::beauty));
   Estimate estimate = even_estimate(frame, static_cast<float>(mean));
   restore(frame, estimate);
@@ -108,8 +108,8 @@ TEST(RestoreEnergy, LightOfRareBrightSamplesIsInTheWholeFrame) {
 }
 
 TEST(RestoreEnergy, NoiseThatIsToldButNotThereIsNotWaitedFor) {
-  // A variance as of one sample, its square, is 25 times what the frame has; others are no variances, or
-  // none.
+  // The variance of one sample, given as its square, is 25 times the frame's true variance; the other
+  // variances are invalid or missing.
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (const auto& [told, variance] : {std::pair{Told::variance, 1.0f},
                                        {Told::variance, nan},
@@ -126,8 +126,8 @@ TEST(RestoreEnergy, NoiseThatIsToldButNotThereIsNotWaitedFor) {
 }
 
 TEST(RestoreEnergy, WhatIsRightIsHardlyBrightenedForWhatIsMissingElsewhere) {
-  // A sun with most of the light, a fifth of which is missing, in the corner of a block, where the factors of
-  // four blocks meet: not all of it can be given back in its place.
+  // A sun has most of the light, and a fifth of it is missing. It lies in the corner of a block, where the
+  // factors of four blocks meet, so the missing light cannot all be restored there.
   Frame frame(1, 1024, 256);
   frame.add(Aov::beauty, 1.0f);
   frame.add(Aov::variance, 0.0f);

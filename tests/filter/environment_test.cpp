@@ -1,4 +1,4 @@
-// The environment where it is seen directly: what a renderer calls its albedo must not matter.
+// The directly visible environment: the result must not depend on the albedo that a renderer writes for it.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -34,7 +34,7 @@ double leaf_albedo(int x, int y, int number, int c) {
   return 0.1 + 0.2 * pattern(4 * (x - 3 * number), 4 * y, 50 + c);
 }
 
-/// Without noise.
+/// The radiance without noise.
 double radiance(int x, int y, int number, int c) {
   return is_leaf(x, y, number) ? leaf_albedo(x, y, number, c) : sky(x, y, c);
 }
@@ -100,8 +100,9 @@ TEST_F(EnvironmentTest, LeavesBeforeItLeaveNothingBehindWhateverItsAlbedoIsCalle
     for (int number = 1; number <= 4; ++number) {
       const Frame noisy = leaves_before_sky(number, convention);
       const Errors after = errors(filter.denoise(noisy).frame, number);
-      // What leaves leave behind, a frame late, is 30 % and more. The rest is what the network smears between
-      // leaves of a few pixels and a sky that is a hundred times as bright (filter/smooth/README.md).
+      // A trail that leaves leave in the next frame has an error of 30 % and more. The network alone causes
+      // smaller errors between leaves of a few pixels and a sky that is a hundred times as bright
+      // (filter/smooth/README.md).
       EXPECT_LT(after.sky, 0.15) << "albedo " << name << ", frame " << number;
       least = std::min(least, after.leaf);
       EXPECT_LT(after.leaf, 2.5 * least) << "albedo " << name << ", frame " << number;
@@ -115,7 +116,7 @@ double from_sun(int x, int y, int number) {
   return std::hypot(x - 30 - 0.3 * number, y - 20);
 }
 
-/// The disc of the sun as it rises, at 4 samples a pixel: noisy at its edge, and the sky beside it clean.
+/// The rising sun's disc at 4 samples per pixel: noisy at its edge, beside a clean sky.
 Frame rising_sun(int number) {
   constexpr double radius = 3;
   constexpr float sun = 50000;

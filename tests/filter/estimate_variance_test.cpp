@@ -1,5 +1,5 @@
-// The variance of frames that come without one: against the formulas in double, and against noise that is
-// known.
+// The variance estimate for frames without a variance: against the formulas in double, and against known
+// noise.
 #include "filter/input/estimate_variance.h"
 
 #include <algorithm>
@@ -25,7 +25,7 @@ struct Pixel {
   std::array<double, 3> normal{};
 };
 
-constexpr int kUnknowns = 10;  // the value at the pixel, then slopes along albedo, depth, normal and position
+constexpr int kUnknowns = 10;  // value at the pixel, then slopes along albedo, depth, normal and position
 
 double divisor(const Pixel& pixel, std::size_t c) {
   return std::max(pixel.albedo_depth[c], 0.04);
@@ -52,7 +52,7 @@ std::vector<double> solve(std::vector<std::vector<double>> m, std::vector<double
   return right;
 }
 
-/// A pixel's estimate as shaders/merge/README.md states it: least squares for the value at the pixel.
+/// A pixel's estimate: a least-squares fit of features for the value at the pixel (shaders/merge/README.md).
 double reference_estimate(const Grid<Pixel>& frame, int x, int y) {
   const Pixel& here = frame.at(x, y);
   std::vector<std::array<double, kUnknowns>> rows;
@@ -85,7 +85,7 @@ double reference_estimate(const Grid<Pixel>& frame, int x, int y) {
     }
     if (r > 0) m[r][r] += 0.01 * sum;
   }
-  // What the fit leaves of the pixel is linear in the values: its answer to one of them at a time.
+  // The fit's residual at the pixel is linear in the values; `part` is its response to one of them.
   std::array<double, 3> left{};
   double noise_left = 0;
   for (std::size_t t = 0; t < rows.size(); ++t) {
@@ -100,7 +100,8 @@ double reference_estimate(const Grid<Pixel>& frame, int x, int y) {
   return squares / std::max(noise_left, 1e-4);
 }
 
-/// The estimate without albedo: the second difference along both axes, of the nearest nine pixels within.
+/// The estimate without albedo: the second difference along both axes, of the nearest nine pixels inside the
+/// image.
 double reference_second_difference(const Grid<Pixel>& frame, int x, int y) {
   constexpr std::array<double, 3> coefficient{1, -2, 1};
   const int left = std::clamp(x - 1, 0, frame.width - 3);
@@ -152,7 +153,7 @@ class EstimateVarianceTest : public DeviceTest {
   }
 };
 
-/// Coarse-grained albedo and two walls under light that falls off, with noise of that relative standard
+/// Two walls with coarse-grained albedo under light that falls off. `noise` is its relative standard
 /// deviation.
 Grid<Pixel> textured(int width, int height, double noise) {
   std::mt19937 random(5);
@@ -177,7 +178,7 @@ Grid<Pixel> textured(int width, int height, double noise) {
 TEST_F(EstimateVarianceTest, IsTheFormulaInDouble) {
   Grid<Pixel> frame = textured(23, 17, 0.3);
   for (std::size_t i = 3; i < frame.data.size(); i += 29) frame.data[i].finite = false;
-  frame.at(9, 9).normal = {0, -1, 0};  // like none of its neighbours
+  frame.at(9, 9).normal = {0, -1, 0};  // unlike all its neighbours
   const Grid<double> got = estimate(frame);
   for (int y = 0; y < frame.height; ++y) {
     for (int x = 0; x < frame.width; ++x) {
@@ -189,7 +190,7 @@ TEST_F(EstimateVarianceTest, IsTheFormulaInDouble) {
 }
 
 TEST_F(EstimateVarianceTest, TextureAndEdgesAreNoNoise) {
-  // Little noise beside much texture: a difference of neighbours sees the texture instead.
+  // Little noise and much texture: a difference of neighbours would measure the texture.
   constexpr double noise = 0.03;
   const Grid<Pixel> frame = textured(64, 48, noise);
   const Grid<double> got = estimate(frame);
@@ -233,7 +234,8 @@ TEST_F(EstimateVarianceTest, NoiseOnAFlatSurfaceIsFoundWithoutBias) {
     const Grid<double> got = estimate(frame, knows_albedo);
     double mean = 0;
     for (const double value : got.data) mean += value / static_cast<double>(got.data.size());
-    // The squares' standard deviation is below 3 of the variance 1, and neighbours share their samples.
+    // The standard deviation of the squares is below 3 for a variance of 1, and neighbouring estimates share
+    // samples.
     EXPECT_NEAR(mean, 1.0, 0.15);
   }
 }

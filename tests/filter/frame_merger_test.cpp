@@ -1,5 +1,5 @@
-// A frame made in tiles is bit for bit the frame made whole, whatever the settings, and says so when it
-// cannot be.
+// For all settings, a frame merged in tiles is bit for bit the frame merged whole. A frame that cannot be cut
+// small enough is an error.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -33,8 +33,8 @@ struct Scene {
   bool halves = false;
 };
 
-/// A pattern that moves by (19, -13) px a frame under noise, before a band that stands still: with motion
-/// across every border that tiles may have, fireflies, and pixels that are not finite here and there.
+/// A pattern that moves by (19, -13) px per frame under noise, with a static band: it has motion across all
+/// borders of tiles, fireflies, and some non-finite pixels.
 Frame moving_frame(const Scene& scene, int number) {
   std::mt19937 random(number);
   std::normal_distribution<float> noise;
@@ -66,7 +66,7 @@ Frame moving_frame(const Scene& scene, int number) {
         frame.image(Aov::half_b).at(x, y, c) = beauty.at(x, y, c) - difference;
       }
       if (scene.motion && !still) {
-        // Sometimes right, sometimes unknown, and sometimes far beyond any reach.
+        // Motion is right, unknown, or far beyond the search's reach.
         const bool known = random() % 50 != 0;
         frame.image(Aov::motion).at(x, y, 0) = known ? 19.0f + (x / 60 % 5 == 4 ? 150.0f : 0.0f) : INFINITY;
         frame.image(Aov::motion).at(x, y, 1) = -13.0f;
@@ -88,8 +88,8 @@ Frame moving_frame(const Scene& scene, int number) {
   return frame;
 }
 
-/// Noise that moves `shift_px` to the left from one frame to the next, as its motion AOV says where that is
-/// known.
+/// Noise that moves by `shift_px` to the left per frame; its motion AOV is that motion if `known`, else
+/// infinity.
 Frame fast_frame(int number, int shift_px, bool known) {
   constexpr int width = 1200;
   Frame frame(number, width, 48);
@@ -135,7 +135,7 @@ class FrameMergerTest : public DeviceTest {
     EXPECT_NEAR(tiled.report.mean_sample_count, whole.report.mean_sample_count, 1e-9);
   }
 
-  /// Some frames in tiles within a share of the memory that the whole takes, with a reset before frame 4.
+  /// Merges frames in tiles, within a share of the whole frame's memory, with a reset before frame 4.
   static void expect_no_seams(const Settings& settings, const Scene& scene, double share, std::size_t tiles,
                               int frames = 3) {
     SequenceFilter whole = make(settings, scene, kUnlimited);
@@ -180,8 +180,7 @@ class FrameMergerTest : public DeviceTest {
     }
   }
 
-  /// A preset whose frames may be small and yet be cut: what is done to a frame by itself, and the
-  /// correction by large blocks, reach far and have frames of their own below.
+  /// A preset without smoothing, whose margins are too large to cut small frames. Other tests below smooth.
   static Settings forward(const char* name) {
     Settings settings = preset(name);
     settings.directions = Directions::forward;
@@ -200,7 +199,7 @@ TEST_F(FrameMergerTest, ShowsNoSeamsWhereMergedFramesAreSmoothed) {
   Settings settings = forward("balanced");
   settings.directions = Directions::both;
   settings.smooth = Smooth::merged;
-  // The merge fits in this in one piece, the smoothing does not.
+  // This memory holds the merge in one piece, but not the smoothing.
   expect_no_seams_in_both_directions(settings, {.width = 1000, .height = 405}, {1, 2}, 0.66, 1);
 }
 

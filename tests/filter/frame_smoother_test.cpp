@@ -1,4 +1,4 @@
-// Single frames smoothed: what must be kept, what must go, and what must not matter.
+// Smoothing of single frames: what it keeps, what it removes, and what it does not depend on.
 #include "filter/smooth/frame_smoother.h"
 
 #include <algorithm>
@@ -45,7 +45,7 @@ class FrameSmootherTest : public DeviceTest {
   }
 };
 
-/// Albedo of a chequered pattern under even light of radiance 2, with noise and the variance of it.
+/// A chequered albedo under even light of radiance 2, with noise and its variance.
 Frame textured_frame(int width, int height, float noise, int cell_width = 2, int cell_height = 3) {
   std::mt19937 random(11);
   std::normal_distribution<float> normal(0, noise);
@@ -83,7 +83,7 @@ TEST_F(FrameSmootherTest, TextureOfTheAlbedoStaysAndNoiseGoes) {
 }
 
 TEST_F(FrameSmootherTest, TextureThatNothingExplainsStaysWhereThereIsLittleNoise) {
-  // As from many samples, of a renderer that wrote the beauty alone.
+  // A frame of many samples, from a renderer that writes only the beauty.
   const Frame full = textured_frame(48, 40, 0.02f, 3, 40);  // stripes
   Frame frame(1, full.width(), full.height());
   frame.add(Aov::beauty) = full.image(Aov::beauty);
@@ -92,7 +92,7 @@ TEST_F(FrameSmootherTest, TextureThatNothingExplainsStaysWhereThereIsLittleNoise
 }
 
 TEST_F(FrameSmootherTest, WhatIsBesideTheSunTakesNothingOfIt) {
-  // The disc's edge shows the sun in some samples of four, and its sample variance knows; the sky beside it
+  // At the disc's edge some of four samples hit the sun, which raises the sample variance; the sky beside it
   // is clean.
   constexpr float sun = 50000.0f;
   constexpr float sky = 1.5f;
@@ -114,15 +114,15 @@ TEST_F(FrameSmootherTest, WhatIsBesideTheSunTakesNothingOfIt) {
   const Estimate smoothed = smooth(frame);
   for (int y = 0; y < 32; ++y) {
     for (int x = 0; x < 32; ++x) {
-      // Kernels never quite reach zero: what touches the disc takes a little of it, what is farther off a
-      // part of what is given back over the whole block.
+      // Kernels' weights are never zero: pixels next to the disc get some of its light, farther pixels a part
+      // of the light that is restored over the whole block.
       const float limit = distance(x, y) < 4 ? kInf : distance(x, y) < 5.5f ? 25 * sky : 1.1f * sky;
       ASSERT_LT(smoothed.color.at(x, y, 0), limit) << x << ',' << y;
     }
   }
 }
 
-/// Light of 1 with noise, and one pixel of another value and variance.
+/// Radiance of 1 with noise, and one pixel with another value and variance.
 Frame with_one_pixel(float value, float variance_there) {
   constexpr float noise = 0.1f;
   std::mt19937 random(4);
@@ -164,8 +164,8 @@ TEST_F(FrameSmootherTest, AnEvenImageStaysAsItIs) {
 }
 
 TEST_F(FrameSmootherTest, KeepsTheEnergyOfSkewedNoise) {
-  // Sample means of an exponential distribution, whose estimated variances go with them: bright pixels claim
-  // to be noisy, and weights that believe them lose their light.
+  // Sample means of an exponential distribution, whose estimated variances are correlated with them: bright
+  // pixels appear noisier, and weights from these variances lose light.
   std::mt19937 random(4);
   std::exponential_distribution<float> exponential;
   Frame frame(1, 96, 64);
@@ -201,7 +201,7 @@ TEST_F(FrameSmootherTest, IsRefusedWhereTheSmallestTilesAreTooLarge) {
   EXPECT_THROW(FrameSmoother(device(), task_of(textured_frame(64, 64, 0.3f)), 1000), gpu::DeviceLimitError);
 }
 
-/// What no number of the pixels' surroundings may break: each is put into some pixels of one AOV.
+/// Extreme values, each put into some pixels of one AOV, must not make any result non-finite.
 TEST_F(FrameSmootherTest, ExtremesStayFinite) {
   Frame frame = textured_frame(40, 24, 0.3f);
   for (const Aov aov : {Aov::normal, Aov::depth, Aov::half_a, Aov::half_b}) frame.add(aov, 0.5f);
@@ -267,7 +267,7 @@ TEST_F(FrameSmootherTest, TilesShowNoSeams) {
 }
 
 TEST_F(FrameSmootherTest, WhatHasHardlyAnyNoiseComesOutAsItWentIn) {
-  // As from a thousand samples: detail that no feature explains is put back.
+  // A frame as from a thousand samples: detail that no feature explains is put back.
   const Frame frame = textured_frame(64, 48, 0.01f, 3, 40);
   Frame beauty(1, frame.width(), frame.height());
   beauty.add(Aov::beauty) = frame.image(Aov::beauty);

@@ -1,7 +1,7 @@
 #pragma once
 
-// The functions of shaders/lib/ as C++: the same text that the kernels include, compiled behind the few names
-// that GLSL has and C++ lacks.
+// The functions of shaders/lib/ as C++: the text that the kernels include, compiled with the few GLSL names
+// that C++ lacks.
 
 #include <algorithm>
 #include <cmath>

@@ -5,14 +5,14 @@
 
 namespace becalm::filter {
 
-/// Fills a chain's inputs with an estimate: its colours (f32x4), and its variances and counts (f32x2).
+/// Uploads an estimate to a chain's inputs: colours (f32x4), and variances and counts (f32x2).
 void upload_estimate(gpu::Chain& chain, gpu::ImageId color, gpu::ImageId stats,
                      const reference::Grid<reference::Estimate>& estimate);
 
-/// Fills an input with offsets (f32x2).
+/// Uploads offsets to an input (f32x2).
 void upload_offset(gpu::Chain& chain, gpu::ImageId image, const reference::Grid<reference::Vec2>& offset);
 
-/// Such an estimate as a chain left it.
+/// Downloads such an estimate from a chain's outputs.
 reference::Grid<reference::Estimate> download_estimate(const gpu::Chain& chain, gpu::ImageId color,
                                                        gpu::ImageId stats, gpu::Extent extent);
 

@@ -7,7 +7,7 @@
 
 namespace becalm::filter {
 
-/// What a pixel shows of a surface that faces the z axis, or nothing (a normal of 0).
+/// A pixel's features: a surface that faces the z axis, or nothing (a normal of 0).
 struct SurfacePixel {
   std::array<float, 3> albedo;
   float normal_z;

@@ -1,5 +1,5 @@
 // oneDNN's convolutions, row by row, against plain loops in double: every layer shape of the network, and
-// what rows must not depend on.
+// independence of height and thread.
 #include "filter/smooth/host_convolution.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ std::vector<float> random_values(int count, std::uint32_t seed) {
   return values;
 }
 
-/// Pixels made at random within a frame that repeats them.
+/// Random pixels in a frame that repeats the border.
 struct FramedImage {
   FramedImage(int channels, int width, int height, std::uint32_t seed)
       : channels(channels), width(width), height(height) {
@@ -50,7 +50,7 @@ Layer random_layer(int inputs, int outputs) {
           .bias = random_values(outputs, 2)};
 }
 
-/// Compares every value to a millionth of the sum of its terms' magnitudes.
+/// Compares every value to within a millionth of the sum of its terms' magnitudes.
 void expect_matches(int upsampled, int direct, int outputs, int width, int height) {
   SCOPED_TRACE(std::to_string(upsampled) + " + " + std::to_string(direct) + " to " + std::to_string(outputs) +
                ", " + std::to_string(width) + "x" + std::to_string(height));

@@ -1,4 +1,4 @@
-// Known motion as a candidate of the search and as the offset itself, and the way there and back.
+// Known motion as a candidate of the search and as the offset itself.
 #include <cmath>
 #include <limits>
 
@@ -13,7 +13,7 @@ constexpr int kWidth = 192;
 constexpr int kHeight = 96;
 constexpr float kFar = 60.0f;  // px; beyond the reach of the two levels that the tests search
 
-/// The pattern, displaced by `shift` px to the right, and a motion AOV that says so.
+/// The pattern, displaced by `shift` px to the right, with the motion AOV `motion`.
 Frame frame_displaced(float shift, float motion) {
   Frame frame(1, kWidth, kHeight);
   Image& beauty = frame.add(Aov::beauty, 1.0f);
@@ -56,7 +56,7 @@ class KnownMotion : public DeviceTest {
 };
 
 TEST_F(KnownMotion, GuidesTheSearchBeyondItsReach) {
-  const Frame target = frame_displaced(0.0f, kFar + 0.7f);  // nearly right: the search mends the rest
+  const Frame target = frame_displaced(0.0f, kFar + 0.7f);  // nearly right: the search corrects the rest
   const Frame source = frame_displaced(kFar, 0.0f);
   EXPECT_LT(share_found(align(with({"motion=none"}), target, source).offset, kFar), 0.1);
   EXPECT_GT(share_found(align(with({"motion=guide"}), target, source).offset, kFar), 0.95);
@@ -75,7 +75,7 @@ TEST_F(KnownMotion, IsNotFollowedWhereItIsWrong) {
 TEST_F(KnownMotion, OverridesWhereItIsKnown) {
   Frame target = frame_displaced(0.0f, 17.25f);
   const Frame source = frame_displaced(3.0f, 0.0f);
-  // What is not finite is masked out.
+  // Non-finite motion is masked out.
   for (int y = 0; y < kHeight; ++y) {
     for (int x = kWidth / 2; x < kWidth; ++x) {
       target.image(Aov::motion).at(x, y, x % 2) = std::numeric_limits<float>::quiet_NaN();

@@ -73,8 +73,8 @@ TEST_P(FeaturesAtResolution, AreCompressedLuminanceAndWeightedGuides) {
   }
 }
 
-/// The prefilter as it is written down (Dammertz et al. 2010), in double: `steps` of a 5x5 B3 spline whose
-/// taps lie 1, 2, 4 ... px apart and count less the more their guides differ.
+/// The prefilter in double (Dammertz et al. 2010): `steps` steps of a 5x5 B3 spline whose taps lie 1, 2, 4
+/// ... px apart and have lower weights the more their guides differ.
 reference::Grid<double> prefiltered(reference::Grid<double> image,
                                     const std::vector<reference::Grid<double>>& guides, int steps) {
   constexpr std::array<double, 5> spline{1 / 16.0, 1 / 4.0, 3 / 8.0, 1 / 4.0, 1 / 16.0};
@@ -120,7 +120,7 @@ TEST_F(FeaturesTest, RadianceIsSmoothedAlongTheGuidesWithoutFireflies) {
       for (int x = 0; x < kWidth; ++x) {
         const int i = y * kWidth + x;
         const float value = static_cast<float>(0.5 + pattern(x, y, 0));
-        // A firefly in the middle counts as the mean of the four nearest.
+        // A firefly in the middle is replaced by the mean of the four nearest.
         const bool firefly = x == 6 && y == 3;
         std::ranges::fill_n(chain.upload<float>(color).begin() + 4 * i, 4, firefly ? 1e6f : value);
         radiance.at(x, y) =

@@ -23,7 +23,8 @@ constexpr int kHeight = 43;
 constexpr gpu::Extent kFull{kWidth, kHeight};
 constexpr double kExposure = 1.7;
 
-/// The balanced preset for frames that are noisy themselves: patches large enough to tell bias from noise.
+/// The balanced preset for frames that are not smoothed: the patches are large enough to distinguish bias
+/// from noise.
 Settings of_noisy_frames() {
   Settings settings = preset("balanced");
   settings.smooth = Smooth::none;
@@ -109,7 +110,7 @@ Grid<Vec2> wavy_offset() {
   Grid<Vec2> offset(kWidth, kHeight);
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
-      // Reaches beyond the image at two borders, and holds exact integers too.
+      // The offsets lead beyond the image at two borders, and some are integers.
       offset.at(x, y) = x < 20 ? Vec2{-2.0, 1.0}
                                : Vec2{static_cast<float>(2.0 * std::sin(0.2 * y)),
                                       static_cast<float>(1.5 * std::cos(0.3 * x))};
@@ -150,8 +151,8 @@ TEST_P(VarianceGainTest, AgreesWithTheReference) {
   for (int frame = 0; frame < 5; ++frame) {
     Grid<Estimate> sample = noisy_sample(frame, frame == 3 ? 1.5 : 1.0);
     sample.at(30, 20).count = 0.0;                                          // a pixel that was not finite
-    for (int x = 0; x < kWidth; x += 3) sample.at(x, 11).variance *= 1e-4;  // better known than its patch
-    if (settings.smooth == Smooth::none) {  // a part of the sun, which smoothing would have bounded
+    for (int x = 0; x < kWidth; x += 3) sample.at(x, 11).variance *= 1e-4;  // a lower variance than its patch
+    if (settings.smooth == Smooth::none) {  // a pixel of the sun, which smoothing would have dimmed
       for (double& c : sample.at(39, 24).color) c *= 300;
       sample.at(39, 24).variance *= 1e7;
     }
@@ -159,7 +160,7 @@ TEST_P(VarianceGainTest, AgreesWithTheReference) {
     const reference::Merged truth = reference::merge_by_variance(
         sample, reference::warp(history, offset, settings.resample), kExposure, settings);
     expect_agreement(found, truth, frame);
-    history = found.estimate;  // both go on from the same floats
+    history = found.estimate;  // both continue from the same floats
   }
 }
 
@@ -201,7 +202,7 @@ TEST_F(MergeTest, MaskGainAgreesWithTheReference) {
   }
 }
 
-/// What both modes must do on a static scene whose noise is known: the exact running mean of all samples.
+/// On a static scene with known noise, both modes must give the exact running mean of all samples.
 void expect_running_mean(gpu::Device& device, const Settings& settings) {
   MergeOnDevice merge(device, settings);
   const Grid<Vec2> still(kWidth, kHeight);
@@ -211,7 +212,7 @@ void expect_running_mean(gpu::Device& device, const Settings& settings) {
   reference::Merged merged;
   for (int frame = 0; frame < frames; ++frame) {
     Grid<Estimate> sample = noisy_sample(100 + frame);
-    // Equal noise everywhere: the weights then are those of eq. 6.
+    // With equal noise everywhere, the weights are those of eq. 6.
     for (Estimate& e : sample.data) e.variance = 0.04;
     for (std::size_t i = 0; i < sum.data.size(); ++i) {
       for (int c = 0; c < 4; ++c) sum.data[i][c] += sample.data[i].color[c];

@@ -1,4 +1,4 @@
-// Noisy frames merged by the weights of smoothed ones, and smoothed then.
+// Noisy frames that are merged with the weights of smoothed ones and then smoothed.
 #include "filter/smooth/merged_smoother.h"
 
 #include <cmath>
@@ -30,7 +30,7 @@ float clean(int x, int y) {
   return static_cast<float>(0.5 + pattern(x, y, 9));
 }
 
-/// A pattern that stands still, with grey noise and its variance.
+/// A static pattern with grey noise and its variance.
 Frame noisy_frame(int number) {
   std::mt19937 random(number);
   std::normal_distribution<float> normal(0, kDeviation);
@@ -69,7 +69,7 @@ class MergedSmootherTest : public DeviceTest {
     return settings;
   }
 
-  /// Frame `wanted` of `count`, made from all of them, or from those up to it.
+  /// Frame `wanted` of `count` frames, denoised from all of them or from those up to it.
   static Frame denoised(Directions directions, int wanted, int count) {
     SequenceFilter filter(device(), settings(directions), kWidth, kHeight, noisy_frame(1).aovs(),
                           accumulated_aovs());

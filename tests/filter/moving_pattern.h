@@ -18,13 +18,13 @@ inline AovSet aov_set(std::initializer_list<Aov> aovs) {
   return set;
 }
 
-/// The clean value of a pattern that moves by (2, -1) px a frame.
+/// The clean value of a pattern that moves by (2, -1) px per frame.
 inline double clean(int x, int y, int number) {
   return 0.1 + pattern(x + 2.0 * number, y - 1.0 * number, 9);
 }
 
-/// A frame of that animation with skewed noise (an exponential sample mean, as of rare bright paths) of 4
-/// samples.
+/// A frame of that animation with skewed noise of 4 samples (exponentially distributed, as from rare bright
+/// paths).
 inline Frame noisy_frame(int number) {
   std::mt19937 random(number + 1);
   std::exponential_distribution<double> exponential;
@@ -69,7 +69,7 @@ inline double mean(const Frame& frame) {
   return sum / (kWidth * kHeight);
 }
 
-/// The balanced preset without what is done to a frame by itself.
+/// The balanced preset without smoothing.
 inline Settings unsmoothed() {
   Settings settings = preset("balanced");
   settings.smooth = Smooth::none;

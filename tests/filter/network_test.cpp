@@ -1,4 +1,4 @@
-// The smoothing network's passes against the formulas in double, and what must hold whatever it has learned.
+// The smoothing network's passes against the formulas in double, and properties that hold for all weights.
 #include "filter/smooth/network.h"
 
 #include <tbb/global_control.h>
@@ -27,9 +27,9 @@ struct Sample {
   gpu::Extent extent() const { return {pixels.width, pixels.height}; }
 
   Grid<Estimate> pixels;
-  Grid<Estimate> own_pixels;  ///< of the frame itself, where `pixels` were merged
+  Grid<Estimate> own_pixels;  ///< of the unmerged frame, if `pixels` are merged
   Grid<reference::SmoothFeatures> features;
-  Grid<reference::SmoothFeatures> own;  ///< of the frame itself, where `features` were merged
+  Grid<reference::SmoothFeatures> own;  ///< of the unmerged frame, if `features` are merged
   float exposure = 1.7f;
 };
 
@@ -69,7 +69,7 @@ Sample noisy_sample(int width, int height) {
   return sample;
 }
 
-/// What the frames are said to be: merged ones, which have albedos of their own, single ones, or without any.
+/// Kinds of frames: merged ones, with albedos of their own; single ones; ones without albedo.
 enum class Kind { merged, single, without_albedo };
 
 Grid<Estimate> smooth_on(gpu::Device& device, const Sample& sample, const NetworkWeights& weights,
@@ -110,7 +110,7 @@ Grid<Estimate> smooth_on(gpu::Device& device, const Sample& sample, const Networ
   return download_estimate(chain, smoothed.color, smoothed.stats, extent);
 }
 
-/// A network that has learned nothing: features and windows that depend on every input.
+/// A network with random weights, whose features and windows depend on every input.
 NetworkWeights random_weights() {
   NetworkWeights weights = embedded_weights();
   std::mt19937 random(5);
@@ -132,7 +132,7 @@ NetworkWeights random_weights() {
 
 class NetworkTest : public DeviceTest {
  protected:
-  /// With the features of every convolver that the device has.
+  /// Compares the results of every convolver that the device supports.
   void expect_agreement(const Sample& sample, const NetworkWeights& weights, bool variance_known) {
     const Grid<Estimate> truth =
         reference::smooth_by_network({sample.pixels, sample.own_pixels}, {sample.features, sample.own},

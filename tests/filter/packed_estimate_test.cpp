@@ -1,4 +1,4 @@
-// What is kept of a frame comes back as it was, to a thousandth of each value.
+// A packed estimate is restored to within a thousandth of each value.
 #include "filter/sequence/packed_estimate.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr gpu::Extent kSize{21, 13};
 
-/// Radiance around `usual`, with fireflies and black pixels.
+/// An estimate with radiance around `usual`, with fireflies and black pixels.
 Estimate estimate_around(float usual, std::size_t carried) {
   Estimate estimate(kSize, carried);
   std::mt19937 random(3);
@@ -35,7 +35,7 @@ Estimate estimate_around(float usual, std::size_t carried) {
 void expect_near(const Image& found, const Image& expected) {
   ASSERT_TRUE(found.same_shape(expected));
   for (std::size_t i = 0; i < found.data().size(); ++i) {
-    // Twice: variances are kept as deviations.
+    // Twice the error, since variances are stored as standard deviations.
     ASSERT_NEAR(found.data()[i], expected.data()[i], 0x1p-9f * std::abs(expected.data()[i])) << i;
   }
 }

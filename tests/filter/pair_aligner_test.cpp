@@ -16,7 +16,7 @@ constexpr int kBorder = 24;  // px; content within it may have left the other fr
 constexpr double kShiftX = 5.5;
 constexpr double kShiftY = -3.25;
 
-/// The pattern displaced by `steps` shifts, in the AOVs named; what is not named has one colour.
+/// The pattern, displaced by `steps` shifts, in the AOVs `patterned`; other AOVs are constant.
 Frame frame_with(std::initializer_list<Aov> patterned, int steps) {
   Frame frame(steps + 1, kWidth, kHeight);
   for (const Aov aov : {Aov::beauty, Aov::albedo}) {
@@ -58,7 +58,7 @@ TEST_F(PairAlignerTest, FindsAShiftInRadianceInAlbedoAndInBoth) {
 }
 
 TEST_F(PairAlignerTest, ExposureIsTheTargetsForBothFrames) {
-  // A source twice as bright: with an exposure of its own it would match perfectly.
+  // The source is twice as bright; with an exposure of its own it would match perfectly.
   const Frame target = frame_with({Aov::beauty}, 0);
   Frame source = frame_with({Aov::beauty}, 0);
   for (float& value : source.image(Aov::beauty).data()) value *= 2.0f;

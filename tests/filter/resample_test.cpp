@@ -1,4 +1,4 @@
-// The history read between its pixels.
+// Reading the history between its pixels.
 #include <algorithm>
 #include <random>
 
@@ -21,7 +21,7 @@ constexpr int kHeight = 43;
 
 constexpr Resample kSharp[] = {Resample::catmull_rom, Resample::o_moms};
 
-/// The warp's passes alone.
+/// A chain with only the warp's passes.
 class WarpOnDevice {
  public:
   WarpOnDevice(gpu::Device& device, Resample resample) : chain_(device, "warp test") {
@@ -52,7 +52,7 @@ class WarpOnDevice {
 
 class ResampleTest : public DeviceTest {};
 
-/// Three channels of detail that have nothing in common, with a firefly here and there; alpha is one.
+/// Uncorrelated detail in three channels, with some fireflies; alpha is 1.
 Grid<Estimate> detailed_history() {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> uniform;
@@ -66,7 +66,7 @@ Grid<Estimate> detailed_history() {
   return history;
 }
 
-/// Offsets of all subpixel phases, whole pixels among them, that leave the image at its borders.
+/// Offsets of all subpixel phases, including whole pixels, that lead outside the image at its borders.
 Grid<Vec2> all_phases() {
   Grid<Vec2> offset(kWidth, kHeight);
   for (int y = 0; y < kHeight; ++y) {
@@ -85,7 +85,7 @@ TEST_F(ResampleTest, AgreesWithTheReferenceAroundHolesToo) {
     for (std::size_t i = 0; i < found.data.size(); ++i) {
       SCOPED_TRACE(testing::Message() << "filter " << static_cast<int>(resample) << " pixel " << i % kWidth
                                       << "," << i / kWidth);
-      // The spline's truncated prefilter leaves a ten-thousandth of what surrounds a pixel.
+      // Truncating the spline's prefilter leaves an error of 1e-4 of the surrounding values.
       for (int c = 0; c < 4; ++c) {
         ASSERT_NEAR(found.data[i].color[c], truth.data[i].color[c],
                     1e-3 * std::abs(truth.data[i].color[c]) + 2e-3);
@@ -112,7 +112,7 @@ TEST_F(ResampleTest, LimitsAllChannelsAlikeWithinTheRangeOfTheBilinearTaps) {
         const Rgba sharp = reference::read_sharp(taps, at.x, at.y, resample);
         const Rgba& soft = bilinear.at(x, y).color;
         const Rgba& out = limited.at(x, y).color;
-        // The share, from the channel that tells it best.
+        // The share, measured in the channel with the largest relative difference.
         int widest = 0;
         double scale = 0;
         for (int c = 0; c < 3; ++c) {
@@ -144,7 +144,7 @@ TEST_F(ResampleTest, LimitsAllChannelsAlikeWithinTheRangeOfTheBilinearTaps) {
 }
 
 TEST_F(ResampleTest, IsLinearWhereNothingIsLimited) {
-  // Slopes without extrema: no result leaves the range of the nearest taps.
+  // On slopes without extrema no result leaves the range of the nearest taps.
   Grid<Estimate> direct(kWidth, kHeight), indirect(kWidth, kHeight), sum(kWidth, kHeight);
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
@@ -190,7 +190,7 @@ TEST_F(ResampleTest, KeepsConstantsAndWholePixelShiftsBitForBit) {
 }
 
 TEST_F(ResampleTest, AFireflyNeitherRingsNorMakesNegativeRadiance) {
-  // One bright pixel on a dim surface, moved to and fro again and again.
+  // One bright pixel on a dim surface, moved back and forth many times.
   for (const Resample resample : kSharp) {
     WarpOnDevice warp(device(), resample);
     Grid<Estimate> history(kWidth, kHeight);

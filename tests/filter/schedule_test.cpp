@@ -1,4 +1,4 @@
-// Which frames meet in which order, and that it does not depend on how a sequence is cut into jobs.
+// The order of steps, and its independence of how a sequence is cut into jobs.
 #include "filter/sequence/schedule.h"
 
 #include <gtest/gtest.h>
@@ -50,7 +50,7 @@ TEST(Schedule, SaysWhichFramesComeAgain) {
         again += (step.direction == Direction::forward ? '>' : '<') + std::to_string(step.frame);
     }
   }
-  // Frames around a border of segments are met in both: 3 and 4, 7 and 8.
+  // Frames around a border of segments are steps of both: 3 and 4, 7 and 8.
   EXPECT_EQ(again, "<4<3<2<1>3<8<7<6<5<4>7<9<8");
 }
 
@@ -72,8 +72,8 @@ TEST(Schedule, ForwardAloneHasUnboundedHistoryUnlessSegmentsBoundIt) {
   EXPECT_EQ(text(bounded[1]), "|>3 >4*");
 }
 
-/// What a frame's output is made from: the steps of its segment that carry into it, which must not depend on
-/// what else is wanted.
+/// The steps of the segment that contribute to a frame's output. They must not depend on which other frames
+/// are wanted.
 std::string made_from(const Segment& segment, int frame) {
   std::string result;
   std::string history;

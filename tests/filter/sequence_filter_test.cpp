@@ -162,7 +162,7 @@ TEST_F(SequenceFilterTest, EqualRunsGiveEqualBytes) {
 }
 
 TEST_F(SequenceFilterTest, NothingDriftsOverThousandsOfFrames) {
-  // A history that is never begun anew: what floats round away in each frame would add up.
+  // The history is never reset, so rounding errors of each frame would add up.
   Settings settings = preset("draft");
   settings.smooth = Smooth::none;
   settings.patch_radius = 3;

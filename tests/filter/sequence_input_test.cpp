@@ -1,4 +1,4 @@
-// What frames may hold, and lack.
+// Which values frames may hold, and which AOVs they may lack.
 #include "filter/sequence/sequence_filter.h"
 
 #include <array>
@@ -53,7 +53,7 @@ TEST_F(SequenceInputTest, NonFinitePixelsStayWhereTheyAre) {
 }
 
 TEST_F(SequenceInputTest, NoAovsValuesReachFurtherThanTheirPixel) {
-  // Every AOV that the filter may use, with numbers that are none in the second frame.
+  // Every AOV that the filter may use, with non-finite values in the second frame.
   const auto full_frame = [](int number) {
     Frame frame(number, 24, 20);
     for (const AovInfo& entry : kAovTable) {
@@ -108,7 +108,7 @@ TEST_F(SequenceInputTest, BlackFramesStayBlackAndHoldNothingBack) {
 }
 
 TEST_F(SequenceInputTest, ExtremesStayFinite) {
-  // One enormous pixel in an ordinary frame, and frames that are enormous or tiny as a whole.
+  // One huge value in an ordinary frame, and whole frames of huge or tiny values.
   const auto scaled = [](int number, float factor) {
     Frame frame = noisy_frame(number);
     for (float& v : frame.image(Aov::beauty).data()) v *= factor;

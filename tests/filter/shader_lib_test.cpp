@@ -37,8 +37,8 @@ TEST(Quadric, FindsTheMinimumOfEveryQuadric) {
     ++tried;
     if (x0 * x0 + y0 * y0 > 0.98f) continue;
     ASSERT_TRUE(m.found) << "a=" << a << " b=" << b << " c=" << c;
-    // A hundredth of the larger curvature is added to both directions: the offset along the weaker one
-    // shrinks.
+    // A hundredth of the larger curvature is added in both directions, which shrinks the offset along the
+    // weaker one.
     const float shrink = 0.03f * std::max(a, b) / (std::min(a, b) - std::abs(c));
     EXPECT_NEAR(m.x, x0, 1e-3f + shrink);
     EXPECT_NEAR(m.y, y0, 1e-3f + shrink);

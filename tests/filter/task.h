@@ -4,7 +4,7 @@
 
 namespace becalm::filter {
 
-/// A task whose frames come with their variance and nothing else, or with half-buffers besides.
+/// A task for frames with a variance and no other AOV, or also with half-buffers.
 inline FilterTask task_with_variance(const Settings& settings, gpu::Extent full, bool halves = false) {
   FilterTask task{.settings = settings, .full = full, .used = {}, .diagnostics = {}, .guides = {}};
   task.used.set(static_cast<std::size_t>(Aov::variance));

@@ -20,7 +20,7 @@ bool covers(const Rect& outer, const Rect& inner) {
          outer.y + outer.height >= inner.y + inner.height;
 }
 
-/// A rectangle with so much around it, cut off at the frame's border.
+/// A rectangle with margins, clipped at the frame's border.
 Rect grown(const Rect& rect, int left, int above, int after, Extent frame) {
   const int x = std::max(rect.x - left, 0);
   const int y = std::max(rect.y - above, 0);

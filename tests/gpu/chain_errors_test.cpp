@@ -16,7 +16,7 @@ using ::testing::StartsWith;
 
 constexpr Extent kExtent{16, 16};
 
-/// A chain with one correct pass of kernels/scale, which each test spoils in one way.
+/// A chain with one correct pass of kernels/scale, in which each test makes one mistake.
 class ChainErrors : public ::testing::Test {
  protected:
   ChainErrors() : chain_(validated_device(), "wrong", test_options()) {
@@ -193,8 +193,8 @@ TEST_F(ChainErrors, NameAnImageLargerThanTheDeviceCanBind) {
 }
 
 TEST_F(ChainErrors, NameAnImageThatIsTooLargeForAStorageBuffer) {
-  // What is only read as texels may be larger. Where storage buffers may have gigabytes an image beyond that
-  // meets other limits of the device first; Mesa's software device, which CI runs on, allows less.
+  // Images that are only read as texels may be larger. On devices that allow storage buffers of gigabytes, a
+  // larger image would exceed other limits first. Mesa's software device, which CI uses, allows less.
   const std::uint64_t limit = validated_device().info().max_storage_buffer_bytes;
   if (limit > std::uint64_t{1} << 30) GTEST_SKIP() << "a storage buffer may hold " << limit << " bytes";
   const Extent large{1024, static_cast<int>(limit / 4096) + 1};

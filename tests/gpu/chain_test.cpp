@@ -1,4 +1,4 @@
-// What chains compute: whole chains against the same arithmetic on the CPU, under synchronization validation.
+// Results of whole chains against the same arithmetic on the CPU, under synchronization validation.
 #include "filter/gpu/chain.h"
 
 #include <gtest/gtest.h>
@@ -101,7 +101,7 @@ TEST_F(ChainTest, SpecializesConstantsOfEveryTypeByName) {
   EXPECT_EQ(scaled_two({{"half_steps", 1}, {"negate", 1}, {"bias", 1}, {"gain", 2}}), -4.0f);
 }
 
-/// Two pipelines of one kernel in one chain, which must not be taken for each other.
+/// Two pipelines of one kernel in one chain, which must not be confused.
 TEST_F(ChainTest, KeepsDifferentlySpecializedPassesApart) {
   Chain chain(validated_device(), "scales", test_options());
   const ImageId input = chain.input("input", Format::f32, {1, 1});

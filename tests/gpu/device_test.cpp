@@ -1,4 +1,4 @@
-// Which device is opened, and what is said when none can be.
+// Which device is opened, and the error if there is none.
 #include "filter/gpu/device.h"
 
 #include <gmock/gmock.h>
@@ -21,7 +21,7 @@ std::string error_of(const DeviceOptions& options) {
   return "no error";
 }
 
-/// Sets an environment variable for as long as it lives. The loader reads it when an instance is created.
+/// Sets an environment variable for its lifetime. The loader reads the variable when an instance is created.
 class ScopedVariable {
  public:
   ScopedVariable(const char* name, const char* value) : name_(name) {
@@ -51,7 +51,7 @@ TEST(Device, IsListedWithWhatTheChainNeedsToKnow) {
     EXPECT_FALSE(devices[i].name.empty());
     EXPECT_FALSE(devices[i].driver.empty());
     EXPECT_GT(devices[i].memory_bytes, 0u);
-    EXPECT_GE(devices[i].max_storage_buffer_bytes, std::uint64_t{1} << 27);  // what Vulkan 1.3 promises
+    EXPECT_GE(devices[i].max_storage_buffer_bytes, std::uint64_t{1} << 27);  // guaranteed by Vulkan 1.3
   }
 }
 

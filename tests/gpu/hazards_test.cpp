@@ -1,4 +1,4 @@
-// Where the tracker asks for a barrier: by memory, not by image, and never twice for one hazard.
+// The tracker asks for barriers by memory range, not by image, and only once per hazard.
 #include "filter/gpu/hazards.h"
 
 #include <gtest/gtest.h>

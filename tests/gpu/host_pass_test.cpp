@@ -1,5 +1,5 @@
-// Host passes: what they see and when, what is said of wrong ones. random_chain_test.cpp has them among
-// others.
+// Host passes: the values that they read, their order, and errors in their declaration. random_chain_test.cpp
+// mixes them with other passes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

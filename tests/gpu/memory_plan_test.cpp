@@ -1,4 +1,4 @@
-// Properties of the memory plan: what it may never do, and what it must achieve where the best is known.
+// Properties of the memory plan: requests never collide, and the plan is optimal where the optimum is known.
 #include "filter/gpu/memory_plan.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ bool live_together(const MemoryRequest& a, const MemoryRequest& b) {
   return a.first_pass <= b.last_pass && b.first_pass <= a.last_pass;
 }
 
-/// The most bytes alive in any one pass: no plan can be smaller.
+/// The largest number of live bytes in any pass, a lower bound of every plan.
 std::uint64_t peak_of_live_bytes(const std::vector<MemoryRequest>& requests) {
   std::uint64_t peak = 0;
   for (const MemoryRequest& at : requests) {
@@ -107,20 +107,20 @@ TEST(MemoryPlan, SplitsIntoArenasNoLargerThanTheLimit) {
 }
 
 TEST(MemoryPlan, ReachesThePeakOfEasyChains) {
-  // A pipeline: each pass reads what the one before wrote, so two neighbours are alive at a time.
+  // A pipeline: each pass reads what the previous one wrote, so two neighbours are alive at a time.
   std::vector<MemoryRequest> pipeline;
   pipeline.reserve(10);
   for (int i = 0; i < 10; ++i) pipeline.push_back({1024, i, i + 1});
   EXPECT_EQ(plan_memory(pipeline, kAlignment).total_bytes, 2048u);
 
-  // A pyramid whose levels are read again from coarse to fine: everything is alive at the turn.
+  // A pyramid whose levels are read again from coarse to fine: all levels are alive at the coarsest.
   std::vector<MemoryRequest> pyramid;
   pyramid.reserve(4);
   for (int level = 0; level < 4; ++level)
     pyramid.push_back({std::uint64_t{65536} >> 2 * level, level, 8 - level});
   EXPECT_EQ(plan_memory(pyramid, kAlignment).total_bytes, 65536u + 16384u + 4096u + 1024u);
 
-  // Images of one moment each.
+  // Images that live for one pass each.
   const std::vector<MemoryRequest> apart = {{100, 0, 0}, {300, 1, 1}, {200, 2, 2}};
   EXPECT_EQ(plan_memory(apart, kAlignment).total_bytes, 320u);
 }

@@ -1,5 +1,5 @@
-// Chains made at random, so full of images that share memory, against the same arithmetic on the CPU. Where
-// the device is a processor, the passes may be host passes, all or some.
+// Random chains, with many images that share memory, against the same arithmetic on the CPU. If the device is
+// a processor, some or all passes may be host passes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,8 +21,8 @@ struct MixPass {
   std::uint32_t salt;
 };
 
-/// Images are numbered inputs first, then the histories' previous, then those that passes write. The last of
-/// these are the histories' next, in the same order.
+/// Image numbers: inputs first, then the histories' `previous`, then the images that passes write. The last
+/// of these are the histories' `next`, in the same order.
 struct Program {
   std::vector<Extent> extents;
   std::size_t inputs = 0;
@@ -95,7 +95,7 @@ Values expected_outputs(const Program& program) {
   return results;
 }
 
-/// One in `host_share` passes, by its salt, is a host pass; 0: none.
+/// One in `host_share` passes, chosen by its salt, is a host pass; 0: none.
 Values chain_outputs(const Program& program, const ChainOptions& options, unsigned host_share = 0) {
   Chain chain(validated_device(), "random", options);
   std::vector<ImageId> images;

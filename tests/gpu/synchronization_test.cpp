@@ -1,5 +1,5 @@
-// That synchronization validation would see a missing barrier, also between images that share memory: the
-// silence of the other tests means something only if it does.
+// Checks that synchronization validation reports a missing barrier, also between images that share memory.
+// The other tests rely on it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

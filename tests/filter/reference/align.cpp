@@ -39,7 +39,7 @@ double floor_of(Distance kind) {
 
 constexpr double kMotionPenalty = 1e-5;
 
-/// Costs of the kernels are to base 2.
+/// The kernels' logarithmic costs have base 2.
 double cost_unit(Distance kind) {
   return kind == Distance::log_l1 || kind == Distance::log_l1_centered ? std::log(2.0) : 1.0;
 }
@@ -72,7 +72,7 @@ Vec2 quadric_minimum(const std::array<std::array<double, 3>, 3>& cost) {
   }
   const auto coefficient = [&](int i) { return equations[i][6] / equations[i][i]; };
   const double bx = coefficient(1), by = coefficient(2);
-  // A hundredth of the larger curvature more in every direction takes the nearest point of a valley.
+  // Adding a hundredth of the larger curvature in every direction selects the nearest point of a valley.
   const double larger = std::max(coefficient(3), coefficient(4));
   const double axx = coefficient(3) + 0.01 * larger, ayy = coefficient(4) + 0.01 * larger,
                axy = coefficient(5);
@@ -82,7 +82,7 @@ Vec2 quadric_minimum(const std::array<std::array<double, 3>, 3>& cost) {
   return m.x * m.x + m.y * m.y <= 1.0 ? m : Vec2{};
 }
 
-/// Where a level starts from: the coarser level's offsets, bilinearly; nothing where `factor` is 0.
+/// A level's start offsets: the coarser level's, read bilinearly; zero if `factor` is 0.
 class Start {
  public:
   Start(const Alignment& coarse, int factor)
@@ -108,7 +108,7 @@ class Start {
   Grid<double> x_, y_, doubt_;
 };
 
-/// Median of each component over 3x3 pixels; doubtful where any of the nine is.
+/// Median of each component over 3x3 pixels; ambiguous if any of the nine is.
 void take_medians(Alignment& level) {
   const Alignment noisy = level;
   for (int y = 0; y < noisy.offset.height; ++y) {
@@ -147,7 +147,7 @@ Alignment align(const Planes& target_finest, const Planes& source_finest, const 
     const int height = target[0].height;
     const int radius = settings.blur_radius[std::min(l, settings.blur_radius.size() - 1)];
 
-    // The source as the target's pixels see it from where this level starts.
+    // The source, warped to the target's pixels by the start offsets.
     const Start start(result, l + 1 < levels ? settings.pyramid_factor : 0);
     std::vector<Grid<double>> warped;
     Grid<char> ambiguous(width, height, false);
@@ -223,7 +223,7 @@ Alignment align(const Planes& target_finest, const Planes& source_finest, const 
           subpixel = {std::clamp(subpixel.x, -limit(1), limit(1)),
                       std::clamp(subpixel.y, -limit(5), limit(5))};
         }
-        // What the warped source shows at the match came from the start there.
+        // The warped source at the matched position was read at that position's start offset.
         const Vec2 shift{sx + subpixel.x, sy + subpixel.y};
         const double matched_x = std::clamp(x + shift.x, 0.0, width - 1.0);
         const double matched_y = std::clamp(y + shift.y, 0.0, height - 1.0);

@@ -40,7 +40,7 @@ double gain(double sample, double history, double bias) {
 
 constexpr double kMostFrames = 64;
 
-/// Counts both by 1/(1 + luminance) besides (survey of Yang et al., eq. 4), as far as noise explains their
+/// Also weights both by 1/(1 + luminance) (survey of Yang et al., eq. 4), as far as noise explains their
 /// difference.
 double against_outliers(double alpha, const Estimate& sample, const Estimate& history, double exposure) {
   double difference = 0;
@@ -66,7 +66,7 @@ Estimate blend(const Estimate& sample, const Estimate& history, double alpha, do
 
 Grid<Rgba> resample_taps(const Grid<Rgba>& image, filter::Resample resample) {
   if (resample != filter::Resample::o_moms) return image;
-  // The inverse of the kernel's values at whole pixels, (4, 13, 4) / 21, along both axes.
+  // The inverse of the kernel at whole pixels, (4, 13, 4) / 21, along both axes.
   constexpr int radius = 16;
   const double pole = (std::sqrt(105.0) - 13) / 8;
   const double scale = (1 - pole) / (1 + pole);

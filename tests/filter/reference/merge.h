@@ -9,7 +9,7 @@ namespace becalm::reference {
 
 using Rgba = std::array<double, 4>;
 
-/// A pixel's estimate: its value, the variance left in it, and its effective sample count (0: nothing there).
+/// A pixel's estimate: its value, the remaining variance, and its effective sample count (0: no data).
 struct Estimate {
   Rgba color{};
   double variance = 0.0;
@@ -21,19 +21,19 @@ struct Merged {
   Grid<double> rejected;
 };
 
-/// What a sharp filter's kernel is summed over: the image, or the coefficients of the O-MOMS through it.
+/// The image that a sharp filter's kernel is applied to: the image itself, or its O-MOMS coefficients.
 Grid<Rgba> resample_taps(const Grid<Rgba>& image, filter::Resample resample);
 
 /// A sharp filter's unlimited result at a position of the image whose taps are given.
 Rgba read_sharp(const Grid<Rgba>& taps, double x, double y, filter::Resample resample);
 
-/// The history where the target's pixels are: variance and count bilinearly, the colour by the filter,
-/// limited to the range of the four nearest pixels by one share for all channels.
+/// The history warped to the target's pixels: variance and count are read bilinearly, the colour by the
+/// filter, limited to the range of the four nearest pixels by one share for all channels.
 Grid<Estimate> warp(const Grid<Estimate>& history, const Grid<Vec2>& offset, filter::Resample resample);
 
 /// Variance gain (Philippi et al., eq. 4) with the bias estimated from the residuals of leave-one-out
-/// patches; a smoothed sample's own variance counts where it is less than its patch's. The sample's count is
-/// 1, or 0 for a pixel that is not finite.
+/// patches; a smoothed sample's own variance is used if it is less than its patch's. The sample's count is 1,
+/// or 0 for a non-finite pixel.
 Merged merge_by_variance(const Grid<Estimate>& sample, const Grid<Estimate>& warped, double exposure,
                          const filter::Settings& settings);
 

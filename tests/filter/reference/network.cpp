@@ -210,7 +210,7 @@ Grid<Counted> reduced(const Grid<Counted>& fine) {
   return out;
 }
 
-/// One scale's result; `coarse` is that of the coarser one, `own` the frame itself, if there are any.
+/// One scale's result. `coarse` is the coarser scale's result and `own` the unmerged frame, or null.
 Grid<Counted> mixed(const Grid<Counted>& counted, const Planes& features, const Layer& window,
                     const Grid<Counted>* coarse, const Grid<Counted>* own) {
   Grid<Counted> out(counted.width, counted.height);
@@ -253,7 +253,7 @@ double luminance(const Rgba& c) {
   return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
 }
 
-/// Puts back of the sample what patches lost beyond their noise.
+/// Puts back the part of the sample that patches lost beyond their noise.
 Grid<Estimate> restored(const Grid<Estimate>& sample, const Grid<Estimate>& smoothed, double exposure) {
   struct Lost {
     double square = 0.0;

@@ -7,24 +7,24 @@
 
 namespace becalm::reference {
 
-/// What a pixel's surroundings are explained by: albedo, depth in [0,2], normal.
+/// A pixel's features: albedo, depth in [0,2], normal.
 using SmoothFeatures = std::array<double, 7>;
 
-/// Features as they were merged, and those of the frame itself.
+/// The merged features, and those of the unmerged frame.
 struct TwoFeatures {
   const Grid<SmoothFeatures>& merged;
   const Grid<SmoothFeatures>& own;
 };
 
-/// A frame that was merged, and the frame itself, of which the colour counts.
+/// A merged frame, and the unmerged one, of which only the colour is used.
 struct TwoSamples {
   const Grid<Estimate>& merged;
   const Grid<Estimate>& own;
 };
 
-/// The smoothing network in double, as scripts/train/network.py has it. Samples have a count of 1, or 0 for
-/// pixels that are not finite; a result's variance is the squared error that the network expects. Without
-/// `variance_known` the samples' variances count nothing.
+/// The smoothing network in double, as in scripts/train/network.py. Samples have a count of 1, or 0 for
+/// non-finite pixels. A result's variance is the squared error that the network expects. Without
+/// `variance_known` the samples' variances are ignored.
 Grid<Estimate> smooth_by_network(const TwoSamples& samples, const TwoFeatures& features, double exposure,
                                  const filter::NetworkWeights& weights, bool variance_known);
 
