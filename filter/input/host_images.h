@@ -40,8 +40,8 @@ std::size_t pack_variance(const Frame& frame, const AovSet& used, std::span<cons
 float typical_depth(const Frame& frame, const AovSet& used);
 
 /// Packs the features of a rectangle: (albedo, depth) and (normal, 0). The albedo is that of pack_albedo, or
-/// 1 if it is not in `used`. The depth z is packed as 2 z / (z + usual_depth), infinity as 2. A depth or
-/// normal that is not in `used`, or is NaN, becomes 0.
+/// 1 if it is not in `used`. The depth z is packed as 2 z / (z + usual_depth), infinity as 2. A depth that is
+/// NaN or not positive and a non-finite normal component become 0, as do AOVs that are not in `used`.
 void pack_features(const Frame& frame, const AovSet& used, float usual_depth, const Rect& rect,
                    std::span<float> albedo_depth, std::span<float> normal);
 

@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kWidth = 64;
 constexpr int kHeight = 48;
-constexpr float kShift = 0.5f;  // pixels a frame, along both axes
+constexpr float kShift = 0.5f;  // pixels per frame, along both axes
 
 /// A frame of surfaces that move by half a pixel per frame, with their motion AOV. Albedo is `albedo_at(u,
 /// v)` and radiance `radiance_at(u, v)` in all channels.

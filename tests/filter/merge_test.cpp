@@ -32,7 +32,7 @@ Settings of_noisy_frames() {
   return settings;
 }
 
-/// The merge's passes alone: offsets and residuals are given.
+/// A chain with only the merge's passes; offsets and residuals are inputs.
 class MergeOnDevice {
  public:
   MergeOnDevice(gpu::Device& device, const Settings& settings)

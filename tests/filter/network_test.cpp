@@ -33,8 +33,7 @@ struct Sample {
   float exposure = 1.7f;
 };
 
-/// A textured slope under noise before a wall of another normal, with fireflies and pixels that are not
-/// finite.
+/// A textured slope under noise before a wall of another normal, with fireflies and non-finite pixels.
 Sample noisy_sample(int width, int height) {
   Sample sample(width, height);
   std::mt19937 random(3);
