@@ -19,6 +19,9 @@ layout(constant_id = 1) const int smoothed = 0;  // 1: the new frame is smoothed
 /// would reject history. Residuals of smoothed frames are no random samples: any excess counts.
 const float kSignificanceInNoise = 3.0;
 
+/// Standard deviations beyond which a difference is certainly no noise.
+const float kCertain = 32.0;
+
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(set = 0, binding = 0) uniform samplerBuffer color;
 layout(set = 0, binding = 1) uniform samplerBuffer variance;
@@ -47,6 +50,15 @@ float alpha_against_outliers(int index, float alpha) {
   const float difference = dot(d, d) / 3.0;
   const float noise_of_sample = texelFetch(variance, index).x;
   return mix(alpha, weighted, noise_of_sample > 0.0 ? noise_of_sample / (noise_of_sample + difference) : 0.0);
+}
+
+/// Relative squared bias of a pixel that is darker than its history by more than any noise explains, such as a single
+/// leaf that has come before the sky; its neighbours may all agree with their history. Brighter pixels may be outliers.
+float bias_of_dark_pixel(int index, vec4 x, vec4 h) {
+  const float difference_squared = texelFetch(difference, index).a;
+  const vec2 variances = texelFetch(noise, index).xy;
+  const bool darker = luminance(x.r, x.g, x.b) < luminance(h.r, h.g, h.b);
+  return darker && difference_squared > kCertain * kCertain * (variances.x + variances.y) ? difference_squared : 0.0;
 }
 
 void main() {
@@ -89,7 +101,7 @@ void main() {
     // channels.
     const float of_mean = excess_over_noise(dot(mean, mean) / 3.0, expected / count, 1.0, significance);
     const float of_pixels = excess_over_noise(difference_sum.a / count, expected, count, significance);
-    const float relative_bias = max(of_mean, of_pixels);
+    const float relative_bias = max(max(of_mean, of_pixels), smoothed != 0 ? bias_of_dark_pixel(index, x, h) : 0.0);
     alpha = max(gain(variance_new, variance_history, relative_bias), 1.0 / kMostFrames);
     // The share by which the bias lowers the history's weight: 1 - (1 - alpha) / (1 - alpha without bias).
     rejected = relative_bias > 0.0 ? relative_bias / (variance_new + variance_history + relative_bias) : 0.0;

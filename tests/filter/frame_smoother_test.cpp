@@ -116,7 +116,7 @@ TEST_F(FrameSmootherTest, WhatIsBesideTheSunTakesNothingOfIt) {
     for (int x = 0; x < 32; ++x) {
       // Kernels' weights are never zero: pixels next to the disc get some of its light, farther pixels a part
       // of the light that is restored over the whole block.
-      const float limit = distance(x, y) < 4 ? kInf : distance(x, y) < 5.5f ? 25 * sky : 1.1f * sky;
+      const float limit = distance(x, y) < 4 ? kInf : distance(x, y) < 5.5f ? 8 * sky : 1.1f * sky;
       ASSERT_LT(smoothed.color.at(x, y, 0), limit) << x << ',' << y;
     }
   }

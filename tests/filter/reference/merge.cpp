@@ -193,8 +193,15 @@ Merged merge_by_variance(const Grid<Estimate>& sample, const Grid<Estimate>& war
         variance_new = std::min(variance_new, own_variance + borrowed);
         double mean_square = 0;
         for (int c = 0; c < 3; ++c) mean_square += mean[c] * mean[c] / (3.0 * count * count);
-        const double relative_bias = std::max(excess(mean_square, noise / count, 1, significance),
-                                              excess(squares / count, noise, count, significance));
+        double relative_bias = std::max(excess(mean_square, noise / count, 1, significance),
+                                        excess(squares / count, noise, count, significance));
+        if (smoothed && counts && luminance(own.color) < luminance(warped.at(x, y).color)) {
+          double own_square = 0;
+          for (int c = 0; c < 3; ++c)
+            own_square += std::pow((own.color[c] - warped.at(x, y).color[c]) * own_scale, 2) / 3;
+          const double own_noise = (own.variance + warped.at(x, y).variance) * own_scale * own_scale;
+          if (own_square > 32 * 32 * own_noise) relative_bias = std::max(relative_bias, own_square);
+        }
         alpha = std::max(1 / kMostFrames, gain(variance_new, variance_history, relative_bias));
         const double unbiased = gain(variance_new, variance_history, 0);
         const double biased = gain(variance_new, variance_history, relative_bias);
