@@ -14,7 +14,7 @@ from pathlib import Path
 PRESETS = ("draft", "balanced", "final")
 SCENE, FRAMES, SPP = "scenes/crossing.json", "5-10", 4
 RUNS = 3  # of each preset, alternating
-VARIANTS = ("noisy", *PRESETS, "paper", "frames", "forward_smooth", "radiance_alone", "beauty_alone")
+VARIANTS = ("noisy", *PRESETS, "paper", "frames", "forward_smooth", "beauty_alone")
 
 
 def said(*command):
@@ -72,7 +72,7 @@ Written by `scripts/bench report` at {said("git", "describe", "--always", "--dir
 480x270, with albedo, normal and depth, without variance;
 `scripts/benches/quality/cycles/render.py` renders them, two references each. relMSE and temporal
 error are those of `becalm compare`, as a share of noisy's. The network did not learn from them, but
-was extended after a look at `cloth` and `foliage` (`scripts/train/README.md`). The last four rows
+was extended after a look at `cloth` and `foliage` (`scripts/train/README.md`). The last three rows
 change one thing of `final`.
 
 {quality_section(asked.output)}
