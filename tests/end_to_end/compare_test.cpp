@@ -177,7 +177,7 @@ TEST(Help, IsOnStandardOutputAndListsEverything) {
     for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 106u) << line;
   }
   const std::string denoise = becalm_done({"denoise", "--help-settings"}).out;
-  for (const char* words : {"match_downsample", "draft: 4; balanced: 2; final: 1", "all: variance"}) {
+  for (const char* words : {"match_downsample", "draft: 4; balanced: 2; final: 1", "all: log_l1_centered"}) {
     EXPECT_NE(denoise.find(words), std::string::npos) << words;
   }
 }
