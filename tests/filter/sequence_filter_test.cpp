@@ -170,7 +170,7 @@ TEST_F(SequenceFilterTest, NothingDriftsOverThousandsOfFrames) {
   settings.motion = MotionUse::override_offset;
   constexpr int size = 8;
   constexpr int first_counted = 1000;
-  constexpr int frames = 10000;
+  constexpr int frames = 5000;
   SequenceFilter filter(device(), settings, size, size, aov_set({Aov::variance, Aov::motion}));
   std::mt19937 random(6);
   std::normal_distribution<float> noise(0.0f, 0.05f);
