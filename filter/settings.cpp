@@ -45,7 +45,7 @@ constexpr std::array<std::string_view, 4> kDistanceNames{"l2", "l1", "log_l1", "
 constexpr std::array<std::string_view, 3> kSmoothNames{"none", "frames", "merged"};
 constexpr std::array<std::string_view, 2> kDirectionsNames{"forward", "both"};
 constexpr std::array<std::string_view, 3> kMotionNames{"none", "guide", "override"};
-constexpr std::array<std::string_view, 3> kResampleNames{"bilinear", "catmull_rom", "o_moms"};
+constexpr std::array<std::string_view, 2> kResampleNames{"bilinear", "catmull_rom"};
 constexpr std::array<std::string_view, 2> kMergeNames{"mask", "variance"};
 
 struct Row {
@@ -61,9 +61,9 @@ const Row kTable[] = {
      IntChoice{&Settings::pyramid_factor, {2, 4, 2}}},
     {{"pyramid_levels", "integer 0..12", "levels of the pyramid; 0 takes as many as the image size asks for"},
      IntRange{&Settings::pyramid_levels, 0, 12}},
-    {{"blur_radius", "integers 0..32 joined by commas",
+    {{"blur_radius", "integers 0..10 joined by commas",
       "patch radius of each level, the finest first; the last serves all coarser levels"},
-     IntList{&Settings::blur_radius, 0, 32}},
+     IntList{&Settings::blur_radius, 0, 10}},
     {{"distance", "l2, l1, log_l1 or log_l1_centered", "pixel distance of the matching"},
      Named<Distance>{&Settings::distance, kDistanceNames}},
     {{"refine_levels", "integer 0..12", "subpixel refinement on so many of the finest levels"},
@@ -77,8 +77,7 @@ const Row kTable[] = {
       "use of the motion AOV: a candidate of the search, unless longer than 256 px and an eighth of the "
       "frame's longer side along an axis; or the offset where known"},
      Named<MotionUse>{&Settings::motion, kMotionNames}},
-    {{"resample", "bilinear, catmull_rom or o_moms",
-      "filter by which the history is read between its pixels, from the blurriest to the sharpest"},
+    {{"resample", "bilinear or catmull_rom", "filter by which the history is read between its pixels"},
      Named<Resample>{&Settings::resample, kResampleNames}},
     {{"smooth", "none, frames or merged",
       "frames: each frame is smoothed before it is matched and merged; merged: noisy frames are merged with "

@@ -18,13 +18,6 @@ using gpu::Extent;
 using gpu::Format;
 using gpu::ImageId;
 
-constexpr int kShifts = (2 * kWindowReach + 1) * (2 * kWindowReach + 1);
-
-// The 25 distance images of a level exist for one band of rows at a time. A band of this size stays in the
-// last-level cache of a desktop processor, and memory does not grow with the image's height.
-constexpr std::int64_t kBandBytes = 16 << 20;
-constexpr int kBlurRun = 16;  // kRun of align/blur.comp
-
 int blur_radius(const Settings& settings, std::size_t level) {
   return settings.blur_radius[std::min(level, settings.blur_radius.size() - 1)];
 }
@@ -95,7 +88,6 @@ CoarseOffset add_motion_guide(Chain& chain, const Settings& settings, const Sear
 /// Inputs and outputs of the search at one level.
 struct Level {
   std::size_t index;
-  std::string name;
   Extent extent;
   int radius;
   int channels;
@@ -105,9 +97,6 @@ struct Level {
   ImageId offset;
   ImageId residual;
 };
-
-/// Largest radius for which add_match is faster than add_bands.
-constexpr int kLargestMatchRadius = 10;
 
 /// Largest sum of two pixels' feature differences, for weights of about 1.
 constexpr double kLargestDifference = 8.0 * kFeatureRange;
@@ -157,65 +146,6 @@ void add_match(Chain& chain, const Settings& settings, const Level& level) {
       .dispatch({ceil_div(level.extent.width, strip.columns), ceil_div(level.extent.height, strip.rows)});
 }
 
-/// Searches the level in bands of rows: distances, blur and choice. Sliding sums make the cost nearly
-/// independent of the radius.
-void add_bands(Chain& chain, const Settings& settings, const Level& level) {
-  const auto [width, height, planes] = level.extent;
-  const int radius = level.radius;
-  const int kind = static_cast<int>(settings.distance);
-  const std::int64_t row_bytes = std::int64_t(width) * kShifts * sizeof(float);
-  // A band holds whole runs, so that runs begin at the same rows for every width.
-  const int runs = std::max((static_cast<int>(kBandBytes / row_bytes) - 2 * radius) / kBlurRun, 1);
-  const int band = std::min(runs * kBlurRun, height);
-  const ImageId distances =
-      chain.image("distances." + level.name, Format::f32, {width, band + 2 * radius, kShifts});
-  const ImageId row_sums =
-      chain.image("row_sums." + level.name, Format::f32, {width, band + 2 * radius, kShifts});
-  const ImageId patch_sums = chain.image("patch_sums." + level.name, Format::f32, {width, band, kShifts});
-
-  for (int first_row = 0; first_row < height; first_row += band) {
-    const int rows = std::min(band, height - first_row);
-    const int rows_in = rows + 2 * radius;
-    chain.pass("align/distance")
-        .read("target", level.target)
-        .read("warped", level.warped)
-        .write("distances", distances)
-        .specialize("kind", kind)
-        .specialize("channels", level.channels)
-        .constants(params::DistanceParams{
-            .width = width, .height = height, .first_row = first_row - radius, .rows = rows_in})
-        .dispatch({width, rows_in});
-    chain.pass("align/blur")
-        .read("distances", distances)
-        .write("sums", row_sums)
-        .constants(params::BlurParams{
-            .width = width, .rows_in = rows_in, .rows = rows_in, .radius_x = radius, .radius_y = 0})
-        .dispatch({ceil_div(width, kBlurRun), rows_in, kShifts});
-    chain.pass("align/blur")
-        .read("distances", row_sums)
-        .write("sums", patch_sums)
-        .constants(params::BlurParams{
-            .width = width, .rows_in = rows_in, .rows = rows, .radius_x = 0, .radius_y = radius})
-        .dispatch({width, ceil_div(rows, kBlurRun), kShifts});
-    chain.pass("align/select_offset")
-        .read("sums", patch_sums)
-        .read("offset_coarse", level.coarse.image)
-        .write("offset", level.offset)
-        .write("residual", level.residual)
-        .specialize("kind", kind)
-        .constants(params::SelectParams{.width = width,
-                                        .height = height,
-                                        .first_row = first_row,
-                                        .rows = rows,
-                                        .radius = radius,
-                                        .coarse_width = level.coarse.extent.width,
-                                        .coarse_height = level.coarse.extent.height,
-                                        .coarse_scale = level.coarse.scale,
-                                        .refine = refines(settings, level.index)})
-        .dispatch({width, rows});
-  }
-}
-
 }  // namespace
 
 SourceWindow add_same_window(Chain& chain, Extent full, const std::string& name) {
@@ -253,7 +183,6 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
     }
     const Level level{
         .index = l,
-        .name = fmt::format("{}L{}", search.name, l),
         .extent = extent,
         .radius = blur_radius(settings, l),
         .channels = search.target.planes,
@@ -262,11 +191,7 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
         .coarse = coarse,
         .offset = chain.image(search.name + fmt::format("offset_noisy.L{}", l), Format::f32x2, extent),
         .residual = residual};
-    if (level.radius <= kLargestMatchRadius) {
-      add_match(chain, settings, level);
-    } else {
-      add_bands(chain, settings, level);
-    }
+    add_match(chain, settings, level);
     const ImageId offset = chain.image(search.name + fmt::format("offset.L{}", l), Format::f32x2, extent);
     chain.pass("align/median_offset")
         .read("offset_noisy", level.offset)
@@ -280,17 +205,9 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
 
 TileRules search_tile_rules(const Settings& settings, const gpu::DeviceInfo& device, std::size_t levels,
                             std::size_t end, int margin_px) {
-  // Sums slide along runs, to the right and down. Tiles begin where runs begin.
-  struct Runs {
-    int x;
-    int y;
-  };
-  const auto runs_of = [&](std::size_t level) {
-    return blur_radius(settings, level) > kLargestMatchRadius ? Runs{kBlurRun, kBlurRun}
-                                                              : Runs{1, match_strip(device).rows};
-  };
+  const int run = match_strip(device).rows;  // sums slide down strips of so many rows
   // Margin around the core in which the offsets of level `end` must be exact, in full-resolution pixels.
-  const auto margin_at_end = [&](const auto& run_of) {
+  const auto margin_at_end = [&](int rows_of_run) {
     constexpr int bilinear = 1;
     constexpr int median = 1;
     constexpr int cut_pixel = 1;  // a tile may end within a level's last pixel
@@ -298,21 +215,18 @@ TileRules search_tile_rules(const Settings& settings, const gpu::DeviceInfo& dev
     for (std::size_t l = 0; l < end; ++l) {
       // A sliding sum carries the rounding errors of all values before it in its run, so a run is exact only
       // if it is computed as a whole.
-      margin += median + (run_of(runs_of(l)) - 1) + blur_radius(settings, l) + kWindowReach;
+      margin += median + (rows_of_run - 1) + blur_radius(settings, l) + kWindowReach;
       margin = ceil_div(margin, settings.pyramid_factor) + bilinear + cut_pixel;
     }
     return margin * level_px(settings, end);
   };
   TileRules rules{.grid = level_px(settings, end),
                   .core_grid = level_px(settings, end),
-                  .left = margin_at_end([](const Runs& runs) { return runs.x; }),
-                  .above = margin_at_end([](const Runs& runs) { return runs.y; }),
-                  .after = margin_at_end([](const Runs&) { return 1; }),
+                  .left = margin_at_end(1),
+                  .above = margin_at_end(run),
+                  .after = margin_at_end(1),
                   .reach = reach_px(settings, levels)};
-  for (std::size_t l = 0; l < end; ++l) {
-    const Runs runs = runs_of(l);
-    rules.grid = std::lcm(rules.grid, std::lcm(runs.x, runs.y) * level_px(settings, l));
-  }
+  for (std::size_t l = 0; l < end; ++l) rules.grid = std::lcm(rules.grid, run * level_px(settings, l));
   return rules;
 }
 

@@ -28,7 +28,7 @@ struct SpecConstantInfo {
 /// A compiled kernel: its SPIR-V and the interface reflected from it. Embedded in the executable at build
 /// time.
 struct Kernel {
-  std::string_view name;  ///< path below shaders/ without the ending: `align/select_offset`
+  std::string_view name;  ///< path below shaders/ without the ending: `align/median_offset`
   std::span<const std::uint32_t> spirv;
   std::span<const BindingInfo> bindings;
   std::span<const SpecConstantInfo> spec_constants;

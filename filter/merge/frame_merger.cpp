@@ -163,7 +163,7 @@ void FrameMerger::plan_tiles_of_frame(gpu::Device& device, std::uint64_t memory_
     const PyramidSplit split{.levels = levels, .coarse = coarse};
     TileRules rules = search_tile_rules(settings, device.info(), levels, coarse, merge_margin_px(settings));
     if (contains(task_.used, Aov::motion)) rules.reach = reach_of_motion_px(settings, full, levels);
-    rules.reach += resample_margin_px(settings);
+    rules.reach += kResampleMargin;
     const TileRules feature_rules = local_tile_rules(feature_margin_px(settings), rules.core_grid);
     std::unique_ptr<Chains> chains;
     std::vector<Tile> feature_tiles;

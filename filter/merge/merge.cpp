@@ -20,26 +20,6 @@ using gpu::Extent;
 using gpu::Format;
 using gpu::ImageId;
 
-/// Radius of the spline's prefilter: its weights fall by a factor of 0.34 per pixel, to 2e-4 at this radius.
-constexpr int kSplineRadius = 8;
-
-/// The image that the resampling kernel is applied to: the history itself, or its spline coefficients.
-ImageId add_resample_taps(Chain& chain, const Settings& settings, Extent extent, ImageId history_color,
-                          const std::string& name) {
-  if (settings.resample != Resample::o_moms) return history_color;
-  const auto prefilter = [&](ImageId in, const std::string& out_name, bool along_y) {
-    const ImageId out = chain.image(out_name, Format::f32x4, extent);
-    chain.pass("merge/spline_prefilter")
-        .read("values", in)
-        .write("coefficients", out)
-        .specialize("radius", kSplineRadius)
-        .specialize("along_y", along_y ? 1 : 0)
-        .dispatch(extent);
-    return out;
-  };
-  return prefilter(prefilter(history_color, name + ".spline.rows", false), name + ".spline", true);
-}
-
 /// Divides the history's radiance by the previous frame's albedo.
 WarpInputs add_demodulate_passes(Chain& chain, Extent extent, WarpInputs history) {
   const ImageId irradiance = chain.image("history.irradiance", Format::f32x4, extent);
@@ -184,8 +164,6 @@ CarriedRead add_carried_read(Chain& chain, const Settings& settings, Extent full
   const CarriedImage& carried = history.additive[i];
   const bool own_share = carried.kind != Carried::additive;
   const bool demodulated = history.albedo && carried.kind != Carried::features;
-  const ImageId taps =
-      add_resample_taps(chain, settings, window.full, carried.image, fmt::format("history.additive.{}", i));
   CarriedRead made{.warped = chain.image(fmt::format("warped.additive.{}", i), Format::f32x4, full),
                    .share = {}};
   if (own_share) {
@@ -196,7 +174,6 @@ CarriedRead add_carried_read(Chain& chain, const Settings& settings, Extent full
   chain.pass("merge/additive_warp")
       .read("offset", offset)
       .read("history_color", carried.image)
-      .read("resample_taps", taps)
       .read("history_stats", history.stats)
       .read("target_origin", window.target_origin)
       .read("factor", factor)
@@ -220,7 +197,6 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
   const SourceWindow window =
       radiance.window ? *radiance.window : add_same_window(chain, full, "origin.merge");
   const WarpInputs history = radiance.albedo ? add_demodulate_passes(chain, window.full, radiance) : radiance;
-  const ImageId taps = add_resample_taps(chain, settings, window.full, history.color, "history");
   std::optional<ImageId> share;
   if (!history.additive.empty()) share = chain.image("warped.share", Format::f32, full);
   const params::WarpHistoryParams params{.width = full.width,
@@ -234,7 +210,6 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
   chain.pass("merge/warp_history")
       .read("offset", offset)
       .read("history_color", history.color)
-      .read("resample_taps", taps)
       .read("history_stats", history.stats)
       .read("target_origin", window.target_origin)
       .read("factor", factor)
@@ -275,11 +250,6 @@ std::vector<CarriedInput> add_noisy_layers(Chain& chain, Extent full, const Nois
   return {{.color = carried, .history = history[0], .kind = Carried::radiance},
           {.color = noisy.features->albedo_depth, .history = history[1], .kind = Carried::features},
           {.color = noisy.features->normal, .history = history[2], .kind = Carried::features}};
-}
-
-int resample_margin_px(const Settings& settings) {
-  constexpr int taps = 2;
-  return taps + (settings.resample == Resample::o_moms ? kSplineRadius : 0);
 }
 
 int merge_margin_px(const Settings& settings) {

@@ -77,8 +77,8 @@ struct WarpedHistory {
 WarpedHistory add_warp_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
                               const WarpInputs& history, gpu::ImageId offset);
 
-/// Radius in pixels of the neighbourhood of a history position that the resampling filter reads.
-int resample_margin_px(const Settings& settings);
+/// How far around the positions that offsets lead to the history is read, in pixels.
+constexpr int kResampleMargin = 2;
 
 /// Inputs of the merge for the noisy layers of a new frame; `history` has FilterTask::kNoisyLayers images.
 std::vector<CarriedInput> add_noisy_layers(gpu::Chain& chain, gpu::Extent full, const NoisyInputs& noisy,

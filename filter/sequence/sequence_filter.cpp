@@ -105,6 +105,9 @@ AovSet wanted_aovs(const Settings& settings) {
 }
 
 struct SequenceFilter::State {
+  /// The smoothed frame: kept from an earlier step, or computed now.
+  Estimate smoothed(const Step& step, const NewFrame& frame, FrameReport& report);
+  /// What comes out for a frame, from the history before it and the prediction kept for it.
   Frame forward(const NewFrame& frame, FrameReport& report);
 
   FilterTask task;
@@ -112,8 +115,6 @@ struct SequenceFilter::State {
   std::optional<MergedSmoother> merged_smoother;
   std::optional<FrameMerger> merger;
   std::optional<Combiner> combiner;
-  /// The smoothed frame: kept from an earlier step, or computed now.
-  Estimate smoothed(const Step& step, const NewFrame& frame, FrameReport& report);
 
   std::map<int, PackedEstimate> kept_smoothed;  ///< by frame number
   std::map<int, PackedEstimate> predictions;

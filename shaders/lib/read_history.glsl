@@ -1,6 +1,6 @@
 // Reads a history at the offsets, bilinearly and by the sharp filter. Not pure functions: the including
 // kernel declares the constant `resample`, the parameters and the texel buffers offset, history_color,
-// resample_taps, history_stats and target_origin.
+// history_stats and target_origin.
 #include "lib/resample.glsl"
 
 struct HistoryRead {
@@ -22,19 +22,14 @@ int history_index(ivec2 at) {
 vec4 read_sharp(ivec2 corner, vec2 t, out bool holds) {
   float wx[4];
   float wy[4];
-  if (resample == kResampleOMoms) {
-    o_moms(t.x, wx[0], wx[1], wx[2], wx[3]);
-    o_moms(t.y, wy[0], wy[1], wy[2], wy[3]);
-  } else {
-    catmull_rom(t.x, wx[0], wx[1], wx[2], wx[3]);
-    catmull_rom(t.y, wy[0], wy[1], wy[2], wy[3]);
-  }
+  catmull_rom(t.x, wx[0], wx[1], wx[2], wx[3]);
+  catmull_rom(t.y, wy[0], wy[1], wy[2], wy[3]);
   vec4 color = vec4(0.0);
   holds = true;
   [[unroll]] for (int j = 0; j < 4; ++j) {
     [[unroll]] for (int i = 0; i < 4; ++i) {
       const int tap = history_index(corner + ivec2(i, j));
-      color += wx[i] * wy[j] * texelFetch(resample_taps, tap);
+      color += wx[i] * wy[j] * texelFetch(history_color, tap);
       holds = holds && texelFetch(history_stats, tap).y > 0.0;
     }
   }

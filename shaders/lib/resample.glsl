@@ -3,7 +3,6 @@
 
 const int kResampleBilinear = 0;
 const int kResampleCatmullRom = 1;
-const int kResampleOMoms = 2;
 
 /// Catmull-Rom weights of the four taps at -1, 0, 1, 2 for a position `t` in [0,1) between taps 0 and 1. They add up to
 /// one, and are (0,1,0,0) at t = 0.
@@ -12,21 +11,6 @@ void catmull_rom(float t, OUT(float) w0, OUT(float) w1, OUT(float) w2, OUT(float
   w1 = 1.0f + t * t * (-2.5f + 1.5f * t);
   w2 = t * (0.5f + t * (2.0f - 1.5f * t));
   w3 = t * t * (-0.5f + 0.5f * t);
-}
-
-/// Pole of the recursive filter that makes values into coefficients of the cubic O-MOMS: the smaller root of
-/// 4 z^2 + 13 z + 4, from the kernel's values 4/21, 13/21, 4/21 at whole pixels.
-const float kOMomsPole = -0.344131154f;
-
-/// The same for the coefficients of the cubic O-MOMS, the cubic of four taps with the least approximation error (Blu,
-/// Thevenaz and Unser 2001, "MOMS: maximal-order interpolation of minimal support"): the B-spline and 1/42 of its second
-/// derivative.
-void o_moms(float t, OUT(float) w0, OUT(float) w1, OUT(float) w2, OUT(float) w3) {
-  float s = 1.0f - t;
-  w0 = s * (1.0f / 42.0f + s * s / 6.0f);
-  w3 = t * (1.0f / 42.0f + t * t / 6.0f);
-  w1 = 13.0f / 21.0f + t * (1.0f / 14.0f + t * (0.5f * t - 1.0f));
-  w2 = 13.0f / 21.0f + s * (1.0f / 14.0f + s * (0.5f * s - 1.0f));
 }
 
 /// Largest share in [0,1] of the sharp result in a mix with the bilinear one that keeps a channel within the

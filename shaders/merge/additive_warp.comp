@@ -16,13 +16,12 @@ layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Params { WarpHistoryParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer offset;
 layout(set = 0, binding = 1) uniform samplerBuffer history_color;
-layout(set = 0, binding = 2) uniform samplerBuffer resample_taps;
-layout(set = 0, binding = 3) uniform samplerBuffer history_stats;
-layout(set = 0, binding = 4) uniform samplerBuffer target_origin;
-layout(set = 0, binding = 5) uniform samplerBuffer factor;
-layout(set = 0, binding = 6) uniform samplerBuffer share;
-layout(std430, set = 0, binding = 7) writeonly buffer WarpedBuffer { vec4 data[]; } warped;
-layout(std430, set = 0, binding = 8) writeonly buffer OwnShareBuffer { float data[]; } own_share;
+layout(set = 0, binding = 2) uniform samplerBuffer history_stats;
+layout(set = 0, binding = 3) uniform samplerBuffer target_origin;
+layout(set = 0, binding = 4) uniform samplerBuffer factor;
+layout(set = 0, binding = 5) uniform samplerBuffer share;
+layout(std430, set = 0, binding = 6) writeonly buffer WarpedBuffer { vec4 data[]; } warped;
+layout(std430, set = 0, binding = 7) writeonly buffer OwnShareBuffer { float data[]; } own_share;
 
 #include "lib/read_history.glsl"
 

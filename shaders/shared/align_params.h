@@ -70,37 +70,6 @@ struct MatchParams {
   int refine;  // 1: add the minimum of the quadric through the 3x3 costs around the best
 };
 
-/// align/distance: rows [first_row, first_row + rows) of a level's 25 distance images, one band of rows at a
-/// time.
-struct DistanceParams {
-  int width;
-  int height;
-  int first_row;  // may be negative: the halo of the blur; rows outside of the image hold zero
-  int rows;
-};
-
-/// align/blur: a box sum along one direction of each of the 25 images.
-struct BlurParams {
-  int width;
-  int rows_in;
-  int rows;
-  int radius_x;  // one of the two radii is zero
-  int radius_y;
-};
-
-/// align/select_offset: the best of the 25 shifts for each pixel of a band.
-struct SelectParams {
-  int width;
-  int height;
-  int first_row;
-  int rows;
-  int radius;
-  int coarse_width;
-  int coarse_height;
-  float coarse_scale;
-  int refine;  // as in MatchParams
-};
-
 /// align/choose_start: sizes of the level in target and source, of the coarser offsets, and of the motion.
 struct ChooseStartParams {
   int width;

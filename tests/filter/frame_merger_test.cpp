@@ -217,9 +217,9 @@ TEST_F(FrameMergerTest, ShowsNoSeamsBetweenManySmallTiles) {
 
 TEST_F(FrameMergerTest, ShowsNoSeamsUnderOtherSettings) {
   const Scene scene{.width = 357, .height = 325};
-  const std::vector<std::vector<const char*>> all{{"merge=mask", "resample=o_moms"},
+  const std::vector<std::vector<const char*>> all{{"merge=mask", "resample=bilinear"},
                                                   {"pyramid_factor=4"},
-                                                  {"blur_radius=12,3"},
+                                                  {"blur_radius=10,3"},
                                                   {"distance=l2", "patch_radius=8", "prefilter=4"},
                                                   {"guides=0", "blur_radius=5", "merge=mask"}};
   for (const std::vector<const char*>& assignments : all) {

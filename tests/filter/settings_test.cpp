@@ -46,12 +46,12 @@ TEST(Settings, ValuesArrive) {
   set(settings, "distance=l1");
   set(settings, "merge=mask");
   set(settings, "mask_alpha=0.25");
-  set(settings, "resample=o_moms");
+  set(settings, "resample=bilinear");
   EXPECT_EQ(settings.blur_radius, (std::vector{10, 4, 2}));
   EXPECT_EQ(settings.distance, Distance::l1);
   EXPECT_EQ(settings.merge, MergeMode::mask);
   EXPECT_EQ(settings.mask_alpha, 0.25f);
-  EXPECT_EQ(settings.resample, Resample::o_moms);
+  EXPECT_EQ(settings.resample, Resample::bilinear);
 }
 
 TEST(Settings, BadAssignmentsNameKeyValueAndRange) {
@@ -59,7 +59,7 @@ TEST(Settings, BadAssignmentsNameKeyValueAndRange) {
   EXPECT_EQ(error_of("match_downsample=3"), "--set match_downsample: value '3': expected 1, 2 or 4");
   EXPECT_EQ(error_of("mask_alpha=nan"), "--set mask_alpha: value 'nan': expected number 0..1");
   EXPECT_EQ(error_of("blur_radius=2,,3"),
-            "--set blur_radius: value '2,,3': expected integers 0..32 joined by commas");
+            "--set blur_radius: value '2,,3': expected integers 0..10 joined by commas");
   EXPECT_EQ(error_of("distance=L1"),
             "--set distance: value 'L1': expected l2, l1, log_l1 or log_l1_centered");
   EXPECT_EQ(error_of("refine_levels=2x"), "--set refine_levels: value '2x': expected integer 0..12");

@@ -114,21 +114,6 @@ TEST(CatmullRom, ReproducesCubicsAndKeepsTaps) {
   EXPECT_EQ(w3, 0.0f);
 }
 
-TEST(OMoms, GoesThroughTheValuesThatItsCoefficientsAreMadeFrom) {
-  float w0, w1, w2, w3;
-  o_moms(0.0f, w0, w1, w2, w3);
-  EXPECT_NEAR(w0, 4.0f / 21.0f, 1e-6f);
-  EXPECT_NEAR(w1, 13.0f / 21.0f, 1e-6f);
-  EXPECT_NEAR(w2, w0, 1e-6f);
-  EXPECT_EQ(w3, 0.0f);
-  EXPECT_NEAR(w0 * kOMomsPole * kOMomsPole + w1 * kOMomsPole + w2, 0.0f, 1e-6f) << "the pole is a root";
-  for (float t = 0.0f; t < 1.0f; t += 0.0625f) {
-    o_moms(t, w0, w1, w2, w3);
-    EXPECT_NEAR(w0 + w1 + w2 + w3, 1.0f, 1e-6f);
-    EXPECT_NEAR(-w0 + w2 + 2.0f * w3, t, 1e-6f);
-  }
-}
-
 TEST(SharpShare, EndsWhereTheRangeDoes) {
   EXPECT_EQ(sharp_share(0.7f, 0.5f, 0.0f, 1.0f), 1.0f);
   EXPECT_FLOAT_EQ(sharp_share(2.0f, 0.5f, 0.0f, 1.0f), 1.0f / 3.0f);

@@ -50,7 +50,6 @@ VARIANTS = [
     ("motion_none", "final, without motion vectors", ("motion=none",), ()),
     ("motion_vectors", "final, motion vectors in place of the search", ("motion=override",), ()),
     ("bilinear", "final, bilinear resampling", ("resample=bilinear",), ()),
-    ("o_moms", "final, O-MOMS resampling", ("resample=o_moms",), ()),
 ]]
 
 # A program that does not have one of these settings behaves as with this value.

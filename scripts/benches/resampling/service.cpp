@@ -1,7 +1,7 @@
 // The merge's warp of the history as a service for scripts/bench resampling: reads JSON commands, one a line,
 // and answers each with a line of JSON.
 //
-//   {"do": "build", "width": W, "height": H, "resample": "bilinear" | "catmull_rom" | "o_moms"}
+//   {"do": "build", "width": W, "height": H, "resample": "bilinear" | "catmull_rom"}
 //   {"do": "warp", "offset": [DX, DY], "from": FILE, "to": FILE}     as read_raw, RGBA
 
 #include <fmt/format.h>

@@ -21,14 +21,6 @@ double catmull_rom(double distance) {
   return 0;
 }
 
-/// The cubic O-MOMS: the B-spline and 1/42 of its second derivative.
-double o_moms(double distance) {
-  const double d = std::abs(distance);
-  if (d < 1) return 2.0 / 3 - d * d + d * d * d / 2 + (3 * d - 2) / 42;
-  if (d < 2) return (2 - d) * (2 - d) * (2 - d) / 6 + (2 - d) / 42;
-  return 0;
-}
-
 double excess(double measured, double noise, double count, double errors) {
   return std::max(0.0, measured - noise * (1 + errors * std::sqrt(2 / count)));
 }
@@ -64,34 +56,13 @@ Estimate blend(const Estimate& sample, const Estimate& history, double alpha, do
 
 }  // namespace
 
-Grid<Rgba> resample_taps(const Grid<Rgba>& image, filter::Resample resample) {
-  if (resample != filter::Resample::o_moms) return image;
-  // The inverse of the kernel at whole pixels, (4, 13, 4) / 21, along both axes.
-  constexpr int radius = 16;
-  const double pole = (std::sqrt(105.0) - 13) / 8;
-  const double scale = (1 - pole) / (1 + pole);
-  Grid<Rgba> taps(image.width, image.height);
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      for (int v = -radius; v <= radius; ++v) {
-        for (int u = -radius; u <= radius; ++u) {
-          const double w = scale * scale * std::pow(pole, std::abs(u) + std::abs(v));
-          for (int c = 0; c < 4; ++c) taps.at(x, y)[c] += w * image.clamped(x + u, y + v)[c];
-        }
-      }
-    }
-  }
-  return taps;
-}
-
-Rgba read_sharp(const Grid<Rgba>& taps, double x, double y, filter::Resample resample) {
+Rgba read_sharp(const Grid<Rgba>& taps, double x, double y) {
   const int x0 = static_cast<int>(std::floor(x));
   const int y0 = static_cast<int>(std::floor(y));
-  const auto kernel = resample == filter::Resample::o_moms ? o_moms : catmull_rom;
   Rgba sum{};
   for (int v = y0 - 1; v <= y0 + 2; ++v) {
     for (int u = x0 - 1; u <= x0 + 2; ++u) {
-      const double w = kernel(x - u) * kernel(y - v);
+      const double w = catmull_rom(x - u) * catmull_rom(y - v);
       for (int c = 0; c < 4; ++c) sum[c] += w * taps.clamped(u, v)[c];
     }
   }
@@ -102,7 +73,6 @@ Grid<Estimate> warp(const Grid<Estimate>& history, const Grid<Vec2>& offset, fil
   Grid<Estimate> warped(history.width, history.height);
   Grid<Rgba> taps(history.width, history.height);
   for (std::size_t i = 0; i < taps.data.size(); ++i) taps.data[i] = history.data[i].color;
-  taps = resample_taps(taps, resample);
   for (int y = 0; y < history.height; ++y) {
     for (int x = 0; x < history.width; ++x) {
       const double px = x + offset.at(x, y).x;
@@ -138,7 +108,7 @@ Grid<Estimate> warp(const Grid<Estimate>& history, const Grid<Vec2>& offset, fil
       out = {linear.color, linear.variance / weight, linear.count / weight};
       for (double& value : out.color) value /= weight;
       if (resample == filter::Resample::bilinear || holes) continue;
-      const Rgba sharp = read_sharp(taps, px, py, resample);
+      const Rgba sharp = read_sharp(taps, px, py);
       double share = 1;
       for (int c = 0; c < 4; ++c) {
         const double step = sharp[c] - out.color[c];

@@ -21,11 +21,8 @@ struct Merged {
   Grid<double> rejected;
 };
 
-/// The image that a sharp filter's kernel is applied to: the image itself, or its O-MOMS coefficients.
-Grid<Rgba> resample_taps(const Grid<Rgba>& image, filter::Resample resample);
-
 /// A sharp filter's unlimited result at a position of the image whose taps are given.
-Rgba read_sharp(const Grid<Rgba>& taps, double x, double y, filter::Resample resample);
+Rgba read_sharp(const Grid<Rgba>& taps, double x, double y);
 
 /// The history warped to the target's pixels: variance and count are read bilinearly, the colour by the
 /// filter, limited to the range of the four nearest pixels by one share for all channels.
