@@ -20,13 +20,16 @@ constexpr double kLargestFactor = 2.0;
 /// of the final change of the whole frame. Such a change is hardly visible between two frames, but a bias of
 /// that size darkens a shot.
 constexpr double kUnseen = 0.01;
+/// Size of the cells that `Restorable` tells clean from noisy.
+constexpr int kCell = 16;
 
 using Channels = std::array<double, 3>;
 
 struct Block {
-  Channels frame{};     ///< sums of exposed radiance over pixels
-  Channels estimate{};  ///< the same, of the estimate
-  double noise = 0.0;   ///< variance of `frame`, averaged over channels
+  Channels frame{};       ///< sums of exposed radiance over pixels
+  Channels estimate{};    ///< the same, of the estimate
+  Channels restorable{};  ///< the same, of the part of the estimate that the factor applies to
+  double noise = 0.0;     ///< variance of `frame`, averaged over channels
   Channels factor{1.0, 1.0, 1.0};
 };
 
@@ -96,7 +99,64 @@ bool counts(const NewFrame& frame, const Estimate& estimate, std::size_t i) {
   return frame.finite[i] && estimate.stats.data()[2 * i + 1] > 0.0f;
 }
 
-BlockGrid finest_level(const NewFrame& frame, const FilterTask& task, const Estimate& estimate) {
+/// How much of each pixel the factors of blocks apply to: R / (R + (kUnseen L)^2), with the mean squares R of
+/// the difference from the frame and L of the estimate around it. Where there is no noise, smoothing removed
+/// no light, and light that it removed beside does not belong there.
+class Restorable {
+ public:
+  Restorable(const NewFrame& frame, const Estimate& estimate)
+      : width_(ceil_div(estimate.color.width(), kCell)),
+        height_(ceil_div(estimate.color.height(), kCell)),
+        shares_(static_cast<std::size_t>(width_) * height_) {
+    for_each_in_parallel(height_, [&](int row) {
+      for (int column = 0; column < width_; ++column) {
+        shares_[static_cast<std::size_t>(row) * width_ + column] =
+            share_of_cell(frame, estimate, column, row);
+      }
+    });
+    for (int x = 0; x < estimate.color.width(); ++x) columns_.emplace_back((x + 0.5) / kCell - 0.5, width_);
+  }
+
+  /// Calls set(x, share) for the pixels of a row.
+  template <class Set>
+  void for_row(int y, const Set& set) const {
+    const Between row((y + 0.5) / kCell - 0.5, height_);
+    const double* low = &shares_[static_cast<std::size_t>(row.low) * width_];
+    const double* high = &shares_[static_cast<std::size_t>(row.high) * width_];
+    for (std::size_t x = 0; x < columns_.size(); ++x) {
+      const Between& c = columns_[x];
+      set(x, std::lerp(std::lerp(low[c.low], low[c.high], c.share),
+                       std::lerp(high[c.low], high[c.high], c.share), row.share));
+    }
+  }
+
+ private:
+  static double share_of_cell(const NewFrame& frame, const Estimate& estimate, int column, int row) {
+    const int width = estimate.color.width();
+    double residual = 0.0;
+    double power = 0.0;
+    for (int y = row * kCell; y < std::min((row + 1) * kCell, estimate.color.height()); ++y) {
+      for (int x = column * kCell; x < std::min((column + 1) * kCell, width); ++x) {
+        const std::size_t i = static_cast<std::size_t>(y) * width + x;
+        if (!counts(frame, estimate, i)) continue;
+        for (std::size_t c = 0; c < 3; ++c) {
+          const double e = frame.exposure * estimate.color.data()[4 * i + c];
+          residual += frame.exposure * frame.exposure * residual_square(frame, estimate, i, c);
+          power += e * e;
+        }
+      }
+    }
+    return residual > 0.0 ? residual / (residual + kUnseen * kUnseen * power) : 0.0;
+  }
+
+  int width_;
+  int height_;
+  std::vector<double> shares_;    ///< of cells, row by row
+  std::vector<Between> columns_;  ///< of pixels
+};
+
+BlockGrid finest_level(const NewFrame& frame, const FilterTask& task, const Estimate& estimate,
+                       const Restorable& restorable) {
   const int width = estimate.color.width();
   const int height = estimate.color.height();
   BlockGrid level(ceil_div(width, kFinestBlock), ceil_div(height, kFinestBlock));
@@ -104,16 +164,18 @@ BlockGrid finest_level(const NewFrame& frame, const FilterTask& task, const Esti
   const std::span<const float> color = estimate.color.data();
   const double exposure = frame.exposure;
   const auto add_row = [&](int y) {
-    std::size_t i = static_cast<std::size_t>(y) * width;
-    for (int x = 0; x < width; ++x, ++i) {
-      if (!counts(frame, estimate, i)) continue;
-      Block& block = level.at(x / kFinestBlock, y / kFinestBlock);
+    restorable.for_row(y, [&](std::size_t x, double share) {
+      const std::size_t i = static_cast<std::size_t>(y) * width + x;
+      if (!counts(frame, estimate, i)) return;
+      Block& block = level.at(static_cast<int>(x) / kFinestBlock, y / kFinestBlock);
       for (std::size_t c = 0; c < 3; ++c) {
+        const double e = exposure * color[4 * i + c];
         block.frame[c] += exposure * beauty[4 * i + c];
-        block.estimate[c] += exposure * color[4 * i + c];
+        block.estimate[c] += e;
+        block.restorable[c] += share * e;
       }
       block.noise += exposure * exposure * pixel_noise(frame, task, estimate, i);
-    }
+    });
   };
   for_each_in_parallel(level.height, [&](int row) {
     for (int y = row * kFinestBlock; y < std::min((row + 1) * kFinestBlock, height); ++y) add_row(y);
@@ -130,6 +192,7 @@ BlockGrid coarser(const BlockGrid& fine) {
       for (std::size_t c = 0; c < 3; ++c) {
         block.frame[c] += part.frame[c];
         block.estimate[c] += part.estimate[c];
+        block.restorable[c] += part.restorable[c];
       }
       block.noise += part.noise;
     }
@@ -143,13 +206,14 @@ void bring_to_frame(Block& block, double noise, double largest) {
   Channels difference{};
   double squares = 0.0;
   for (std::size_t c = 0; c < 3; ++c) {
-    difference[c] = block.frame[c] - block.factor[c] * block.estimate[c];
+    const double restored = (block.factor[c] - 1.0) * block.restorable[c];
+    difference[c] = block.frame[c] - block.estimate[c] - restored;
     squares += difference[c] * difference[c] / 3.0;
   }
   if (!(squares > noise) || !std::isfinite(squares)) return;
   const double share = 1.0 - noise / squares;
   for (std::size_t c = 0; c < 3; ++c) {
-    const double base = block.factor[c] * block.estimate[c];
+    const double base = block.factor[c] * block.restorable[c];
     if (!(base > 0.0)) continue;
     block.factor[c] *= std::clamp(1.0 + share * difference[c] / base, 1.0 / largest, largest);
   }
@@ -169,8 +233,9 @@ void find_factors(BlockGrid& level, const BlockGrid* coarse) {
   }
 }
 
-/// Multiplies the estimate and its additive AOVs by the factors, interpolated between the blocks' centres.
-void apply(const BlockGrid& grid, int block_px, Estimate& estimate) {
+/// Multiplies the restorable part of the estimate and of its additive AOVs by the factors, interpolated
+/// between the blocks' centres.
+void apply(const BlockGrid& grid, int block_px, const Restorable& restorable, Estimate& estimate) {
   const int width = estimate.color.width();
   std::vector<Between> columns;
   for (int x = 0; x < width; ++x) columns.emplace_back((x + 0.5) / block_px - 0.5, grid.width);
@@ -180,16 +245,16 @@ void apply(const BlockGrid& grid, int block_px, Estimate& estimate) {
     for (int x = 0; x < grid.width; ++x) {
       for (std::size_t c = 0; c < 3; ++c) along[x][c] = factor_between(grid, {double(x), grid.width}, row, c);
     }
-    std::size_t i = static_cast<std::size_t>(y) * width;
-    for (const Between& column : columns) {
+    restorable.for_row(y, [&](std::size_t x, double share) {
+      const std::size_t i = static_cast<std::size_t>(y) * width + x;
+      const Between& column = columns[x];
       for (std::size_t c = 0; c < 3; ++c) {
-        const auto factor =
-            static_cast<float>(std::lerp(along[column.low][c], along[column.high][c], column.share));
+        const double of_block = std::lerp(along[column.low][c], along[column.high][c], column.share);
+        const auto factor = static_cast<float>(1.0 + share * (of_block - 1.0));
         estimate.color.data()[4 * i + c] *= factor;
         for (Image& image : estimate.additive) image.data()[4 * i + c] *= factor;
       }
-      ++i;
-    }
+    });
   };
   for_rows(estimate.color.height(), [&](int begin, int end) {
     for (int y = begin; y < end; ++y) scale_row(y);
@@ -203,7 +268,7 @@ void leave_channels_without_light(std::vector<BlockGrid>& levels) {
   for (BlockGrid& level : levels) {
     for (Block& block : level.blocks) {
       for (std::size_t c = 0; c < 3; ++c) {
-        if (!(whole[c] > 0.0)) block.frame[c] = block.estimate[c] = 0.0;
+        if (!(whole[c] > 0.0)) block.frame[c] = block.estimate[c] = block.restorable[c] = 0.0;
       }
     }
   }
@@ -212,27 +277,34 @@ void leave_channels_without_light(std::vector<BlockGrid>& levels) {
 /// Exposed sums over the whole frame: the estimate, and its squared difference from the frame.
 struct Remainder {
   Channels estimate{};
+  Channels restorable{};
   double residual = 0.0;  ///< averaged over channels
 };
 
-Remainder remainder_of(const NewFrame& frame, const Estimate& estimate) {
+Remainder remainder_of(const NewFrame& frame, const Estimate& estimate, const Restorable& restorable) {
   const int width = estimate.color.width();
   const double exposure = frame.exposure;
   std::vector<Remainder> rows(static_cast<std::size_t>(estimate.color.height()));
   for_each_in_parallel(estimate.color.height(), [&](int y) {
     Remainder sum;
-    for (std::size_t i = static_cast<std::size_t>(y) * width; i < (y + std::size_t{1}) * width; ++i) {
-      if (!counts(frame, estimate, i)) continue;
+    restorable.for_row(y, [&](std::size_t x, double share) {
+      const std::size_t i = static_cast<std::size_t>(y) * width + x;
+      if (!counts(frame, estimate, i)) return;
       for (std::size_t c = 0; c < 3; ++c) {
-        sum.estimate[c] += exposure * estimate.color.data()[4 * i + c];
+        const double e = exposure * estimate.color.data()[4 * i + c];
+        sum.estimate[c] += e;
+        sum.restorable[c] += share * e;
         sum.residual += exposure * exposure * residual_square(frame, estimate, i, c) / 3.0;
       }
-    }
+    });
     rows[y] = sum;
   });
   Remainder whole;
   for (const Remainder& row : rows) {
-    for (std::size_t c = 0; c < 3; ++c) whole.estimate[c] += row.estimate[c];
+    for (std::size_t c = 0; c < 3; ++c) {
+      whole.estimate[c] += row.estimate[c];
+      whole.restorable[c] += row.restorable[c];
+    }
     whole.residual += row.residual;
   }
   return whole;
@@ -242,30 +314,34 @@ Remainder remainder_of(const NewFrame& frame, const Estimate& estimate) {
 /// sums from before the finer levels changed the estimate. A frame may state more noise than it has (the
 /// variance of one sample may be given as its square), so the residual bounds it. V^2 / (V + kUnseen^2)
 /// replaces the relative variance V.
-void restore_whole(Block whole, const NewFrame& frame, Estimate& estimate) {
-  const Remainder left = remainder_of(frame, estimate);
+void restore_whole(Block whole, const NewFrame& frame, const Restorable& restorable, Estimate& estimate) {
+  const Remainder left = remainder_of(frame, estimate, restorable);
   whole.factor = {1.0, 1.0, 1.0};
-  for (std::size_t c = 0; c < 3; ++c) whole.estimate[c] = whole.frame[c] > 0.0 ? left.estimate[c] : 0.0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    whole.estimate[c] = whole.frame[c] > 0.0 ? left.estimate[c] : 0.0;
+    whole.restorable[c] = whole.frame[c] > 0.0 ? left.restorable[c] : 0.0;
+  }
   const double mean = (whole.estimate[0] + whole.estimate[1] + whole.estimate[2]) / 3.0;
   const double noise = std::min(whole.noise, left.residual);
   const double unseen = kUnseen * mean * kUnseen * mean;
   bring_to_frame(whole, noise > 0.0 ? noise * (noise / (noise + unseen)) : 0.0, 1.0 + kUnseen);
   BlockGrid one(1, 1);
   one.blocks = {whole};
-  apply(one, 1, estimate);
+  apply(one, 1, restorable, estimate);
 }
 
 }  // namespace
 
 void restore_energy(const NewFrame& frame, const FilterTask& task, Estimate& estimate) {
-  std::vector<BlockGrid> levels{finest_level(frame, task, estimate)};
+  const Restorable restorable(frame, estimate);
+  std::vector<BlockGrid> levels{finest_level(frame, task, estimate, restorable)};
   while (levels.back().blocks.size() > 1) levels.push_back(coarser(levels.back()));
   leave_channels_without_light(levels);
   for (std::size_t l = levels.size(); l-- > 0;) {
     find_factors(levels[l], l + 1 < levels.size() ? &levels[l + 1] : nullptr);
   }
-  apply(levels.front(), kFinestBlock, estimate);
-  restore_whole(levels.back().blocks.front(), frame, estimate);
+  apply(levels.front(), kFinestBlock, restorable, estimate);
+  restore_whole(levels.back().blocks.front(), frame, restorable, estimate);
 }
 
 }  // namespace becalm::filter

@@ -80,6 +80,20 @@ def open_floor(stage):
     return View((0, 0, 0.5), 4.0, targets, (2.0, 7.0))
 
 
+def plain(stage):
+    """A ground that reaches far, whose texture is finer than a pixel in the distance, with things on it."""
+    dice = stage.dice
+    extent = dice.log_uniform(30.0, 150.0)
+    surface = material(dice, dice.log_uniform(0.15, 3.0), 1.0, WALL_KINDS)
+    things.add(things.plane_mesh(), scale=(extent, extent, 1), material=surface)
+    targets = []
+    for x, y in spread(dice, dice.randint(3, 12), 4.0, 1.0):
+        size = dice.log_uniform(0.2, 1.2)
+        stage.prop(things.solid(dice), (x, y, 0.9 * size), size, (0, 0, dice.uniform(0, 6.3)))
+        targets.append((x, y, 0.9 * size))
+    return View((0, 0, 0.5), 4.0, targets, (3.0, 9.0), (0.03, 0.35))
+
+
 def walls_of(stage, width, depth, height, holes):
     """Four pierced walls, a floor and a ceiling around the origin; `holes` in each wall, in turn."""
     dice = stage.dice
@@ -305,5 +319,5 @@ def cards(stage):
     return View((0, 0, 0.8), 2.0, targets, (1.2, 3.5), (0.0, 0.9))
 
 
-LAYOUTS = {open_floor: 2, room: 2, corridor: 1.2, terrain: 1.5, tabletop: 2, clutter: 1.5, wall: 1.5, abstract: 1.3, sparse: 1,
+LAYOUTS = {open_floor: 2, plain: 3, room: 2, corridor: 1.2, terrain: 1.5, tabletop: 2, clutter: 1.5, wall: 1.5, abstract: 1.3, sparse: 1,
            colonnade: 1.2, hangings: 1, cards: 1}

@@ -107,6 +107,27 @@ TEST(RestoreEnergy, LightOfRareBrightSamplesIsInTheWholeFrame) {
   EXPECT_NEAR(mean_green(estimate.color), mean, 0.002 * mean);
 }
 
+TEST(RestoreEnergy, CleanPixelsKeepTheirBrightnessBesideNoisyOnes) {
+  // One block: the left half is noisy and has lost 5 % of its light, the right half is clean and exact.
+  Frame frame = noisy_frame(128, 96, Told::nothing);
+  Estimate estimate = even_estimate(frame, 1.0f);
+  double noisy_mean = 0;
+  for (int y = 0; y < 96; ++y) {
+    for (int x = 0; x < 128; ++x) {
+      if (x < 64) noisy_mean += frame.image(Aov::beauty).at(x, y, 1) / (64.0 * 96.0);
+      for (int c = 0; c < 3; ++c)
+        (x < 64 ? estimate.color : frame.image(Aov::beauty)).at(x, y, c) = x < 64 ? 0.95f : 1.0f;
+    }
+  }
+  restore(frame, estimate);
+  double restored_mean = 0;
+  for (int y = 0; y < 96; ++y) {
+    for (int x = 0; x < 64; ++x) restored_mean += estimate.color.at(x, y, 1) / (64.0 * 96.0);
+    for (int x = 80; x < 128; ++x) ASSERT_NEAR(estimate.color.at(x, y, 1), 1.0f, 1e-4f) << x << ", " << y;
+  }
+  EXPECT_NEAR(restored_mean, noisy_mean, 0.01);
+}
+
 TEST(RestoreEnergy, NoiseThatIsToldButNotThereIsNotWaitedFor) {
   // The variance of one sample, given as its square, is 25 times the frame's true variance; the other
   // variances are invalid or missing.
