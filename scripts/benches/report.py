@@ -49,10 +49,10 @@ def time_table(becalm, folder):
         yield f"| {preset} | {wall:.1f} | {spent:.1f} | {mib:.0f} |"
 
 
-def quality_section(folder):
+def section(folder, title):
     text = (folder / "report.md").read_text()
-    found = re.search(r"## 8 samples per pixel\n(.*?)\n## ", text, re.DOTALL)
-    return found[1].strip() if found else sys.exit(f"report: {folder}/report.md: no section '8 samples per pixel'")
+    found = re.search(rf"## {title}\n(.*?)\n## ", text, re.DOTALL)
+    return found[1].strip() if found else sys.exit(f"report: {folder}/report.md: no section '{title}'")
 
 
 def main():
@@ -61,7 +61,7 @@ def main():
     parser.add_argument("-o", "--output", type=Path, default=Path("out/report"), metavar="DIR", help="pictures and plots (default: out/report)")
     asked = parser.parse_args()
     subprocess.run([sys.executable, "-m", "benches.quality.run", "--becalm", asked.becalm, "--shots", "cycles", "--variants",
-                    ",".join(VARIANTS), "--pictured", "final", "-o", str(asked.output)], check=True)
+                    ",".join(VARIANTS), "--ablation-spp", "8", "--pictured", "final", "--pictured-spp", "8", "-o", str(asked.output)], check=True)
     rows = "\n".join(time_table(asked.becalm, "build/report"))
     Path("RESULTS.md").write_text(f"""# Results
 
@@ -75,7 +75,13 @@ error are those of `becalm compare`, as a share of noisy's. The network did not 
 was extended after a look at `cloth` and `foliage` (`scripts/train/README.md`). The last three rows
 change one thing of `final`.
 
-{quality_section(asked.output)}
+{section(asked.output, "8 samples per pixel")}
+
+## Cycles shots, other sample counts
+
+Geometric means over the shots.
+
+{section(asked.output, "All sample counts")}
 
 ## Time
 

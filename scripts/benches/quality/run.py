@@ -142,7 +142,7 @@ def print_means(asked, results):
 def write_report(asked, program, results, missing):
     """Prints and writes all tables. Returns the sections of the page."""
     spps = results.spps()
-    report = Report(asked.output, ["goals", *(f"{spp}spp" for spp in spps), "variants"], "Quality of the denoised sequences")
+    report = Report(asked.output, ["goals", *(f"{spp}spp" for spp in spps), "samples", "variants"], "Quality of the denoised sequences")
     found = goals(results)
     sections = []
 
@@ -154,6 +154,8 @@ def write_report(asked, program, results, missing):
         parts = [tables.overview_table(results, spp), *(tables.scene_table(results, spp, metric) for metric in tables.METRICS),
                  tables.kept_table(results, spp), tables.still_table(results, spp)]
         add(f"{spp}spp", f"{spp} samples per pixel", "\n".join(parts), [c for c in results.cells.values() if c["spp"] == spp])
+    if len(spps) > 1:
+        add("samples", "All sample counts", "\n".join(tables.samples_table(results, metric) for metric in ("relmse", "temporal")), spps)
     add("variants", "Variants", tables.variant_table(results), results.refusals)
     lines = goal_table(found) + ("\nNot measured, since frames are missing:\n\n" + "".join(f"- {line}\n" for line in missing) if missing else "")
     add("goals", "Goals", lines, [vars(goal) | {"verdict": goal.verdict} for goal in found])

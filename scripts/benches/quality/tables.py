@@ -98,6 +98,14 @@ def scene_table(results, spp, metric):
     return markdown((METRICS[metric], *scenes, *(["geometric mean"] if of_noisy else [])), rows)
 
 
+def samples_table(results, metric):
+    """A row for each variant that is measured at several sample counts, a column for each count: geometric means over the scenes."""
+    spps = results.spps()
+    rows = [(variant.title, *(geometric_share(results, spp, variant.name, metric) for spp in spps)) for variant in results.variants
+            if variant is not NOISY and sum(bool(results.of(spp, variant.name)) for spp in spps) > 1]
+    return markdown((f"{METRICS[metric]} of noisy's, samples per pixel", *map(str, spps)), rows)
+
+
 def kept_table(results, spp):
     """The energy of all frames over that of the noisy frames."""
     scenes = list(results.of(spp, NOISY.name))
