@@ -1,6 +1,5 @@
 #include "app/compare_report.h"
 
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,9 +8,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <stdexcept>
 #include <system_error>
 
 #include "frame/error.h"
+#include "frame/pictures/pictures.h"
 
 namespace becalm::app {
 namespace {
@@ -86,12 +87,11 @@ Bytes error_map(const Image& test, const Image& reference) {
 }
 
 void write_png(const std::string& path, const Image& like, const Bytes& rgb) {
-  const auto output = OIIO::ImageOutput::create(path);
-  const OIIO::ImageSpec spec(like.width(), like.height(), 3, OIIO::TypeDesc::UINT8);
-  if (!output || !output->open(path, spec) || !output->write_image(OIIO::TypeDesc::UINT8, rgb.data()) ||
-      !output->close()) {
-    throw Error(ExitStatus::resource, fmt::format("{}: cannot write the picture: {}", path,
-                                                  output ? output->geterror() : OIIO::geterror()));
+  pictures::Library& library = pictures::library();
+  try {
+    library.write(path, like.width(), like.height(), rgb);
+  } catch (const std::runtime_error& error) {
+    throw Error(ExitStatus::resource, fmt::format("{}: cannot write the picture: {}", path, error.what()));
   }
 }
 

@@ -84,6 +84,7 @@ int run(int argc, char** argv) {
   parser.option_defaults()->take_last();  // so that scripts may append to a command
   const std::array commands{becalm::app::add_render(parser), becalm::app::add_denoise(parser),
                             becalm::app::add_compare(parser), becalm::app::add_info(parser)};
+  for (const auto& command : commands) becalm::app::add_help_all(*command.parser);
   try {
     parser.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -51,9 +51,12 @@ struct FilterOptions {
   std::optional<int> warmup;
   std::string context;  ///< empty: what there is
   std::string cuts = "auto";
+  std::string alpha = "keep";
+  std::string additive = "auto";  ///< none: additive layers are passed on noisy
   bool validate = false;
   bool diagnostics = false;
 };
+/// All but --additive, which takes layers of files in `denoise` alone.
 void add_filter_options(CLI::App& command, FilterOptions& options);
 
 /// The preset with every --set applied. Throws Error(usage).

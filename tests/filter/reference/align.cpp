@@ -6,7 +6,6 @@
 namespace becalm::reference {
 namespace {
 
-using filter::Distance;
 using Planes = std::vector<Grid<double>>;
 
 Grid<double> downsample(const Grid<double>& fine, int factor) {
@@ -27,25 +26,18 @@ Grid<double> downsample(const Grid<double>& fine, int factor) {
   return coarse;
 }
 
-double distance(Distance kind, const std::vector<double>& differences) {
-  double sum = 0.0;
-  for (const double d : differences) sum += kind == Distance::l2 ? d * d : std::abs(d);
-  return kind == Distance::log_l1 || kind == Distance::log_l1_centered ? std::log(2.0 + sum) : sum;
-}
-
-double floor_of(Distance kind) {
-  return distance(kind, {});
+/// Of two pixels whose features differ by so much in sum.
+double distance(double difference) {
+  return std::log(2.0 + difference);
 }
 
 constexpr double kMotionPenalty = 1e-5;
 
-/// The kernels' logarithmic costs have base 2.
-double cost_unit(Distance kind) {
-  return kind == Distance::log_l1 || kind == Distance::log_l1_centered ? std::log(2.0) : 1.0;
-}
+/// The kernels' costs are logarithms to base 2.
+const double kCostUnit = std::log(2.0);
 
-double center_weight(Distance kind, int sx, int sy) {
-  return kind == Distance::log_l1_centered ? 2.0 - std::exp(-0.02 * (sx * sx + sy * sy)) : 1.0;
+double center_weight(int sx, int sy) {
+  return 2.0 - std::exp(-0.02 * (sx * sx + sy * sy));
 }
 
 /// Position of the quadric's minimum; {0,0} if it has none within a pixel. Weighted least squares over the
@@ -135,8 +127,8 @@ Alignment align(const Planes& target_finest, const Planes& source_finest, const 
   for (std::size_t l = 1; l < levels; ++l) {
     targets.emplace_back();
     sources.emplace_back();
-    for (const auto& plane : targets[l - 1]) targets[l].push_back(downsample(plane, settings.pyramid_factor));
-    for (const auto& plane : sources[l - 1]) sources[l].push_back(downsample(plane, settings.pyramid_factor));
+    for (const auto& plane : targets[l - 1]) targets[l].push_back(downsample(plane, settings.pyramid.factor));
+    for (const auto& plane : sources[l - 1]) sources[l].push_back(downsample(plane, settings.pyramid.factor));
   }
 
   Alignment result;
@@ -148,7 +140,7 @@ Alignment align(const Planes& target_finest, const Planes& source_finest, const 
     const int radius = settings.blur_radius[std::min(l, settings.blur_radius.size() - 1)];
 
     // The source, warped to the target's pixels by the start offsets.
-    const Start start(result, l + 1 < levels ? settings.pyramid_factor : 0);
+    const Start start(result, l + 1 < levels ? settings.pyramid.factor : 0);
     std::vector<Grid<double>> warped;
     Grid<char> ambiguous(width, height, false);
     for (const Grid<double>& plane : source) {
@@ -166,11 +158,11 @@ Alignment align(const Planes& target_finest, const Planes& source_finest, const 
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x) {
         for (int k = 0; k < 25; ++k) {
-          std::vector<double> differences;
+          double difference = 0.0;
           for (std::size_t c = 0; c < target.size(); ++c) {
-            differences.push_back(target[c].at(x, y) - warped[c].clamped(x + k % 5 - 2, y + k / 5 - 2));
+            difference += std::abs(target[c].at(x, y) - warped[c].clamped(x + k % 5 - 2, y + k / 5 - 2));
           }
-          pixel[k].at(x, y) = distance(settings.distance, differences);
+          pixel[k].at(x, y) = distance(difference);
         }
       }
     }
@@ -195,8 +187,7 @@ Alignment align(const Planes& target_finest, const Planes& source_finest, const 
           // The penalty of motion, to second order as in shaders/lib/choice.glsl.
           const double motion =
               (from.x * sx + from.y * sy + 0.5 * (sx * sx + sy * sy)) / (1.0 + std::hypot(from.x, from.y));
-          cost[k] = mean[k] * center_weight(settings.distance, sx, sy) +
-                    kMotionPenalty * cost_unit(settings.distance) * motion;
+          cost[k] = mean[k] * center_weight(sx, sy) + kMotionPenalty * kCostUnit * motion;
           if (cost[k] < cost[best]) best = k;
         }
         double second = std::numeric_limits<double>::infinity();
@@ -215,10 +206,10 @@ Alignment align(const Planes& target_finest, const Planes& source_finest, const 
           }
           subpixel = quadric_minimum(around);
           const auto limit = [&](int step) {
-            const double least = floor_of(settings.distance);
+            const double least = distance(0.0);
             const double ratio =
                 (mean[best] - least) / std::max(1e-30, (mean[best - step] + mean[best + step]) / 2 - least);
-            return std::min(1.0, settings.distance == Distance::l2 ? std::sqrt(ratio) : ratio);
+            return std::min(1.0, ratio);
           };
           subpixel = {std::clamp(subpixel.x, -limit(1), limit(1)),
                       std::clamp(subpixel.y, -limit(5), limit(5))};
@@ -230,7 +221,7 @@ Alignment align(const Planes& target_finest, const Planes& source_finest, const 
         const Vec2 from = start.offset(matched_x, matched_y);
         level.offset.at(x, y) = {shift.x + from.x, shift.y + from.y};
         if (start.is_ambiguous(matched_x, matched_y)) level.ambiguous.at(x, y) = true;
-        level.residual.at(x, y) = mean[best] - floor_of(settings.distance);
+        level.residual.at(x, y) = mean[best] - distance(0.0);
       }
     }
     take_medians(level);
