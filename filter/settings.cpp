@@ -35,9 +35,10 @@ struct Named {
   Enum Settings::*member;
   std::span<const std::string_view> names;  ///< of the enum's values in order, from 0
 };
-using Field = std::variant<IntRange, IntChoice, IntList, PyramidShape, MergeWeights, Named<MotionUse>,
-                           Named<Resample>, Named<Smooth>, Named<Directions>>;
+using Field = std::variant<IntRange, IntChoice, IntList, PyramidShape, MergeWeights, Named<Distance>,
+                           Named<MotionUse>, Named<Resample>, Named<Smooth>, Named<Directions>>;
 
+constexpr std::array<std::string_view, 4> kDistanceNames{"l2", "l1", "log_l1", "log_l1_centered"};
 constexpr std::array<std::string_view, 3> kSmoothNames{"none", "frames", "merged"};
 constexpr std::array<std::string_view, 2> kDirectionsNames{"forward", "both"};
 constexpr std::array<std::string_view, 3> kMotionNames{"none", "guide", "override"};
@@ -63,6 +64,9 @@ const Row kTable[] = {
     {{"blur_radius", "integers 0..10 joined by commas",
       "patch radius of each level, the finest first; the last serves all coarser levels"},
      IntList{&Settings::blur_radius, 0, 10}},
+    {{"distance", "l2, l1, log_l1 or log_l1_centered",
+      "pixel distance of the matching; all but the last are there to compare with the paper"},
+     Named<Distance>{&Settings::distance, kDistanceNames}},
     {{"refine_levels", "integer 0..12", "subpixel refinement on so many of the finest levels"},
      IntRange{&Settings::refine_levels, 0, 12}},
     {{"prefilter", "integer 0..5",

@@ -7,6 +7,10 @@
 
 namespace becalm::filter {
 
+/// The pixel distance of the aligner (Hanika et al. 2021, eq. 2-5). The values are those of
+/// shaders/lib/distance.glsl.
+enum class Distance { l2 = 0, l1 = 1, log_l1 = 2, log_l1_centered = 3 };
+
 /// Use of the `motion` AOV: none; a candidate start offset at one level of the search; or the offset itself
 /// in pixels that have motion.
 enum class MotionUse { none, guide, override_offset };
@@ -45,6 +49,7 @@ struct Settings {
   int match_downsample = 2;
   Pyramid pyramid;
   std::vector<int> blur_radius = {1, 2};
+  Distance distance = Distance::log_l1_centered;
   int refine_levels = 12;
   int prefilter = 1;
   int guides = 1;

@@ -131,6 +131,7 @@ void add_match(Chain& chain, const Settings& settings, const Level& level) {
       .read("offset_coarse", level.coarse.image)
       .write("offset", level.offset)
       .write("residual", level.residual)
+      .specialize("kind", static_cast<int>(settings.distance))
       .specialize("channels", level.channels)
       .specialize("radius", level.radius)
       .specialize("strip_columns", strip.columns)

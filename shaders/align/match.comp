@@ -5,8 +5,8 @@
 // `strip_rows` pixels from top to bottom. For each of the 25 shifts and each column that a patch of the strip
 // covers, it keeps the sum over the patch's rows; each step adds a row and removes the oldest. Strips end
 // after `strip_rows` rows, which bounds the rounding error.
-// Sums of distances are logarithms of products (lib/distance.glsl). `log_of` says which product stays within
-// the range of floats: that of a patch, of a column or of one pixel.
+// Under a logarithmic distance, sums are logarithms of products (lib/distance.glsl). `log_of` says which
+// product stays within the range of floats: that of a patch, of a column or of one pixel.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -18,15 +18,16 @@ const int kLogOfPatch = 0;
 const int kLogOfColumn = 1;
 const int kLogOfPixel = 2;
 
-layout(constant_id = 0) const int channels = 1;
-layout(constant_id = 1) const int radius = 2;
-layout(constant_id = 2) const int strip_columns = 8;
-layout(constant_id = 3) const int strip_rows = 32;
-layout(constant_id = 4) const int log_of = kLogOfPatch;
+layout(constant_id = 0) const int kind = kDistanceLogL1Centered;
+layout(constant_id = 1) const int channels = 1;
+layout(constant_id = 2) const int radius = 2;
+layout(constant_id = 3) const int strip_columns = 8;
+layout(constant_id = 4) const int strip_rows = 32;
+layout(constant_id = 5) const int log_of = kLogOfPatch;
 
 const int kPatch = 2 * radius + 1;
 const int kColumns = strip_columns + 2 * radius;
-const bool kMultiplies = log_of != kLogOfPixel;
+const bool kMultiplies = kind >= kDistanceLogL1 && log_of != kLogOfPixel;
 
 layout(local_size_x = 8) in;
 layout(push_constant) uniform Params { MatchParams p; };
@@ -56,7 +57,7 @@ void find_differences(int row, int sy, int first_column) {
     }
     [[unroll]] for (int i = 0; i < kColumns; ++i) {
       const float value = texelFetch(target, target_line + clamp(first_column + i, 0, p.width - 1)).x;
-      [[unroll]] for (int k = 0; k < 5; ++k) difference[k * kColumns + i] += abs(value - source[i + k]);
+      [[unroll]] for (int k = 0; k < 5; ++k) difference[k * kColumns + i] += channel_difference(kind, value - source[i + k]);
     }
   }
 }
@@ -90,7 +91,7 @@ void main() {
         if (kMultiplies) {
           column[c] *= (1.0 + 0.5 * add * added[i]) / (1.0 + 0.5 * remove * difference[i]);
         } else {
-          column[c] += add * distance_excess(added[i]) - remove * distance_excess(difference[i]);
+          column[c] += add * distance_excess(kind, added[i]) - remove * distance_excess(kind, difference[i]);
         }
       }
     }
@@ -102,17 +103,17 @@ void main() {
         float sums[kColumns];
         [[unroll]] for (int i = 0; i < kColumns; ++i) {
           const float c = column[k * kColumns + i];
-          sums[i] = log_of == kLogOfColumn ? log2_of_product(max(c, 1.0)) : c;
+          sums[i] = kMultiplies && log_of == kLogOfColumn ? log2_of_product(max(c, 1.0)) : c;
         }
         [[unroll]] for (int i = 0; i < strip_columns; ++i) {
           float sum = sums[i];
-          [[unroll]] for (int j = 1; j < kPatch; ++j) sum = log_of == kLogOfPatch ? sum * sums[i + j] : sum + sums[i + j];
-          cost[i][k] = log_of == kLogOfPatch ? log2_of_product(max(sum, 1.0)) : sum;
+          [[unroll]] for (int j = 1; j < kPatch; ++j) sum = kMultiplies && log_of == kLogOfPatch ? sum * sums[i + j] : sum + sums[i + j];
+          cost[i][k] = kMultiplies && log_of == kLogOfPatch ? log2_of_product(max(sum, 1.0)) : sum;
         }
       }
       [[unroll]] for (int i = 0; i < strip_columns; ++i) {
         if (at.x + i < p.width) {
-          choose(cost[i], ivec2(at.x + i, y), ivec2(p.width, p.height), radius, p.refine != 0,
+          choose(kind, cost[i], ivec2(at.x + i, y), ivec2(p.width, p.height), radius, p.refine != 0,
                  ivec2(p.coarse_width, p.coarse_height), p.coarse_scale);
         }
       }

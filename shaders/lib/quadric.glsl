@@ -31,8 +31,9 @@ bool quadric_minimum(float c00, float c10, float c20, float c01, float c11, floa
 
 /// Largest subpixel offset along one axis that the costs allow. `here` is the pixel's cost, `before` and
 /// `after` are its neighbours'; a perfect match costs 0. An image displaced by m costs about |m| times as
-/// much as one displaced by a whole pixel. So a perfect match has no subpixel part, however uneven its
-/// surroundings; noise raises `here` and with it the limit.
-float subpixel_limit(float here, float before, float after) {
-  return min(here / max(0.5f * (before + after), 1e-30f), 1.0f);
+/// much as one displaced by a whole pixel (m^2 times under L2). So a perfect match has no subpixel part,
+/// however uneven its surroundings; noise raises `here` and with it the limit.
+float subpixel_limit(float here, float before, float after, bool squared) {
+  float ratio = here / max(0.5f * (before + after), 1e-30f);
+  return min(squared ? sqrt(ratio) : ratio, 1.0f);
 }

@@ -85,9 +85,13 @@ TEST_F(AlignStability, FlatAreasUnderNoiseStayStill) {
 TEST_F(AlignStability, APeriodicPatternThatStandsStillStaysStill) {
   const Frame stripes =
       frame_of(kWidth, kHeight, [](int x, int y) { return 1.0 + (x / 2 % 2) + 0.5 * (y / 3 % 2); });
-  const Image offset = align(preset("final"), stripes, stripes).offset;
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) ASSERT_LT(length_px(offset, x, y), 1e-3f);
+  for (const char* distance : {"distance=l2", "distance=l1", "distance=log_l1", "distance=log_l1_centered"}) {
+    Settings settings = preset("final");
+    set(settings, distance);
+    const Image offset = align(settings, stripes, stripes).offset;
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) ASSERT_LT(length_px(offset, x, y), 1e-3f) << distance;
+    }
   }
 }
 
@@ -123,13 +127,16 @@ TEST_F(AlignStability, ContentThatReachesTheBorderIsFollowedThere) {
 }
 
 TEST_F(AlignStability, APowerOfTwoOfBrightnessChangesNothing) {
-  const Settings settings = preset("balanced");
-  const PairAlignment one = align(settings, displaced(0, 0), displaced(2.5, 1));
-  for (const double gain : {0x1p-20, 0x1p20}) {
-    const PairAlignment other = align(settings, displaced(0, 0, gain), displaced(2.5, 1, gain));
-    for (std::size_t i = 0; i < one.offset.data().size(); ++i) {
-      // The exposure is computed from a mean of logarithms, which rounds.
-      ASSERT_NEAR(one.offset.data()[i], other.offset.data()[i], 1e-3f) << "gain " << gain;
+  for (const char* distance : {"distance=l1", "distance=log_l1_centered"}) {
+    Settings settings = preset("balanced");
+    set(settings, distance);
+    const PairAlignment one = align(settings, displaced(0, 0), displaced(2.5, 1));
+    for (const double gain : {0x1p-20, 0x1p20}) {
+      const PairAlignment other = align(settings, displaced(0, 0, gain), displaced(2.5, 1, gain));
+      for (std::size_t i = 0; i < one.offset.data().size(); ++i) {
+        // The exposure is computed from a mean of logarithms, which rounds.
+        ASSERT_NEAR(one.offset.data()[i], other.offset.data()[i], 1e-3f) << distance << " gain " << gain;
+      }
     }
   }
 }

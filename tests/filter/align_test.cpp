@@ -94,12 +94,18 @@ TEST_F(AlignTest, FindsAFarShift) {
 }
 
 TEST_F(AlignTest, FlatAndEqualImagesStayStill) {
-  const Grid<double> flat(70, 41, 0.25);
-  const Grid<double> textured = feature_image(70, 41, {}, 5);
-  for (const auto& image : {flat, textured}) {
-    const GpuAlignment found = align_on(device(), preset("final"), {70, 41}, {image}, {image});
-    for (const Vec2& offset : found.offset.data) ASSERT_LT(std::hypot(offset.x, offset.y), 1e-3);
-    for (const double residual : found.residual.data) ASSERT_NEAR(residual, 0.0, 1e-5);
+  for (const Distance distance : {Distance::l2, Distance::l1, Distance::log_l1, Distance::log_l1_centered}) {
+    Settings settings = preset("final");
+    settings.distance = distance;
+    const Grid<double> flat(70, 41, 0.25);
+    const Grid<double> textured = feature_image(70, 41, {}, 5);
+    for (const auto& image : {flat, textured}) {
+      const GpuAlignment found = align_on(device(), settings, {70, 41}, {image}, {image});
+      for (const Vec2& offset : found.offset.data) {
+        ASSERT_LT(std::hypot(offset.x, offset.y), 1e-3) << "distance " << static_cast<int>(distance);
+      }
+      for (const double residual : found.residual.data) ASSERT_NEAR(residual, 0.0, 1e-5);
+    }
   }
 }
 
@@ -172,7 +178,10 @@ TEST_P(AlignAgainstReference, OffsetsAndResidualsAgree) {
 
 INSTANTIATE_TEST_SUITE_P(
     Modes, AlignAgainstReference,
-    testing::Values(Case{"final", {}, 90, 61, 1}, Case{"factor_4", {"pyramid=4x2"}, 101, 64, 1},
+    testing::Values(Case{"l2", {"distance=l2"}, 90, 61, 1}, Case{"l1", {"distance=l1"}, 90, 61, 1},
+                    Case{"log_l1", {"distance=log_l1"}, 90, 61, 1},
+                    Case{"log_l1_centered", {"distance=log_l1_centered"}, 90, 61, 1},
+                    Case{"factor_4", {"pyramid=4x2"}, 101, 64, 1},
                     Case{"half_resolution", {"match_downsample=2"}, 120, 75, 1},
                     Case{"quarter_resolution", {"match_downsample=4"}, 131, 90, 1},
                     Case{"three_planes", {"pyramid=2x3"}, 64, 48, 3},

@@ -43,7 +43,7 @@ TEST(Settings, EveryRowHasHelpAndAppearsInTheText) {
   }
 }
 
-TEST(Settings, SomePresetVariesEachOfThem) {
+TEST(Settings, SomePresetVariesEachOfThemButThePapersDistances) {
   std::map<std::string, std::set<std::string>> values;
   for (const char* name : {"draft", "balanced", "final", "paper"}) {
     std::istringstream words(to_string(preset(name)));
@@ -53,17 +53,21 @@ TEST(Settings, SomePresetVariesEachOfThem) {
     }
   }
   EXPECT_EQ(values.size(), settings_table().size());
+  EXPECT_EQ(values.at("distance").size(), 1u);
+  values.erase("distance");
   for (const auto& [key, of_presets] : values) EXPECT_GT(of_presets.size(), 1u) << key;
 }
 
 TEST(Settings, ValuesArrive) {
   Settings settings;
   set(settings, "blur_radius=10,4,2");
+  set(settings, "distance=l1");
   set(settings, "motion=override");
   set(settings, "merge=mask:0.25,3,0.5");
   set(settings, "pyramid=4x3");
   set(settings, "resample=bilinear");
   EXPECT_EQ(settings.blur_radius, (std::vector{10, 4, 2}));
+  EXPECT_EQ(settings.distance, Distance::l1);
   EXPECT_EQ(settings.motion, MotionUse::override_offset);
   EXPECT_EQ(settings.merge, MergeMode::mask);
   EXPECT_EQ(settings.mask.alpha, 0.25f);
@@ -94,6 +98,8 @@ TEST(Settings, BadAssignmentsNameKeyValueAndRange) {
   }
   EXPECT_EQ(error_of("blur_radius=2,,3"),
             "--set blur_radius: value '2,,3': expected integers 0..10 joined by commas");
+  EXPECT_EQ(error_of("distance=L1"),
+            "--set distance: value 'L1': expected l2, l1, log_l1 or log_l1_centered");
   EXPECT_EQ(error_of("motion=Guide"), "--set motion: value 'Guide': expected none, guide or override");
   EXPECT_EQ(error_of("refine_levels=2x"), "--set refine_levels: value '2x': expected integer 0..12");
   EXPECT_EQ(error_of("patch_radius"), "--set 'patch_radius': expected KEY=VALUE");

@@ -65,9 +65,10 @@ TEST(Quadric, TakesTheNearestPointOfAValley) {
 }
 
 TEST(Quadric, APerfectMatchHasNoSubpixelPart) {
-  EXPECT_EQ(subpixel_limit(0.0f, 1.0f, 3.0f), 0.0f);
-  EXPECT_FLOAT_EQ(subpixel_limit(0.5f, 1.0f, 1.0f), 0.5f);
-  EXPECT_EQ(subpixel_limit(0.0f, 0.0f, 0.0f), 0.0f);
+  EXPECT_EQ(subpixel_limit(0.0f, 1.0f, 3.0f, false), 0.0f);
+  EXPECT_FLOAT_EQ(subpixel_limit(0.5f, 1.0f, 1.0f, false), 0.5f);
+  EXPECT_FLOAT_EQ(subpixel_limit(0.25f, 1.0f, 1.0f, true), 0.5f);
+  EXPECT_EQ(subpixel_limit(0.0f, 0.0f, 0.0f, false), 0.0f);
 }
 
 TEST(Quadric, HasNoMinimumOnPlanesSaddlesAndFarAway) {
@@ -82,11 +83,19 @@ TEST(Quadric, HasNoMinimumOnPlanesSaddlesAndFarAway) {
   EXPECT_TRUE(no_minimum([](float x, float y) { return x == 0.0f && y == 0.0f ? std::nanf("") : 1.0f; }));
 }
 
-TEST(Distance, FollowsThePapersEquation) {
-  EXPECT_FLOAT_EQ(kDistanceUnit * (1.0f + distance_excess(0.3f)), std::log(2.3f));
-  EXPECT_EQ(distance_excess(0.0f), 0.0f);
-  EXPECT_FLOAT_EQ(center_weight(2, -1), 2.0f - std::exp(-0.1f));
-  EXPECT_FLOAT_EQ(center_weight(0, 0), 1.0f);
+TEST(Distance, FollowsThePapersEquations) {
+  const auto distance = [](int kind, float d) {
+    return distance_unit(kind) * (distance_floor(kind) + distance_excess(kind, channel_difference(kind, d)));
+  };
+  const float d = 0.3f;
+  EXPECT_FLOAT_EQ(distance(kDistanceL2, -d), 0.09f);
+  EXPECT_FLOAT_EQ(distance(kDistanceL1, -d), 0.3f);
+  EXPECT_FLOAT_EQ(distance(kDistanceLogL1, -d), std::log(2.3f));
+  EXPECT_FLOAT_EQ(distance(kDistanceLogL1Centered, -d), std::log(2.3f));
+  EXPECT_FLOAT_EQ(center_weight(kDistanceLogL1Centered, 2, -1), 2.0f - std::exp(-0.1f));
+  EXPECT_FLOAT_EQ(center_weight(kDistanceLogL1Centered, 0, 0), 1.0f);
+  EXPECT_FLOAT_EQ(center_weight(kDistanceLogL1, 2, 2), 1.0f);
+  for (int kind = 0; kind < 4; ++kind) EXPECT_EQ(distance_excess(kind, 0.0f), 0.0f) << kind;
 }
 
 TEST(CatmullRom, ReproducesCubicsAndKeepsTaps) {

@@ -6,6 +6,7 @@
 namespace becalm::reference {
 namespace {
 
+using filter::Distance;
 using Planes = std::vector<Grid<double>>;
 
 Grid<double> downsample(const Grid<double>& fine, int factor) {
@@ -26,18 +27,25 @@ Grid<double> downsample(const Grid<double>& fine, int factor) {
   return coarse;
 }
 
-/// Of two pixels whose features differ by so much in sum.
-double distance(double difference) {
-  return std::log(2.0 + difference);
+double distance(Distance kind, const std::vector<double>& differences) {
+  double sum = 0.0;
+  for (const double d : differences) sum += kind == Distance::l2 ? d * d : std::abs(d);
+  return kind == Distance::log_l1 || kind == Distance::log_l1_centered ? std::log(2.0 + sum) : sum;
+}
+
+double floor_of(Distance kind) {
+  return distance(kind, {});
 }
 
 constexpr double kMotionPenalty = 1e-5;
 
-/// The kernels' costs are logarithms to base 2.
-const double kCostUnit = std::log(2.0);
+/// The kernels' logarithmic costs have base 2.
+double cost_unit(Distance kind) {
+  return kind == Distance::log_l1 || kind == Distance::log_l1_centered ? std::log(2.0) : 1.0;
+}
 
-double center_weight(int sx, int sy) {
-  return 2.0 - std::exp(-0.02 * (sx * sx + sy * sy));
+double center_weight(Distance kind, int sx, int sy) {
+  return kind == Distance::log_l1_centered ? 2.0 - std::exp(-0.02 * (sx * sx + sy * sy)) : 1.0;
 }
 
 /// Position of the quadric's minimum; {0,0} if it has none within a pixel. Weighted least squares over the
@@ -158,11 +166,11 @@ Alignment align(const Planes& target_finest, const Planes& source_finest, const 
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x) {
         for (int k = 0; k < 25; ++k) {
-          double difference = 0.0;
+          std::vector<double> differences;
           for (std::size_t c = 0; c < target.size(); ++c) {
-            difference += std::abs(target[c].at(x, y) - warped[c].clamped(x + k % 5 - 2, y + k / 5 - 2));
+            differences.push_back(target[c].at(x, y) - warped[c].clamped(x + k % 5 - 2, y + k / 5 - 2));
           }
-          pixel[k].at(x, y) = distance(difference);
+          pixel[k].at(x, y) = distance(settings.distance, differences);
         }
       }
     }
@@ -187,7 +195,8 @@ Alignment align(const Planes& target_finest, const Planes& source_finest, const 
           // The penalty of motion, to second order as in shaders/lib/choice.glsl.
           const double motion =
               (from.x * sx + from.y * sy + 0.5 * (sx * sx + sy * sy)) / (1.0 + std::hypot(from.x, from.y));
-          cost[k] = mean[k] * center_weight(sx, sy) + kMotionPenalty * kCostUnit * motion;
+          cost[k] = mean[k] * center_weight(settings.distance, sx, sy) +
+                    kMotionPenalty * cost_unit(settings.distance) * motion;
           if (cost[k] < cost[best]) best = k;
         }
         double second = std::numeric_limits<double>::infinity();
@@ -206,10 +215,10 @@ Alignment align(const Planes& target_finest, const Planes& source_finest, const 
           }
           subpixel = quadric_minimum(around);
           const auto limit = [&](int step) {
-            const double least = distance(0.0);
+            const double least = floor_of(settings.distance);
             const double ratio =
                 (mean[best] - least) / std::max(1e-30, (mean[best - step] + mean[best + step]) / 2 - least);
-            return std::min(1.0, ratio);
+            return std::min(1.0, settings.distance == Distance::l2 ? std::sqrt(ratio) : ratio);
           };
           subpixel = {std::clamp(subpixel.x, -limit(1), limit(1)),
                       std::clamp(subpixel.y, -limit(5), limit(5))};
@@ -221,7 +230,7 @@ Alignment align(const Planes& target_finest, const Planes& source_finest, const 
         const Vec2 from = start.offset(matched_x, matched_y);
         level.offset.at(x, y) = {shift.x + from.x, shift.y + from.y};
         if (start.is_ambiguous(matched_x, matched_y)) level.ambiguous.at(x, y) = true;
-        level.residual.at(x, y) = mean[best] - distance(0.0);
+        level.residual.at(x, y) = mean[best] - floor_of(settings.distance);
       }
     }
     take_medians(level);
