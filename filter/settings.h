@@ -29,8 +29,8 @@ enum class Smooth { none, frames, merged };
 /// How the merge weights the history against the new frame.
 enum class MergeMode { mask, variance };
 
-/// The weight of the history in mask mode: at most `alpha`, less `kappa` times the patch distance minus `eta`
-/// (Hanika et al. 2021, section 3.2).
+/// The weight of the history in mask mode: alpha (1 - m) with m = kappa eps - eta, clamped to [0,1], where
+/// eps is the patch distance (Hanika et al. 2021, section 3.2).
 struct MaskWeights {
   float alpha = 0.9f;
   float kappa = 2.0f;

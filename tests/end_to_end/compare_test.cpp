@@ -163,6 +163,20 @@ TEST(Info, DescribesScenesFilesSequencesAndDevices) {
   expect_error(becalm({"info", folder / "none.exr"}), 3, {"none.exr"});
 }
 
+TEST(Program, LoadsOpenImageIOForThePicturesAloneAndNeedsNoFileBesideIt) {
+  // The dynamic linker prints what it would load.
+  const Outcome libraries = Process({}, R"(LD_TRACE_LOADED_OBJECTS=1 "$0")").wait();
+  EXPECT_NE(libraries.out.find("libOpenEXR"), std::string::npos) << libraries.out;
+  EXPECT_EQ(libraries.out.find("libOpenImageIO"), std::string::npos) << libraries.out;
+  const TempFolder folder;
+  for (const char* name : {"a.exr", "b.exr"}) io::write_exr(folder / name, noise_frame(name[0]), {});
+  const Outcome moved = Process({folder.path().string()}, R"(cd "$1" && cp "$0" moved && )"
+                                                          R"(./moved compare a.exr b.exr --report report)")
+                            .wait();
+  EXPECT_EQ(moved.status, 0) << moved.err;
+  EXPECT_TRUE(fs::exists(folder.path() / "report/test.0001.png")) << moved.err;
+}
+
 TEST(Help, IsOnStandardOutputAndListsEverything) {
   const Outcome top = becalm_done({"--help"});
   for (const char* word : {"render", "denoise", "compare", "info", "Examples", "130 interrupted"}) {
