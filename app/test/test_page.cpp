@@ -30,6 +30,8 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kMostFrames = 4;
 /// Larger pictures are averaged down by whole factors.
 constexpr int kWidestPicture = 960;
+/// The scores are of 5x5 pixels.
+constexpr int kScoreRadius = 2;
 
 std::string base64(const std::vector<unsigned char>& bytes) {
   constexpr std::string_view letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -70,16 +72,23 @@ Image shrunk(const Image& image, int factor) {
   return small;
 }
 
-/// The difference of each pixel in standard deviations of both images' own noise.
+/// The difference of the pixels around each in standard deviations of both images' own noise: of a single
+/// pixel the noise would hide what a block shows.
 Image scores_of(const Frame& test, const Frame& reference) {
   const Image& mean = test.image(Aov::beauty);
   Image scores(mean.width(), mean.height(), 3);
   for (int y = 0; y < mean.height(); ++y) {
     for (int x = 0; x < mean.width(); ++x) {
       for (int c = 0; c < 3; ++c) {
-        const double difference = double(mean.at(x, y, c)) - reference.image(Aov::beauty).at(x, y, c);
-        const double variance =
-            double(test.image(Aov::variance).at(x, y, c)) + reference.image(Aov::variance).at(x, y, c);
+        double difference = 0.0;
+        double variance = 0.0;
+        for (int v = std::max(0, y - kScoreRadius); v < std::min(mean.height(), y + kScoreRadius + 1); ++v) {
+          for (int u = std::max(0, x - kScoreRadius); u < std::min(mean.width(), x + kScoreRadius + 1); ++u) {
+            difference += double(mean.at(u, v, c)) - reference.image(Aov::beauty).at(u, v, c);
+            variance +=
+                double(test.image(Aov::variance).at(u, v, c)) + reference.image(Aov::variance).at(u, v, c);
+          }
+        }
         scores.at(x, y, c) =
             difference == 0.0 ? 0.0f : static_cast<float>(difference / std::sqrt(std::max(0.0, variance)));
       }
