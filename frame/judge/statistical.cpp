@@ -389,8 +389,9 @@ std::string describe(const StatisticalResult& result) {
   const BlockLevel& level = result.worst_level();
   const BlockTest& worst = level.worst;
   std::string text = fmt::format(
-      "{}, channel {}: {:.6g} instead of {:.6g}, z {:+.2f}, threshold {:.2f}, p {:.2g}", name_of(level),
-      worst.channel, worst.test_mean, worst.reference_mean, worst.z, level.threshold, worst.p_value);
+      "{}, channel {}: {:.6g} instead of {:.6g}, z {:+.2f}, threshold {:.2f}, p {}", name_of(level),
+      worst.channel, worst.test_mean, worst.reference_mean, worst.z, level.threshold,
+      worst.p_value > 0.0 ? fmt::format("{:.2g}", worst.p_value) : "below 1e-300");
   if (result.not_finite > 0) {
     text += fmt::format("; {} pixels are not finite, first {},{}", result.not_finite,
                         result.first_not_finite->x, result.first_not_finite->y);
