@@ -19,8 +19,8 @@ enum class CaseOutcome {
 
 /// One comparison and its limit. A limit of every frame is one check; its value is the worst frame's.
 struct CheckResult {
-  std::string judge;         ///< key of "judged_by": exact, statistical, denoised, perceptual, error, sequence
-  std::string figure;        ///< what was measured: relMSE, FLIP, energy ...
+  std::string judge;   ///< key of "judged_by": exact, statistical, denoised, perceptual, error, sequence
+  std::string figure;  ///< what was measured: relMSE, FLIP, energy ...
   std::optional<int> frame;  ///< of the value; none where it is of the whole sequence
   double value = 0.0;
   double limit = 0.0;
