@@ -9,9 +9,11 @@
 #include <array>
 #include <charconv>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <thread>
 
 #include "app/cancel.h"
@@ -43,7 +45,7 @@ struct TestCommand {
   std::string keep;
   std::string junit;
   std::string json;
-  std::string html;
+  std::string report;
 };
 
 bool matches(const std::string& glob, const TestCase& test) {
@@ -131,7 +133,14 @@ class TestJob {
   void write_reports(const TestResults& results) const {
     if (!command_.junit.empty()) write_report_file("--junit", command_.junit, junit_xml(results));
     if (!command_.json.empty()) write_report_file("--json", command_.json, results_json(results));
-    if (!command_.html.empty()) write_report_file("--html", command_.html, test_page(results));
+    if (!command_.report.empty()) write_page(results);
+  }
+
+  void write_page(const TestResults& results) const {
+    const std::filesystem::path folder(command_.report);
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    write_report_file("--report", (folder / "index.html").string(), test_page(results));
   }
 
   ExitStatus calibrate_cases() const {
@@ -217,8 +226,10 @@ void add_test_options(CLI::App& parser, TestCommand& command) {
       ->option_text("FILE")
       ->group("Reports");
   parser.add_option("--json", command.json, "Write all figures")->option_text("FILE")->group("Reports");
-  parser.add_option("--html", command.html, "Write a page with pictures of the cases that did not pass")
-      ->option_text("FILE")
+  parser
+      .add_option("--report", command.report,
+                  "Write a page with pictures of the cases that did not pass, index.html in this folder")
+      ->option_text("DIR")
       ->group("Reports");
   parser.add_option("--keep", command.keep, "Keep the cases' frames and output in this folder")
       ->option_text("DIR")

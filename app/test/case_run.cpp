@@ -119,6 +119,7 @@ CaseRun run_case(const TestCase& test, const RunSettings& settings, std::uint32_
   run.result.suite = test.suite;
   run.result.suite_file = test.suite_file;
   run.result.name = test.name;
+  run.result.layer = test.layer;
   CaseRunner runner(test, settings, run);
   try {
     runner.run(seed_offset);

@@ -32,7 +32,7 @@ struct ChildResult {
 /// a limit ends it, is killed.
 ///
 /// The limit of memory is on what the group has in physical memory, measured 20 times a second, and on the
-/// peak that the kernel counts for its first process: a limit on addresses (RLIMIT_AS) would end programs
+/// peak of one process that the kernel counts: a limit on addresses (RLIMIT_AS) would end programs
 /// that reserve more than they use, as becalm's own filter does. A group may be above it for a moment.
 ///
 /// Throws Error(bad_input) if the program cannot be started.

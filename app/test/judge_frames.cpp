@@ -8,6 +8,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "app/test/layer_as_beauty.h"
 #include "app/test/pixel_judges.h"
 #include "frame/error.h"
 #include "frame/flicker.h"
@@ -49,9 +50,9 @@ void require_finite(const Image& image, int number) {
       fmt::format("frame {}: {} pixels are not finite, the first is {}", number, count, first));
 }
 
-Frame read_test(const std::string& path, int number, const Frame& reference) {
+Frame read_test(const std::string& path, int number, const std::string& layer, const Frame& reference) {
   try {
-    Frame frame = io::read_exr(path, number, AovSet().set()).frame;
+    Frame frame = read_layer_as_beauty(path, number, layer);
     if (frame.width() != reference.width() || frame.height() != reference.height()) {
       throw FrameProblem(fmt::format("frame {} is {}x{}, and its reference {}x{}", number, frame.width(),
                                      frame.height(), reference.width(), reference.height()));
@@ -138,7 +139,7 @@ class CaseJudge {
                     fmt::format("{}: is not of the size of {}", files.reference_b, files.reference));
       }
     }
-    const Frame fresh = read_test(files.test, files.number, reference);
+    const Frame fresh = read_test(files.test, files.number, test_.layer, reference);
     if (test_.judges.exact) {
       verdict_.checks.push_back(judge_exactly(*test_.judges.exact, files.number, fresh, reference));
     }
@@ -179,7 +180,7 @@ class CaseJudge {
  private:
   void add_denoised(const JudgedFrame& files) {
     const Frame reference = read_reference(files.denoised_reference, files.number);
-    const Frame fresh = read_test(files.denoised_test, files.number, reference);
+    const Frame fresh = read_test(files.denoised_test, files.number, "", reference);
     ComparedFrame now = compared(files.number, fresh, reference, nullptr);
     verdict_.measured.denoised_frames.push_back(
         measure(now, denoised_before_ ? &*denoised_before_ : nullptr));

@@ -107,7 +107,9 @@ void read_judges(const JsonValue& json, Judges& judges) {
   }
 }
 
-void check_judges(const JsonValue& json, const Judges& judges, const CaseSource& source) {
+void check_judges(const JsonValue& json, const TestCase& test) {
+  const Judges& judges = test.judges;
+  const CaseSource& source = test.source;
   if (judges.empty()) json.fail("expected at least one judge in 'judged_by'; nothing would be checked");
   if (judges.exact && judges.statistical) {
     json.fail(
@@ -119,6 +121,9 @@ void check_judges(const JsonValue& json, const Judges& judges, const CaseSource&
   }
   if (judges.denoised && !source.preset.empty()) {
     json.fail("denoised needs frames that the source has not denoised; leave out its 'denoise'");
+  }
+  if (!test.layer.empty() && (judges.exact || judges.statistical || judges.denoised)) {
+    json.fail("a 'layer' is judged by perceptual, error and sequence alone");
   }
   const auto is_temporal = [](const FigureLimit& limit) {
     return limit.figure->value == &FrameFigures::temporal;

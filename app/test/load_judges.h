@@ -10,6 +10,6 @@ namespace becalm::app {
 void read_judges(const tracer::JsonValue& json, Judges& judges);
 
 /// Throws where judges contradict each other, or the frames do not suffice for them.
-void check_judges(const tracer::JsonValue& json, const Judges& judges, const CaseSource& source);
+void check_judges(const tracer::JsonValue& json, const TestCase& test);
 
 }  // namespace becalm::app

@@ -125,10 +125,11 @@ void check_name(const JsonValue& json, const std::string& name) {
 
 /// Sets what the members of a case, or of the defaults, say.
 void read_members(const JsonValue& json, const std::string& suite_file, TestCase& test) {
-  json.allow_keys({"source", "reference", "judged_by", "false_alarm_rate"});
+  json.allow_keys({"source", "reference", "layer", "judged_by", "false_alarm_rate"});
   if (const auto source = json.find("source")) read_source(*source, suite_file, test.source);
   if (const auto reference = json.find("reference")) read_reference(*reference, test.reference);
   if (const auto rate = json.find("false_alarm_rate")) test.false_alarm_rate = rate->number(1e-12, 0.5);
+  if (const auto layer = json.find("layer")) test.layer = layer->string();
   if (const auto judges = json.find("judged_by")) read_judges(*judges, test.judges);
 }
 
@@ -149,7 +150,7 @@ std::vector<TestCase> load_suite(const std::string& file) {
     test.reference_folder = from_suite(file, "references/" + name);
     read_members(json, file, test);
     check_source(json.has("source") ? json.at("source") : json, test.source);
-    check_judges(json, test.judges, test.source);
+    check_judges(json, test);
     cases.push_back(std::move(test));
   }
   if (cases.empty()) root.at("cases").fail("expected at least one case");

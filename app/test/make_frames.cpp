@@ -9,6 +9,7 @@
 #include <fstream>
 #include <set>
 
+#include "frame/aov.h"
 #include "frame/error.h"
 #include "frame/io/sequence.h"
 
@@ -26,9 +27,10 @@ std::string becalm_executable() {
 }
 
 /// The layers that the judges read, and those that the source names.
-std::string asked_aovs(const TestCase& test) {
+std::string asked_aovs(const TestCase& test, const FrameOrder& order) {
   std::set<std::string> aovs(test.source.aovs.begin(), test.source.aovs.end());
-  if (test.judges.statistical) aovs.insert("variance");
+  if (test.judges.statistical || order.variance) aovs.insert("variance");
+  if (find_aov(test.layer) && test.layer != "beauty") aovs.insert(test.layer);
   if (test.judges.denoised) aovs.insert({"albedo", "normal", "depth", "variance"});
   return fmt::format("{}", fmt::join(aovs, ","));
 }
@@ -49,7 +51,7 @@ Arguments render_command(const TestCase& test, const FrameOrder& order) {
                     std::to_string(order.threads),
                     "--quiet"};
   if (!source.size.empty()) command.insert(command.end(), {"--size", source.size});
-  if (const std::string aovs = asked_aovs(test); !aovs.empty()) {
+  if (const std::string aovs = asked_aovs(test, order); !aovs.empty()) {
     command.insert(command.end(), {"--aovs", aovs});
   }
   // The case's frames are all there is: the filter would have others rendered for it.
@@ -148,6 +150,7 @@ FrameOrder order_of_reference(const TestCase& test, int which) {
   return {.spp = test.reference.spp.value_or(spp),
           .seed = test.reference.seed.value_or(seed) + static_cast<std::uint32_t>(which),
           .preset = test.reference.preset.value_or(exact ? source.preset : ""),
+          .variance = !exact,  // for the rounding of what is stored
           .pattern = {}};
 }
 

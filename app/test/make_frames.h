@@ -13,8 +13,9 @@ namespace becalm::app {
 struct FrameOrder {
   int spp = 1;
   std::uint32_t seed = 0;
-  std::string preset;   ///< of the filter; empty: none
-  std::string pattern;  ///< where the frames go: an absolute path with ####
+  std::string preset;     ///< of the filter; empty: none
+  bool variance = false;  ///< wanted as a layer even if no judge reads it
+  std::string pattern;    ///< where the frames go: an absolute path with ####
   int threads = 1;
 };
 

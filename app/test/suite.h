@@ -74,6 +74,7 @@ struct TestCase {
   std::string name;              ///< letters, digits and . _ -
   std::string reference_folder;  ///< references/NAME beside the suite file
   CaseSource source;
+  std::string layer;  ///< that is judged; empty: the beauty
   ReferenceSettings reference;
   Judges judges;
   /// Probability that `statistical` fails although nothing is wrong, and for which --calibrate proposes

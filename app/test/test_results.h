@@ -43,6 +43,7 @@ struct CaseResult {
   std::string suite;       ///< the suite file's name without its ending
   std::string suite_file;  ///< as found from the command line
   std::string name;
+  std::string layer;  ///< of the test frames' files that was judged; empty: the beauty, as in references
   CaseOutcome outcome = CaseOutcome::skipped;
   /// Why it is not passed, one line each, the most important first; remarks on a case that passed.
   std::vector<std::string> messages;

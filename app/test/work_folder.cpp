@@ -33,7 +33,9 @@ WorkFolder::~WorkFolder() {
 }
 
 std::string WorkFolder::folder_of(const TestCase& test, const std::string& part) const {
-  const std::string folder = (fs::path(path_) / test.suite / test.name / part).lexically_normal().string();
+  fs::path path = fs::path(path_) / test.suite / test.name;
+  if (!part.empty()) path /= part;
+  const std::string folder = path.string();
   std::error_code error;
   fs::remove_all(folder, error);
   if (!error) fs::create_directories(folder, error);

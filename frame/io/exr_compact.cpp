@@ -9,11 +9,11 @@
 namespace becalm::io {
 namespace {
 
-/// To three significant bits after the first, 6 % of a variance.
+/// To two bits after the first, at most 12 % of the deviation and on average none.
 float rounded(float deviation) {
   int exponent = 0;
   const float mantissa = std::frexp(deviation, &exponent);
-  return std::ldexp(std::round(mantissa * 16.0f), exponent - 4);
+  return std::ldexp(std::round(mantissa * 8.0f), exponent - 3);
 }
 
 /// The root of the variance: half does not reach as far as squares do.
