@@ -154,21 +154,26 @@ gpu::DeviceOptions device_options(const FilterOptions& options) {
   return {.select = options.device, .validation = options.validate};
 }
 
-std::uint64_t memory_limit(const FilterOptions& options) {
+std::optional<std::uint64_t> parse_bytes(std::string_view text) {
   constexpr std::string_view units = "KMGT";
-  const std::string& text = options.memory;
-  if (text.empty()) return std::numeric_limits<std::uint64_t>::max();
   double bytes = 0.0;
   const auto [end, error] =
       std::from_chars(text.data(), text.data() + text.size(), bytes, std::chars_format::fixed);
   const std::string_view rest(end, text.data() + text.size());
   const std::size_t unit = rest.size() == 1 ? units.find(rest[0]) : std::string_view::npos;
+  if (error != std::errc() || unit == std::string_view::npos) return std::nullopt;
   bytes = std::ldexp(bytes, 10 * (static_cast<int>(unit) + 1));
-  if (error != std::errc() || unit == std::string_view::npos || !(bytes >= 1.0 && bytes < 1e18)) {
-    throw Error(ExitStatus::usage,
-                fmt::format("--memory {}: expected a size with its unit, such as 512M or 1.5G", text));
-  }
+  if (!(bytes >= 1.0 && bytes < 1e18)) return std::nullopt;
   return static_cast<std::uint64_t>(bytes);
+}
+
+std::uint64_t memory_limit(const FilterOptions& options) {
+  if (options.memory.empty()) return std::numeric_limits<std::uint64_t>::max();
+  const std::optional<std::uint64_t> bytes = parse_bytes(options.memory);
+  if (bytes) return *bytes;
+  throw Error(
+      ExitStatus::usage,
+      fmt::format("--memory {}: expected a size with its unit, such as 512M or 1.5G", options.memory));
 }
 
 AovSet diagnostics_of(const FilterOptions& options) {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 /// Picture files of any format, read and written by OpenImageIO. Loading that library takes 0.27 s and
 /// 120 MiB, since it brings 250 others, so the first call of pictures::library() loads it.
@@ -65,6 +66,8 @@ class Library {
   virtual std::unique_ptr<TextureFiles> texture_files() = 0;
   /// Writes 8-bit RGB in the format of the file's extension. Throws std::runtime_error with the reason.
   virtual void write(const std::string& path, int width, int height, std::span<const std::uint8_t> rgb) = 0;
+  /// The same as the bytes of a PNG file.
+  virtual std::vector<unsigned char> png_bytes(int width, int height, std::span<const std::uint8_t> rgb) = 0;
 };
 
 /// Throws Error(resource) if the library cannot be loaded.
