@@ -6,6 +6,7 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "app/test/case_run.h"
 #include "frame/error.h"
@@ -25,23 +26,42 @@ double worst_of(const FigureLimit& limit, const Measurements& measured) {
 double rounded_up(double limit) {
   if (!(limit > 0.0)) return 0.0;
   const double unit = std::pow(10.0, std::floor(std::log10(limit)) - 2.0);
-  return std::ceil(limit / unit) * unit;
+  return std::stod(fmt::format("{:.2e}", std::ceil(limit / unit) * unit));  // without digits of rounding
+}
+
+/// The value that one more draw of a normal distribution exceeds with probability `rate`.
+double normal_limit(const std::vector<double>& values, double rate) {
+  const double n = static_cast<double>(values.size());
+  const double mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
+  double squares = 0.0;
+  for (const double value : values) squares += (value - mean) * (value - mean);
+  const boost::math::students_t distribution(n - 1.0);
+  const double quantile = boost::math::quantile(boost::math::complement(distribution, rate));
+  return mean + quantile * std::sqrt(squares / (n - 1.0) * (1.0 + 1.0 / n));
+}
+
+/// The same of errors: their logarithms count as normal, or with two references, whose errors may be
+/// negative, they themselves.
+double upper_limit(std::vector<double> values, double rate) {
+  if (!std::ranges::all_of(values, [](double value) { return value > 0.0; }))
+    return normal_limit(values, rate);
+  for (double& value : values) value = std::log(value);
+  return std::exp(normal_limit(values, rate));
 }
 
 double propose(const FigureLimit& limit, std::vector<double> values, double rate) {
   switch (limit.figure->limit) {
     case LimitKind::max:
       return rounded_up(upper_limit(values, rate));
-    case LimitKind::min:
-      // SSIM is near 1, and its distance from there is skewed.
+    case LimitKind::min:  // SSIM, whose distance from 1 is an error
       for (double& value : values) value = 1.0 - value;
       return 1.0 - rounded_up(upper_limit(values, rate));
     case LimitKind::max_absolute:
       break;
   }
-  const double high = upper_limit(values, 0.5 * rate);
+  const double high = normal_limit(values, 0.5 * rate);
   for (double& value : values) value = -value;
-  return rounded_up(std::max(high, upper_limit(values, 0.5 * rate)));
+  return rounded_up(std::max(high, normal_limit(values, 0.5 * rate)));
 }
 
 /// One limit's values over the seeds.
@@ -127,20 +147,6 @@ class Calibration {
 };
 
 }  // namespace
-
-double upper_limit(const std::vector<double>& values, double rate) {
-  const bool positive = std::ranges::all_of(values, [](double value) { return value > 0.0; });
-  const auto to_normal = [&](double value) { return positive ? std::log(value) : value; };
-  const double n = static_cast<double>(values.size());
-  double mean = 0.0;
-  for (const double value : values) mean += to_normal(value) / n;
-  double squares = 0.0;
-  for (const double value : values) squares += (to_normal(value) - mean) * (to_normal(value) - mean);
-  const boost::math::students_t distribution(n - 1.0);
-  const double quantile = boost::math::quantile(boost::math::complement(distribution, rate));
-  const double limit = mean + quantile * std::sqrt(squares / (n - 1.0) * (1.0 + 1.0 / n));
-  return positive ? std::exp(limit) : limit;
-}
 
 std::vector<std::string> calibrate(const TestCase& test, int seeds, const WorkFolder& folder, int threads) {
   require_seed(test);

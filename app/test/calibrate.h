@@ -10,12 +10,9 @@ namespace becalm::app {
 
 /// Runs a case with the seeds from the source's on, and proposes limits that a further seed passes but for
 /// the case's false-alarm rate, shared by its limits: lines for people, the last ones a "judged_by" to copy.
-/// Figures count as normally distributed, or their logarithms where all are positive, and the limit is the
-/// bound of Student's prediction interval. Throws Error(bad_input) where a run could not be judged, and
+/// Logarithms of errors count as normally distributed, and the limit is the bound of Student's prediction
+/// interval. Throws Error(bad_input) where a run could not be judged, and
 /// Error(interrupted).
 std::vector<std::string> calibrate(const TestCase& test, int seeds, const WorkFolder& folder, int threads);
-
-/// The value that one more draw exceeds with probability `rate`. Needs two values.
-double upper_limit(const std::vector<double>& values, double rate);
 
 }  // namespace becalm::app
