@@ -12,8 +12,10 @@
 #include "frame/error.h"
 
 extern "C" {
+// NOLINTBEGIN(readability-identifier-naming): symbols of embedded_module.S
 extern const std::byte becalm_pictures_module[];
 extern const std::byte becalm_pictures_module_end[];
+// NOLINTEND(readability-identifier-naming)
 }
 
 namespace becalm::pictures {
