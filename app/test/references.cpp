@@ -57,6 +57,11 @@ void write_reference(const TestCase& test, int spp, const std::string& from, int
                 fmt::format("{}: frame {} has pixels that are not finite, and would be a bad reference",
                             test.full_name(), number));
   }
+  if (test.judges.statistical && !frame.has(Aov::variance)) {
+    throw Error(ExitStatus::bad_input,
+                fmt::format("{}: frame {} has no layer variance, which statistical needs of references",
+                            test.full_name(), number));
+  }
   for (const AovInfo& entry : kAovTable) {
     const bool guide = test.judges.denoised &&
                        (entry.aov == Aov::albedo || entry.aov == Aov::normal || entry.aov == Aov::depth);

@@ -108,6 +108,8 @@ TEST_F(SuiteJudges, AReferenceThatCannotBeMadeIsTold) {
   EXPECT_NE(outcome.err.find("suite/crash: sh crashed"), std::string::npos) << outcome.err;
   write_suite(shell_case("noise", "cp image.exr $0", "", R"("statistical": true)"));
   expect_error(run({"--update", "--yes"}), 3, {"/cases/noise/source/command", "{seed}"});
+  write_suite(shell_case("noise", "cp image.exr $0; # {seed}", "", R"("statistical": true)"));
+  expect_error(run({"--update", "--yes"}), 3, {"suite/noise", "frame 1 has no layer variance"});
 }
 
 TEST_F(SuiteJudges, CalibrateProposesLimitsThatOtherSeedsPass) {
