@@ -11,6 +11,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from benches.timed import timed
+
 PRESETS = ("draft", "balanced", "final")
 SCENE, FRAMES, SPP = "scenes/crossing.json", "5-10", 4
 RUNS = 3  # of each preset, alternating
@@ -29,10 +31,9 @@ def processor():
 def measured(becalm, folder, preset):
     """Wall and processor seconds per frame, and peak memory in MiB, of one run."""
     command = [becalm, "denoise", f"{folder}/in.####.exr", "-o", f"{folder}/out.####.exr", "--preset", preset, "--overwrite", "--quiet"]
-    time = subprocess.run(["/usr/bin/time", "-f", "%e %U %S %M", *command], check=True, capture_output=True, text=True).stderr.split()[-4:]
-    wall, user, system, kib = map(float, time)
+    _, cost = timed(command, capture_output=True)
     frames = len(list(Path(folder).glob("in.*.exr")))
-    return wall / frames, (user + system) / frames, kib / 1024
+    return cost.wall_s / frames, cost.processor_s / frames, cost.peak_mib
 
 
 def time_table(becalm, folder):

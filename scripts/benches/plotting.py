@@ -1,0 +1,27 @@
+"""Plots as PNG files, drawn without a display."""
+
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+SIZE_IN = (9.0, 5.2)
+DPI = 110
+
+
+def save(path, figure):
+    figure.tight_layout()
+    FigureCanvasAgg(figure).print_png(str(path))
+
+
+def plot_panels(titles, x, ys, size_in=SIZE_IN):
+    """A figure with axes side by side."""
+    figure = Figure(figsize=size_in, dpi=DPI)
+    panels = figure.subplots(1, len(titles), squeeze=False)[0]
+    for axes, title, y in zip(panels, titles, ys):
+        axes.set(title=title, xlabel=x, ylabel=y)
+        axes.grid(True, which="both", alpha=0.3)
+    return figure, panels
+
+
+def plot_axes(title, x, y):
+    figure, (axes,) = plot_panels([title], x, [y])
+    return figure, axes
