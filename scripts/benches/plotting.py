@@ -7,8 +7,9 @@ SIZE_IN = (9.0, 5.2)
 DPI = 110
 
 
-def save(path, figure):
-    figure.tight_layout()
+def save(path, figure, below=0.0):
+    """below: the share of the height that is left free for a legend of all panels."""
+    figure.tight_layout(rect=(0.0, below, 1.0, 1.0))
     FigureCanvasAgg(figure).print_png(str(path))
 
 

@@ -1,5 +1,5 @@
-"""Writes RESULTS.md: the quality of each preset on the Cycles shots, and its time and memory at 1920x1080. Called by
-`scripts/bench report`."""
+"""Writes RESULTS.md: the quality of each preset on the Cycles shots, the trade of speed for accuracy, and time and memory at 1920x1080.
+Called by `scripts/bench report`."""
 
 import argparse
 import datetime
@@ -63,6 +63,8 @@ def main():
     asked = parser.parse_args()
     subprocess.run([sys.executable, "-m", "benches.quality.run", "--becalm", asked.becalm, "--shots", "cycles", "--variants",
                     ",".join(VARIANTS), "--ablation-spp", "8", "--pictured", "final", "--pictured-spp", "8", "-o", str(asked.output)], check=True)
+    subprocess.run([sys.executable, "-m", "benches.front.run", "--becalm", asked.becalm, "--resume"], check=True)
+    trade = Path("out/front/trade.md").read_text()
     rows = "\n".join(time_table(asked.becalm, "build/report"))
     Path("RESULTS.md").write_text(f"""# Results
 
@@ -84,6 +86,7 @@ Geometric means over the shots.
 
 {section(asked.output, "All sample counts")}
 
+{trade}
 ## Time
 
 `becalm denoise` of frames {FRAMES} of `{SCENE}`, 1920x1080, with albedo, normal, depth and

@@ -5,7 +5,8 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from benches.front.points import METRICS, mean_worth
 from benches.plotting import plot_panels, save
 
-SIZE_IN = (13.0, 5.6)
+SIZE_IN = (13.0, 6.2)
+LEGEND = 0.11  # of the height
 COLOURS = {"draft": "C0", "balanced": "C2", "final": "C3", "paper": "C4", "non_local_means": "C1", "joint_bilateral": "C5",
            "motion_average": "C6"}
 PLAIN_COLOUR, SETTING_COLOUR, FRONT_COLOUR = "0.4", "0.55", "#f0cf6d"
@@ -15,6 +16,11 @@ def _log_axis(axis):
     axis.set_major_locator(LogLocator(base=10, subs=(1.0, 2.0, 5.0)))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())
+
+
+def _save_with_legend(path, figure, axes):
+    figure.legend(*axes.get_legend_handles_labels(), fontsize=9, loc="lower center", ncol=5, frameon=False)
+    save(path, figure, LEGEND)
 
 
 def _lines(trade, metric):
@@ -72,8 +78,7 @@ def plot_trade(path, title, trade):
     figure, panels = plot_panels([f"{title}: {of}" for of in METRICS.values()], x, METRICS.values(), SIZE_IN)
     for axes, metric in zip(panels, METRICS):
         _draw_trade(axes, trade, metric)
-    panels[0].legend(fontsize=8, loc="lower left")
-    save(path, figure)
+    _save_with_legend(path, figure, panels[0])
 
 
 def plot_worth(path, title, trades, mean):
@@ -96,5 +101,4 @@ def plot_worth(path, title, trades, mean):
         axes.set_yscale("log")
         axes.set_xticks(sorted({p.spp for p in mean.points}), [str(spp) for spp in sorted({p.spp for p in mean.points})])
         _log_axis(axes.yaxis)
-    panels[0].legend(fontsize=8)
-    save(path, figure)
+    _save_with_legend(path, figure, panels[0])
