@@ -6,7 +6,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from benches.front import plots, scaling, tables
-from benches.front.points import METRICS, mean_trade, mean_worth
+from benches.front.points import mean_trade, mean_worth
 from benches.markdown_report import Report
 from pictures.files import file_uri
 from pictures.page import write_page
@@ -49,12 +49,12 @@ def _write_index(folder, subtitle):
 
 def _trade_text(sets, clock):
     """What RESULTS.md shows: what plain rendering needs for equal error, and the presets that are dominated."""
-    parts = [_wrapped(f"Time is {'that of all processors' if clock == 'processor' else 'wall time'}, with files; figures are geometric means. "
+    parts = [_wrapped(f"Time is {'that of all processors' if clock == 'processor' else 'wall time'}, with files and the program's start; figures are geometric means. "
                       + tables.NOTE)]
     for one in sets:
         mean = mean_trade(one.trades)
         parts += [_wrapped(f"{one.title} ({', '.join(trade.title for trade in one.trades)}), {len(one.data.frames)} frames:"),
-                  tables.mean_worth_table(one.trades, mean), tables.dominated_table(mean)]
+                  tables.mean_worth_table(one.trades, mean), tables.dominated_table(mean), tables.count_table(one.trades)]
         if not mean.has_render_time:
             parts.append(_wrapped("Their time of rendering is not known: seconds are those of denoising, and dominance is among equal sample counts."))
     return "\n".join(parts)
@@ -68,11 +68,11 @@ def _statements(trades, mean):
 def _set_text(one):
     mean = mean_trade(one.trades)
     parts = [_wrapped("Plain rendering of equal relMSE, geometric means:"), _statements(one.trades, mean), tables.point_table(mean),
-             *(tables.front_table(mean, metric) for metric in METRICS)]
+             tables.front_tables(mean)]
     for trade in one.trades:
         parts += [f"{trade.title}:\n", tables.scene_worth_table(trade), tables.dominated_table(trade),
-                  *(tables.front_table(trade, metric) for metric in METRICS), tables.point_table(trade)]
-    return "\n".join(parts)
+                  tables.front_tables(trade), tables.point_table(trade)]
+    return "\n".join(part for part in parts if part)
 
 
 def _draw(folder, one):

@@ -93,8 +93,11 @@ class Set:
                 continue
             try:
                 cell = cells.measure(scene, spp, method, False)
-            except (MissingFrames, MissingLayer) as error:
-                self.missing.append(f"{scene} at {spp} spp, {method.title}: {error}")
+            except MissingFrames as error:
+                self.missing.append(f"{scene} at {spp} spp: {error}")
+                return
+            except MissingLayer as error:
+                self.missing.append(f"{method.title} of {scene} at {spp} spp: {error}")
                 continue
             error = {metric: value if (value := cell["mean"][metric]) is not None and value > 0.0 else None for metric in METRICS}
             point = Point(spp, method.name, method.title, kind(method), render_s, cell["times"].get(PROCESS_TIME[clock], 0.0), **error)
@@ -139,7 +142,7 @@ def measure(asked):
         missing += one.missing
     measured = [one for one in sets if one.trades]
     if not measured:
-        sys.exit("bench front: nothing to measure: " + "; ".join(missing or ["neither scenes nor shots"]))
+        sys.exit("bench front: nothing to measure:\n" + "\n".join(missing or ["neither scenes nor shots"]))
     figures = {one.key: [trade.figures() for trade in (*one.trades, mean_trade(one.trades))] for one in measured}
     (asked.output / "figures.json").write_text(json.dumps({"clock": asked.clock, "missing": missing} | figures, indent=1))
     page.write(asked.output, measured, missing, asked.clock)

@@ -26,16 +26,20 @@ def seconds(point):
     return f"{number(point.render_s)} + {number(point.denoise_s)}" if point.render_s is not None else number(point.denoise_s)
 
 
-def worth_table(points, worth_of):
-    """What plain rendering needs for the errors of the points, by worth_of(point, metric)."""
+def seconds_title(trade):
+    return ("rendering + denoising" if trade.has_render_time else "denoising") + ", s a frame"
+
+
+def worth_table(trade, worth_of):
+    """What plain rendering needs for the errors of presets and recipes, by worth_of(point, metric)."""
     rows = []
-    for point in points:
+    for point in compared(trade):
         found = {metric: worth_of(point, metric) for metric in METRICS}
         of_error = found["relmse"]
         rows.append((point.label, seconds(point),
                      *(text for worth in found.values() for text in (samples(worth), number(worth and worth.times, "x"))),
                      number(of_error and of_error.at_equal_time)))
-    return markdown(("point", "rendering + denoising, s a frame", *(text for title in METRICS.values() for text in
+    return markdown(("point", seconds_title(trade), *(text for title in METRICS.values() for text in
                      (f"spp of plain rendering for equal {title}", "faster")), "relMSE in equal time"), rows)
 
 
@@ -45,11 +49,11 @@ def compared(trade):
 
 
 def scene_worth_table(trade):
-    return worth_table(compared(trade), trade.worth)
+    return worth_table(trade, trade.worth)
 
 
 def mean_worth_table(trades, mean):
-    return worth_table(compared(mean), lambda point, metric: mean_worth(trades, point, metric))
+    return worth_table(mean, lambda point, metric: mean_worth(trades, point, metric))
 
 
 def statement(point, worth):
@@ -73,12 +77,22 @@ def dominated_table(trade):
     return markdown(("dominated preset", "by time and", "better", "its time over the preset's", "its error"), rows)
 
 
-def front_table(trade, metric):
-    rows = [(point.label, seconds(point), f"{getattr(point, metric):.3g}") for point in trade.front(metric)]
-    return markdown((f"front of time and {METRICS[metric]}", "rendering + denoising, s a frame", METRICS[metric]), rows)
+def count_table(trades):
+    """How many points of each preset are dominated, of those on all scenes by themselves."""
+    found = [(point.name, metric) for trade in trades for point, metric, _ in dominated(trade)]
+    points = [point.name for trade in trades for point in trade.points if point.kind == "preset"]
+    rows = [(name, *(f"{found.count((name, metric))} of {points.count(name)}" for metric in METRICS)) for name in dict.fromkeys(points)]
+    return markdown(("dominated on single scenes", *(f"by time and {title}" for title in METRICS.values())), rows)
+
+
+def front_tables(trade):
+    """Nothing without the time of rendering: sample counts would seem free."""
+    return "\n".join(markdown((f"front of time and {title}", seconds_title(trade), title), [
+        (point.label, seconds(point), f"{getattr(point, metric):.3g}") for point in trade.front(metric)])
+        for metric, title in METRICS.items()) if trade.has_render_time else ""
 
 
 def point_table(trade):
     rows = [(point.label, seconds(point), *("-" if (error := getattr(point, metric)) is None else f"{error:.3g}" for metric in METRICS))
             for point in trade.points]
-    return markdown((trade.title, "rendering + denoising, s a frame", *METRICS.values()), rows)
+    return markdown((trade.title, seconds_title(trade), *METRICS.values()), rows)
