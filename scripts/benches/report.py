@@ -1,5 +1,5 @@
-"""Writes RESULTS.md: the quality of each preset on the Cycles shots, and its time and memory at 1920x1080. Called by
-`scripts/bench report`."""
+"""Writes RESULTS.md: the quality of each preset on the Cycles shots, the trade of speed for accuracy, and time and memory at 1920x1080.
+Called by `scripts/bench report`."""
 
 import argparse
 import datetime
@@ -10,6 +10,8 @@ import statistics
 import subprocess
 import sys
 from pathlib import Path
+
+from benches.timed import timed
 
 PRESETS = ("draft", "balanced", "final")
 SCENE, FRAMES, SPP = "scenes/crossing.json", "5-10", 4
@@ -29,10 +31,9 @@ def processor():
 def measured(becalm, folder, preset):
     """Wall and processor seconds per frame, and peak memory in MiB, of one run."""
     command = [becalm, "denoise", f"{folder}/in.####.exr", "-o", f"{folder}/out.####.exr", "--preset", preset, "--overwrite", "--quiet"]
-    time = subprocess.run(["/usr/bin/time", "-f", "%e %U %S %M", *command], check=True, capture_output=True, text=True).stderr.split()[-4:]
-    wall, user, system, kib = map(float, time)
+    _, cost = timed(command, capture_output=True)
     frames = len(list(Path(folder).glob("in.*.exr")))
-    return wall / frames, (user + system) / frames, kib / 1024
+    return cost.wall_s / frames, cost.processor_s / frames, cost.peak_mib
 
 
 def time_table(becalm, folder):
@@ -62,6 +63,8 @@ def main():
     asked = parser.parse_args()
     subprocess.run([sys.executable, "-m", "benches.quality.run", "--becalm", asked.becalm, "--shots", "cycles", "--variants",
                     ",".join(VARIANTS), "--ablation-spp", "8", "--pictured", "final", "--pictured-spp", "8", "-o", str(asked.output)], check=True)
+    subprocess.run([sys.executable, "-m", "benches.front.run", "--becalm", asked.becalm, "--resume"], check=True)
+    trade = Path("out/front/trade.md").read_text()
     rows = "\n".join(time_table(asked.becalm, "build/report"))
     Path("RESULTS.md").write_text(f"""# Results
 
@@ -83,6 +86,7 @@ Geometric means over the shots.
 
 {section(asked.output, "All sample counts")}
 
+{trade}
 ## Time
 
 `becalm denoise` of frames {FRAMES} of `{SCENE}`, 1920x1080, with albedo, normal, depth and

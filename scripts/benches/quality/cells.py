@@ -7,7 +7,6 @@ import re
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +16,7 @@ from benches.quality.data import frame_path, frame_range
 from benches.quality.pictures import write_pictures, write_references
 from benches.quality.still import over_ideal, still_pixels
 from benches.quality.variants import NOISY
+from benches.timed import timed
 from pictures.files import read_layers
 
 
@@ -32,9 +32,13 @@ def radiance(path):
     return chosen.get_pixels(oiio.FLOAT)
 
 
-def _plain_layer(channel):
-    """The layer's name without Blender's prefixes: `albedo` of `ViewLayer.Denoising Albedo.R`."""
-    return channel.rpartition(".")[0].rpartition(".")[2].lower().removeprefix("denoising ")
+def content_hash(path):
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()[:16]
+
+
+def plain_name(layer):
+    """The layer's name without Blender's prefixes: `albedo` of `ViewLayer.Denoising Albedo`."""
+    return layer.rpartition(".")[2].lower().removeprefix("denoising ")
 
 
 def copy_without(pattern, frames, layers, folder):
@@ -42,7 +46,7 @@ def copy_without(pattern, frames, layers, folder):
     copies = folder / "f.####.exr"
     for frame in frames:
         image = oiio.ImageBuf(str(frame_path(pattern, frame)))
-        kept = tuple(name for name in image.spec().channelnames if _plain_layer(name) not in layers)
+        kept = tuple(name for name in image.spec().channelnames if plain_name(name.rpartition(".")[0]) not in layers)
         copy = oiio.ImageBufAlgo.channels(image, kept)
         if not copy.write(str(frame_path(copies, frame))):
             raise OSError(f"{frame_path(copies, frame)}: {copy.geterror()}")
@@ -55,7 +59,7 @@ class Cells:
     def __init__(self, program, data, output, reference_spp, resume):
         self.program, self.data, self.output, self.reference_spp, self.resume = program, data, output, reference_spp, resume
         (output / "cells").mkdir(parents=True, exist_ok=True)
-        self.made_by = hashlib.sha256(open(program.path, "rb").read()).hexdigest()[:16]
+        self.made_by = content_hash(program.path)
 
     def measure(self, scene, spp, variant, pictured):
         """The cell's figures. Raises MissingFrames if noisy frames or references are missing."""
@@ -63,7 +67,7 @@ class Cells:
         file = self.output / "cells" / f"{scene}.{spp}.{variant.name}.json"
         inputs = [frame_path(noisy, frame) for frame in self.data.frames] + [
             frame_path(reference, frame) for reference in references for frame in self.data.measured]
-        recipe = {"program": self.made_by, "options": self.program.options(variant), "without": list(variant.without),
+        recipe = {"program": self.made_by, "options": self._options(variant), "without": list(variant.without),
                   "input": str(noisy), "changed": max(path.stat().st_mtime for path in inputs), "pictured": pictured}
         if self.resume and file.exists():
             kept = json.loads(file.read_text())
@@ -79,7 +83,8 @@ class Cells:
         if variant is NOISY:
             test, times = noisy, {}
         else:
-            test, times = self._denoise(variant, noisy, folder)
+            denoised = folder / "denoised" / "f.####.exr"
+            test, times = denoised, self._denoise(variant, noisy, denoised)
         cell = self._compare(references, test, folder / "figures.json") | {"times": times}
         images = {frame: radiance(frame_path(test, frame)) for frame in self.data.frames}
         clean = self._references(scene)
@@ -95,22 +100,25 @@ class Cells:
             write_references(pictures / "reference", clean)
         return cell
 
-    def _denoise(self, variant, noisy, folder):
-        """The pattern of the denoised frames, and seconds per frame: the median of the filter, the mean of the whole process."""
+    def _options(self, variant):
+        """What the cell depends on besides the program and its input."""
+        return self.program.options(variant)
+
+    def _denoise(self, variant, noisy, denoised):
+        """Writes the denoised frames. Returns seconds per frame: the median of the filter, the mean of the whole process, and by all its threads."""
         given = noisy
         if variant.without:
-            (folder / "given").mkdir()
-            given = copy_without(noisy, self.data.frames, variant.without, folder / "given")
-        denoised = folder / "denoised" / "f.####.exr"
-        started = time.monotonic()
-        run = subprocess.run([self.program.path, "denoise", given, "-o", denoised, "--frames", frame_range(self.data.frames), "--quiet",
-                              "--profile", *self.program.options(variant)], stderr=subprocess.PIPE, text=True)
-        seconds = (time.monotonic() - started) / len(self.data.frames)
+            copies = denoised.parent.with_name("given")
+            copies.mkdir()
+            given = copy_without(noisy, self.data.frames, variant.without, copies)
+        run, cost = timed([self.program.path, "denoise", given, "-o", denoised, "--frames", frame_range(self.data.frames), "--quiet",
+                           "--profile", *self.program.options(variant)], check=False, stderr=subprocess.PIPE, text=True)
         if run.returncode != 0:
             sys.stderr.write(run.stderr)
         run.check_returncode()
         filter_ms = re.findall(r"^  filter(?: backward)? +([\d.]+) ms$", run.stderr, re.MULTILINE)
-        return denoised, {"filter": sum(map(float, filter_ms)) / 1e3, "process": seconds}
+        count = len(self.data.frames)
+        return {"filter": sum(map(float, filter_ms)) / 1e3, "process": cost.wall_s / count, "processor": cost.processor_s / count}
 
     def _compare(self, references, test, file):
         first, second = references

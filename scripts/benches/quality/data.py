@@ -1,8 +1,12 @@
 """The frames that the variants are measured on: noisy ones in FOLDER/SCENE/nSPP, references in FOLDER/SCENE/a and b."""
 
 import re
-import subprocess
+import tempfile
+import time
 from pathlib import Path
+
+from benches.quality import render_time
+from benches.timed import timed
 
 SCENES = Path(__file__).resolve().parents[3] / "scenes"
 AOVS = ["variance", "albedo", "normal", "depth", "motion", "object_id"]
@@ -14,14 +18,19 @@ class MissingFrames(Exception):
     pass
 
 
+def noisy_aovs(spp):
+    return AOVS + (HALVES if spp > 1 else [])
+
+
 class Data:
     def __init__(self, folder, frames, measured, spps, render=None):
-        """render(scene_file, pattern, frames, spp, seed, aovs) makes frames that do not exist; None: they are missing."""
+        """render: a Renderer, which makes frames that do not exist; None: they are missing."""
         self.folder, self.frames, self.measured, self.spps, self.render = Path(folder), frames, measured, sorted(spps), render
+        self._rendered = set()  # patterns
 
     def noisy(self, scene, spp):
         """The pattern of the noisy frames. Raises MissingFrames if one does not exist."""
-        return self._pattern(scene, f"n{spp}", self.frames, spp, spp, AOVS + (HALVES if spp > 1 else []))
+        return self._pattern(scene, f"n{spp}", self.frames, spp, spp, noisy_aovs(spp))
 
     def cleanest(self, scene):
         """The pattern of the noisy frames with the largest sample count that exists."""
@@ -38,8 +47,9 @@ class Data:
 
     def _pattern(self, scene, name, frames, spp, seed, aovs):
         pattern = self.folder / scene / name / "f.####.exr"
-        if self.render:
+        if self.render and pattern not in self._rendered:
             self.render(SCENES / f"{scene}.json", pattern, frames, spp, seed, aovs)
+            self._rendered.add(pattern)
         return require(pattern, frames)
 
 
@@ -61,9 +71,29 @@ def frame_range(frames):
     return f"{frames[0]}-{frames[-1]}"
 
 
-def renderer(becalm, size):
-    def render(scene_file, pattern, frames, spp, seed, aovs):
+class Renderer:
+    """Renders frames of our scenes, and notes what they cost."""
+
+    def __init__(self, becalm, size):
+        self.becalm, self.size = becalm, size
+
+    def __call__(self, scene_file, pattern, frames, spp, seed, aovs):
+        """Renders the frames that do not exist."""
         print(f"render {scene_file.stem}, {spp} spp, frames {frame_range(frames)}", flush=True)
-        subprocess.run([becalm, "render", scene_file, "-o", pattern, "--frames", frame_range(frames), "--size", size, "--spp", str(spp),
-                        "--seed", str(seed), "--float", "--quiet", "--resume", *(["--aovs", ",".join(aovs)] if aovs else [])], check=True)
-    return render
+        pattern.parent.mkdir(parents=True, exist_ok=True)
+        started = time.time()
+        cost = self._render(scene_file, pattern, frames, spp, seed, aovs)
+        rendered = sum(frame_path(pattern, frame).stat().st_mtime >= started for frame in frames)
+        if rendered:
+            render_time.note(pattern.parent, rendered, cost.wall_s, cost.processor_s)
+
+    def note_time(self, scene_file, pattern, frames, spp, seed, aovs):
+        """Notes what frames cost that were rendered without a note, by rendering these again."""
+        with tempfile.TemporaryDirectory() as folder:
+            cost = self._render(scene_file, Path(folder) / "f.####.exr", frames, spp, seed, aovs)
+        render_time.note(pattern.parent, len(frames), cost.wall_s, cost.processor_s)
+
+    def _render(self, scene_file, pattern, frames, spp, seed, aovs):
+        _, cost = timed([self.becalm, "render", scene_file, "-o", pattern, "--frames", frame_range(frames), "--size", self.size,
+                         "--spp", spp, "--seed", seed, "--float", "--quiet", "--resume", *(["--aovs", ",".join(aovs)] if aovs else [])])
+        return cost

@@ -1,27 +1,10 @@
 """Plots of the results, as PNG files."""
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
+from benches.plotting import plot_axes, save
 from benches.quality.tables import METRICS
 from benches.quality.variants import NOISY
-
-SIZE_IN = (9.0, 5.2)
-DPI = 110
-
-
-def _save(path, figure):
-    figure.tight_layout()
-    FigureCanvasAgg(figure).print_png(str(path))
-
-
-def _axes(title, x, y):
-    figure = Figure(figsize=SIZE_IN, dpi=DPI)
-    axes = figure.add_subplot()
-    axes.set(title=title, xlabel=x, ylabel=y)
-    axes.grid(True, which="both", alpha=0.3)
-    return figure, axes
 
 
 def _samples_axis(axes, spps):
@@ -31,7 +14,7 @@ def _samples_axis(axes, spps):
 
 def plot_errors(path, results, metric):
     """Mean over the scenes against samples per pixel, a line for each variant that is no ablation."""
-    figure, axes = _axes(f"{METRICS[metric]}, mean over the scenes", "samples per pixel", METRICS[metric])
+    figure, axes = plot_axes(f"{METRICS[metric]}, mean over the scenes", "samples per pixel", METRICS[metric])
     spps = results.spps()
     for variant in results.variants:
         if variant.ablation:
@@ -44,12 +27,12 @@ def plot_errors(path, results, metric):
     if metric in ("relmse", "temporal"):
         axes.set_yscale("log")
     axes.legend(fontsize=8)
-    _save(path, figure)
+    save(path, figure)
 
 
 def plot_energy(path, results, limit):
     """A point for each scene and sample count, which shows the worst ones."""
-    figure, axes = _axes("energy of every scene", "samples per pixel", "mean over the reference's, less 1, in %")
+    figure, axes = plot_axes("energy of every scene", "samples per pixel", "mean over the reference's, less 1, in %")
     spps, variants = results.spps(), [v for v in results.variants if not v.ablation]
     for index, variant in enumerate(variants):
         points = [(spp * 2.0 ** (0.06 * (index - len(variants) / 2)), 100 * cell["mean"]["energy"])
@@ -59,12 +42,12 @@ def plot_energy(path, results, limit):
     axes.axhspan(-100 * limit, 100 * limit, color="C2", alpha=0.12, label="goal")
     _samples_axis(axes, spps)
     axes.legend(fontsize=8)
-    _save(path, figure)
+    save(path, figure)
 
 
 def plot_time(path, results, spp):
     """relMSE over noisy's against seconds per frame, a point for each variant."""
-    figure, axes = _axes(f"time against error at {spp} spp, means over the scenes", "seconds of the filter a frame", "relMSE over that of noisy")
+    figure, axes = plot_axes(f"time against error at {spp} spp, means over the scenes", "seconds of the filter a frame", "relMSE over that of noisy")
     for variant in results.variants:
         seconds = [cell["times"]["filter"] for cell in results.of(spp, variant.name).values() if cell["times"]]
         if not seconds:
@@ -73,7 +56,7 @@ def plot_time(path, results, spp):
         axes.scatter(*point, color="C1" if variant.ablation else "C0", s=22)
         axes.annotate(variant.name, point, fontsize=7, xytext=(4, 3), textcoords="offset points")
     axes.set_yscale("log")
-    _save(path, figure)
+    save(path, figure)
 
 
 def write_plots(folder, results, energy_limit, time_spp):

@@ -8,8 +8,9 @@ from pathlib import Path
 from benches.markdown_report import Report
 from benches.quality import tables
 from benches.quality.cells import Cells
-from benches.quality.data import Data, MissingFrames, renderer
+from benches.quality.data import Data, MissingFrames, Renderer
 from benches.quality.goals import ENERGY, goal_table, goals
+from benches.quality.options import counts, frames, words
 from benches.quality.page import write_quality_page
 from benches.quality.plots import write_plots
 from benches.quality.shots import KNOWN, Shots
@@ -17,27 +18,6 @@ from benches.quality.variants import NOISY, VARIANTS, Program, Variant
 
 SCENES = ["penumbra", "crossing", "spheres", "fence", "courtyard", "dining", "ocean"]
 PICTURED = ["noisy", "paper", "forward", "smoother", "final"]
-
-
-def _words(text):
-    return text.split(",")
-
-
-def _counts(text):
-    try:
-        counts = [int(word) for word in text.split(",")]
-    except ValueError:
-        counts = []
-    if not counts or min(counts) < 1:
-        raise argparse.ArgumentTypeError(f"'{text}': expected counts such as 1,4,16")
-    return counts
-
-
-def _frames(text):
-    first, _, last = text.partition("-")
-    if not (first.isdigit() and last.isdigit() and int(first) <= int(last)):
-        raise argparse.ArgumentTypeError(f"'{text}': expected a range such as 1-16")
-    return list(range(int(first), int(last) + 1))
 
 
 def _variant(text):
@@ -57,17 +37,17 @@ def arguments():
     parser.add_argument("--shots", metavar="NAME",
                         help=f"frames of another renderer in place of our scenes: {', '.join(KNOWN)}, or a folder with n8/, a/ and b/, or a folder "
                              "of such folders; scenes, sample counts and frames are those that exist, unless given")
-    parser.add_argument("--scenes", type=_words, metavar="LIST", help=f"default: {','.join(SCENES)}")
-    parser.add_argument("--spp", type=_counts, metavar="LIST", help="of the noisy frames (default: 1,4,8,16,64)")
-    parser.add_argument("--ablation-spp", type=_counts, metavar="LIST",
+    parser.add_argument("--scenes", type=words, metavar="LIST", help=f"default: {','.join(SCENES)}")
+    parser.add_argument("--spp", type=counts, metavar="LIST", help="of the noisy frames (default: 1,4,8,16,64)")
+    parser.add_argument("--ablation-spp", type=counts, metavar="LIST",
                         help="the part of them at which ablations are measured (default: 4; with --shots and --variants: all)")
-    parser.add_argument("--variants", type=_words, metavar="LIST", help="names of variants (default: all)")
+    parser.add_argument("--variants", type=words, metavar="LIST", help="names of variants (default: all)")
     parser.add_argument("--variant", action="append", default=[], type=_variant, metavar="'NAME OPTION ...'",
                         help="also measure becalm denoise with these options")
-    parser.add_argument("--pictured", type=_words, metavar="LIST", default=PICTURED, help=f"variants on the page (default: {','.join(PICTURED)})")
-    parser.add_argument("--pictured-spp", type=_counts, metavar="LIST", help="sample counts on the page (default: 4, with --shots: all)")
-    parser.add_argument("--frames", type=_frames, metavar="RANGE", help="of the noisy sequences (default: 1-16)")
-    parser.add_argument("--measured", type=_frames, metavar="RANGE", help="frames that have references (default: 7-10)")
+    parser.add_argument("--pictured", type=words, metavar="LIST", default=PICTURED, help=f"variants on the page (default: {','.join(PICTURED)})")
+    parser.add_argument("--pictured-spp", type=counts, metavar="LIST", help="sample counts on the page (default: 4, with --shots: all)")
+    parser.add_argument("--frames", type=frames, metavar="RANGE", help="of the noisy sequences (default: 1-16)")
+    parser.add_argument("--measured", type=frames, metavar="RANGE", help="frames that have references (default: 7-10)")
     parser.add_argument("--reference-spp", type=int, metavar="N", help="of each of the two references (default: 64)")
     parser.add_argument("--size", default="384x216", metavar="WxH", help="of rendered frames (default: 384x216)")
     parser.add_argument("--resume", action="store_true", help="reuse figures of an earlier run that had the same program and frames")
@@ -100,10 +80,10 @@ def find_data(asked):
         for scene in set(asked.scenes) - data.roots.keys():
             raise OSError(f"no shot '{scene}'; there are {', '.join(data.roots)}")
     else:
-        _or_default(asked, scenes=SCENES, spp=[1, 4, 8, 16, 64], frames=_frames("1-16"), measured=_frames("7-10"), reference_spp=64,
+        _or_default(asked, scenes=SCENES, spp=[1, 4, 8, 16, 64], frames=frames("1-16"), measured=frames("7-10"), reference_spp=64,
                     ablation_spp=[4], pictured_spp=[4], output=Path("out/quality"))
         data = Data(asked.data or Path("build/quality"), asked.frames, asked.measured, asked.spp,
-                    None if asked.data else renderer(asked.becalm, asked.size))
+                    None if asked.data else Renderer(asked.becalm, asked.size))
     if not asked.measured or not set(asked.measured) <= set(asked.frames):
         raise OSError("the measured frames are not all among the noisy ones")
     return data

@@ -4,7 +4,8 @@ Renders the animated Cycles shots that becalm is validated on: noisy frames DIR/
     blender -b --factory-startup --python scripts/benches/quality/cycles/render.py -- --out build/quality/cycles
 
 No setting of the denoiser is chosen on these shots. Frames that exist are kept. Each noisy frame has its own seed and is a half-float
-multilayer file with Combined, Denoising Albedo, Denoising Normal and Denoising Depth; references have only their beauty.
+multilayer file with Combined, Denoising Albedo, Denoising Normal and Denoising Depth; references have only their beauty. The time
+of rendering is noted beside the frames, in seconds.json.
 """
 
 import argparse
@@ -17,6 +18,7 @@ import bpy
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
+from benches.quality import render_time  # noqa: E402
 from benches.quality.cycles import indoors, outdoors, studio  # noqa: E402
 
 SHOTS = {build.__name__: build for build in (indoors.window, studio.cloth, outdoors.foliage, outdoors.car, indoors.candles, studio.skin,
@@ -76,9 +78,10 @@ def prepare(asked):
 
 
 def write_frame(scene, path, spp, seed, file_format="OPEN_EXR_MULTILAYER"):
-    """Renders the current frame, unless the file exists: it is renamed from a partial file last, so it is complete."""
+    """Renders the current frame, unless the file exists: it is renamed from a partial file last, so it is complete.
+    Returns wall and processor seconds of a frame that it rendered."""
     if path.exists():
-        return
+        return None
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_name(f"{path.stem}.partial{path.suffix}")
     settings = scene.render.image_settings
@@ -94,6 +97,7 @@ def write_frame(scene, path, spp, seed, file_format="OPEN_EXR_MULTILAYER"):
     os.replace(partial, path)
     wall, busy = time.monotonic() - started[0], time.process_time() - started[1]
     print(f"{path}: {spp} spp, {wall:.1f} s, {busy:.1f} CPU s", flush=True)
+    return wall, busy
 
 
 def render_shot(scene, name, asked):
@@ -103,7 +107,10 @@ def render_shot(scene, name, asked):
     for frame in sorted({*asked.frames, *asked.measured}):
         scene.frame_set(frame)
         if frame in asked.frames:
-            write_frame(scene, folder / f"n{asked.spp}" / f"f.{frame:04d}.exr", asked.spp, frame)
+            noisy = folder / f"n{asked.spp}"
+            seconds = write_frame(scene, noisy / f"f.{frame:04d}.exr", asked.spp, frame)
+            if seconds:
+                render_time.note(noisy, 1, *seconds)
         if frame in asked.measured:
             for i, half in enumerate("ab", 1):
                 write_frame(scene, folder / half / f"f.{frame:04d}.exr", reference_spp, i * SEED_STEP + frame, "OPEN_EXR")
