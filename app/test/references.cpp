@@ -116,6 +116,7 @@ ReferenceUpdate::ReferenceUpdate(const TestCase& test, const RunSettings& settin
 
 void ReferenceUpdate::make() {
   for (int which = 0; which < reference_count(test_); ++which) make_one(which);
+  find_outdated();
 }
 
 void ReferenceUpdate::make_one(int which) {
@@ -166,6 +167,24 @@ void ReferenceUpdate::accept() const {
     if (error)
       throw Error(ExitStatus::resource, fmt::format("{}: cannot write it: {}", place, error.message()));
   }
+  for (const std::string& path : outdated_) {
+    if (!fs::remove(path, error) && error)
+      throw Error(ExitStatus::resource, fmt::format("{}: cannot remove it: {}", path, error.message()));
+  }
+}
+
+void ReferenceUpdate::find_outdated() {
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(test_.reference_folder, error)) {
+    const std::string path = entry.path().string();
+    const std::string name = entry.path().filename().string();
+    const bool is_reference = (name.starts_with("a.") || name.starts_with("b.")) && name.ends_with(".exr");
+    const auto is_here = [&](const auto& file) { return fs::path(file.second).filename() == name; };
+    if (is_reference && std::ranges::none_of(files_, is_here)) outdated_.push_back(path);
+  }
+  std::ranges::sort(outdated_);
+  for (const std::string& path : outdated_)
+    changes_.push_back(path + ": removed, the case has no such frame");
 }
 
 }  // namespace becalm::app

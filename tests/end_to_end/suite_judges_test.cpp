@@ -99,6 +99,13 @@ TEST_F(SuiteJudges, UpdateIsNeverSilent) {
     EXPECT_NE(second.out.find(words), std::string::npos) << words << second.out;
   }
   expect_error(run({"--update=c", "--yes"}), 2, {"--update c"});
+  const fs::path outdated = folder_ / "references/a/a.0007.exr";
+  const fs::path notes = folder_ / "references/a/notes.txt";
+  fs::copy_file(folder_ / "references/a/a.0001.exr", outdated);
+  std::ofstream(notes) << "kept";
+  EXPECT_NE(update("a").out.find("a.0007.exr: removed"), std::string::npos);
+  EXPECT_FALSE(fs::exists(outdated));
+  EXPECT_TRUE(fs::exists(notes));
 }
 
 TEST_F(SuiteJudges, AReferenceThatCannotBeMadeIsTold) {
