@@ -13,6 +13,7 @@
 
 #include "app/pictures.h"
 #include "app/test/layer_as_beauty.h"
+#include "app/test/shell_words.h"
 #include "frame/error.h"
 #include "frame/frame.h"
 
@@ -172,17 +173,6 @@ Json number_of(double value) {
   return std::isfinite(value) ? Json(value) : Json(fmt::format("{}", value));
 }
 
-std::string shell_quoted(const std::string& word) {
-  const auto is_plain = [](char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
-           std::string_view("_-./=:,+").find(c) != std::string_view::npos;
-  };
-  if (!word.empty() && std::ranges::all_of(word, is_plain)) return word;
-  std::string quoted = "'";
-  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
-
 Json case_json(const CaseResult& result) {
   Json json{{"name", result.suite + "/" + result.name},
             {"outcome", name_of(result.outcome)},
@@ -199,8 +189,8 @@ Json case_json(const CaseResult& result) {
                               {"passed", check.passed}});
   }
   if (result.outcome != CaseOutcome::failed && result.outcome != CaseOutcome::error) return json;
-  json["replay"] = fmt::format("becalm test {} --filter {}", shell_quoted(result.suite_file),
-                               shell_quoted(result.suite + "/" + result.name));
+  json["replay"] = fmt::format("becalm test {} --filter {}", shell_word(result.suite_file),
+                               shell_word(result.suite + "/" + result.name));
   json["command"] = result.command;
   json["output"] = result.output;
   json["frames"] = Json::array();
