@@ -57,7 +57,7 @@ std::string alpha_outlook(const std::string& path, const io::LayerOptions& layer
     const std::ptrdiff_t noisy = std::ranges::count(filter::noisy_alpha(beauty), 1);
     if (noisy == 0) return "alpha: passed on as it is";
     return fmt::format(
-        "alpha: passed on as it is; {:.1f} % of its pixels look noisy, and --set alpha=1 denoises these",
+        "alpha: passed on as it is; {:.1f} % of its pixels look noisy, and --alpha denoise denoises these",
         100.0 * static_cast<double>(noisy) / static_cast<double>(beauty.pixel_count()));
   } catch (const Error&) {
     return "";

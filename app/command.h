@@ -22,5 +22,6 @@ Command add_render(CLI::App& becalm);
 Command add_denoise(CLI::App& becalm);
 Command add_compare(CLI::App& becalm);
 Command add_info(CLI::App& becalm);
+Command add_test(CLI::App& becalm);
 
 }  // namespace becalm::app

@@ -15,56 +15,31 @@
 #include "app/command.h"
 #include "app/compare_report.h"
 #include "app/console.h"
+#include "app/frame_figures.h"
 #include "app/options.h"
-#include "frame/flip.h"
 #include "frame/io/exr.h"
 #include "frame/io/layers.h"
 #include "frame/io/sequence.h"
-#include "frame/metrics.h"
 
 namespace becalm::app {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// What a limit bounds: from above, from below, or the absolute value from above. Comparisons are written so
-/// that NaN, which means that no pixel was finite, fails.
-enum class Limit { max, min, max_absolute };
-
-double limited(Limit kind, double value) {
-  return kind == Limit::max_absolute ? std::abs(value) : value;
-}
-
-bool fails(Limit kind, double value, double limit) {
-  return kind == Limit::min ? !(value >= limit) : !(limited(kind, value) <= limit);
-}
-
-/// One column of the table, and the option that limits it.
-struct Column {
-  const char* title;
-  const char* key;  ///< in the JSON file
-  double FrameFigures::*value;
-  std::string (*format)(double);
-  const char* option;
-  Limit limit;
+/// The option that limits a figure; in the order of kFigures.
+struct LimitOption {
+  const char* name;
   const char* help;
 };
 
-const std::array kColumns{
-    Column{"relMSE", "relmse", &FrameFigures::rel_mse, [](double v) { return fmt::format("{:.4e}", v); },
-           "--max-relmse", Limit::max, "Largest relMSE"},
-    Column{"PSNR dB", "psnr", &FrameFigures::psnr_db, [](double v) { return fmt::format("{:.2f}", v); },
-           "--min-psnr", Limit::min, "Smallest PSNR, in dB for a peak of 1"},
-    Column{"SSIM", "ssim", &FrameFigures::ssim, [](double v) { return fmt::format("{:.4f}", v); },
-           "--min-ssim", Limit::min, "Smallest SSIM"},
-    Column{"FLIP", "flip", &FrameFigures::flip, [](double v) { return fmt::format("{:.4f}", v); },
-           "--max-flip", Limit::max, "Largest mean FLIP, of 67 pixels per degree, after clamping to [0,1]"},
-    Column{"temporal", "temporal", &FrameFigures::temporal, [](double v) { return fmt::format("{:.4e}", v); },
-           "--max-temporal", Limit::max, "Largest temporal error"},
-    Column{"energy", "energy", &FrameFigures::energy,
-           [](double v) { return fmt::format("{:+.3f} %", v * 100.0); }, "--max-energy", Limit::max_absolute,
-           "Largest share by which the mean may differ: 0.01 is 1 %"},
-};
+constexpr std::array<LimitOption, kFigures.size()> kLimitOptions{{
+    {"--max-relmse", "Largest relMSE"},
+    {"--min-psnr", "Smallest PSNR, in dB for a peak of 1"},
+    {"--min-ssim", "Smallest SSIM"},
+    {"--max-flip", "Largest mean FLIP, of 67 pixels per degree, after clamping to [0,1]"},
+    {"--max-temporal", "Largest temporal error"},
+    {"--max-energy", "Largest share by which the mean may differ: 0.01 is 1 %"},
+}};
 
 struct CompareCommand {
   std::string reference;
@@ -74,70 +49,21 @@ struct CompareCommand {
   std::string layers;
   std::string report;
   std::string json;
-  std::array<std::optional<double>, kColumns.size()> limits;  ///< in the columns' order
+  std::array<std::optional<double>, kFigures.size()> limits;  ///< in the order of kFigures
 };
-
-/// The images of one frame.
-struct Images {
-  int frame = 0;
-  Image test;
-  Image reference;
-  Image reference_b;     ///< empty without --reference-b
-  Image reference_mean;  ///< of both references; empty without --reference-b
-
-  /// For what has no form of two references: the one with the least noise.
-  const Image& best_reference() const { return reference_b.empty() ? reference : reference_mean; }
-};
-
-Image mean_of(const Image& a, const Image& b) {
-  Image mean = a;
-  for (std::size_t i = 0; i < mean.data().size(); ++i) mean.data()[i] = 0.5f * (a.data()[i] + b.data()[i]);
-  return mean;
-}
-
-FrameFigures measure(const Images& now, const Images* before) {
-  const bool two = !now.reference_b.empty();
-  const Measured error =
-      two ? rel_mse(now.test, now.reference, now.reference_b) : rel_mse(now.test, now.reference);
-  FrameFigures figures{
-      .frame = now.frame, .rel_mse = error.value, .temporal = kNone, .skipped = error.skipped};
-  if (two) {
-    figures.psnr_db = psnr(now.test, now.reference, now.reference_b, 1.0).value;
-    figures.ssim = ssim(now.test, now.reference, now.reference_b).value;
-    figures.energy = energy(now.test, now.reference, now.reference_b).value;
-  } else {
-    figures.psnr_db = psnr(now.test, now.reference).value;
-    figures.ssim = ssim(now.test, now.reference).value;
-    figures.energy = energy(now.test, now.reference).value;
-  }
-  figures.flip = flip(now.test, now.best_reference()).value;
-  if (before != nullptr && before->frame == now.frame - 1) {
-    figures.temporal = two ? temporal_error(now.test, before->test, now.reference, before->reference,
-                                            now.reference_b, before->reference_b)
-                                 .value
-                           : temporal_error(now.test, before->test, now.reference, before->reference).value;
-  }
-  return figures;
-}
-
-/// The temporal error of a frame that follows no other is not a value. NaN in other columns is one, and
-/// fails.
-bool has_value(const Column& column, const FrameFigures& figures) {
-  return column.value != &FrameFigures::temporal || !std::isnan(figures.temporal);
-}
 
 /// Mean over the frames; PSNR is a mean of decibels, as tables give it.
 FrameFigures mean_of(const std::vector<FrameFigures>& frames) {
   FrameFigures mean;
-  for (const Column& column : kColumns) {
+  for (const Figure& figure : kFigures) {
     double sum = 0.0;
     std::size_t count = 0;
     for (const FrameFigures& figures : frames) {
-      if (!has_value(column, figures)) continue;
-      sum += figures.*column.value;
+      if (!has_value(figure, figures)) continue;
+      sum += figures.*figure.value;
       ++count;
     }
-    mean.*column.value = count == 0 ? kNone : sum / static_cast<double>(count);
+    mean.*figure.value = count == 0 ? kNone : sum / static_cast<double>(count);
   }
   for (const FrameFigures& figures : frames) mean.skipped += figures.skipped;
   return mean;
@@ -145,22 +71,22 @@ FrameFigures mean_of(const std::vector<FrameFigures>& frames) {
 
 void print_row(const std::string& name, const FrameFigures& figures) {
   fmt::print("{:>6}", name);
-  for (const Column& column : kColumns) {
-    fmt::print("  {:>11}", has_value(column, figures) ? column.format(figures.*column.value) : "-");
+  for (const Figure& figure : kFigures) {
+    fmt::print("  {:>11}", has_value(figure, figures) ? figure.format(figures.*figure.value) : "-");
   }
   fmt::print("\n");
 }
 
 void print_header() {
   fmt::print("{:>6}", "frame");
-  for (const Column& column : kColumns) fmt::print("  {:>11}", column.title);
+  for (const Figure& figure : kFigures) fmt::print("  {:>11}", figure.title);
   fmt::print("\n");
 }
 
 nlohmann::ordered_json to_json(const FrameFigures& figures) {
   nlohmann::ordered_json json;
-  for (const Column& column : kColumns)
-    json[column.key] = figures.*column.value;  // NaN and infinity become null
+  for (const Figure& figure : kFigures)
+    json[figure.key] = figures.*figure.value;  // NaN and infinity become null
   json["skipped_pixels"] = figures.skipped;
   return json;
 }
@@ -172,7 +98,7 @@ class CompareJob {
   ExitStatus run();
 
  private:
-  Images read(int frame) const;
+  ComparedFrame read(int frame) const;
   Image read_like(const io::SequencePattern& pattern, int frame, const Image& reference) const;
   std::vector<std::string> find_failures(const std::vector<FrameFigures>& figures) const;
   void write_json(const std::vector<FrameFigures>& figures, const std::vector<std::string>& failures) const;
@@ -206,13 +132,13 @@ CompareJob::CompareJob(const CompareCommand& command)
   }
 }
 
-Images CompareJob::read(int frame) const {
-  Images images{.frame = frame, .test = {}, .reference = {}, .reference_b = {}, .reference_mean = {}};
+ComparedFrame CompareJob::read(int frame) const {
+  ComparedFrame images{.frame = frame, .test = {}, .reference = {}, .reference_b = {}, .reference_mean = {}};
   images.reference = io::read_exr(reference_.path(frame), frame, {}, layers_).frame.image(Aov::beauty);
   images.test = read_like(test_, frame, images.reference);
   if (reference_b_) {
     images.reference_b = read_like(*reference_b_, frame, images.reference);
-    images.reference_mean = mean_of(images.reference, images.reference_b);
+    images.reference_mean = mean_image(images.reference, images.reference_b);
   }
   return images;
 }
@@ -229,10 +155,10 @@ ExitStatus CompareJob::run() {
   std::optional<CompareReport> report;
   if (!command_.report.empty()) report.emplace(command_.report);
   std::vector<FrameFigures> figures;
-  std::optional<Images> before;
+  std::optional<ComparedFrame> before;
   print_header();
   for (const int frame : frames_) {
-    Images now = read(frame);
+    ComparedFrame now = read(frame);
     figures.push_back(measure(now, before ? &*before : nullptr));
     print_row(std::to_string(frame), figures.back());
     if (figures.back().skipped > 0) {
@@ -255,31 +181,20 @@ ExitStatus CompareJob::run() {
 /// A limit holds for every frame: one bad frame in a hundred is seen, and would not be in the mean.
 std::vector<std::string> CompareJob::find_failures(const std::vector<FrameFigures>& figures) const {
   std::vector<std::string> failures;
-  for (std::size_t i = 0; i < kColumns.size(); ++i) {
-    const Column& column = kColumns[i];
+  for (std::size_t i = 0; i < kFigures.size(); ++i) {
+    const Figure& figure = kFigures[i];
     const std::optional<double> limit = command_.limits[i];
     if (!limit) continue;
-    const FrameFigures* worst = nullptr;
-    std::size_t failed = 0;
-    std::size_t measured = 0;
-    for (const FrameFigures& entry : figures) {
-      if (!has_value(column, entry)) continue;
-      ++measured;
-      if (!fails(column.limit, entry.*column.value, *limit)) continue;
-      ++failed;
-      if (worst == nullptr ||
-          fails(column.limit, entry.*column.value, limited(column.limit, worst->*column.value))) {
-        worst = &entry;
-      }
-    }
-    if (measured == 0) {
+    const BeyondLimit found = find_beyond(figure, *limit, figures);
+    if (found.measured == 0) {
       failures.push_back(fmt::format("failed: no {} could be measured for {}: no frame follows another",
-                                     column.title, column.option));
+                                     figure.title, kLimitOptions[i].name));
     }
-    if (worst == nullptr) continue;
+    if (found.failed == 0) continue;
     failures.push_back(fmt::format("failed: {} of frame {} is {}, and {} is {:g} ({} of {} frames)",
-                                   column.title, worst->frame, column.format(worst->*column.value),
-                                   column.option, *limit, failed, measured));
+                                   figure.title, found.worst->frame,
+                                   figure.format(found.worst->*figure.value), kLimitOptions[i].name, *limit,
+                                   found.failed, found.measured));
   }
   return failures;
 }
@@ -343,8 +258,8 @@ Command add_compare(CLI::App& becalm) {
                   "Write pictures of the errors and an index.html into this folder")
       ->option_text("DIR")
       ->group("Output");
-  for (std::size_t i = 0; i < kColumns.size(); ++i) {
-    parser.add_option(kColumns[i].option, command->limits[i], kColumns[i].help)
+  for (std::size_t i = 0; i < kFigures.size(); ++i) {
+    parser.add_option(kLimitOptions[i].name, command->limits[i], kLimitOptions[i].help)
         ->option_text("X")
         ->group("Limits (any frame beyond one: exit status 1)");
   }

@@ -1,99 +1,16 @@
 #include "app/compare_report.h"
 
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <system_error>
 
+#include "app/pictures.h"
 #include "frame/error.h"
 
 namespace becalm::app {
 namespace {
-
-using Bytes = std::vector<std::uint8_t>;
-using Color = std::array<double, 3>;
-
-/// The heat map spans these relative squared errors, on a logarithmic scale.
-constexpr double kCoolest = 1e-5;
-constexpr double kHottest = 10.0;
-
-/// Black, violet, red, amber, white: luminance rises with the error, so that it reads in grey too.
-constexpr std::array<Color, 5> kHeat{
-    {{0.0, 0.0, 0.02}, {0.33, 0.07, 0.43}, {0.80, 0.22, 0.26}, {0.98, 0.62, 0.10}, {1.0, 1.0, 0.90}}};
-/// Where an image is not finite.
-constexpr Color kNotFinite{0.0, 0.8, 1.0};
-
-std::uint8_t to_byte(double value) {
-  return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 1.0) * 255.0));
-}
-
-double srgb(double linear) {
-  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
-}
-
-Color heat(double error) {
-  const double share = std::log(std::max(error, kCoolest) / kCoolest) / std::log(kHottest / kCoolest);
-  const double position = std::clamp(share, 0.0, 1.0) * (kHeat.size() - 1);
-  const std::size_t below = std::min(static_cast<std::size_t>(position), kHeat.size() - 2);
-  const double blend = position - static_cast<double>(below);
-  Color color;
-  for (std::size_t c = 0; c < 3; ++c)
-    color[c] = kHeat[below][c] * (1.0 - blend) + kHeat[below + 1][c] * blend;
-  return color;
-}
-
-Bytes display(const Image& image) {
-  Bytes bytes;
-  bytes.reserve(image.pixel_count() * 3);
-  for (int y = 0; y < image.height(); ++y) {
-    for (int x = 0; x < image.width(); ++x) {
-      for (int c = 0; c < 3; ++c) {
-        const double value = image.at(x, y, c);
-        bytes.push_back(to_byte(std::isfinite(value) ? srgb(std::clamp(value, 0.0, 1.0)) : kNotFinite[c]));
-      }
-    }
-  }
-  return bytes;
-}
-
-/// The same expression as rel_mse, one pixel at a time.
-double pixel_error(std::span<const float> test, std::span<const float> reference) {
-  double sum = 0.0;
-  for (int c = 0; c < 3; ++c) {
-    const double difference = double(test[c]) - reference[c];
-    sum += difference * difference / (double(reference[c]) * reference[c] + 0.01);
-  }
-  return sum / 3.0;
-}
-
-Bytes error_map(const Image& test, const Image& reference) {
-  Bytes bytes;
-  bytes.reserve(test.pixel_count() * 3);
-  for (int y = 0; y < test.height(); ++y) {
-    for (int x = 0; x < test.width(); ++x) {
-      const double error = pixel_error(test.pixel(x, y), reference.pixel(x, y));
-      for (const double value : std::isfinite(error) ? heat(error) : kNotFinite)
-        bytes.push_back(to_byte(value));
-    }
-  }
-  return bytes;
-}
-
-void write_png(const std::string& path, const Image& like, const Bytes& rgb) {
-  const auto output = OIIO::ImageOutput::create(path);
-  const OIIO::ImageSpec spec(like.width(), like.height(), 3, OIIO::TypeDesc::UINT8);
-  if (!output || !output->open(path, spec) || !output->write_image(OIIO::TypeDesc::UINT8, rgb.data()) ||
-      !output->close()) {
-    throw Error(ExitStatus::resource, fmt::format("{}: cannot write the picture: {}", path,
-                                                  output ? output->geterror() : OIIO::geterror()));
-  }
-}
 
 std::string escape(const std::string& text) {
   std::string escaped;
@@ -143,23 +60,19 @@ std::string CompareReport::picture(int frame, const std::string& what) const {
 
 void CompareReport::add(int frame, const Image& test, const Image& reference) {
   const std::filesystem::path folder(folder_);
-  write_png((folder / picture(frame, "reference")).string(), reference, display(reference));
-  write_png((folder / picture(frame, "test")).string(), test, display(test));
-  write_png((folder / picture(frame, "error")).string(), test, error_map(test, reference));
+  write_png((folder / picture(frame, "reference")).string(), display_picture(reference));
+  write_png((folder / picture(frame, "test")).string(), display_picture(test));
+  write_png((folder / picture(frame, "error")).string(), error_picture(test, reference));
 }
 
 void CompareReport::finish(const std::string& title, const std::vector<FrameFigures>& figures) const {
-  std::string scale;
-  for (const Color& color : kHeat) {
-    scale += fmt::format(", rgb({}, {}, {})", to_byte(color[0]), to_byte(color[1]), to_byte(color[2]));
-  }
   std::string html = kHead;
   html += fmt::format(
-      "<h1>{}</h1>\n<div class=\"scale\" style=\"background: linear-gradient(to right{})\"></div>\n"
+      "<h1>{}</h1>\n<div class=\"scale\" style=\"background: linear-gradient(to right, {})\"></div>\n"
       "<p>Relative squared error of a pixel, from {:g} (left) to {:g} (right), logarithmic; cyan where a "
       "value is not "
       "finite.</p>\n",
-      escape(title), scale, kCoolest, kHottest);
+      escape(title), error_scale_css(), kCoolestError, kHottestError);
   for (const FrameFigures& entry : figures) {
     html += fmt::format(
         "<section><h2>frame {}: relMSE {:.3e}, PSNR {:.2f} dB, SSIM {:.4f}, FLIP {:.4f}, energy {:+.3f} "

@@ -3,21 +3,10 @@
 #include <string>
 #include <vector>
 
+#include "app/frame_figures.h"
 #include "frame/image.h"
 
 namespace becalm::app {
-
-/// The figures of one frame; NaN where there is none, such as the temporal error of the first frame.
-struct FrameFigures {
-  int frame = 0;
-  double rel_mse = 0.0;
-  double psnr_db = 0.0;
-  double ssim = 0.0;
-  double flip = 0.0;
-  double temporal = 0.0;
-  double energy = 0.0;
-  std::size_t skipped = 0;  ///< pixels that are not finite in one of the images
-};
 
 /// A folder with index.html and, for each frame, the reference, the test and the relative error as PNG files.
 class CompareReport {

@@ -230,6 +230,7 @@ void DenoiseJob::write(const FinishedFrame& result, FrameSink& sink) {
   for (const int number : inputs_.outputs_of(source)) {
     if (!sink.wants(number)) continue;
     io::Attributes attributes = attributes_;
+    attributes.emplace_back("becalm:tiles", filter_.tiles());
     for (auto& attribute : fingerprints_.of(source)) attributes.push_back(std::move(attribute));
     if (std::string alpha = alpha_outcome(result.source, result.frame, result.other_views); !alpha.empty()) {
       attributes.emplace_back("becalm:alpha", std::move(alpha));
@@ -251,7 +252,7 @@ Command add_denoise(CLI::App& becalm) {
   return {&parser, [command] {
             apply(command->running);
             catch_signals();
-            if (command->layers.additive == "none") command->filter.assignments.push_back("additive=0");
+            command->filter.additive = command->layers.additive;
             return DenoiseJob(*command).run();
           }};
 }

@@ -8,6 +8,8 @@
 #include <span>
 #include <string_view>
 
+#include "app/help.h"
+
 namespace becalm::app {
 
 void add_denoise_options(CLI::App& parser, DenoiseCommand& command) {
@@ -24,7 +26,7 @@ void add_denoise_options(CLI::App& parser, DenoiseCommand& command) {
       .add_option("--frame", command.frame,
                   "The frame number of a single file (default: the one in its name, or 1)")
       ->option_text("N")
-      ->group("Input");
+      ->group(more("Input"));
   parser
       .add_option("--missing", command.missing,
                   "A frame of --frames that is not there: error stops before the first frame, skip writes "
@@ -39,7 +41,7 @@ void add_denoise_options(CLI::App& parser, DenoiseCommand& command) {
       .add_option("--type", command.type, "Type of the denoised channels (default: keep, that of the input)")
       ->check(CLI::IsMember({"half", "float", "keep"}))
       ->option_text("half|float|keep")
-      ->group("Output");
+      ->group(more("Output"));
   const std::span<const std::string_view> names = io::compression_names();
   std::set<std::string> compressions(names.begin(), names.end());
   compressions.insert("keep");
@@ -52,14 +54,14 @@ void add_denoise_options(CLI::App& parser, DenoiseCommand& command) {
               fmt::join(names, ", ")))
       ->check(CLI::IsMember(compressions))
       ->option_text("NAME")
-      ->group("Output");
+      ->group(more("Output"));
   CLI::Option* const only =
       parser
           .add_option("--only", command.only,
                       "Leave out every channel but those of the beauty, or all that are denoised")
           ->check(CLI::IsMember({"beauty", "denoised"}))
           ->option_text("beauty|denoised")
-          ->group("Output");
+          ->group(more("Output"));
   parser
       .add_option("--channels", command.channels,
                   "Leave out every channel but these: channels, layers, or beauty, joined by commas")
@@ -67,7 +69,7 @@ void add_denoise_options(CLI::App& parser, DenoiseCommand& command) {
       ->check(not_empty())
       ->excludes(only)
       ->option_text("NAME,...")
-      ->group("Output");
+      ->group(more("Output"));
   parser
       .add_flag("--dry-run", command.dry_run,
                 "Check everything, print what would be read, as what, and written, and write nothing")
@@ -75,7 +77,7 @@ void add_denoise_options(CLI::App& parser, DenoiseCommand& command) {
   parser
       .add_flag("--strict", command.strict,
                 "Audit some frames first, as info --audit does; what is found is an error (status 3)")
-      ->group("Input");
+      ->group(more("Input"));
   parser
       .add_option("--preset", command.preset,
                   "draft, balanced or final: speed against accuracy (default: balanced); paper: as published")
@@ -87,9 +89,8 @@ void add_denoise_options(CLI::App& parser, DenoiseCommand& command) {
       "--help-settings", [] { throw CLI::CallForVersion(settings_help(), 0); },
       "Print what --set takes and what the presets have, and exit");
   parser.footer(
-      "Direct and indirect light, light groups (light.NAME) and layers that add up to the beauty\n"
-      "are denoised with it and still add up.\n"
-      "Every channel that is not denoised is passed on bit for bit.\n"
+      "Direct and indirect light, light groups (light.NAME) and layers that add up to the beauty are\n"
+      "denoised with it and still add up. Every other channel is passed on bit for bit.\n"
       "Examples:\n"
       "  becalm denoise 'in/shot.####.exr' -o 'out/shot.####.exr'\n"
       "  becalm denoise 'in/shot.####.exr' -o 'out/shot.####.exr' --frames 1-48 --preset final --missing "

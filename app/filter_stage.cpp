@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "filter/align/guides.h"
+#include "filter/merge/additive.h"
 #include "frame/error.h"
 #include "frame/io/printable.h"
 #include "frame/io/sequence.h"
@@ -24,6 +25,8 @@ constexpr int kWarmup = 8;
 FilterStage::FilterStage(const std::string& preset, const FilterOptions& options)
     : settings_(resolve_settings(preset, options)),
       diagnostics_(diagnostics_of(options)),
+      alpha_(options.alpha == "denoise" ? filter::Alpha::denoise : filter::Alpha::keep),
+      denoises_additive_(options.additive != "none"),
       device_options_(device_options(options)),
       memory_limit_(memory_limit(options)),
       segment_(options.segment.value_or(settings_.directions == filter::Directions::both ? kSegment : 0)),
@@ -50,7 +53,8 @@ std::string FilterStage::describe(const std::vector<int>& readable) const {
                                                 : context_ == "none" ? io::format_frame_range(readable)
                                                                      : context_)
                                   : fmt::format("first_frame={}", readable.front());
-  return fmt::format("{} diagnostics={} cuts={} {}", filter::to_string(settings_),
+  return fmt::format("{} alpha={} additive={} diagnostics={} cuts={} {}", filter::to_string(settings_),
+                     alpha_ == filter::Alpha::denoise ? "denoise" : "keep", denoises_additive_ ? "yes" : "no",
                      diagnostics_.any() ? "yes" : "no", cuts_, history);
 }
 
@@ -83,10 +87,15 @@ void FilterStage::build(int width, int height, AovSet available, std::size_t lig
                         const std::string& view, std::size_t views) {
   if (!device_) device_.emplace(device_options_);
   const std::uint64_t memory = std::min(memory_limit_, filter::usable_bytes(*device_)) / views;
-  views_.push_back(
-      {view.empty() ? "" : ' ' + io::printable(view),
-       filter::SequenceFilter(*device_, settings_, width, height, available, diagnostics_, memory,
-                              cuts_ == "auto" ? filter::FindCuts::yes : filter::FindCuts::no, light_groups)});
+  if (!denoises_additive_) available &= ~filter::additive_aovs();
+  const filter::SequenceOptions options{
+      .diagnostics = diagnostics_,
+      .memory_limit = memory,
+      .find_cuts = cuts_ == "auto" ? filter::FindCuts::yes : filter::FindCuts::no,
+      .alpha = alpha_,
+      .light_groups = denoises_additive_ ? light_groups : 0};
+  views_.push_back({view.empty() ? "" : ' ' + io::printable(view),
+                    filter::SequenceFilter(*device_, settings_, width, height, available, options)});
   if (views_.size() == 1) matched_ = filter::matched_text(settings_, available);
 }
 
@@ -112,7 +121,10 @@ std::optional<Frame> FilterStage::run_view(const filter::Step& step, const Frame
     denoised = views_[view].filter.run(step, frame, report);
   }
   const std::string name = fmt::format("frame {}{}", frame.number(), views_[view].name);
-  if (!matched_.empty()) progress.detail(fmt::format("device {}", device_->info().name));
+  if (!matched_.empty()) {
+    progress.detail(fmt::format("device {}", device_->info().name));
+    progress.detail(fmt::format("tiles {}", tiles()));
+  }
   if (!matched_.empty()) progress.note(std::exchange(matched_, {}));
   profile.add(report.passes);
   if (!denoised) return denoised;

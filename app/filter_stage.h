@@ -26,7 +26,7 @@ class FilterStage {
 
   AovSet wanted() const { return filter::wanted_aovs(settings_); }
   /// Whether light groups and the AOVs of filter::additive_aovs() are denoised, too, where frames have them.
-  bool denoises_additive() const { return settings_.additive != 0; }
+  bool denoises_additive() const { return denoises_additive_; }
   AovSet diagnostics() const { return diagnostics_; }
   /// Whether history is bounded by segments, each of which reads the frames around it again.
   bool has_segments() const { return segment_ > 0; }
@@ -46,6 +46,9 @@ class FilterStage {
   /// for each of the `views`, which share the memory; `view` is the name in messages.
   void build(int width, int height, AovSet available, std::size_t light_groups, const std::string& view = "",
              std::size_t views = 1);
+  /// How frames are cut into tiles (of a stereo sequence: those of the first view), as files record it in
+  /// `becalm:tiles`. Results do not depend on it, so --resume does not compare it.
+  std::string tiles() const { return views_.front().filter.memory().tile_plan; }
   /// Takes the next step of a segment with all views of its frame; returns the denoised frame if the step
   /// makes one.
   std::optional<FinishedFrame> run(const filter::Step& step, io::LoadedFrame noisy, Progress& progress,
@@ -60,6 +63,8 @@ class FilterStage {
 
   filter::Settings settings_;
   AovSet diagnostics_;
+  filter::Alpha alpha_;
+  bool denoises_additive_;
   gpu::DeviceOptions device_options_;
   std::uint64_t memory_limit_;
   int segment_ = 0;  ///< 0: none

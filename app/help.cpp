@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <sstream>
+#include <string_view>
 
 namespace becalm::app {
 namespace {
@@ -33,7 +36,35 @@ std::vector<const CLI::Option*> options_of(const CLI::App* app, const std::strin
   });
 }
 
+constexpr std::string_view kMore = ", more";
+
+bool is_more(std::string_view group) {
+  return group.ends_with(kMore);
+}
+
+/// The groups that are headings, each once, in the order in which their first options were added. The
+/// nameless group, --help, comes last.
+std::vector<std::string> headings_of(const CLI::App* app) {
+  std::vector<std::string> headings;
+  for (std::string group : app->get_groups()) {
+    if (is_more(group)) group.resize(group.size() - kMore.size());
+    if (std::ranges::find(headings, group) == headings.end()) headings.push_back(group);
+  }
+  std::rotate(headings.begin(), headings.begin() + 1, headings.end());
+  return headings;
+}
+
 }  // namespace
+
+std::string more(const std::string& group) {
+  return group + std::string(kMore);
+}
+
+void add_help_all(CLI::App& command) {
+  if (std::ranges::any_of(command.get_groups(), is_more)) {
+    command.set_help_all_flag("--help-all", "Print every option and exit");
+  }
+}
 
 std::string HelpFormatter::make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const {
   std::string help = make_description(app) + "\n" + make_usage(app, std::move(name));
@@ -41,12 +72,12 @@ std::string HelpFormatter::make_help(const CLI::App* app, std::string name, CLI:
     help += make_group("", true, positionals);
   }
   help += make_subcommands(app, mode);
-  // The nameless group of every command, --help, comes last.
-  std::vector<std::string> groups = app->get_groups();
-  std::rotate(groups.begin(), groups.begin() + 1, groups.end());
-  for (const std::string& group : groups) {
-    const auto options = options_of(app, group, false);
-    if (!group.empty() && !options.empty()) help += make_group(group, false, options);
+  for (const std::string& heading : headings_of(app)) {
+    std::vector<const CLI::Option*> options = options_of(app, heading, false);
+    if (mode == CLI::AppFormatMode::All) {
+      std::ranges::copy(options_of(app, more(heading), false), std::back_inserter(options));
+    }
+    if (!heading.empty() && !options.empty()) help += make_group(heading, false, options);
   }
   return help + "\n" + app->get_footer();
 }

@@ -24,6 +24,7 @@
 #include "filter/gpu/device.h"
 #include "frame/io/additive_layers.h"
 #include "frame/io/exr.h"
+#include "frame/io/printable.h"
 #include "frame/io/sequence.h"
 #include "tracer/describe_scene.h"
 #include "tracer/scene/load/load.h"
@@ -152,6 +153,31 @@ Json to_json(const std::vector<FrameFinding>& findings) {
   return json;
 }
 
+/// What becalm recorded about how it made a file: nothing for other files and damaged ones.
+Json origin_of(const std::string& path) {
+  Json origin = Json::object();
+  for (const char* name : {"version", "preset", "tiles", "settings"}) {
+    try {
+      const std::string value = io::read_attribute(path, fmt::format("becalm:{}", name));
+      if (!value.empty()) origin[name] = value;
+    } catch (const Error&) {
+      return Json::object();
+    }
+  }
+  return origin;
+}
+
+void print_origin(const Json& origin) {
+  constexpr std::size_t kLongest = 2000;  // characters of one attribute
+  if (!origin.contains("version")) return;
+  std::string text = "becalm:";
+  for (const auto& [name, value] : origin.items()) {
+    text += fmt::format("{} {} {}", text.back() == ':' ? "" : ";", name,
+                        io::printable(value.get<std::string>(), kLongest));
+  }
+  fmt::print("{}\n", text);
+}
+
 void describe_file(const InfoCommand& command, const io::LayerOptions& layers) {
   const std::string& path = command.subject;
   const io::ExrDescription file = io::describe_exr(path, layers);
@@ -161,11 +187,8 @@ void describe_file(const InfoCommand& command, const io::LayerOptions& layers) {
   const bool audits = command.audit && file.problem.empty();
   if (audits) findings = audit_of(io::SequencePattern(path), {frame_number(path)}, layers);
   if (command.json) {
-    Json json{{"file", path},
-              {"parts", to_json(file.parts)},
-              {"additive", to_json(sets)},
-              {"alpha", alpha},
-              {"problem", file.problem}};
+    Json json{{"file", path},   {"parts", to_json(file.parts)}, {"additive", to_json(sets)},
+              {"alpha", alpha}, {"becalm", origin_of(path)},    {"problem", file.problem}};
     if (audits) json["audit"] = to_json(findings);
     print_json(json);
   } else {
@@ -173,6 +196,7 @@ void describe_file(const InfoCommand& command, const io::LayerOptions& layers) {
     print_lines(file.lines());
     print_lines(io::describe(sets));
     if (!alpha.empty()) fmt::print("{}\n", alpha);
+    print_origin(origin_of(path));
     if (audits) print_audit(findings);
   }
   if (!file.problem.empty()) throw Error(ExitStatus::bad_input, file.problem);
@@ -255,7 +279,7 @@ Json to_json(const std::vector<Kind>& kinds) {
 }
 
 /// The description that most frames have, and how others differ from it; of the first frame, the additive
-/// layers, which denoise chooses by it, and what becomes of alpha.
+/// layers, which denoise chooses by it, what becomes of alpha, and how becalm made it.
 void describe_sequence(const io::SequencePattern& pattern, const io::LayerOptions& layers,
                        const InfoCommand& command) {
   const std::vector<int> frames = pattern.frames_on_disk();
@@ -283,6 +307,7 @@ void describe_sequence(const io::SequencePattern& pattern, const io::LayerOption
               {"kinds", to_json(kinds)},
               {"additive", to_json(sets)},
               {"alpha", alpha},
+              {"becalm", origin_of(pattern.path(frames.front()))},
               {"problems", std::move(problems_json)}};
     if (audits) json["audit"] = to_json(findings);
     print_json(json);
@@ -295,6 +320,7 @@ void describe_sequence(const io::SequencePattern& pattern, const io::LayerOption
     print_kinds(kinds);
     print_lines(io::describe(sets));
     if (!alpha.empty()) fmt::print("{}\n", alpha);
+    print_origin(origin_of(pattern.path(frames.front())));
     if (audits) print_audit(findings);
   }
   if (!problems.empty()) problems.fail(frames.size(), "");

@@ -2,6 +2,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "app/help.h"
+
 namespace becalm::app {
 
 void add_layer_options(CLI::App& command, LayerArguments& arguments) {
@@ -17,14 +19,14 @@ void add_layer_options(CLI::App& command, LayerArguments& arguments) {
                   "Where motion vectors count another way than becalm info says: some of flip-x, flip-y, "
                   "scale=S, swap (X and Y), joined by commas")
       ->option_text("CHANGE,...")
-      ->group("Input");
+      ->group(more("Input"));
   command
       .add_option(
           "--additive", arguments.additive,
           "Layers that are denoised with the beauty so that they still add up to it: auto takes those "
           "whose names say so and whose sum is the beauty (default: auto)")
       ->option_text("auto|NAME,...|none")
-      ->group("Input");
+      ->group(more("Input"));
 }
 
 io::LayerOptions layer_options(const LayerArguments& arguments) {

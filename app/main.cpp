@@ -32,10 +32,12 @@ constexpr const char* kFooter =
     "  becalm render room.json -o 'calm/room.####.exr' --spp 8 --denoise\n"
     "  becalm compare 'reference/room.####.exr' 'calm/room.####.exr' --report report\n"
     "  becalm info device\n"
+    "  becalm test suite.json --junit results.xml\n"
     "\n"
     "Quote patterns such as 'room.####.exr'. Results go to files, data to standard output, progress and\n"
     "messages to standard error.\n"
-    "Exit status: 0 done; 1 a comparison failed; 2 wrong usage; 3 bad input; 4 device or resource trouble;\n"
+    "Exit status: 0 done; 1 a comparison or a test failed; 2 wrong usage; 3 bad input; 4 device or resource "
+    "trouble;\n"
     "130 interrupted.\n"
     "becalm COMMAND --help tells a command's options.\n";
 
@@ -57,7 +59,7 @@ int finish_output(int status) {
 }
 
 /// CLI11's message, with the command that it is about and where its help is.
-std::string usage_message(const CLI::ParseError& error, const std::array<becalm::app::Command, 4>& commands) {
+std::string usage_message(const CLI::ParseError& error, const std::array<becalm::app::Command, 5>& commands) {
   std::string command;
   for (const auto& entry : commands) {
     if (entry.parser->parsed()) command = entry.parser->get_name();
@@ -83,7 +85,9 @@ int run(int argc, char** argv) {
   parser.require_subcommand(1);
   parser.option_defaults()->take_last();  // so that scripts may append to a command
   const std::array commands{becalm::app::add_render(parser), becalm::app::add_denoise(parser),
-                            becalm::app::add_compare(parser), becalm::app::add_info(parser)};
+                            becalm::app::add_compare(parser), becalm::app::add_info(parser),
+                            becalm::app::add_test(parser)};
+  for (const auto& command : commands) becalm::app::add_help_all(*command.parser);
   try {
     parser.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

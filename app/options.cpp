@@ -14,6 +14,7 @@
 #include <string_view>
 
 #include "app/console.h"
+#include "app/help.h"
 #include "frame/error.h"
 #include "frame/io/exr.h"
 
@@ -47,7 +48,7 @@ CLI::Option* add_output_options(CLI::App& command, OutputOptions& options,
   command
       .add_flag("--overwrite", options.overwrite,
                 "Replace files that becalm did not write, too; those that it wrote are replaced anyway")
-      ->group("Output");
+      ->group(more("Output"));
   return output;
 }
 
@@ -57,12 +58,12 @@ void add_running_options(CLI::App& command, RunningOptions& options) {
       ->option_text("N")
       ->group("Running");
   command.add_flag("--profile", options.profile, "At the end, tell where time and memory went")
-      ->group("Running");
+      ->group(more("Running"));
   CLI::Option* quiet = command.add_flag("-q,--quiet", options.quiet, "No progress; warnings and errors stay")
                            ->group("Running");
   command
       .add_flag("-v,--verbose", options.verbose,
-                "Also tell the layers taken, the device, and every file that is read and written")
+                "Also tell layers, device, tiles and every file read and written")
       ->excludes(quiet)
       ->group("Running");
   command
@@ -72,7 +73,7 @@ void add_running_options(CLI::App& command, RunningOptions& options) {
           "message, end and error (default: text)")
       ->check(CLI::IsMember({"text", "json"}))
       ->option_text("text|json")
-      ->group("Running");
+      ->group(more("Running"));
 }
 
 void apply(const RunningOptions& options) {
@@ -80,7 +81,7 @@ void apply(const RunningOptions& options) {
 }
 
 void add_filter_options(CLI::App& command, FilterOptions& options) {
-  command.add_option("--set", options.assignments, "Change one entry of the preset; may be repeated")
+  command.add_option("--set", options.assignments, "Change one setting of the preset; may be repeated")
       ->option_text("KEY=VALUE")
       ->take_all()
       ->allow_extra_args(false)
@@ -92,13 +93,13 @@ void add_filter_options(CLI::App& command, FilterOptions& options) {
           "segments unless asked (default: 32)")
       ->check(CLI::Range(1, 100000))
       ->option_text("B")
-      ->group("Filter");
+      ->group(more("Filter"));
   command
       .add_option("--warmup", options.warmup,
                   "Frame numbers before and after a segment that its history begins with (default: 8)")
       ->check(CLI::Range(0, 100000))
       ->option_text("W")
-      ->group("Filter");
+      ->group(more("Filter"));
   command
       .add_option(
           "--context", options.context,
@@ -106,33 +107,41 @@ void add_filter_options(CLI::App& command, FilterOptions& options) {
           "cut "
           "into jobs: none or a range such as 1-96 (default: all there are; none where history is unbounded)")
       ->option_text("none|RANGE")
-      ->group("Filter");
+      ->group(more("Filter"));
   command
       .add_option("--cuts", options.cuts,
                   "Where new shots begin, so that nothing is carried over: auto finds out, none, or their "
                   "first frames "
                   "such as 12,80 (default: auto)")
       ->option_text("auto|none|LIST")
-      ->group("Filter");
+      ->group(more("Filter"));
+  command
+      .add_option(
+          "--alpha", options.alpha,
+          "keep passes alpha on as it came; denoise merges it with the beauty's weights where it is as "
+          "rough as the noise of motion blur and depth of field, or as clean hair (default: keep)")
+      ->check(CLI::IsMember({"keep", "denoise"}))
+      ->option_text("keep|denoise")
+      ->group(more("Filter"));
   command
       .add_flag("--diagnostics", options.diagnostics,
                 "Write what the filter decided as layers: flow, error_mask, sample_count, bias, gain, "
                 "residual")
-      ->group("Filter");
+      ->group(more("Filter"));
   command.add_option("--device", options.device, "Vulkan device (default: a hardware GPU if there is one)")
       ->option_text("N|NAME")
-      ->group("Running");
+      ->group(more("Running"));
   command
       .add_option(
           "--memory", options.memory,
           "Device memory that the filter may take: 512M, 2G, 1.5G (default: what the device has); larger "
           "frames are cut into tiles, which the results do not show")
       ->option_text("SIZE")
-      ->group("Running");
+      ->group(more("Running"));
   command
       .add_flag("--validate", options.validate,
                 "Run under the Vulkan validation layers; any message is an error")
-      ->group("Running");
+      ->group(more("Running"));
 }
 
 filter::Settings resolve_settings(const std::string& preset, const FilterOptions& options) {
@@ -145,21 +154,26 @@ gpu::DeviceOptions device_options(const FilterOptions& options) {
   return {.select = options.device, .validation = options.validate};
 }
 
-std::uint64_t memory_limit(const FilterOptions& options) {
+std::optional<std::uint64_t> parse_bytes(std::string_view text) {
   constexpr std::string_view units = "KMGT";
-  const std::string& text = options.memory;
-  if (text.empty()) return std::numeric_limits<std::uint64_t>::max();
   double bytes = 0.0;
   const auto [end, error] =
       std::from_chars(text.data(), text.data() + text.size(), bytes, std::chars_format::fixed);
   const std::string_view rest(end, text.data() + text.size());
   const std::size_t unit = rest.size() == 1 ? units.find(rest[0]) : std::string_view::npos;
+  if (error != std::errc() || unit == std::string_view::npos) return std::nullopt;
   bytes = std::ldexp(bytes, 10 * (static_cast<int>(unit) + 1));
-  if (error != std::errc() || unit == std::string_view::npos || !(bytes >= 1.0 && bytes < 1e18)) {
-    throw Error(ExitStatus::usage,
-                fmt::format("--memory {}: expected a size with its unit, such as 512M or 1.5G", text));
-  }
+  if (!(bytes >= 1.0 && bytes < 1e18)) return std::nullopt;
   return static_cast<std::uint64_t>(bytes);
+}
+
+std::uint64_t memory_limit(const FilterOptions& options) {
+  if (options.memory.empty()) return std::numeric_limits<std::uint64_t>::max();
+  const std::optional<std::uint64_t> bytes = parse_bytes(options.memory);
+  if (bytes) return *bytes;
+  throw Error(
+      ExitStatus::usage,
+      fmt::format("--memory {}: expected a size with its unit, such as 512M or 1.5G", options.memory));
 }
 
 AovSet diagnostics_of(const FilterOptions& options) {

@@ -15,6 +15,7 @@
 #include "app/command.h"
 #include "app/filter_stage.h"
 #include "app/frame_sink.h"
+#include "app/help.h"
 #include "app/input_frames.h"
 #include "app/options.h"
 #include "app/outputs.h"
@@ -250,6 +251,7 @@ void RenderJob::write(FinishedFrame& finished, FrameSink& sink) {
   if (!has_additive) result.light_groups() = std::move(noisy.light_groups());
   io::Attributes attributes = attributes_;
   if (filter_) {
+    attributes.emplace_back("becalm:tiles", filter_->tiles());
     attributes.emplace_back("becalm:alpha",
                             alpha_outcome(noisy.image(Aov::beauty), result.image(Aov::beauty)));
   }
@@ -299,7 +301,7 @@ Command add_render(CLI::App& becalm) {
           "cost little, since they trace no light, and edges denoise better (default: 16)")
       ->check(CLI::Range(1, 65536))
       ->option_text("N")
-      ->group("Rendering");
+      ->group(more("Rendering"));
   parser.add_option("--size", command->size, "Image size in pixels (default: the scene's)")
       ->option_text("WxH")
       ->group("Rendering");
@@ -310,7 +312,7 @@ Command add_render(CLI::App& becalm) {
       .add_option("--debug-pixel", command->debug_pixel,
                   "Print the path of one sample of the first frame, and write nothing; in place of -o")
       ->option_text("X,Y,SAMPLE")
-      ->group("Rendering")
+      ->group(more("Rendering"))
       ->excludes(output);
   parser
       .add_flag("--denoise{balanced}", command->preset,
@@ -323,7 +325,14 @@ Command add_render(CLI::App& becalm) {
                   "float with all that "
                   "the filter reads; --resume reads them instead of rendering again")
       ->option_text("PATTERN")
-      ->group("Filter");
+      ->group(more("Filter"));
+  parser
+      .add_option("--additive", command->filter.additive,
+                  "auto denoises direct, indirect and light groups with the beauty's weights, so that they "
+                  "still add up; none passes them on noisy (default: auto)")
+      ->check(CLI::IsMember({"auto", "none"}))
+      ->option_text("auto|none")
+      ->group(more("Filter"));
   add_filter_options(parser, command->filter);
   add_running_options(parser, command->running);
   parser.footer(

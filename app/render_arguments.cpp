@@ -111,6 +111,8 @@ void check_options_fit(const RenderCommand& command) {
                        : !command.filter.memory.empty()      ? "--memory"
                        : !command.filter.context.empty()     ? "--context"
                        : command.filter.cuts != "auto"       ? "--cuts"
+                       : command.filter.alpha != "keep"      ? "--alpha"
+                       : command.filter.additive != "auto"   ? "--additive"
                        : command.filter.segment              ? "--segment"
                        : command.filter.warmup               ? "--warmup"
                        : command.filter.validate             ? "--validate"

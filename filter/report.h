@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "filter/gpu/chain.h"
@@ -32,10 +33,11 @@ struct FrameReport {
 /// Adds the pass times of a chain's last run to the report, summed by pass name.
 void add_times(FrameReport& report, const gpu::Chain& chain);
 
-/// Number and size of the tiles, and the memory held for them.
+/// The tiles, and the memory held for them.
 struct FilterMemory {
   std::size_t tiles = 1;
-  gpu::Extent tile;  ///< size of a tile's target rectangle
+  gpu::Extent tile;       ///< size of a tile's target rectangle
+  std::string tile_plan;  ///< as describe() of tiles/tiles.h
   std::uint64_t device_bytes = 0;
   std::uint64_t device_bytes_unaliased = 0;  ///< device_bytes if images did not share memory
   std::uint64_t staging_bytes = 0;           ///< host memory for uploads and downloads

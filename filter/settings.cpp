@@ -28,25 +28,25 @@ struct IntList {
   int lowest;
   int highest;
 };
-struct FloatRange {
-  float Settings::*member;
-  float lowest;
-  float highest;
-};
+struct PyramidShape {};
+struct MergeWeights {};
 template <class Enum>
 struct Named {
   Enum Settings::*member;
   std::span<const std::string_view> names;  ///< of the enum's values in order, from 0
 };
-using Field = std::variant<IntRange, IntChoice, IntList, FloatRange, Named<Distance>, Named<MotionUse>,
-                           Named<Resample>, Named<Smooth>, Named<Directions>, Named<MergeMode>>;
+using Field = std::variant<IntRange, IntChoice, IntList, PyramidShape, MergeWeights, Named<Distance>,
+                           Named<MotionUse>, Named<Resample>, Named<Smooth>, Named<Directions>>;
 
 constexpr std::array<std::string_view, 4> kDistanceNames{"l2", "l1", "log_l1", "log_l1_centered"};
 constexpr std::array<std::string_view, 3> kSmoothNames{"none", "frames", "merged"};
 constexpr std::array<std::string_view, 2> kDirectionsNames{"forward", "both"};
 constexpr std::array<std::string_view, 3> kMotionNames{"none", "guide", "override"};
 constexpr std::array<std::string_view, 2> kResampleNames{"bilinear", "catmull_rom"};
-constexpr std::array<std::string_view, 2> kMergeNames{"mask", "variance"};
+constexpr std::string_view kVarianceMerge = "variance";
+constexpr std::string_view kMaskMerge = "mask";
+constexpr int kMostLevels = 12;
+constexpr MaskWeights kLargestMask{.alpha = 1.0f, .kappa = 1000.0f, .eta = 100.0f};
 
 struct Row {
   SettingInfo info;
@@ -57,14 +57,15 @@ const Row kTable[] = {
     {{"match_downsample", "1, 2 or 4",
       "matching runs on images so many times smaller: faster, and steadier under noise"},
      IntChoice{&Settings::match_downsample, {1, 2, 4}}},
-    {{"pyramid_factor", "2 or 4", "each pyramid level is so many times smaller than the one before"},
-     IntChoice{&Settings::pyramid_factor, {2, 4, 2}}},
-    {{"pyramid_levels", "integer 0..12", "levels of the pyramid; 0 takes as many as the image size asks for"},
-     IntRange{&Settings::pyramid_levels, 0, 12}},
+    {{"pyramid", "FACTOR or FACTORxLEVELS, such as 2 or 4x4",
+      "each level is FACTOR (2 or 4) times smaller than the one before; LEVELS 1..12, by default as many as "
+      "the image size asks for"},
+     PyramidShape{}},
     {{"blur_radius", "integers 0..10 joined by commas",
       "patch radius of each level, the finest first; the last serves all coarser levels"},
      IntList{&Settings::blur_radius, 0, 10}},
-    {{"distance", "l2, l1, log_l1 or log_l1_centered", "pixel distance of the matching"},
+    {{"distance", "l2, l1, log_l1 or log_l1_centered",
+      "pixel distance of the matching; all but the last are there to compare with the paper"},
      Named<Distance>{&Settings::distance, kDistanceNames}},
     {{"refine_levels", "integer 0..12", "subpixel refinement on so many of the finest levels"},
      IntRange{&Settings::refine_levels, 0, 12}},
@@ -86,26 +87,12 @@ const Row kTable[] = {
     {{"directions", "forward or both",
       "forward: from the frames before alone, as they come; both: from those after as well, within segments"},
      Named<Directions>{&Settings::directions, kDirectionsNames}},
-    {{"merge", "mask or variance",
-      "mask: weights from the patch distance; variance: least expected squared error"},
-     Named<MergeMode>{&Settings::merge, kMergeNames}},
-    {{"mask_alpha", "number 0..1", "mask mode: largest weight of the history"},
-     FloatRange{&Settings::mask_alpha, 0.0f, 1.0f}},
-    {{"mask_kappa", "number 0..1000", "mask mode: scale of the patch distance"},
-     FloatRange{&Settings::mask_kappa, 0.0f, 1000.0f}},
-    {{"mask_eta", "number 0..100", "mask mode: threshold that noise alone stays below"},
-     FloatRange{&Settings::mask_eta, 0.0f, 100.0f}},
+    {{"merge", "variance, mask or mask:ALPHA,KAPPA,ETA",
+      "variance: least expected squared error; mask: as published, the history weighs ALPHA (0..1) at most, "
+      "and less where KAPPA (0..1000) times the patch distance exceeds ETA (0..100); default mask:0.9,2,2"},
+     MergeWeights{}},
     {{"patch_radius", "integer 1..8", "variance mode: radius of the patches that weights are estimated from"},
      IntRange{&Settings::patch_radius, 1, 8}},
-    {{"additive", "0 or 1",
-      "1 denoises direct, indirect and light groups with the beauty's weights, so that they still add up; 0 "
-      "passes them on noisy"},
-     IntRange{&Settings::additive, 0, 1}},
-    {{"alpha", "0 or 1",
-      "0 passes alpha on as it came; 1 denoises it with the beauty's weights where it is as rough as the "
-      "noise "
-      "of motion blur and depth of field, or as clean hair"},
-     IntRange{&Settings::alpha, 0, 1}},
 };
 
 template <class... Cases>
@@ -123,52 +110,77 @@ std::optional<Number> parse(std::string_view text) {
   return value;
 }
 
-bool assign_list(std::vector<int>& target, std::string_view text, int lowest, int highest) {
-  std::vector<int> values;
+/// The numbers of a text that `separator` joins, each within its range; nothing if the text is anything else.
+template <class Number>
+std::optional<std::vector<Number>> parse_list(std::string_view text, char separator, Number lowest,
+                                              Number highest) {
+  std::vector<Number> values;
   while (true) {
-    const auto comma = text.find(',');
-    const auto value = parse<int>(text.substr(0, comma));
-    if (!value || *value < lowest || *value > highest) return false;
+    const auto end = text.find(separator);
+    const auto value = parse<Number>(text.substr(0, end));
+    // The comparison is false for NaN too.
+    if (!value || !(*value >= lowest && *value <= highest)) return std::nullopt;
     values.push_back(*value);
-    if (comma == std::string_view::npos) break;
-    text.remove_prefix(comma + 1);
+    if (end == std::string_view::npos) return values;
+    text.remove_prefix(end + 1);
   }
-  target = std::move(values);
+}
+
+bool assign_pyramid(Settings& settings, std::string_view text) {
+  const auto numbers = parse_list(text, 'x', 1, kMostLevels);
+  if (!numbers || numbers->size() > 2) return false;
+  const int factor = numbers->front();
+  if (factor != 2 && factor != 4) return false;
+  settings.pyramid = {.factor = factor, .levels = numbers->size() == 2 ? numbers->back() : 0};
+  return true;
+}
+
+bool assign_merge(Settings& settings, std::string_view text) {
+  if (text == kVarianceMerge || text == kMaskMerge) {
+    settings.merge = text == kMaskMerge ? MergeMode::mask : MergeMode::variance;
+    settings.mask = {};
+    return true;
+  }
+  if (!text.starts_with(kMaskMerge) || !text.substr(kMaskMerge.size()).starts_with(':')) return false;
+  const auto numbers = parse_list(text.substr(kMaskMerge.size() + 1), ',', 0.0f, kLargestMask.kappa);
+  if (!numbers || numbers->size() != 3) return false;
+  const MaskWeights mask{.alpha = (*numbers)[0], .kappa = (*numbers)[1], .eta = (*numbers)[2]};
+  if (mask.alpha > kLargestMask.alpha || mask.eta > kLargestMask.eta) return false;
+  settings.merge = MergeMode::mask;
+  settings.mask = mask;
   return true;
 }
 
 /// False if the text is not a value of the field.
 bool assign(Settings& settings, const Field& field, std::string_view text) {
-  return std::visit(
-      Overloaded{
-          [&](const IntRange& f) {
-            const auto value = parse<int>(text);
-            if (!value || *value < f.lowest || *value > f.highest) return false;
-            settings.*f.member = *value;
-            return true;
-          },
-          [&](const IntChoice& f) {
-            const auto value = parse<int>(text);
-            if (!value || std::ranges::find(f.values, *value) == f.values.end()) return false;
-            settings.*f.member = *value;
-            return true;
-          },
-          [&](const IntList& f) { return assign_list(settings.*f.member, text, f.lowest, f.highest); },
-          [&](const FloatRange& f) {
-            const auto value = parse<float>(text);
-            // The comparison is false for NaN too.
-            if (!value || !(*value >= f.lowest && *value <= f.highest)) return false;
-            settings.*f.member = *value;
-            return true;
-          },
-          [&]<class Enum>(const Named<Enum>& f) {
-            const auto name = std::ranges::find(f.names, text);
-            if (name == f.names.end()) return false;
-            settings.*f.member = static_cast<Enum>(name - f.names.begin());
-            return true;
-          },
-      },
-      field);
+  return std::visit(Overloaded{
+                        [&](const IntRange& f) {
+                          const auto value = parse<int>(text);
+                          if (!value || *value < f.lowest || *value > f.highest) return false;
+                          settings.*f.member = *value;
+                          return true;
+                        },
+                        [&](const IntChoice& f) {
+                          const auto value = parse<int>(text);
+                          if (!value || std::ranges::find(f.values, *value) == f.values.end()) return false;
+                          settings.*f.member = *value;
+                          return true;
+                        },
+                        [&](const IntList& f) {
+                          auto values = parse_list(text, ',', f.lowest, f.highest);
+                          if (values) settings.*f.member = std::move(*values);
+                          return values.has_value();
+                        },
+                        [&](const PyramidShape&) { return assign_pyramid(settings, text); },
+                        [&](const MergeWeights&) { return assign_merge(settings, text); },
+                        [&]<class Enum>(const Named<Enum>& f) {
+                          const auto name = std::ranges::find(f.names, text);
+                          if (name == f.names.end()) return false;
+                          settings.*f.member = static_cast<Enum>(name - f.names.begin());
+                          return true;
+                        },
+                    },
+                    field);
 }
 
 std::string value_text(const Settings& settings, const Field& field) {
@@ -177,7 +189,16 @@ std::string value_text(const Settings& settings, const Field& field) {
           [&](const IntRange& f) { return fmt::format("{}", settings.*f.member); },
           [&](const IntChoice& f) { return fmt::format("{}", settings.*f.member); },
           [&](const IntList& f) { return fmt::format("{}", fmt::join(settings.*f.member, ",")); },
-          [&](const FloatRange& f) { return fmt::format("{}", settings.*f.member); },
+          [&](const PyramidShape&) {
+            const auto [factor, levels] = settings.pyramid;
+            return levels == 0 ? fmt::format("{}", factor) : fmt::format("{}x{}", factor, levels);
+          },
+          [&](const MergeWeights&) {
+            const MaskWeights& mask = settings.mask;
+            return settings.merge == MergeMode::variance
+                       ? std::string(kVarianceMerge)
+                       : fmt::format("{}:{},{},{}", kMaskMerge, mask.alpha, mask.kappa, mask.eta);
+          },
           [&]<class Enum>(const Named<Enum>& f) {
             return std::string(f.names[static_cast<std::size_t>(settings.*f.member)]);
           },
@@ -213,8 +234,7 @@ Settings preset(std::string_view name) {
   } else if (name == "paper") {
     // Hanika, Tessari and Dachsbacher 2021, sections 3.1 and 3.2.
     settings.match_downsample = 1;
-    settings.pyramid_factor = 4;
-    settings.pyramid_levels = 4;
+    settings.pyramid = {.factor = 4, .levels = 4};
     settings.blur_radius = {10, 4, 2, 2};
     settings.refine_levels = 2;
     settings.prefilter = 0;

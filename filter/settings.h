@@ -29,12 +29,25 @@ enum class Smooth { none, frames, merged };
 /// How the merge weights the history against the new frame.
 enum class MergeMode { mask, variance };
 
+/// The weight of the history in mask mode: alpha (1 - m) with m = kappa eps - eta, clamped to [0,1], where
+/// eps is the patch distance (Hanika et al. 2021, section 3.2).
+struct MaskWeights {
+  float alpha = 0.9f;
+  float kappa = 2.0f;
+  float eta = 2.0f;
+};
+
+/// Each level of the matching pyramid is `factor` times smaller than the one before.
+struct Pyramid {
+  int factor = 2;
+  int levels = 0;  ///< 0: as many as the image size asks for
+};
+
 /// The filter's settings. One table (settings.cpp) holds their names, ranges and help texts; `--set
 /// KEY=VALUE`, the help and the output files' `becalm:settings` attribute use it.
 struct Settings {
   int match_downsample = 2;
-  int pyramid_factor = 2;
-  int pyramid_levels = 0;
+  Pyramid pyramid;
   std::vector<int> blur_radius = {1, 2};
   Distance distance = Distance::log_l1_centered;
   int refine_levels = 12;
@@ -46,12 +59,8 @@ struct Settings {
   Smooth smooth = Smooth::merged;
   Directions directions = Directions::both;
   MergeMode merge = MergeMode::variance;
-  float mask_alpha = 0.9f;
-  float mask_kappa = 2.0f;
-  float mask_eta = 2.0f;
+  MaskWeights mask;
   int patch_radius = 1;
-  int additive = 1;
-  int alpha = 0;
 };
 
 /// One row of the settings table.

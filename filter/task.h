@@ -17,7 +17,8 @@ struct FilterTask {
   AovSet diagnostics;  ///< diagnostic AOVs requested in the output
   Guides guides;
   std::size_t additive = 0;  ///< number of additive AOVs of a frame (merge/additive.h)
-  bool merged = false;       ///< the input frames are merged frames, with NewFrame::own set
+  bool denoises_alpha = false;
+  bool merged = false;  ///< the input frames are merged frames, with NewFrame::own set
 
   bool has_halves() const { return contains(used, Aov::half_a) && contains(used, Aov::half_b); }
   bool variance_known() const { return contains(used, Aov::variance) || has_halves(); }

@@ -167,7 +167,7 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
   CoarseOffset coarse;
   if (search.start) {
     coarse = {*search.start, level_extent(settings, search.full, end),
-              static_cast<float>(settings.pyramid_factor)};
+              static_cast<float>(settings.pyramid.factor)};
   } else {
     coarse = {chain.image(search.name + "offset.none", Format::f32x2, {1, 1}), {1, 1}, 1.0f};
     chain.fill(coarse.image, 0.0f);
@@ -197,7 +197,7 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
         .read("offset_noisy", level.offset)
         .write("offset", offset)
         .dispatch(extent);
-    coarse = {offset, extent, static_cast<float>(settings.pyramid_factor)};
+    coarse = {offset, extent, static_cast<float>(settings.pyramid.factor)};
   }
   result.offset = coarse.image;
   return result;
@@ -216,7 +216,7 @@ TileRules search_tile_rules(const Settings& settings, const gpu::DeviceInfo& dev
       // A sliding sum carries the rounding errors of all values before it in its run, so a run is exact only
       // if it is computed as a whole.
       margin += median + (rows_of_run - 1) + blur_radius(settings, l) + kWindowReach;
-      margin = ceil_div(margin, settings.pyramid_factor) + bilinear + cut_pixel;
+      margin = ceil_div(margin, settings.pyramid.factor) + bilinear + cut_pixel;
     }
     return margin * level_px(settings, end);
   };

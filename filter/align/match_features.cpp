@@ -113,7 +113,7 @@ std::vector<Features> add_pyramid(Chain& chain, const Settings& settings, const 
     chain.pass("align/downsample")
         .read("fine", pyramid.back().image)
         .write("coarse", coarse)
-        .specialize("factor", settings.pyramid_factor)
+        .specialize("factor", settings.pyramid.factor)
         .constants(params::DownsampleParams{
             .width_in = fine.width, .height_in = fine.height, .width = extent.width, .height = extent.height})
         .dispatch(extent);

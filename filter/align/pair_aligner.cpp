@@ -1,6 +1,5 @@
 #include "filter/align/pair_aligner.h"
 
-#include <algorithm>
 #include <optional>
 #include <string>
 
@@ -8,6 +7,7 @@
 #include "filter/align/guides.h"
 #include "filter/input/frame_check.h"
 #include "filter/input/host_images.h"
+#include "filter/tiles/pixel_view.h"
 
 namespace becalm::filter {
 
@@ -66,12 +66,6 @@ struct PairAligner::State {
       pack_guide(frame, guides.albedo, guides.normal, bounds(full), chain.upload<float>(*inputs.guide));
   }
 
-  Image download(ImageId image, Extent extent, int channels) const {
-    Image result(extent.width, extent.height, channels);
-    std::ranges::copy(chain.download<float>(image), result.data().begin());
-    return result;
-  }
-
   Settings settings;
   Extent full;
   Guides guides;
@@ -107,9 +101,9 @@ PairAlignment PairAligner::align(const Frame& target, const Frame& source) {
   }
   s.chain.run();
 
-  PairAlignment result{s.download(s.alignment.offset, s.full, 2), {}, s.chain.times()};
+  PairAlignment result{download(s.chain, s.alignment.offset, s.full, 2), {}, s.chain.times()};
   for (std::size_t l = 0; l < s.extents.size(); ++l) {
-    result.residual.push_back(s.download(s.alignment.residual[l], s.extents[l], 1));
+    result.residual.push_back(download(s.chain, s.alignment.residual[l], s.extents[l], 1));
   }
   return result;
 }

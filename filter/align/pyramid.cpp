@@ -31,9 +31,9 @@ int guide_limit_px(Extent full) {
 std::vector<Extent> pyramid_extents(const Settings& settings, int width, int height) {
   std::vector<Extent> extents{shrink({width, height}, settings.match_downsample)};
   const double wanted_reach = kReachOfLongerSide * std::max(width, height);
-  while (settings.pyramid_levels > 0 ? extents.size() < static_cast<std::size_t>(settings.pyramid_levels)
+  while (settings.pyramid.levels > 0 ? extents.size() < static_cast<std::size_t>(settings.pyramid.levels)
                                      : reach_px(settings, extents.size()) < wanted_reach) {
-    const Extent next = shrink(extents.back(), settings.pyramid_factor);
+    const Extent next = shrink(extents.back(), settings.pyramid.factor);
     if (std::min(next.width, next.height) < kSmallestLevel) break;
     extents.push_back(next);
   }
@@ -63,13 +63,13 @@ int reach_of_motion_px(const Settings& settings, Extent full, std::size_t levels
 
 Extent level_extent(const Settings& settings, Extent full, std::size_t level) {
   Extent extent = shrink(full, settings.match_downsample);
-  for (std::size_t l = 0; l < level; ++l) extent = shrink(extent, settings.pyramid_factor);
+  for (std::size_t l = 0; l < level; ++l) extent = shrink(extent, settings.pyramid.factor);
   return extent;
 }
 
 int level_px(const Settings& settings, std::size_t level) {
   int px = settings.match_downsample;
-  for (std::size_t l = 0; l < level; ++l) px *= settings.pyramid_factor;
+  for (std::size_t l = 0; l < level; ++l) px *= settings.pyramid.factor;
   return px;
 }
 

@@ -12,7 +12,7 @@ namespace becalm::filter {
 constexpr int kWindowReach = 2;
 
 /// Sizes of the matching pyramid, the finest level first. Level 0 is the frame over `match_downsample`; each
-/// further level is `pyramid_factor` smaller, rounded up. If `pyramid_levels` is 0, there are enough levels
+/// further level is `pyramid.factor` smaller, rounded up. If `pyramid.levels` is 0, there are enough levels
 /// to reach 9 % of the longer side (170 px at 1920x1080, as in Hanika et al. 2021, section 3.1). No level but
 /// the first is smaller than 8 px.
 std::vector<gpu::Extent> pyramid_extents(const Settings& settings, int width, int height);

@@ -48,7 +48,7 @@ std::vector<const Image*> additive_images(const Frame& frame, const AovSet& used
 
 std::vector<Image> pack_additive(const Frame& frame, const FilterTask& task,
                                  std::span<const std::uint8_t> finite, FrameReport& report) {
-  if (task.settings.additive == 0) return {};
+  if (task.additive == 0) return {};
   const std::vector<const Image*> images = additive_images(frame, task.used);
   if (images.size() != task.additive) {
     const std::size_t others = images.size() - frame.light_groups().size();

@@ -27,7 +27,7 @@ std::vector<const Image*> additive_images(const Frame& frame, const AovSet& used
 
 /// Packs the additive AOVs of a new frame for the chains. Where the beauty is not finite, a pixel becomes the
 /// mean of its finite neighbours, as in pack_color; other non-finite values become 0 and are counted in the
-/// report. Throws Error(bad_input) if their number differs from the task's.
+/// report. Empty if the task has none. Throws Error(bad_input) if their number differs from the task's.
 std::vector<Image> pack_additive(const Frame& frame, const FilterTask& task,
                                  std::span<const std::uint8_t> finite, FrameReport& report);
 

@@ -339,7 +339,8 @@ void FrameMerger::reset() {
 }
 
 FilterMemory FrameMerger::memory() const {
-  FilterMemory memory{.tiles = tiles_.size(), .tile = tiles_.front().target.extent()};
+  FilterMemory memory{
+      .tiles = tiles_.size(), .tile = tiles_.front().target.extent(), .tile_plan = describe(tiles_)};
   chains_->for_each([&](const gpu::Chain& chain) { add_memory(memory, chain); });
   return memory;
 }

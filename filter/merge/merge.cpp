@@ -116,9 +116,9 @@ ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const
                                         .residual_width = extent.width,
                                         .residual_height = extent.height,
                                         .residual_scale = static_cast<float>(level_px(settings, 0)),
-                                        .alpha = settings.mask_alpha,
-                                        .kappa = settings.mask_kappa,
-                                        .eta = settings.mask_eta})
+                                        .alpha = settings.mask.alpha,
+                                        .kappa = settings.mask.kappa,
+                                        .eta = settings.mask.eta})
       .dispatch(full);
   return decision;
 }

@@ -12,7 +12,7 @@ namespace becalm::filter {
 /// 1 for each pixel of an RGBA image whose alpha looks noisy, as under motion blur and depth of field at few
 /// samples: alpha differs from a neighbour's, and in the window around it more pixels than at an edge or in a
 /// gradient have an alpha that rises or falls to both sides in all directions. Clean hair and foliage pass
-/// this test too, so the filter uses it only with alpha=1. Alpha that equals all its neighbours is never
+/// this test too, so the filter uses it only on request. Alpha that equals all its neighbours is never
 /// noisy; steps below 1/64 are ignored.
 std::vector<std::uint8_t> noisy_alpha(const Image& beauty);
 

@@ -1,5 +1,7 @@
 #include "filter/sequence/sequence_filter.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -51,9 +53,9 @@ Frame output_frame(const NewFrame& frame, const FilterTask& task, MergedFrame ma
   const std::span<float> color = made.merged.color.data();
   const std::span<float> variance = result.add(Aov::variance).data();
   const std::vector<std::uint8_t> as_they_came = unfiltered_pixels(frame);
-  pass_on_alpha(
-      noisy, task.settings.alpha != 0 ? noisy_alpha(noisy) : std::vector<std::uint8_t>(noisy.pixel_count()),
-      made.merged.color);
+  pass_on_alpha(noisy,
+                task.denoises_alpha ? noisy_alpha(noisy) : std::vector<std::uint8_t>(noisy.pixel_count()),
+                made.merged.color);
   std::span<float> count;
   if (contains(diagnostics, Aov::sample_count)) count = result.add(Aov::sample_count).data();
   for (std::size_t i = 0; i < frame.finite.size(); ++i) {
@@ -123,20 +125,19 @@ struct SequenceFilter::State {
 };
 
 SequenceFilter::SequenceFilter(gpu::Device& device, const Settings& settings, int width, int height,
-                               AovSet available, AovSet diagnostics, std::uint64_t memory_limit,
-                               FindCuts find_cuts, std::size_t light_groups)
+                               AovSet available, const SequenceOptions& options)
     : state_(std::make_unique<State>()) {
-  const bool has_additive = settings.additive != 0;
-  const AovSet used = available & (wanted_aovs(settings) | (has_additive ? additive_aovs() : AovSet()));
-  state_->find_cuts = find_cuts;
+  const AovSet used = available & (wanted_aovs(settings) | additive_aovs());
+  state_->find_cuts = options.find_cuts;
   FilterTask& task = state_->task;
   task = {.settings = settings,
           .full = {width, height},
           .used = used,
-          .diagnostics = diagnostics,
+          .diagnostics = options.diagnostics,
           .guides = guides_of(settings, used),
-          .additive = has_additive ? (used & additive_aovs()).count() + light_groups : 0};
-  std::uint64_t left = std::min(memory_limit, usable_bytes(device));
+          .additive = (used & additive_aovs()).count() + options.light_groups,
+          .denoises_alpha = options.alpha == Alpha::denoise};
+  std::uint64_t left = std::min(options.memory_limit, usable_bytes(device));
   if (task.smooths()) {
     FilterTask task_of_frame = task;
     if (task.smooths_merged()) task_of_frame.additive = 0;
@@ -240,15 +241,20 @@ void SequenceFilter::reset() {
 }
 
 FilterMemory SequenceFilter::memory() const {
-  FilterMemory memory = state_->merger->memory();
-  const auto add = [&](const FilterMemory& other) {
-    memory.device_bytes += other.device_bytes;
-    memory.device_bytes_unaliased += other.device_bytes_unaliased;
-    memory.staging_bytes += other.staging_bytes;
+  const FilterMemory merge = state_->merger->memory();
+  FilterMemory memory{.tiles = merge.tiles, .tile = merge.tile, .tile_plan = {}};
+  const auto add = [&](const char* name, const FilterMemory& part) {
+    memory.device_bytes += part.device_bytes;
+    memory.device_bytes_unaliased += part.device_bytes_unaliased;
+    memory.staging_bytes += part.staging_bytes;
+    if (part.tiles == 1) return;
+    memory.tile_plan += fmt::format("{}{} {}", memory.tile_plan.empty() ? "" : "; ", name, part.tile_plan);
   };
-  if (state_->smoother) add(state_->smoother->memory());
-  if (state_->merged_smoother) add(state_->merged_smoother->memory());
-  if (state_->combiner) add(state_->combiner->memory());
+  if (state_->smoother) add("smooth", state_->smoother->memory());
+  add("merge", merge);
+  if (state_->combiner) add("combine", state_->combiner->memory());
+  if (state_->merged_smoother) add("smooth merged", state_->merged_smoother->memory());
+  if (memory.tile_plan.empty()) memory.tile_plan = "1";
   return memory;
 }
 

@@ -19,11 +19,25 @@ struct Denoised {
 };
 
 /// AOVs that the filter uses if a frame has them, besides the additive ones (merge/additive.h), which it
-/// denoises if `additive` is set. Other AOVs are ignored.
+/// denoises where it is told that they are available. Other AOVs are ignored.
 AovSet wanted_aovs(const Settings& settings);
 
 /// Whether the history is also dropped where is_cut finds a cut, in addition to where the schedule says so.
 enum class FindCuts { no, yes };
+
+/// What becomes of alpha: passed on as it came, or merged with the beauty's weights where noisy_alpha marks
+/// it.
+enum class Alpha { keep, denoise };
+
+struct SequenceOptions {
+  AovSet diagnostics = {};  ///< diagnostic AOVs in the results
+  /// Frames that the device cannot hold whole, or not within so many bytes, are cut into tiles; the results
+  /// do not depend on the cut.
+  std::uint64_t memory_limit = std::numeric_limits<std::uint64_t>::max();
+  FindCuts find_cuts = FindCuts::no;
+  Alpha alpha = Alpha::keep;
+  std::size_t light_groups = 0;  ///< of every frame; if 0, light groups are ignored
+};
 
 /// Device memory that all filters together may take, in bytes.
 std::uint64_t usable_bytes(const gpu::Device& device);
@@ -33,14 +47,9 @@ std::uint64_t usable_bytes(const gpu::Device& device);
 /// that the filter wants; a frame that differs throws Error(bad_input).
 class SequenceFilter {
  public:
-  /// Builds the chains for this size. `diagnostics` selects the diagnostic AOVs in the results. Frames that
-  /// the device cannot hold whole, or not within `memory_limit` bytes, are cut into tiles; the results do not
-  /// depend on the cut. Every frame has `light_groups` light groups. Throws gpu::DeviceError if even the
-  /// smallest tiles are too large.
+  /// Builds the chains for this size. Throws gpu::DeviceError if even the smallest tiles are too large.
   SequenceFilter(gpu::Device& device, const Settings& settings, int width, int height, AovSet available,
-                 AovSet diagnostics = {},
-                 std::uint64_t memory_limit = std::numeric_limits<std::uint64_t>::max(),
-                 FindCuts find_cuts = FindCuts::no, std::size_t light_groups = 0);
+                 const SequenceOptions& options = {});
   ~SequenceFilter();
   SequenceFilter(SequenceFilter&&) noexcept;
 
@@ -56,7 +65,8 @@ class SequenceFilter {
   /// Drops the history: the next frame starts a new one, as after a cut or a missing frame.
   void reset();
 
-  /// Number and size of the tiles, and the device memory held for them.
+  /// The merge's tiles, and the device memory held by all chains. The tile plan is `1` if no chain cuts the
+  /// frame; else it names each chain that does.
   FilterMemory memory() const;
 
  private:

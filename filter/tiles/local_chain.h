@@ -51,7 +51,8 @@ class LocalChain {
   }
 
   FilterMemory memory() const {
-    FilterMemory memory{.tiles = tiles_.size(), .tile = tiles_.front().target.extent()};
+    FilterMemory memory{
+        .tiles = tiles_.size(), .tile = tiles_.front().target.extent(), .tile_plan = describe(tiles_)};
     add_memory(memory, passes_->chain);
     return memory;
   }

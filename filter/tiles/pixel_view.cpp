@@ -54,4 +54,10 @@ void upload(gpu::Chain& chain, gpu::ImageId image, const PixelView<const float>&
             {chain.upload<float>(image), rect.extent().with_planes(from.extent.planes), from.channels}, 0, 0);
 }
 
+Image download(const gpu::Chain& chain, gpu::ImageId image, gpu::Extent extent, int channels) {
+  Image result(extent.width, extent.height, channels);
+  std::ranges::copy(chain.download<float>(image), result.data().begin());
+  return result;
+}
+
 }  // namespace becalm::filter

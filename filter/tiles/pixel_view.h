@@ -33,4 +33,7 @@ void copy_core(const std::vector<std::span<const float>>& pixels, const Tile& ti
 /// Uploads a rectangle of `from` to an input of a chain.
 void upload(gpu::Chain& chain, gpu::ImageId image, const PixelView<const float>& from, const Rect& rect);
 
+/// An output of a chain: one plane of `extent` with `channels` floats a pixel.
+Image download(const gpu::Chain& chain, gpu::ImageId image, gpu::Extent extent, int channels);
+
 }  // namespace becalm::filter

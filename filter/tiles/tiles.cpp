@@ -87,6 +87,12 @@ Rect rect(const Span& x, const Span& y) {
   return {x.begin, y.begin, x.size, y.size};
 }
 
+/// The largest distance from the inner rectangle's sides to those of the outer one.
+int largest_margin(const Rect& inner, const Rect& outer) {
+  return std::max({inner.x - outer.x, inner.y - outer.y, outer.x + outer.width - inner.x - inner.width,
+                   outer.y + outer.height - inner.y - inner.height});
+}
+
 }  // namespace
 
 Tile uncut(Extent frame) {
@@ -102,6 +108,22 @@ std::vector<Tile> cut_tiles(Extent frame, Extent target, const TileRules& rules)
     }
   }
   return tiles;
+}
+
+std::string describe(const std::vector<Tile>& tiles) {
+  if (tiles.size() == 1) return "1";
+  const auto columns = static_cast<std::size_t>(
+      std::ranges::count_if(tiles, [](const Tile& tile) { return tile.core.y == 0; }));
+  int margin = 0;
+  int reach = 0;
+  for (const Tile& tile : tiles) {
+    margin = std::max(margin, largest_margin(tile.core, tile.target));
+    reach = std::max(reach, largest_margin(tile.target, tile.source));
+  }
+  const Extent target = tiles.front().target.extent();
+  return fmt::format("{}x{} of {}x{} px with margins of up to {} px{}", columns, tiles.size() / columns,
+                     target.width, target.height, margin,
+                     reach > 0 ? fmt::format(", history up to {} px beyond", reach) : "");
 }
 
 std::string tiles_too_large(const Tile& tile, std::uint64_t bytes, std::uint64_t allowed) {

@@ -65,6 +65,10 @@ constexpr TileRules local_tile_rules(int margin_px, int grid_px = 8) {
 /// end at the frame's border. Empty if `target` leaves no room for cores of at least the grid's size.
 std::vector<Tile> cut_tiles(gpu::Extent frame, gpu::Extent target, const TileRules& rules);
 
+/// The plan for people to read: `1`, or `2x3 of 976x560 px with margins of up to 48 px`, followed by how far
+/// sources reach beyond the targets if they do. 2x3 are two columns and three rows.
+std::string describe(const std::vector<Tile>& tiles);
+
 /// Error texts for tiles that do not fit.
 std::string tiles_too_large(const Tile& tile, std::uint64_t bytes, std::uint64_t allowed);
 gpu::DeviceLimitError cannot_be_cut(gpu::Extent frame, const std::string& reason);

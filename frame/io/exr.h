@@ -110,6 +110,11 @@ struct WriteReport {
 WriteReport write_exr(const std::string& path, const Frame& frame, const Attributes& attributes,
                       PixelType color_type = PixelType::half);
 
+/// Writes a frame, which has a beauty, small: all layers as half with ZIP compression, no alpha where it is 1
+/// everywhere, and the variance by its root, to 12 % (`noiselevel`, which read_exr squares). Atomic and
+/// failing as write_exr.
+void write_compact_exr(const std::string& path, const Frame& frame, const Attributes& attributes);
+
 /// Which channels are written: by default all.
 struct ChannelSelection {
   /// Channels, layers (`diffuse` for `diffuse.R`), or `beauty`; all where there are none.

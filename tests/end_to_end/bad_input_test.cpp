@@ -210,8 +210,8 @@ TEST_F(BadInput, ValuesOutOfRange) {
   expect_error(becalm({"render", scene_, "-o", folder_ / "o.####.exr", "--spp", "0"}), kUsage, {"--spp"});
   expect_error(render({"--aovs", "albedo,colour"}), kUsage, {"--aovs", "colour", "albedo"});
   expect_error(render({"--denoise=best"}), kUsage, {"best"});
-  expect_error(render({"--denoise", "--set", "distance=far"}), kUsage, {"distance", "far"});
-  expect_error(render({"--set", "distance=l2"}), kUsage, {"--set", "--denoise"});
+  expect_error(render({"--denoise", "--set", "motion=far"}), kUsage, {"motion", "far"});
+  expect_error(render({"--set", "motion=none"}), kUsage, {"--set", "--denoise"});
   expect_error(render({"--denoise", "--segment", "0"}), kUsage, {"--segment"});
   expect_error(render({"--denoise=draft", "--warmup", "4"}), kUsage, {"--warmup", "--segment"});
   expect_error(render({"--denoise", "--cuts", "often"}), kUsage, {"often"});

@@ -163,6 +163,20 @@ TEST(Info, DescribesScenesFilesSequencesAndDevices) {
   expect_error(becalm({"info", folder / "none.exr"}), 3, {"none.exr"});
 }
 
+TEST(Program, LoadsOpenImageIOForThePicturesAloneAndNeedsNoFileBesideIt) {
+  // The dynamic linker prints what it would load.
+  const Outcome libraries = Process({}, R"(LD_TRACE_LOADED_OBJECTS=1 "$0")").wait();
+  EXPECT_NE(libraries.out.find("libOpenEXR"), std::string::npos) << libraries.out;
+  EXPECT_EQ(libraries.out.find("libOpenImageIO"), std::string::npos) << libraries.out;
+  const TempFolder folder;
+  for (const char* name : {"a.exr", "b.exr"}) io::write_exr(folder / name, noise_frame(name[0]), {});
+  const Outcome moved = Process({folder.path().string()}, R"(cd "$1" && cp "$0" moved && )"
+                                                          R"(./moved compare a.exr b.exr --report report)")
+                            .wait();
+  EXPECT_EQ(moved.status, 0) << moved.err;
+  EXPECT_TRUE(fs::exists(folder.path() / "report/test.0001.png")) << moved.err;
+}
+
 TEST(Help, IsOnStandardOutputAndListsEverything) {
   const Outcome top = becalm_done({"--help"});
   for (const char* word : {"render", "denoise", "compare", "info", "Examples", "130 interrupted"}) {
@@ -174,10 +188,24 @@ TEST(Help, IsOnStandardOutputAndListsEverything) {
     const Outcome outcome = becalm_done({command, "--help"});
     EXPECT_NE(outcome.out.find(std::string("Usage: becalm ") + command), std::string::npos) << outcome.out;
     std::istringstream lines(outcome.out);
-    for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 106u) << line;
+    std::size_t count = 0;
+    for (std::string line; std::getline(lines, line); ++count) EXPECT_LE(line.size(), 106u) << line;
+    EXPECT_LE(count, 45u) << "does not fit a screen: " << outcome.out;
+  }
+  for (const char* command : {"render", "denoise"}) {
+    const std::string common = becalm_done({command, "--help"}).out;
+    const Outcome all = becalm_done({command, "--help-all"});
+    EXPECT_EQ(all.err, "");
+    for (const char* option : {"--segment", "--context", "--overwrite", "--progress text|json"}) {
+      EXPECT_EQ(common.find(option), std::string::npos) << option;
+      EXPECT_NE(all.out.find(option), std::string::npos) << option;
+    }
+    std::istringstream words(common);
+    for (std::string word; words >> word;) EXPECT_NE(all.out.find(word), std::string::npos) << word;
   }
   const std::string denoise = becalm_done({"denoise", "--help-settings"}).out;
-  for (const char* words : {"match_downsample", "draft: 4; balanced: 2; final: 1", "all: log_l1_centered"}) {
+  for (const char* words :
+       {"match_downsample", "draft: 4; balanced: 2; final: 1", "variance; paper: mask:0.9,2,2"}) {
     EXPECT_NE(denoise.find(words), std::string::npos) << words;
   }
 }

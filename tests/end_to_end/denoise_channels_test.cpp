@@ -126,7 +126,7 @@ TEST_F(Denoise, AdditiveLayersStillAddUpToTheBeauty) {
     }
   }
   EXPECT_FALSE(same_pixels(noisy.image(Aov::direct), denoised.image(Aov::direct)));
-  becalm_done(command("passed.####.exr", {"--set", "additive=0"}));
+  becalm_done(command("passed.####.exr", {"--additive", "none"}));
   const Frame passed = read("passed.0002.exr");
   EXPECT_TRUE(same_pixels(noisy.image(Aov::direct), passed.image(Aov::direct)));
   EXPECT_TRUE(same_pixels(noisy.light_groups()[1].radiance, passed.light_groups()[1].radiance));
@@ -189,7 +189,7 @@ TEST_F(Denoise, ACleanMatteIsNotMoved) {
     }
     EXPECT_NE(becalm_done({"info", input_}).out.find("\nalpha: passed on as it is\n"), std::string::npos);
     for (const char* preset : {"draft", "balanced"}) {
-      becalm_done(command("out.####.exr", {"--preset", preset, "--overwrite", "--set", "alpha=1"}));
+      becalm_done(command("out.####.exr", {"--preset", preset, "--overwrite", "--alpha", "denoise"}));
       for (const int number : {1, 2, 3, 4}) {
         const Image before = read_frame(frame_path(input_, number)).image(Aov::beauty);
         const std::string path = frame_path(folder_ / "out.####.exr", number);
@@ -216,7 +216,7 @@ TEST_F(Denoise, NoisyAlphaIsDenoisedOnRequest) {
   }
   EXPECT_NE(becalm_done({"info", input_}).out.find("look noisy"), std::string::npos);
   becalm_done(command("passed.####.exr"));
-  becalm_done(command("out.####.exr", {"--set", "alpha=1"}));
+  becalm_done(command("out.####.exr", {"--alpha", "denoise"}));
   EXPECT_EQ(io::read_attribute(folder_ / "passed.0002.exr", "becalm:alpha"), "passed on");
   EXPECT_EQ(io::read_attribute(folder_ / "out.0002.exr", "becalm:alpha").find("denoised in "), 0u);
   const Image after = read_frame(folder_ / "out.0002.exr").image(Aov::beauty);

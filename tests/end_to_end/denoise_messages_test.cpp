@@ -31,7 +31,8 @@ TEST_F(Denoise, VerboseTellsLayersDeviceAndFiles) {
   const Outcome outcome = becalm_done(command("out.####.exr", {"-v"}));
   for (const std::string& words :
        {std::string("48x32 px of beauty=R,G,B,A albedo=albedo.R"), std::string("device "),
-        "reading " + folder_ / "in.0001.exr", "wrote " + folder_ / "out.0001.exr"}) {
+        std::string("tiles 1\n"), "reading " + folder_ / "in.0001.exr",
+        "wrote " + folder_ / "out.0001.exr"}) {
     EXPECT_NE(outcome.err.find(words), std::string::npos) << words << "\n" << outcome.err;
   }
 }

@@ -201,6 +201,20 @@ TEST_F(Denoise, MemoryCutsFramesIntoTilesThatNobodySees) {
   const Outcome tiled = becalm_done(command("tiled.####.exr", options));
   EXPECT_NE(tiled.err.find(" tiles of "), std::string::npos) << tiled.err;
   expect_same_beauty(folder_ / "whole.####.exr", folder_ / "tiled.####.exr", 1, 3);
+
+  const auto tiles_of = [&](const char* file) { return io::read_attribute(folder_ / file, "becalm:tiles"); };
+  EXPECT_EQ(tiles_of("whole.0002.exr"), "1");
+  EXPECT_EQ(tiles_of("tiled.0002.exr").find("merge 2x"), 0u) << tiles_of("tiled.0002.exr");
+  const std::string info = becalm_done({"info", folder_ / "tiled.0002.exr"}).out;
+  EXPECT_NE(info.find("; tiles " + tiles_of("tiled.0002.exr") + "; "), std::string::npos) << info;
+  // The results are the same, so that another plan may go on with them.
+  fs::remove(folder_ / "whole.0003.exr");
+  options.insert(options.end(), {"--resume", "-v"});
+  std::erase(options, "--quiet");
+  const Outcome resumed = becalm_done(command("whole.####.exr", options));
+  EXPECT_NE(resumed.err.find("tiles merge 2x"), std::string::npos) << resumed.err;
+  EXPECT_NE(resumed.err.find("2 were there already"), std::string::npos) << resumed.err;
+  expect_same_beauty(folder_ / "whole.####.exr", folder_ / "tiled.####.exr", 3, 3);
 }
 
 }  // namespace

@@ -74,7 +74,7 @@ TEST_F(Render, LightGroupsAreDenoisedUnlessToldOtherwise) {
       const float beauty = denoised.image(Aov::beauty).data()[4 * i];
       ASSERT_NEAR(denoised.light_groups()[0].radiance.data()[3 * i], beauty, 1e-5f * beauty + 1e-6f) << i;
     }
-    render("b.exr", {"--frames", "1", "--aovs", "light_groups", "--float", preset, "--set", "additive=0"});
+    render("b.exr", {"--frames", "1", "--aovs", "light_groups", "--float", preset, "--additive", "none"});
     EXPECT_TRUE(same_pixels(noisy.light_groups()[0].radiance, read("b.exr").light_groups()[0].radiance));
   }
 }

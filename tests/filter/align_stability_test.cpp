@@ -170,7 +170,7 @@ std::array<std::vector<float>, 2> align_features(gpu::Device& device, const Sett
 
 TEST_F(AlignStability, ShiftingBothImagesShiftsNothingElse) {
   Settings settings = preset("final");
-  settings.pyramid_levels = 3;
+  settings.pyramid.levels = 3;
   constexpr int by = 8;  // a multiple of the coarsest level's pixel, so that the pyramids are the same
   const auto offsets = [&](int shift) {
     return align_features(

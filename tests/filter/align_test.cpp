@@ -181,13 +181,13 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Case{"l2", {"distance=l2"}, 90, 61, 1}, Case{"l1", {"distance=l1"}, 90, 61, 1},
                     Case{"log_l1", {"distance=log_l1"}, 90, 61, 1},
                     Case{"log_l1_centered", {"distance=log_l1_centered"}, 90, 61, 1},
-                    Case{"factor_4", {"pyramid_factor=4", "pyramid_levels=2"}, 101, 64, 1},
+                    Case{"factor_4", {"pyramid=4x2"}, 101, 64, 1},
                     Case{"half_resolution", {"match_downsample=2"}, 120, 75, 1},
                     Case{"quarter_resolution", {"match_downsample=4"}, 131, 90, 1},
-                    Case{"three_planes", {"pyramid_levels=3"}, 64, 48, 3},
-                    Case{"radii_per_level", {"blur_radius=10,4,2", "pyramid_levels=3"}, 80, 60, 1},
+                    Case{"three_planes", {"pyramid=2x3"}, 64, 48, 3},
+                    Case{"radii_per_level", {"blur_radius=10,4,2", "pyramid=2x3"}, 80, 60, 1},
                     Case{"default_radii", {"blur_radius=1,2"}, 80, 60, 1},
-                    Case{"radius_zero", {"blur_radius=2,0", "pyramid_levels=2"}, 64, 48, 1},
+                    Case{"radius_zero", {"blur_radius=2,0", "pyramid=2x2"}, 64, 48, 1},
                     Case{"unrefined", {"refine_levels=0"}, 64, 48, 1}, Case{"one_row", {}, 64, 1, 1}),
     [](const auto& info) { return info.param.name; });
 
@@ -212,8 +212,8 @@ TEST(Pyramid, ReachFollowsFromTheImage) {
     EXPECT_EQ(pyramid_extents(settings, 16384, 1).size(), 1u) << name;
   }
   Settings paper = preset("final");
-  paper.pyramid_factor = 4;
-  paper.pyramid_levels = 4;
+  paper.pyramid.factor = 4;
+  paper.pyramid.levels = 4;
   EXPECT_EQ(reach_px(paper, pyramid_extents(paper, 1920, 1080).size()), 170);
 }
 

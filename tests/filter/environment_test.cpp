@@ -95,7 +95,7 @@ TEST_F(EnvironmentTest, LeavesBeforeItLeaveNothingBehindWhateverItsAlbedoIsCalle
     Settings settings = preset("balanced");
     settings.directions = Directions::forward;
     const Frame first = leaves_before_sky(1, convention);
-    SequenceFilter filter(device(), settings, kWidth, kHeight, first.aovs(), {});
+    SequenceFilter filter(device(), settings, kWidth, kHeight, first.aovs());
     double least = 1e9;
     for (int number = 1; number <= 4; ++number) {
       const Frame noisy = leaves_before_sky(number, convention);
@@ -142,7 +142,7 @@ TEST_F(EnvironmentTest, TheSunLeavesNothingOfItBesideIt) {
   Settings settings = preset("draft");
   settings.smooth = Smooth::none;
   settings.patch_radius = 3;
-  SequenceFilter filter(device(), settings, kWidth, kHeight, rising_sun(1).aovs(), {});
+  SequenceFilter filter(device(), settings, kWidth, kHeight, rising_sun(1).aovs());
   for (int number = 1; number <= 6; ++number) {
     const Frame denoised = filter.denoise(rising_sun(number)).frame;
     for (int y = 0; y < kHeight; ++y) {

@@ -109,8 +109,12 @@ Frame fast_frame(int number, int shift_px, bool known) {
 class FrameMergerTest : public DeviceTest {
  protected:
   static SequenceFilter make(const Settings& settings, const Scene& scene, std::uint64_t memory_limit) {
-    return {device(),      settings,    scene.width, scene.height, moving_frame(scene, 1).aovs(),
-            diagnostics(), memory_limit};
+    return {device(),
+            settings,
+            scene.width,
+            scene.height,
+            moving_frame(scene, 1).aovs(),
+            {.diagnostics = diagnostics(), .memory_limit = memory_limit}};
   }
 
   static void expect_same(const Denoised& tiled, const Denoised& whole) {
@@ -218,9 +222,9 @@ TEST_F(FrameMergerTest, ShowsNoSeamsBetweenManySmallTiles) {
 TEST_F(FrameMergerTest, ShowsNoSeamsUnderOtherSettings) {
   const Scene scene{.width = 357, .height = 325};
   const std::vector<std::vector<const char*>> all{{"merge=mask", "resample=bilinear"},
-                                                  {"pyramid_factor=4"},
+                                                  {"pyramid=4"},
                                                   {"blur_radius=10,3"},
-                                                  {"distance=l2", "patch_radius=8", "prefilter=4"},
+                                                  {"patch_radius=8", "prefilter=4"},
                                                   {"guides=0", "blur_radius=5", "merge=mask"}};
   for (const std::vector<const char*>& assignments : all) {
     SCOPED_TRACE(assignments.front());
@@ -247,11 +251,11 @@ TEST_F(FrameMergerTest, ShowsNoSeamsWhereMotionIsKnown) {
 
 TEST_F(FrameMergerTest, FollowsKnownMotionUpToTheSameLimitAsWholeFrames) {
   Settings settings = forward("final");
-  settings.pyramid_levels = 2;
+  settings.pyramid.levels = 2;
   const Frame first = fast_frame(1, 0, true);
   const auto make_filter = [&](std::uint64_t limit) {
-    return SequenceFilter(device(), settings, first.width(), first.height(), first.aovs(), diagnostics(),
-                          limit);
+    return SequenceFilter(device(), settings, first.width(), first.height(), first.aovs(),
+                          {.diagnostics = diagnostics(), .memory_limit = limit});
   };
   SequenceFilter whole = make_filter(kUnlimited);
   SequenceFilter tiled = make_filter(whole.memory().device_bytes * 4 / 5);

@@ -44,7 +44,7 @@ class KnownMotion : public DeviceTest {
  protected:
   static Settings with(std::initializer_list<const char*> assignments) {
     Settings settings = preset("final");
-    settings.pyramid_levels = 2;  // a reach of 6 px
+    settings.pyramid.levels = 2;  // a reach of 6 px
     settings.blur_radius = {4};
     for (const char* assignment : assignments) set(settings, assignment);
     return settings;
@@ -66,9 +66,9 @@ TEST_F(KnownMotion, IsNotFollowedWhereItIsWrong) {
   const Frame target = frame_displaced(0.0f, -25.0f);
   const Frame source = frame_displaced(3.0f, 0.0f);
   const double unguided =
-      share_found(align(with({"motion=none", "pyramid_levels=3"}), target, source).offset, 3.0f);
+      share_found(align(with({"motion=none", "pyramid=2x3"}), target, source).offset, 3.0f);
   ASSERT_GT(unguided, 0.85);
-  EXPECT_GT(share_found(align(with({"motion=guide", "pyramid_levels=3"}), target, source).offset, 3.0f),
+  EXPECT_GT(share_found(align(with({"motion=guide", "pyramid=2x3"}), target, source).offset, 3.0f),
             unguided - 0.02);
 }
 

@@ -235,7 +235,7 @@ TEST_F(MergeTest, VarianceModeConvergesToTheRunningMean) {
 TEST_F(MergeTest, MaskModeConvergesToTheRunningMean) {
   Settings settings = of_noisy_frames();
   settings.merge = MergeMode::mask;
-  settings.mask_alpha = 1.0f;
+  settings.mask.alpha = 1.0f;
   expect_running_mean(device(), settings);
 }
 

@@ -72,7 +72,7 @@ class MergedSmootherTest : public DeviceTest {
   /// Frame `wanted` of `count` frames, denoised from all of them or from those up to it.
   static Frame denoised(Directions directions, int wanted, int count) {
     SequenceFilter filter(device(), settings(directions), kWidth, kHeight, noisy_frame(1).aovs(),
-                          accumulated_aovs());
+                          {.diagnostics = accumulated_aovs()});
     std::vector<int> frames;
     for (int number = 1; number <= count; ++number) frames.push_back(number);
     std::optional<Frame> result;

@@ -71,7 +71,7 @@ TEST_F(SequenceFilterTest, MaskModeIsNeverWorseThanNoisyAndKeepsTheEnergy) {
 
 TEST_F(SequenceFilterTest, ThePublishedMethodLowersTheNoise) {
   Settings settings = preset("paper");
-  settings.mask_kappa = 0.5f;  // the frames are noisier than the paper's
+  settings.mask.kappa = 0.5f;  // the frames are noisier than the paper's
   SequenceFilter filter(device(), settings, kWidth, kHeight, noisy_frame(1).aovs());
   double noisy_error = 0, error = 0;
   for (int number = 1; number <= 8; ++number) {
@@ -132,8 +132,9 @@ TEST_F(SequenceFilterTest, NothingIsKnownOfALastFrameFromTheFuture) {
 }
 
 TEST_F(SequenceFilterTest, TheFirstFrameAndTheFrameAfterAResetAreTheInput) {
-  SequenceFilter filter(device(), unsmoothed(), kWidth, kHeight, noisy_frame(1).aovs(),
-                        aov_set({Aov::sample_count, Aov::error_mask, Aov::flow, Aov::bias, Aov::gain}));
+  SequenceFilter filter(
+      device(), unsmoothed(), kWidth, kHeight, noisy_frame(1).aovs(),
+      {.diagnostics = aov_set({Aov::sample_count, Aov::error_mask, Aov::flow, Aov::bias, Aov::gain})});
   for (const int number : {1, 5}) {
     const Frame noisy = noisy_frame(number);
     const Denoised denoised = filter.denoise(noisy);
@@ -166,7 +167,7 @@ TEST_F(SequenceFilterTest, NothingDriftsOverThousandsOfFrames) {
   Settings settings = preset("draft");
   settings.smooth = Smooth::none;
   settings.patch_radius = 3;
-  settings.pyramid_levels = 1;
+  settings.pyramid.levels = 1;
   settings.motion = MotionUse::override_offset;
   constexpr int size = 8;
   constexpr int first_counted = 1000;

@@ -1,4 +1,5 @@
 // Which values frames may hold, and which AOVs they may lack.
+#include "filter/merge/additive.h"
 #include "filter/sequence/sequence_filter.h"
 
 #include <array>
@@ -66,10 +67,10 @@ TEST_F(SequenceInputTest, NoAovsValuesReachFurtherThanTheirPixel) {
   };
   for (const char* merge : {"merge=variance", "merge=mask"}) {
     Settings settings = preset("final");
-    for (const char* assignment : {merge, "smooth=frames", "additive=0", "motion=guide"}) {
+    for (const char* assignment : {merge, "smooth=frames", "motion=guide"}) {
       set(settings, assignment);
     }
-    SequenceFilter filter(device(), settings, 24, 20, full_frame(1).aovs());
+    SequenceFilter filter(device(), settings, 24, 20, full_frame(1).aovs() & ~additive_aovs());
     for (const AovInfo& entry : kAovTable) {
       if (!contains(wanted_aovs(settings), entry.aov)) continue;
       filter.reset();

@@ -1,6 +1,11 @@
 #include "filter/settings.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+#include <sstream>
 
 #include "frame/error.h"
 
@@ -20,15 +25,13 @@ std::string error_of(const std::string& assignment) {
 }
 
 TEST(Settings, EveryKeyCanBeSetToWhatItPrints) {
-  const std::string text = to_string(preset("final"));
-  Settings settings;
-  std::size_t begin = 0;
-  while (begin < text.size()) {
-    const std::size_t end = std::min(text.find(' ', begin), text.size());
-    set(settings, text.substr(begin, end - begin));
-    begin = end + 1;
+  for (const char* name : {"final", "paper"}) {
+    const std::string text = to_string(preset(name));
+    Settings settings;
+    std::istringstream words(text);
+    for (std::string word; words >> word;) set(settings, word);
+    EXPECT_EQ(to_string(settings), text);
   }
-  EXPECT_EQ(to_string(settings), text);
 }
 
 TEST(Settings, EveryRowHasHelpAndAppearsInTheText) {
@@ -40,28 +43,64 @@ TEST(Settings, EveryRowHasHelpAndAppearsInTheText) {
   }
 }
 
+TEST(Settings, SomePresetVariesEachOfThemButThePapersDistances) {
+  std::map<std::string, std::set<std::string>> values;
+  for (const char* name : {"draft", "balanced", "final", "paper"}) {
+    std::istringstream words(to_string(preset(name)));
+    for (std::string word; words >> word;) {
+      const auto equals = word.find('=');
+      values[word.substr(0, equals)].insert(word.substr(equals + 1));
+    }
+  }
+  EXPECT_EQ(values.size(), settings_table().size());
+  EXPECT_EQ(values.at("distance").size(), 1u);
+  values.erase("distance");
+  for (const auto& [key, of_presets] : values) EXPECT_GT(of_presets.size(), 1u) << key;
+}
+
 TEST(Settings, ValuesArrive) {
   Settings settings;
   set(settings, "blur_radius=10,4,2");
   set(settings, "distance=l1");
-  set(settings, "merge=mask");
-  set(settings, "mask_alpha=0.25");
+  set(settings, "motion=override");
+  set(settings, "merge=mask:0.25,3,0.5");
+  set(settings, "pyramid=4x3");
   set(settings, "resample=bilinear");
   EXPECT_EQ(settings.blur_radius, (std::vector{10, 4, 2}));
   EXPECT_EQ(settings.distance, Distance::l1);
+  EXPECT_EQ(settings.motion, MotionUse::override_offset);
   EXPECT_EQ(settings.merge, MergeMode::mask);
-  EXPECT_EQ(settings.mask_alpha, 0.25f);
+  EXPECT_EQ(settings.mask.alpha, 0.25f);
+  EXPECT_EQ(settings.mask.kappa, 3.0f);
+  EXPECT_EQ(settings.mask.eta, 0.5f);
+  EXPECT_EQ(settings.pyramid.factor, 4);
+  EXPECT_EQ(settings.pyramid.levels, 3);
   EXPECT_EQ(settings.resample, Resample::bilinear);
+  set(settings, "merge=mask");
+  EXPECT_EQ(settings.mask.alpha, MaskWeights().alpha);
+  set(settings, "pyramid=2");
+  EXPECT_EQ(settings.pyramid.factor, 2);
+  EXPECT_EQ(settings.pyramid.levels, 0);
 }
 
 TEST(Settings, BadAssignmentsNameKeyValueAndRange) {
   EXPECT_EQ(error_of("patch_radius=9"), "--set patch_radius: value '9': expected integer 1..8");
   EXPECT_EQ(error_of("match_downsample=3"), "--set match_downsample: value '3': expected 1, 2 or 4");
-  EXPECT_EQ(error_of("mask_alpha=nan"), "--set mask_alpha: value 'nan': expected number 0..1");
+  for (const char* value : {"mask:nan,2,2", "mask:1.1,2,2", "mask:1,1001,2", "mask:1,2,101", "mask:1,2",
+                            "mask:", "mask:1,2,3,4", "mask0.9,2,2", "variance:1,2,3"}) {
+    EXPECT_EQ(error_of(fmt::format("merge={}", value)),
+              fmt::format("--set merge: value '{}': expected variance, mask or mask:ALPHA,KAPPA,ETA", value));
+  }
+  for (const char* value : {"3", "4x", "x4", "4x0", "2x13", "2x3x4"}) {
+    EXPECT_EQ(
+        error_of(fmt::format("pyramid={}", value)),
+        fmt::format("--set pyramid: value '{}': expected FACTOR or FACTORxLEVELS, such as 2 or 4x4", value));
+  }
   EXPECT_EQ(error_of("blur_radius=2,,3"),
             "--set blur_radius: value '2,,3': expected integers 0..10 joined by commas");
   EXPECT_EQ(error_of("distance=L1"),
             "--set distance: value 'L1': expected l2, l1, log_l1 or log_l1_centered");
+  EXPECT_EQ(error_of("motion=Guide"), "--set motion: value 'Guide': expected none, guide or override");
   EXPECT_EQ(error_of("refine_levels=2x"), "--set refine_levels: value '2x': expected integer 0..12");
   EXPECT_EQ(error_of("patch_radius"), "--set 'patch_radius': expected KEY=VALUE");
   EXPECT_TRUE(error_of("radius=3").starts_with("--set: no setting 'radius'; there are match_downsample, "));

@@ -85,10 +85,19 @@ TEST(Tiles, AreAsLargeAsFits) {
   EXPECT_TRUE(plan(1000).empty());
 }
 
+TEST(Tiles, AreDescribed) {
+  EXPECT_EQ(describe(cut_tiles({1003, 777}, {1003, 777}, kRules)), "1");
+  const std::vector<Tile> tiles = cut_tiles({1003, 777}, {619, 777}, kRules);
+  ASSERT_EQ(tiles.size(), 2u);
+  EXPECT_EQ(tiles[1].core.x - tiles[1].target.x, 200);
+  EXPECT_EQ(tiles[1].target.x - tiles[1].source.x, 256);
+  EXPECT_EQ(describe(tiles), "2x1 of 619x777 px with margins of up to 200 px, history up to 256 px beyond");
+}
+
 TEST(Tiles, OfTheSearchBeginWhereItsSumsBegin) {
   Settings settings = preset("balanced");
   for (const int factor : {2, 4}) {
-    settings.pyramid_factor = factor;
+    settings.pyramid.factor = factor;
     for (std::size_t end = 1; end <= 3; ++end) {
       const TileRules rules = search_tile_rules(settings, {}, 5, end, 4);
       EXPECT_EQ(rules.grid % rules.core_grid, 0);

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
+#include <memory>
+#include <vector>
 
 #include "tracer/math/picture_lookup.h"
 #include "tracer/scene/image_channel.h"
@@ -18,28 +19,27 @@ std::uint8_t to_byte(float v) {
 }  // namespace
 
 AlphaMask AlphaMask::read(const std::string& path, TextureContent content, const V2f& repeat) {
-  const std::unique_ptr<OIIO::ImageInput> file = open_flat_image(path);
-  const OIIO::ImageSpec& spec = file->spec();
+  const std::unique_ptr<pictures::Picture> file = pictures::library().open(path, pictures::Alpha::separate);
+  const pictures::Header& header = file->header();
   constexpr std::string_view names[] = {"a", "", "r", "g", "b", "a"};
   const std::string_view name = names[static_cast<std::size_t>(content)];
   const int channel =
-      content == TextureContent::color ? find_channel(spec, name) : require_channel(spec, name);
+      content == TextureContent::color ? find_channel(header, name) : require_channel(header, name);
 
   AlphaMask mask;
-  mask.width_ = spec.width;
-  mask.height_ = spec.height;
+  mask.width_ = header.width;
+  mask.height_ = header.height;
   mask.repeat_ = repeat;
-  const std::size_t count = static_cast<std::size_t>(spec.width) * spec.height;
-  std::vector<float> pixels(count * spec.nchannels);
-  if (!file->read_image(0, 0, 0, spec.nchannels, OIIO::TypeFloat, pixels.data()))
-    throw std::runtime_error(file->geterror());
+  const std::size_t count = static_cast<std::size_t>(header.width) * header.height;
+  std::vector<float> pixels(count * header.channels);
+  file->read(pixels);
   mask.texels_.reserve(count);
-  for (const float* p = pixels.data(); p != pixels.data() + pixels.size(); p += spec.nchannels) {
+  for (const float* p = pixels.data(); p != pixels.data() + pixels.size(); p += header.channels) {
     if (channel >= 0) {
       mask.texels_.push_back(to_byte(p[channel]));
     } else {
       mask.texels_.push_back(
-          to_byte(has_colors(spec) ? 0.2126f * p[0] + 0.7152f * p[1] + 0.0722f * p[2] : p[0]));
+          to_byte(has_colors(header) ? 0.2126f * p[0] + 0.7152f * p[1] + 0.0722f * p[2] : p[0]));
     }
   }
   return mask;

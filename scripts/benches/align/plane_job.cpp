@@ -4,6 +4,7 @@
 
 #include "filter/align/align.h"
 #include "filter/gpu/chain.h"
+#include "filter/tiles/pixel_view.h"
 #include "frame/error.h"
 #include "scripts/benches/align/job.h"
 
@@ -37,8 +38,8 @@ class PlaneJob : public AlignJob {
   void run() override { chain_.run(); }
 
   std::vector<gpu::PassTime> passes() const override { return chain_.times(); }
-  Image offset() const override { return download(offset_, full_, 2); }
-  Image residual() const override { return download(residual_, matching_, 1); }
+  Image offset() const override { return filter::download(chain_, offset_, full_, 2); }
+  Image residual() const override { return filter::download(chain_, residual_, matching_, 1); }
   std::uint64_t device_bytes() const override { return chain_.device_bytes(); }
   std::uint64_t device_bytes_unaliased() const override { return chain_.device_bytes_unaliased(); }
 
@@ -56,12 +57,6 @@ class PlaneJob : public AlignJob {
       throw Error(ExitStatus::bad_input, "expected a layer 'plane' of one channel");
     }
     std::ranges::copy(layer->second.data(), chain_.upload<float>(plane).begin());
-  }
-
-  Image download(ImageId id, Extent extent, int channels) const {
-    Image image(extent.width, extent.height, channels);
-    std::ranges::copy(chain_.download<float>(id), image.data().begin());
-    return image;
   }
 
   Extent full_;

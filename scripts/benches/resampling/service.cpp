@@ -12,6 +12,7 @@
 #include <string>
 
 #include "filter/merge/merge.h"
+#include "filter/tiles/pixel_view.h"
 #include "frame/error.h"
 #include "scripts/benches/json_service.h"
 #include "scripts/benches/raw_image.h"
@@ -46,9 +47,7 @@ class WarpJob {
     if (color.channels() != 4) throw Error(ExitStatus::bad_input, fmt::format("{}: expected RGBA", from));
     std::ranges::copy(color.data(), chain_.upload<float>(color_).begin());
     chain_.run();
-    Image warped(full_.width, full_.height, 4);
-    std::ranges::copy(chain_.download<float>(warped_), warped.data().begin());
-    write_raw(to, warped);
+    write_raw(to, filter::download(chain_, warped_, full_, 4));
   }
 
  private:

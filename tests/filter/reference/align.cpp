@@ -135,8 +135,8 @@ Alignment align(const Planes& target_finest, const Planes& source_finest, const 
   for (std::size_t l = 1; l < levels; ++l) {
     targets.emplace_back();
     sources.emplace_back();
-    for (const auto& plane : targets[l - 1]) targets[l].push_back(downsample(plane, settings.pyramid_factor));
-    for (const auto& plane : sources[l - 1]) sources[l].push_back(downsample(plane, settings.pyramid_factor));
+    for (const auto& plane : targets[l - 1]) targets[l].push_back(downsample(plane, settings.pyramid.factor));
+    for (const auto& plane : sources[l - 1]) sources[l].push_back(downsample(plane, settings.pyramid.factor));
   }
 
   Alignment result;
@@ -148,7 +148,7 @@ Alignment align(const Planes& target_finest, const Planes& source_finest, const 
     const int radius = settings.blur_radius[std::min(l, settings.blur_radius.size() - 1)];
 
     // The source, warped to the target's pixels by the start offsets.
-    const Start start(result, l + 1 < levels ? settings.pyramid_factor : 0);
+    const Start start(result, l + 1 < levels ? settings.pyramid.factor : 0);
     std::vector<Grid<double>> warped;
     Grid<char> ambiguous(width, height, false);
     for (const Grid<double>& plane : source) {

@@ -1,6 +1,6 @@
-#include <OpenImageIO/imageio.h>
+#include <stdexcept>
 
-#include "tracer/scene/image_channel.h"
+#include "frame/pictures/pictures.h"
 #include "tracer/scene/load/load_sections.h"
 
 namespace becalm::tracer {
@@ -13,19 +13,16 @@ constexpr double kSunDiameterDeg = 0.533;
 /// The image as floats. Throws an error at the JSON value that names it.
 Image read_image(const JsonValue& json, const std::string& path) {
   expect_file(json, path);
-  const auto file = OIIO::ImageInput::open(path);
-  if (!file) json.fail(fmt::format("cannot read '{}': {}", path, OIIO::geterror()));
-  const OIIO::ImageSpec& spec = file->spec();
+  pictures::Library& library = pictures::library();
   try {
-    require_flat(spec);
+    const std::unique_ptr<pictures::Picture> file = library.open(path, pictures::Alpha::multiplied);
+    const pictures::Header& header = file->header();
+    Image image(header.width, header.height, header.channels);
+    file->read(image.data());
+    return image;
   } catch (const std::runtime_error& error) {
     json.fail(fmt::format("cannot read '{}': {}", path, error.what()));
   }
-  Image image(spec.width, spec.height, spec.nchannels);
-  if (!file->read_image(0, 0, 0, spec.nchannels, OIIO::TypeFloat, image.data().data())) {
-    json.fail(fmt::format("cannot read '{}': {}", path, file->geterror()));
-  }
-  return image;
 }
 
 Curve<3> read_vector_curve(const JsonValue& json) {

@@ -1,0 +1,90 @@
+#include "app/frame_figures.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+
+#include "frame/flip.h"
+#include "frame/metrics.h"
+
+namespace becalm::app {
+namespace {
+
+double limited(LimitKind kind, double value) {
+  return kind == LimitKind::max_absolute ? std::abs(value) : value;
+}
+
+}  // namespace
+
+const std::array<Figure, 6> kFigures{
+    Figure{"relMSE", "relmse", &FrameFigures::rel_mse, [](double v) { return fmt::format("{:.4e}", v); },
+           LimitKind::max},
+    Figure{"PSNR dB", "psnr", &FrameFigures::psnr_db, [](double v) { return fmt::format("{:.2f}", v); },
+           LimitKind::min},
+    Figure{"SSIM", "ssim", &FrameFigures::ssim, [](double v) { return fmt::format("{:.4f}", v); },
+           LimitKind::min},
+    Figure{"FLIP", "flip", &FrameFigures::flip, [](double v) { return fmt::format("{:.4f}", v); },
+           LimitKind::max},
+    Figure{"temporal", "temporal", &FrameFigures::temporal, [](double v) { return fmt::format("{:.4e}", v); },
+           LimitKind::max},
+    Figure{"energy", "energy", &FrameFigures::energy,
+           [](double v) { return fmt::format("{:+.3f} %", v * 100.0); }, LimitKind::max_absolute},
+};
+
+bool has_value(const Figure& figure, const FrameFigures& figures) {
+  return figure.value != &FrameFigures::temporal || !std::isnan(figures.temporal);
+}
+
+bool is_beyond(LimitKind kind, double value, double limit) {
+  return kind == LimitKind::min ? !(value >= limit) : !(limited(kind, value) <= limit);
+}
+
+BeyondLimit find_beyond(const Figure& figure, double limit, std::span<const FrameFigures> frames) {
+  BeyondLimit found;
+  for (const FrameFigures& frame : frames) {
+    if (!has_value(figure, frame)) continue;
+    const double value = frame.*figure.value;
+    ++found.measured;
+    found.failed += is_beyond(figure.limit, value, limit) ? 1 : 0;
+    const double worst = found.worst == nullptr ? 0.0 : found.worst->*figure.value;
+    const bool is_worst = !std::isnan(worst) && is_beyond(figure.limit, value, limited(figure.limit, worst));
+    if (found.worst == nullptr || is_worst) found.worst = &frame;
+  }
+  return found;
+}
+
+Image mean_image(const Image& a, const Image& b) {
+  Image mean = a;
+  for (std::size_t i = 0; i < mean.data().size(); ++i) mean.data()[i] = 0.5f * (a.data()[i] + b.data()[i]);
+  return mean;
+}
+
+FrameFigures measure(const ComparedFrame& now, const ComparedFrame* before) {
+  const bool two = !now.reference_b.empty();
+  const Measured error =
+      two ? rel_mse(now.test, now.reference, now.reference_b) : rel_mse(now.test, now.reference);
+  FrameFigures figures{.frame = now.frame,
+                       .rel_mse = error.value,
+                       .temporal = std::numeric_limits<double>::quiet_NaN(),
+                       .skipped = error.skipped};
+  if (two) {
+    figures.psnr_db = psnr(now.test, now.reference, now.reference_b, 1.0).value;
+    figures.ssim = ssim(now.test, now.reference, now.reference_b).value;
+    figures.energy = energy(now.test, now.reference, now.reference_b).value;
+  } else {
+    figures.psnr_db = psnr(now.test, now.reference).value;
+    figures.ssim = ssim(now.test, now.reference).value;
+    figures.energy = energy(now.test, now.reference).value;
+  }
+  figures.flip = flip(now.test, now.best_reference()).value;
+  if (before != nullptr && before->frame == now.frame - 1) {
+    figures.temporal = two ? temporal_error(now.test, before->test, now.reference, before->reference,
+                                            now.reference_b, before->reference_b)
+                                 .value
+                           : temporal_error(now.test, before->test, now.reference, before->reference).value;
+  }
+  return figures;
+}
+
+}  // namespace becalm::app

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include "frame/image.h"
+
+namespace becalm::app {
+
+/// The figures of one frame against its reference; NaN where there is none, such as the temporal error of the
+/// first frame.
+struct FrameFigures {
+  int frame = 0;
+  double rel_mse = 0.0;
+  double psnr_db = 0.0;
+  double ssim = 0.0;
+  double flip = 0.0;
+  double temporal = 0.0;
+  double energy = 0.0;
+  std::size_t skipped = 0;  ///< pixels that are not finite in one of the images
+};
+
+/// What a limit bounds: from above, from below, or the absolute value from above.
+enum class LimitKind { max, min, max_absolute };
+
+/// One of FrameFigures, how it is printed and limited.
+struct Figure {
+  const char* title;
+  const char* key;  ///< in JSON files
+  double FrameFigures::*value;
+  std::string (*format)(double);
+  LimitKind limit;
+};
+
+/// relMSE, PSNR, SSIM, FLIP, temporal error and energy, in the order of the printed table.
+extern const std::array<Figure, 6> kFigures;
+
+/// The temporal error of a frame that follows no other is not a value. NaN in other figures is one, and
+/// fails.
+bool has_value(const Figure& figure, const FrameFigures& figures);
+
+/// Whether the value is beyond the limit, which NaN is: no pixel was finite.
+bool is_beyond(LimitKind kind, double value, double limit);
+
+/// The frames of a sequence that are beyond a limit.
+struct BeyondLimit {
+  const FrameFigures* worst = nullptr;  ///< of all frames that have a value, beyond the limit or not
+  std::size_t failed = 0;
+  std::size_t measured = 0;  ///< frames that have a value
+};
+BeyondLimit find_beyond(const Figure& figure, double limit, std::span<const FrameFigures> frames);
+
+/// The images of one frame.
+struct ComparedFrame {
+  int frame = 0;
+  Image test;
+  Image reference;
+  Image reference_b;     ///< empty where there is one reference
+  Image reference_mean;  ///< of both references; empty where there is one
+
+  /// For what has no form of two references: the one with the least noise.
+  const Image& best_reference() const { return reference_b.empty() ? reference : reference_mean; }
+};
+
+Image mean_image(const Image& a, const Image& b);
+
+/// `before` is the frame measured before, or null; the temporal error needs the number before `now`'s.
+FrameFigures measure(const ComparedFrame& now, const ComparedFrame* before);
+
+}  // namespace becalm::app

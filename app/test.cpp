@@ -1,0 +1,267 @@
+// becalm test: suites of cases, each of which makes frames and says how they are judged.
+
+#include <fmt/format.h>
+#include <fnmatch.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <thread>
+
+#include "app/cancel.h"
+#include "app/command.h"
+#include "app/counted.h"
+#include "app/options.h"
+#include "app/test/calibrate.h"
+#include "app/test/references.h"
+#include "app/test/report_files.h"
+#include "app/test/suite.h"
+#include "app/test/suite_run.h"
+#include "app/test/test_page.h"
+#include "app/test/work_folder.h"
+
+namespace becalm::app {
+namespace {
+
+struct TestCommand {
+  std::vector<std::string> suites;
+  std::string filter;
+  std::string shard;
+  std::string update;  ///< a glob; empty: not asked for
+  int calibrate = 0;   ///< seeds; 0: not asked for
+  bool yes = false;
+  bool list = false;
+  bool fail_fast = false;
+  int jobs = 1;
+  int threads = 0;  ///< 0: all processors, shared by the jobs
+  std::string keep;
+  std::string junit;
+  std::string json;
+  std::string report;
+};
+
+bool matches(const std::string& glob, const TestCase& test) {
+  return fnmatch(glob.c_str(), test.name.c_str(), 0) == 0 ||
+         fnmatch(glob.c_str(), test.full_name().c_str(), 0) == 0;
+}
+
+void keep_matching(const std::string& option, const std::string& glob, std::vector<TestCase>& cases) {
+  if (glob.empty()) return;
+  const std::size_t count = cases.size();
+  std::erase_if(cases, [&](const TestCase& test) { return !matches(glob, test); });
+  if (!cases.empty()) return;
+  throw Error(ExitStatus::usage, fmt::format("{} {}: matches none of {}; --list tells them", option, glob,
+                                             counted(count, "case", "cases")));
+}
+
+/// Every Nth case, from the Ith on.
+void keep_shard(const std::string& text, std::vector<TestCase>& cases) {
+  if (text.empty()) return;
+  std::size_t index = 0, count = 0;
+  const char* end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, index);
+  const bool has_slash = first.ec == std::errc() && first.ptr != end && *first.ptr == '/';
+  const auto second = has_slash ? std::from_chars(first.ptr + 1, end, count) : first;
+  if (!has_slash || second.ec != std::errc() || second.ptr != end || index < 1 || index > count) {
+    throw Error(ExitStatus::usage,
+                fmt::format("--shard {}: expected I/N with I from 1 to N, such as 1/4", text));
+  }
+  std::vector<TestCase> kept;
+  for (std::size_t i = index - 1; i < cases.size(); i += count) kept.push_back(std::move(cases[i]));
+  cases = std::move(kept);
+}
+
+std::string line_of(const CaseResult& result) {
+  std::string line = fmt::format("{:<7} {:>7.1f} s  {}/{}", name_of(result.outcome), result.seconds,
+                                 result.suite, result.name);
+  if (!result.messages.empty()) line += ": " + result.messages.front();
+  return line;
+}
+
+/// One run of `becalm test`.
+class TestJob {
+ public:
+  explicit TestJob(const TestCommand& command) : command_(command), cases_(load_suites(command.suites)) {
+    keep_matching("--filter", command.filter, cases_);
+    keep_matching("--update", command.update, cases_);
+    keep_shard(command.shard, cases_);
+  }
+
+  ExitStatus run() {
+    if (command_.list) return list();
+    if (!command_.update.empty()) return update();
+    if (command_.calibrate > 0) return calibrate_cases();
+    return test();
+  }
+
+ private:
+  int threads() const {
+    const int all = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+    return command_.threads > 0 ? command_.threads : std::max(1, all / command_.jobs);
+  }
+
+  ExitStatus list() const {
+    for (const TestCase& test : cases_) fmt::print("{}\n", test.full_name());
+    return ExitStatus::done;
+  }
+
+  ExitStatus test() const {
+    const WorkFolder folder(command_.keep);
+    const TestResults results = run_cases(cases_, folder, {command_.jobs, threads(), command_.fail_fast},
+                                          [](const CaseResult& result) {
+                                            fmt::print("{}\n", line_of(result));
+                                            std::fflush(stdout);
+                                          });
+    const std::size_t failed = count_of(results, CaseOutcome::failed);
+    const std::size_t errors = count_of(results, CaseOutcome::error);
+    fmt::print("{} passed, {} failed, {}, {} skipped in {:.1f} s\n", count_of(results, CaseOutcome::passed),
+               failed, counted(errors, "error", "errors"), count_of(results, CaseOutcome::skipped),
+               results.seconds);
+    write_reports(results);
+    if (interrupted()) return ExitStatus::interrupted;
+    return errors > 0 ? ExitStatus::bad_input : failed > 0 ? ExitStatus::comparison_failed : ExitStatus::done;
+  }
+
+  void write_reports(const TestResults& results) const {
+    if (!command_.junit.empty()) write_report_file("--junit", command_.junit, junit_xml(results));
+    if (!command_.json.empty()) write_report_file("--json", command_.json, results_json(results));
+    if (!command_.report.empty()) write_page(results);
+  }
+
+  void write_page(const TestResults& results) const {
+    const std::filesystem::path folder(command_.report);
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    write_report_file("--report", (folder / "index.html").string(), test_page(results));
+  }
+
+  ExitStatus calibrate_cases() const {
+    const WorkFolder folder(command_.keep);
+    for (const TestCase& test : cases_) {
+      for (const std::string& line : calibrate(test, command_.calibrate, folder, threads())) {
+        fmt::print("{}\n", line);
+      }
+      std::fflush(stdout);
+    }
+    return ExitStatus::done;
+  }
+
+  ExitStatus update() const {
+    if (!command_.yes && isatty(STDIN_FILENO) == 0) {
+      throw Error(ExitStatus::usage,
+                  "--update replaces references and asks first, and standard input is no terminal; --yes "
+                  "answers");
+    }
+    const WorkFolder folder(command_.keep);
+    std::uint64_t bytes = 0;
+    for (const TestCase& test : cases_) bytes += update_case(test, folder);
+    fmt::print("{:.1f} KiB of references in {}\n", static_cast<double>(bytes) / 1024.0,
+               counted(cases_.size(), "case", "cases"));
+    return ExitStatus::done;
+  }
+
+  std::uint64_t update_case(const TestCase& test, const WorkFolder& folder) const {
+    const RunSettings settings{.work_folder = folder.folder_of(test), .threads = threads()};
+    ReferenceUpdate update(test, settings);
+    update.make();
+    for (const std::string& change : update.changes()) fmt::print("{}\n", change);
+    std::fflush(stdout);
+    if (!command_.yes && !asked("Keep the new references?")) return 0;
+    update.accept();
+    return update.bytes();
+  }
+
+  static bool asked(const std::string& question) {
+    fmt::print(stderr, "{} [y/N] ", question);
+    std::string answer;
+    std::getline(std::cin, answer);
+    return answer == "y" || answer == "yes";
+  }
+
+  const TestCommand& command_;
+  std::vector<TestCase> cases_;
+};
+
+void add_test_options(CLI::App& parser, TestCommand& command) {
+  parser.add_option("suites", command.suites, "Suite files, or folders of them")
+      ->required()
+      ->take_all()
+      ->check(not_empty())
+      ->option_text("SUITE.json|DIR...");
+  parser.add_option("--filter", command.filter, "Only cases whose name, or SUITE/NAME, matches")
+      ->check(not_empty())
+      ->option_text("GLOB")
+      ->group("Cases");
+  parser.add_option("--shard", command.shard, "Every Nth case from the Ith on, for N machines")
+      ->option_text("I/N")
+      ->group("Cases");
+  parser.add_flag("--list", command.list, "Print the names of the cases, and run none")->group("Cases");
+  parser
+      .add_flag("--fail-fast", command.fail_fast, "Skip the others after the first case that does not pass")
+      ->group("Cases");
+  parser
+      .add_flag(
+          "--update{*}", command.update,
+          "Make the references of the cases that match (default: all) anew, print what changes, and ask")
+      ->option_text("[=GLOB]")
+      ->group("References");
+  parser
+      .add_flag("-y,--yes", command.yes, "Answer that with yes; needed where standard input is no terminal")
+      ->group("References");
+  parser
+      .add_flag("--calibrate{16}", command.calibrate,
+                "Run each case with so many seeds (default: 16) and propose limits for its false-alarm rate")
+      ->check(CLI::Range(3, 10000))
+      ->option_text("[=N]")
+      ->group("References");
+  parser.add_option("--junit", command.junit, "Write JUnit's XML, for CI systems")
+      ->option_text("FILE")
+      ->group("Reports");
+  parser.add_option("--json", command.json, "Write all figures")->option_text("FILE")->group("Reports");
+  parser
+      .add_option("--report", command.report,
+                  "Write a page with pictures of the cases that did not pass, index.html in this folder")
+      ->option_text("DIR")
+      ->group("Reports");
+  parser.add_option("--keep", command.keep, "Keep the cases' frames and output in this folder")
+      ->option_text("DIR")
+      ->group("Reports");
+  parser.add_option("--jobs", command.jobs, "Cases that run side by side (default: 1)")
+      ->check(CLI::Range(1, 1024))
+      ->option_text("N")
+      ->group("Running");
+  parser
+      .add_option("--threads", command.threads,
+                  "Processor threads of each case (default: all, shared by the jobs)")
+      ->check(CLI::Range(1, 4096))
+      ->option_text("N")
+      ->group("Running");
+}
+
+}  // namespace
+
+Command add_test(CLI::App& becalm) {
+  CLI::App& parser = *becalm.add_subcommand("test", "Run the regression suites of a renderer");
+  auto command = std::make_shared<TestCommand>();
+  add_test_options(parser, *command);
+  parser.footer(
+      "Examples:\n"
+      "  becalm test tests/regression --jobs 2 --junit results.xml\n"
+      "  becalm test suite.json --filter 'glass*' --keep out\n"
+      "  becalm test suite.json --update=glass --yes\n"
+      "tests/regression/README.md has the format of suites.\n");
+  return {&parser, [command] {
+            catch_signals();
+            return TestJob(*command).run();
+          }};
+}
+
+}  // namespace becalm::app

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+#include "frame/frame.h"
+
+namespace becalm::app {
+
+/// Reads a file for a case that is judged by a layer: the frame's beauty is that layer, of becalm's layers
+/// with their channels as R, G and B, 0 where they have fewer and where a pixel hits nothing. `layer` empty:
+/// the beauty itself. Throws Error(bad_input) for a layer that is not there.
+Frame read_layer_as_beauty(const std::string& path, int number, const std::string& layer);
+
+}  // namespace becalm::app

@@ -1,0 +1,192 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <system_error>
+
+#include "app/options.h"
+#include "app/test/load_judges.h"
+#include "app/test/suite.h"
+#include "frame/error.h"
+#include "frame/io/sequence.h"
+#include "tracer/scene/load/json_reader.h"
+
+namespace becalm::app {
+namespace {
+
+namespace fs = std::filesystem;
+using tracer::JsonValue;
+
+constexpr int kLargestSeed = 0x7fffffff;
+
+/// Relative paths of a suite are from its file.
+std::string from_suite(const std::string& suite_file, const std::string& path) {
+  return (fs::path(suite_file).parent_path() / path).lexically_normal().string();
+}
+
+std::vector<int> read_frames(const JsonValue& json, const std::string& text) {
+  try {
+    return io::parse_frame_range(text);
+  } catch (const Error& error) {
+    json.fail(error.what());
+  }
+}
+
+std::string read_preset(const JsonValue& json) {
+  if (!json.is_object() && !json.is_array()) {
+    const std::string text = json.string();
+    json.choice({"none", "draft", "balanced", "final", "paper"});
+    return text == "none" ? "" : text;
+  }
+  return json.string();
+}
+
+std::vector<std::string> read_strings(const JsonValue& json) {
+  std::vector<std::string> strings;
+  for (const JsonValue& element : json.elements()) strings.push_back(element.string());
+  return strings;
+}
+
+std::vector<std::string> read_command(const JsonValue& json) {
+  std::vector<std::string> command = read_strings(json);
+  if (command.empty() || command.front().empty()) json.fail("expected a program and its arguments");
+  const auto names_output = [](const std::string& word) {
+    return word.find("{output}") != std::string::npos;
+  };
+  if (std::ranges::none_of(command, names_output)) {
+    json.fail("expected {output} in one of the arguments, where the command writes its EXR file");
+  }
+  return command;
+}
+
+/// Changes `source`, which holds the suite's defaults.
+void read_source(const JsonValue& json, const std::string& suite_file, CaseSource& source) {
+  json.allow_keys(
+      {"scene", "command", "frames", "spp", "seed", "size", "aovs", "denoise", "timeout_s", "memory"});
+  const auto scene = json.find("scene");
+  const auto command = json.find("command");
+  if (scene && command) command->fail("expected either a scene or a command, found both");
+  if (scene) {
+    source.scene = from_suite(suite_file, scene->string());
+    source.command.clear();
+    if (!fs::is_regular_file(source.scene)) scene->fail(fmt::format("no file {}", source.scene));
+  }
+  if (command) {
+    source.command = read_command(*command);
+    source.scene.clear();
+  }
+  if (const auto frames = json.find("frames")) source.frames = read_frames(*frames, frames->string());
+  if (const auto spp = json.find("spp")) source.spp = spp->integer(1, kMostSamplesPerPixel);
+  if (const auto seed = json.find("seed")) {
+    source.seed = static_cast<std::uint32_t>(seed->integer(0, kLargestSeed));
+  }
+  if (const auto size = json.find("size")) source.size = size->string();
+  if (const auto aovs = json.find("aovs")) source.aovs = read_strings(*aovs);
+  if (const auto preset = json.find("denoise")) source.preset = read_preset(*preset);
+  if (const auto timeout = json.find("timeout_s")) source.timeout_s = timeout->number(0.001, 1e6);
+  if (const auto memory = json.find("memory")) {
+    const std::optional<std::uint64_t> bytes = parse_bytes(memory->string());
+    if (!bytes) {
+      memory->fail(
+          fmt::format("expected a size with its unit, such as 512M or 1.5G, found {}", memory->string()));
+    }
+    source.memory_bytes = *bytes;
+  }
+}
+
+void check_source(const JsonValue& json, const CaseSource& source) {
+  if (source.scene.empty() && source.command.empty()) json.fail("expected a 'scene' or a 'command'");
+  if (source.command.empty()) return;
+  // Options of becalm render would silently do nothing.
+  for (const char* key : {"size", "aovs", "denoise"}) {
+    if (const auto value = json.find(key)) value->fail("is for a scene, and the source is a command");
+  }
+}
+
+void read_reference(const JsonValue& json, ReferenceSettings& reference) {
+  json.allow_keys({"spp", "seed", "count", "denoise"});
+  if (const auto spp = json.find("spp")) reference.spp = spp->integer(1, kMostSamplesPerPixel);
+  if (const auto seed = json.find("seed")) {
+    reference.seed = static_cast<std::uint32_t>(seed->integer(0, kLargestSeed));
+  }
+  if (const auto count = json.find("count")) reference.count = count->integer(1, 2);
+  if (const auto preset = json.find("denoise")) reference.preset = read_preset(*preset);
+}
+
+/// The name becomes a folder's.
+void check_name(const JsonValue& json, const std::string& name) {
+  const auto is_plain = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.'; };
+  if (name.empty() || name.front() == '.' || !std::ranges::all_of(name, is_plain)) {
+    json.fail("expected a name of letters, digits and . _ - that does not begin with a dot");
+  }
+}
+
+/// Sets what the members of a case, or of the defaults, say.
+void read_members(const JsonValue& json, const std::string& suite_file, TestCase& test) {
+  json.allow_keys({"source", "reference", "layer", "judged_by", "false_alarm_rate"});
+  if (const auto source = json.find("source")) read_source(*source, suite_file, test.source);
+  if (const auto reference = json.find("reference")) read_reference(*reference, test.reference);
+  if (const auto rate = json.find("false_alarm_rate")) test.false_alarm_rate = rate->number(1e-12, 0.5);
+  if (const auto layer = json.find("layer")) test.layer = layer->string();
+  if (const auto judges = json.find("judged_by")) read_judges(*judges, test.judges);
+}
+
+std::vector<TestCase> load_suite(const std::string& file) {
+  if (!fs::is_regular_file(file)) throw Error(ExitStatus::bad_input, file + ": no such suite file");
+  const nlohmann::json document = tracer::parse_json_file(file);
+  const JsonValue root(document, file, "");
+  root.allow_keys({"defaults", "cases"});
+  TestCase defaults;
+  defaults.suite = fs::path(file).stem().string();
+  defaults.suite_file = file;
+  if (const auto json = root.find("defaults")) read_members(*json, file, defaults);
+  std::vector<TestCase> cases;
+  for (const auto& [name, json] : root.at("cases").members()) {
+    check_name(json, name);
+    TestCase test = defaults;
+    test.name = name;
+    test.reference_folder = from_suite(file, "references/" + name);
+    read_members(json, file, test);
+    check_source(json.has("source") ? json.at("source") : json, test.source);
+    check_judges(json, test);
+    cases.push_back(std::move(test));
+  }
+  if (cases.empty()) root.at("cases").fail("expected at least one case");
+  return cases;
+}
+
+std::vector<std::string> suite_files(const std::string& path) {
+  if (!fs::is_directory(path)) return {path};
+  std::vector<std::string> files;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(path, error)) {
+    if (entry.path().extension() == ".json") files.push_back(entry.path().string());
+  }
+  if (files.empty()) throw Error(ExitStatus::bad_input, path + ": no suite (*.json) in this folder");
+  std::ranges::sort(files);
+  return files;
+}
+
+}  // namespace
+
+std::vector<TestCase> load_suites(const std::vector<std::string>& paths) {
+  std::vector<TestCase> cases;
+  std::set<std::string> folders;
+  for (const std::string& path : paths) {
+    for (const std::string& file : suite_files(path)) {
+      for (TestCase& test : load_suite(file)) {
+        if (!folders.insert(fs::weakly_canonical(test.reference_folder).string()).second) {
+          throw Error(ExitStatus::bad_input,
+                      fmt::format("{}: /cases/{}: another case has the same references, {}", file, test.name,
+                                  test.reference_folder));
+        }
+        cases.push_back(std::move(test));
+      }
+    }
+  }
+  return cases;
+}
+
+}  // namespace becalm::app

@@ -1,0 +1,199 @@
+#include "app/test/make_frames.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include "frame/aov.h"
+#include "frame/error.h"
+#include "frame/io/sequence.h"
+
+namespace becalm::app {
+namespace {
+
+namespace fs = std::filesystem;
+using Arguments = std::vector<std::string>;
+
+/// Far from the seeds that a case's own frames and --calibrate take.
+constexpr std::uint32_t kReferenceSeeds = 1000000;
+
+std::string becalm_executable() {
+  return fs::read_symlink("/proc/self/exe").string();
+}
+
+/// The layers that the judges read, and those that the source names.
+std::string asked_aovs(const TestCase& test, const FrameOrder& order) {
+  std::set<std::string> aovs(test.source.aovs.begin(), test.source.aovs.end());
+  if (test.judges.statistical || order.variance) aovs.insert("variance");
+  if (find_aov(test.layer) && test.layer != "beauty") aovs.insert(test.layer);
+  if (test.judges.denoised) aovs.insert({"albedo", "normal", "depth", "variance"});
+  return fmt::format("{}", fmt::join(aovs, ","));
+}
+
+Arguments render_command(const TestCase& test, const FrameOrder& order) {
+  const CaseSource& source = test.source;
+  Arguments command{becalm_executable(),
+                    "render",
+                    source.scene,
+                    "-o",
+                    order.pattern,
+                    "--frames=" + io::format_frame_range(source.frames),
+                    "--spp",
+                    std::to_string(order.spp),
+                    "--seed",
+                    std::to_string(order.seed),
+                    "--threads",
+                    std::to_string(order.threads),
+                    "--quiet"};
+  if (!source.size.empty()) command.insert(command.end(), {"--size", source.size});
+  if (const std::string aovs = asked_aovs(test, order); !aovs.empty()) {
+    command.insert(command.end(), {"--aovs", aovs});
+  }
+  // The case's frames are all there is: the filter would have others rendered for it.
+  if (!order.preset.empty())
+    command.insert(command.end(), {"--denoise=" + order.preset, "--context", "none"});
+  return command;
+}
+
+void replace_all(std::string& text, std::string_view name, const std::string& value) {
+  for (std::size_t at = text.find(name); at != std::string::npos; at = text.find(name, at + value.size())) {
+    text.replace(at, name.size(), value);
+  }
+}
+
+bool has_placeholder(const Arguments& command, std::string_view name) {
+  return std::ranges::any_of(command,
+                             [&](const std::string& word) { return word.find(name) != std::string::npos; });
+}
+
+Arguments substituted(Arguments command, const FrameOrder& order, int frame, const std::string& output) {
+  for (std::string& word : command) {
+    replace_all(word, "{frame}", std::to_string(frame));
+    replace_all(word, "{spp}", std::to_string(order.spp));
+    replace_all(word, "{seed}", std::to_string(order.seed));
+    replace_all(word, "{threads}", std::to_string(order.threads));
+    replace_all(word, "{output}", output);
+  }
+  return command;
+}
+
+/// A command with {frame} runs once a frame; another makes all frames of a pattern, or the only one.
+std::vector<Arguments> source_commands(const TestCase& test, const FrameOrder& order) {
+  const CaseSource& source = test.source;
+  if (source.command.empty()) return {render_command(test, order)};
+  const io::SequencePattern pattern(order.pattern);
+  if (!has_placeholder(source.command, "{frame}")) {
+    const std::string output = source.frames.size() == 1 ? pattern.path(source.frames[0]) : order.pattern;
+    return {substituted(source.command, order, source.frames.front(), output)};
+  }
+  std::vector<Arguments> commands;
+  for (const int frame : source.frames) {
+    commands.push_back(substituted(source.command, order, frame, pattern.path(frame)));
+  }
+  return commands;
+}
+
+/// Behind how a command ended: the last line that it printed.
+std::string last_line(const std::string& file) {
+  std::ifstream stream(file);
+  std::string last;
+  for (std::string line; std::getline(stream, line);) {
+    if (line.find_first_not_of(" \t\r") != std::string::npos) last = line;
+  }
+  constexpr std::size_t longest = 300;
+  return last.empty() ? "" : ": " + last.substr(0, longest);
+}
+
+MadeFrames run_all(const TestCase& test, const std::vector<Arguments>& commands,
+                   const std::string& working_folder, const std::string& pattern,
+                   const RunSettings& settings) {
+  MadeFrames made;
+  ChildLimits limits{.timeout_s = test.source.timeout_s, .memory_bytes = test.source.memory_bytes};
+  for (const Arguments& command : commands) {
+    made.commands.push_back(shell_line(command));
+    const ChildResult result = run_child(command, working_folder, output_file(settings), limits);
+    made.seconds += result.seconds;
+    made.peak_memory_bytes = std::max(made.peak_memory_bytes, result.peak_memory_bytes);
+    made.interrupted = result.end == ChildEnd::interrupted;
+    if (result.succeeded()) continue;
+    made.failure = fmt::format("{} {}{}", fs::path(command.front()).filename().string(),
+                               describe(result, limits), last_line(output_file(settings)));
+    return made;
+  }
+  for (const int frame : test.source.frames) {
+    const std::string path = io::SequencePattern(pattern).path(frame);
+    if (fs::is_regular_file(path)) continue;
+    made.failure = fmt::format("frame {} was not written{}", frame, last_line(output_file(settings)));
+    break;
+  }
+  return made;
+}
+
+}  // namespace
+
+FrameOrder order_of_test(const TestCase& test) {
+  return {.spp = test.source.spp, .seed = test.source.seed, .preset = test.source.preset, .pattern = {}};
+}
+
+FrameOrder order_of_reference(const TestCase& test, int which) {
+  constexpr int times = 16;
+  const bool exact = test.judges.exact.has_value();
+  const CaseSource& source = test.source;
+  const int spp =
+      exact || test.judges.denoised ? source.spp : std::min(kMostSamplesPerPixel, times * source.spp);
+  const std::uint32_t seed = exact ? source.seed : source.seed + kReferenceSeeds;
+  return {.spp = test.reference.spp.value_or(spp),
+          .seed = test.reference.seed.value_or(seed) + static_cast<std::uint32_t>(which),
+          .preset = test.reference.preset.value_or(exact ? source.preset : ""),
+          .variance = !exact,  // for the rounding of what is stored
+          .pattern = {}};
+}
+
+int reference_count(const TestCase& test) {
+  return test.reference.count.value_or(1);
+}
+
+void require_seed(const TestCase& test) {
+  if (test.source.command.empty() || has_placeholder(test.source.command, "{seed}")) return;
+  throw Error(ExitStatus::bad_input,
+              fmt::format("{}: /cases/{}/source/command: expected {{seed}} in one of the arguments; without "
+                          "it, frames of another seed would have the same noise",
+                          test.suite_file, test.name));
+}
+
+MadeFrames make_frames(const TestCase& test, const FrameOrder& order, const RunSettings& settings) {
+  fs::create_directories(fs::path(order.pattern).parent_path());
+  FrameOrder here = order;
+  here.threads = settings.threads;
+  // Words of a command may be paths, which are from the suite file as all paths in it.
+  const fs::path suite_folder = fs::absolute(test.suite_file).parent_path();
+  const fs::path folder = test.source.command.empty() ? fs::current_path() : suite_folder;
+  return run_all(test, source_commands(test, here), folder.string(), order.pattern, settings);
+}
+
+MadeFrames denoise_frames(const TestCase& test, const std::string& preset, const std::string& from,
+                          const std::string& to, const RunSettings& settings) {
+  const Arguments command{becalm_executable(),
+                          "denoise",
+                          from,
+                          "-o",
+                          to,
+                          "--frames=" + io::format_frame_range(test.source.frames),
+                          "--preset",
+                          preset,
+                          "--threads",
+                          std::to_string(settings.threads),
+                          "--quiet"};
+  return run_all(test, {command}, fs::current_path().string(), to, settings);
+}
+
+std::string output_file(const RunSettings& settings) {
+  return settings.work_folder + "/output.txt";
+}
+
+}  // namespace becalm::app

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "app/test/suite.h"
+#include "app/test/test_results.h"
+#include "frame/frame.h"
+
+namespace becalm::app {
+
+/// Every layer that the reference has, bit for bit or within max_ulps.
+CheckResult judge_exactly(const ExactJudge& judge, int number, const Frame& test, const Frame& reference);
+
+/// Frames of few samples against a reference of many. The suite's false-alarm rate is shared by the frames of
+/// the case. Throws Error(bad_input) for a reference without variance.
+CheckResult judge_statistically(const TestCase& test, const JudgedFrame& files, const Frame& fresh,
+                                const Frame& reference, const Frame* reference_b);
+
+}  // namespace becalm::app

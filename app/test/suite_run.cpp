@@ -1,0 +1,87 @@
+#include "app/test/suite_run.h"
+
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+#include "app/cancel.h"
+#include "app/test/case_run.h"
+
+namespace becalm::app {
+namespace {
+
+CaseResult skipped_case(const TestCase& test, const std::string& why) {
+  CaseResult result;
+  result.suite = test.suite;
+  result.suite_file = test.suite_file;
+  result.name = test.name;
+  result.messages.push_back(why);
+  return result;
+}
+
+/// The threads that take one case after the other.
+class Workers {
+ public:
+  Workers(const std::vector<TestCase>& cases, const WorkFolder& folder, const SuiteRunOptions& options,
+          const std::function<void(const CaseResult&)>& ended)
+      : cases_(cases), folder_(folder), options_(options), ended_(ended), results_(cases.size()) {}
+
+  std::vector<CaseResult> run() {
+    {
+      std::vector<std::jthread> threads;
+      for (int i = 0; i < options_.jobs; ++i) threads.emplace_back([this] { work(); });
+    }
+    if (failure_) std::rethrow_exception(failure_);
+    return std::move(results_);
+  }
+
+ private:
+  void work() {
+    for (std::size_t i = next_++; i < cases_.size(); i = next_++) {
+      try {
+        results_[i] = run_one(cases_[i]);
+        const std::scoped_lock lock(mutex_);
+        ended_(results_[i]);
+      } catch (...) {
+        const std::scoped_lock lock(mutex_);
+        failure_ = std::current_exception();
+        stopped_ = true;
+      }
+    }
+  }
+
+  CaseResult run_one(const TestCase& test) {
+    if (stop_requested()) return skipped_case(test, "interrupted");
+    if (stopped_) return skipped_case(test, "--fail-fast: another case did not pass");
+    const RunSettings settings{.work_folder = folder_.folder_of(test), .threads = options_.threads};
+    CaseResult result = run_case(test, settings).result;
+    const bool good = result.outcome == CaseOutcome::passed;
+    if (!good && options_.fail_fast) stopped_ = true;
+    return result;
+  }
+
+  const std::vector<TestCase>& cases_;
+  const WorkFolder& folder_;
+  const SuiteRunOptions& options_;
+  const std::function<void(const CaseResult&)>& ended_;
+  std::vector<CaseResult> results_;
+  std::atomic<std::size_t> next_{0};
+  std::atomic<bool> stopped_{false};
+  std::mutex mutex_;
+  std::exception_ptr failure_;
+};
+
+}  // namespace
+
+TestResults run_cases(const std::vector<TestCase>& cases, const WorkFolder& folder,
+                      const SuiteRunOptions& options, const std::function<void(const CaseResult&)>& ended) {
+  const auto start = std::chrono::steady_clock::now();
+  TestResults results;
+  results.cases = Workers(cases, folder, options, ended).run();
+  results.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return results;
+}
+
+}  // namespace becalm::app

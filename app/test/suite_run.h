@@ -1,0 +1,23 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "app/test/suite.h"
+#include "app/test/test_results.h"
+#include "app/test/work_folder.h"
+
+namespace becalm::app {
+
+struct SuiteRunOptions {
+  int jobs = 1;     ///< cases side by side
+  int threads = 1;  ///< of each
+  bool fail_fast = false;
+};
+
+/// Runs the cases. `ended` is told each as it ends, one at a time. Once becalm is asked to stop, or with
+/// fail_fast after the first that did not pass, the others are skipped.
+TestResults run_cases(const std::vector<TestCase>& cases, const WorkFolder& folder,
+                      const SuiteRunOptions& options, const std::function<void(const CaseResult&)>& ended);
+
+}  // namespace becalm::app

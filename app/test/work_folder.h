@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+
+#include "app/test/suite.h"
+
+namespace becalm::app {
+
+/// Where cases put their frames: a temporary folder that is removed at the end, or one that is kept.
+class WorkFolder {
+ public:
+  /// `kept` empty: a temporary folder. Throws Error(resource).
+  explicit WorkFolder(const std::string& kept);
+  ~WorkFolder();
+  WorkFolder(const WorkFolder&) = delete;
+  WorkFolder& operator=(const WorkFolder&) = delete;
+
+  /// An empty folder SUITE/NAME/`part` in it, an absolute path. Throws Error(resource).
+  std::string folder_of(const TestCase& test, const std::string& part = "") const;
+
+ private:
+  std::string path_;
+  bool is_temporary_;
+};
+
+}  // namespace becalm::app

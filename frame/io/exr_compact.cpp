@@ -1,0 +1,64 @@
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfPartType.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "frame/io/exr_parts.h"
+
+namespace becalm::io {
+namespace {
+
+/// To two bits after the first, at most 12 % of the deviation and on average none.
+float rounded(float deviation) {
+  int exponent = 0;
+  const float mantissa = std::frexp(deviation, &exponent);
+  return std::ldexp(std::round(mantissa * 8.0f), exponent - 3);
+}
+
+/// The root of the variance: half does not reach as far as squares do.
+Image standard_deviation(const Image& variance) {
+  Image deviation = variance;
+  for (float& value : deviation.data()) value = rounded(std::sqrt(std::max(0.0f, value)));
+  return deviation;
+}
+
+bool is_opaque(const Image& beauty) {
+  for (int y = 0; y < beauty.height(); ++y) {
+    for (int x = 0; x < beauty.width(); ++x) {
+      if (beauty.at(x, y, 3) != 1.0f) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+void write_compact_exr(const std::string& path, const Frame& frame, const Attributes& attributes) {
+  Imf::Header header(frame.width(), frame.height());
+  header.setType(Imf::SCANLINEIMAGE);
+  header.compression() = Imf::ZIP_COMPRESSION;
+  insert_attributes(header, attributes);
+  FrameChannels channels;
+  const auto add = [&](const std::string& name, const Image& image, int channel) {
+    header.channels().insert(name, Imf::Channel(Imf::HALF));
+    channels[name] = {&image, channel};
+  };
+  const Image& beauty = frame.image(Aov::beauty);
+  const int colours = is_opaque(beauty) ? 3 : 4;
+  for (int c = 0; c < colours; ++c) add(std::string(1, "RGBA"[c]), beauty, c);
+  for (const AovInfo& entry : kAovTable) {
+    if (!frame.has(entry.aov) || entry.aov == Aov::beauty || entry.aov == Aov::variance) continue;
+    add_layer(frame, entry.aov, "", Imf::HALF, Imath::V2i(0), header, channels);
+  }
+  Image deviation;
+  if (frame.has(Aov::variance)) {
+    deviation = standard_deviation(frame.image(Aov::variance));
+    for (int c = 0; c < 3; ++c) add(std::string("noiselevel.") + "RGB"[c], deviation, c);
+  }
+  WriteReport report;
+  writing(path, {header},
+          [&](Imf::MultiPartOutputFile& file) { write_part(file, 0, channels, nullptr, report); });
+}
+
+}  // namespace becalm::io

@@ -1,0 +1,96 @@
+#include "frame/judge/exact.h"
+
+#include <Imath/half.h>
+#include <fmt/format.h>
+
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace becalm::judge {
+namespace {
+
+/// Integers in the order of the floats (or halves) that have these bits: neighbours differ by one, and both
+/// zeros are 0.
+std::int64_t ordered(std::uint32_t bits, std::uint32_t sign) {
+  return (bits & sign) != 0 ? -static_cast<std::int64_t>(bits & (sign - 1)) : static_cast<std::int64_t>(bits);
+}
+
+std::uint64_t distance(std::int64_t a, std::int64_t b) {
+  return static_cast<std::uint64_t>(a > b ? a - b : b - a);
+}
+
+bool same_bits(float a, float b) {
+  return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b) ||
+         (std::isnan(a) && std::isnan(b));
+}
+
+void measure_ulps(Difference& difference) {
+  const float a = difference.test;
+  const float b = difference.reference;
+  if (std::isnan(a) || std::isnan(b)) return;
+  constexpr std::uint32_t float_sign = 0x80000000u;
+  difference.ulps = distance(ordered(std::bit_cast<std::uint32_t>(a), float_sign),
+                             ordered(std::bit_cast<std::uint32_t>(b), float_sign));
+  const Imath::half half_a(a);
+  const Imath::half half_b(b);
+  if (static_cast<float>(half_a) != a || static_cast<float>(half_b) != b) return;
+  constexpr std::uint32_t half_sign = 0x8000u;
+  difference.half_ulps = distance(ordered(half_a.bits(), half_sign), ordered(half_b.bits(), half_sign));
+}
+
+std::uint64_t rank(const Difference& difference) {
+  return difference.ulps.value_or(std::numeric_limits<std::uint64_t>::max());
+}
+
+std::string describe(const Difference& difference) {
+  std::string text = fmt::format("pixel {},{} channel {}: {:.9g} instead of {:.9g}", difference.x,
+                                 difference.y, difference.channel, difference.test, difference.reference);
+  if (difference.ulps) text += fmt::format(", {} ulps of float", *difference.ulps);
+  if (difference.half_ulps) text += fmt::format(", {} of half", *difference.half_ulps);
+  return text;
+}
+
+}  // namespace
+
+ExactResult compare_exactly(const Image& test, const Image& reference) {
+  if (!test.same_shape(reference)) {
+    throw std::invalid_argument(fmt::format(
+        "an exact comparison was asked of {}x{} pixels of {} channels with {}x{} of {}", test.width(),
+        test.height(), test.channels(), reference.width(), reference.height(), reference.channels()));
+  }
+  ExactResult result;
+  for (int y = 0; y < test.height(); ++y) {
+    for (int x = 0; x < test.width(); ++x) {
+      bool differs = false;
+      for (int c = 0; c < test.channels(); ++c) {
+        Difference difference{.x = x,
+                              .y = y,
+                              .channel = c,
+                              .test = test.at(x, y, c),
+                              .reference = reference.at(x, y, c),
+                              .ulps = {},
+                              .half_ulps = {}};
+        if (same_bits(difference.test, difference.reference)) continue;
+        differs = true;
+        measure_ulps(difference);
+        if (!result.first) result.first = difference;
+        if (!result.largest || rank(difference) > rank(*result.largest)) result.largest = difference;
+      }
+      if (differs) ++result.differing_pixels;
+    }
+  }
+  return result;
+}
+
+std::string describe(const ExactResult& result) {
+  if (result.passed()) return "all pixels are equal, bit for bit";
+  std::string text =
+      fmt::format("{} pixels differ; first {}", result.differing_pixels, describe(*result.first));
+  if (rank(*result.largest) > rank(*result.first))
+    text += fmt::format("; largest {}", describe(*result.largest));
+  return text;
+}
+
+}  // namespace becalm::judge

@@ -1,0 +1,89 @@
+// becalm test: mistakes in suite files, one line each with the place, the value and what was expected.
+
+#include <gtest/gtest.h>
+
+#include "tests/end_to_end/suite_fixture.h"
+
+namespace becalm::test {
+namespace {
+
+struct Mistake {
+  const char* json;
+  std::vector<std::string> words;
+};
+
+TEST_F(SuiteTest, MistakesAreToldWithTheirPlace) {
+  const std::vector<Mistake> mistakes{
+      {R"({"case": {}})", {"/case: unknown key", "defaults, cases"}},
+      {R"({"cases": {}})", {"/cases", "at least one case"}},
+      {R"({"cases": {"a/b": {}}})", {"/cases/a~1b", "a name of letters"}},
+      {R"({"cases": {"a": {"sauce": 1}}})", {"/cases/a/sauce: unknown key", "source"}},
+      {R"({"cases": {"a": {"source": {"scene": "none.json"}}}})", {"/cases/a/source/scene", "none.json"}},
+      {R"({"cases": {"a": {"source": {"spp": 1}}}})", {"/cases/a/source", "'scene' or a 'command'"}},
+      {R"({"cases": {"a": {"source": {"command": []}}}})", {"/cases/a/source/command", "a program"}},
+      {R"({"cases": {"a": {"source": {"command": ["x"]}}}})", {"/cases/a/source/command", "{output}"}},
+      {R"({"cases": {"a": {"source": {"command": ["x", "{output}"], "size": "1x1"}}}})",
+       {"/cases/a/source/size", "is for a scene"}},
+      {R"({"cases": {"a": {"source": {"scene": "scene.json", "command": ["x", "{output}"]}}}})",
+       {"/cases/a/source/command", "found both"}},
+      {R"({"cases": {"a": {"source": {"scene": "scene.json", "frames": "9-1"}}}})",
+       {"/cases/a/source/frames", "9-1"}},
+      {R"({"cases": {"a": {"source": {"scene": "scene.json", "spp": 0}}}})",
+       {"/cases/a/source/spp", "from 1 to 65536", "found 0"}},
+      {R"({"cases": {"a": {"source": {"scene": "scene.json", "memory": "lots"}}}})",
+       {"/cases/a/source/memory", "512M", "lots"}},
+      {R"({"cases": {"a": {"source": {"scene": "scene.json", "denoise": "best"}}}})",
+       {"/cases/a/source/denoise", "balanced", "best"}},
+      {R"({"cases": {"a": {"source": {"scene": "scene.json"}}}})", {"/cases/a", "at least one judge"}},
+      {R"({"cases": {"a": {"source": {"scene": "scene.json"}, "judged_by": {"exact": true, "statistical": true}}}})",
+       {"/cases/a", "exclude each other"}},
+      {R"({"cases": {"a": {"source": {"scene": "scene.json"}, "judged_by": {"error": {"max_flip": 1}}}}})",
+       {"/cases/a/judged_by/error/max_flip: unknown key", "max_rel_mse"}},
+      {R"({"cases": {"a": {"source": {"scene": "scene.json"}, "judged_by": {"error": {}}}}})",
+       {"/cases/a/judged_by/error", "at least one limit"}},
+      {R"({"cases": {"a": {"source": {"scene": "scene.json"}, "judged_by": {"perceptual": {"max_flip": -1}}}}})",
+       {"/cases/a/judged_by/perceptual/max_flip", "at least 0", "-1"}},
+      {R"({"cases": {"a": {"source": {"scene": "scene.json"}, "judged_by": {"sequence": {"max_flicker": 1}}}}})",
+       {"/cases/a", "frames that follow each other"}},
+      {R"({"cases": {"a": {"source": {"scene": "scene.json", "denoise": "draft"}, "judged_by": {"statistical": true}}}})",
+       {"/cases/a", "not denoised"}},
+      {R"({"cases": {"a": {"reference": {"count": 3}}}})", {"/cases/a/reference/count", "from 1 to 2"}},
+      {R"({"cases": {"a": {"false_alarm_rate": 2}}})", {"/cases/a/false_alarm_rate", "2"}},
+      {R"({"defaults": {"source": {"sppp": 2}}, "cases": {}})", {"/defaults/source/sppp: unknown key"}},
+      {R"({"cases": )", {"suite.json:1:"}},
+  };
+  for (const Mistake& mistake : mistakes) {
+    write_text(suite_, mistake.json);
+    std::vector<std::string> words = mistake.words;
+    words.emplace_back("suite.json");
+    expect_error(run(), 3, words);
+  }
+}
+
+TEST_F(SuiteTest, SuitesThatAreNotThereAreTold) {
+  expect_error(becalm({"test", folder_ / "none.json"}), 3, {"none.json", "no such suite"});
+  fs::create_directories(folder_ / "empty");
+  expect_error(becalm({"test", folder_ / "empty"}), 3, {"empty", "no suite"});
+}
+
+TEST_F(SuiteTest, CasesOfTwoSuitesMayNotShareReferences) {
+  write_suite(shell_case("same"));
+  fs::copy_file(suite_, folder_ / "suite2.json");
+  fs::remove(folder_ / "scene.json");
+  expect_error(becalm({"test", folder_.path().string()}), 3,
+               {"suite2.json", "/cases/same", "references/same"});
+}
+
+TEST_F(SuiteTest, DefaultsHoldForAllCasesUnlessTheyChangeThem) {
+  write_suite(R"("a": {}, "b": {"judged_by": {"exact": false, "error": {"max_rel_mse": 0}}})",
+              R"({"source": {"command": ["cp", "image.exr", "{output}"]}, "judged_by": {"exact": true}})");
+  for (const char* name : {"a", "b"}) write_reference(name);
+  const Outcome outcome = run({"--json", folder_ / "results.json"});
+  EXPECT_EQ(outcome.status, 0) << outcome.out;
+  const std::string json = read_text(folder_ / "results.json");
+  EXPECT_NE(json.find("\"judge\": \"exact\""), std::string::npos);
+  EXPECT_NE(json.find("\"judge\": \"error\""), std::string::npos);
+}
+
+}  // namespace
+}  // namespace becalm::test

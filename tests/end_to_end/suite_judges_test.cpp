@@ -1,0 +1,125 @@
+// becalm test: scenes judged by statistics, limits, denoised and over time; --update and --calibrate.
+
+#include <gtest/gtest.h>
+
+#include "tests/end_to_end/suite_fixture.h"
+
+namespace becalm::test {
+namespace {
+
+class SuiteJudges : public SuiteTest {
+ protected:
+  static std::string scene_case(const std::string& name, const std::string& judges,
+                                const std::string& source = "", const std::string& more = "") {
+    return fmt::format(
+        R"("{}": {{"source": {{"scene": "scene.json", "size": "16x16"{}}}{}, "judged_by": {{{}}}}})", name,
+        source, more, judges);
+  }
+  void replace_in_scene(const std::string& from, const std::string& to) const {
+    std::string text = read_text(folder_ / "scene.json");
+    text.replace(text.find(from), from.size(), to);
+    write_text(folder_ / "scene.json", text);
+  }
+};
+
+TEST_F(SuiteJudges, StatisticsTellNoiseFromAnotherExpectation) {
+  write_suite(scene_case("noise", R"("statistical": true)"));
+  update();
+  for (const char* source : {R"(, "spp": 8, "seed": 2)", R"(, "spp": 4, "seed": 3)"}) {
+    write_suite(scene_case("noise", R"("statistical": true)", source));
+    const Outcome outcome = run();
+    EXPECT_EQ(outcome.status, 0) << outcome.out;
+  }
+  replace_in_scene("\"emission\": [8, 8, 7]", "\"emission\": [16, 16, 14]");
+  const Outcome outcome = run();
+  EXPECT_EQ(outcome.status, 1) << outcome.out;
+  EXPECT_NE(line_of(outcome, "noise").find("statistical: frame 1"), std::string::npos) << outcome.out;
+}
+
+TEST_F(SuiteJudges, ExactKeepsEveryLayer) {
+  write_suite(scene_case("layers", R"("exact": true)", R"(, "aovs": ["albedo", "depth"])"));
+  update();
+  EXPECT_EQ(run().status, 0);
+  replace_in_scene("[0.8, 0.1, 0.1]", "[0.8, 0.1, 0.11]");
+  const Outcome outcome = run();
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_NE(line_of(outcome, "layers").find("of frame 1"), std::string::npos) << outcome.out;
+}
+
+TEST_F(SuiteJudges, LimitsHoldForEveryFrameAndForTheSequence) {
+  const std::string frames = R"(, "frames": "1-3")";
+  write_suite(scene_case("a_loose",
+                         R"("perceptual": {"max_flip": 0.9, "min_ssim": 0.01},
+                    "error": {"max_rel_mse": 9, "max_temporal_error": 9, "max_energy": 0.5},
+                    "sequence": {"max_temporal_error": 9, "max_flicker": 9})",
+                         frames, R"(, "reference": {"count": 2, "spp": 64})") +
+              "," +
+              scene_case("b_tight",
+                         R"("perceptual": {"max_flip": 1e-6}, "error": {"max_energy": 1e-9},
+                    "sequence": {"max_flicker": 1e-9})",
+                         frames, R"(, "reference": {"spp": 64})"));
+  update();
+  EXPECT_EQ(files_in(folder_.path() / "references/a_loose").size(), 6u);
+  const Outcome outcome = run({"--json", folder_ / "results.json"});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_NE(line_of(outcome, "a_loose").find("passed"), std::string::npos) << outcome.out;
+  const std::string json = read_text(folder_ / "results.json");
+  for (const char* words : {"perceptual: FLIP of frame", "(3 of 3 frames)", "error: energy of frame",
+                            "sequence: flicker of the sequence"}) {
+    EXPECT_NE(json.find(words), std::string::npos) << words << json;
+  }
+}
+
+TEST_F(SuiteJudges, BothSidesAreDenoised) {
+  write_suite(
+      scene_case("calm", R"("denoised": {"preset": "draft", "max_rel_mse": 0.05, "max_energy": 0.1})",
+                 R"(, "frames": "1-2", "spp": 4)") +
+      "," +
+      scene_case("filtered", R"("error": {"max_energy": 0.2})", R"(, "frames": "1-2", "denoise": "draft")"));
+  update();
+  const Outcome same = run();
+  EXPECT_EQ(same.status, 0) << same.out;
+  replace_in_scene("\"emission\": [8, 8, 7]", "\"emission\": [16, 16, 14]");
+  const Outcome brighter = run();
+  EXPECT_EQ(brighter.status, 1) << brighter.out;
+  EXPECT_NE(line_of(brighter, "calm").find("denoised: denoised"), std::string::npos) << brighter.out;
+}
+
+TEST_F(SuiteJudges, UpdateIsNeverSilent) {
+  write_suite(scene_case("a", R"("statistical": true)") + "," + scene_case("b", R"("statistical": true)"));
+  expect_error(run({"--update"}), 2, {"--update", "--yes"});
+  EXPECT_FALSE(fs::exists(folder_ / "references"));
+  const Outcome first = update("a");
+  EXPECT_NE(first.out.find("references/a/a.0001.exr"), std::string::npos) << first.out;
+  EXPECT_NE(first.out.find("KiB, new"), std::string::npos) << first.out;
+  EXPECT_FALSE(fs::exists(folder_ / "references/b"));
+  replace_in_scene("\"emission\": [8, 8, 7]", "\"emission\": [10, 10, 9]");
+  const Outcome second = update("a");
+  for (const char* words : {"relMSE", "FLIP", "energy +", "KiB of references in 1 case"}) {
+    EXPECT_NE(second.out.find(words), std::string::npos) << words << second.out;
+  }
+  expect_error(run({"--update=c", "--yes"}), 2, {"--update c"});
+}
+
+TEST_F(SuiteJudges, AReferenceThatCannotBeMadeIsTold) {
+  write_suite(shell_case("crash", "kill -SEGV $$"));
+  const Outcome outcome = run({"--update", "--yes"});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_NE(outcome.err.find("suite/crash: sh crashed"), std::string::npos) << outcome.err;
+  write_suite(shell_case("noise", "cp image.exr $0", "", R"("statistical": true)"));
+  expect_error(run({"--update", "--yes"}), 3, {"/cases/noise/source/command", "{seed}"});
+}
+
+TEST_F(SuiteJudges, CalibrateProposesLimitsThatOtherSeedsPass) {
+  write_suite(scene_case("a", R"("error": {"max_rel_mse": 1, "max_energy": 1}, "statistical": true)"));
+  update();
+  const Outcome outcome = run({"--calibrate=5"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  for (const char* words : {"5 seeds, false-alarm rate 0.001", "statistical: 0 of 5 frames failed",
+                            "error max_rel_mse: ", "limit 1 in the suite", "\"judged_by\": {\"error\":"}) {
+    EXPECT_NE(outcome.out.find(words), std::string::npos) << words << outcome.out;
+  }
+}
+
+}  // namespace
+}  // namespace becalm::test

@@ -1,0 +1,189 @@
+// becalm test: what cases find, and what is reported.
+
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <boost/property_tree/ptree.hpp>
+#include <boost/property_tree/xml_parser.hpp>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "tests/end_to_end/suite_fixture.h"
+
+namespace becalm::test {
+namespace {
+
+void expect_words(const std::string& text, const std::vector<std::string>& words) {
+  for (const std::string& word : words) {
+    EXPECT_NE(text.find(word), std::string::npos) << word << "\nin: " << text;
+  }
+}
+
+TEST_F(SuiteTest, ACaseThatIsEqualPassesAndOneThatDiffersFails) {
+  write_suite(shell_case("same") + "," + shell_case("other"));
+  update();
+  EXPECT_EQ(run().status, 0);
+  Frame frame = read_frame(folder_ / "references/other/a.0001.exr");
+  float& value = frame.image(Aov::beauty).at(3, 2, 1);
+  value = std::nextafter(value, 2.0f);
+  io::write_exr(folder_ / "references/other/a.0001.exr", frame, {}, io::PixelType::float32);
+  const Outcome outcome = run();
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  expect_words(line_of(outcome, "other"), {"failed", "exact", "1 pixels differ", "pixel 3,2", "1 ulp"});
+  expect_words(line_of(outcome, "same"), {"passed"});
+  expect_words(outcome.out, {"1 passed, 1 failed, 0 errors, 0 skipped"});
+}
+
+TEST_F(SuiteTest, UlpsMayBeAllowed) {
+  write_suite(shell_case("other", "cp image.exr $0", "", R"("exact": {"max_ulps": 1})"));
+  write_reference("other");
+  EXPECT_EQ(run().status, 0);
+  Frame frame = read_frame(folder_ / "image.exr", all_aovs());
+  for (float& value : frame.image(Aov::beauty).data()) value = std::nextafter(value, 2.0f);
+  io::write_exr(folder_ / "image.exr", frame, {}, io::PixelType::float32);
+  EXPECT_EQ(run().status, 0);
+  for (float& value : frame.image(Aov::beauty).data()) value = std::nextafter(value, 2.0f);
+  io::write_exr(folder_ / "image.exr", frame, {}, io::PixelType::float32);
+  EXPECT_EQ(run().status, 1);
+}
+
+TEST_F(SuiteTest, ACaseWithoutReferenceIsAnError) {
+  write_suite(shell_case("good") + "," + shell_case("none"));
+  write_reference("good");
+  const Outcome outcome = run();
+  EXPECT_EQ(outcome.status, 3);
+  expect_words(line_of(outcome, "none"), {"error", "references/none/a.0001.exr", "--update=none"});
+  expect_words(line_of(outcome, "good"), {"passed"});
+}
+
+TEST_F(SuiteTest, ADamagedReferenceIsAnError) {
+  write_suite(shell_case("damaged"));
+  write_reference("damaged");
+  fs::resize_file(folder_ / "references/damaged/a.0001.exr", 600);
+  const Outcome outcome = run();
+  EXPECT_EQ(outcome.status, 3);
+  expect_words(line_of(outcome, "damaged"), {"error", "references/damaged/a.0001.exr"});
+}
+
+TEST_F(SuiteTest, WhatGoesWrongInOneCaseFailsThatCaseAlone) {
+  Frame frame = noise_frame(1, kSize, kSize);
+  frame.image(Aov::beauty).at(5, 4, 0) = std::numeric_limits<float>::quiet_NaN();
+  io::write_exr(folder_ / "nan.exr", frame, {});
+  io::write_exr(folder_ / "small.exr", noise_frame(1, 8, 8), {});
+  write_suite(shell_case("a_crash", "kill -SEGV $$") + "," +
+              shell_case("b_timeout", "sleep 30", R"(, "timeout_s": 0.2)") + "," +
+              shell_case("c_nan", "cp nan.exr $0") + "," +
+              shell_case("d_memory", "head -c 200M /dev/zero | tail -c 200M >/dev/null; cp image.exr $0 #",
+                         R"(, "memory": "40M")") +
+              "," + shell_case("e_status", "echo no licence >&2; exit 7") + "," +
+              shell_case("f_nothing", "true") + "," + shell_case("g_size", "cp small.exr $0") + "," +
+              shell_case("h_text", "echo text >$0") + "," + shell_case("i_good"));
+  for (const char* name :
+       {"a_crash", "b_timeout", "c_nan", "d_memory", "e_status", "f_nothing", "g_size", "h_text", "i_good"}) {
+    write_reference(name);
+  }
+  const Outcome outcome =
+      run({"--junit", folder_ / "junit.xml", "--json", folder_ / "results.json", "--jobs", "2"});
+  EXPECT_EQ(outcome.status, 1) << outcome.out << outcome.err;
+  expect_words(line_of(outcome, "a_crash"), {"failed", "crashed", "signal 11"});
+  expect_words(line_of(outcome, "b_timeout"), {"failed", "timed out after 0.2 s"});
+  expect_words(line_of(outcome, "c_nan"), {"failed", "frame 1", "1 pixels are not finite", "pixel (5, 4)"});
+  expect_words(line_of(outcome, "d_memory"), {"failed", "MiB of memory", "40 MiB"});
+  expect_words(line_of(outcome, "e_status"), {"failed", "exit status 7: no licence"});
+  expect_words(line_of(outcome, "f_nothing"), {"failed", "frame 1 was not written"});
+  expect_words(line_of(outcome, "g_size"), {"failed", "8x8", "16x16"});
+  expect_words(line_of(outcome, "h_text"), {"failed", "frame.0001.exr"});
+  expect_words(line_of(outcome, "i_good"), {"passed"});
+
+  boost::property_tree::ptree junit;
+  boost::property_tree::read_xml(folder_ / "junit.xml", junit);
+  EXPECT_EQ(junit.get<int>("testsuites.<xmlattr>.tests"), 9);
+  EXPECT_EQ(junit.get<int>("testsuites.testsuite.<xmlattr>.failures"), 8);
+  EXPECT_EQ(junit.get<int>("testsuites.testsuite.<xmlattr>.errors"), 0);
+  EXPECT_EQ(junit.get<std::string>("testsuites.testsuite.<xmlattr>.name"), "suite");
+  EXPECT_GT(junit.get<double>("testsuites.<xmlattr>.time"), 0.1);
+  const auto& cases = junit.get_child("testsuites.testsuite");
+  EXPECT_EQ(cases.count("testcase"), 9u);
+  int failures = 0;
+  for (const auto& [key, element] : cases) failures += static_cast<int>(element.count("failure"));
+  EXPECT_EQ(failures, 8);
+
+  const auto json = nlohmann::json::parse(read_text(folder_ / "results.json"));
+  EXPECT_EQ(json["failed"], 8);
+  EXPECT_EQ(json["cases"][8]["outcome"], "passed");
+  EXPECT_EQ(json["cases"][8]["checks"][0]["judge"], "exact");
+  expect_words(json["cases"][4]["output"].get<std::string>(), {"no licence"});
+  expect_words(json["cases"][4]["command"].get<std::string>(), {"sh -c"});
+}
+
+TEST_F(SuiteTest, FilterShardListAndFailFastChooseCases) {
+  write_suite(shell_case("apple", "exit 1") + "," + shell_case("banana") + "," + shell_case("cherry"));
+  for (const char* name : {"apple", "banana", "cherry"}) write_reference(name);
+  EXPECT_EQ(run({"--list"}).out, "suite/apple\nsuite/banana\nsuite/cherry\n");
+  EXPECT_EQ(run({"--list", "--filter", "suite/b*"}).out, "suite/banana\n");
+  EXPECT_EQ(run({"--list", "--shard", "1/2"}).out, "suite/apple\nsuite/cherry\n");
+  EXPECT_EQ(run({"--list", "--shard", "2/2"}).out, "suite/banana\n");
+  EXPECT_EQ(run({"--filter", "[bc]*"}).status, 0);
+  const Outcome fast = run({"--fail-fast", "--junit", folder_ / "junit.xml"});
+  EXPECT_EQ(fast.status, 1);
+  expect_words(fast.out, {"0 passed, 1 failed, 0 errors, 2 skipped"});
+  boost::property_tree::ptree junit;
+  boost::property_tree::read_xml(folder_ / "junit.xml", junit);
+  EXPECT_EQ(junit.get<int>("testsuites.<xmlattr>.skipped"), 2);
+  expect_error(run({"--filter", "pear"}), 2, {"--filter pear", "3 cases"});
+  expect_error(run({"--shard", "3/2"}), 2, {"--shard 3/2", "I/N"});
+}
+
+TEST_F(SuiteTest, ACommandIsTold) {
+  write_suite(shell_case("told", "cp image.exr $0; echo $0 {frame} {spp} {seed} {threads} >>told.txt",
+                         R"(, "frames": "1-2", "spp": 3, "seed": 5)"));
+  write_reference("told");
+  fs::copy_file(folder_ / "image.exr", folder_ / "references/told/a.0002.exr");
+  EXPECT_EQ(run({"--threads", "1", "--keep", folder_ / "kept"}).status, 0);
+  const std::string frames = folder_ / "kept/suite/told/test/frame.";
+  EXPECT_EQ(read_text(folder_ / "told.txt"), frames + "0001.exr 1 3 5 1\n" + frames + "0002.exr 2 3 5 1\n");
+  EXPECT_TRUE(fs::exists(frames + "0002.exr"));
+}
+
+TEST_F(SuiteTest, ACommandWithoutFrameMakesASequence) {
+  write_suite(shell_case("all", "for f in 0001 0002; do cp image.exr ${0%####.exr}$f.exr; done",
+                         R"(, "frames": "1-2")"));
+  write_reference("all");
+  fs::copy_file(folder_ / "image.exr", folder_ / "references/all/a.0002.exr");
+  EXPECT_EQ(run().status, 0);
+}
+
+TEST_F(SuiteTest, WorkingFilesAreRemoved) {
+  write_suite(shell_case("good"));
+  write_reference("good");
+  fs::create_directories(folder_ / "tmp");
+  const Outcome outcome =
+      Process({"test", suite_}, "TMPDIR='" + (folder_ / "tmp") + "' exec \"$0\" \"$@\"").wait();
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(files_in(folder_.path() / "tmp").empty());
+}
+
+TEST_F(SuiteTest, AnInterruptEndsTheChildren) {
+  write_suite(shell_case("long", "echo $$ >pid.part; mv pid.part pid; sleep 60 & wait") + "," +
+              shell_case("next"));
+  for (const char* name : {"long", "next"}) write_reference(name);
+  Process process({"test", suite_});
+  ASSERT_TRUE(wait_until([&] { return fs::exists(folder_ / "pid"); }));
+  const pid_t group = std::stoi(read_text(folder_ / "pid"));
+  process.signal(SIGINT);
+  const Outcome outcome = process.wait();
+  EXPECT_EQ(outcome.status, 130) << outcome.err;
+  expect_words(outcome.out, {"0 passed, 0 failed, 0 errors, 2 skipped"});
+  EXPECT_TRUE(wait_until([&] { return kill(-group, 0) != 0; })) << "the child's children run on";
+}
+
+TEST_F(SuiteTest, AReportThatCannotBeWrittenIsTold) {
+  write_suite(shell_case("good"));
+  write_reference("good");
+  const Outcome outcome = run({"--junit", folder_ / "none/junit.xml"});
+  EXPECT_EQ(outcome.status, 4);
+  expect_words(outcome.err, {"--junit", "none/junit.xml"});
+}
+
+}  // namespace
+}  // namespace becalm::test

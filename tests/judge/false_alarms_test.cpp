@@ -1,0 +1,33 @@
+#include <gtest/gtest.h>
+
+#include "tests/judge/simulated.h"
+
+namespace becalm::judge {
+namespace {
+
+constexpr int kRuns = 2000;
+constexpr double kRate = 0.05;
+/// 100 are expected at that rate; in one of 2,000 counts there are this many or more.
+constexpr int kMostAlarms = 134;
+
+class FalseAlarmsOf : public testing::TestWithParam<Noise> {};
+
+/// With the least samples that the reference should have. `scripts/bench regression` counts 10,000 runs at
+/// three sample counts.
+TEST_P(FalseAlarmsOf, AreNoMoreThanStated) {
+  for (const int samples : {4, 16}) {
+    const FalseAlarms alarms = count_false_alarms(GetParam(), samples, 16 * samples, kRuns, kRate, 1);
+    EXPECT_LT(alarms.with_variance, kMostAlarms) << samples << " samples";
+    EXPECT_LT(alarms.without_variance, kMostAlarms) << samples << " samples";
+    if (GetParam() != Noise::gaussian) continue;
+    // A judge that never fails would be of no use: where nothing is skewed, most of the rate is used.
+    EXPECT_GT(alarms.with_variance, kRuns * kRate / 4) << samples << " samples";
+    EXPECT_GT(alarms.without_variance, kRuns * kRate / 4) << samples << " samples";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Noises, FalseAlarmsOf, testing::ValuesIn(kNoises),
+                         [](const auto& info) { return std::string(name(info.param)); });
+
+}  // namespace
+}  // namespace becalm::judge
