@@ -40,7 +40,7 @@ def worth_table(trade, worth_of):
                      *(text for worth in found.values() for text in (samples(worth), number(worth and worth.times, "x"))),
                      number(of_error and of_error.at_equal_time)))
     return markdown(("point", seconds_title(trade), *(text for title in METRICS.values() for text in
-                     (f"spp of plain rendering for equal {title}", "faster")), "relMSE in equal time"), rows)
+                     (f"spp of plain rendering for equal {title}", "faster")), "relMSE over plain's in equal time"), rows)
 
 
 def compared(trade):
