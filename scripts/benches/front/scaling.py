@@ -56,6 +56,7 @@ class Scaling:
     def __init__(self, becalm, data, folder, preset, resume):
         self.becalm, self.data, self.preset, self.made_by = becalm, Path(data), preset, content_hash(becalm)
         self.file = folder / "scaling_runs.json"
+        self.rendered = set()  # patterns
         self.kept = json.loads(self.file.read_text()) if resume and self.file.exists() else {}
 
     def sizes(self, sizes):
@@ -97,9 +98,11 @@ class Scaling:
 
     def _rendered(self, size, frames):
         pattern = self.data / f"{SCENE}.{size}" / "f.####.exr"
-        print(f"render {SCENE} {size}, {SPP} spp", flush=True)
-        timed([self.becalm, "render", SCENES / f"{SCENE}.json", "-o", pattern, "--frames", frame_range(frames), "--size", size,
-               "--spp", SPP, "--aov-spp", SPP, "--aovs", AOVS, "--resume", "--quiet"])
+        if pattern not in self.rendered:
+            print(f"render {SCENE} {size}, {SPP} spp", flush=True)
+            timed([self.becalm, "render", SCENES / f"{SCENE}.json", "-o", pattern, "--frames", frame_range(frames), "--size", size,
+                   "--spp", SPP, "--aov-spp", SPP, "--aovs", AOVS, "--resume", "--quiet"])
+            self.rendered.add(pattern)
         return pattern
 
     def _repeated(self, count):
