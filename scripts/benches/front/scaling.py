@@ -7,7 +7,7 @@ from pathlib import Path
 
 from benches.front.exponent import exponent, local_exponents
 from benches.markdown_report import figure, markdown
-from benches.plotting import plot_panels, save
+from benches.plotting import label_log_axis, plot_panels, save
 from benches.quality.cells import content_hash
 from benches.quality.data import SCENES, frame_path, frame_range
 from benches.timed import timed
@@ -152,17 +152,30 @@ def report(preset, by_pixels, by_frames, clock):
             f"{_table('pixels', by_pixels, clock)}\n{_table('frames', by_frames, clock)}")
 
 
+def _decade_or_more(values):
+    """Limits of an axis, so wide that what is constant looks constant."""
+    low, high = min(values) / 1.3, max(values) * 1.3
+    wider = max(1.0, (10.0 * low / high) ** 0.5)
+    return low / wider, high * wider
+
+
 def plot_scaling(path, preset, by_pixels, by_frames, clock):
-    figure_, panels = plot_panels([f"{preset}: against pixels", f"{preset}: against frames"], "", ["seconds a frame", "seconds a frame"], (13.0, 5.6))
+    seconds = f"{clock}_s"
+    figure_, panels = plot_panels([f"{preset}: against pixels", f"{preset}: against frames"], "", ["seconds a frame"] * 2, (13.0, 5.6))
     for axes, runs, x in zip(panels, (by_pixels, by_frames), ("pixels", "frames")):
         done = [run for run in runs if not run.refused]
         if not done:
             continue
-        axes.loglog([run.size for run in done], [getattr(run, f"{clock}_s") for run in done], marker="o", color="C0", label="seconds a frame")
-        other = axes.twinx()
-        other.loglog([run.size for run in done], [run.peak_mib for run in done], marker="s", color="C1", label="peak memory")
-        other.set_ylabel("MiB")
+        sizes, memory = [run.size for run in done], axes.twinx()
+        for where, cost, marker, colour, name in ((axes, seconds, "o", "C0", "seconds a frame"), (memory, "peak_mib", "s", "C1", "peak memory")):
+            values = [getattr(run, cost) for run in done]
+            where.loglog(sizes, values, marker=marker, color=colour, label=name)
+            where.set_ylim(_decade_or_more(values))
+            label_log_axis(where.yaxis)
+        memory.set_ylabel("MiB")
         axes.set_xlabel(x)
-        lines = [*axes.get_lines(), *other.get_lines()]
+        axes.set_xticks(sizes, [run.what for run in done])
+        axes.minorticks_off()
+        lines = [*axes.get_lines(), *memory.get_lines()]
         axes.legend(lines, [line.get_label() for line in lines], fontsize=8, loc="upper left")
     save(path, figure_)
