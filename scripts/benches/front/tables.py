@@ -5,9 +5,9 @@ from benches.markdown_report import markdown
 
 EXTRAPOLATED = "*"
 NOTE = ("Plain spp: the samples that plain rendering needs for the same error. "
-        f"`{EXTRAPOLATED}`: beyond the measured sample counts of plain rendering (in a mean: of one scene at least), extrapolated by 1/N. Faster: the seconds that plain "
-        "rendering takes for the same error, over those of rendering and denoising. Equal time: the error over that of plain "
-        "rendering with as many samples as fit into the same seconds.\n")
+        f"`{EXTRAPOLATED}`: beyond the measured sample counts of plain rendering (in a mean: of one scene at least), "
+        "extrapolated by 1/N. Faster: the seconds that plain rendering takes for the same error, over those of rendering and denoising. "
+        "Equal time: the error over that of plain rendering with as many samples as fit into the same seconds.\n")
 
 
 def number(value, unit=""):
