@@ -10,10 +10,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <thread>
 
 #include "app/cancel.h"
@@ -42,8 +42,10 @@ std::uint64_t memory_of_group(pid_t group) {
   for (const auto& entry : fs::directory_iterator("/proc", error)) {
     const std::string name = entry.path().filename().string();
     if (name.find_first_not_of("0123456789") != std::string::npos) continue;
+    // The process may be gone by now: getline fails then, where stream iterators would throw.
     std::ifstream file(entry.path() / "stat");
-    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    std::string text;
+    std::getline(file, text);
     // PID (NAME) STATE PARENT GROUP ... with the resident pages as the 24th field; NAME may hold blanks.
     const std::size_t name_end = text.rfind(')');
     if (name_end == std::string::npos) continue;
@@ -195,23 +197,6 @@ std::string describe(const ChildResult& result, const ChildLimits& limits) {
     return fmt::format("crashed (signal {}, {})", signal, strsignal(signal));
   }
   return fmt::format("exit status {}", WEXITSTATUS(result.status));
-}
-
-std::string shell_line(const std::vector<std::string>& arguments) {
-  std::string line;
-  for (const std::string& argument : arguments) {
-    const bool plain =
-        !argument.empty() && argument.find_first_of(" \t\n\"'\\$`*?[]{}()<>|&;#~!") == std::string::npos;
-    if (!line.empty()) line += ' ';
-    if (plain) {
-      line += argument;
-      continue;
-    }
-    line += '\'';
-    for (const char c : argument) line += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    line += '\'';
-  }
-  return line;
 }
 
 }  // namespace becalm::app

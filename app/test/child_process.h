@@ -42,7 +42,4 @@ ChildResult run_child(const std::vector<std::string>& arguments, const std::stri
 /// How it ended, such as `exit status 3`, `crashed (signal 11, Segmentation fault)`, `timed out after 2 s`.
 std::string describe(const ChildResult& result, const ChildLimits& limits);
 
-/// The arguments as one would type them.
-std::string shell_line(const std::vector<std::string>& arguments);
-
 }  // namespace becalm::app

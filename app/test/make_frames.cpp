@@ -9,6 +9,7 @@
 #include <fstream>
 #include <set>
 
+#include "app/test/shell_words.h"
 #include "frame/aov.h"
 #include "frame/error.h"
 #include "frame/io/sequence.h"

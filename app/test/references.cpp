@@ -57,6 +57,11 @@ void write_reference(const TestCase& test, int spp, const std::string& from, int
                 fmt::format("{}: frame {} has pixels that are not finite, and would be a bad reference",
                             test.full_name(), number));
   }
+  if (test.judges.statistical && !frame.has(Aov::variance)) {
+    throw Error(ExitStatus::bad_input,
+                fmt::format("{}: frame {} has no layer variance, which statistical needs of references",
+                            test.full_name(), number));
+  }
   for (const AovInfo& entry : kAovTable) {
     const bool guide = test.judges.denoised &&
                        (entry.aov == Aov::albedo || entry.aov == Aov::normal || entry.aov == Aov::depth);
@@ -111,6 +116,7 @@ ReferenceUpdate::ReferenceUpdate(const TestCase& test, const RunSettings& settin
 
 void ReferenceUpdate::make() {
   for (int which = 0; which < reference_count(test_); ++which) make_one(which);
+  find_outdated();
 }
 
 void ReferenceUpdate::make_one(int which) {
@@ -161,6 +167,24 @@ void ReferenceUpdate::accept() const {
     if (error)
       throw Error(ExitStatus::resource, fmt::format("{}: cannot write it: {}", place, error.message()));
   }
+  for (const std::string& path : outdated_) {
+    if (!fs::remove(path, error) && error)
+      throw Error(ExitStatus::resource, fmt::format("{}: cannot remove it: {}", path, error.message()));
+  }
+}
+
+void ReferenceUpdate::find_outdated() {
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(test_.reference_folder, error)) {
+    const std::string path = entry.path().string();
+    const std::string name = entry.path().filename().string();
+    const bool is_reference = (name.starts_with("a.") || name.starts_with("b.")) && name.ends_with(".exr");
+    const auto is_here = [&](const auto& file) { return fs::path(file.second).filename() == name; };
+    if (is_reference && std::ranges::none_of(files_, is_here)) outdated_.push_back(path);
+  }
+  std::ranges::sort(outdated_);
+  for (const std::string& path : outdated_)
+    changes_.push_back(path + ": removed, the case has no such frame");
 }
 
 }  // namespace becalm::app

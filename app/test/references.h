@@ -26,7 +26,7 @@ class ReferenceUpdate {
 
   /// Makes the new ones. Throws Error(bad_input) if that fails, and Error(interrupted).
   void make();
-  /// One line a frame: its size, and how far it is from the one before.
+  /// One line a frame: its size, and how far it is from the one before; and one for each file to remove.
   const std::vector<std::string>& changes() const { return changes_; }
   /// All new references together.
   std::uint64_t bytes() const { return bytes_; }
@@ -35,11 +35,13 @@ class ReferenceUpdate {
 
  private:
   void make_one(int which);
+  void find_outdated();
   std::string change_of(int frame, const std::string& old_file, const std::string& new_file) const;
 
   const TestCase& test_;
   const RunSettings& settings_;
   std::vector<std::pair<std::string, std::string>> files_;  ///< made, and its place
+  std::vector<std::string> outdated_;  ///< of frames that the case does not have any more
   std::vector<std::string> changes_;
   std::uint64_t bytes_ = 0;
 };

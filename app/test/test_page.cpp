@@ -12,9 +12,10 @@
 #include <vector>
 
 #include "app/pictures.h"
+#include "app/test/layer_as_beauty.h"
+#include "app/test/shell_words.h"
 #include "frame/error.h"
 #include "frame/frame.h"
-#include "frame/io/exr.h"
 
 extern const char becalm_page_skeleton[];
 extern const char becalm_page_skeleton_end[];
@@ -97,10 +98,6 @@ Image scores_of(const Frame& test, const Frame& reference) {
   return scores;
 }
 
-Frame read(const std::string& path, int number) {
-  return io::read_exr(path, number, AovSet().set(static_cast<std::size_t>(Aov::variance))).frame;
-}
-
 /// Of the pictures of a frame: which they are, and how they are shown.
 struct Pictures {
   Json by_kind = Json::object();
@@ -108,9 +105,11 @@ struct Pictures {
   std::string note;  ///< what could not be pictured
 };
 
-void add_pictures(const JudgedFrame& files, Pictures& pictures) {
-  const Frame test = files.test.empty() ? Frame() : read(files.test, files.number);
-  const Frame reference = files.reference.empty() ? Frame() : read(files.reference, files.number);
+/// `layer` of the test frame is shown, its beauty if that is empty.
+void add_pictures(const JudgedFrame& files, const std::string& layer, Pictures& pictures) {
+  const Frame test = files.test.empty() ? Frame() : read_layer_as_beauty(files.test, files.number, layer);
+  const Frame reference =
+      files.reference.empty() ? Frame() : read_layer_as_beauty(files.reference, files.number, "");
   const Frame& known = reference.has(Aov::beauty) ? reference : test;
   if (!known.has(Aov::beauty)) return;
   const int factor = (known.width() + kWidestPicture - 1) / kWidestPicture;
@@ -138,12 +137,12 @@ void add_pictures(const JudgedFrame& files, Pictures& pictures) {
   }
 }
 
-Json frame_json(const JudgedFrame& files) {
+Json frame_json(const JudgedFrame& files, const std::string& layer) {
   Pictures pictures;
   if (files.reference.empty()) pictures.note = "there is no reference";
   if (files.test.empty()) pictures.note = "this frame was not made";
   try {
-    add_pictures(files, pictures);
+    add_pictures(files, layer, pictures);
   } catch (const Error& error) {
     if (error.status() == ExitStatus::resource) throw;
     pictures.note = error.what();
@@ -174,17 +173,6 @@ Json number_of(double value) {
   return std::isfinite(value) ? Json(value) : Json(fmt::format("{}", value));
 }
 
-std::string shell_quoted(const std::string& word) {
-  const auto is_plain = [](char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
-           std::string_view("_-./=:,+").find(c) != std::string_view::npos;
-  };
-  if (!word.empty() && std::ranges::all_of(word, is_plain)) return word;
-  std::string quoted = "'";
-  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
-
 Json case_json(const CaseResult& result) {
   Json json{{"name", result.suite + "/" + result.name},
             {"outcome", name_of(result.outcome)},
@@ -201,13 +189,13 @@ Json case_json(const CaseResult& result) {
                               {"passed", check.passed}});
   }
   if (result.outcome != CaseOutcome::failed && result.outcome != CaseOutcome::error) return json;
-  json["replay"] = fmt::format("becalm test {} --filter {}", shell_quoted(result.suite_file),
-                               shell_quoted(result.suite + "/" + result.name));
+  json["replay"] = fmt::format("becalm test {} --filter {}", shell_word(result.suite_file),
+                               shell_word(result.suite + "/" + result.name));
   json["command"] = result.command;
   json["output"] = result.output;
   json["frames"] = Json::array();
   const std::vector<const JudgedFrame*> frames = pictured_frames(result);
-  for (const JudgedFrame* frame : frames) json["frames"].push_back(frame_json(*frame));
+  for (const JudgedFrame* frame : frames) json["frames"].push_back(frame_json(*frame, result.layer));
   json["frame_count"] = result.frames.size();
   return json;
 }

@@ -99,6 +99,13 @@ TEST_F(SuiteJudges, UpdateIsNeverSilent) {
     EXPECT_NE(second.out.find(words), std::string::npos) << words << second.out;
   }
   expect_error(run({"--update=c", "--yes"}), 2, {"--update c"});
+  const fs::path outdated = folder_ / "references/a/a.0007.exr";
+  const fs::path notes = folder_ / "references/a/notes.txt";
+  fs::copy_file(folder_ / "references/a/a.0001.exr", outdated);
+  std::ofstream(notes) << "kept";
+  EXPECT_NE(update("a").out.find("a.0007.exr: removed"), std::string::npos);
+  EXPECT_FALSE(fs::exists(outdated));
+  EXPECT_TRUE(fs::exists(notes));
 }
 
 TEST_F(SuiteJudges, AReferenceThatCannotBeMadeIsTold) {
@@ -108,6 +115,8 @@ TEST_F(SuiteJudges, AReferenceThatCannotBeMadeIsTold) {
   EXPECT_NE(outcome.err.find("suite/crash: sh crashed"), std::string::npos) << outcome.err;
   write_suite(shell_case("noise", "cp image.exr $0", "", R"("statistical": true)"));
   expect_error(run({"--update", "--yes"}), 3, {"/cases/noise/source/command", "{seed}"});
+  write_suite(shell_case("noise", "cp image.exr $0; # {seed}", "", R"("statistical": true)"));
+  expect_error(run({"--update", "--yes"}), 3, {"suite/noise", "frame 1 has no layer variance"});
 }
 
 TEST_F(SuiteJudges, CalibrateProposesLimitsThatOtherSeedsPass) {

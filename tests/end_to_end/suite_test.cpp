@@ -27,8 +27,9 @@ TEST_F(SuiteTest, ACaseThatIsEqualPassesAndOneThatDiffersFails) {
   float& value = frame.image(Aov::beauty).at(3, 2, 1);
   value = std::nextafter(value, 2.0f);
   io::write_exr(folder_ / "references/other/a.0001.exr", frame, {}, io::PixelType::float32);
-  const Outcome outcome = run();
+  const Outcome outcome = run({"--report", folder_ / "report"});
   EXPECT_EQ(outcome.status, 1) << outcome.err;
+  EXPECT_EQ(files_in(folder_.path() / "report"), std::vector<std::string>{"index.html"});
   expect_words(line_of(outcome, "other"), {"failed", "exact", "1 pixels differ", "pixel 3,2", "1 ulp"});
   expect_words(line_of(outcome, "same"), {"passed"});
   expect_words(outcome.out, {"1 passed, 1 failed, 0 errors, 0 skipped"});

@@ -163,6 +163,24 @@ TEST_F(Page, HoldsPicturesOfTheFramesThatFailed) {
   EXPECT_EQ(failed.at("frame_count"), 3);
 }
 
+TEST_F(Page, ShowsTheLayerThatWasJudged) {
+  TestResults results{.cases = {named("a", CaseOutcome::failed)}, .seconds = 1.0};
+  results.cases[0].layer = "albedo";
+  results.cases[0].frames = {pair(1, 1.0)};
+  const Frame reference = ball(1, 1.0, 1024);
+  Frame frame(1, reference.width(), reference.height());
+  frame.add(Aov::beauty, 1.0f);
+  Image& albedo = frame.add(Aov::albedo);
+  for (std::size_t i = 0; i < albedo.pixel_count(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c)
+      albedo.data()[3 * i + c] = reference.image(Aov::beauty).data()[4 * i + c];
+  }
+  results.cases[0].frames[0].test = write("albedo.exr", frame);
+  const nlohmann::json pictures =
+      data_of(test_page(results)).at("cases").at(0).at("frames").at(0).at("pictures");
+  EXPECT_EQ(pictures.at("result"), pictures.at("reference"));
+}
+
 TEST_F(Page, SaysWhatCannotBePictured) {
   TestResults results{.cases = {named("a", CaseOutcome::error)}, .seconds = 1.0};
   std::ofstream(folder() / "broken.exr") << "no picture";
