@@ -2,6 +2,7 @@
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 SIZE_IN = (9.0, 5.2)
 DPI = 110
@@ -11,6 +12,13 @@ def save(path, figure, below=0.0):
     """below: the share of the height that is left free for a legend of all panels."""
     figure.tight_layout(rect=(0.0, below, 1.0, 1.0))
     FigureCanvasAgg(figure).print_png(str(path))
+
+
+def label_log_axis(axis):
+    """Labels 1, 2 and 5 of each decade as plain numbers."""
+    axis.set_major_locator(LogLocator(base=10, subs=(1.0, 2.0, 5.0)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def plot_panels(titles, x, ys, size_in=SIZE_IN):

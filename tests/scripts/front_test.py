@@ -118,6 +118,10 @@ class Points(unittest.TestCase):
         trade = plain_and(point(4, "preset", 0.4, 3.0, 0.1))
         self.assertEqual([better.label for _, metric, better in dominated(trade) if metric == "relmse"], ["16 spp"])
 
+    def test_equal_sample_counts_are_compared_by_the_time_of_denoising(self):
+        trade = plain_and(point(16, "preset", 1.6, 0.1, 0.01), point(16, "setting", 1.6, 0.09, 0.009))
+        self.assertEqual([better.name for _, _, better in dominated(trade)], ["setting", "setting"])
+
     def test_without_the_time_of_rendering_only_equal_counts_are_compared(self):
         trade = plain_and(point(1, "preset", None, 3.0, 0.5), point(4, "setting", None, 1.0, 0.1), render=False)
         self.assertEqual(dominated(trade), [])

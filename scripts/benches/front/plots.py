@@ -1,21 +1,13 @@
 """Plots of the trade, as PNG files: time against error, and what plain rendering needs for the same error."""
 
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
 from benches.front.points import METRICS, mean_worth
-from benches.plotting import plot_panels, save
+from benches.plotting import label_log_axis, plot_panels, save
 
 SIZE_IN = (13.0, 6.2)
 LEGEND = 0.11  # of the height
 COLOURS = {"draft": "C0", "balanced": "C2", "final": "C3", "paper": "C4", "non_local_means": "C1", "joint_bilateral": "C5",
            "motion_average": "C6"}
 PLAIN_COLOUR, SETTING_COLOUR, FRONT_COLOUR = "0.4", "0.55", "#f0cf6d"
-
-
-def _log_axis(axis):
-    axis.set_major_locator(LogLocator(base=10, subs=(1.0, 2.0, 5.0)))
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axis.set_minor_formatter(NullFormatter())
 
 
 def _save_with_legend(path, figure, axes):
@@ -69,7 +61,7 @@ def _draw_trade(axes, trade, metric):
             _label_counts(axes, lines[name], metric, offset)
     axes.set(xscale="log", yscale="log")
     for axis in (axes.xaxis, axes.yaxis):
-        _log_axis(axis)
+        label_log_axis(axis)
 
 
 def plot_trade(path, title, trade):
@@ -100,5 +92,5 @@ def plot_worth(path, title, trades, mean):
         axes.set_xscale("log", base=2)
         axes.set_yscale("log")
         axes.set_xticks(sorted({p.spp for p in mean.points}), [str(spp) for spp in sorted({p.spp for p in mean.points})])
-        _log_axis(axes.yaxis)
+        label_log_axis(axes.yaxis)
     _save_with_legend(path, figure, panels[0])

@@ -59,9 +59,13 @@ class Trade:
         return [points[i] for i in front([(p.seconds, getattr(p, metric)) for p in points])]
 
     def dominator(self, point, metric):
-        """The point that dominates this one, or None. Without the time of rendering only equal sample counts are compared."""
+        """The point that dominates this one, or None. Equal sample counts are compared by the time of denoising: that of rendering is
+        the same and would hide the difference. Others are compared by both together, if the time of rendering is known."""
+        def share(other):
+            return other.denoise_s / point.denoise_s if other.spp == point.spp else other.seconds / point.seconds
+
         others = self.comparable(metric, None if self.has_render_time else point.spp)
-        index = dominator((point.seconds, getattr(point, metric)), [(o.seconds, getattr(o, metric)) for o in others])
+        index = dominator((1.0, getattr(point, metric)), [(share(other), getattr(other, metric)) for other in others])
         return None if index is None else others[index]
 
     def curve(self, metric):
@@ -87,7 +91,7 @@ class Trade:
         return {"title": self.title, "points": [of(point) for point in self.points]}
 
     def _dominated_by(self, point, metric):
-        if getattr(point, metric) is None or point.seconds <= 0.0:
+        if getattr(point, metric) is None or point.denoise_s <= 0.0:
             return None
         found = self.dominator(point, metric)
         return found and found.label

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from benches.front.exponent import exponent, local_exponents
 from benches.markdown_report import figure, markdown
-from benches.plotting import plot_panels, save
+from benches.plotting import label_log_axis, plot_panels, save
 from benches.quality.cells import content_hash
 from benches.quality.data import SCENES, frame_path, frame_range
 from benches.timed import timed
@@ -17,7 +17,7 @@ SPP = 1
 PIXEL_FRAMES = list(range(9, 13))  # of each size
 SMALL = "96x54"                    # size of the frames that are counted
 CYCLE = list(range(1, 25))         # frames of the scene, which are shown forwards and backwards in turn
-TAIL = 100                         # frames from which on memory is expected to be constant: segments are filled by then
+TAIL = 100                         # frames from which on memory and the time of a frame are expected to be constant: segments are filled by then
 AOVS = "albedo,normal,depth,variance"
 
 
@@ -56,6 +56,7 @@ class Scaling:
     def __init__(self, becalm, data, folder, preset, resume):
         self.becalm, self.data, self.preset, self.made_by = becalm, Path(data), preset, content_hash(becalm)
         self.file = folder / "scaling_runs.json"
+        self.rendered = set()  # patterns
         self.kept = json.loads(self.file.read_text()) if resume and self.file.exists() else {}
 
     def sizes(self, sizes):
@@ -97,9 +98,11 @@ class Scaling:
 
     def _rendered(self, size, frames):
         pattern = self.data / f"{SCENE}.{size}" / "f.####.exr"
-        print(f"render {SCENE} {size}, {SPP} spp", flush=True)
-        timed([self.becalm, "render", SCENES / f"{SCENE}.json", "-o", pattern, "--frames", frame_range(frames), "--size", size,
-               "--spp", SPP, "--aov-spp", SPP, "--aovs", AOVS, "--resume", "--quiet"])
+        if pattern not in self.rendered:
+            print(f"render {SCENE} {size}, {SPP} spp", flush=True)
+            timed([self.becalm, "render", SCENES / f"{SCENE}.json", "-o", pattern, "--frames", frame_range(frames), "--size", size,
+                   "--spp", SPP, "--aov-spp", SPP, "--aovs", AOVS, "--resume", "--quiet"])
+            self.rendered.add(pattern)
         return pattern
 
     def _repeated(self, count):
@@ -125,7 +128,7 @@ def summary(by_pixels, by_frames, clock):
     """The exponents that the claims are about: cost linear in pixels is 1; time and memory constant in frames are 0."""
     long = [run for run in by_frames if run.size >= TAIL]
     return {"time by pixels": _fit(by_pixels, f"{clock}_s"), "memory by pixels": _fit(by_pixels, "peak_mib"),
-            "time a frame by frames": _fit(by_frames, f"{clock}_s"), f"memory by frames from {TAIL} on": _fit(long, "peak_mib")}
+            f"time a frame by frames from {TAIL} on": _fit(long, f"{clock}_s"), f"memory by frames from {TAIL} on": _fit(long, "peak_mib")}
 
 
 def _table(title, runs, clock):
@@ -149,17 +152,30 @@ def report(preset, by_pixels, by_frames, clock):
             f"{_table('pixels', by_pixels, clock)}\n{_table('frames', by_frames, clock)}")
 
 
+def _decade_or_more(values):
+    """Limits of an axis, so wide that what is constant looks constant."""
+    low, high = min(values) / 1.3, max(values) * 1.3
+    wider = max(1.0, (10.0 * low / high) ** 0.5)
+    return low / wider, high * wider
+
+
 def plot_scaling(path, preset, by_pixels, by_frames, clock):
-    figure_, panels = plot_panels([f"{preset}: against pixels", f"{preset}: against frames"], "", ["seconds a frame", "seconds a frame"], (13.0, 5.6))
+    seconds = f"{clock}_s"
+    figure_, panels = plot_panels([f"{preset}: against pixels", f"{preset}: against frames"], "", ["seconds a frame"] * 2, (13.0, 5.6))
     for axes, runs, x in zip(panels, (by_pixels, by_frames), ("pixels", "frames")):
         done = [run for run in runs if not run.refused]
         if not done:
             continue
-        axes.loglog([run.size for run in done], [getattr(run, f"{clock}_s") for run in done], marker="o", color="C0", label="seconds a frame")
-        other = axes.twinx()
-        other.loglog([run.size for run in done], [run.peak_mib for run in done], marker="s", color="C1", label="peak memory")
-        other.set_ylabel("MiB")
+        sizes, memory = [run.size for run in done], axes.twinx()
+        for where, cost, marker, colour, name in ((axes, seconds, "o", "C0", "seconds a frame"), (memory, "peak_mib", "s", "C1", "peak memory")):
+            values = [getattr(run, cost) for run in done]
+            where.loglog(sizes, values, marker=marker, color=colour, label=name)
+            where.set_ylim(_decade_or_more(values))
+            label_log_axis(where.yaxis)
+        memory.set_ylabel("MiB")
         axes.set_xlabel(x)
-        lines = [*axes.get_lines(), *other.get_lines()]
+        axes.set_xticks(sizes, [run.what for run in done])
+        axes.minorticks_off()
+        lines = [*axes.get_lines(), *memory.get_lines()]
         axes.legend(lines, [line.get_label() for line in lines], fontsize=8, loc="upper left")
     save(path, figure_)

@@ -4,9 +4,10 @@ from benches.front.points import METRICS, mean_worth
 from benches.markdown_report import markdown
 
 EXTRAPOLATED = "*"
-NOTE = (f"`{EXTRAPOLATED}`: beyond the measured sample counts of plain rendering, extrapolated by 1/N. Faster: the seconds that plain "
-        "rendering takes for the same error, over those of rendering and denoising. In equal time: the error over that of plain "
-        "rendering with as many samples as fit into the same seconds.\n")
+NOTE = ("Plain spp: the samples that plain rendering needs for the same error. "
+        f"`{EXTRAPOLATED}`: beyond the measured sample counts of plain rendering (in a mean: of one scene at least), "
+        "extrapolated by 1/N. Faster: the seconds that plain rendering takes for the same error, over those of rendering and denoising. "
+        "Equal time: the error over that of plain rendering with as many samples as fit into the same seconds.\n")
 
 
 def number(value, unit=""):
@@ -40,7 +41,7 @@ def worth_table(trade, worth_of):
                      *(text for worth in found.values() for text in (samples(worth), number(worth and worth.times, "x"))),
                      number(of_error and of_error.at_equal_time)))
     return markdown(("point", seconds_title(trade), *(text for title in METRICS.values() for text in
-                     (f"spp of plain rendering for equal {title}", "faster")), "relMSE over plain's in equal time"), rows)
+                     (f"plain spp, equal {title}", "faster")), "relMSE of plain's, equal time"), rows)
 
 
 def compared(trade):
