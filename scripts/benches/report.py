@@ -56,21 +56,13 @@ def section(folder, title):
     return found[1].strip() if found else sys.exit(f"report: {folder}/report.md: no section '{title}'")
 
 
-def main():
-    parser = argparse.ArgumentParser(prog="scripts/bench report", description=__doc__)
-    parser.add_argument("--becalm", default="build/release/becalm")
-    parser.add_argument("-o", "--output", type=Path, default=Path("out/report"), metavar="DIR", help="pictures and plots (default: out/report)")
-    asked = parser.parse_args()
-    subprocess.run([sys.executable, "-m", "benches.quality.run", "--becalm", asked.becalm, "--shots", "cycles", "--variants",
-                    ",".join(VARIANTS), "--ablation-spp", "8", "--pictured", "final", "--pictured-spp", "8", "-o", str(asked.output)], check=True)
-    subprocess.run([sys.executable, "-m", "benches.front.run", "--becalm", asked.becalm, "--resume"], check=True)
-    trade = Path("out/front/trade.md").read_text()
-    rows = "\n".join(time_table(asked.becalm, "build/report"))
-    Path("RESULTS.md").write_text(f"""# Results
+def quality_part(becalm):
+    folder = Path("out/report")
+    subprocess.run([sys.executable, "-m", "benches.quality.run", "--becalm", becalm, "--shots", "cycles", "--variants", ",".join(VARIANTS),
+                    "--ablation-spp", "8", "--pictured", "final", "--pictured-spp", "8", "-o", str(folder)], check=True)
+    return f"""## Cycles shots, 8 samples a pixel
 
-Written by `scripts/bench report` at {said("git", "describe", "--always", "--dirty")}, {datetime.date.today()}, on {processor()}.
-
-## Cycles shots, 8 samples a pixel
+{measured_at()}
 
 480x270, with albedo, normal and depth, without variance;
 `scripts/benches/quality/cycles/render.py` renders them, two references each. relMSE and temporal
@@ -78,16 +70,27 @@ error are those of `becalm compare`, as a share of noisy's. The network did not 
 was extended after a look at `cloth` and `foliage` (`scripts/train/README.md`). The last three rows
 change one thing of `final`.
 
-{section(asked.output, "8 samples per pixel")}
+{section(folder, "8 samples per pixel")}
 
-## Cycles shots, other sample counts
+### Other sample counts
 
 Geometric means over the shots.
 
-{section(asked.output, "All sample counts")}
+{section(folder, "All sample counts")}
+"""
 
-{trade}
-## Time
+
+def trade_part(becalm):
+    subprocess.run([sys.executable, "-m", "benches.front.run", "--becalm", becalm, "--resume"], check=True)
+    title, text = Path("out/front/trade.md").read_text().split("\n", 1)
+    return f"{title}\n\n{measured_at()}\n{text}"
+
+
+def time_part(becalm):
+    rows = "\n".join(time_table(becalm, "build/report"))
+    return f"""## Time
+
+{measured_at()}
 
 `becalm denoise` of frames {FRAMES} of `{SCENE}`, 1920x1080, with albedo, normal, depth and
 variance; medians of {RUNS} runs that alternate between the presets, files included.
@@ -95,8 +98,35 @@ variance; medians of {RUNS} runs that alternate between the presets, files inclu
 | preset | seconds a frame | processor seconds a frame | peak memory, MiB |
 | --- | --- | --- | --- |
 {rows}
-""")
-    print("RESULTS.md")
+"""
+
+
+PARTS = {"quality": quality_part, "trade": trade_part, "time": time_part}  # by name, in RESULTS.md's order
+TITLES = {"quality": "## Cycles shots, 8 samples a pixel", "trade": "## The trade", "time": "## Time"}
+
+
+def measured_at():
+    return f"Measured at {said('git', 'describe', '--always', '--dirty')}, {datetime.date.today()}, on {processor()}."
+
+
+def parts_of(text):
+    """The parts of RESULTS.md that are there, by name."""
+    sections = re.split(r"^(?=## )", text, flags=re.MULTILINE)
+    return {name: part for part in sections for name, title in TITLES.items() if part.startswith(title)}
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="scripts/bench report", description=__doc__)
+    parser.add_argument("parts", nargs="*", choices=[*PARTS, []], metavar="PART", help=f"{', '.join(PARTS)}: the others are kept (default: all)")
+    parser.add_argument("--becalm", default="build/release/becalm")
+    asked = parser.parse_args()
+    results = Path("RESULTS.md")
+    for name in asked.parts or PARTS:
+        part = PARTS[name](asked.becalm)  # takes minutes: the file is read anew after it
+        parts = parts_of(results.read_text() if results.exists() else "") | {name: part}
+        text = "".join(parts[name].strip() + "\n\n" for name in PARTS if name in parts)
+        results.write_text(f"# Results\n\nWritten by `scripts/bench report`.\n\n{text.strip()}\n")
+        print(f"RESULTS.md: {name}")
 
 
 if __name__ == "__main__":
