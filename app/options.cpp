@@ -5,14 +5,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
 #include <cstdlib>
 #include <limits>
 #include <map>
 #include <sstream>
 #include <string_view>
 
+#include "app/byte_size.h"
 #include "app/console.h"
 #include "app/help.h"
 #include "frame/error.h"
@@ -152,19 +151,6 @@ filter::Settings resolve_settings(const std::string& preset, const FilterOptions
 
 gpu::DeviceOptions device_options(const FilterOptions& options) {
   return {.select = options.device, .validation = options.validate};
-}
-
-std::optional<std::uint64_t> parse_bytes(std::string_view text) {
-  constexpr std::string_view units = "KMGT";
-  double bytes = 0.0;
-  const auto [end, error] =
-      std::from_chars(text.data(), text.data() + text.size(), bytes, std::chars_format::fixed);
-  const std::string_view rest(end, text.data() + text.size());
-  const std::size_t unit = rest.size() == 1 ? units.find(rest[0]) : std::string_view::npos;
-  if (error != std::errc() || unit == std::string_view::npos) return std::nullopt;
-  bytes = std::ldexp(bytes, 10 * (static_cast<int>(unit) + 1));
-  if (!(bytes >= 1.0 && bytes < 1e18)) return std::nullopt;
-  return static_cast<std::uint64_t>(bytes);
 }
 
 std::uint64_t memory_limit(const FilterOptions& options) {

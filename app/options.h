@@ -63,8 +63,6 @@ void add_filter_options(CLI::App& command, FilterOptions& options);
 /// The preset with every --set applied. Throws Error(usage).
 filter::Settings resolve_settings(const std::string& preset, const FilterOptions& options);
 gpu::DeviceOptions device_options(const FilterOptions& options);
-/// The bytes of a size with its unit, such as 512M or 1.5G; nothing for another text.
-std::optional<std::uint64_t> parse_bytes(std::string_view text);
 /// Bytes that --memory allows the filter. Throws Error(usage).
 std::uint64_t memory_limit(const FilterOptions& options);
 /// Every diagnostic AOV, or none.
