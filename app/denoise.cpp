@@ -250,7 +250,7 @@ Command add_denoise(CLI::App& becalm) {
   auto command = std::make_shared<DenoiseCommand>();
   add_denoise_options(parser, *command);
   return {&parser, [command] {
-            apply(command->running);
+            apply(command->running, command->filter);
             catch_signals();
             command->filter.additive = command->layers.additive;
             return DenoiseJob(*command).run();

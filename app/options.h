@@ -35,13 +35,12 @@ CLI::Option* add_output_options(CLI::App& command, OutputOptions& options, const
 
 struct RunningOptions {
   int threads = 0;  ///< 0: all processors
+  bool reproducible = false;
   bool profile = false;
   bool quiet = false;
   bool verbose = false;
   std::string progress = "text";
 };
-/// Sets what holds for the whole process: the format of messages. Called before the command runs.
-void apply(const RunningOptions& options);
 void add_running_options(CLI::App& command, RunningOptions& options);
 
 struct FilterOptions {
@@ -57,14 +56,15 @@ struct FilterOptions {
   bool validate = false;
   bool diagnostics = false;
 };
+/// Sets what holds for the whole process: the format of messages, and with --reproducible the instruction
+/// sets of libraries and, unless --device names one, the software device. Called before the command runs.
+void apply(const RunningOptions& running, FilterOptions& filter);
 /// All but --additive, which takes layers of files in `denoise` alone.
 void add_filter_options(CLI::App& command, FilterOptions& options);
 
 /// The preset with every --set applied. Throws Error(usage).
 filter::Settings resolve_settings(const std::string& preset, const FilterOptions& options);
 gpu::DeviceOptions device_options(const FilterOptions& options);
-/// The bytes of a size with its unit, such as 512M or 1.5G; nothing for another text.
-std::optional<std::uint64_t> parse_bytes(std::string_view text);
 /// Bytes that --memory allows the filter. Throws Error(usage).
 std::uint64_t memory_limit(const FilterOptions& options);
 /// Every diagnostic AOV, or none.

@@ -342,8 +342,8 @@ Command add_render(CLI::App& becalm) {
       "What --set takes is listed by becalm denoise --help-settings.\n");
   return {&parser, [command] {
             check_options_fit(*command);
+            apply(command->running, command->filter);
             if (!command->debug_pixel.empty()) return debug_pixel(*command);
-            apply(command->running);
             catch_signals();
             return RenderJob(*command).run();
           }};

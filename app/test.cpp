@@ -40,6 +40,7 @@ struct TestCommand {
   bool yes = false;
   bool list = false;
   bool fail_fast = false;
+  bool reproducible = false;
   int jobs = 1;
   int threads = 0;  ///< 0: all processors, shared by the jobs
   std::string keep;
@@ -115,11 +116,12 @@ class TestJob {
 
   ExitStatus test() const {
     const WorkFolder folder(command_.keep);
-    const TestResults results = run_cases(cases_, folder, {command_.jobs, threads(), command_.fail_fast},
-                                          [](const CaseResult& result) {
-                                            fmt::print("{}\n", line_of(result));
-                                            std::fflush(stdout);
-                                          });
+    const TestResults results =
+        run_cases(cases_, folder, {command_.jobs, threads(), command_.fail_fast, command_.reproducible},
+                  [](const CaseResult& result) {
+                    fmt::print("{}\n", line_of(result));
+                    std::fflush(stdout);
+                  });
     const std::size_t failed = count_of(results, CaseOutcome::failed);
     const std::size_t errors = count_of(results, CaseOutcome::error);
     fmt::print("{} passed, {} failed, {}, {} skipped in {:.1f} s\n", count_of(results, CaseOutcome::passed),
@@ -169,7 +171,8 @@ class TestJob {
   }
 
   std::uint64_t update_case(const TestCase& test, const WorkFolder& folder) const {
-    const RunSettings settings{.work_folder = folder.folder_of(test), .threads = threads()};
+    const RunSettings settings{
+        .work_folder = folder.folder_of(test), .threads = threads(), .reproducible = command_.reproducible};
     ReferenceUpdate update(test, settings);
     update.make();
     for (const std::string& change : update.changes()) fmt::print("{}\n", change);
@@ -243,6 +246,12 @@ void add_test_options(CLI::App& parser, TestCommand& command) {
                   "Processor threads of each case (default: all, shared by the jobs)")
       ->check(CLI::Range(1, 4096))
       ->option_text("N")
+      ->group("Running");
+  parser
+      .add_flag(
+          "--reproducible", command.reproducible,
+          "Give it to becalm render and denoise, so that exact holds on every x86-64 processor; use it for "
+          "--update as well")
       ->group("Running");
 }
 

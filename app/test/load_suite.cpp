@@ -7,7 +7,7 @@
 #include <set>
 #include <system_error>
 
-#include "app/options.h"
+#include "app/byte_size.h"
 #include "app/test/load_judges.h"
 #include "app/test/suite.h"
 #include "frame/error.h"
@@ -25,6 +25,12 @@ constexpr int kLargestSeed = 0x7fffffff;
 /// Relative paths of a suite are from its file.
 std::string from_suite(const std::string& suite_file, const std::string& path) {
   return (fs::path(suite_file).parent_path() / path).lexically_normal().string();
+}
+
+/// False, instead of an exception, for a path that no file system can have.
+bool is_file(const std::string& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error);
 }
 
 std::vector<int> read_frames(const JsonValue& json, const std::string& text) {
@@ -72,7 +78,7 @@ void read_source(const JsonValue& json, const std::string& suite_file, CaseSourc
   if (scene) {
     source.scene = from_suite(suite_file, scene->string());
     source.command.clear();
-    if (!fs::is_regular_file(source.scene)) scene->fail(fmt::format("no file {}", source.scene));
+    if (!is_file(source.scene)) scene->fail(fmt::format("no file {}", source.scene));
   }
   if (command) {
     source.command = read_command(*command);
@@ -116,11 +122,18 @@ void read_reference(const JsonValue& json, ReferenceSettings& reference) {
   if (const auto preset = json.find("denoise")) reference.preset = read_preset(*preset);
 }
 
+/// Of a case; a folder may have 255.
+constexpr std::size_t kLongestName = 200;
+
 /// The name becomes a folder's.
 void check_name(const JsonValue& json, const std::string& name) {
   const auto is_plain = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.'; };
-  if (name.empty() || name.front() == '.' || !std::ranges::all_of(name, is_plain)) {
-    json.fail("expected a name of letters, digits and . _ - that does not begin with a dot");
+  if (name.empty() || name.size() > kLongestName || name.front() == '.' ||
+      !std::ranges::all_of(name, is_plain)) {
+    json.fail(
+        fmt::format("expected a name of letters, digits and . _ - of at most {} characters that does not "
+                    "begin with a dot",
+                    kLongestName));
   }
 }
 
@@ -135,7 +148,7 @@ void read_members(const JsonValue& json, const std::string& suite_file, TestCase
 }
 
 std::vector<TestCase> load_suite(const std::string& file) {
-  if (!fs::is_regular_file(file)) throw Error(ExitStatus::bad_input, file + ": no such suite file");
+  if (!is_file(file)) throw Error(ExitStatus::bad_input, file + ": no such suite file");
   const nlohmann::json document = tracer::parse_json_file(file);
   const JsonValue root(document, file, "");
   root.allow_keys({"defaults", "cases"});
@@ -159,9 +172,9 @@ std::vector<TestCase> load_suite(const std::string& file) {
 }
 
 std::vector<std::string> suite_files(const std::string& path) {
-  if (!fs::is_directory(path)) return {path};
-  std::vector<std::string> files;
   std::error_code error;
+  if (!fs::is_directory(path, error)) return {path};
+  std::vector<std::string> files;
   for (const auto& entry : fs::directory_iterator(path, error)) {
     if (entry.path().extension() == ".json") files.push_back(entry.path().string());
   }

@@ -51,6 +51,7 @@ Arguments render_command(const TestCase& test, const FrameOrder& order) {
                     "--threads",
                     std::to_string(order.threads),
                     "--quiet"};
+  if (order.reproducible) command.emplace_back("--reproducible");
   if (!source.size.empty()) command.insert(command.end(), {"--size", source.size});
   if (const std::string aovs = asked_aovs(test, order); !aovs.empty()) {
     command.insert(command.end(), {"--aovs", aovs});
@@ -171,6 +172,7 @@ MadeFrames make_frames(const TestCase& test, const FrameOrder& order, const RunS
   fs::create_directories(fs::path(order.pattern).parent_path());
   FrameOrder here = order;
   here.threads = settings.threads;
+  here.reproducible = settings.reproducible;
   // Words of a command may be paths, which are from the suite file as all paths in it.
   const fs::path suite_folder = fs::absolute(test.suite_file).parent_path();
   const fs::path folder = test.source.command.empty() ? fs::current_path() : suite_folder;
@@ -179,17 +181,18 @@ MadeFrames make_frames(const TestCase& test, const FrameOrder& order, const RunS
 
 MadeFrames denoise_frames(const TestCase& test, const std::string& preset, const std::string& from,
                           const std::string& to, const RunSettings& settings) {
-  const Arguments command{becalm_executable(),
-                          "denoise",
-                          from,
-                          "-o",
-                          to,
-                          "--frames=" + io::format_frame_range(test.source.frames),
-                          "--preset",
-                          preset,
-                          "--threads",
-                          std::to_string(settings.threads),
-                          "--quiet"};
+  Arguments command{becalm_executable(),
+                    "denoise",
+                    from,
+                    "-o",
+                    to,
+                    "--frames=" + io::format_frame_range(test.source.frames),
+                    "--preset",
+                    preset,
+                    "--threads",
+                    std::to_string(settings.threads),
+                    "--quiet"};
+  if (settings.reproducible) command.emplace_back("--reproducible");
   return run_all(test, {command}, fs::current_path().string(), to, settings);
 }
 

@@ -17,6 +17,7 @@ struct FrameOrder {
   bool variance = false;  ///< wanted as a layer even if no judge reads it
   std::string pattern;    ///< where the frames go: an absolute path with ####
   int threads = 1;
+  bool reproducible = false;
 };
 
 /// What is judged.
@@ -32,8 +33,9 @@ void require_seed(const TestCase& test);
 
 /// Where and how commands run.
 struct RunSettings {
-  std::string work_folder;  ///< of one case: an absolute path
-  int threads = 1;          ///< for {threads} and becalm's --threads
+  std::string work_folder;    ///< of one case: an absolute path
+  int threads = 1;            ///< for {threads} and becalm's --threads
+  bool reproducible = false;  ///< becalm's --reproducible
 };
 
 struct MadeFrames {

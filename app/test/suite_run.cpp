@@ -55,7 +55,9 @@ class Workers {
   CaseResult run_one(const TestCase& test) {
     if (stop_requested()) return skipped_case(test, "interrupted");
     if (stopped_) return skipped_case(test, "--fail-fast: another case did not pass");
-    const RunSettings settings{.work_folder = folder_.folder_of(test), .threads = options_.threads};
+    const RunSettings settings{.work_folder = folder_.folder_of(test),
+                               .threads = options_.threads,
+                               .reproducible = options_.reproducible};
     CaseResult result = run_case(test, settings).result;
     const bool good = result.outcome == CaseOutcome::passed;
     if (!good && options_.fail_fast) stopped_ = true;

@@ -13,6 +13,7 @@ struct SuiteRunOptions {
   int jobs = 1;     ///< cases side by side
   int threads = 1;  ///< of each
   bool fail_fast = false;
+  bool reproducible = false;  ///< the cases of scenes, by becalm's --reproducible
 };
 
 /// Runs the cases. `ended` is told each as it ends, one at a time. Once becalm is asked to stop, or with

@@ -17,6 +17,8 @@ TEST_F(SuiteTest, MistakesAreToldWithTheirPlace) {
       {R"({"case": {}})", {"/case: unknown key", "defaults, cases"}},
       {R"({"cases": {}})", {"/cases", "at least one case"}},
       {R"({"cases": {"a/b": {}}})", {"/cases/a~1b", "a name of letters"}},
+      {R"({"cases": {"a": {"source": {"scene": "scene.json\u0000"}}}})",
+       {"/cases/a/source/scene", "\\u0000"}},
       {R"({"cases": {"a": {"sauce": 1}}})", {"/cases/a/sauce: unknown key", "source"}},
       {R"({"cases": {"a": {"source": {"scene": "none.json"}}}})", {"/cases/a/source/scene", "none.json"}},
       {R"({"cases": {"a": {"source": {"spp": 1}}}})", {"/cases/a/source", "'scene' or a 'command'"}},
@@ -58,6 +60,15 @@ TEST_F(SuiteTest, MistakesAreToldWithTheirPlace) {
     words.emplace_back("suite.json");
     expect_error(run(), 3, words);
   }
+}
+
+TEST_F(SuiteTest, NamesThatNoFileSystemCanHaveAreRefused) {
+  const std::string name(300, 'x');
+  write_suite(shell_case(name));
+  expect_error(run(), 3, {"suite.json: /cases/" + name, "at most 200"});
+  write_suite(R"("a": {"source": {"scene": ")" + name + R"("}})");
+  expect_error(run(), 3, {"suite.json: /cases/a/source/scene: no file"});
+  expect_error(becalm({"test", name}), 3, {name, "no such suite file"});
 }
 
 TEST_F(SuiteTest, SuitesThatAreNotThereAreTold) {

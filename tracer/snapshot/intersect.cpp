@@ -18,6 +18,9 @@ namespace becalm::tracer {
 
 namespace {
 
+/// Of the devices that are made from now on; null: Embree decides.
+std::atomic<const char*> embree_config{nullptr};
+
 /// Embree's handles are counted; these give them C++ lifetimes.
 struct DeviceRelease {
   void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
@@ -119,8 +122,14 @@ void filter_opacity(const RTCFilterFunctionNArguments* args) {
 
 }  // namespace
 
+void limit_to_sse42() {
+#if defined(__x86_64__)
+  embree_config = "isa=sse4.2";
+#endif
+}
+
 struct Intersector::State {
-  State() : device(rtcNewDevice(nullptr)) {
+  State() : device(rtcNewDevice(embree_config.load())) {
     if (!device) throw Error(ExitStatus::resource, "Embree cannot start on this machine");
     // Embree keeps errors for each thread; check() reports the first of any thread.
     rtcSetDeviceErrorFunction(

@@ -47,6 +47,10 @@ struct GeometrySize {
   std::int64_t embree_bytes = 0;      ///< as Embree counts its memory: hierarchies and the buffers it owns
 };
 
+/// From now on Embree uses no instructions beyond SSE4.2, so that results do not depend on the processor: its
+/// AVX2 code has fused multiply-add. No effect on processors that are not x86.
+void limit_to_sse42();
+
 /// Ray queries against all objects: the only code that sees Embree. Traversal is watertight along the edges
 /// of a mesh.
 ///

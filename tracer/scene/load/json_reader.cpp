@@ -100,7 +100,11 @@ std::vector<JsonValue> JsonValue::elements() const {
 
 std::string JsonValue::string() const {
   if (!value_->is_string()) fail("expected a string, found " + brief(*value_));
-  return value_->get<std::string>();
+  auto text = value_->get<std::string>();
+  // The system would take a path or an argument for what stands before it.
+  if (text.find('\0') != std::string::npos)
+    fail("expected a string without \\u0000, found " + brief(*value_));
+  return text;
 }
 
 bool JsonValue::boolean() const {
