@@ -251,7 +251,7 @@ class PageAtWidth : public Page, public testing::WithParamInterface<std::array<i
 
 /// In a frame of that size, since a window cannot be as narrow as a phone.
 TEST_P(PageAtWidth, IsLaidOutWithoutErrorsOrSidewaysScrolling) {
-  if (std::system("command -v chromium >/dev/null") != 0) GTEST_SKIP() << "chromium is not installed";
+  ASSERT_EQ(std::system("command -v chromium >/dev/null"), 0) << "scripts/test installs chromium";
   const auto [width, height] = GetParam();
   std::string page = test_page(results());
   page.insert(page.find("<style>"), kProbe);
