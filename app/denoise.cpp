@@ -168,7 +168,9 @@ ExitStatus DenoiseJob::run() {
 
 /// What decides the bytes of an output, besides the frames that it is made from.
 std::string DenoiseJob::settings() const {
-  return filter_.describe(inputs_.readable()) + describe(command_.layers) + describe_output(command_);
+  return fmt::format("{} reproducible={}{}{}", filter_.describe(inputs_.readable()),
+                     command_.running.reproducible ? "yes" : "no", describe(command_.layers),
+                     describe_output(command_));
 }
 
 /// --dry-run: what would be read, as what, and written, on standard output.

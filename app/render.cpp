@@ -138,9 +138,10 @@ void RenderJob::choose_noisy_files() {
 io::Attributes RenderJob::render_attributes(const AskedAovs& aovs, bool float_colors) const {
   return {{"becalm:version", BECALM_VERSION},
           {"becalm:settings",
-           fmt::format("scene={} size={}x{} spp={} aov_spp={} seed={} aovs={} color={}", scene_hash_,
-                       size_.width, size_.height, command_.spp, std::max(command_.spp, command_.aov_spp),
-                       command_.seed, format_aovs(aovs), float_colors ? "float" : "half")}};
+           fmt::format("scene={} size={}x{} spp={} aov_spp={} seed={} aovs={} color={} reproducible={}",
+                       scene_hash_, size_.width, size_.height, command_.spp,
+                       std::max(command_.spp, command_.aov_spp), command_.seed, format_aovs(aovs),
+                       float_colors ? "float" : "half", command_.running.reproducible ? "yes" : "no")}};
 }
 
 void RenderJob::find_existing() {

@@ -148,7 +148,8 @@ class TestJob {
   ExitStatus calibrate_cases() const {
     const WorkFolder folder(command_.keep);
     for (const TestCase& test : cases_) {
-      for (const std::string& line : calibrate(test, command_.calibrate, folder, threads())) {
+      for (const std::string& line :
+           calibrate(test, command_.calibrate, folder, threads(), command_.reproducible)) {
         fmt::print("{}\n", line);
       }
       std::fflush(stdout);

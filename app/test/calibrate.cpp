@@ -148,12 +148,14 @@ class Calibration {
 
 }  // namespace
 
-std::vector<std::string> calibrate(const TestCase& test, int seeds, const WorkFolder& folder, int threads) {
+std::vector<std::string> calibrate(const TestCase& test, int seeds, const WorkFolder& folder, int threads,
+                                   bool reproducible) {
   require_seed(test);
   Calibration calibration(test, seeds);
   for (int i = 0; i < seeds; ++i) {
     const RunSettings settings{.work_folder = folder.folder_of(test, fmt::format("seed_{}", i)),
-                               .threads = threads};
+                               .threads = threads,
+                               .reproducible = reproducible};
     const CaseRun run = run_case(test, settings, static_cast<std::uint32_t>(i));
     if (run.interrupted) throw Error(ExitStatus::interrupted, "interrupted");
     if (run.measured.frames.size() != test.source.frames.size()) {

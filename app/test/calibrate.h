@@ -13,6 +13,7 @@ namespace becalm::app {
 /// Logarithms of errors count as normally distributed, and the limit is the bound of Student's prediction
 /// interval. Throws Error(bad_input) where a run could not be judged, and
 /// Error(interrupted).
-std::vector<std::string> calibrate(const TestCase& test, int seeds, const WorkFolder& folder, int threads);
+std::vector<std::string> calibrate(const TestCase& test, int seeds, const WorkFolder& folder, int threads,
+                                   bool reproducible);
 
 }  // namespace becalm::app

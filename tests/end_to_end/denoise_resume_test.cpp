@@ -24,6 +24,8 @@ TEST_F(Denoise, ResumeGivesTheSamePixels) {
   expect_error(becalm({"denoise", folder_ / "in.0001.exr", "-o", folder_ / "draft.exr", "--preset", "draft",
                        "--segment", "8", "--resume"}),
                2, {"draft.exr", "no segment, and this run has segment=8"});
+  expect_error(becalm(command("a.####.exr", {"--resume", "--reproducible", "--device", "llvmpipe"})), 2,
+               {"reproducible"});
   expect_error(becalm(command("a.####.exr", {"--resume", "--set", "patch_radius=5"})), 2,
                {"a.0001.exr", "patch_radius=5"});
   // The same frames are read for them, and the same pixels come out.
