@@ -18,6 +18,7 @@
 #include "app/console.h"
 #include "app/counted.h"
 #include "app/denoise_arguments.h"
+#include "app/duration.h"
 #include "app/filter_stage.h"
 #include "app/fingerprints.h"
 #include "app/frame_sink.h"
@@ -26,6 +27,7 @@
 #include "app/input_pixels.h"
 #include "app/outputs.h"
 #include "app/pipeline.h"
+#include "app/preset_choice.h"
 #include "app/profile.h"
 #include "app/progress.h"
 #include "frame/io/additive_layers.h"
@@ -40,6 +42,9 @@ class DenoiseJob {
  public:
   explicit DenoiseJob(const DenoiseCommand& command);
   ExitStatus run();
+  io::LoadedFrame first_frame() const;
+  /// Of the outputs that are there; empty if there are none.
+  std::string recorded_preset() const { return outputs_.recorded("becalm:preset"); }
 
  private:
   void choose_additive();
@@ -144,6 +149,7 @@ ExitStatus DenoiseJob::run() {
     filter_.build(window_.width(), window_.height(), view.aovs, view.light_groups.size(), view.view,
                   views.size());
   }
+  if (!command_.choice.empty()) progress_->note(command_.choice);
   if (!inputs_.note().empty()) progress_->warn(inputs_.note());
   if (inputs_.other_half()) progress_->note(halves_text());
   for (const std::string& note : additive_notes_) progress_->note(note);
@@ -164,6 +170,10 @@ ExitStatus DenoiseJob::run() {
                 .sink = [&](const FinishedFrame& finished) { write(finished, sink); }});
   filter_.finish(profile_);
   return conclude(*progress_, asked, command_.running.profile ? &profile_ : nullptr);
+}
+
+io::LoadedFrame DenoiseJob::first_frame() const {
+  return read_pixels(inputs_, inputs_.readable().front(), filter_, layers_, window_);
 }
 
 /// What decides the bytes of an output, besides the frames that it is made from.
@@ -245,6 +255,26 @@ void DenoiseJob::write(const FinishedFrame& result, FrameSink& sink) {
   }
 }
 
+/// --time: the preset of the outputs that --resume finds, else the most accurate that takes at most so long
+/// on the first frame.
+void choose_by_time(DenoiseCommand& command) {
+  const double seconds = duration_of("--time", command.time);
+  const DenoiseJob job(command);
+  if (command.output.resume && !job.recorded_preset().empty()) {
+    command.preset = job.recorded_preset();
+    command.choice = fmt::format("{}, as in the frames that are there", command.preset);
+    return;
+  }
+  const io::LoadedFrame first = job.first_frame();
+  const double pixels = static_cast<double>(first.frame.width()) * first.frame.height() *
+                        static_cast<double>(1 + first.other_views.size());
+  const std::vector<PresetTime> presets = measure_presets(command.filter, first.frame, pixels);
+  const PresetTime& chosen = choose_preset(presets, seconds);
+  command.preset = chosen.name;
+  command.choice = fmt::format("{}: about {:.2g} s a frame{}", chosen.name, chosen.seconds,
+                               chosen.seconds > seconds ? ", and no preset takes less" : "");
+}
+
 }  // namespace
 
 Command add_denoise(CLI::App& becalm) {
@@ -255,6 +285,7 @@ Command add_denoise(CLI::App& becalm) {
             apply(command->running, command->filter);
             catch_signals();
             command->filter.additive = command->layers.additive;
+            if (!command->time.empty()) choose_by_time(*command);
             return DenoiseJob(*command).run();
           }};
 }

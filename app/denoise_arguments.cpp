@@ -78,10 +78,18 @@ void add_denoise_options(CLI::App& parser, DenoiseCommand& command) {
       .add_flag("--strict", command.strict,
                 "Audit some frames first, as info --audit does; what is found is an error (status 3)")
       ->group(more("Input"));
+  CLI::Option* const preset =
+      parser
+          .add_option(
+              "--preset", command.preset,
+              "draft, balanced or final: speed against accuracy (default: balanced); paper: as published")
+          ->option_text("NAME")
+          ->group("Filter");
   parser
-      .add_option("--preset", command.preset,
-                  "draft, balanced or final: speed against accuracy (default: balanced); paper: as published")
-      ->option_text("NAME")
+      .add_option("--time", command.time,
+                  "Take the most accurate preset that needs at most so long a frame here: 2s, 500ms")
+      ->excludes(preset)
+      ->option_text("TIME")
       ->group("Filter");
   add_filter_options(parser, command.filter);
   add_running_options(parser, command.running);

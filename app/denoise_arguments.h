@@ -23,6 +23,8 @@ struct DenoiseCommand {
   bool dry_run = false;
   bool strict = false;
   std::string preset = "balanced";
+  std::string time;    ///< that a frame may take; empty: the preset is as named
+  std::string choice;  ///< what was chosen for the time, for the user to read
   std::optional<int> frame;
   LayerArguments layers;
   std::string missing = "error";

@@ -157,6 +157,16 @@ void Outputs::prepare() {
   }
 }
 
+std::string Outputs::recorded(const std::string& attribute) const {
+  for (const int frame : frames_) {
+    std::error_code error;
+    if (fs::exists(path(frame), error) && is_of_becalm(path(frame))) {
+      return io::read_attribute(path(frame), attribute);
+    }
+  }
+  return {};
+}
+
 Outputs::Existing Outputs::find_existing(const io::Attributes& attributes) const {
   Existing existing;
   for (const int frame : frames_) {

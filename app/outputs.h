@@ -33,6 +33,9 @@ class Outputs {
   /// not be written.
   void prepare();
 
+  /// An attribute of the first output that is there; empty if there is none.
+  std::string recorded(const std::string& attribute) const;
+
   struct Existing {
     std::set<int> frames;               ///< there, whole, and written with the same attributes
     std::vector<std::string> unusable;  ///< there, but no longer readable: to be written again

@@ -4,18 +4,21 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 #include <functional>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <set>
+#include <utility>
 
+#include "app/adaptive_sampling.h"
 #include "app/alpha_report.h"
 #include "app/cancel.h"
 #include "app/command.h"
 #include "app/filter_stage.h"
 #include "app/frame_sink.h"
-#include "app/help.h"
 #include "app/input_frames.h"
 #include "app/options.h"
 #include "app/outputs.h"
@@ -26,6 +29,8 @@
 #include "app/render_arguments.h"
 #include "app/rendered_frames.h"
 #include "app/scene_hash.h"
+#include "app/time_budget.h"
+#include "filter/input/host_images.h"
 #include "filter/merge/additive.h"
 #include "frame/io/exr.h"
 #include "frame/io/sequence.h"
@@ -67,7 +72,7 @@ std::vector<int> existing_frames(const std::vector<int>& asked, const tracer::Sc
 /// One run of `becalm render`.
 class RenderJob {
  public:
-  explicit RenderJob(const RenderCommand& command);
+  RenderJob(const RenderCommand& command, tracer::Scene scene);
   ExitStatus run();
 
  private:
@@ -78,6 +83,8 @@ class RenderJob {
   void run_frame_by_frame(const std::vector<int>& work);
   void run_segments(const std::vector<int>& work);
   RenderedFrames rendered_frames();
+  bool is_adaptive() const { return command_.adaptive || command_.noise_target; }
+  void tell_expected_noise();
   void run_steps(const std::vector<filter::Step>& steps,
                  const std::function<std::optional<io::LoadedFrame>(std::size_t)>& source);
   void write(FinishedFrame& finished, FrameSink& sink);
@@ -97,18 +104,20 @@ class RenderJob {
   std::optional<NoisyFiles> noisy_files_;
   io::Attributes attributes_;
   std::set<int> existing_;
+  std::optional<AdaptiveSampling> sampling_;
+  std::vector<double> expected_errors_;  ///< of the written frames: means of expected_error
   std::optional<Progress> progress_;
   Profile profile_;
 };
 
-RenderJob::RenderJob(const RenderCommand& command)
+RenderJob::RenderJob(const RenderCommand& command, tracer::Scene scene)
     : command_(command),
       threads_(command.running.threads),
       asked_(parse_aovs(command.aovs)),
       filter_(command.preset.empty() ? std::nullopt
                                      : std::make_optional<FilterStage>(command.preset, command.filter)),
       rendered_(asked_.aovs | (filter_ ? filter_input(*filter_, command.spp) : AovSet())),
-      scene_(tracer::load_scene(command.scene)),
+      scene_(std::move(scene)),
       scene_hash_(scene_hash(command.scene)),
       size_(size_of(command, scene_.description())) {
   const std::vector<int> frames = frames_of(command, scene_.description());
@@ -136,10 +145,13 @@ void RenderJob::choose_noisy_files() {
 }
 
 io::Attributes RenderJob::render_attributes(const AskedAovs& aovs, bool float_colors) const {
+  const std::string sampling = command_.noise_target ? fmt::format(" noise_target={}", *command_.noise_target)
+                               : command_.adaptive   ? " adaptive=yes"
+                                                     : "";
   return {{"becalm:version", BECALM_VERSION},
           {"becalm:settings",
-           fmt::format("scene={} size={}x{} spp={} aov_spp={} seed={} aovs={} color={} reproducible={}",
-                       scene_hash_, size_.width, size_.height, command_.spp,
+           fmt::format("scene={} size={}x{} spp={}{} aov_spp={} seed={} aovs={} color={} reproducible={}",
+                       scene_hash_, size_.width, size_.height, command_.spp, sampling,
                        std::max(command_.spp, command_.aov_spp), command_.seed, format_aovs(aovs),
                        float_colors ? "float" : "half", command_.running.reproducible ? "yes" : "no")}};
 }
@@ -179,25 +191,45 @@ ExitStatus RenderJob::run() {
     run_frame_by_frame(work);
   }
   if (filter_) filter_->finish(profile_);
+  if (command_.noise_target) tell_expected_noise();
   return conclude(*progress_, asked.size(), command_.running.profile ? &profile_ : nullptr);
 }
 
 void RenderJob::start_progress(std::size_t frames_to_make) {
-  progress_.emplace(
-      ProgressOptions{.total = outputs_->frames().size(),
-                      .existing = existing_.size(),
-                      .work = frames_to_make,
-                      .unit = "samples",
-                      .units_per_frame = static_cast<double>(size_.width) * size_.height * command_.spp,
-                      .quiet = command_.running.quiet,
-                      .verbose = command_.running.verbose});
+  progress_.emplace(ProgressOptions{
+      .total = outputs_->frames().size(),
+      .existing = existing_.size(),
+      .work = frames_to_make,
+      .unit = command_.noise_target ? "frames" : "samples",
+      .units_per_frame =
+          command_.noise_target ? 1.0 : static_cast<double>(size_.width) * size_.height * command_.spp,
+      .quiet = command_.running.quiet,
+      .verbose = command_.running.verbose});
+  if (!command_.choice.empty()) progress_->note(command_.choice);
+}
+
+/// What became of --noise-target.
+void RenderJob::tell_expected_noise() {
+  if (expected_errors_.empty()) return;
+  double sum = 0.0;
+  for (const double error : expected_errors_) sum += error;
+  progress_->note(fmt::format("noise expected in the frames: {:.3g} (--noise-target {})",
+                              std::sqrt(sum / static_cast<double>(expected_errors_.size())),
+                              *command_.noise_target));
 }
 
 RenderedFrames RenderJob::rendered_frames() {
   tracer::RenderOptions options = render_options(command_, size_);
   options.aovs = rendered_;
   options.light_groups = asked_.light_groups;
-  return {scene_, options, noisy_files_ ? &*noisy_files_ : nullptr, *progress_, profile_};
+  if (is_adaptive()) {
+    sampling_.emplace(scene_, options, command_.filter,
+                      AdaptiveSampling::Options{.noise_target = command_.noise_target,
+                                                .spp = command_.spp,
+                                                .halves = contains(rendered_, Aov::half_a)});
+  }
+  return {scene_,     options, sampling_ ? &*sampling_ : nullptr, noisy_files_ ? &*noisy_files_ : nullptr,
+          *progress_, profile_};
 }
 
 void RenderJob::run_frame_by_frame(const std::vector<int>& work) {
@@ -242,6 +274,11 @@ void RenderJob::write(FinishedFrame& finished, FrameSink& sink) {
   Frame& result = finished.frame;
   Frame& noisy = finished.source.frame;
   if (!sink.wants(result.number())) return;
+  if (command_.noise_target) {
+    const Image error = expected_error(result, filter::exposure(noisy.image(Aov::beauty)));
+    const double sum = std::accumulate(error.data().begin(), error.data().end(), 0.0);
+    expected_errors_.push_back(sum / static_cast<double>(error.pixel_count()));
+  }
   // What was asked for and not denoised comes from the tracer as it is, as `becalm denoise` passes it on.
   const bool has_additive = filter_ && filter_->denoises_additive();
   for (const AovInfo& entry : kAovTable) {
@@ -263,9 +300,8 @@ void RenderJob::write(FinishedFrame& finished, FrameSink& sink) {
 }
 
 /// --debug-pixel: the path of one sample on standard output, and nothing written.
-ExitStatus debug_pixel(const RenderCommand& command) {
+ExitStatus debug_pixel(const RenderCommand& command, tracer::Scene& scene) {
   const tracer::PixelSample pixel = parse_pixel_sample(command.debug_pixel);
-  tracer::Scene scene = tracer::load_scene(command.scene);
   const int frame = frames_of(command, scene.description()).front();
   const tracer::RenderOptions options = render_options(command, size_of(command, scene.description()));
   for (const std::string& line : tracer::describe_sample(scene, frame, options, pixel))
@@ -278,75 +314,19 @@ ExitStatus debug_pixel(const RenderCommand& command) {
 Command add_render(CLI::App& becalm) {
   CLI::App& parser = *becalm.add_subcommand("render", "Render a scene to EXR files, denoised or not");
   auto command = std::make_shared<RenderCommand>();
-  parser.add_option("scene", command->scene, "The scene, a JSON file")->required()->option_text("SCENE.json");
-  CLI::Option* output = add_output_options(parser, command->output, "the scene's");
-  output->required(false);  // not with --debug-pixel; check_options_fit asks for it otherwise
-  parser
-      .add_option(
-          "--aovs", command->aovs,
-          "Layers besides the beauty: albedo, normal, depth, motion, variance, half_a, half_b, direct, "
-          "indirect, object_id, material_id, light_groups (light.NAME for each group of the scene) joined by "
-          "commas, all (but light groups) or none (default: none)")
-      ->option_text("LIST")
-      ->group("Output");
-  parser.add_flag("--float,!--half-float", command->float_colors, "Colours as 32-bit float (default: half)")
-      ->group("Output");
-  parser.add_option("--spp", command->spp, "Samples per pixel (default: 8)")
-      ->check(CLI::Range(1, 65536))
-      ->option_text("N")
-      ->group("Rendering");
-  parser
-      .add_option(
-          "--aov-spp", command->aov_spp,
-          "Samples per pixel of albedo, normal, depth, motion and ids where that is more than --spp; they "
-          "cost little, since they trace no light, and edges denoise better (default: 16)")
-      ->check(CLI::Range(1, 65536))
-      ->option_text("N")
-      ->group(more("Rendering"));
-  parser.add_option("--size", command->size, "Image size in pixels (default: the scene's)")
-      ->option_text("WxH")
-      ->group("Rendering");
-  parser.add_option("--seed", command->seed, "Another seed is another, independent noise (default: 0)")
-      ->option_text("N")
-      ->group("Rendering");
-  parser
-      .add_option("--debug-pixel", command->debug_pixel,
-                  "Print the path of one sample of the first frame, and write nothing; in place of -o")
-      ->option_text("X,Y,SAMPLE")
-      ->group(more("Rendering"))
-      ->excludes(output);
-  parser
-      .add_flag("--denoise{balanced}", command->preset,
-                "Denoise while rendering: draft, balanced (default) or final, speed against accuracy")
-      ->option_text("[=PRESET]")
-      ->group("Filter");
-  parser
-      .add_option("--keep-noisy", command->keep_noisy,
-                  "With --denoise, also write the noisy frames, those that are read as context included, as "
-                  "float with all that "
-                  "the filter reads; --resume reads them instead of rendering again")
-      ->option_text("PATTERN")
-      ->group(more("Filter"));
-  parser
-      .add_option("--additive", command->filter.additive,
-                  "auto denoises direct, indirect and light groups with the beauty's weights, so that they "
-                  "still add up; none passes them on noisy (default: auto)")
-      ->check(CLI::IsMember({"auto", "none"}))
-      ->option_text("auto|none")
-      ->group(more("Filter"));
-  add_filter_options(parser, command->filter);
-  add_running_options(parser, command->running);
-  parser.footer(
-      "Examples:\n"
-      "  becalm render room.json -o 'out/room.####.exr' --frames 1-24 --spp 8 --aovs all\n"
-      "  becalm render room.json -o 'out/room.####.exr' --spp 4 --denoise=final --resume\n"
-      "What --set takes is listed by becalm denoise --help-settings.\n");
+  add_render_options(parser, *command);
   return {&parser, [command] {
             check_options_fit(*command);
             apply(command->running, command->filter);
-            if (!command->debug_pixel.empty()) return debug_pixel(*command);
             catch_signals();
-            return RenderJob(*command).run();
+            tracer::Scene scene = tracer::load_scene(command->scene);
+            if (!command->time_budget.empty()) {
+              const ThreadLimit threads(command->running.threads);
+              choose_by_time(*command, scene);
+            }
+            set_defaults(*command);
+            if (!command->debug_pixel.empty()) return debug_pixel(*command, scene);
+            return RenderJob(*command, std::move(scene)).run();
           }};
 }
 

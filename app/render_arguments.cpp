@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <array>
 #include <charconv>
 #include <numeric>
@@ -9,6 +10,7 @@
 #include <span>
 #include <string_view>
 
+#include "app/help.h"
 #include "frame/error.h"
 #include "frame/io/sequence.h"
 
@@ -38,6 +40,91 @@ bool made_by_tracer(const AovInfo& entry) {
 }
 
 }  // namespace
+
+void add_render_options(CLI::App& parser, RenderCommand& command) {
+  parser.add_option("scene", command.scene, "The scene, a JSON file")->required()->option_text("SCENE.json");
+  CLI::Option* output = add_output_options(parser, command.output, "the scene's");
+  output->required(false);  // not with --debug-pixel; check_options_fit asks for it otherwise
+  parser
+      .add_option(
+          "--aovs", command.aovs,
+          "Layers besides the beauty: albedo, normal, depth, motion, variance, half_a, half_b, direct, "
+          "indirect, object_id, material_id, light_groups (light.NAME for each group of the scene) joined by "
+          "commas, all (but light groups) or none (default: none)")
+      ->option_text("LIST")
+      ->group("Output");
+  parser.add_flag("--float,!--half-float", command.float_colors, "Colours as 32-bit float (default: half)")
+      ->group("Output");
+  parser
+      .add_option("--spp", command.asked_spp,
+                  "Samples per pixel (default: 8); with --noise-target the most (default: 256)")
+      ->check(CLI::Range(1, 65536))
+      ->option_text("N")
+      ->group("Rendering");
+  parser
+      .add_option(
+          "--aov-spp", command.aov_spp,
+          "Samples per pixel of albedo, normal, depth, motion and ids where that is more than --spp; they "
+          "cost little, since they trace no light, and edges denoise better (default: 16)")
+      ->check(CLI::Range(1, 65536))
+      ->option_text("N")
+      ->group(more("Rendering"));
+  parser
+      .add_flag("--adaptive", command.adaptive,
+                "With --denoise: --spp samples on average, more where the filter expects errors")
+      ->group("Rendering");
+  parser
+      .add_option("--noise-target", command.noise_target,
+                  "With --denoise: as many samples as bring the deviation that the filter expects of its "
+                  "result down to this share of the brightness, such as 0.03")
+      ->check(CLI::Range(1e-4, 10.0))
+      ->option_text("X")
+      ->group("Rendering");
+  parser
+      .add_option("--time-budget", command.time_budget,
+                  "With --denoise: the samples, and unless it names one the preset, that leave the least "
+                  "error in so much time a frame: 20s, 1.5m")
+      ->option_text("TIME")
+      ->group("Rendering");
+  parser.add_option("--size", command.size, "Image size in pixels (default: the scene's)")
+      ->option_text("WxH")
+      ->group("Rendering");
+  parser.add_option("--seed", command.seed, "Another seed is another, independent noise (default: 0)")
+      ->option_text("N")
+      ->group("Rendering");
+  parser
+      .add_option("--debug-pixel", command.debug_pixel,
+                  "Print the path of one sample of the first frame, and write nothing; in place of -o")
+      ->option_text("X,Y,SAMPLE")
+      ->group(more("Rendering"))
+      ->excludes(output);
+  parser
+      .add_flag("--denoise{auto}", command.preset,
+                "Denoise while rendering: draft, balanced (default) or final, speed against accuracy")
+      ->option_text("[=PRESET]")
+      ->group("Filter");
+  parser
+      .add_option("--keep-noisy", command.keep_noisy,
+                  "With --denoise, also write the noisy frames, those that are read as context included, as "
+                  "float with all that "
+                  "the filter reads; --resume reads them instead of rendering again")
+      ->option_text("PATTERN")
+      ->group(more("Filter"));
+  parser
+      .add_option("--additive", command.filter.additive,
+                  "auto denoises direct, indirect and light groups with the beauty's weights, so that they "
+                  "still add up; none passes them on noisy (default: auto)")
+      ->check(CLI::IsMember({"auto", "none"}))
+      ->option_text("auto|none")
+      ->group(more("Filter"));
+  add_filter_options(parser, command.filter);
+  add_running_options(parser, command.running);
+  parser.footer(
+      "Examples:\n"
+      "  becalm render room.json -o 'out/room.####.exr' --frames 1-24 --spp 8 --aovs all\n"
+      "  becalm render room.json -o 'out/room.####.exr' --spp 4 --denoise=final --resume\n"
+      "What --set takes is listed by becalm denoise --help-settings.\n");
+}
 
 Size size_of(const RenderCommand& command, const tracer::SceneDescription& scene) {
   if (command.size.empty()) return {scene.film.width, scene.film.height};
@@ -103,7 +190,22 @@ void check_options_fit(const RenderCommand& command) {
   if (command.output.pattern.empty() && command.debug_pixel.empty()) {
     throw Error(ExitStatus::usage, "render: -o is required; see becalm render --help");
   }
-  if (!command.preset.empty()) return;
+  if (!command.preset.empty()) {
+    if (!command.time_budget.empty() && (command.noise_target || command.asked_spp)) {
+      throw Error(ExitStatus::usage, fmt::format("--time-budget decides the samples: leave out {}",
+                                                 command.noise_target ? "--noise-target" : "--spp"));
+    }
+    return;
+  }
+  const char* sampling = command.adaptive               ? "--adaptive"
+                         : command.noise_target         ? "--noise-target"
+                         : !command.time_budget.empty() ? "--time-budget"
+                                                        : nullptr;
+  if (sampling != nullptr) {
+    throw Error(
+        ExitStatus::usage,
+        fmt::format("{} asks the filter where samples are needed, and there is no --denoise", sampling));
+  }
   const char* unused = !command.keep_noisy.empty()           ? "--keep-noisy"
                        : !command.filter.assignments.empty() ? "--set"
                        : command.filter.diagnostics          ? "--diagnostics"
@@ -119,6 +221,12 @@ void check_options_fit(const RenderCommand& command) {
                                                              : nullptr;
   if (unused == nullptr) return;
   throw Error(ExitStatus::usage, fmt::format("{} says how to denoise, and there is no --denoise", unused));
+}
+
+void set_defaults(RenderCommand& command) {
+  constexpr int kMostWithTarget = 256;
+  command.spp = command.asked_spp.value_or(command.noise_target ? kMostWithTarget : command.spp);
+  if (command.preset == kAutoPreset) command.preset = "balanced";
 }
 
 std::string format_aovs(const AskedAovs& asked) {

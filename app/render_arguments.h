@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,16 +18,27 @@ struct RenderCommand {
   OutputOptions output;
   FilterOptions filter;
   RunningOptions running;
-  int spp = 8;
+  std::optional<int> asked_spp;
+  int spp = 8;  ///< with a noise target the most; see resolve_sampling
+  bool adaptive = false;
+  std::optional<double> noise_target;
+  std::string time_budget;  ///< of a frame; empty: none
+  std::string choice;       ///< what was chosen for the time, for the user to read
   int aov_spp = 16;
   std::string size;
   std::uint32_t seed = 0;
   std::string aovs = "none";
   bool float_colors = false;
-  std::string preset;  ///< of --denoise; empty: no filter
+  std::string preset;  ///< of --denoise, or kAutoPreset; empty: no filter
   std::string keep_noisy;
   std::string debug_pixel;
 };
+
+void add_render_options(CLI::App& parser, RenderCommand& command);
+
+/// What --denoise without a value stands for: with --time-budget the preset that gives the least error in the
+/// time, else `balanced`.
+inline constexpr const char* kAutoPreset = "auto";
 
 struct Size {
   int width = 0;
@@ -43,8 +55,10 @@ struct AskedAovs {
 };
 AskedAovs parse_aovs(const std::string& text);
 tracer::PixelSample parse_pixel_sample(const std::string& text);
-/// Refuses options of the filter without --denoise, and a missing -o.
+/// Refuses options of the filter without --denoise, options that exclude each other, and a missing -o.
 void check_options_fit(const RenderCommand& command);
+/// What the samples and the preset are where the user does not say.
+void set_defaults(RenderCommand& command);
 
 /// The inverse of parse_aovs.
 std::string format_aovs(const AskedAovs& asked);

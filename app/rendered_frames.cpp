@@ -9,8 +9,14 @@
 namespace becalm::app {
 
 RenderedFrames::RenderedFrames(tracer::Scene& scene, const tracer::RenderOptions& options,
-                               const NoisyFiles* files, Progress& progress, Profile& profile)
-    : scene_(scene), options_(options), files_(files), progress_(progress), profile_(profile) {}
+                               AdaptiveSampling* sampling, const NoisyFiles* files, Progress& progress,
+                               Profile& profile)
+    : scene_(scene),
+      options_(options),
+      sampling_(sampling),
+      files_(files),
+      progress_(progress),
+      profile_(profile) {}
 
 std::optional<io::LoadedFrame> RenderedFrames::make(int frame) {
   progress_.update(frame, made_);
@@ -44,12 +50,21 @@ std::optional<Frame> RenderedFrames::render(int frame) {
   tracer::RenderOptions options = options_;
   options.progress = [this, frame](double share) { progress_.update(frame, made_ + share); };
   options.cancel = &stop_requested();
+  std::optional<Image> counts;
+  if (sampling_ != nullptr) {
+    const ProfileScope scope(profile_, "pilot");
+    counts = sampling_->counts(frame);
+    if (!counts) return std::nullopt;
+    options.sample_counts = &*counts;
+  }
   tracer::RenderReport report;
   std::optional<Frame> noisy;
   {
     const ProfileScope scope(profile_, "render");
     noisy = tracer::render_frame(scene_, frame, options, &report);
   }
+  progress_.detail(fmt::format("frame {}: {:.3g} samples per pixel", frame,
+                               static_cast<double>(report.samples) / (options.width * options.height)));
   if (report.non_finite_samples > 0) {
     const tracer::PixelSample first = report.first_non_finite.value_or(tracer::PixelSample{});
     progress_.warn(

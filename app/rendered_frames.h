@@ -4,6 +4,7 @@
 #include <set>
 #include <string>
 
+#include "app/adaptive_sampling.h"
 #include "app/outputs.h"
 #include "app/profile.h"
 #include "app/progress.h"
@@ -23,9 +24,10 @@ struct NoisyFiles {
 /// The tracer as a source of frames. Frames are made by one thread at a time; any may read files.
 class RenderedFrames {
  public:
-  /// With `files`, every frame that is rendered is also written there.
-  RenderedFrames(tracer::Scene& scene, const tracer::RenderOptions& options, const NoisyFiles* files,
-                 Progress& progress, Profile& profile);
+  /// With `sampling`, it decides the samples of each pixel. With `files`, every frame that is rendered is
+  /// also written there.
+  RenderedFrames(tracer::Scene& scene, const tracer::RenderOptions& options, AdaptiveSampling* sampling,
+                 const NoisyFiles* files, Progress& progress, Profile& profile);
 
   /// Renders the frame or reads the file that is there; nothing if a stop was requested meanwhile.
   std::optional<io::LoadedFrame> make(int frame);
@@ -38,6 +40,7 @@ class RenderedFrames {
 
   tracer::Scene& scene_;
   const tracer::RenderOptions options_;
+  AdaptiveSampling* const sampling_;
   const NoisyFiles* const files_;
   Progress& progress_;
   Profile& profile_;

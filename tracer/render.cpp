@@ -43,7 +43,8 @@ struct FrameSetup {
         width(options.width > 0 ? options.width : description.film.width),
         height(options.height > 0 ? options.height : description.film.height),
         spp(static_cast<std::uint32_t>(options.spp)),
-        aov_spp(static_cast<std::uint32_t>(std::max(options.spp, options.aov_spp))),
+        sample_counts(options.sample_counts),
+        aov_spp(static_cast<std::uint32_t>(options.aov_spp)),
         seed(options.seed),
         cameras(description.camera, frame_number, width, height),
         eye_interiors(scene.needs().media ? interiors_at(snapshot, cameras.current().eye()) : Interiors()),
@@ -60,6 +61,10 @@ struct FrameSetup {
             Textures::Reader(description.textures),
             footprint_scale(static_cast<int>(spp)),
             mixes};
+  }
+
+  std::uint32_t samples_of(int x, int y) const {
+    return sample_counts == nullptr ? spp : static_cast<std::uint32_t>(sample_counts->at(x, y, 0));
   }
 
   PathSample sample_pixel(const PathContext& context, int x, int y, std::uint32_t index) const {
@@ -82,6 +87,7 @@ struct FrameSetup {
   int frame;
   int width, height;
   std::uint32_t spp;
+  const Image* sample_counts;
   std::uint32_t aov_spp;
   std::uint32_t seed;
   CameraAnimation cameras;
@@ -115,9 +121,24 @@ void check(const RenderOptions& options) {
     throw Error(ExitStatus::usage,
                 fmt::format("aov_spp: {}: expected 0 to {}", options.aov_spp, kMostSamples));
   }
+  float least = static_cast<float>(options.spp);
+  if (options.sample_counts != nullptr) {
+    const auto [low, high] = std::ranges::minmax(options.sample_counts->data());
+    if (!(low >= 1.0f && high <= kMostSamples)) {
+      throw Error(ExitStatus::usage,
+                  fmt::format("sample_counts: {} to {}: expected 1 to {}", low, high, kMostSamples));
+    }
+    least = low;
+  }
   const bool halves = contains(options.aovs, Aov::half_a) || contains(options.aovs, Aov::half_b);
-  if (halves && options.spp < 2)
+  if (halves && least < 2)
     throw Error(ExitStatus::usage, "half_a, half_b: expected at least 2 samples per pixel");
+}
+
+void check_size(const Image& sample_counts, int width, int height) {
+  if (sample_counts.width() == width && sample_counts.height() == height) return;
+  throw Error(ExitStatus::usage, fmt::format("sample_counts: {}x{} pixels: the frame has {}x{}",
+                                             sample_counts.width(), sample_counts.height(), width, height));
 }
 
 Frame make_frame(const FrameSetup& setup, const RenderOptions& options) {
@@ -140,15 +161,14 @@ std::optional<Frame> render_frame(Scene& scene, int frame_number, const RenderOp
   const auto start = std::chrono::steady_clock::now();
   check(options);
   const FrameSetup setup(scene, frame_number, options);
+  if (options.sample_counts != nullptr) check_size(*options.sample_counts, setup.width, setup.height);
   Frame frame = make_frame(setup, options);
 
   const auto cancelled = [&] {
     return options.cancel != nullptr && options.cancel->load(std::memory_order_relaxed);
   };
-  // Aligned blocks of the sampler's sequence are stratified, so the halves are the first and the second, not
-  // odd and even.
-  const std::uint32_t spp = static_cast<std::uint32_t>(options.spp), half = (spp + 1) / 2;
   std::atomic<std::size_t> pixels_done{0};
+  std::atomic<std::uint64_t> samples{0};
   std::mutex report_mutex;
   RenderReport total;
 
@@ -161,14 +181,19 @@ std::optional<Frame> render_frame(Scene& scene, int frame_number, const RenderOp
     if (splits) context.split = &split;
     PathContext guides_context = setup.context();
     guides_context.guides_only = true;
-    const std::uint32_t guide_samples = setup.guides ? setup.aov_spp : 0;
     PixelStatistics pixel;
     SplitStatistics pixel_split(split.groups.size());
     std::size_t non_finite = 0;
+    std::uint64_t samples_of_tile = 0;
     std::optional<PixelSample> first_non_finite;
     for (int y = tile.y0; y < tile.y1; ++y) {
       for (int x = tile.x0; x < tile.x1; ++x) {
         if (cancelled()) return;
+        // Aligned blocks of the sampler's sequence are stratified, so the halves are the first and the
+        // second, not odd and even.
+        const std::uint32_t spp = setup.samples_of(x, y), half = (spp + 1) / 2;
+        const std::uint32_t guide_samples = setup.guides ? setup.aov_spp : 0;
+        samples_of_tile += spp;
         pixel.clear();
         if (splits) pixel_split.clear();
         const auto is_dropped = [&](const PathSample& sample, std::uint32_t i) {
@@ -200,6 +225,7 @@ std::optional<Frame> render_frame(Scene& scene, int frame_number, const RenderOp
         total.first_non_finite = first_non_finite;
       }
     }
+    samples += samples_of_tile;
     const std::size_t done = pixels_done += tile.pixels();
     if (options.progress)
       options.progress(static_cast<double>(done) / (std::size_t(setup.width) * setup.height));
@@ -209,7 +235,7 @@ std::optional<Frame> render_frame(Scene& scene, int frame_number, const RenderOp
   setup.description.textures.check();
 
   if (report != nullptr) {
-    total.samples = std::uint64_t{spp} * setup.width * setup.height;
+    total.samples = samples;
     total.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     *report = total;
   }
@@ -239,11 +265,12 @@ std::vector<std::string> describe_sample(Scene& scene, int frame_number, const R
                                          const PixelSample& which) {
   check(options);
   const FrameSetup setup(scene, frame_number, options);
+  const std::uint32_t samples = std::max(setup.spp, setup.aov_spp);
   if (which.x < 0 || which.x >= setup.width || which.y < 0 || which.y >= setup.height ||
-      which.sample >= setup.aov_spp) {
+      which.sample >= samples) {
     throw Error(ExitStatus::usage,
                 fmt::format("debug-pixel: {},{},{}: the frame has {}x{} pixels of {} samples", which.x,
-                            which.y, which.sample, setup.width, setup.height, setup.aov_spp));
+                            which.y, which.sample, setup.width, setup.height, samples));
   }
   std::vector<PathVertex> path;
   PathContext context = setup.context();

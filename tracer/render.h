@@ -18,8 +18,11 @@ struct RenderOptions {
   int width = 0;  ///< 0: the scene's
   int height = 0;
   int spp = 8;  ///< samples per pixel, 1..65536
+  /// Samples of each pixel, 1..65536, in place of spp: one channel, of the frame's size. The frame is
+  /// unbiased as long as the counts do not come from its own samples (Kirk and Arvo 1991).
+  const Image* sample_counts = nullptr;
   /// Samples per pixel of the AOVs of what is seen (albedo, normal, depth, motion, object_id, material_id) if
-  /// more than spp, up to 65536. Those beyond spp end at the surface and find no light.
+  /// more than the pixel's samples, up to 65536. Those beyond them end at the surface and find no light.
   int aov_spp = 0;
   std::uint32_t seed = 0;
   AovSet aovs;  ///< besides the beauty
@@ -51,15 +54,15 @@ struct RenderReport {
 };
 
 /// Renders one frame of the scene; nothing if cancelled. The image is a pure function of (scene, frame, size,
-/// spp, seed): it does not depend on threads, tiles or what was rendered before. Threads follow the caller's
-/// tbb::global_control.
+/// spp or sample_counts, seed): it does not depend on threads, tiles or what was rendered before. Threads
+/// follow the caller's tbb::global_control.
 ///
 /// The variance is that of the pixel's mean, from the samples themselves; of a single sample, its square.
 /// Radiance, albedo, normal and motion are means over the samples, depth over those that hit something.
 /// AOVs of what is seen have the beauty's samples and, up to aov_spp, more of the same sequence.
-/// Samples that are not finite are left out of all of them. Throws Error(usage) for spp out of range, or
-/// halves of a single sample; Error(bad_input) as Scene::at_frame does and for textures whose pixels cannot
-/// be read.
+/// Samples that are not finite are left out of all of them. Throws Error(usage) for numbers of samples out of
+/// range, or halves of a single sample; Error(bad_input) as Scene::at_frame does and for textures whose
+/// pixels cannot be read.
 std::optional<Frame> render_frame(Scene& scene, int frame, const RenderOptions& options,
                                   RenderReport* report = nullptr);
 

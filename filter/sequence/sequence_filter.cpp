@@ -75,6 +75,10 @@ Frame output_frame(const NewFrame& frame, const FilterTask& task, MergedFrame ma
   add_decision(Aov::bias, 1);
   for (float& bias : result.image(Aov::bias).data()) bias = std::sqrt(bias);
   add_decision(Aov::gain, 2);
+  if (contains(diagnostics, Aov::remaining_variance)) {
+    const std::span<float> layer = result.add(Aov::remaining_variance).data();
+    for (std::size_t i = 0; i < layer.size(); ++i) layer[i] = stats[2 * i];
+  }
   if (contains(diagnostics, Aov::residual)) result.image(Aov::residual) = std::move(made.residual);
   if (contains(diagnostics, Aov::flow)) result.image(Aov::flow) = std::move(made.flow);
   if (contains(diagnostics, Aov::accumulated)) {

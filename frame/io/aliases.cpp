@@ -67,6 +67,7 @@ constexpr Alias kAliases[] = {
     {.aov = Aov::bias, .layer = "bias"},
     {.aov = Aov::gain, .layer = "gain"},
     {.aov = Aov::residual, .layer = "residual"},
+    {.aov = Aov::remaining_variance, .layer = "remaining_variance"},
     {.aov = Aov::accumulated, .layer = "accumulated"},
     {.aov = Aov::accumulated_variance, .layer = "accumulated_variance"},
     {.aov = Aov::accumulated_albedo, .layer = "accumulated_albedo"},

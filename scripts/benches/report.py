@@ -1,4 +1,4 @@
-"""Writes RESULTS.md: the quality of each preset on the Cycles shots, the trade of speed for accuracy, and time and memory at 1920x1080.
+"""Writes RESULTS.md: the quality of each preset on the Cycles shots, the trade of speed for accuracy, what adaptive sampling gains, and time and memory at 1920x1080.
 Called by `scripts/bench report`."""
 
 import argparse
@@ -86,6 +86,12 @@ def trade_part(becalm):
     return f"{title}\n\n{measured_at()}\n{text}"
 
 
+def adaptive_part(becalm):
+    subprocess.run([sys.executable, "-m", "benches.front.run", "--becalm", becalm, "--adaptive"], check=True)
+    title, text = Path("out/front/adaptive.md").read_text().split("\n", 1)
+    return f"{title}\n\n{measured_at()}\n{text}"
+
+
 def time_part(becalm):
     rows = "\n".join(time_table(becalm, "build/report"))
     return f"""## Time
@@ -101,8 +107,8 @@ variance; medians of {RUNS} runs that alternate between the presets, files inclu
 """
 
 
-PARTS = {"quality": quality_part, "trade": trade_part, "time": time_part}  # by name, in RESULTS.md's order
-TITLES = {"quality": "## Cycles shots, 8 samples a pixel", "trade": "## The trade", "time": "## Time"}
+PARTS = {"quality": quality_part, "trade": trade_part, "adaptive": adaptive_part, "time": time_part}  # by name, in RESULTS.md's order
+TITLES = {"quality": "## Cycles shots, 8 samples a pixel", "trade": "## The trade", "adaptive": "## Adaptive sampling", "time": "## Time"}
 
 
 def measured_at():

@@ -14,7 +14,7 @@ from pictures.page import write_page
 CONTENT = Path(__file__).with_name("page.html")
 TITLE = "The trade of speed for accuracy"
 OF_THE_TRADE = ("trade", "scenes", "shots", "missing")
-SECTIONS = (*OF_THE_TRADE, "scaling")
+SECTIONS = (*OF_THE_TRADE, "adaptive", "scaling")
 FOLDED = ("scenes", "shots")
 MARKDOWN_COLUMNS = 100
 

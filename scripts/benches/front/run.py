@@ -7,7 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from benches.front import page, scaling
+from benches.front import adaptive, page, scaling
 from benches.front.cells import FrontCells, MissingLayer
 from benches.front.methods import PAPER, PLAIN, PRESETS, RECIPES, kind, settings_of
 from benches.front.points import METRICS, Point, Trade, mean_trade
@@ -49,6 +49,7 @@ def arguments():
     parser.add_argument("--clock", choices=CLOCKS, default="wall", help="time that passes, or that of all processors (default: wall)")
     parser.add_argument("--resume", action="store_true", help="reuse figures of an earlier run that had the same program and frames")
     parser.add_argument("--becalm", type=Path, default=Path("build/release/becalm"), metavar="PATH")
+    parser.add_argument("--adaptive", action="store_true", help="in place of all that, what adaptive sampling gains on the scenes")
     long = parser.add_argument_group("time and memory against pixels and frames, in place of all of the above")
     long.add_argument("--scaling", action="store_true", help="measure this; a size that would need more memory than is free is left out")
     long.add_argument("--preset", default="draft", metavar="NAME", help="default: draft")
@@ -148,6 +149,11 @@ def measure(asked):
     page.write(asked.output, measured, missing, asked.clock)
 
 
+def measure_adaptive(asked):
+    data = Data(asked.data or Path("build/quality"), asked.frames, asked.measured, asked.spp, None if asked.data else Renderer(asked.becalm, asked.size))
+    adaptive.write(adaptive.Runs(asked.becalm, data, asked.size, asked.output, asked.reference_spp), asked.scenes, asked.output)
+
+
 def measure_scaling(asked):
     runs = scaling.Scaling(asked.becalm, "build/front", asked.output, asked.preset, asked.resume)
     by_pixels = runs.sizes(sorted(asked.sizes, key=scaling.pixels_of))
@@ -157,7 +163,7 @@ def measure_scaling(asked):
 def main():
     asked = arguments()
     asked.output.mkdir(parents=True, exist_ok=True)
-    (measure_scaling if asked.scaling else measure)(asked)
+    (measure_scaling if asked.scaling else measure_adaptive if asked.adaptive else measure)(asked)
     print(asked.output / "index.html")
 
 

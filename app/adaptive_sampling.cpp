@@ -1,0 +1,95 @@
+#include "app/adaptive_sampling.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "app/cancel.h"
+#include "filter/input/host_images.h"
+
+namespace becalm::app {
+
+namespace {
+
+constexpr int kPilotSpp = 2;
+constexpr int kPilotScale = 2;  ///< of the frame's width and height over the pilot's
+/// Added to the seed, which users count up from 0.
+constexpr std::uint32_t kPilotSeed = 0x70110700u;
+/// Samples of a pixel over their mean.
+constexpr double kFewest = 0.25;
+constexpr double kMost = 8.0;
+
+filter::Settings pilot_settings() {
+  return filter::preset("draft");
+}
+
+tracer::RenderOptions pilot_of(tracer::RenderOptions render) {
+  render.width = std::max(1, (render.width + kPilotScale - 1) / kPilotScale);
+  render.height = std::max(1, (render.height + kPilotScale - 1) / kPilotScale);
+  render.spp = kPilotSpp;
+  render.aov_spp = std::min(render.aov_spp, kPilotScale * kPilotScale * kPilotSpp);
+  render.seed += kPilotSeed;
+  render.aovs = filter::wanted_aovs(pilot_settings());
+  render.light_groups = false;
+  render.cancel = &stop_requested();
+  return render;
+}
+
+}  // namespace
+
+Image expected_error(const Frame& filtered, float exposure) {
+  constexpr double kAdded = 0.01;
+  Image error(filtered.width(), filtered.height(), 1);
+  const std::span<const float> beauty = filtered.image(Aov::beauty).data();
+  const std::span<const float> variance = filtered.image(Aov::variance).data();
+  const double square = double(exposure) * exposure;
+  for (std::size_t i = 0; i < error.pixel_count(); ++i) {
+    const double brightness = (double(beauty[4 * i]) + beauty[4 * i + 1] + beauty[4 * i + 2]) / 3.0;
+    error.data()[i] =
+        static_cast<float>(square * variance[3 * i] / (square * brightness * brightness + kAdded));
+  }
+  return error;
+}
+
+AdaptiveSampling::AdaptiveSampling(tracer::Scene& scene, tracer::RenderOptions render,
+                                   const FilterOptions& filter, const Options& options)
+    : scene_(scene),
+      width_(render.width),
+      height_(render.height),
+      pilot_options_(pilot_of(std::move(render))),
+      options_(options),
+      memory_limit_(memory_limit(filter)),
+      device_options_(device_options(filter)) {}
+
+std::optional<Image> AdaptiveSampling::counts(int frame) {
+  const std::optional<Frame> noisy = render_pilot(frame);
+  if (!noisy) return std::nullopt;
+  if (!filter_) {
+    device_.emplace(device_options_);
+    filter_.emplace(*device_, pilot_settings(), noisy->width(), noisy->height(), pilot_options_.aovs,
+                    filter::SequenceOptions{.memory_limit = memory_limit_});
+  }
+  filter::FrameReport report;
+  const std::optional<Frame> filtered = filter_->run({.frame = frame, .new_history = true}, *noisy, report);
+  const tracer::Pilot pilot{expected_error(*filtered, filter::exposure(noisy->image(Aov::beauty))),
+                            pilot_spp()};
+  const int least = options_.halves ? 2 : 1;
+  if (options_.noise_target) {
+    return tracer::counts_of_target(pilot, width_, height_, *options_.noise_target,
+                                    {.least = least, .most = std::max(least, options_.spp)});
+  }
+  const auto limit = [&](double factor) {
+    return std::clamp(static_cast<int>(factor * options_.spp), least, 65536);
+  };
+  return tracer::counts_of_mean(pilot, width_, height_, std::max(options_.spp, least),
+                                {.least = limit(kFewest), .most = limit(kMost)});
+}
+
+std::optional<Frame> AdaptiveSampling::render_pilot(int frame, tracer::RenderReport* report) {
+  return tracer::render_frame(scene_, frame, pilot_options_, report);
+}
+
+double AdaptiveSampling::pilot_spp() {
+  return double(kPilotSpp) / (kPilotScale * kPilotScale);
+}
+
+}  // namespace becalm::app

@@ -1,0 +1,70 @@
+#include "app/time_budget.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "app/adaptive_sampling.h"
+#include "app/duration.h"
+#include "app/outputs.h"
+#include "app/preset_choice.h"
+#include "frame/error.h"
+
+namespace becalm::app {
+
+namespace {
+
+/// The value of a key of `becalm:settings`; empty if it has none.
+std::string setting(const std::string& settings, const std::string& key) {
+  std::istringstream words(settings);
+  for (std::string word; words >> word;) {
+    if (word.starts_with(key + '=')) return word.substr(key.size() + 1);
+  }
+  return {};
+}
+
+}  // namespace
+
+void choose_by_time(RenderCommand& command, tracer::Scene& scene) {
+  const double seconds = duration_of("--time-budget", command.time_budget);
+  const Size size = size_of(command, scene.description());
+  const std::vector<int> frames = frames_of(command, scene.description());
+  const bool chooses_preset = command.preset == kAutoPreset;
+  command.adaptive = true;
+  if (command.output.resume) {
+    const Outputs outputs("-o", io::SequencePattern(command.output.pattern), frames);
+    const std::string spp = setting(outputs.recorded("becalm:settings"), "spp");
+    if (!spp.empty()) {
+      command.asked_spp = std::stoi(spp);
+      if (chooses_preset) command.preset = outputs.recorded("becalm:preset");
+      command.choice =
+          fmt::format("{} samples per pixel and {}, as in the frames that are there", spp, command.preset);
+      return;
+    }
+  }
+  AdaptiveSampling sampling(scene, render_options(command, size), command.filter, {});
+  tracer::RenderReport report;
+  std::optional<Frame> pilot;
+  for (int run = 0; run < 2; ++run) {  // the first one also loads textures
+    pilot = sampling.render_pilot(frames.front(), &report);
+    if (!pilot) return;
+  }
+  const double seconds_per_spp = report.seconds / AdaptiveSampling::pilot_spp();
+  std::vector<PresetTime> presets =
+      measure_presets(command.filter, *pilot, static_cast<double>(size.width) * size.height);
+  const double pilot_seconds = report.seconds + presets.front().seconds / 4.0;
+  if (!chooses_preset) std::erase_if(presets, [&](const auto& p) { return p.name != command.preset; });
+  if (presets.empty()) throw Error(ExitStatus::usage, "--time-budget: expected draft, balanced or final");
+  const RenderChoice choice = choose_preset_and_samples(presets, seconds - pilot_seconds, seconds_per_spp);
+  const double expected = pilot_seconds + choice.preset.seconds + choice.spp * seconds_per_spp;
+  command.preset = choice.preset.name;
+  command.asked_spp = choice.spp;
+  command.choice =
+      fmt::format("{} samples per pixel on average and {}: about {:.2g} s a frame{}", choice.spp,
+                  choice.preset.name, expected, expected > 1.1 * seconds ? ", and no preset takes less" : "");
+}
+
+}  // namespace becalm::app

@@ -1,0 +1,72 @@
+"""What adaptive sampling gains: `becalm render --adaptive --denoise=final` beside uniform sampling. `scripts/bench front --adaptive` calls it."""
+
+import json
+import math
+import subprocess
+from pathlib import Path
+
+import numpy as np
+
+from benches.markdown_report import markdown
+from benches.quality.data import SCENES, frame_range
+from benches.timed import timed
+
+SPP = 8
+UNIFORM = (SPP // 2, SPP, 2 * SPP)  # the curve that adaptive sampling is compared with
+METRICS = ("relmse", "temporal")
+
+
+class Runs:
+    """Renders with the filter, and measures error and processor seconds of a frame."""
+
+    def __init__(self, becalm, data, size, output, reference_spp):
+        self.becalm, self.data, self.size, self.output, self.reference_spp = becalm, data, size, Path(output) / "adaptive", reference_spp
+
+    def measure(self, scene, spp, *options):
+        self.output.mkdir(parents=True, exist_ok=True)
+        pattern, figures = self.output / "f.####.exr", self.output / "figures.json"
+        _, cost = timed([self.becalm, "render", SCENES / f"{scene}.json", "-o", pattern, "--frames", frame_range(self.data.frames), "--context", "none",
+                         "--size", self.size, "--spp", spp, "--seed", spp, "--denoise=final", "--float", "--quiet", "--overwrite", *options])
+        first, second = self.data.references(scene, self.reference_spp)
+        subprocess.run([self.becalm, "compare", first, pattern, "--reference-b", second, "--frames", frame_range(self.data.measured),
+                        "--json", figures], check=True, stdout=subprocess.DEVNULL)
+        mean = json.loads(figures.read_text())["mean"]
+        return {"seconds": cost.processor_s / len(self.data.frames)} | {metric: mean[metric] for metric in METRICS}
+
+
+def at_time(curve, seconds, metric):
+    """The error of uniform sampling in so many seconds a frame, by the points of `curve`: linear in logarithms."""
+    times, errors = zip(*sorted((math.log(point["seconds"]), math.log(point[metric])) for point in curve))
+    low = int(np.clip(np.searchsorted(times, math.log(seconds)) - 1, 0, len(times) - 2))
+    slope = (errors[low + 1] - errors[low]) / (times[low + 1] - times[low])
+    return math.exp(errors[low] + slope * (math.log(seconds) - times[low]))
+
+
+def table(found):
+    """found: (scene, uniform points by samples, the adaptive point) of each scene."""
+    rows = []
+    for scene, uniform, adaptive in found:
+        rows.append([scene, f"{uniform[SPP]['seconds']:.3g}", f"{adaptive['seconds']:.3g}"] + [
+            ratio for metric in METRICS for ratio in (adaptive[metric] / uniform[SPP][metric],
+                                                      adaptive[metric] / at_time(uniform.values(), adaptive["seconds"], metric))])
+    mean = ["geometric mean", "", ""] + [math.exp(np.mean([math.log(row[i]) for row in rows])) for i in range(3, 7)]
+    text = [[cell if isinstance(cell, str) else f"{cell:.3f}" for cell in row] for row in (*rows, mean)]
+    return markdown(("scene", "uniform, s a frame", "adaptive, s a frame", "relMSE, equal samples", "equal time", "temporal error, equal samples",
+                     "equal time"), text)
+
+
+def write(runs, scenes, output):
+    found = []
+    for scene in scenes:
+        uniform = {spp: runs.measure(scene, spp) for spp in UNIFORM}
+        adaptive = runs.measure(scene, SPP, "--adaptive")
+        print(f"{scene:>10}  {uniform}  adaptive {adaptive}", flush=True)
+        found.append((scene, uniform, adaptive))
+    (output / "adaptive.json").write_text(json.dumps(found, indent=1))
+    (output / "adaptive.md").write_text(f"""## Adaptive sampling
+
+`becalm render --adaptive --denoise=final` of {SPP} samples on average, over uniform sampling:
+errors as shares of those of {SPP} samples each, and of as many as take the same processor time
+(interpolated between {', '.join(map(str, UNIFORM))}). Pilots are included in the time.
+
+{table(found)}""")

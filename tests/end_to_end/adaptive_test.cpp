@@ -1,0 +1,182 @@
+// Samples where the filter needs them, and presets and samples by the time that there is.
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "tests/end_to_end/harness.h"
+
+namespace becalm::test {
+namespace {
+
+class Adaptive : public testing::Test {
+ protected:
+  Outcome render(const std::string& pattern, const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments{"render", scene_, "-o", folder_ / pattern};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return becalm_done(arguments);
+  }
+  std::string settings_of(const std::string& file) const {
+    return io::read_attribute(folder_ / file, "becalm:settings");
+  }
+
+  TempFolder folder_;
+  std::string scene_ = write_scene(folder_);
+};
+
+/// The numbers in front of ` samples per pixel` in what --verbose prints.
+std::vector<double> samples_told(const std::string& text) {
+  constexpr std::string_view words = " samples per pixel\n";
+  std::vector<double> found;
+  for (std::size_t at = text.find(words); at != std::string::npos; at = text.find(words, at + 1)) {
+    found.push_back(std::stod(text.substr(text.rfind(' ', at - 1) + 1)));
+  }
+  return found;
+}
+
+TEST_F(Adaptive, SamplesAreSharedOutAroundTheirMean) {
+  const std::vector<std::string> options{"--frames",        "2-3",        "--spp", "8",
+                                         "--denoise=draft", "--adaptive", "-v"};
+  std::vector<std::string> kept = options;
+  kept.insert(kept.end(), {"--keep-noisy", folder_ / "n.####.exr"});
+  const Outcome outcome = render("a.####.exr", kept);
+  const std::vector<double> samples = samples_told(outcome.err);
+  ASSERT_EQ(samples.size(), 2u) << outcome.err;
+  for (const double mean : samples) EXPECT_NEAR(mean, 8.0, 0.8);
+  EXPECT_NE(settings_of("a.0002.exr").find("spp=8 adaptive=yes"), std::string::npos);
+
+  render("b.####.exr", options);
+  expect_same_beauty(folder_ / "a.####.exr", folder_ / "b.####.exr", 2, 3);
+  render("u.####.exr", {"--frames", "2-3", "--spp", "8", "--denoise=draft"});
+  EXPECT_FALSE(same_pixels(read_frame(folder_ / "a.0002.exr").image(Aov::beauty),
+                           read_frame(folder_ / "u.0002.exr").image(Aov::beauty)));
+  expect_error(becalm({"render", scene_, "-o", folder_ / "a.####.exr", "--frames", "2-3", "--spp", "8",
+                       "--denoise=draft", "--resume"}),
+               2, {"--resume", "adaptive"});
+}
+
+TEST_F(Adaptive, NoisyFramesDoNotDependOnOtherFramesOrThreads) {
+  const auto noisy = [&](const std::string& name, const std::vector<std::string>& more) {
+    std::vector<std::string> options{"--spp", "4", "--denoise=draft", "--adaptive", "--context", "none"};
+    options.insert(options.end(), {"--keep-noisy", folder_ / (name + ".n.####.exr")});
+    options.insert(options.end(), more.begin(), more.end());
+    render(name + ".####.exr", options);
+    return folder_ / (name + ".n.####.exr");
+  };
+  const std::string whole = noisy("whole", {"--frames", "1-4"});
+  const std::string part = noisy("part", {"--frames", "3", "--threads", "1"});
+  expect_same_beauty(whole, part, 3, 3);
+}
+
+TEST_F(Adaptive, TheMeanOverSeedsIsThatOfUniformSampling) {
+  // Samples that decided over their own number would make bright ones count less: of blocks whose noise comes
+  // from rare bright samples the mean would fall.
+  constexpr int kSeeds = 6, kFrames = 4, kColumns = 3, kRows = 2;
+  using Blocks = std::array<double, kColumns * kRows>;
+  const auto blocks_of = [&](const std::string& pattern, int number) {
+    const Frame frame = read_frame(frame_path(folder_ / pattern, number));
+    const Image& beauty = frame.image(Aov::beauty);
+    Blocks sums{};
+    for (int y = 0; y < beauty.height(); ++y) {
+      for (int x = 0; x < beauty.width(); ++x) {
+        sums[y * kRows / beauty.height() * kColumns + x * kColumns / beauty.width()] += beauty.at(x, y, 0);
+      }
+    }
+    return sums;
+  };
+  render("r.####.exr", {"--size", "24x16", "--spp", "2048", "--seed", "77", "--float"});
+  Blocks excess{}, square{};  // over the reference, relative
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    render("a.####.exr", {"--size", "24x16", "--spp", "4", "--seed", std::to_string(seed), "--float",
+                          "--adaptive", "--denoise=draft", "--keep-noisy", folder_ / "n.####.exr"});
+    for (int frame = 1; frame <= kFrames; ++frame) {
+      const Blocks found = blocks_of("n.####.exr", frame), expected = blocks_of("r.####.exr", frame);
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        const double relative = found[i] / expected[i] - 1.0;
+        excess[i] += relative / (kSeeds * kFrames);
+        square[i] += relative * relative / (kSeeds * kFrames);
+      }
+    }
+  }
+  for (std::size_t i = 0; i < excess.size(); ++i) {
+    const double error = std::sqrt((square[i] - excess[i] * excess[i]) / (kSeeds * kFrames - 1));
+    EXPECT_NEAR(excess[i], 0.0, 5.0 * error) << i;
+    EXPECT_LT(error, 0.03) << i;
+  }
+}
+
+TEST_F(Adaptive, ATargetTakesAsManySamplesAsItNeeds) {
+  double before = 0.0;
+  for (const char* target : {"0.5", "0.1"}) {
+    const Outcome outcome =
+        render("a.exr", {"--frames", "2", "--denoise=draft", "--noise-target", target, "-v", "--spp", "64"});
+    const std::vector<double> samples = samples_told(outcome.err);
+    ASSERT_EQ(samples.size(), 1u) << outcome.err;
+    EXPECT_GT(samples[0], before);
+    EXPECT_LE(samples[0], 64.0);
+    before = samples[0];
+    EXPECT_NE(outcome.err.find("noise expected in the frames: "), std::string::npos) << outcome.err;
+  }
+  EXPECT_NE(settings_of("a.exr").find("spp=64 noise_target=0.1"), std::string::npos) << settings_of("a.exr");
+}
+
+TEST_F(Adaptive, ATimeBudgetDecidesOnceForAllFrames) {
+  const Outcome outcome =
+      render("a.####.exr", {"--frames", "1", "--denoise", "--time-budget", "200ms", "--context", "1-4"});
+  EXPECT_NE(outcome.err.find("samples per pixel on average and "), std::string::npos) << outcome.err;
+  const std::string settings = settings_of("a.0001.exr");
+  const Outcome more = render("a.####.exr", {"--frames", "1-2", "--denoise", "--time-budget", "100ms",
+                                             "--context", "1-4", "--resume"});
+  EXPECT_NE(more.err.find("as in the frames that are there"), std::string::npos) << more.err;
+  EXPECT_EQ(settings_of("a.0001.exr"), settings);
+  EXPECT_EQ(settings_of("a.0002.exr"), settings);
+}
+
+TEST_F(Adaptive, ABudgetThatNothingFitsTakesTheLeast) {
+  const Outcome outcome =
+      render("a.exr", {"--frames", "1", "--denoise", "--time-budget", "0.01ms", "--context", "none"});
+  EXPECT_NE(outcome.err.find("1 samples per pixel on average and draft"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("no preset takes less"), std::string::npos) << outcome.err;
+}
+
+TEST_F(Adaptive, DenoiseTakesThePresetThatTheTimeAllows) {
+  render("n.####.exr", {"--frames", "1-2", "--spp", "1", "--aovs", "albedo,normal"});
+  const auto denoise = [&](const char* time, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments{
+        "denoise", folder_ / "n.####.exr", "-o", folder_ / "d.####.exr", "--time", time};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return becalm_done(arguments).err;
+  };
+  const auto preset = [&] { return io::read_attribute(folder_ / "d.0001.exr", "becalm:preset"); };
+  EXPECT_NE(denoise("1h").find("final: about "), std::string::npos);
+  EXPECT_EQ(preset(), "final");
+  EXPECT_NE(denoise("0.001ms").find("no preset takes less"), std::string::npos);
+  EXPECT_EQ(preset(), "draft");
+  fs::remove(folder_ / "d.0002.exr");
+  EXPECT_NE(denoise("1h", {"--resume"}).find("draft, as in the frames that are there"), std::string::npos);
+}
+
+TEST_F(Adaptive, OptionsThatDoNotFitAreRefused) {
+  const auto refused = [&](std::vector<std::string> more, const std::vector<std::string>& words) {
+    std::vector<std::string> arguments{"render", scene_, "-o", folder_ / "x.####.exr"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    expect_error(becalm(arguments), 2, words);
+  };
+  refused({"--adaptive"}, {"--adaptive", "--denoise"});
+  refused({"--noise-target", "0.1"}, {"--noise-target", "--denoise"});
+  refused({"--time-budget", "1s"}, {"--time-budget", "--denoise"});
+  refused({"--denoise", "--noise-target", "0"}, {"--noise-target", "0"});
+  refused({"--denoise", "--time-budget", "soon"}, {"--time-budget soon", "2s"});
+  refused({"--denoise", "--time-budget", "1s", "--spp", "4"}, {"--time-budget", "--spp"});
+  refused({"--denoise", "--time-budget", "1s", "--noise-target", "0.1"}, {"--time-budget", "--noise-target"});
+  refused({"--denoise=paper", "--time-budget", "1s"}, {"--time-budget", "draft, balanced or final"});
+  expect_error(
+      becalm({"denoise", folder_ / "n.exr", "-o", folder_ / "d.exr", "--time", "1s", "--preset", "draft"}), 2,
+      {"--time", "--preset"});
+}
+
+}  // namespace
+}  // namespace becalm::test

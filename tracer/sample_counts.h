@@ -1,0 +1,28 @@
+#pragma once
+
+#include "frame/image.h"
+
+namespace becalm::tracer {
+
+/// What a pilot, a cheap render of a frame, tells about where the frame needs samples.
+struct Pilot {
+  Image error;       ///< one channel, of any size: expected squared error relative to the squared brightness
+  double spp = 1.0;  ///< samples that the error belongs to, per pixel of the frame
+};
+
+/// Limits of the samples of a pixel, both from 1 to 65536.
+struct SampleLimits {
+  int least = 1;
+  int most = 65536;
+};
+
+/// Samples of each pixel, as RenderOptions::sample_counts: `mean` on average, more where the pilot expects a
+/// larger error. Counts change smoothly between blocks of 16 pixels. The samples that minimise the sum of
+/// errors e / n are n ~ sqrt(e). Errors that are negative or not finite count as 0.
+Image counts_of_mean(const Pilot& pilot, int width, int height, double mean, const SampleLimits& limits);
+
+/// Samples of each pixel so that the expected error of every block comes down to `target`: a relative
+/// deviation, the root of the squared error.
+Image counts_of_target(const Pilot& pilot, int width, int height, double target, const SampleLimits& limits);
+
+}  // namespace becalm::tracer
