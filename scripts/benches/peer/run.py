@@ -1,0 +1,98 @@
+"""becalm's tracer beside Cycles: noise, time, and time to equal error on three scenes of equal materials. Called by `scripts/bench peer`."""
+
+import argparse
+import json
+import math
+import statistics
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from benches.markdown_report import markdown
+from benches.peer.becalm_scene import write_scene
+from benches.peer.scenes import SCENES
+from benches.quality.cells import radiance
+from benches.timed import timed
+
+WORST = 0.01  # the share of pixels that is left out of the second ratio
+
+
+def arguments():
+    parser = argparse.ArgumentParser(prog="scripts/bench peer", description=__doc__)
+    parser.add_argument("-o", "--output", type=Path, default=Path("out/peer"), metavar="DIR", help="report.md and frames (default: out/peer)")
+    parser.add_argument("--scenes", type=lambda text: text.split(","), default=list(SCENES), metavar="LIST", help=f"default: {','.join(SCENES)}")
+    parser.add_argument("--size", default="480x270", metavar="WxH", help="default: 480x270")
+    parser.add_argument("--spp", type=int, default=64, metavar="N", help="default: 64")
+    parser.add_argument("--seeds", type=int, default=4, metavar="N", help="frames of each, at least 2 (default: 4)")
+    parser.add_argument("--becalm", type=Path, default=Path("build/release/becalm"), metavar="PATH")
+    parser.add_argument("--other", type=Path, metavar="PATH", help="another becalm in place of Cycles")
+    asked = parser.parse_args()
+    if unknown := [name for name in asked.scenes if name not in SCENES]:
+        parser.error(f"no scene '{unknown[0]}'; there are {', '.join(SCENES)}")
+    if asked.seeds < 2:
+        parser.error("--seeds: expected at least 2")
+    return asked
+
+
+def render_becalm(program, name, scene_file, asked):
+    """Frames of all seeds, and processor seconds of each, alternating frames of one sample to know what the start takes."""
+    seconds, frames = [], []
+    for seed in range(1, asked.seeds + 1):
+        cost = {}
+        for spp in (1, asked.spp):
+            path = scene_file.with_name(f"{name}.{seed}.exr")
+            _, cost[spp] = timed([program, "render", scene_file, "-o", path, "--size", asked.size, "--spp", spp, "--seed", seed, "--float",
+                                  "--quiet", "--overwrite"])
+        seconds.append((cost[asked.spp].processor_s - cost[1].processor_s) * asked.spp / (asked.spp - 1))
+        frames.append(radiance(path))
+    return np.stack(frames), statistics.median(seconds)
+
+
+def render_cycles(name, folder, asked):
+    subprocess.run(["blender", "-b", "--factory-startup", "--python", str(Path(__file__).with_name("cycles.py")), "--", name, str(folder),
+                    asked.size, str(asked.spp), str(asked.seeds)], check=True, stdout=subprocess.DEVNULL)
+    frames = [radiance(folder / f"cycles.{seed}.exr") for seed in range(1, asked.seeds + 1)]
+    return np.stack(frames), statistics.median(json.loads((folder / "cycles.json").read_text()))
+
+
+def variances(frames):
+    """Of each pixel between seeds, relative to the picture's mean square."""
+    return frames.var(axis=0, ddof=1).mean(axis=-1) / np.square(frames.mean())
+
+
+def row(name, ours, theirs):
+    """Ratios are those of the peer over becalm: above 1, becalm is ahead."""
+    (our_frames, our_s), (their_frames, their_s) = ours, theirs
+    our, their = variances(our_frames), variances(their_frames)
+    kept = [np.sort(v, axis=None)[:math.ceil((1.0 - WORST) * v.size)].mean() for v in (our, their)]
+    return {"scene": name, "mean": float(our_frames.mean() / their_frames.mean()), "variance": float(their.mean() / our.mean()),
+            "seconds": their_s / our_s, "equal": float(their.mean() * their_s / (our.mean() * our_s)),
+            "equal_kept": float(kept[1] * their_s / (kept[0] * our_s))}
+
+
+def main():
+    asked = arguments()
+    rows = []
+    for name in asked.scenes:
+        folder = asked.output / name
+        scene_file = write_scene(SCENES[name], folder, asked.size)
+        theirs = render_becalm(asked.other, "other", scene_file, asked) if asked.other else render_cycles(name, folder, asked)
+        rows.append(row(name, render_becalm(asked.becalm, "becalm", scene_file, asked), theirs))
+        print(rows[-1], flush=True)
+    columns = ("mean", "variance", "seconds", "equal", "equal_kept")
+    lines = [[r["scene"], *(f"{r[c]:.4f}" if c == "mean" else f"{r[c]:.2f}" for c in columns)] for r in rows]
+    lines.append(["geometric mean", "", *(f"{math.exp(statistics.fmean(math.log(r[c]) for r in rows)):.2f}" for c in columns[1:])])
+    peer = asked.other or "Cycles"
+    text = markdown(("scene", f"mean radiance, becalm / {peer}", f"variance, {peer} / becalm", "processor time of a frame", "time to equal variance",
+                     "the same without the worst 1 % of pixels"), lines)
+    (asked.output / "report.md").write_text(text)
+    print(text)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except (OSError, ValueError, subprocess.CalledProcessError) as error:
+        sys.exit(f"bench peer: {error}")
