@@ -13,9 +13,9 @@ namespace {
 constexpr int kBlockPx = 16;
 /// The squared error of a filtered frame of n samples is that of its pilot, of m samples, times
 /// kOfPilot * (m / n)^kDecay: neighbours and other frames share samples, so that it falls less than the
-/// noise. Medians over twelve shots that the filter's weights are chosen on (0.36 to 1.0, and 0.29 to 0.55).
-constexpr double kOfPilot = 0.45;
-constexpr double kDecay = 0.4;
+/// noise. Medians over eight shots that the filter's weights are chosen on (0.36 to 2.0, and 0.04 to 0.58).
+constexpr double kOfPilot = 0.5;
+constexpr double kDecay = 0.45;
 
 /// One value a block of the frame, row by row.
 class Blocks {

@@ -14,6 +14,8 @@ from benches.timed import timed
 SPP = 8
 UNIFORM = (SPP // 2, SPP, 2 * SPP)  # the curve that adaptive sampling is compared with
 METRICS = ("relmse", "temporal")
+TARGETS = (0.2, 0.1)  # of --noise-target
+MOST = 256            # samples with a target
 
 
 class Runs:
@@ -55,18 +57,28 @@ def table(found):
                      "equal time"), text)
 
 
+def target_table(found):
+    """found: (scene, points by target) of each scene."""
+    rows = [[scene, *(f"{math.sqrt(point['relmse']):.3f} in {point['seconds']:.3g} s" for point in points.values())] for scene, points in found]
+    return markdown(("root of relMSE, and time of a frame", *(f"--noise-target {target}" for target in TARGETS)), rows)
+
+
 def write(runs, scenes, output):
-    found = []
+    found, of_targets = [], []
     for scene in scenes:
+        of_targets.append((scene, {target: runs.measure(scene, MOST, "--noise-target", target) for target in TARGETS}))
         uniform = {spp: runs.measure(scene, spp) for spp in UNIFORM}
         adaptive = runs.measure(scene, SPP, "--adaptive")
-        print(f"{scene:>10}  {uniform}  adaptive {adaptive}", flush=True)
+        print(f"{scene:>10}  {uniform}  adaptive {adaptive}  targets {of_targets[-1][1]}", flush=True)
         found.append((scene, uniform, adaptive))
-    (output / "adaptive.json").write_text(json.dumps(found, indent=1))
+    (output / "adaptive.json").write_text(json.dumps({"adaptive": found, "targets": of_targets}, indent=1))
     (output / "adaptive.md").write_text(f"""## Adaptive sampling
 
 `becalm render --adaptive --denoise=final` of {SPP} samples on average, over uniform sampling:
 errors as shares of those of {SPP} samples each, and of as many as take the same processor time
 (interpolated between {', '.join(map(str, UNIFORM))}). Pilots are included in the time.
 
-{table(found)}""")
+{table(found)}
+`--noise-target`, at most {MOST} samples:
+
+{target_table(of_targets)}""")

@@ -46,7 +46,7 @@ def write_scene(scene, folder, size):
     text = {"frames": {"first": 1, "last": 1}, "film": {"width": width, "height": height, "filter": {"type": "box", "radius_px": 0.5}},
             "integrator": {"max_depth": MAX_DEPTH},
             "camera": {"fov_y_deg": scene.fov_y_deg, "look_at": {"eye": list(scene.eye), "target": list(scene.target)}},
-            "materials": {name: _material(material) for name, material in scene.materials.items()} | {"lamp": {"type": "diffuse", "reflectance": 0}},
+            "materials": {name: _material(material) for name, material in scene.materials.items()} | {"lamp": {"type": "diffuse", "reflectance": 0.75}},
             "meshes": {"rectangle": {"shape": "rectangle"}, "cube": {"shape": "cube"}, "sphere": {"shape": "sphere", "segments": 64}},
             "objects": objects}
     if scene.sky:

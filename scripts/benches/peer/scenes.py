@@ -23,7 +23,7 @@ class Thing:
 
 @dataclass(frozen=True)
 class Lamp:
-    """A rectangle that emits downward."""
+    """A rectangle that emits downward. becalm's hides what is behind it and is white, Cycles' is not there for light that it does not emit."""
     radiance: float
     half_width: float
     half_depth: float
@@ -51,7 +51,7 @@ def _room():
               Thing("cube", "wood", (0.05, 0.4, 0.05), (0.95, 0.4, -0.6)), Thing("sphere", "wall", (0.3, 0.3, 0.3), (0.1, 1.15, -0.8)),
               Thing("cube", "wall", (0.4, 0.7, 0.4), (-1.6, 0.7, -1.6), 30), Thing("sphere", "green", (0.45, 0.45, 0.45), (1.7, 0.45, 0.2))]
     return Scene((0, 1.4, 2.8), (0, 0.8, -1), 44, {"wall": wall, "red": red, "green": green, "wood": wood}, walls + things,
-                 [Lamp(9.0, 0.75, 0.75, (0, 2.75, -0.5))])
+                 [Lamp(9.0, 0.75, 0.75, (0, 2.795, -0.5))])
 
 
 def _metal():
