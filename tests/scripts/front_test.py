@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from benches.front.adaptive import at_time
 from benches.front.dominance import dominator, dominates, front
 from benches.front.exponent import exponent, local_exponents
 from benches.front.joint_bilateral import joint_bilateral
@@ -17,10 +18,29 @@ from benches.front.non_local_means import non_local_means
 from benches.front.plain_curve import PlainCurve
 from benches.front.points import Point, Trade, mean_trade, mean_worth
 from benches.front.tables import dominated, statement
+from benches.peer.run import row
 from benches.quality.render_time import note, seconds_a_frame
 
 BECALM = os.environ["BECALM"]
 SHAPE = (24, 32)
+
+
+class AdaptiveSampling(unittest.TestCase):
+    def test_errors_at_a_time_are_interpolated_in_logarithms(self):
+        curve = [{"seconds": s, "relmse": 1.0 / s} for s in (4.0, 1.0, 2.0)]
+        for seconds in (1.0, 1.5, 3.0, 5.0):
+            self.assertAlmostEqual(at_time(curve, seconds, "relmse"), 1.0 / seconds)
+
+
+class Peer(unittest.TestCase):
+    def test_ratios_are_those_of_the_peer_over_becalm(self):
+        rng = np.random.default_rng(1)
+        ours, theirs = (1.0 + deviation * rng.standard_normal((64, 40, 50, 3)) for deviation in (0.1, 0.2))
+        found = row("scene", (ours, 2.0), (theirs, 3.0))
+        self.assertAlmostEqual(found["mean"], 1.0, delta=0.001)
+        self.assertAlmostEqual(found["variance"], 4.0, delta=0.1)
+        self.assertAlmostEqual(found["equal"], 6.0, delta=0.15)
+        self.assertAlmostEqual(found["equal_kept"], 6.0, delta=0.15)
 
 
 class Dominance(unittest.TestCase):
