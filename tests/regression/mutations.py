@@ -34,7 +34,8 @@ MUTATIONS = {
         "tracer/materials/dielectric.inl", "return {};", "wo.z > 0.0f ? bsdf.eta : 1.0f / bsdf.eta",
         "wo.z < 0.0f ? bsdf.eta : 1.0f / bsdf.eta"),
     "rough metal without masking": (
-        "tracer/materials/conductor.inl", "* {},", "mirrored_weight(o, i, bsdf.alpha)", "1.0f"),
+        "tracer/materials/conductor.inl", "1.0f)) * {} +", "mirrored(o, i, m, bsdf.alpha)",
+        "pdf_mirrored_normal(o, m, bsdf.alpha)"),
     "roulette without its weight": ("tracer/path_trace.cpp", "throughput_ /= {};", "survival", "1.0f"),
     "direct light without the MIS weight": (
         "tracer/path_surface.inl", "contribution *= {};",

@@ -8,14 +8,15 @@
 #include "tracer/materials/fresnel.h"
 #include "tracer/materials/local_direction.h"
 #include "tracer/materials/microfacet.h"
+#include "tracer/materials/multiple_scattering.h"
 #include "tracer/materials/principled_albedo.h"
 
 // Each model overloads eval_model, pdf_model, sample_model, is_specular_model and albedo_model; the visitors
 // below have no default, so that one left out fails to compile.
-#include "tracer/materials/conductor.inl"
 #include "tracer/materials/dielectric.inl"
 #include "tracer/materials/diffuse.inl"
-// After dielectric.inl, of which its clear part is made.
+// After the two above, of which parts of these are made.
+#include "tracer/materials/conductor.inl"
 #include "tracer/materials/principled.inl"
 
 namespace becalm::tracer {

@@ -16,8 +16,8 @@ struct DiffuseBsdf {
   V3f reflectance;  ///< [0,1]
 };
 
-/// Metal with the complex index of refraction eta + i k against air; reflects on both sides. GGX microfacets,
-/// a single scattering. eta = 0 reflects everything.
+/// Metal with the complex index of refraction eta + i k against air; reflects on both sides. GGX microfacets
+/// with all their scattering (multiple_scattering.h). eta = 0 reflects everything.
 struct ConductorBsdf {
   V3f eta;
   V3f k;

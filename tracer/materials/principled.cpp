@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "tracer/materials/multiple_scattering.h"
 #include "tracer/materials/principled_albedo.h"
 
 namespace becalm::tracer {
@@ -11,14 +12,6 @@ namespace {
 
 float unit(float v) {
   return v > 0.0f ? std::min(v, 1.0f) : 0.0f;
-}
-
-/// The colour of light that a microsurface of conductors with mean Fresnel reflectance F sends out after two
-/// and more bounces, where one of F = 1 would send out all (Kulla and Conty, "Revisiting Physically Based
-/// Shading at Imageworks", 2017: F^2 E / (1 - F (1 - E)) with the mean albedo E).
-float multiple_scattering(float f0, float f90, float mean) {
-  const float fresnel = f0 + (f90 - f0) / 21.0f;  // 2 int F(cos) cos dcos of Schlick's
-  return fresnel * fresnel * mean / (1.0f - fresnel * (1.0f - mean));
 }
 
 }  // namespace
@@ -55,14 +48,12 @@ PrincipledBsdf make_principled(const PrincipledParameters& parameters) {
   const float f90 = f90_of(bsdf.f0);
   const float dielectric = 1.0f - bsdf.metal - bsdf.glass;
   const float lost = std::max(0.0f, 1.0f - mean);
-  // Smooth surfaces lose light at grazing angles alone. The cosine lobe that gives it back is rarely sampled
-  // there, with large weights; so less is given back where little is lost on average.
-  constexpr float least_lost = 0.01f;
-  bsdf.multiple_f0 = multiple_scattering(bsdf.f0, f90, mean) * std::min(1.0f, lost / least_lost);
+  const float gain = multiple_scattering_gain(mean);
+  const float multiple = gain * multiple_scattering_color(bsdf.f0, f90, mean);
+  bsdf.multiple_f0 = multiple * lost;
   for (int c = 0; c < 3; ++c) {
-    const float metal = multiple_scattering(bsdf.base_color[c], metal_f90, mean);
-    bsdf.multiple[c] = bsdf.metal * metal / std::max(lost, least_lost) +
-                       (lost > 0.0f ? dielectric * bsdf.multiple_f0 / lost : 0.0f);
+    const float metal = multiple_scattering_color(bsdf.base_color[c], metal_f90, mean);
+    bsdf.multiple[c] = bsdf.metal * gain * metal + dielectric * multiple;
   }
   const float dielectric_mean = bsdf.f0 * mean_parts.f0 + f90 * mean_parts.f90 + bsdf.multiple_f0 * lost;
   bsdf.diffuse_gain = 1.0f / std::max(1e-5f, 1.0f - dielectric_mean);

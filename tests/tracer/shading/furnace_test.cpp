@@ -74,36 +74,29 @@ TEST(WhiteFurnace, smooth_materials_lose_nothing) {
   }
 }
 
-/// A metal that absorbs nothing, rough. What is lost left the microsurface only after further bounces, which
-/// the model does not follow. The bounds are the measured losses at these angles, rounded up.
-TEST(WhiteFurnace, rough_conductor_loses_only_multiple_scattering) {
+/// A metal that absorbs nothing, rough: what meets further microfacets comes back as well. Smooth metals lose
+/// light at grazing angles, where little of it is given back (multiple_scattering.h).
+TEST(WhiteFurnace, rough_conductor_loses_nothing) {
   struct Bound {
     float alpha;
     double largest_loss;
   };
   for (const auto& [alpha, largest_loss] :
-       {Bound{0.01f, 0.1}, Bound{0.1f, 0.12}, Bound{0.25f, 0.17}, Bound{0.5f, 0.33}, Bound{1.0f, 0.7}}) {
+       {Bound{0.01f, 0.1}, Bound{0.1f, 0.01}, Bound{0.25f, 0.004}, Bound{0.5f, 0.004}, Bound{1.0f, 0.004}}) {
     for (const float theta : {0.0f, 45.0f, 75.0f, 85.0f, 89.0f}) {
       const Bsdf metal = ConductorBsdf{kAllReflectingEta, kAllReflectingK, alpha};
       const Energy sampled = energy(metal, direction(theta, 0.0));
       const std::string replay =
           fmt::format("alpha {} theta {}: loss {:.4f}", alpha, theta, 1 - sampled.mean);
-      EXPECT_LT(sampled.mean, 1.0 + 1e-6) << replay;
-      EXPECT_LT(sampled.largest_sample, 1.0 + 1e-5) << replay;
-      EXPECT_GT(sampled.mean, 1.0 - largest_loss) << replay;
+      EXPECT_LT(sampled.mean, 1.0 + 2e-3 + 5.0 * sampled.standard_error) << replay;
+      EXPECT_GT(sampled.mean, 1.0 - largest_loss - 5.0 * sampled.standard_error) << replay;
+      EXPECT_LT(sampled.largest_sample, alpha < 0.1f ? 10.0 : 3.0) << replay;
       if (alpha < 0.1f) continue;  // quadrature over the whole sphere resolves no narrower lobe
       EXPECT_NEAR(energy_by_quadrature(metal, direction(theta, 0.0)), sampled.mean,
                   5.0 * sampled.standard_error + 2e-3)
           << replay;
     }
   }
-}
-
-/// At alpha = 1 D is constant and the loss facing the surface has a closed form: the integral of c / (1 + c)
-/// is 1 - ln 2.
-TEST(WhiteFurnace, loss_of_the_roughest_conductor_is_analytic) {
-  const Energy sampled = energy(ConductorBsdf{kAllReflectingEta, kAllReflectingK, 1.0f}, V3f(0, 0, 1));
-  EXPECT_NEAR(sampled.mean, 1.0 - std::numbers::ln2, 1e-3);
 }
 
 TEST(WhiteFurnace, rough_dielectric_loses_only_multiple_scattering) {
