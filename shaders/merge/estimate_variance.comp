@@ -56,7 +56,8 @@ void main() {
   float sum = 0.0;
   [[unroll]] for (int t = 0; t < kTaps; ++t) sum += weight[t];
   [[unroll]] for (int r = 0; r <= kFeatures; ++r) {
-    [[unroll]] for (int s = r; s <= kFeatures; ++s) {
+    [[unroll]] for (int s = 0; s <= kFeatures; ++s) {
+      if (s < r) continue;
       float moment = r == s && r < kFeatures ? kRidge * sum + 1e-20 : 0.0;
       [[unroll]] for (int t = 0; t < kTaps; ++t) {
         moment += weight[t] * (r < kFeatures ? feature[t][min(r, kFeatures - 1)] : 1.0) *
@@ -66,16 +67,21 @@ void main() {
     }
   }
   [[unroll]] for (int r = 0; r < kFeatures; ++r) {
-    [[unroll]] for (int t = r + 1; t <= kFeatures; ++t) {
+    [[unroll]] for (int t = 0; t <= kFeatures; ++t) {
+      if (t <= r) continue;
       const float share = m[r][t] / m[r][r];
-      [[unroll]] for (int s = t; s <= kFeatures; ++s) m[t][s] -= share * m[r][s];
+      [[unroll]] for (int s = 0; s <= kFeatures; ++s) {
+        if (s >= t) m[t][s] -= share * m[r][s];
+      }
     }
   }
   const float constant = 1.0 / max(m[kFeatures][kFeatures], 1e-6);
   float slope[kFeatures];
   [[unroll]] for (int r = kFeatures - 1; r >= 0; --r) {
     slope[r] = -m[r][kFeatures] * constant;
-    [[unroll]] for (int s = r + 1; s < kFeatures; ++s) slope[r] -= m[r][s] * slope[s];
+    [[unroll]] for (int s = 0; s < kFeatures; ++s) {
+      if (s > r) slope[r] -= m[r][s] * slope[s];
+    }
     slope[r] /= m[r][r];
   }
 
