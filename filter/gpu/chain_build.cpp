@@ -71,14 +71,14 @@ void Chain::Impl::plan_steps() {
   for (std::size_t i = 0; i < passes.size(); ++i) {
     for (const Use& use : passes[i].uses) {
       const auto image = static_cast<std::size_t>(use.image);
-      if (images[image].role != Role::input || is_uploaded[image]) continue;
+      if (images[image].role != Role::input || is_uploaded[image] || is_in_place()) continue;
       steps.push_back({Step::Kind::upload, use.image});
       is_uploaded[image] = true;
     }
     steps.push_back({Step::Kind::pass, static_cast<int>(i)});
     for (const Use& use : passes[i].uses) {
       const auto image = static_cast<std::size_t>(use.image);
-      if (use.writes() && images[image].is_output && last_write[image] == i) {
+      if (use.writes() && images[image].is_output && last_write[image] == i && !is_in_place()) {
         steps.push_back({Step::Kind::download, use.image});
       }
     }
@@ -124,8 +124,10 @@ void Chain::Impl::plan_memory() {
   std::uint32_t types = ~0u;
   std::uint64_t alignment = 1;
   for (std::size_t i = 0; i < images.size(); ++i) {
-    if (images[i].role == Role::input || images[i].is_output) staging_bytes += images[i].bytes();
-    if (images[i].is_history()) {
+    if (!is_in_place() && (images[i].role == Role::input || images[i].is_output)) {
+      staging_bytes += images[i].bytes();
+    }
+    if (is_kept(images[i])) {
       first[i] = 0;
       last[i] = last_step;
     }
@@ -153,9 +155,9 @@ void Chain::Impl::plan_memory() {
   arena_bytes = plan.arena_bytes;
   using Memory = vk::MemoryPropertyFlagBits;
   // If the device is a processor, host-visible memory is as fast as any other.
-  memory_type = has_host_passes ? device.memory_type(types, Memory::eHostVisible | Memory::eHostCoherent,
-                                                     Memory::eHostCached | Memory::eDeviceLocal)
-                                : device.memory_type(types, {}, Memory::eDeviceLocal);
+  memory_type = is_mapped() ? device.memory_type(types, Memory::eHostVisible | Memory::eHostCoherent,
+                                                 Memory::eHostCached | Memory::eDeviceLocal)
+                            : device.memory_type(types, {}, Memory::eDeviceLocal);
   device_bytes = plan.total_bytes;
   device_bytes_unaliased = gpu::plan_memory(requests, alignment, false, limit).total_bytes;
 }
@@ -166,7 +168,7 @@ void Chain::Impl::allocate() {
     for (std::size_t i = 0; i < arena_bytes.size(); ++i) {
       arenas.emplace_back(device.device, vk::MemoryAllocateInfo(arena_bytes[i], memory_type));
       device.set_name(arenas.back(), name + " arena " + std::to_string(i));
-      if (has_host_passes) mapped[i] = static_cast<std::byte*>(arenas[i].mapMemory(0, VK_WHOLE_SIZE));
+      if (is_mapped()) mapped[i] = static_cast<std::byte*>(arenas[i].mapMemory(0, VK_WHOLE_SIZE));
     }
   });
   for (std::size_t i = 0; i < images.size(); ++i) {
@@ -176,7 +178,7 @@ void Chain::Impl::allocate() {
     device.set_name(buffer.buffer, images[i].name);
     const auto arena = static_cast<std::size_t>(buffer.arena);
     buffer.buffer.bindMemory(*arenas[arena], buffer.offset);
-    if (has_host_passes) buffer.mapped = mapped[arena] + buffer.offset;
+    if (is_mapped()) buffer.mapped = mapped[arena] + buffer.offset;
     if (images[i].extent.elements() <= device.limits.maxTexelBufferElements) {
       buffer.texels = {
           device.device,
@@ -187,8 +189,9 @@ void Chain::Impl::allocate() {
 
 void Chain::Impl::create_staging() {
   using Usage = vk::BufferUsageFlagBits;
-  staging.resize(images.size());
   is_filled.resize(images.size());
+  if (is_in_place()) return;
+  staging.resize(images.size());
   for (std::size_t i = 0; i < images.size(); ++i) {
     const bool is_input = images[i].role == Role::input;
     if (!is_input && !images[i].is_output) continue;
