@@ -28,8 +28,8 @@ struct History {
 
 /// Where the host writes inputs and reads outputs.
 enum class Transfers {
-  in_place,  ///< in device memory, if that is the host's; else as `staged`
-  staged,    ///< in host memory, from which and to which runs copy
+  in_place,  ///< where kernels read and write them, if the device is a processor; else as `staged`
+  staged,    ///< in staging memory, from which and to which runs copy
 };
 
 struct ChainOptions {
@@ -174,10 +174,10 @@ class Chain {
   /// Time of each pass of the last run: device time, or host time for host passes.
   const std::vector<PassTime>& times() const;
   /// Device bytes held, or to be held once built, and what they would be if images did not share memory (both
-  /// without staging memory; with inputs and outputs that are used in place).
+  /// without staging_bytes).
   std::uint64_t device_bytes() const;
   std::uint64_t device_bytes_unaliased() const;
-  /// Host-visible staging bytes of inputs and outputs; 0 if they are used in place.
+  /// Host memory of inputs and outputs: staging memory, or the images themselves if they are used in place.
   std::uint64_t staging_bytes() const;
 
  private:

@@ -134,9 +134,9 @@ struct Chain::Impl {
   /// Whether the host uses inputs and outputs where they lie on the device.
   bool is_in_place() const { return device.info.is_processor && options.transfers == Transfers::in_place; }
   bool is_mapped() const { return has_host_passes || is_in_place(); }
-  /// Inputs, outputs and histories hold their values between runs or for the host, and share no memory.
-  bool is_kept(const ImageDeclaration& declared) const {
-    return declared.is_history() || (is_in_place() && (declared.role == Role::input || declared.is_output));
+  /// Whether the image has memory of its own, which counts as the host's and not as the device's.
+  bool is_hosted(const ImageDeclaration& declared) const {
+    return is_in_place() && !declared.is_history() && (declared.role == Role::input || declared.is_output);
   }
 
   /// The buffer of an image in frames of this parity. The two buffers of a history swap every frame.
@@ -156,7 +156,7 @@ struct Chain::Impl {
   bool has_host_passes = false;
 
   std::vector<Step> steps;
-  std::vector<std::uint64_t> arena_bytes;
+  std::vector<std::uint64_t> arena_bytes;  // planned arenas, then one for each image of the host's
   std::uint32_t memory_type = 0;
   std::vector<vk::raii::DeviceMemory> arenas;
   std::vector<DeviceBuffer> buffers;  // one per image
