@@ -3,6 +3,9 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <cstddef>
+#include <vector>
+
 namespace becalm::filter {
 
 /// Calls `body(begin, end)` for ranges of rows that cover [0, rows), on all threads.
@@ -17,6 +20,18 @@ void for_rows(int rows, const Body& body) {
 template <class Body>
 void for_each_in_parallel(int count, const Body& body) {
   tbb::parallel_for(0, count, body);
+}
+
+/// The sum of `of_row(y)` over all rows. Rows are computed on all threads and added in a fixed order.
+template <class Sum, class OfRow>
+Sum sum_of_rows(int rows, const OfRow& of_row) {
+  std::vector<Sum> sums(static_cast<std::size_t>(rows));
+  for_rows(rows, [&](int begin, int end) {
+    for (int y = begin; y < end; ++y) sums[static_cast<std::size_t>(y)] = of_row(y);
+  });
+  Sum sum{};
+  for (const Sum& row : sums) sum += row;
+  return sum;
 }
 
 }  // namespace becalm::filter

@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "frame/pixel_memory.h"
+
 namespace becalm {
 
 /// Pixels of `channels` interleaved 32-bit floats, row-major from the top left, linear and scene-referred. A
@@ -47,7 +49,7 @@ class Image {
   int width_ = 0;
   int height_ = 0;
   int channels_ = 0;
-  std::vector<float> data_;
+  std::vector<float, PixelAllocator<float>> data_;
 };
 
 }  // namespace becalm

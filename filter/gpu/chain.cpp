@@ -204,6 +204,7 @@ std::span<std::byte> Chain::upload_bytes(ImageId image) {
   if (!s.is_built) throw DeviceError(where + "the chain is not built yet");
   const auto index = static_cast<std::size_t>(image.index);
   s.is_filled[index] = true;
+  if (s.is_in_place()) return {s.buffers[index].mapped, declared.bytes()};
   return {s.staging[index].mapped, s.staging[index].bytes};
 }
 
@@ -213,6 +214,8 @@ std::span<const std::byte> Chain::download_bytes(ImageId image) const {
   const std::string where = s.label() + ": download of '" + declared.name + "': ";
   if (!declared.is_output) throw DeviceError(where + "it is not an output");
   if (!s.has_run) throw DeviceError(where + "the chain has not run yet");
+  // A history's images swap after the run.
+  if (s.is_in_place()) return {s.buffer(image.index, s.last_parity).mapped, declared.bytes()};
   const HostBuffer& host = s.staging[static_cast<std::size_t>(image.index)];
   return {host.mapped, host.bytes};
 }
@@ -265,6 +268,7 @@ void Chain::run() {
   s.device.check_validation(s.label());
   s.needs_reset = false;
   s.has_run = true;
+  s.last_parity = s.parity;
   if (s.has_history) s.parity = 1 - s.parity;
 }
 

@@ -26,8 +26,15 @@ struct History {
   ImageId next;
 };
 
+/// Where the host writes inputs and reads outputs.
+enum class Transfers {
+  in_place,  ///< where kernels read and write them, if the device is a processor; else as `staged`
+  staged,    ///< in staging memory, from which and to which runs copy
+};
+
 struct ChainOptions {
   bool alias_memory = true;  ///< images whose lifetimes do not overlap share memory
+  Transfers transfers = Transfers::in_place;
   /// No allocation is larger than this, unless a single image is. The device's own limit applies as well.
   std::uint64_t max_arena_bytes = std::numeric_limits<std::uint64_t>::max();
   std::span<const Kernel> kernels = embedded_kernels();
@@ -167,10 +174,10 @@ class Chain {
   /// Time of each pass of the last run: device time, or host time for host passes.
   const std::vector<PassTime>& times() const;
   /// Device bytes held, or to be held once built, and what they would be if images did not share memory (both
-  /// without staging memory).
+  /// without staging_bytes).
   std::uint64_t device_bytes() const;
   std::uint64_t device_bytes_unaliased() const;
-  /// Host-visible staging bytes of inputs and outputs.
+  /// Host memory of inputs and outputs: staging memory, or the images themselves if they are used in place.
   std::uint64_t staging_bytes() const;
 
  private:

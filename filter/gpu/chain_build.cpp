@@ -71,14 +71,14 @@ void Chain::Impl::plan_steps() {
   for (std::size_t i = 0; i < passes.size(); ++i) {
     for (const Use& use : passes[i].uses) {
       const auto image = static_cast<std::size_t>(use.image);
-      if (images[image].role != Role::input || is_uploaded[image]) continue;
+      if (images[image].role != Role::input || is_uploaded[image] || is_in_place()) continue;
       steps.push_back({Step::Kind::upload, use.image});
       is_uploaded[image] = true;
     }
     steps.push_back({Step::Kind::pass, static_cast<int>(i)});
     for (const Use& use : passes[i].uses) {
       const auto image = static_cast<std::size_t>(use.image);
-      if (use.writes() && images[image].is_output && last_write[image] == i) {
+      if (use.writes() && images[image].is_output && last_write[image] == i && !is_in_place()) {
         steps.push_back({Step::Kind::download, use.image});
       }
     }
@@ -121,15 +121,19 @@ void Chain::Impl::plan_memory() {
   buffers.resize(images.size());
   std::vector<MemoryRequest> requests;
   std::vector<std::size_t> owners;
+  std::vector<std::size_t> hosted;
   std::uint32_t types = ~0u;
   std::uint64_t alignment = 1;
   for (std::size_t i = 0; i < images.size(); ++i) {
-    if (images[i].role == Role::input || images[i].is_output) staging_bytes += images[i].bytes();
+    const bool is_hosts = is_hosted(images[i]);
+    if (is_hosts || (!is_in_place() && (images[i].role == Role::input || images[i].is_output))) {
+      staging_bytes += images[i].bytes();
+    }
     if (images[i].is_history()) {
       first[i] = 0;
       last[i] = last_step;
     }
-    if (first[i] == never) continue;
+    if (first[i] == never && !is_hosts) continue;
     const vk::BufferCreateInfo create = buffer_of(images[i]);
     const vk::MemoryRequirements needs =
         device.device.getBufferMemoryRequirements(vk::DeviceBufferMemoryRequirements(&create))
@@ -137,12 +141,17 @@ void Chain::Impl::plan_memory() {
     types &= needs.memoryTypeBits;
     alignment = std::max<std::uint64_t>(alignment, needs.alignment);  // powers of two
     buffers[i].bytes = needs.size;
+    if (is_hosts) {
+      hosted.push_back(i);
+      continue;
+    }
     requests.push_back({needs.size, first[i], last[i]});
     owners.push_back(i);
   }
 
-  const auto largest = std::ranges::max_element(requests, {}, &MemoryRequest::bytes);
-  const std::uint64_t largest_bytes = (largest->bytes + alignment - 1) / alignment * alignment;
+  std::uint64_t largest = 0;
+  for (const MemoryRequest& request : requests) largest = std::max(largest, request.bytes);
+  const std::uint64_t largest_bytes = (largest + alignment - 1) / alignment * alignment;
   const std::uint64_t limit =
       std::min(device.max_allocation_bytes, std::max(options.max_arena_bytes, largest_bytes));
   const MemoryPlan plan = gpu::plan_memory(requests, alignment, options.alias_memory, limit);
@@ -151,24 +160,30 @@ void Chain::Impl::plan_memory() {
     buffers[owners[i]].offset = plan.offsets[i];
   }
   arena_bytes = plan.arena_bytes;
+  for (const std::size_t i : hosted) {
+    buffers[i].arena = static_cast<int>(arena_bytes.size());
+    arena_bytes.push_back(buffers[i].bytes);
+  }
   using Memory = vk::MemoryPropertyFlagBits;
   // If the device is a processor, host-visible memory is as fast as any other.
-  memory_type = has_host_passes ? device.memory_type(types, Memory::eHostVisible | Memory::eHostCoherent,
-                                                     Memory::eHostCached | Memory::eDeviceLocal)
-                                : device.memory_type(types, {}, Memory::eDeviceLocal);
+  memory_type = is_mapped() ? device.memory_type(types, Memory::eHostVisible | Memory::eHostCoherent,
+                                                 Memory::eHostCached | Memory::eDeviceLocal)
+                            : device.memory_type(types, {}, Memory::eDeviceLocal);
   device_bytes = plan.total_bytes;
   device_bytes_unaliased = gpu::plan_memory(requests, alignment, false, limit).total_bytes;
 }
 
 void Chain::Impl::allocate() {
   std::vector<std::byte*> mapped(arena_bytes.size());
-  guarded(label() + ": " + format_mib(device_bytes) + " of device memory", [&] {
-    for (std::size_t i = 0; i < arena_bytes.size(); ++i) {
-      arenas.emplace_back(device.device, vk::MemoryAllocateInfo(arena_bytes[i], memory_type));
-      device.set_name(arenas.back(), name + " arena " + std::to_string(i));
-      if (has_host_passes) mapped[i] = static_cast<std::byte*>(arenas[i].mapMemory(0, VK_WHOLE_SIZE));
-    }
-  });
+  guarded(
+      label() + ": " + format_mib(device_bytes + (is_in_place() ? staging_bytes : 0)) + " of device memory",
+      [&] {
+        for (std::size_t i = 0; i < arena_bytes.size(); ++i) {
+          arenas.emplace_back(device.device, vk::MemoryAllocateInfo(arena_bytes[i], memory_type));
+          device.set_name(arenas.back(), name + " arena " + std::to_string(i));
+          if (is_mapped()) mapped[i] = static_cast<std::byte*>(arenas[i].mapMemory(0, VK_WHOLE_SIZE));
+        }
+      });
   for (std::size_t i = 0; i < images.size(); ++i) {
     DeviceBuffer& buffer = buffers[i];
     if (buffer.bytes == 0) continue;
@@ -176,7 +191,7 @@ void Chain::Impl::allocate() {
     device.set_name(buffer.buffer, images[i].name);
     const auto arena = static_cast<std::size_t>(buffer.arena);
     buffer.buffer.bindMemory(*arenas[arena], buffer.offset);
-    if (has_host_passes) buffer.mapped = mapped[arena] + buffer.offset;
+    if (is_mapped()) buffer.mapped = mapped[arena] + buffer.offset;
     if (images[i].extent.elements() <= device.limits.maxTexelBufferElements) {
       buffer.texels = {
           device.device,
@@ -187,8 +202,9 @@ void Chain::Impl::allocate() {
 
 void Chain::Impl::create_staging() {
   using Usage = vk::BufferUsageFlagBits;
-  staging.resize(images.size());
   is_filled.resize(images.size());
+  if (is_in_place()) return;
+  staging.resize(images.size());
   for (std::size_t i = 0; i < images.size(); ++i) {
     const bool is_input = images[i].role == Role::input;
     if (!is_input && !images[i].is_output) continue;

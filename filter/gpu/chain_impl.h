@@ -62,8 +62,8 @@ struct PassDeclaration {
   std::optional<Extent> extent;
 };
 
-/// One step of a run. Inputs are uploaded just before their first reader and outputs downloaded just after
-/// their last writer, so that neither holds device memory longer than necessary.
+/// One step of a run. Staged inputs are uploaded just before their first reader and outputs downloaded just
+/// after their last writer, so that neither holds device memory longer than necessary.
 struct Step {
   enum class Kind { upload, pass, download } kind;
   int index;  ///< of the image or of the pass
@@ -87,7 +87,7 @@ struct DeviceBuffer {
   int arena = 0;
   std::uint64_t offset = 0;
   std::uint64_t bytes = 0;      ///< 0: no step uses the image
-  std::byte* mapped = nullptr;  ///< host address for host passes; null in chains without them
+  std::byte* mapped = nullptr;  ///< host address, if the chain's memory is mapped
 };
 
 struct PassPipeline {
@@ -131,6 +131,14 @@ struct Chain::Impl {
   void run_segments();
   void submit(const Segment& segment);
 
+  /// Whether the host uses inputs and outputs where they lie on the device.
+  bool is_in_place() const { return device.info.is_processor && options.transfers == Transfers::in_place; }
+  bool is_mapped() const { return has_host_passes || is_in_place(); }
+  /// Whether the image has memory of its own, which counts as the host's and not as the device's.
+  bool is_hosted(const ImageDeclaration& declared) const {
+    return is_in_place() && !declared.is_history() && (declared.role == Role::input || declared.is_output);
+  }
+
   /// The buffer of an image in frames of this parity. The two buffers of a history swap every frame.
   const DeviceBuffer& buffer(int image, int parity) const {
     const ImageDeclaration& declared = images[static_cast<std::size_t>(image)];
@@ -148,11 +156,11 @@ struct Chain::Impl {
   bool has_host_passes = false;
 
   std::vector<Step> steps;
-  std::vector<std::uint64_t> arena_bytes;
+  std::vector<std::uint64_t> arena_bytes;  // planned arenas, then one for each image of the host's
   std::uint32_t memory_type = 0;
   std::vector<vk::raii::DeviceMemory> arenas;
   std::vector<DeviceBuffer> buffers;  // one per image
-  std::vector<HostBuffer> staging;    // one per image; null except for inputs and outputs
+  std::vector<HostBuffer> staging;    // one per image; null except for staged inputs and outputs
   std::vector<bool> is_filled;        // one per image: the host has requested its upload memory
   std::uint64_t device_bytes = 0;
   std::uint64_t device_bytes_unaliased = 0;
@@ -171,6 +179,7 @@ struct Chain::Impl {
   vk::raii::Fence fence = nullptr;
 
   int parity = 0;
+  int last_parity = 0;  // of the last run
   bool needs_reset = true;
   bool has_run = false;
   std::vector<PassTime> times;

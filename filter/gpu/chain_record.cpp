@@ -109,7 +109,7 @@ void Chain::Impl::record(const Segment& segment, int parity) const {
   if (segment.host_pass >= 0) {
     barrier(commands, kWorkStages, kWorkAccesses, Stage::eHost, Flag::eHostRead | Flag::eHostWrite);
   } else {
-    barrier(commands, Stage::eCopy, Flag::eTransferWrite, Stage::eHost, Flag::eHostRead);
+    barrier(commands, kWorkStages, kWorkAccesses, Stage::eHost, Flag::eHostRead);
   }
   commands.end();
 }

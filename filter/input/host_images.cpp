@@ -28,21 +28,11 @@ void for_each_pixel(const Rect& rect, int image_width, const Use& use) {
   });
 }
 
-/// The sum of `of_row(y)` over all rows. Rows are computed on all threads and added in a fixed order.
-template <class Sum, class OfRow>
-Sum sum_of_rows(int rows, const OfRow& of_row) {
-  std::vector<Sum> sums(static_cast<std::size_t>(rows));
-  for_each_in_parallel(rows, [&](int y) { sums[static_cast<std::size_t>(y)] = of_row(y); });
-  Sum sum{};
-  for (const Sum& row : sums) sum += row;
-  return sum;
-}
-
 /// A sum of logarithms and the number of its terms.
 struct LogarithmSum {
   LogarithmSum& operator+=(const LogarithmSum& other) {
     exponents += other.exponents;
-    mantissas += other.mantissas;
+    mantissas += other.mantissas + std::log2(other.product);
     count += other.count;
     return *this;
   }
@@ -50,9 +40,12 @@ struct LogarithmSum {
   /// power of two have exactly the scaled geometric mean.
   void add(double value) {
     int exponent = 0;
-    mantissas += std::log2(std::frexp(value, &exponent));
+    product *= std::frexp(value, &exponent);
     exponents += exponent;
     ++count;
+    if (product > 0x1p-900) return;
+    mantissas += std::log2(product);
+    product = 1.0;
   }
   double geometric_mean() const {
     std::int64_t whole = exponents / count;
@@ -64,6 +57,7 @@ struct LogarithmSum {
 
   std::int64_t exponents = 0;
   double mantissas = 0.0;
+  double product = 1.0;  ///< of mantissas that are not in `mantissas` yet
   std::int64_t count = 0;
 };
 
@@ -157,6 +151,7 @@ std::size_t pack_variance(const Frame& frame, const AovSet& used, std::span<cons
       const int y = static_cast<int>(in / frame.width());
       if (tile.core.contains(x, y)) ++replaced;
     }
+    if (pairs.empty()) return;
     pairs[2 * out] = finite[in] ? std::min(variance, kLargestVariance) : 0.0f;
     pairs[2 * out + 1] = finite[in];
   });
@@ -244,12 +239,13 @@ void pack_motion(const Image& motion, const Rect& rect, float limit_px, std::spa
 }
 
 std::size_t count_far_motions(const Image& motion, float limit_px) {
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < motion.pixel_count(); ++i) {
-    const auto pixel = motion.data().subspan(2 * i, 2);
-    if (all_finite(pixel) && !is_within(pixel, limit_px)) ++count;
-  }
-  return count;
+  return sum_of_rows<std::size_t>(motion.height(), [&](int y) {
+    std::size_t count = 0;
+    for (int x = 0; x < motion.width(); ++x) {
+      if (all_finite(motion.pixel(x, y)) && !is_within(motion.pixel(x, y), limit_px)) ++count;
+    }
+    return count;
+  });
 }
 
 float exposure(const Image& beauty) {

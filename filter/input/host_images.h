@@ -31,7 +31,7 @@ void pack_albedo(const Image& albedo, const Rect& rect, std::span<float> rgba);
 /// Packs (variance, valid) pairs of a tile's target rectangle. The variance is the mean over channels of the
 /// `variance` AOV, or of ((a-b)/2)^2 for two half-buffers; 0 if neither is in `used`. A variance that is
 /// negative or not finite is replaced by the pixel's squared luminance (100 % noise). Returns the number of
-/// replaced variances in the tile's core.
+/// replaced variances in the tile's core. Only counts if `pairs` is empty.
 std::size_t pack_variance(const Frame& frame, const AovSet& used, std::span<const std::uint8_t> finite,
                           const Tile& tile, std::span<float> pairs);
 

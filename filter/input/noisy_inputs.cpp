@@ -9,9 +9,10 @@ using gpu::Format;
 
 NoisyInputs::NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent, NoisyUse use)
     : has_albedo(contains(task.used, Aov::albedo)) {
-  own_color = color = chain.input("color.cur", Format::f32x4, extent);
   exposure = chain.input("exposure", Format::f32, {1, 1});
+  if (use == NoisyUse::merge && task.smooths() && !task.smooths_merged()) return;
   given_variance_ = chain.input("variance.cur", Format::f32x2, extent);
+  own_color = color = chain.input("color.cur", Format::f32x4, extent);
   const bool fits_albedo = !task.variance_known() && has_albedo;
   if (use == NoisyUse::smooth || fits_albedo || task.smooths_merged()) {
     features = {.albedo_depth = chain.input("albedo_depth", Format::f32x4, extent),
@@ -34,10 +35,13 @@ NoisyInputs::NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent 
 
 void NoisyInputs::upload(gpu::Chain& chain, const FilterTask& task, const NewFrame& frame, const Tile& tile,
                          FrameReport& report) const {
-  pack_color(frame.frame.image(Aov::beauty), frame.finite, tile.target, chain.upload<float>(color));
-  report.replaced_variances +=
-      pack_variance(frame.frame, task.used, frame.finite, tile, chain.upload<float>(given_variance_));
+  const bool reads_exposure_alone = color == gpu::ImageId();
+  const std::span<float> pairs =
+      reads_exposure_alone ? std::span<float>() : chain.upload<float>(given_variance_);
+  report.replaced_variances += pack_variance(frame.frame, task.used, frame.finite, tile, pairs);
   chain.upload<float>(exposure)[0] = frame.exposure;
+  if (reads_exposure_alone) return;
+  pack_color(frame.frame.image(Aov::beauty), frame.finite, tile.target, chain.upload<float>(color));
   const auto upload_features = [&](const Frame& source, const SurfaceImages& target) {
     pack_features(source, task.used, frame.usual_depth, tile.target, chain.upload<float>(target.albedo_depth),
                   chain.upload<float>(target.normal));

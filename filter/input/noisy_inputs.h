@@ -14,7 +14,8 @@ namespace becalm::filter {
 /// The chain that reads a noisy frame; the smoothing chain always reads features.
 enum class NoisyUse { smooth, merge };
 
-/// A noisy frame, or a tile of it, as the input of a chain.
+/// A noisy frame, or a tile of it, as the input of a chain. A chain that merges smoothed frames alone takes
+/// nothing but the exposure and counts the replaced variances.
 class NoisyInputs {
  public:
   /// Declares the inputs and, for frames that come without variance, the pass that estimates it.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "filter/ceil_div.h"
+#include "filter/for_rows.h"
 #include "filter/input/host_images.h"
 #include "filter/merge/additive.h"
 #include "filter/merge/merge_chains.h"
@@ -33,21 +34,24 @@ void unpack(const MergedTile& pixels, const Tile& tile, int residual_px, MergedF
   copy_core(pixels.decision, tile, frame.decision);
   const Rect& core = tile.core;
   const int residual_width = ceil_div(tile.target.width, residual_px);
-  for (int y = core.y; y < core.y + core.height; ++y) {
-    std::size_t t =
-        static_cast<std::size_t>(y - tile.target.y) * tile.target.width + (core.x - tile.target.x);
+  frame.rejected += sum_of_rows<double>(core.height, [&](int row_of_core) {
+    const int y = core.y + row_of_core;
+    const int row = y - tile.target.y;
+    std::size_t t = static_cast<std::size_t>(row) * tile.target.width + (core.x - tile.target.x);
+    double rejected = 0.0;
     for (int x = core.x; x < core.x + core.width; ++x, ++t) {
+      rejected += pixels.decision[4 * t];
       if (!frame.prediction.stats.empty()) {
         float& variance = frame.prediction.stats.at(x, y, 0);
         variance = std::min(variance + pixels.decision[4 * t + 1], kLargestVariance);
       }
       if (!frame.residual.empty()) {
-        const int column = (x - tile.target.x) / residual_px;
-        const int row = (y - tile.target.y) / residual_px;
-        frame.residual.at(x, y, 0) = pixels.residual[static_cast<std::size_t>(row) * residual_width + column];
+        const std::size_t of_row = static_cast<std::size_t>(row / residual_px) * residual_width;
+        frame.residual.at(x, y, 0) = pixels.residual[of_row + (x - tile.target.x) / residual_px];
       }
     }
-  }
+    return rejected;
+  });
 }
 
 }  // namespace

@@ -18,9 +18,10 @@ struct MergedFrame {
   /// The history alone, warped to the new frame. Its variance includes the squared bias estimated against
   /// that frame.
   Estimate prediction;
-  Image decision;  ///< four channels, as MergeOutputs::decision
-  Image residual;  ///< one channel: patch distance of the finest level
-  Image flow;      ///< two channels: reprojection offset into the history, in pixels
+  Image decision;         ///< four channels, as MergeOutputs::decision
+  Image residual;         ///< one channel: patch distance of the finest level
+  Image flow;             ///< two channels: reprojection offset into the history, in pixels
+  double rejected = 0.0;  ///< sum of the rejected shares of all pixels
 };
 
 /// Merges new frames with the history that it keeps. A frame that the device can hold is one tile, and its

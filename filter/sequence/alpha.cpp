@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "filter/for_rows.h"
+
 namespace becalm::filter {
 namespace {
 
@@ -110,15 +112,21 @@ std::vector<std::uint8_t> noisy_alpha(const Image& beauty) {
 std::vector<std::uint8_t> empty_pixels(const Image& beauty) {
   std::vector<std::uint8_t> black(beauty.pixel_count());
   std::vector<std::uint8_t> glows(beauty.pixel_count());
-  bool has_matte = false;
-  for (std::size_t i = 0; i < beauty.pixel_count(); ++i) {
-    const std::span<const float> pixel = beauty.data().subspan(4 * i, 4);
-    const bool transparent = pixel[3] == 0.0f;
-    const bool is_black = pixel[0] == 0.0f && pixel[1] == 0.0f && pixel[2] == 0.0f;
-    has_matte = has_matte || !transparent;
-    black[i] = transparent && is_black ? 1 : 0;
-    glows[i] = transparent && !is_black ? 1 : 0;
-  }
+  const std::size_t empty = sum_of_rows<std::size_t>(beauty.height(), [&](int y) {
+    std::size_t of_row = 0;
+    for (int x = 0; x < beauty.width(); ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * beauty.width() + x;
+      const std::span<const float> pixel = beauty.pixel(x, y);
+      const bool transparent = pixel[3] == 0.0f;
+      const bool is_black = pixel[0] == 0.0f && pixel[1] == 0.0f && pixel[2] == 0.0f;
+      black[i] = transparent && is_black ? 1 : 0;
+      glows[i] = transparent && !is_black ? 1 : 0;
+      of_row += transparent ? 1 : 0;
+    }
+    return of_row;
+  });
+  if (empty == 0) return black;
+  const bool has_matte = empty < beauty.pixel_count();
   if (!has_matte) return std::vector<std::uint8_t>(beauty.pixel_count());
   const WindowSums count_glowing(glows, beauty.width(), beauty.height());
   for (int y = 0; y < beauty.height(); ++y) {
@@ -131,10 +139,13 @@ std::vector<std::uint8_t> empty_pixels(const Image& beauty) {
 }
 
 void pass_on_alpha(const Image& beauty, std::span<const std::uint8_t> noisy, Image& denoised) {
-  for (std::size_t i = 0; i < beauty.pixel_count(); ++i) {
-    float& alpha = denoised.data()[4 * i + 3];
-    alpha = noisy[i] != 0 ? std::clamp(alpha, 0.0f, 1.0f) : beauty.data()[4 * i + 3];
-  }
+  const auto width = static_cast<std::size_t>(beauty.width());
+  for_rows(beauty.height(), [&](int begin, int end) {
+    for (std::size_t i = begin * width; i < end * width; ++i) {
+      float& alpha = denoised.data()[4 * i + 3];
+      alpha = noisy[i] != 0 ? std::clamp(alpha, 0.0f, 1.0f) : beauty.data()[4 * i + 3];
+    }
+  });
 }
 
 }  // namespace becalm::filter

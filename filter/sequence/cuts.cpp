@@ -5,6 +5,7 @@
 #include <span>
 
 #include "filter/ceil_div.h"
+#include "filter/for_rows.h"
 #include "filter/luminance.h"
 
 namespace becalm::filter {
@@ -73,7 +74,7 @@ ShotSignature shot_signature(const Frame& frame, const AovSet& used, float expos
                           .guides = albedo || normal,
                           .cells = {}};
   std::vector<std::array<CellMean, 5>> means(static_cast<std::size_t>(signature.columns) * signature.rows);
-  for (int y = 0; y < frame.height(); ++y) {
+  const auto add_row = [&](int y) {
     for (int x = 0; x < frame.width(); ++x) {
       auto& cell = means[static_cast<std::size_t>(y / cell_px) * signature.columns + x / cell_px];
       const float light = std::max(luminance(frame.image(Aov::beauty).pixel(x, y)) * exposure, 0.0f);
@@ -81,7 +82,10 @@ ShotSignature shot_signature(const Frame& frame, const AovSet& used, float expos
       if (albedo) cell[1].add(std::clamp(luminance(frame.image(Aov::albedo).pixel(x, y)), 0.0f, 1.0f));
       for (int c = 0; normal && c < 3; ++c) cell[2 + c].add(frame.image(Aov::normal).at(x, y, c));
     }
-  }
+  };
+  for_each_in_parallel(signature.rows, [&](int row) {
+    for (int y = row * cell_px; y < std::min((row + 1) * cell_px, frame.height()); ++y) add_row(y);
+  });
   for (const auto& cell : means) {
     auto& out = signature.cells.emplace_back();
     std::ranges::transform(cell, out.begin(), [](const CellMean& mean) { return mean.mean(); });

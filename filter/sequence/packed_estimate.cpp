@@ -57,12 +57,15 @@ HalfImage::HalfImage(const Image& image, const std::vector<float>& scale)
   std::mutex mutex;
   for_pixels(image.pixel_count(), [&](std::size_t begin, std::size_t end) {
     std::vector<std::pair<std::size_t, float>> missed;
-    for (std::size_t i = begin * scale_.size(); i < end * scale_.size(); ++i) {
-      const float value = image.data()[i];
-      const float of_channel = scale_[i % scale_.size()];
-      halves_[i] = imath_float_to_half(value * of_channel);
-      const float back = imath_half_to_float(halves_[i]) / of_channel;
-      if (!(std::abs(back - value) <= kLargestError * std::abs(value))) missed.emplace_back(i, value);
+    std::size_t i = begin * scale_.size();
+    for (std::size_t pixel = begin; pixel < end; ++pixel) {
+      for (const float of_channel : scale_) {
+        const float value = image.data()[i];
+        halves_[i] = imath_float_to_half(value * of_channel);
+        const float back = imath_half_to_float(halves_[i]) / of_channel;
+        if (!(std::abs(back - value) <= kLargestError * std::abs(value))) missed.emplace_back(i, value);
+        ++i;
+      }
     }
     if (missed.empty()) return;
     const std::scoped_lock lock(mutex);
@@ -73,8 +76,12 @@ HalfImage::HalfImage(const Image& image, const std::vector<float>& scale)
 Image HalfImage::image() const {
   Image image(width_, height_, static_cast<int>(scale_.size()));
   for_pixels(image.pixel_count(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin * scale_.size(); i < end * scale_.size(); ++i) {
-      image.data()[i] = imath_half_to_float(halves_[i]) / scale_[i % scale_.size()];
+    std::size_t i = begin * scale_.size();
+    for (std::size_t pixel = begin; pixel < end; ++pixel) {
+      for (const float of_channel : scale_) {
+        image.data()[i] = imath_half_to_float(halves_[i]) / of_channel;
+        ++i;
+      }
     }
   });
   for (const auto& [index, value] : exceptions_) image.data()[index] = value;

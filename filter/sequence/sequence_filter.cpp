@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "filter/align/pyramid.h"
+#include "filter/for_rows.h"
 #include "filter/input/frame_check.h"
 #include "filter/input/host_images.h"
 #include "filter/merge/additive.h"
@@ -36,9 +37,9 @@ constexpr std::uint64_t kShareOfOthers = 4;
 /// spread light without alpha.
 std::vector<std::uint8_t> unfiltered_pixels(const NewFrame& frame) {
   std::vector<std::uint8_t> pixels = empty_pixels(frame.frame.image(Aov::beauty));
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    if (!frame.finite[i]) pixels[i] = 1;
-  }
+  std::ranges::transform(pixels, frame.finite, pixels.begin(), [](std::uint8_t empty, std::uint8_t finite) {
+    return static_cast<std::uint8_t>(empty | (finite ^ 1));
+  });
   return pixels;
 }
 
@@ -58,13 +59,18 @@ Frame output_frame(const NewFrame& frame, const FilterTask& task, MergedFrame ma
                 made.merged.color);
   std::span<float> count;
   if (contains(diagnostics, Aov::sample_count)) count = result.add(Aov::sample_count).data();
-  for (std::size_t i = 0; i < frame.finite.size(); ++i) {
-    if (as_they_came[i]) std::ranges::copy(beauty.subspan(4 * i, 4), color.begin() + 4 * i);
-    std::ranges::fill_n(variance.begin() + 3 * i, 3, stats[2 * i]);
-    if (!count.empty()) count[i] = stats[2 * i + 1];
-    report.mean_sample_count += stats[2 * i + 1];
-  }
-  report.mean_sample_count /= static_cast<double>(frame.finite.size());
+  const auto width = static_cast<std::size_t>(noisy.width());
+  const double frames = sum_of_rows<double>(noisy.height(), [&](int y) {
+    double of_row = 0.0;
+    for (std::size_t i = y * width; i < (y + 1) * width; ++i) {
+      if (as_they_came[i]) std::copy_n(beauty.begin() + 4 * i, 4, color.begin() + 4 * i);
+      std::fill_n(variance.begin() + 3 * i, 3, stats[2 * i]);
+      if (!count.empty()) count[i] = stats[2 * i + 1];
+      of_row += stats[2 * i + 1];
+    }
+    return of_row;
+  });
+  report.mean_sample_count = frames / static_cast<double>(frame.finite.size());
   result.image(Aov::beauty) = std::move(made.merged.color);
   const auto add_decision = [&](Aov aov, std::size_t value) {
     if (!contains(diagnostics, aov)) return;
@@ -211,14 +217,15 @@ Frame SequenceFilter::State::forward(const NewFrame& frame, FrameReport& report)
   const gpu::Extent full = task.full;
   MergedFrame merged;
   merged.merged = Estimate(full, task.carried());
-  merged.decision = Image(full.width, full.height, 4);
-  if (contains(task.diagnostics, Aov::residual)) merged.residual = Image(full.width, full.height, 1);
-  if (contains(task.diagnostics, Aov::flow)) merged.flow = Image(full.width, full.height, 2);
-  merger->merge(frame, merged, report);
-  for (std::size_t i = 0; i < merged.decision.pixel_count(); ++i) {
-    report.mean_rejected += merged.decision.data()[4 * i];
+  const AovSet& diagnostics = task.diagnostics;
+  if (contains(diagnostics, Aov::error_mask) || contains(diagnostics, Aov::bias) ||
+      contains(diagnostics, Aov::gain)) {
+    merged.decision = Image(full.width, full.height, 4);
   }
-  report.mean_rejected /= static_cast<double>(full.elements());
+  if (contains(diagnostics, Aov::residual)) merged.residual = Image(full.width, full.height, 1);
+  if (contains(diagnostics, Aov::flow)) merged.flow = Image(full.width, full.height, 2);
+  merger->merge(frame, merged, report);
+  report.mean_rejected = merged.rejected / static_cast<double>(full.elements());
 
   if (const auto prediction = predictions.find(frame.frame.number()); prediction != predictions.end()) {
     merged.merged = combiner->run(frame.exposure, merged.merged, prediction->second.estimate(), report);
@@ -226,7 +233,7 @@ Frame SequenceFilter::State::forward(const NewFrame& frame, FrameReport& report)
   }
   Accumulated noisy;
   if (merged_smoother) {
-    if (contains(task.diagnostics, Aov::accumulated)) noisy = accumulated(merged.merged);
+    if (contains(diagnostics, Aov::accumulated)) noisy = accumulated(merged.merged);
     merged.merged = merged_smoother->smooth(frame, std::move(merged.merged), report);
   }
   if (task.smooths()) restore_energy(frame, task, merged.merged);

@@ -46,6 +46,11 @@ struct BlockGrid {
   std::vector<Block> blocks;
 };
 
+/// std::lerp without its branches.
+double mix(double a, double b, double share) {
+  return a + share * (b - a);
+}
+
 /// The two blocks whose centres enclose a position. The position is in blocks, relative to the centre of the
 /// first block.
 struct Between {
@@ -62,8 +67,8 @@ struct Between {
 
 double factor_between(const BlockGrid& grid, const Between& x, const Between& y, std::size_t channel) {
   const auto value = [&](int u, int v) { return grid.at(u, v).factor[channel]; };
-  return std::lerp(std::lerp(value(x.low, y.low), value(x.high, y.low), x.share),
-                   std::lerp(value(x.low, y.high), value(x.high, y.high), x.share), y.share);
+  return mix(mix(value(x.low, y.low), value(x.high, y.low), x.share),
+             mix(value(x.low, y.high), value(x.high, y.high), x.share), y.share);
 }
 
 /// Squared difference between the frame and the estimate in channel c of pixel i.
@@ -123,10 +128,11 @@ class Restorable {
     const Between row((y + 0.5) / kCell - 0.5, height_);
     const double* low = &shares_[static_cast<std::size_t>(row.low) * width_];
     const double* high = &shares_[static_cast<std::size_t>(row.high) * width_];
+    std::vector<double> along(static_cast<std::size_t>(width_));
+    for (std::size_t i = 0; i < along.size(); ++i) along[i] = mix(low[i], high[i], row.share);
     for (std::size_t x = 0; x < columns_.size(); ++x) {
       const Between& c = columns_[x];
-      set(x, std::lerp(std::lerp(low[c.low], low[c.high], c.share),
-                       std::lerp(high[c.low], high[c.high], c.share), row.share));
+      set(x, mix(along[c.low], along[c.high], c.share));
     }
   }
 
@@ -234,8 +240,10 @@ void find_factors(BlockGrid& level, const BlockGrid* coarse) {
 }
 
 /// Multiplies the restorable part of the estimate and of its additive AOVs by the factors, interpolated
-/// between the blocks' centres.
-void apply(const BlockGrid& grid, int block_px, const Restorable& restorable, Estimate& estimate) {
+/// between the blocks' centres. Calls `use_row(y)` for each row that is done, on all threads.
+template <class UseRow>
+void apply(const BlockGrid& grid, int block_px, const Restorable& restorable, Estimate& estimate,
+           const UseRow& use_row) {
   const int width = estimate.color.width();
   std::vector<Between> columns;
   for (int x = 0; x < width; ++x) columns.emplace_back((x + 0.5) / block_px - 0.5, grid.width);
@@ -249,7 +257,7 @@ void apply(const BlockGrid& grid, int block_px, const Restorable& restorable, Es
       const std::size_t i = static_cast<std::size_t>(y) * width + x;
       const Between& column = columns[x];
       for (std::size_t c = 0; c < 3; ++c) {
-        const double of_block = std::lerp(along[column.low][c], along[column.high][c], column.share);
+        const double of_block = mix(along[column.low][c], along[column.high][c], column.share);
         const auto factor = static_cast<float>(1.0 + share * (of_block - 1.0));
         estimate.color.data()[4 * i + c] *= factor;
         for (Image& image : estimate.additive) image.data()[4 * i + c] *= factor;
@@ -257,7 +265,10 @@ void apply(const BlockGrid& grid, int block_px, const Restorable& restorable, Es
     });
   };
   for_rows(estimate.color.height(), [&](int begin, int end) {
-    for (int y = begin; y < end; ++y) scale_row(y);
+    for (int y = begin; y < end; ++y) {
+      scale_row(y);
+      use_row(y);
+    }
   });
 }
 
@@ -274,48 +285,45 @@ void leave_channels_without_light(std::vector<BlockGrid>& levels) {
   }
 }
 
-/// Exposed sums over the whole frame: the estimate, and its squared difference from the frame.
+/// Exposed sums over a row or the whole frame: the estimate, and its squared difference from the frame.
 struct Remainder {
+  Remainder& operator+=(const Remainder& other) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      estimate[c] += other.estimate[c];
+      restorable[c] += other.restorable[c];
+    }
+    residual += other.residual;
+    return *this;
+  }
+
   Channels estimate{};
   Channels restorable{};
   double residual = 0.0;  ///< averaged over channels
 };
 
-Remainder remainder_of(const NewFrame& frame, const Estimate& estimate, const Restorable& restorable) {
-  const int width = estimate.color.width();
+Remainder remainder_of_row(const NewFrame& frame, const Estimate& estimate, const Restorable& restorable,
+                           int y) {
   const double exposure = frame.exposure;
-  std::vector<Remainder> rows(static_cast<std::size_t>(estimate.color.height()));
-  for_each_in_parallel(estimate.color.height(), [&](int y) {
-    Remainder sum;
-    restorable.for_row(y, [&](std::size_t x, double share) {
-      const std::size_t i = static_cast<std::size_t>(y) * width + x;
-      if (!counts(frame, estimate, i)) return;
-      for (std::size_t c = 0; c < 3; ++c) {
-        const double e = exposure * estimate.color.data()[4 * i + c];
-        sum.estimate[c] += e;
-        sum.restorable[c] += share * e;
-        sum.residual += exposure * exposure * residual_square(frame, estimate, i, c) / 3.0;
-      }
-    });
-    rows[y] = sum;
-  });
-  Remainder whole;
-  for (const Remainder& row : rows) {
+  const std::size_t first = static_cast<std::size_t>(y) * estimate.color.width();
+  Remainder sum;
+  restorable.for_row(y, [&](std::size_t x, double share) {
+    const std::size_t i = first + x;
+    if (!counts(frame, estimate, i)) return;
     for (std::size_t c = 0; c < 3; ++c) {
-      whole.estimate[c] += row.estimate[c];
-      whole.restorable[c] += row.restorable[c];
+      const double e = exposure * estimate.color.data()[4 * i + c];
+      sum.estimate[c] += e;
+      sum.restorable[c] += share * e;
+      sum.residual += exposure * exposure * residual_square(frame, estimate, i, c) / 3.0;
     }
-    whole.residual += row.residual;
-  }
-  return whole;
+  });
+  return sum;
 }
 
 /// Changes the mean of the estimate towards that of the noisy frame. `whole` is the coarsest block, with the
-/// sums from before the finer levels changed the estimate. A frame may state more noise than it has (the
-/// variance of one sample may be given as its square), so the residual bounds it. V^2 / (V + kUnseen^2)
-/// replaces the relative variance V.
-void restore_whole(Block whole, const NewFrame& frame, const Restorable& restorable, Estimate& estimate) {
-  const Remainder left = remainder_of(frame, estimate, restorable);
+/// sums from before the finer levels changed the estimate, `left` has those after it. A frame may state more
+/// noise than it has (the variance of one sample may be given as its square), so the residual bounds it. V^2
+/// / (V + kUnseen^2) replaces the relative variance V.
+void restore_whole(Block whole, const Remainder& left, const Restorable& restorable, Estimate& estimate) {
   whole.factor = {1.0, 1.0, 1.0};
   for (std::size_t c = 0; c < 3; ++c) {
     whole.estimate[c] = whole.frame[c] > 0.0 ? left.estimate[c] : 0.0;
@@ -327,7 +335,7 @@ void restore_whole(Block whole, const NewFrame& frame, const Restorable& restora
   bring_to_frame(whole, noise > 0.0 ? noise * (noise / (noise + unseen)) : 0.0, 1.0 + kUnseen);
   BlockGrid one(1, 1);
   one.blocks = {whole};
-  apply(one, 1, restorable, estimate);
+  apply(one, 1, restorable, estimate, [](int) {});
 }
 
 }  // namespace
@@ -340,8 +348,12 @@ void restore_energy(const NewFrame& frame, const FilterTask& task, Estimate& est
   for (std::size_t l = levels.size(); l-- > 0;) {
     find_factors(levels[l], l + 1 < levels.size() ? &levels[l + 1] : nullptr);
   }
-  apply(levels.front(), kFinestBlock, restorable, estimate);
-  restore_whole(levels.back().blocks.front(), frame, restorable, estimate);
+  std::vector<Remainder> rows(static_cast<std::size_t>(estimate.color.height()));
+  apply(levels.front(), kFinestBlock, restorable, estimate,
+        [&](int y) { rows[static_cast<std::size_t>(y)] = remainder_of_row(frame, estimate, restorable, y); });
+  Remainder left;
+  for (const Remainder& row : rows) left += row;
+  restore_whole(levels.back().blocks.front(), left, restorable, estimate);
 }
 
 }  // namespace becalm::filter

@@ -3,8 +3,19 @@
 #include <algorithm>
 #include <utility>
 
+#include "filter/for_rows.h"
+
 namespace becalm::filter {
 namespace {
+
+/// Calls `use(index)` for each pixel, on all threads.
+template <class Use>
+void for_pixels(const Image& image, const Use& use) {
+  const auto width = static_cast<std::size_t>(image.width());
+  for_rows(image.height(), [&](int begin, int end) {
+    for (std::size_t i = begin * width; i < end * width; ++i) use(i);
+  });
+}
 
 FilterTask task_of_merged(FilterTask task) {
   task.used.set(static_cast<std::size_t>(Aov::variance));
@@ -28,9 +39,9 @@ Accumulated accumulated(const Estimate& merged) {
                      .normal = Image(width, height, 3),
                      .depth = Image(width, height, 1)};
   const auto copy = [](const Image& layer, std::size_t pixel, Image& target) {
-    std::ranges::copy(layer.data().subspan(4 * pixel, 3), target.data().subspan(3 * pixel, 3).begin());
+    std::copy_n(layer.data().begin() + 4 * pixel, 3, target.data().begin() + 3 * pixel);
   };
-  for (std::size_t i = 0; i < radiance.pixel_count(); ++i) {
+  for_pixels(radiance, [&](std::size_t i) {
     copy(radiance, i, result.color);
     copy(albedo_depth, i, result.albedo);
     copy(normal, i, result.normal);
@@ -39,7 +50,7 @@ Accumulated accumulated(const Estimate& merged) {
     result.depth.data()[i] = std::clamp(albedo_depth.data()[4 * i + 3], 0.0f, 2.0f);
     const float frames = std::max(merged.stats.data()[2 * i + 1], 1.0f);
     result.variance.data()[i] = std::max(radiance.data()[4 * i + 3], 0.0f) / frames;
-  }
+  });
   return result;
 }
 
@@ -51,12 +62,12 @@ Estimate MergedSmoother::smooth(const NewFrame& frame, Estimate merged, FrameRep
   Frame still(frame.frame.number(), frame.frame.width(), frame.frame.height());
   Image& beauty = still.image(Aov::beauty) = std::move(merged.color);
   Image& variance = still.add(Aov::variance);
-  for (std::size_t i = 0; i < beauty.pixel_count(); ++i) {
-    std::ranges::copy(noisy.color.data().subspan(3 * i, 3), beauty.data().subspan(4 * i, 3).begin());
-    std::ranges::fill_n(variance.data().begin() + 3 * i, 3, noisy.variance.data()[i]);
+  for_pixels(beauty, [&](std::size_t i) {
+    std::copy_n(noisy.color.data().begin() + 3 * i, 3, beauty.data().begin() + 4 * i);
+    std::fill_n(variance.data().begin() + 3 * i, 3, noisy.variance.data()[i]);
     float& depth = noisy.depth.data()[i];
     depth = frame.usual_depth * depth / (2.0f - depth);  // infinite where nothing was hit
-  }
+  });
   if (contains(task_.used, Aov::albedo)) still.image(Aov::albedo) = std::move(noisy.albedo);
   if (contains(task_.used, Aov::normal)) still.image(Aov::normal) = std::move(noisy.normal);
   if (contains(task_.used, Aov::depth)) still.image(Aov::depth) = std::move(noisy.depth);
@@ -68,9 +79,8 @@ Estimate MergedSmoother::smooth(const NewFrame& frame, Estimate merged, FrameRep
                                         .usual_depth = frame.usual_depth,
                                         .additive = std::move(merged.additive)},
                                        report);
-  for (std::size_t i = 0; i < beauty.pixel_count(); ++i) {
-    smoothed.stats.data()[2 * i + 1] = merged.stats.data()[2 * i + 1];
-  }
+  for_pixels(beauty,
+             [&](std::size_t i) { smoothed.stats.data()[2 * i + 1] = merged.stats.data()[2 * i + 1]; });
   return smoothed;
 }
 

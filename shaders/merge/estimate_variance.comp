@@ -34,16 +34,18 @@ void main() {
 
   float feature[kTaps][kFeatures];
   float weight[kTaps];
-  int taps[kTaps];
+  vec3 irradiance[kTaps];
   [[unroll]] for (int t = 0; t < kTaps; ++t) {
     const ivec2 shift = ivec2(t % 3 - 1, t / 3 - 1);
     const ivec2 tap = at + shift;
     const bool inside = tap.x >= 0 && tap.y >= 0 && tap.x < p.width && tap.y < p.height;
-    taps[t] = inside ? tap.y * p.width + tap.x : index;
-    const vec4 a = texelFetch(albedo_depth, taps[t]) - albedo_depth_here;
-    const vec3 n = texelFetch(normal, taps[t]).xyz - normal_here;
+    const int from = inside ? tap.y * p.width + tap.x : index;
+    const vec4 albedo_depth_there = texelFetch(albedo_depth, from);
+    const vec4 a = albedo_depth_there - albedo_depth_here;
+    const vec3 n = texelFetch(normal, from).xyz - normal_here;
     const float alike = exp(-(dot(a, a) + dot(n, n)) / (2.0 * kWeightRadius * kWeightRadius));
-    weight[t] = inside ? max(alike, kLeastWeight) * texelFetch(valid, taps[t]).y : 0.0;
+    weight[t] = inside ? max(alike, kLeastWeight) * texelFetch(valid, from).y : 0.0;
+    irradiance[t] = texelFetch(color, from).rgb / divisor_of(albedo_depth_there.rgb);
     [[unroll]] for (int f = 0; f < 4; ++f) feature[t][f] = a[f];
     [[unroll]] for (int f = 0; f < 3; ++f) feature[t][4 + f] = n[f];
     [[unroll]] for (int f = 0; f < 2; ++f) feature[t][7 + f] = 0.5 * float(shift[f]);
@@ -56,7 +58,8 @@ void main() {
   float sum = 0.0;
   [[unroll]] for (int t = 0; t < kTaps; ++t) sum += weight[t];
   [[unroll]] for (int r = 0; r <= kFeatures; ++r) {
-    [[unroll]] for (int s = r; s <= kFeatures; ++s) {
+    [[unroll]] for (int s = 0; s <= kFeatures; ++s) {
+      if (s < r) continue;
       float moment = r == s && r < kFeatures ? kRidge * sum + 1e-20 : 0.0;
       [[unroll]] for (int t = 0; t < kTaps; ++t) {
         moment += weight[t] * (r < kFeatures ? feature[t][min(r, kFeatures - 1)] : 1.0) *
@@ -66,16 +69,21 @@ void main() {
     }
   }
   [[unroll]] for (int r = 0; r < kFeatures; ++r) {
-    [[unroll]] for (int t = r + 1; t <= kFeatures; ++t) {
+    [[unroll]] for (int t = 0; t <= kFeatures; ++t) {
+      if (t <= r) continue;
       const float share = m[r][t] / m[r][r];
-      [[unroll]] for (int s = t; s <= kFeatures; ++s) m[t][s] -= share * m[r][s];
+      [[unroll]] for (int s = 0; s <= kFeatures; ++s) {
+        if (s >= t) m[t][s] -= share * m[r][s];
+      }
     }
   }
   const float constant = 1.0 / max(m[kFeatures][kFeatures], 1e-6);
   float slope[kFeatures];
   [[unroll]] for (int r = kFeatures - 1; r >= 0; --r) {
     slope[r] = -m[r][kFeatures] * constant;
-    [[unroll]] for (int s = r + 1; s < kFeatures; ++s) slope[r] -= m[r][s] * slope[s];
+    [[unroll]] for (int s = 0; s < kFeatures; ++s) {
+      if (s > r) slope[r] -= m[r][s] * slope[s];
+    }
     slope[r] /= m[r][r];
   }
 
@@ -85,7 +93,7 @@ void main() {
     float part = constant;
     [[unroll]] for (int f = 0; f < kFeatures; ++f) part += slope[f] * feature[t][f];
     part = weight[t] * part - (t == kTaps / 2 ? 1.0 : 0.0);
-    remainder += part * texelFetch(color, taps[t]).rgb / divisor_of(texelFetch(albedo_depth, taps[t]).rgb);
+    remainder += part * irradiance[t];
     noise_left += part * part;
   }
   remainder *= divisor_of(albedo_depth_here.rgb);

@@ -39,6 +39,9 @@ class MergeOnDevice {
       : chain_(device, "merge test"),
         noisy_(chain_, task_with_variance(settings, kFull), kFull, NoisyUse::merge) {
     const gpu::Extent full = kFull;
+    const bool smoothed = settings.smooth != Smooth::none;
+    color_ = smoothed ? chain_.input("smoothed.color", gpu::Format::f32x4, full) : noisy_.color;
+    variance_ = smoothed ? chain_.input("smoothed.stats", gpu::Format::f32x2, full) : noisy_.variance;
     alignment_.offset = chain_.input("offset", gpu::Format::f32x2, full);
     for (std::size_t l = 0; l < pyramid_extents(settings, kWidth, kHeight).size(); ++l) {
       alignment_.residual.push_back(alignment_.offset);
@@ -50,8 +53,8 @@ class MergeOnDevice {
     const gpu::History stats = chain_.history("history.stats", gpu::Format::f32x2, full);
     decision_ = add_merge_passes(chain_, settings, full,
                                  {.noisy = noisy_,
-                                  .color = noisy_.color,
-                                  .variance = noisy_.variance,
+                                  .color = color_,
+                                  .variance = variance_,
                                   .history_color = color,
                                   .history_stats = stats},
                                  alignment_)
@@ -66,7 +69,7 @@ class MergeOnDevice {
 
   reference::Merged run(const Grid<Estimate>& sample, const Grid<Vec2>& offset,
                         const Grid<double>* residual = nullptr) {
-    upload_estimate(chain_, noisy_.color, noisy_.variance, sample);
+    upload_estimate(chain_, color_, variance_, sample);
     upload_offset(chain_, alignment_.offset, offset);
     chain_.upload<float>(noisy_.exposure)[0] = kExposure;
     if (residual)
@@ -82,6 +85,7 @@ class MergeOnDevice {
  private:
   gpu::Chain chain_;
   NoisyInputs noisy_;
+  gpu::ImageId color_, variance_;  ///< of the new frame, smoothed or not
   gpu::ImageId merged_color_, merged_stats_, decision_;
   Alignment alignment_;
 };

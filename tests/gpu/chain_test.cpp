@@ -252,7 +252,9 @@ TEST_F(ChainTest, SaysWhatMemoryItHolds) {
   constexpr Extent extent{1024, 64};
   constexpr std::uint64_t bytes = extent.elements() * 4;
   for (const bool alias : {true, false}) {
-    Chain chain(validated_device(), "memory", test_options(alias));
+    ChainOptions options = test_options(alias);
+    options.transfers = Transfers::staged;
+    Chain chain(validated_device(), "memory", options);
     const ImageId input = chain.input("input", Format::f32, extent);
     static_cast<void>(chain.image("never used", Format::f32, extent));
     ImageId last = input;
@@ -275,6 +277,35 @@ TEST_F(ChainTest, SaysWhatMemoryItHolds) {
     EXPECT_EQ(chain.device_bytes(), (alias ? 2 : 7) * bytes) << "as planned";
     EXPECT_EQ(chain.staging_bytes(), 2 * bytes) << "as planned";
   }
+}
+
+TEST_F(ChainTest, UsesInputsAndOutputsInPlaceOnAProcessor) {
+  if (!validated_device().info().is_processor) GTEST_SKIP() << "the device is no processor";
+  constexpr Extent extent{1024, 64};
+  Chain chain(validated_device(), "in place", test_options());
+  const ImageId unused = chain.input("unused", Format::f32, extent);
+  ImageId last = chain.input("input", Format::f32, extent);
+  const ImageId input = last;
+  for (int i = 0; i < 6; ++i) {
+    const ImageId next = chain.image("L" + std::to_string(i), Format::f32, extent);
+    chain.pass("kernels/scale")
+        .read("fine", last)
+        .write("scaled", next)
+        .constants(ScaleParams{extent.width, extent.height})
+        .dispatch(extent);
+    last = next;
+  }
+  chain.output(last);
+  chain.build();
+  EXPECT_EQ(chain.staging_bytes(), 3 * extent.elements() * 4);
+  EXPECT_EQ(chain.device_bytes(), 2 * extent.elements() * 4) << "what the host uses shares no memory";
+  std::ranges::fill(chain.upload<float>(unused), 7.0f);
+  std::ranges::fill(chain.upload<float>(input), 1.0f);
+  chain.run();
+  const float result = chain.download<float>(last)[5];
+  chain.run();
+  EXPECT_EQ(chain.download<float>(last)[5], result) << "inputs keep their values between runs";
+  EXPECT_EQ(chain.upload<float>(unused)[5], 7.0f);
 }
 
 TEST_F(ChainTest, ServesSeveralChainsOfOneDeviceInTurn) {

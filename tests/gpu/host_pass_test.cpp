@@ -114,15 +114,17 @@ TEST_F(HostPassTest, HandsAHistoryFromFrameToFrame) {
 
 TEST_F(HostPassTest, SharesMemoryAsOtherPassesDo) {
   ImageId last = input_;
-  for (int i = 0; i < 6; ++i) {
+  float expected = 1.0f;
+  for (int i = 0; i < 12; ++i) {
     const ImageId next = chain_.image("L" + std::to_string(i), Format::f32, kExtent);
     i % 2 == 0 ? add_scale(last, next) : add_term(last, next, 1.0f);
+    expected = i % 2 == 0 ? 2.0f * expected + 10.0f : expected + 1.0f;
     last = next;
   }
   chain_.output(last);
   chain_.build();
   EXPECT_LT(chain_.device_bytes(), chain_.device_bytes_unaliased() / 3);
-  EXPECT_EQ(run(last, 1), 2 * (2 * (2 * 1 + 11) + 11) + 11);
+  EXPECT_EQ(run(last, 1), expected);
 }
 
 TEST_F(HostPassTest, IsTimedAndNamed) {

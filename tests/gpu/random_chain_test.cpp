@@ -158,6 +158,8 @@ Values chain_outputs(const Program& program, const ChainOptions& options, unsign
 TEST(RandomChain, ComputesTheSameAsTheCpuHoweverItsMemoryIsLaidOut) {
   ChainOptions several_arenas = test_options(true);
   several_arenas.max_arena_bytes = 20'000;
+  ChainOptions staged = test_options(true);
+  staged.transfers = Transfers::staged;
   for (unsigned seed = 0; seed < 25; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const Program program = random_program(seed);
@@ -165,10 +167,12 @@ TEST(RandomChain, ComputesTheSameAsTheCpuHoweverItsMemoryIsLaidOut) {
     ASSERT_EQ(chain_outputs(program, test_options(true)), expected);
     ASSERT_EQ(chain_outputs(program, test_options(false)), expected);
     ASSERT_EQ(chain_outputs(program, several_arenas), expected);
+    ASSERT_EQ(chain_outputs(program, staged), expected);
     if (!validated_device().info().is_processor) continue;
     for (const unsigned host_share : {1, 2, 5}) {
       ASSERT_EQ(chain_outputs(program, test_options(true), host_share), expected);
       ASSERT_EQ(chain_outputs(program, several_arenas, host_share), expected);
+      ASSERT_EQ(chain_outputs(program, staged, host_share), expected);
     }
   }
   EXPECT_TRUE(validated_device().validation_messages().empty());

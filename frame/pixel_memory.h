@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstddef>
+
+namespace becalm {
+
+/// Memory for an image's pixels. Memory of large images that are gone is kept for the next image of the same
+/// size: the system hands out fresh memory page by page, which takes longer than filling it.
+void* take_pixel_memory(std::size_t bytes);
+void give_back_pixel_memory(void* memory, std::size_t bytes);
+
+template <class T>
+struct PixelAllocator {
+  using value_type = T;
+  PixelAllocator() = default;
+  template <class Other>
+  PixelAllocator(const PixelAllocator<Other>&) {}
+  T* allocate(std::size_t count) { return static_cast<T*>(take_pixel_memory(count * sizeof(T))); }
+  void deallocate(T* memory, std::size_t count) { give_back_pixel_memory(memory, count * sizeof(T)); }
+  bool operator==(const PixelAllocator&) const = default;
+};
+
+}  // namespace becalm
