@@ -10,7 +10,7 @@ using gpu::Format;
 NoisyInputs::NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent, NoisyUse use)
     : has_albedo(contains(task.used, Aov::albedo)) {
   own_color = color = chain.input("color.cur", Format::f32x4, extent);
-  exposure = chain.input("exposure", Format::f32, {1, 1});
+  exposure = chain.table("exposure", Format::f32, {1, 1});
   given_variance_ = chain.input("variance.cur", Format::f32x2, extent);
   const bool fits_albedo = !task.variance_known() && has_albedo;
   if (use == NoisyUse::smooth || fits_albedo || task.smooths_merged()) {
