@@ -3,14 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <climits>
 #include <cmath>
 #include <optional>
 #include <random>
 #include <set>
-#include <string_view>
 
 #include "filter/ceil_div.h"
 
@@ -45,24 +43,22 @@ struct Layout {
     const gpu::Extent extent = chain.extent(image);
     const gpu::Format format = chain.format(image);
     channels = static_cast<int>(gpu::bytes_per_element(format) / sizeof(float));
-    framed = pass.name.starts_with("smooth/host_") && format == gpu::Format::f32;
-    side = framed ? extent.height - 2 : extent.width;
+    const bool framed = pass.name.starts_with("smooth/host_") && format == gpu::Format::f32;
+    frame = framed ? 1 : 0;
+    stride = framed ? extent.height : extent.width;
+    side = stride - 2 * frame;
     if (framed) channels = extent.width / extent.height;
     planes = extent.planes;
   }
 
   /// The pixel that holds a float; in the extra pixels it lies outside.
   Pixel pixel(std::size_t i) const {
-    const int stride = framed ? side + 2 : side;
     const int in_plane = static_cast<int>(i / channels) % (stride * stride);
-    const int frame = framed ? 1 : 0;
     return {in_plane % stride - frame, in_plane / stride - frame};
   }
   /// Calls `use` with the index of each float of a pixel.
   template <class Use>
   void for_each_float(const Pixel& p, const Use& use) const {
-    const int stride = framed ? side + 2 : side;
-    const int frame = framed ? 1 : 0;
     for (int plane = 0; plane < planes; ++plane) {
       const std::size_t first =
           (static_cast<std::size_t>(plane) * stride + p.y + frame) * stride + p.x + frame;
@@ -74,8 +70,9 @@ struct Layout {
 
   int channels;
   int planes;
-  int side;
-  bool framed;
+  int side;    ///< in pixels, without the extra ones
+  int stride;  ///< with them
+  int frame;   ///< extra pixels on each side
 };
 
 class Check {
