@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <numeric>
 
 #include "filter/ceil_div.h"
 #include "shaders/shared/align_params.h"
@@ -29,18 +28,26 @@ int refines(const Settings& settings, std::size_t level) {
 struct CoarseOffset {
   ImageId image;
   Extent extent;
-  float scale;
+  int factor;  ///< how many times smaller the image is than the level that reads it
+
+  float scale() const { return static_cast<float>(factor); }
 };
+
+/// Footprint of a read of a level's source at offsets of at most `limit_px` full-resolution pixels, by a
+/// patch of this radius.
+gpu::Footprint gather_source(const Settings& settings, std::size_t level, int limit_px, int radius = 0) {
+  return gpu::gather(ceil_div(limit_px, level_px(settings, level)) + radius);
+}
 
 /// Warps the source's features to the target's pixels by the level's start offsets.
 ImageId add_warp(Chain& chain, const Settings& settings, const Search& search, std::size_t level,
-                 Extent extent, const Features& source, const CoarseOffset& coarse) {
+                 Extent extent, const Features& source, const CoarseOffset& coarse, int limit_px) {
   const Extent source_extent = level_extent(settings, search.window.full, level);
   const ImageId warped = chain.image(fmt::format("{}features.warped.L{}", search.name, level), Format::f32,
                                      extent.with_planes(source.planes));
   chain.pass("align/warp_source")
-      .read("source", source.image)
-      .read("offset_coarse", coarse.image)
+      .read("source", source.image, gather_source(settings, level, limit_px))
+      .read("offset_coarse", coarse.image, gpu::bilinear(coarse.factor))
       .read("target_origin", search.window.target_origin)
       .write("warped", warped)
       .specialize("planes", source.planes)
@@ -51,7 +58,7 @@ ImageId add_warp(Chain& chain, const Settings& settings, const Search& search, s
                                           .level_px = level_px(settings, level),
                                           .coarse_width = coarse.extent.width,
                                           .coarse_height = coarse.extent.height,
-                                          .coarse_scale = coarse.scale})
+                                          .coarse_scale = coarse.scale()})
       .dispatch(extent);
   return warped;
 }
@@ -59,15 +66,17 @@ ImageId add_warp(Chain& chain, const Settings& settings, const Search& search, s
 /// Start offsets of a level: per pixel the coarser level's offset or the known motion, whichever has the
 /// smaller distance.
 CoarseOffset add_motion_guide(Chain& chain, const Settings& settings, const Search& search, std::size_t level,
-                              const Features& target, const Features& source, const CoarseOffset& coarse) {
+                              const Features& target, const Features& source, const CoarseOffset& coarse,
+                              int limit_px) {
+  constexpr int patch_radius = 2;  // of both starts that are compared
   const Extent extent = level_extent(settings, search.full, level);
   const Extent source_extent = level_extent(settings, search.window.full, level);
   const ImageId start = chain.image(search.name + "offset.guided", Format::f32x2, extent);
   chain.pass("align/choose_start")
-      .read("target", target.image)
-      .read("source", source.image)
-      .read("offset_coarse", coarse.image)
-      .read("motion", *search.motion)
+      .read("target", target.image, gpu::reach(patch_radius))
+      .read("source", source.image, gather_source(settings, level, limit_px, patch_radius))
+      .read("offset_coarse", coarse.image, gpu::bilinear(coarse.factor))
+      .read("motion", *search.motion, gpu::block(level_px(settings, level)))
       .read("target_origin", search.window.target_origin)
       .write("start", start)
       .constants(params::ChooseStartParams{.width = extent.width,
@@ -77,12 +86,12 @@ CoarseOffset add_motion_guide(Chain& chain, const Settings& settings, const Sear
                                            .planes = target.planes,
                                            .coarse_width = coarse.extent.width,
                                            .coarse_height = coarse.extent.height,
-                                           .coarse_scale = coarse.scale,
+                                           .coarse_scale = coarse.scale(),
                                            .full_width = search.full.width,
                                            .full_height = search.full.height,
                                            .level_px = level_px(settings, level)})
       .dispatch(extent);
-  return {start, extent, 1.0f};
+  return {start, extent, 1};
 }
 
 /// Inputs and outputs of the search at one level.
@@ -125,10 +134,12 @@ Strip match_strip(const gpu::DeviceInfo& device) {
 /// Searches the level in one pass that stores no distances in memory.
 void add_match(Chain& chain, const Settings& settings, const Level& level) {
   const Strip strip = match_strip(chain.device());
+  // Sums slide down each strip: a pixel has the rounding errors of all rows above it in the strip.
+  const auto patch = [&](int shift) { return gpu::in_runs_of(strip.rows, gpu::reach(level.radius + shift)); };
   chain.pass("align/match")
-      .read("target", level.target)
-      .read("warped", level.warped)
-      .read("offset_coarse", level.coarse.image)
+      .read("target", level.target, patch(0))
+      .read("warped", level.warped, patch(kWindowReach))
+      .read("offset_coarse", level.coarse.image, gpu::bilinear(level.coarse.factor, kWindowReach))
       .write("offset", level.offset)
       .write("residual", level.residual)
       .specialize("kind", static_cast<int>(settings.distance))
@@ -141,7 +152,7 @@ void add_match(Chain& chain, const Settings& settings, const Level& level) {
                                      .height = level.extent.height,
                                      .coarse_width = level.coarse.extent.width,
                                      .coarse_height = level.coarse.extent.height,
-                                     .coarse_scale = level.coarse.scale,
+                                     .coarse_scale = level.coarse.scale(),
                                      .refine = refines(settings, level.index)})
       .dispatch({ceil_div(level.extent.width, strip.columns), ceil_div(level.extent.height, strip.rows)});
 }
@@ -162,14 +173,17 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
   const std::vector<Features> sources =
       add_pyramid(chain, settings, search.levels, search.window.full, search.source, search.name + "source");
 
-  SearchResult result;
+  const int motion_limit_px = search.motion ? search.motion_limit_px : 0;
+  const auto limit_after = [&, end = end](std::size_t level) {
+    return offset_limit_px(settings, {level, end}, search.start_limit_px, motion_limit_px);
+  };
+  SearchResult result{.offset = {}, .residual = {}, .limit_px = limit_after(finest)};
   result.residual.resize(end - finest);
   CoarseOffset coarse;
   if (search.start) {
-    coarse = {*search.start, level_extent(settings, search.full, end),
-              static_cast<float>(settings.pyramid.factor)};
+    coarse = {*search.start, level_extent(settings, search.full, end), settings.pyramid.factor};
   } else {
-    coarse = {chain.image(search.name + "offset.none", Format::f32x2, {1, 1}), {1, 1}, 1.0f};
+    coarse = {chain.image(search.name + "offset.none", Format::f32x2, {1, 1}), {1, 1}, 1};
     chain.fill(coarse.image, 0.0f);
   }
   for (std::size_t l = end; l-- > finest;) {
@@ -178,8 +192,10 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
     result.residual[l - finest] = residual;
     const Features& target = targets[l - finest];
     const Features& source = sources[l - finest];
+    int limit_px = limit_after(l + 1);
     if (search.motion && l == motion_level(end)) {
-      coarse = add_motion_guide(chain, settings, search, l, target, source, coarse);
+      limit_px = std::max(limit_px, motion_limit_px);
+      coarse = add_motion_guide(chain, settings, search, l, target, source, coarse, limit_px);
     }
     const Level level{
         .index = l,
@@ -187,47 +203,20 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
         .radius = blur_radius(settings, l),
         .channels = search.target.planes,
         .target = target.image,
-        .warped = add_warp(chain, settings, search, l, extent, source, coarse),
+        .warped = add_warp(chain, settings, search, l, extent, source, coarse, limit_px),
         .coarse = coarse,
         .offset = chain.image(search.name + fmt::format("offset_noisy.L{}", l), Format::f32x2, extent),
         .residual = residual};
     add_match(chain, settings, level);
     const ImageId offset = chain.image(search.name + fmt::format("offset.L{}", l), Format::f32x2, extent);
     chain.pass("align/median_offset")
-        .read("offset_noisy", level.offset)
+        .read("offset_noisy", level.offset, gpu::reach(1))
         .write("offset", offset)
         .dispatch(extent);
-    coarse = {offset, extent, static_cast<float>(settings.pyramid.factor)};
+    coarse = {offset, extent, settings.pyramid.factor};
   }
   result.offset = coarse.image;
   return result;
-}
-
-TileRules search_tile_rules(const Settings& settings, const gpu::DeviceInfo& device, std::size_t levels,
-                            std::size_t end, int margin_px) {
-  const int run = match_strip(device).rows;  // sums slide down strips of so many rows
-  // Margin around the core in which the offsets of level `end` must be exact, in full-resolution pixels.
-  const auto margin_at_end = [&](int rows_of_run) {
-    constexpr int bilinear = 1;
-    constexpr int median = 1;
-    constexpr int cut_pixel = 1;  // a tile may end within a level's last pixel
-    int margin = ceil_div(margin_px, settings.match_downsample) + bilinear;
-    for (std::size_t l = 0; l < end; ++l) {
-      // A sliding sum carries the rounding errors of all values before it in its run, so a run is exact only
-      // if it is computed as a whole.
-      margin += median + (rows_of_run - 1) + blur_radius(settings, l) + kWindowReach;
-      margin = ceil_div(margin, settings.pyramid.factor) + bilinear + cut_pixel;
-    }
-    return margin * level_px(settings, end);
-  };
-  TileRules rules{.grid = level_px(settings, end),
-                  .core_grid = level_px(settings, end),
-                  .left = margin_at_end(1),
-                  .above = margin_at_end(run),
-                  .after = margin_at_end(1),
-                  .reach = reach_px(settings, levels)};
-  for (std::size_t l = 0; l < end; ++l) rules.grid = std::lcm(rules.grid, run * level_px(settings, l));
-  return rules;
 }
 
 ImageId add_upsample_pass(Chain& chain, const Settings& settings, Extent full, ImageId offset,
@@ -236,7 +225,7 @@ ImageId add_upsample_pass(Chain& chain, const Settings& settings, Extent full, I
   const Extent extent = level_extent(settings, full, 0);
   const ImageId upsampled = chain.image(name + "offset.full", Format::f32x2, full);
   chain.pass("align/upsample_offset")
-      .read("offset_coarse", offset)
+      .read("offset_coarse", offset, gpu::bilinear(settings.match_downsample))
       .write("offset", upsampled)
       .specialize("scale", settings.match_downsample)
       .constants(params::UpsampleParams{
@@ -268,10 +257,14 @@ Alignment add_align_passes(Chain& chain, const Settings& settings, Extent full, 
                          .target = target,
                          .source = source,
                          .start = {},
-                         .motion = guides ? options.motion : std::nullopt});
-  Alignment alignment{add_upsample_pass(chain, settings, full, found.offset, options.name), found.residual};
+                         .motion = guides ? options.motion : std::nullopt,
+                         .motion_limit_px = largest_motion_px(settings, full)});
+  Alignment alignment{.offset = add_upsample_pass(chain, settings, full, found.offset, options.name),
+                      .residual = found.residual,
+                      .limit_px = found.limit_px};
   if (options.motion && settings.motion == MotionUse::override_offset) {
     alignment.offset = add_override_pass(chain, full, alignment.offset, *options.motion, options.name);
+    alignment.limit_px = largest_motion_px(settings, full);
   }
   return alignment;
 }

@@ -8,7 +8,6 @@
 #include "filter/align/pyramid.h"
 #include "filter/gpu/chain.h"
 #include "filter/settings.h"
-#include "filter/tiles/tiles.h"
 
 namespace becalm::filter {
 
@@ -32,21 +31,18 @@ struct Search {
   Features source;
   /// Start offsets at level `end`; without them the search starts from zero.
   std::optional<gpu::ImageId> start;
+  int start_limit_px = 0;  ///< their largest component, in full-resolution pixels
   /// f32x2, full resolution: a candidate start offset at level `motion_level`.
   std::optional<gpu::ImageId> motion;
+  int motion_limit_px = 0;  ///< its largest component
 };
 
 struct SearchResult {
   gpu::ImageId offset;                 ///< f32x2, at level `finest`, in pixels of that level
   std::vector<gpu::ImageId> residual;  ///< one per level from `finest` on, as in Alignment
+  int limit_px = 0;                    ///< as offset_limit_px
 };
 SearchResult add_search_passes(gpu::Chain& chain, const Settings& settings, const Search& search);
-
-/// Rules for tiles that search the levels below `end` separately, starting from the whole frame's offsets at
-/// level `end`. Full-resolution offsets of a tile's core and of `margin_px` pixels around it are then bit for
-/// bit those of the whole frame.
-TileRules search_tile_rules(const Settings& settings, const gpu::DeviceInfo& device, std::size_t levels,
-                            std::size_t end, int margin_px);
 
 /// Upsamples offsets of level 0 to full resolution, in full-resolution pixels.
 gpu::ImageId add_upsample_pass(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
@@ -62,6 +58,7 @@ struct Alignment {
   /// Patch distance at the offset for each pyramid level (f32, sizes of pyramid_extents): the mean over the
   /// patch, minus the distance of equal pixels.
   std::vector<gpu::ImageId> residual;
+  int limit_px = 0;  ///< largest component of the offsets
 };
 
 struct AlignOptions {

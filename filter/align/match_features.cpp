@@ -15,6 +15,9 @@ using gpu::Extent;
 using gpu::Format;
 using gpu::ImageId;
 
+/// The firefly test reads the pixels next to each.
+constexpr int kFireflyReach = 1;
+
 /// Writes the compressed luminance, smoothed by `prefilter` guided steps, to the last plane of `features`.
 void add_radiance_feature(Chain& chain, const Settings& settings, Extent full, const std::string& name,
                           const FeatureSources& sources, ImageId features) {
@@ -28,7 +31,7 @@ void add_radiance_feature(Chain& chain, const Settings& settings, Extent full, c
   const auto weight_of = [&](int step) { return step == settings.prefilter ? kFeatureRange : 0.0f; };
   auto [radiance, plane] = target_of(0);
   chain.pass("align/radiance_feature")
-      .read("color", sources.color)
+      .read("color", sources.color, gpu::block(settings.match_downsample, kFireflyReach))
       .read("exposure", sources.exposure)
       .write("features", radiance)
       .constants(params::RadianceFeatureParams{.width_in = full.width,
@@ -41,15 +44,16 @@ void add_radiance_feature(Chain& chain, const Settings& settings, Extent full, c
       .dispatch(extent);
   for (int step = 1; step <= settings.prefilter; ++step) {
     const ImageId unfiltered = radiance;
+    const int tap_distance = 1 << (step - 1);  // there are two taps on either side
     std::tie(radiance, plane) = target_of(step);
     chain.pass("align/prefilter")
-        .read("radiance", unfiltered)
-        .read("guides", sources.guide_features)
+        .read("radiance", unfiltered, gpu::reach(2 * tap_distance))
+        .read("guides", sources.guide_features, gpu::reach(2 * tap_distance))
         .write("filtered", radiance)
         .specialize("guide_planes", sources.guide_planes)
         .constants(params::PrefilterParams{.width = extent.width,
                                            .height = extent.height,
-                                           .step = 1 << (step - 1),
+                                           .step = tap_distance,
                                            .plane = plane,
                                            .weight = weight_of(step)})
         .dispatch(extent);
@@ -63,7 +67,7 @@ void add_guide_passes(Chain& chain, const Settings& settings, Extent full, Image
   const Extent extent = level_extent(settings, full, 0);
   for (std::size_t plane = 0; plane < weights.size(); ++plane) {
     chain.pass("align/guide_feature")
-        .read("guide", guide)
+        .read("guide", guide, gpu::block(settings.match_downsample))
         .write("features", guide_features)
         .specialize("downsample", settings.match_downsample)
         .constants(params::GuideFeatureParams{.width_in = full.width,
@@ -111,7 +115,7 @@ std::vector<Features> add_pyramid(Chain& chain, const Settings& settings, const 
     const Extent extent = level_extent(settings, full, l).with_planes(finest.planes);
     const ImageId coarse = chain.image(fmt::format("features.{}.L{}", name, l), Format::f32, extent);
     chain.pass("align/downsample")
-        .read("fine", pyramid.back().image)
+        .read("fine", pyramid.back().image, gpu::block(settings.pyramid.factor))
         .write("coarse", coarse)
         .specialize("factor", settings.pyramid.factor)
         .constants(params::DownsampleParams{
@@ -120,14 +124,6 @@ std::vector<Features> add_pyramid(Chain& chain, const Settings& settings, const 
     pyramid.push_back({coarse, finest.planes});
   }
   return pyramid;
-}
-
-int feature_margin_px(const Settings& settings) {
-  constexpr int neighbours = 1;  // that the firefly test reads
-  // Each prefilter step has two taps on either side, twice as far apart as in the previous step. A tile may
-  // end within its last pixel.
-  const int matching = 2 * ((1 << settings.prefilter) - 1) + 1;
-  return matching * settings.match_downsample + neighbours;
 }
 
 }  // namespace becalm::filter

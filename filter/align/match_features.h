@@ -42,7 +42,4 @@ Features add_feature_passes(gpu::Chain& chain, const Settings& settings, gpu::Ex
 std::vector<Features> add_pyramid(gpu::Chain& chain, const Settings& settings, const LevelRange& levels,
                                   gpu::Extent full, const Features& finest, const std::string& name);
 
-/// Radius of the neighbourhood that a pixel's features depend on, in full-resolution pixels.
-int feature_margin_px(const Settings& settings);
-
 }  // namespace becalm::filter

@@ -31,7 +31,7 @@ struct PairAligner::State {
     required.set(static_cast<std::size_t>(Aov::albedo), guides.albedo);
     required.set(static_cast<std::size_t>(Aov::normal), guides.normal);
     extents = pyramid_extents(settings, width, height);
-    exposure_image = chain.input("exposure", Format::f32, {1, 1});
+    exposure_image = chain.table("exposure", Format::f32, {1, 1});
     const Features target_features = add_features("target", target);
     const Features source_features = add_features("source", source);
     if (settings.motion != MotionUse::none && contains(available, Aov::motion)) {

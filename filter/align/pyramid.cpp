@@ -41,9 +41,16 @@ std::vector<Extent> pyramid_extents(const Settings& settings, int width, int hei
 }
 
 int reach_px(const Settings& settings, std::size_t levels) {
-  int reach = 0;
-  for (std::size_t l = 0; l < levels; ++l) reach += kWindowReach * level_px(settings, l);
-  return reach;
+  return offset_limit_px(settings, {.finest = 0, .end = levels});
+}
+
+int offset_limit_px(const Settings& settings, const LevelRange& levels, int start_px, int motion_px) {
+  int limit = start_px;
+  for (std::size_t l = levels.end; l-- > levels.finest;) {
+    if (l == motion_level(levels.end)) limit = std::max(limit, motion_px);
+    limit += kWindowReach * level_px(settings, l);
+  }
+  return limit;
 }
 
 std::size_t motion_level(std::size_t levels) {
@@ -55,10 +62,9 @@ float motion_limit_px(const Settings& settings, Extent full) {
   return static_cast<float>(guide_limit_px(full));
 }
 
-int reach_of_motion_px(const Settings& settings, Extent full, std::size_t levels) {
+int largest_motion_px(const Settings& settings, Extent full) {
   if (settings.motion == MotionUse::override_offset) return std::max(full.width, full.height);
-  const std::size_t guided_levels = motion_level(levels) + 1;
-  return std::max(reach_px(settings, levels), guide_limit_px(full) + reach_px(settings, guided_levels));
+  return guide_limit_px(full);
 }
 
 Extent level_extent(const Settings& settings, Extent full, std::size_t level) {

@@ -21,13 +21,23 @@ std::vector<gpu::Extent> pyramid_extents(const Settings& settings, int width, in
 /// reach.
 int reach_px(const Settings& settings, std::size_t levels);
 
+/// Levels `finest` to `end` - 1 of a pyramid.
+struct LevelRange {
+  std::size_t finest = 0;
+  std::size_t end = 0;
+};
+
+/// Largest component of the offsets that a search over these levels returns, in full-resolution pixels. It
+/// starts from offsets of at most `start_px`; known motion of at most `motion_px` is a candidate.
+int offset_limit_px(const Settings& settings, const LevelRange& levels, int start_px = 0, int motion_px = 0);
+
 /// Limit of the components of known motion, in full-resolution pixels; longer motion is ignored. For a
 /// candidate of the search: 256 px, or an eighth of the frame's longer side if that is more, with and without
 /// tiles, since tiles would need the whole history otherwise. For the offset itself: no limit.
 float motion_limit_px(const Settings& settings, gpu::Extent full);
 
-/// Largest offset that a search with known motion can return, in full-resolution pixels.
-int reach_of_motion_px(const Settings& settings, gpu::Extent full, std::size_t levels);
+/// Largest component of known motion that counts: longer motion leads out of the frame or is ignored.
+int largest_motion_px(const Settings& settings, gpu::Extent full);
 
 /// Size at pyramid level `level` of images that have the size `full` at full resolution, rounded up at every
 /// level.
@@ -38,11 +48,5 @@ int level_px(const Settings& settings, std::size_t level);
 
 /// The level, of `levels` in all, at which known motion is a candidate.
 std::size_t motion_level(std::size_t levels);
-
-/// Levels `finest` to `end` - 1 of a pyramid.
-struct LevelRange {
-  std::size_t finest = 0;
-  std::size_t end = 0;
-};
 
 }  // namespace becalm::filter

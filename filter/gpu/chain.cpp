@@ -63,6 +63,12 @@ ImageId Chain::input(std::string name, Format format, Extent extent) {
   return impl_->declare(std::move(name), format, extent, Role::input);
 }
 
+ImageId Chain::table(std::string name, Format format, Extent extent) {
+  const ImageId id = input(std::move(name), format, extent);
+  impl_->images[static_cast<std::size_t>(id.index)].is_table = true;
+  return id;
+}
+
 History Chain::history(const std::string& name, Format format, Extent extent) {
   const History result{impl_->declare(name + ".prev", format, extent, Role::history_previous),
                        impl_->declare(name + ".next", format, extent, Role::history_next)};
@@ -72,10 +78,12 @@ History Chain::history(const std::string& name, Format format, Extent extent) {
   return result;
 }
 
-void Chain::output(ImageId image) {
+void Chain::output(ImageId image, int pixel_px) {
   impl_->require_declaring();
   static_cast<void>(impl_->image(image));
-  impl_->images[static_cast<std::size_t>(image.index)].is_output = true;
+  ImageDeclaration& declared = impl_->images[static_cast<std::size_t>(image.index)];
+  declared.is_output = true;
+  declared.pixel_px = pixel_px;
 }
 
 Chain::Pass Chain::pass(std::string_view kernel) {
@@ -102,8 +110,8 @@ void Chain::fill(ImageId image, float value) {
   pass.uses.push_back({"", image.index, Access::write});
 }
 
-Chain::HostPass& Chain::HostPass::read(ImageId image) {
-  chain_.impl_->passes[index_].uses.push_back({"", image.index, Access::read});
+Chain::HostPass& Chain::HostPass::read(ImageId image, const Footprint& footprint) {
+  chain_.impl_->passes[index_].uses.push_back({"", image.index, Access::read, footprint});
   return *this;
 }
 
@@ -130,22 +138,25 @@ const DeviceInfo& Chain::device() const {
   return impl_->device.info;
 }
 
-Chain::Pass& Chain::Pass::use(std::string_view binding, std::optional<ImageId> image, bool writes) {
+Chain::Pass& Chain::Pass::read(std::string_view binding, std::optional<ImageId> image,
+                               const Footprint& footprint) {
   PassDeclaration& pass = chain_.impl_->passes[index_];
   if (image) {
-    pass.uses.push_back({std::string(binding), image->index, writes ? Access::write : Access::read});
+    pass.uses.push_back({std::string(binding), image->index, Access::read, footprint});
   } else {
     pass.absent.emplace_back(binding);
   }
   return *this;
 }
 
-Chain::Pass& Chain::Pass::read(std::string_view binding, std::optional<ImageId> image) {
-  return use(binding, image, /*writes=*/false);
-}
-
 Chain::Pass& Chain::Pass::write(std::string_view binding, std::optional<ImageId> image) {
-  return use(binding, image, /*writes=*/true);
+  PassDeclaration& pass = chain_.impl_->passes[index_];
+  if (image) {
+    pass.uses.push_back({std::string(binding), image->index, Access::write});
+  } else {
+    pass.absent.emplace_back(binding);
+  }
+  return *this;
 }
 
 Chain::Pass& Chain::Pass::read_write(std::string_view binding, ImageId image) {

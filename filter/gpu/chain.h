@@ -13,9 +13,11 @@
 #include <vector>
 
 #include "filter/gpu/device.h"
+#include "filter/gpu/footprint.h"
 #include "filter/gpu/image.h"
 #include "filter/gpu/profiler.h"
 #include "filter/gpu/program.h"
+#include "filter/gpu/tile_rules.h"
 
 namespace becalm::gpu {
 
@@ -40,12 +42,23 @@ struct ChainOptions {
   std::span<const Kernel> kernels = embedded_kernels();
 };
 
+/// A pass as it was declared.
+struct DeclaredPass {
+  struct Read {
+    ImageId image;
+    Footprint footprint;
+  };
+  std::string name;
+  std::vector<Read> reads;  ///< and bindings that are read and written
+  std::vector<ImageId> writes;
+};
+
 /// A fixed sequence of passes over images of known size, built once and run for each frame:
 ///
 ///     Chain chain(device, "align");
 ///     ImageId luma = chain.input("luma.cur", Format::f32, extent);
 ///     ImageId half = chain.image("luma.cur.L1", Format::f32, half_extent);
-///     chain.pass("align/downsample").read("fine", luma).write("coarse", half)
+///     chain.pass("align/downsample").read("fine", luma, block(2)).write("coarse", half)
 ///          .constants(DownsampleParams{...}).dispatch(half_extent);
 ///     chain.output(half);
 ///     chain.build();
@@ -62,9 +75,9 @@ class Chain {
   class Pass {
    public:
     /// Without an image, the kernel as specialized must not access the binding.
-    Pass& read(std::string_view binding, std::optional<ImageId> image);
+    Pass& read(std::string_view binding, std::optional<ImageId> image, const Footprint& footprint = {});
     Pass& write(std::string_view binding, std::optional<ImageId> image);
-    /// A binding that the kernel both reads and writes.
+    /// A binding that the kernel both reads, at the written pixel alone, and writes.
     Pass& read_write(std::string_view binding, ImageId image);
     /// Push constants: a plain struct of shaders/shared/, 4-byte scalars only.
     template <class Params>
@@ -80,7 +93,6 @@ class Chain {
    private:
     friend class Chain;
     Pass(Chain& chain, std::size_t index) : chain_(chain), index_(index) {}
-    Pass& use(std::string_view binding, std::optional<ImageId> image, bool writes);
     Pass& constant_bytes(std::span<const std::byte> bytes);
     Chain& chain_;
     std::size_t index_;
@@ -113,7 +125,7 @@ class Chain {
   /// One host pass being declared; `run` completes it.
   class HostPass {
    public:
-    HostPass& read(ImageId image);
+    HostPass& read(ImageId image, const Footprint& footprint = {});
     HostPass& write(ImageId image);
     /// `work` is called in every run, by the thread that runs the chain, between the preceding and the
     /// following passes. It must write every pixel of the images that it declared to write. Chain::run passes
@@ -135,9 +147,12 @@ class Chain {
   ImageId image(std::string name, Format format, Extent extent);
   /// An image that the host fills before each run.
   ImageId input(std::string name, Format format, Extent extent);
+  /// An input that passes read anywhere and that is the same for all tiles, such as weights or the exposure.
+  ImageId table(std::string name, Format format, Extent extent);
   History history(const std::string& name, Format format, Extent extent);
-  /// Makes an image downloadable after a run, with the values of its last writer.
-  void output(ImageId image);
+  /// Makes an image downloadable after a run, with the values of its last writer. `pixel_px` is the side of
+  /// its pixel in pixels of the frame.
+  void output(ImageId image, int pixel_px = 1);
 
   Pass pass(std::string_view kernel);
   /// Fills an image with one value (a u32 image with the value's bits).
@@ -145,6 +160,9 @@ class Chain {
   /// A pass that runs the program's own code on the images' memory. Only for devices whose is_processor is
   /// set.
   HostPass host_pass(std::string name);
+  /// What tiles need for the outputs to be those of the uncut frame, from the footprints of all reads. It
+  /// does not depend on the images' sizes. Throws DeviceError if footprints contradict each other.
+  TileRules tile_rules() const;
   /// The device that the chain runs on.
   const DeviceInfo& device() const;
   /// Checks the declarations and plans the place of each image in device memory, without allocating any.
@@ -171,6 +189,14 @@ class Chain {
   /// Fills all history images with zero before the next run.
   void reset_history();
 
+  /// For tests of footprints: what was declared, and a chain of one of these passes alone, under the same
+  /// ids. Images that the pass reads are inputs; those that it writes are zero before and outputs. Call these
+  /// before `plan`.
+  std::vector<DeclaredPass> declared_passes() const;
+  Extent extent(ImageId image) const;
+  Format format(ImageId image) const;
+  Chain single_pass(std::size_t pass) const;
+
   /// Time of each pass of the last run: device time, or host time for host passes.
   const std::vector<PassTime>& times() const;
   /// Device bytes held, or to be held once built, and what they would be if images did not share memory (both
@@ -181,6 +207,7 @@ class Chain {
   std::uint64_t staging_bytes() const;
 
  private:
+  explicit Chain(std::unique_ptr<Impl> impl);
   std::span<std::byte> upload_bytes(ImageId image);
   std::span<const std::byte> download_bytes(ImageId image) const;
   std::unique_ptr<Impl> impl_;

@@ -1,7 +1,8 @@
 #pragma once
 
-// Private to filter/gpu/: the members of a Chain. chain.cpp declares and runs, chain_check.cpp checks,
-// chain_build.cpp plans memory and creates the Vulkan objects, chain_record.cpp records the commands.
+// Private to filter/gpu/: the members of a Chain. chain.cpp declares and runs, chain_footprints.cpp tells how
+// far passes read, chain_check.cpp checks, chain_build.cpp plans memory and creates the Vulkan objects,
+// chain_record.cpp records the commands.
 
 #include <array>
 #include <cstddef>
@@ -30,7 +31,9 @@ struct ImageDeclaration {
   Format format;
   Extent extent;
   Role role;
+  bool is_table = false;
   bool is_output = false;
+  int pixel_px = 1;  ///< of an output
   int partner = -1;  ///< of a history image: the other one of the pair
 
   std::uint64_t bytes() const { return extent.elements() * bytes_per_element(format); }
@@ -41,6 +44,7 @@ struct Use {
   std::string binding;
   int image;
   Access access;
+  Footprint footprint = {};
 
   bool reads() const { return access != Access::write; }
   bool writes() const { return access != Access::read; }
@@ -102,7 +106,9 @@ constexpr std::uint32_t workgroups(int pixels, std::uint32_t local_size) {
 
 struct Chain::Impl {
   Impl(Device& device, std::string name, const ChainOptions& options)
-      : device(device.impl()), name(std::move(name)), options(options) {}
+      : Impl(device.impl(), std::move(name), options) {}
+  Impl(Device::Impl& device, std::string name, const ChainOptions& options)
+      : device(device), name(std::move(name)), options(options) {}
   ~Impl();
 
   std::string label() const { return "chain '" + name + "'"; }

@@ -14,7 +14,4 @@ gpu::ImageId add_variance_estimate(gpu::Chain& chain, gpu::Extent full, gpu::Ima
 gpu::ImageId add_variance_estimate(gpu::Chain& chain, gpu::Extent full, gpu::ImageId color,
                                    gpu::ImageId valid);
 
-/// Radius of the neighbourhood that the estimates read, in pixels.
-constexpr int kVarianceEstimateMargin = 1;
-
 }  // namespace becalm::filter

@@ -9,7 +9,7 @@ using gpu::Format;
 
 NoisyInputs::NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent, NoisyUse use)
     : has_albedo(contains(task.used, Aov::albedo)) {
-  exposure = chain.input("exposure", Format::f32, {1, 1});
+  exposure = chain.table("exposure", Format::f32, {1, 1});
   if (use == NoisyUse::merge && task.smooths() && !task.smooths_merged()) return;
   given_variance_ = chain.input("variance.cur", Format::f32x2, extent);
   own_color = color = chain.input("color.cur", Format::f32x4, extent);

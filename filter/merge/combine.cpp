@@ -59,7 +59,7 @@ Combined add_combine_passes(gpu::Chain& chain, const Settings& settings, gpu::Ex
       .read("forward_stats", inputs.forward_stats)
       .read("backward_color", inputs.backward_color)
       .read("backward_stats", inputs.backward_stats)
-      .read("statistics", statistics)
+      .read("statistics", statistics, gpu::reach(settings.patch_radius, 0))
       .read("statistics_sums", sums)
       .write("color", combined.color)
       .write("stats", combined.stats)
@@ -83,7 +83,7 @@ Combined add_combine_passes(gpu::Chain& chain, const Settings& settings, gpu::Ex
 struct Combiner::Passes {
   Passes(gpu::Device& device, const FilterTask& task, Extent extent)
       : chain(device, "combine"),
-        exposure(chain.input("exposure", Format::f32, {1, 1})),
+        exposure(chain.table("exposure", Format::f32, {1, 1})),
         forward(chain, task, extent, "forward"),
         prediction(chain, task, extent, "prediction"),
         combined(add_combine_passes(chain, task.settings, extent,
@@ -97,7 +97,6 @@ struct Combiner::Passes {
     chain.output(combined.color);
     chain.output(combined.stats);
     for (const ImageId image : combined.additive) chain.output(image);
-    chain.plan();
   }
 
   gpu::Chain chain;
@@ -108,7 +107,7 @@ struct Combiner::Passes {
 };
 
 Combiner::Combiner(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit)
-    : task_(task), chain_(device, task, local_tile_rules(task.settings.patch_radius), memory_limit) {}
+    : task_(task), chain_(device, task, memory_limit) {}
 
 Combiner::~Combiner() = default;
 

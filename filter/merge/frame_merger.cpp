@@ -22,6 +22,23 @@ Rect at_level(const Rect& rect, int px) {
   return {rect.x / px, rect.y / px, ceil_div(rect.width, px), ceil_div(rect.height, px)};
 }
 
+/// What tiles need, whatever their size.
+struct CutRules {
+  TileRules tiles;
+  TileRules features;  ///< of the tiles in which features are made
+};
+
+CutRules rules_of(gpu::Device& device, const FilterTask& task, const PyramidSplit& split) {
+  const auto of_features = [&](FeatureChain::Of of) {
+    return FeatureChain(device, task, split, of, task.full).chain.tile_rules();
+  };
+  return {
+      .tiles =
+          MergeChain(device, task, split, task.full, task.full, /*is_whole_frame=*/false).chain.tile_rules(),
+      .features =
+          rules_for_both(of_features(FeatureChain::Of::new_frame), of_features(FeatureChain::Of::history))};
+}
+
 /// Copies a tile's core into the images of the frame that are not empty.
 void unpack(const MergedTile& pixels, const Tile& tile, int residual_px, MergedFrame& frame) {
   copy_core(pixels.color, tile, frame.merged.color);
@@ -59,7 +76,9 @@ void unpack(const MergedTile& pixels, const Tile& tile, int residual_px, MergedF
 struct FrameMerger::Chains {
   /// For a frame that is one tile.
   Chains(gpu::Device& device, const FilterTask& task, const PyramidSplit& whole)
-      : split(whole), merge(device, task, split, task.full, task.full, /*is_whole_frame=*/true) {}
+      : split(whole), merge(device, task, split, task.full, task.full, /*is_whole_frame=*/true) {
+    merge.chain.plan();
+  }
 
   /// For a frame that is cut into tiles of the size of `tile`.
   Chains(gpu::Device& device, const FilterTask& task, const PyramidSplit& cut, const Tile& tile)
@@ -69,6 +88,7 @@ struct FrameMerger::Chains {
     new_frame.emplace(device, task, split, FeatureChain::Of::new_frame, target);
     history.emplace(device, task, split, FeatureChain::Of::history, target);
     if (split.has_coarse()) coarse.emplace(device, task, split, new_frame->finest.planes);
+    for_each([](gpu::Chain& chain) { chain.plan(); });
   }
 
   template <class Use>
@@ -156,19 +176,15 @@ bool FrameMerger::plan_whole_frame(gpu::Device& device, std::uint64_t memory_lim
 }
 
 void FrameMerger::plan_tiles_of_frame(gpu::Device& device, std::uint64_t memory_limit) {
-  const Settings& settings = task_.settings;
   const Extent full = task_.full;
-  const std::size_t levels = pyramid_extents(settings, full.width, full.height).size();
+  const std::size_t levels = pyramid_extents(task_.settings, full.width, full.height).size();
   std::uint64_t least_work = std::numeric_limits<std::uint64_t>::max();
   std::uint64_t least_bytes = std::numeric_limits<std::uint64_t>::max();
   std::string reason;
   tiles_.clear();
   for (std::size_t coarse = 1; coarse <= levels; ++coarse) {
     const PyramidSplit split{.levels = levels, .coarse = coarse};
-    TileRules rules = search_tile_rules(settings, device.info(), levels, coarse, merge_margin_px(settings));
-    if (contains(task_.used, Aov::motion)) rules.reach = reach_of_motion_px(settings, full, levels);
-    rules.reach += kResampleMargin;
-    const TileRules feature_rules = local_tile_rules(feature_margin_px(settings), rules.core_grid);
+    const CutRules rules = rules_of(device, task_, split);
     std::unique_ptr<Chains> chains;
     std::vector<Tile> feature_tiles;
     const auto fits = [&](const Tile& tile) {
@@ -178,7 +194,7 @@ void FrameMerger::plan_tiles_of_frame(gpu::Device& device, std::uint64_t memory_
         if (reason.empty()) reason = error.what();
         return false;
       }
-      feature_tiles = cut_tiles(full, tile.target.extent(), feature_rules);
+      feature_tiles = cut_tiles(full, tile.target.extent(), rules.features);
       if (feature_tiles.empty()) {
         if (reason.empty()) reason = "the prefilter reaches further than tiles have room for";
         return false;
@@ -190,7 +206,7 @@ void FrameMerger::plan_tiles_of_frame(gpu::Device& device, std::uint64_t memory_
       }
       return bytes <= memory_limit;
     };
-    std::vector<Tile> tiles = plan_tiles(full, rules, fits);
+    std::vector<Tile> tiles = plan_tiles(full, rules.tiles, fits);
     if (tiles.empty()) continue;
     const std::uint64_t work = tiles.size() * tiles.front().target.extent().elements();
     if (work >= least_work) continue;

@@ -47,14 +47,20 @@ WarpInputs add_demodulate_passes(Chain& chain, Extent extent, WarpInputs history
   return history;
 }
 
+/// Footprint of a read of the history at the offsets, by either filter.
+gpu::Footprint gather_history(const WarpInputs& history) {
+  constexpr int taps = 2;  // of the sharp filter, on either side of the position
+  return gpu::gather(history.offset_limit_px + taps);
+}
+
 /// The factor by which the warped, demodulated history is multiplied in each target pixel.
 ImageId add_remodulation_pass(Chain& chain, Extent full, const params::WarpHistoryParams& params,
-                              const FramePair& albedo, const SourceWindow& window, ImageId offset) {
+                              const WarpInputs& history, const SourceWindow& window, ImageId offset) {
   const ImageId factor = chain.image("history.factor", Format::f32x4, full);
   chain.pass("merge/remodulation")
       .read("offset", offset)
-      .read("albedo", albedo.current)
-      .read("history_albedo", albedo.previous)
+      .read("albedo", history.albedo->current, gpu::reach(1))
+      .read("history_albedo", history.albedo->previous, gather_history(history))
       .read("target_origin", window.target_origin)
       .write("factor", factor)
       .constants(params)
@@ -85,8 +91,8 @@ ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, c
       .read("warped_color", warped.color)
       .read("warped_stats", warped.stats)
       .read("exposure", inputs.noisy.exposure)
-      .read("difference", difference)
-      .read("noise", noise)
+      .read("difference", difference, gpu::reach(settings.patch_radius, 0))
+      .read("noise", noise, gpu::reach(settings.patch_radius, 0))
       .read("difference_sums", difference_sums)
       .read("noise_sums", noise_sums)
       .write("merged_color", inputs.history_color.next)
@@ -107,7 +113,7 @@ ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const
       .read("variance", inputs.variance)
       .read("warped_color", warped.color)
       .read("warped_stats", warped.stats)
-      .read("residual", alignment.residual.front())
+      .read("residual", alignment.residual.front(), gpu::bilinear(settings.match_downsample))
       .write("merged_color", inputs.history_color.next)
       .write("merged_stats", inputs.history_stats.next)
       .write("decision", decision)
@@ -141,7 +147,7 @@ ImageId add_known_noise(Chain& chain, Extent full, ImageId noisy, ImageId warped
   const ImageId known = chain.image("noisy.known", Format::f32x4, full);
   chain.pass("merge/known_noise")
       .read("noisy", noisy)
-      .read("statistics", statistics)
+      .read("statistics", statistics, gpu::reach(kNoisePatchRadius, 0))
       .read("statistics_sums", sums)
       .write("known", known)
       .specialize("radius", kNoisePatchRadius)
@@ -173,8 +179,8 @@ CarriedRead add_carried_read(Chain& chain, const Settings& settings, Extent full
   if (!demodulated) factor.reset();
   chain.pass("merge/additive_warp")
       .read("offset", offset)
-      .read("history_color", carried.image)
-      .read("history_stats", history.stats)
+      .read("history_color", carried.image, gather_history(history))
+      .read("history_stats", history.stats, gather_history(history))
       .read("target_origin", window.target_origin)
       .read("factor", factor)
       .read("share", share)
@@ -205,12 +211,12 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
                                          .history_height = window.full.height};
   std::optional<ImageId> factor;
   if (history.albedo) {
-    factor = add_remodulation_pass(chain, full, params, *history.albedo, window, offset);
+    factor = add_remodulation_pass(chain, full, params, history, window, offset);
   }
   chain.pass("merge/warp_history")
       .read("offset", offset)
-      .read("history_color", history.color)
-      .read("history_stats", history.stats)
+      .read("history_color", history.color, gather_history(history))
+      .read("history_stats", history.stats, gather_history(history))
       .read("target_origin", window.target_origin)
       .read("factor", factor)
       .write("warped_color", warped.color)
@@ -252,11 +258,6 @@ std::vector<CarriedInput> add_noisy_layers(Chain& chain, Extent full, const Nois
           {.color = noisy.features->normal, .history = history[2], .kind = Carried::features}};
 }
 
-int merge_margin_px(const Settings& settings) {
-  return kVarianceEstimateMargin + std::max(settings.merge == MergeMode::variance ? settings.patch_radius : 0,
-                                            settings.smooth == Smooth::merged ? kNoisePatchRadius : 0);
-}
-
 MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
                               const Alignment& alignment) {
   std::vector<CarriedImage> additive_history;
@@ -268,7 +269,8 @@ MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent ful
                                           .stats = inputs.history_stats.previous,
                                           .window = inputs.history_window,
                                           .additive = std::move(additive_history),
-                                          .albedo = inputs.albedo},
+                                          .albedo = inputs.albedo,
+                                          .offset_limit_px = alignment.limit_px},
                                          alignment.offset);
   const ImageId decision = settings.merge == MergeMode::variance
                                ? add_variance_gain(chain, settings, full, inputs, warped)

@@ -62,6 +62,7 @@ struct WarpInputs {
   std::optional<SourceWindow> window = {};
   std::vector<CarriedImage> additive = {};  ///< carried images
   std::optional<FramePair> albedo = {};     ///< from pack_albedo, if the history is demodulated
+  int offset_limit_px = 0;                  ///< largest component of the offsets
 };
 
 /// The history warped to the target's pixels.
@@ -77,15 +78,9 @@ struct WarpedHistory {
 WarpedHistory add_warp_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
                               const WarpInputs& history, gpu::ImageId offset);
 
-/// How far around the positions that offsets lead to the history is read, in pixels.
-constexpr int kResampleMargin = 2;
-
 /// Inputs of the merge for the noisy layers of a new frame; `history` has FilterTask::kNoisyLayers images.
 std::vector<CarriedInput> add_noisy_layers(gpu::Chain& chain, gpu::Extent full, const NoisyInputs& noisy,
                                            std::span<const gpu::History> history);
-
-/// Radius in pixels of the neighbourhood in which the merge reads offsets, the new frame and its variance.
-int merge_margin_px(const Settings& settings);
 
 struct MergeOutputs {
   gpu::ImageId warped_color;                  ///< f32x4: the history warped to the new frame

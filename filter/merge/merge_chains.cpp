@@ -24,6 +24,11 @@ bool coarse_takes_motion(const FilterTask& task, const PyramidSplit& split) {
          motion_level(split.levels) >= split.coarse;
 }
 
+/// Limit of the motion that is a candidate in the coarse chain; 0 if none is.
+int coarse_motion_limit_px(const FilterTask& task, const PyramidSplit& split) {
+  return coarse_takes_motion(task, split) ? largest_motion_px(task.settings, task.full) : 0;
+}
+
 }  // namespace
 
 FeatureChain::FeatureChain(gpu::Device& device, const FilterTask& task, const PyramidSplit& split, Of of,
@@ -33,7 +38,7 @@ FeatureChain::FeatureChain(gpu::Device& device, const FilterTask& task, const Py
   const std::string name = of == Of::history ? "source" : "target";
   const int planes = task.guides.planes();
   color = chain.input("color", Format::f32x4, part);
-  exposure = chain.input("exposure", Format::f32, {1, 1});
+  exposure = chain.table("exposure", Format::f32, {1, 1});
   FeatureSources sources{.color = color, .exposure = exposure, .guide_features = {}, .guide_planes = planes};
   if (planes > 0) {
     const Extent matching = level_extent(settings, part, 0).with_planes(planes);
@@ -46,12 +51,11 @@ FeatureChain::FeatureChain(gpu::Device& device, const FilterTask& task, const Py
     }
   }
   finest = add_feature_passes(chain, settings, part, name, sources);
-  chain.output(finest.image);
+  chain.output(finest.image, level_px(settings, 0));
   if (split.has_coarse()) {
     coarse = add_pyramid(chain, settings, {.finest = 0, .end = split.coarse + 1}, part, finest, name).back();
-    chain.output(coarse->image);
+    chain.output(coarse->image, level_px(settings, split.coarse));
   }
-  chain.plan();
 }
 
 CoarseChain::CoarseChain(gpu::Device& device, const FilterTask& task, const PyramidSplit& split, int planes)
@@ -68,10 +72,10 @@ CoarseChain::CoarseChain(gpu::Device& device, const FilterTask& task, const Pyra
                                                 .target = target,
                                                 .source = source,
                                                 .start = {},
-                                                .motion = motion});
+                                                .motion = motion,
+                                                .motion_limit_px = coarse_motion_limit_px(task, split)});
   offset = found.offset;
-  chain.output(offset);
-  chain.plan();
+  chain.output(offset, level_px(task.settings, split.coarse));
 }
 
 gpu::History MergeChain::history(const std::string& name, Format format, bool is_whole_frame, Extent target,
@@ -104,7 +108,7 @@ MergeChain::Matched MergeChain::features_of_tile(const FilterTask& task, const P
                                                  Extent target, Extent source) {
   const int planes = task.guides.planes() + 1;
   cut = Cut{
-      .target_origin = chain.input("target_origin", Format::f32x2, {1, 1}),
+      .target_origin = chain.table("target_origin", Format::f32x2, {1, 1}),
       .target = feature_input(chain, "features.target.L0", level_extent(task.settings, target, 0), planes),
       .source = feature_input(chain, "features.source.L0", level_extent(task.settings, source, 0), planes),
       .start = {}};
@@ -132,6 +136,8 @@ MergeChain::MergeChain(gpu::Device& device, const FilterTask& task, const Pyrami
   }
   const Matched matched =
       is_whole_frame ? features_of_frame(task, new_color) : features_of_tile(task, split, target, source);
+  const int start_limit_px =
+      offset_limit_px(settings, {split.coarse, split.levels}, 0, coarse_motion_limit_px(task, split));
   const bool guides = motion && settings.motion == MotionUse::guide;
   const SearchResult found = add_search_passes(chain, settings,
                                                {.name = {},
@@ -141,10 +147,14 @@ MergeChain::MergeChain(gpu::Device& device, const FilterTask& task, const Pyrami
                                                 .target = matched.target,
                                                 .source = matched.source,
                                                 .start = cut ? cut->start : std::nullopt,
-                                                .motion = guides ? motion : std::nullopt});
+                                                .start_limit_px = start_limit_px,
+                                                .motion = guides ? motion : std::nullopt,
+                                                .motion_limit_px = largest_motion_px(settings, task.full)});
+  int limit_px = found.limit_px;
   offset_ = add_upsample_pass(chain, settings, target, found.offset);
   if (motion && settings.motion == MotionUse::override_offset) {
     offset_ = add_override_pass(chain, target, offset_, *motion);
+    limit_px = largest_motion_px(settings, task.full);
   }
   residual_ = found.residual.front();
 
@@ -172,9 +182,8 @@ MergeChain::MergeChain(gpu::Device& device, const FilterTask& task, const Pyrami
                                .history_window = matched.window,
                                .additive = inputs,
                                .albedo = albedo},
-                              {offset_, found.residual});
+                              {offset_, found.residual, limit_px});
   add_outputs(task);
-  chain.plan();
 }
 
 void MergeChain::add_outputs(const FilterTask& task) {
@@ -191,7 +200,7 @@ void MergeChain::add_outputs(const FilterTask& task) {
     for (const gpu::ImageId image : outputs_.warped_additive) chain.output(image);
   }
   if (wants_offset_) chain.output(offset_);
-  if (wants_residual_) chain.output(residual_);
+  if (wants_residual_) chain.output(residual_, level_px(task.settings, 0));
 }
 
 MergedTile MergeChain::download() const {

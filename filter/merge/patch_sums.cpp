@@ -13,7 +13,7 @@ ImageId add_patch_sums(gpu::Chain& chain, int radius, gpu::Extent full, ImageId 
   const ImageId sums = chain.image(name + ".sums", Format::f32x4, full);
   const auto box = [&](ImageId in, ImageId out, bool along_y) {
     chain.pass("merge/box")
-        .read("statistics", in)
+        .read("statistics", in, along_y ? gpu::reach(0, radius) : gpu::reach(radius, 0))
         .write("sums", out)
         .specialize("radius", radius)
         .specialize("along_y", along_y ? 1 : 0)

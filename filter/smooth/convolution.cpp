@@ -76,10 +76,10 @@ gpu::ImageId Convolution::add_passes(gpu::Chain& chain, const std::string& name,
   const gpu::ImageId result = chain.image(name, gpu::Format::f32x4, size.with_planes(planes));
   const std::size_t count = direct_.size() + upsampled_.size();
   std::size_t done = 0;
-  const auto add = [&](std::string_view kernel, gpu::ImageId from, const Part& part,
-                       gpu::Extent invocations) {
+  const auto add = [&](std::string_view kernel, gpu::ImageId from, const gpu::Footprint& footprint,
+                       const Part& part, gpu::Extent invocations) {
     gpu::Chain::Pass pass = chain.pass(kernel);
-    pass.read("source", from).read("weights", weights);
+    pass.read("source", from, footprint).read("weights", weights);
     done == 0 ? pass.write("result", result) : pass.read_write("result", result);
     ++done;
     pass.specialize("planes", part.planes)
@@ -92,10 +92,12 @@ gpu::ImageId Convolution::add_passes(gpu::Chain& chain, const std::string& name,
   };
   const int columns = ceil_div(size.width, kBlock);
   for (const Part& part : direct_) {
-    add(done == 0 ? "smooth/convolve" : "smooth/convolve_onto", source, part, {columns, size.height});
+    add(done == 0 ? "smooth/convolve" : "smooth/convolve_onto", source, gpu::reach(1), part,
+        {columns, size.height});
   }
   for (const Part& part : upsampled_) {
-    add("smooth/convolve_upsampled", coarse, part, {columns, ceil_div(size.height, kBlock)});
+    add("smooth/convolve_upsampled", coarse, gpu::coarser(2, 1), part,
+        {columns, ceil_div(size.height, kBlock)});
   }
   return result;
 }

@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "filter/input/estimate_variance.h"
 #include "filter/input/host_images.h"
 #include "filter/input/noisy_inputs.h"
 #include "filter/merge/additive.h"
@@ -34,7 +33,6 @@ struct FrameSmoother::Passes {
     chain.output(network.smoothed().color);
     chain.output(network.smoothed().stats);
     for (const ImageId image : network.smoothed().additive) chain.output(image);
-    chain.plan();
   }
 
   gpu::Chain chain;
@@ -45,9 +43,7 @@ struct FrameSmoother::Passes {
 };
 
 FrameSmoother::FrameSmoother(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit)
-    : task_(task),
-      chain_(device, task, local_tile_rules(network_margin_px() + kVarianceEstimateMargin, kNetworkGridPx),
-             memory_limit) {}
+    : task_(task), chain_(device, task, memory_limit) {}
 
 FrameSmoother::~FrameSmoother() = default;
 

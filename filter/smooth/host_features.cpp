@@ -106,8 +106,8 @@ struct HostLayer {
 void add_layer(Chain& chain, const HostLayer& declared) {
   const Extent size = declared.source.size;
   auto pass = chain.host_pass("smooth/host_convolve");
-  pass.read(declared.source.image);
-  if (declared.coarse) pass.read(declared.coarse->image);
+  pass.read(declared.source.image, gpu::reach(1));
+  if (declared.coarse) pass.read(declared.coarse->image, gpu::coarser(2, 1));
   const Framed* const declared_frame = std::get_if<Framed>(&declared.result);
   const ImageId result_image = declared_frame ? declared_frame->image : std::get<ImageId>(declared.result);
   pass.write(result_image);
@@ -141,17 +141,20 @@ void add_layer(Chain& chain, const HostLayer& declared) {
 Framed add_pool(Chain& chain, const std::string& name, const Framed& fine) {
   const Extent size{fine.size.width / 2, fine.size.height / 2};
   const Framed pooled(chain, name, size, fine.channels);
-  chain.host_pass("smooth/host_pool").read(fine.image).write(pooled.image).run([=](const HostImages& images) {
-    const float* const from = images.read<float>(fine.image).data() + fine.row_floats();
-    float* const to = images.write<float>(pooled.image).data() + pooled.row_floats();
-    for_rows(size.height, [&](int begin, int end) {
-      for (int y = begin; y < end; ++y) {
-        float* const row = to + y * pooled.row_floats();
-        pool_rows(from + 2 * y * fine.row_floats(), fine, row);
-        frame_row(pooled, y, row);
-      }
-    });
-  });
+  chain.host_pass("smooth/host_pool")
+      .read(fine.image, gpu::block(2))
+      .write(pooled.image)
+      .run([=](const HostImages& images) {
+        const float* const from = images.read<float>(fine.image).data() + fine.row_floats();
+        float* const to = images.write<float>(pooled.image).data() + pooled.row_floats();
+        for_rows(size.height, [&](int begin, int end) {
+          for (int y = begin; y < end; ++y) {
+            float* const row = to + y * pooled.row_floats();
+            pool_rows(from + 2 * y * fine.row_floats(), fine, row);
+            frame_row(pooled, y, row);
+          }
+        });
+      });
   return pooled;
 }
 

@@ -21,6 +21,8 @@ using gpu::ImageId;
 
 namespace {
 
+/// Radius of the windows over radiance, albedo and grey value; kWindowTaps are its pixels.
+constexpr int kWindowRadius = 2;
 /// Radius of the patch that shows whether windows removed more than noise.
 constexpr int kLostRadius = 3;
 
@@ -56,7 +58,7 @@ Extent NetworkPasses::extent(std::size_t scale) const {
 
 ImageId NetworkPasses::weights_image(Chain& chain, const std::string& name, std::vector<float> values) {
   const ImageId image =
-      chain.input("weights." + name, Format::f32x4, {static_cast<int>(values.size()) / kPlane, 1});
+      chain.table("weights." + name, Format::f32x4, {static_cast<int>(values.size()) / kPlane, 1});
   weights_.emplace_back(image, std::move(values));
   return image;
 }
@@ -124,7 +126,7 @@ ImageId NetworkPasses::add_inputs(Chain& chain, const NoisyInputs& frame, const 
       chain.image("network.inputs", Format::f32x4, padded_.with_planes(kNetworkInputs / kPlane));
   chain.pass("smooth/inputs")
       .read("irradiance", demodulated.irradiance.merged)
-      .read("grey", demodulated.grey.merged)
+      .read("grey", demodulated.grey.merged, gpu::reach(kWindowRadius))  // its local deviation
       .read("own_grey", demodulated.grey.own)
       .read("variance", frame.variance)
       .read("albedo_depth", frame.features->albedo_depth)
@@ -158,7 +160,7 @@ NetworkPasses::Scales NetworkPasses::add_features(Chain& chain, const NetworkWei
       source =
           chain.image(fmt::format("network.pooled.L{}", i), Format::f32x4, extent(i).with_planes(planes));
       chain.pass("smooth/pool")
-          .read("fine", features[i - 1])
+          .read("fine", features[i - 1], gpu::block(2))
           .write("coarse", source)
           .constants(params::PoolParams{.width = fine.width, .height = fine.height})
           .dispatch(extent(i).with_planes(planes));
@@ -189,7 +191,7 @@ void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, con
           .read("own_irradiance", irradiance.own)
           .write("own_counted", own_counted);
     } else {
-      pass.read("finer", counted[i - 1]);
+      pass.read("finer", counted[i - 1], gpu::block(2));
     }
     pass.read("features", features_[i])
         .read("weights", confidence_weights_[i])
@@ -204,10 +206,10 @@ void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, con
     chain.pass("smooth/mix")
         .read("features", features_[i])
         .read("weights", window_weights_[i])
-        .read("counted", counted[i])
-        .read("affinities", affinities[i])
-        .read("coarse", coarse)
-        .read("own_counted", i == 0 ? std::optional(own_counted) : std::nullopt)
+        .read("counted", counted[i], gpu::reach(kWindowRadius))
+        .read("affinities", affinities[i], gpu::reach(kWindowRadius))
+        .read("coarse", coarse, gpu::coarser(2, 1))
+        .read("own_counted", i == 0 ? std::optional(own_counted) : std::nullopt, gpu::reach(1))
         .write("result", result)
         .specialize("planes", planes(i))
         .specialize("has_coarse", coarse ? 1 : 0)
@@ -215,15 +217,16 @@ void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, con
         .dispatch(extent(i));
     coarse = result;
   }
+  const gpu::Footprint window = gpu::reach(frame.has_albedo ? kWindowRadius : 0);
   chain.pass("smooth/finish")
       .read("features", features_[0])
       .read("weights", finish_weights_)
-      .read("affinities", affinities[0])
+      .read("affinities", affinities[0], window)
       .read("irradiance", coarse)
       .read("color", color)
       .read("variance", frame.variance)
-      .read("albedo_depth", frame.features->albedo_depth)
-      .read("own_albedo_depth", frame.own_features->albedo_depth)
+      .read("albedo_depth", frame.features->albedo_depth, window)
+      .read("own_albedo_depth", frame.own_features->albedo_depth, window)
       .read("exposure", frame.exposure)
       .write("smoothed", smoothed)
       .write("stats", stats)
@@ -248,7 +251,7 @@ ImageId NetworkPasses::add_share(Chain& chain, const NoisyInputs& frame, ImageId
   const ImageId share = chain.image("network.share", Format::f32, full_);
   smoothed_.stats = chain.image("smoothed.stats", Format::f32x2, full_);
   chain.pass("smooth/share")
-      .read("lost", lost)
+      .read("lost", lost, gpu::reach(kLostRadius, 0))
       .read("lost_sums", sums)
       .read("variance", frame.variance)
       .read("expected", stats)
@@ -269,17 +272,6 @@ ImageId NetworkPasses::add_restore(Chain& chain, const std::string& name, ImageI
       .write("restored", restored)
       .dispatch(full_);
   return restored;
-}
-
-int network_margin_px() {
-  int convolutions = 2;           // the deviation's window
-  int windows = 2 + kLostRadius;  // the albedo's window, and the patch of kLostRadius
-  for (std::size_t i = 0; i < kScales; ++i) {
-    const int pixel = 1 << i;
-    convolutions += 2 * pixel + (pixel - 1);  // encode and decode, and the pixels that a coarser one covers
-    windows += 3 * pixel;                     // the window, and the coarser scale's neighbours
-  }
-  return convolutions + 1 + windows;
 }
 
 }  // namespace becalm::filter

@@ -88,9 +88,7 @@ class NetworkPasses {
   Smoothed smoothed_;
 };
 
-/// Radius of the neighbourhood that the passes read, in pixels, and the multiple at which rectangles must
-/// begin.
-int network_margin_px();
+/// Side of the coarsest scale's pixel.
 constexpr int kNetworkGridPx = 1 << (kScales - 1);
 
 }  // namespace becalm::filter

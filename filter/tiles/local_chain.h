@@ -14,18 +14,19 @@ namespace becalm::filter {
 
 /// A chain without history whose pixels depend only on a margin around them. Frames that the device cannot
 /// hold are cut into tiles; the results do not depend on the cut. `Passes` declares the chain for tiles of
-/// one size: it is constructed from (device, task, extent) and has a member `chain`.
+/// one size: it is constructed from (device, task, extent) and has a member `chain`, not yet planned.
 template <class Passes>
 class LocalChain {
  public:
   /// Builds the chain for the largest tiles that take at most `memory_limit` bytes. Throws DeviceLimitError
   /// if even the smallest tiles take more.
-  LocalChain(gpu::Device& device, const FilterTask& task, const TileRules& rules,
-             std::uint64_t memory_limit) {
+  LocalChain(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit) {
     std::string reason;
+    const TileRules rules = rules_for_both(Passes(device, task, task.full).chain.tile_rules(), kCoarseGrid);
     tiles_ = plan_tiles(task.full, rules, [&](const Tile& tile) {
+      passes_ = std::make_unique<Passes>(device, task, tile.target.extent());
       try {
-        passes_ = std::make_unique<Passes>(device, task, tile.target.extent());
+        passes_->chain.plan();
       } catch (const gpu::DeviceLimitError& error) {
         reason = error.what();
         return false;
@@ -58,6 +59,9 @@ class LocalChain {
   }
 
  private:
+  /// Keeps the sizes that are tried few.
+  static constexpr TileRules kCoarseGrid{.grid = 8, .core_grid = 8};
+
   std::vector<Tile> tiles_;
   std::unique_ptr<Passes> passes_;
 };

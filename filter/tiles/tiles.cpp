@@ -33,11 +33,11 @@ struct SpanRules {
 };
 
 SpanRules along_x(const TileRules& rules) {
-  return {rules.grid, rules.core_grid, rules.left, rules.after, rules.reach};
+  return {rules.grid, rules.core_grid, rules.margin.left, rules.margin.right, rules.reach};
 }
 
 SpanRules along_y(const TileRules& rules) {
-  return {rules.grid, rules.core_grid, rules.above, rules.after, rules.reach};
+  return {rules.grid, rules.core_grid, rules.margin.above, rules.margin.below, rules.reach};
 }
 
 int round_down(int value, int multiple) {

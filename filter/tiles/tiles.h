@@ -8,6 +8,7 @@
 
 #include "filter/gpu/device.h"
 #include "filter/gpu/image.h"
+#include "filter/gpu/tile_rules.h"
 
 namespace becalm::filter {
 
@@ -43,22 +44,7 @@ struct Tile {
 /// The single tile of a frame that is not cut.
 Tile uncut(gpu::Extent frame);
 
-/// Margins in pixels that a tile needs around its core for its pixels to equal those of the uncut frame. At
-/// the frame's border margins are clipped.
-struct TileRules {
-  int grid = 1;       ///< target and source rectangles begin at multiples of this
-  int core_grid = 1;  ///< cores begin at multiples of this; it divides `grid`
-  int left = 0;       ///< from the core to the edge of the target rectangle
-  int above = 0;
-  int after = 0;  ///< right of the core and below it
-  int reach = 0;  ///< from the target rectangle to the edge of the source rectangle
-};
-
-/// Rules for a chain without history whose pixels depend on `margin_px` pixels around them. Rectangles begin
-/// at multiples of `grid_px`, by default those of a workgroup.
-constexpr TileRules local_tile_rules(int margin_px, int grid_px = 8) {
-  return {.grid = grid_px, .core_grid = grid_px, .left = margin_px, .above = margin_px, .after = margin_px};
-}
+using gpu::TileRules;
 
 /// Cuts a frame into tiles. All target rectangles have the size `target`, and all source rectangles have one
 /// size. Both sizes leave the same remainder modulo the grid as the frame's size, so that the last rectangles

@@ -6,14 +6,17 @@
 #include <string>
 #include <vector>
 
-#include "filter/align/align.h"
+#include "filter/align/pyramid.h"
+#include "filter/merge/merge_chains.h"
+#include "tests/filter/device_fixture.h"
 
 namespace becalm::filter {
 namespace {
 
 using gpu::Extent;
 
-constexpr TileRules kRules{.grid = 64, .core_grid = 4, .left = 30, .above = 80, .after = 35, .reach = 100};
+constexpr TileRules kRules{
+    .grid = 64, .core_grid = 4, .margin = {.left = 30, .above = 80, .right = 35, .below = 35}, .reach = 100};
 
 bool covers(const Rect& outer, const Rect& inner) {
   return outer.x <= inner.x && outer.y <= inner.y && outer.x + outer.width >= inner.x + inner.width &&
@@ -21,11 +24,11 @@ bool covers(const Rect& outer, const Rect& inner) {
 }
 
 /// A rectangle with margins, clipped at the frame's border.
-Rect grown(const Rect& rect, int left, int above, int after, Extent frame) {
-  const int x = std::max(rect.x - left, 0);
-  const int y = std::max(rect.y - above, 0);
-  return {x, y, std::min(rect.x + rect.width + after, frame.width) - x,
-          std::min(rect.y + rect.height + after, frame.height) - y};
+Rect grown(const Rect& rect, const gpu::Margin& margin, Extent frame) {
+  const int x = std::max(rect.x - margin.left, 0);
+  const int y = std::max(rect.y - margin.above, 0);
+  return {x, y, std::min(rect.x + rect.width + margin.right, frame.width) - x,
+          std::min(rect.y + rect.height + margin.below, frame.height) - y};
 }
 
 void expect_rules_kept(const std::vector<Tile>& tiles, Extent frame, const TileRules& rules) {
@@ -34,8 +37,9 @@ void expect_rules_kept(const std::vector<Tile>& tiles, Extent frame, const TileR
   for (const Tile& tile : tiles) {
     EXPECT_EQ(tile.target.extent(), tiles.front().target.extent());
     EXPECT_EQ(tile.source.extent(), tiles.front().source.extent());
-    EXPECT_TRUE(covers(tile.target, grown(tile.core, rules.left, rules.above, rules.after, frame)));
-    EXPECT_TRUE(covers(tile.source, grown(tile.target, rules.reach, rules.reach, rules.reach, frame)));
+    EXPECT_TRUE(covers(tile.target, grown(tile.core, rules.margin, frame)));
+    const gpu::Margin reach{rules.reach, rules.reach, rules.reach, rules.reach};
+    EXPECT_TRUE(covers(tile.source, grown(tile.target, reach, frame)));
     EXPECT_TRUE(covers(bounds(frame), tile.source));
     for (const Rect& rect : {tile.target, tile.source}) {
       EXPECT_EQ(rect.x % rules.grid, 0);
@@ -94,19 +98,44 @@ TEST(Tiles, AreDescribed) {
   EXPECT_EQ(describe(tiles), "2x1 of 619x777 px with margins of up to 200 px, history up to 256 px beyond");
 }
 
-TEST(Tiles, OfTheSearchBeginWhereItsSumsBegin) {
-  Settings settings = preset("balanced");
+class TilesOfChainsTest : public DeviceTest {};
+
+TEST_F(TilesOfChainsTest, BeginWhereTheSumsOfTheSearchBegin) {
+  const FilterTask task{
+      .settings = preset("balanced"), .full = {640, 480}, .used = {}, .diagnostics = {}, .guides = {}};
   for (const int factor : {2, 4}) {
+    FilterTask with_factor = task;
+    Settings& settings = with_factor.settings;
     settings.pyramid.factor = factor;
     for (std::size_t end = 1; end <= 3; ++end) {
-      const TileRules rules = search_tile_rules(settings, {}, 5, end, 4);
+      const MergeChain merge(device(), with_factor, {.levels = 5, .coarse = end}, task.full, task.full,
+                             /*is_whole_frame=*/false);
+      const TileRules rules = merge.chain.tile_rules();
       EXPECT_EQ(rules.grid % rules.core_grid, 0);
+      EXPECT_EQ(rules.core_grid, level_px(settings, end));
       EXPECT_EQ(rules.grid % (16 * level_px(settings, end - 1)), 0);
-      EXPECT_GT(rules.above, rules.left + (15 - factor) * level_px(settings, end - 1))
+      EXPECT_GT(rules.margin.above, rules.margin.left + (15 - factor) * level_px(settings, end - 1))
           << "runs are right as a whole";
-      EXPECT_GT(rules.after, settings.blur_radius.front() * level_px(settings, end - 1));
-      EXPECT_EQ(rules.reach, reach_px(settings, 5));
+      EXPECT_GT(rules.margin.below, settings.blur_radius.front() * level_px(settings, end - 1));
+      EXPECT_EQ(rules.reach, reach_px(settings, 5) + 2) << "the search's and the sharp filter's";
     }
+  }
+}
+
+TEST_F(TilesOfChainsTest, DoNotDependOnTheSize) {
+  FilterTask task{
+      .settings = preset("final"), .full = {1920, 1080}, .used = {}, .diagnostics = {}, .guides = {}};
+  task.used.set(static_cast<std::size_t>(Aov::motion));
+  const auto rules_at = [&](Extent extent) {
+    return MergeChain(device(), task, {.levels = 5, .coarse = 2}, extent, extent, /*is_whole_frame=*/false)
+        .chain.tile_rules();
+  };
+  const TileRules rules = rules_at(task.full);
+  for (const Extent extent : {Extent{3, 2}, {65, 33}, {100'000, 100'000}}) {
+    EXPECT_EQ(rules_at(extent).grid, rules.grid);
+    EXPECT_EQ(rules_at(extent).core_grid, rules.core_grid);
+    EXPECT_EQ(rules_at(extent).margin, rules.margin);
+    EXPECT_EQ(rules_at(extent).reach, rules.reach);
   }
 }
 
