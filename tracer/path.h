@@ -176,6 +176,7 @@ class Path {
   float radiance_scale_ = 1.0f;   // squared index of refraction contained in the throughput
   RayDifferential differential_;  // only with textures
   V3f previous_position_;         // of the vertex that the ray left, without the offset
+  Lights::Received previous_;     // what lights send there; where light sampling had a chance
   float material_pdf_ = 0.0f;     // of the ray's direction; 0 where light sampling had no chance
   Interiors interiors_;           // what the ray's origin lies in; only with media
   float travelled_ = 0.0f;        // to the ray's origin from the last scattering, through interfaces

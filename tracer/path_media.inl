@@ -44,7 +44,8 @@ bool Path<F>::scatter_in_medium(const Medium& medium, float t) {
 
 template <Features F>
 void Path<F>::gather_direct_light_in_medium(const V3f& position, float g, float u_light, const V2f& u) {
-  const std::optional<LightSample> light = snapshot_.lights().sample(position, time_, u_light, u);
+  previous_ = snapshot_.lights().received(position, time_);
+  const std::optional<LightSample> light = snapshot_.lights().sample(previous_, u_light, u);
   if (!light) return;
   const float phase = phase_henyey_greenstein(g, -ray_.dir, light->dir_world);
   V3f contribution = light->radiance * (phase / light->pdf_solid_angle);

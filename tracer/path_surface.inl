@@ -9,11 +9,10 @@ void Path<F>::gather_emission(const ObjectState& object, const Hit& hit, const S
   if (is_black(radiance)) return;
   const float mis = weight([&] {
     if (object.first_light == kNoLight) return 0.0f;
-    if (object.mesh == nullptr)
-      return snapshot_.lights().pdf_sphere(object.first_light, previous_position_, time_);
+    if (object.mesh == nullptr) return snapshot_.lights().pdf_sphere(object.first_light, previous_);
     const float distance = (surface.position - previous_position_).length();
-    return snapshot_.lights().pdf_triangle(object.first_light + std::size_t{hit.triangle}, previous_position_,
-                                           ray_.dir, distance, time_);
+    return snapshot_.lights().pdf_triangle(object.first_light + std::size_t{hit.triangle}, previous_,
+                                           ray_.dir, distance);
   });
   gather(throughput_ * radiance * mis, scatterings_, object.light_group);
 }
@@ -123,8 +122,9 @@ void Path<F>::bend_differential(const ObjectState& object, const Hit& hit, const
 template <Features F>
 void Path<F>::gather_direct_light(const ObjectState& object, std::uint32_t number,
                                   const ShadingVertex& vertex, float u_light, const V2f& u) {
-  const V3f& position = vertex.surface.position;
-  const std::optional<LightSample> light = snapshot_.lights().sample(position, time_, u_light, u);
+  const Receiver receiver = vertex.receiver();
+  previous_ = snapshot_.lights().received(receiver, time_);
+  const std::optional<LightSample> light = snapshot_.lights().sample(previous_, u_light, u);
   if (!light) return;
   const V3f wi = vertex.frame.to_local(light->dir_world);
   if (!vertex.consistent(wi, light->dir_world)) return;
@@ -137,8 +137,8 @@ void Path<F>::gather_direct_light(const ObjectState& object, std::uint32_t numbe
   if (F.media && wi.z * vertex.wo.z < 0.0f)
     cross_boundary(interiors, object, number, light->dir_world, vertex.surface);
   const V3f from = offset_origin(vertex.surface, light->dir_world);
-  gather(throughput_ * contribution * visibility(from, position, *light, interiors), scatterings_ + 1,
-         light->group);
+  gather(throughput_ * contribution * visibility(from, receiver.position, *light, interiors),
+         scatterings_ + 1, light->group);
 }
 
 }  // namespace becalm::tracer

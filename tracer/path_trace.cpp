@@ -67,10 +67,11 @@ bool Path<F>::step() {
 template <Features F>
 void Path<F>::escape() {
   if (depth_ == 0) result_.covered = snapshot_.description().environment.has_value();
-  snapshot_.lights().for_each_infinite(ray_.dir, [&](const V3f& radiance, float pdf, std::uint16_t group) {
-    if (!is_black(radiance))
-      gather(throughput_ * radiance * weight([&] { return pdf; }), scatterings_, group);
-  });
+  snapshot_.lights().for_each_infinite(
+      ray_.dir, [&](const V3f& radiance, std::uint16_t group, const auto& pdf) {
+        if (!is_black(radiance))
+          gather(throughput_ * radiance * weight([&] { return pdf(previous_); }), scatterings_, group);
+      });
   if constexpr (F.guides) {
     if (scatterings_ == 0) result_.guides.albedo = clamp_to_unit(throughput_ / radiance_scale_);
     if (depth_ == 0) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "tracer/lights/receiver.h"
 #include "tracer/materials/bsdf.h"
 #include "tracer/math/shading_frame.h"
 #include "tracer/snapshot/surface.h"
@@ -28,6 +29,12 @@ struct ShadingVertex {
 
   ShadingVertex(const Surface& at, const Bsdf& material, const ShadingFrame& local, const V3f& to_eye_world)
       : surface(at), bsdf(material), frame(local), wo_world(to_eye_world), wo(local.to_local(to_eye_world)) {}
+
+  /// The vertex as light sampling sees it.
+  Receiver receiver() const {
+    if (transmits(bsdf)) return surface.position;
+    return {surface.position, wo.z < 0.0f ? -frame.normal : frame.normal};
+  }
 
   /// Whether the shading and the geometric normal agree on the side of wi; light that would leak through is
   /// dropped.

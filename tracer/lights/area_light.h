@@ -1,14 +1,19 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <numbers>
 #include <optional>
 
+#include "tracer/lights/bilinear_warp.h"
+#include "tracer/lights/irradiance.h"
 #include "tracer/lights/light_sample.h"
 #include "tracer/lights/motion_keys.h"
+#include "tracer/lights/receiver.h"
+#include "tracer/lights/spherical_rectangle.h"
+#include "tracer/lights/spherical_triangle.h"
 #include "tracer/math/vec.h"
 
 namespace becalm::tracer {
@@ -25,64 +30,103 @@ struct EmissiveTriangle {
 /// A place of a moving triangle: its corners.
 using TriangleKey = std::array<V3f, 3>;
 
-/// An emissive triangle, prepared for sampling uniformly by area.
+/// Where an area light is: the triangle p0, p0 + edge1, p0 + edge2, or the parallelogram of both edges.
+struct AreaShape {
+  V3f p0, edge1, edge2;
+  bool quad = false;
+};
+
+/// An emissive triangle or parallelogram, prepared for sampling. Triangles and rectangles that are seen under
+/// more than a tiny solid angle are sampled uniformly by it, rectangles also by the receiver's cosine; all
+/// else uniformly by area. What depends on the place of the receiver is worked out in double.
 struct AreaLight {
   V3f p0, edge1, edge2;
-  V3f normal;   ///< unit, on the emitting side; 0 without area
+  bool quad;
+  bool right_angled;        ///< between the edges
+  V3f normal;               ///< unit, on the emitting side; 0 without area
+  double length1, length2;  ///< of the edges
+  double inverse_length1, inverse_length2;
   double area;  ///< 0 when degenerate or not finite; double, since squares of edges leave the range of float
   V3f radiance;
   bool two_sided;
   std::uint16_t group;
 
-  explicit AreaLight(const EmissiveTriangle& triangle)
-      : p0(triangle.p0),
-        edge1(triangle.p1 - triangle.p0),
-        edge2(triangle.p2 - triangle.p0),
-        radiance(triangle.radiance),
-        two_sided(triangle.two_sided),
-        group(triangle.group) {
-    const V3d cross = V3d(edge1).cross(V3d(edge2));
+  AreaLight(const AreaShape& shape, const V3f& emitted, bool both_sides, std::uint16_t light_group)
+      : p0(shape.p0),
+        edge1(shape.edge1),
+        edge2(shape.edge2),
+        quad(shape.quad),
+        length1(V3d(edge1).length()),
+        length2(V3d(edge2).length()),
+        inverse_length1(1.0 / length1),
+        inverse_length2(1.0 / length2),
+        radiance(emitted),
+        two_sided(both_sides),
+        group(light_group) {
+    const V3d e1(edge1), e2(edge2);
+    const V3d cross = e1.cross(e2);
     const double length = cross.length();
     const bool usable = length > 0.0 && std::isfinite(length);
-    area = usable ? 0.5 * length : 0.0;
+    area = usable ? (quad ? length : 0.5 * length) : 0.0;
     normal = usable ? V3f(cross / length) : V3f(0.0f);
+    constexpr double least_cosine = 1e-4;  // rounding of coordinates leaves as much
+    right_angled = quad && std::abs(e1.dot(e2)) <= least_cosine * length;
   }
 
-  /// Emitted flux, mean of the channels.
-  double power() const { return std::numbers::pi * area * channel_mean(radiance) * (two_sided ? 2.0 : 1.0); }
+  explicit AreaLight(const EmissiveTriangle& triangle)
+      : AreaLight({triangle.p0, triangle.p1 - triangle.p0, triangle.p2 - triangle.p0}, triangle.radiance,
+                  triangle.two_sided, triangle.group) {}
 
-  /// Density per solid angle, seen from `distance` away along the unit direction `dir_world`, of points
-  /// uniform by area: distance^2 / (|cos| area). 0 on the dark side, edge-on and beyond the range of float.
-  float pdf_solid_angle(const V3f& dir_world, float distance) const {
-    const float cos_light = -normal.dot(dir_world);
-    if (area == 0.0 || cos_light == 0.0f || (cos_light < 0.0f && !two_sided)) return 0.0f;
-    const double squared = static_cast<double>(distance) * distance;
-    const double pdf = squared / (static_cast<double>(std::abs(cos_light)) * area);
+  /// Radiant intensity along the normal, mean of the channels.
+  double radiant_intensity() const { return area * channel_mean(radiance); }
+
+  /// What arrives at the receiver if nothing is in between, as irradiance.h has it; 0 where sample() gives
+  /// nothing.
+  double irradiance_at(const Receiver& at) const;
+
+  /// Density per solid angle with which sample() finds the unit direction `dir_world`, in which the light is
+  /// `distance` away. 0 on the dark side, edge-on and beyond the range of float.
+  float pdf_solid_angle(const Receiver& at, const V3f& dir_world, float distance) const;
+
+  /// A point as a direction from the receiver; nothing where pdf_solid_angle would be 0.
+  std::optional<LightSample> sample(const Receiver& at, const V2f& u) const;
+
+ private:
+  /// Lights farther away than this many roots of their area are sampled by area: the density hardly differs.
+  static constexpr double kFar = 20.0;
+  /// Below this many steradians the closed forms lose their digits.
+  static constexpr double kLeastSolidAngle = 1e-6;
+
+  /// A triangle or rectangle as a receiver sees it.
+  struct View {
+    V3d to_p0;
+    double height;  ///< of the receiver above the plane; 0 where nothing of the light arrives
+    bool far;
+  };
+  View view(const Receiver& at) const;
+
+  SphericalRectangle seen_rectangle(const View& view, const V2d& corner) const {
+    return {corner.x, corner.x + length1, corner.y, corner.y + length2, view.height};
+  }
+  /// p0 as seen from below the receiver, along the edges.
+  V2d corner(const View& view) const {
+    return {view.to_p0.dot(V3d(edge1)) * inverse_length1, view.to_p0.dot(V3d(edge2)) * inverse_length2};
+  }
+  /// The cosine of the receiver over the map of a rectangle.
+  BilinearWarp cosine(const Receiver& at, const View& view, const SphericalRectangle& map) const;
+
+  SphericalTriangle seen_triangle(const View& view) const {
+    return {view.to_p0.normalized(), (view.to_p0 + V3d(edge1)).normalized(),
+            (view.to_p0 + V3d(edge2)).normalized()};
+  }
+
+  float pdf_by_area(const V3f& dir_world, double distance) const {
+    const double cosine = std::abs(normal.dot(dir_world));
+    return in_range(distance * distance / (cosine * area));
+  }
+
+  static float in_range(double pdf) {
     return pdf <= std::numeric_limits<float>::max() ? static_cast<float>(pdf) : 0.0f;
-  }
-
-  /// A point uniform by area, as a direction from `point`; nothing where pdf_solid_angle would be 0.
-  std::optional<LightSample> sample(const V3f& point, const V2f& u) const {
-    // The square's halves on either side of its diagonal shear into the triangle's (Heitz, "A Low-Distortion
-    // Map Between Triangle and Square", 2019): stratified u stay stratified.
-    const bool above = u.y > u.x;
-    const float b0 = above ? 0.5f * u.x : u.x - 0.5f * u.y;
-    const float b1 = above ? u.y - 0.5f * u.x : 0.5f * u.y;
-    const V3f position = p0 + edge1 * b1 + edge2 * (1.0f - b0 - b1);
-    const V3d to_light = V3d(position) - V3d(point);
-    const double distance = to_light.length();
-    if (!(distance > 0.0)) return std::nullopt;
-    const V3f dir_world(to_light / distance);
-    const float pdf = pdf_solid_angle(dir_world, static_cast<float>(distance));
-    if (pdf == 0.0f) return std::nullopt;
-    return LightSample{
-        dir_world,
-        static_cast<float>(distance),
-        radiance,
-        pdf,
-        group,
-        false,
-        std::max({largest_coordinate(p0), largest_coordinate(p0 + edge1), largest_coordinate(p0 + edge2)})};
   }
 };
 

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "frame/image.h"
+#include "tracer/lights/environment_irradiance.h"
 #include "tracer/math/vec.h"
 
 namespace becalm::tracer {
@@ -27,19 +28,29 @@ class Environment {
 
   V3f radiance(const V3f& dir_world) const;
 
-  /// Direction towards the light, with a density that follows the radiance; nothing when all of it is black.
-  std::optional<Sample> sample(const V2f& u) const;
-  float pdf_solid_angle(const V3f& dir_world) const;
+  /// Direction towards the light, with a density that follows the radiance, or, where that is constant, the
+  /// cosine of the receiver; nothing when all of it is black.
+  std::optional<Sample> sample(const Receiver& at, const V2f& u) const;
 
-  struct Lookup {
+  /// What lies in a direction.
+  struct Seen {
     V3f radiance;
-    float pdf_solid_angle;
+    V3f dir_world;
+    std::optional<float> image_pdf;  ///< none where that of the receiver holds
+
+    /// Of sample().
+    float pdf_solid_angle(const Receiver& at) const;
   };
-  /// Both at once, for less.
-  Lookup look_up(const V3f& dir_world) const;
+  Seen look(const V3f& dir_world) const;
 
   /// Radiance integrated over all directions, mean of the channels.
-  double total() const { return total_; }
+  double total() const { return irradiance_.total(); }
+
+  /// What arrives at the receiver if nothing is in between.
+  EnvironmentIrradiance::Arriving arriving(const Receiver& at) const { return irradiance_.at(at); }
+
+  /// Whether it is the same in all directions.
+  bool even() const { return map_ == nullptr; }
 
   /// How many values of the image were NaN, infinite or negative.
   std::size_t replaced_values() const { return replaced_values_; }
@@ -51,12 +62,14 @@ class Environment {
   V2f image_position(const V3f& dir_world) const;
   V3f radiance_at(const V2f& position) const;
   float pdf_at(const V2f& position) const;
+  V3d to_world(const V3d& dir_image) const;
+  void measure();
 
   V3f constant_{0.0f};
   std::shared_ptr<const Map> map_;  ///< null when constant
   float cos_rotation_ = 1.0f;
   float sin_rotation_ = 0.0f;
-  double total_ = 0.0;
+  EnvironmentIrradiance irradiance_;
   std::size_t replaced_values_ = 0;
 };
 

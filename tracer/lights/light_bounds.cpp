@@ -22,14 +22,14 @@ DirectionBounds unite(const DirectionBounds& a, const DirectionBounds& b) {
 }
 
 LightBounds unite(const LightBounds& a, const LightBounds& b) {
-  if (a.power == 0.0) return b;
-  if (b.power == 0.0) return a;
+  if (a.intensity == 0.0) return b;
+  if (b.intensity == 0.0) return a;
   LightBounds both = a;
   both.box.extendBy(b.box);
   both.facing = unite(a.facing, b.facing);
   both.emission_rad = std::max(a.emission_rad, b.emission_rad);
   both.two_sided = a.two_sided || b.two_sided;
-  both.power = a.power + b.power;
+  both.intensity = a.intensity + b.intensity;
   return both;
 }
 
@@ -39,7 +39,7 @@ double cluster_cost(const LightBounds& bounds) {
   const double directions =
       2.0 * pi * (1.0 - std::cos(o)) +
       0.5 * pi * (2.0 * w * std::sin(o) - std::cos(o - 2.0 * w) - 2.0 * o * std::sin(o) + std::cos(o));
-  return bounds.power * directions * bounds.box.size().length2();
+  return bounds.intensity * directions * bounds.box.size().length2();
 }
 
 }  // namespace becalm::tracer

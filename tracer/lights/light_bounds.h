@@ -25,12 +25,12 @@ struct LightBounds {
   DirectionBounds facing;
   double emission_rad = std::numbers::pi / 2.0;
   bool two_sided = false;  ///< shines opposite to `facing` as well
-  double power = 0.0;
+  double intensity = 0.0;  ///< radiant intensity in its strongest direction, mean of the channels
 };
 
 LightBounds unite(const LightBounds& a, const LightBounds& b);
 
-/// What a cluster costs to be sampled as one (the paper's section 4.4): power times the measure of the
+/// What a cluster costs to be sampled as one (the paper's section 4.4): intensity times the measure of the
 /// directions that it shines in times its size squared. Differs from the paper: the squared diagonal stands
 /// for the surface area, which is 0 for points on a line.
 double cluster_cost(const LightBounds& bounds);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "tracer/lights/irradiance.h"
+
 namespace becalm::tracer {
 namespace {
 
@@ -19,6 +21,8 @@ constexpr std::size_t kSmallestBinned = 5;
 constexpr float kCosineTolerance = 1e-3f;
 /// Least cosine that the importance counts: at grazing angles bounds say little.
 constexpr float kLeastCosine = 0.05f;
+/// Nodes that are added up for the light of all emitters together.
+constexpr std::size_t kParts = 8;
 
 /// An angle by its cosine and sine.
 struct Angle {
@@ -47,7 +51,7 @@ LightTree::Node::Node(const LightBounds& bounds, double whole)
       two_sided(bounds.two_sided),
       right(0),
       emitter(0),
-      power(bounds.power / whole) {
+      intensity(bounds.intensity / whole) {
   // Around the rounded centre, and rounded up: the sphere must hold the box.
   const V3d c(center);
   const double exact = std::max((bounds.box.max - c).length(), (bounds.box.min - c).length());
@@ -55,22 +59,31 @@ LightTree::Node::Node(const LightBounds& bounds, double whole)
   radius = exact < largest ? std::nextafter(static_cast<float>(exact), largest) : largest;
 }
 
-double LightTree::Node::importance(const V3d& point) const {
-  const V3d to_point = point - V3d(center);
-  const double squared = to_point.length2();
+double LightTree::Node::importance(const Target& target) const {
+  const V3d to_target = target.position - V3d(center);
+  const double squared = to_target.length2();
   const double radius_squared = static_cast<double>(radius) * radius;
   // As far as a sphere around the cluster at least: inside it the distance to the centre says nothing.
-  constexpr double least_squared = 1e-80;
-  const double falloff = power / std::max({squared, radius_squared, least_squared});
-  if (squared <= radius_squared || cos_facing <= -1.0f) return falloff;
+  const double falloff = intensity / std::max({squared, radius_squared, kLeastSquaredDistance});
+  if (squared <= radius_squared) return falloff;
   const double inverse = 1.0 / std::sqrt(squared);
-  const auto along_axis = static_cast<float>(to_point.dot(V3d(axis)) * inverse);
-  const float cosine = two_sided ? std::abs(along_axis) : along_axis;
   const auto sine_subtended = static_cast<float>(radius * inverse);
-  const Angle least = less(less({cosine, other_leg(cosine)}, {cos_facing, sin_facing}),
-                           {other_leg(sine_subtended), sine_subtended});
-  if (least.cosine < cos_emission - kCosineTolerance) return 0.0;
-  return falloff * std::max(least.cosine, kLeastCosine);
+  const Angle subtended{other_leg(sine_subtended), sine_subtended};
+  float cosines = 1.0f;
+  if (cos_facing > -1.0f) {
+    const auto along_axis = static_cast<float>(to_target.dot(V3d(axis)) * inverse);
+    const float cosine = two_sided ? std::abs(along_axis) : along_axis;
+    const Angle least = less(less({cosine, other_leg(cosine)}, {cos_facing, sin_facing}), subtended);
+    if (least.cosine < cos_emission - kCosineTolerance) return 0.0;
+    cosines = std::max(least.cosine, kLeastCosine);
+  }
+  if (target.faces) {
+    const auto cosine = static_cast<float>(-to_target.dot(target.normal) * inverse);
+    const Angle least = less({cosine, other_leg(cosine)}, subtended);
+    if (least.cosine < -kCosineTolerance) return 0.0;
+    cosines *= std::max(least.cosine, kLeastCosine);
+  }
+  return falloff * cosines;
 }
 
 /// Binned top-down construction.
@@ -78,12 +91,12 @@ class LightTree::Builder {
  public:
   Builder(LightTree& tree, std::span<const LightBounds> emitters) : tree_(tree), emitters_(emitters) {
     for (std::size_t i = 0; i < emitters.size(); ++i) {
-      if (emitters[i].power > 0.0) order_.push_back(static_cast<std::uint32_t>(i));
+      if (emitters[i].intensity > 0.0) order_.push_back(static_cast<std::uint32_t>(i));
     }
     tree_.trails_.assign(emitters.size(), kNoTrail);
     if (order_.empty()) return;
     tree_.nodes_.reserve(2 * order_.size() - 1);
-    for (const std::uint32_t i : order_) whole_ += emitters[i].power;
+    for (const std::uint32_t i : order_) tree_.whole_ += emitters[i].intensity;
     build(0, order_.size(), 0, 0);
   }
 
@@ -94,7 +107,7 @@ class LightTree::Builder {
     LightBounds bounds;
     for (std::size_t i = begin; i < end; ++i) bounds = unite(bounds, emitters_[order_[i]]);
     const std::size_t node = tree_.nodes_.size();
-    tree_.nodes_.emplace_back(bounds, whole_);
+    tree_.nodes_.emplace_back(bounds, tree_.whole_);
     if (end - begin == 1) {
       tree_.nodes_[node].emitter = order_[begin];
       tree_.trails_[order_[begin]] = trail;
@@ -149,7 +162,7 @@ class LightTree::Builder {
       LightBounds below;
       for (int b = 0; b + 1 < kBuckets; ++b) {
         below = unite(below, buckets[b]);
-        if (below.power == 0.0 || above[b + 1].power == 0.0) continue;
+        if (below.intensity == 0.0 || above[b + 1].intensity == 0.0) continue;
         const double cost = longest / size[axis] * (cluster_cost(below) + cluster_cost(above[b + 1]));
         if (cost < least) {
           least = cost;
@@ -163,29 +176,41 @@ class LightTree::Builder {
   LightTree& tree_;
   std::span<const LightBounds> emitters_;
   std::vector<std::uint32_t> order_;
-  double whole_ = 0.0;
 };
 
 LightTree::LightTree(std::span<const LightBounds> emitters) {
   Builder(*this, emitters);
+  if (empty()) return;
+  parts_ = {0};
+  // The node whose size says least about where its light comes from is taken apart first.
+  const auto coarseness = [&](std::uint32_t node) {
+    return nodes_[node].right != 0 ? nodes_[node].intensity * nodes_[node].radius : -1.0;
+  };
+  while (parts_.size() < kParts) {
+    const auto coarsest = std::ranges::max_element(parts_, {}, coarseness);
+    const std::uint32_t node = *coarsest;
+    if (nodes_[node].right == 0) break;
+    *coarsest = node + 1;
+    parts_.push_back(nodes_[node].right);
+  }
 }
 
-std::optional<double> LightTree::first_share(std::size_t node, const V3d& point) const {
-  const double first = nodes_[node + 1].importance(point);
-  const double second = nodes_[nodes_[node].right].importance(point);
+std::optional<double> LightTree::first_share(std::size_t node, const Target& target) const {
+  const double first = nodes_[node + 1].importance(target);
+  const double second = nodes_[nodes_[node].right].importance(target);
   const double sum = first + second;
   if (!(sum > 0.0)) return std::nullopt;
   return first / sum;
 }
 
-std::optional<LightTree::Choice> LightTree::sample(const V3f& point, float u) const {
+std::optional<LightTree::Choice> LightTree::sample(const Receiver& at, float u) const {
   constexpr double largest_below_one = 1.0 - 0x1p-53;
-  const V3d p(point);
+  const Target receiver(at);
   double target = std::min(static_cast<double>(u), largest_below_one);
   double probability = 1.0;
   std::size_t node = 0;
   while (nodes_[node].right != 0) {
-    const std::optional<double> share = first_share(node, p);
+    const std::optional<double> share = first_share(node, receiver);
     if (!share) return std::nullopt;
     if (target < *share) {
       target /= *share;
@@ -203,13 +228,20 @@ std::optional<LightTree::Choice> LightTree::sample(const V3f& point, float u) co
   return Choice{nodes_[node].emitter, rounded};
 }
 
-float LightTree::probability(std::size_t index, const V3f& point) const {
+double LightTree::irradiance_at(const Receiver& at) const {
+  const Target target(at);
+  double sum = 0.0;
+  for (const std::uint32_t node : parts_) sum += nodes_[node].importance(target);
+  return whole_ * sum;
+}
+
+float LightTree::probability(std::size_t index, const Receiver& at) const {
   std::uint64_t trail = trails_[index];
   if (trail == kNoTrail) return 0.0f;
-  const V3d p(point);
+  const Target target(at);
   double probability = 1.0;
   for (std::size_t node = 0; nodes_[node].right != 0; trail >>= 1) {
-    const std::optional<double> share = first_share(node, p);
+    const std::optional<double> share = first_share(node, target);
     if (!share) return 0.0f;
     const bool second = (trail & 1) != 0;
     probability *= second ? 1.0 - *share : *share;

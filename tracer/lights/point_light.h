@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <numbers>
 #include <optional>
 
+#include "tracer/lights/irradiance.h"
 #include "tracer/lights/light_sample.h"
 #include "tracer/lights/motion_keys.h"
 #include "tracer/math/vec.h"
@@ -20,10 +20,14 @@ struct PointLight {
   std::uint16_t group = 0;
   MotionKeys motion = {};  ///< among LightList::point_keys
 
-  /// Emitted flux, mean of the channels.
-  double power() const { return 4.0 * std::numbers::pi * channel_mean(intensity); }
+  /// What arrives at the receiver if nothing is in between, as irradiance.h has it.
+  double irradiance_at(const Receiver& at) const {
+    return point_irradiance(at, V3d(position) - V3d(at.position), channel_mean(intensity));
+  }
 
-  std::optional<LightSample> sample(const V3f& point) const;
+  double radiant_intensity() const { return channel_mean(intensity); }
+
+  std::optional<LightSample> sample(const Receiver& at, const V2f& = V2f(0.0f)) const;
 };
 
 /// The sample of a delta light of this intensity in W/sr towards the point, which is `to_light` away; nothing
@@ -42,8 +46,8 @@ inline std::optional<LightSample> sample_position(const V3d& to_light, const V3d
   return LightSample{V3f(to_light / distance), static_cast<float>(distance), irradiance, 1.0f, group, true};
 }
 
-inline std::optional<LightSample> PointLight::sample(const V3f& point) const {
-  return sample_position(V3d(position) - V3d(point), V3d(intensity), group);
+inline std::optional<LightSample> PointLight::sample(const Receiver& at, const V2f&) const {
+  return sample_position(V3d(position) - V3d(at.position), V3d(intensity), group);
 }
 
 }  // namespace becalm::tracer

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "tracer/lights/cone.h"
+#include "tracer/lights/irradiance.h"
 #include "tracer/lights/light_sample.h"
 #include "tracer/lights/motion_keys.h"
 #include "tracer/math/vec.h"
@@ -30,23 +31,34 @@ struct EmissiveSphere {
   std::uint16_t group = 0;
   MotionKeys motion = {};  ///< among LightList::sphere_keys
 
-  /// Emitted flux, mean of the channels; 0 without a radius.
-  double power() const {
-    if (!(radius > 0.0f)) return 0.0;
-    const double area = 4.0 * std::numbers::pi * static_cast<double>(radius) * radius;
-    return std::numbers::pi * area * channel_mean(radiance) * (two_sided ? 2.0 : 1.0);
+  /// Radiant intensity in any direction, mean of the channels; 0 without a radius.
+  double radiant_intensity() const {
+    return radius > 0.0f ? std::numbers::pi * static_cast<double>(radius) * radius * channel_mean(radiance)
+                         : 0.0;
   }
 
-  /// Density per solid angle of any direction in which the sphere is seen from `point`. 0 where sample()
+  /// What arrives at the receiver if nothing is in between, as irradiance.h has it; 0 where sample() gives
+  /// nothing.
+  double irradiance_at(const Receiver& at) const {
+    const Seen seen(*this, at.position);
+    if (!seen.visible) return 0.0;
+    const double mean = channel_mean(radiance);
+    if (!at.faces()) return mean * seen.cone.solid_angle();
+    return mean * (seen.inside
+                       ? std::numbers::pi
+                       : sphere_irradiance(radius / seen.distance, V3d(at.normal).dot(seen.cone.axis)));
+  }
+
+  /// Density per solid angle of any direction in which the sphere is seen from the receiver. 0 where sample()
   /// gives nothing: inside if one-sided, and when the sphere subtends so little that the density leaves the
   /// range of float (a radius below 1e-19 of the distance).
-  float pdf_solid_angle(const V3f& point) const {
-    const Seen seen(*this, point);
+  float pdf_solid_angle(const Receiver& at) const {
+    const Seen seen(*this, at.position);
     return seen.visible ? density(seen) : 0.0f;
   }
 
-  std::optional<LightSample> sample(const V3f& point, const V2f& u) const {
-    const Seen seen(*this, point);
+  std::optional<LightSample> sample(const Receiver& at, const V2f& u) const {
+    const Seen seen(*this, at.position);
     const float pdf = seen.visible ? density(seen) : 0.0f;
     if (pdf == 0.0f) return std::nullopt;
     const Cone::Direction drawn = seen.cone.sample(u);

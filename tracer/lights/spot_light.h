@@ -55,14 +55,19 @@ struct SpotEmitter {
     return t * t * (3.0 - 2.0 * t);
   }
 
-  /// Emitted flux, mean of the channels: the smoothstep is 1/2 on average over the solid angle between the
-  /// cones.
-  double power() const {
-    return has_direction(axis) ? std::numbers::pi * (inner + outer) * channel_mean(intensity) : 0.0;
+  /// 0 without a direction or an opening.
+  double radiant_intensity() const {
+    return has_direction(axis) && outer > 0.0 ? channel_mean(intensity) : 0.0;
   }
 
-  std::optional<LightSample> sample(const V3f& point) const {
-    const V3d to_light = V3d(position) - V3d(point);
+  /// What arrives at the receiver if nothing is in between, as irradiance.h has it.
+  double irradiance_at(const Receiver& at) const {
+    const V3d to_light = V3d(position) - V3d(at.position);
+    return point_irradiance(at, to_light, falloff(-to_light.normalized()) * channel_mean(intensity));
+  }
+
+  std::optional<LightSample> sample(const Receiver& at, const V2f& = V2f(0.0f)) const {
+    const V3d to_light = V3d(position) - V3d(at.position);
     const double share = falloff(-to_light.normalized());
     if (share == 0.0) return std::nullopt;
     return sample_position(to_light, V3d(intensity) * share, group);

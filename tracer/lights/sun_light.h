@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "tracer/lights/cone.h"
+#include "tracer/lights/irradiance.h"
 #include "tracer/lights/light_sample.h"
 #include "tracer/math/vec.h"
 
@@ -49,8 +50,20 @@ struct SunEmitter {
 
   bool delta() const { return disc.rim == 0.0; }
 
-  /// Irradiance at normal incidence, mean of the channels; 0 without a direction.
-  double total() const { return has_direction(disc.axis) ? channel_mean(irradiance) : 0.0; }
+  /// Whether it has a direction, and something finite to send from there.
+  bool shines() const {
+    const double mean = channel_mean(irradiance);
+    return has_direction(disc.axis) && mean > 0.0 && std::isfinite(mean);
+  }
+
+  /// What arrives at the receiver if nothing is in between, as irradiance.h has it.
+  double irradiance_at(const Receiver& at) const {
+    const double mean = channel_mean(irradiance);
+    if (!at.faces()) return mean;
+    const double cosine = V3d(at.normal).dot(disc.axis);
+    if (delta()) return mean * std::max(0.0, cosine);
+    return mean * sphere_irradiance(std::sqrt(sine_squared), cosine) / (std::numbers::pi * sine_squared);
+  }
 
   /// Whether the unit direction points at the disc.
   bool contains(const V3f& dir_world) const {

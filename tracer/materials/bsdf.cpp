@@ -54,6 +54,27 @@ bool is_specular(const Bsdf& bsdf) {
   return std::visit([](const auto& model) { return is_specular_model(model); }, bsdf);
 }
 
+namespace {
+
+bool transmits_model(const DiffuseBsdf&) {
+  return false;
+}
+bool transmits_model(const ConductorBsdf&) {
+  return false;
+}
+bool transmits_model(const DielectricBsdf&) {
+  return true;
+}
+bool transmits_model(const PrincipledBsdf& bsdf) {
+  return bsdf.glass > 0.0f;
+}
+
+}  // namespace
+
+bool transmits(const Bsdf& bsdf) {
+  return std::visit([](const auto& model) { return transmits_model(model); }, bsdf);
+}
+
 V3f albedo(const Bsdf& bsdf) {
   const V3f value = std::visit([](const auto& model) { return albedo_model(model); }, bsdf);
   return {std::clamp(value.x, 0.0f, 1.0f), std::clamp(value.y, 0.0f, 1.0f), std::clamp(value.z, 0.0f, 1.0f)};

@@ -90,6 +90,9 @@ std::optional<BsdfSample> sample(const Bsdf& bsdf, const V3f& wo, const V2f& u, 
 /// Whether all lobes are delta functions, so that light sampling can find nothing.
 bool is_specular(const Bsdf& bsdf);
 
+/// Whether light may come from the other side than wo.
+bool transmits(const Bsdf& bsdf);
+
 /// Reflectance in [0,1] for the albedo AOV: of conductors at normal incidence, of dielectrics what they
 /// reflect and transmit together there.
 V3f albedo(const Bsdf& bsdf);

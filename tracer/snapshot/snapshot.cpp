@@ -125,10 +125,7 @@ void Snapshot::set_frame(int frame) {
   for (const LightDescription& light : description_->lights) {
     lights_changed = lights_changed || animated(light);
   }
-  // The share of samples that light from infinity gets depends on the scene's size, which any motion may
-  // change.
-  if (lights_changed || (moved && (description_->environment || !description_->lights.empty())))
-    build_lights(frame);
+  if (lights_changed) build_lights(frame);
   update_media(frame);
   frame_ = frame;
   whole_ = true;
@@ -181,10 +178,8 @@ void Snapshot::measure() {
     for (const M44f& to_world : objects_[i].blur.steps())
       bounds.extendBy(Imath::affineTransform(box, to_world));
   }
-  radius_ = 0.0f;
   if (bounds.isEmpty()) return;
   const float extent = std::max(largest_coordinate(bounds.min), largest_coordinate(bounds.max));
-  radius_ = 0.5f * bounds.size().length();
   // Embree leaves out what is larger than 2^60, and squared distances must stay finite.
   if (!(extent < 1e17f)) {
     throw Error(ExitStatus::bad_input,
@@ -201,7 +196,6 @@ void Snapshot::build_lights(int frame) {
              {shutter.at(frame, 0.0), shutter.at(frame, 1.0), shutter.blurs() ? kLightSegments : 0}, list);
   list.environment = description_->environment;
   list.environment_group = description_->environment_group;
-  list.scene_radius = radius_;
   lights_ = Lights(std::move(list));
 }
 

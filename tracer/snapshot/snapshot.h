@@ -81,7 +81,6 @@ class Snapshot {
   std::unique_ptr<Intersector> intersector_;
   Lights lights_;
   std::vector<Medium> interiors_;  ///< of each object that has one, in their order
-  float radius_ = 0.0f;            ///< of a sphere around all objects
 };
 
 }  // namespace becalm::tracer

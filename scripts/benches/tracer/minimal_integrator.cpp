@@ -35,14 +35,16 @@ PathSample minimal_path(const PathContext& context, const V2f& raster, Sampler& 
   const Integrator& integrator = context.integrator;
   PathSample result;
   Ray ray = context.cameras.current().ray(raster);
-  V3f throughput(1.0f), previous;
+  V3f throughput(1.0f), previous_position(0.0f);
+  Lights::Received previous;
   float pdf = 0.0f;
   for (int depth = 0;; ++depth) {
     const std::optional<Hit> hit = snapshot.intersector().closest(ray);
     if (!hit) {
       if (depth == 0) result.covered = snapshot.description().environment.has_value();
-      lights.for_each_infinite(ray.dir, [&](const V3f& radiance, float light_pdf, std::uint16_t) {
-        result.radiance += throughput * radiance * (pdf == 0.0f ? 1.0f : power_heuristic(pdf, light_pdf));
+      lights.for_each_infinite(ray.dir, [&](const V3f& radiance, std::uint16_t, const auto& light_pdf) {
+        result.radiance +=
+            throughput * radiance * (pdf == 0.0f ? 1.0f : power_heuristic(pdf, light_pdf(previous)));
       });
       return result;
     }
@@ -55,7 +57,7 @@ PathSample minimal_path(const PathContext& context, const V2f& raster, Sampler& 
       if (pdf != 0.0f) {
         weight = power_heuristic(
             pdf, lights.pdf_triangle(object.first_light + std::size_t{hit->triangle}, previous, ray.dir,
-                                     (surface.position - previous).length(), 0.0f));
+                                     (surface.position - previous_position).length()));
       }
       result.radiance += throughput * object.emission * weight;
     }
@@ -69,7 +71,9 @@ PathSample minimal_path(const PathContext& context, const V2f& raster, Sampler& 
     const ShadingFrame frame = ShadingFrame::from_normal(visible(surface, wo));
     const float wo_z = wo.dot(frame.normal), wo_g = wo.dot(surface.normal_geometric);
 
-    if (const auto light = lights.sample(surface.position, 0.0f, u_light, u_point)) {
+    const Receiver receiver(surface.position, wo_z < 0.0f ? -frame.normal : frame.normal);
+    previous = lights.received(receiver, 0.0f);
+    if (const auto light = lights.sample(previous, u_light, u_point)) {
       const float cos_i = light->dir_world.dot(frame.normal);
       if (light->dir_world.dot(surface.normal_geometric) * wo_g * (cos_i * wo_z) > 0.0f &&
           cos_i * wo_z > 0.0f) {
@@ -98,7 +102,7 @@ PathSample minimal_path(const PathContext& context, const V2f& raster, Sampler& 
     throughput *= reflectance;
     if (is_black(throughput)) return result;
     pdf = cos_i * std::numbers::inv_pi_v<float>;
-    previous = surface.position;
+    previous_position = surface.position;
     if (depth + 1 >= integrator.roulette_depth) {
       const float survival = std::min(1.0f, max_component(throughput));
       if (u_roulette >= survival) return result;

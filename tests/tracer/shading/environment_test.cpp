@@ -30,16 +30,19 @@ Image sky() {
   return image;
 }
 
+/// Without a normal.
+const Receiver kAnywhere(V3f(0.0f));
+
 /// Charts +y as the pole: the environment's frame turned into the chart's.
 Chart chart_of(const Environment& environment) {
   const auto to_chart = [](const V3f& w) { return V3f(w.z, w.x, w.y); };
   const auto from_chart = [](const V3f& w) { return V3f(w.y, w.z, w.x); };
   Chart chart = sphere_chart(
       [&, to_chart](TestRandom& random) -> std::optional<V3f> {
-        const auto drawn = environment.sample(random.next_2d());
+        const auto drawn = environment.sample(kAnywhere, random.next_2d());
         return drawn ? std::optional(to_chart(drawn->dir_world)) : std::nullopt;
       },
-      [&, from_chart](const V3f& w) { return environment.pdf_solid_angle(from_chart(w)); });
+      [&, from_chart](const V3f& w) { return environment.look(from_chart(w)).pdf_solid_angle(kAnywhere); });
   return chart;
 }
 
@@ -62,16 +65,60 @@ TEST(Environment, constant_samples_match_their_density) {
   EXPECT_NEAR(environment.total(), 8.0 * kPi, 1e-9);
 }
 
+TEST(Environment, constant_samples_follow_the_cosine_of_a_receiver) {
+  const Environment environment = Environment::constant(V3f(1, 2, 3));
+  const Receiver at(V3f(0.0f), V3f(0.3f, -0.8f, 0.4f).normalized());
+  const SamplerTest test =
+      test_sampler(sphere_chart(
+                       [&](TestRandom& random) -> std::optional<V3f> {
+                         const auto drawn = environment.sample(at, random.next_2d());
+                         return drawn ? std::optional(drawn->dir_world) : std::nullopt;
+                       },
+                       [&](const V3f& w) { return environment.look(w).pdf_solid_angle(at); }),
+                   902, 200000);
+  EXPECT_GT(test.result.p_value, 0.005) << test.replay;
+  EXPECT_NEAR(test.integral, 1.0, 1e-3);
+}
+
+/// The irradiance that the choice among lights goes by, against quadrature.
+TEST(Environment, knows_about_what_arrives) {
+  const auto exact = [](const Environment& environment, const V3f& normal) {
+    return integrate(
+        [&](const V2d& p) {
+          const V3d w(std::cos(p.x) * std::sin(p.y), std::cos(p.y), std::sin(p.x) * std::sin(p.y));
+          const V3f radiance = environment.radiance(V3f(w));
+          return (radiance.x + radiance.y + radiance.z) / 3.0 * std::max(0.0, w.dot(V3d(normal))) *
+                 std::sin(p.y);
+        },
+        {-kPi, kPi, 0.0, kPi}, 1e-4);
+  };
+  const Environment even = Environment::constant(V3f(1, 2, 3));
+  const Environment image = Environment::image(sky(), 2.0f, 77.0f);
+  for (const V3f& direction :
+       {V3f(0, 1, 0), V3f(0, -1, 0), V3f(1, 0, 0.2f), V3f(-1, 0.3f, 1), V3f(0, 0.5f, -1)}) {
+    const Receiver at(V3f(0.0f), direction.normalized());
+    EXPECT_NEAR(even.arriving(at).irradiance, 2.0 * kPi, 1e-6);
+    EXPECT_NEAR(even.arriving(at).unevenness, 0.0, 1e-9);
+    const double found = image.arriving(at).irradiance;
+    EXPECT_NEAR(found, exact(image, at.normal), 0.15 * exact(image, at.normal) + 0.05 * image.total())
+        << direction;
+    EXPECT_GE(image.arriving(at).unevenness, 0.0);
+    EXPECT_LE(image.arriving(at).unevenness, 1.0);
+  }
+  EXPECT_NEAR(even.arriving(kAnywhere).irradiance, 8.0 * kPi, 1e-6);
+  EXPECT_NEAR(even.arriving(kAnywhere).unevenness, 0.0, 1e-9);
+}
+
 TEST(Environment, sample_reports_the_density_of_its_direction) {
   for (const float rotation : {0.0f, 77.0f, -200.0f}) {
     const Environment environment = Environment::image(sky(), 1.0f, rotation);
     TestRandom random(3);
     int differ = 0;
     for (int i = 0; i < 10000; ++i) {
-      const auto drawn = environment.sample(random.next_2d());
+      const auto drawn = environment.sample(kAnywhere, random.next_2d());
       ASSERT_TRUE(drawn);
       EXPECT_NEAR(drawn->dir_world.length(), 1.0f, 1e-6f);
-      const float pdf = environment.pdf_solid_angle(drawn->dir_world);
+      const float pdf = environment.look(drawn->dir_world).pdf_solid_angle(kAnywhere);
       if (std::abs(pdf / drawn->pdf_solid_angle - 1.0f) > 1e-5f) ++differ;  // rounded across a texel's border
     }
     EXPECT_LT(differ, 10) << rotation;
@@ -93,7 +140,7 @@ TEST(Environment, sampling_recovers_the_total_radiance) {
   double squares = 0.0;
   constexpr int samples = 100000;
   for (int i = 0; i < samples; ++i) {
-    const auto drawn = environment.sample(random.next_2d());
+    const auto drawn = environment.sample(kAnywhere, random.next_2d());
     const V3f radiance = environment.radiance(drawn->dir_world);
     const double value = (radiance.x + radiance.y + radiance.z) / 3.0 / drawn->pdf_solid_angle;
     sum += value;
@@ -153,8 +200,8 @@ TEST(Environment, black_is_never_sampled) {
   for (const Environment& environment :
        {Environment::constant(V3f(0)), Environment::image(Image(8, 4, 3), 1.0f, 0.0f),
         Environment::image(sky(), 0.0f, 0.0f)}) {
-    EXPECT_FALSE(environment.sample(V2f(0.5f)));
-    EXPECT_EQ(environment.pdf_solid_angle(V3f(0, 1, 0)), 0.0f);
+    EXPECT_FALSE(environment.sample(kAnywhere, V2f(0.5f)));
+    EXPECT_EQ(environment.look(V3f(0, 1, 0)).pdf_solid_angle(kAnywhere), 0.0f);
     EXPECT_EQ(environment.radiance(V3f(0, 1, 0)), V3f(0.0f));
     EXPECT_EQ(environment.total(), 0.0);
   }
@@ -169,7 +216,7 @@ TEST(Environment, damaged_values_are_replaced_and_counted) {
   EXPECT_EQ(environment.replaced_values(), 3u);
   TestRandom random(2);
   for (int i = 0; i < 1000; ++i) {
-    const auto drawn = environment.sample(random.next_2d());
+    const auto drawn = environment.sample(kAnywhere, random.next_2d());
     ASSERT_TRUE(drawn);
     const V3f radiance = environment.radiance(drawn->dir_world);
     ASSERT_TRUE(is_finite(radiance) && radiance.x >= 0.0f && radiance.z <= 65504.0f) << radiance;
@@ -186,7 +233,7 @@ TEST(Environment, finite_at_the_extremes) {
     const Environment environment = Environment::image(*image, scale, 12.0f);
     for (const float ux : {0.0f, 0.5f, last_below_one}) {
       for (const float uy : {0.0f, 1e-7f, 0.5f, last_below_one}) {
-        const auto drawn = environment.sample(V2f(ux, uy));
+        const auto drawn = environment.sample(kAnywhere, V2f(ux, uy));
         ASSERT_TRUE(drawn) << image->height() << " u " << ux << " " << uy;
         EXPECT_NEAR(drawn->dir_world.length(), 1.0f, 1e-6f);
         EXPECT_TRUE(std::isfinite(drawn->pdf_solid_angle) && drawn->pdf_solid_angle > 0.0f);
@@ -195,7 +242,7 @@ TEST(Environment, finite_at_the_extremes) {
     }
     for (const V3f& pole : {V3f(0, 1, 0), V3f(0, -1, 0), V3f(0, 0, 1), V3f(-0.0f, 0, 1), V3f(1e-30f, 1, 0)}) {
       EXPECT_TRUE(is_finite(environment.radiance(pole))) << pole;
-      EXPECT_TRUE(std::isfinite(environment.pdf_solid_angle(pole))) << pole;
+      EXPECT_TRUE(std::isfinite(environment.look(pole).pdf_solid_angle(kAnywhere))) << pole;
     }
   }
 }

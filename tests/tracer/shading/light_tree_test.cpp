@@ -46,10 +46,10 @@ LightList lamps(int of_each, std::uint32_t seed) {
   return list;
 }
 
-LightBounds point_bounds(const V3d& position, double power) {
+LightBounds point_bounds(const V3d& position, double intensity) {
   LightBounds bounds;
   bounds.box.extendBy(position);
-  bounds.power = power;
+  bounds.intensity = intensity;
   return bounds;
 }
 
@@ -117,11 +117,12 @@ TEST(LightTree, passes_over_nothing_that_shines) {
       const auto drawn = AreaLight(list.triangles[k]).sample(point, random.next_2d());
       if (!drawn) continue;
       ++shining;
-      ASSERT_GT(lights.pdf_triangle(k, point, drawn->dir_world, drawn->distance, 0.0f), 0.0f) << k << point;
+      ASSERT_GT(lights.pdf_triangle(k, lights.received(point, 0.0f), drawn->dir_world, drawn->distance), 0.0f)
+          << k << point;
     }
     for (std::size_t k = 0; k < list.spheres.size(); ++k) {
-      if (list.spheres[k].power() > 0.0 && list.spheres[k].pdf_solid_angle(point) > 0.0f) {
-        ASSERT_GT(lights.pdf_sphere(k, point, 0.0f), 0.0f) << k << point;
+      if (list.spheres[k].radiant_intensity() > 0.0 && list.spheres[k].pdf_solid_angle(point) > 0.0f) {
+        ASSERT_GT(lights.pdf_sphere(k, lights.received(point, 0.0f)), 0.0f) << k << point;
       }
     }
   }
@@ -132,12 +133,18 @@ TEST(LightTree, passes_over_nothing_that_shines) {
 TEST(LightTree, irradiance_is_the_sum_of_the_lights) {
   LightList list = lamps(10, 730);
   list.suns = {{V3f(1, 2, 0), 0.0f, V3f(0.5f), 900}};
-  list.environment = Environment::constant(V3f(0.1f));
+  Image sky(4, 2, 1);
+  for (int x = 0; x < 4; ++x) sky.at(x, 0, 0) = 0.1f;
+  list.environment = Environment::image(sky, 1.0f, 0.0f);
   list.environment_group = 901;
-  list.scene_radius = 15.0f;
   const Lights lights{list};
   const V3f point(1.0f, 0.1f, -2.0f), up(0, 1, 0);
-  double exact = 0.5 * up.dot(V3f(1, 2, 0).normalized()) + 0.1 * std::numbers::pi;
+  const Estimate from_sky = estimate(733, 100000, [&](TestRandom& r) {
+    const auto drawn = list.environment->sample(point, r.next_2d());
+    return list.environment->radiance(drawn->dir_world).x * std::max(0.0f, drawn->dir_world.y) /
+           drawn->pdf_solid_angle;
+  });
+  double exact = 0.5 * up.dot(V3f(1, 2, 0).normalized()) + from_sky.mean;
   TestRandom random(731);
   const auto mean_of = [&](const auto& light) {
     double sum = 0.0;
@@ -151,21 +158,21 @@ TEST(LightTree, irradiance_is_the_sum_of_the_lights) {
   for (const SpotLight& light : list.spots) exact += irradiance(SpotEmitter(light).sample(point), up);
   const Estimate whole = estimate(732, 200000, [&](TestRandom& r) {
     const float u_light = r.next();
-    return irradiance(lights.sample(point, 0.0f, u_light, r.next_2d()), up);
+    return irradiance(lights.sample(lights.received(point, 0.0f), u_light, r.next_2d()), up);
   });
   EXPECT_NEAR(whole.mean, exact, 4.0 * whole.error + 1e-3 * exact);
   EXPECT_LT(whole.error, 0.01 * whole.mean);
   // Densities agree with the samples through the tree as well.
   for (int i = 0; i < 20000; ++i) {
     const float u_light = random.next();
-    const auto drawn = lights.sample(point, 0.0f, u_light, random.next_2d());
+    const auto drawn = lights.sample(lights.received(point, 0.0f), u_light, random.next_2d());
     if (!drawn || drawn->group >= 900) continue;
     const std::size_t k = drawn->group / 4;
     if (drawn->group % 4 == 0) {
       ASSERT_EQ(drawn->pdf_solid_angle,
-                lights.pdf_triangle(k, point, drawn->dir_world, drawn->distance, 0.0f));
+                lights.pdf_triangle(k, lights.received(point, 0.0f), drawn->dir_world, drawn->distance));
     } else if (drawn->group % 4 == 1) {
-      ASSERT_EQ(drawn->pdf_solid_angle, lights.pdf_sphere(k, point, 0.0f));
+      ASSERT_EQ(drawn->pdf_solid_angle, lights.pdf_sphere(k, lights.received(point, 0.0f)));
     } else {
       ASSERT_TRUE(drawn->delta);
     }
@@ -184,11 +191,12 @@ TEST(LightTree, moving_emitters_stay_in_reach) {
     int found = 0;
     for (int i = 0; i < 20000; ++i) {
       const float u_light = random.next();
-      const auto drawn = lights.sample(point, time, u_light, random.next_2d());
+      const auto drawn = lights.sample(lights.received(point, time), u_light, random.next_2d());
       if (!drawn || drawn->group != 500) continue;
       ++found;
-      ASSERT_EQ(drawn->pdf_solid_angle, lights.pdf_triangle(list.triangles.size() - 1, point,
-                                                            drawn->dir_world, drawn->distance, time));
+      ASSERT_EQ(drawn->pdf_solid_angle,
+                lights.pdf_triangle(list.triangles.size() - 1, lights.received(point, time), drawn->dir_world,
+                                    drawn->distance));
     }
     EXPECT_GT(found, 0) << time;
   }
@@ -201,8 +209,8 @@ TEST(LightTree, beats_the_choice_by_power) {
   std::vector<double> powers;
   std::vector<LightBounds> bounds;
   for (const AreaLight& light : lights) {
-    powers.push_back(light.power());
-    LightBounds& b = bounds.emplace_back(point_bounds(V3d(light.p0), light.power()));
+    powers.push_back(light.radiant_intensity());
+    LightBounds& b = bounds.emplace_back(point_bounds(V3d(light.p0), light.radiant_intensity()));
     b.box.extendBy(V3d(light.p0 + light.edge1));
     b.box.extendBy(V3d(light.p0 + light.edge2));
     b.facing = {V3d(light.normal), 0.0};

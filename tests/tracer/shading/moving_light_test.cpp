@@ -22,8 +22,8 @@ void expect_same_samples(const Lights& moving, float time, const Lights& still) 
   int found = 0;
   for (int i = 0; i < 100; ++i) {
     const V2f u = random.next_2d();
-    const auto a = moving.sample(kPoint, time, 0.5f, u);
-    const auto b = still.sample(kPoint, 0.0f, 0.5f, u);
+    const auto a = moving.sample(moving.received(kPoint, time), 0.5f, u);
+    const auto b = still.sample(still.received(kPoint, 0.0f), 0.5f, u);
     ASSERT_EQ(a.has_value(), b.has_value()) << time;
     if (!a) continue;
     ++found;
@@ -67,9 +67,9 @@ TEST(MovingLight, triangle) {
                         {}}};
     const Lights static_lights{still};
     expect_same_samples(moving, moment.time, static_lights);
-    const auto drawn = moving.sample(kPoint, moment.time, 0.5f, V2f(0.3f, 0.4f));
+    const auto drawn = moving.sample(moving.received(kPoint, moment.time), 0.5f, V2f(0.3f, 0.4f));
     ASSERT_TRUE(drawn);
-    EXPECT_EQ(moving.pdf_triangle(0, kPoint, drawn->dir_world, drawn->distance, moment.time),
+    EXPECT_EQ(moving.pdf_triangle(0, moving.received(kPoint, moment.time), drawn->dir_world, drawn->distance),
               drawn->pdf_solid_angle);
   }
 }
@@ -81,8 +81,8 @@ TEST(MovingLight, static_triangles_beside_moving_ones_stand_still) {
   list.triangles = {{V3f(0), V3f(0), V3f(0), V3f(1e-30f), true, 0, {0, 1}},
                     {V3f(-3, 1, 0), V3f(-2, 1, 0), V3f(-3, 1, 1), V3f(1.0f), true, 0, {}}};
   const Lights lights{list};
-  const auto at_start = lights.sample(kPoint, 0.0f, 0.9f, V2f(0.2f, 0.6f));
-  const auto at_end = lights.sample(kPoint, 1.0f, 0.9f, V2f(0.2f, 0.6f));
+  const auto at_start = lights.sample(lights.received(kPoint, 0.0f), 0.9f, V2f(0.2f, 0.6f));
+  const auto at_end = lights.sample(lights.received(kPoint, 1.0f), 0.9f, V2f(0.2f, 0.6f));
   ASSERT_TRUE(at_start && at_end);
   EXPECT_EQ(at_start->radiance, V3f(1.0f));
   EXPECT_EQ(at_start->dir_world, at_end->dir_world);
@@ -105,7 +105,8 @@ TEST(MovingLight, sphere) {
                       {}}};
     const Lights static_lights{still};
     expect_same_samples(moving, moment.time, static_lights);
-    EXPECT_EQ(moving.pdf_sphere(0, kPoint, moment.time), static_lights.pdf_sphere(0, kPoint, 0.0f));
+    EXPECT_EQ(moving.pdf_sphere(0, moving.received(kPoint, moment.time)),
+              static_lights.pdf_sphere(0, static_lights.received(kPoint, 0.0f)));
   }
 }
 
@@ -135,21 +136,23 @@ TEST(MovingLight, spots_without_a_direction_for_a_moment_are_dark_then) {
   list.spots = {{V3f(0, 2, 0), V3f(0), V3f(1.0f), 150.0f, 180.0f, 0, {0, 1}}};
   list.spot_keys = {{V3f(0, 2, 0), V3f(0, -1, 0)}, {V3f(0, 2, 0), V3f(0, 1, 0)}};
   const Lights lights{list};
-  EXPECT_TRUE(lights.sample(kPoint, 0.25f, 0.5f, V2f(0.5f)));
-  EXPECT_FALSE(lights.sample(kPoint, 0.5f, 0.5f, V2f(0.5f)));
+  EXPECT_TRUE(lights.sample(lights.received(kPoint, 0.25f), 0.5f, V2f(0.5f)));
+  EXPECT_FALSE(lights.sample(lights.received(kPoint, 0.5f), 0.5f, V2f(0.5f)));
 }
 
 /// The share of samples that a sphere of varying size takes beside a static one of the same radiance.
-TEST(MovingLight, is_chosen_by_its_mean_power) {
+TEST(MovingLight, is_chosen_by_what_it_sends_at_the_time) {
   LightList list;
   list.spheres = {{V3f(0, 5, 0), 1.0f, V3f(1.0f), false, 0, {}},
                   {V3f(5, 0, 0), 1.0f, V3f(1.0f), false, 0, {0, 2}}};
   list.sphere_keys = {{V3f(5, 0, 0), 0.0f}, {V3f(5, 0, 0), 2.0f}, {V3f(5, 0, 0), 1.0f}};
   const Lights lights{list};
-  // Mean of r^2: of 0 to 2, 4/3, and of 2 to 1, 7/3.
-  const double power = 0.5 * (4.0 / 3.0 + 7.0 / 3.0);
-  const double alone = EmissiveSphere{V3f(0, 5, 0), 1.0f, V3f(1.0f), false, 0, {}}.pdf_solid_angle(kPoint);
-  EXPECT_NEAR(lights.pdf_sphere(0, kPoint, 0.3f) / alone, 1.0 / (1.0 + power), 1e-6);
+  const EmissiveSphere still{V3f(0, 5, 0), 1.0f, V3f(1.0f), false, 0, {}};
+  const EmissiveSphere then{V3f(5, 0, 0), 1.2f, V3f(1.0f), false, 0, {}};
+  const double share =
+      still.irradiance_at(kPoint) / (still.irradiance_at(kPoint) + then.irradiance_at(kPoint));
+  EXPECT_NEAR(lights.pdf_sphere(0, lights.received(kPoint, 0.3f)) / still.pdf_solid_angle(kPoint), share,
+              1e-6);
 }
 
 TEST(MovingLight, broken_keys_are_never_chosen) {

@@ -87,8 +87,7 @@ TEST(SphereLight, one_sided_ones_are_dark_inside) {
   const EmissiveSphere sphere = sphere_of(V3f(0.1f, 0, 0), 1.0f);
   EXPECT_EQ(sphere.pdf_solid_angle(V3f(0)), 0.0f);
   EXPECT_FALSE(sphere.sample(V3f(0), V2f(0.3f, 0.6f)));
-  EXPECT_DOUBLE_EQ(sphere_of(V3f(0), 1.0f, true).power(), 2.0 * sphere.power());
-  EXPECT_NEAR(sphere.power(), 4.0 * kPi * kPi * 2.0, 1e-6);
+  EXPECT_NEAR(sphere.radiant_intensity(), kPi * 2.0, 1e-6);
 }
 
 /// A sphere wholly above the horizon gives pi L (r/d)^2 cos, whatever its size.
@@ -161,7 +160,7 @@ TEST(SphereLight, directions_fill_a_tiny_outline) {
 TEST(SphereLight, what_is_no_sphere_gives_nothing) {
   for (const float radius : {0.0f, -1.0f, NAN}) {
     const EmissiveSphere sphere = sphere_of(V3f(0, 0, 2), radius, true);
-    EXPECT_EQ(sphere.power(), 0.0) << radius;
+    EXPECT_EQ(sphere.radiant_intensity(), 0.0) << radius;
     EXPECT_FALSE(sphere.sample(V3f(0), V2f(0.5f))) << radius;
     EXPECT_EQ(sphere.pdf_solid_angle(V3f(0)), 0.0f) << radius;
   }
