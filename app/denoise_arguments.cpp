@@ -86,8 +86,7 @@ void add_denoise_options(CLI::App& parser, DenoiseCommand& command) {
           ->option_text("NAME")
           ->group("Filter");
   parser
-      .add_option("--time", command.time,
-                  "Take the most accurate preset that needs at most so long a frame here: 2s, 500ms")
+      .add_option("--time", command.time, "The most accurate preset that takes at most so long a frame: 2s")
       ->excludes(preset)
       ->option_text("TIME")
       ->group("Filter");

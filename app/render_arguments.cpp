@@ -57,7 +57,7 @@ void add_render_options(CLI::App& parser, RenderCommand& command) {
       ->group("Output");
   parser
       .add_option("--spp", command.asked_spp,
-                  "Samples per pixel (default: 8); with --noise-target the most (default: 256)")
+                  "Samples per pixel (default: 8; the most with --noise-target: 256)")
       ->check(CLI::Range(1, 65536))
       ->option_text("N")
       ->group("Rendering");
@@ -71,12 +71,13 @@ void add_render_options(CLI::App& parser, RenderCommand& command) {
       ->group(more("Rendering"));
   parser
       .add_flag("--adaptive", command.adaptive,
-                "With --denoise: --spp samples on average, more where the filter expects errors")
+                "With --denoise: --spp on average, more where errors are expected")
       ->group("Rendering");
   parser
-      .add_option("--noise-target", command.noise_target,
-                  "With --denoise: as many samples as bring the deviation that the filter expects of its "
-                  "result down to this share of the brightness, such as 0.03")
+      .add_option(
+          "--noise-target", command.noise_target,
+          "With --denoise: as many samples as bring the relative error that the filter expects of its "
+          "result to X, such as 0.1 (the root of relMSE)")
       ->check(CLI::Range(1e-4, 10.0))
       ->option_text("X")
       ->group("Rendering");
