@@ -40,6 +40,8 @@ MUTATIONS = {
     "direct light without the MIS weight": (
         "tracer/path_surface.inl", "contribution *= {};",
         "mis_weight(integrator_.heuristic, light->pdf_solid_angle, bsdf.pdf_solid_angle)", "1.0f"),
+    "light choice without its probability": (
+        "tracer/lights/lights.cpp", "sample->pdf_solid_angle *= {};", "probability", "1.0f"),
     "spot with a linear edge": ("tracer/lights/spot_light.h", "return {};", "t * t * (3.0 - 2.0 * t)", "t"),
     "scattering backward instead of forward": (
         "tracer/path_media.inl", "sample_henyey_greenstein({}, -ray_.dir, u_phase)", "g", "-g"),
