@@ -14,7 +14,7 @@ from benches.timed import timed
 SPP = 8
 UNIFORM = (SPP // 2, SPP, 2 * SPP)  # the curve that adaptive sampling is compared with
 METRICS = ("relmse", "temporal")
-TARGETS = (0.2, 0.1)  # of --noise-target
+TARGETS = (0.3, 0.2)  # of --noise-target
 MOST = 256            # samples with a target
 
 
