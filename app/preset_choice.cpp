@@ -8,6 +8,7 @@
 
 #include "filter/gpu/device.h"
 #include "filter/sequence/sequence_filter.h"
+#include "tracer/sample_counts.h"
 
 namespace becalm::app {
 
@@ -17,8 +18,6 @@ constexpr int kLargestWidth = 384;
 constexpr int kLargestHeight = 216;
 /// Frames in the measured segment. One more on either side is its warm-up: a quarter, as in default segments.
 constexpr int kFrames = 4;
-/// Of the filtered error over the samples, by RESULTS.md.
-constexpr double kDecay = 0.37;
 constexpr int kMostSamples = 65536;
 
 /// The centre of the frame.
@@ -89,17 +88,19 @@ const PresetTime& choose_preset(const std::vector<PresetTime>& presets, double s
 
 RenderChoice choose_preset_and_samples(const std::vector<PresetTime>& presets, double seconds,
                                        double seconds_per_spp) {
-  std::vector<RenderChoice> choices;
-  for (const PresetTime& preset : presets) {
+  const auto error = [](const RenderChoice& choice) {
+    return choice.preset.error * std::pow(choice.spp, -tracer::kFilteredErrorDecay);
+  };
+  const auto samples = [&](const PresetTime& preset) {
     const double spp = std::floor((seconds - preset.seconds) / seconds_per_spp);
-    choices.push_back({preset, static_cast<int>(std::clamp<double>(spp, 1.0, kMostSamples))});
-    if (spp < 1.0) break;  // the more accurate ones leave no time for a sample either
+    return static_cast<int>(std::clamp<double>(spp, 0.0, kMostSamples));
+  };
+  RenderChoice best{presets.front(), std::max(1, samples(presets.front()))};
+  for (const PresetTime& preset : presets) {
+    const RenderChoice choice{preset, samples(preset)};
+    if (choice.spp > 0 && error(choice) < error(best)) best = choice;
   }
-  // A preset that leaves no time counts only if there is no faster one.
-  if (choices.size() > 1 && choices.back().preset.seconds + seconds_per_spp > seconds) choices.pop_back();
-  return *std::ranges::min_element(choices, {}, [](const RenderChoice& choice) {
-    return choice.preset.error * std::pow(choice.spp, -kDecay);
-  });
+  return best;
 }
 
 }  // namespace becalm::app

@@ -30,7 +30,8 @@ struct RenderChoice {
   int spp = 1;
 };
 /// The preset of least error for a frame that takes `seconds` altogether, of which each sample per pixel
-/// takes `seconds_per_spp`. The filtered error falls with the power -0.37 of the samples (RESULTS.md).
+/// takes `seconds_per_spp`. The filtered error falls as tracer::kFilteredErrorDecay
+/// says. Where no preset leaves time for a sample, one sample and the fastest preset.
 RenderChoice choose_preset_and_samples(const std::vector<PresetTime>& presets, double seconds,
                                        double seconds_per_spp);
 

@@ -11,11 +11,9 @@ namespace becalm::tracer {
 namespace {
 
 constexpr int kBlockPx = 16;
-/// The squared error of a filtered frame of n samples is that of its pilot, of m samples, times
-/// kOfPilot * (m / n)^kDecay: neighbours and other frames share samples, so that it falls less than the
-/// noise. Medians over eight shots that the filter's weights are chosen on (0.36 to 2.0, and 0.04 to 0.58).
+/// The squared error of a filtered frame over that of a pilot of as many samples: median over the shots of
+/// kFilteredErrorDecay (0.36 to 2.0).
 constexpr double kOfPilot = 0.5;
-constexpr double kDecay = 0.45;
 
 /// One value a block of the frame, row by row.
 class Blocks {
@@ -122,7 +120,7 @@ Image counts_of_mean(const Pilot& pilot, int width, int height, double mean, con
 Image counts_of_target(const Pilot& pilot, int width, int height, double target, const SampleLimits& limits) {
   Blocks counts = errors_of_blocks(pilot.error, width, height);
   for (double& value : counts.values()) {
-    value = std::clamp(pilot.spp * std::pow(kOfPilot * value / (target * target), 1.0 / kDecay),
+    value = std::clamp(pilot.spp * std::pow(kOfPilot * value / (target * target), 1.0 / kFilteredErrorDecay),
                        double(limits.least), double(limits.most));
   }
   return counts_of_pixels(counts, width, height);

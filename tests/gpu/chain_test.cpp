@@ -248,6 +248,22 @@ TEST_F(ChainTest, TimesEveryPassAndNamesItByKernelAndImage) {
   EXPECT_LT(history.chain.times()[0].milliseconds, 60'000.0);
 }
 
+/// Each reads what the one before it wrote. Returns the chain's output.
+ImageId add_six_passes(Chain& chain, ImageId input, Extent extent) {
+  ImageId last = input;
+  for (int i = 0; i < 6; ++i) {
+    const ImageId next = chain.image("L" + std::to_string(i), Format::f32, extent);
+    chain.pass("kernels/scale")
+        .read("fine", last)
+        .write("scaled", next)
+        .constants(ScaleParams{extent.width, extent.height})
+        .dispatch(extent);
+    last = next;
+  }
+  chain.output(last);
+  return last;
+}
+
 TEST_F(ChainTest, SaysWhatMemoryItHolds) {
   constexpr Extent extent{1024, 64};
   constexpr std::uint64_t bytes = extent.elements() * 4;
@@ -257,17 +273,7 @@ TEST_F(ChainTest, SaysWhatMemoryItHolds) {
     Chain chain(validated_device(), "memory", options);
     const ImageId input = chain.input("input", Format::f32, extent);
     static_cast<void>(chain.image("never used", Format::f32, extent));
-    ImageId last = input;
-    for (int i = 0; i < 6; ++i) {
-      const ImageId next = chain.image("L" + std::to_string(i), Format::f32, extent);
-      chain.pass("kernels/scale")
-          .read("fine", last)
-          .write("scaled", next)
-          .constants(ScaleParams{extent.width, extent.height})
-          .dispatch(extent);
-      last = next;
-    }
-    chain.output(last);
+    add_six_passes(chain, input, extent);
     chain.plan();
     // One image is read while the next is written.
     EXPECT_EQ(chain.device_bytes(), (alias ? 2 : 7) * bytes);
@@ -284,18 +290,8 @@ TEST_F(ChainTest, UsesInputsAndOutputsInPlaceOnAProcessor) {
   constexpr Extent extent{1024, 64};
   Chain chain(validated_device(), "in place", test_options());
   const ImageId unused = chain.input("unused", Format::f32, extent);
-  ImageId last = chain.input("input", Format::f32, extent);
-  const ImageId input = last;
-  for (int i = 0; i < 6; ++i) {
-    const ImageId next = chain.image("L" + std::to_string(i), Format::f32, extent);
-    chain.pass("kernels/scale")
-        .read("fine", last)
-        .write("scaled", next)
-        .constants(ScaleParams{extent.width, extent.height})
-        .dispatch(extent);
-    last = next;
-  }
-  chain.output(last);
+  const ImageId input = chain.input("input", Format::f32, extent);
+  const ImageId last = add_six_passes(chain, input, extent);
   chain.build();
   EXPECT_EQ(chain.staging_bytes(), 3 * extent.elements() * 4);
   EXPECT_EQ(chain.device_bytes(), 2 * extent.elements() * 4) << "what the host uses shares no memory";
