@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "app/adaptive_sampling.h"
+#include "app/counted.h"
 #include "app/duration.h"
 #include "app/outputs.h"
 #include "app/preset_choice.h"
@@ -63,8 +64,9 @@ void choose_by_time(RenderCommand& command, tracer::Scene& scene) {
   command.preset = choice.preset.name;
   command.asked_spp = choice.spp;
   command.choice =
-      fmt::format("{} samples per pixel on average and {}: about {:.2g} s a frame{}", choice.spp,
-                  choice.preset.name, expected, expected > 1.1 * seconds ? ", and no preset takes less" : "");
+      fmt::format("{} per pixel on average and {}: about {:.2g} s a frame{}",
+                  counted(static_cast<std::size_t>(choice.spp), "sample", "samples"), choice.preset.name,
+                  expected, expected > 1.1 * seconds ? ", and no preset takes less" : "");
 }
 
 }  // namespace becalm::app
