@@ -13,6 +13,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace {
@@ -34,13 +35,24 @@ struct SpecConstant {
   std::string type;
 };
 
+/// Width and height that the chain supplies.
+struct Size {
+  std::string binding;  // empty: of the dispatch
+  std::uint32_t offset = 0;
+};
+
+struct PushConstants {
+  std::vector<Size> sizes;
+  std::uint32_t constants_offset = 0;  // of what comes after the sizes
+  std::uint32_t bytes = 0;
+};
+
 struct Kernel {
   std::string name;
   std::vector<std::uint32_t> words;
   std::vector<Binding> bindings;
   std::vector<SpecConstant> spec_constants;
-  std::uint32_t push_constant_bytes = 0;
-  bool takes_dispatch_size = false;
+  PushConstants push_constants;
   std::uint32_t local_size[3] = {1, 1, 1};
 };
 
@@ -105,18 +117,28 @@ Binding reflect_binding(const Compiler& compiler, const spirv_cross::Resource& r
   return result;
 }
 
-/// Blocks of 4-byte scalars have one layout in C++ and in std430; vectors and matrices do not.
-void require_scalars(const Compiler& compiler, const SPIRType& type, const std::string& where) {
-  for (std::uint32_t i = 0; i < type.member_types.size(); ++i) {
-    const SPIRType& member = compiler.get_type(type.member_types[i]);
-    const std::string name = where + "." + compiler.get_member_name(type.self, i);
-    if (member.basetype == SPIRType::Struct) {
-      require_scalars(compiler, member, name);
-    } else {
-      require(member.vecsize == 1 && member.columns == 1 && member.width == 32,
-              "push constant '" + name + "' must be a 4-byte scalar");
-    }
+/// Structs of 4-byte scalars have one layout in C++ and in std430; those of vectors and matrices do not.
+void require_scalars(const Compiler& compiler, const SPIRType& type, const std::string& name) {
+  if (type.basetype != SPIRType::Struct) {
+    require(type.vecsize == 1 && type.columns == 1 && type.width == 32,
+            "push constant '" + name + "' must be a 4-byte scalar");
+    return;
   }
+  for (std::uint32_t i = 0; i < type.member_types.size(); ++i) {
+    require_scalars(compiler, compiler.get_type(type.member_types[i]),
+                    name + "." + compiler.get_member_name(type.self, i));
+  }
+}
+
+/// The binding that an ivec2 among the push constants names: `size` or `NAME_size`.
+std::string binding_of_size(const std::string& member, const std::vector<Binding>& bindings) {
+  if (member == "size") return {};
+  constexpr std::string_view ending = "_size";
+  if (member.ends_with(ending)) {
+    const std::string name = member.substr(0, member.size() - ending.size());
+    if (std::ranges::find(bindings, name, &Binding::name) != bindings.end()) return name;
+  }
+  throw std::runtime_error("push constant '" + member + "' must be `size` or `NAME_size` of a buffer NAME");
 }
 
 /// `uniform samplerBuffer name` or `usamplerBuffer`: read as texels of any float or uint format.
@@ -136,22 +158,29 @@ Binding reflect_texel_buffer(const Compiler& compiler, const spirv_cross::Resour
   return result;
 }
 
-std::uint32_t reflect_push_constants(const Compiler& compiler,
-                                     const spirv_cross::ShaderResources& resources) {
-  if (resources.push_constant_buffers.empty()) return 0;
+PushConstants reflect_push_constants(const Compiler& compiler, const spirv_cross::ShaderResources& resources,
+                                     const std::vector<Binding>& bindings) {
+  PushConstants result;
+  if (resources.push_constant_buffers.empty()) return result;
   const SPIRType& type = compiler.get_type(resources.push_constant_buffers[0].base_type_id);
-  require_scalars(compiler, type, resources.push_constant_buffers[0].name);
-  const auto bytes = static_cast<std::uint32_t>(compiler.get_declared_struct_size(type));
-  require(bytes <= kMaxPushConstantBytes,
-          "push constants take " + std::to_string(bytes) + " bytes, more than the 128 that every device has");
-  return bytes;
-}
-
-/// Whether the push constants are those of lib/dispatch_size.glsl, which the chain supplies.
-bool is_dispatch_size(const Compiler& compiler, const spirv_cross::ShaderResources& resources) {
-  if (resources.push_constant_buffers.empty()) return false;
-  const spirv_cross::TypeID type = resources.push_constant_buffers[0].base_type_id;
-  return compiler.get_name(type) == "DispatchSize";
+  result.bytes = static_cast<std::uint32_t>(compiler.get_declared_struct_size(type));
+  require(result.bytes <= kMaxPushConstantBytes, "push constants take " + std::to_string(result.bytes) +
+                                                     " bytes, more than the 128 that every device has");
+  result.constants_offset = result.bytes;
+  for (std::uint32_t i = 0; i < type.member_types.size(); ++i) {
+    const SPIRType& member = compiler.get_type(type.member_types[i]);
+    const std::string& name = compiler.get_member_name(type.self, i);
+    const std::uint32_t offset = compiler.type_struct_member_offset(type, i);
+    if (member.basetype == SPIRType::Int && member.vecsize == 2 && member.columns == 1) {
+      require(result.constants_offset == result.bytes,
+              "push constant '" + name + "' must come before those that are no sizes");
+      result.sizes.push_back({binding_of_size(name, bindings), offset});
+    } else {
+      require_scalars(compiler, member, name);
+      result.constants_offset = std::min(result.constants_offset, offset);
+    }
+  }
+  return result;
 }
 
 SpecConstant reflect_spec_constant(const Compiler& compiler,
@@ -225,8 +254,7 @@ Kernel reflect(const std::string& name, const std::string& path) {
     }
   }
 
-  kernel.push_constant_bytes = reflect_push_constants(compiler, resources);
-  kernel.takes_dispatch_size = is_dispatch_size(compiler, resources);
+  kernel.push_constants = reflect_push_constants(compiler, resources, kernel.bindings);
   for (const auto& constant : compiler.get_specialization_constants()) {
     kernel.spec_constants.push_back(reflect_spec_constant(compiler, constant));
   }
@@ -246,12 +274,27 @@ void write_kernel(std::ostream& out, const Kernel& kernel, std::size_t index) {
         << b.reads << ", " << b.writes << "},\n";
   }
   out << "};\n";
+  if (!kernel.push_constants.sizes.empty()) {
+    out << "constexpr SizeInfo kSizes" << index << "[] = {\n";
+    for (const Size& s : kernel.push_constants.sizes) {
+      out << "  {" << std::quoted(s.binding) << ", " << s.offset << "},\n";
+    }
+    out << "};\n";
+  }
   if (kernel.spec_constants.empty()) return;
   out << "constexpr SpecConstantInfo kSpecConstants" << index << "[] = {\n";
   for (const SpecConstant& s : kernel.spec_constants) {
     out << "  {" << std::quoted(s.name) << ", " << s.id << ", " << std::quoted(s.type) << "},\n";
   }
   out << "};\n";
+}
+
+void write_list(std::ostream& out, const char* name, std::size_t index, bool is_empty) {
+  if (is_empty) {
+    out << "{}";
+  } else {
+    out << name << index;
+  }
 }
 
 void write_table(std::ostream& out, const std::string& function, const std::vector<Kernel>& kernels) {
@@ -264,12 +307,10 @@ void write_table(std::ostream& out, const std::string& function, const std::vect
     for (std::size_t i = 0; i < kernels.size(); ++i) {
       const Kernel& k = kernels[i];
       out << "  {" << std::quoted(k.name) << ", kWords" << i << ", kBindings" << i << ", ";
-      if (k.spec_constants.empty()) {
-        out << "{}";
-      } else {
-        out << "kSpecConstants" << i;
-      }
-      out << ", " << k.push_constant_bytes << ", " << (k.takes_dispatch_size ? "true" : "false") << ", {"
+      write_list(out, "kSpecConstants", i, k.spec_constants.empty());
+      out << ", ";
+      write_list(out, "kSizes", i, k.push_constants.sizes.empty());
+      out << ", " << k.push_constants.constants_offset << ", " << k.push_constants.bytes << ", {"
           << k.local_size[0] << ", " << k.local_size[1] << ", " << k.local_size[2] << "}},\n";
     }
     out << "};\n";

@@ -27,7 +27,6 @@ int refines(const Settings& settings, std::size_t level) {
 
 struct CoarseOffset {
   ImageId image;
-  Extent extent;
   int factor;  ///< how many times smaller the image is than the level that reads it
 
   float scale() const { return static_cast<float>(factor); }
@@ -42,7 +41,6 @@ gpu::Footprint gather_source(const Settings& settings, std::size_t level, int li
 /// Warps the source's features to the target's pixels by the level's start offsets.
 ImageId add_warp(Chain& chain, const Settings& settings, const Search& search, std::size_t level,
                  Extent extent, const Features& source, const CoarseOffset& coarse, int limit_px) {
-  const Extent source_extent = level_extent(settings, search.window.full, level);
   const ImageId warped = chain.image(fmt::format("{}features.warped.L{}", search.name, level), Format::f32,
                                      extent.with_planes(source.planes));
   chain.pass("align/warp_source")
@@ -51,14 +49,8 @@ ImageId add_warp(Chain& chain, const Settings& settings, const Search& search, s
       .read("target_origin", search.window.target_origin)
       .write("warped", warped)
       .specialize("planes", source.planes)
-      .constants(params::WarpSourceParams{.width = extent.width,
-                                          .height = extent.height,
-                                          .source_width = source_extent.width,
-                                          .source_height = source_extent.height,
-                                          .level_px = level_px(settings, level),
-                                          .coarse_width = coarse.extent.width,
-                                          .coarse_height = coarse.extent.height,
-                                          .coarse_scale = coarse.scale()})
+      .constants(
+          params::WarpSourceParams{.level_px = level_px(settings, level), .coarse_scale = coarse.scale()})
       .dispatch(extent);
   return warped;
 }
@@ -70,7 +62,6 @@ CoarseOffset add_motion_guide(Chain& chain, const Settings& settings, const Sear
                               int limit_px) {
   constexpr int patch_radius = 2;  // of both starts that are compared
   const Extent extent = level_extent(settings, search.full, level);
-  const Extent source_extent = level_extent(settings, search.window.full, level);
   const ImageId start = chain.image(search.name + "offset.guided", Format::f32x2, extent);
   chain.pass("align/choose_start")
       .read("target", target.image, gpu::reach(patch_radius))
@@ -79,19 +70,10 @@ CoarseOffset add_motion_guide(Chain& chain, const Settings& settings, const Sear
       .read("motion", *search.motion, gpu::block(level_px(settings, level)))
       .read("target_origin", search.window.target_origin)
       .write("start", start)
-      .constants(params::ChooseStartParams{.width = extent.width,
-                                           .height = extent.height,
-                                           .source_width = source_extent.width,
-                                           .source_height = source_extent.height,
-                                           .planes = target.planes,
-                                           .coarse_width = coarse.extent.width,
-                                           .coarse_height = coarse.extent.height,
-                                           .coarse_scale = coarse.scale(),
-                                           .full_width = search.full.width,
-                                           .full_height = search.full.height,
-                                           .level_px = level_px(settings, level)})
+      .constants(params::ChooseStartParams{
+          .planes = target.planes, .coarse_scale = coarse.scale(), .level_px = level_px(settings, level)})
       .dispatch(extent);
-  return {start, extent, 1};
+  return {start, 1};
 }
 
 /// Inputs and outputs of the search at one level.
@@ -148,12 +130,8 @@ void add_match(Chain& chain, const Settings& settings, const Level& level) {
       .specialize("strip_columns", strip.columns)
       .specialize("strip_rows", strip.rows)
       .specialize("log_of", log_of(level.radius))
-      .constants(params::MatchParams{.width = level.extent.width,
-                                     .height = level.extent.height,
-                                     .coarse_width = level.coarse.extent.width,
-                                     .coarse_height = level.coarse.extent.height,
-                                     .coarse_scale = level.coarse.scale(),
-                                     .refine = refines(settings, level.index)})
+      .constants(
+          params::MatchParams{.coarse_scale = level.coarse.scale(), .refine = refines(settings, level.index)})
       .dispatch({ceil_div(level.extent.width, strip.columns), ceil_div(level.extent.height, strip.rows)});
 }
 
@@ -181,9 +159,9 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
   result.residual.resize(end - finest);
   CoarseOffset coarse;
   if (search.start) {
-    coarse = {*search.start, level_extent(settings, search.full, end), settings.pyramid.factor};
+    coarse = {*search.start, settings.pyramid.factor};
   } else {
-    coarse = {chain.image(search.name + "offset.none", Format::f32x2, {1, 1}), {1, 1}, 1};
+    coarse = {chain.image(search.name + "offset.none", Format::f32x2, {1, 1}), 1};
     chain.fill(coarse.image, 0.0f);
   }
   for (std::size_t l = end; l-- > finest;) {
@@ -213,7 +191,7 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
         .read("offset_noisy", level.offset, gpu::reach(1))
         .write("offset", offset)
         .dispatch(extent);
-    coarse = {offset, extent, settings.pyramid.factor};
+    coarse = {offset, settings.pyramid.factor};
   }
   result.offset = coarse.image;
   return result;
@@ -228,8 +206,6 @@ ImageId add_upsample_pass(Chain& chain, const Settings& settings, Extent full, I
       .read("offset_coarse", offset, gpu::bilinear(settings.match_downsample))
       .write("offset", upsampled)
       .specialize("scale", settings.match_downsample)
-      .constants(params::UpsampleParams{
-          .width_in = extent.width, .height_in = extent.height, .width = full.width, .height = full.height})
       .dispatch({extent.width, full.height});
   return upsampled;
 }

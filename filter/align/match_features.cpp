@@ -34,13 +34,8 @@ void add_radiance_feature(Chain& chain, const Settings& settings, Extent full, c
       .read("color", sources.color, gpu::block(settings.match_downsample, kFireflyReach))
       .read("exposure", sources.exposure)
       .write("features", radiance)
-      .constants(params::RadianceFeatureParams{.width_in = full.width,
-                                               .height_in = full.height,
-                                               .width = extent.width,
-                                               .height = extent.height,
-                                               .downsample = settings.match_downsample,
-                                               .plane = plane,
-                                               .weight = weight_of(0)})
+      .constants(params::RadianceFeatureParams{
+          .downsample = settings.match_downsample, .plane = plane, .weight = weight_of(0)})
       .dispatch(extent);
   for (int step = 1; step <= settings.prefilter; ++step) {
     const ImageId unfiltered = radiance;
@@ -51,11 +46,7 @@ void add_radiance_feature(Chain& chain, const Settings& settings, Extent full, c
         .read("guides", sources.guide_features, gpu::reach(2 * tap_distance))
         .write("filtered", radiance)
         .specialize("guide_planes", sources.guide_planes)
-        .constants(params::PrefilterParams{.width = extent.width,
-                                           .height = extent.height,
-                                           .step = tap_distance,
-                                           .plane = plane,
-                                           .weight = weight_of(step)})
+        .constants(params::PrefilterParams{.step = tap_distance, .plane = plane, .weight = weight_of(step)})
         .dispatch(extent);
   }
 }
@@ -70,13 +61,8 @@ void add_guide_passes(Chain& chain, const Settings& settings, Extent full, Image
         .read("guide", guide, gpu::block(settings.match_downsample))
         .write("features", guide_features)
         .specialize("downsample", settings.match_downsample)
-        .constants(params::GuideFeatureParams{.width_in = full.width,
-                                              .height_in = full.height,
-                                              .width = extent.width,
-                                              .height = extent.height,
-                                              .plane_in = static_cast<int>(plane),
+        .constants(params::GuideFeatureParams{.plane_in = static_cast<int>(plane),
                                               .plane = static_cast<int>(plane),
-                                              .planes = 1,
                                               .weight = kFeatureRange * weights[plane]})
         .dispatch(extent);
   }
@@ -93,14 +79,7 @@ Features add_feature_passes(Chain& chain, const Settings& settings, Extent full,
         .read("guide", *sources.guide_features)
         .write("features", features)
         .specialize("downsample", 1)
-        .constants(params::GuideFeatureParams{.width_in = extent.width,
-                                              .height_in = extent.height,
-                                              .width = extent.width,
-                                              .height = extent.height,
-                                              .plane_in = 0,
-                                              .plane = 0,
-                                              .planes = sources.guide_planes,
-                                              .weight = 1.0f})
+        .constants(params::GuideFeatureParams{.plane_in = 0, .plane = 0, .weight = 1.0f})
         .dispatch({extent.width, extent.height, sources.guide_planes});
   }
   add_radiance_feature(chain, settings, full, name, sources, features);
@@ -111,15 +90,12 @@ std::vector<Features> add_pyramid(Chain& chain, const Settings& settings, const 
                                   Extent full, const Features& finest, const std::string& name) {
   std::vector<Features> pyramid{finest};
   for (std::size_t l = levels.finest + 1; l < levels.end; ++l) {
-    const Extent fine = level_extent(settings, full, l - 1);
     const Extent extent = level_extent(settings, full, l).with_planes(finest.planes);
     const ImageId coarse = chain.image(fmt::format("features.{}.L{}", name, l), Format::f32, extent);
     chain.pass("align/downsample")
         .read("fine", pyramid.back().image, gpu::block(settings.pyramid.factor))
         .write("coarse", coarse)
         .specialize("factor", settings.pyramid.factor)
-        .constants(params::DownsampleParams{
-            .width_in = fine.width, .height_in = fine.height, .width = extent.width, .height = extent.height})
         .dispatch(extent);
     pyramid.push_back({coarse, finest.planes});
   }

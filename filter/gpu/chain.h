@@ -59,7 +59,7 @@ struct DeclaredPass {
 ///     ImageId luma = chain.input("luma.cur", Format::f32, extent);
 ///     ImageId half = chain.image("luma.cur.L1", Format::f32, half_extent);
 ///     chain.pass("align/downsample").read("fine", luma, block(2)).write("coarse", half)
-///          .constants(DownsampleParams{...}).dispatch(half_extent);
+///          .specialize("factor", 2).dispatch(half_extent);
 ///     chain.output(half);
 ///     chain.build();
 ///
@@ -79,7 +79,8 @@ class Chain {
     Pass& write(std::string_view binding, std::optional<ImageId> image);
     /// A binding that the kernel both reads, at the written pixel alone, and writes.
     Pass& read_write(std::string_view binding, ImageId image);
-    /// Push constants: a plain struct of shaders/shared/, 4-byte scalars only.
+    /// Push constants but for sizes, which the chain supplies: a plain struct of shaders/shared/, 4-byte
+    /// scalars only.
     template <class Params>
     Pass& constants(const Params& params) {
       static_assert(std::is_trivially_copyable_v<Params> && sizeof(Params) <= 128);

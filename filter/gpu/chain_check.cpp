@@ -1,4 +1,4 @@
-// The checks of Chain::plan, which come before anything is allocated.
+// The checks of Chain::plan, which come before anything is allocated, and the kernels' push constants.
 
 #include <algorithm>
 #include <array>
@@ -127,19 +127,32 @@ void check_specialization(const Kernel& kernel, const PassDeclaration& pass, con
   if (given > 1) throw DeviceError(where + "specialization constant '" + constant + "' is given twice");
 }
 
-void check_constants(const Kernel& kernel, PassDeclaration& pass, const std::string& where) {
-  if (kernel.takes_dispatch_size) {
-    if (!pass.constants.empty())
-      throw DeviceError(where + "constants are given, the kernel's is the dispatch's size");
-    const std::array<std::int32_t, 2> size{pass.extent->width, pass.extent->height};
-    const auto bytes = std::as_bytes(std::span(size));
-    pass.constants.assign(bytes.begin(), bytes.end());
-  }
-  if (pass.constants.size() != kernel.push_constant_bytes) {
+void check_constants(const Kernel& kernel, const PassDeclaration& pass, const std::string& where) {
+  const std::size_t expected = kernel.push_constant_bytes - kernel.constants_offset;
+  if (pass.constants.size() != expected) {
     throw DeviceError(where + "the constants take " + std::to_string(pass.constants.size()) +
-                      " bytes, the kernel's take " + std::to_string(kernel.push_constant_bytes));
+                      " bytes, the kernel's take " + std::to_string(expected));
   }
   for (const auto& given : pass.specializations) check_specialization(kernel, pass, given.first, where);
+}
+
+/// The sizes that the kernel asks for, 0 x 0 of an image that is left out, then the pass's own constants.
+std::vector<std::byte> push_constants(const Kernel& kernel, const PassDeclaration& pass,
+                                      std::span<const ImageDeclaration> images) {
+  std::vector<std::byte> result(kernel.push_constant_bytes);
+  for (const SizeInfo& wanted : kernel.sizes) {
+    std::array<std::int32_t, 2> size{};
+    if (wanted.binding.empty()) {
+      size = {pass.extent->width, pass.extent->height};
+    } else if (const auto use = std::ranges::find(pass.uses, wanted.binding, &Use::binding);
+               use != pass.uses.end()) {
+      const Extent& extent = images[static_cast<std::size_t>(use->image)].extent;
+      size = {extent.width, extent.height};
+    }
+    std::ranges::copy(std::as_bytes(std::span(size)), result.begin() + wanted.offset);
+  }
+  std::ranges::copy(pass.constants, result.begin() + kernel.constants_offset);
+  return result;
 }
 
 void check_dispatch(const Kernel& kernel, const PassDeclaration& pass, const vk::PhysicalDeviceLimits& limits,
@@ -216,6 +229,7 @@ void Chain::Impl::check() {
       check_bindings(*pass.kernel, pass, images, device, where);
       check_dispatch(*pass.kernel, pass, device.limits, where);
       check_constants(*pass.kernel, pass, where);
+      pass.push_constants = push_constants(*pass.kernel, pass, images);
     }
     for (const Use& use : pass.uses) {
       const auto index = static_cast<std::size_t>(use.image);

@@ -60,8 +60,9 @@ struct PassDeclaration {
   std::function<void(const Chain::HostImages&)> work;  ///< of a host pass
   const Kernel* kernel = nullptr;                      ///< found by check(); null for other kinds
   std::vector<Use> uses;
-  std::vector<std::string> absent;  ///< bindings that the kernel as specialized does not access
-  std::vector<std::byte> constants;
+  std::vector<std::string> absent;        ///< bindings that the kernel as specialized does not access
+  std::vector<std::byte> constants;       // as declared
+  std::vector<std::byte> push_constants;  // the kernel's: sizes, then `constants`; made by check()
   std::vector<std::pair<std::string, std::int32_t>> specializations;
   std::optional<Extent> extent;
 };

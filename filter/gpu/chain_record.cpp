@@ -67,8 +67,8 @@ void Chain::Impl::record_pass(const vk::raii::CommandBuffer& commands, std::size
   commands.bindPipeline(compute, pipeline);
   commands.bindDescriptorSets(compute, layout, 0, *descriptor_sets[static_cast<std::size_t>(parity)][pass],
                               {});
-  if (!declared.constants.empty()) {
-    commands.pushConstants<std::byte>(layout, vk::ShaderStageFlagBits::eCompute, 0, declared.constants);
+  if (!declared.push_constants.empty()) {
+    commands.pushConstants<std::byte>(layout, vk::ShaderStageFlagBits::eCompute, 0, declared.push_constants);
   }
   const std::uint32_t* size = declared.kernel->local_size;
   const Extent extent = *declared.extent;

@@ -25,6 +25,12 @@ struct SpecConstantInfo {
   std::string_view type;  ///< "int", "uint", "float" or "bool"
 };
 
+/// Push constants that the chain supplies: width and height of an image, or of the dispatch.
+struct SizeInfo {
+  std::string_view binding;  ///< the image's; empty for the dispatch
+  std::uint32_t offset;      ///< in the push constants, bytes
+};
+
 /// A compiled kernel: its SPIR-V and the interface reflected from it. Embedded in the executable at build
 /// time.
 struct Kernel {
@@ -32,8 +38,9 @@ struct Kernel {
   std::span<const std::uint32_t> spirv;
   std::span<const BindingInfo> bindings;
   std::span<const SpecConstantInfo> spec_constants;
-  std::uint32_t push_constant_bytes;
-  bool takes_dispatch_size;  ///< its push constants are the dispatch's width and height
+  std::span<const SizeInfo> sizes;    ///< the first push constants
+  std::uint32_t constants_offset;     ///< of those after them, which the pass declares
+  std::uint32_t push_constant_bytes;  ///< of all
   std::uint32_t local_size[3];
 };
 

@@ -54,8 +54,8 @@ gpu::Footprint gather_history(const WarpInputs& history) {
 }
 
 /// The factor by which the warped, demodulated history is multiplied in each target pixel.
-ImageId add_remodulation_pass(Chain& chain, Extent full, const params::WarpHistoryParams& params,
-                              const WarpInputs& history, const SourceWindow& window, ImageId offset) {
+ImageId add_remodulation_pass(Chain& chain, Extent full, const WarpInputs& history,
+                              const SourceWindow& window, ImageId offset) {
   const ImageId factor = chain.image("history.factor", Format::f32x4, full);
   chain.pass("merge/remodulation")
       .read("offset", offset)
@@ -63,7 +63,6 @@ ImageId add_remodulation_pass(Chain& chain, Extent full, const params::WarpHisto
       .read("history_albedo", history.albedo->previous, gather_history(history))
       .read("target_origin", window.target_origin)
       .write("factor", factor)
-      .constants(params)
       .dispatch(full);
   return factor;
 }
@@ -106,7 +105,6 @@ ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, c
 
 ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
                       const WarpedHistory& warped, const Alignment& alignment) {
-  const Extent extent = level_extent(settings, full, 0);
   const ImageId decision = chain.image("decision", Format::f32x4, full);
   chain.pass("merge/mask_gain")
       .read("color", inputs.color)
@@ -117,11 +115,7 @@ ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const
       .write("merged_color", inputs.history_color.next)
       .write("merged_stats", inputs.history_stats.next)
       .write("decision", decision)
-      .constants(params::MaskGainParams{.width = full.width,
-                                        .height = full.height,
-                                        .residual_width = extent.width,
-                                        .residual_height = extent.height,
-                                        .residual_scale = static_cast<float>(level_px(settings, 0)),
+      .constants(params::MaskGainParams{.residual_scale = static_cast<float>(level_px(settings, 0)),
                                         .alpha = settings.mask.alpha,
                                         .kappa = settings.mask.kappa,
                                         .eta = settings.mask.eta})
@@ -163,8 +157,7 @@ struct CarriedRead {
 
 /// Warps carried image `i` of the history. Additive AOVs are read with the given share, other images with a
 /// share of their own that keeps them within the range of the nearest pixels.
-CarriedRead add_carried_read(Chain& chain, const Settings& settings, Extent full,
-                             const params::WarpHistoryParams& params, const SourceWindow& window,
+CarriedRead add_carried_read(Chain& chain, const Settings& settings, Extent full, const SourceWindow& window,
                              ImageId offset, const WarpInputs& history, std::size_t i,
                              std::optional<ImageId> factor, std::optional<ImageId> share) {
   const CarriedImage& carried = history.additive[i];
@@ -189,7 +182,6 @@ CarriedRead add_carried_read(Chain& chain, const Settings& settings, Extent full
       .specialize("resample", static_cast<int>(settings.resample))
       .specialize("demodulated", demodulated ? 1 : 0)
       .specialize("in_range", own_share ? 1 : 0)
-      .constants(params)
       .dispatch(full);
   return made;
 }
@@ -205,13 +197,9 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
   const WarpInputs history = radiance.albedo ? add_demodulate_passes(chain, window.full, radiance) : radiance;
   std::optional<ImageId> share;
   if (!history.additive.empty()) share = chain.image("warped.share", Format::f32, full);
-  const params::WarpHistoryParams params{.width = full.width,
-                                         .height = full.height,
-                                         .history_width = window.full.width,
-                                         .history_height = window.full.height};
   std::optional<ImageId> factor;
   if (history.albedo) {
-    factor = add_remodulation_pass(chain, full, params, history, window, offset);
+    factor = add_remodulation_pass(chain, full, history, window, offset);
   }
   chain.pass("merge/warp_history")
       .read("offset", offset)
@@ -225,7 +213,6 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
       .specialize("resample", static_cast<int>(settings.resample))
       .specialize("writes_share", share ? 1 : 0)
       .specialize("demodulated", history.albedo ? 1 : 0)
-      .constants(params)
       .dispatch(full);
   // Additive AOVs add up to the noisy radiance if it is carried, else to the colour; they use its share.
   const auto noisy = std::ranges::find(history.additive, Carried::radiance, &CarriedImage::kind);
@@ -233,7 +220,7 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
   std::optional<ImageId> share_of_light = share;
   const auto read = [&](std::size_t i) {
     const CarriedRead made =
-        add_carried_read(chain, settings, full, params, window, offset, history, i, factor, share_of_light);
+        add_carried_read(chain, settings, full, window, offset, history, i, factor, share_of_light);
     warped.additive[i] = made.warped;
     return made.share;
   };

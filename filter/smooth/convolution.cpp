@@ -83,9 +83,7 @@ gpu::ImageId Convolution::add_passes(gpu::Chain& chain, const std::string& name,
     done == 0 ? pass.write("result", result) : pass.read_write("result", result);
     ++done;
     pass.specialize("planes", part.planes)
-        .constants(params::ConvolveParams{.width = size.width,
-                                          .height = size.height,
-                                          .first_plane = part.first_plane,
+        .constants(params::ConvolveParams{.first_plane = part.first_plane,
                                           .first_weight = part.first_weight,
                                           .rectify = done == count ? 1 : 0})
         .dispatch(invocations.with_planes(planes / kPlanesMade));

@@ -9,8 +9,6 @@
 #include "filter/merge/patch_sums.h"
 #include "filter/smooth/convolution.h"
 #include "filter/smooth/host_features.h"
-#include "shaders/shared/convolve_params.h"
-#include "shaders/shared/network_params.h"
 
 namespace becalm::filter {
 
@@ -41,13 +39,6 @@ std::vector<float> pack_head(const std::vector<const Layer*>& layers) {
 
 int padded_px(int size) {
   return ceil_div(size, kNetworkGridPx) * kNetworkGridPx;
-}
-
-params::PaddedParams padded_params(Extent full, Extent padded) {
-  return {.width = full.width,
-          .height = full.height,
-          .padded_width = padded.width,
-          .padded_height = padded.height};
 }
 
 }  // namespace
@@ -110,7 +101,6 @@ NetworkPasses::Demodulated NetworkPasses::add_demodulate(Chain& chain, const Noi
         .read("exposure", frame.exposure)
         .write("irradiance", irradiance)
         .write("grey", grey)
-        .constants(padded_params(full_, padded_))
         .dispatch(padded_);
     return std::pair(irradiance, grey);
   };
@@ -136,7 +126,6 @@ ImageId NetworkPasses::add_inputs(Chain& chain, const NoisyInputs& frame, const 
       .read("exposure", frame.exposure)
       .write("inputs", inputs)
       .specialize("variance_known", variance_known ? 1 : 0)
-      .constants(padded_params(full_, padded_))
       .dispatch(padded_);
   return inputs;
 }
@@ -155,14 +144,12 @@ NetworkPasses::Scales NetworkPasses::add_features(Chain& chain, const NetworkWei
   for (std::size_t i = 0; i < kScales; ++i) {
     ImageId source = inputs;
     if (i > 0) {
-      const Extent fine = extent(i - 1);
       const int planes = weights.channels[i - 1] / kPlane;
       source =
           chain.image(fmt::format("network.pooled.L{}", i), Format::f32x4, extent(i).with_planes(planes));
       chain.pass("smooth/pool")
           .read("fine", features[i - 1], gpu::block(2))
           .write("coarse", source)
-          .constants(params::PoolParams{.width = fine.width, .height = fine.height})
           .dispatch(extent(i).with_planes(planes));
     }
     features[i] = add_convolution(chain, fmt::format("encode.L{}", i), weights.encode[i], i, source, {});
@@ -234,7 +221,6 @@ void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, con
       .specialize("albedos", !frame.has_albedo                      ? 0
                              : frame.own_features == frame.features ? 1
                                                                     : 2)
-      .constants(padded_params(full_, padded_))
       .dispatch(full_);
 }
 

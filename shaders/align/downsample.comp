@@ -5,18 +5,17 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "lib/block_mean.glsl"
-#include "shared/align_params.h"
 
 layout(constant_id = 0) const int factor = 1;
 
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(push_constant) uniform Params { DownsampleParams p; };
+layout(push_constant) uniform Sizes { ivec2 size; ivec2 fine_size; };
 layout(set = 0, binding = 0) uniform samplerBuffer fine;
 layout(std430, set = 0, binding = 1) writeonly buffer CoarseBuffer { float data[]; } coarse;
 
 void main() {
   const ivec3 at = ivec3(gl_GlobalInvocationID);
-  if (at.x >= p.width || at.y >= p.height) return;
-  coarse.data[(at.z * p.height + at.y) * p.width + at.x] =
-      block_mean(fine, at.xy, at.z, ivec2(p.width_in, p.height_in), factor);
+  if (at.x >= size.x || at.y >= size.y) return;
+  coarse.data[(at.z * size.y + at.y) * size.x + at.x] =
+      block_mean(fine, at.xy, at.z, fine_size, factor);
 }

@@ -9,13 +9,13 @@
 layout(constant_id = 0) const int downsample = 1;
 
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(push_constant) uniform Params { GuideFeatureParams p; };
+layout(push_constant) uniform Params { ivec2 size; ivec2 guide_size; GuideFeatureParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer guide;
 layout(std430, set = 0, binding = 1) writeonly buffer FeaturesBuffer { float data[]; } features;
 
 void main() {
   const ivec3 at = ivec3(gl_GlobalInvocationID);
-  if (at.x >= p.width || at.y >= p.height || at.z >= p.planes) return;
-  features.data[((p.plane + at.z) * p.height + at.y) * p.width + at.x] =
-      p.weight * block_mean(guide, at.xy, p.plane_in + at.z, ivec2(p.width_in, p.height_in), downsample);
+  if (at.x >= size.x || at.y >= size.y) return;
+  features.data[((p.plane + at.z) * size.y + at.y) * size.x + at.x] =
+      p.weight * block_mean(guide, at.xy, p.plane_in + at.z, guide_size, downsample);
 }

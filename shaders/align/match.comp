@@ -30,7 +30,7 @@ const int kColumns = strip_columns + 2 * radius;
 const bool kMultiplies = kind >= kDistanceLogL1 && log_of != kLogOfPixel;
 
 layout(local_size_x = 8) in;
-layout(push_constant) uniform Params { MatchParams p; };
+layout(push_constant) uniform Params { ivec2 target_size; ivec2 offset_coarse_size; MatchParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer target;
 layout(set = 0, binding = 1) uniform samplerBuffer warped;
 layout(set = 0, binding = 2) uniform samplerBuffer offset_coarse;
@@ -40,7 +40,7 @@ layout(std430, set = 0, binding = 4) writeonly buffer ResidualBuffer { float dat
 #include "lib/choice.glsl"
 
 /// First element of a row; rows outside of the image repeat its border.
-int line(int row, int plane) { return (plane * p.height + clamp(row, 0, p.height - 1)) * p.width; }
+int line(int row, int plane) { return (plane * target_size.y + clamp(row, 0, target_size.y - 1)) * target_size.x; }
 
 // A global, since an array of specialized size cannot be a parameter.
 float difference[5 * kColumns];
@@ -53,10 +53,10 @@ void find_differences(int row, int sy, int first_column) {
     const int source_line = line(row + sy, plane);
     float source[kColumns + 4];
     [[unroll]] for (int i = 0; i < kColumns + 4; ++i) {
-      source[i] = texelFetch(warped, source_line + clamp(first_column + i - 2, 0, p.width - 1)).x;
+      source[i] = texelFetch(warped, source_line + clamp(first_column + i - 2, 0, target_size.x - 1)).x;
     }
     [[unroll]] for (int i = 0; i < kColumns; ++i) {
-      const float value = texelFetch(target, target_line + clamp(first_column + i, 0, p.width - 1)).x;
+      const float value = texelFetch(target, target_line + clamp(first_column + i, 0, target_size.x - 1)).x;
       [[unroll]] for (int k = 0; k < 5; ++k) difference[k * kColumns + i] += channel_difference(kind, value - source[i + k]);
     }
   }
@@ -64,20 +64,20 @@ void find_differences(int row, int sy, int first_column) {
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy) * ivec2(strip_columns, strip_rows);
-  if (at.x >= p.width || at.y >= p.height) return;
+  if (at.x >= target_size.x || at.y >= target_size.y) return;
   const int first_column = at.x - radius;
   const int first_row = max(at.y - radius, 0);
-  const int end_row = min(at.y + strip_rows, p.height);
+  const int end_row = min(at.y + strip_rows, target_size.y);
   float inside[kColumns];  // columns outside of the image count in no patch
   [[unroll]] for (int i = 0; i < kColumns; ++i) {
-    inside[i] = first_column + i >= 0 && first_column + i < p.width ? 1.0 : 0.0;
+    inside[i] = first_column + i >= 0 && first_column + i < target_size.x ? 1.0 : 0.0;
   }
 
   float column[25 * kColumns];
   [[unroll]] for (int i = 0; i < 25 * kColumns; ++i) column[i] = kMultiplies ? 1.0 : 0.0;
   [[dont_unroll]] for (int row = first_row; row < end_row + radius; ++row) {
     const int old_row = row - kPatch;
-    const float adds = row < p.height ? 1.0 : 0.0;
+    const float adds = row < target_size.y ? 1.0 : 0.0;
     const float removes = old_row >= first_row ? 1.0 : 0.0;
     [[unroll]] for (int sy = 0; sy < 5; ++sy) {
       find_differences(row, sy - 2, first_column);
@@ -112,9 +112,9 @@ void main() {
         }
       }
       [[unroll]] for (int i = 0; i < strip_columns; ++i) {
-        if (at.x + i < p.width) {
-          choose(kind, cost[i], ivec2(at.x + i, y), ivec2(p.width, p.height), radius, p.refine != 0,
-                 ivec2(p.coarse_width, p.coarse_height), p.coarse_scale);
+        if (at.x + i < target_size.x) {
+          choose(kind, cost[i], ivec2(at.x + i, y), target_size, radius, p.refine != 0,
+                 offset_coarse_size, p.coarse_scale);
         }
       }
     }

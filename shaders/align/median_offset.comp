@@ -19,12 +19,12 @@ void sort(inout vec2 a, inout vec2 b) {
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-  if (at.x >= p.width || at.y >= p.height) return;
+  if (at.x >= size.x || at.y >= size.y) return;
   vec2 v[9];
   [[unroll]] for (int j = 0; j < 3; ++j) {
     [[unroll]] for (int i = 0; i < 3; ++i) {
-      const ivec2 tap = clamp(at + ivec2(i, j) - 1, ivec2(0), ivec2(p.width, p.height) - 1);
-      v[3 * j + i] = texelFetch(offset_noisy, tap.y * p.width + tap.x).xy;
+      const ivec2 tap = clamp(at + ivec2(i, j) - 1, ivec2(0), size - 1);
+      v[3 * j + i] = texelFetch(offset_noisy, tap.y * size.x + tap.x).xy;
     }
   }
   // Sort the columns of a 3x3 square, then its rows; the median lies on the other diagonal.
@@ -41,5 +41,5 @@ void main() {
   sort(v[2], v[4]);
   sort(v[4], v[6]);
   sort(v[2], v[4]);
-  offset.data[at.y * p.width + at.x] = v[4];
+  offset.data[at.y * size.x + at.x] = v[4];
 }

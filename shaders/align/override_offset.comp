@@ -11,8 +11,8 @@ layout(std430, set = 0, binding = 2) writeonly buffer OffsetBuffer { vec2 data[]
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-  if (at.x >= p.width || at.y >= p.height) return;
-  const int i = at.y * p.width + at.x;
+  if (at.x >= size.x || at.y >= size.y) return;
+  const int i = at.y * size.x + at.x;
   const vec2 m = texelFetch(motion, i).xy;
   offset.data[i] = is_known_motion(m.x, m.y) ? m : texelFetch(found, i).xy;
 }

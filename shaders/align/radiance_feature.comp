@@ -12,14 +12,14 @@
 const float kFirefly = 4.0;
 
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(push_constant) uniform Params { RadianceFeatureParams p; };
+layout(push_constant) uniform Params { ivec2 size; ivec2 color_size; RadianceFeatureParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer color;
 layout(set = 0, binding = 1) uniform samplerBuffer exposure;
 layout(std430, set = 0, binding = 2) writeonly buffer FeaturesBuffer { float data[]; } features;
 
 float exposed_at(ivec2 at, float e) {
-  const ivec2 q = clamp(at, ivec2(0), ivec2(p.width_in, p.height_in) - 1);
-  const vec4 c = texelFetch(color, q.y * p.width_in + q.x);
+  const ivec2 q = clamp(at, ivec2(0), color_size - 1);
+  const vec4 c = texelFetch(color, q.y * color_size.x + q.x);
   return exposed(luminance(c.r, c.g, c.b), e);
 }
 
@@ -39,8 +39,8 @@ float without_firefly(ivec2 at, float e) {
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-  if (at.x >= p.width || at.y >= p.height) return;
-  const ivec2 last = min((at + 1) * p.downsample, ivec2(p.width_in, p.height_in));
+  if (at.x >= size.x || at.y >= size.y) return;
+  const ivec2 last = min((at + 1) * p.downsample, color_size);
   const float e = texelFetch(exposure, 0).x;
   float sum = 0.0;
   int count = 0;
@@ -50,5 +50,5 @@ void main() {
       ++count;
     }
   }
-  features.data[(p.plane * p.height + at.y) * p.width + at.x] = radiance_feature(sum / float(count), p.weight);
+  features.data[(p.plane * size.y + at.y) * size.x + at.x] = radiance_feature(sum / float(count), p.weight);
 }

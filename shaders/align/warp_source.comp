@@ -10,7 +10,7 @@
 layout(constant_id = 0) const int planes = 1;
 
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(push_constant) uniform Params { WarpSourceParams p; };
+layout(push_constant) uniform Params { ivec2 size; ivec2 source_size; ivec2 offset_coarse_size; WarpSourceParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer source;
 layout(set = 0, binding = 1) uniform samplerBuffer offset_coarse;
 layout(set = 0, binding = 2) uniform samplerBuffer target_origin;
@@ -20,14 +20,14 @@ layout(std430, set = 0, binding = 3) writeonly buffer WarpedBuffer { float data[
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-  if (at.x >= p.width || at.y >= p.height) return;
-  const vec2 start = read_offset(at, vec2(0.0), ivec2(p.coarse_width, p.coarse_height), p.coarse_scale);
+  if (at.x >= size.x || at.y >= size.y) return;
+  const vec2 start = read_offset(at, vec2(0.0), offset_coarse_size, p.coarse_scale);
   const ivec2 origin = ivec2(texelFetch(target_origin, 0).xy) / p.level_px;
-  const BilinearTaps taps = bilinear_taps(origin + at, start, ivec2(p.source_width, p.source_height));
+  const BilinearTaps taps = bilinear_taps(origin + at, start, source_size);
   [[unroll]] for (int plane = 0; plane < planes; ++plane) {
-    const int top = (plane * p.source_height + taps.lo.y) * p.source_width;
-    const int bottom = (plane * p.source_height + taps.hi.y) * p.source_width;
-    warped.data[(plane * p.height + at.y) * p.width + at.x] =
+    const int top = (plane * source_size.y + taps.lo.y) * source_size.x;
+    const int bottom = (plane * source_size.y + taps.hi.y) * source_size.x;
+    warped.data[(plane * size.y + at.y) * size.x + at.x] =
         mix(mix(texelFetch(source, top + taps.lo.x).x, texelFetch(source, top + taps.hi.x).x, taps.t.x),
             mix(texelFetch(source, bottom + taps.lo.x).x, texelFetch(source, bottom + taps.hi.x).x, taps.t.x), taps.t.y);
   }

@@ -1,5 +1,5 @@
 // The 3x3 convolution of smooth/convolve and smooth/convolve_onto, kBlock pixels of a row per invocation. Not
-// pure functions: the including kernel defines `p` (ConvolveParams) and the texel buffers `source` and
+// pure functions: the including kernel defines `p` (ConvolveParams), `result_size` and the texel buffers `source` and
 // `weights`.
 
 const int kTaps = 9;
@@ -12,11 +12,11 @@ vec4 sums[kOutputs * kBlock];
 
 /// Adds the source's part of the convolution to `sums`. Pixels outside of the image repeat its border.
 void convolve(ivec2 at) {
-  const int pixels = p.width * p.height;
+  const int pixels = result_size.x * result_size.y;
   int columns[kBlock + 2];
   int rows[3];
-  [[unroll]] for (int i = 0; i < kBlock + 2; ++i) columns[i] = clamp(at.x + i - 1, 0, p.width - 1);
-  [[unroll]] for (int i = 0; i < 3; ++i) rows[i] = clamp(at.y + i - 1, 0, p.height - 1) * p.width;
+  [[unroll]] for (int i = 0; i < kBlock + 2; ++i) columns[i] = clamp(at.x + i - 1, 0, result_size.x - 1);
+  [[unroll]] for (int i = 0; i < 3; ++i) rows[i] = clamp(at.y + i - 1, 0, result_size.y - 1) * result_size.x;
   [[unroll]] for (int plane = 0; plane < planes; ++plane) {
     const int first = (p.first_plane + plane) * pixels;
     vec4 taps[3 * (kBlock + 2)];

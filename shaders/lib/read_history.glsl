@@ -1,5 +1,5 @@
 // Reads a history at the offsets, bilinearly and by the sharp filter. Not pure functions: the including
-// kernel declares the constant `resample`, the parameters and the texel buffers offset, history_color,
+// kernel declares the constant `resample`, `history_color_size` and the texel buffers offset, history_color,
 // history_stats and target_origin.
 #include "lib/resample.glsl"
 
@@ -14,8 +14,8 @@ struct HistoryRead {
 };
 
 int history_index(ivec2 at) {
-  const ivec2 inside = clamp(at, ivec2(0), ivec2(p.history_width, p.history_height) - 1);
-  return inside.y * p.history_width + inside.x;
+  const ivec2 inside = clamp(at, ivec2(0), history_color_size - 1);
+  return inside.y * history_color_size.x + inside.x;
 }
 
 /// The sharp filter's result; `holds` says whether there is history under all of its taps.
@@ -64,7 +64,7 @@ HistoryRead read_history(ivec2 at, int index) {
   // Positions may lie up to half a pixel outside of the image: their nearest pixel exists. A pixel with half
   // of its weight or less in the history is mostly a hole.
   const vec2 after_first = vec2(nearest) + t;
-  const vec2 after_last = vec2(nearest + 1 - ivec2(p.history_width, p.history_height)) + t;
+  const vec2 after_last = vec2(nearest + 1 - history_color_size) + t;
   const bool inside = all(greaterThanEqual(after_first, vec2(-0.5))) && all(lessThanEqual(after_last, vec2(0.5)));
   const bool found = inside && weight > 0.5;
   const vec4 bilinear = color / max(weight, 0.5);

@@ -13,8 +13,8 @@ layout(std430, set = 0, binding = 4) writeonly buffer MergedBuffer { vec4 data[]
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-  if (at.x >= p.width || at.y >= p.height) return;
-  const int index = at.y * p.width + at.x;
+  if (at.x >= size.x || at.y >= size.y) return;
+  const int index = at.y * size.x + at.x;
   const vec4 x = texelFetch(color, index);
   const vec4 h = texelFetch(warped_color, index);
   const float alpha = texelFetch(decision, index).z;

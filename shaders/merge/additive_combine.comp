@@ -14,8 +14,8 @@ layout(std430, set = 0, binding = 3) writeonly buffer CombinedBuffer { vec4 data
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-  if (at.x >= p.width || at.y >= p.height) return;
-  const int index = at.y * p.width + at.x;
+  if (at.x >= size.x || at.y >= size.y) return;
+  const int index = at.y * size.x + at.x;
   combined.data[index] =
       combine(texelFetch(forward_color, index), texelFetch(backward_color, index), texelFetch(weight, index).x);
 }

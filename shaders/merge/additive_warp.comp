@@ -6,14 +6,13 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-#include "shared/merge_params.h"
 
 layout(constant_id = 0) const int resample = 1;     // as in lib/resample.glsl
 layout(constant_id = 1) const int demodulated = 0;  // as in merge/warp_history
 layout(constant_id = 2) const int in_range = 0;     // 1: finds the image's own share and writes it
 
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(push_constant) uniform Params { WarpHistoryParams p; };
+layout(push_constant) uniform Sizes { ivec2 size; ivec2 history_color_size; };
 layout(set = 0, binding = 0) uniform samplerBuffer offset;
 layout(set = 0, binding = 1) uniform samplerBuffer history_color;
 layout(set = 0, binding = 2) uniform samplerBuffer history_stats;
@@ -27,8 +26,8 @@ layout(std430, set = 0, binding = 7) writeonly buffer OwnShareBuffer { float dat
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-  if (at.x >= p.width || at.y >= p.height) return;
-  const int index = at.y * p.width + at.x;
+  if (at.x >= size.x || at.y >= size.y) return;
+  const int index = at.y * size.x + at.x;
   const HistoryRead h = read_history(at, index);
   vec4 color;
   if (in_range != 0) {

@@ -17,15 +17,15 @@ layout(std430, set = 0, binding = 1) writeonly buffer SumBuffer { vec4 data[]; }
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-  if (at.x >= p.width || at.y >= p.height) return;
-  const int index = at.y * p.width + at.x;
+  if (at.x >= size.x || at.y >= size.y) return;
+  const int index = at.y * size.x + at.x;
   const int position = along_y != 0 ? at.y : at.x;
-  const int size = along_y != 0 ? p.height : p.width;
-  const int stride = along_y != 0 ? p.width : 1;
+  const int length = along_y != 0 ? size.y : size.x;
+  const int stride = along_y != 0 ? size.x : 1;
   vec4 sum = vec4(0.0);
   [[unroll]] for (int i = -radius; i <= radius; ++i) {
     if (along_y != 0 && i == 0) continue;
-    const bool inside = position + i >= 0 && position + i < size;
+    const bool inside = position + i >= 0 && position + i < length;
     const vec4 value = texelFetch(statistics, inside ? index + i * stride : index);
     sum += inside ? value : vec4(0.0);
   }

@@ -11,7 +11,7 @@ layout(std430, set = 0, binding = 2) writeonly buffer CarriedBuffer { vec4 data[
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-  if (at.x >= p.width || at.y >= p.height) return;
-  const int index = at.y * p.width + at.x;
+  if (at.x >= size.x || at.y >= size.y) return;
+  const int index = at.y * size.x + at.x;
   carried.data[index] = vec4(texelFetch(color, index).rgb, texelFetch(variance, index).x);
 }

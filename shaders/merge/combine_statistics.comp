@@ -19,8 +19,8 @@ layout(std430, set = 0, binding = 5) writeonly buffer StatisticsBuffer { vec4 da
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-  if (at.x >= p.width || at.y >= p.height) return;
-  const int index = at.y * p.width + at.x;
+  if (at.x >= size.x || at.y >= size.y) return;
+  const int index = at.y * size.x + at.x;
   const vec2 stats_f = texelFetch(forward_stats, index).xy;
   const vec2 stats_b = texelFetch(backward_stats, index).xy;
   const vec3 f = texelFetch(forward_color, index).rgb;

@@ -15,8 +15,8 @@ layout(std430, set = 0, binding = 4) writeonly buffer IrradianceStatsBuffer { ve
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-  if (at.x >= p.width || at.y >= p.height) return;
-  const int index = at.y * p.width + at.x;
+  if (at.x >= size.x || at.y >= size.y) return;
+  const int index = at.y * size.x + at.x;
   const vec3 divisor = divisor_of(texelFetch(albedo, index).rgb);
   const vec4 value = texelFetch(color, index);
   irradiance.data[index] = vec4(value.rgb / divisor, value.a);

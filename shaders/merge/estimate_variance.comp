@@ -27,8 +27,8 @@ const float kLeastWeight = 0.02;  // so that a pixel unlike all of its neighbour
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-  if (at.x >= p.width || at.y >= p.height) return;
-  const int index = at.y * p.width + at.x;
+  if (at.x >= size.x || at.y >= size.y) return;
+  const int index = at.y * size.x + at.x;
   const vec4 albedo_depth_here = texelFetch(albedo_depth, index);
   const vec3 normal_here = texelFetch(normal, index).xyz;
 
@@ -38,8 +38,8 @@ void main() {
   [[unroll]] for (int t = 0; t < kTaps; ++t) {
     const ivec2 shift = ivec2(t % 3 - 1, t / 3 - 1);
     const ivec2 tap = at + shift;
-    const bool inside = tap.x >= 0 && tap.y >= 0 && tap.x < p.width && tap.y < p.height;
-    const int from = inside ? tap.y * p.width + tap.x : index;
+    const bool inside = tap.x >= 0 && tap.y >= 0 && tap.x < size.x && tap.y < size.y;
+    const int from = inside ? tap.y * size.x + tap.x : index;
     const vec4 albedo_depth_there = texelFetch(albedo_depth, from);
     const vec4 a = albedo_depth_there - albedo_depth_here;
     const vec3 n = texelFetch(normal, from).xyz - normal_here;

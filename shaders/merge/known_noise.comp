@@ -16,12 +16,12 @@ layout(std430, set = 0, binding = 3) writeonly buffer KnownBuffer { vec4 data[];
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-  if (at.x >= p.width || at.y >= p.height) return;
-  const int index = at.y * p.width + at.x;
+  if (at.x >= size.x || at.y >= size.y) return;
+  const int index = at.y * size.x + at.x;
   vec4 sum = texelFetch(statistics_sums, index);
   [[unroll]] for (int i = -radius; i <= radius; ++i) {
     if (i == 0) continue;
-    const bool inside = at.x + i >= 0 && at.x + i < p.width;
+    const bool inside = at.x + i >= 0 && at.x + i < size.x;
     const vec4 tap = texelFetch(statistics, inside ? index + i : index);
     sum += inside ? tap : vec4(0.0);
   }

@@ -11,7 +11,7 @@
 #include "shared/merge_params.h"
 
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(push_constant) uniform Params { MaskGainParams p; };
+layout(push_constant) uniform Params { ivec2 size; ivec2 residual_size; MaskGainParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer color;
 layout(set = 0, binding = 1) uniform samplerBuffer variance;
 layout(set = 0, binding = 2) uniform samplerBuffer warped_color;
@@ -23,11 +23,11 @@ layout(std430, set = 0, binding = 7) writeonly buffer DecisionBuffer { vec4 data
 
 #include "lib/blend.glsl"
 
-float residual_at(int x, int y) { return texelFetch(residual, y * p.residual_width + x).x; }
+float residual_at(int x, int y) { return texelFetch(residual, y * residual_size.x + x).x; }
 
 /// The residual at the pixel's centre, read bilinearly from an image of equal or lower resolution.
 float read_residual(ivec2 at) {
-  const BilinearTaps taps = bilinear_taps(at, vec2(0.0), ivec2(p.residual_width, p.residual_height), p.residual_scale);
+  const BilinearTaps taps = bilinear_taps(at, vec2(0.0), residual_size, p.residual_scale);
   const float top = mix(residual_at(taps.lo.x, taps.lo.y), residual_at(taps.hi.x, taps.lo.y), taps.t.x);
   const float bottom = mix(residual_at(taps.lo.x, taps.hi.y), residual_at(taps.hi.x, taps.hi.y), taps.t.x);
   return mix(top, bottom, taps.t.y);
@@ -35,8 +35,8 @@ float read_residual(ivec2 at) {
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-  if (at.x >= p.width || at.y >= p.height) return;
-  const int index = at.y * p.width + at.x;
+  if (at.x >= size.x || at.y >= size.y) return;
+  const int index = at.y * size.x + at.x;
   const float n = min(texelFetch(warped_stats, index).y, kMostFrames - 1.0);
   const float rejected = clamp(p.kappa * read_residual(at) - p.eta, 0.0, 1.0);
   const float history_weight = min(p.alpha * (1.0 - rejected), n / (n + 1.0));

@@ -9,13 +9,12 @@
 #extension GL_EXT_control_flow_attributes : require
 #include "lib/reflectance.glsl"
 #include "lib/resample.glsl"
-#include "shared/merge_params.h"
 
 /// 2/S for four samples, as the cheapest frames have them.
 const float kNoiseOfVariation = 0.5;
 
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(push_constant) uniform Params { WarpHistoryParams p; };
+layout(push_constant) uniform Sizes { ivec2 size; ivec2 history_albedo_size; };
 layout(set = 0, binding = 0) uniform samplerBuffer offset;
 layout(set = 0, binding = 1) uniform samplerBuffer albedo;
 layout(set = 0, binding = 2) uniform samplerBuffer history_albedo;
@@ -23,19 +22,19 @@ layout(set = 0, binding = 3) uniform samplerBuffer target_origin;
 layout(std430, set = 0, binding = 4) writeonly buffer FactorBuffer { vec4 data[]; } factor;
 
 vec3 new_at(ivec2 at) {
-  const ivec2 inside = clamp(at, ivec2(0), ivec2(p.width, p.height) - 1);
-  return divisor_of(texelFetch(albedo, inside.y * p.width + inside.x).rgb);
+  const ivec2 inside = clamp(at, ivec2(0), size - 1);
+  return divisor_of(texelFetch(albedo, inside.y * size.x + inside.x).rgb);
 }
 
 vec3 last_at(ivec2 at) {
-  const ivec2 inside = clamp(at, ivec2(0), ivec2(p.history_width, p.history_height) - 1);
-  return divisor_of(texelFetch(history_albedo, inside.y * p.history_width + inside.x).rgb);
+  const ivec2 inside = clamp(at, ivec2(0), history_albedo_size - 1);
+  return divisor_of(texelFetch(history_albedo, inside.y * history_albedo_size.x + inside.x).rgb);
 }
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-  if (at.x >= p.width || at.y >= p.height) return;
-  const int index = at.y * p.width + at.x;
+  if (at.x >= size.x || at.y >= size.y) return;
+  const int index = at.y * size.x + at.x;
   const vec2 displacement = texelFetch(offset, index).xy;
   const vec2 base = floor(displacement);
   const vec2 t = displacement - base;

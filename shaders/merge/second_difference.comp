@@ -23,8 +23,7 @@ float coefficient(int tap, int size) {
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-  if (at.x >= p.width || at.y >= p.height) return;
-  const ivec2 size = ivec2(p.width, p.height);
+  if (at.x >= size.x || at.y >= size.y) return;
   const ivec2 first = clamp(at - 1, ivec2(0), max(size - 3, 0));
   vec3 difference = vec3(0.0);
   float noise = 0.0;  // the difference's variance if each pixel has unit variance

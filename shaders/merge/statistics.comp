@@ -20,8 +20,8 @@ layout(std430, set = 0, binding = 6) writeonly buffer NoiseBuffer { vec4 data[];
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-  if (at.x >= p.width || at.y >= p.height) return;
-  const int index = at.y * p.width + at.x;
+  if (at.x >= size.x || at.y >= size.y) return;
+  const int index = at.y * size.x + at.x;
   const vec2 sample_stats = texelFetch(variance, index).xy;
   const vec2 stats = texelFetch(warped_stats, index).xy;
   const bool counts = sample_stats.y > 0.0 && stats.y > 0.0;

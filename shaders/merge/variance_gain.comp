@@ -63,14 +63,14 @@ float bias_of_dark_pixel(int index, vec4 x, vec4 h) {
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-  if (at.x >= p.width || at.y >= p.height) return;
-  const int index = at.y * p.width + at.x;
+  if (at.x >= size.x || at.y >= size.y) return;
+  const int index = at.y * size.x + at.x;
   // The sums hold the rows above and below. Add the pixel's own row without the pixel.
   vec4 difference_sum = texelFetch(difference_sums, index);
   vec4 noise_sum = texelFetch(noise_sums, index);
   [[unroll]] for (int i = -radius; i <= radius; ++i) {
     if (i == 0) continue;
-    const bool inside = at.x + i >= 0 && at.x + i < p.width;
+    const bool inside = at.x + i >= 0 && at.x + i < size.x;
     const int tap = inside ? index + i : index;
     const vec4 tap_difference = texelFetch(difference, tap);
     const vec4 tap_noise = texelFetch(noise, tap);

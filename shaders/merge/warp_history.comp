@@ -9,14 +9,13 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-#include "shared/merge_params.h"
 
 layout(constant_id = 0) const int resample = 1;      // as in lib/resample.glsl
 layout(constant_id = 1) const int writes_share = 0;  // 1: writes `share`, for AOVs that are resampled with it
 layout(constant_id = 2) const int demodulated = 0;   // 1: the history comes without its albedo
 
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(push_constant) uniform Params { WarpHistoryParams p; };
+layout(push_constant) uniform Sizes { ivec2 size; ivec2 history_color_size; };
 layout(set = 0, binding = 0) uniform samplerBuffer offset;
 layout(set = 0, binding = 1) uniform samplerBuffer history_color;
 layout(set = 0, binding = 2) uniform samplerBuffer history_stats;
@@ -32,8 +31,8 @@ layout(std430, set = 0, binding = 7) writeonly buffer ShareBuffer { float data[]
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-  if (at.x >= p.width || at.y >= p.height) return;
-  const int index = at.y * p.width + at.x;
+  if (at.x >= size.x || at.y >= size.y) return;
+  const int index = at.y * size.x + at.x;
   const HistoryRead h = read_history(at, index);
   const float sharp = share_in_range(h);
   const vec4 color = h.bilinear + sharp * (h.sharp - h.bilinear);

@@ -1,5 +1,4 @@
-// Push constants of the kernels in shaders/smooth/convolve*.comp and pool.comp; see align_params.h for the
-// rules.
+// Push constants of the kernels in shaders/smooth/convolve*.comp; see align_params.h for the rules.
 #ifndef BECALM_CONVOLVE_PARAMS_H
 #define BECALM_CONVOLVE_PARAMS_H
 
@@ -8,16 +7,9 @@ namespace becalm::filter::params {
 #endif
 
 struct ConvolveParams {
-  int width;  // of the result
-  int height;
   int first_plane;   // of the source that the pass reads
   int first_weight;  // of the pass, counted in vec4
   int rectify;       // 1: sums below zero become zero
-};
-
-struct PoolParams {
-  int width;  // of the fine image
-  int height;
 };
 
 #ifdef __cplusplus

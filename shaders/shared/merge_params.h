@@ -6,18 +6,8 @@
 namespace becalm::filter::params {
 #endif
 
-struct WarpHistoryParams {
-  int width;
-  int height;
-  int history_width;
-  int history_height;
-};
-
+/// merge/mask_gain.
 struct MaskGainParams {
-  int width;
-  int height;
-  int residual_width;  // the level whose patch distance rejects
-  int residual_height;
   float residual_scale;  // full-resolution pixels in one of the residual's
   float alpha;
   float kappa;

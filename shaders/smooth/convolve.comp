@@ -7,7 +7,7 @@
 #extension GL_EXT_control_flow_attributes : require
 #include "shared/convolve_params.h"
 
-layout(push_constant) uniform Params { ConvolveParams p; };
+layout(push_constant) uniform Params { ivec2 result_size; ConvolveParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer source;
 layout(set = 0, binding = 1) uniform samplerBuffer weights;
 layout(std430, set = 0, binding = 2) writeonly buffer ResultBuffer { vec4 data[]; } result;
@@ -22,6 +22,6 @@ void main() {
   [[unroll]] for (int i = 0; i < kOutputs * kBlock; ++i) {
     const int x = at.x + i % kBlock;
     const int plane = first_output() + i / kBlock;
-    if (x < p.width && at.y < p.height) result.data[(plane * p.height + at.y) * p.width + x] = finished(sums[i]);
+    if (x < result_size.x && at.y < result_size.y) result.data[(plane * result_size.y + at.y) * result_size.x + x] = finished(sums[i]);
   }
 }

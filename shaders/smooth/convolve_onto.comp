@@ -5,7 +5,7 @@
 #extension GL_EXT_control_flow_attributes : require
 #include "shared/convolve_params.h"
 
-layout(push_constant) uniform Params { ConvolveParams p; };
+layout(push_constant) uniform Params { ivec2 result_size; ConvolveParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer source;
 layout(set = 0, binding = 1) uniform samplerBuffer weights;
 layout(std430, set = 0, binding = 2) buffer ResultBuffer { vec4 data[]; } result;
@@ -19,7 +19,7 @@ void main() {
   convolve(at);
   [[unroll]] for (int i = 0; i < kOutputs * kBlock; ++i) {
     const int x = at.x + i % kBlock;
-    const int index = ((first_output() + i / kBlock) * p.height + at.y) * p.width + x;
-    if (x < p.width && at.y < p.height) result.data[index] = finished(result.data[index] + sums[i]);
+    const int index = ((first_output() + i / kBlock) * result_size.y + at.y) * result_size.x + x;
+    if (x < result_size.x && at.y < result_size.y) result.data[index] = finished(result.data[index] + sums[i]);
   }
 }

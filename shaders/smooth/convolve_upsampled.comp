@@ -9,7 +9,7 @@
 #extension GL_EXT_control_flow_attributes : require
 #include "shared/convolve_params.h"
 
-layout(push_constant) uniform Params { ConvolveParams p; };
+layout(push_constant) uniform Params { ivec2 result_size; ConvolveParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer source;
 layout(set = 0, binding = 1) uniform samplerBuffer weights;
 layout(std430, set = 0, binding = 2) buffer ResultBuffer { vec4 data[]; } result;
@@ -21,7 +21,7 @@ const int kTaps = 16;  // 4 * (2 * (y % 2) + x % 2) + 2 * row + column of the fo
 void main() {
   load_weights();
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-  const ivec2 size = (ivec2(p.width, p.height) + 1) / 2;
+  const ivec2 size = (result_size + 1) / 2;
   int columns[3];
   int rows[3];
   [[unroll]] for (int i = 0; i < 3; ++i) columns[i] = clamp(at.x + i - 1, 0, size.x - 1);
@@ -46,7 +46,7 @@ void main() {
 
   [[unroll]] for (int i = 0; i < kOutputs * 4; ++i) {
     const ivec2 q = 2 * at + ivec2(i % 2, i / 2 % 2);
-    const int index = ((first_output() + i / 4) * p.height + q.y) * p.width + q.x;
-    if (q.x < p.width && q.y < p.height) result.data[index] = finished(result.data[index] + sums[i]);
+    const int index = ((first_output() + i / 4) * result_size.y + q.y) * result_size.x + q.x;
+    if (q.x < result_size.x && q.y < result_size.y) result.data[index] = finished(result.data[index] + sums[i]);
   }
 }

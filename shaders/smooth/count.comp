@@ -25,10 +25,10 @@ const int kMostOutputs = 6;  // the confidence, the affinities, the confidence i
 void main() {
   load_head(kMostOutputs);
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-  const bool inside = at.x < p.width && at.y < p.height;
-  const int index = inside ? at.y * p.width + at.x : 0;
+  const bool inside = at.x < size.x && at.y < size.y;
+  const int index = inside ? at.y * size.x + at.x : 0;
   float head[kMostOutputs];
-  apply_head(kMostOutputs, index, p.width * p.height, head);
+  apply_head(kMostOutputs, index, size.x * size.y, head);
   const vec4 value = texelFetch(irradiance, index);
   const vec4 own = texelFetch(own_irradiance, index);
   if (!inside) return;

@@ -8,14 +8,13 @@
 #include "lib/gain.glsl"
 #include "lib/network.glsl"
 #include "lib/reflectance.glsl"
-#include "shared/network_params.h"
 
 layout(constant_id = 0) const int planes = 4;  // of four features each
 // 0: all albedos are 1; 1: the albedo of the frame itself is `albedo_depth`; 2: it is `own_albedo_depth`
 layout(constant_id = 1) const int albedos = 2;
 
 layout(local_size_x = 128, local_size_y = 1) in;
-layout(push_constant) uniform Params { PaddedParams p; };
+layout(push_constant) uniform Sizes { ivec2 size; ivec2 affinities_size; };
 layout(set = 0, binding = 0) uniform samplerBuffer features;
 layout(set = 0, binding = 1) uniform samplerBuffer weights;
 layout(set = 0, binding = 2) uniform samplerBuffer affinities;
@@ -35,10 +34,10 @@ const int kMostOutputs = 2 * kTaps + 1;  // the last one is the log of the squar
 
 /// What the albedos of the windows multiply by: their mean, by a softmax over the logits of `head`.
 vec3 mean_divisor(ivec2 at, float head[kMostOutputs]) {
-  const vec4 own_affinities = texelFetch(affinities, at.y * p.padded_width + at.x);
+  const vec4 own_affinities = texelFetch(affinities, at.y * affinities_size.x + at.x);
   [[unroll]] for (int t = 0; t < kTaps; ++t) {
-    const ivec2 tap = clamp(at + window_offset(t), ivec2(0), ivec2(p.padded_width, p.padded_height) - 1);
-    const vec4 d = texelFetch(affinities, tap.y * p.padded_width + tap.x) - own_affinities;
+    const ivec2 tap = clamp(at + window_offset(t), ivec2(0), affinities_size - 1);
+    const vec4 d = texelFetch(affinities, tap.y * affinities_size.x + tap.x) - own_affinities;
     head[t] -= dot(d, d);
     head[kTaps + t] -= dot(d, d);
   }
@@ -47,8 +46,8 @@ vec3 mean_divisor(ivec2 at, float head[kMostOutputs]) {
   vec3 sum = vec3(0.0);
   float total = 0.0;
   [[unroll]] for (int t = 0; t < kTaps; ++t) {
-    const ivec2 tap = clamp(at + window_offset(t), ivec2(0), ivec2(p.width, p.height) - 1);
-    const int from = tap.y * p.width + tap.x;
+    const ivec2 tap = clamp(at + window_offset(t), ivec2(0), size - 1);
+    const int from = tap.y * size.x + tap.x;
     const float weight = exp(head[t] - largest);
     const float own_weight = exp(head[kTaps + t] - largest);
     const vec3 divisor = divisor_of(texelFetch(albedo_depth, from).rgb);
@@ -61,12 +60,12 @@ vec3 mean_divisor(ivec2 at, float head[kMostOutputs]) {
 
 void main() {
   load_head(kMostOutputs);
-  const ivec2 at = min(ivec2(gl_GlobalInvocationID.xy), ivec2(p.width, p.height) - 1);
-  const int padded = at.y * p.padded_width + at.x;
+  const ivec2 at = min(ivec2(gl_GlobalInvocationID.xy), size - 1);
+  const int padded = at.y * affinities_size.x + at.x;
   float head[kMostOutputs];
-  apply_head(kMostOutputs, padded, p.padded_width * p.padded_height, head);
+  apply_head(kMostOutputs, padded, affinities_size.x * affinities_size.y, head);
   const vec3 divisor = albedos != 0 ? mean_divisor(at, head) : vec3(1.0);
-  const int index = at.y * p.width + at.x;
+  const int index = at.y * size.x + at.x;
   const float exposed_to = texelFetch(exposure, 0).x;
   const vec4 own = texelFetch(color, index);
   const vec2 own_stats = texelFetch(variance, index).xy;

@@ -8,12 +8,11 @@
 #include "lib/color.glsl"
 #include "lib/network.glsl"
 #include "lib/reflectance.glsl"
-#include "shared/network_params.h"
 
 layout(constant_id = 0) const int variance_known = 1;  // 0: the noise is not known
 
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(push_constant) uniform Params { PaddedParams p; };
+layout(push_constant) uniform Sizes { ivec2 size; ivec2 albedo_depth_size; };
 layout(set = 0, binding = 0) uniform samplerBuffer irradiance;
 layout(set = 0, binding = 1) uniform samplerBuffer grey;
 layout(set = 0, binding = 2) uniform samplerBuffer variance;
@@ -27,7 +26,6 @@ layout(std430, set = 0, binding = 9) writeonly buffer InputsBuffer { vec4 data[]
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-  const ivec2 size = ivec2(p.padded_width, p.padded_height);
   if (at.x >= size.x || at.y >= size.y) return;
   const int index = at.y * size.x + at.x;
   const float centre = texelFetch(grey, index).x;
@@ -44,7 +42,7 @@ void main() {
   }
   const float deviation = sqrt(max(squares / 25.0 - (sum / 25.0) * (sum / 25.0), 0.0));
 
-  const int from = min(at.y, p.height - 1) * p.width + min(at.x, p.width - 1);
+  const int from = min(at.y, albedo_depth_size.y - 1) * albedo_depth_size.x + min(at.x, albedo_depth_size.x - 1);
   const vec4 value = texelFetch(irradiance, index);
   const vec4 features = texelFetch(albedo_depth, from);
   const vec3 n = texelFetch(normal, from).xyz;

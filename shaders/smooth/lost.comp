@@ -16,8 +16,8 @@ layout(std430, set = 0, binding = 4) writeonly buffer LostBuffer { vec4 data[]; 
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-  if (at.x >= p.width || at.y >= p.height) return;
-  const int index = at.y * p.width + at.x;
+  if (at.x >= size.x || at.y >= size.y) return;
+  const int index = at.y * size.x + at.x;
   const vec4 y = texelFetch(smoothed, index);
   const vec2 stats = texelFetch(variance, index).xy;
   const float scale = 1.0 / brightness(y.r, y.g, y.b, texelFetch(exposure, 0).x);

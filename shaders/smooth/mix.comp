@@ -35,7 +35,6 @@ int own_tap(ivec2 offset) { return kFirstOwn + 3 * (offset.y + 1) + offset.x + 1
 void main() {
   const int taps = has_own != 0 ? kMostOutputs : has_coarse != 0 ? kFirstOwn : kTaps;
   load_head(taps);
-  const ivec2 size = ivec2(p.width, p.height);
   const ivec2 at = min(ivec2(gl_GlobalInvocationID.xy), size - 1);
   const int index = at.y * size.x + at.x;
   float weight[kMostOutputs];

@@ -21,14 +21,14 @@ const int kMostOutputs = 5;  // the confidence, then the affinities
 
 void main() {
   load_head(kMostOutputs);
-  const ivec2 at = min(ivec2(gl_GlobalInvocationID.xy), ivec2(p.width, p.height) - 1);
-  const int index = at.y * p.width + at.x;
+  const ivec2 at = min(ivec2(gl_GlobalInvocationID.xy), size - 1);
+  const int index = at.y * size.x + at.x;
   float head[kMostOutputs];
-  apply_head(kMostOutputs, index, p.width * p.height, head);
+  apply_head(kMostOutputs, index, size.x * size.y, head);
   vec3 sum = vec3(0.0);
   float count = 0.0;
   [[unroll]] for (int i = 0; i < 4; ++i) {
-    const vec4 value = texelFetch(finer, (2 * at.y + i / 2) * 2 * p.width + 2 * at.x + i % 2);
+    const vec4 value = texelFetch(finer, (2 * at.y + i / 2) * 2 * size.x + 2 * at.x + i % 2);
     sum += value.a * value.rgb;
     count += value.a;
   }

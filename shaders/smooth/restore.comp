@@ -12,8 +12,8 @@ layout(std430, set = 0, binding = 3) writeonly buffer RestoredBuffer { vec4 data
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-  if (at.x >= p.width || at.y >= p.height) return;
-  const int index = at.y * p.width + at.x;
+  if (at.x >= size.x || at.y >= size.y) return;
+  const int index = at.y * size.x + at.x;
   const vec4 y = texelFetch(smoothed, index);
   restored.data[index] = y + texelFetch(share, index).x * (texelFetch(color, index) - y);
 }

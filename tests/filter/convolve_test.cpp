@@ -17,7 +17,6 @@ namespace becalm {
 namespace {
 
 using filter::Layer;
-using filter::params::PoolParams;
 using gpu::Extent;
 using gpu::Format;
 using gpu::ImageId;
@@ -123,11 +122,7 @@ TEST_F(ConvolveTest, PoolsTheLargestOfFourPixels) {
     gpu::Chain chain(device(), "pool");
     const ImageId fine = chain.input("fine", Format::f32x4, size.with_planes(3));
     const ImageId coarse = chain.image("coarse", Format::f32x4, half(size).with_planes(3));
-    chain.pass("smooth/pool")
-        .read("fine", fine)
-        .write("coarse", coarse)
-        .constants(PoolParams{size.width, size.height})
-        .dispatch(half(size).with_planes(3));
+    chain.pass("smooth/pool").read("fine", fine).write("coarse", coarse).dispatch(half(size).with_planes(3));
     chain.output(coarse);
     chain.build();
     const auto values = random_values(size.elements() * 12, 5);

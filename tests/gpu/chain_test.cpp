@@ -86,6 +86,28 @@ TEST_F(ChainTest, FillsImagesAndLeavesBindingsWithoutAnImageAlone) {
   }
 }
 
+TEST_F(ChainTest, SuppliesTheSizesOfTheDispatchAndOfImages) {
+  struct Params {
+    std::int32_t term;
+  };
+  Chain chain(validated_device(), "sizes", test_options());
+  const ImageId fine = chain.image("fine", Format::f32, {6, 5, 2});
+  const ImageId found = chain.image("found", Format::u32, {3, 3});
+  chain.fill(fine, 0.0f);
+  chain.pass("kernels/sizes")
+      .read("fine", fine)
+      .read("absent", std::nullopt)
+      .write("found", found)
+      .constants(Params{77})
+      .dispatch({2, 7});
+  chain.output(found);
+  chain.build();
+  chain.run();
+  const auto values = chain.download<std::uint32_t>(found);
+  EXPECT_EQ(std::vector(values.begin(), values.end()),
+            (std::vector<std::uint32_t>{2, 7, 6, 5, 0, 0, 3, 3, 77}));
+}
+
 TEST_F(ChainTest, SpecializesConstantsOfEveryTypeByName) {
   const auto scaled_two = [](const std::vector<std::pair<const char*, int>>& specializations) {
     ScaleChain s(validated_device(), {1, 1}, specializations);

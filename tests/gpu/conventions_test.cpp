@@ -67,7 +67,7 @@ TEST_F(Conventions, AcceptAKernelThatKeepsThem) {
   std::stringstream text;
   text << std::ifstream(table()).rdbuf();
   EXPECT_NE(text.str().find("{\"made\", 0, \"float\", false, true}"), std::string::npos);
-  EXPECT_NE(text.str().find("{\"odd/k\", kWords0, kBindings0, {}, 0, false, {8, 1, 1}}"), std::string::npos);
+  EXPECT_NE(text.str().find("{\"odd/k\", kWords0, kBindings0, {}, {}, 0, 0, {8, 1, 1}}"), std::string::npos);
 }
 
 TEST_F(Conventions, WantOneNamedBufferARole) {
@@ -126,9 +126,24 @@ TEST_F(Conventions, WantPushConstantsOfFourByteScalarsInAHundredAndTwentyEightBy
   expect_rejected("push constants take 132 bytes, more than the 128 that every device has",
                   kGood + "layout(push_constant) uniform P { float values[33]; } p;",
                   "made.data[0] = p.values[3];");
-  expect_rejected("push constant 'p.s.scale' must be a 4-byte scalar",
+  expect_rejected("push constant 's.scale' must be a 4-byte scalar",
                   kGood + "struct S { int width; vec2 scale; };\nlayout(push_constant) uniform P { S s; } p;",
                   "made.data[0] = p.s.scale.x;");
+  expect_rejected("push constant 'scale' must be a 4-byte scalar",
+                  kGood + "layout(push_constant) uniform P { vec2 scale; } p;", "made.data[0] = p.scale.x;");
+}
+
+TEST_F(Conventions, WantSizesThatNameABufferBeforeOtherPushConstants) {
+  const auto block = [](const std::string& members) {
+    return kGood + "layout(push_constant) uniform P { " + members + " } p;";
+  };
+  for (const char* name : {"sizes", "made_extent", "other_size", "_size"}) {
+    expect_rejected(
+        "push constant '" + std::string(name) + "' must be `size` or `NAME_size` of a buffer NAME",
+        block("ivec2 " + std::string(name) + ";"), "made.data[0] = float(p." + std::string(name) + ".x);");
+  }
+  expect_rejected("push constant 'made_size' must come before those that are no sizes",
+                  block("ivec2 size; int count; ivec2 made_size;"), "made.data[0] = float(p.count);");
 }
 
 TEST_F(Conventions, WantLiteralWorkgroupSizes) {
