@@ -1,11 +1,14 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "frame/aov.h"
 #include "frame/image.h"
+#include "frame/jitter.h"
 
 namespace becalm {
 
@@ -43,6 +46,10 @@ class Frame {
   Image& image(Aov aov) { return images_[static_cast<std::size_t>(aov)]; }
   const Image& image(Aov aov) const { return images_[static_cast<std::size_t>(aov)]; }
 
+  /// Set if all pixels have their samples at the same positions.
+  const std::optional<FrameJitter>& jitter() const { return jitter_; }
+  void set_jitter(std::optional<FrameJitter> jitter) { jitter_ = std::move(jitter); }
+
   /// Empty unless asked for.
   std::vector<LightGroup>& light_groups() { return light_groups_; }
   const std::vector<LightGroup>& light_groups() const { return light_groups_; }
@@ -53,6 +60,7 @@ class Frame {
   int height_ = 0;
   std::array<Image, kAovCount> images_;
   std::vector<LightGroup> light_groups_;
+  std::optional<FrameJitter> jitter_;
 };
 
 }  // namespace becalm

@@ -28,9 +28,9 @@
 // A delta lobe has no density that lights could be drawn against: after it, and at x_1, where no light was
 // drawn, Le counts whole. `direct: light` and `direct: material` set one weight to 1 and the other to 0, so
 // that the three must agree in expectation, which tests hold. The path ends after max_depth scattering
-// events; from roulette_depth on it survives with probability q = min(1, max T), after which T is divided
-// by q, which keeps the expectation. Radiance grows and shrinks by the squared index of refraction while
-// inside glass; q leaves that factor out.
+// events; from roulette_depth on it survives those that are not delta lobes with probability
+// q = min(1, max T), after which T is divided by q, which keeps the expectation. Radiance grows and shrinks
+// by the squared index of refraction while inside glass; q leaves that factor out.
 
 namespace becalm::tracer {
 
@@ -134,8 +134,12 @@ class Path {
     return snapshot_.intersector().occluded(ray);
   }
 
-  Place place_of(const ObjectState& object) const {
-    return F.blur && object.blurred() ? object.at(time_) : object.place;
+  /// By value where the object may move while the shutter is open.
+  std::conditional_t<F.blur, Place, const Place&> place_of(const ObjectState& object) const {
+    if constexpr (F.blur) {
+      if (object.blurred()) return object.at(time_);
+    }
+    return object.place;
   }
   Surface surface_of(const ObjectState& object, const Hit& hit, float footprint) const {
     if (F.blur && object.blurred()) return surface_at(object, object.at(time_), hit, footprint);

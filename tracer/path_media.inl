@@ -25,10 +25,7 @@ bool Path<F>::scatter_in_medium(const Medium& medium, float t) {
   }
   if (depth_ == integrator_.max_depth || is_black(throughput_)) return false;
 
-  const float u_light = sampler_.next_1d();
-  const V2f u_light_point = sampler_.next_2d();
-  const V2f u_phase = sampler_.next_2d();
-  const float u_roulette = sampler_.next_1d();
+  const auto [u_light, u_light_point, u_phase, u_roulette] = sampler_.next<float, V2f, V2f, float>();
   const float g = mean_cosine(medium);
   if (draws_lights_) gather_direct_light_in_medium(position, g, u_light, u_light_point);
   const PhaseSample scattered = sample_henyey_greenstein(g, -ray_.dir, u_phase);

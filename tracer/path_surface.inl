@@ -25,7 +25,7 @@ const Bsdf& Path<F>::shade(const ObjectState& object, const Hit& hit, Surface& s
   if constexpr (F.textures) {
     if (object.material_varies) {
       const std::span<const Material> materials = snapshot_.description().materials;
-      const SurfaceDifferentials around = differentials_at(object, place_of(object), hit);
+      const SurfaceTangents around = tangents_at(object, place_of(object), hit);
       ParameterFootprint footprint;
       if (around.has_uvs)
         footprint = parameter_footprint(differential_.dpdx, differential_.dpdy, around.dpdu, around.dpdv);
@@ -70,11 +70,8 @@ bool Path<F>::scatter(const ObjectState& object, const Hit& hit, Surface& surfac
 
   // Every event draws the same dimensions, used or not, so that those of later events stay stratified among
   // samples.
-  const float u_light = sampler_.next_1d();
-  const V2f u_light_point = sampler_.next_2d();
-  const V2f u_material = sampler_.next_2d();
-  const float u_lobe = sampler_.next_1d();
-  const float u_roulette = sampler_.next_1d();
+  const auto [u_light, u_light_point, u_material, u_lobe, u_roulette] =
+      sampler_.next<float, V2f, V2f, float, float>();
 
   const ShadingFrame frame = F.textures && object.material_varies
                                  ? ShadingFrame::from_normal_and_tangent(normal, tangent)

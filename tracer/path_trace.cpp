@@ -101,8 +101,9 @@ bool Path<F>::survives_roulette(float u) {
   ++depth_;
   travelled_ = 0.0f;
   next_ray_seed();
-  // Paths are kept until they reach the surface that gives albedo and normal.
-  if (depth_ < integrator_.roulette_depth || scatterings_ == 0) return true;
+  // Paths are kept until they reach the surface that gives albedo and normal, and past mirrors and glass,
+  // through which lights are found by chance alone.
+  if (depth_ < integrator_.roulette_depth || scatterings_ == 0 || material_pdf_ == 0.0f) return true;
   const float survival = std::min(1.0f, max_component(throughput_) / radiance_scale_);
   if (u >= survival) return false;
   throughput_ /= survival;

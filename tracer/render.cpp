@@ -15,6 +15,8 @@ namespace becalm::tracer {
 namespace {
 
 constexpr int kMostSamples = 65536;
+/// Frames of more samples do not tell their positions: nothing is antialiased by them.
+constexpr std::uint32_t kMostSharedPositions = 64;
 
 bool wants_guides(const AovSet& aovs) {
   for (const Aov aov :
@@ -59,8 +61,26 @@ struct FrameSetup {
             cameras,
             eye_interiors,
             Textures::Reader(description.textures),
-            footprint_scale(static_cast<int>(spp)),
+            footprint_scale(static_cast<int>(samples_a_cycle())),
             mixes};
+  }
+
+  /// Jittered frames are averaged over time, so that textures are filtered as for the samples of a whole
+  /// cycle (Yang et al. 2020, section 3.1: the mip bias).
+  std::uint32_t samples_a_cycle() const { return std::max(spp, description.film.jitter.cycle); }
+
+  /// Set if all pixels have the same few positions.
+  std::optional<FrameJitter> shared_positions() const {
+    const Film& film = description.film;
+    if (film.jitter.cycle == 0 || spp > kMostSharedPositions || sample_counts != nullptr) return std::nullopt;
+    FrameJitter jitter{.positions_px = {},
+                       .filter = static_cast<FilterShape>(film.filter.type),
+                       .radius_px = film.filter.radius_px};
+    for (std::uint32_t i = 0; i < spp; ++i) {
+      jitter.positions_px.push_back(
+          sample(film.filter, film.jitter.point(std::int64_t{frame} - description.frames.first, spp, i)));
+    }
+    return jitter;
   }
 
   std::uint32_t samples_of(int x, int y) const {
@@ -144,6 +164,7 @@ void check_size(const Image& sample_counts, int width, int height) {
 Frame make_frame(const FrameSetup& setup, const RenderOptions& options) {
   Frame frame(setup.frame, setup.width, setup.height);
   frame.add(Aov::beauty);
+  frame.set_jitter(setup.shared_positions());
   for (const AovInfo& entry : kAovTable) {
     if (!entry.diagnostic && contains(options.aovs, entry.aov)) frame.add(entry.aov);
   }

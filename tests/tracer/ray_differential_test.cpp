@@ -169,6 +169,10 @@ void expect_matches_moved_points(const Mesh& mesh, const M44f& to_world) {
   const SurfaceDifferentials s =
       transformed(surface_differentials(mesh, 0, b1, b2), to_world, normal_to_world);
   EXPECT_EQ(s.has_uvs, !mesh.uvs.empty());
+  const SurfaceTangents along = surface_tangents(mesh, 0);
+  EXPECT_EQ(transform_vector(along.dpdu, to_world), s.dpdu);
+  EXPECT_EQ(transform_vector(along.dpdv, to_world), s.dpdv);
+  EXPECT_EQ(along.has_uvs, s.has_uvs);
   const auto weights = [](double c1, double c2) { return V3d(1.0 - c1 - c2, c1, c2); };
   const auto normal_at = [&](double c1, double c2) {
     const V3d w = weights(c1, c2);

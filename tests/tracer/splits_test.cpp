@@ -214,6 +214,9 @@ TEST(Jitter, IsSharedByAllPixels) {
         mean += jitter.point(number - 3, static_cast<std::uint32_t>(spp), static_cast<std::uint32_t>(i)) /
                 static_cast<float>(spp);
       const Frame frame = render_frame(scene, number, options(spp, {Aov::normal})).value();
+      ASSERT_TRUE(frame.jitter());
+      ASSERT_EQ(frame.jitter()->positions_px.size(), static_cast<std::size_t>(spp));
+      EXPECT_NEAR(frame.jitter()->positions_px[0].x, jitter.point(number - 3, spp, 0).x - 0.5f, 1e-6f);
       for (int y = 0; y < 6; ++y) {
         for (int x = 0; x < 8; ++x) {
           const float* n = frame.image(Aov::normal).pixel(x, y).data();

@@ -36,9 +36,13 @@ struct AreaShape {
   bool quad = false;
 };
 
-/// An emissive triangle or parallelogram, prepared for sampling. Triangles and rectangles that are seen under
-/// more than a tiny solid angle are sampled uniformly by it, rectangles also by the receiver's cosine; all
-/// else uniformly by area. What depends on the place of the receiver is worked out in double.
+/// An emissive triangle or parallelogram, prepared for sampling. What depends on the place of the receiver is
+/// worked out in double.
+///
+/// Triangles are sampled uniformly by solid angle, from afar by area. Parallelograms farther away than their
+/// diagonal are sampled by area, with a density that is bilinear between what the receiver gets from their
+/// corners; nearer ones, if rectangles, by solid angle, with one that is bilinear between the receiver's
+/// cosines at the corners.
 struct AreaLight {
   V3f p0, edge1, edge2;
   bool quad;
@@ -46,10 +50,12 @@ struct AreaLight {
   V3f normal;               ///< unit, on the emitting side; 0 without area
   double length1, length2;  ///< of the edges
   double inverse_length1, inverse_length2;
+  V3d dual1, dual2;  ///< shares of the edges in an offset from p0 within the plane, by dot products
   double area;  ///< 0 when degenerate or not finite; double, since squares of edges leave the range of float
   V3f radiance;
   bool two_sided;
   std::uint16_t group;
+  float extent;  ///< largest coordinate
 
   AreaLight(const AreaShape& shape, const V3f& emitted, bool both_sides, std::uint16_t light_group)
       : p0(shape.p0),
@@ -62,7 +68,10 @@ struct AreaLight {
         inverse_length2(1.0 / length2),
         radiance(emitted),
         two_sided(both_sides),
-        group(light_group) {
+        group(light_group),
+        extent(
+            std::max({largest_coordinate(p0), largest_coordinate(p0 + edge1), largest_coordinate(p0 + edge2),
+                      quad ? largest_coordinate(p0 + edge1 + edge2) : 0.0f})) {
     const V3d e1(edge1), e2(edge2);
     const V3d cross = e1.cross(e2);
     const double length = cross.length();
@@ -71,6 +80,8 @@ struct AreaLight {
     normal = usable ? V3f(cross / length) : V3f(0.0f);
     constexpr double least_cosine = 1e-4;  // rounding of coordinates leaves as much
     right_angled = quad && std::abs(e1.dot(e2)) <= least_cosine * length;
+    dual1 = usable ? e2.cross(cross) / (length * length) : V3d(0.0);
+    dual2 = usable ? cross.cross(e1) / (length * length) : V3d(0.0);
   }
 
   explicit AreaLight(const EmissiveTriangle& triangle)
@@ -84,6 +95,9 @@ struct AreaLight {
   /// nothing.
   double irradiance_at(const Receiver& at) const;
 
+  /// Whether that is not 0.
+  bool reaches(const Receiver& at) const { return reaches(at, view(at)); }
+
   /// Density per solid angle with which sample() finds the unit direction `dir_world`, in which the light is
   /// `distance` away. 0 on the dark side, edge-on and beyond the range of float.
   float pdf_solid_angle(const Receiver& at, const V3f& dir_world, float distance) const;
@@ -92,18 +106,25 @@ struct AreaLight {
   std::optional<LightSample> sample(const Receiver& at, const V2f& u) const;
 
  private:
-  /// Lights farther away than this many roots of their area are sampled by area: the density hardly differs.
+  /// Triangles farther away than this many roots of their area are sampled by area: the density hardly
+  /// differs.
   static constexpr double kFar = 20.0;
   /// Below this many steradians the closed forms lose their digits.
   static constexpr double kLeastSolidAngle = 1e-6;
 
-  /// A triangle or rectangle as a receiver sees it.
+  /// A triangle or parallelogram as a receiver sees it.
   struct View {
     V3d to_p0;
-    double height;  ///< of the receiver above the plane; 0 where nothing of the light arrives
-    bool far;
+    double squared;  ///< distance of the centre
+    double height;   ///< of the receiver above the plane; 0 where nothing of the light arrives
   };
   View view(const Receiver& at) const;
+  bool reaches(const Receiver& at, const View& view) const;
+
+  /// Whether the cosines and distances of its points differ by much.
+  bool is_near(const View& view) const {
+    return view.squared < (quad ? length1 * length1 + length2 * length2 : kFar * kFar * area);
+  }
 
   SphericalRectangle seen_rectangle(const View& view, const V2d& corner) const {
     return {corner.x, corner.x + length1, corner.y, corner.y + length2, view.height};
@@ -114,15 +135,18 @@ struct AreaLight {
   }
   /// The cosine of the receiver over the map of a rectangle.
   BilinearWarp cosine(const Receiver& at, const View& view, const SphericalRectangle& map) const;
+  /// What the receiver gets from a parallelogram, over its area.
+  BilinearWarp received(const Receiver& at, const View& view) const;
 
   SphericalTriangle seen_triangle(const View& view) const {
     return {view.to_p0.normalized(), (view.to_p0 + V3d(edge1)).normalized(),
             (view.to_p0 + V3d(edge2)).normalized()};
   }
 
-  float pdf_by_area(const V3f& dir_world, double distance) const {
+  /// Of points that are uniform by area.
+  double density_of_area(const V3f& dir_world, double distance) const {
     const double cosine = std::abs(normal.dot(dir_world));
-    return in_range(distance * distance / (cosine * area));
+    return distance * distance / (cosine * area);
   }
 
   static float in_range(double pdf) {

@@ -158,6 +158,10 @@ double Emitters::irradiance_at(std::size_t number, const Receiver& at, float tim
   return visit(number, time, [&](const auto& emitter) { return emitter.irradiance_at(at); });
 }
 
+bool Emitters::reaches(std::size_t number, const Receiver& at, float time) const {
+  return visit(number, time, [&](const auto& emitter) { return emitter.reaches(at); });
+}
+
 std::optional<LightSample> Emitters::sample(std::size_t number, const Receiver& at, float time,
                                             const V2f& u) const {
   return visit(number, time, [&](const auto& emitter) { return emitter.sample(at, u); });

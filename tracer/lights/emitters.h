@@ -32,6 +32,8 @@ class Emitters {
 
   /// What arrives at the receiver if nothing is in between, as irradiance.h has it.
   double irradiance_at(std::size_t number, const Receiver& at, float time) const;
+  /// Whether that is not 0.
+  bool reaches(std::size_t number, const Receiver& at, float time) const;
 
   std::optional<LightSample> sample(std::size_t number, const Receiver& at, float time, const V2f& u) const;
   float pdf_area(std::size_t number, const Receiver& at, const V3f& dir_world, float distance,

@@ -69,9 +69,8 @@ struct Environment::Map {
   void build_tables();
 };
 
-/// A texel weighs what bilinear reading gives on average
-/// over it, (1 6 1)/8 in x and y, so that every direction of positive radiance can be drawn; rows weigh by
-/// their solid angle besides.
+/// A texel weighs what bilinear reading gives on average over it, (1 6 1)/8 in x and y, so that every
+/// direction of positive radiance can be drawn; rows weigh by their solid angle besides.
 void Environment::Map::build_tables() {
   const int width = texels.width();
   const int height = texels.height();
@@ -208,6 +207,8 @@ std::optional<Environment::Sample> Environment::sample(const Receiver& at, const
   if (!map_) return sample_evenly(at, u);
   const DiscreteDistribution::Choice row = map_->rows.sample(u.y);
   const DiscreteDistribution::Choice column = map_->columns[row.index].sample(u.x);
+  // Radiance is asked for next; large images do not lie in the caches.
+  __builtin_prefetch(map_->texels.pixel(static_cast<int>(column.index), static_cast<int>(row.index)).data());
   // Uniform by solid angle inside the texel: linear in the cosine.
   const double cos_theta = map_->row_cos[row.index] * (1.0 - row.u) + map_->row_cos[row.index + 1] * row.u;
   const double sin_theta = std::sqrt(std::max(0.0, (1.0 - cos_theta) * (1.0 + cos_theta)));

@@ -235,6 +235,12 @@ double LightTree::irradiance_at(const Receiver& at) const {
   return whole_ * sum;
 }
 
+bool LightTree::reaches(const Receiver& at) const {
+  const Target target(at);
+  return std::ranges::any_of(parts_,
+                             [&](std::uint32_t node) { return nodes_[node].importance(target) > 0.0; });
+}
+
 float LightTree::probability(std::size_t index, const Receiver& at) const {
   std::uint64_t trail = trails_[index];
   if (trail == kNoTrail) return 0.0f;

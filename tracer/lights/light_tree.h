@@ -42,6 +42,8 @@ class LightTree {
   /// What all emitters together may send to the receiver, roughly, as irradiance.h has it; 0 where none can
   /// shine on it.
   double irradiance_at(const Receiver& at) const;
+  /// Whether that is not 0.
+  bool reaches(const Receiver& at) const;
 
  private:
   /// A receiver in double.

@@ -45,12 +45,16 @@ Lights::Received Lights::received(const Receiver& at, float time) const {
   Received received;
   received.at_ = at;
   received.time_ = time;
-  const bool infinite = !suns_.empty() || environment_;
+  // An even environment shares nothing with other lights: whether any shines suffices.
+  const bool shares = !suns_.empty() || (environment_ && !environment_->even());
   double& all_finite = received.all_finite_;
-  if (!tree_.empty()) {
-    all_finite = infinite ? tree_.irradiance_at(at) : 1.0;
-  } else if (finite_.size() == 1 && !infinite) {
-    all_finite = received.each_finite_[0] = 1.0;
+  if (!tree_.empty() && shares) {
+    all_finite = tree_.irradiance_at(at);
+  } else if (!tree_.empty()) {
+    all_finite = !environment_ || tree_.reaches(at) ? 1.0 : 0.0;
+  } else if (finite_.size() == 1 && !shares) {
+    all_finite = !environment_ || emitters_.reaches(finite_[0], at, time) ? 1.0 : 0.0;
+    received.each_finite_[0] = all_finite;
   } else {
     for (std::size_t i = 0; i < finite_.size(); ++i) {
       received.each_finite_[i] = emitters_.irradiance_at(finite_[i], at, time);

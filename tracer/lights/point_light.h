@@ -24,6 +24,8 @@ struct PointLight {
   double irradiance_at(const Receiver& at) const {
     return point_irradiance(at, V3d(position) - V3d(at.position), channel_mean(intensity));
   }
+  /// Whether that is not 0.
+  bool reaches(const Receiver& at) const { return irradiance_at(at) > 0.0; }
 
   double radiant_intensity() const { return channel_mean(intensity); }
 

@@ -49,6 +49,15 @@ struct EmissiveSphere {
                        : sphere_irradiance(radius / seen.distance, V3d(at.normal).dot(seen.cone.axis)));
   }
 
+  /// Whether that is not 0.
+  bool reaches(const Receiver& at) const {
+    const V3d to_center = V3d(center) - V3d(at.position);
+    const double r = radius, squared = to_center.length2();
+    if (!(r > 0.0 && std::isfinite(squared))) return false;
+    if (squared <= r * r) return two_sided;
+    return !at.faces() || V3d(at.normal).dot(to_center) > -r;
+  }
+
   /// Density per solid angle of any direction in which the sphere is seen from the receiver. 0 where sample()
   /// gives nothing: inside if one-sided, and when the sphere subtends so little that the density leaves the
   /// range of float (a radius below 1e-19 of the distance).

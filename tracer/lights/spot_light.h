@@ -54,6 +54,8 @@ struct SpotEmitter {
     const double t = (outer - v) / (outer - inner);
     return t * t * (3.0 - 2.0 * t);
   }
+  /// Whether that is not 0.
+  bool reaches(const Receiver& at) const { return irradiance_at(at) > 0.0; }
 
   /// 0 without a direction or an opening.
   double radiant_intensity() const {

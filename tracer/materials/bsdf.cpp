@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "tracer/materials/fresnel.h"
+#include "tracer/materials/interface_albedo.h"
 #include "tracer/materials/local_direction.h"
 #include "tracer/materials/microfacet.h"
 #include "tracer/materials/multiple_scattering.h"
@@ -13,10 +14,11 @@
 
 // Each model overloads eval_model, pdf_model, sample_model, is_specular_model and albedo_model; the visitors
 // below have no default, so that one left out fails to compile.
-#include "tracer/materials/dielectric.inl"
 #include "tracer/materials/diffuse.inl"
-// After the two above, of which parts of these are made.
+// After the one above, which is a part of these.
 #include "tracer/materials/conductor.inl"
+#include "tracer/materials/dielectric.inl"
+// After all of them.
 #include "tracer/materials/principled.inl"
 
 namespace becalm::tracer {
@@ -88,9 +90,11 @@ void widen_alpha(float& alpha, float slope_variance) {
 void widen_model(DiffuseBsdf&, float) {}
 void widen_model(ConductorBsdf& bsdf, float slope_variance) {
   widen_alpha(bsdf.alpha, slope_variance);
+  bsdf = ConductorBsdf(bsdf.eta, bsdf.k, bsdf.alpha);
 }
 void widen_model(DielectricBsdf& bsdf, float slope_variance) {
   widen_alpha(bsdf.alpha, slope_variance);
+  bsdf = DielectricBsdf(bsdf.eta, bsdf.alpha, bsdf.transmittance);
 }
 void widen_model(PrincipledBsdf& bsdf, float slope_variance) {
   // Multiple scattering stays that of the narrower lobe; the small difference is lost.

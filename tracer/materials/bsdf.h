@@ -22,14 +22,27 @@ struct ConductorBsdf {
   V3f eta;
   V3f k;
   float alpha;  ///< GGX width in [0,1]; below kSmoothAlpha a perfect mirror
+  // What follows from these.
+  V3f facing;                   ///< reflectance at normal incidence
+  V3f further_gain{0.0f};       ///< of the lobe of further bounces
+  float further_albedo = 0.0f;  ///< mean of that lobe for light that one bounce loses, strongest channel
+
+  ConductorBsdf(const V3f& eta, const V3f& k, float alpha);
 };
 
-/// Clear interface: reflects and refracts, GGX microfacets (Walter et al. 2007), a single scattering.
+/// Clear interface: reflects and refracts, GGX microfacets (Walter et al. 2007) with all their scattering
+/// (multiple_scattering.h).
 struct DielectricBsdf {
   float eta;    ///< index of refraction inside (below the normal) over outside, > 0; 1 lets everything pass
                 ///< straight
   float alpha;  ///< GGX width in [0,1]; see is_specular
   V3f transmittance;  ///< [0,1], tint of what crosses the interface
+  // What follows from these, of a rough interface.
+  float lost_outside = 1.0f;  ///< mean share of light from there that one scattering loses
+  float lost_inside = 1.0f;
+  float crossing = 0.0f;  ///< share of light from outside that Fresnel's reflectance lets through on average
+
+  DielectricBsdf(float eta, float alpha, const V3f& transmittance);
 };
 
 /// Layers of a clear coat and a sheen over a base of metal, glass and diffuse reflection under a dielectric's

@@ -8,6 +8,14 @@ namespace becalm::tracer {
 // the albedo E of one scattering without absorption (Kulla and Conty, "Revisiting Physically Based Shading at
 // Imageworks", 2017).
 
+/// Mean share of light that one scattering loses, as the lobe's gain divides by it. Smooth surfaces lose
+/// light at grazing angles alone. The cosine lobe that gives it back is rarely sampled there, with large
+/// weights; so less is given back where little is lost on average.
+inline float multiple_scattering_loss(float mean_albedo) {
+  constexpr float least_lost = 0.01f;
+  return std::max(1.0f - mean_albedo, least_lost);
+}
+
 /// The colour of that light for conductors that reflect f0 facing and f90 at grazing angles, where one that
 /// absorbs nothing would send out all: F^2 E / (1 - F (1 - E)) with the mean albedo E and the mean Fresnel
 /// reflectance F, of Schlick's.
@@ -16,12 +24,9 @@ inline float multiple_scattering_color(float f0, float f90, float mean_albedo) {
   return fresnel * fresnel * mean_albedo / (1.0f - fresnel * (1.0f - mean_albedo));
 }
 
-/// The lobe's gain over its colour. Smooth surfaces lose light at grazing angles alone. The cosine lobe that
-/// gives it back is rarely sampled there, with large weights; so less is given back where little is lost on
-/// average.
+/// The lobe's gain over its colour.
 inline float multiple_scattering_gain(float mean_albedo) {
-  constexpr float least_lost = 0.01f;
-  return 1.0f / std::max(1.0f - mean_albedo, least_lost);
+  return 1.0f / multiple_scattering_loss(mean_albedo);
 }
 
 }  // namespace becalm::tracer

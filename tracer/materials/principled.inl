@@ -104,9 +104,9 @@ Response respond(const PrincipledBsdf& bsdf, const PrincipledAlbedo& at_o, const
   const float base = below_coat * std::min(1.0f - at_o.sheen, 1.0f - at_i.sheen);
 
   if (bsdf.glass > 0.0f) {
-    const DielectricBsdf glass = glass_of(bsdf);
-    response.value += eval_model(glass, wo, wi) * (base * bsdf.glass);
-    response.pdf += p[kGlass] * pdf_model(glass, wo, wi);
+    const BsdfValue glass = evaluate_model(glass_of(bsdf), wo, wi);
+    response.value += glass.f_cos * (base * bsdf.glass);
+    response.pdf += p[kGlass] * glass.pdf_solid_angle;
   }
   if (!same_side(wo, wi)) return response;
 
@@ -226,7 +226,7 @@ bool is_specular_model(const PrincipledBsdf& bsdf) {
   const float dielectric = diffuse_share(bsdf);
   const bool diffuse = dielectric > 0.0f && !is_black(bsdf.base_color);
   return specular_is_smooth(bsdf) && (bsdf.coat == 0.0f || coat_is_smooth(bsdf)) && is_black(bsdf.sheen) &&
-         !diffuse && (bsdf.glass == 0.0f || is_specular_model(glass_of(bsdf)));
+         !diffuse && (bsdf.glass == 0.0f || !is_rough(bsdf.alpha, bsdf.eta));
 }
 
 /// Reflected and transmitted together, at normal incidence.

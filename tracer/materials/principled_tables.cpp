@@ -10,18 +10,7 @@ namespace becalm::tracer {
 
 namespace {
 
-/// Points of a Fibonacci lattice: what is integrated is periodic in the first number, the azimuth.
-constexpr int kPoints = 610;
-constexpr int kPointsBefore = 377;  ///< the Fibonacci number before
-
-V2f lattice_point(int i) {
-  return {static_cast<float>(i * kPointsBefore % kPoints) / kPoints,
-          (static_cast<float>(i) + 0.5f) / kPoints};
-}
-
-/// Added to the albedos: more than the largest errors of interpolation, so that no material returns more
-/// light than it receives. Metals lose as much of the light that they should return.
-constexpr float kMargin = 0.003f;
+constexpr Lattice kLattice{.points = 610, .before = 377};
 
 float fifth_power(float v) {
   const float v2 = v * v;
@@ -36,8 +25,8 @@ V3f direction_at(float cosine, bool across = false) {
 
 GgxAlbedo integrate_ggx(const V3f& wo, const GgxAlpha& alpha) {
   double f0 = 0.0, f90 = 0.0;
-  for (int i = 0; i < kPoints; ++i) {
-    const V3f m = ggx_sample_visible_normal(wo, alpha, lattice_point(i));
+  for (int i = 0; i < kLattice.points; ++i) {
+    const V3f m = ggx_sample_visible_normal(wo, alpha, kLattice.point(i));
     const V3f wi = reflect(wo, m);
     if (wi.z <= 0.0f) continue;
     const double weight = mirrored_weight(wo, wi, alpha);
@@ -45,7 +34,7 @@ GgxAlbedo integrate_ggx(const V3f& wo, const GgxAlpha& alpha) {
     f0 += weight * (1.0 - schlick);
     f90 += weight * schlick;
   }
-  return {static_cast<float>(f0 / kPoints), static_cast<float>(f90 / kPoints)};
+  return {static_cast<float>(f0 / kLattice.points), static_cast<float>(f90 / kLattice.points)};
 }
 
 GgxAlbedo integrate_ggx(float cosine, float alpha, float aspect) {
@@ -56,7 +45,7 @@ GgxAlbedo integrate_ggx(float cosine, float alpha, float aspect) {
   cosine = std::max(cosine, 1e-5f);  // the limit at the horizon is approached, not reached
   const GgxAlpha widths(alpha / aspect, alpha * aspect);
   const auto with_margin = [](float whole, float f90) {
-    const float more = std::min(1.0f, whole + kMargin), more_f90 = std::min(more, f90 + kMargin);
+    const float more = std::min(1.0f, whole + kAlbedoMargin), more_f90 = std::min(more, f90 + kAlbedoMargin);
     return GgxAlbedo{more - more_f90, more_f90};
   };
   const GgxAlbedo along = integrate_ggx(direction_at(cosine), widths);
@@ -70,19 +59,13 @@ GgxAlbedo integrate_ggx(float cosine, float alpha, float aspect) {
 float integrate_sheen(float cosine) {
   const V3f wo = direction_at(cosine);
   double sum = 0.0;
-  for (int i = 0; i < kPoints; ++i) {
-    const V2f u = lattice_point(i);
+  for (int i = 0; i < kLattice.points; ++i) {
+    const V2f u = kLattice.point(i);
     const float radius = std::sqrt(u.y), phi = 2.0f * std::numbers::pi_v<float> * u.x;
     const V3f wi(radius * std::cos(phi), radius * std::sin(phi), std::sqrt(1.0f - u.y));
     sum += fifth_power(1.0f - std::clamp(wo.dot((wo + wi).normalized()), 0.0f, 1.0f));
   }
-  return static_cast<float>(std::numbers::pi * sum / kPoints) + kMargin;
-}
-
-/// The axes' values at the nodes.
-float squared_axis(int index, int size) {
-  const float root = static_cast<float>(index) / static_cast<float>(size - 1);
-  return root * root;
+  return static_cast<float>(std::numbers::pi * sum / kLattice.points) + kAlbedoMargin;
 }
 
 }  // namespace
@@ -105,27 +88,19 @@ const PrincipledTables::Slices& PrincipledTables::anisotropic() {
 
 PrincipledTables::PrincipledTables() {
   isotropic_.integrate(1.0f);
-  for (int j = 0; j < kCosines; ++j) sheen_[j] = integrate_sheen(squared_axis(j, kCosines));
+  for (int j = 0; j < kCosines; ++j) sheen_[j] = integrate_sheen(squared_node(j, kCosines));
 }
 
 void PrincipledTables::Slice::integrate(float aspect) {
+  const auto weights = cosine_weights<kCosines>();
   for (int i = 0; i < kAlphas; ++i) {
     for (int j = 0; j < kCosines; ++j) {
-      albedo[i][j] = integrate_ggx(squared_axis(j, kCosines), squared_axis(i, kAlphas), aspect);
+      albedo[i][j] = integrate_ggx(squared_node(j, kCosines), squared_node(i, kAlphas), aspect);
     }
-    // 2 int E(cos) cos dcos = 4 int E(x^2) x^3 dx, x the root of the cosine, and E linear between the nodes:
-    // in each interval a polynomial of degree 4, for which three points of Gauss are exact.
-    constexpr double step = 1.0 / (kCosines - 1);
     double f0 = 0.0, f90 = 0.0;
-    for (int j = 0; j + 1 < kCosines; ++j) {
-      for (const int k : {-1, 0, 1}) {
-        const double t = 0.5 + 0.5 * k * 0.7745966692414834;
-        const double weight = k == 0 ? 4.0 / 9.0 : 5.0 / 18.0;
-        const double x = (j + t) * step;
-        const GgxAlbedo at = mix(albedo[i][j], albedo[i][j + 1], static_cast<float>(t));
-        f0 += 4.0 * weight * step * x * x * x * at.f0;
-        f90 += 4.0 * weight * step * x * x * x * at.f90;
-      }
+    for (int j = 0; j < kCosines; ++j) {
+      f0 += weights[j] * albedo[i][j].f0;
+      f90 += weights[j] * albedo[i][j].f90;
     }
     mean[i] = {static_cast<float>(f0), static_cast<float>(f90)};
   }

@@ -24,29 +24,46 @@ inline V2f picture_point(const V2f& uv, const V2f& repeat) {
 /// What stands above the top row and below the bottom one.
 enum class PictureRows { repeat, hold };
 
-/// Linear between the four texels around the position, in texels from the top left corner of the picture, on
-/// or in it. `kChannels` numbers a texel, rows from the top; columns repeat.
-template <std::size_t kChannels, PictureRows kRows = PictureRows::repeat, class Number>
-std::array<float, kChannels> bilinear(const Number* texels, int width, int height, const V2f& position) {
+/// The four texels around a position, numbered row by row from the top, and how far it is from the first.
+struct TexelsAround {
+  std::size_t upper_left, upper_right, lower_left, lower_right;
+  float share_right, share_lower;
+
+  /// Linear between what texel(number) gives: a number, or a vector of them.
+  template <class Texel>
+  auto mix(const Texel& texel) const {
+    // In this form the mean of equal texels is exact.
+    const auto between = [](const auto& low, const auto& high, float share) {
+      return low + share * (high - low);
+    };
+    return between(between(texel(upper_left), texel(upper_right), share_right),
+                   between(texel(lower_left), texel(lower_right), share_right), share_lower);
+  }
+};
+
+/// `position` is in texels from the top left corner of the picture, on or in it; columns repeat.
+template <PictureRows kRows = PictureRows::repeat>
+TexelsAround texels_around(int width, int height, const V2f& position) {
   const float x = position.x - 0.5f, y = position.y - 0.5f;
   const float floor_x = std::floor(x), floor_y = std::floor(y);
-  const float fx = x - floor_x, fy = y - floor_y;
   const auto wrap = [](int i, int size) { return i < 0 ? i + size : i >= size ? i - size : i; };
   const auto row_at = [&](int row) {
     return kRows == PictureRows::repeat ? wrap(row, height) : std::clamp(row, 0, height - 1);
   };
   const int x0 = wrap(static_cast<int>(floor_x), width), x1 = wrap(x0 + 1, width);
   const int y0 = row_at(static_cast<int>(floor_y)), y1 = row_at(static_cast<int>(floor_y) + 1);
-  const auto texel = [&](int column, int row) {
-    return texels + (static_cast<std::size_t>(row) * width + column) * kChannels;
-  };
-  const Number *a = texel(x0, y0), *b = texel(x1, y0), *c = texel(x0, y1), *d = texel(x1, y1);
-  // In this form the mean of equal texels is exact.
-  const auto mix = [](float low, float high, float share) { return low + share * (high - low); };
+  const auto number = [&](int column, int row) { return static_cast<std::size_t>(row) * width + column; };
+  return {number(x0, y0), number(x1, y0), number(x0, y1), number(x1, y1), x - floor_x, y - floor_y};
+}
+
+/// Linear between the four texels around the position. `kChannels` numbers a texel, rows from the top.
+template <std::size_t kChannels, PictureRows kRows = PictureRows::repeat, class Number>
+std::array<float, kChannels> bilinear(const Number* texels, int width, int height, const V2f& position) {
+  const TexelsAround around = texels_around<kRows>(width, height, position);
   std::array<float, kChannels> values;
   for (std::size_t i = 0; i < kChannels; ++i) {
-    values[i] = mix(mix(static_cast<float>(a[i]), static_cast<float>(b[i]), fx),
-                    mix(static_cast<float>(c[i]), static_cast<float>(d[i]), fx), fy);
+    values[i] =
+        around.mix([&](std::size_t texel) { return static_cast<float>(texels[texel * kChannels + i]); });
   }
   return values;
 }

@@ -100,10 +100,11 @@ inline ParameterFootprint parameter_footprint(const V3f& dpdx, const V3f& dpdy, 
   const double determinant = uu * vv - uv * uv;
   constexpr double least_sine2 = 1e-12;  // of the angle between dpdu and dpdv
   if (!(determinant > least_sine2 * uu * vv)) return {};
+  const double inverse = 1.0 / determinant;
   const auto solve = [&](const V3f& dp) {
     const double pu = V3d(dp).dot(u), pv = V3d(dp).dot(v);
-    const V2f duv(static_cast<float>((vv * pu - uv * pv) / determinant),
-                  static_cast<float>((uu * pv - uv * pu) / determinant));
+    const V2f duv(static_cast<float>((vv * pu - uv * pv) * inverse),
+                  static_cast<float>((uu * pv - uv * pu) * inverse));
     return std::isfinite(duv.x) && std::isfinite(duv.y) ? duv : V2f(0.0f);
   };
   return {solve(dpdx), solve(dpdy)};

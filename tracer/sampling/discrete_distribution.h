@@ -25,34 +25,33 @@ class DiscreteDistribution {
     double largest = 0.0;
     for (const double weight : weights) largest = std::max(largest, usable(weight));
     if (largest == 0.0) return;
-    cdf_.reserve(weights.size() + 1);
-    cdf_.push_back(0.0);
-    for (const double weight : weights) cdf_.push_back(cdf_.back() + usable(weight) / largest);
-    const double sum = cdf_.back();
-    for (double& entry : cdf_) entry /= sum;
-    guide_.reserve(weights.size());
+    nodes_.resize(weights.size() + 1);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < weights.size(); ++i) nodes_[i + 1].cdf = sum += usable(weights[i]) / largest;
+    for (Node& node : nodes_) node.cdf /= sum;
     std::uint32_t index = 0;
     for (std::size_t k = 0; k < weights.size(); ++k) {
-      while (cdf_[index + 1] <= static_cast<double>(k) / static_cast<double>(weights.size())) ++index;
-      guide_.push_back(index);
+      while (nodes_[index + 1].cdf <= static_cast<double>(k) / static_cast<double>(weights.size())) ++index;
+      nodes_[k].guide = index;
     }
   }
 
   /// Whether there is nothing to choose.
-  bool empty() const { return cdf_.empty(); }
+  bool empty() const { return nodes_.empty(); }
 
   float probability(std::size_t index) const {
-    return empty() ? 0.0f : static_cast<float>(cdf_[index + 1] - cdf_[index]);
+    return empty() ? 0.0f : static_cast<float>(nodes_[index + 1].cdf - nodes_[index].cdf);
   }
 
   /// u in [0,1]; not to be called when empty().
   Choice sample(float u) const {
     const double target = std::min(u, kLargestBelowOne);
     // The first entry whose upper bound exceeds the target; the bound of the last that has a share is 1.
-    std::size_t index = guide_[static_cast<std::size_t>(target * static_cast<double>(guide_.size()))];
-    while (cdf_[index + 1] <= target) ++index;
-    const double share = cdf_[index + 1] - cdf_[index];
-    const double inside = (target - cdf_[index]) / share;
+    const auto entries = static_cast<double>(nodes_.size() - 1);
+    std::size_t index = nodes_[static_cast<std::size_t>(target * entries)].guide;
+    while (nodes_[index + 1].cdf <= target) ++index;
+    const double share = nodes_[index + 1].cdf - nodes_[index].cdf;
+    const double inside = (target - nodes_[index].cdf) / share;
     return {index, static_cast<float>(share), std::min(static_cast<float>(inside), kLargestBelowOne)};
   }
 
@@ -60,10 +59,14 @@ class DiscreteDistribution {
   static constexpr float kLargestBelowOne = 0x1.fffffep-1f;
   static double usable(double weight) { return weight > 0.0 && std::isfinite(weight) ? weight : 0.0; }
 
-  std::vector<double> cdf_;  ///< n + 1 entries from 0 to 1
-  /// Where to start looking for a target in [k/n, (k+1)/n): two steps on average, whatever the weights (Chen
-  /// and Asau 1974). An alias table would be as fast, but scatters stratified numbers.
-  std::vector<std::uint32_t> guide_;
+  /// Both together, since where weights are even they are read from the same cache line.
+  struct Node {
+    double cdf = 0.0;  ///< n + 1 from 0 to 1
+    /// Where to start looking for a target in [k/n, (k+1)/n): two steps on average, whatever the weights
+    /// (Chen and Asau 1974). An alias table would be as fast, but scatters stratified numbers.
+    std::uint32_t guide = 0;
+  };
+  std::vector<Node> nodes_;
 };
 
 }  // namespace becalm::tracer

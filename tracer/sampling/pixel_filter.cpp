@@ -4,19 +4,15 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
+
+#include "frame/jitter.h"
 
 namespace becalm::tracer {
 namespace {
 
-/// The 4-term Blackman-Harris window at distance t in [0,1] of the centre, scaled to integrate to 1/2 over
-/// it. Source: Harris, "On the Use of Windows for Harmonic Analysis", 1978: the constant term is the mean.
+/// The window, scaled to integrate to 1/2 over t in [0,1].
 double blackman_harris(double t) {
-  constexpr double mean = 0.35875;
-  const double phase = std::numbers::pi * t;
-  const double window =
-      mean + 0.48829 * std::cos(phase) + 0.14128 * std::cos(2.0 * phase) + 0.01168 * std::cos(3.0 * phase);
-  return window / (2.0 * mean);
+  return blackman_harris_window(t) / (2.0 * kBlackmanHarrisMean);
 }
 
 /// Half of the window, linear between 257 samples: within 3e-5 of its peak.
@@ -33,8 +29,8 @@ class HalfWindow {
     }
     cdf_[kIntervals] = static_cast<float>(sum);
     std::size_t interval = 0;
-    for (int k = 0; k < kIntervals; ++k) {
-      while (cdf_[interval + 1] <= cdf_[kIntervals] * static_cast<float>(k) / kIntervals) ++interval;
+    for (int k = 0; k < kGuides; ++k) {
+      while (cdf_[interval + 1] <= cdf_[kIntervals] * (static_cast<float>(k) / kGuides)) ++interval;
       guide_[k] = static_cast<std::uint8_t>(interval);
     }
   }
@@ -42,7 +38,7 @@ class HalfWindow {
   /// Distance in [0,1] at which the integral from the centre reaches u in [0,1].
   float invert(float u) const {
     const float target = std::min(u, 1.0f) * cdf_[kIntervals];
-    std::size_t i = guide_[std::min(static_cast<int>(u * kIntervals), kIntervals - 1)];
+    std::size_t i = guide_[std::min(static_cast<int>(u * kGuides), kGuides - 1)];
     while (i + 1 < kIntervals && cdf_[i + 1] <= target) ++i;
     // Root of density_i x + (density_i+1 - density_i) x^2 / 2 = rest, in the form that does not cancel.
     const float rest = (target - cdf_[i]) * kIntervals;
@@ -54,9 +50,10 @@ class HalfWindow {
 
  private:
   static constexpr int kIntervals = 256;
+  static constexpr int kGuides = 2048;  ///< so many that the search seldom takes a step
   std::array<float, kIntervals + 1> density_;
   std::array<float, kIntervals + 1> cdf_;
-  std::array<std::uint8_t, kIntervals> guide_;  ///< the interval where u in [k, k+1) / kIntervals starts
+  std::array<std::uint8_t, kGuides> guide_;  ///< the interval where u in [k, k+1) / kGuides starts
 };
 
 const HalfWindow& blackman_harris_half() {

@@ -1,6 +1,11 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <tuple>
+#include <type_traits>
 
 #include "tracer/math/vec.h"
 #include "tracer/sampling/sobol.h"
@@ -41,7 +46,56 @@ class Sampler {
             to_unit_float(reverse_bits(owen_hash(sobol_1_reversed(index), low(bits_y))))};
   }
 
+  /// What as many calls in this order return, next_1d() for a float and next_2d() for a V2f, in less time.
+  template <class... Numbers>
+  std::tuple<Numbers...> next() {
+    constexpr std::size_t lanes = (dimensions<Numbers>() + ...), padded = (lanes + 3) / 4 * 4;
+    alignas(16) std::array<std::uint32_t, padded> shuffle{}, scramble{}, is_second{};
+    std::size_t lane = 0;
+    const auto add_call = [&](std::size_t count) {
+      const std::uint64_t bits = next_bits();
+      shuffle[lane] = low(bits);
+      scramble[lane++] = high(bits);
+      if (count == 1) return;
+      shuffle[lane] = low(bits);
+      is_second[lane] = ~0u;
+      scramble[lane++] = low(next_bits());
+    };
+    (add_call(dimensions<Numbers>()), ...);
+    alignas(16) std::array<float, padded> values;
+    const Bits4 sample = Bits4{} + reverse_bits(sample_);
+    for (std::size_t i = 0; i < padded; i += 4) {
+      const Bits4 index = reverse_bits(owen_hash(sample, load(&shuffle[i])));
+      const Bits4 second = load(&is_second[i]);
+      const Bits4 point = (index & ~second) | (sobol_1_reversed(index) & second);
+      const auto four = to_unit_float(reverse_bits(owen_hash(point, load(&scramble[i]))));
+      std::memcpy(&values[i], &four, sizeof(four));
+    }
+    lane = 0;
+    return {take<Numbers>(values.data(), lane)...};  // in this order, as braces have it
+  }
+
  private:
+  template <class Number>
+  static constexpr std::size_t dimensions() {
+    static_assert(std::is_same_v<Number, float> || std::is_same_v<Number, V2f>);
+    return sizeof(Number) / sizeof(float);
+  }
+  template <class Number>
+  static Number take(const float* values, std::size_t& lane) {
+    const float* own = values + lane;
+    lane += dimensions<Number>();
+    if constexpr (dimensions<Number>() == 1) {
+      return *own;
+    } else {
+      return {own[0], own[1]};
+    }
+  }
+  static Bits4 load(const std::uint32_t* numbers) {
+    Bits4 four;
+    std::memcpy(&four, numbers, sizeof(four));
+    return four;
+  }
   static std::uint64_t pack(std::uint32_t hi, std::uint32_t lo) {
     return static_cast<std::uint64_t>(hi) << 32 | lo;
   }

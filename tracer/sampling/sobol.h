@@ -12,17 +12,32 @@ inline std::uint64_t mix_bits(std::uint64_t v) {
   return v ^ (v >> 31);
 }
 
-inline std::uint32_t reverse_bits(std::uint32_t v) {
+/// Four numbers that one instruction works on. What follows is for one number or for four.
+using Bits4 = std::uint32_t __attribute__((vector_size(16)));
+
+inline std::uint32_t swap_bytes(std::uint32_t v) {
+  return __builtin_bswap32(v);
+}
+inline Bits4 swap_bytes(Bits4 v) {
+  using Bytes = std::uint8_t __attribute__((vector_size(16)));
+  const auto bytes = reinterpret_cast<Bytes>(v);
+  return reinterpret_cast<Bits4>(
+      __builtin_shufflevector(bytes, bytes, 3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12));
+}
+
+template <class Bits>
+Bits reverse_bits(Bits v) {
   v = (v & 0x55555555u) << 1 | (v >> 1 & 0x55555555u);
   v = (v & 0x33333333u) << 2 | (v >> 2 & 0x33333333u);
   v = (v & 0x0f0f0f0fu) << 4 | (v >> 4 & 0x0f0f0f0fu);
-  return __builtin_bswap32(v);
+  return swap_bytes(v);
 }
 
 /// Hash in which each bit is changed by the seed and by lower bits alone, so that on a bit-reversed number it
 /// is a nested uniform (Owen) scrambling. Laine and Karras 2011, with the constants of Vegdahl, "Building a
 /// Better LK Hash", 2021: Burley's own leave visible structure.
-inline std::uint32_t owen_hash(std::uint32_t v, std::uint32_t seed) {
+template <class Bits>
+Bits owen_hash(Bits v, Bits seed) {
   v ^= v * 0x3d20adeau;
   v += seed;
   v *= (seed >> 16) | 1u;
@@ -40,7 +55,8 @@ inline std::uint32_t owen_scramble(std::uint32_t v, std::uint32_t seed) {
 /// Bit-reversed second coordinate of the index-th Sobol point. (The first coordinate, bit-reversed, is the
 /// index itself.) The generator matrix is Pascal's triangle mod 2, which is a Kronecker power of [1 1; 0 1]:
 /// one step a factor.
-inline std::uint32_t sobol_1_reversed(std::uint32_t index) {
+template <class Bits>
+Bits sobol_1_reversed(Bits index) {
   index ^= index >> 16;
   index ^= index >> 8 & 0x00ff00ffu;
   index ^= index >> 4 & 0x0f0f0f0fu;
@@ -52,6 +68,11 @@ inline std::uint32_t sobol_1_reversed(std::uint32_t index) {
 /// The highest 24 bits as a float in [0,1).
 inline float to_unit_float(std::uint32_t v) {
   return static_cast<float>(v >> 8) * 0x1p-24f;
+}
+inline auto to_unit_float(Bits4 v) {
+  using Signed = std::int32_t __attribute__((vector_size(16)));
+  using Floats = float __attribute__((vector_size(16)));
+  return __builtin_convertvector(reinterpret_cast<Signed>(v >> 8), Floats) * 0x1p-24f;
 }
 
 }  // namespace becalm::tracer

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstring>
 
 #include "tracer/math/picture_lookup.h"
 
@@ -99,59 +100,76 @@ void MipTexture::add_level(int width, int height, const std::vector<float>& texe
   }
 }
 
-template <std::size_t kStored>
-MipTexture::Texel<kStored> MipTexture::at_level(std::size_t level, const V2f& st) const {
-  const auto& [width, height, first] = levels_[level];
-  const V2f position(st.x * static_cast<float>(width), st.y * static_cast<float>(height));
-  return bilinear<kStored>(steps_.data() + first * kStored, width, height, position);
+inline void MipTexture::get(std::size_t number, Texel1& texel) const {
+  texel = steps_[number];
 }
 
-template <std::size_t kStored>
-MipTexture::Texel<kStored> MipTexture::trilinear(float lod, const V2f& st) const {
+inline void MipTexture::get(std::size_t number, Texel4& texel) const {
+  using Steps = std::uint16_t __attribute__((vector_size(8)));
+  using Numbers = std::int32_t __attribute__((vector_size(16)));
+  Steps steps;
+  std::memcpy(&steps, &steps_[number * 4], sizeof(steps));
+  texel = __builtin_convertvector(__builtin_convertvector(steps, Numbers), Texel4);
+}
+
+template <class Texel>
+inline void MipTexture::at_level(std::size_t level, const V2f& st, Texel& value) const {
+  const auto& [width, height, first] = levels_[level];
+  const V2f position(st.x * static_cast<float>(width), st.y * static_cast<float>(height));
+  value = texels_around(width, height, position).mix([&, first = first](std::size_t number) {
+    Texel texel;
+    get(first + number, texel);
+    return texel;
+  });
+}
+
+template <class Texel>
+inline void MipTexture::trilinear(float lod, const V2f& st, Texel& value) const {
   const float last = static_cast<float>(levels_.size() - 1);
   const float level = std::clamp(lod, 0.0f, last);
   const auto finer = static_cast<std::size_t>(level);
   const float coarse_share = level - static_cast<float>(finer);
-  Texel<kStored> value = at_level<kStored>(finer, st);
-  if (coarse_share == 0.0f) return value;
-  const Texel<kStored> coarse = at_level<kStored>(finer + 1, st);
-  for (std::size_t i = 0; i < kStored; ++i) value[i] += coarse_share * (coarse[i] - value[i]);
-  return value;
+  at_level(finer, st, value);
+  if (coarse_share == 0.0f) return;
+  Texel coarse;
+  at_level(finer + 1, st, coarse);
+  value += coarse_share * (coarse - value);
 }
 
-template <std::size_t kStored>
-MipTexture::Texel<kStored> MipTexture::probes(const V2f& st, const V2f& dst_dx, const V2f& dst_dy) const {
+template <class Texel>
+void MipTexture::probes(const V2f& st, const V2f& dst_dx, const V2f& dst_dy, Texel& value) const {
   const V2f size(static_cast<float>(levels_[0].width), static_cast<float>(levels_[0].height));
   const float length_x = (dst_dx * size).length(), length_y = (dst_dy * size).length();
   const V2f& along = length_x > length_y ? dst_dx : dst_dy;
   const float longer = std::max(length_x, length_y);
   const float shorter = std::max(std::min(length_x, length_y), longer / kAnisotropy);
-  if (!(longer > 1.0f)) return at_level<kStored>(0, st);
+  if (!(longer > 1.0f)) return at_level(0, st, value);
   // Each probe averages a square of the shorter side.
   const float lod = std::log2(std::max(shorter, 1.0f));
   const int count =
       std::clamp(static_cast<int>(std::ceil(longer / std::max(shorter, 1.0f) - 0.5f)), 1, kAnisotropy);
-  if (count == 1) return trilinear<kStored>(lod, st);
-  Texel<kStored> sum{};
+  if (count == 1) return trilinear(lod, st, value);
+  value = Texel{};
   for (int i = 0; i < count; ++i) {
     V2f at = st + along * ((static_cast<float>(i) + 0.5f) / static_cast<float>(count) - 0.5f);
     at.x -= std::floor(at.x);
     at.y -= std::floor(at.y);
-    const Texel<kStored> probe = trilinear<kStored>(lod, at);
-    for (std::size_t c = 0; c < kStored; ++c) sum[c] += probe[c];
+    Texel probe;
+    trilinear(lod, at, probe);
+    value += probe;
   }
-  for (float& value : sum) value /= static_cast<float>(count);
-  return sum;
+  value /= static_cast<float>(count);
 }
 
 void MipTexture::read(const V2f& st, const V2f& dst_dx, const V2f& dst_dy, float* values) const {
-  const auto write = [&](const auto& steps) {
-    for (int c = 0; c < channels_; ++c) values[c] = least_ + step_ * steps[static_cast<std::size_t>(c)];
-  };
   if (channels_ == 3) {
-    write(probes<4>(st, dst_dx, dst_dy));
+    Texel4 steps;
+    probes(st, dst_dx, dst_dy, steps);
+    for (int c = 0; c < 3; ++c) values[c] = least_ + step_ * steps[c];
   } else {
-    write(probes<1>(st, dst_dx, dst_dy));
+    Texel1 steps;
+    probes(st, dst_dx, dst_dy, steps);
+    values[0] = least_ + step_ * steps;
   }
 }
 

@@ -34,16 +34,19 @@ class MipTexture {
     std::size_t first;  ///< texel
   };
   /// Three channels take four, so that a texel is one load.
-  template <std::size_t kStored>
-  using Texel = std::array<float, kStored>;
+  using Texel1 = float;
+  using Texel4 = float __attribute__((vector_size(16)));
 
   void add_level(int width, int height, const std::vector<float>& texels);
-  template <std::size_t kStored>
-  Texel<kStored> at_level(std::size_t level, const V2f& st) const;
-  template <std::size_t kStored>
-  Texel<kStored> trilinear(float lod, const V2f& st) const;
-  template <std::size_t kStored>
-  Texel<kStored> probes(const V2f& st, const V2f& dst_dx, const V2f& dst_dy) const;
+  void get(std::size_t number, Texel1& texel) const;
+  void get(std::size_t number, Texel4& texel) const;
+  // What they look up, in steps.
+  template <class Texel>
+  void at_level(std::size_t level, const V2f& st, Texel& value) const;
+  template <class Texel>
+  void trilinear(float lod, const V2f& st, Texel& value) const;
+  template <class Texel>
+  void probes(const V2f& st, const V2f& dst_dx, const V2f& dst_dy, Texel& value) const;
 
   int channels_;
   float least_ = 0.0f;

@@ -33,6 +33,9 @@ using ScenePtr = std::unique_ptr<RTCSceneTy, SceneRelease>;
 
 constexpr std::uint32_t kNotAnInstance = ~0u;
 
+/// Beside instances, the number of what is baked; theirs begin after it.
+constexpr unsigned kBaked = 0;
+
 /// Static copies of a mesh are instances when baking them all would store this many triangles more: an
 /// instance costs each ray that enters it about as much as a few levels of the hierarchy.
 constexpr std::size_t kInstancedTriangles = 100'000;
@@ -59,6 +62,24 @@ RTCRay to_embree(const Ray& ray) {
   r.id = ray.seed;
   r.flags = 0;
   return r;
+}
+
+/// Whether the ray may meet the box; rounding errors count as yes.
+bool may_meet(const RTCBounds& box, const RTCRay& ray) {
+  const float origin[] = {ray.org_x, ray.org_y, ray.org_z}, dir[] = {ray.dir_x, ray.dir_y, ray.dir_z};
+  const float lower[] = {box.lower_x, box.lower_y, box.lower_z};
+  const float upper[] = {box.upper_x, box.upper_y, box.upper_z};
+  float first = ray.tnear, last = ray.tfar;
+  for (int axis = 0; axis < 3; ++axis) {
+    constexpr float least = 1e-18f;  // products with the inverse stay finite
+    const float inverse = 1.0f / std::copysign(std::max(std::abs(dir[axis]), least), dir[axis]);
+    const float to_lower = (lower[axis] - origin[axis]) * inverse;
+    const float to_upper = (upper[axis] - origin[axis]) * inverse;
+    first = std::max(first, std::min(to_lower, to_upper));
+    last = std::min(last, std::max(to_lower, to_upper));
+  }
+  constexpr float rounding = 1e-6f;
+  return first * (1.0f - rounding) <= last * (1.0f + rounding);
 }
 
 /// The first distance in (0, tfar) at which the ray meets a shape without triangles, in object space.
@@ -155,6 +176,20 @@ struct Intersector::State {
     return scene;
   }
 
+  /// Traces the baked hierarchy, then, over what is left of the ray, that of the instances: baked geometry as
+  /// one more instance would take 10 % longer. trace(scene, context) returns whether nothing more is needed.
+  template <class Trace>
+  void trace_each(const RTCRay& ray, const Trace& trace) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    if (baked_scene) {
+      if (instances_scene) context.instID[0] = kBaked;
+      if (trace(baked_scene.get(), context)) return;
+      context.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    }
+    if (instances_scene && may_meet(instances_bounds, ray)) trace(instances_scene.get(), context);
+  }
+
   /// Throws if Embree reported trouble since the last call.
   void check() {
     const RTCError error = first_error.exchange(RTC_ERROR_NONE);
@@ -220,7 +255,7 @@ struct Intersector::State {
     RTCGeometry instance = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(instance, instanced);
     set_transforms(instance, to_world);
-    rtcAttachGeometryByID(root, instance, number);
+    rtcAttachGeometryByID(instances_scene.get(), instance, number);
     rtcReleaseGeometry(instance);  // the scene keeps it
     return instance;
   }
@@ -241,15 +276,14 @@ struct Intersector::State {
   std::atomic<std::int64_t> embree_bytes{0};
   DevicePtr device;
   std::vector<Source> baked_sources;  ///< of each geometry of baked_scene
-  ScenePtr baked_scene;
+  ScenePtr baked_scene;               ///< null if there are instances alone
   std::map<Source, ScenePtr> instanced_scenes;
-  ScenePtr instances_scene;
-  RTCScene root = nullptr;  ///< what rays are traced against: baked_scene alone if there are no instances
+  ScenePtr instances_scene;  ///< null if there are none
+  RTCBounds instances_bounds{};
 
-  std::vector<std::uint32_t> baked_objects;  ///< object of each geometry of baked_scene
-  std::vector<std::uint32_t>
-      instanced_objects;  ///< object of each instance; the first instance is baked_scene
-  std::vector<RTCGeometry> instance_of_object;  ///< null for baked ones
+  std::vector<std::uint32_t> baked_objects;      ///< object of each geometry of baked_scene
+  std::vector<std::uint32_t> instanced_objects;  ///< object of each instance; kNotAnInstance for kBaked
+  std::vector<RTCGeometry> instance_of_object;   ///< null for baked ones
   std::vector<bool> motion_of_object;
   GeometrySize size;
   bool dirty = true;
@@ -275,7 +309,6 @@ std::vector<bool> choose_instanced(std::span<const Placement> placements) {
 void Intersector::State::bake(std::span<const Placement> placements, const std::vector<bool>& instanced) {
   // High quality builds with spatial splits: a hierarchy is built once and traced for a whole shot.
   baked_scene = new_scene(RTC_SCENE_FLAG_ROBUST, RTC_BUILD_QUALITY_HIGH);
-  root = baked_scene.get();
   for (std::uint32_t object = 0; object < placements.size(); ++object) {
     if (!instanced[object]) baked_objects.push_back(object);
   }
@@ -313,10 +346,8 @@ void Intersector::State::attach_instances(std::span<const Placement> placements,
                                           const std::vector<bool>& instanced) {
   instances_scene = new_scene(static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC),
                               RTC_BUILD_QUALITY_MEDIUM);
-  root = instances_scene.get();
   instanced_objects.push_back(kNotAnInstance);
-  const M44f identity;
-  if (!baked_objects.empty()) attach_instance(0, baked_scene.get(), {&identity, 1});
+  if (baked_objects.empty()) baked_scene.reset();
   for (std::uint32_t object = 0; object < placements.size(); ++object) {
     if (!instanced[object]) continue;
     const Placement& p = placements[object];
@@ -361,39 +392,44 @@ void Intersector::reshape(const Shape& shape) {
   }
   for (std::size_t i = 1; i < state_->instanced_objects.size(); ++i) {
     // Instances take the new bounds when they are committed.
-    rtcCommitGeometry(rtcGetGeometry(state_->root, static_cast<unsigned>(i)));
+    rtcCommitGeometry(rtcGetGeometry(state_->instances_scene.get(), static_cast<unsigned>(i)));
   }
 }
 
 void Intersector::commit() {
   if (!state_->dirty) return;
-  if (state_->instances_scene) rtcCommitScene(state_->instances_scene.get());
+  if (state_->instances_scene) {
+    rtcCommitScene(state_->instances_scene.get());
+    rtcGetSceneBounds(state_->instances_scene.get(), &state_->instances_bounds);
+  }
   state_->check();
   state_->dirty = false;
 }
 
 std::optional<Hit> Intersector::closest(const Ray& ray) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
   RTCRayHit query;
   query.ray = to_embree(ray);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(state_->root, &context, &query);
+  state_->trace_each(query.ray, [&](RTCScene scene, RTCIntersectContext& context) {
+    rtcIntersect1(scene, &context, &query);
+    return false;
+  });
   const RTCHit& hit = query.hit;
   if (hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-  const bool is_baked = hit.instID[0] == RTC_INVALID_GEOMETRY_ID || hit.instID[0] == 0;
+  const bool is_baked = hit.instID[0] == RTC_INVALID_GEOMETRY_ID || hit.instID[0] == kBaked;
   const std::uint32_t object =
       is_baked ? state_->baked_objects[hit.geomID] : state_->instanced_objects[hit.instID[0]];
   return Hit{object, hit.primID, hit.u, hit.v, query.ray.tfar, V3f(hit.Ng_x, hit.Ng_y, hit.Ng_z)};
 }
 
 bool Intersector::occluded(const Ray& ray) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
   RTCRay query = to_embree(ray);
-  rtcOccluded1(state_->root, &context, &query);
-  return query.tfar < 0.0f;  // Embree's mark of a hit: -inf
+  state_->trace_each(query, [&](RTCScene scene, RTCIntersectContext& context) {
+    rtcOccluded1(scene, &context, &query);
+    return query.tfar < 0.0f;  // Embree's mark of a hit: -inf
+  });
+  return query.tfar < 0.0f;
 }
 
 GeometrySize Intersector::size() const {

@@ -115,6 +115,19 @@ SurfaceDifferentials procedural_differentials(const Procedural& procedural, cons
 
 }  // namespace
 
+SurfaceTangents tangents_at(const ObjectState& object, const Place& place, const Hit& hit) {
+  const SurfaceTangents local = [&]() -> SurfaceTangents {
+    if (object.mesh != nullptr) return surface_tangents(*object.mesh, hit.triangle);
+    const Procedural* procedural = procedural_of(object.shape);
+    const SurfaceDifferentials around = procedural != nullptr
+                                            ? procedural_differentials(*procedural, hit.local)
+                                            : sphere_differentials(hit.local.normalized());
+    return {around.dpdu, around.dpdv, around.has_uvs};
+  }();
+  return {transform_vector(local.dpdu, place.to_world), transform_vector(local.dpdv, place.to_world),
+          local.has_uvs};
+}
+
 SurfaceDifferentials differentials_at(const ObjectState& object, const Place& place, const Hit& hit) {
   if (object.mesh != nullptr) {
     return transformed(surface_differentials(*object.mesh, hit.triangle, hit.u, hit.v), place.to_world,

@@ -19,7 +19,8 @@ struct Surface {
 /// procedural surfaces average their normals.
 Surface surface_at(const ObjectState& object, const Place& place, const Hit& hit, float footprint = 0.0f);
 
-/// How the surface changes around the hit, in world space.
+/// How the surface changes around the hit, in world space: only along it, or with its normal.
+SurfaceTangents tangents_at(const ObjectState& object, const Place& place, const Hit& hit);
 SurfaceDifferentials differentials_at(const ObjectState& object, const Place& place, const Hit& hit);
 
 /// Where a ray leaves the surface in this direction: off it by more than rounding errors, on the ray's side.

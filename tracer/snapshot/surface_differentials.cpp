@@ -1,5 +1,6 @@
 #include "tracer/snapshot/surface_differentials.h"
 
+#include <array>
 #include <cmath>
 
 #include "tracer/math/ray_differential.h"
@@ -22,10 +23,10 @@ struct FromEdges {
     return std::abs(determinant) > kLeastUvSine * longest;  // false for NaN
   }
   V3f du(const V3f& d1, const V3f& d2) const {
-    return V3f((V3d(d1) * duv2.y - V3d(d2) * duv1.y) / determinant);
+    return V3f((V3d(d1) * duv2.y - V3d(d2) * duv1.y) * (1.0 / determinant));
   }
   V3f dv(const V3f& d1, const V3f& d2) const {
-    return V3f((V3d(d2) * duv1.x - V3d(d1) * duv2.x) / determinant);
+    return V3f((V3d(d2) * duv1.x - V3d(d1) * duv2.x) * (1.0 / determinant));
   }
 };
 
@@ -37,41 +38,59 @@ V3f finite_or_zero(const V3f& v) {
   return is_finite(v) ? v : V3f(0.0f);
 }
 
+/// A triangle's parameters.
+struct Parameters {
+  FromEdges from_edges;
+  SurfaceTangents tangents;
+};
+
+/// In double: the cross product of edges of 1e-30 is not 0.
+V3f geometric_normal(const V3f& edge1, const V3f& edge2) {
+  const V3d cross = V3d(edge1).cross(V3d(edge2));
+  const double area = std::sqrt(cross.dot(cross));
+  return area > 0.0 ? V3f(cross / area) : V3f(0.0f, 0.0f, 1.0f);
+}
+
+/// Whether they span a plane. Tangents of length 0 are of no use either.
+bool span_plane(const V3f& dpdu, const V3f& dpdv) {
+  const V3d cross = V3d(dpdu).cross(V3d(dpdv));
+  return cross.dot(cross) > 0.0 && is_finite(dpdu) && is_finite(dpdv);
+}
+
+Parameters parameters_of(const Mesh& mesh, const std::array<std::uint32_t, 3>& corners, const V3f& edge1,
+                         const V3f& edge2) {
+  if (!mesh.uvs.empty()) {
+    const V2d uv0(mesh.uvs[corners[0]]);
+    const FromEdges by_uvs = from_edges(V2d(mesh.uvs[corners[1]]) - uv0, V2d(mesh.uvs[corners[2]]) - uv0);
+    if (by_uvs.span_area()) {
+      const V3f dpdu = by_uvs.du(edge1, edge2), dpdv = by_uvs.dv(edge1, edge2);
+      if (span_plane(dpdu, dpdv)) return {by_uvs, {dpdu, dpdv, true}};
+    }
+  }
+  const ShadingFrame frame = ShadingFrame::from_normal(geometric_normal(edge1, edge2));
+  const auto in_plane = [&](const V3f& edge) {
+    return V2d(V3d(edge).dot(V3d(frame.tangent)), V3d(edge).dot(V3d(frame.bitangent)));
+  };
+  return {from_edges(in_plane(edge1), in_plane(edge2)), {frame.tangent, frame.bitangent, false}};
+}
+
 }  // namespace
+
+SurfaceTangents surface_tangents(const Mesh& mesh, std::uint32_t triangle) {
+  const auto& corners = mesh.triangles[triangle];
+  const V3f& p0 = mesh.positions[corners[0]];
+  return parameters_of(mesh, corners, mesh.positions[corners[1]] - p0, mesh.positions[corners[2]] - p0)
+      .tangents;
+}
 
 SurfaceDifferentials surface_differentials(const Mesh& mesh, std::uint32_t triangle, float b1, float b2) {
   const auto& corners = mesh.triangles[triangle];
   const V3f& p0 = mesh.positions[corners[0]];
   const V3f edge1 = mesh.positions[corners[1]] - p0, edge2 = mesh.positions[corners[2]] - p0;
-
-  // In double: the cross product of edges of 1e-30 is not 0.
-  const V3d cross = V3d(edge1).cross(V3d(edge2));
-  const double area = std::sqrt(cross.dot(cross));
-  const V3f geometric = area > 0.0 ? V3f(cross / area) : V3f(0.0f, 0.0f, 1.0f);
-
-  FromEdges parameters = from_edges(V2d(0.0), V2d(0.0));
-  if (!mesh.uvs.empty()) {
-    const V2d uv0(mesh.uvs[corners[0]]);
-    parameters = from_edges(V2d(mesh.uvs[corners[1]]) - uv0, V2d(mesh.uvs[corners[2]]) - uv0);
-  }
-  SurfaceDifferentials result{V3f(0.0f), V3f(0.0f), geometric, V3f(0.0f), V3f(0.0f), true};
-  if (parameters.span_area()) {
-    result.dpdu = parameters.du(edge1, edge2);
-    result.dpdv = parameters.dv(edge1, edge2);
-  }
-  // Tangents of length 0 are of no use either.
-  if (!(V3d(result.dpdu).cross(V3d(result.dpdv)).length() > 0.0) || !is_finite(result.dpdu) ||
-      !is_finite(result.dpdv)) {
-    const ShadingFrame frame = ShadingFrame::from_normal(geometric);
-    const auto in_plane = [&](const V3f& edge) {
-      return V2d(V3d(edge).dot(V3d(frame.tangent)), V3d(edge).dot(V3d(frame.bitangent)));
-    };
-    parameters = from_edges(in_plane(edge1), in_plane(edge2));
-    result.dpdu = frame.tangent;
-    result.dpdv = frame.bitangent;
-    result.has_uvs = false;
-  }
-
+  const auto [parameters, tangents] = parameters_of(mesh, corners, edge1, edge2);
+  const V3f geometric = geometric_normal(edge1, edge2);
+  SurfaceDifferentials result{tangents.dpdu, tangents.dpdv, geometric,
+                              V3f(0.0f),     V3f(0.0f),     tangents.has_uvs};
   if (!mesh.normals.empty()) {
     const V3f &n0 = mesh.normals[corners[0]], &n1 = mesh.normals[corners[1]], &n2 = mesh.normals[corners[2]];
     const V3f interpolated = n0 * (1.0f - b1 - b2) + n1 * b1 + n2 * b2;

@@ -7,6 +7,7 @@
 #include <complex>
 
 #include "tracer/materials/conductor_ior.h"
+#include "tracer/materials/interface_albedo.h"
 
 namespace becalm::tracer {
 namespace {
@@ -82,6 +83,22 @@ TEST(ConductorIor, edge_tint_keeps_the_colour_longer) {
   };
   EXPECT_LT(at_75_degrees(0.0f), at_75_degrees(0.5f));
   EXPECT_LT(at_75_degrees(0.5f), at_75_degrees(1.0f));
+}
+
+TEST(Fresnel, mean_transmittance_is_that_of_uniform_light) {
+  for (const float n : {1e-3f, 0.3f, 0.667f, 0.99f, 1.0f, 1.0001f, 1.01f, 1.33f, 1.5f, 2.4f, 10.0f, 1e3f}) {
+    double sum = 0.0;
+    constexpr int steps = 20000;
+    for (int i = 0; i < steps; ++i) {
+      // Uniform in the squared cosine.
+      const double cosine = std::sqrt((i + 0.5) / steps);
+      sum += 1.0 - fresnel_dielectric(static_cast<float>(cosine), n);
+    }
+    EXPECT_NEAR(mean_fresnel_transmittance(n), sum / steps, 2e-4) << n;
+    const float back = mean_fresnel_transmittance(1.0f / n);
+    EXPECT_NEAR(mean_fresnel_transmittance(n), n * n * back, 1e-5f * n * n * back)
+        << "radiance over n^2 is kept";
+  }
 }
 
 }  // namespace

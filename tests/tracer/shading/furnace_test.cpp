@@ -99,22 +99,20 @@ TEST(WhiteFurnace, rough_conductor_loses_nothing) {
   }
 }
 
-TEST(WhiteFurnace, rough_dielectric_loses_only_multiple_scattering) {
-  struct Bound {
-    float alpha;
-    double largest_loss;
-  };
-  for (const auto& [alpha, largest_loss] :
-       {Bound{0.01f, 0.01}, Bound{0.1f, 0.21}, Bound{0.25f, 0.42}, Bound{0.5f, 0.66}, Bound{1.0f, 0.82}}) {
-    for (const float eta : {1.1f, 1.5f, 2.4f}) {
-      for (const float theta : {0.0f, 45.0f, 85.0f, 95.0f, 135.0f, 180.0f}) {
+/// Clear interfaces from both sides. What remains lost: the margin of the tables, and at grazing angles of
+/// polished ones what multiple_scattering.h does not give back.
+TEST(WhiteFurnace, rough_dielectric_loses_nothing) {
+  for (const float alpha : {0.01f, 0.1f, 0.25f, 0.5f, 1.0f}) {
+    for (const float eta : {1.1f, 1.33f, 1.5f, 1.8f, 2.4f}) {
+      for (const float theta :
+           {0.0f, 45.0f, 60.0f, 75.0f, 85.0f, 95.0f, 115.0f, 130.0f, 135.0f, 150.0f, 180.0f}) {
         const Bsdf glass = DielectricBsdf{eta, alpha, V3f(1.0f)};
         const Energy sampled = energy(glass, direction(theta, 0.0));
         const std::string replay =
             fmt::format("alpha {} eta {} theta {}: loss {:.4f}", alpha, eta, theta, 1 - sampled.mean);
-        EXPECT_LT(sampled.mean, 1.0 + 1e-6) << replay;
-        EXPECT_LT(sampled.largest_sample, 1.0 + 1e-4) << replay;
-        EXPECT_GT(sampled.mean, 1.0 - largest_loss) << replay;
+        EXPECT_LT(sampled.mean, 1.0 + 2e-3 + 5.0 * sampled.standard_error) << replay;
+        EXPECT_GT(sampled.mean, 1.0 - 0.01 - 5.0 * sampled.standard_error) << replay;
+        EXPECT_LT(sampled.largest_sample, 10.0) << replay;
         if (alpha < 0.25f) continue;
         EXPECT_NEAR(energy_by_quadrature(glass, direction(theta, 0.0)), sampled.mean,
                     5.0 * sampled.standard_error + 4e-3)

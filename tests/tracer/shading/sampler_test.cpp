@@ -120,6 +120,23 @@ TEST(Sampler, depends_on_nothing_else) {
   for (int i = 0; i < 10; ++i) EXPECT_EQ(values[i], i % 3 == 0 ? again.next_1d() : again.next_2d().y);
 }
 
+/// Drawn together or one by one, the numbers are the same.
+TEST(Sampler, several_calls_at_once_draw_the_same) {
+  for (const std::uint32_t sample : {0u, 1u, 77u, 0xffffffffu}) {
+    Sampler together(5, 3, 17, 4, sample), single(5, 3, 17, 4, sample);
+    for (int event = 0; event < 3; ++event) {
+      const auto [a, b, c, d, e] = together.next<float, V2f, V2f, float, float>();
+      EXPECT_EQ(a, single.next_1d());
+      EXPECT_EQ(b, single.next_2d());
+      EXPECT_EQ(c, single.next_2d());
+      EXPECT_EQ(d, single.next_1d());
+      EXPECT_EQ(e, single.next_1d());
+      const auto [f] = together.next<V2f>();
+      EXPECT_EQ(f, single.next_2d());
+    }
+  }
+}
+
 /// The values themselves: a change here changes every image, and makes half-rendered shots impossible to
 /// resume.
 TEST(Sampler, values_are_fixed) {

@@ -107,6 +107,19 @@ TEST(SphereLight, irradiance_follows_the_form_factor) {
   }
 }
 
+TEST(SphereLight, reaches_whom_it_sends_irradiance) {
+  TestRandom random(43);
+  int dark = 0;
+  for (int i = 0; i < 5000; ++i) {
+    const auto place = [&] { return V3f(random.next(), random.next(), random.next()) * 4.0f - V3f(2.0f); };
+    const EmissiveSphere sphere = sphere_of(place(), 0.5f, i % 3 == 0);
+    const Receiver at(place(), i % 5 == 0 ? V3f(0.0f) : place().normalized());
+    ASSERT_EQ(sphere.reaches(at), sphere.irradiance_at(at) > 0.0) << at.position << at.normal;
+    dark += sphere.reaches(at) ? 0 : 1;
+  }
+  EXPECT_GT(dark, 1000);
+}
+
 TEST(SphereLight, irradiance_inside_is_that_of_a_uniform_sky) {
   const EmissiveSphere sphere = sphere_of(V3f(0.5f, -0.3f, 0.6f), 1.0f, true);
   const Estimate found = estimate(42, 50000, [&](TestRandom& random) {
