@@ -1,10 +1,10 @@
 #!/usr/bin/python3
-"""Writes scenes/meshes, scenes/textures and scenes/spheres.json. The same bytes come out every time; they are
+"""Writes scenes/meshes, scenes/textures, and the scenes blocks, classroom and spheres. The same bytes come out every time; they are
 committed, so that rendering needs no Python."""
 
 from pathlib import Path
 
-from generator import courtyard, crossing, dining, fence, meadow, ocean, penumbra, sky, slab, spheres, texture
+from generator import blocks, classroom, courtyard, crossing, dining, fence, meadow, ocean, penumbra, sky, slab, spheres, texture
 from generator.files import write_exr, write_indexed_png, write_obj
 
 HERE = Path(__file__).resolve().parent
@@ -12,9 +12,9 @@ TEXTURES = {
     "parquet": texture.parquet, "plaster": texture.plaster, "bricks": texture.bricks, "cobbles": texture.cobbles,
     "rug": texture.rug, "painting": texture.painting, "mosaic": texture.mosaic,
     "gingham": texture.gingham, "truchet": texture.truchet, "twig": texture.twig, "twig_mask": texture.twig_mask,
-    **fence.TEXTURES,
+    **fence.TEXTURES, **blocks.TEXTURES,
 }
-SCENES = (penumbra, crossing, courtyard, dining, fence, meadow, ocean, slab, spheres)
+SCENES = (penumbra, blocks, classroom, crossing, courtyard, dining, fence, meadow, ocean, slab, spheres)
 
 
 def main():
@@ -28,7 +28,8 @@ def main():
     write_exr(HERE / "textures" / "sky.exr", courtyard.sky())
     for name, make in sky.SKIES.items():
         write_exr(HERE / "textures" / f"{name}.exr", make())
-    spheres.write_scene(HERE / "spheres.json")
+    for scene in (blocks, classroom, spheres):
+        scene.write_scene(HERE / f"{scene.__name__.rpartition('.')[2]}.json")
 
 
 if __name__ == "__main__":

@@ -1,13 +1,12 @@
 """The report and the page of `scripts/bench front`: a section for the trade as a whole, for each set, and for scaling."""
 
 import json
-import textwrap
 from dataclasses import asdict
 from pathlib import Path
 
 from benches.front import plots, scaling, tables
 from benches.front.points import mean_trade, mean_worth
-from benches.markdown_report import Report
+from benches.markdown_report import Report, wrapped
 from pictures.files import file_uri
 from pictures.page import write_page
 
@@ -16,11 +15,6 @@ TITLE = "The trade of speed for accuracy"
 OF_THE_TRADE = ("trade", "scenes", "shots", "missing")
 SECTIONS = (*OF_THE_TRADE, "adaptive", "scaling")
 FOLDED = ("scenes", "shots")
-MARKDOWN_COLUMNS = 100
-
-
-def _wrapped(text):
-    return "\n\n".join(textwrap.fill(part, MARKDOWN_COLUMNS, break_on_hyphens=False) for part in text.split("\n\n")) + "\n"
 
 
 def _plot_files(folder, key):
@@ -49,14 +43,14 @@ def _write_index(folder, subtitle):
 
 def _trade_text(sets, clock):
     """What RESULTS.md shows: what plain rendering needs for equal error, and the presets that are dominated."""
-    parts = [_wrapped(f"Time is {'that of all processors' if clock == 'processor' else 'wall time'}, with files and the program's start; figures are geometric means. "
+    parts = [wrapped(f"Time is {'that of all processors' if clock == 'processor' else 'wall time'}, with files and the program's start; figures are geometric means. "
                       + tables.NOTE)]
     for one in sets:
         mean = mean_trade(one.trades)
-        parts += [_wrapped(f"{one.title} ({', '.join(trade.title for trade in one.trades)}), {len(one.data.frames)} frames:"),
+        parts += [wrapped(f"{one.title} ({', '.join(trade.title for trade in one.trades)}), {len(one.data.frames)} frames:"),
                   tables.mean_worth_table(one.trades, mean), tables.dominated_table(mean), tables.count_table(one.trades)]
         if not mean.has_render_time:
-            parts.append(_wrapped("Their time of rendering is not known: seconds are those of denoising, and dominance is among equal sample counts."))
+            parts.append(wrapped("Their time of rendering is not known: seconds are those of denoising, and dominance is among equal sample counts."))
     return "\n".join(parts)
 
 
@@ -67,7 +61,7 @@ def _statements(trades, mean):
 
 def _set_text(one):
     mean = mean_trade(one.trades)
-    parts = [_wrapped("Plain rendering of equal relMSE, geometric means:"), _statements(one.trades, mean), tables.point_table(mean),
+    parts = [wrapped("Plain rendering of equal relMSE, geometric means:"), _statements(one.trades, mean), tables.point_table(mean),
              tables.front_tables(mean)]
     for trade in one.trades:
         parts += [f"{trade.title}:\n", tables.scene_worth_table(trade), tables.dominated_table(trade),

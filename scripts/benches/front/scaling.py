@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from benches.front.exponent import exponent, local_exponents
-from benches.markdown_report import figure, markdown
+from benches.markdown_report import figure, markdown, wrapped
 from benches.plotting import label_log_axis, plot_panels, save
 from benches.quality.cells import content_hash
 from benches.quality.data import SCENES, frame_path, frame_range
@@ -146,10 +146,11 @@ def report(preset, by_pixels, by_frames, clock):
     """The section's text."""
     claims = markdown(("fitted exponent", "of all runs"), [(name, figure(value, 2)) for name, value in
                                                            summary(by_pixels, by_frames, clock).items()])
-    return (f"`becalm denoise --preset {preset}` of `scenes/{SCENE}.json` at {SPP} sample per pixel, with files, without "
-            f"the start of the program (a run of one frame of {SMALL}). An exponent in a row is that from the row before. Frames are counted "
-            f"at {SMALL}; each size has {len(PIXEL_FRAMES)} frames.\n\n{claims}\n"
-            f"{_table('pixels', by_pixels, clock)}\n{_table('frames', by_frames, clock)}")
+    what = wrapped(
+        f"`becalm denoise --preset {preset}` of `scenes/{SCENE}.json` at {SPP} sample per pixel, with files, without the start of the program "
+        f"(a run of one frame of {SMALL}). An exponent in a row is that from the row before. Frames are counted at {SMALL}; each size has "
+        f"{len(PIXEL_FRAMES)} frames.")
+    return f"{what}\n{claims}\n{_table('pixels', by_pixels, clock)}\n{_table('frames', by_frames, clock)}"
 
 
 def _decade_or_more(values):

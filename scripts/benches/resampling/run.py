@@ -14,7 +14,7 @@ SIZE = 192
 BORDER = 24  # px that are not measured, since the offsets bring in what lies outside the image
 STEPS = (1, 10, 30, 100)
 SMOOTHING = 0.1  # weight of the new frame with exponential smoothing, as in the survey
-FILTERS = ("bilinear", "catmull_rom")
+FILTERS = ("bilinear", "catmull_rom", "spline")
 
 
 def scene(x, y):

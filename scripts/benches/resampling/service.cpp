@@ -1,7 +1,7 @@
 // The merge's warp of the history as a service for scripts/bench resampling: reads JSON commands, one a line,
 // and answers each with a line of JSON.
 //
-//   {"do": "build", "width": W, "height": H, "resample": "bilinear" | "catmull_rom"}
+//   {"do": "build", "width": W, "height": H, "resample": "bilinear" | "catmull_rom" | "spline"}
 //   {"do": "warp", "offset": [DX, DY], "from": FILE, "to": FILE}     as read_raw, RGBA
 
 #include <fmt/format.h>
@@ -62,7 +62,10 @@ class Service {
     const std::string what = command.at("do");
     if (what == "build") {
       filter::Settings settings = filter::preset("final");
-      filter::set(settings, fmt::format("resample={}", command.at("resample").get<std::string>()));
+      const std::string name = command.at("resample");
+      settings.resample = name == "spline"        ? filter::Resample::spline
+                          : name == "catmull_rom" ? filter::Resample::catmull_rom
+                                                  : filter::Resample::bilinear;
       job_ = std::make_unique<WarpJob>(device_, settings,
                                        gpu::Extent{command.at("width"), command.at("height")});
       return {{"built", true}};
