@@ -20,6 +20,7 @@ struct Command {
 /// Each adds one subcommand with its options and help to the command line.
 Command add_render(CLI::App& becalm);
 Command add_denoise(CLI::App& becalm);
+Command add_antialias(CLI::App& becalm);
 Command add_compare(CLI::App& becalm);
 Command add_info(CLI::App& becalm);
 Command add_test(CLI::App& becalm);

@@ -1,83 +1,11 @@
 #include "app/denoise_arguments.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <CLI/CLI.hpp>
-#include <set>
-#include <span>
-#include <string_view>
-
-#include "app/help.h"
 
 namespace becalm::app {
 
-void add_denoise_options(CLI::App& parser, DenoiseCommand& command) {
-  parser
-      .add_option(
-          "input", command.inputs,
-          "The EXR files, such as 'in/shot.####.exr', or one file; or two of halves of the samples, such "
-          "as shot.b0.####.exr and shot.b1.####.exr, of which the second is found beside the first")
-      ->required()
-      ->expected(1, 2)
-      ->check(not_empty())
-      ->option_text("INPUT [OTHER_HALF]");
-  parser
-      .add_option("--frame", command.frame,
-                  "The frame number of a single file (default: the one in its name, or 1)")
-      ->option_text("N")
-      ->group(more("Input"));
-  parser
-      .add_option("--missing", command.missing,
-                  "A frame of --frames that is not there: error stops before the first frame, skip writes "
-                  "nothing for "
-                  "it, hold writes the denoised frame before it again (default: error)")
-      ->check(CLI::IsMember({"error", "skip", "hold"}))
-      ->option_text("error|skip|hold")
-      ->group("Input");
-  add_layer_options(parser, command.layers);
-  add_output_options(parser, command.output, "all on disk");
-  parser
-      .add_option("--type", command.type, "Type of the denoised channels (default: keep, that of the input)")
-      ->check(CLI::IsMember({"half", "float", "keep"}))
-      ->option_text("half|float|keep")
-      ->group(more("Output"));
-  const std::span<const std::string_view> names = io::compression_names();
-  std::set<std::string> compressions(names.begin(), names.end());
-  compressions.insert("keep");
-  parser
-      .add_option(
-          "--compression", command.compression,
-          fmt::format(
-              "Compression of the part that holds them: {} or keep, the input's; ZIP instead of a lossy one "
-              "that would alter channels passed on (default: keep)",
-              fmt::join(names, ", ")))
-      ->check(CLI::IsMember(compressions))
-      ->option_text("NAME")
-      ->group(more("Output"));
-  CLI::Option* const only =
-      parser
-          .add_option("--only", command.only,
-                      "Leave out every channel but those of the beauty, or all that are denoised")
-          ->check(CLI::IsMember({"beauty", "denoised"}))
-          ->option_text("beauty|denoised")
-          ->group(more("Output"));
-  parser
-      .add_option("--channels", command.channels,
-                  "Leave out every channel but these: channels, layers, or beauty, joined by commas")
-      ->delimiter(',')
-      ->check(not_empty())
-      ->excludes(only)
-      ->option_text("NAME,...")
-      ->group(more("Output"));
-  parser
-      .add_flag("--dry-run", command.dry_run,
-                "Check everything, print what would be read, as what, and written, and write nothing")
-      ->group("Output");
-  parser
-      .add_flag("--strict", command.strict,
-                "Audit some frames first, as info --audit does; what is found is an error (status 3)")
-      ->group(more("Input"));
+void add_denoise_options(CLI::App& parser, SequenceCommand& command) {
+  add_sequence_options(parser, command, "denoised");
   CLI::Option* const preset =
       parser
           .add_option(
@@ -90,10 +18,11 @@ void add_denoise_options(CLI::App& parser, DenoiseCommand& command) {
       ->excludes(preset)
       ->option_text("TIME")
       ->group("Filter");
+  add_alpha_option(parser, command.filter);
   add_filter_options(parser, command.filter);
   add_running_options(parser, command.running);
   parser.add_flag_callback(
-      "--help-settings", [] { throw CLI::CallForVersion(settings_help(), 0); },
+      "--help-settings", [] { throw CLI::CallForVersion(denoise_settings_help(), 0); },
       "Print what --set takes and what the presets have, and exit");
   parser.footer(
       "Direct and indirect light, light groups (light.NAME) and layers that add up to the beauty are\n"
@@ -102,27 +31,6 @@ void add_denoise_options(CLI::App& parser, DenoiseCommand& command) {
       "  becalm denoise 'in/shot.####.exr' -o 'out/shot.####.exr'\n"
       "  becalm denoise 'in/shot.####.exr' -o 'out/shot.####.exr' --frames 1-48 --preset final --missing "
       "hold\n");
-}
-
-io::DenoisedFormat format_of(const DenoiseCommand& command) {
-  io::DenoisedFormat format;
-  if (command.type != "keep") {
-    format.type = command.type == "half" ? io::PixelType::half : io::PixelType::float32;
-  }
-  if (command.compression != "keep") format.compression = command.compression;
-  format.channels.names = command.channels;
-  if (command.only == "beauty") format.channels.names = {"beauty"};
-  format.channels.denoised = command.only == "denoised";
-  return format;
-}
-
-std::string describe_output(const DenoiseCommand& command) {
-  std::string text;
-  if (command.type != "keep") text += " type=" + command.type;
-  if (command.compression != "keep") text += " compression=" + command.compression;
-  if (!command.only.empty()) text += " only=" + command.only;
-  if (!command.channels.empty()) text += fmt::format(" channels={}", fmt::join(command.channels, ","));
-  return text;
 }
 
 }  // namespace becalm::app

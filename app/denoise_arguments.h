@@ -1,41 +1,13 @@
 #pragma once
 
-#include <optional>
-#include <string>
-#include <vector>
+#include "app/sequence_arguments.h"
 
-#include "app/layer_arguments.h"
-#include "app/options.h"
-#include "frame/io/exr.h"
+namespace CLI {  // NOLINT(readability-identifier-naming): the library's
+class App;
+}  // namespace CLI
 
 namespace becalm::app {
 
-/// What the user typed after `becalm denoise`.
-struct DenoiseCommand {
-  std::vector<std::string> inputs;
-  OutputOptions output;
-  FilterOptions filter;
-  RunningOptions running;
-  std::string type = "keep";
-  std::string compression = "keep";
-  std::string only;
-  std::vector<std::string> channels;
-  bool dry_run = false;
-  bool strict = false;
-  std::string preset = "balanced";
-  std::string time;    ///< that a frame may take; empty: the preset is as named
-  std::string choice;  ///< what was chosen for the time, for the user to read
-  std::optional<int> frame;
-  LayerArguments layers;
-  std::string missing = "error";
-};
-
-void add_denoise_options(CLI::App& parser, DenoiseCommand& command);
-
-/// How the outputs are written.
-io::DenoisedFormat format_of(const DenoiseCommand& command);
-/// What decides the bytes of an output besides the filter and the inputs, as files record it: each after a
-/// space, and nothing for a default.
-std::string describe_output(const DenoiseCommand& command);
+void add_denoise_options(CLI::App& parser, SequenceCommand& command);
 
 }  // namespace becalm::app

@@ -6,7 +6,6 @@
 #include <iterator>
 #include <utility>
 
-#include "filter/align/guides.h"
 #include "filter/merge/additive.h"
 #include "frame/error.h"
 #include "frame/io/printable.h"
@@ -22,14 +21,14 @@ constexpr int kWarmup = 8;
 
 }  // namespace
 
-FilterStage::FilterStage(const std::string& preset, const FilterOptions& options)
-    : settings_(resolve_settings(preset, options)),
+FilterStage::FilterStage(FilterRecipe recipe, const FilterOptions& options)
+    : recipe_(std::move(recipe)),
       diagnostics_(diagnostics_of(options)),
       alpha_(options.alpha == "denoise" ? filter::Alpha::denoise : filter::Alpha::keep),
-      denoises_additive_(options.additive != "none"),
+      denoises_additive_(recipe_.takes_additive && options.additive != "none"),
       device_options_(device_options(options)),
       memory_limit_(memory_limit(options)),
-      segment_(options.segment.value_or(settings_.directions == filter::Directions::both ? kSegment : 0)),
+      segment_(options.segment.value_or(recipe_.directions == filter::Directions::both ? kSegment : 0)),
       context_(options.context),
       cuts_(options.cuts) {
   if (cuts_ != "auto" && cuts_ != "none") {
@@ -53,9 +52,11 @@ std::string FilterStage::describe(const std::vector<int>& readable) const {
                                                 : context_ == "none" ? io::format_frame_range(readable)
                                                                      : context_)
                                   : fmt::format("first_frame={}", readable.front());
-  return fmt::format("{} alpha={} additive={} diagnostics={} cuts={} {}", filter::to_string(settings_),
-                     alpha_ == filter::Alpha::denoise ? "denoise" : "keep", denoises_additive_ ? "yes" : "no",
-                     diagnostics_.any() ? "yes" : "no", cuts_, history);
+  return fmt::format("{} alpha={} additive={} diagnostics={} cuts={} {}", recipe_.settings,
+                     recipe_.averages_alpha             ? "average"
+                     : alpha_ == filter::Alpha::denoise ? "denoise"
+                                                        : "keep",
+                     denoises_additive_ ? "yes" : "no", diagnostics_.any() ? "yes" : "no", cuts_, history);
 }
 
 std::vector<int> FilterStage::readable(const std::vector<int>& asked,
@@ -76,7 +77,7 @@ std::vector<int> FilterStage::context_frames() const {
 std::vector<filter::Segment> FilterStage::schedule(const std::vector<int>& readable,
                                                    const std::set<int>& wanted, int step) const {
   return filter::schedule(readable, wanted,
-                          {.directions = settings_.directions,
+                          {.directions = recipe_.directions,
                            .segment = segment_,
                            .warmup = warmup_,
                            .step = step,
@@ -95,8 +96,8 @@ void FilterStage::build(int width, int height, AovSet available, std::size_t lig
       .alpha = alpha_,
       .light_groups = denoises_additive_ ? light_groups : 0};
   views_.push_back({view.empty() ? "" : ' ' + io::printable(view),
-                    filter::SequenceFilter(*device_, settings_, width, height, available, options)});
-  if (views_.size() == 1) matched_ = filter::matched_text(settings_, available);
+                    recipe_.make(*device_, width, height, available, options)});
+  if (views_.size() == 1) matched_ = recipe_.describe_matching(available);
 }
 
 std::optional<FinishedFrame> FilterStage::run(const filter::Step& step, io::LoadedFrame noisy,
@@ -118,7 +119,7 @@ std::optional<Frame> FilterStage::run_view(const filter::Step& step, const Frame
   {
     const ProfileScope scope(profile,
                              step.direction == filter::Direction::forward ? "filter" : "filter backward");
-    denoised = views_[view].filter.run(step, frame, report);
+    denoised = views_[view].filter->run(step, frame, report);
   }
   const std::string name = fmt::format("frame {}{}", frame.number(), views_[view].name);
   if (!matched_.empty()) {
@@ -152,11 +153,11 @@ std::optional<Frame> FilterStage::run_view(const filter::Step& step, const Frame
 
 void FilterStage::finish(Profile& profile) const {
   if (views_.empty()) return;
-  filter::FilterMemory memory = views_.front().filter.memory();
+  filter::FilterMemory memory = views_.front().filter->memory();
   for (std::size_t view = 1; view < views_.size(); ++view) {
-    memory.device_bytes += views_[view].filter.memory().device_bytes;
-    memory.device_bytes_unaliased += views_[view].filter.memory().device_bytes_unaliased;
-    memory.staging_bytes += views_[view].filter.memory().staging_bytes;
+    memory.device_bytes += views_[view].filter->memory().device_bytes;
+    memory.device_bytes_unaliased += views_[view].filter->memory().device_bytes_unaliased;
+    memory.staging_bytes += views_[view].filter->memory().staging_bytes;
   }
   profile.set_device(device_->info().name, memory);
   check_validation(*device_);

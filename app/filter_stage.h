@@ -2,6 +2,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -12,19 +14,43 @@
 #include "app/profile.h"
 #include "app/progress.h"
 #include "filter/gpu/device.h"
-#include "filter/sequence/sequence_filter.h"
+#include "filter/sequence/frame_filter.h"
+#include "filter/settings.h"
 #include "frame/frame.h"
 
 namespace becalm::app {
 
-/// The filter in the pipeline of `denoise` and `render --denoise`: opens the device, builds the chain once,
-/// and reports what happened to each frame.
+/// What a FilterStage runs.
+struct FilterRecipe {
+  std::string settings;  ///< as files record them
+  AovSet wanted;         ///< AOVs that it uses if frames have them
+  filter::Directions directions;
+  bool takes_additive;  ///< whether it can filter additive AOVs and light groups
+  bool averages_alpha;  ///< whether alpha is always filtered with the beauty
+  std::function<std::unique_ptr<filter::FrameFilter>(
+      gpu::Device& device, int width, int height, AovSet available, const filter::SequenceOptions& options)>
+      make;
+  /// For the user to read: how frames with these AOVs are matched.
+  std::function<std::string(const AovSet& available)> describe_matching;
+};
+
+/// The denoiser, and temporal antialiasing, by a preset and the changes of `options`. Throw Error(usage).
+FilterRecipe denoiser(const std::string& preset, const FilterOptions& options);
+FilterRecipe antialiaser(const std::string& preset, const FilterOptions& options);
+
+/// The filter in the pipeline of `denoise`, `antialias` and `render --denoise`: opens the device, builds the
+/// chain once, and reports what happened to each frame.
 class FilterStage {
  public:
-  /// Throws Error(usage) for a preset or setting that does not exist, and a size that is none.
-  FilterStage(const std::string& preset, const FilterOptions& options);
+  /// Throws Error(usage) for options that do not fit the filter, and a size that is none.
+  FilterStage(FilterRecipe recipe, const FilterOptions& options);
+  /// The denoiser. Throws Error(usage) for a preset or setting that does not exist, too.
+  FilterStage(const std::string& preset, const FilterOptions& options)
+      : FilterStage(denoiser(preset, options), options) {}
 
-  AovSet wanted() const { return filter::wanted_aovs(settings_); }
+  AovSet wanted() const { return recipe_.wanted; }
+  /// Whether alpha is filtered with the beauty, rather than passed on or denoised where it is noisy.
+  bool averages_alpha() const { return recipe_.averages_alpha; }
   /// Whether light groups and the AOVs of filter::additive_aovs() are denoised, too, where frames have them.
   bool denoises_additive() const { return denoises_additive_; }
   AovSet diagnostics() const { return diagnostics_; }
@@ -48,7 +74,7 @@ class FilterStage {
              std::size_t views = 1);
   /// How frames are cut into tiles (of a stereo sequence: those of the first view), as files record it in
   /// `becalm:tiles`. Results do not depend on it, so --resume does not compare it.
-  std::string tiles() const { return views_.front().filter.memory().tile_plan; }
+  std::string tiles() const { return views_.front().filter->memory().tile_plan; }
   /// Takes the next step of a segment with all views of its frame; returns the denoised frame if the step
   /// makes one.
   std::optional<FinishedFrame> run(const filter::Step& step, io::LoadedFrame noisy, Progress& progress,
@@ -61,7 +87,7 @@ class FilterStage {
   std::optional<Frame> run_view(const filter::Step& step, const Frame& frame, Progress& progress,
                                 Profile& profile, std::size_t view);
 
-  filter::Settings settings_;
+  FilterRecipe recipe_;
   AovSet diagnostics_;
   filter::Alpha alpha_;
   bool denoises_additive_;
@@ -75,7 +101,7 @@ class FilterStage {
   std::optional<gpu::Device> device_;
   struct View {
     std::string name;  ///< with a space before it; empty where there is but one
-    filter::SequenceFilter filter;
+    std::unique_ptr<filter::FrameFilter> filter;
   };
   std::vector<View> views_;
   std::string matched_;  ///< what frames are matched by; empty once it has been printed

@@ -6,14 +6,17 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <functional>
 #include <limits>
 #include <map>
+#include <span>
 #include <sstream>
 #include <string_view>
 
 #include "app/byte_size.h"
 #include "app/console.h"
 #include "app/help.h"
+#include "filter/antialias/antialias_settings.h"
 #include "frame/error.h"
 #include "frame/io/exr.h"
 #include "tracer/snapshot/intersect.h"
@@ -103,6 +106,17 @@ void apply(const RunningOptions& running, FilterOptions& filter) {
   if (filter.device.empty()) filter.device = "llvmpipe";
 }
 
+void add_alpha_option(CLI::App& command, FilterOptions& options) {
+  command
+      .add_option(
+          "--alpha", options.alpha,
+          "keep passes alpha on as it came; denoise merges it with the beauty's weights where it is as "
+          "rough as the noise of motion blur and depth of field, or as clean hair (default: keep)")
+      ->check(CLI::IsMember({"keep", "denoise"}))
+      ->option_text("keep|denoise")
+      ->group(more("Filter"));
+}
+
 void add_filter_options(CLI::App& command, FilterOptions& options) {
   command.add_option("--set", options.assignments, "Change one setting of the preset; may be repeated")
       ->option_text("KEY=VALUE")
@@ -137,14 +151,6 @@ void add_filter_options(CLI::App& command, FilterOptions& options) {
                   "first frames "
                   "such as 12,80 (default: auto)")
       ->option_text("auto|none|LIST")
-      ->group(more("Filter"));
-  command
-      .add_option(
-          "--alpha", options.alpha,
-          "keep passes alpha on as it came; denoise merges it with the beauty's weights where it is as "
-          "rough as the noise of motion blur and depth of field, or as clean hair (default: keep)")
-      ->check(CLI::IsMember({"keep", "denoise"}))
-      ->option_text("keep|denoise")
       ->group(more("Filter"));
   command
       .add_flag("--diagnostics", options.diagnostics,
@@ -211,13 +217,12 @@ std::string wrapped(std::string_view text, std::size_t indent, std::size_t width
   return lines;
 }
 
-constexpr std::array<std::string_view, 4> kPresets{"draft", "balanced", "final", "paper"};
+using SettingValues = std::map<std::string, std::string>;
 
-using PresetValues = std::map<std::string, std::string>;
-
-PresetValues preset_values(std::string_view name) {
-  PresetValues values;
-  std::istringstream words(filter::to_string(filter::preset(name)));
+/// Of a text of `key=value` pairs.
+SettingValues values_of(const std::string& text) {
+  SettingValues values;
+  std::istringstream words(text);
   for (std::string word; words >> word;) {
     const auto equals = word.find('=');
     values[word.substr(0, equals)] = word.substr(equals + 1);
@@ -225,31 +230,45 @@ PresetValues preset_values(std::string_view name) {
   return values;
 }
 
-}  // namespace
-
-std::string settings_help() {
+/// `text_of` names the settings of a preset.
+std::string settings_help(std::span<const filter::SettingInfo> table,
+                          std::span<const std::string_view> presets,
+                          const std::function<std::string(std::string_view)>& text_of) {
   constexpr std::size_t indent = 25;
   constexpr std::size_t width = 80;
-  std::map<std::string_view, PresetValues> presets;
-  for (const std::string_view name : kPresets) presets.emplace(name, preset_values(name));
+  std::map<std::string_view, SettingValues> values;
+  for (const std::string_view name : presets) values.emplace(name, values_of(text_of(name)));
   std::string text = "Settings that --set changes, and what the presets have:\n";
-  for (const filter::SettingInfo& setting : filter::settings_table()) {
+  for (const filter::SettingInfo& setting : table) {
     text += fmt::format("  {:<20} {}\n{}\n{}", setting.key, setting.type,
                         wrapped(setting.help, indent, width), std::string(indent, ' '));
-    const auto value_in = [&](std::string_view name) {
-      return presets.at(name).at(std::string(setting.key));
-    };
-    const std::string first = value_in(kPresets.front());
-    if (std::ranges::all_of(kPresets, [&](std::string_view name) { return value_in(name) == first; })) {
+    const auto value_in = [&](std::string_view name) { return values.at(name).at(std::string(setting.key)); };
+    const std::string first = value_in(presets.front());
+    if (std::ranges::all_of(presets, [&](std::string_view name) { return value_in(name) == first; })) {
       text += fmt::format("all: {}", first);
     } else {
-      for (const std::string_view name : kPresets) {
-        text += fmt::format("{}{}: {}", name == kPresets.front() ? "" : "; ", name, value_in(name));
+      for (const std::string_view name : presets) {
+        text += fmt::format("{}{}: {}", name == presets.front() ? "" : "; ", name, value_in(name));
       }
     }
     text += '\n';
   }
   return text;
+}
+
+}  // namespace
+
+std::string denoise_settings_help() {
+  constexpr std::array<std::string_view, 4> presets{"draft", "balanced", "final", "paper"};
+  return settings_help(filter::settings_table(), presets,
+                       [](std::string_view name) { return filter::to_string(filter::preset(name)); });
+}
+
+std::string antialias_settings_help() {
+  constexpr std::array<std::string_view, 5> presets{"best", "forward", "clamping", "gain", "paper"};
+  return settings_help(filter::antialias_settings_table(), presets, [](std::string_view name) {
+    return filter::to_string(filter::antialias_preset(name));
+  });
 }
 
 void check_validation(const gpu::Device& device) {

@@ -59,7 +59,9 @@ struct FilterOptions {
 /// Sets what holds for the whole process: the format of messages, and with --reproducible the instruction
 /// sets of libraries and, unless --device names one, the software device. Called before the command runs.
 void apply(const RunningOptions& running, FilterOptions& filter);
-/// All but --additive, which takes layers of files in `denoise` alone.
+/// Of commands that may pass alpha on as it came.
+void add_alpha_option(CLI::App& command, FilterOptions& options);
+/// All but --alpha, and --additive, which takes layers of files in `denoise` alone.
 void add_filter_options(CLI::App& command, FilterOptions& options);
 
 /// The preset with every --set applied. Throws Error(usage).
@@ -69,8 +71,9 @@ gpu::DeviceOptions device_options(const FilterOptions& options);
 std::uint64_t memory_limit(const FilterOptions& options);
 /// Every diagnostic AOV, or none.
 AovSet diagnostics_of(const FilterOptions& options);
-/// The settings table as lines of help.
-std::string settings_help();
+/// The settings tables of the denoiser and of antialiasing as lines of help.
+std::string denoise_settings_help();
+std::string antialias_settings_help();
 
 /// Throws DeviceError if the validation layer had anything to say.
 void check_validation(const gpu::Device& device);

@@ -45,6 +45,7 @@ FinishedFrame unfiltered(io::LoadedFrame noisy) {
   FinishedFrame finished{.frame = Frame(noisy.frame.number(), noisy.frame.width(), noisy.frame.height()),
                          .other_views = {},
                          .source = {}};
+  finished.frame.set_jitter(noisy.frame.jitter());
   finished.frame.image(Aov::beauty) = std::move(noisy.frame.image(Aov::beauty));
   finished.source = std::move(noisy);
   return finished;

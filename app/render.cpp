@@ -324,7 +324,7 @@ Command add_render(CLI::App& becalm) {
               const ThreadLimit threads(command->running.threads);
               choose_by_time(*command, scene);
             }
-            set_defaults(*command);
+            set_defaults(*command, scene.description());
             if (!command->debug_pixel.empty()) return debug_pixel(*command, scene);
             return RenderJob(*command, std::move(scene)).run();
           }};

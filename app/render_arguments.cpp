@@ -63,9 +63,10 @@ void add_render_options(CLI::App& parser, RenderCommand& command) {
       ->group("Rendering");
   parser
       .add_option(
-          "--aov-spp", command.aov_spp,
+          "--aov-spp", command.asked_aov_spp,
           "Samples per pixel of albedo, normal, depth, motion and ids where that is more than --spp; they "
-          "cost little, since they trace no light, and edges denoise better (default: 16)")
+          "cost little, since they trace no light, and edges denoise better (default: 16; --spp where the "
+          "scene has a jitter_cycle)")
       ->check(CLI::Range(1, 65536))
       ->option_text("N")
       ->group(more("Rendering"));
@@ -118,6 +119,7 @@ void add_render_options(CLI::App& parser, RenderCommand& command) {
       ->check(CLI::IsMember({"auto", "none"}))
       ->option_text("auto|none")
       ->group(more("Filter"));
+  add_alpha_option(parser, command.filter);
   add_filter_options(parser, command.filter);
   add_running_options(parser, command.running);
   parser.footer(
@@ -224,9 +226,12 @@ void check_options_fit(const RenderCommand& command) {
   throw Error(ExitStatus::usage, fmt::format("{} says how to denoise, and there is no --denoise", unused));
 }
 
-void set_defaults(RenderCommand& command) {
+void set_defaults(RenderCommand& command, const tracer::SceneDescription& scene) {
   constexpr int kMostWithTarget = 256;
   command.spp = command.asked_spp.value_or(command.noise_target ? kMostWithTarget : command.spp);
+  // What is seen of jittered frames belongs to the positions of their samples.
+  command.aov_spp =
+      command.asked_aov_spp.value_or(scene.film.jitter.cycle > 0 ? command.spp : command.aov_spp);
   if (command.preset == kAutoPreset) command.preset = "balanced";
 }
 

@@ -24,6 +24,7 @@ struct RenderCommand {
   std::optional<double> noise_target;
   std::string time_budget;  ///< of a frame; empty: none
   std::string choice;       ///< what was chosen for the time, for the user to read
+  std::optional<int> asked_aov_spp;
   int aov_spp = 16;
   std::string size;
   std::uint32_t seed = 0;
@@ -58,7 +59,7 @@ tracer::PixelSample parse_pixel_sample(const std::string& text);
 /// Refuses options of the filter without --denoise, options that exclude each other, and a missing -o.
 void check_options_fit(const RenderCommand& command);
 /// What the samples and the preset are where the user does not say.
-void set_defaults(RenderCommand& command);
+void set_defaults(RenderCommand& command, const tracer::SceneDescription& scene);
 
 /// The inverse of parse_aovs.
 std::string format_aovs(const AskedAovs& asked);

@@ -67,6 +67,24 @@ ImageId add_remodulation_pass(Chain& chain, Extent full, const WarpInputs& histo
   return factor;
 }
 
+/// The coefficients of the spline through the history's pixels.
+ImageId add_spline_passes(Chain& chain, Extent extent, const WarpInputs& history) {
+  constexpr int reach = 7;  // as in the kernel
+  const ImageId rows = chain.image(history.name + "history.spline.rows", Format::f32x4, extent);
+  const ImageId both = chain.image(history.name + "history.spline", Format::f32x4, extent);
+  chain.pass("merge/spline_coefficients")
+      .read("image", history.color, gpu::reach(reach, 0))
+      .write("coefficients", rows)
+      .specialize("along_y", 0)
+      .dispatch(extent);
+  chain.pass("merge/spline_coefficients")
+      .read("image", rows, gpu::reach(0, reach))
+      .write("coefficients", both)
+      .specialize("along_y", 1)
+      .dispatch(extent);
+  return both;
+}
+
 ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
                           const WarpedHistory& warped) {
   const ImageId difference = chain.image("difference", Format::f32x4, full);
@@ -190,10 +208,10 @@ CarriedRead add_carried_read(Chain& chain, const Settings& settings, Extent full
 
 WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent full, const WarpInputs& radiance,
                               ImageId offset) {
-  WarpedHistory warped{chain.image("warped.color", Format::f32x4, full),
-                       chain.image("warped.stats", Format::f32x2, full)};
+  WarpedHistory warped{chain.image(radiance.name + "warped.color", Format::f32x4, full),
+                       chain.image(radiance.name + "warped.stats", Format::f32x2, full)};
   const SourceWindow window =
-      radiance.window ? *radiance.window : add_same_window(chain, full, "origin.merge");
+      radiance.window ? *radiance.window : add_same_window(chain, full, radiance.name + "origin.merge");
   const WarpInputs history = radiance.albedo ? add_demodulate_passes(chain, window.full, radiance) : radiance;
   std::optional<ImageId> share;
   if (!history.additive.empty()) share = chain.image("warped.share", Format::f32, full);
@@ -201,8 +219,11 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
   if (history.albedo) {
     factor = add_remodulation_pass(chain, full, history, window, offset);
   }
+  const ImageId sharp =
+      settings.resample == Resample::spline ? add_spline_passes(chain, window.full, history) : history.color;
   chain.pass("merge/warp_history")
       .read("offset", offset)
+      .read("history_sharp", sharp, gather_history(history))
       .read("history_color", history.color, gather_history(history))
       .read("history_stats", history.stats, gather_history(history))
       .read("target_origin", window.target_origin)

@@ -63,6 +63,7 @@ struct WarpInputs {
   std::vector<CarriedImage> additive = {};  ///< carried images
   std::optional<FramePair> albedo = {};     ///< from pack_albedo, if the history is demodulated
   int offset_limit_px = 0;                  ///< largest component of the offsets
+  std::string name = {};  ///< prefix of the images' names, for chains that warp more than once
 };
 
 /// The history warped to the target's pixels.

@@ -6,6 +6,7 @@
 #include "filter/input/noisy_inputs.h"
 #include "filter/merge/additive.h"
 #include "filter/smooth/network.h"
+#include "filter/tiles/pixel_view.h"
 
 namespace becalm::filter {
 

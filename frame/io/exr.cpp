@@ -13,6 +13,7 @@
 
 #include "frame/error.h"
 #include "frame/io/exr_file.h"
+#include "frame/io/jitter_text.h"
 #include "frame/io/stripe.h"
 
 namespace becalm::io {
@@ -125,6 +126,12 @@ void require_flat(const std::string& path, const Imf::MultiPartInputFile& file) 
   throw Error(ExitStatus::bad_input, fmt::format("{}: a deep image, expected flat pixels", path));
 }
 
+/// As the file records it; nothing where it does not, or in words that becalm does not know.
+std::optional<FrameJitter> jitter_of(const Imf::Header& header) {
+  const auto* attribute = header.findTypedAttribute<Imf::StringAttribute>(kJitterAttribute);
+  return attribute == nullptr ? std::nullopt : parse_jitter(attribute->value());
+}
+
 /// The views of the file, each with the windows of its beauty's part.
 std::vector<ExrView> views_of(const std::string& path, const Imf::MultiPartInputFile& file,
                               const LayerOptions& options) {
@@ -168,6 +175,7 @@ LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted, c
       static_cast<ViewLayers&>(view) = views[i];
       view.window = window.value_or(views[i].data_window);
       view.frame = Frame(frame_number, width_of(view.window), height_of(view.window));
+      view.frame.set_jitter(jitter_of(file->header(0)));
       add_targets(wanted, light_groups, view, parts);
     }
     for (const auto& [part, targets] : parts) read_part(*file, part, targets);

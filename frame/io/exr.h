@@ -102,11 +102,11 @@ struct WriteReport {
   bool full_size_only = false;  ///< the source's part has smaller levels, which were left out
 };
 
-/// Writes every AOV of the frame as a layer of a single-part scanline file with ZIP compression, light groups
-/// as `light.NAME`: radiance, albedo and normal as `color_type`; variance (whose squares leave half's range
-/// long before the radiance does), depth, motion, numbers and diagnostics as float. Written beside its place
-/// and renamed, so that a killed run leaves whole files only; the parent folder is made. Throws
-/// Error(resource) naming the path.
+/// Writes the frame's jitter as a text attribute, and every AOV of the frame as a layer of a single-part
+/// scanline file with ZIP compression, light groups as `light.NAME`: radiance, albedo and normal as
+/// `color_type`; variance (whose squares leave half's range long before the radiance does), depth, motion,
+/// numbers and diagnostics as float. Written beside its place and renamed, so that a killed run leaves whole
+/// files only; the parent folder is made. Throws Error(resource) naming the path.
 WriteReport write_exr(const std::string& path, const Frame& frame, const Attributes& attributes,
                       PixelType color_type = PixelType::half);
 

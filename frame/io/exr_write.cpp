@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "frame/io/exr_parts.h"
+#include "frame/io/jitter_text.h"
 
 namespace becalm::io {
 namespace {
@@ -38,6 +39,7 @@ WriteReport write_exr(const std::string& path, const Frame& frame, const Attribu
   header.setType(Imf::SCANLINEIMAGE);
   header.compression() = Imf::ZIP_COMPRESSION;
   insert_attributes(header, attributes);
+  if (frame.jitter()) insert_attributes(header, {{kJitterAttribute, format_jitter(*frame.jitter())}});
   const Imf::PixelType color = color_type == PixelType::half ? Imf::HALF : Imf::FLOAT;
   FrameChannels channels;
   for (const AovInfo& entry : kAovTable) {

@@ -1,7 +1,11 @@
 // Reads a history at the offsets, bilinearly and by the sharp filter. Not pure functions: the including
 // kernel declares the constant `resample`, `history_color_size` and the texel buffers offset, history_color,
-// history_stats and target_origin.
+// history_stats and target_origin; and SHARP_HISTORY if the sharp filter reads another image.
 #include "lib/resample.glsl"
+
+#ifndef SHARP_HISTORY
+#define SHARP_HISTORY history_color
+#endif
 
 struct HistoryRead {
   vec4 bilinear;
@@ -22,14 +26,19 @@ int history_index(ivec2 at) {
 vec4 read_sharp(ivec2 corner, vec2 t, out bool holds) {
   float wx[4];
   float wy[4];
-  catmull_rom(t.x, wx[0], wx[1], wx[2], wx[3]);
-  catmull_rom(t.y, wy[0], wy[1], wy[2], wy[3]);
+  if (resample == kResampleSpline) {
+    cubic_b_spline(t.x, wx[0], wx[1], wx[2], wx[3]);
+    cubic_b_spline(t.y, wy[0], wy[1], wy[2], wy[3]);
+  } else {
+    catmull_rom(t.x, wx[0], wx[1], wx[2], wx[3]);
+    catmull_rom(t.y, wy[0], wy[1], wy[2], wy[3]);
+  }
   vec4 color = vec4(0.0);
   holds = true;
   [[unroll]] for (int j = 0; j < 4; ++j) {
     [[unroll]] for (int i = 0; i < 4; ++i) {
       const int tap = history_index(corner + ivec2(i, j));
-      color += wx[i] * wy[j] * texelFetch(history_color, tap);
+      color += wx[i] * wy[j] * texelFetch(SHARP_HISTORY, tap);
       holds = holds && texelFetch(history_stats, tap).y > 0.0;
     }
   }

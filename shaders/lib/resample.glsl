@@ -3,6 +3,7 @@
 
 const int kResampleBilinear = 0;
 const int kResampleCatmullRom = 1;
+const int kResampleSpline = 2;  // of coefficients, which merge/spline_coefficients makes
 
 /// Catmull-Rom weights of the four taps at -1, 0, 1, 2 for a position `t` in [0,1) between taps 0 and 1. They add up to
 /// one, and are (0,1,0,0) at t = 0.
@@ -11,6 +12,15 @@ void catmull_rom(float t, OUT(float) w0, OUT(float) w1, OUT(float) w2, OUT(float
   w1 = 1.0f + t * t * (-2.5f + 1.5f * t);
   w2 = t * (0.5f + t * (2.0f - 1.5f * t));
   w3 = t * t * (-0.5f + 0.5f * t);
+}
+
+/// Weights of the uniform cubic B-spline at the same taps. They add up to one.
+void cubic_b_spline(float t, OUT(float) w0, OUT(float) w1, OUT(float) w2, OUT(float) w3) {
+  float s = 1.0f - t;
+  w0 = s * s * s / 6.0f;
+  w1 = (4.0f + 3.0f * t * t * (t - 2.0f)) / 6.0f;
+  w2 = (4.0f + 3.0f * s * s * (s - 2.0f)) / 6.0f;
+  w3 = t * t * t / 6.0f;
 }
 
 /// Largest share in [0,1] of the sharp result in a mix with the bilinear one that keeps a channel within the

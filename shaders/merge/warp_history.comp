@@ -21,9 +21,12 @@ layout(set = 0, binding = 1) uniform samplerBuffer history_color;
 layout(set = 0, binding = 2) uniform samplerBuffer history_stats;
 layout(set = 0, binding = 3) uniform samplerBuffer target_origin;
 layout(set = 0, binding = 4) uniform samplerBuffer factor;
-layout(std430, set = 0, binding = 5) writeonly buffer WarpedColorBuffer { vec4 data[]; } warped_color;
-layout(std430, set = 0, binding = 6) writeonly buffer WarpedStatsBuffer { vec2 data[]; } warped_stats;
-layout(std430, set = 0, binding = 7) writeonly buffer ShareBuffer { float data[]; } share;
+layout(set = 0, binding = 5) uniform samplerBuffer history_sharp;  // the history, or its spline coefficients
+layout(std430, set = 0, binding = 6) writeonly buffer WarpedColorBuffer { vec4 data[]; } warped_color;
+layout(std430, set = 0, binding = 7) writeonly buffer WarpedStatsBuffer { vec2 data[]; } warped_stats;
+layout(std430, set = 0, binding = 8) writeonly buffer ShareBuffer { float data[]; } share;
+
+#define SHARP_HISTORY history_sharp
 
 #include "lib/gain.glsl"
 #include "lib/read_history.glsl"

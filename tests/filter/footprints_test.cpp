@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "filter/align/align.h"
+#include "filter/antialias/antialias_chain.h"
+#include "filter/antialias/sharpener.h"
 #include "filter/gpu/program.h"
 #include "filter/merge/combine.h"
 #include "filter/merge/merge_chains.h"
@@ -77,6 +79,21 @@ class FootprintsTest : public DeviceTest {
     }
   }
 
+  /// The history of antialiasing is never cut, so only passes that read around their pixels matter.
+  static void antialiasing(const Use& use) {
+    AntialiasTask task{.settings = antialias_preset("best"), .full = kFull, .used = {}, .diagnostics = {}};
+    for (const char* change :
+         {"reproject=best", "rectify=clip", "validate=both", "mask=yes", "resample=spline"})
+      set(task.settings, change);
+    for (const Aov aov : {Aov::motion, Aov::depth, Aov::normal}) {
+      task.used.set(static_cast<std::size_t>(aov));
+    }
+    const AntialiasChain made(device(), task);
+    use(made.chain, {kSide});
+    const SharpenPasses sharpens(device(), task_of("final"), kFull);
+    use(sharpens.chain, {kSide});
+  }
+
   static void combination(const Use& use) {
     Chain chain(device(), "combine");
     const auto estimate = [&](const std::string& name) {
@@ -97,10 +114,18 @@ class FootprintsTest : public DeviceTest {
     use(chain, {kSide});
   }
 
-  /// Checks a chain's passes, but not those that another pass of the same kernel reads alike.
-  static void check(const Chain& chain, const TileSizes& sizes) {
+  static void check(const Chain& chain, const TileSizes& sizes) { check_passes(chain, sizes, ""); }
+  static void check_antialiasing(const Chain& chain, const TileSizes& sizes) {
+    check_passes(chain, sizes, "antialias/");
+    check_passes(chain, sizes, "merge/spline");
+  }
+
+  /// Checks those of a chain's passes whose names begin with `prefix`, but not those that another pass of the
+  /// same kernel reads alike, nor those of antialiasing that read anywhere in the history.
+  static void check_passes(const Chain& chain, const TileSizes& sizes, const std::string& prefix) {
     const std::vector<gpu::DeclaredPass> passes = chain.declared_passes();
     for (std::size_t i = passes.size(); i-- > 0;) {  // finest levels come last
+      if (!passes[i].name.starts_with(prefix) || passes[i].name == "antialias/validate") continue;
       if (!is_new(passes[i]) || passes[i].name == "fill") continue;
       for (const std::string& error : wrong_footprints(chain, i, sizes)) ADD_FAILURE() << error;
     }
@@ -184,6 +209,10 @@ TEST_F(FootprintsTest, OfEstimatedVariances) {
   estimated_variances(check);
 }
 
+TEST_F(FootprintsTest, OfAntialiasing) {
+  antialiasing(check_antialiasing);
+}
+
 TEST_F(FootprintsTest, OfTheCombination) {
   combination(check);
 }
@@ -193,7 +222,8 @@ TEST_F(FootprintsTest, AreCheckedOfEveryKernel) {
   const auto collect = [&](const Chain& chain, const TileSizes&) {
     for (const gpu::DeclaredPass& pass : chain.declared_passes()) checked.insert(pass.name);
   };
-  for (const auto& chains : {features, search_and_merge, network, estimated_variances, combination}) {
+  for (const auto& chains :
+       {features, search_and_merge, network, estimated_variances, combination, antialiasing}) {
     chains(collect);
   }
   for (const gpu::Kernel& kernel : gpu::embedded_kernels()) {

@@ -50,6 +50,28 @@ class WarpOnDevice {
 
 class ResampleTest : public DeviceTest {};
 
+TEST_F(ResampleTest, TheSplinePassesThroughPixelsAndKeepsWavesBetterThanCatmullRom) {
+  const auto wave = [](double x, double y) { return 0.5 + 0.4 * std::sin(1.6 * x) * std::cos(1.1 * y); };
+  Grid<Estimate> history(kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) history.at(x, y) = {{wave(x, y), 0.3, 0.3, 1.0}, 1.0, 1.0};
+  }
+  const auto error = [&](Resample resample, Vec2 shift) {
+    const Grid<Estimate> found =
+        WarpOnDevice(device(), resample).run(history, Grid<Vec2>(kWidth, kHeight, shift));
+    double squares = 0.0;
+    for (int y = 9; y < kHeight - 9; ++y) {
+      for (int x = 9; x < kWidth - 9; ++x) {
+        squares += std::pow(found.at(x, y).color[0] - wave(x + shift.x, y + shift.y), 2);
+        EXPECT_NEAR(found.at(x, y).color[1], 0.3, 1e-6) << "an even channel";
+      }
+    }
+    return squares;
+  };
+  EXPECT_NEAR(error(Resample::spline, {2.0, -1.0}), 0.0, 1e-9);
+  EXPECT_LT(error(Resample::spline, {0.3, 0.2}), 0.7 * error(Resample::catmull_rom, {0.3, 0.2}));
+}
+
 /// Uncorrelated detail in three channels, with some fireflies; alpha is 1.
 Grid<Estimate> detailed_history() {
   std::mt19937 random(5);

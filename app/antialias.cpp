@@ -1,0 +1,62 @@
+// becalm antialias: a sequence of EXR files of few jittered samples, averaged over time into another.
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "app/cancel.h"
+#include "app/command.h"
+#include "app/given_jitter.h"
+#include "app/help.h"
+#include "app/sequence_job.h"
+
+namespace becalm::app {
+namespace {
+
+void add_antialias_options(CLI::App& parser, SequenceCommand& command) {
+  add_sequence_options(parser, command, "antialiased");
+  parser
+      .add_option(
+          "--jitter", command.jitter,
+          "Where samples lie in their pixels: auto, as becalm's files tell; none; or halton:N, for frame "
+          "f the point f mod N + 1 of Halton's bases 2 and 3, less a half pixel (default: auto)")
+      ->option_text("auto|none|halton:N")
+      ->group("Input");
+  parser
+      .add_option("--preset", command.preset,
+                  "best, from the frames before and after; forward, from those before alone; to compare: "
+                  "clamping, gain and paper, as published (default: best)")
+      ->option_text("NAME")
+      ->group("Filter");
+  add_filter_options(parser, command.filter);
+  add_running_options(parser, command.running);
+  parser.add_flag_callback(
+      "--help-settings", [] { throw CLI::CallForVersion(antialias_settings_help(), 0); },
+      "Print what --set takes and what the presets have, and exit");
+  parser.footer(
+      "For frames of 1 to 4 samples a pixel and little noise; noisy ones need becalm denoise. Vectors are\n"
+      "used where frames have them, with their depth. Every channel but the beauty is passed on bit for "
+      "bit.\n"
+      "Examples:\n"
+      "  becalm render scene.json -o 'in/shot.####.exr' --spp 1 --aovs motion,depth   # film.jitter_cycle: "
+      "16\n"
+      "  becalm antialias 'in/shot.####.exr' -o 'out/shot.####.exr'\n");
+}
+
+}  // namespace
+
+Command add_antialias(CLI::App& becalm) {
+  CLI::App& parser =
+      *becalm.add_subcommand("antialias", "Average jittered frames over time: temporal antialiasing");
+  auto command = std::make_shared<SequenceCommand>();
+  command->preset = "best";
+  add_antialias_options(parser, *command);
+  return {&parser, [command] {
+            apply(command->running, command->filter);
+            catch_signals();
+            if (command->jitter != "auto") given_jitter(command->jitter, 0);  // throws if it is none
+            command->filter.additive = "none";
+            return SequenceJob(*command, antialiaser(command->preset, command->filter)).run();
+          }};
+}
+
+}  // namespace becalm::app

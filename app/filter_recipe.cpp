@@ -1,0 +1,45 @@
+// What the filter stage can run: the denoiser, and temporal antialiasing.
+
+#include "app/filter_stage.h"
+#include "filter/align/guides.h"
+#include "filter/antialias/antialias_filter.h"
+#include "filter/sequence/sequence_filter.h"
+
+namespace becalm::app {
+
+FilterRecipe denoiser(const std::string& preset, const FilterOptions& options) {
+  const filter::Settings settings = resolve_settings(preset, options);
+  return {.settings = filter::to_string(settings),
+          .wanted = filter::wanted_aovs(settings),
+          .directions = settings.directions,
+          .takes_additive = true,
+          .averages_alpha = false,
+          .make =
+              [settings](gpu::Device& device, int width, int height, AovSet available,
+                         const filter::SequenceOptions& sequence) {
+                return std::make_unique<filter::SequenceFilter>(device, settings, width, height, available,
+                                                                sequence);
+              },
+          .describe_matching =
+              [settings](const AovSet& available) { return filter::matched_text(settings, available); }};
+}
+
+FilterRecipe antialiaser(const std::string& preset, const FilterOptions& options) {
+  filter::AntialiasSettings settings = filter::antialias_preset(preset);
+  for (const std::string& assignment : options.assignments) filter::set(settings, assignment);
+  return {.settings = filter::to_string(settings),
+          .wanted = filter::wanted_aovs(settings),
+          .directions = settings.directions,
+          .takes_additive = false,
+          .averages_alpha = true,
+          .make =
+              [settings](gpu::Device& device, int width, int height, AovSet available,
+                         const filter::SequenceOptions& sequence) {
+                return std::make_unique<filter::AntialiasFilter>(device, settings, width, height, available,
+                                                                 sequence);
+              },
+          .describe_matching =
+              [settings](const AovSet& available) { return filter::reprojected_text(settings, available); }};
+}
+
+}  // namespace becalm::app

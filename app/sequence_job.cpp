@@ -1,0 +1,214 @@
+#include "app/sequence_job.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <iterator>
+#include <utility>
+
+#include "app/alpha_report.h"
+#include "app/audit_run.h"
+#include "app/console.h"
+#include "app/counted.h"
+#include "app/given_jitter.h"
+#include "app/input_pixels.h"
+#include "frame/io/additive_layers.h"
+#include "frame/io/jitter_text.h"
+#include "frame/io/sequence.h"
+
+namespace becalm::app {
+
+SequenceJob::SequenceJob(const SequenceCommand& command, FilterRecipe recipe)
+    : command_(command),
+      threads_(command.running.threads),
+      layers_(layer_options(command.layers)),
+      format_(format_of(command)),
+      filter_(std::move(recipe), command.filter),
+      inputs_(command.inputs, command.output.frames, command.frame, parse_missing(command.missing),
+              [this](const auto& asked, const auto& on_disk) { return filter_.readable(asked, on_disk); }),
+      outputs_("-o", inputs_.output_pattern(command.output.pattern), inputs_.outputs()),
+      window_(find_window(inputs_, layers_)),
+      fingerprints_(inputs_, filter_, layers_, window_) {
+  std::vector<std::string> paths;
+  for (const int frame : inputs_.readable())
+    std::ranges::copy(inputs_.paths(frame), std::back_inserter(paths));
+  outputs_.keep_apart_from(paths);
+}
+
+/// Chooses by the first frame of the sequence on disk, so that all jobs of a sequence choose alike.
+void SequenceJob::choose_additive() {
+  if (!filter_.denoises_additive()) return;
+  const io::SequencePattern& pattern = inputs_.pattern();
+  const std::string path = pattern.has_frame_field() ? pattern.path(pattern.frames_on_disk().front())
+                                                     : inputs_.path(inputs_.readable().front());
+  std::vector<io::AdditiveSet> sets;
+  if (command_.layers.additive == "auto") {
+    try {
+      sets = io::find_additive_sets(path, layers_);
+    } catch (const Error&) {
+      return;  // check_inputs tells what is wrong, if this frame is needed
+    }
+  }
+  layers_.additive = io::choose_additive(command_.layers.additive, sets);
+  additive_notes_ = io::describe(sets);
+  if (!layers_.additive.empty()) {
+    attributes_.emplace_back("becalm:additive", fmt::format("{}", fmt::join(layers_.additive, ",")));
+  }
+}
+
+ExitStatus SequenceJob::run() {
+  attributes_ = {{"becalm:version", BECALM_VERSION},
+                 {"becalm:settings", settings()},
+                 {"becalm:preset", command_.preset}};
+  // The results have no one place in their pixels, whatever the input's samples had.
+  if (filter_.averages_alpha()) attributes_.emplace_back(io::kJitterAttribute, "none");
+  choose_additive();
+
+  if (!command_.output.overwrite && !command_.output.resume) outputs_.keep_foreign_files();
+  if (!command_.dry_run) outputs_.prepare();
+  if (command_.output.resume) find_existing();
+  // Without segments every frame depends on all before it.
+  const std::set<int> wanted =
+      filter_.has_segments() ? inputs_.sources_of_missing(existing_) : inputs_.up_to_last_missing(existing_);
+  const std::size_t asked = outputs_.frames().size();
+  if (wanted.empty()) return all_there(asked, command_.running.quiet);
+
+  progress_.emplace(ProgressOptions{.total = asked,
+                                    .existing = existing_.size(),
+                                    .work = wanted.size(),
+                                    .quiet = command_.running.quiet,
+                                    .verbose = command_.running.verbose});
+  std::vector<filter::Step> steps;
+  for (const filter::Segment& segment : filter_.schedule(inputs_.readable(), wanted, inputs_.step())) {
+    steps.insert(steps.end(), segment.begin(), segment.end());
+  }
+  std::set<int> needed;
+  for (const filter::Step& step : steps) needed.insert(step.frame);
+  const std::vector<InputLayout> views = check_inputs(inputs_, needed, filter_, layers_);
+  if (command_.strict) require_sound_input({needed.begin(), needed.end()});
+  io::check_selection(inputs_.path(*needed.begin()), layers_, format_.channels, "--channels");
+  if (command_.dry_run) {
+    print_plan(needed);
+    return ExitStatus::done;
+  }
+  progress_->detail(fmt::format("{}x{} px of {}", window_.width(), window_.height(),
+                                fingerprints_.layers_of(*needed.begin())));
+  for (const InputLayout& view : views) {
+    filter_.build(window_.width(), window_.height(), view.aovs, view.light_groups.size(), view.view,
+                  views.size());
+  }
+  if (!command_.choice.empty()) progress_->note(command_.choice);
+  if (!inputs_.note().empty()) progress_->warn(inputs_.note());
+  if (inputs_.other_half()) progress_->note(halves_text());
+  for (const std::string& note : additive_notes_) progress_->note(note);
+  if (!inputs_.has_numbers()) {
+    progress_->note(
+        fmt::format("{}: no frame number in the name, so this is frame 1; --frame N says otherwise",
+                    inputs_.pattern().text()));
+  }
+  const double work_per_step = static_cast<double>(wanted.size()) / static_cast<double>(steps.size());
+  FrameSink sink(outputs_, existing_, "--type float keeps them", *progress_, profile_);
+  run_pipeline(steps.size(),
+               {.source = [&](std::size_t step) { return std::optional(read(steps[step].frame)); },
+                .filter =
+                    [&](std::size_t step, io::LoadedFrame noisy) {
+                      progress_->update(steps[step].frame, work_per_step * static_cast<double>(step));
+                      return filter_.run(steps[step], std::move(noisy), *progress_, profile_);
+                    },
+                .sink = [&](const FinishedFrame& finished) { write(finished, sink); }});
+  filter_.finish(profile_);
+  return conclude(*progress_, asked, command_.running.profile ? &profile_ : nullptr);
+}
+
+io::LoadedFrame SequenceJob::first_frame() const {
+  return read_pixels(inputs_, inputs_.readable().front(), filter_, layers_, window_);
+}
+
+/// What decides the bytes of an output, besides the frames that it is made from.
+std::string SequenceJob::settings() const {
+  return fmt::format("{} reproducible={}{}{}", filter_.describe(inputs_.readable()),
+                     command_.running.reproducible ? "yes" : "no", describe(command_.layers),
+                     describe_output(command_));
+}
+
+/// --dry-run: what would be read, as what, and written, on standard output.
+void SequenceJob::print_plan(const std::set<int>& needed) {
+  std::vector<int> written;
+  std::ranges::set_difference(outputs_.frames(), existing_, std::back_inserter(written));
+  const auto print = [](const char* verb, const std::string& pattern, const std::vector<int>& frames) {
+    fmt::print("{} {}: {}, {}\n", verb, pattern, counted(frames.size(), "frame", "frames"),
+               io::format_frame_range(frames));
+  };
+  print("reads", inputs_.pattern().text(), {needed.begin(), needed.end()});
+  fmt::print(
+      "takes {}x{} px of {}; {}\n", window_.width(), window_.height(),
+      fingerprints_.layers_of(*needed.begin()),
+      format_.channels.selects_all() ? "passes on every other channel" : "leaves channels out as told");
+  if (inputs_.other_half()) fmt::print("{}\n", halves_text());
+  for (const std::string& note : additive_notes_) fmt::print("{}\n", note);
+  fmt::print("filters with preset {}: {}\n", command_.preset, settings());
+  if (!existing_.empty()) print("keeps", command_.output.pattern, {existing_.begin(), existing_.end()});
+  print("writes", command_.output.pattern, written);
+}
+
+void SequenceJob::find_existing() {
+  Outputs::Existing found = outputs_.find_existing(attributes_);
+  warn_unusable(found.unusable);
+  existing_ = fingerprints_.up_to_date(found.frames, [this](int frame) { return outputs_.path(frame); });
+  std::vector<int> outdated;
+  std::ranges::set_difference(found.frames, existing_, std::back_inserter(outdated));
+  if (outdated.empty()) return;
+  warn(fmt::format("{} made again, since the frames that they were made from have changed: {}",
+                   counted(outdated.size(), "frame is", "frames are"), io::format_frame_range(outdated)));
+}
+
+io::LoadedFrame SequenceJob::read(int frame) {
+  const ProfileScope scope(profile_, "read");
+  progress_->detail(fmt::format("frame {}: reading {}", frame, inputs_.path(frame)));
+  fingerprints_.take(frame);
+  io::LoadedFrame loaded = read_pixels(inputs_, frame, filter_, layers_, window_);
+  if (command_.jitter != "auto") {
+    loaded.frame.set_jitter(given_jitter(command_.jitter, frame));
+    for (io::LoadedView& view : loaded.other_views) view.frame.set_jitter(loaded.frame.jitter());
+  }
+  return loaded;
+}
+
+/// --strict: what an audit finds in the frames is an error.
+void SequenceJob::require_sound_input(const std::vector<int>& frames) const {
+  const std::vector<FrameFinding> findings = audit_frames(
+      frames, [this](int frame) { return read_pixels(inputs_, frame, filter_, layers_, window_); });
+  if (findings.empty()) return;
+  for (const FrameFinding& finding : findings) warn(finding.text());
+  throw Error(ExitStatus::bad_input,
+              fmt::format("{}: --strict: {}; nothing was written", inputs_.pattern().text(),
+                          counted(findings.size(), "finding", "findings")));
+}
+
+std::string SequenceJob::halves_text() const {
+  return fmt::format("{} and {} hold a half of the samples each; their mean is denoised",
+                     inputs_.pattern().text(), inputs_.other_half()->text());
+}
+
+void SequenceJob::write(const FinishedFrame& result, FrameSink& sink) {
+  const int source = result.frame.number();
+  for (const int number : inputs_.outputs_of(source)) {
+    if (!sink.wants(number)) continue;
+    io::Attributes attributes = attributes_;
+    attributes.emplace_back("becalm:tiles", filter_.tiles());
+    for (auto& attribute : fingerprints_.of(source)) attributes.push_back(std::move(attribute));
+    std::string alpha = filter_.averages_alpha()
+                            ? "antialiased"
+                            : alpha_outcome(result.source, result.frame, result.other_views);
+    if (!alpha.empty()) attributes.emplace_back("becalm:alpha", std::move(alpha));
+    if (number != source) attributes.emplace_back("becalm:held_from", std::to_string(source));
+    sink.write(number, [&](const std::string& path) {
+      return io::write_denoised_exr(path, result.frame, result.other_views, result.source, attributes,
+                                    format_);
+    });
+  }
+}
+
+}  // namespace becalm::app

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "app/filter_stage.h"
+#include "app/fingerprints.h"
+#include "app/frame_sink.h"
+#include "app/input_check.h"
+#include "app/input_frames.h"
+#include "app/outputs.h"
+#include "app/pipeline.h"
+#include "app/profile.h"
+#include "app/progress.h"
+#include "app/sequence_arguments.h"
+#include "frame/error.h"
+#include "frame/io/exr.h"
+
+namespace becalm::app {
+
+/// One run of `becalm denoise` or `becalm antialias`: a sequence of EXR files through a filter into another.
+class SequenceJob {
+ public:
+  /// `command` must live as long. Throws Error(usage) and Error(bad_input).
+  SequenceJob(const SequenceCommand& command, FilterRecipe recipe);
+  ExitStatus run();
+  io::LoadedFrame first_frame() const;
+  /// Of the outputs that are there; empty if there are none.
+  std::string recorded_preset() const { return outputs_.recorded("becalm:preset"); }
+
+ private:
+  void choose_additive();
+  std::string settings() const;
+  void find_existing();
+  void print_plan(const std::set<int>& needed);
+  io::LoadedFrame read(int frame);
+  void require_sound_input(const std::vector<int>& frames) const;
+  std::string halves_text() const;
+  void write(const FinishedFrame& result, FrameSink& sink);
+
+  const SequenceCommand& command_;
+  const ThreadLimit threads_;
+  io::LayerOptions layers_;
+  const io::DenoisedFormat format_;
+  FilterStage filter_;
+  const InputFrames inputs_;
+  Outputs outputs_;
+  const InputWindow window_;
+  Fingerprints fingerprints_;
+  io::Attributes attributes_;
+  std::vector<std::string> additive_notes_;
+  std::set<int> existing_;
+  std::optional<Progress> progress_;
+  Profile profile_;
+};
+
+}  // namespace becalm::app

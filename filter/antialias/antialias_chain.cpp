@@ -1,0 +1,225 @@
+#include "filter/antialias/antialias_chain.h"
+
+#include <algorithm>
+#include <string>
+
+#include "filter/merge/patch_sums.h"
+#include "shaders/shared/antialias_params.h"
+
+namespace becalm::filter {
+
+using gpu::Format;
+using gpu::ImageId;
+
+namespace {
+
+/// Radius of the patches over which colour rejects; that of shaders/antialias/accumulate.comp.
+constexpr int kRejectionRadius = 3;
+
+int number(Switch value) {
+  return value == Switch::yes ? 1 : 0;
+}
+
+}  // namespace
+
+bool AntialiasTask::validates_surface() const {
+  const bool asked = settings.validate == Validate::surface || settings.validate == Validate::both;
+  return asked &&
+         (contains(used, Aov::depth) || contains(used, Aov::normal) || contains(used, Aov::object_id));
+}
+
+bool AntialiasTask::validates_color() const {
+  return settings.validate == Validate::color || settings.validate == Validate::both;
+}
+
+Settings aligner_settings(const AntialiasTask& task) {
+  Settings settings = preset("final");
+  settings.prefilter = 0;
+  settings.guides = 0;
+  settings.blur_radius = {2};
+  settings.motion = task.has_motion() ? MotionUse::guide : MotionUse::none;
+  settings.resample = task.settings.resample;
+  settings.directions = task.settings.directions;
+  settings.smooth = Smooth::none;
+  return settings;
+}
+
+AntialiasChain::AntialiasChain(gpu::Device& device, const AntialiasTask& task) : chain(device, "antialias") {
+  samples = chain.input("samples", Format::f32x4, task.full);
+  finite = chain.input("finite", Format::f32, task.full);
+  weights = chain.table("weights", Format::f32, {10, 1});
+  exposure = chain.table("exposure", Format::f32, {1, 1});
+  color = chain.history("history.color", Format::f32x4, task.full);
+  stats = chain.history("history.stats", Format::f32x2, task.full);
+  const ImageId reconstructed = add_reconstruction(task);
+  add_reprojection(task, reconstructed);
+  add_accumulation(task, reconstructed);
+  chain.output(color.next);
+  chain.output(stats.next);
+  chain.output(decision);
+  if (task.settings.directions == Directions::both) {
+    chain.output(warped.color);
+    chain.output(warped.stats);
+  }
+  if (contains(task.diagnostics, Aov::flow)) chain.output(offset);
+}
+
+ImageId AntialiasChain::add_reconstruction(const AntialiasTask& task) {
+  const ImageId reconstructed = chain.image("reconstructed", Format::f32x4, task.full);
+  variance_ = chain.image("variance", Format::f32x2, task.full);
+  chain.pass("antialias/reconstruct")
+      .read("samples", samples, gpu::reach(1))
+      .read("finite", finite, gpu::reach(1))
+      .read("weights", weights)
+      .write("color", reconstructed)
+      .write("variance", variance_)
+      .dispatch(task.full);
+  return reconstructed;
+}
+
+ImageId AntialiasChain::add_motion(const AntialiasTask& task) {
+  motion = chain.input("motion", Format::f32x2, task.full);
+  if (contains(task.used, Aov::depth)) depth = chain.input("depth", Format::f32, task.full);
+  const ImageId dilated = chain.image("motion.dilated", Format::f32x2, task.full);
+  chain.pass("antialias/dilate_motion")
+      .read("motion", *motion, depth ? gpu::reach(1) : gpu::reach(0))
+      .read("depth", depth, gpu::reach(1))
+      .write("dilated", dilated)
+      .specialize("has_depth", depth ? 1 : 0)
+      .dispatch(task.full);
+  return dilated;
+}
+
+Alignment AntialiasChain::add_search(const AntialiasTask& task, ImageId reconstructed) {
+  const Settings settings = aligner_settings(task);
+  const auto features = [&](const std::string& name, ImageId image) {
+    return add_feature_passes(
+        chain, settings, task.full, name,
+        {.color = image, .exposure = exposure, .guide_features = {}, .guide_planes = 0});
+  };
+  return add_align_passes(chain, settings, task.full, features("target", reconstructed),
+                          features("source", color.previous), {.name = {}, .motion = motion});
+}
+
+WarpedHistory AntialiasChain::add_warp(const AntialiasTask& task, ImageId at, int limit_px,
+                                       const char* name) {
+  return add_warp_passes(
+      chain, aligner_settings(task), task.full,
+      {.color = color.previous, .stats = stats.previous, .offset_limit_px = limit_px, .name = name}, at);
+}
+
+void AntialiasChain::add_reprojection(const AntialiasTask& task, ImageId reconstructed) {
+  std::optional<ImageId> vectors;
+  if (task.has_motion()) vectors = add_motion(task);
+  const int vector_limit_px = std::max(task.full.width, task.full.height);
+  const bool searches = task.settings.searches() || task.settings.mask == Switch::yes || !vectors;
+  if (!searches) {
+    offset = *vectors;
+    warped = add_warp(task, offset, vector_limit_px, "");
+    return;
+  }
+  const Alignment found = add_search(task, reconstructed);
+  residual_ = found.residual.front();
+  if (!vectors) {
+    offset = found.offset;
+    warped = add_warp(task, offset, found.limit_px, "");
+    return;
+  }
+  if (task.settings.reproject != Reproject::best) {
+    offset = task.settings.reproject == Reproject::vectors
+                 ? *vectors
+                 : add_override_pass(chain, task.full, found.offset, *vectors);
+    warped = add_warp(task, offset, vector_limit_px, "");
+    return;
+  }
+  offset = *vectors;
+  const WarpedHistory by_vectors = add_warp(task, offset, vector_limit_px, "vectors.");
+  const WarpedHistory by_search = add_warp(task, found.offset, found.limit_px, "search.");
+  warped = {.color = chain.image("chosen.color", Format::f32x4, task.full),
+            .stats = chain.image("chosen.stats", Format::f32x2, task.full)};
+  chain.pass("antialias/choose_history")
+      .read("color", reconstructed, gpu::reach(1))
+      .read("vectors_color", by_vectors.color, gpu::reach(1))
+      .read("vectors_stats", by_vectors.stats, gpu::reach(1))
+      .read("search_color", by_search.color, gpu::reach(1))
+      .read("search_stats", by_search.stats, gpu::reach(1))
+      .read("variance", variance_, gpu::reach(1))
+      .write("warped_color", warped.color)
+      .write("warped_stats", warped.stats)
+      .dispatch(task.full);
+}
+
+ImageId AntialiasChain::add_validation(const AntialiasTask& task) {
+  constexpr int neighbours_px = 2;  // around the pixel at the offset, rounding included
+  surface = chain.input("surface", Format::f32x4, task.full);
+  object = chain.input("object", Format::f32, task.full);
+  const gpu::History last_surface = chain.history("surface", Format::f32x4, task.full);
+  const gpu::History last_object = chain.history("object", Format::f32, task.full);
+  const ImageId valid = chain.image("valid", Format::f32, task.full);
+  const gpu::Footprint around = gpu::gather(std::max(task.full.width, task.full.height) + neighbours_px);
+  chain.pass("antialias/validate")
+      .read("offset", offset)
+      .read("surface", *surface)
+      .read("object", *object)
+      .read("last_surface", last_surface.previous, around)
+      .read("last_object", last_object.previous, around)
+      .write("valid", valid)
+      .write("next_surface", last_surface.next)
+      .write("next_object", last_object.next)
+      .dispatch(task.full);
+  return valid;
+}
+
+void AntialiasChain::add_accumulation(const AntialiasTask& task, ImageId reconstructed) {
+  const AntialiasSettings& settings = task.settings;
+  std::optional<ImageId> valid;
+  if (task.validates_surface()) valid = add_validation(task);
+  std::optional<ImageId> difference;
+  std::optional<ImageId> sums;
+  if (task.validates_color()) {
+    difference = chain.image("difference", Format::f32x4, task.full);
+    chain.pass("merge/statistics")
+        .read("color", reconstructed)
+        .read("variance", variance_)
+        .read("warped_color", warped.color)
+        .read("warped_stats", warped.stats)
+        .read("exposure", exposure)
+        .write("difference", *difference)
+        .write("noise", chain.image("noise", Format::f32x4, task.full))
+        .dispatch(task.full);
+    sums = add_patch_sums(chain, kRejectionRadius, task.full, *difference, "difference");
+  }
+  const bool masked = settings.mask == Switch::yes;
+  decision = chain.image("decision", Format::f32x4, task.full);
+  chain.pass("antialias/accumulate")
+      .read("samples", samples, gpu::reach(1))
+      .read("finite", finite, gpu::reach(1))
+      .read("color", reconstructed, gpu::reach(1))
+      .read("variance", variance_, gpu::reach(1))
+      .read("warped_color", warped.color, gpu::reach(1))
+      .read("warped_stats", warped.stats, gpu::reach(1))
+      .read("exposure", exposure)
+      .read("residual", masked ? residual_ : std::nullopt, gpu::bilinear(1))
+      .read("valid", valid)
+      .read("difference", difference, gpu::reach(kRejectionRadius, 0))
+      .read("difference_sums", sums)
+      .write("merged_color", color.next)
+      .write("merged_stats", stats.next)
+      .write("decision", decision)
+      .specialize("rule", static_cast<int>(settings.accumulate))
+      .specialize("rectify", static_cast<int>(settings.rectify))
+      .specialize("by_deviation", settings.bounds == Bounds::deviation ? 1 : 0)
+      .specialize("in_ycocg", settings.space == ColorSpace::ycocg ? 1 : 0)
+      .specialize("masked", number(settings.mask))
+      .specialize("by_surface", valid ? 1 : 0)
+      .specialize("by_color", difference ? 1 : 0)
+      .specialize("against_outliers", number(settings.outliers))
+      .specialize("steady", number(settings.steady))
+      .constants(params::AccumulateParams{.residual_scale = 1.0f,
+                                          .newest = settings.newest,
+                                          .frames = static_cast<float>(settings.frames),
+                                          .gamma = settings.gamma})
+      .dispatch(task.full);
+}
+
+}  // namespace becalm::filter

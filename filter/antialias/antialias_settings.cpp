@@ -1,0 +1,110 @@
+#include "filter/antialias/antialias_settings.h"
+
+#include <array>
+
+#include "filter/setting_rows.h"
+#include "frame/error.h"
+
+namespace becalm::filter {
+namespace {
+
+constexpr std::array<std::string_view, 3> kAntialiasResampleNames{"bilinear", "catmull_rom", "spline"};
+constexpr std::array<std::string_view, 4> kReprojectNames{"search", "vectors", "known", "best"};
+constexpr std::array<std::string_view, 4> kAccumulateNames{"exponential", "mean", "gain", "variance"};
+constexpr std::array<std::string_view, 3> kRectifyNames{"none", "clamp", "clip"};
+constexpr std::array<std::string_view, 2> kBoundsNames{"extremes", "deviation"};
+constexpr std::array<std::string_view, 2> kSpaceNames{"rgb", "ycocg"};
+constexpr std::array<std::string_view, 4> kValidateNames{"none", "surface", "color", "both"};
+constexpr std::array<std::string_view, 2> kSwitchNames{"no", "yes"};
+
+const SettingRow<AntialiasSettings> kAntialiasTable[] = {
+    {{"reproject", "search, vectors, known or best",
+      "what brings the history to a frame: the aligner's search; motion vectors; vectors where known, else "
+      "the search; or whichever of the two matches better"},
+     name_field(&AntialiasSettings::reproject, kReprojectNames)},
+    {{"directions", "forward or both", "history of the frames before alone, or of those after as well"},
+     name_field(&AntialiasSettings::directions, kDirectionsNames)},
+    {{"resample", "bilinear, catmull_rom or spline",
+      "filter by which the history is read between its pixels"},
+     name_field(&AntialiasSettings::resample, kAntialiasResampleNames)},
+    {{"accumulate", "exponential, mean, gain or variance",
+      "weight of a new sample: `newest`; 1/N; by the 3x3 pixels around it (Philippi et al. 2022); or by the "
+      "variances that are tracked with the history"},
+     name_field(&AntialiasSettings::accumulate, kAccumulateNames)},
+    {{"newest", "number 0.001..1", "weight of a new sample with accumulate=exponential"},
+     number_field(&AntialiasSettings::newest, 0.001f, 1.0f)},
+    {{"frames", "integer 1..1024", "most frames that a history counts as"},
+     number_field(&AntialiasSettings::frames, 1, 1024)},
+    {{"rectify", "none, clamp or clip",
+      "brings the history within the bounds of the frame's 3x3 pixels: by channel, or towards their middle"},
+     name_field(&AntialiasSettings::rectify, kRectifyNames)},
+    {{"bounds", "extremes or deviation", "of those pixels: least and most, or `gamma` standard deviations"},
+     name_field(&AntialiasSettings::bounds, kBoundsNames)},
+    {{"gamma", "number 0.1..16", "standard deviations of bounds=deviation"},
+     number_field(&AntialiasSettings::gamma, 0.1f, 16.0f)},
+    {{"space", "rgb or ycocg", "colour space of the bounds"},
+     name_field(&AntialiasSettings::space, kSpaceNames)},
+    {{"validate", "none, surface, color or both",
+      "rejects history of another depth, normal or object, where frames have them, or whose colour differs "
+      "over 7x7 pixels"},
+     name_field(&AntialiasSettings::validate, kValidateNames)},
+    {{"mask", "no or yes", "averages only where the aligner's patches differ (needs a search)"},
+     name_field(&AntialiasSettings::mask, kSwitchNames)},
+    {{"reconstruct", "no or yes",
+      "makes each pixel of a jittered frame of all samples under its filter, whose places are known"},
+     name_field(&AntialiasSettings::reconstruct, kSwitchNames)},
+    {{"outliers", "no or yes", "weighs samples by 1/(1 + luminance), against fireflies; darkens edges"},
+     name_field(&AntialiasSettings::outliers, kSwitchNames)},
+    {{"steady", "no or yes", "lowers the weight of new samples where the history is near its bounds"},
+     name_field(&AntialiasSettings::steady, kSwitchNames)},
+    {{"sharpen", "number 0..1", "sharpens the result, not the history, within its neighbours' range"},
+     number_field(&AntialiasSettings::sharpen, 0.0f, 1.0f)},
+};
+
+}  // namespace
+
+std::span<const SettingInfo> antialias_settings_table() {
+  static const std::vector<SettingInfo> infos = infos_of(kAntialiasTable);
+  return infos;
+}
+
+AntialiasSettings antialias_preset(std::string_view name) {
+  AntialiasSettings settings;
+  if (name == "best") return settings;
+  settings.directions = Directions::forward;
+  if (name == "forward") return settings;
+  settings.resample = Resample::catmull_rom;
+  settings.reconstruct = Switch::no;
+  settings.reproject = Reproject::vectors;
+  if (name == "clamping") {
+    // Survey of Yang et al. 2020, sections 3.3 and 4.2, with the weight that Philippi et al. call usual.
+    settings.accumulate = Accumulate::exponential;
+    settings.rectify = Rectify::clamp;
+    settings.bounds = Bounds::extremes;
+    settings.space = ColorSpace::rgb;
+  } else if (name == "gain") {
+    // Philippi et al. 2022, section 4.2, which rectifies nothing.
+    settings.accumulate = Accumulate::gain;
+  } else if (name == "paper") {
+    // Hanika et al. 2021, section 4.
+    settings.reproject = Reproject::search;
+    settings.accumulate = Accumulate::exponential;
+    settings.rectify = Rectify::clamp;
+    settings.space = ColorSpace::rgb;
+    settings.mask = Switch::yes;
+  } else {
+    throw Error(ExitStatus::usage,
+                fmt::format("preset '{}': expected best, forward, clamping, gain or paper", name));
+  }
+  return settings;
+}
+
+void set(AntialiasSettings& settings, std::string_view assignment) {
+  assign_setting(kAntialiasTable, settings, assignment);
+}
+
+std::string to_string(const AntialiasSettings& settings) {
+  return settings_text(kAntialiasTable, settings);
+}
+
+}  // namespace becalm::filter

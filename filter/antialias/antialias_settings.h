@@ -1,0 +1,67 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "filter/settings.h"
+
+namespace becalm::filter {
+
+/// By what the history is brought to the new frame: the aligner's search; motion vectors, and no history
+/// where they are unknown; vectors where known, else the search; or, of both, what matches better.
+enum class Reproject { search, vectors, known, best };
+
+/// The weight of the new sample: constant; 1/N; the gain of Philippi et al. 2022 (eq. 4, 10 and 11); or that
+/// gain from the variances that are tracked with the history. The values are those of
+/// shaders/antialias/accumulate.comp.
+enum class Accumulate { exponential = 0, mean = 1, gain = 2, variance = 3 };
+
+/// How the history is brought within the bounds of the new frame's 3x3 pixels: not at all; channel by
+/// channel; or along the line to their middle.
+enum class Rectify { none = 0, clamp = 1, clip = 2 };
+enum class Bounds { extremes = 0, deviation = 1 };
+enum class ColorSpace { rgb = 0, ycocg = 1 };
+
+/// What rejects history: surfaces that differ by depth, normal or object number; or a difference of colour
+/// in a patch (survey of Yang et al., eq. 5).
+enum class Validate { none, surface, color, both };
+
+enum class Switch { no, yes };
+
+/// The settings of temporal antialiasing. One table (antialias_settings.cpp) holds their names, ranges and
+/// help texts.
+struct AntialiasSettings {
+  Reproject reproject = Reproject::known;
+  Directions directions = Directions::both;
+  Resample resample = Resample::spline;
+  Accumulate accumulate = Accumulate::variance;
+  float newest = 0.1f;
+  int frames = 64;
+  Rectify rectify = Rectify::none;
+  Bounds bounds = Bounds::deviation;
+  float gamma = 1.0f;
+  ColorSpace space = ColorSpace::ycocg;
+  Validate validate = Validate::none;
+  Switch mask = Switch::no;
+  Switch reconstruct = Switch::yes;
+  Switch outliers = Switch::no;
+  Switch steady = Switch::no;
+  float sharpen = 0.0f;
+
+  bool searches() const { return reproject != Reproject::vectors; }
+  bool uses_vectors() const { return reproject != Reproject::search; }
+};
+
+std::span<const SettingInfo> antialias_settings_table();
+
+/// The named preset. Throws Error(usage) for another name.
+AntialiasSettings antialias_preset(std::string_view name);
+
+/// Applies one `KEY=VALUE`. Throws Error(usage) naming the key, the value and the range.
+void set(AntialiasSettings& settings, std::string_view assignment);
+
+/// All settings as `key=value` pairs joined by spaces, in table order: equal text means equal settings.
+std::string to_string(const AntialiasSettings& settings);
+
+}  // namespace becalm::filter

@@ -1,0 +1,234 @@
+// Reads the new frame (its samples, and the pixels made of them with their variance) and the history at its
+// pixels; writes their blend, which is the next history: colour, (variance, effective frames), and the
+// decision: (rejected share; squared bias; weight of the new frame; 0). A history is validated and rectified
+// (survey of Yang et al. 2020, sections 4.1 and 4.2), then weighed by one of four rules.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#include "lib/bilinear.glsl"
+#include "lib/color.glsl"
+#include "lib/gain.glsl"
+#include "lib/rectify.glsl"
+#include "shared/antialias_params.h"
+
+const int kExponential = 0;
+const int kMean = 1;
+const int kGain = 2;
+const int kVariance = 3;
+
+layout(constant_id = 0) const int rule = kVariance;
+layout(constant_id = 1) const int rectify = 0;         // 1: clamps, 2: clips
+layout(constant_id = 2) const int by_deviation = 1;    // bounds of the 3x3 samples; else least and most
+layout(constant_id = 3) const int in_ycocg = 1;        // bounds in YCoCg
+layout(constant_id = 4) const int masked = 0;          // averages only where patches differ
+layout(constant_id = 5) const int by_surface = 0;      // `valid` rejects
+layout(constant_id = 6) const int by_color = 0;        // the filtered difference rejects
+layout(constant_id = 7) const int against_outliers = 0;
+layout(constant_id = 8) const int steady = 0;
+
+layout(local_size_x = 64, local_size_y = 1) in;
+layout(push_constant) uniform Params { ivec2 size; ivec2 residual_size; AccumulateParams p; };
+layout(set = 0, binding = 0) uniform samplerBuffer samples;
+layout(set = 0, binding = 1) uniform samplerBuffer finite;
+layout(set = 0, binding = 2) uniform samplerBuffer color;
+layout(set = 0, binding = 3) uniform samplerBuffer variance;
+layout(set = 0, binding = 4) uniform samplerBuffer warped_color;
+layout(set = 0, binding = 5) uniform samplerBuffer warped_stats;
+layout(set = 0, binding = 6) uniform samplerBuffer exposure;
+layout(set = 0, binding = 7) uniform samplerBuffer residual;
+layout(set = 0, binding = 8) uniform samplerBuffer valid;
+layout(set = 0, binding = 9) uniform samplerBuffer difference;
+layout(set = 0, binding = 10) uniform samplerBuffer difference_sums;
+layout(std430, set = 0, binding = 11) writeonly buffer MergedColorBuffer { vec4 data[]; } merged_color;
+layout(std430, set = 0, binding = 12) writeonly buffer MergedStatsBuffer { vec2 data[]; } merged_stats;
+layout(std430, set = 0, binding = 13) writeonly buffer DecisionBuffer { vec4 data[]; } decision;
+
+/// Limits differences, so that sums of their squares stay within the range of floats.
+const float kLargest = 1e16;
+/// Of the inverted mask (Hanika et al. 2021, section 4): patches whose distance exceeds kEta / kKappa differ.
+const float kKappa = 40.0;
+const float kEta = 0.2;
+/// Filtered difference, relative to the brightness, that rejects the whole history, and below which none is.
+const float kRejects = 0.3;
+const float kAccepts = 0.05;
+const int kRejectionRadius = 3;
+/// Share of the expected noise that counts against a difference: less follows motion sooner, more averages
+/// longer. Chosen on the shots of scripts/benches/antialias: from 0.4 to 1 still and moving ones trade 3 %.
+const float kExplained = 0.5;
+/// Variances of the difference beyond which a pixel's own difference is bias, whatever its neighbours say.
+const float kCertain = 9.0;
+/// Share of its weight that a new sample keeps where the history lies on its bounds.
+const float kSteady = 0.25;
+
+float squared(vec3 d) {
+  d = clamp(d, -kLargest, kLargest);
+  return dot(d, d) / 3.0;
+}
+
+/// The 3x3 samples around a pixel: their bounds in the space of rectification, and what eq. 10 and 11 take.
+struct Around {
+  vec3 low;
+  vec3 high;
+  vec3 middle;
+  float spread;      // eq. 10: variance of the samples
+  float difference;  // eq. 11: mean squared difference between the history and a sample
+};
+
+Around look_around(ivec2 at, int index, vec3 history) {
+  vec3 sum = vec3(0.0);
+  vec3 squares = vec3(0.0);
+  float difference_sum = 0.0;
+  vec3 low = vec3(3.4e38);
+  vec3 high = vec3(-3.4e38);
+  float count = 0.0;
+  // Relative to the pixel's own sample, so that the squares of an even surface cancel.
+  const vec3 own = texelFetch(samples, index).rgb;
+  vec3 mean_rgb = vec3(0.0);
+  float squares_rgb = 0.0;
+  [[unroll]] for (int k = 0; k < 9; ++k) {
+    const ivec2 q = at + ivec2(k % 3, k / 3) - 1;
+    const bool inside = q.x >= 0 && q.y >= 0 && q.x < size.x && q.y < size.y;
+    const int tap = inside ? q.y * size.x + q.x : index;
+    const float w = inside && texelFetch(finite, tap).x > 0.0 ? 1.0 : 0.0;
+    const vec3 x = texelFetch(samples, tap).rgb;
+    const vec3 d = clamp(x - own, -kLargest, kLargest);
+    const vec3 in_space = in_ycocg != 0 ? to_ycocg(d) : d;
+    sum += w * in_space;
+    squares += w * in_space * in_space;
+    low = w > 0.0 ? min(low, in_space) : low;
+    high = w > 0.0 ? max(high, in_space) : high;
+    mean_rgb += w * d;
+    squares_rgb += w * dot(d, d);
+    difference_sum += w * squared(history - x);
+    count += w;
+  }
+  Around around;
+  const float n = max(count, 1.0);
+  const vec3 offset = in_ycocg != 0 ? to_ycocg(own) : own;
+  const vec3 mean = sum / n;
+  const vec3 deviation = sqrt(max(squares / n - mean * mean, vec3(0.0)));
+  around.middle = offset + mean;
+  around.low = by_deviation != 0 ? around.middle - p.gamma * deviation : offset + low;
+  around.high = by_deviation != 0 ? around.middle + p.gamma * deviation : offset + high;
+  mean_rgb /= n;
+  around.spread = max(squares_rgb / n - dot(mean_rgb, mean_rgb), 0.0) / 3.0;
+  around.difference = difference_sum / n;
+  return around;
+}
+
+/// The variance of the new frame and the squared bias of the history, over 3x3 pixels: the bias is what noise
+/// does not explain of their mean squared difference, or of the pixel's own.
+vec2 variance_and_bias(ivec2 at, int index, float n) {
+  float squares = 0.0;
+  float noise = 0.0;
+  float count = 0.0;
+  [[unroll]] for (int k = 0; k < 9; ++k) {
+    const ivec2 q = at + ivec2(k % 3, k / 3) - 1;
+    const bool inside = q.x >= 0 && q.y >= 0 && q.x < size.x && q.y < size.y;
+    const int tap = inside ? q.y * size.x + q.x : index;
+    const vec2 new_stats = texelFetch(variance, tap).xy;
+    const float w = inside && new_stats.y > 0.0 && texelFetch(warped_stats, tap).y > 0.0 ? 1.0 : 0.0;
+    squares += w * squared(texelFetch(color, tap).rgb - texelFetch(warped_color, tap).rgb);
+    noise += w * new_stats.x;
+    count += w;
+  }
+  const float of_frame = noise / max(count, 1.0);
+  const float expected = kExplained * of_frame * (1.0 + 1.0 / max(n, 1.0));
+  const float own = squared(texelFetch(color, index).rgb - texelFetch(warped_color, index).rgb);
+  return vec2(of_frame, max(max(squares / max(count, 1.0) - expected, own - kCertain * expected), 0.0));
+}
+
+float residual_at(int x, int y) { return texelFetch(residual, y * residual_size.x + x).x; }
+
+/// 1 where patches differ, 0 where they are alike.
+float mask_of(ivec2 at) {
+  const BilinearTaps taps = bilinear_taps(at, vec2(0.0), residual_size, p.residual_scale);
+  const float top = mix(residual_at(taps.lo.x, taps.lo.y), residual_at(taps.hi.x, taps.lo.y), taps.t.x);
+  const float bottom = mix(residual_at(taps.lo.x, taps.hi.y), residual_at(taps.hi.x, taps.hi.y), taps.t.x);
+  return clamp(kKappa * mix(top, bottom, taps.t.y) - kEta, 0.0, 1.0);
+}
+
+/// The least weight of the new frame by the filtered difference (survey, eq. 5).
+float least_by_color(ivec2 at, int index) {
+  vec4 sum = texelFetch(difference_sums, index);
+  float count = 0.0;
+  [[unroll]] for (int i = -kRejectionRadius; i <= kRejectionRadius; ++i) {
+    const bool inside = at.x + i >= 0 && at.x + i < size.x;
+    const vec4 tap = texelFetch(difference, inside ? index + i : index);
+    sum += inside ? tap : vec4(0.0);
+    count += inside ? 1.0 : 0.0;
+  }
+  const int rows = min(at.y + kRejectionRadius, size.y - 1) - max(at.y - kRejectionRadius, 0) + 1;
+  const vec3 mean = abs(sum.rgb) / (count * float(rows));
+  return clamp((max(mean.r, max(mean.g, mean.b)) - kAccepts) / (kRejects - kAccepts), 0.0, 1.0);
+}
+
+void main() {
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  if (at.x >= size.x || at.y >= size.y) return;
+  const int index = at.y * size.x + at.x;
+  const vec4 x = texelFetch(color, index);
+  const vec2 x_stats = texelFetch(variance, index).xy;
+  const vec4 found = texelFetch(warped_color, index);
+  const vec2 stats = texelFetch(warped_stats, index).xy;
+  const bool has_sample = x_stats.y > 0.0;
+  const bool has_history = stats.y > 0.0;
+
+  vec4 h = found;
+  float near_bounds = 0.0;
+  Around around;
+  if (rectify != 0 || rule == kGain) around = look_around(at, index, found.rgb);
+  if (rectify != 0) {
+    const vec3 in_space = in_ycocg != 0 ? to_ycocg(h.rgb) : h.rgb;
+    const vec3 within = rectify == 1 ? clamp(in_space, around.low, around.high)
+                                     : clip_towards(in_space, around.middle, around.low, around.high);
+    if (within != in_space) h.rgb = in_ycocg != 0 ? from_ycocg(within) : within;
+    const float room = min(in_space.x - around.low.x, around.high.x - in_space.x);
+    near_bounds = 1.0 - clamp(4.0 * room / max(around.high.x - around.low.x, 1e-30), 0.0, 1.0);
+  }
+
+  const float even = 1.0 / (min(stats.y, p.frames - 1.0) + 1.0);
+  float bias = 0.0;
+  float alpha = p.newest;
+  if (rule == kMean) alpha = even;
+  if (rule == kGain) alpha = max(around.difference > 0.0 ? 1.0 - around.spread / around.difference : 0.0, even);
+  if (rule == kVariance) {
+    // The variance of a history of n frames is 1/n of a frame's: a tracked one would give frames that happen to
+    // miss an edge, and so have no variance, all weight.
+    const vec2 found_here = variance_and_bias(at, index, stats.y);
+    bias = found_here.y;
+    const float of_history = found_here.x / max(stats.y, 1.0);
+    alpha = of_history + bias > 0.0 ? gain(found_here.x, of_history, bias) : even;
+    alpha = max(alpha, 1.0 / p.frames);
+  }
+  const float trusted = alpha;
+  if (against_outliers != 0) {
+    const float e = texelFetch(exposure, 0).x;
+    alpha = luminance_weighted(alpha, e * max(luminance(x.r, x.g, x.b), 0.0), e * max(luminance(h.r, h.g, h.b), 0.0));
+  }
+  if (steady != 0) alpha *= mix(1.0, kSteady, near_bounds);
+  if (masked != 0) alpha = 1.0 - (1.0 - alpha) * mask_of(at);
+  if (by_color != 0) alpha = max(alpha, least_by_color(at, index));
+  if (by_surface != 0 && texelFetch(valid, index).x <= 0.0) alpha = 1.0;
+
+  vec4 blended = alpha >= 1.0 ? x : h + alpha * (x - h);
+  const float rest = 1.0 - alpha;
+  const float old_variance = rest > 0.0 ? rest * rest * (stats.x + bias) : 0.0;
+  vec2 blended_stats = vec2(min(old_variance + alpha * alpha * x_stats.x, kLargestVariance),
+                            min(stats.y / (alpha * alpha * stats.y + rest * rest), p.frames));
+  vec4 decided = vec4(clamp((alpha - trusted) / max(1.0 - trusted, 1e-6), 0.0, 1.0), min(bias, kLargestVariance), alpha, 0.0);
+  if (!has_history) {
+    blended = x;
+    blended_stats = vec2(x_stats.x, 1.0);
+    decided = vec4(1.0, 0.0, 1.0, 0.0);
+  }
+  // A sample that is not finite leaves the history as it is; without history, its replacement keeps a count of 0.
+  if (!has_sample) {
+    blended = has_history ? found : x;
+    blended_stats = stats;
+    decided = vec4(0.0);
+  }
+  merged_color.data[index] = blended;
+  merged_stats.data[index] = blended_stats;
+  decision.data[index] = decided;
+}

@@ -1,0 +1,20 @@
+// Push constants of the kernels in shaders/antialias/; see align_params.h for the rules.
+#ifndef BECALM_ANTIALIAS_PARAMS_H
+#define BECALM_ANTIALIAS_PARAMS_H
+
+#ifdef __cplusplus
+namespace becalm::filter::params {
+#endif
+
+/// antialias/accumulate.
+struct AccumulateParams {
+  float residual_scale;  // full-resolution pixels in one of the residual's
+  float newest;          // weight of a new sample, if it is constant
+  float frames;          // most frames that a history counts as
+  float gamma;           // standard deviations of the bounds
+};
+
+#ifdef __cplusplus
+}  // namespace becalm::filter::params
+#endif
+#endif

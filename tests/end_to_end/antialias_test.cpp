@@ -1,0 +1,118 @@
+// becalm antialias: from the tracer's jittered frames to files, resumed, and what it refuses.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "frame/io/jitter_text.h"
+#include "tests/end_to_end/harness.h"
+
+namespace becalm::test {
+namespace {
+
+/// The harness's scene with jitter and a hard sun instead of noisy light.
+std::string write_jittered_scene(const TempFolder& folder) {
+  const std::string path = write_scene(folder);
+  std::stringstream text;
+  text << std::ifstream(path).rdbuf();
+  std::string scene = text.str();
+  const std::string film = "\"film\": {";
+  scene.insert(scene.find(film) + film.size(), "\"jitter_cycle\": 4, ");
+  write_text(path, scene);
+  return path;
+}
+
+class Antialias : public testing::Test {
+ protected:
+  void render(const std::string& spp = "1") const {
+    becalm_done({"render", write_jittered_scene(folder_), "-o", input_, "--spp", spp, "--float", "--aovs",
+                 "motion,depth", "--quiet"});
+  }
+  std::vector<std::string> command(const std::string& pattern,
+                                   const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments{"antialias", input_, "-o", folder_ / pattern};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+
+  TempFolder folder_;
+  std::string input_ = folder_ / "in.####.exr";
+};
+
+TEST_F(Antialias, AveragesTheTracersJitteredFrames) {
+  render();
+  const Frame first = read_frame(frame_path(input_, 1));
+  ASSERT_TRUE(first.jitter());
+  ASSERT_EQ(first.jitter()->positions_px.size(), 1u);
+  EXPECT_NEAR(first.jitter()->positions_px[0].x, 0.0f, 1e-6f) << "Halton's first point in base 2 is 1/2";
+  EXPECT_LT(first.jitter()->positions_px[0].y, 0.0f);
+  const Outcome outcome = becalm_done(command("out.####.exr", {"--diagnostics"}));
+  EXPECT_NE(outcome.err.find("motion vectors where known, else by the search"), std::string::npos)
+      << outcome.err;
+  for (int number = 1; number <= 4; ++number) {
+    const std::string path = frame_path(folder_ / "out.####.exr", number);
+    AovSet aovs;
+    aovs.set(static_cast<std::size_t>(Aov::motion)).set(static_cast<std::size_t>(Aov::sample_count));
+    const Frame result = read_frame(path, aovs);
+    EXPECT_FALSE(result.jitter()) << "is averaged";
+    EXPECT_EQ(io::read_attribute(path, "becalm:preset"), "best");
+    EXPECT_TRUE(same_pixels(result.image(Aov::motion),
+                            read_frame(frame_path(input_, number), aovs).image(Aov::motion)));
+    EXPECT_FALSE(
+        same_pixels(result.image(Aov::beauty), read_frame(frame_path(input_, number)).image(Aov::beauty)));
+  }
+}
+
+TEST_F(Antialias, ResumesToTheSamePixels) {
+  render();
+  becalm_done(command("whole.####.exr", {"--quiet"}));
+  becalm_done(command("a.####.exr", {"--quiet"}));
+  fs::remove(folder_ / "a.0002.exr");
+  becalm_done(command("a.####.exr", {"--resume"}));
+  expect_same_beauty(folder_ / "whole.####.exr", folder_ / "a.####.exr", 1, 4);
+  expect_error(becalm(command("a.####.exr", {"--resume", "--set", "gamma=2"})), 2, {"a.0001.exr", "gamma"});
+  expect_error(becalm(command("a.####.exr", {"--resume", "--jitter", "none"})), 2, {"a.0001.exr", "jitter"});
+}
+
+TEST_F(Antialias, TakesWhatTheUserSaysOfTheJitter) {
+  render("2");
+  EXPECT_EQ(read_frame(frame_path(input_, 1)).jitter()->positions_px.size(), 2u);
+  becalm_done(command("given.####.exr", {"--jitter", "halton:8", "--preset", "forward", "--quiet"}));
+  becalm_done(command("none.####.exr", {"--jitter", "none", "--preset", "forward", "--quiet"}));
+  EXPECT_FALSE(same_pixels(read_frame(frame_path(folder_ / "given.####.exr", 2)).image(Aov::beauty),
+                           read_frame(frame_path(folder_ / "none.####.exr", 2)).image(Aov::beauty)));
+}
+
+TEST_F(Antialias, RefusesWhatIsWrong) {
+  expect_error(becalm(command("out.####.exr")), 3, {"in.####.exr"});
+  render();
+  expect_error(becalm(command("out.####.exr", {"--jitter", "halton:0"})), 2, {"--jitter halton:0"});
+  expect_error(becalm(command("out.####.exr", {"--preset", "balanced"})), 2, {"preset 'balanced'", "best"});
+  expect_error(becalm(command("out.####.exr", {"--set", "newest=2"})), 2, {"newest", "0.001..1"});
+  expect_error(becalm({"antialias", input_, "-o", input_}), 2, {"would overwrite the input"});
+  std::ofstream(frame_path(input_, 2)) << "no image";
+  expect_error(becalm(command("out.####.exr")), 3, {"in.0002.exr"});
+}
+
+TEST_F(Antialias, HelpFitsAScreen) {
+  const Outcome help = becalm_done({"antialias", "--help"});
+  EXPECT_LE(std::ranges::count(help.out, '\n'), 60);
+  const Outcome settings = becalm_done({"antialias", "--help-settings"});
+  EXPECT_NE(settings.out.find("reproject"), std::string::npos);
+}
+
+TEST(JitterText, IsReadAsItIsWritten) {
+  const FrameJitter jitter{
+      .positions_px = {{0.25f, -0.125f}, {-1.0f, 0.5f}}, .filter = FilterShape::tent, .radius_px = 1.0f};
+  EXPECT_EQ(io::format_jitter(jitter), "tent 1: 0.25 -0.125, -1 0.5");
+  EXPECT_EQ(io::parse_jitter(io::format_jitter(jitter)), jitter);
+  for (const char* text :
+       {"", "none", "tent 1", "tent 1:", "tent 1: 0.1", "round 1: 0 0", "box 1: 0 nan", "box 1: 0 0,"}) {
+    EXPECT_FALSE(io::parse_jitter(text)) << text;
+  }
+}
+
+}  // namespace
+}  // namespace becalm::test

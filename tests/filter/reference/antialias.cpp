@@ -1,0 +1,198 @@
+#include "tests/filter/reference/antialias.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace becalm::reference {
+namespace {
+
+using filter::Accumulate;
+using filter::AntialiasSettings;
+using filter::Bounds;
+using filter::ColorSpace;
+using filter::Rectify;
+
+Rgb operator-(const Rgb& a, const Rgb& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+double mean_square(const Rgb& d) {
+  return (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) / 3.0;
+}
+
+Rgb in_space(const Rgb& c, ColorSpace space) {
+  if (space == ColorSpace::rgb) return c;
+  return {0.25 * c[0] + 0.5 * c[1] + 0.25 * c[2], 0.5 * c[0] - 0.5 * c[2],
+          -0.25 * c[0] + 0.5 * c[1] - 0.25 * c[2]};
+}
+
+Rgb in_rgb(const Rgb& c, ColorSpace space) {
+  if (space == ColorSpace::rgb) return c;
+  return {c[0] + c[1] - c[2], c[0] + c[2], c[0] - c[1] - c[2]};
+}
+
+/// The pixels of the 3x3 around one that lie inside, as tap and value.
+template <class T>
+std::vector<std::pair<int, T>> around(const Grid<T>& grid, int x, int y) {
+  std::vector<std::pair<int, T>> taps;
+  for (int k = 0; k < 9; ++k) {
+    const int qx = x + k % 3 - 1;
+    const int qy = y + k / 3 - 1;
+    if (qx >= 0 && qy >= 0 && qx < grid.width && qy < grid.height) taps.emplace_back(k, grid.at(qx, qy));
+  }
+  return taps;
+}
+
+/// Of the 3x3 samples: their variance (Philippi et al. 2022, eq. 10) and the mean squared difference from the
+/// history (eq. 11), averaged over channels.
+std::pair<double, double> spread_and_difference(const Grid<Rgb>& samples, int x, int y, const Rgb& history) {
+  const auto taps = around(samples, x, y);
+  const double n = static_cast<double>(taps.size());
+  Rgb mean{};
+  for (const auto& [k, value] : taps) {
+    for (int c = 0; c < 3; ++c) mean[c] += value[c] / n;
+  }
+  double spread = 0.0;
+  double difference = 0.0;
+  for (const auto& [k, value] : taps) {
+    spread += mean_square(value - mean) / n;
+    difference += mean_square(history - value) / n;
+  }
+  return {spread, difference};
+}
+
+struct Estimated {
+  double variance;  ///< of the new frame
+  double bias_squared;
+};
+
+Estimated variance_and_bias(const Grid<Antialiased>& frame, const Grid<Antialiased>& history, int x, int y) {
+  double squares = 0.0;
+  double noise = 0.0;
+  double count = 0.0;
+  for (const auto& [k, now] : around(frame, x, y)) {
+    const Antialiased& before = history.at(x + k % 3 - 1, y + k / 3 - 1);
+    if (before.count <= 0.0) continue;
+    squares += mean_square(now.color - before.color);
+    noise += now.variance;
+    count += 1.0;
+  }
+  const double variance = noise / std::max(count, 1.0);
+  const double expected = 0.5 * variance * (1.0 + 1.0 / history.at(x, y).count);
+  const double own = mean_square(frame.at(x, y).color - history.at(x, y).color);
+  return {variance, std::max({0.0, squares / std::max(count, 1.0) - expected, own - 9.0 * expected})};
+}
+
+}  // namespace
+
+Grid<Antialiased> reconstruct(const Grid<Rgb>& samples, const std::array<double, 10>& weights) {
+  Grid<Antialiased> frame(samples.width, samples.height);
+  for (int y = 0; y < samples.height; ++y) {
+    for (int x = 0; x < samples.width; ++x) {
+      const auto taps = around(samples, x, y);
+      double sum = 0.0;
+      double squares = 0.0;
+      Rgb mean{};
+      for (const auto& [k, value] : taps) {
+        const double w = weights[9] > 0.0 ? weights[k] : (k == 4 ? 1.0 : 0.0);
+        sum += w;
+        squares += w * w;
+        for (int c = 0; c < 3; ++c) mean[c] += w * value[c];
+      }
+      for (double& c : mean) c /= sum;
+      double spread = 0.0;
+      for (const auto& [k, value] : taps) {
+        if (weights[9] > 0.0) spread += weights[k] * mean_square(value - mean);
+      }
+      const double n = sum * sum / squares;
+      const double of_samples = spread_and_difference(samples, x, y, mean).first;
+      frame.at(x, y) = {mean, n < 1.5 ? of_samples / n : spread / (sum * (n - 1.0)), 1.0};
+    }
+  }
+  return frame;
+}
+
+Rgb rectified(const Grid<Rgb>& samples, int x, int y, const Rgb& history, const AntialiasSettings& settings) {
+  if (settings.rectify == Rectify::none) return history;
+  const auto taps = around(samples, x, y);
+  const double n = static_cast<double>(taps.size());
+  Rgb low{}, high{}, middle{};
+  for (int c = 0; c < 3; ++c) {
+    double least = INFINITY, most = -INFINITY, sum = 0.0, squares = 0.0;
+    for (const auto& [k, value] : taps) {
+      const double v = in_space(value, settings.space)[c];
+      least = std::min(least, v);
+      most = std::max(most, v);
+      sum += v;
+      squares += v * v;
+    }
+    middle[c] = sum / n;
+    const double deviation = std::sqrt(std::max(squares / n - middle[c] * middle[c], 0.0));
+    const bool by_deviation = settings.bounds == Bounds::deviation;
+    low[c] = by_deviation ? middle[c] - settings.gamma * deviation : least;
+    high[c] = by_deviation ? middle[c] + settings.gamma * deviation : most;
+  }
+  Rgb h = in_space(history, settings.space);
+  double share = 1.0;
+  for (int c = 0; c < 3; ++c) {
+    // What rounding of floats would exceed the bounds by counts as within them.
+    const double rounding = 2e-6 * std::max({std::abs(h[0]), std::abs(h[1]), std::abs(h[2])});
+    if (h[c] > high[c] + rounding) share = std::min(share, (high[c] - middle[c]) / (h[c] - middle[c]));
+    if (h[c] < low[c] - rounding) share = std::min(share, (middle[c] - low[c]) / (middle[c] - h[c]));
+  }
+  for (int c = 0; c < 3; ++c) {
+    h[c] = settings.rectify == Rectify::clamp ? std::clamp(h[c], low[c], high[c])
+                                              : middle[c] + share * (h[c] - middle[c]);
+  }
+  return in_rgb(h, settings.space);
+}
+
+Grid<Antialiased> accumulate(const Grid<Rgb>& samples, const Grid<Antialiased>& frame,
+                             const Grid<Antialiased>& history, const AntialiasSettings& settings) {
+  Grid<Antialiased> next(frame.width, frame.height);
+  for (int y = 0; y < frame.height; ++y) {
+    for (int x = 0; x < frame.width; ++x) {
+      const Antialiased& now = frame.at(x, y);
+      const Antialiased& before = history.at(x, y);
+      Antialiased& result = next.at(x, y);
+      if (before.count <= 0.0) {
+        result = now;
+        continue;
+      }
+      const Rgb h = rectified(samples, x, y, before.color, settings);
+      const double even = 1.0 / (std::min(before.count, settings.frames - 1.0) + 1.0);
+      double alpha = 0.0;
+      double bias = 0.0;
+      switch (settings.accumulate) {
+        case Accumulate::exponential:
+          alpha = settings.newest;
+          break;
+        case Accumulate::mean:
+          alpha = even;
+          break;
+        case Accumulate::gain: {
+          const auto [spread, difference] = spread_and_difference(samples, x, y, before.color);
+          alpha = std::max(difference > 0.0 ? 1.0 - spread / difference : 0.0, even);
+          break;
+        }
+        case Accumulate::variance: {
+          const Estimated found = variance_and_bias(frame, history, x, y);
+          bias = found.bias_squared;
+          const double old_error = found.variance / before.count + bias;
+          alpha = old_error > 0.0 ? old_error / (old_error + found.variance) : even;
+          alpha = std::max(alpha, 1.0 / settings.frames);
+          break;
+        }
+      }
+      for (int c = 0; c < 3; ++c) result.color[c] = h[c] + alpha * (now.color[c] - h[c]);
+      const double rest = 1.0 - alpha;
+      result.variance = rest * rest * (before.variance + bias) + alpha * alpha * now.variance;
+      result.count = std::min(before.count / (alpha * alpha * before.count + rest * rest),
+                              static_cast<double>(settings.frames));
+    }
+  }
+  return next;
+}
+
+}  // namespace becalm::reference
