@@ -1,6 +1,9 @@
 """Reports as markdown and JSON."""
 
 import json
+import textwrap
+
+COLUMNS = 100
 
 
 def markdown(header, rows):
@@ -11,6 +14,10 @@ def markdown(header, rows):
              for row in cells]
     rule = "| " + " | ".join("-" * w if i == 0 else "-" * (w - 1) + ":" for i, w in enumerate(widths)) + " |"
     return "\n".join([lines[0], rule, *lines[1:]]) + "\n"
+
+
+def wrapped(text):
+    return "\n\n".join(textwrap.fill(part, COLUMNS, break_on_hyphens=False) for part in text.split("\n\n")) + "\n"
 
 
 def figure(value, digits=4):

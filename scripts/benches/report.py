@@ -1,4 +1,5 @@
-"""Writes RESULTS.md: the quality of each preset on the Cycles shots, the trade of speed for accuracy, what adaptive sampling gains, and time and memory at 1920x1080.
+"""Writes RESULTS.md: the quality of each preset on the Cycles shots, the trade of speed for accuracy, what adaptive sampling gains,
+temporal antialiasing, time and memory at 1920x1080, and both against pixels and frames.
 Called by `scripts/bench report`."""
 
 import argparse
@@ -92,6 +93,20 @@ def adaptive_part(becalm):
     return f"{title}\n\n{measured_at()}\n{text}"
 
 
+def antialias_part(becalm):
+    return f"""## Temporal antialiasing
+
+{measured_at()}
+
+One jittered sample a pixel at 320x180, 24 frames, direct light of a sun without penumbra and an
+ambient term (`scripts/benches/antialias/shots.py`), against 128 samples. `clamping`, `gain` and
+`paper` are the methods as published; the last row of a scene is the table of Philippi et al. 2022 on
+scenes of their own, with the gain's share of clamping.
+
+{said(sys.executable, "-m", "benches.antialias.run", "--becalm", becalm)}
+"""
+
+
 def time_part(becalm):
     rows = "\n".join(time_table(becalm, "build/report"))
     return f"""## Time
@@ -107,8 +122,17 @@ variance; medians of {RUNS} runs that alternate between the presets, files inclu
 """
 
 
-PARTS = {"quality": quality_part, "trade": trade_part, "adaptive": adaptive_part, "time": time_part}  # by name, in RESULTS.md's order
-TITLES = {"quality": "## Cycles shots, 8 samples a pixel", "trade": "## The trade", "adaptive": "## Adaptive sampling", "time": "## Time"}
+def scaling_part(becalm):
+    # Processor time: it depends less on what else the machine does in an hour.
+    subprocess.run([sys.executable, "-m", "benches.front.run", "--becalm", becalm, "--scaling", "--clock", "processor", "--resume"], check=True)
+    title, text = Path("out/front/scaling.md").read_text().split("\n", 1)
+    return f"{title}\n\n{measured_at()}\n{text}"
+
+
+PARTS = {"quality": quality_part, "trade": trade_part, "adaptive": adaptive_part, "antialias": antialias_part, "time": time_part,
+         "scaling": scaling_part}  # by name, in RESULTS.md's order
+TITLES = {"quality": "## Cycles shots, 8 samples a pixel", "trade": "## The trade", "adaptive": "## Adaptive sampling", "antialias": "## Temporal antialiasing",
+          "time": "## Time\n", "scaling": "## Time and memory against pixels and frames\n"}
 
 
 def measured_at():

@@ -1,0 +1,89 @@
+"""Temporal antialiasing of one jittered sample a pixel: RMSE and SSIM against references of many samples, by each method, beside the
+table of Philippi, Frisvad and Jensen, section 5.1. Called by `scripts/bench antialias`."""
+
+import argparse
+import subprocess
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from benches.antialias.shots import CHOOSING, REPORTED, read, render
+
+METHODS = {  # the options of becalm antialias
+    "1 spp": None,
+    "clamping": ["--preset", "clamping"],
+    "gain": ["--preset", "gain"],
+    "paper": ["--preset", "paper"],
+    "forward": ["--preset", "forward"],
+    "best": ["--preset", "best"],
+}
+PUBLISHED = {"fence": (0.015, 0.009, 0.006), "classroom": (0.074, 0.048, 0.037), "blocks": (0.050, 0.032, 0.029)}
+REFERENCE_SPP = 128
+
+
+def ssim(a, b):
+    """Wang et al. 2004 over linear colours in [0,1], with a Gaussian window of 1.5 px."""
+    a, b = np.clip(a, 0, 1).astype(np.float64), np.clip(b, 0, 1).astype(np.float64)
+
+    def blur(image):
+        return cv2.GaussianBlur(image, (11, 11), 1.5)
+
+    mean_a, mean_b = blur(a), blur(b)
+    var_a, var_b, cov = blur(a * a) - mean_a**2, blur(b * b) - mean_b**2, blur(a * b) - mean_a * mean_b
+    c1, c2 = 0.01**2, 0.03**2
+    return float(np.mean((2 * mean_a * mean_b + c1) * (2 * cov + c2) / ((mean_a**2 + mean_b**2 + c1) * (var_a + var_b + c2))))
+
+
+def measure(reference, test):
+    """RMSE, SSIM, and the RMSE of the differences between frames, over a sequence."""
+    error = [np.mean((r - t) ** 2) for r, t in zip(reference, test)]
+    change = [np.mean(((r1 - r0) - (t1 - t0)) ** 2) for r0, r1, t0, t1 in zip(reference, reference[1:], test, test[1:])]
+    return np.sqrt(np.mean(error)), np.mean([ssim(r, t) for r, t in zip(reference, test)]), np.sqrt(np.mean(change))
+
+
+def antialias(becalm, source, target, options):
+    subprocess.run([becalm, "antialias", source / "f.####.exr", "-o", target / "f.####.exr", *options, "--overwrite", "--quiet"], check=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="scripts/bench antialias", description=__doc__)
+    parser.add_argument("scenes", nargs="*", metavar="SCENE", help=f"default: {', '.join(REPORTED)}")
+    parser.add_argument("--choosing", action="store_true", help=f"the shots that settings are chosen on: {', '.join(CHOOSING)}")
+    parser.add_argument("--method", action="append", default=[], metavar="NAME[:OPTIONS]",
+                        help="a method alone; with options of becalm antialias, such as 'try:--preset best --set gamma=2'")
+    parser.add_argument("--size", default="320x180", metavar="WxH")
+    parser.add_argument("--frames", type=int, default=24, help="of each shot (default: 24)")
+    parser.add_argument("--becalm", default="build/release/becalm")
+    parser.add_argument("-o", "--output", type=Path, default=Path("build/antialias"), metavar="DIR")
+    asked = parser.parse_args()
+    size = tuple(int(side) for side in asked.size.split("x"))
+    frames = range(1, asked.frames + 1)
+    methods = {}
+    for text in asked.method:
+        name, _, options = text.partition(":")
+        methods[name] = options.split() if options else METHODS[name]
+    methods = methods or METHODS
+    print("| scene | method | RMSE | of clamping's | SSIM | RMSE of changes |\n| --- | --- | --- | --- | --- | --- |")
+    for scene in asked.scenes or (CHOOSING if asked.choosing else REPORTED):
+        root = asked.output / asked.size / scene
+        render(asked.becalm, scene, root / "jittered", frames, size, 1, True)
+        render(asked.becalm, scene, root / "reference", frames, size, REFERENCE_SPP, False)
+        reference = [read(root / "reference", frame) for frame in frames]
+        clamping = None
+        for name, options in methods.items():
+            folder = root / "jittered"
+            if options is not None:
+                folder = root / name
+                antialias(asked.becalm, root / "jittered", folder, options)
+            rmse, similarity, changes = measure(reference, [read(folder, frame) for frame in frames])
+            clamping = rmse if name == "clamping" else clamping
+            ratio = f"{rmse / clamping:.2f}" if clamping else "-"
+            print(f"| {scene} | {name} | {rmse:.4f} | {ratio} | {similarity:.4f} | {changes:.4f} |", flush=True)
+        if scene in PUBLISHED:
+            one, clamp, gain = PUBLISHED[scene]
+            print(f"| {scene} | published: 1 spp {one}, clamping {clamp}, gain {gain} | | {gain / clamp:.2f} | | |")
+
+
+if __name__ == "__main__":
+    main()
