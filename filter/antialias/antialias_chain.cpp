@@ -37,6 +37,7 @@ Settings aligner_settings(const AntialiasTask& task) {
   settings.prefilter = 0;
   settings.guides = 0;
   settings.blur_radius = {2};
+  settings.refine_levels = task.settings.refine_levels;
   settings.motion = task.has_motion() ? MotionUse::guide : MotionUse::none;
   settings.resample = task.settings.resample;
   settings.directions = task.settings.directions;

@@ -22,6 +22,9 @@ const SettingRow<AntialiasSettings> kAntialiasTable[] = {
       "what brings the history to a frame: the aligner's search; motion vectors; vectors where known, else "
       "the search; or whichever of the two matches better"},
      name_field(&AntialiasSettings::reproject, kReprojectNames)},
+    {{"refine_levels", "integer 0..12",
+      "subpixel refinement of the search on so many of its finest levels; without it slow motion stutters"},
+     number_field(&AntialiasSettings::refine_levels, 0, 12)},
     {{"directions", "forward or both", "history of the frames before alone, or of those after as well"},
      name_field(&AntialiasSettings::directions, kDirectionsNames)},
     {{"resample", "bilinear, catmull_rom or spline",
@@ -88,6 +91,7 @@ AntialiasSettings antialias_preset(std::string_view name) {
   } else if (name == "paper") {
     // Hanika et al. 2021, section 4.
     settings.reproject = Reproject::search;
+    settings.refine_levels = 2;
     settings.accumulate = Accumulate::exponential;
     settings.rectify = Rectify::clamp;
     settings.space = ColorSpace::rgb;

@@ -33,6 +33,7 @@ enum class Switch { no, yes };
 /// help texts.
 struct AntialiasSettings {
   Reproject reproject = Reproject::known;
+  int refine_levels = 12;
   Directions directions = Directions::both;
   Resample resample = Resample::spline;
   Accumulate accumulate = Accumulate::variance;

@@ -104,6 +104,14 @@ ambient term (`scripts/benches/antialias/shots.py`), against 128 samples. `clamp
 scenes of their own, with the gain's share of clamping.
 
 {said(sys.executable, "-m", "benches.antialias.run", "--becalm", becalm)}
+
+### Stutter of slow motion
+
+`scenes/mountains.json` without its clouds, 32 samples, whose motion is 0.1 px a frame here (Hanika et
+al. 2021, figure 1): RMS difference between the motion from frame to frame, by Farneback's optical flow,
+and that of the source, once averaged over time by the search.
+
+{said(sys.executable, "-m", "benches.antialias.run", "--stutter", "--becalm", becalm)}
 """
 
 

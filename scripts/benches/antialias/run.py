@@ -2,13 +2,13 @@
 table of Philippi, Frisvad and Jensen, section 5.1. Called by `scripts/bench antialias`."""
 
 import argparse
-import subprocess
 from pathlib import Path
 
 import cv2
 import numpy as np
 
-from benches.antialias.shots import CHOOSING, REPORTED, read, render
+from benches.antialias import stutter
+from benches.antialias.shots import CHOOSING, REPORTED, antialias, read, render
 
 METHODS = {  # the options of becalm antialias
     "1 spp": None,
@@ -42,16 +42,13 @@ def measure(reference, test):
     return np.sqrt(np.mean(error)), np.mean([ssim(r, t) for r, t in zip(reference, test)]), np.sqrt(np.mean(change))
 
 
-def antialias(becalm, source, target, options):
-    subprocess.run([becalm, "antialias", source / "f.####.exr", "-o", target / "f.####.exr", *options, "--overwrite", "--quiet"], check=True)
-
-
 def main():
     parser = argparse.ArgumentParser(prog="scripts/bench antialias", description=__doc__)
     parser.add_argument("scenes", nargs="*", metavar="SCENE", help=f"default: {', '.join(REPORTED)}")
     parser.add_argument("--choosing", action="store_true", help=f"the shots that settings are chosen on: {', '.join(CHOOSING)}")
     parser.add_argument("--method", action="append", default=[], metavar="NAME[:OPTIONS]",
                         help="a method alone; with options of becalm antialias, such as 'try:--preset best --set gamma=2'")
+    parser.add_argument("--stutter", action="store_true", help="the stutter of slow motion by the search, with and without subpixel refinement")
     parser.add_argument("--size", default="320x180", metavar="WxH")
     parser.add_argument("--frames", type=int, default=24, help="of each shot (default: 24)")
     parser.add_argument("--becalm", default="build/release/becalm")
@@ -59,6 +56,9 @@ def main():
     asked = parser.parse_args()
     size = tuple(int(side) for side in asked.size.split("x"))
     frames = range(1, asked.frames + 1)
+    if asked.stutter:
+        print("\n".join(stutter.table(asked.becalm, asked.output, size, frames)))
+        return
     methods = {}
     for text in asked.method:
         name, _, options = text.partition(":")

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO as oiio
 
-REPORTED = ("fence", "classroom", "blocks")
+REPORTED = ("fence", "classroom", "blocks", "meadow")
 CHOOSING = ("courtyard", "courtyard_sun", "spheres")  # what settings are chosen on; courtyard_sun: still, but for its shadows
 AMBIENT = np.array([0.22, 0.26, 0.33], np.float32)
 SUN = [2.4, 2.2, 1.9]
@@ -44,6 +44,7 @@ def variant(scene, cycle, size):
         text["lights"]["sun"] |= {"azimuth_deg": {"interpolation": "linear", "keys": keys}}
         look = text["camera"]["look_at"]
         text["camera"]["look_at"] = {key: value for key, value in look.get("keys", [look])[0].items() if key != "frame"}
+    text["objects"] = [thing for thing in text["objects"] if "interior" not in thing]  # media are noise
     for thing in text["objects"]:
         thing.pop("emission", None)
     return text
@@ -83,6 +84,10 @@ def render(becalm, scene, folder, frames, size, spp, jittered):
         made = folder / f"made.{frame:04}.exr"
         add_ambient(made)
         made.replace(folder / f"f.{frame:04}.exr")
+
+
+def antialias(becalm, source, target, options):
+    subprocess.run([becalm, "antialias", source / "f.####.exr", "-o", target / "f.####.exr", *options, "--overwrite", "--quiet"], check=True)
 
 
 def read(folder, frame):
