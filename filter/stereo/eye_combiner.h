@@ -5,29 +5,20 @@
 #include <vector>
 
 #include "filter/estimate.h"
-#include "filter/gpu/chain.h"
+#include "filter/gpu/device.h"
 #include "filter/report.h"
+#include "filter/stereo/eye_passes.h"
 #include "filter/task.h"
 #include "filter/tiles/tiles.h"
 
 namespace becalm::filter {
 
-/// What is known of one eye's frame, all of one size.
-struct EyeFrame {
-  const NewFrame& frame;
-  const Estimate& estimate;
-};
-
 /// Combines an eye's estimate of a frame with the other eye's, tile by tile.
 class EyeCombiner {
  public:
-  /// Plans the largest tiles that take at most `memory_limit` bytes. `has_depth`: frames have depth; offsets
-  /// into the other eye's image have components of at most `limit_px`. Throws DeviceLimitError if even the
-  /// smallest tiles take more.
-  EyeCombiner(gpu::Device& device, const FilterTask& task, bool has_depth, int limit_px,
-              std::uint64_t memory_limit);
-  ~EyeCombiner();
-  EyeCombiner(EyeCombiner&&) noexcept;
+  /// Plans the largest tiles that take at most `memory_limit` bytes; `limit_px` is that of EyePasses.
+  /// Throws DeviceLimitError if even the smallest tiles take more.
+  EyeCombiner(gpu::Device& device, const FilterTask& task, int limit_px, std::uint64_t memory_limit);
 
   /// `candidates` has four channels, as stereo/choose_offset reads them. `weight`, if not empty, becomes the
   /// other eye's weight in each pixel. Adds the device times to the report.
@@ -36,10 +27,9 @@ class EyeCombiner {
   FilterMemory memory() const;
 
  private:
-  struct Passes;
   FilterTask task_;
   std::vector<Tile> tiles_;
-  std::unique_ptr<Passes> passes_;
+  std::unique_ptr<EyePasses> passes_;
 };
 
 }  // namespace becalm::filter

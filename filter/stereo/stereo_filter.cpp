@@ -101,8 +101,8 @@ StereoFilter::StereoFilter(gpu::Device& device, const Settings& settings, int wi
   const std::size_t levels = pyramid_extents(search, small.width, small.height).size();
   const int limit_of_small = ceil_div(static_cast<int>(std::ceil(s.limit_px)), s.scale);
   s.aligner.emplace(device, search, small.width, small.height, s.guides);
-  s.combiner.emplace(device, task, has_depth,
-                     s.scale * offset_limit_px(search, {0, levels}, 0, limit_of_small), all / kShareOfEyes);
+  s.combiner.emplace(device, task, s.scale * offset_limit_px(search, {0, levels}, 0, limit_of_small),
+                     all / kShareOfEyes);
 }
 StereoFilter::~StereoFilter() = default;
 StereoFilter::StereoFilter(StereoFilter&&) noexcept = default;
@@ -130,7 +130,8 @@ StereoFilter::Pair<std::optional<Frame>> StereoFilter::run(const Step& step, con
                                                            Pair<FrameReport>& reports) {
   State& s = *state_;
   std::vector<std::optional<SequenceFilter::Merged>> merged;
-  for (std::size_t eye = 0; eye < 2; ++eye) merged.push_back(s.eyes[eye].begin(step, *eyes[eye], reports[eye]));
+  for (std::size_t eye = 0; eye < 2; ++eye)
+    merged.push_back(s.eyes[eye].begin(step, *eyes[eye], reports[eye]));
   if (!merged[0]) return {};
   const FilterTask& task = s.eyes[0].task();
   Pair<Image> expected;
