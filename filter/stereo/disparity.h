@@ -4,17 +4,22 @@
 
 namespace becalm::filter {
 
-/// Where each pixel of an eye's frame is expected in the other eye's, by its depth. Two channels: the offset
-/// along x in pixels (kNoMotion of shaders/lib/motion.glsl where the depth is not known or the offset is
-/// longer than `limit_px`, and everywhere without `StereoView`); and the depth there (0 where not known;
-/// without `StereoView` the pixel's own).
-Image expected_in_other(const Frame& frame, float limit_px);
+/// The offset of pixels that the other eye does not see, in both components: it leads out of every image. As
+/// kFarOffset of shaders/lib/stereo.glsl.
+constexpr float kNowhere = 1e6f;
 
-/// The means of blocks of `scale` x `scale` pixels; blocks at the border are smaller.
-Image block_means(const Image& image, int scale);
+/// Where an eye's pixels are in the other eye's image.
+struct Correspondence {
+  Image offset;  ///< two channels, in pixels; kNowhere where not known
+  Image depth;   ///< one channel: the depth that is expected there, 0 where not known; empty without depth
+};
 
-/// An offset field (two channels) of blocks, read bilinearly at the pixels of a frame of this size, in
-/// pixels.
-Image upsampled_offsets(const Image& of_blocks, int scale, int width, int height);
+/// By the depth of a frame whose stereo camera is known. Offsets are along x; longer ones than `limit_px` are
+/// not known.
+Correspondence correspondence_by_depth(const Frame& frame, float limit_px);
+
+/// The offsets (two channels) of pixels from which those of the other image lead back, to within a pixel;
+/// kNowhere elsewhere: what one eye alone sees is found nowhere in the other.
+Image consistent_offsets(const Image& offsets, const Image& back);
 
 }  // namespace becalm::filter

@@ -31,8 +31,8 @@ EyeCombiner::EyeCombiner(gpu::Device& device, const FilterTask& task, int limit_
   passes_->chain.build();
 }
 
-Estimate EyeCombiner::run(const EyeFrame& own, const EyeFrame& other, const Image& candidates, Image& weight,
-                          FrameReport& report) {
+Estimate EyeCombiner::run(const EyeFrame& own, const EyeFrame& other, const Correspondence& where,
+                          Image& weight, FrameReport& report) {
   Estimate result(task_.full, task_.carried());
   EyePasses& passes = *passes_;
   gpu::Chain& chain = passes.chain;
@@ -43,7 +43,8 @@ Estimate EyeCombiner::run(const EyeFrame& own, const EyeFrame& other, const Imag
     origin[1] = static_cast<float>(tile.target.y - tile.source.y);
     passes.own.upload(chain, own, tile.target);
     passes.other.upload(chain, other, tile.source);
-    upload(chain, passes.candidates, view(candidates), tile.target);
+    upload(chain, passes.offset, view(where.offset), tile.target);
+    if (passes.expected_depth) upload(chain, *passes.expected_depth, view(where.depth), tile.target);
     chain.run();
     add_times(report, chain);
     copy_core(chain.download<float>(passes.color), tile, result.color);

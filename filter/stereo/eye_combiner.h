@@ -7,6 +7,7 @@
 #include "filter/estimate.h"
 #include "filter/gpu/device.h"
 #include "filter/report.h"
+#include "filter/stereo/disparity.h"
 #include "filter/stereo/eye_passes.h"
 #include "filter/task.h"
 #include "filter/tiles/tiles.h"
@@ -20,9 +21,9 @@ class EyeCombiner {
   /// Throws DeviceLimitError if even the smallest tiles take more.
   EyeCombiner(gpu::Device& device, const FilterTask& task, int limit_px, std::uint64_t memory_limit);
 
-  /// `candidates` has four channels, as stereo/choose_offset reads them. `weight`, if not empty, becomes the
-  /// other eye's weight in each pixel. Adds the device times to the report.
-  Estimate run(const EyeFrame& own, const EyeFrame& other, const Image& candidates, Image& weight,
+  /// `weight`, if not empty, becomes the other eye's weight in each pixel. Adds the device times to the
+  /// report.
+  Estimate run(const EyeFrame& own, const EyeFrame& other, const Correspondence& where, Image& weight,
                FrameReport& report);
   FilterMemory memory() const;
 

@@ -37,9 +37,11 @@ EyePasses::EyePasses(gpu::Device& device, const FilterTask& task, int limit_px, 
       window{source, chain.table("target_origin", Format::f32x2, {1, 1})},
       own(chain, task, target, "own"),
       other(chain, task, source, "other"),
-      candidates(chain.input("candidates", Format::f32x4, target)) {
-  if (contains(task.used, Aov::depth)) other.depth = chain.input("other.depth", Format::f32, source);
-  const ImageId offset = add_choice(limit_px);
+      offset(chain.input("offset", Format::f32x2, target)) {
+  if (contains(task.used, Aov::depth)) {
+    expected_depth = chain.input("expected_depth", Format::f32, target);
+    other.depth = chain.input("other.depth", Format::f32, source);
+  }
   WarpInputs inputs{.color = other.color,
                     .stats = other.stats,
                     .window = window,
@@ -52,36 +54,20 @@ EyePasses::EyePasses(gpu::Device& device, const FilterTask& task, int limit_px, 
                                                                       : Carried::features});
   }
   if (own.albedo) inputs.albedo = FramePair{*own.albedo, *other.albedo};
-  add_blend(task, add_warp_passes(chain, task.settings, target, inputs, offset));
+  add_blend(task, add_warp_passes(chain, task.settings, target, inputs, add_depth_check(limit_px)));
 }
 
-ImageId EyePasses::add_feature(const Eye& eye, const std::string& name) {
-  const ImageId feature = chain.image("feature." + name, Format::f32, eye.extent);
-  chain.pass("stereo/feature")
-      .read("color", eye.color)
-      .read("exposure", exposure)
-      .write("feature", feature)
-      .dispatch(eye.extent);
-  return feature;
-}
-
-/// The offsets into the other eye's image.
-ImageId EyePasses::add_choice(int limit_px) {
-  const ImageId own_feature = add_feature(own, "own");
-  const ImageId other_feature = add_feature(other, "other");
-  constexpr int patch_radius = 1;  // of the kernel
-  const gpu::Footprint around = gpu::gather(limit_px + patch_radius + 1);
-  const ImageId offset = chain.image("offset", Format::f32x2, own.extent);
-  chain.pass("stereo/choose_offset")
-      .read("candidates", candidates)
-      .read("own", own_feature, gpu::reach(patch_radius))
-      .read("other", other_feature, around)
-      .read("other_depth", other.depth, around)
+ImageId EyePasses::add_depth_check(int limit_px) {
+  if (!other.depth) return offset;
+  const ImageId checked = chain.image("offset.checked", Format::f32x2, own.extent);
+  chain.pass("stereo/check_depth")
+      .read("offset_given", offset)
+      .read("expected_depth", *expected_depth)
+      .read("other_depth", other.depth, gpu::gather(limit_px + 1))
       .read("target_origin", window.target_origin)
-      .write("offset", offset)
-      .specialize("has_depth", other.depth ? 1 : 0)
+      .write("offset", checked)
       .dispatch(own.extent);
-  return offset;
+  return checked;
 }
 
 void EyePasses::add_blend(const FilterTask& task, const WarpedHistory& warped) {

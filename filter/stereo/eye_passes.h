@@ -45,15 +45,15 @@ struct EyePasses {
   SourceWindow window;
   Eye own;
   Eye other;
-  gpu::ImageId candidates;  ///< f32x4, as stereo/choose_offset reads them
-  gpu::ImageId color;       ///< outputs
+  gpu::ImageId offset;                         ///< f32x2, into the other eye's image
+  std::optional<gpu::ImageId> expected_depth;  ///< f32, there; 0: not known
+  gpu::ImageId color;                          ///< outputs
   gpu::ImageId stats;
   gpu::ImageId weight;  ///< of the other eye
   std::vector<gpu::ImageId> carried;
 
  private:
-  gpu::ImageId add_feature(const Eye& eye, const std::string& name);
-  gpu::ImageId add_choice(int limit_px);
+  gpu::ImageId add_depth_check(int limit_px);
   void add_blend(const FilterTask& task, const WarpedHistory& warped);
 };
 

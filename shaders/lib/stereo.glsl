@@ -4,10 +4,6 @@
 /// An offset that leads out of every image: the other eye does not see the pixel.
 const float kFarOffset = 1e6f;
 
-/// The share of the patch difference at the depth's offset below which the offset that a search found is
-/// taken.
-const float kSearchWins = 0.7f;
-
 /// By how much a depth may differ from the expected one, relative to it. Depths are means over a pixel.
 const float kDepthTolerance = 0.05f;
 

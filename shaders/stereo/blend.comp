@@ -58,11 +58,9 @@ void main() {
   float alpha = 1.0;
   float bias_squared = 0.0;
   if (count >= 1.0) {
-    const vec4 own_noise = texelFetch(noise, index);
-    // The patch's variance, or the pixel's if that is smaller: it is that of its window.
-    const float variance_own = smoothed != 0 && own_noise.z > 0.0 ? min(noise_sum.x / count, own_noise.x) : noise_sum.x / count;
+    const float variance_own = noise_sum.x / count;
     const float variance_other = noise_sum.y / count;
-    const float expected = noise_sum.x / count + variance_other;
+    const float expected = variance_own + variance_other;
     const vec3 mean = difference_sum.rgb / count;
     const float significance = smoothed != 0 ? 0.0 : kSignificanceInNoise;
     const float of_mean = excess_over_noise(dot(mean, mean) / 3.0, expected / count, 1.0, significance);

@@ -14,7 +14,7 @@ EYES = ("left", "right")
 
 
 def statue():
-    """A knight's head of metaballs on a pedestal above a glossy ground, under a lamp and a sky."""
+    """A bronze on a pedestal above a glossy ground, under a lamp and a sky."""
     return {
         "frames": {"first": 1, "last": 24, "rate": 24},
         "film": {"width": 640, "height": 360},

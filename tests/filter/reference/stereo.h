@@ -9,16 +9,9 @@ namespace becalm::reference {
 Grid<Estimate> blend_eyes(const Grid<Estimate>& own, const Grid<Estimate>& other, double exposure, int radius,
                           bool smoothed, Grid<double>& weights);
 
-/// What is known of a pixel's place in the other eye's image.
-struct EyeCandidate {
-  Vec2 search;
-  double of_depth = 1e30;       ///< 1e30: not known
-  double expected_depth = 0.0;  ///< 0: not known
-};
-
-/// The offset into the other eye's image; 1e6 in both components where the other eye does not see the pixel.
-/// Features are those of both images.
-Grid<Vec2> choose_offsets(const Grid<EyeCandidate>& candidates, const Grid<double>& own,
-                          const Grid<double>& other, const Grid<double>& other_depth);
+/// The offsets into the other eye's image; 1e6 in both components where the other eye does not see the pixel:
+/// no pixel around the place has the expected depth (0: not known).
+Grid<Vec2> checked_offsets(const Grid<Vec2>& offsets, const Grid<double>& expected_depth,
+                           const Grid<double>& other_depth);
 
 }  // namespace becalm::reference
