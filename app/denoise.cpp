@@ -10,6 +10,7 @@
 #include "app/denoise_arguments.h"
 #include "app/duration.h"
 #include "app/eye_names.h"
+#include "app/given_stereo.h"
 #include "app/preset_choice.h"
 #include "app/sequence_job.h"
 
@@ -61,6 +62,8 @@ Command add_denoise(CLI::App& becalm) {
   return {&parser, [command] {
             apply(command->running, command->filter);
             find_eyes(*command);
+            if (!command->stereo_camera.empty())
+              given_stereo(command->stereo_camera);  // throws if it is none
             catch_signals();
             command->filter.additive = command->layers.additive;
             if (!command->time.empty()) choose_by_time(*command);

@@ -34,6 +34,14 @@ void add_denoise_options(CLI::App& parser, SequenceCommand& command) {
           "The views of a file are filtered each by itself")
       ->excludes("--stereo")
       ->group(more("Input"));
+  parser
+      .add_option(
+          "--stereo-camera", command.stereo_camera,
+          "The cameras of eyes whose files do not say them (becalm's do): focal length in pixels, "
+          "separation and distance of convergence in the depth's units, and ,planar where depths are along "
+          "the view; without, the eyes are searched for each other")
+      ->option_text("F,S,C[,planar]")
+      ->group(more("Input"));
   add_alpha_option(parser, command.filter);
   add_filter_options(parser, command.filter);
   add_running_options(parser, command.running);

@@ -9,16 +9,16 @@ std::string name_of_eye(Eye eye) {
   return eye == Eye::centre ? "" : std::string(kEyeNames[eye == Eye::left ? 0 : 1]);
 }
 
+bool is_eye(std::string_view view, Eye eye) {
+  const std::string_view name = kEyeNames[eye == Eye::left ? 0 : 1];
+  const auto same = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
+  return (view.size() == 1 || view.size() == name.size()) &&
+         std::ranges::equal(view, name.substr(0, view.size()), same);
+}
+
 bool are_eyes(std::string_view first, std::string_view second) {
-  const auto is = [](std::string_view name, std::string_view eye) {
-    // Either the whole name or its first letter.
-    return (name.size() == 1 || name.size() == eye.size()) &&
-           std::ranges::equal(name, eye.substr(0, name.size()), [](unsigned char a, unsigned char b) {
-             return std::tolower(a) == std::tolower(b);
-           });
-  };
-  return (is(first, kEyeNames[0]) && is(second, kEyeNames[1])) ||
-         (is(first, kEyeNames[1]) && is(second, kEyeNames[0]));
+  return (is_eye(first, Eye::left) && is_eye(second, Eye::right)) ||
+         (is_eye(first, Eye::right) && is_eye(second, Eye::left));
 }
 
 bool has_eye_field(std::string_view pattern) {

@@ -14,7 +14,10 @@ inline constexpr std::array<std::string_view, 2> kEyeNames{"left", "right"};
 /// The view's name; empty for a camera with one eye.
 std::string name_of_eye(Eye eye);
 
-/// Whether two views are those of a pair, whatever their letters' case, in this order or the other.
+/// Whether a view's name is that of the eye: the whole word or its first letter, whatever the case.
+bool is_eye(std::string_view view, Eye eye);
+
+/// Whether two views are those of a pair, in this order or the other.
 bool are_eyes(std::string_view first, std::string_view second);
 
 /// Whether the pattern has a field for the eye, as Nuke writes it: `%V` for `left` and `right`, `%v` for `l`

@@ -118,7 +118,7 @@ class RenderJob {
   io::Attributes attributes_;
   std::set<int> existing_;
   std::deque<AdaptiveSampling> sampling_;  ///< of each eye
-  std::vector<double> expected_errors_;     ///< of the written frames: means of expected_error
+  std::vector<double> expected_errors_;    ///< of the written frames: means of expected_error
   std::optional<Progress> progress_;
   Profile profile_;
 };

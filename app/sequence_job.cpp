@@ -14,6 +14,7 @@
 #include "app/counted.h"
 #include "app/eye_names.h"
 #include "app/given_jitter.h"
+#include "app/given_stereo.h"
 #include "app/input_pixels.h"
 #include "frame/io/additive_layers.h"
 #include "frame/io/jitter_text.h"
@@ -194,6 +195,17 @@ io::LoadedFrame SequenceJob::read(int frame) {
   if (command_.jitter != "auto") {
     loaded.frame.set_jitter(given_jitter(command_.jitter, frame));
     for (io::LoadedView& view : loaded.other_views) view.frame.set_jitter(loaded.frame.jitter());
+  }
+  if (!command_.stereo_camera.empty()) {
+    const GivenStereo given = given_stereo(command_.stereo_camera);
+    if (loaded.other_eye) {
+      give_stereo(given, Eye::left, loaded.frame);
+      give_stereo(given, Eye::right, loaded.other_eye->frame);
+    } else if (loaded.other_views.size() == 1) {
+      const bool left_first = is_eye(loaded.view, Eye::left);
+      give_stereo(given, left_first ? Eye::left : Eye::right, loaded.frame);
+      give_stereo(given, left_first ? Eye::right : Eye::left, loaded.other_views.front().frame);
+    }
   }
   return loaded;
 }

@@ -139,6 +139,33 @@ TEST_F(Stereo, ResultsDoNotDependOnHowTheJobIsCut) {
                {"whole.left.0001.exr"});
 }
 
+TEST_F(Stereo, TakesTheCamerasFromTheUserOrSearches) {
+  render();
+  const io::LoadedFrame loaded = io::read_exr(frame_path(folder_ / "in.####.exr", 1), 1, {});
+  const StereoCamera& camera = loaded.frame.stereo()->camera;
+  for (int number = 1; number <= 4; ++number) {
+    for (const char* eye : {"left", "right"}) {
+      Frame frame = read_frame(frame_path(folder_ / fmt::format("in.{}.####.exr", eye), number), all_aovs());
+      frame.set_stereo(std::nullopt);
+      io::write_exr(frame_path(folder_ / fmt::format("bare.{}.####.exr", eye), number), frame, {},
+                    io::PixelType::float32);
+    }
+  }
+  becalm_done(command("in.%V.####.exr", "known.%V.####.exr", {"--quiet"}));
+  becalm_done(command("bare.%V.####.exr", "searched.%V.####.exr", {"--quiet"}));
+  becalm_done(command("bare.%V.####.exr", "given.%V.####.exr",
+                      {"--quiet", "--stereo-camera",
+                       fmt::format("{},{},{}", camera.focal_px, camera.separation, camera.convergence)}));
+  expect_same_beauty(folder_ / "known.left.####.exr", folder_ / "given.left.####.exr", 1, 4);
+  expect_same_beauty(folder_ / "known.right.####.exr", folder_ / "given.right.####.exr", 1, 4);
+  EXPECT_FALSE(same_pixels(beauty("known.left.####.exr", 2), beauty("searched.left.####.exr", 2)));
+  for (const char* wrong :
+       {"1200", "1200,0.1", "1200,0.1,0", "1200,0.1,2,flat", "1200,0.1,nan", "1200,0.1,2,"}) {
+    expect_error(becalm(command("in.%V.####.exr", "x.%V.####.exr", {"--stereo-camera", wrong})), 2,
+                 {"--stereo-camera", wrong, "FOCAL_PX"});
+  }
+}
+
 TEST_F(Stereo, RefusesWhatIsWrong) {
   render();
   expect_error(becalm(command("in.%V.####.exr", "out.####.exr")), 2, {"-o", "%V"});

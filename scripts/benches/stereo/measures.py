@@ -4,23 +4,10 @@ import cv2
 import numpy as np
 
 
-def rmse(test, half_a, half_b):
-    """Root of the mean of (x - a)(x - b), which the noise of the reference leaves alone, of colours clamped to [0,1]."""
+def squared_error(test, half_a, half_b):
+    """The mean of (x - a)(x - b), which the noise of the reference leaves alone, of colours clamped to [0,1]."""
     x, a, b = (np.clip(image, 0, 1) for image in (test, half_a, half_b))
     return float(np.mean((x - a) * (x - b)))
-
-
-def ssim(a, b):
-    """Wang et al. 2004 over linear colours in [0,1], with a Gaussian window of 1.5 px."""
-    a, b = np.clip(a, 0, 1).astype(np.float64), np.clip(b, 0, 1).astype(np.float64)
-
-    def blur(image):
-        return cv2.GaussianBlur(image, (11, 11), 1.5)
-
-    mean_a, mean_b = blur(a), blur(b)
-    var_a, var_b, cov = blur(a * a) - mean_a**2, blur(b * b) - mean_b**2, blur(a * b) - mean_a * mean_b
-    c1, c2 = 0.01**2, 0.03**2
-    return float(np.mean((2 * mean_a * mean_b + c1) * (2 * cov + c2) / ((mean_a**2 + mean_b**2 + c1) * (var_a + var_b + c2))))
 
 
 class Reprojection:

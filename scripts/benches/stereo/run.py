@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from benches.stereo.measures import Reprojection, rmse, ssim
+from benches.antialias.run import ssim
+from benches.stereo.measures import Reprojection, squared_error
 from benches.stereo.shots import CHOOSING, EYES, REPORTED, attribute, read, render
 
 TEMPORAL = ["--set", "smooth=none"]  # as the paper has it: no smoothing
@@ -54,7 +55,7 @@ class Shot:
         errors, likeness, differences = [], [], []
         for frame, pair in images.items():
             a, b = self.halves[frame]
-            errors += [rmse(pair[eye], a[eye], b[eye]) for eye in EYES]
+            errors += [squared_error(pair[eye], a[eye], b[eye]) for eye in EYES]
             likeness += [ssim(pair[eye], self.reference[frame][eye]) for eye in EYES]
             differences.append(self.reprojection[frame].difference(pair))
         return np.sqrt(max(np.mean(errors), 0)), np.mean(likeness), np.sqrt(np.mean(differences))
