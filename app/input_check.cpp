@@ -50,9 +50,9 @@ void add_other_eye(const InputFrames& inputs, int frame, const std::vector<Input
                                                    other.size() > 1 ? path : inputs.path(frame)));
   }
   if (other.front().display_window != layout.front().display_window) {
-    throw Error(ExitStatus::bad_input, fmt::format("{}: is {}, and the left eye {} is {}", path,
-                                                   text_of(other.front().display_window), inputs.path(frame),
-                                                   text_of(layout.front().display_window)));
+    throw Error(ExitStatus::bad_input,
+                fmt::format("is {}, and the right eye {} is {}", text_of(layout.front().display_window), path,
+                            text_of(other.front().display_window)));
   }
   layout.push_back(other.front());
   for (std::size_t eye = 0; eye < 2; ++eye) layout[eye].view = kEyeNames[eye];

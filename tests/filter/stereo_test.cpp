@@ -200,7 +200,7 @@ TEST_F(StereoTest, FollowsTheDisparityByDepthOrBySearch) {
     for (int y = 22; y < 42; ++y) {
       for (int x = 36; x < 44; ++x) on += results[0].image(Aov::stereo_weight).at(x, y, 0) / (20 * 8);
     }
-    EXPECT_GT(on, 0.4) << depth;
+    EXPECT_GT(on, depth ? 0.4 : 0.3) << depth;
     EXPECT_LT(mean_square(results[0], shot, Eye::left), 0.7 * mean_square(left, shot, Eye::left)) << depth;
   }
 }
