@@ -27,7 +27,7 @@ void add_denoise_options(CLI::App& parser, SequenceCommand& command) {
           "one "
           "input with %V (left, right) or %v (l, r), and without this option by the views left and right of "
           "one file")
-      ->group("Input");
+      ->group(more("Input"));
   parser
       .add_flag_callback(
           "--no-stereo", [&command] { command.filter.stereo = false; },
@@ -52,11 +52,9 @@ void add_denoise_options(CLI::App& parser, SequenceCommand& command) {
       "Direct and indirect light, light groups (light.NAME) and layers that add up to the beauty are\n"
       "denoised with it and still add up. Every other channel is passed on bit for bit.\n"
       "Examples:\n"
-      "  becalm denoise 'in/shot.####.exr' -o 'out/shot.####.exr'\n"
       "  becalm denoise 'in/shot.####.exr' -o 'out/shot.####.exr' --frames 1-48 --preset final --missing "
       "hold\n"
-      "  becalm denoise 'in/shot.%V.####.exr' -o 'out/shot.%V.####.exr'   # both eyes\n"
-      "  becalm denoise --stereo 'in/L.####.exr' 'in/R.####.exr' -o 'out/%V.####.exr'\n");
+      "  becalm denoise 'in/shot.%V.####.exr' -o 'out/shot.%V.####.exr'   # both eyes\n");
 }
 
 }  // namespace becalm::app

@@ -153,7 +153,7 @@ def main():
     parser.add_argument("--choosing", action="store_true", help=f"the shots that constants are chosen on: {', '.join(CHOOSING)}")
     parser.add_argument("--size", default="320x180", metavar="WxH")
     parser.add_argument("--frames", type=int, default=8, help="of each shot (default: 8)")
-    parser.add_argument("--spp", type=int, default=8, help="of the first table (default: 8)")
+    parser.add_argument("--spp", type=int, default=2, help="of the first table (default: 2)")
     parser.add_argument("--becalm", default="build/release/becalm")
     parser.add_argument("-o", "--output", type=Path, default=Path("build/stereo"), metavar="DIR")
     asked = parser.parse_args()
