@@ -39,6 +39,11 @@ class Reprojection:
         at, sees = self.maps[eye]
         return cv2.remap(np.ascontiguousarray(image_of_other, np.float32), *at, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE), sees
 
+    def shrinking(self, eye):
+        """The factor by which bilinear reads shrink the variance."""
+        part = np.mod(self.maps[eye][0][0], 1)
+        return part**2 + (1 - part) ** 2
+
     def difference(self, images, images_b=None):
         """Mean squared reprojected stereo difference; of two independent pairs the product, which noise leaves alone."""
         total = []

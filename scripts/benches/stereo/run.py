@@ -8,6 +8,7 @@ import resource
 import subprocess
 from pathlib import Path
 
+import cv2
 import numpy as np
 
 from benches.antialias.run import ssim
@@ -109,14 +110,15 @@ def weights(shot):
         for eye, other in (("left", "right"), ("right", "left")):
             own, reprojection = pair[eye], shot.reprojection[frame]
             theirs, sees = reprojection.warped(pair[other], eye)
-            variance_theirs = reprojection.warped(variance[other][..., None], eye)[0]
+            variance_theirs = reprojection.warped(variance[other][..., None], eye)[0] * reprojection.shrinking(eye)
             biases = [x[eye] - reprojection.warped(x[other], eye)[0] for x in (a, b)]
-            bias = np.maximum((biases[0] * biases[1]).mean(axis=2), 0)
-            best = 1 - variance[eye] / np.maximum(bias + variance[eye] + variance_theirs, 1e-12)
+            # Moments of the references are noisy, too: means of 5x5 pixels.
+            of_own, of_other, bias = (cv2.blur(image, (5, 5)) for image in (variance[eye], variance_theirs, (biases[0] * biases[1]).mean(axis=2)))
+            best = 1 - of_own / np.maximum(np.maximum(bias, 0) + of_own + of_other, 1e-12)
             taps = np.stack(three_by_three(own))
-            of_own = np.maximum((taps**2).mean(axis=0) - taps.mean(axis=0) ** 2, 0).mean(axis=2)
+            of_taps = np.maximum((taps**2).mean(axis=0) - taps.mean(axis=0) ** 2, 0).mean(axis=2)
             squares = np.mean([(theirs - tap) ** 2 for tap in three_by_three(own)], axis=0).mean(axis=2)
-            paper = np.clip(1 - of_own / np.maximum(squares, 1e-12), 0, 1)
+            paper = np.clip(1 - of_taps / np.maximum(squares, 1e-12), 0, 1)
             ours = 1 - estimated[eye][..., 0]
             chosen.append(ours[sees]), true.append(best[sees]), published.append(paper[sees])
             for kind, beta in zip(kinds, (np.ones_like(best), np.full_like(best, 0.5), paper, ours, best)):
