@@ -174,7 +174,7 @@ std::optional<Frame> SequenceFilter::run(const Step& step, const Frame& frame, F
 }
 
 std::optional<SequenceFilter::Merged> SequenceFilter::begin(const Step& step, const Frame& frame,
-                                                              FrameReport& report) {
+                                                            FrameReport& report) {
   const FilterTask& task = state_->task;
   check_frame(frame, task.full.width, task.full.height, task.used, "the frames before it");
   const Image& beauty = frame.image(Aov::beauty);
