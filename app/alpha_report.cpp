@@ -12,8 +12,10 @@
 namespace becalm::app {
 namespace {
 
+/// Rendered views have no layers of a file; they have alpha.
 bool has_alpha(const io::LoadedView& view) {
-  return !view.layers[static_cast<std::size_t>(Aov::beauty)]->channels[3].empty();
+  const std::optional<io::LayerSource>& beauty = view.layers[static_cast<std::size_t>(Aov::beauty)];
+  return !beauty || !beauty->channels[3].empty();
 }
 
 std::size_t count_changed(const Image& before, const Image& after) {
@@ -31,10 +33,6 @@ std::string outcome_text(std::size_t changed, std::size_t pixels) {
 
 }  // namespace
 
-std::string alpha_outcome(const Image& noisy, const Image& denoised) {
-  return outcome_text(count_changed(noisy, denoised), noisy.pixel_count());
-}
-
 std::string alpha_outcome(const io::LoadedFrame& source, const Frame& denoised,
                           const std::vector<Frame>& other_views) {
   std::size_t changed = 0;
@@ -45,7 +43,9 @@ std::string alpha_outcome(const io::LoadedFrame& source, const Frame& denoised,
     pixels += frame.image(Aov::beauty).pixel_count();
   };
   add(source, denoised);
-  for (std::size_t i = 0; i < other_views.size(); ++i) add(source.other_views[i], other_views[i]);
+  for (std::size_t i = 0; i < other_views.size(); ++i) {
+    add(i < source.other_views.size() ? source.other_views[i] : *source.other_eye, other_views[i]);
+  }
   return pixels == 0 ? "" : outcome_text(changed, pixels);
 }
 

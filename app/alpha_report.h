@@ -12,7 +12,6 @@ namespace becalm::app {
 /// of all views. Empty where the source has none.
 std::string alpha_outcome(const io::LoadedFrame& source, const Frame& denoised,
                           const std::vector<Frame>& other_views);
-std::string alpha_outcome(const Image& noisy, const Image& denoised);
 
 /// For `info`: what denoise does with the alpha of the file's default view. Empty where there is none, or no
 /// colour, or pixels that cannot be read.

@@ -29,6 +29,7 @@ std::vector<FrameFinding> audit_frames(const std::vector<int>& frames,
     const io::LoadedFrame only = read(frames.front());
     add(only, nullptr);
     for (const io::LoadedView& view : only.other_views) add(view, nullptr);
+    if (only.other_eye) add(*only.other_eye, nullptr);
   }
   if (frames.size() < 2) return findings;
   for (const std::size_t at : std::set<std::size_t>{1, frames.size() / 2, frames.size() - 1}) {
@@ -37,6 +38,7 @@ std::vector<FrameFinding> audit_frames(const std::vector<int>& frames,
     add(frame, &before.frame);
     const std::size_t views = std::min(frame.other_views.size(), before.other_views.size());
     for (std::size_t i = 0; i < views; ++i) add(frame.other_views[i], &before.other_views[i].frame);
+    if (frame.other_eye && before.other_eye) add(*frame.other_eye, &before.other_eye->frame);
   }
   return findings;
 }

@@ -9,6 +9,8 @@
 #include "app/command.h"
 #include "app/denoise_arguments.h"
 #include "app/duration.h"
+#include "app/eye_names.h"
+#include "app/given_stereo.h"
 #include "app/preset_choice.h"
 #include "app/sequence_job.h"
 
@@ -27,12 +29,28 @@ void choose_by_time(SequenceCommand& command) {
   }
   const io::LoadedFrame first = job.first_frame();
   const double pixels = static_cast<double>(first.frame.width()) * first.frame.height() *
-                        static_cast<double>(1 + first.other_views.size());
+                        static_cast<double>(1 + first.other_views.size() + (first.other_eye ? 1 : 0));
   const std::vector<PresetTime> presets = measure_presets(command.filter, first.frame, pixels);
   const PresetTime& chosen = choose_preset(presets, seconds);
   command.preset = chosen.name;
   command.choice = fmt::format("{}: about {:.2g} s a frame{}", chosen.name, chosen.seconds,
                                chosen.seconds > seconds ? ", and no preset takes less" : "");
+}
+
+/// Two inputs are eyes with --stereo, or where the one that is named has a field for the eye.
+void find_eyes(SequenceCommand& command) {
+  if (command.inputs.size() == 1 && has_eye_field(command.inputs.front())) {
+    if (command.filter.stereo == false) {
+      throw Error(ExitStatus::usage, fmt::format("--no-stereo: filter the eyes of {} one after the other",
+                                                 command.inputs.front()));
+    }
+    const std::string pattern = command.inputs.front();
+    command.inputs = {pattern_of_eye(pattern, 0), pattern_of_eye(pattern, 1)};
+    command.eyes = true;
+  } else {
+    command.eyes = command.inputs.size() == 2 && command.filter.stereo == true;
+  }
+  if (command.eyes) command.filter.stereo = true;
 }
 
 }  // namespace
@@ -43,6 +61,9 @@ Command add_denoise(CLI::App& becalm) {
   add_denoise_options(parser, *command);
   return {&parser, [command] {
             apply(command->running, command->filter);
+            find_eyes(*command);
+            if (!command->stereo_camera.empty())
+              given_stereo(command->stereo_camera);  // throws if it is none
             catch_signals();
             command->filter.additive = command->layers.additive;
             if (!command->time.empty()) choose_by_time(*command);

@@ -2,6 +2,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "app/help.h"
+
 namespace becalm::app {
 
 void add_denoise_options(CLI::App& parser, SequenceCommand& command) {
@@ -18,6 +20,28 @@ void add_denoise_options(CLI::App& parser, SequenceCommand& command) {
       ->excludes(preset)
       ->option_text("TIME")
       ->group("Filter");
+  parser
+      .add_flag_callback(
+          "--stereo", [&command] { command.filter.stereo = true; },
+          "The two inputs are the left and the right eye, which are filtered together; the same is meant by "
+          "one "
+          "input with %V (left, right) or %v (l, r), and without this option by the views left and right of "
+          "one file")
+      ->group(more("Input"));
+  parser
+      .add_flag_callback(
+          "--no-stereo", [&command] { command.filter.stereo = false; },
+          "The views of a file are filtered each by itself")
+      ->excludes("--stereo")
+      ->group(more("Input"));
+  parser
+      .add_option(
+          "--stereo-camera", command.stereo_camera,
+          "The cameras of eyes whose files do not say them (becalm's do): focal length in pixels, "
+          "separation and distance of convergence in the depth's units, and ,planar where depths are along "
+          "the view; without, the eyes are searched for each other")
+      ->option_text("F,S,C[,planar]")
+      ->group(more("Input"));
   add_alpha_option(parser, command.filter);
   add_filter_options(parser, command.filter);
   add_running_options(parser, command.running);
@@ -28,9 +52,9 @@ void add_denoise_options(CLI::App& parser, SequenceCommand& command) {
       "Direct and indirect light, light groups (light.NAME) and layers that add up to the beauty are\n"
       "denoised with it and still add up. Every other channel is passed on bit for bit.\n"
       "Examples:\n"
-      "  becalm denoise 'in/shot.####.exr' -o 'out/shot.####.exr'\n"
       "  becalm denoise 'in/shot.####.exr' -o 'out/shot.####.exr' --frames 1-48 --preset final --missing "
-      "hold\n");
+      "hold\n"
+      "  becalm denoise 'in/shot.%V.####.exr' -o 'out/shot.%V.####.exr'   # both eyes\n");
 }
 
 }  // namespace becalm::app

@@ -20,6 +20,12 @@ FilterRecipe denoiser(const std::string& preset, const FilterOptions& options) {
                 return std::make_unique<filter::SequenceFilter>(device, settings, width, height, available,
                                                                 sequence);
               },
+          .make_pair =
+              [settings](gpu::Device& device, int width, int height, AovSet available,
+                         const filter::SequenceOptions& sequence) {
+                return std::make_unique<filter::StereoFilter>(device, settings, width, height, available,
+                                                              sequence);
+              },
           .describe_matching =
               [settings](const AovSet& available) { return filter::matched_text(settings, available); }};
 }
@@ -38,6 +44,7 @@ FilterRecipe antialiaser(const std::string& preset, const FilterOptions& options
                 return std::make_unique<filter::AntialiasFilter>(device, settings, width, height, available,
                                                                  sequence);
               },
+          .make_pair = {},
           .describe_matching =
               [settings](const AovSet& available) { return filter::reprojected_text(settings, available); }};
 }

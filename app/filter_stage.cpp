@@ -1,11 +1,14 @@
 #include "app/filter_stage.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <utility>
 
+#include "app/eye_names.h"
 #include "filter/merge/additive.h"
 #include "frame/error.h"
 #include "frame/io/printable.h"
@@ -30,7 +33,8 @@ FilterStage::FilterStage(FilterRecipe recipe, const FilterOptions& options)
       memory_limit_(memory_limit(options)),
       segment_(options.segment.value_or(recipe_.directions == filter::Directions::both ? kSegment : 0)),
       context_(options.context),
-      cuts_(options.cuts) {
+      cuts_(options.cuts),
+      stereo_(options.stereo) {
   if (cuts_ != "auto" && cuts_ != "none") {
     const std::vector<int> cuts = io::parse_frame_range(cuts_);
     given_cuts_ = {cuts.begin(), cuts.end()};
@@ -52,11 +56,13 @@ std::string FilterStage::describe(const std::vector<int>& readable) const {
                                                 : context_ == "none" ? io::format_frame_range(readable)
                                                                      : context_)
                                   : fmt::format("first_frame={}", readable.front());
-  return fmt::format("{} alpha={} additive={} diagnostics={} cuts={} {}", recipe_.settings,
+  const std::string stereo = stereo_ == false ? " stereo=no" : "";
+  return fmt::format("{} alpha={} additive={} diagnostics={} cuts={} {}{}", recipe_.settings,
                      recipe_.averages_alpha             ? "average"
                      : alpha_ == filter::Alpha::denoise ? "denoise"
                                                         : "keep",
-                     denoises_additive_ ? "yes" : "no", diagnostics_.any() ? "yes" : "no", cuts_, history);
+                     denoises_additive_ ? "yes" : "no", diagnostics_.any() ? "yes" : "no", cuts_, history,
+                     stereo);
 }
 
 std::vector<int> FilterStage::readable(const std::vector<int>& asked,
@@ -84,51 +90,98 @@ std::vector<filter::Segment> FilterStage::schedule(const std::vector<int>& reada
                            .cuts = given_cuts_});
 }
 
-void FilterStage::build(int width, int height, AovSet available, std::size_t light_groups,
-                        const std::string& view, std::size_t views) {
-  if (!device_) device_.emplace(device_options_);
-  const std::uint64_t memory = std::min(memory_limit_, filter::usable_bytes(*device_)) / views;
-  if (!denoises_additive_) available &= ~filter::additive_aovs();
-  const filter::SequenceOptions options{
-      .diagnostics = diagnostics_,
-      .memory_limit = memory,
-      .find_cuts = cuts_ == "auto" ? filter::FindCuts::yes : filter::FindCuts::no,
-      .alpha = alpha_,
-      .light_groups = denoises_additive_ ? light_groups : 0};
-  views_.push_back({view.empty() ? "" : ' ' + io::printable(view),
-                    recipe_.make(*device_, width, height, available, options)});
-  if (views_.size() == 1) matched_ = recipe_.describe_matching(available);
+void FilterStage::build(int width, int height, const std::vector<FilteredView>& views) {
+  const bool are_pair = recipe_.make_pair && views.size() == 2 && are_eyes(views[0].name, views[1].name);
+  if (stereo_ == true && !are_pair) {
+    std::vector<std::string> names;
+    for (const FilteredView& view : views) names.push_back(io::printable(view.name));
+    throw Error(ExitStatus::bad_input,
+                fmt::format("--stereo: expected two views, left and right, and the frames have {}",
+                            views.size() == 1 ? "one" : fmt::format("'{}'", fmt::join(names, ","))));
+  }
+  const bool pairs = are_pair && stereo_.value_or(true);
+  if (pairs && views[0].light_groups != views[1].light_groups) {
+    throw Error(
+        ExitStatus::bad_input,
+        fmt::format("the left eye has {} light groups, and the right one {}; --no-stereo filters each by "
+                    "itself",
+                    views[0].light_groups, views[1].light_groups));
+  }
+  device_.emplace(device_options_);
+  const std::uint64_t memory = std::min(memory_limit_, filter::usable_bytes(*device_));
+  AovSet common = AovSet().set();
+  for (const FilteredView& view : views) common &= view.available;
+  const auto make = [&](const auto& maker, AovSet available, std::size_t light_groups, std::uint64_t limit) {
+    if (!denoises_additive_) available &= ~filter::additive_aovs();
+    return maker(
+        *device_, width, height, available,
+        filter::SequenceOptions{.diagnostics = diagnostics_,
+                                .memory_limit = limit,
+                                .find_cuts = cuts_ == "auto" ? filter::FindCuts::yes : filter::FindCuts::no,
+                                .alpha = alpha_,
+                                .light_groups = denoises_additive_ ? light_groups : 0});
+  };
+  if (pairs) pair_ = make(recipe_.make_pair, common, views[0].light_groups, memory);
+  for (const FilteredView& view : views) {
+    views_.push_back({view.name.empty() ? "" : ' ' + io::printable(view.name), nullptr});
+    if (!pairs) {
+      views_.back().filter = make(recipe_.make, view.available, view.light_groups, memory / views.size());
+    }
+  }
+  matched_ = recipe_.describe_matching(pairs ? common : views.front().available);
+}
+
+std::string FilterStage::views_text() const {
+  if (pair_) return "the eyes are filtered together: each is one more source of the other";
+  return views_.size() > 1 ? "each view is filtered by itself" : "";
 }
 
 std::optional<FinishedFrame> FilterStage::run(const filter::Step& step, io::LoadedFrame noisy,
                                               Progress& progress, Profile& profile) {
-  std::optional<Frame> denoised = run_view(step, noisy.frame, progress, profile, 0);
-  std::vector<Frame> other_views;
-  for (std::size_t view = 0; view < noisy.other_views.size(); ++view) {
-    std::optional<Frame> other = run_view(step, noisy.other_views[view].frame, progress, profile, view + 1);
-    if (other) other_views.push_back(std::move(*other));
-  }
-  if (!denoised) return std::nullopt;
-  return FinishedFrame{std::move(*denoised), std::move(other_views), std::move(noisy)};
-}
-
-std::optional<Frame> FilterStage::run_view(const filter::Step& step, const Frame& frame, Progress& progress,
-                                           Profile& profile, std::size_t view) {
-  std::optional<Frame> denoised;
-  filter::FrameReport report;
-  {
-    const ProfileScope scope(profile,
-                             step.direction == filter::Direction::forward ? "filter" : "filter backward");
-    denoised = views_[view].filter->run(step, frame, report);
-  }
-  const std::string name = fmt::format("frame {}{}", frame.number(), views_[view].name);
+  std::vector<const Frame*> frames{&noisy.frame};
+  for (const io::LoadedView& view : noisy.other_views) frames.push_back(&view.frame);
+  if (noisy.other_eye) frames.push_back(&noisy.other_eye->frame);
+  std::vector<filter::FrameReport> reports(frames.size());
+  std::vector<Frame> made = run_views(step, frames, reports, profile);
   if (!matched_.empty()) {
     progress.detail(fmt::format("device {}", device_->info().name));
     progress.detail(fmt::format("tiles {}", tiles()));
+    progress.note(std::exchange(matched_, {}));
+    if (!views_text().empty()) progress.note(views_text());
   }
-  if (!matched_.empty()) progress.note(std::exchange(matched_, {}));
-  profile.add(report.passes);
-  if (!denoised) return denoised;
+  for (const filter::FrameReport& report : reports) profile.add(report.passes);
+  if (made.empty()) return std::nullopt;
+  for (std::size_t view = 0; view < views_.size(); ++view) {
+    tell(reports[view], fmt::format("frame {}{}", made[view].number(), views_[view].name), progress);
+  }
+  Frame first = std::move(made.front());
+  made.erase(made.begin());
+  return FinishedFrame{std::move(first), std::move(made), std::move(noisy)};
+}
+
+std::vector<Frame> FilterStage::run_views(const filter::Step& step, const std::vector<const Frame*>& frames,
+                                          std::vector<filter::FrameReport>& reports, Profile& profile) {
+  const ProfileScope scope(profile,
+                           step.direction == filter::Direction::forward ? "filter" : "filter backward");
+  std::vector<Frame> made;
+  const auto keep = [&](std::optional<Frame> frame) {
+    if (frame) made.push_back(std::move(*frame));
+  };
+  if (pair_) {
+    std::array<filter::FrameReport, 2> of_eyes;
+    for (std::optional<Frame>& frame : pair_->run(step, {frames[0], frames[1]}, of_eyes)) {
+      keep(std::move(frame));
+    }
+    std::ranges::move(of_eyes, reports.begin());
+    return made;
+  }
+  for (std::size_t view = 0; view < frames.size(); ++view) {
+    keep(views_[view].filter->run(step, *frames[view], reports[view]));
+  }
+  return made;
+}
+
+void FilterStage::tell(const filter::FrameReport& report, const std::string& name, Progress& progress) const {
   if (report.new_shot) progress.note(fmt::format("{}: a new shot begins", name));
   if (report.non_finite_pixels > 0) {
     progress.warn(
@@ -148,16 +201,20 @@ std::optional<Frame> FilterStage::run_view(const filter::Step& step, const Frame
         fmt::format("{}: {} values of direct, indirect or light groups with NaN or Inf were taken as 0", name,
                     report.replaced_additive));
   }
-  return denoised;
+}
+
+filter::FilterMemory FilterStage::memory_of(std::size_t view) const {
+  return pair_ ? pair_->memory() : views_[view].filter->memory();
 }
 
 void FilterStage::finish(Profile& profile) const {
   if (views_.empty()) return;
-  filter::FilterMemory memory = views_.front().filter->memory();
-  for (std::size_t view = 1; view < views_.size(); ++view) {
-    memory.device_bytes += views_[view].filter->memory().device_bytes;
-    memory.device_bytes_unaliased += views_[view].filter->memory().device_bytes_unaliased;
-    memory.staging_bytes += views_[view].filter->memory().staging_bytes;
+  filter::FilterMemory memory = memory_of(0);
+  for (std::size_t view = 1; !pair_ && view < views_.size(); ++view) {
+    const filter::FilterMemory more = memory_of(view);
+    memory.device_bytes += more.device_bytes;
+    memory.device_bytes_unaliased += more.device_bytes_unaliased;
+    memory.staging_bytes += more.staging_bytes;
   }
   profile.set_device(device_->info().name, memory);
   check_validation(*device_);

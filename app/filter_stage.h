@@ -16,6 +16,7 @@
 #include "filter/gpu/device.h"
 #include "filter/sequence/frame_filter.h"
 #include "filter/settings.h"
+#include "filter/stereo/stereo_filter.h"
 #include "frame/frame.h"
 
 namespace becalm::app {
@@ -30,8 +31,19 @@ struct FilterRecipe {
   std::function<std::unique_ptr<filter::FrameFilter>(
       gpu::Device& device, int width, int height, AovSet available, const filter::SequenceOptions& options)>
       make;
+  /// Filters both eyes of a pair together; empty if the filter knows no pairs.
+  std::function<std::unique_ptr<filter::StereoFilter>(
+      gpu::Device& device, int width, int height, AovSet available, const filter::SequenceOptions& options)>
+      make_pair;
   /// For the user to read: how frames with these AOVs are matched.
   std::function<std::string(const AovSet& available)> describe_matching;
+};
+
+/// A view of the frames to be filtered.
+struct FilteredView {
+  std::string name;  ///< empty where there is but one
+  AovSet available;
+  std::size_t light_groups = 0;
 };
 
 /// The denoiser, and temporal antialiasing, by a preset and the changes of `options`. Throw Error(usage).
@@ -68,13 +80,15 @@ class FilterStage {
   std::vector<filter::Segment> schedule(const std::vector<int>& readable, const std::set<int>& wanted,
                                         int step) const;
 
-  /// Opens the device and builds the chain; called before the first frame. For a stereo sequence, called once
-  /// for each of the `views`, which share the memory; `view` is the name in messages.
-  void build(int width, int height, AovSet available, std::size_t light_groups, const std::string& view = "",
-             std::size_t views = 1);
+  /// Opens the device and builds the chains; called before the first frame. All views share the memory. A
+  /// left and a right eye are filtered together, unless the options say otherwise. Throws Error(bad_input)
+  /// where they must be and are not a pair.
+  void build(int width, int height, const std::vector<FilteredView>& views);
+  /// What is done with several views, for the user to read; empty for one.
+  std::string views_text() const;
   /// How frames are cut into tiles (of a stereo sequence: those of the first view), as files record it in
   /// `becalm:tiles`. Results do not depend on it, so --resume does not compare it.
-  std::string tiles() const { return views_.front().filter->memory().tile_plan; }
+  std::string tiles() const { return memory_of(0).tile_plan; }
   /// Takes the next step of a segment with all views of its frame; returns the denoised frame if the step
   /// makes one.
   std::optional<FinishedFrame> run(const filter::Step& step, io::LoadedFrame noisy, Progress& progress,
@@ -83,9 +97,11 @@ class FilterStage {
   void finish(Profile& profile) const;
 
  private:
-  /// `view` counts them in the order in which they were built.
-  std::optional<Frame> run_view(const filter::Step& step, const Frame& frame, Progress& progress,
-                                Profile& profile, std::size_t view);
+  filter::FilterMemory memory_of(std::size_t view) const;
+  /// The filtered frames of all views; none if the step makes none.
+  std::vector<Frame> run_views(const filter::Step& step, const std::vector<const Frame*>& frames,
+                               std::vector<filter::FrameReport>& reports, Profile& profile);
+  void tell(const filter::FrameReport& report, const std::string& name, Progress& progress) const;
 
   FilterRecipe recipe_;
   AovSet diagnostics_;
@@ -100,11 +116,13 @@ class FilterStage {
   std::set<int> given_cuts_;
   std::optional<gpu::Device> device_;
   struct View {
-    std::string name;  ///< with a space before it; empty where there is but one
-    std::unique_ptr<filter::FrameFilter> filter;
+    std::string name;                             ///< with a space before it; empty where there is but one
+    std::unique_ptr<filter::FrameFilter> filter;  ///< none if `pair_` filters it
   };
   std::vector<View> views_;
-  std::string matched_;  ///< what frames are matched by; empty once it has been printed
+  std::unique_ptr<filter::StereoFilter> pair_;
+  std::optional<bool> stereo_;  ///< as FilterOptions::stereo
+  std::string matched_;         ///< what frames are matched by; empty once it has been printed
 };
 
 }  // namespace becalm::app

@@ -23,12 +23,21 @@ bool FrameSink::wants(int number) {
   return false;
 }
 
-void FrameSink::write(int number, const std::function<io::WriteReport(const std::string& path)>& write) {
-  const std::string path = outputs_.path(number);
+void FrameSink::write(
+    int number, const std::function<io::WriteReport(const std::string& path, std::size_t file)>& write) {
+  for (std::size_t file = 0; file < outputs_.files(); ++file) {
+    const std::string path = outputs_.path(number, file);
+    write_file(number, path, [&] { return write(path, file); });
+  }
+  progress_.frame_written(number);
+}
+
+void FrameSink::write_file(int number, const std::string& path,
+                           const std::function<io::WriteReport()>& write) {
   io::WriteReport report;
   {
     const ProfileScope scope(profile_, "write");
-    report = write(path);
+    report = write();
   }
   if (report.half_overflows > 0) {
     progress_.warn(fmt::format("frame {}: {} values beyond half's range were written as its largest; {}",
@@ -41,7 +50,6 @@ void FrameSink::write(int number, const std::function<io::WriteReport(const std:
     warn_once("only the full size of mipmaps is written; the smaller levels show the noisy picture");
   }
   progress_.detail(fmt::format("frame {}: wrote {}", number, path));
-  progress_.frame_written(number);
 }
 
 void FrameSink::warn_once(const std::string& line) {

@@ -23,10 +23,12 @@ class FrameSink {
 
   /// Whether this output is to be written. One that exists counts as done.
   bool wants(int number);
-  /// Runs `write` for the output's path and says what became of it.
-  void write(int number, const std::function<io::WriteReport(const std::string& path)>& write);
+  /// Runs `write` for the path of each of the output's files and says what became of it.
+  void write(int number,
+             const std::function<io::WriteReport(const std::string& path, std::size_t file)>& write);
 
  private:
+  void write_file(int number, const std::string& path, const std::function<io::WriteReport()>& write);
   /// For what is the same with every frame that is written.
   void warn_once(const std::string& line);
 

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <optional>
 
+#include "app/eye_names.h"
 #include "app/frame_problems.h"
 #include "filter/merge/additive.h"
 #include "frame/error.h"
@@ -33,10 +34,37 @@ std::vector<InputLayout> read_layout(const std::string& path, const FilterStage&
   return layout;
 }
 
+/// The size, and the place where it is not the usual one.
+std::string text_of(const Imath::Box2i& window) {
+  const std::string size =
+      fmt::format("{}x{}", window.max.x - window.min.x + 1, window.max.y - window.min.y + 1);
+  return window.min == Imath::V2i(0) ? size : fmt::format("{} at ({}, {})", size, window.min.x, window.min.y);
+}
+
+/// Adds the layout of the right eye's file to that of the left one's.
+void add_other_eye(const InputFrames& inputs, int frame, const std::vector<InputLayout>& other,
+                   std::vector<InputLayout>& layout) {
+  const std::string path = inputs.other_eye()->path(frame);
+  if (layout.size() != 1 || other.size() != 1) {
+    throw Error(ExitStatus::bad_input, fmt::format("{}: holds several views: expected one eye a file",
+                                                   other.size() > 1 ? path : inputs.path(frame)));
+  }
+  if (other.front().display_window != layout.front().display_window) {
+    throw Error(ExitStatus::bad_input,
+                fmt::format("is {}, and the right eye {} is {}", text_of(layout.front().display_window), path,
+                            text_of(other.front().display_window)));
+  }
+  layout.push_back(other.front());
+  for (std::size_t eye = 0; eye < 2; ++eye) layout[eye].view = kEyeNames[eye];
+}
+
 Checked check(const InputFrames& inputs, int frame, const FilterStage& filter,
               const io::LayerOptions& layers) {
   try {
     std::vector<InputLayout> layout = read_layout(inputs.path(frame), filter, layers);
+    if (inputs.other_eye()) {
+      add_other_eye(inputs, frame, read_layout(inputs.other_eye()->path(frame), filter, layers), layout);
+    }
     if (!inputs.other_half()) return {frame, std::move(layout), ""};
     const std::string other = inputs.other_half()->path(frame);
     if (const std::vector<InputLayout> other_layout = read_layout(other, filter, layers);
@@ -74,13 +102,6 @@ const Checked* most_common(const std::vector<Checked>& frames) {
     }
   }
   return best;
-}
-
-/// The size, and the place where it is not the usual one.
-std::string text_of(const Imath::Box2i& window) {
-  const std::string size =
-      fmt::format("{}x{}", window.max.x - window.min.x + 1, window.max.y - window.min.y + 1);
-  return window.min == Imath::V2i(0) ? size : fmt::format("{} at ({}, {})", size, window.min.x, window.min.y);
 }
 
 /// How a layout differs from the one that `usual` has.

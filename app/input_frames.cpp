@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <limits>
 #include <system_error>
 
@@ -22,15 +23,16 @@ int usual_step(const std::vector<int>& frames) {
   return frames.size() < 2 ? 1 : step;
 }
 
-InputFrames::InputFrames(const std::vector<std::string>& patterns, const std::string& range,
+InputFrames::InputFrames(const std::vector<std::string>& patterns, Pair pair, const std::string& range,
                          std::optional<int> frame, Missing missing, const Readable& readable)
     : pattern_(patterns.front()), padding_(pattern_.padding()) {
   const std::string& pattern = pattern_.text();
   if (patterns.size() > 1) {
-    other_half_.emplace(patterns[1]);
-    if (other_half_->has_frame_field() != pattern_.has_frame_field()) {
-      throw Error(ExitStatus::usage, fmt::format("{}: halves of one sequence must both have a frame field",
-                                                 other_half_->text()));
+    std::optional<io::SequencePattern>& other = pair == Pair::eyes ? other_eye_ : other_half_;
+    other.emplace(patterns[1]);
+    if (other->has_frame_field() != pattern_.has_frame_field()) {
+      throw Error(ExitStatus::usage, fmt::format("{}: {} of one sequence must both have a frame field",
+                                                 other->text(), pair == Pair::eyes ? "eyes" : "halves"));
     }
   } else {
     other_half_ = find_other_half(pattern_);
@@ -47,7 +49,7 @@ InputFrames::InputFrames(const std::vector<std::string>& patterns, const std::st
   }
   std::vector<int> asked;
   if (!range.empty()) asked = io::parse_frame_range(range);
-  const std::vector<int> present = pattern_.frames_on_disk();
+  const std::vector<int> present = other_eye_ ? present_in_both(asked, missing) : pattern_.frames_on_disk();
   if (present.empty()) {
     throw Error(ExitStatus::bad_input, fmt::format("{}: no frame of this sequence is on disk{}", pattern,
                                                    pattern_.hint_of_other_padding()));
@@ -64,6 +66,28 @@ InputFrames::InputFrames(const std::vector<std::string>& patterns, const std::st
     note_ = fmt::format("{}: only frames {} are on disk; the filter starts anew after each gap", pattern,
                         io::format_frame_range(present));
   }
+}
+
+std::vector<int> InputFrames::present_in_both(const std::vector<int>& asked, Missing missing) const {
+  const std::vector<int> left = pattern_.frames_on_disk();
+  const std::vector<int> right = other_eye_->frames_on_disk();
+  const auto refuse = [&](const std::vector<int>& there, const std::vector<int>& here,
+                          const io::SequencePattern& has, const io::SequencePattern& lacks) {
+    std::vector<int> alone;
+    std::ranges::set_difference(there, here, std::back_inserter(alone));
+    if (!asked.empty())
+      std::erase_if(alone, [&](int frame) { return !std::ranges::binary_search(asked, frame); });
+    if (alone.empty() || missing != Missing::error) return;
+    throw Error(
+        ExitStatus::bad_input,
+        fmt::format("{}: no file for frame {}, which {} has{}; --missing skip or hold goes on without",
+                    lacks.text(), io::format_frame_range(alone), has.text(), lacks.hint_of_other_padding()));
+  };
+  refuse(left, right, pattern_, *other_eye_);
+  refuse(right, left, *other_eye_, pattern_);
+  std::vector<int> both;
+  std::ranges::set_intersection(left, right, std::back_inserter(both));
+  return both;
 }
 
 void InputFrames::take_single_file(const std::string& range, std::optional<int> frame) {
@@ -123,6 +147,7 @@ void InputFrames::assign_outputs(const std::vector<int>& asked, const std::vecto
 std::vector<std::string> InputFrames::paths(int frame) const {
   std::vector<std::string> paths{pattern_.path(frame)};
   if (other_half_) paths.push_back(other_half_->path(frame));
+  if (other_eye_) paths.push_back(other_eye_->path(frame));
   return paths;
 }
 

@@ -25,17 +25,21 @@ class InputFrames {
   using Readable =
       std::function<std::vector<int>(const std::vector<int>& asked, const std::vector<int>& on_disk)>;
 
-  /// `patterns` are one sequence, or two that hold a half of the samples each. `range` empty: all on disk.
+  /// `patterns` are one sequence, or two that hold a half of the samples each, or as `pair` says the left and
+  /// the right eye. `range` empty: all on disk.
   /// `frame` is the number of a single file, whatever its name says. Throws Error(usage) for a bad range, a
   /// number for a sequence, or a sequence beside a single file, Error(bad_input) naming the frames that are
   /// not there.
-  InputFrames(const std::vector<std::string>& patterns, const std::string& range, std::optional<int> frame,
-              Missing missing, const Readable& readable);
+  enum class Pair { halves, eyes };
+  InputFrames(const std::vector<std::string>& patterns, Pair pair, const std::string& range,
+              std::optional<int> frame, Missing missing, const Readable& readable);
 
   const io::SequencePattern& pattern() const { return pattern_; }
   /// Of a pair of sequences, the other half of the samples: given as one, or found beside the first.
   const std::optional<io::SequencePattern>& other_half() const { return other_half_; }
-  /// The files of a frame: one, or two halves.
+  /// Of a pair of sequences, the right eye, where pattern() is the left one.
+  const std::optional<io::SequencePattern>& other_eye() const { return other_eye_; }
+  /// The files of a frame: one, or two halves or eyes.
   std::vector<std::string> paths(int frame) const;
   /// What may be read, ascending.
   const std::vector<int>& readable() const { return readable_; }
@@ -62,10 +66,14 @@ class InputFrames {
 
  private:
   void take_single_file(const std::string& range, std::optional<int> frame);
+  /// The frames of both eyes on disk. Throws Error(bad_input) for one of `asked` (all if there are none) that
+  /// one eye lacks, unless missing frames are dealt with.
+  std::vector<int> present_in_both(const std::vector<int>& asked, Missing missing) const;
   void assign_outputs(const std::vector<int>& asked, const std::vector<int>& present, Missing missing);
 
   io::SequencePattern pattern_;
   std::optional<io::SequencePattern> other_half_;
+  std::optional<io::SequencePattern> other_eye_;
   int padding_ = 0;  ///< of the numbers in the files' names; 0: no number there
   bool has_numbers_ = true;
   std::vector<int> readable_;

@@ -1,9 +1,14 @@
 #include "app/input_pixels.h"
 
-#include <algorithm>
+#include <fmt/format.h>
 
+#include <algorithm>
+#include <memory>
+
+#include "app/eye_names.h"
 #include "app/half_buffers.h"
 #include "filter/merge/additive.h"
+#include "frame/error.h"
 
 namespace becalm::app {
 namespace {
@@ -15,6 +20,14 @@ void leave_other_parts(io::LoadedView& view) {
     const auto part_of = [&](Aov aov) { return view.layers[static_cast<std::size_t>(aov)]->part; };
     if (part_of(entry.aov) != part_of(Aov::beauty)) view.frame.remove(entry.aov);
   }
+}
+
+/// Finds eyes that were exchanged, where the files say which they are.
+void check_eye(const Frame& frame, Eye eye, const std::string& path) {
+  if (!frame.stereo() || frame.stereo()->eye == eye) return;
+  throw Error(ExitStatus::bad_input,
+              fmt::format("{}: is of the {} eye, as it says itself, and stands for the {} one", path,
+                          name_of_eye(frame.stereo()->eye), name_of_eye(eye)));
 }
 
 io::LoadedFrame read_file(const std::string& path, int frame, const FilterStage& filter,
@@ -37,6 +50,12 @@ io::LoadedFrame read_pixels(const InputFrames& inputs, int frame, const FilterSt
   if (inputs.other_half()) {
     const std::string other = inputs.other_half()->path(frame);
     join_halves(loaded, read_file(other, frame, filter, layers, window), other);
+  }
+  if (inputs.other_eye()) {
+    const std::string other = inputs.other_eye()->path(frame);
+    loaded.other_eye = std::make_shared<io::LoadedFrame>(read_file(other, frame, filter, layers, window));
+    check_eye(loaded.frame, Eye::left, inputs.path(frame));
+    check_eye(loaded.other_eye->frame, Eye::right, other);
   }
   return loaded;
 }

@@ -9,7 +9,8 @@
 namespace becalm::app {
 
 /// Reads a frame that is denoised, as far as the filter wants it: one file, or two with a half of the samples
-/// each, which are joined. Every frame covers `window`. Throws as io::read_exr and join_halves do.
+/// each, which are joined, or of the two eyes. Every frame covers `window`. Throws as io::read_exr and
+/// join_halves do.
 io::LoadedFrame read_pixels(const InputFrames& inputs, int frame, const FilterStage& filter,
                             const io::LayerOptions& layers, const InputWindow& window);
 

@@ -52,6 +52,7 @@ struct FilterOptions {
   std::string context;  ///< empty: what there is
   std::string cuts = "auto";
   std::string alpha = "keep";
+  std::optional<bool> stereo;     ///< whether eyes are filtered together; by default where there are two
   std::string additive = "auto";  ///< none: additive layers are passed on noisy
   bool validate = false;
   bool diagnostics = false;

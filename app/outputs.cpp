@@ -8,6 +8,8 @@
 #include <cerrno>
 #include <charconv>
 #include <filesystem>
+#include <iterator>
+#include <map>
 #include <sstream>
 #include <system_error>
 
@@ -104,65 +106,79 @@ bool is_whole(const std::string& path, int frame) {
 
 }  // namespace
 
-Outputs::Outputs(std::string_view option, io::SequencePattern pattern, std::vector<int> frames)
-    : option_(option), pattern_(std::move(pattern)), frames_(std::move(frames)) {
-  if (!is_exr_name(pattern_.text())) {
-    throw Error(ExitStatus::usage,
-                fmt::format("{} {}: expected a file name that ends in .exr", option_, pattern_.text()));
+Outputs::Outputs(std::string_view option, std::vector<io::SequencePattern> patterns, std::vector<int> frames)
+    : option_(option), patterns_(std::move(patterns)), frames_(std::move(frames)) {
+  for (const io::SequencePattern& pattern : patterns_) {
+    if (!is_exr_name(pattern.text())) {
+      throw Error(ExitStatus::usage,
+                  fmt::format("{} {}: expected a file name that ends in .exr", option_, pattern.text()));
+    }
+    if (frames_.size() > 1 && !pattern.has_frame_field()) {
+      throw Error(ExitStatus::usage, fmt::format("{} {}: {} frames need a frame field, such as ####.exr",
+                                                 option_, pattern.text(), frames_.size()));
+    }
   }
-  if (frames_.size() > 1 && !pattern_.has_frame_field()) {
-    throw Error(ExitStatus::usage, fmt::format("{} {}: {} frames need a frame field, such as ####.exr",
-                                               option_, pattern_.text(), frames_.size()));
-  }
+}
+
+std::vector<std::string> Outputs::paths(int frame) const {
+  std::vector<std::string> paths;
+  for (const io::SequencePattern& pattern : patterns_) paths.push_back(pattern.path(frame));
+  return paths;
+}
+
+std::vector<std::string> Outputs::all_paths() const {
+  std::vector<std::string> all;
+  for (const int frame : frames_) std::ranges::move(paths(frame), std::back_inserter(all));
+  return all;
 }
 
 void Outputs::keep_apart_from(const std::vector<std::string>& inputs) const {
   std::set<std::string> taken;
   for (const std::string& input : inputs) taken.insert(resolved(input));
-  for (const int frame : frames_) {
-    if (!taken.contains(resolved(path(frame)))) continue;
+  for (const std::string& path : all_paths()) {
+    if (!taken.contains(resolved(path))) continue;
     throw Error(ExitStatus::usage,
-                fmt::format("{} {}: would overwrite the input; choose another name", option_, path(frame)));
+                fmt::format("{} {}: would overwrite the input; choose another name", option_, path));
   }
 }
 
 void Outputs::keep_foreign_files() const {
-  for (const int frame : frames_) {
+  for (const std::string& path : all_paths()) {
     std::error_code error;
-    if (!fs::is_regular_file(path(frame), error) || is_of_becalm(path(frame))) continue;
-    throw Error(ExitStatus::usage,
-                fmt::format("{} {}: is there, and becalm did not write it; --overwrite replaces it", option_,
-                            path(frame)));
+    if (!fs::is_regular_file(path, error) || is_of_becalm(path)) continue;
+    throw Error(
+        ExitStatus::usage,
+        fmt::format("{} {}: is there, and becalm did not write it; --overwrite replaces it", option_, path));
   }
 }
 
 void Outputs::prepare() {
-  const fs::path folder = fs::path(pattern_.text()).parent_path();
-  std::error_code error;
-  if (!folder.empty()) fs::create_directories(folder, error);
-  const fs::path place = folder.empty() ? fs::path(".") : folder;
-  if (!error && ::access(place.c_str(), W_OK | X_OK) != 0) error = {errno, std::generic_category()};
-  if (!error && !fs::is_directory(place)) error = std::make_error_code(std::errc::not_a_directory);
-  if (error) {
-    throw Error(ExitStatus::resource,
-                fmt::format("{} {}: cannot write there: {}", option_, pattern_.text(), error.message()));
-  }
-
-  std::set<std::string> names;
-  for (const int frame : frames_) names.insert(fs::path(path(frame)).filename().string());
-  lock_ = std::make_unique<FolderLock>(place, std::vector<std::string>(names.begin(), names.end()));
-  for (const fs::directory_entry& entry : fs::directory_iterator(place, error)) {
-    const int owner = partial_owner(entry.path().filename().string(), names);
-    if (owner > 0 && !process_runs(owner)) fs::remove(entry.path(), error);
+  std::map<fs::path, std::set<std::string>> names;  // by folder
+  for (const std::string& path : all_paths())
+    names[fs::path(path).parent_path()].insert(fs::path(path).filename().string());
+  for (const auto& [folder, files] : names) {
+    std::error_code error;
+    if (!folder.empty()) fs::create_directories(folder, error);
+    const fs::path place = folder.empty() ? fs::path(".") : folder;
+    if (!error && ::access(place.c_str(), W_OK | X_OK) != 0) error = {errno, std::generic_category()};
+    if (!error && !fs::is_directory(place)) error = std::make_error_code(std::errc::not_a_directory);
+    if (error) {
+      throw Error(ExitStatus::resource, fmt::format("{} {}: cannot write there: {}", option_,
+                                                    patterns_.front().text(), error.message()));
+    }
+    locks_.push_back(
+        std::make_unique<FolderLock>(place, std::vector<std::string>(files.begin(), files.end())));
+    for (const fs::directory_entry& entry : fs::directory_iterator(place, error)) {
+      const int owner = partial_owner(entry.path().filename().string(), files);
+      if (owner > 0 && !process_runs(owner)) fs::remove(entry.path(), error);
+    }
   }
 }
 
 std::string Outputs::recorded(const std::string& attribute) const {
-  for (const int frame : frames_) {
+  for (const std::string& path : all_paths()) {
     std::error_code error;
-    if (fs::exists(path(frame), error) && is_of_becalm(path(frame))) {
-      return io::read_attribute(path(frame), attribute);
-    }
+    if (fs::exists(path, error) && is_of_becalm(path)) return io::read_attribute(path, attribute);
   }
   return {};
 }
@@ -170,14 +186,16 @@ std::string Outputs::recorded(const std::string& attribute) const {
 Outputs::Existing Outputs::find_existing(const io::Attributes& attributes) const {
   Existing existing;
   for (const int frame : frames_) {
-    std::error_code error;
-    if (!fs::exists(path(frame), error)) continue;
-    if (!is_whole(path(frame), frame)) {
-      existing.unusable.push_back(path(frame));
-      continue;
+    bool all_there = true;
+    for (const std::string& path : paths(frame)) {
+      std::error_code error;
+      const bool is_there = fs::exists(path, error);
+      const bool is_usable = is_there && is_whole(path, frame);
+      if (is_usable) check_attributes(path, attributes);
+      if (is_there && !is_usable) existing.unusable.push_back(path);
+      all_there = all_there && is_usable;
     }
-    check_attributes(path(frame), attributes);
-    existing.frames.insert(frame);
+    if (all_there) existing.frames.insert(frame);
   }
   return existing;
 }

@@ -12,15 +12,17 @@
 
 namespace becalm::app {
 
-/// The files that a command writes, one a frame.
+/// The files that a command writes: one a frame, or one for each eye.
 class Outputs {
  public:
-  /// Throws Error(usage) unless the pattern is an EXR name, with a frame field if there are several frames.
-  /// `option` is the pattern's name in messages.
-  Outputs(std::string_view option, io::SequencePattern pattern, std::vector<int> frames);
+  /// Throws Error(usage) unless the patterns are EXR names, with a frame field if there are several frames.
+  /// `option` is the patterns' name in messages.
+  Outputs(std::string_view option, std::vector<io::SequencePattern> patterns, std::vector<int> frames);
 
   const std::vector<int>& frames() const { return frames_; }
-  std::string path(int frame) const { return pattern_.path(frame); }
+  /// Files of a frame.
+  std::size_t files() const { return patterns_.size(); }
+  std::string path(int frame, std::size_t file = 0) const { return patterns_[file].path(frame); }
 
   /// Throws Error(usage) if one of the outputs is one of the inputs, also through links.
   void keep_apart_from(const std::vector<std::string>& inputs) const;
@@ -37,7 +39,7 @@ class Outputs {
   std::string recorded(const std::string& attribute) const;
 
   struct Existing {
-    std::set<int> frames;               ///< there, whole, and written with the same attributes
+    std::set<int> frames;               ///< all files there, whole, and written with the same attributes
     std::vector<std::string> unusable;  ///< there, but no longer readable: to be written again
   };
   /// What --resume keeps. Throws Error(usage) for a file that was written with other attributes, naming what
@@ -45,12 +47,14 @@ class Outputs {
   Existing find_existing(const io::Attributes& attributes) const;
 
  private:
+  std::vector<std::string> paths(int frame) const;
+  std::vector<std::string> all_paths() const;
   void check_attributes(const std::string& path, const io::Attributes& attributes) const;
 
   std::string option_;
-  io::SequencePattern pattern_;
+  std::vector<io::SequencePattern> patterns_;
   std::vector<int> frames_;
-  std::unique_ptr<FolderLock> lock_;
+  std::vector<std::unique_ptr<FolderLock>> locks_;  ///< of each folder
 };
 
 /// The frames up to the last one that is not among the existing ones: what a filter whose history is

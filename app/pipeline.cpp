@@ -42,11 +42,14 @@ void run_pipeline(std::size_t steps, const Stages& stages) {
 }
 
 FinishedFrame unfiltered(io::LoadedFrame noisy) {
-  FinishedFrame finished{.frame = Frame(noisy.frame.number(), noisy.frame.width(), noisy.frame.height()),
-                         .other_views = {},
-                         .source = {}};
-  finished.frame.set_jitter(noisy.frame.jitter());
-  finished.frame.image(Aov::beauty) = std::move(noisy.frame.image(Aov::beauty));
+  const auto take_beauty = [](Frame& from) {
+    Frame frame(from.number(), from.width(), from.height());
+    frame.set_jitter(from.jitter());
+    frame.image(Aov::beauty) = std::move(from.image(Aov::beauty));
+    return frame;
+  };
+  FinishedFrame finished{.frame = take_beauty(noisy.frame), .other_views = {}, .source = {}};
+  for (io::LoadedView& view : noisy.other_views) finished.other_views.push_back(take_beauty(view.frame));
   finished.source = std::move(noisy);
   return finished;
 }

@@ -13,7 +13,8 @@ namespace becalm::app {
 /// A frame at the end of the pipeline, and the noisy one that it was made from.
 struct FinishedFrame {
   Frame frame;
-  std::vector<Frame> other_views;  ///< of a stereo file, in the order of the source's
+  /// Of a stereo file, in the order of the source's; then that of the other eye's file.
+  std::vector<Frame> other_views;
   io::LoadedFrame source;
 };
 

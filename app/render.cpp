@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <numeric>
@@ -17,6 +18,7 @@
 #include "app/alpha_report.h"
 #include "app/cancel.h"
 #include "app/command.h"
+#include "app/eye_names.h"
 #include "app/filter_stage.h"
 #include "app/frame_sink.h"
 #include "app/input_frames.h"
@@ -50,7 +52,8 @@ AovSet filter_input(const FilterStage& filter, int spp) {
 
 /// Where noisy frames wait for the filter without --keep-noisy: beside the outputs. The name has a frame
 /// field even if the output, being one frame, has none: the filter reads its neighbours, too.
-std::string scratch_pattern(const std::string& output) {
+std::string scratch_pattern(std::string output) {
+  if (has_eye_field(output)) output = pattern_of_eye(output, 0);
   const bool has_field = io::SequencePattern(output).has_frame_field();
   return output.substr(0, output.rfind('.')) + (has_field ? ".noisy.exr" : ".noisy.####.exr");
 }
@@ -67,6 +70,14 @@ std::vector<int> existing_frames(const std::vector<int>& asked, const tracer::Sc
   const std::vector<int> context = filter.context_frames();
   frames.insert(context.begin(), context.end());
   return {frames.begin(), frames.end()};
+}
+
+/// The files of a frame: one, or where the pattern has a field for the eye one for each.
+std::vector<io::SequencePattern> patterns_of(const std::string& pattern, const std::vector<Eye>& eyes) {
+  if (!has_eye_field(pattern)) return {io::SequencePattern(pattern)};
+  std::vector<io::SequencePattern> patterns;
+  for (const Eye eye : eyes) patterns.emplace_back(pattern_of_eye(pattern, eye == Eye::right ? 1 : 0));
+  return patterns;
 }
 
 /// One run of `becalm render`.
@@ -88,6 +99,7 @@ class RenderJob {
   void run_steps(const std::vector<filter::Step>& steps,
                  const std::function<std::optional<io::LoadedFrame>(std::size_t)>& source);
   void write(FinishedFrame& finished, FrameSink& sink);
+  void complete(Frame& result, Frame& noisy);
 
   io::Attributes render_attributes(const AskedAovs& aovs, bool float_colors) const;
 
@@ -99,13 +111,14 @@ class RenderJob {
   tracer::Scene scene_;
   const std::string scene_hash_;
   const Size size_;
+  const std::vector<Eye> eyes_;
   std::optional<Outputs> outputs_;
   std::vector<int> readable_;  ///< by the filter, rendered for it if need be
   std::optional<NoisyFiles> noisy_files_;
   io::Attributes attributes_;
   std::set<int> existing_;
-  std::optional<AdaptiveSampling> sampling_;
-  std::vector<double> expected_errors_;  ///< of the written frames: means of expected_error
+  std::deque<AdaptiveSampling> sampling_;  ///< of each eye
+  std::vector<double> expected_errors_;    ///< of the written frames: means of expected_error
   std::optional<Progress> progress_;
   Profile profile_;
 };
@@ -119,9 +132,10 @@ RenderJob::RenderJob(const RenderCommand& command, tracer::Scene scene)
       rendered_(asked_.aovs | (filter_ ? filter_input(*filter_, command.spp) : AovSet())),
       scene_(std::move(scene)),
       scene_hash_(scene_hash(command.scene)),
-      size_(size_of(command, scene_.description())) {
+      size_(size_of(command, scene_.description())),
+      eyes_(eyes_of(command, scene_.description())) {
   const std::vector<int> frames = frames_of(command, scene_.description());
-  outputs_.emplace("-o", io::SequencePattern(command.output.pattern), frames);
+  outputs_.emplace("-o", patterns_of(command.output.pattern, eyes_), frames);
   attributes_ = render_attributes(asked_, command.float_colors);
   if (filter_) {
     readable_ = filter_->readable(frames, existing_frames(frames, scene_.description(), *filter_));
@@ -133,27 +147,35 @@ RenderJob::RenderJob(const RenderCommand& command, tracer::Scene scene)
 
 void RenderJob::choose_noisy_files() {
   const bool kept = !command_.keep_noisy.empty();
+  if (has_eye_field(command_.keep_noisy)) {
+    throw Error(
+        ExitStatus::usage,
+        fmt::format("--keep-noisy {}: expected no %V: both eyes are views of one file", command_.keep_noisy));
+  }
   if (!kept && !has_segments()) return;
   const std::string pattern = kept ? command_.keep_noisy : scratch_pattern(command_.output.pattern);
   noisy_files_.emplace(
-      NoisyFiles{.outputs = Outputs(kept ? "--keep-noisy" : "-o", io::SequencePattern(pattern), readable_),
+      NoisyFiles{.outputs = Outputs(kept ? "--keep-noisy" : "-o", {io::SequencePattern(pattern)}, readable_),
                  .attributes = render_attributes({rendered_, asked_.light_groups}, /*float_colors=*/true)});
   std::vector<std::string> written;
-  written.reserve(outputs_->frames().size());
-  for (const int frame : outputs_->frames()) written.push_back(outputs_->path(frame));
+  for (const int frame : outputs_->frames()) {
+    for (std::size_t file = 0; file < outputs_->files(); ++file)
+      written.push_back(outputs_->path(frame, file));
+  }
   noisy_files_->outputs.keep_apart_from(written);
 }
 
 io::Attributes RenderJob::render_attributes(const AskedAovs& aovs, bool float_colors) const {
+  const std::string eye = command_.eye == "both" ? "" : " eye=" + command_.eye;
   const std::string sampling = command_.noise_target ? fmt::format(" noise_target={}", *command_.noise_target)
                                : command_.adaptive   ? " adaptive=yes"
                                                      : "";
   return {{"becalm:version", BECALM_VERSION},
           {"becalm:settings",
-           fmt::format("scene={} size={}x{} spp={}{} aov_spp={} seed={} aovs={} color={} reproducible={}",
+           fmt::format("scene={} size={}x{} spp={}{} aov_spp={} seed={} aovs={} color={} reproducible={}{}",
                        scene_hash_, size_.width, size_.height, command_.spp, sampling,
                        std::max(command_.spp, command_.aov_spp), command_.seed, format_aovs(aovs),
-                       float_colors ? "float" : "half", command_.running.reproducible ? "yes" : "no")}};
+                       float_colors ? "float" : "half", command_.running.reproducible ? "yes" : "no", eye)}};
 }
 
 void RenderJob::find_existing() {
@@ -182,8 +204,13 @@ ExitStatus RenderJob::run() {
   if (work.empty()) return all_there(asked.size(), command_.running.quiet);
 
   if (filter_) {
-    filter_->build(size_.width, size_.height, rendered_,
-                   asked_.light_groups ? scene_.description().light_groups.size() : 0);
+    std::vector<FilteredView> views;
+    for (const Eye eye : eyes_) {
+      views.push_back({.name = name_of_eye(eye),
+                       .available = rendered_,
+                       .light_groups = asked_.light_groups ? scene_.description().light_groups.size() : 0});
+    }
+    filter_->build(size_.width, size_.height, views);
   }
   if (has_segments()) {
     run_segments(work);
@@ -201,8 +228,9 @@ void RenderJob::start_progress(std::size_t frames_to_make) {
       .existing = existing_.size(),
       .work = frames_to_make,
       .unit = command_.noise_target ? "frames" : "samples",
-      .units_per_frame =
-          command_.noise_target ? 1.0 : static_cast<double>(size_.width) * size_.height * command_.spp,
+      .units_per_frame = command_.noise_target ? 1.0
+                                               : static_cast<double>(size_.width) * size_.height *
+                                                     command_.spp * static_cast<double>(eyes_.size()),
       .quiet = command_.running.quiet,
       .verbose = command_.running.verbose});
   if (!command_.choice.empty()) progress_->note(command_.choice);
@@ -223,13 +251,15 @@ RenderedFrames RenderJob::rendered_frames() {
   options.aovs = rendered_;
   options.light_groups = asked_.light_groups;
   if (is_adaptive()) {
-    sampling_.emplace(scene_, options, command_.filter,
-                      AdaptiveSampling::Options{.noise_target = command_.noise_target,
-                                                .spp = command_.spp,
-                                                .halves = contains(rendered_, Aov::half_a)});
+    for (const Eye eye : eyes_) {
+      options.eye = eye;
+      sampling_.emplace_back(scene_, options, command_.filter,
+                             AdaptiveSampling::Options{.noise_target = command_.noise_target,
+                                                       .spp = command_.spp,
+                                                       .halves = contains(rendered_, Aov::half_a)});
+    }
   }
-  return {scene_,     options, sampling_ ? &*sampling_ : nullptr, noisy_files_ ? &*noisy_files_ : nullptr,
-          *progress_, profile_};
+  return {scene_, options, eyes_, sampling_, noisy_files_ ? &*noisy_files_ : nullptr, *progress_, profile_};
 }
 
 void RenderJob::run_frame_by_frame(const std::vector<int>& work) {
@@ -271,15 +301,33 @@ void RenderJob::run_steps(const std::vector<filter::Step>& steps,
 }
 
 void RenderJob::write(FinishedFrame& finished, FrameSink& sink) {
-  Frame& result = finished.frame;
-  Frame& noisy = finished.source.frame;
-  if (!sink.wants(result.number())) return;
+  if (!sink.wants(finished.frame.number())) return;
+  io::Attributes attributes = attributes_;
+  if (filter_) {
+    attributes.emplace_back("becalm:tiles", filter_->tiles());
+    attributes.emplace_back("becalm:alpha",
+                            alpha_outcome(finished.source, finished.frame, finished.other_views));
+  }
+  std::vector<io::WrittenView> views;
+  for (std::size_t eye = 0; eye < eyes_.size(); ++eye) {
+    Frame& result = eye == 0 ? finished.frame : finished.other_views[eye - 1];
+    complete(result, eye == 0 ? finished.source.frame : finished.source.other_views[eye - 1].frame);
+    views.push_back({name_of_eye(eyes_[eye]), &result});
+  }
+  const io::PixelType type = command_.float_colors ? io::PixelType::float32 : io::PixelType::half;
+  sink.write(finished.frame.number(), [&](const std::string& path, std::size_t file) {
+    const bool one_each = outputs_->files() > 1;
+    return io::write_exr(path, one_each ? std::vector{views[file]} : views, attributes, type);
+  });
+}
+
+/// Gives a frame to be written what was asked for and not denoised, as `becalm denoise` passes it on.
+void RenderJob::complete(Frame& result, Frame& noisy) {
   if (command_.noise_target) {
     const Image error = expected_error(result, filter::exposure(noisy.image(Aov::beauty)));
     const double sum = std::accumulate(error.data().begin(), error.data().end(), 0.0);
     expected_errors_.push_back(sum / static_cast<double>(error.pixel_count()));
   }
-  // What was asked for and not denoised comes from the tracer as it is, as `becalm denoise` passes it on.
   const bool has_additive = filter_ && filter_->denoises_additive();
   for (const AovInfo& entry : kAovTable) {
     if (entry.diagnostic || entry.aov == Aov::beauty) continue;
@@ -287,23 +335,15 @@ void RenderJob::write(FinishedFrame& finished, FrameSink& sink) {
     result.image(entry.aov) = contains(asked_.aovs, entry.aov) ? std::move(noisy.image(entry.aov)) : Image();
   }
   if (!has_additive) result.light_groups() = std::move(noisy.light_groups());
-  io::Attributes attributes = attributes_;
-  if (filter_) {
-    attributes.emplace_back("becalm:tiles", filter_->tiles());
-    attributes.emplace_back("becalm:alpha",
-                            alpha_outcome(noisy.image(Aov::beauty), result.image(Aov::beauty)));
-  }
-  sink.write(result.number(), [&](const std::string& path) {
-    return io::write_exr(path, result, attributes,
-                         command_.float_colors ? io::PixelType::float32 : io::PixelType::half);
-  });
+  result.set_stereo(noisy.stereo());
 }
 
 /// --debug-pixel: the path of one sample on standard output, and nothing written.
 ExitStatus debug_pixel(const RenderCommand& command, tracer::Scene& scene) {
   const tracer::PixelSample pixel = parse_pixel_sample(command.debug_pixel);
   const int frame = frames_of(command, scene.description()).front();
-  const tracer::RenderOptions options = render_options(command, size_of(command, scene.description()));
+  tracer::RenderOptions options = render_options(command, size_of(command, scene.description()));
+  options.eye = eyes_of(command, scene.description()).front();
   for (const std::string& line : tracer::describe_sample(scene, frame, options, pixel))
     fmt::print("{}\n", line);
   return ExitStatus::done;

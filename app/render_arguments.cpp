@@ -10,6 +10,7 @@
 #include <span>
 #include <string_view>
 
+#include "app/eye_names.h"
 #include "app/help.h"
 #include "frame/error.h"
 #include "frame/io/sequence.h"
@@ -91,6 +92,14 @@ void add_render_options(CLI::App& parser, RenderCommand& command) {
   parser.add_option("--size", command.size, "Image size in pixels (default: the scene's)")
       ->option_text("WxH")
       ->group("Rendering");
+  parser
+      .add_option(
+          "--eye", command.eye,
+          "Of a camera with an eye_separation: both eyes, as views of each file or for each eye a file "
+          "of its own where -o has %V (left, right) or %v (l, r); or one of them (default: both)")
+      ->check(CLI::IsMember({"both", "left", "right"}))
+      ->option_text("both|left|right")
+      ->group(more("Rendering"));
   parser.add_option("--seed", command.seed, "Another seed is another, independent noise (default: 0)")
       ->option_text("N")
       ->group("Rendering");
@@ -187,6 +196,24 @@ tracer::PixelSample parse_pixel_sample(const std::string& text) {
                 fmt::format("--debug-pixel {}: expected X,Y,SAMPLE, such as 12,30,0", text));
   }
   return {static_cast<int>(numbers[0]), static_cast<int>(numbers[1]), numbers[2]};
+}
+
+std::vector<Eye> eyes_of(const RenderCommand& command, const tracer::SceneDescription& scene) {
+  if (scene.camera.has_two_eyes()) {
+    if (command.eye == "both") return {Eye::left, Eye::right};
+    return {command.eye == "left" ? Eye::left : Eye::right};
+  }
+  if (command.eye != "both") {
+    throw Error(ExitStatus::usage,
+                fmt::format("--eye {}: the scene's camera has no eye_separation", command.eye));
+  }
+  if (has_eye_field(command.output.pattern)) {
+    throw Error(ExitStatus::usage,
+                fmt::format("-o {}: has a field for the eye, and the scene's camera has no "
+                            "eye_separation",
+                            command.output.pattern));
+  }
+  return {Eye::centre};
 }
 
 void check_options_fit(const RenderCommand& command) {

@@ -33,6 +33,7 @@ struct RenderCommand {
   std::string preset;  ///< of --denoise, or kAutoPreset; empty: no filter
   std::string keep_noisy;
   std::string debug_pixel;
+  std::string eye = "both";
 };
 
 void add_render_options(CLI::App& parser, RenderCommand& command);
@@ -56,6 +57,8 @@ struct AskedAovs {
 };
 AskedAovs parse_aovs(const std::string& text);
 tracer::PixelSample parse_pixel_sample(const std::string& text);
+/// The eyes that are rendered: one, or of a camera with two those of --eye.
+std::vector<Eye> eyes_of(const RenderCommand& command, const tracer::SceneDescription& scene);
 /// Refuses options of the filter without --denoise, options that exclude each other, and a missing -o.
 void check_options_fit(const RenderCommand& command);
 /// What the samples and the preset are where the user does not say.

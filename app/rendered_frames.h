@@ -1,8 +1,10 @@
 #pragma once
 
+#include <deque>
 #include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "app/adaptive_sampling.h"
 #include "app/outputs.h"
@@ -26,8 +28,10 @@ class RenderedFrames {
  public:
   /// With `sampling`, it decides the samples of each pixel. With `files`, every frame that is rendered is
   /// also written there.
-  RenderedFrames(tracer::Scene& scene, const tracer::RenderOptions& options, AdaptiveSampling* sampling,
-                 const NoisyFiles* files, Progress& progress, Profile& profile);
+  /// A frame has a view for each of `eyes`; `sampling` has as many entries, or none.
+  RenderedFrames(tracer::Scene& scene, const tracer::RenderOptions& options, std::vector<Eye> eyes,
+                 std::deque<AdaptiveSampling>& sampling, const NoisyFiles* files, Progress& progress,
+                 Profile& profile);
 
   /// Renders the frame or reads the file that is there; nothing if a stop was requested meanwhile.
   std::optional<io::LoadedFrame> make(int frame);
@@ -36,11 +40,13 @@ class RenderedFrames {
   io::LoadedFrame read_file(int frame) const;
 
  private:
-  std::optional<Frame> render(int frame);
+  std::optional<io::LoadedFrame> render(int frame);
+  std::optional<Frame> render_eye(int frame, std::size_t eye);
 
   tracer::Scene& scene_;
   const tracer::RenderOptions options_;
-  AdaptiveSampling* const sampling_;
+  const std::vector<Eye> eyes_;
+  std::deque<AdaptiveSampling>& sampling_;  ///< of each eye
   const NoisyFiles* const files_;
   Progress& progress_;
   Profile& profile_;

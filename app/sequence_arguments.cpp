@@ -96,6 +96,7 @@ io::DenoisedFormat format_of(const SequenceCommand& command) {
 
 std::string describe_output(const SequenceCommand& command) {
   std::string text;
+  if (!command.stereo_camera.empty()) text += " stereo_camera=" + command.stereo_camera;
   if (command.jitter != "auto") text += " jitter=" + command.jitter;
   if (command.type != "keep") text += " type=" + command.type;
   if (command.compression != "keep") text += " compression=" + command.compression;

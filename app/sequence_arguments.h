@@ -13,6 +13,8 @@ namespace becalm::app {
 /// What the user typed after `becalm denoise` or `becalm antialias`.
 struct SequenceCommand {
   std::vector<std::string> inputs;
+  std::string stereo_camera;  ///< of eyes whose files do not say it; empty: not known
+  bool eyes = false;          ///< the inputs are the left and the right eye
   OutputOptions output;
   FilterOptions filter;
   RunningOptions running;

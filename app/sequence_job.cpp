@@ -12,7 +12,9 @@
 #include "app/audit_run.h"
 #include "app/console.h"
 #include "app/counted.h"
+#include "app/eye_names.h"
 #include "app/given_jitter.h"
+#include "app/given_stereo.h"
 #include "app/input_pixels.h"
 #include "frame/io/additive_layers.h"
 #include "frame/io/jitter_text.h"
@@ -20,15 +22,34 @@
 
 namespace becalm::app {
 
+namespace {
+
+/// One pattern, or one of each eye.
+std::vector<io::SequencePattern> output_patterns(const SequenceCommand& command, const InputFrames& inputs) {
+  const std::string& text = command.output.pattern;
+  if (command.eyes != has_eye_field(text)) {
+    throw Error(
+        ExitStatus::usage,
+        command.eyes
+            ? fmt::format("-o {}: expected %V (left, right) or %v (l, r) in it: each eye has a file", text)
+            : fmt::format("-o {}: has a field for the eye, and the input is one file a frame", text));
+  }
+  if (!command.eyes) return {inputs.output_pattern(text)};
+  return {inputs.output_pattern(pattern_of_eye(text, 0)), inputs.output_pattern(pattern_of_eye(text, 1))};
+}
+
+}  // namespace
+
 SequenceJob::SequenceJob(const SequenceCommand& command, FilterRecipe recipe)
     : command_(command),
       threads_(command.running.threads),
       layers_(layer_options(command.layers)),
       format_(format_of(command)),
       filter_(std::move(recipe), command.filter),
-      inputs_(command.inputs, command.output.frames, command.frame, parse_missing(command.missing),
+      inputs_(command.inputs, command.eyes ? InputFrames::Pair::eyes : InputFrames::Pair::halves,
+              command.output.frames, command.frame, parse_missing(command.missing),
               [this](const auto& asked, const auto& on_disk) { return filter_.readable(asked, on_disk); }),
-      outputs_("-o", inputs_.output_pattern(command.output.pattern), inputs_.outputs()),
+      outputs_("-o", output_patterns(command, inputs_), inputs_.outputs()),
       window_(find_window(inputs_, layers_)),
       fingerprints_(inputs_, filter_, layers_, window_) {
   std::vector<std::string> paths;
@@ -95,10 +116,11 @@ ExitStatus SequenceJob::run() {
   }
   progress_->detail(fmt::format("{}x{} px of {}", window_.width(), window_.height(),
                                 fingerprints_.layers_of(*needed.begin())));
+  std::vector<FilteredView> filtered;
   for (const InputLayout& view : views) {
-    filter_.build(window_.width(), window_.height(), view.aovs, view.light_groups.size(), view.view,
-                  views.size());
+    filtered.push_back({.name = view.view, .available = view.aovs, .light_groups = view.light_groups.size()});
   }
+  filter_.build(window_.width(), window_.height(), filtered);
   if (!command_.choice.empty()) progress_->note(command_.choice);
   if (!inputs_.note().empty()) progress_->warn(inputs_.note());
   if (inputs_.other_half()) progress_->note(halves_text());
@@ -142,6 +164,7 @@ void SequenceJob::print_plan(const std::set<int>& needed) {
                io::format_frame_range(frames));
   };
   print("reads", inputs_.pattern().text(), {needed.begin(), needed.end()});
+  if (inputs_.other_eye()) print("reads", inputs_.other_eye()->text(), {needed.begin(), needed.end()});
   fmt::print(
       "takes {}x{} px of {}; {}\n", window_.width(), window_.height(),
       fingerprints_.layers_of(*needed.begin()),
@@ -172,6 +195,17 @@ io::LoadedFrame SequenceJob::read(int frame) {
   if (command_.jitter != "auto") {
     loaded.frame.set_jitter(given_jitter(command_.jitter, frame));
     for (io::LoadedView& view : loaded.other_views) view.frame.set_jitter(loaded.frame.jitter());
+  }
+  if (!command_.stereo_camera.empty()) {
+    const GivenStereo given = given_stereo(command_.stereo_camera);
+    if (loaded.other_eye) {
+      give_stereo(given, Eye::left, loaded.frame);
+      give_stereo(given, Eye::right, loaded.other_eye->frame);
+    } else if (loaded.other_views.size() == 1) {
+      const bool left_first = is_eye(loaded.view, Eye::left);
+      give_stereo(given, left_first ? Eye::left : Eye::right, loaded.frame);
+      give_stereo(given, left_first ? Eye::right : Eye::left, loaded.other_views.front().frame);
+    }
   }
   return loaded;
 }
@@ -204,9 +238,14 @@ void SequenceJob::write(const FinishedFrame& result, FrameSink& sink) {
                             : alpha_outcome(result.source, result.frame, result.other_views);
     if (!alpha.empty()) attributes.emplace_back("becalm:alpha", std::move(alpha));
     if (number != source) attributes.emplace_back("becalm:held_from", std::to_string(source));
-    sink.write(number, [&](const std::string& path) {
-      return io::write_denoised_exr(path, result.frame, result.other_views, result.source, attributes,
-                                    format_);
+    sink.write(number, [&](const std::string& path, std::size_t file) {
+      if (!result.source.other_eye) {
+        return io::write_denoised_exr(path, result.frame, result.other_views, result.source, attributes,
+                                      format_);
+      }
+      return file == 0 ? io::write_denoised_exr(path, result.frame, {}, result.source, attributes, format_)
+                       : io::write_denoised_exr(path, result.other_views.back(), {}, *result.source.other_eye,
+                                                attributes, format_);
     });
   }
 }

@@ -10,6 +10,7 @@
 #include "app/adaptive_sampling.h"
 #include "app/counted.h"
 #include "app/duration.h"
+#include "app/eye_names.h"
 #include "app/outputs.h"
 #include "app/preset_choice.h"
 #include "frame/error.h"
@@ -36,7 +37,7 @@ void choose_by_time(RenderCommand& command, tracer::Scene& scene) {
   const bool chooses_preset = command.preset == kAutoPreset;
   command.adaptive = true;
   if (command.output.resume) {
-    const Outputs outputs("-o", io::SequencePattern(command.output.pattern), frames);
+    const Outputs outputs("-o", {io::SequencePattern(pattern_of_eye(command.output.pattern, 0))}, frames);
     const std::string spp = setting(outputs.recorded("becalm:settings"), "spp");
     if (!spp.empty()) {
       command.asked_spp = std::stoi(spp);
@@ -46,16 +47,21 @@ void choose_by_time(RenderCommand& command, tracer::Scene& scene) {
       return;
     }
   }
-  AdaptiveSampling sampling(scene, render_options(command, size), command.filter, {});
+  const std::vector<Eye> eyes = eyes_of(command, scene.description());
+  tracer::RenderOptions options = render_options(command, size);
+  options.eye = eyes.front();
+  AdaptiveSampling sampling(scene, options, command.filter, {});
   tracer::RenderReport report;
   std::optional<Frame> pilot;
   for (int run = 0; run < 2; ++run) {  // the first one also loads textures
     pilot = sampling.render_pilot(frames.front(), &report);
     if (!pilot) return;
   }
+  const auto views = static_cast<double>(eyes.size());
+  report.seconds *= views;
   const double seconds_per_spp = report.seconds / AdaptiveSampling::pilot_spp();
   std::vector<PresetTime> presets =
-      measure_presets(command.filter, *pilot, static_cast<double>(size.width) * size.height);
+      measure_presets(command.filter, *pilot, views * static_cast<double>(size.width) * size.height);
   const double pilot_seconds = report.seconds + presets.front().seconds / 4.0;
   if (!chooses_preset) std::erase_if(presets, [&](const auto& p) { return p.name != command.preset; });
   if (presets.empty()) throw Error(ExitStatus::usage, "--time-budget: expected draft, balanced or final");

@@ -9,6 +9,7 @@
 #include "frame/aov.h"
 #include "frame/image.h"
 #include "frame/jitter.h"
+#include "frame/stereo.h"
 
 namespace becalm {
 
@@ -50,6 +51,10 @@ class Frame {
   const std::optional<FrameJitter>& jitter() const { return jitter_; }
   void set_jitter(std::optional<FrameJitter> jitter) { jitter_ = std::move(jitter); }
 
+  /// Set if the frame is of one eye of a pair whose cameras are known.
+  const std::optional<StereoView>& stereo() const { return stereo_; }
+  void set_stereo(std::optional<StereoView> stereo) { stereo_ = stereo; }
+
   /// Empty unless asked for.
   std::vector<LightGroup>& light_groups() { return light_groups_; }
   const std::vector<LightGroup>& light_groups() const { return light_groups_; }
@@ -61,6 +66,7 @@ class Frame {
   std::array<Image, kAovCount> images_;
   std::vector<LightGroup> light_groups_;
   std::optional<FrameJitter> jitter_;
+  std::optional<StereoView> stereo_;
 };
 
 }  // namespace becalm

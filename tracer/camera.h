@@ -3,6 +3,7 @@
 #include <numbers>
 #include <optional>
 
+#include "frame/stereo.h"
 #include "tracer/scene/transform.h"
 #include "tracer/snapshot/intersect.h"
 
@@ -33,6 +34,15 @@ class Camera {
         center_(0.5 * width, 0.5 * height),
         focal_px_(0.5 * height / std::tan(0.5 * fov_y_deg * std::numbers::pi / 180.0)),
         lens_(lens) {}
+
+  /// One eye of a pair around this camera.
+  Camera of_eye(Eye eye, double separation, double convergence) const {
+    const StereoCamera pair{.focal_px = focal_px_, .separation = separation, .convergence = convergence};
+    Camera camera = *this;
+    camera.eye_ += right_ * pair.eye_position(eye);
+    camera.center_.x += pair.axis_px(eye);
+    return camera;
+  }
 
   /// Through the pinhole.
   Ray ray(const V2f& raster) const { return {V3f(eye_), V3f(direction(raster).normalized())}; }
@@ -66,7 +76,7 @@ class Camera {
 
  private:
   V3d eye_, forward_, right_, up_;
-  V2d center_;
+  V2d center_;       ///< where the axis of the view meets the film
   double focal_px_;  ///< distance of the film from the eye
   Lens lens_;
 };

@@ -78,6 +78,7 @@ std::vector<std::string> describe_scene(Scene& scene) {
   sort(needs.motion_blur, "motion blur");
   sort(needs.depth_of_field, "depth of field");
   sort(needs.changing_emission, "changing lights");
+  sort(description.camera.has_two_eyes(), "two eyes");
   const auto list = [](const std::vector<std::string>& names) {
     return names.empty() ? std::string("nothing") : fmt::format("{}", fmt::join(names, ", "));
   };

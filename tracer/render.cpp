@@ -18,6 +18,9 @@ constexpr int kMostSamples = 65536;
 /// Frames of more samples do not tell their positions: nothing is antialiased by them.
 constexpr std::uint32_t kMostSharedPositions = 64;
 
+/// Added to the right eye's seed, so that its noise is its own. Users count seeds up from 0.
+constexpr std::uint32_t kRightEyeSeed = 0x57e2e000u;
+
 bool wants_guides(const AovSet& aovs) {
   for (const Aov aov :
        {Aov::albedo, Aov::normal, Aov::depth, Aov::motion, Aov::object_id, Aov::material_id}) {
@@ -47,8 +50,9 @@ struct FrameSetup {
         spp(static_cast<std::uint32_t>(options.spp)),
         sample_counts(options.sample_counts),
         aov_spp(static_cast<std::uint32_t>(options.aov_spp)),
-        seed(options.seed),
-        cameras(description.camera, frame_number, width, height),
+        seed(options.seed + (options.eye == Eye::right ? kRightEyeSeed : 0)),
+        eye(options.eye),
+        cameras(description.camera, frame_number, width, height, eye),
         eye_interiors(scene.needs().media ? interiors_at(snapshot, cameras.current().eye()) : Interiors()),
         guides(wants_guides(options.aovs)),
         mixes(scene.needs().mix),
@@ -83,6 +87,14 @@ struct FrameSetup {
     return jitter;
   }
 
+  std::optional<StereoView> stereo() const {
+    if (eye == Eye::centre) return std::nullopt;
+    const CameraSettings& camera = description.camera;
+    const std::optional<StereoCamera> pair =
+        stereo_camera_at(camera, camera.shutter.at(frame, 0.0), width, height);
+    return pair ? std::optional(StereoView{*pair, eye}) : std::nullopt;
+  }
+
   std::uint32_t samples_of(int x, int y) const {
     return sample_counts == nullptr ? spp : static_cast<std::uint32_t>(sample_counts->at(x, y, 0));
   }
@@ -110,6 +122,7 @@ struct FrameSetup {
   const Image* sample_counts;
   std::uint32_t aov_spp;
   std::uint32_t seed;
+  Eye eye;
   CameraAnimation cameras;
   Interiors eye_interiors;
   bool guides;
@@ -165,6 +178,7 @@ Frame make_frame(const FrameSetup& setup, const RenderOptions& options) {
   Frame frame(setup.frame, setup.width, setup.height);
   frame.add(Aov::beauty);
   frame.set_jitter(setup.shared_positions());
+  frame.set_stereo(setup.stereo());
   for (const AovInfo& entry : kAovTable) {
     if (!entry.diagnostic && contains(options.aovs, entry.aov)) frame.add(entry.aov);
   }

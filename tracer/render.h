@@ -25,6 +25,8 @@ struct RenderOptions {
   /// more than the pixel's samples, up to 65536. Those beyond them end at the surface and find no light.
   int aov_spp = 0;
   std::uint32_t seed = 0;
+  /// Of a camera with two; the random numbers of the eyes differ.
+  Eye eye = Eye::centre;
   AovSet aovs;  ///< besides the beauty
   bool light_groups = false;
   int tile_px = 32;

@@ -110,7 +110,7 @@ AovSet wanted_aovs(const Settings& settings) {
   const bool smooths = settings.smooth != Smooth::none;
   want(Aov::albedo, smooths || settings.guides != 0 || settings.merge == MergeMode::variance);
   want(Aov::normal, smooths || settings.guides != 0);
-  want(Aov::depth, smooths);
+  want(Aov::depth, true);  // without smoothing it serves pairs of eyes alone
   want(Aov::motion, settings.motion != MotionUse::none);
   for (const Aov aov : {Aov::variance, Aov::half_a, Aov::half_b}) want(aov, true);
   return wanted;
@@ -119,8 +119,8 @@ AovSet wanted_aovs(const Settings& settings) {
 struct SequenceFilter::State {
   /// The smoothed frame: kept from an earlier step, or computed now.
   Estimate smoothed(const Step& step, const NewFrame& frame, FrameReport& report);
-  /// What comes out for a frame, from the history before it and the prediction kept for it.
-  Frame forward(const NewFrame& frame, FrameReport& report);
+  /// Merges a frame with the history before it and the prediction kept for it.
+  void forward(Merged& made, FrameReport& report);
 
   FilterTask task;
   std::optional<FrameSmoother> smoother;
@@ -168,6 +168,13 @@ SequenceFilter::~SequenceFilter() = default;
 SequenceFilter::SequenceFilter(SequenceFilter&&) noexcept = default;
 
 std::optional<Frame> SequenceFilter::run(const Step& step, const Frame& frame, FrameReport& report) {
+  std::optional<Merged> merged = begin(step, frame, report);
+  if (!merged) return std::nullopt;
+  return finish(*merged, report);
+}
+
+std::optional<SequenceFilter::Merged> SequenceFilter::begin(const Step& step, const Frame& frame,
+                                                            FrameReport& report) {
   const FilterTask& task = state_->task;
   check_frame(frame, task.full.width, task.full.height, task.used, "the frames before it");
   const Image& beauty = frame.image(Aov::beauty);
@@ -190,7 +197,11 @@ std::optional<Frame> SequenceFilter::run(const Step& step, const Frame& frame, F
     state_->before = std::move(signature);
   }
   if (state_->smoother) new_frame.smoothed = state_->smoothed(step, new_frame, report);
-  if (step.wanted && step.direction == Direction::forward) return state_->forward(new_frame, report);
+  if (step.wanted && step.direction == Direction::forward) {
+    std::optional<Merged> made(std::in_place, Merged{std::move(new_frame), {}});
+    state_->forward(*made, report);
+    return made;
+  }
   MergedFrame merged;
   if (step.wanted) merged.prediction = Estimate(task.full, task.carried());
   state_->merger->merge(new_frame, merged, report);
@@ -200,6 +211,10 @@ std::optional<Frame> SequenceFilter::run(const Step& step, const Frame& frame, F
                                    task.smooths_merged() ? FilterTask::kNoisyLayers : 0));
   }
   return std::nullopt;
+}
+
+const FilterTask& SequenceFilter::task() const {
+  return state_->task;
 }
 
 Estimate SequenceFilter::State::smoothed(const Step& step, const NewFrame& frame, FrameReport& report) {
@@ -213,9 +228,10 @@ Estimate SequenceFilter::State::smoothed(const Step& step, const NewFrame& frame
   return result;
 }
 
-Frame SequenceFilter::State::forward(const NewFrame& frame, FrameReport& report) {
+void SequenceFilter::State::forward(Merged& made, FrameReport& report) {
   const gpu::Extent full = task.full;
-  MergedFrame merged;
+  const NewFrame& frame = made.frame;
+  MergedFrame& merged = made.made;
   merged.merged = Estimate(full, task.carried());
   const AovSet& diagnostics = task.diagnostics;
   if (contains(diagnostics, Aov::error_mask) || contains(diagnostics, Aov::bias) ||
@@ -231,10 +247,16 @@ Frame SequenceFilter::State::forward(const NewFrame& frame, FrameReport& report)
     merged.merged = combiner->run(frame.exposure, merged.merged, prediction->second.estimate(), report);
     predictions.erase(prediction);
   }
+}
+
+Frame SequenceFilter::finish(Merged& made, FrameReport& report) {
+  const FilterTask& task = state_->task;
+  const NewFrame& frame = made.frame;
+  MergedFrame& merged = made.made;
   Accumulated noisy;
-  if (merged_smoother) {
-    if (contains(diagnostics, Aov::accumulated)) noisy = accumulated(merged.merged);
-    merged.merged = merged_smoother->smooth(frame, std::move(merged.merged), report);
+  if (state_->merged_smoother) {
+    if (contains(task.diagnostics, Aov::accumulated)) noisy = accumulated(merged.merged);
+    merged.merged = state_->merged_smoother->smooth(frame, std::move(merged.merged), report);
   }
   if (task.smooths()) restore_energy(frame, task, merged.merged);
   return output_frame(frame, task, std::move(merged), std::move(noisy), report);

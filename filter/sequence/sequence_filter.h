@@ -3,10 +3,13 @@
 #include <memory>
 #include <optional>
 
+#include "filter/estimate.h"
 #include "filter/gpu/device.h"
+#include "filter/merge/frame_merger.h"
 #include "filter/report.h"
 #include "filter/sequence/frame_filter.h"
 #include "filter/settings.h"
+#include "filter/task.h"
 #include "frame/frame.h"
 
 namespace becalm::filter {
@@ -35,6 +38,19 @@ class SequenceFilter : public FrameFilter {
   /// forward step of their frame. Each takes some 12 bytes per pixel, 24 more with smooth=merged, and 16 for
   /// each additive AOV, for each frame of a segment.
   std::optional<Frame> run(const Step& step, const Frame& frame, FrameReport& report) override;
+
+  /// A frame between its merge and what comes out.
+  struct Merged {
+    NewFrame frame;
+    MergedFrame made;
+  };
+
+  /// `run` in two halves, between which the estimate of a wanted forward step may be improved: what `begin`
+  /// returns (nothing in other steps) refers to `frame`, which must live until `finish`.
+  std::optional<Merged> begin(const Step& step, const Frame& frame, FrameReport& report);
+  Frame finish(Merged& merged, FrameReport& report);
+  /// What the frame's chains are built for.
+  const FilterTask& task() const;
 
   /// Runs a wanted forward step.
   Denoised denoise(const Frame& frame);

@@ -66,6 +66,7 @@ constexpr Alias kAliases[] = {
     {.aov = Aov::sample_count, .layer = "sample_count"},
     {.aov = Aov::bias, .layer = "bias"},
     {.aov = Aov::gain, .layer = "gain"},
+    {.aov = Aov::stereo_weight, .layer = "stereo_weight"},
     {.aov = Aov::residual, .layer = "residual"},
     {.aov = Aov::remaining_variance, .layer = "remaining_variance"},
     {.aov = Aov::accumulated, .layer = "accumulated"},

@@ -14,6 +14,7 @@
 #include "frame/error.h"
 #include "frame/io/exr_file.h"
 #include "frame/io/jitter_text.h"
+#include "frame/io/stereo_text.h"
 #include "frame/io/stripe.h"
 
 namespace becalm::io {
@@ -132,6 +133,11 @@ std::optional<FrameJitter> jitter_of(const Imf::Header& header) {
   return attribute == nullptr ? std::nullopt : parse_jitter(attribute->value());
 }
 
+std::optional<StereoView> stereo_of(const Imf::Header& header) {
+  const auto* attribute = header.findTypedAttribute<Imf::StringAttribute>(kStereoAttribute);
+  return attribute == nullptr ? std::nullopt : parse_stereo(attribute->value());
+}
+
 /// The views of the file, each with the windows of its beauty's part.
 std::vector<ExrView> views_of(const std::string& path, const Imf::MultiPartInputFile& file,
                               const LayerOptions& options) {
@@ -176,6 +182,8 @@ LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted, c
       view.window = window.value_or(views[i].data_window);
       view.frame = Frame(frame_number, width_of(view.window), height_of(view.window));
       view.frame.set_jitter(jitter_of(file->header(0)));
+      const int part = view.layers[static_cast<std::size_t>(Aov::beauty)]->part;
+      view.frame.set_stereo(stereo_of(file->header(part)));
       add_targets(wanted, light_groups, view, parts);
     }
     for (const auto& [part, targets] : parts) read_part(*file, part, targets);

@@ -29,6 +29,8 @@ struct LoadedView : ViewLayers {
 /// The default view of a file, or its only one, and what the file holds besides.
 struct LoadedFrame : LoadedView {
   std::vector<LoadedView> other_views;
+  /// The right eye's file, if each eye has its own and this is the left one's: for who reads both.
+  std::shared_ptr<LoadedFrame> other_eye;
   std::shared_ptr<const ExrContents> contents;
 };
 
@@ -102,13 +104,23 @@ struct WriteReport {
   bool full_size_only = false;  ///< the source's part has smaller levels, which were left out
 };
 
-/// Writes the frame's jitter as a text attribute, and every AOV of the frame as a layer of a single-part
-/// scanline file with ZIP compression, light groups as `light.NAME`: radiance, albedo and normal as
-/// `color_type`; variance (whose squares leave half's range long before the radiance does), depth, motion,
+/// Writes the frame's jitter and stereo camera as text attributes, and every AOV of the frame as a layer of a
+/// single-part scanline file with ZIP compression, light groups as `light.NAME`: radiance, albedo and normal
+/// as `color_type`; variance (whose squares leave half's range long before the radiance does), depth, motion,
 /// numbers and diagnostics as float. Written beside its place and renamed, so that a killed run leaves whole
 /// files only; the parent folder is made. Throws Error(resource) naming the path.
 WriteReport write_exr(const std::string& path, const Frame& frame, const Attributes& attributes,
                       PixelType color_type = PixelType::half);
+
+/// A frame as one view of a file; the name is empty where there is but one.
+struct WrittenView {
+  std::string name;
+  const Frame* frame;
+};
+
+/// The same of one or more views, each a part of its own that bears the view's name.
+WriteReport write_exr(const std::string& path, const std::vector<WrittenView>& views,
+                      const Attributes& attributes, PixelType color_type = PixelType::half);
 
 /// Writes a frame, which has a beauty, small: all layers as half with ZIP compression, no alpha where it is 1
 /// everywhere, and the variance by its root, to 12 % (`noiselevel`, which read_exr squares). Atomic and

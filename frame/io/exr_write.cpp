@@ -4,6 +4,7 @@
 
 #include "frame/io/exr_parts.h"
 #include "frame/io/jitter_text.h"
+#include "frame/io/stereo_text.h"
 
 namespace becalm::io {
 namespace {
@@ -35,22 +36,37 @@ bool is_always_float(Aov aov) {
 
 WriteReport write_exr(const std::string& path, const Frame& frame, const Attributes& attributes,
                       PixelType color_type) {
-  Imf::Header header(frame.width(), frame.height());
-  header.setType(Imf::SCANLINEIMAGE);
-  header.compression() = Imf::ZIP_COMPRESSION;
-  insert_attributes(header, attributes);
-  if (frame.jitter()) insert_attributes(header, {{kJitterAttribute, format_jitter(*frame.jitter())}});
+  return write_exr(path, {{"", &frame}}, attributes, color_type);
+}
+
+WriteReport write_exr(const std::string& path, const std::vector<WrittenView>& views,
+                      const Attributes& attributes, PixelType color_type) {
   const Imf::PixelType color = color_type == PixelType::half ? Imf::HALF : Imf::FLOAT;
-  FrameChannels channels;
-  for (const AovInfo& entry : kAovTable) {
-    if (!frame.has(entry.aov)) continue;
-    add_layer(frame, entry.aov, "", is_always_float(entry.aov) ? Imf::FLOAT : color, Imath::V2i(0), header,
-              channels);
+  std::vector<Imf::Header> headers;
+  std::vector<FrameChannels> channels(views.size());
+  for (std::size_t view = 0; view < views.size(); ++view) {
+    const Frame& frame = *views[view].frame;
+    Imf::Header& header = headers.emplace_back(frame.width(), frame.height());
+    header.setType(Imf::SCANLINEIMAGE);
+    header.compression() = Imf::ZIP_COMPRESSION;
+    if (!views[view].name.empty()) header.setView(views[view].name);
+    if (views.size() > 1) header.setName(views[view].name);
+    insert_attributes(header, attributes);
+    if (frame.jitter()) insert_attributes(header, {{kJitterAttribute, format_jitter(*frame.jitter())}});
+    if (frame.stereo()) insert_attributes(header, {{kStereoAttribute, format_stereo(*frame.stereo())}});
+    for (const AovInfo& entry : kAovTable) {
+      if (!frame.has(entry.aov)) continue;
+      add_layer(frame, entry.aov, "", is_always_float(entry.aov) ? Imf::FLOAT : color, Imath::V2i(0), header,
+                channels[view]);
+    }
+    for (const LightGroup& group : frame.light_groups())
+      add_light_group(group, color, header, channels[view]);
   }
-  for (const LightGroup& group : frame.light_groups()) add_light_group(group, color, header, channels);
   WriteReport report;
-  writing(path, {header},
-          [&](Imf::MultiPartOutputFile& file) { write_part(file, 0, channels, nullptr, report); });
+  writing(path, headers, [&](Imf::MultiPartOutputFile& file) {
+    for (std::size_t view = 0; view < views.size(); ++view)
+      write_part(file, static_cast<int>(view), channels[view], nullptr, report);
+  });
   return report;
 }
 

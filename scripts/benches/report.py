@@ -115,6 +115,21 @@ and that of the source, once averaged over time by the search.
 """
 
 
+def stereo_part(becalm):
+    return f"""## Stereo
+
+{measured_at()}
+
+Eight frames of both eyes at 320x180; errors of three of them against 64 samples, whose noise is
+taken out (`scripts/benches/stereo/`). The stereo difference is the root mean square difference
+between an eye and the other one reprojected by depth. Constants were chosen on `courtyard` and
+`dining`. Published: Philippi et al. 2022, section 5.3, on scenes of their own; `temporal` is as
+theirs, without smoothing.
+
+{said(sys.executable, "-m", "benches.stereo.run", "--becalm", becalm)}
+"""
+
+
 def time_part(becalm):
     rows = "\n".join(time_table(becalm, "build/report"))
     return f"""## Time
@@ -137,9 +152,9 @@ def scaling_part(becalm):
     return f"{title}\n\n{measured_at()}\n{text}"
 
 
-PARTS = {"quality": quality_part, "trade": trade_part, "adaptive": adaptive_part, "antialias": antialias_part, "time": time_part,
+PARTS = {"quality": quality_part, "trade": trade_part, "adaptive": adaptive_part, "antialias": antialias_part, "stereo": stereo_part, "time": time_part,
          "scaling": scaling_part}  # by name, in RESULTS.md's order
-TITLES = {"quality": "## Cycles shots, 8 samples a pixel", "trade": "## The trade", "adaptive": "## Adaptive sampling", "antialias": "## Temporal antialiasing",
+TITLES = {"quality": "## Cycles shots, 8 samples a pixel", "trade": "## The trade", "adaptive": "## Adaptive sampling", "antialias": "## Temporal antialiasing", "stereo": "## Stereo",
           "time": "## Time\n", "scaling": "## Time and memory against pixels and frames\n"}
 
 

@@ -13,6 +13,7 @@
 #include "filter/merge/combine.h"
 #include "filter/merge/merge_chains.h"
 #include "filter/smooth/network.h"
+#include "filter/stereo/eye_passes.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/footprint_check.h"
 
@@ -114,6 +115,14 @@ class FootprintsTest : public DeviceTest {
     use(chain, {kSide});
   }
 
+  static void eyes(const Use& use) {
+    constexpr int limit_px = 40;
+    constexpr int around_px = limit_px + 8;
+    constexpr int source = kSide + 2 * around_px;
+    const EyePasses passes(device(), task_of("final"), limit_px, kFull, {source, source});
+    use(passes.chain, {.target = kSide, .origin = around_px, .offset_limit = limit_px});
+  }
+
   static void check(const Chain& chain, const TileSizes& sizes) { check_passes(chain, sizes, ""); }
   static void check_antialiasing(const Chain& chain, const TileSizes& sizes) {
     check_passes(chain, sizes, "antialias/");
@@ -121,11 +130,13 @@ class FootprintsTest : public DeviceTest {
   }
 
   /// Checks those of a chain's passes whose names begin with `prefix`, but not those that another pass of the
-  /// same kernel reads alike, nor those of antialiasing that read anywhere in the history.
+  /// same kernel reads alike, nor those of antialiasing that read anywhere in the history. Random
+  /// pixels decide nothing in stereo/check_depth; StereoTest.TilesDoNotShow covers it.
   static void check_passes(const Chain& chain, const TileSizes& sizes, const std::string& prefix) {
     const std::vector<gpu::DeclaredPass> passes = chain.declared_passes();
     for (std::size_t i = passes.size(); i-- > 0;) {  // finest levels come last
       if (!passes[i].name.starts_with(prefix) || passes[i].name == "antialias/validate") continue;
+      if (passes[i].name == "stereo/check_depth") continue;
       if (!is_new(passes[i]) || passes[i].name == "fill") continue;
       for (const std::string& error : wrong_footprints(chain, i, sizes)) ADD_FAILURE() << error;
     }
@@ -217,13 +228,17 @@ TEST_F(FootprintsTest, OfTheCombination) {
   combination(check);
 }
 
+TEST_F(FootprintsTest, OfTheEyes) {
+  eyes(check);
+}
+
 TEST_F(FootprintsTest, AreCheckedOfEveryKernel) {
   std::set<std::string> checked;
   const auto collect = [&](const Chain& chain, const TileSizes&) {
     for (const gpu::DeclaredPass& pass : chain.declared_passes()) checked.insert(pass.name);
   };
   for (const auto& chains :
-       {features, search_and_merge, network, estimated_variances, combination, antialiasing}) {
+       {features, search_and_merge, network, estimated_variances, combination, antialiasing, eyes}) {
     chains(collect);
   }
   for (const gpu::Kernel& kernel : gpu::embedded_kernels()) {

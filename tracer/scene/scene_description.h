@@ -47,12 +47,17 @@ struct CameraSettings {
   Shutter shutter;
   Curve<1> aperture_radius = Curve<1>::Value{0.0};  ///< scene units; 0: a pinhole
   std::optional<Curve<1>> focus_distance;           ///< along the view, scene units; none: the target's
+  std::optional<Curve<1>> eye_separation;           ///< scene units; none: one eye
+  std::optional<Curve<1>> convergence_distance;     ///< along the view, scene units; none: the focus distance
   int blades = 0;                                   ///< sides of the aperture; 0: a disc
   double blade_rotation_deg = 0.0;
 
   bool moves() const {
-    return look_at.animated() || aperture_radius.animated() || (focus_distance && focus_distance->animated());
+    const auto changes = [](const std::optional<Curve<1>>& curve) { return curve && curve->animated(); };
+    return look_at.animated() || aperture_radius.animated() || changes(focus_distance) ||
+           changes(eye_separation) || changes(convergence_distance);
   }
+  bool has_two_eyes() const { return eye_separation.has_value(); }
   bool has_lens() const;  ///< whether the aperture is ever open
 };
 

@@ -20,8 +20,8 @@ LookAtCurve::Value read_look_at_value(const JsonValue& json) {
 }  // namespace
 
 CameraSettings read_camera(const JsonValue& json) {
-  json.allow_keys({"fov_y_deg", "look_at", "shutter", "aperture_radius", "focus_distance", "blades",
-                   "blade_rotation_deg"});
+  json.allow_keys({"fov_y_deg", "look_at", "shutter", "aperture_radius", "focus_distance", "eye_separation",
+                   "convergence_distance", "blades", "blade_rotation_deg"});
   CameraSettings camera;
   if (const auto fov = json.find("fov_y_deg")) camera.fov_y_deg = fov->number(0.01, 179.0);
   const JsonValue view = json.at("look_at");
@@ -43,6 +43,12 @@ CameraSettings read_camera(const JsonValue& json) {
     camera.aperture_radius = read_number_curve(*v, 0.0, kLargestNumber);
   if (const auto v = json.find("focus_distance"))
     camera.focus_distance = read_number_curve(*v, std::numeric_limits<float>::min(), kLargestNumber);
+  if (const auto v = json.find("eye_separation"))
+    camera.eye_separation = read_number_curve(*v, 0.0, kLargestNumber);
+  if (const auto v = json.find("convergence_distance")) {
+    if (!camera.has_two_eyes()) v->fail("is of cameras with an eye_separation");
+    camera.convergence_distance = read_number_curve(*v, std::numeric_limits<float>::min(), kLargestNumber);
+  }
   if (const auto v = json.find("blades")) {
     camera.blades = v->integer(0, 64);
     if (camera.blades == 1 || camera.blades == 2) v->fail("expected 0 for a disc, or 3 to 64 sides");

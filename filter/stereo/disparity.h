@@ -1,0 +1,25 @@
+#pragma once
+
+#include "frame/frame.h"
+
+namespace becalm::filter {
+
+/// The offset of pixels that the other eye does not see, in both components: it leads out of every image. As
+/// kFarOffset of shaders/lib/stereo.glsl.
+constexpr float kNowhere = 1e6f;
+
+/// Where an eye's pixels are in the other eye's image.
+struct Correspondence {
+  Image offset;  ///< two channels, in pixels; kNowhere where not known
+  Image depth;   ///< one channel: the depth that is expected there, 0 where not known; empty without depth
+};
+
+/// By the depth of a frame whose stereo camera is known. Offsets are along x; longer ones than `limit_px` are
+/// not known.
+Correspondence correspondence_by_depth(const Frame& frame, float limit_px);
+
+/// The offsets (two channels) of pixels from which those of the other image lead back, to within a pixel;
+/// kNowhere elsewhere: what one eye alone sees is found nowhere in the other.
+Image consistent_offsets(const Image& offsets, const Image& back);
+
+}  // namespace becalm::filter

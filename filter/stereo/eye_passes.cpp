@@ -1,0 +1,123 @@
+#include "filter/stereo/eye_passes.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "filter/input/host_images.h"
+#include "filter/merge/additive.h"
+#include "filter/merge/patch_sums.h"
+#include "filter/tiles/pixel_view.h"
+
+namespace becalm::filter {
+
+using gpu::Extent;
+using gpu::Format;
+using gpu::ImageId;
+
+EyePasses::Eye::Eye(gpu::Chain& chain, const FilterTask& task, Extent extent_, const std::string& name)
+    : extent(extent_),
+      color(chain.input(name + ".color", Format::f32x4, extent)),
+      stats(chain.input(name + ".stats", Format::f32x2, extent)),
+      carried(additive_inputs(chain, task.carried(), extent, name + ".carried")) {
+  if (task.demodulates_history()) albedo = chain.input(name + ".albedo", Format::f32x4, extent);
+}
+
+void EyePasses::Eye::upload(gpu::Chain& chain, const EyeFrame& eye, const Rect& rect) const {
+  filter::upload(chain, color, view(eye.estimate.color), rect);
+  filter::upload(chain, stats, view(eye.estimate.stats), rect);
+  upload_additive(chain, carried, eye.estimate.additive, rect);
+  if (albedo) pack_albedo(eye.frame.frame.image(Aov::albedo), rect, chain.upload<float>(*albedo));
+  if (depth) filter::upload(chain, *depth, view(eye.frame.frame.image(Aov::depth)), rect);
+}
+
+EyePasses::EyePasses(gpu::Device& device, const FilterTask& task, int limit_px, Extent target, Extent source)
+    : chain(device, "eyes"),
+      exposure(chain.table("exposure", Format::f32, {1, 1})),
+      window{source, chain.table("target_origin", Format::f32x2, {1, 1})},
+      own(chain, task, target, "own"),
+      other(chain, task, source, "other"),
+      offset(chain.input("offset", Format::f32x2, target)) {
+  if (contains(task.used, Aov::depth)) {
+    expected_depth = chain.input("expected_depth", Format::f32, target);
+    other.depth = chain.input("other.depth", Format::f32, source);
+  }
+  WarpInputs inputs{.color = other.color,
+                    .stats = other.stats,
+                    .window = window,
+                    .offset_limit_px = limit_px,
+                    .name = "other."};
+  for (std::size_t i = 0; i < other.carried.size(); ++i) {
+    // The additive AOVs, then the noisy layers: radiance, and two of features.
+    inputs.additive.push_back({other.carried[i], i < task.additive    ? Carried::additive
+                                                 : i == task.additive ? Carried::radiance
+                                                                      : Carried::features});
+  }
+  if (own.albedo) inputs.albedo = FramePair{*own.albedo, *other.albedo};
+  add_blend(task, add_warp_passes(chain, task.settings, target, inputs, add_depth_check(limit_px)));
+}
+
+ImageId EyePasses::add_depth_check(int limit_px) {
+  if (!other.depth) return offset;
+  const ImageId checked = chain.image("offset.checked", Format::f32x2, own.extent);
+  chain.pass("stereo/check_depth")
+      .read("offset_given", offset)
+      .read("expected_depth", *expected_depth)
+      .read("other_depth", other.depth, gpu::gather(limit_px + 1))
+      .read("target_origin", window.target_origin)
+      .write("offset", checked)
+      .dispatch(own.extent);
+  return checked;
+}
+
+void EyePasses::add_blend(const FilterTask& task, const WarpedHistory& warped) {
+  const Extent target = own.extent;
+  const int radius = task.settings.patch_radius;
+  const ImageId difference = chain.image("difference", Format::f32x4, target);
+  const ImageId noise = chain.image("noise", Format::f32x4, target);
+  chain.pass("merge/statistics")
+      .read("color", own.color)
+      .read("variance", own.stats)
+      .read("warped_color", warped.color)
+      .read("warped_stats", warped.stats)
+      .read("exposure", exposure)
+      .write("difference", difference)
+      .write("noise", noise)
+      .dispatch(target);
+  const ImageId difference_sums = add_patch_sums(chain, radius, target, difference, "difference");
+  const ImageId noise_sums = add_patch_sums(chain, radius, target, noise, "noise");
+  color = chain.image("combined.color", Format::f32x4, target);
+  stats = chain.image("combined.stats", Format::f32x2, target);
+  weight = chain.image("weight", Format::f32, target);
+  chain.pass("stereo/blend")
+      .read("own_color", own.color)
+      .read("own_stats", own.stats)
+      .read("warped_color", warped.color)
+      .read("warped_stats", warped.stats)
+      .read("difference", difference, gpu::reach(radius, 0))
+      .read("noise", noise, gpu::reach(radius, 0))
+      .read("difference_sums", difference_sums)
+      .read("noise_sums", noise_sums)
+      .read("exposure", exposure)
+      .write("color", color)
+      .write("stats", stats)
+      .write("weight_other", weight)
+      .specialize("radius", radius)
+      .specialize("smoothed", task.smooths() ? 1 : 0)
+      .dispatch(target);
+  for (std::size_t i = 0; i < own.carried.size(); ++i) {
+    carried.push_back(chain.image(fmt::format("combined.carried.{}", i), Format::f32x4, target));
+    chain.pass("merge/additive_combine")
+        .read("forward_color", own.carried[i])
+        .read("backward_color", warped.additive[i])
+        .read("weight", weight)
+        .write("combined", carried.back())
+        .dispatch(target);
+  }
+  chain.output(color);
+  chain.output(stats);
+  chain.output(weight);
+  for (const ImageId image : carried) chain.output(image);
+}
+
+}  // namespace becalm::filter

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "filter/align/align.h"
+#include "filter/estimate.h"
+#include "filter/gpu/chain.h"
+#include "filter/merge/merge.h"
+#include "filter/task.h"
+#include "filter/tiles/tiles.h"
+
+namespace becalm::filter {
+
+/// What is known of one eye's frame, all of one size.
+struct EyeFrame {
+  const NewFrame& frame;
+  const Estimate& estimate;
+};
+
+/// The chain that combines an eye's estimate of a frame, or of a tile of it, with the other eye's.
+struct EyePasses {
+  /// `target` is the size of the own estimate's images, `source` of the other's. Offsets into the other eye's
+  /// image have components of at most `limit_px`.
+  EyePasses(gpu::Device& device, const FilterTask& task, int limit_px, gpu::Extent target,
+            gpu::Extent source);
+
+  /// Inputs of one eye.
+  struct Eye {
+    Eye(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent, const std::string& name);
+    /// Uploads a rectangle of the frame.
+    void upload(gpu::Chain& chain, const EyeFrame& eye, const Rect& rect) const;
+
+    gpu::Extent extent;
+    gpu::ImageId color;
+    gpu::ImageId stats;
+    std::vector<gpu::ImageId> carried;
+    std::optional<gpu::ImageId> albedo;  ///< if the other eye's estimate is divided by it before it is read
+    std::optional<gpu::ImageId> depth;   ///< of the other eye, if frames have it
+  };
+
+  gpu::Chain chain;
+  gpu::ImageId exposure;
+  SourceWindow window;
+  Eye own;
+  Eye other;
+  gpu::ImageId offset;                         ///< f32x2, into the other eye's image
+  std::optional<gpu::ImageId> expected_depth;  ///< f32, there; 0: not known
+  gpu::ImageId color;                          ///< outputs
+  gpu::ImageId stats;
+  gpu::ImageId weight;  ///< of the other eye
+  std::vector<gpu::ImageId> carried;
+
+ private:
+  gpu::ImageId add_depth_check(int limit_px);
+  void add_blend(const FilterTask& task, const WarpedHistory& warped);
+};
+
+}  // namespace becalm::filter

@@ -1,0 +1,179 @@
+"""Stereo pairs: RMSE, SSIM and reprojected stereo difference of the denoiser with and without the other eye, beside the table of Philippi,
+Frisvad and Jensen, section 5.3; and the other eye's weight as estimated, beside fixed and true weights (figures 5 and 6). Called by
+`scripts/bench stereo`."""
+
+import argparse
+import os
+import resource
+import subprocess
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from benches.antialias.run import ssim
+from benches.stereo.measures import Reprojection, squared_error
+from benches.stereo.shots import CHOOSING, EYES, REPORTED, attribute, read, render
+
+TEMPORAL = ["--set", "smooth=none"]  # as the paper has it: no smoothing
+METHODS = {  # the options of becalm denoise
+    "none": None,
+    "temporal": [*TEMPORAL, "--no-stereo"],
+    "temporal + stereo": TEMPORAL,
+    "denoised": ["--no-stereo"],
+    "denoised + stereo": [],
+}
+PUBLISHED = {"spheres": (0.071, 0.023, 0.016, 0.591, 0.910, 0.958), "statue": (0.046, 0.018, 0.017, 0.749, 0.960, 0.980)}
+AOVS = "albedo,normal,depth,motion,variance"
+REFERENCE = ["--spp", "64", "--seed", "7", "--aovs", "half_a,half_b,variance,depth"]
+WEIGHT_SPP = 16
+
+
+class Shot:
+    """A rendered scene with its references."""
+
+    def __init__(self, becalm, scene, root, size, frames):
+        self.becalm, self.root, self.size, self.frames = becalm, root / scene, size, frames
+        self.scene = scene
+        self.measured = frames[2::2]
+        render(becalm, scene, self.root / "reference", self.measured, size, REFERENCE)
+        self.reference, self.halves, self.reprojection = {}, {}, {}
+        for frame in self.measured:
+            self.reference[frame] = read(self.root / "reference", frame)
+            self.halves[frame] = [read(self.root / "reference", frame, half) for half in ("half_a", "half_b")]
+            self.reprojection[frame] = Reprojection(read(self.root / "reference", frame, "depth"), attribute(self.root / "reference", frame))
+
+    def noisy(self, spp):
+        folder = self.root / f"noisy{spp}"
+        render(self.becalm, self.scene, folder, self.frames, self.size, ["--spp", str(spp), "--aovs", AOVS])
+        return folder
+
+    def reference_difference(self):
+        return float(np.sqrt(np.mean([self.reprojection[f].difference(*self.halves[f]) for f in self.measured])))
+
+    def measure(self, images):
+        """RMSE, SSIM and root mean square stereo difference of {frame: both eyes}."""
+        errors, likeness, differences = [], [], []
+        for frame, pair in images.items():
+            a, b = self.halves[frame]
+            errors += [squared_error(pair[eye], a[eye], b[eye]) for eye in EYES]
+            likeness += [ssim(pair[eye], self.reference[frame][eye]) for eye in EYES]
+            differences.append(self.reprojection[frame].difference(pair))
+        return np.sqrt(max(np.mean(errors), 0)), np.mean(likeness), np.sqrt(np.mean(differences))
+
+
+def denoise(becalm, source, target, options):
+    """Processor seconds."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run([becalm, "denoise", source / "f.####.exr", "-o", target / "f.####.exr", *options, "--overwrite", "--quiet"], check=True)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
+
+
+def table(shot, spp, methods):
+    noisy = shot.noisy(spp)
+    print(f"| {shot.scene} | reference | | | | | {shot.reference_difference():.4f} |", flush=True)
+    none = None
+    for name, options in methods.items():
+        folder = noisy if options is None else shot.root / name.replace(" ", "")
+        if options is not None:
+            denoise(shot.becalm, noisy, folder, options)
+        error, likeness, difference = shot.measure({frame: read(folder, frame) for frame in shot.measured})
+        none = error if none is None else none
+        print(f"| {shot.scene} | {name} | {spp} | {error:.4f} | {error / none:.2f} | {likeness:.3f} | {difference:.4f} |", flush=True)
+    if shot.scene in PUBLISHED:
+        a, b, c, d, e, f = PUBLISHED[shot.scene]
+        print(f"| {shot.scene} | published: none, temporal, with stereo | | {a}, {b}, {c} | {b / a:.2f}, {c / a:.2f} | {d}, {e}, {f} | |")
+
+
+def three_by_three(image):
+    padded = np.pad(image, ((1, 1), (1, 1), (0, 0)), mode="edge")
+    return [padded[y : y + image.shape[0], x : x + image.shape[1]] for y in range(3) for x in range(3)]
+
+
+def weights(shot):
+    """Noisy frames blended with the other eye's, reprojected by depth, with each kind of weight."""
+    noisy = shot.noisy(WEIGHT_SPP)
+    folder = shot.root / "weights"
+    denoise(shot.becalm, noisy, folder, [*TEMPORAL, "--set", "directions=forward", "--context", "none", "--cuts",
+                                         ",".join(str(frame) for frame in shot.frames), "--diagnostics"])
+    kinds = ("own eye alone", "fixed 0.5", "estimate of the paper", "ours", "true moments")
+    images = {kind: {} for kind in kinds}
+    chosen, true, published = [], [], []
+    reference_spp = float(REFERENCE[1])
+    for frame in shot.measured:
+        pair, estimated = read(noisy, frame), read(folder, frame, "stereo_weight")
+        variance = {eye: image.mean(axis=2) * reference_spp / WEIGHT_SPP for eye, image in read(shot.root / "reference", frame, "variance").items()}
+        a, b = shot.halves[frame]
+        for kind in kinds:
+            images[kind][frame] = {}
+        for eye, other in (("left", "right"), ("right", "left")):
+            own, reprojection = pair[eye], shot.reprojection[frame]
+            theirs, sees = reprojection.warped(pair[other], eye)
+            variance_theirs = reprojection.warped(variance[other][..., None], eye)[0] * reprojection.shrinking(eye)
+            biases = [x[eye] - reprojection.warped(x[other], eye)[0] for x in (a, b)]
+            # Moments of the references are noisy, too: means of 5x5 pixels.
+            of_own, of_other, bias = (cv2.blur(image, (5, 5)) for image in (variance[eye], variance_theirs, (biases[0] * biases[1]).mean(axis=2)))
+            best = 1 - of_own / np.maximum(np.maximum(bias, 0) + of_own + of_other, 1e-12)
+            taps = np.stack(three_by_three(own))
+            of_taps = np.maximum((taps**2).mean(axis=0) - taps.mean(axis=0) ** 2, 0).mean(axis=2)
+            squares = np.mean([(theirs - tap) ** 2 for tap in three_by_three(own)], axis=0).mean(axis=2)
+            paper = np.clip(1 - of_taps / np.maximum(squares, 1e-12), 0, 1)
+            ours = 1 - estimated[eye][..., 0]
+            chosen.append(ours[sees]), true.append(best[sees]), published.append(paper[sees])
+            for kind, beta in zip(kinds, (np.ones_like(best), np.full_like(best, 0.5), paper, ours, best)):
+                beta = np.where(sees, beta, 1)[..., None]
+                images[kind][frame][eye] = beta * own + (1 - beta) * theirs
+    for kind in kinds:
+        error, likeness, difference = shot.measure(images[kind])
+        estimate = {"ours": chosen, "estimate of the paper": published}.get(kind)
+        beside = ""
+        if estimate:
+            e, t = np.concatenate(estimate), np.concatenate(true)
+            beside = f"{e.mean():.3f} of {t.mean():.3f}, {np.sqrt(np.mean((e - t) ** 2)):.3f}, {np.corrcoef(e, t)[0, 1]:.2f}"
+        print(f"| {shot.scene} | {kind} | {error:.4f} | {likeness:.3f} | {difference:.4f} | {beside} |", flush=True)
+
+
+def cost(shot, spp):
+    """Processor time of both eyes over that of one, without what a run of a single frame takes."""
+    noisy = shot.noisy(spp)
+    one = shot.root / "one_eye"
+    one.mkdir(exist_ok=True)
+    render(shot.becalm, shot.scene, one, shot.frames, shot.size, ["--spp", str(spp), "--aovs", AOVS, "--eye", "left"])
+    for preset in ("draft", "balanced", "final"):
+        times = []
+        for source, frames in ((one, "all"), (one, "first"), (noisy, "all"), (noisy, "first")):
+            span = shot.frames if frames == "all" else shot.frames[:2]
+            options = ["--preset", preset, "--frames", f"{span[0]}-{span[-1]}", "--context", "none"]
+            times.append(min(denoise(shot.becalm, source, shot.root / "timed", options) for _ in range(2)))
+        print(f"| {preset} | {times[0] - times[1]:.2f} | {times[2] - times[3]:.2f} | {(times[2] - times[3]) / (times[0] - times[1]):.2f} |", flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="scripts/bench stereo", description=__doc__)
+    parser.add_argument("scenes", nargs="*", metavar="SCENE", help=f"default: {', '.join(REPORTED)}")
+    parser.add_argument("--choosing", action="store_true", help=f"the shots that constants are chosen on: {', '.join(CHOOSING)}")
+    parser.add_argument("--size", default="320x180", metavar="WxH")
+    parser.add_argument("--frames", type=int, default=8, help="of each shot (default: 8)")
+    parser.add_argument("--spp", type=int, default=2, help="of the first table (default: 2)")
+    parser.add_argument("--becalm", default="build/release/becalm")
+    parser.add_argument("-o", "--output", type=Path, default=Path("build/stereo"), metavar="DIR")
+    asked = parser.parse_args()
+    becalm = os.path.abspath(asked.becalm)
+    size = tuple(int(side) for side in asked.size.split("x"))
+    names = asked.scenes or (CHOOSING if asked.choosing else REPORTED)
+    shots = [Shot(becalm, name, asked.output / asked.size, size, range(1, asked.frames + 1)) for name in names]
+    print("| scene | method | spp | RMSE | of none's | SSIM | stereo difference |\n| --- | --- | --- | --- | --- | --- | --- |")
+    for shot in shots:
+        table(shot, asked.spp, METHODS)
+    print(f"\nOne frame of {WEIGHT_SPP} samples, not smoothed, the other eye reprojected by depth; the last column is the mean weight of the own eye beside "
+          "the true one's,\nthe root mean square error of the weight, and their correlation.\n")
+    print("| scene | weight | RMSE | SSIM | stereo difference | of the weight |\n| --- | --- | --- | --- | --- | --- |")
+    for shot in shots:
+        weights(shot)
+    print("\nProcessor seconds of the frames behind the first two:\n\n| preset | one eye | both eyes | ratio |\n| --- | --- | --- | --- |")
+    cost(shots[0], asked.spp)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,19 @@
+// What the eyes of a pair share.
+#include "lib/language.glsl"
+
+/// An offset that leads out of every image: the other eye does not see the pixel.
+const float kFarOffset = 1e6f;
+
+/// By how much a depth may differ from the expected one, relative to it. Depths are means over a pixel.
+const float kDepthTolerance = 0.05f;
+
+/// Whether the depth in the other eye's image is that of the same surface. Both may be infinite.
+bool is_expected_depth(float depth, float expected) {
+  return depth == expected || abs(depth - expected) <= kDepthTolerance * expected;
+}
+
+/// Effective sample count of two estimates with `own` and `other` samples, blended with weight `alpha` of the
+/// own one (Philippi et al., eq. 5).
+float count_of_both(float own, float other, float alpha) {
+  return own * other / (alpha * alpha * other + (1.0f - alpha) * (1.0f - alpha) * own);
+}

@@ -1,0 +1,206 @@
+// Both eyes, from the tracer to files and through becalm denoise: views of one file, and a file for each eye.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+#include "frame/io/stereo_text.h"
+#include "tests/end_to_end/harness.h"
+
+namespace becalm::test {
+namespace {
+
+AovSet stereo_weight() {
+  return AovSet().set(static_cast<std::size_t>(Aov::stereo_weight));
+}
+
+/// The harness's scene with two eyes.
+std::string write_stereo_scene(const TempFolder& folder) {
+  const std::string path = write_scene(folder);
+  std::stringstream text;
+  text << std::ifstream(path).rdbuf();
+  std::string scene = text.str();
+  const std::string camera = "\"camera\": {";
+  scene.insert(scene.find(camera) + camera.size(), "\"eye_separation\": 0.3, ");
+  write_text(path, scene);
+  return path;
+}
+
+class Stereo : public testing::Test {
+ protected:
+  /// Files with both eyes as views, in.####.exr, and files of each eye, in.left.####.exr and
+  /// in.right.####.exr.
+  void render() const {
+    const std::string scene = write_stereo_scene(folder_);
+    for (const char* name : {"in.####.exr", "in.%V.####.exr"}) {
+      becalm_done({"render", scene, "-o", folder_ / name, "--spp", "2", "--float", "--aovs",
+                   "albedo,normal,depth,motion,variance", "--quiet"});
+    }
+  }
+  std::vector<std::string> command(const std::string& input, const std::string& output,
+                                   const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments{"denoise",        folder_ / input, "-o",
+                                       folder_ / output, "--preset",      "draft"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+  static std::array<Image, 2> eyes_of(const std::string& path) {
+    const io::LoadedFrame loaded = io::read_exr(path, 0, {});
+    EXPECT_EQ(loaded.other_views.size(), 1u) << path;
+    return {loaded.frame.image(Aov::beauty), loaded.other_views.at(0).frame.image(Aov::beauty)};
+  }
+  Image beauty(const std::string& pattern, int number) const {
+    return read_frame(frame_path(folder_ / pattern, number)).image(Aov::beauty);
+  }
+
+  TempFolder folder_;
+};
+
+TEST_F(Stereo, TheTracerWritesViewsOrAFileForEachEye) {
+  render();
+  const std::string path = frame_path(folder_ / "in.####.exr", 2);
+  const io::LoadedFrame both = io::read_exr(path, 2, all_aovs());
+  EXPECT_EQ(both.view, "left");
+  ASSERT_EQ(both.other_views.size(), 1u);
+  EXPECT_EQ(both.other_views[0].view, "right");
+  ASSERT_TRUE(both.frame.stereo() && both.other_views[0].frame.stereo());
+  EXPECT_EQ(both.other_views[0].frame.stereo()->eye, Eye::right);
+  EXPECT_NEAR(both.frame.stereo()->camera.separation, 0.3, 1e-9);
+  EXPECT_TRUE(both.other_views[0].frame.has(Aov::motion));
+  EXPECT_TRUE(same_pixels(both.frame.image(Aov::beauty), beauty("in.left.####.exr", 2)));
+  EXPECT_TRUE(same_pixels(both.other_views[0].frame.image(Aov::beauty), beauty("in.right.####.exr", 2)));
+  const std::string scene = folder_ / "scene.json";
+  becalm_done({"render", scene, "-o", folder_ / "r.####.exr", "--frames", "2", "--spp", "2", "--float",
+               "--eye", "right", "--quiet"});
+  EXPECT_TRUE(same_pixels(beauty("r.####.exr", 2), beauty("in.right.####.exr", 2)));
+}
+
+TEST_F(Stereo, EyesAreFilteredTogetherHoweverTheyAreGiven) {
+  render();
+  const Outcome outcome = becalm_done(command("in.####.exr", "v.####.exr", {"--diagnostics"}));
+  EXPECT_NE(outcome.err.find("the eyes are filtered together"), std::string::npos) << outcome.err;
+  EXPECT_TRUE(read_frame(frame_path(folder_ / "v.####.exr", 1), stereo_weight()).has(Aov::stereo_weight));
+  becalm_done(command("in.%V.####.exr", "f.%V.####.exr", {"--diagnostics", "--quiet"}));
+  becalm_done({"denoise", "--stereo", folder_ / "in.left.####.exr", folder_ / "in.right.####.exr", "-o",
+               folder_ / "g.%v.####.exr", "--preset", "draft", "--diagnostics", "--quiet"});
+  becalm_done(command("in.####.exr", "alone.####.exr", {"--no-stereo", "--quiet"}));
+  becalm_done(command("in.left.####.exr", "mono.####.exr", {"--quiet"}));
+  for (int number = 1; number <= 4; ++number) {
+    const auto [left, right] = eyes_of(frame_path(folder_ / "v.####.exr", number));
+    EXPECT_TRUE(same_pixels(left, beauty("f.left.####.exr", number)));
+    EXPECT_TRUE(same_pixels(right, beauty("f.right.####.exr", number)));
+    EXPECT_TRUE(same_pixels(left, beauty("g.l.####.exr", number)));
+    EXPECT_TRUE(same_pixels(right, beauty("g.r.####.exr", number)));
+    const auto alone = eyes_of(frame_path(folder_ / "alone.####.exr", number));
+    EXPECT_TRUE(same_pixels(alone[0], beauty("mono.####.exr", number))) << "each view by itself";
+    EXPECT_FALSE(same_pixels(alone[0], left));
+  }
+}
+
+TEST_F(Stereo, RenderAndDenoiseAgree) {
+  render();
+  const std::string scene = folder_ / "scene.json";
+  for (const char* name : {"d.####.exr", "d.%V.####.exr"}) {
+    becalm_done(
+        {"render", scene, "-o", folder_ / name, "--spp", "2", "--float", "--denoise=balanced", "--quiet"});
+  }
+  for (int number = 1; number <= 4; ++number) {
+    const auto [left, right] = eyes_of(frame_path(folder_ / "d.####.exr", number));
+    EXPECT_TRUE(same_pixels(left, beauty("d.left.####.exr", number)));
+    EXPECT_TRUE(same_pixels(right, beauty("d.right.####.exr", number)));
+  }
+  EXPECT_TRUE(std::ranges::none_of(files_in(folder_.path()), [](const std::string& name) {
+    return name.find("noisy") != std::string::npos;
+  }));
+}
+
+TEST_F(Stereo, ResultsDoNotDependOnHowTheJobIsCut) {
+  render();
+  const std::vector<std::string> segments{"--preset", "balanced", "--segment", "2",
+                                          "--warmup", "1",        "--quiet"};
+  const auto run = [&](const std::string& output, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"denoise", folder_ / "in.%V.####.exr", "-o", folder_ / output};
+    arguments.insert(arguments.end(), segments.begin(), segments.end());
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return becalm_done(arguments);
+  };
+  run("whole.%V.####.exr", {});
+  run("cut.%V.####.exr", {"--frames", "3"});
+  run("cut.%V.####.exr", {"--frames", "1-2,4"});
+  fs::remove(folder_ / "cut.right.0002.exr");
+  run("cut.%V.####.exr", {"--resume"});
+  for (const char* eye : {"left", "right"}) {
+    expect_same_beauty(folder_ / ("whole." + std::string(eye) + ".####.exr"),
+                       folder_ / ("cut." + std::string(eye) + ".####.exr"), 1, 4);
+  }
+  expect_error(becalm(command("in.####.exr", "whole.left.####.exr", {"--resume"})), 2,
+               {"whole.left.0001.exr"});
+}
+
+TEST_F(Stereo, TakesTheCamerasFromTheUserOrSearches) {
+  render();
+  const io::LoadedFrame loaded = io::read_exr(frame_path(folder_ / "in.####.exr", 1), 1, {});
+  const StereoCamera& camera = loaded.frame.stereo()->camera;
+  for (int number = 1; number <= 4; ++number) {
+    for (const char* eye : {"left", "right"}) {
+      Frame frame = read_frame(frame_path(folder_ / fmt::format("in.{}.####.exr", eye), number), all_aovs());
+      frame.set_stereo(std::nullopt);
+      io::write_exr(frame_path(folder_ / fmt::format("bare.{}.####.exr", eye), number), frame, {},
+                    io::PixelType::float32);
+    }
+  }
+  becalm_done(command("in.%V.####.exr", "known.%V.####.exr", {"--quiet"}));
+  becalm_done(command("bare.%V.####.exr", "searched.%V.####.exr", {"--quiet"}));
+  becalm_done(command("bare.%V.####.exr", "given.%V.####.exr",
+                      {"--quiet", "--stereo-camera",
+                       fmt::format("{},{},{}", camera.focal_px, camera.separation, camera.convergence)}));
+  expect_same_beauty(folder_ / "known.left.####.exr", folder_ / "given.left.####.exr", 1, 4);
+  expect_same_beauty(folder_ / "known.right.####.exr", folder_ / "given.right.####.exr", 1, 4);
+  EXPECT_FALSE(same_pixels(beauty("known.left.####.exr", 2), beauty("searched.left.####.exr", 2)));
+  for (const char* wrong :
+       {"1200", "1200,0.1", "1200,0.1,0", "1200,0.1,2,flat", "1200,0.1,nan", "1200,0.1,2,"}) {
+    expect_error(becalm(command("in.%V.####.exr", "x.%V.####.exr", {"--stereo-camera", wrong})), 2,
+                 {"--stereo-camera", wrong, "FOCAL_PX"});
+  }
+}
+
+TEST_F(Stereo, RefusesWhatIsWrong) {
+  render();
+  expect_error(becalm(command("in.%V.####.exr", "out.####.exr")), 2, {"-o", "%V"});
+  expect_error(becalm(command("in.####.exr", "out.%V.####.exr")), 2, {"-o", "field for the eye"});
+  expect_error(becalm(command("in.left.####.exr", "out.####.exr", {"--stereo"})), 3,
+               {"--stereo", "two views"});
+  expect_error(becalm({"denoise", "--stereo", folder_ / "in.right.####.exr", folder_ / "in.left.####.exr",
+                       "-o", folder_ / "out.%V.####.exr"}),
+               3, {"in.right.000", "is of the right eye"});
+  expect_error(becalm({"render", write_scene(folder_), "-o", folder_ / "out.%V.####.exr"}), 2,
+               {"-o", "eye_separation"});
+  expect_error(becalm({"render", write_scene(folder_), "-o", folder_ / "out.####.exr", "--eye", "left"}), 2,
+               {"--eye left", "eye_separation"});
+  fs::remove(folder_ / "in.right.0003.exr");
+  expect_error(becalm(command("in.%V.####.exr", "out.%V.####.exr")), 3, {"in.right.####.exr", "frame 3"});
+  becalm_done(command("in.%V.####.exr", "out.%V.####.exr", {"--missing", "skip", "--quiet"}));
+  EXPECT_FALSE(fs::exists(folder_ / "out.left.0003.exr"));
+  EXPECT_TRUE(fs::exists(folder_ / "out.right.0004.exr"));
+  io::write_exr(folder_ / "in.right.0003.exr", noise_frame(3, 40, 32), {});
+  expect_error(becalm(command("in.%V.####.exr", "bad.%V.####.exr")), 3,
+               {"in.left.0003.exr", "in.right.0003.exr", "40x32", "48x32"});
+}
+
+TEST(StereoText, IsReadAsItIsWritten) {
+  const StereoView view{.camera = {.focal_px = 1200.5, .separation = 0.065, .convergence = 2.25},
+                        .eye = Eye::right};
+  EXPECT_EQ(io::format_stereo(view), "right focal_px=1200.5 separation=0.065 convergence=2.25");
+  EXPECT_EQ(io::parse_stereo(io::format_stereo(view)), view);
+  for (const char* text :
+       {"", "left", "left focal_px=1 separation=1", "up focal_px=1 separation=1 convergence=1",
+        "left focal_px=nan separation=1 convergence=1", "left focal_px=0 separation=1 convergence=1",
+        "left focal_px=1 separation=1 convergence=1 more", "left focal=1 separation=1 convergence=1"}) {
+    EXPECT_FALSE(io::parse_stereo(text)) << text;
+  }
+}
+
+}  // namespace
+}  // namespace becalm::test

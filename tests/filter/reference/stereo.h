@@ -1,0 +1,17 @@
+#pragma once
+
+#include "tests/filter/reference/merge.h"
+
+namespace becalm::reference {
+
+/// An eye's estimate blended with the other eye's at the same pixels, in mode `smoothed` or not.
+/// `weights` becomes the other eye's.
+Grid<Estimate> blend_eyes(const Grid<Estimate>& own, const Grid<Estimate>& other, double exposure, int radius,
+                          bool smoothed, Grid<double>& weights);
+
+/// The offsets into the other eye's image; 1e6 in both components where the other eye does not see the pixel:
+/// no pixel around the place has the expected depth (0: not known).
+Grid<Vec2> checked_offsets(const Grid<Vec2>& offsets, const Grid<double>& expected_depth,
+                           const Grid<double>& other_depth);
+
+}  // namespace becalm::reference
