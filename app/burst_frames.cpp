@@ -31,9 +31,6 @@ std::string size(const raw::Info& info) {
 }  // namespace
 
 BurstFrames::BurstFrames(std::vector<std::string> paths) : paths_(std::move(paths)) {
-  if (paths_.size() < 2)
-    throw Error(ExitStatus::bad_input, fmt::format("{}: one file is no burst, expected two or more",
-                                                   paths_.empty() ? "burst" : paths_[0]));
   for (std::size_t i = 0; i < paths_.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       std::error_code error;
@@ -46,6 +43,9 @@ BurstFrames::BurstFrames(std::vector<std::string> paths) : paths_(std::move(path
     infos_.push_back(raw::open(paths_[i])->info());
     check(i);
   }
+  if (paths_.size() < 2)
+    throw Error(ExitStatus::bad_input,
+                fmt::format("{}: one file is no burst, expected two or more", paths_[0]));
 }
 
 void BurstFrames::check(std::size_t frame) const {

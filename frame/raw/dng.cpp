@@ -23,6 +23,9 @@ enum class Type : std::uint16_t {
 /// One directory of a little-endian TIFF file, its values behind it. Tags are added in ascending order.
 class Directory {
  public:
+  /// Its place in the file.
+  explicit Directory(std::size_t at) : at_(at) {}
+
   template <class T>
   void add(std::uint16_t tag, Type type, const std::vector<T>& values) {
     Entry entry{tag, type, static_cast<std::uint32_t>(values.size()), {}};
@@ -52,7 +55,7 @@ class Directory {
   }
 
   std::size_t size() const {
-    std::size_t sum = 8 + 2 + 12 * entries_.size() + 4;
+    std::size_t sum = own_size();
     for (const Entry& entry : entries_) sum += entry.bytes.size() > 4 ? round_up(entry.bytes.size()) : 0;
     return sum;
   }
@@ -64,11 +67,8 @@ class Directory {
       std::memcpy(out.data() + at, &value, sizeof(value));
       at += sizeof(value);
     };
-    put(std::uint16_t{0x4949});
-    put(std::uint16_t{42});
-    put(std::uint32_t{8});
     put(static_cast<std::uint16_t>(entries_.size()));
-    std::size_t behind = 8 + 2 + 12 * entries_.size() + 4;
+    std::size_t behind = own_size();
     for (const Entry& entry : entries_) {
       put(entry.tag);
       put(entry.type);
@@ -77,7 +77,7 @@ class Directory {
       if (entry.bytes.size() <= 4) {
         std::memcpy(&place, entry.bytes.data(), entry.bytes.size());
       } else {
-        place = static_cast<std::uint32_t>(behind);
+        place = static_cast<std::uint32_t>(at_ + behind);
         std::memcpy(out.data() + behind, entry.bytes.data(), entry.bytes.size());
         behind += round_up(entry.bytes.size());
       }
@@ -94,6 +94,10 @@ class Directory {
     std::vector<std::byte> bytes;
   };
   static std::size_t round_up(std::size_t size) { return (size + 7) / 8 * 8; }
+  /// Without the values behind it.
+  std::size_t own_size() const { return round_up(2 + 12 * entries_.size() + 4); }
+
+  std::size_t at_;
   std::vector<Entry> entries_;
 };
 
@@ -103,14 +107,24 @@ int orientation(int flip) {
   return numbers[flip & 7];
 }
 
-Directory directory(const Info& info, const DngSamples& samples, std::size_t pixels_at) {
+constexpr std::size_t kHeaderBytes = 8;
+
+Directory exif(const Info& info, std::size_t at) {
+  Directory d(at);
+  if (info.shutter_s > 0) d.add_rationals(33434, Type::rational, std::array{info.shutter_s});
+  if (info.f_number > 0) d.add_rationals(33437, Type::rational, std::array{info.f_number});
+  if (info.iso > 0) d.add_short(34855, static_cast<int>(std::clamp(info.iso, 1.0, 65535.0)));
+  return d;
+}
+
+Directory directory(const Info& info, const DngSamples& samples, std::size_t exif_at, std::size_t pixels_at) {
   const auto rationals = [](const std::array<float, 9>& values) {
     return std::vector<double>(values.begin(), values.end());
   };
   std::vector<double> neutral;
   for (const float factor : info.white_balance) neutral.push_back(factor > 0.0f ? 1.0 / factor : 1.0);
   const auto cells = static_cast<std::ptrdiff_t>(info.cfa.period * info.cfa.period);
-  Directory d;
+  Directory d(kHeaderBytes);
   d.add_long(254, 0);  // NewSubfileType: the picture itself
   d.add_long(256, static_cast<std::size_t>(info.width));
   d.add_long(257, static_cast<std::size_t>(info.height));
@@ -129,9 +143,7 @@ Directory directory(const Info& info, const DngSamples& samples, std::size_t pix
   d.add(33421, Type::short_, std::vector<std::uint16_t>(2, static_cast<std::uint16_t>(info.cfa.period)));
   d.add(33422, Type::byte,
         std::vector<std::uint8_t>(info.cfa.colors.begin(), info.cfa.colors.begin() + cells));
-  if (info.shutter_s > 0) d.add_rationals(33434, Type::rational, std::array{info.shutter_s});
-  if (info.f_number > 0) d.add_rationals(33437, Type::rational, std::array{info.f_number});
-  if (info.iso > 0) d.add_short(34855, static_cast<int>(std::clamp(info.iso, 1.0, 65535.0)));
+  d.add_long(34665, exif_at);
   d.add(50706, Type::byte, std::vector<std::uint8_t>{1, 4, 0, 0});  // DNGVersion
   d.add(50707, Type::byte, std::vector<std::uint8_t>{1, 1, 0, 0});  // DNGBackwardVersion
   d.add_text(50708, info.make + " " + info.model);                  // UniqueCameraModel
@@ -148,8 +160,16 @@ Directory directory(const Info& info, const DngSamples& samples, std::size_t pix
 }  // namespace
 
 std::vector<std::byte> dng_bytes(const Info& info, const DngSamples& samples) {
-  const std::size_t pixels_at = directory(info, samples, 0).size();
-  std::vector<std::byte> bytes = directory(info, samples, pixels_at).bytes();
+  const std::size_t exif_at = kHeaderBytes + directory(info, samples, 0, 0).size();
+  const Directory of_exif = exif(info, exif_at);
+  const std::size_t pixels_at = exif_at + of_exif.size();
+  std::vector<std::byte> bytes;
+  for (const int value : {0x49, 0x49, 42, 0, static_cast<int>(kHeaderBytes), 0, 0, 0})
+    bytes.push_back(static_cast<std::byte>(value));
+  for (const Directory& part : {directory(info, samples, exif_at, pixels_at), of_exif}) {
+    const std::vector<std::byte> of_part = part.bytes();
+    bytes.insert(bytes.end(), of_part.begin(), of_part.end());
+  }
   bytes.resize(pixels_at + samples.values.size_bytes());
   std::memcpy(bytes.data() + pixels_at, samples.values.data(), samples.values.size_bytes());
   return bytes;

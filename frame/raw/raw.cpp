@@ -68,6 +68,27 @@ Image upright(const Image& image, int flip) {
   return result;
 }
 
+namespace {
+
+/// LibRaw demosaics no X-Trans pictures that are smaller.
+constexpr int kLeastDemosaiced = 516;
+
+/// A sample of the same colour inside of the mosaic.
+int inside(int at, int size, const CfaPattern& cfa) {
+  return at < size ? at : at - cfa.period * ((at - size) / cfa.period + 1);
+}
+
+Image top_left(const Image& image, int width, int height) {
+  if (image.width() == width && image.height() == height) return image;
+  Image part(width, height, image.channels());
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) std::ranges::copy(image.pixel(x, y), part.pixel(x, y).begin());
+  }
+  return part;
+}
+
+}  // namespace
+
 Image develop(const Mosaic& mosaic, const Info& info) {
   // LibRaw's samples have 16 bits and no sign: they are white-balanced, so that its decisions are those that
   // it would take, and keep noise below black.
@@ -76,17 +97,21 @@ Image develop(const Mosaic& mosaic, const Info& info) {
   const float largest_factor = *std::ranges::max_element(info.white_balance);
   const float scale = (65535.0f - pedestal) / largest_factor;
   const Image& samples = mosaic.samples;
-  std::vector<std::uint16_t> values(samples.pixel_count());
-  for (int y = 0; y < samples.height(); ++y) {
-    for (int x = 0; x < samples.width(); ++x) {
-      const float balanced = samples.at(x, y, 0) * info.white_balance[mosaic.cfa.color(x, y)];
-      values[static_cast<std::size_t>(y) * samples.width() + x] =
+  const int width = std::max(samples.width(), kLeastDemosaiced);
+  const int height = std::max(samples.height(), kLeastDemosaiced);
+  std::vector<std::uint16_t> values(static_cast<std::size_t>(width) * height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const float sample =
+          samples.at(inside(x, samples.width(), mosaic.cfa), inside(y, samples.height(), mosaic.cfa), 0);
+      const float balanced = sample * info.white_balance[mosaic.cfa.color(x, y)];
+      values[static_cast<std::size_t>(y) * width + x] =
           static_cast<std::uint16_t>(std::lround(std::clamp(pedestal + balanced * scale, 0.0f, 65535.0f)));
     }
   }
   Info plain;
-  plain.width = samples.width();
-  plain.height = samples.height();
+  plain.width = width;
+  plain.height = height;
   plain.cfa = mosaic.cfa;
   Image rgb(plain.width, plain.height, 3);
   try {
@@ -95,6 +120,7 @@ Image develop(const Mosaic& mosaic, const Info& info) {
     throw Error(ExitStatus::resource,
                 fmt::format("the merged mosaic cannot be demosaiced: {}", error.what()));
   }
+  rgb = top_left(rgb, samples.width(), samples.height());
   const auto pixels = rgb.data();
   for (std::size_t i = 0; i < rgb.pixel_count(); ++i) {
     float camera[3];
