@@ -47,7 +47,7 @@ BurstAlignPasses::BurstAlignPasses(gpu::Device& device, const BurstTask& task) :
   const auto features = [&](const std::string& name, ImageId mosaic) {
     const ImageId feature = chain.image("features." + name, Format::f32, blocks);
     chain.pass("burst/reduce")
-        .read("mosaic", mosaic, gpu::block(task.block, task.cfa.period))
+        .read("mosaic", mosaic, gpu::block(task.block))
         .read("colors", colors)
         .read("levels", levels)
         .write("feature", feature)

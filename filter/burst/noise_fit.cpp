@@ -116,40 +116,61 @@ std::vector<Point> curve_of(std::vector<BlockStatistics> blocks) {
   return points;
 }
 
-/// A line through the points, neither of whose coefficients is negative; errors count relative to the line,
-/// and points far above it, which texture raises, less and less.
-NoiseModel line_through(const std::vector<Point>& points) {
-  NoiseModel line{0.0, 0.0};
-  for (const Point& point : points) line.b += point.variance / static_cast<double>(points.size());
-  constexpr int rounds = 30;
-  for (int round = 0; round < rounds; ++round) {
-    double w_sum = 0, x_sum = 0, y_sum = 0, xx = 0, xy = 0;
-    for (const Point& point : points) {
-      const double x = std::max(point.mean, 0.0);
-      const double expected = std::max(line.a * x + line.b, 1e-14);
-      const double excess = point.variance / expected - 1.0;
-      // Iterated weights: relative errors, of which those beyond a tenth count linearly and large ones less.
-      const double robust = 1.0 / (1.0 + 100.0 * excess * excess);
-      const double w = robust / (expected * expected);
-      w_sum += w;
-      x_sum += w * x;
-      y_sum += w * point.variance;
-      xx += w * x * x;
-      xy += w * x * point.variance;
-    }
-    const double determinant = w_sum * xx - x_sum * x_sum;
-    NoiseModel next{0.0, 0.0};
-    if (determinant > 1e-9 * w_sum * xx) {
-      next.a = (w_sum * xy - x_sum * y_sum) / determinant;
-      next.b = (xx * y_sum - x_sum * xy) / determinant;
-    } else {
-      next.b = y_sum / w_sum;
-    }
-    if (next.a < 0.0) next = {0.0, y_sum / w_sum};
-    if (next.b < 0.0) next = {xx > 0.0 ? xy / xx : 0.0, 0.0};
-    line = next;
+/// Sum of the points' relative distances from a line; far ones, which texture raises, count as one.
+double cost(const std::vector<Point>& points, const NoiseModel& line) {
+  constexpr double far = 0.5;
+  double sum = 0.0;
+  for (const Point& point : points) {
+    const double expected = line.a * std::max(point.mean, 0.0) + line.b;
+    sum += expected > 0.0 ? std::min(std::abs(point.variance / expected - 1.0), far) : far;
   }
-  return line;
+  return sum;
+}
+
+/// The line of least cost through two of the points, or one and the origin, or level through one, of those
+/// neither of whose coefficients is negative.
+NoiseModel best_line(const std::vector<Point>& points) {
+  NoiseModel best;
+  double least = cost(points, best);
+  const auto consider = [&](const NoiseModel& line) {
+    if (line.a < 0.0 || line.b < 0.0) return;
+    const double of_line = cost(points, line);
+    if (of_line >= least) return;
+    least = of_line;
+    best = line;
+  };
+  for (const Point& p : points) {
+    consider({.a = 0.0, .b = p.variance});
+    if (p.mean > 0.0) consider({.a = p.variance / p.mean, .b = 0.0});
+    for (const Point& q : points) {
+      if (q.mean <= p.mean) continue;
+      const double slope = (q.variance - p.variance) / (q.mean - p.mean);
+      consider({.a = slope, .b = p.variance - slope * p.mean});
+    }
+  }
+  return best;
+}
+
+/// The line by least squares of relative distances from `line`, of the points that are not far from it.
+NoiseModel refined(const std::vector<Point>& points, const NoiseModel& line) {
+  constexpr double far = 0.25;
+  double w_sum = 0, x_sum = 0, y_sum = 0, xx = 0, xy = 0;
+  for (const Point& point : points) {
+    const double x = std::max(point.mean, 0.0);
+    const double expected = line.a * x + line.b;
+    if (!(expected > 0.0) || std::abs(point.variance / expected - 1.0) > far) continue;
+    const double w = 1.0 / (expected * expected);
+    w_sum += w;
+    x_sum += w * x;
+    y_sum += w * point.variance;
+    xx += w * x * x;
+    xy += w * x * point.variance;
+  }
+  const double determinant = w_sum * xx - x_sum * x_sum;
+  if (!(determinant > 1e-6 * w_sum * xx)) return line;
+  const NoiseModel next{.a = (w_sum * xy - x_sum * y_sum) / determinant,
+                        .b = (xx * y_sum - x_sum * xy) / determinant};
+  return next.a < 0.0 || next.b < 0.0 ? line : next;
 }
 
 }  // namespace
@@ -157,7 +178,8 @@ NoiseModel line_through(const std::vector<Point>& points) {
 NoiseModel fit_noise(const Mosaic& mosaic, float saturated) {
   const std::vector<BlockStatistics> blocks = blocks_of(mosaic, saturated);
   if (blocks.empty()) return {};
-  return line_through(curve_of(blocks));
+  const std::vector<Point> points = curve_of(blocks);
+  return refined(points, best_line(points));
 }
 
 double sharpness(const Mosaic& mosaic, const NoiseModel& noise) {
