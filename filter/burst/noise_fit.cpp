@@ -11,11 +11,11 @@ namespace becalm::filter {
 namespace {
 
 /// Side of the blocks in pixels: a multiple of both periods.
-constexpr int kBlock = 24;
+constexpr int kBlock = 12;
 /// Share of the blocks of like brightness that counts as flat.
-constexpr double kFlatShare = 0.3;
+constexpr double kFlatShare = 0.1;
 constexpr std::size_t kBins = 24;
-constexpr std::size_t kLeastInBin = 8;
+constexpr std::size_t kLeastInBin = 20;
 
 struct BlockStatistics {
   double mean = 0.0;
@@ -83,9 +83,9 @@ struct Point {
 /// Expected mean of the lowest share `kFlatShare` of estimates of a variance 1, each from `count` squared
 /// normal deviates: by the normal approximation of the chi-squared distribution by Wilson and Hilferty.
 double lowest_share_mean(int count) {
-  // Quantiles of the normal distribution in the middle of ten equal parts of the lowest 30 %.
-  constexpr double quantiles[] = {-2.1701, -1.6954, -1.4395, -1.2536, -1.1031,
-                                  -0.9741, -0.8596, -0.7554, -0.6588, -0.5681};
+  // Quantiles of the normal distribution in the middle of ten equal parts of the lowest 10 %.
+  constexpr double quantiles[] = {-2.5758, -2.1701, -1.9600, -1.8119, -1.6954,
+                                  -1.5982, -1.5141, -1.4395, -1.3722, -1.3106};
   const double spread = 2.0 / (9.0 * count);
   double sum = 0.0;
   for (const double z : quantiles) {
@@ -116,13 +116,15 @@ std::vector<Point> curve_of(std::vector<BlockStatistics> blocks) {
   return points;
 }
 
-/// Sum of the points' relative distances from a line; far ones, which texture raises, count as one.
+/// Sum of the points' relative distances from a line. Texture raises points: those above the line count less,
+/// and all that are far above it as one.
 double cost(const std::vector<Point>& points, const NoiseModel& line) {
-  constexpr double far = 0.5;
+  constexpr double far = 0.3;
   double sum = 0.0;
   for (const Point& point : points) {
     const double expected = line.a * std::max(point.mean, 0.0) + line.b;
-    sum += expected > 0.0 ? std::min(std::abs(point.variance / expected - 1.0), far) : far;
+    const double excess = expected > 0.0 ? point.variance / expected - 1.0 : far;
+    sum += excess < 0.0 ? -4.0 * excess : std::min(excess, far);
   }
   return sum;
 }
@@ -153,7 +155,7 @@ NoiseModel best_line(const std::vector<Point>& points) {
 
 /// The line by least squares of relative distances from `line`, of the points that are not far from it.
 NoiseModel refined(const std::vector<Point>& points, const NoiseModel& line) {
-  constexpr double far = 0.25;
+  constexpr double far = 0.15;
   double w_sum = 0, x_sum = 0, y_sum = 0, xx = 0, xy = 0;
   for (const Point& point : points) {
     const double x = std::max(point.mean, 0.0);

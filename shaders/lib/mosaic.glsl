@@ -41,8 +41,8 @@ const float kExplained = 1.25f;
 const float kExplainedMean = 4.0f;
 /// Excess over that, in variances, from which on a frame begins to lose its weight, and has lost it. Frames
 /// that show another thing all show the same, so that weights by their squared error alone leave ghosts.
-const float kDoubt = 0.1f;
-const float kRejected = 0.6f;
+const float kDoubt = 0.5f;
+const float kRejected = 2.0f;
 
 /// Weight of a frame's sample, where the reference's own has 1: the ratio of the reference's variance to the
 /// sample's expected squared error. The patch has `count` differences with this sum and sum of squares.
