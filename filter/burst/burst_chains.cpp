@@ -57,10 +57,46 @@ BurstAlignPasses::BurstAlignPasses(gpu::Device& device, const BurstTask& task) :
         .dispatch(blocks);
     return Features{feature, 1};
   };
-  const Alignment found =
-      add_align_passes(chain, task.aligner, blocks, features("target", reference), features("source", frame));
+  const Features of_target = features("target", reference);
+  const Features of_source = features("source", frame);
+  target = of_target.image;
+  source = of_source.image;
+  chain.output(target, task.block);
+  chain.output(source, task.block);
+  const Alignment found = add_align_passes(chain, task.aligner, blocks, of_target, of_source);
   offset = found.offset;
   limit_px = found.limit_px * task.block;
+  chain.output(offset, task.block);
+}
+
+BurstChoosePasses::BurstChoosePasses(gpu::Device& device, const BurstTask& task) : chain(device, "choose") {
+  const Extent blocks = in_blocks(task, task.full);
+  target = chain.input("features.target", Format::f32, blocks);
+  source = chain.input("features.source", Format::f32, blocks);
+  found = chain.input("offset.found", Format::f32x2, blocks);
+  whole = chain.input("offset.whole", Format::f32x2, blocks);
+  const ImageId differences = chain.image("differences", Format::f32x2, blocks);
+  const ImageId sums = chain.image("differences.columns", Format::f32x2, blocks);
+  offset = chain.image("offset", Format::f32x2, blocks);
+  chain.pass("burst/differences_at")
+      .read("target", target)
+      .read("source", source, gpu::anywhere())
+      .read("found", found)
+      .read("whole", whole)
+      .write("difference", differences)
+      .dispatch(blocks);
+  chain.pass("burst/sum_column")
+      .read("difference", differences, gpu::reach(0, kBurstPatchRadius))
+      .write("sums", sums)
+      .specialize("radius", kBurstPatchRadius)
+      .dispatch(blocks);
+  chain.pass("burst/choose_offset")
+      .read("sums", sums, gpu::reach(kBurstPatchRadius, 0))
+      .read("found", found)
+      .read("whole", whole)
+      .write("offset", offset)
+      .specialize("radius", kBurstPatchRadius)
+      .dispatch(blocks);
   chain.output(offset, task.block);
 }
 

@@ -31,8 +31,23 @@ struct BurstAlignPasses {
   gpu::ImageId frame;      ///< f32: mosaic
   gpu::ImageId colors;     ///< f32: the pattern
   gpu::ImageId levels;
+  gpu::ImageId target;  ///< f32, a pixel a block: what is matched
+  gpu::ImageId source;
   gpu::ImageId offset;  ///< f32x2, a pixel a block, in blocks: frame(p + offset) looks like reference(p)
   int limit_px = 0;     ///< largest component of the offsets, in pixels of the mosaics
+};
+
+/// For each block the offset of the motion of the whole picture, or the one that the search found where that
+/// is closer.
+struct BurstChoosePasses {
+  BurstChoosePasses(gpu::Device& device, const BurstTask& task);
+
+  gpu::Chain chain;
+  gpu::ImageId target;  ///< as BurstAlignPasses has them
+  gpu::ImageId source;
+  gpu::ImageId found;
+  gpu::ImageId whole;
+  gpu::ImageId offset;
 };
 
 /// The merge of a frame into a tile of the reference.

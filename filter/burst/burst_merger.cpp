@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "filter/burst/burst_chains.h"
+#include "filter/burst/global_motion.h"
 #include "filter/ceil_div.h"
 #include "filter/for_rows.h"
 #include "filter/tiles/pixel_view.h"
@@ -60,9 +61,10 @@ struct BurstMerger::State {
         std::uint64_t memory_limit)
       : task{.aligner = aligner, .cfa = cfa, .full = full, .block = cfa.block()} {
     plan_search(device, memory_limit);
-    const std::uint64_t left = memory_limit - std::min(align->chain.device_bytes(), memory_limit);
+    const std::uint64_t left = memory_limit - std::min(search_bytes(), memory_limit);
     plan_tiles_of_frame(device, left);
     align->chain.build();
+    choose->chain.build();
     merge->chain.build();
     set_tables();
   }
@@ -74,15 +76,18 @@ struct BurstMerger::State {
       try {
         align.emplace(device, task);
         align->chain.plan();
-        if (align->chain.device_bytes() <= memory_limit) return;
+        choose.emplace(device, task);
+        choose->chain.plan();
+        if (search_bytes() <= memory_limit) return;
         if (is_last)
-          throw cannot_be_cut(task.full,
-                              tiles_too_large(uncut(task.full), align->chain.device_bytes(), memory_limit));
+          throw cannot_be_cut(task.full, tiles_too_large(uncut(task.full), search_bytes(), memory_limit));
       } catch (const gpu::DeviceLimitError&) {
         if (is_last) throw;
       }
     }
   }
+
+  std::uint64_t search_bytes() const { return align->chain.device_bytes() + choose->chain.device_bytes(); }
 
   void plan_tiles_of_frame(gpu::Device& device, std::uint64_t memory_limit) {
     std::string reason;
@@ -127,6 +132,34 @@ struct BurstMerger::State {
             white_balance[2]};
   }
 
+  /// Offsets of the search, regularized.
+  void choose_offsets(FrameReport& report) {
+    const Extent blocks{ceil_div(task.full.width, task.block), ceil_div(task.full.height, task.block)};
+    const Image target = download(align->chain, align->target, blocks, 1);
+    const Image source = download(align->chain, align->source, blocks, 1);
+    offset = download(align->chain, align->offset, blocks, 2);
+    const GlobalMotion motion = fit_global_motion(target, source, offset);
+    // The merge reads no further than the search does.
+    const double limit = static_cast<double>(align->limit_px) / task.block;
+    const std::span<float> whole = choose->chain.upload<float>(choose->whole);
+    for_rows(blocks.height, [&](int begin, int end) {
+      for (int y = begin; y < end; ++y) {
+        for (int x = 0; x < blocks.width; ++x) {
+          const Imath::V2d at = motion.offset(x, y, blocks.width, blocks.height);
+          const std::size_t i = 2 * (static_cast<std::size_t>(y) * blocks.width + x);
+          whole[i] = static_cast<float>(std::clamp(at.x, -limit, limit));
+          whole[i + 1] = static_cast<float>(std::clamp(at.y, -limit, limit));
+        }
+      }
+    });
+    copy_to(choose->chain.upload<float>(choose->target), target.data());
+    copy_to(choose->chain.upload<float>(choose->source), source.data());
+    copy_to(choose->chain.upload<float>(choose->found), offset.data());
+    choose->chain.run();
+    add_times(report, choose->chain);
+    offset = download(choose->chain, choose->offset, blocks, 2);
+  }
+
   void merge_tile(const Tile& tile, const Image& frame, const Levels& levels, FrameReport& report) {
     BurstMergePasses& passes = *merge;
     const auto place = [&](gpu::ImageId image, int x, int y) {
@@ -151,6 +184,7 @@ struct BurstMerger::State {
 
   BurstTask task;
   std::optional<BurstAlignPasses> align;
+  std::optional<BurstChoosePasses> choose;
   std::optional<BurstMergePasses> merge;
   std::vector<Tile> tiles;
 
@@ -193,9 +227,7 @@ void BurstMerger::add(const BurstFrame& frame, FrameReport& report) {
   copy_to(passes.chain.upload<float>(passes.levels), levels);
   passes.chain.run();
   add_times(report, passes.chain);
-  s.offset =
-      download(passes.chain, passes.offset,
-               {ceil_div(s.task.full.width, s.task.block), ceil_div(s.task.full.height, s.task.block)}, 2);
+  s.choose_offsets(report);
   for (const Tile& tile : s.tiles) s.merge_tile(tile, samples, levels, report);
   std::swap(s.accumulated, s.next);
 }
@@ -233,6 +265,7 @@ FilterMemory BurstMerger::memory() const {
                       .tile = state_->tiles.front().target.extent(),
                       .tile_plan = describe(state_->tiles)};
   add_memory(memory, state_->align->chain);
+  add_memory(memory, state_->choose->chain);
   add_memory(memory, state_->merge->chain);
   return memory;
 }

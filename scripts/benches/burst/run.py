@@ -33,7 +33,8 @@ def merged(becalm, paths, target, options=()):
     if len(paths) == 1:
         return camera.samples_of(paths[0])
     subprocess.run([becalm, "burst", *paths, "-o", target, "--mosaic", "--reference", "first", "--quiet", *options], check=True)
-    return oiio.ImageBuf(str(target)).get_pixels(oiio.FLOAT)[..., 0].astype(np.float64)
+    # Not through ImageBuf, whose cache keeps files that were written again within a second.
+    return oiio.ImageInput.open(str(target)).read_image(oiio.FLOAT)[..., 0].astype(np.float64)
 
 
 def rms(image, where):
