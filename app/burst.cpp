@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -121,12 +122,12 @@ class BurstJob {
     }
     if (stop_requested()) return stopped();
     mosaic_.samples = merger.merged();
-    const double mean = merger.mean_frames();
+    const double mean = merger.mean_weight();
     write(mean);
     progress_->finish(/*done=*/false);
     if (!command_.running.quiet)
-      say(fmt::format("{} written: {}, of which a sample is the mean of {:.2f}", command_.output,
-                      counted(frames_->count(), "frame", "frames"), mean));
+      say(fmt::format("{} written: {} merged, expected noise {:.2f} of a single frame's", command_.output,
+                      counted(frames_->count(), "frame", "frames"), 1.0 / std::sqrt(mean)));
     if (command_.running.profile) profile_.print();
     return ExitStatus::done;
   }
@@ -249,13 +250,13 @@ class BurstJob {
     profile_.add(report.passes);
   }
 
-  void write(double mean_frames) {
+  void write(double mean_weight) {
     const raw::Info& info = frames_->info(reference_);
     io::Attributes attributes{
         {"becalm:version", BECALM_VERSION},
         {"becalm:settings", filter::to_string(aligner_)},
         {"becalm:burst",
-         fmt::format("frames={} reference={} mean={:.3f}", frames_->count(), reference_ + 1, mean_frames)},
+         fmt::format("frames={} reference={} weight={:.3f}", frames_->count(), reference_ + 1, mean_weight)},
         {"becalm:noise", fmt::format("{:.6e},{:.6e}", noise_.a, noise_.b)},
         {"becalm:camera", info.make + " " + info.model},
         {"becalm:exposure", describe_exposure(info)},

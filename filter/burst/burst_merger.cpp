@@ -250,7 +250,7 @@ Image BurstMerger::merged() const {
   return result;
 }
 
-double BurstMerger::mean_frames() const {
+double BurstMerger::mean_weight() const {
   const Image& sums = state_->accumulated;
   const double sum = sum_of_rows<double>(sums.height(), [&](int y) {
     double of_row = 0.0;

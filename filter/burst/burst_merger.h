@@ -41,8 +41,9 @@ class BurstMerger {
 
   /// The mosaic so far.
   Image merged() const;
-  /// The number of frames that a sample is the mean of: the sum of weights, averaged over pixels.
-  double mean_frames() const;
+  /// The sum of the frames' weights, averaged over pixels, where the reference has 1: the reference's
+  /// variance over the result's.
+  double mean_weight() const;
   FilterMemory memory() const;
 
  private:

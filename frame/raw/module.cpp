@@ -78,6 +78,7 @@ class LibRawFile : public File {
  public:
   explicit LibRawFile(const std::string& path) {
     raw_.set_exifparser_handler(NoiseProfile::found, &profile_);
+    raw_.set_dataerror_handler(nullptr, nullptr);  // which would print; the exception tells
     check(raw_.open_file(path.c_str()));
     const auto& sizes = raw_.imgdata.sizes;
     info_.make = raw_.imgdata.idata.make;
@@ -191,6 +192,7 @@ class LibRawLibrary : public Library {
 
   void demosaic(std::span<const std::byte> dng, std::span<float> rgb) override {
     LibRaw raw;
+    raw.set_dataerror_handler(nullptr, nullptr);
     auto& params = raw.imgdata.params;
     params.output_color = 0;
     params.output_bps = 16;

@@ -202,7 +202,7 @@ TEST_F(BurstTest, LiftsOffsetsOfBlocksToTheMosaic) {
     }
     EXPECT_LT(error / count, 0.15);
     EXPECT_LT(rmse(merges.merged(), target, 12), 0.002);
-    EXPECT_GT(merges.mean_frames(), 1.7) << "the frame counts";
+    EXPECT_GT(merges.mean_weight(), 1.7) << "the frame counts";
   }
 }
 

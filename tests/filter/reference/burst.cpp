@@ -32,7 +32,7 @@ void catmull_rom(double t, double w[4]) {
 double weight_of(double sum, double squares, double count, double own, double other) {
   const double excess = std::max(squares / count - 1.25, (sum / count) * (sum / count) - 4.0 / count);
   const double bias = std::max(excess, 0.0) * (own + other);
-  const double t = std::clamp((excess - 0.1) / (0.6 - 0.1), 0.0, 1.0);
+  const double t = std::clamp((excess - 0.5) / (2.0 - 0.5), 0.0, 1.0);
   return own / (other + bias) * (1.0 - (3.0 - 2.0 * t) * t * t);
 }
 
