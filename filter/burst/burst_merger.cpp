@@ -25,6 +25,10 @@ namespace {
 constexpr int kMostPatternBlocks = 8;
 /// Of a tile's chain; larger tiles are no faster.
 constexpr std::uint64_t kTileBytes = 512ull << 20;
+/// Frames that are farther off, or a share of the longer side, are not merged: tiles would need too much of
+/// them.
+constexpr int kFarthestPx = 256;
+constexpr int kFarthestShare = 32;
 
 void copy_to(std::span<float> to, std::span<const float> from) {
   std::ranges::copy(from, to.begin());
@@ -61,6 +65,8 @@ struct BurstMerger::State {
         std::uint64_t memory_limit)
       : task{.aligner = aligner, .cfa = cfa, .full = full, .block = cfa.block()} {
     plan_search(device, memory_limit);
+    limit_px =
+        std::min(align->limit_px, std::max(kFarthestPx, std::max(full.width, full.height) / kFarthestShare));
     const std::uint64_t left = memory_limit - std::min(search_bytes(), memory_limit);
     plan_tiles_of_frame(device, left);
     align->chain.build();
@@ -93,10 +99,10 @@ struct BurstMerger::State {
     std::string reason;
     const auto with_limit = [&](std::uint64_t limit) {
       const TileRules rules =
-          BurstMergePasses(device, task, align->limit_px, task.full, task.full).chain.tile_rules();
+          BurstMergePasses(device, task, limit_px, task.full, task.full).chain.tile_rules();
       return plan_tiles(task.full, rules, [&](const Tile& tile) {
         try {
-          merge.emplace(device, task, align->limit_px, tile.target.extent(), tile.source.extent());
+          merge.emplace(device, task, limit_px, tile.target.extent(), tile.source.extent());
           merge->chain.plan();
         } catch (const gpu::DeviceLimitError& error) {
           reason = error.what();
@@ -139,8 +145,7 @@ struct BurstMerger::State {
     const Image source = download(align->chain, align->source, blocks, 1);
     offset = download(align->chain, align->offset, blocks, 2);
     const GlobalMotion motion = fit_global_motion(target, source, offset);
-    // The merge reads no further than the search does.
-    const double limit = static_cast<double>(align->limit_px) / task.block;
+    const double limit = static_cast<double>(limit_px) / task.block;
     const std::span<float> whole = choose->chain.upload<float>(choose->whole);
     for_rows(blocks.height, [&](int begin, int end) {
       for (int y = begin; y < end; ++y) {
@@ -158,6 +163,9 @@ struct BurstMerger::State {
     choose->chain.run();
     add_times(report, choose->chain);
     offset = download(choose->chain, choose->offset, blocks, 2);
+    // What is farther off is read at another place, differs there, and is rejected.
+    for (float& value : offset.data())
+      value = std::clamp(value, static_cast<float>(-limit), static_cast<float>(limit));
   }
 
   void merge_tile(const Tile& tile, const Image& frame, const Levels& levels, FrameReport& report) {
@@ -187,6 +195,7 @@ struct BurstMerger::State {
   std::optional<BurstChoosePasses> choose;
   std::optional<BurstMergePasses> merge;
   std::vector<Tile> tiles;
+  int limit_px = 0;  ///< largest component of the offsets that are used
 
   Image reference;
   NoiseModel reference_noise;
