@@ -120,8 +120,12 @@ def time_table(becalm, shots, root, count=6):
         run, cost = timed([becalm, "burst", *paths, "-o", root / "large.dng", "--reference", "first", "--profile", "--overwrite"],
                           capture_output=True, text=True)
         megapixels = LARGE[0] * LARGE[1] * count / 1e6
-        steps = re.findall(r"^\W*([a-z/_ ]+?)\s+([\d.]+)", run.stderr, re.MULTILINE)
-        made_of = ", ".join(f"{name} {float(ms):.0f}" for name, ms in steps)
+        kernels = {}
+        for kernel, ms in re.findall(r"^ +((?:align|burst)/\w+) .*?([\d.]+) ms$", run.stderr, re.MULTILINE):
+            kernels[kernel] = kernels.get(kernel, 0.0) + float(ms)
+        whole = sum(kernels.values())
+        made_of = ", ".join(f"{kernel} {100 * ms / whole:.0f} %" for kernel, ms in sorted(kernels.items(), key=lambda item: -item[1])
+                            if ms > 0.02 * whole)
         print(f"| {mosaic} | {cost.wall_s:.1f} | {cost.processor_s:.1f} | {cost.processor_s / megapixels:.3f} | {cost.peak_mib:.0f} | {made_of} |",
               flush=True)
 
@@ -147,7 +151,7 @@ def main():
         print("\nRMSE of six frames, in that of a single frame:\n")
         error_table(shots)
     if "time" in tables:
-        print(f"\nSix frames of {LARGE[0]}x{LARGE[1]} px; milliseconds a frame:\n")
+        print(f"\nSix frames of {LARGE[0]}x{LARGE[1]} px, and what the device's time is made of:\n")
         time_table(asked.becalm, shots, asked.output)
 
 
