@@ -21,6 +21,7 @@ struct Command {
 Command add_render(CLI::App& becalm);
 Command add_denoise(CLI::App& becalm);
 Command add_antialias(CLI::App& becalm);
+Command add_burst(CLI::App& becalm);
 Command add_compare(CLI::App& becalm);
 Command add_info(CLI::App& becalm);
 Command add_test(CLI::App& becalm);

@@ -31,6 +31,7 @@ constexpr const char* kFooter =
     "  becalm denoise 'noisy/room.####.exr' -o 'calm/room.####.exr'\n"
     "  becalm render room.json -o 'calm/room.####.exr' --spp 8 --denoise\n"
     "  becalm antialias 'jittered/room.####.exr' -o 'smooth/room.####.exr'\n"
+    "  becalm burst IMG_*.dng -o night.exr\n"
     "  becalm compare 'reference/room.####.exr' 'calm/room.####.exr' --report report\n"
     "  becalm info device\n"
     "  becalm test suite.json --junit results.xml\n"
@@ -60,7 +61,7 @@ int finish_output(int status) {
 }
 
 /// CLI11's message, with the command that it is about and where its help is.
-std::string usage_message(const CLI::ParseError& error, const std::array<becalm::app::Command, 6>& commands) {
+std::string usage_message(const CLI::ParseError& error, const std::array<becalm::app::Command, 7>& commands) {
   std::string command;
   for (const auto& entry : commands) {
     if (entry.parser->parsed()) command = entry.parser->get_name();
@@ -86,8 +87,9 @@ int run(int argc, char** argv) {
   parser.require_subcommand(1);
   parser.option_defaults()->take_last();  // so that scripts may append to a command
   const std::array commands{becalm::app::add_render(parser),    becalm::app::add_denoise(parser),
-                            becalm::app::add_antialias(parser), becalm::app::add_compare(parser),
-                            becalm::app::add_info(parser),      becalm::app::add_test(parser)};
+                            becalm::app::add_antialias(parser), becalm::app::add_burst(parser),
+                            becalm::app::add_compare(parser),   becalm::app::add_info(parser),
+                            becalm::app::add_test(parser)};
   for (const auto& command : commands) becalm::app::add_help_all(*command.parser);
   try {
     parser.parse(argc, argv);

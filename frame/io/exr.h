@@ -122,6 +122,9 @@ struct WrittenView {
 WriteReport write_exr(const std::string& path, const std::vector<WrittenView>& views,
                       const Attributes& attributes, PixelType color_type = PixelType::half);
 
+/// Writes an image of one channel as the float channel Y. Atomic and failing as write_exr.
+void write_plane_exr(const std::string& path, const Image& plane, const Attributes& attributes);
+
 /// Writes a frame, which has a beauty, small: all layers as half with ZIP compression, no alpha where it is 1
 /// everywhere, and the variance by its root, to 12 % (`noiselevel`, which read_exr squares). Atomic and
 /// failing as write_exr.

@@ -70,4 +70,16 @@ WriteReport write_exr(const std::string& path, const std::vector<WrittenView>& v
   return report;
 }
 
+void write_plane_exr(const std::string& path, const Image& plane, const Attributes& attributes) {
+  Imf::Header header(plane.width(), plane.height());
+  header.setType(Imf::SCANLINEIMAGE);
+  header.compression() = Imf::ZIP_COMPRESSION;
+  header.channels().insert("Y", Imf::Channel(Imf::FLOAT));
+  insert_attributes(header, attributes);
+  WriteReport report;
+  writing(path, {header}, [&](Imf::MultiPartOutputFile& file) {
+    write_part(file, 0, {{"Y", {&plane, 0}}}, nullptr, report);
+  });
+}
+
 }  // namespace becalm::io

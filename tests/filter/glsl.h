@@ -8,6 +8,7 @@
 
 namespace becalm::glsl {
 using std::abs;
+using std::clamp;
 using std::exp;
 using std::log2;
 using std::max;
@@ -17,6 +18,7 @@ using std::sqrt;
 #include "shaders/lib/color.glsl"     // NOLINT(bugprone-suspicious-include)
 #include "shaders/lib/distance.glsl"  // NOLINT(bugprone-suspicious-include)
 #include "shaders/lib/gain.glsl"      // NOLINT(bugprone-suspicious-include)
+#include "shaders/lib/mosaic.glsl"    // NOLINT(bugprone-suspicious-include)
 #include "shaders/lib/quadric.glsl"   // NOLINT(bugprone-suspicious-include)
 #include "shaders/lib/resample.glsl"  // NOLINT(bugprone-suspicious-include)
 }  // namespace becalm::glsl

@@ -155,5 +155,41 @@ TEST(Compress, LiesInUnitRangeWhateverTheRadiance) {
   EXPECT_FLOAT_EQ(radiance_feature(3.0f, 0.0f), 3.0f);
 }
 
+TEST(MosaicFunctions, StabilizeTheVariance) {
+  for (const auto& [a, b] : {std::pair{2e-4f, 1e-6f}, std::pair{0.0f, 1e-4f}, std::pair{3e-3f, 1e-4f}}) {
+    for (const float signal : {0.02f, 0.2f, 0.9f}) {
+      const float deviation = std::sqrt(glsl::noise_variance(a, b, signal));
+      const float step = 0.1f * deviation;
+      const float slope =
+          (glsl::stabilized(a, b, signal + step) - glsl::stabilized(a, b, signal - step)) / (2 * step);
+      EXPECT_NEAR(slope * deviation, 1.0f, 0.06f) << a << ' ' << signal;
+    }
+    EXPECT_LT(glsl::stabilized(a, b, -0.01f), 0.0f) << "continues below black";
+  }
+}
+
+TEST(MosaicFunctions, ReadOutsideAtASampleOfTheSameColour) {
+  for (const int period : {2, 6}) {
+    for (int at = -13; at < 40; ++at) {
+      const int inside = glsl::mirrored(at, 25, period);
+      EXPECT_TRUE(inside >= 0 && inside < 25) << at;
+      EXPECT_EQ((inside - at) % period, 0) << at;
+      if (at >= 0 && at < 25) {
+        EXPECT_EQ(inside, at);
+      }
+    }
+  }
+}
+
+TEST(MosaicFunctions, WeighByTheExpectedError) {
+  const float count = 49.0f;
+  EXPECT_FLOAT_EQ(glsl::frame_weight(0.0f, count, count, 1.0f, 1.0f), 1.0f) << "noise alone";
+  EXPECT_FLOAT_EQ(glsl::frame_weight(0.0f, count, count, 1.0f, 0.5f), 2.0f) << "a frame of half the variance";
+  EXPECT_LT(glsl::frame_weight(0.0f, 2.0f * count, count, 1.0f, 1.0f), 0.5f) << "differences beyond noise";
+  EXPECT_EQ(glsl::frame_weight(0.0f, 4.0f * count, count, 1.0f, 1.0f), 0.0f) << "another thing";
+  EXPECT_EQ(glsl::frame_weight(2.0f * count, 4.0f * count, count, 1.0f, 1.0f), 0.0f)
+      << "darker by two deviations";
+}
+
 }  // namespace
 }  // namespace becalm::glsl

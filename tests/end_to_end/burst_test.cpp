@@ -1,0 +1,194 @@
+// becalm burst: from DNG files to pictures and mosaics, and what it refuses.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <random>
+
+#include "frame/raw/dng.h"
+#include "tests/end_to_end/harness.h"
+
+namespace becalm::test {
+namespace {
+
+CfaPattern x_trans() {
+  CfaPattern cfa{.period = 6, .colors = {}};
+  const std::string_view letters = "GRGGBGBGBRGRGRGGBGGBGGRGRGRBGBGBGGRG";
+  for (std::size_t i = 0; i < letters.size(); ++i)
+    cfa.colors[i] = letters[i] == 'R' ? 0 : letters[i] == 'G' ? 1 : 2;
+  return cfa;
+}
+
+raw::Info camera(const CfaPattern& cfa = {}, int width = 64, int height = 48) {
+  raw::Info info;
+  info.make = "becalm";
+  info.model = "camera";
+  info.width = width;
+  info.height = height;
+  info.cfa = cfa;
+  info.shutter_s = 1.0 / 60.0;
+  info.iso = 800;
+  info.f_number = 4.0;
+  info.white_balance = {2.0f, 1.0f, 1.5f};
+  // Rec. 709's own colours.
+  info.xyz_to_camera = {1.6202f, -0.7686f, -0.2493f, -0.9693f, 1.8760f, 0.0416f, 0.0371f, -0.1360f, 0.7048f};
+  return info;
+}
+
+/// A grey ramp under white light, `exposure` times as bright, that moves by a pixel a frame.
+Mosaic grey(const raw::Info& info, int number, double exposure = 1.0) {
+  std::mt19937 random(static_cast<unsigned>(number));
+  std::normal_distribution<double> normal;
+  Mosaic mosaic{Image(info.width, info.height, 1), info.cfa};
+  for (int y = 0; y < info.height; ++y) {
+    for (int x = 0; x < info.width; ++x) {
+      const double light = 0.2 + 0.1 * std::sin(0.2 * (x + number)) * std::cos(0.25 * y);
+      const double value = exposure * light / info.white_balance[info.cfa.color(x, y)];
+      mosaic.samples.at(x, y, 0) = static_cast<float>(value + 0.01 * normal(random));
+    }
+  }
+  return mosaic;
+}
+
+class Burst : public testing::Test {
+ protected:
+  std::string write(int number, const raw::Info& info, double exposure = 1.0) const {
+    const std::string path = folder_ / ("in" + std::to_string(number) + ".dng");
+    raw::write_dng(path, grey(info, number, exposure), info);
+    return path;
+  }
+  std::vector<std::string> write_burst(const raw::Info& info = camera()) const {
+    return {write(1, info), write(2, info), write(3, info)};
+  }
+  static std::vector<std::string> command(std::vector<std::string> inputs, const std::string& output,
+                                          const std::vector<std::string>& more = {}) {
+    inputs.insert(inputs.begin(), "burst");
+    inputs.insert(inputs.end(), {"-o", output});
+    inputs.insert(inputs.end(), more.begin(), more.end());
+    return inputs;
+  }
+
+  TempFolder folder_;
+};
+
+/// RMSE of the first channel against the scene of `grey`, 8 px from the border.
+double error_of(const Image& image, int number) {
+  double sum = 0.0, count = 0.0;
+  for (int y = 8; y < image.height() - 8; ++y) {
+    for (int x = 8; x < image.width() - 8; ++x, ++count) {
+      const double light = 0.2 + 0.1 * std::sin(0.2 * (x + number)) * std::cos(0.25 * y);
+      sum += (image.at(x, y, 1) - light) * (image.at(x, y, 1) - light);
+    }
+  }
+  return std::sqrt(sum / count);
+}
+
+TEST_F(Burst, WritesADemosaicedPicture) {
+  for (const CfaPattern& cfa : {CfaPattern{}, x_trans()}) {
+    const auto inputs = write_burst(camera(cfa));
+    const std::string output = folder_ / "out.exr";
+    const Outcome outcome = becalm_done(command(inputs, output, {"--reference", "2", "--validate"}));
+    EXPECT_NE(outcome.err.find("ISO 800"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("(fitted)"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("3 of 3"), std::string::npos) << outcome.err;
+    const Image picture = read_frame(output).image(Aov::beauty);
+    ASSERT_EQ(picture.width(), 64);
+    ASSERT_EQ(picture.height(), 48);
+    EXPECT_LT(error_of(picture, 2), 0.008) << "less than a single frame's noise";
+    double red = 0.0, green = 0.0, blue = 0.0;
+    for (int i = 0; i < 64 * 48; ++i) {
+      red += picture.data()[picture.channels() * i];
+      green += picture.data()[picture.channels() * i + 1];
+      blue += picture.data()[picture.channels() * i + 2];
+    }
+    EXPECT_NEAR(red / green, 1.0, 0.01) << "grey under white light is grey";
+    EXPECT_NEAR(blue / green, 1.0, 0.01);
+    EXPECT_EQ(io::read_attribute(output, "becalm:burst").find("frames=3 reference=2"), 0u);
+  }
+}
+
+TEST_F(Burst, WritesMosaics) {
+  const auto inputs = write_burst();
+  const std::string exr = folder_ / "out.exr", dng = folder_ / "out.dng";
+  becalm_done(command(inputs, exr, {"--mosaic", "--reference", "first", "-q"}));
+  EXPECT_EQ(io::read_attribute(exr, "becalm:mosaic"), "2x2 RGGB");
+  becalm_done(command(inputs, dng, {"--reference", "first", "-q"}));
+  const auto file = raw::open(dng);
+  EXPECT_EQ(file->info().width, 64);
+  EXPECT_NEAR(file->info().white_balance[0], 2.0f, 1e-3f);
+  const Mosaic merged = raw::read(*file, dng);
+  const Mosaic first = grey(camera(), 1);
+  double difference = 0.0;
+  for (std::size_t i = 0; i < first.samples.pixel_count(); ++i)
+    difference += std::abs(merged.samples.data()[i] - first.samples.data()[i]);
+  EXPECT_LT(difference / (64 * 48), 0.01) << "is the first frame, but for noise";
+  EXPECT_GT(difference / (64 * 48), 0.002);
+}
+
+TEST_F(Burst, TurnsPicturesUpright) {
+  raw::Info info = camera();
+  info.flip = 6;
+  const std::string output = folder_ / "out.exr";
+  becalm_done(command(write_burst(info), output, {"-q"}));
+  const Frame frame = read_frame(output);
+  EXPECT_EQ(frame.width(), 48);
+  EXPECT_EQ(frame.height(), 64);
+}
+
+TEST_F(Burst, ScalesOtherExposures) {
+  raw::Info longer = camera();
+  longer.shutter_s = 1.0 / 30.0;
+  const std::string output = folder_ / "out.exr";
+  const Outcome outcome =
+      becalm_done(command({write(1, camera()), write(2, longer, 2.0)}, output, {"--reference", "first"}));
+  EXPECT_NE(outcome.err.find("scaled to the reference's"), std::string::npos) << outcome.err;
+  EXPECT_LT(error_of(read_frame(output).image(Aov::beauty), 1), 0.01);
+}
+
+TEST_F(Burst, TakesTheNoiseThatItIsTold) {
+  raw::Info info = camera();
+  info.noise = NoiseModel{.a = 1e-4, .b = 1e-4};
+  const auto inputs = write_burst(info);
+  const std::string output = folder_ / "out.exr";
+  const Outcome told = becalm_done(command(inputs, output));
+  EXPECT_NE(told.err.find("1.000e-04,1.000e-04 (as the file tells)"), std::string::npos) << told.err;
+  const Outcome given = becalm_done(command(inputs, output, {"--noise", "2e-4,3e-5"}));
+  EXPECT_NE(given.err.find("2.000e-04,3.000e-05 (as given)"), std::string::npos) << given.err;
+}
+
+TEST_F(Burst, RefusesWhatIsNoBurst) {
+  const auto inputs = write_burst();
+  const std::string output = folder_ / "out.exr";
+  const auto fails = [&](std::vector<std::string> files, const std::vector<std::string>& more, int status,
+                         const std::vector<std::string>& words) {
+    expect_error(becalm(command(std::move(files), output, more)), status, words);
+    EXPECT_FALSE(fs::exists(output));
+  };
+  fails({inputs[0]}, {}, 3, {"in1.dng", "two or more"});
+  fails({inputs[0], folder_ / "none.dng"}, {}, 3, {"none.dng", "no such file"});
+  fails({inputs[0], inputs[0]}, {}, 2, {"in1.dng", "twice"});
+  write_text(folder_ / "text.dng", "no raw file");
+  fails({inputs[0], folder_ / "text.dng"}, {}, 3, {"text.dng", "raw file"});
+  fails({inputs[0], write(4, camera({}, 96, 48))}, {}, 3, {"in4.dng", "96x48", "64x48"});
+  raw::Info other = camera();
+  other.model = "another";
+  fails({inputs[0], write(5, other)}, {}, 3, {"in5.dng", "another"});
+  other = camera();
+  other.shutter_s = 2.0;
+  fails({inputs[0], write(6, other)}, {}, 3, {"in6.dng", "exposure"});
+  fails(inputs, {"--reference", "4"}, 2, {"--reference 4", "1 to 3"});
+  fails(inputs, {"--noise", "1"}, 2, {"--noise 1", "A,B"});
+  fails(inputs, {"--set", "smooth=none"}, 2, {"smooth", "blur_radius"});
+  expect_error(becalm(command(inputs, folder_ / "out.jpg")), 2, {"out.jpg", ".dng"});
+  expect_error(becalm(command(inputs, inputs[1])), 2, {"overwrite an input"});
+  {  // cut short
+    std::ofstream(folder_ / "short.dng", std::ios::binary)
+        << std::string(std::istreambuf_iterator<char>(std::ifstream(inputs[0], std::ios::binary).rdbuf()), {})
+               .substr(0, 2000);
+  }
+  expect_error(becalm(command({inputs[0], folder_ / "short.dng"}, output)), 3, {"short.dng"});
+}
+
+}  // namespace
+}  // namespace becalm::test

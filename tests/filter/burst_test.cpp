@@ -1,0 +1,374 @@
+// Bursts: against the reference in doubles, and what must hold of any result.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "filter/burst/burst_merger.h"
+#include "filter/burst/cfa_weights.h"
+#include "filter/burst/global_motion.h"
+#include "filter/burst/noise_fit.h"
+#include "tests/filter/device_fixture.h"
+#include "tests/filter/reference/burst.h"
+
+namespace becalm::filter {
+namespace {
+
+using reference::Grid;
+using reference::Vec2;
+
+constexpr NoiseModel kNoise{.a = 2e-4, .b = 1e-6};
+constexpr std::array<float, 3> kBalance{2.0f, 1.0f, 1.6f};
+
+/// The pattern from another first pixel on.
+CfaPattern shifted(const CfaPattern& cfa, int x, int y) {
+  CfaPattern result = cfa;
+  for (int v = 0; v < cfa.period; ++v) {
+    for (int u = 0; u < cfa.period; ++u)
+      result.colors[v * cfa.period + u] = static_cast<std::uint8_t>(cfa.color(u + x, v + y));
+  }
+  return result;
+}
+
+CfaPattern bayer(int phase) {
+  return shifted(CfaPattern{}, phase % 2, phase / 2);
+}
+
+CfaPattern x_trans() {
+  CfaPattern cfa{.period = 6, .colors = {}};
+  const std::string_view letters = "GRGGBGBGBRGRGRGGBGGBGGRGRGRBGBGBGGRG";
+  for (std::size_t i = 0; i < letters.size(); ++i)
+    cfa.colors[i] = letters[i] == 'R' ? 0 : letters[i] == 'G' ? 1 : 2;
+  return cfa;
+}
+
+std::vector<CfaPattern> patterns() {
+  return {bayer(0), bayer(1), bayer(2), bayer(3), x_trans(), shifted(x_trans(), 1, 2)};
+}
+
+/// Light at a point, of one colour: smooth, without a period that the search could mistake.
+double scene(double x, double y, int color) {
+  const double wave = std::sin(0.21 * x + 0.4 * color) * std::sin(0.17 * y - 0.3 * color) +
+                      0.6 * std::sin(0.11 * x + 0.13 * y + 0.0007 * x * y) +
+                      0.3 * std::sin(0.31 * y - 0.05 * x);
+  return (0.3 + 0.13 * wave) / kBalance[color];
+}
+
+struct Shot {
+  Vec2 shift;
+  double noise = 0.0;  ///< times that of kNoise
+  unsigned seed = 1;
+};
+
+Image photographed(const CfaPattern& cfa, int width, int height, const Shot& shot) {
+  std::mt19937 random(shot.seed);
+  std::normal_distribution<double> normal;
+  Image image(width, height, 1);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const double light = scene(x + shot.shift.x, y + shot.shift.y, cfa.color(x, y));
+      const double deviation = std::sqrt(kNoise.a * light + kNoise.b);
+      image.at(x, y, 0) = static_cast<float>(light + shot.noise * deviation * normal(random));
+    }
+  }
+  return image;
+}
+
+Grid<double> grid_of(const Image& image) {
+  Grid<double> grid(image.width(), image.height());
+  std::ranges::copy(image.data(), grid.data.begin());
+  return grid;
+}
+
+double rmse(const Image& a, const Image& b, int border) {
+  double sum = 0.0, count = 0.0;
+  for (int y = border; y < a.height() - border; ++y) {
+    for (int x = border; x < a.width() - border; ++x, ++count)
+      sum += (a.at(x, y, 0) - b.at(x, y, 0)) * (a.at(x, y, 0) - b.at(x, y, 0));
+  }
+  return std::sqrt(sum / count);
+}
+
+class BurstTest : public DeviceTest {
+ protected:
+  static BurstMerger merger(const CfaPattern& cfa, const Image& image,
+                            std::uint64_t memory_limit = std::numeric_limits<std::uint64_t>::max()) {
+    return {device(), burst_aligner_settings(), cfa, image.width(), image.height(), memory_limit};
+  }
+  static Image merged(const CfaPattern& cfa, const std::vector<Image>& frames,
+                      const NoiseModel& noise = kNoise) {
+    BurstMerger merges = merger(cfa, frames.front());
+    merges.start({.samples = frames.front(), .noise = noise}, kBalance);
+    FrameReport report;
+    for (std::size_t i = 1; i < frames.size(); ++i)
+      merges.add({.samples = frames[i], .noise = noise}, report);
+    return merges.merged();
+  }
+};
+
+TEST_F(BurstTest, EqualsTheReferenceInDoubles) {
+  for (const CfaPattern& cfa : patterns()) {
+    Image target = photographed(cfa, 62, 50, {.shift = {}, .noise = 1.0, .seed = 1});
+    Image source = photographed(cfa, 62, 50, {.shift = {1.4, -2.3}, .noise = 1.5, .seed = 2});
+    for (int y = 20; y < 30; ++y) {  // another thing, saturated samples, and none
+      for (int x = 10; x < 24; ++x) source.at(x, y, 0) = x < 13 ? 0.9f : 0.3f;
+    }
+    target.at(40, 30, 0) = 0.97f;
+    reference::BurstLevels levels{.reference_noise = kNoise,
+                                  .frame_noise = {.a = 3e-4, .b = 4e-6},
+                                  .reference_saturated = 0.95,
+                                  .frame_saturated = 0.8,
+                                  .balance = {kBalance[0], kBalance[1], kBalance[2]}};
+    BurstMerger merges = merger(cfa, target);
+    merges.start({.samples = target, .noise = levels.reference_noise, .saturated = 0.95f}, kBalance);
+    FrameReport report;
+    merges.add({.samples = source, .noise = levels.frame_noise, .saturated = 0.8f}, report);
+    const Image result = merges.merged();
+
+    const Image offset = merges.offset();
+    Grid<Vec2> blocks(offset.width(), offset.height());
+    for (std::size_t i = 0; i < blocks.data.size(); ++i)
+      blocks.data[i] = {offset.data()[2 * i] / merges.block(), offset.data()[2 * i + 1] / merges.block()};
+    const auto expected =
+        reference::burst_addition(grid_of(target), grid_of(source), blocks, merges.block(), cfa, levels);
+    double largest = 0.0, weights = 0.0;
+    for (int y = 0; y < target.height(); ++y) {
+      for (int x = 0; x < target.width(); ++x) {
+        const auto [sum, weight] = expected.at(x, y);
+        weights += weight;
+        largest =
+            std::max(largest, std::abs((target.at(x, y, 0) + sum) / (1.0 + weight) - result.at(x, y, 0)));
+      }
+    }
+    EXPECT_LT(largest, 2e-4);
+    EXPECT_GT(weights, 0.5 * static_cast<double>(target.pixel_count())) << "most of the frame is merged";
+    EXPECT_EQ(result.at(40, 30, 0), 0.97f) << "a saturated sample stays";
+  }
+}
+
+TEST_F(BurstTest, MatchesBlocksOfAllColours) {
+  for (const CfaPattern& cfa : patterns()) {
+    const Image image = photographed(cfa, 30, 30, {.shift = {}, .noise = 0.0});
+    double least = 1e30, largest = -1e30;
+    for (int row = 1; row < 30 / cfa.block() - 1; ++row) {
+      for (int column = 1; column < 30 / cfa.block() - 1; ++column) {
+        Grid<double> even(30, 30);
+        for (int y = 0; y < 30; ++y) {
+          for (int x = 0; x < 30; ++x) even.at(x, y) = 0.3 / kBalance[cfa.color(x, y)];
+        }
+        const double value = reference::block_feature(even, column, row, cfa.block(), cfa, kNoise);
+        least = std::min(least, value);
+        largest = std::max(largest, value);
+      }
+    }
+    EXPECT_NEAR(least, largest, 1e-9) << "blocks of an even surface are equal";
+  }
+}
+
+TEST_F(BurstTest, EstimatesColoursOfPlanesExactly) {
+  for (const CfaPattern& cfa : patterns()) {
+    Grid<double> mosaic(24, 24);
+    const auto plane = [](int x, int y, int color) { return 0.2 * color + 0.01 * x - 0.02 * y; };
+    for (int y = 0; y < 24; ++y) {
+      for (int x = 0; x < 24; ++x) mosaic.at(x, y) = plane(x, y, cfa.color(x, y));
+    }
+    const reference::Colors colors = reference::all_colors(mosaic, cfa, {});
+    for (int color = 0; color < 3; ++color) {
+      for (int y = 6; y < 18; ++y) {
+        for (int x = 6; x < 18; ++x)
+          EXPECT_NEAR(colors.plane[color].at(x, y), plane(x, y, color), 1e-6)
+              << x << ' ' << y << ' ' << color;
+      }
+    }
+  }
+}
+
+TEST_F(BurstTest, LiftsOffsetsOfBlocksToTheMosaic) {
+  constexpr Vec2 shift{3.3, -1.6};  // of the picture; the offset leads back
+  for (const CfaPattern& cfa : patterns()) {
+    const Image target = photographed(cfa, 126, 102, {.shift = {}, .noise = 0.0});
+    const Image source = photographed(cfa, 126, 102, {.shift = shift, .noise = 0.0});
+    BurstMerger merges = merger(cfa, target);
+    merges.start({.samples = target, .noise = kNoise}, kBalance);
+    FrameReport report;
+    merges.add({.samples = source, .noise = kNoise}, report);
+    const Image offset = merges.offset();
+    double error = 0.0, count = 0.0;
+    for (int y = 6; y < offset.height() - 6; ++y) {
+      for (int x = 6; x < offset.width() - 6; ++x, ++count)
+        error += std::hypot(offset.at(x, y, 0) + shift.x, offset.at(x, y, 1) + shift.y);
+    }
+    EXPECT_LT(error / count, 0.15);
+    EXPECT_LT(rmse(merges.merged(), target, 12), 0.002);
+    EXPECT_GT(merges.mean_weight(), 1.7) << "the frame counts";
+  }
+}
+
+TEST_F(BurstTest, LowersNoiseByTheRootOfTheNumber) {
+  for (const CfaPattern& cfa : {bayer(0), x_trans()}) {
+    const Image truth = photographed(cfa, 126, 102, {.shift = {}, .noise = 0.0});
+    std::vector<Image> frames;
+    for (unsigned i = 0; i < 6; ++i)
+      frames.push_back(
+          photographed(cfa, 126, 102, {.shift = {0.7 * i, -0.45 * i}, .noise = 1.0, .seed = i + 1}));
+    const double single = rmse(frames.front(), truth, 12);
+    EXPECT_LT(rmse(merged(cfa, frames), truth, 12), 1.25 * single / std::sqrt(6.0));
+  }
+}
+
+TEST_F(BurstTest, KeepsWhatAllFramesAgreeOn) {
+  for (const CfaPattern& cfa : {bayer(2), x_trans()}) {
+    const Image frame = photographed(cfa, 48, 36, {.shift = {}, .noise = 1.0});
+    EXPECT_LT(rmse(merged(cfa, {frame, frame, frame}), frame, 0), 1e-6) << "equal frames give that frame";
+    for (const float value : {0.0f, 0.25f, 1.0f}) {
+      const Image even(48, 36, 1, value);
+      EXPECT_LT(rmse(merged(cfa, {even, even}), even, 0), 1e-6) << value;
+    }
+    EXPECT_EQ(rmse(merged(cfa, {frame}), frame, 0), 0.0) << "one frame";
+  }
+}
+
+TEST_F(BurstTest, ThingsThatMoveLeaveNoGhost) {
+  const CfaPattern cfa = bayer(0);
+  std::vector<Image> frames;
+  for (unsigned i = 0; i < 6; ++i) {
+    Image frame = photographed(cfa, 126, 102, {.shift = {0.4 * i, 0.3 * i}, .noise = 1.0, .seed = i + 1});
+    for (int y = 40; y < 64; ++y) {
+      for (int x = 30 + 14 * static_cast<int>(i); x < std::min(50 + 14 * static_cast<int>(i), 126); ++x)
+        frame.at(x, y, 0) = 0.05f;
+    }
+    frames.push_back(std::move(frame));
+  }
+  const Image result = merged(cfa, frames);
+  double sum = 0.0;
+  for (int y = 44; y < 60; ++y) {
+    for (int x = 34; x < 46; ++x) sum += result.at(x, y, 0) - 0.05;
+  }
+  EXPECT_NEAR(sum / (16 * 12), 0.0, 0.001) << "what the others show there is not mixed in";
+}
+
+TEST_F(BurstTest, StaysFinite) {
+  const CfaPattern cfa = bayer(1);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const float infinity = std::numeric_limits<float>::infinity();
+  for (const int side : {24, 25, 31}) {
+    for (const float scale : {1e-30f, 1.0f, 1e30f}) {
+      Image a = photographed(cfa, side, side, {.shift = {}, .noise = 1.0, .seed = 1});
+      Image b = photographed(cfa, side, side, {.shift = {1, 1}, .noise = 1.0, .seed = 2});
+      for (Image* image : {&a, &b}) {
+        for (float& value : image->data()) value *= scale;
+        image->at(5, 6, 0) = nan;
+        image->at(7, 8, 0) = -infinity;
+      }
+      const Image result = merged(cfa, {a, b});
+      for (const float value : result.data()) ASSERT_TRUE(std::isfinite(value)) << side << ' ' << scale;
+    }
+  }
+}
+
+TEST_F(BurstTest, TilesDoNotShow) {
+  for (const CfaPattern& cfa : {bayer(0), x_trans()}) {
+    const Image target = photographed(cfa, 360, 240, {.shift = {}, .noise = 1.0, .seed = 1});
+    const Image source = photographed(cfa, 360, 240, {.shift = {4.3, -2.6}, .noise = 1.0, .seed = 2});
+    const auto run = [&](std::uint64_t limit) {
+      BurstMerger merges = merger(cfa, target, limit);
+      merges.start({.samples = target, .noise = kNoise}, kBalance);
+      FrameReport report;
+      merges.add({.samples = source, .noise = kNoise}, report);
+      return std::pair(merges.merged(), merges.memory());
+    };
+    const auto [whole, memory] = run(std::numeric_limits<std::uint64_t>::max());
+    const auto [cut, of_cut] = run(memory.device_bytes * 8 / 10);
+    ASSERT_EQ(memory.tiles, 1u);
+    ASSERT_GT(of_cut.tiles, 1u);
+    EXPECT_LT(rmse(whole, cut, 0), 1e-7) << of_cut.tile_plan;
+  }
+}
+
+TEST(NoiseFit, FindsTheModel) {
+  for (const CfaPattern& cfa : {bayer(0), x_trans()}) {
+    for (const NoiseModel& noise : {NoiseModel{1e-5, 1e-7}, NoiseModel{3e-4, 2e-6}, NoiseModel{2e-3, 1e-4}}) {
+      std::mt19937 random(3);
+      std::normal_distribution<double> normal;
+      Mosaic mosaic{Image(480, 480, 1), cfa};
+      for (int y = 0; y < 480; ++y) {
+        for (int x = 0; x < 480; ++x) {
+          // Brightness rises along x; a third of the rows has texture.
+          const double texture = y % 72 < 24 ? 0.05 * std::sin(1.1 * x) * std::sin(0.9 * y) : 0.0;
+          const double light = 0.02 + 0.8 * x / 480.0 + texture;
+          mosaic.samples.at(x, y, 0) =
+              static_cast<float>(light + std::sqrt(noise.a * light + noise.b) * normal(random));
+        }
+      }
+      const NoiseModel found = fit_noise(mosaic, 0.98f);
+      for (const double signal : {0.05, 0.3, 0.7}) {
+        const double expected = noise.a * signal + noise.b;
+        EXPECT_NEAR((found.a * signal + found.b) / expected, 1.0, 0.2)
+            << cfa.period << ": " << noise.a << ' ' << noise.b << " at " << signal;
+      }
+    }
+  }
+}
+
+TEST(NoiseFit, SaysNothingOfNothing) {
+  const NoiseModel found = fit_noise({Image(48, 48, 1, 1.0f), bayer(0)}, 0.98f);
+  EXPECT_EQ(found.a + found.b, 0.0) << "all saturated";
+}
+
+TEST(GlobalMotionTest, FindsATurnBesideAThingThatMoves) {
+  constexpr int width = 120, height = 90;
+  const auto truth = [](int x, int y) {
+    const double u = x - 59.5, v = y - 44.5;
+    return Vec2{1.3 + 0.004 * u - 0.01 * v, -0.7 + 0.01 * u + 0.004 * v};
+  };
+  const auto texture = [](double x, double y) {
+    return 12.0 * (std::sin(0.55 * x + 0.2 * y) + std::sin(0.4 * y - 0.13 * x) +
+                   std::sin(0.23 * x * std::cos(0.02 * y)));
+  };
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  Image target(width, height, 1), source(width, height, 1), offset(width, height, 2);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      source.at(x, y, 0) = static_cast<float>(texture(x, y) + normal(random));
+      const Vec2 at = truth(x, y);
+      const bool moves = x > 80 && y < 40;
+      target.at(x, y, 0) = static_cast<float>(moves ? texture(x + 7, y) : texture(x + at.x, y + at.y)) +
+                           static_cast<float>(normal(random));
+      offset.at(x, y, 0) = static_cast<float>((moves ? 7.0 : at.x) + 0.4 * normal(random));
+      offset.at(x, y, 1) = static_cast<float>((moves ? 0.0 : at.y) + 0.4 * normal(random));
+    }
+  }
+  const GlobalMotion motion = fit_global_motion(target, source, offset);
+  double largest = 0.0;
+  for (int y = 0; y < height; y += 5) {
+    for (int x = 0; x < width; x += 5) {
+      const Imath::V2d found = motion.offset(x, y, width, height);
+      largest = std::max(largest, std::hypot(found.x - truth(x, y).x, found.y - truth(x, y).y));
+    }
+  }
+  EXPECT_LT(largest, 0.2);
+  const GlobalMotion none = fit_global_motion(Image(30, 30, 1), Image(30, 30, 1), Image(30, 30, 2, 0.5f));
+  EXPECT_EQ(none.offset(3, 4, 30, 30), Imath::V2d(0.0, 0.0)) << "without texture nothing moves";
+}
+
+TEST(Sharpness, FallsWithBlur) {
+  const CfaPattern cfa = bayer(0);
+  const Image sharp = photographed(cfa, 96, 96, {.shift = {}, .noise = 1.0, .seed = 1});
+  Image blurred = sharp;
+  for (int y = 0; y < 96; ++y) {
+    for (int x = 6; x < 90; ++x) {
+      const double mean = (scene(x - 6, y, cfa.color(x, y)) + scene(x, y, cfa.color(x, y)) +
+                           scene(x + 6, y, cfa.color(x, y))) /
+                          3.0;
+      blurred.at(x, y, 0) = static_cast<float>(mean + sharp.at(x, y, 0) - scene(x, y, cfa.color(x, y)));
+    }
+  }
+  EXPECT_GT(sharpness({sharp, cfa}, kNoise), 1.02 * sharpness({blurred, cfa}, kNoise));
+}
+
+}  // namespace
+}  // namespace becalm::filter
