@@ -104,25 +104,27 @@ class BurstJob {
     const raw::Info& info = frames_->info(reference_);
     tell_inputs(info);
 
-    gpu::Device device(device_options(command_.filter));
-    filter::BurstMerger merger(device, aligner_, info.cfa, info.width, info.height,
-                               memory_limit(command_.filter));
-    const filter::FilterMemory memory = merger.memory();
-    profile_.set_device(device.info().name, memory);
-    progress_->detail(fmt::format("device {}, {}, {:.0f} MiB, blocks of {} px", device.info().name,
-                                  memory.tile_plan, mebibytes(memory.device_bytes), merger.block()));
-    merger.start({.samples = mosaic_.samples, .noise = noise_, .saturated = kSaturated}, info.white_balance);
+    std::optional<gpu::Device> device(std::in_place, device_options(command_.filter));
+    std::optional<filter::BurstMerger> merger(std::in_place, *device, aligner_, info.cfa, info.width,
+                                              info.height, memory_limit(command_.filter));
+    const filter::FilterMemory memory = merger->memory();
+    profile_.set_device(device->info().name, memory);
+    progress_->detail(fmt::format("device {}, {}, {:.0f} MiB, blocks of {} px", device->info().name,
+                                  memory.tile_plan, mebibytes(memory.device_bytes), merger->block()));
+    merger->start({.samples = mosaic_.samples, .noise = noise_, .saturated = kSaturated}, info.white_balance);
     std::size_t done = 1;
     for (std::size_t frame = 0; frame < frames_->count(); ++frame) {
       if (frame == reference_) continue;
       if (stop_requested()) return stopped();
       progress_->update(static_cast<int>(frame) + 1, static_cast<double>(done));
-      merge(merger, frame);
+      merge(*merger, frame);
       progress_->note(fmt::format("{}: merged, {} of {}", frames_->path(frame), ++done, frames_->count()));
     }
     if (stop_requested()) return stopped();
-    mosaic_.samples = merger.merged();
-    const double mean = merger.mean_weight();
+    mosaic_.samples = merger->merged();
+    const double mean = merger->mean_weight();
+    merger.reset();  // what follows needs the memory
+    device.reset();
     write(mean);
     progress_->finish(/*done=*/false);
     if (!command_.running.quiet)
