@@ -5,6 +5,7 @@ Frisvad and Jensen, section 5.3; and the other eye's weight as estimated, beside
 import argparse
 import os
 import resource
+import statistics
 import subprocess
 from pathlib import Path
 
@@ -27,6 +28,7 @@ PUBLISHED = {"spheres": (0.071, 0.023, 0.016, 0.591, 0.910, 0.958), "statue": (0
 AOVS = "albedo,normal,depth,motion,variance"
 REFERENCE = ["--spp", "64", "--seed", "7", "--aovs", "half_a,half_b,variance,depth"]
 WEIGHT_SPP = 16
+COST_SIZE, COST_FRAMES, COST_RUNS = (960, 540), 4, 3
 
 
 class Shot:
@@ -134,19 +136,18 @@ def weights(shot):
         print(f"| {shot.scene} | {kind} | {error:.4f} | {likeness:.3f} | {difference:.4f} | {beside} |", flush=True)
 
 
-def cost(shot, spp):
-    """Processor time of both eyes over that of one, without what a run of a single frame takes."""
-    noisy = shot.noisy(spp)
-    one = shot.root / "one_eye"
-    one.mkdir(exist_ok=True)
-    render(shot.becalm, shot.scene, one, shot.frames, shot.size, ["--spp", str(spp), "--aovs", AOVS, "--eye", "left"])
+def cost(becalm, scene, root, spp):
+    """Processor time of a pair of eyes over that of an eye by itself, with files, by runs that alternate."""
+    frames = range(1, COST_FRAMES + 1)
+    folder = root / f"{COST_SIZE[0]}x{COST_SIZE[1]}" / scene
+    render(becalm, scene, folder / "noisy", frames, COST_SIZE, ["--spp", str(spp), "--aovs", AOVS])
     for preset in ("draft", "balanced", "final"):
-        times = []
-        for source, frames in ((one, "all"), (one, "first"), (noisy, "all"), (noisy, "first")):
-            span = shot.frames if frames == "all" else shot.frames[:2]
-            options = ["--preset", preset, "--frames", f"{span[0]}-{span[-1]}", "--context", "none"]
-            times.append(min(denoise(shot.becalm, source, shot.root / "timed", options) for _ in range(2)))
-        print(f"| {preset} | {times[0] - times[1]:.2f} | {times[2] - times[3]:.2f} | {(times[2] - times[3]) / (times[0] - times[1]):.2f} |", flush=True)
+        apart, together = [], []
+        for _ in range(COST_RUNS):
+            for options, spent in ((["--no-stereo"], apart), ([], together)):
+                spent.append(denoise(becalm, folder / "noisy", folder / "timed", ["--preset", preset, *options]) / COST_FRAMES)
+        one, pair = statistics.median(apart) / 2, statistics.median(together)
+        print(f"| {preset} | {one:.2f} | {pair:.2f} | {pair / one:.2f} |", flush=True)
 
 
 def main():
@@ -166,13 +167,13 @@ def main():
     print("| scene | method | spp | RMSE | of none's | SSIM | stereo difference |\n| --- | --- | --- | --- | --- | --- | --- |")
     for shot in shots:
         table(shot, asked.spp, METHODS)
-    print(f"\nOne frame of {WEIGHT_SPP} samples, not smoothed, the other eye reprojected by depth; the last column is the mean weight of the own eye beside "
+    print(f"\nOne frame of {WEIGHT_SPP} samples, not smoothed, the other eye reprojected by depth; the last column is the mean weight of the own eye beside\n"
           "the true one's,\nthe root mean square error of the weight, and their correlation.\n")
     print("| scene | weight | RMSE | SSIM | stereo difference | of the weight |\n| --- | --- | --- | --- | --- | --- |")
     for shot in shots:
         weights(shot)
-    print("\nProcessor seconds of the frames behind the first two:\n\n| preset | one eye | both eyes | ratio |\n| --- | --- | --- | --- |")
-    cost(shots[0], asked.spp)
+    print(f"\nProcessor seconds of a frame of {COST_SIZE[0]}x{COST_SIZE[1]}, files included:\n\n| preset | one eye | both eyes | ratio |\n| --- | --- | --- | --- |")
+    cost(becalm, names[0], asked.output, asked.spp)
 
 
 if __name__ == "__main__":
