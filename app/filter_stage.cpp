@@ -85,7 +85,7 @@ std::vector<filter::Segment> FilterStage::schedule(const std::vector<int>& reada
 }
 
 void FilterStage::build(int width, int height, AovSet available, std::size_t light_groups,
-                        const std::string& view, std::size_t views) {
+                        const std::string& view, std::size_t views, const Imath::V2i& origin) {
   if (!device_) device_.emplace(device_options_);
   const std::uint64_t memory = std::min(memory_limit_, filter::usable_bytes(*device_)) / views;
   if (!denoises_additive_) available &= ~filter::additive_aovs();
@@ -94,7 +94,8 @@ void FilterStage::build(int width, int height, AovSet available, std::size_t lig
       .memory_limit = memory,
       .find_cuts = cuts_ == "auto" ? filter::FindCuts::yes : filter::FindCuts::no,
       .alpha = alpha_,
-      .light_groups = denoises_additive_ ? light_groups : 0};
+      .light_groups = denoises_additive_ ? light_groups : 0,
+      .origin = origin};
   views_.push_back({view.empty() ? "" : ' ' + io::printable(view),
                     recipe_.make(*device_, width, height, available, options)});
   if (views_.size() == 1) matched_ = recipe_.describe_matching(available);

@@ -27,6 +27,7 @@ struct FilterRecipe {
   filter::Directions directions;
   bool takes_additive;  ///< whether it can filter additive AOVs and light groups
   bool averages_alpha;  ///< whether alpha is always filtered with the beauty
+  bool takes_checkerboards = false;
   std::function<std::unique_ptr<filter::FrameFilter>(
       gpu::Device& device, int width, int height, AovSet available, const filter::SequenceOptions& options)>
       make;
@@ -36,7 +37,9 @@ struct FilterRecipe {
 
 /// The denoiser, and temporal antialiasing, by a preset and the changes of `options`. Throw Error(usage).
 FilterRecipe denoiser(const std::string& preset, const FilterOptions& options);
-FilterRecipe antialiaser(const std::string& preset, const FilterOptions& options);
+/// `scale` and `checkerboard` as AntialiasSettings have them.
+FilterRecipe antialiaser(const std::string& preset, const FilterOptions& options, const Scale& scale,
+                         bool checkerboard);
 
 /// The filter in the pipeline of `denoise`, `antialias` and `render --denoise`: opens the device, builds the
 /// chain once, and reports what happened to each frame.
@@ -51,6 +54,7 @@ class FilterStage {
   AovSet wanted() const { return recipe_.wanted; }
   /// Whether alpha is filtered with the beauty, rather than passed on or denoised where it is noisy.
   bool averages_alpha() const { return recipe_.averages_alpha; }
+  bool takes_checkerboards() const { return recipe_.takes_checkerboards; }
   /// Whether light groups and the AOVs of filter::additive_aovs() are denoised, too, where frames have them.
   bool denoises_additive() const { return denoises_additive_; }
   AovSet diagnostics() const { return diagnostics_; }
@@ -70,8 +74,9 @@ class FilterStage {
 
   /// Opens the device and builds the chain; called before the first frame. For a stereo sequence, called once
   /// for each of the `views`, which share the memory; `view` is the name in messages.
+  /// `origin`: as SequenceOptions has it.
   void build(int width, int height, AovSet available, std::size_t light_groups, const std::string& view = "",
-             std::size_t views = 1);
+             std::size_t views = 1, const Imath::V2i& origin = Imath::V2i(0));
   /// How frames are cut into tiles (of a stereo sequence: those of the first view), as files record it in
   /// `becalm:tiles`. Results do not depend on it, so --resume does not compare it.
   std::string tiles() const { return views_.front().filter->memory().tile_plan; }

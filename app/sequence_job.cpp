@@ -64,6 +64,7 @@ ExitStatus SequenceJob::run() {
                  {"becalm:preset", command_.preset}};
   // The results have no one place in their pixels, whatever the input's samples had.
   if (filter_.averages_alpha()) attributes_.emplace_back(io::kJitterAttribute, "none");
+  if (filter_.takes_checkerboards()) attributes_.emplace_back(io::kCheckerboardAttribute, "none");
   choose_additive();
 
   if (!command_.output.overwrite && !command_.output.resume) outputs_.keep_foreign_files();
@@ -97,7 +98,7 @@ ExitStatus SequenceJob::run() {
                                 fingerprints_.layers_of(*needed.begin())));
   for (const InputLayout& view : views) {
     filter_.build(window_.width(), window_.height(), view.aovs, view.light_groups.size(), view.view,
-                  views.size());
+                  views.size(), window_.window.min);
   }
   if (!command_.choice.empty()) progress_->note(command_.choice);
   if (!inputs_.note().empty()) progress_->warn(inputs_.note());
@@ -172,6 +173,16 @@ io::LoadedFrame SequenceJob::read(int frame) {
   if (command_.jitter != "auto") {
     loaded.frame.set_jitter(given_jitter(command_.jitter, frame));
     for (io::LoadedView& view : loaded.other_views) view.frame.set_jitter(loaded.frame.jitter());
+  }
+  if (filter_.takes_checkerboards() && command_.checkerboard != "auto") {
+    const Parity parity = given_checkerboard(command_.checkerboard, frame, window_.window.min);
+    loaded.frame.set_checkerboard(parity);
+    for (io::LoadedView& view : loaded.other_views) view.frame.set_checkerboard(parity);
+  }
+  if (loaded.frame.checkerboard() && !filter_.takes_checkerboards()) {
+    throw Error(ExitStatus::bad_input,
+                fmt::format("{}: a checkerboard of pixels: becalm antialias --checkerboard makes it whole first",
+                            inputs_.path(frame)));
   }
   return loaded;
 }

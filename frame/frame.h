@@ -9,6 +9,7 @@
 #include "frame/aov.h"
 #include "frame/image.h"
 #include "frame/jitter.h"
+#include "frame/scale.h"
 
 namespace becalm {
 
@@ -50,6 +51,10 @@ class Frame {
   const std::optional<FrameJitter>& jitter() const { return jitter_; }
   void set_jitter(std::optional<FrameJitter> jitter) { jitter_ = std::move(jitter); }
 
+  /// Set if only these pixels hold samples; the others are as AOVs are where nothing is hit.
+  const std::optional<Parity>& checkerboard() const { return checkerboard_; }
+  void set_checkerboard(std::optional<Parity> parity) { checkerboard_ = parity; }
+
   /// Empty unless asked for.
   std::vector<LightGroup>& light_groups() { return light_groups_; }
   const std::vector<LightGroup>& light_groups() const { return light_groups_; }
@@ -61,6 +66,7 @@ class Frame {
   std::array<Image, kAovCount> images_;
   std::vector<LightGroup> light_groups_;
   std::optional<FrameJitter> jitter_;
+  std::optional<Parity> checkerboard_;
 };
 
 }  // namespace becalm

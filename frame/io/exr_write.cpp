@@ -40,6 +40,10 @@ WriteReport write_exr(const std::string& path, const Frame& frame, const Attribu
   header.compression() = Imf::ZIP_COMPRESSION;
   insert_attributes(header, attributes);
   if (frame.jitter()) insert_attributes(header, {{kJitterAttribute, format_jitter(*frame.jitter())}});
+  if (frame.checkerboard()) {
+    insert_attributes(header,
+                      {{kCheckerboardAttribute, *frame.checkerboard() == Parity::odd ? "odd" : "even"}});
+  }
   const Imf::PixelType color = color_type == PixelType::half ? Imf::HALF : Imf::FLOAT;
   FrameChannels channels;
   for (const AovInfo& entry : kAovTable) {
