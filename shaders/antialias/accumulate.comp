@@ -67,6 +67,9 @@ const float kFewest = sparse != 0 ? 1e-3 : 1.0;
 
 #include "lib/sparse_grid.glsl"
 
+/// By the confidence of a pixel, which is 1 in whole frames. Some devices round even that.
+float divided(float x, float confidence) { return sparse != 0 ? x / confidence : x; }
+
 float squared(vec3 d) {
   d = clamp(d, -kLargest, kLargest);
   return dot(d, d) / 3.0;
@@ -148,10 +151,9 @@ vec2 variance_and_bias(ivec2 at, int index, float n) {
   weight = max(weight, kFewest);
   const float of_frame = noise / weight;
   const float of_history = 1.0 / max(n, kFewest);
-  // Division rounds on some devices: pixels of whole frames are worth 1 exactly.
-  const float of_pixel = sparse != 0 ? count / weight : 1.0;
-  const float expected = kExplained * of_frame * (of_pixel + of_history);
-  const float expected_own = kExplained * of_frame * (1.0 / texelFetch(variance, index).y + of_history);
+  const float expected = kExplained * of_frame * ((sparse != 0 ? count / weight : 1.0) + of_history);
+  const float expected_own =
+      sparse != 0 ? kExplained * of_frame * (1.0 / texelFetch(variance, index).y + of_history) : expected;
   const float own = squared(texelFetch(color, index).rgb - texelFetch(warped_color, index).rgb);
   return vec2(of_frame, max(max(squares / weight - expected, own - kCertain * expected_own), 0.0));
 }
@@ -217,7 +219,7 @@ void main() {
     const vec2 found_here = variance_and_bias(at, index, stats.y);
     bias = found_here.y;
     const float of_history = found_here.x / max(stats.y, kFewest);
-    alpha = of_history + bias > 0.0 ? gain(found_here.x / worth, of_history, bias) : even;
+    alpha = of_history + bias > 0.0 ? gain(divided(found_here.x, worth), of_history, bias) : even;
     alpha = max(alpha, worth / p.frames);
   }
   const float trusted = alpha;
@@ -234,7 +236,7 @@ void main() {
   const float rest = 1.0 - alpha;
   const float old_variance = rest > 0.0 ? rest * rest * (stats.x + bias) : 0.0;
   vec2 blended_stats = vec2(min(old_variance + alpha * alpha * x_stats.x, kLargestVariance),
-                            min(stats.y / (alpha * alpha * stats.y / worth + rest * rest), p.frames));
+                            min(stats.y / (divided(alpha * alpha * stats.y, worth) + rest * rest), p.frames));
   vec4 decided = vec4(clamp((alpha - trusted) / max(1.0 - trusted, 1e-6), 0.0, 1.0), min(bias, kLargestVariance), alpha, 0.0);
   if (!has_history) {
     blended = x;
