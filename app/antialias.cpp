@@ -31,10 +31,11 @@ void add_antialias_options(CLI::App& parser, SequenceCommand& command) {
       ->option_text("S")
       ->group("Output");
   parser
-      .add_flag("--checkerboard{auto}", command.checkerboard,
-                "Frames hold every other pixel, as of becalm render --checkerboard; the output has all. Auto, as "
-                "the files tell; even: those of even x + y in frames of even numbers, the others in those of "
-                "odd ones; odd: the reverse")
+      .add_flag(
+          "--checkerboard{auto}", command.checkerboard,
+          "Frames hold every other pixel, as of becalm render --checkerboard; the output has all. Auto, as "
+          "the files tell; even: those of even x + y in frames of even numbers, the others in those of "
+          "odd ones; odd: the reverse")
       ->option_text("[=auto|even|odd]")
       ->group("Input");
   parser

@@ -32,10 +32,11 @@ Parity given_checkerboard(const std::string& text, int frame, const Imath::V2i& 
 }
 
 Scale given_scale(const std::string& text) {
-  const Error refused(ExitStatus::usage,
-                      fmt::format("--scale {}: expected a number from 1 to 4 of at most three decimals, such as "
-                                  "1.5, or a fraction, such as 3/2, whose denominator is at most {}",
-                                  text, Scale::kMostDenominator));
+  const Error refused(
+      ExitStatus::usage,
+      fmt::format("--scale {}: expected a number from 1 to 4 of at most three decimals, such as "
+                  "1.5, or a fraction, such as 3/2, whose denominator is at most {}",
+                  text, Scale::kMostDenominator));
   const char* const end = text.data() + text.size();
   const auto digits = [&](const char* from, int& number) {
     const auto parsed = std::from_chars(from, end, number);

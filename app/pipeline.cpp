@@ -46,6 +46,7 @@ FinishedFrame unfiltered(io::LoadedFrame noisy) {
                          .other_views = {},
                          .source = {}};
   finished.frame.set_jitter(noisy.frame.jitter());
+  finished.frame.set_checkerboard(noisy.frame.checkerboard());
   finished.frame.image(Aov::beauty) = std::move(noisy.frame.image(Aov::beauty));
   finished.source = std::move(noisy);
   return finished;

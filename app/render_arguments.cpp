@@ -89,9 +89,10 @@ void add_render_options(CLI::App& parser, RenderCommand& command) {
       ->option_text("TIME")
       ->group("Rendering");
   parser
-      .add_flag("--checkerboard", command.checkerboard,
-                "Render every other pixel, the others in the next frame; becalm antialias --checkerboard makes "
-                "them whole")
+      .add_flag(
+          "--checkerboard", command.checkerboard,
+          "Render every other pixel, the others in the next frame; becalm antialias --checkerboard makes "
+          "them whole")
       ->group("Rendering");
   parser.add_option("--size", command.size, "Image size in pixels (default: the scene's)")
       ->option_text("WxH")
@@ -200,9 +201,10 @@ void check_options_fit(const RenderCommand& command) {
   }
   if (!command.preset.empty()) {
     if (command.checkerboard) {
-      throw Error(ExitStatus::usage,
-                  "--checkerboard: its frames become whole by becalm antialias --checkerboard; --denoise cannot "
-                  "take them");
+      throw Error(
+          ExitStatus::usage,
+          "--checkerboard: its frames become whole by becalm antialias --checkerboard; --denoise cannot "
+          "take them");
     }
     if (!command.time_budget.empty() && (command.noise_target || command.asked_spp)) {
       throw Error(ExitStatus::usage, fmt::format("--time-budget decides the samples: leave out {}",

@@ -180,9 +180,10 @@ io::LoadedFrame SequenceJob::read(int frame) {
     for (io::LoadedView& view : loaded.other_views) view.frame.set_checkerboard(parity);
   }
   if (loaded.frame.checkerboard() && !filter_.takes_checkerboards()) {
-    throw Error(ExitStatus::bad_input,
-                fmt::format("{}: a checkerboard of pixels: becalm antialias --checkerboard makes it whole first",
-                            inputs_.path(frame)));
+    throw Error(
+        ExitStatus::bad_input,
+        fmt::format("{}: a checkerboard of pixels: becalm antialias --checkerboard makes it whole first",
+                    inputs_.path(frame)));
   }
   return loaded;
 }

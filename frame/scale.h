@@ -17,9 +17,7 @@ struct Scale {
   bool is_one() const { return numerator == denominator; }
   double value() const { return static_cast<double>(numerator) / denominator; }
   /// The output's pixel edge nearest to an edge of the input, the larger one of two.
-  int edge(int input) const {
-    return static_cast<int>(std::floor(input * value() + 0.5));
-  }
+  int edge(int input) const { return static_cast<int>(std::floor(input * value() + 0.5)); }
   Imath::Box2i window(const Imath::Box2i& input) const {
     return {{edge(input.min.x), edge(input.min.y)}, {edge(input.max.x + 1) - 1, edge(input.max.y + 1) - 1}};
   }

@@ -48,8 +48,9 @@ struct FrameSetup {
         sample_counts(options.sample_counts),
         aov_spp(static_cast<std::uint32_t>(options.aov_spp)),
         seed(options.seed),
-        checkerboard(options.checkerboard ? std::optional((frame_number & 1) == 0 ? Parity::even : Parity::odd)
-                                          : std::nullopt),
+        checkerboard(options.checkerboard
+                         ? std::optional((frame_number & 1) == 0 ? Parity::even : Parity::odd)
+                         : std::nullopt),
         jitter_frame(jitter_frame_of(frame_number - std::int64_t{description.frames.first})),
         cameras(description.camera, frame_number, width, height),
         eye_interiors(scene.needs().media ? interiors_at(snapshot, cameras.current().eye()) : Interiors()),
@@ -80,8 +81,7 @@ struct FrameSetup {
                        .filter = static_cast<FilterShape>(film.filter.type),
                        .radius_px = film.filter.radius_px};
     for (std::uint32_t i = 0; i < spp; ++i) {
-      jitter.positions_px.push_back(
-          sample(film.filter, film.jitter.point(jitter_frame, spp, i)));
+      jitter.positions_px.push_back(sample(film.filter, film.jitter.point(jitter_frame, spp, i)));
     }
     return jitter;
   }

@@ -108,8 +108,8 @@ ImageId AntialiasChain::add_motion(const AntialiasTask& task) {
   return dilated;
 }
 
-/// Of a scaled image, the search is that of the frame's pixels, between one frame and the next: of more pixels it
-/// would take longer and know no more.
+/// Of a scaled image, the search is that of the frame's pixels, between one frame and the next: of more
+/// pixels it would take longer and know no more.
 Alignment AntialiasChain::add_search(const AntialiasTask& task, ImageId reconstructed) {
   Settings settings = aligner_settings(task);
   const gpu::Extent extent = task.samples();
@@ -128,9 +128,9 @@ Alignment AntialiasChain::add_search(const AntialiasTask& task, ImageId reconstr
         chain, settings, extent, name,
         {.color = image, .exposure = exposure, .guide_features = {}, .guide_planes = 0});
   };
-  Alignment found = add_align_passes(chain, settings, extent, features("target", target),
-                                     features("source", source),
-                                     {.name = {}, .motion = is_scaled ? std::nullopt : motion});
+  Alignment found =
+      add_align_passes(chain, settings, extent, features("target", target), features("source", source),
+                       {.name = {}, .motion = is_scaled ? std::nullopt : motion});
   if (!is_scaled) return found;
   const ImageId scaled = chain.image("search.offset", Format::f32x2, task.full);
   const auto scale = static_cast<float>(task.settings.scale.value());
@@ -235,13 +235,14 @@ void AntialiasChain::add_accumulation(const AntialiasTask& task, ImageId reconst
   const bool masked = settings.mask == Switch::yes;
   decision = chain.image("decision", Format::f32x4, task.full);
   const gpu::Footprint around = grid ? gpu::anywhere() : gpu::reach(1);
+  const gpu::Footprint compared = gpu::reach(grid ? 2 : 1);  // kSide of the kernel
   chain.pass("antialias/accumulate")
       .read("samples", samples, around)
       .read("finite", finite, around)
-      .read("color", reconstructed, gpu::reach(1))
-      .read("variance", variance_, gpu::reach(1))
-      .read("warped_color", warped.color, gpu::reach(1))
-      .read("warped_stats", warped.stats, gpu::reach(1))
+      .read("color", reconstructed, compared)
+      .read("variance", variance_, compared)
+      .read("warped_color", warped.color, compared)
+      .read("warped_stats", warped.stats, compared)
       .read("exposure", exposure)
       .read("residual", masked ? residual_ : std::nullopt,
             task.samples() == task.full ? gpu::bilinear(1) : gpu::anywhere())

@@ -16,8 +16,8 @@ struct AntialiasTask {
   AntialiasSettings settings;
   gpu::Extent full;          ///< of the results
   gpu::Extent sampled = {};  ///< of the frames; 0: that of the results
-  AovSet used;         ///< AOVs that are read besides the beauty
-  AovSet diagnostics;  ///< diagnostic AOVs in the results
+  AovSet used;               ///< AOVs that are read besides the beauty
+  AovSet diagnostics;        ///< diagnostic AOVs in the results
 
   /// Whether samples and pixels are not of one grid, or not all pixels have samples.
   bool is_sparse() const { return settings.checkerboard || !settings.scale.is_one(); }
@@ -42,16 +42,16 @@ struct AntialiasChain {
   AntialiasChain(gpu::Device& device, const AntialiasTask& task);
 
   gpu::Chain chain;
-  gpu::ImageId samples;   ///< f32x4: the frame, non-finite pixels replaced
-  gpu::ImageId finite;    ///< f32: 1, or 0 for a pixel that is not finite, lies outside or has no sample
+  gpu::ImageId samples;  ///< f32x4: the frame, non-finite pixels replaced
+  gpu::ImageId finite;   ///< f32: 1, or 0 for a pixel that is not finite, lies outside or has no sample
   std::optional<gpu::ImageId> weights;      ///< f32, 10x1: SampleGrid::weights; or
   std::optional<SparseTables> grid;         ///< of the results' pixels
   std::optional<SparseTables> search_grid;  ///< of the samples' pixels, if the search has them
-  gpu::ImageId exposure;  ///< f32, 1x1
-  std::optional<gpu::ImageId> motion;   ///< f32x2: from pack_motion
-  std::optional<gpu::ImageId> depth;    ///< f32: finite everywhere
-  std::optional<gpu::ImageId> surface;  ///< f32x4: normal, depth; 0 for what frames do not have
-  std::optional<gpu::ImageId> object;   ///< f32: number
+  gpu::ImageId exposure;                    ///< f32, 1x1
+  std::optional<gpu::ImageId> motion;       ///< f32x2: from pack_motion
+  std::optional<gpu::ImageId> depth;        ///< f32: finite everywhere
+  std::optional<gpu::ImageId> surface;      ///< f32x4: normal, depth; 0 for what frames do not have
+  std::optional<gpu::ImageId> object;       ///< f32: number
 
   gpu::History color;
   gpu::History stats;

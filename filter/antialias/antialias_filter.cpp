@@ -131,8 +131,8 @@ std::string reprojected_text(const AntialiasSettings& settings, const AovSet& av
 }
 
 struct AntialiasFilter::State {
-  /// Places an image of the frame, or with `on_grid` one whose values lie in pixel centres, in an image of the
-  /// chain by `convert(from, to, is_inside)`.
+  /// Places an image of the frame, or with `on_grid` one whose values lie in pixel centres, in an image of
+  /// the chain by `convert(from, to, is_inside)`.
   template <class Convert>
   void place(const Image& image, std::span<float> to, int channels, const Convert& convert,
              bool on_grid = false) const {
@@ -300,10 +300,9 @@ void AntialiasFilter::State::upload(const Step& step, const Frame& frame, const 
     std::ranges::copy(color.data(), chain.upload<float>(passes->samples).begin());
     std::ranges::copy(counts.data(), chain.upload<float>(passes->finite).begin());
   } else {
-    shifted(color, grid.shift, chain.upload<float>(passes->samples), 4,
-            [](std::span<const float> from, std::span<float> to, bool) {
-              std::ranges::copy(from, to.begin());
-            });
+    shifted(
+        color, grid.shift, chain.upload<float>(passes->samples), 4,
+        [](std::span<const float> from, std::span<float> to, bool) { std::ranges::copy(from, to.begin()); });
     shifted(counts, grid.shift, chain.upload<float>(passes->finite), 1,
             [](std::span<const float> from, std::span<float> to, bool inside) {
               to[0] = inside ? from[0] : 0.0f;

@@ -81,11 +81,13 @@ SparseGrid sparse_grid(const std::optional<FrameJitter>& jitter, const Scale& sc
       narrow[0] = static_cast<float>(nearest);
       for (int k = 1; k <= 3; ++k) {
         const double distance = nearest + k - 2 - place;
-        wide[k] = static_cast<float>(std::max(1.0 - std::abs(distance) / radius, 0.0) / radius);
-        narrow[k] = is_known ? static_cast<float>(weight_along_axis(*jitter, distance * scale.value()) /
-                                                  mean_sum(*jitter))
-                    : scale.is_one() ? (k == 2 ? 1.0f : 0.0f)
-                                     : wide[k] / static_cast<float>(scale.value());
+        wide[k] =
+            static_cast<float>(std::max(1.0 - std::abs(distance) / radius, 0.0) / (radius * scale.value()));
+        narrow[k] =
+            is_known
+                ? static_cast<float>(weight_along_axis(*jitter, distance * scale.value()) / mean_sum(*jitter))
+            : scale.is_one() ? (k == 2 ? 1.0f : 0.0f)
+                             : wide[k];
       }
     }
     return values;

@@ -35,7 +35,8 @@ struct SparseGrid {
 
 /// For a frame that covers `window` and holds samples everywhere or in a checkerboard. Samples whose place is
 /// not known or not unique weigh by the second filter alone, around their positions' mean.
-/// The product of a pixel's weights is, summed over samples, 1 on average over the pixels of a frame of scale 1.
+/// The product of a pixel's weights is, summed over samples, 1 on average over the pixels of a frame of
+/// scale 1.
 SparseGrid sparse_grid(const std::optional<FrameJitter>& jitter, const Scale& scale,
                        const Imath::Box2i& window, bool is_checkerboard);
 

@@ -147,9 +147,9 @@ std::span<const std::string_view> compression_names();
 /// window; diagnostics of the frame are added as layers to the beauty's part, and of its mipmap levels only
 /// the full size is written. If the frame has another scale, or its source is a checkerboard, each pixel of
 /// another channel is the nearest sample's, bit for bit, but for motion, which is multiplied by the scale;
-/// deep parts throw Error(bad_input). `other_views` are the frames of the source's other views, in their order. The
-/// source's file is read again for this: throws Error(bad_input) naming it if it has changed since, or if
-/// its window is not inside the frame's. Atomic as write_exr is.
+/// deep parts throw Error(bad_input). `other_views` are the frames of the source's other views, in their
+/// order. The source's file is read again for this: throws Error(bad_input) naming it if it has changed
+/// since, or if its window is not inside the frame's. Atomic as write_exr is.
 WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
                                const std::vector<Frame>& other_views, const LoadedFrame& source,
                                const Attributes& attributes, const DenoisedFormat& format = {});

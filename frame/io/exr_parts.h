@@ -43,8 +43,8 @@ void writing(const std::string& path, const std::vector<Imf::Header>& headers,
 void write_part(Imf::MultiPartOutputFile& file, int part, const FrameChannels& from_frame,
                 Imf::InputPart* source, WriteReport& report);
 
-/// The same for a part of another size than its source's: each pixel of a channel that is not the frame's is that
-/// of `nearest`, whose scale motion channels are multiplied by.
+/// The same for a part of another size than its source's: each pixel of a channel that is not the frame's is
+/// that of `nearest`, whose scale motion channels are multiplied by.
 void write_scaled_part(Imf::MultiPartOutputFile& file, int part, const FrameChannels& from_frame,
                        Imf::InputPart& source, const NearestSample& nearest,
                        const std::set<std::string>& motion_channels, WriteReport& report);

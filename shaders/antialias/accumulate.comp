@@ -130,15 +130,18 @@ Around look_around(ivec2 at, vec3 history) {
   return around;
 }
 
-/// The variance of a whole frame's pixel and the squared bias of the history, over 3x3 pixels, which count by
+/// Side of the square of pixels that bias is measured over: sparse samples tell as much on more of them.
+const int kSide = sparse != 0 ? 5 : 3;
+
+/// The variance of a whole frame's pixel and the squared bias of the history, over the pixels around, which count by
 /// their confidence: the bias is what noise does not explain of their mean squared difference, or of the pixel's own.
 vec2 variance_and_bias(ivec2 at, int index, float n) {
   float squares = 0.0;
   float noise = 0.0;
   float weight = 0.0;
   float count = 0.0;
-  [[unroll]] for (int k = 0; k < 9; ++k) {
-    const ivec2 q = at + ivec2(k % 3, k / 3) - 1;
+  [[unroll]] for (int k = 0; k < kSide * kSide; ++k) {
+    const ivec2 q = at + ivec2(k % kSide, k / kSide) - kSide / 2;
     const bool inside = q.x >= 0 && q.y >= 0 && q.x < size.x && q.y < size.y;
     const int tap = inside ? q.y * size.x + q.x : index;
     const vec2 new_stats = texelFetch(variance, tap).xy;

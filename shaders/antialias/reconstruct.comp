@@ -29,7 +29,7 @@ const float kFewSamples = 1.5;
 /// Limits differences, so that sums of their squares stay within the range of floats.
 const float kLargest = 1e16;
 /// Share of the wide filter in a pixel's weights.
-const float kWideShare = 0.02;
+const float kWideShare = 0.3;
 
 #include "lib/sparse_grid.glsl"
 
@@ -52,7 +52,7 @@ void main() {
     const int tap = inside ? q.y * samples_size.x + q.x : nearest.y * samples_size.x + nearest.x;
     const bool is_sample = inside && texelFetch(finite, tap).x > 0.0;
     const float wide = taps.wide[k % 3][k / 3];
-    counts[k] = is_sample && wide > 0.0 ? 1.0 : 0.0;
+    counts[k] = is_sample ? 1.0 : 0.0;
     w[k] = counts[k] * (sparse != 0 ? taps.narrow[k % 3][k / 3] + kWideShare * wide
                         : known     ? texelFetch(weights, k).x
                         : k == 4    ? 1.0
