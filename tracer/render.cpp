@@ -76,11 +76,12 @@ struct FrameSetup {
   /// Set if all pixels have the same few positions.
   std::optional<FrameJitter> shared_positions() const {
     const Film& film = description.film;
-    if (film.jitter.cycle == 0 || spp > kMostSharedPositions || sample_counts != nullptr) return std::nullopt;
+    const std::uint32_t points = film.jitter.points(spp);
+    if (film.jitter.cycle == 0 || points > kMostSharedPositions || sample_counts != nullptr) return std::nullopt;
     FrameJitter jitter{.positions_px = {},
                        .filter = static_cast<FilterShape>(film.filter.type),
                        .radius_px = film.filter.radius_px};
-    for (std::uint32_t i = 0; i < spp; ++i) {
+    for (std::uint32_t i = 0; i < points; ++i) {
       jitter.positions_px.push_back(sample(film.filter, film.jitter.point(jitter_frame, spp, i)));
     }
     return jitter;
