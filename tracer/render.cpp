@@ -77,7 +77,8 @@ struct FrameSetup {
   std::optional<FrameJitter> shared_positions() const {
     const Film& film = description.film;
     const std::uint32_t points = film.jitter.points(spp);
-    if (film.jitter.cycle == 0 || points > kMostSharedPositions || sample_counts != nullptr) return std::nullopt;
+    if (film.jitter.cycle == 0 || points > kMostSharedPositions || sample_counts != nullptr)
+      return std::nullopt;
     FrameJitter jitter{.positions_px = {},
                        .filter = static_cast<FilterShape>(film.filter.type),
                        .radius_px = film.filter.radius_px};

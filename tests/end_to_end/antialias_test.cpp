@@ -13,13 +13,13 @@ namespace becalm::test {
 namespace {
 
 /// The harness's scene with jitter and a hard sun instead of noisy light.
-std::string write_jittered_scene(const TempFolder& folder) {
+std::string write_jittered_scene(const TempFolder& folder, const std::string& more = "") {
   const std::string path = write_scene(folder);
   std::stringstream text;
   text << std::ifstream(path).rdbuf();
   std::string scene = text.str();
   const std::string film = "\"film\": {";
-  scene.insert(scene.find(film) + film.size(), "\"jitter_cycle\": 4, ");
+  scene.insert(scene.find(film) + film.size(), "\"jitter_cycle\": 4, " + more);
   write_text(path, scene);
   return path;
 }
@@ -111,8 +111,8 @@ TEST_F(Antialias, ScalesTheBeautyAndEveryOtherChannel) {
 
 TEST_F(Antialias, MakesCheckerboardsWhole) {
   const std::string scene = write_jittered_scene(folder_);
-  becalm_done({"render", scene, "-o", input_, "--spp", "1", "--float", "--aovs", "motion,depth", "--checkerboard",
-               "--quiet"});
+  becalm_done({"render", scene, "-o", input_, "--spp", "1", "--float", "--aovs", "motion,depth",
+               "--checkerboard", "--quiet"});
   const Frame given = read_frame(frame_path(input_, 1));
   ASSERT_EQ(given.checkerboard(), Parity::odd) << "frame 1 has an odd number";
   for (int y = 0; y < given.height(); ++y) {
@@ -133,6 +133,22 @@ TEST_F(Antialias, MakesCheckerboardsWhole) {
   expect_error(becalm(command("out.####.exr", {"--checkerboard=both"})), 2, {"--checkerboard=both", "even"});
   expect_error(becalm({"render", scene, "-o", folder_ / "r.####.exr", "--checkerboard", "--denoise"}), 2,
                {"--checkerboard"});
+}
+
+TEST_F(Antialias, AFrameOfOnePlaceTellsIt) {
+  becalm_done({"render", write_jittered_scene(folder_, "\"jitter_one_a_frame\": true, "), "-o", input_,
+               "--spp", "4", "--aovs", "motion,depth,variance", "--quiet"});
+  for (int number = 1; number <= 2; ++number) {
+    ASSERT_EQ(read_frame(frame_path(input_, number)).jitter()->positions_px.size(), 1u);
+  }
+  EXPECT_NE(read_frame(frame_path(input_, 1)).jitter(), read_frame(frame_path(input_, 2)).jitter());
+  // The recipe for noise at the same time: the place survives denoising.
+  const std::string denoised = folder_ / "denoised.####.exr";
+  becalm_done({"denoise", input_, "-o", denoised, "--preset", "draft", "--quiet"});
+  EXPECT_EQ(read_frame(frame_path(denoised, 2)).jitter(), read_frame(frame_path(input_, 2)).jitter());
+  becalm_done({"antialias", denoised, "-o", folder_ / "out.####.exr", "--scale", "2", "--quiet"});
+  EXPECT_EQ(read_frame(frame_path(folder_ / "out.####.exr", 2)).width(),
+            2 * read_frame(frame_path(input_, 2)).width());
 }
 
 TEST_F(Antialias, RefusesWhatIsWrong) {

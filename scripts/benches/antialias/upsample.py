@@ -1,7 +1,7 @@
 """Temporal upsampling and checkerboards beside full size, at equal time: relMSE and temporal error against processor seconds a frame, tracer
 and filter together. Called by `scripts/bench antialias --upsample`."""
 
-from pathlib import Path
+import sys
 
 import numpy as np
 
@@ -61,6 +61,8 @@ def measure(becalm, root, size, frames):
 
 def curves(becalm, root, size, frames):
     """The table, one row a scene, mode and number of samples."""
-    rows = [[scene, mode, spp, f"{render_s:.3f}", f"{filter_s:.3f}", f"{error:.5f}", f"{change:.5f}"]
-            for scene, mode, spp, render_s, filter_s, error, change in measure(becalm, root, size, frames)]
+    rows = []
+    for scene, mode, spp, render_s, filter_s, error, change in measure(becalm, root, size, frames):
+        rows.append([scene, mode, spp, f"{render_s:.3f}", f"{filter_s:.3f}", f"{error:.5f}", f"{change:.5f}"])
+        print(*rows[-1], file=sys.stderr, flush=True)
     return markdown(["scene", "mode", "spp", "render, s", "filter, s", "relMSE", "temporal error"], rows)
