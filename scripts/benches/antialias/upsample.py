@@ -10,7 +10,7 @@ from benches.markdown_report import markdown
 from benches.timed import timed
 
 SCENES = ("fence", "classroom", "blocks", "mountains")
-SAMPLES = (1, 2, 4)
+SAMPLES = (1, 2)
 REFERENCE_SPP = 128
 # name: size over the output's, jitter cycle (16 positions a pixel of the output), options of render and of antialias
 MODES = {
