@@ -9,7 +9,7 @@ from benches.antialias.shots import read, render
 from benches.markdown_report import markdown
 from benches.timed import timed
 
-SCENES = ("fence", "classroom", "blocks", "mountains")
+SCENES = ("fence", "classroom", "blocks", "crossing")
 SAMPLES = (1, 2)
 REFERENCE_SPP = 128
 # name: size over the output's, jitter cycle (16 positions a pixel of the output), options of render and of antialias
