@@ -1,5 +1,7 @@
 // becalm antialias: a sequence of EXR files of few jittered samples, averaged over time into another.
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <memory>
 
@@ -22,6 +24,21 @@ void add_antialias_options(CLI::App& parser, SequenceCommand& command) {
       ->option_text("auto|none|halton:N")
       ->group("Input");
   parser
+      .add_option_function<std::string>(
+          "--scale", [&command](const std::string& text) { command.scale = given_scale(text); },
+          "Output S times as wide and high: 1.5, 3/2, 2, up to 4. Samples of a jittered sequence lie "
+          "between each other's, so that it holds more than one of its frames does (default: 1)")
+      ->option_text("S")
+      ->group("Output");
+  parser
+      .add_flag(
+          "--checkerboard{auto}", command.checkerboard,
+          "Frames hold every other pixel, as of becalm render --checkerboard; the output has all. Auto, as "
+          "the files tell; even: those of even x + y in frames of even numbers, the others in those of "
+          "odd ones; odd: the reverse")
+      ->option_text("[=auto|even|odd]")
+      ->group("Input");
+  parser
       .add_option("--preset", command.preset,
                   "best, from the frames before and after; forward, from those before alone; to compare: "
                   "clamping, gain and paper, as published (default: best)")
@@ -35,11 +52,13 @@ void add_antialias_options(CLI::App& parser, SequenceCommand& command) {
   parser.footer(
       "For frames of 1 to 4 samples a pixel and little noise; noisy ones need becalm denoise. Vectors are\n"
       "used where frames have them, with their depth. Every channel but the beauty is passed on bit for "
-      "bit.\n"
+      "bit;\n"
+      "with --scale or --checkerboard a pixel has the nearest sample's values, and motion is scaled.\n"
       "Examples:\n"
       "  becalm render scene.json -o 'in/shot.####.exr' --spp 1 --aovs motion,depth   # film.jitter_cycle: "
       "16\n"
-      "  becalm antialias 'in/shot.####.exr' -o 'out/shot.####.exr'\n");
+      "  becalm antialias 'in/shot.####.exr' -o 'out/shot.####.exr'\n"
+      "  becalm antialias 'half/shot.####.exr' -o 'out/shot.####.exr' --scale 2\n");
 }
 
 }  // namespace
@@ -55,7 +74,14 @@ Command add_antialias(CLI::App& becalm) {
             catch_signals();
             if (command->jitter != "auto") given_jitter(command->jitter, 0);  // throws if it is none
             command->filter.additive = "none";
-            return SequenceJob(*command, antialiaser(command->preset, command->filter)).run();
+            if (const std::string& given = command->checkerboard;
+                !given.empty() && given != "auto" && given != "even" && given != "odd") {
+              throw Error(ExitStatus::usage,
+                          fmt::format("--checkerboard={}: expected auto, even or odd", given));
+            }
+            return SequenceJob(*command, antialiaser(command->preset, command->filter, command->scale,
+                                                     !command->checkerboard.empty()))
+                .run();
           }};
 }
 

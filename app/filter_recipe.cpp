@@ -30,14 +30,18 @@ FilterRecipe denoiser(const std::string& preset, const FilterOptions& options) {
               [settings](const AovSet& available) { return filter::matched_text(settings, available); }};
 }
 
-FilterRecipe antialiaser(const std::string& preset, const FilterOptions& options) {
+FilterRecipe antialiaser(const std::string& preset, const FilterOptions& options, const Scale& scale,
+                         bool checkerboard) {
   filter::AntialiasSettings settings = filter::antialias_preset(preset);
   for (const std::string& assignment : options.assignments) filter::set(settings, assignment);
+  settings.scale = scale;
+  settings.checkerboard = checkerboard;
   return {.settings = filter::to_string(settings),
           .wanted = filter::wanted_aovs(settings),
           .directions = settings.directions,
           .takes_additive = false,
           .averages_alpha = true,
+          .takes_checkerboards = checkerboard,
           .make =
               [settings](gpu::Device& device, int width, int height, AovSet available,
                          const filter::SequenceOptions& sequence) {

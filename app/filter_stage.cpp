@@ -90,7 +90,8 @@ std::vector<filter::Segment> FilterStage::schedule(const std::vector<int>& reada
                            .cuts = given_cuts_});
 }
 
-void FilterStage::build(int width, int height, const std::vector<FilteredView>& views) {
+void FilterStage::build(int width, int height, const std::vector<FilteredView>& views,
+                        const Imath::V2i& origin) {
   const bool are_pair = recipe_.make_pair && views.size() == 2 && are_eyes(views[0].name, views[1].name);
   if (stereo_ == true && !are_pair) {
     std::vector<std::string> names;
@@ -119,7 +120,8 @@ void FilterStage::build(int width, int height, const std::vector<FilteredView>& 
                                 .memory_limit = limit,
                                 .find_cuts = cuts_ == "auto" ? filter::FindCuts::yes : filter::FindCuts::no,
                                 .alpha = alpha_,
-                                .light_groups = denoises_additive_ ? light_groups : 0});
+                                .light_groups = denoises_additive_ ? light_groups : 0,
+                                .origin = origin});
   };
   if (pairs) pair_ = make(recipe_.make_pair, common, views[0].light_groups, memory);
   for (const FilteredView& view : views) {

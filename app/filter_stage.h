@@ -28,6 +28,7 @@ struct FilterRecipe {
   filter::Directions directions;
   bool takes_additive;  ///< whether it can filter additive AOVs and light groups
   bool averages_alpha;  ///< whether alpha is always filtered with the beauty
+  bool takes_checkerboards = false;
   std::function<std::unique_ptr<filter::FrameFilter>(
       gpu::Device& device, int width, int height, AovSet available, const filter::SequenceOptions& options)>
       make;
@@ -48,7 +49,9 @@ struct FilteredView {
 
 /// The denoiser, and temporal antialiasing, by a preset and the changes of `options`. Throw Error(usage).
 FilterRecipe denoiser(const std::string& preset, const FilterOptions& options);
-FilterRecipe antialiaser(const std::string& preset, const FilterOptions& options);
+/// `scale` and `checkerboard` as AntialiasSettings have them.
+FilterRecipe antialiaser(const std::string& preset, const FilterOptions& options, const Scale& scale,
+                         bool checkerboard);
 
 /// The filter in the pipeline of `denoise`, `antialias` and `render --denoise`: opens the device, builds the
 /// chain once, and reports what happened to each frame.
@@ -63,6 +66,7 @@ class FilterStage {
   AovSet wanted() const { return recipe_.wanted; }
   /// Whether alpha is filtered with the beauty, rather than passed on or denoised where it is noisy.
   bool averages_alpha() const { return recipe_.averages_alpha; }
+  bool takes_checkerboards() const { return recipe_.takes_checkerboards; }
   /// Whether light groups and the AOVs of filter::additive_aovs() are denoised, too, where frames have them.
   bool denoises_additive() const { return denoises_additive_; }
   AovSet diagnostics() const { return diagnostics_; }
@@ -82,8 +86,9 @@ class FilterStage {
 
   /// Opens the device and builds the chains; called before the first frame. All views share the memory. A
   /// left and a right eye are filtered together, unless the options say otherwise. Throws Error(bad_input)
-  /// where they must be and are not a pair.
-  void build(int width, int height, const std::vector<FilteredView>& views);
+  /// where they must be and are not a pair. `origin`: as SequenceOptions has it.
+  void build(int width, int height, const std::vector<FilteredView>& views,
+             const Imath::V2i& origin = Imath::V2i(0));
   /// What is done with several views, for the user to read; empty for one.
   std::string views_text() const;
   /// How frames are cut into tiles (of a stereo sequence: those of the first view), as files record it in

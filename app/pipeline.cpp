@@ -45,6 +45,7 @@ FinishedFrame unfiltered(io::LoadedFrame noisy) {
   const auto take_beauty = [](Frame& from) {
     Frame frame(from.number(), from.width(), from.height());
     frame.set_jitter(from.jitter());
+    frame.set_checkerboard(from.checkerboard());
     frame.image(Aov::beauty) = std::move(from.image(Aov::beauty));
     return frame;
   };

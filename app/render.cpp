@@ -172,8 +172,9 @@ io::Attributes RenderJob::render_attributes(const AskedAovs& aovs, bool float_co
                                                      : "";
   return {{"becalm:version", BECALM_VERSION},
           {"becalm:settings",
-           fmt::format("scene={} size={}x{} spp={}{} aov_spp={} seed={} aovs={} color={} reproducible={}{}",
+           fmt::format("scene={} size={}x{} spp={}{}{} aov_spp={} seed={} aovs={} color={} reproducible={}{}",
                        scene_hash_, size_.width, size_.height, command_.spp, sampling,
+                       command_.checkerboard ? " checkerboard=yes" : "",
                        std::max(command_.spp, command_.aov_spp), command_.seed, format_aovs(aovs),
                        float_colors ? "float" : "half", command_.running.reproducible ? "yes" : "no", eye)}};
 }

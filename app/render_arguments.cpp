@@ -89,6 +89,12 @@ void add_render_options(CLI::App& parser, RenderCommand& command) {
                   "error in so much time a frame: 20s, 1.5m")
       ->option_text("TIME")
       ->group("Rendering");
+  parser
+      .add_flag(
+          "--checkerboard", command.checkerboard,
+          "Render every other pixel, the others in the next frame; becalm antialias --checkerboard makes "
+          "them whole")
+      ->group("Rendering");
   parser.add_option("--size", command.size, "Image size in pixels (default: the scene's)")
       ->option_text("WxH")
       ->group("Rendering");
@@ -221,6 +227,12 @@ void check_options_fit(const RenderCommand& command) {
     throw Error(ExitStatus::usage, "render: -o is required; see becalm render --help");
   }
   if (!command.preset.empty()) {
+    if (command.checkerboard) {
+      throw Error(
+          ExitStatus::usage,
+          "--checkerboard: its frames become whole by becalm antialias --checkerboard; --denoise cannot "
+          "take them");
+    }
     if (!command.time_budget.empty() && (command.noise_target || command.asked_spp)) {
       throw Error(ExitStatus::usage, fmt::format("--time-budget decides the samples: leave out {}",
                                                  command.noise_target ? "--noise-target" : "--spp"));
@@ -279,6 +291,7 @@ tracer::RenderOptions render_options(const RenderCommand& command, const Size& s
   options.spp = command.spp;
   options.aov_spp = command.aov_spp;
   options.seed = command.seed;
+  options.checkerboard = command.checkerboard;
   return options;
 }
 

@@ -30,6 +30,7 @@ struct RenderCommand {
   std::uint32_t seed = 0;
   std::string aovs = "none";
   bool float_colors = false;
+  bool checkerboard = false;
   std::string preset;  ///< of --denoise, or kAutoPreset; empty: no filter
   std::string keep_noisy;
   std::string debug_pixel;

@@ -89,6 +89,7 @@ io::DenoisedFormat format_of(const SequenceCommand& command) {
   }
   if (command.compression != "keep") format.compression = command.compression;
   format.channels.names = command.channels;
+  format.scale = command.scale;
   if (command.only == "beauty") format.channels.names = {"beauty"};
   format.channels.denoised = command.only == "denoised";
   return format;
@@ -98,6 +99,10 @@ std::string describe_output(const SequenceCommand& command) {
   std::string text;
   if (!command.stereo_camera.empty()) text += " stereo_camera=" + command.stereo_camera;
   if (command.jitter != "auto") text += " jitter=" + command.jitter;
+  if (!command.scale.is_one()) {
+    text += fmt::format(" scale={}/{}", command.scale.numerator, command.scale.denominator);
+  }
+  if (!command.checkerboard.empty()) text += " checkerboard=" + command.checkerboard;
   if (command.type != "keep") text += " type=" + command.type;
   if (command.compression != "keep") text += " compression=" + command.compression;
   if (!command.only.empty()) text += " only=" + command.only;

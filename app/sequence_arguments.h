@@ -7,6 +7,7 @@
 #include "app/layer_arguments.h"
 #include "app/options.h"
 #include "frame/io/exr.h"
+#include "frame/scale.h"
 
 namespace becalm::app {
 
@@ -30,7 +31,10 @@ struct SequenceCommand {
   std::optional<int> frame;
   LayerArguments layers;
   std::string missing = "error";
-  std::string jitter = "auto";  ///< of the samples, for `antialias`
+  // For `antialias`:
+  std::string jitter = "auto";  ///< of the samples
+  Scale scale;
+  std::string checkerboard;  ///< auto, even, odd; empty: none
 };
 
 /// The input, the layers taken from it, the output and how it is written. `result` is what the channels that

@@ -85,6 +85,7 @@ ExitStatus SequenceJob::run() {
                  {"becalm:preset", command_.preset}};
   // The results have no one place in their pixels, whatever the input's samples had.
   if (filter_.averages_alpha()) attributes_.emplace_back(io::kJitterAttribute, "none");
+  if (filter_.takes_checkerboards()) attributes_.emplace_back(io::kCheckerboardAttribute, "none");
   choose_additive();
 
   if (!command_.output.overwrite && !command_.output.resume) outputs_.keep_foreign_files();
@@ -120,7 +121,7 @@ ExitStatus SequenceJob::run() {
   for (const InputLayout& view : views) {
     filtered.push_back({.name = view.view, .available = view.aovs, .light_groups = view.light_groups.size()});
   }
-  filter_.build(window_.width(), window_.height(), filtered);
+  filter_.build(window_.width(), window_.height(), filtered, window_.window.min);
   if (!command_.choice.empty()) progress_->note(command_.choice);
   if (!inputs_.note().empty()) progress_->warn(inputs_.note());
   if (inputs_.other_half()) progress_->note(halves_text());
@@ -206,6 +207,17 @@ io::LoadedFrame SequenceJob::read(int frame) {
       give_stereo(given, left_first ? Eye::left : Eye::right, loaded.frame);
       give_stereo(given, left_first ? Eye::right : Eye::left, loaded.other_views.front().frame);
     }
+  }
+  if (filter_.takes_checkerboards() && command_.checkerboard != "auto") {
+    const Parity parity = given_checkerboard(command_.checkerboard, frame, window_.window.min);
+    loaded.frame.set_checkerboard(parity);
+    for (io::LoadedView& view : loaded.other_views) view.frame.set_checkerboard(parity);
+  }
+  if (loaded.frame.checkerboard() && !filter_.takes_checkerboards()) {
+    throw Error(
+        ExitStatus::bad_input,
+        fmt::format("{}: a checkerboard of pixels: becalm antialias --checkerboard makes it whole first",
+                    inputs_.path(frame)));
   }
   return loaded;
 }

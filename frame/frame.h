@@ -9,6 +9,7 @@
 #include "frame/aov.h"
 #include "frame/image.h"
 #include "frame/jitter.h"
+#include "frame/scale.h"
 #include "frame/stereo.h"
 
 namespace becalm {
@@ -55,6 +56,10 @@ class Frame {
   const std::optional<StereoView>& stereo() const { return stereo_; }
   void set_stereo(std::optional<StereoView> stereo) { stereo_ = stereo; }
 
+  /// Set if only these pixels hold samples; the others are as AOVs are where nothing is hit.
+  const std::optional<Parity>& checkerboard() const { return checkerboard_; }
+  void set_checkerboard(std::optional<Parity> parity) { checkerboard_ = parity; }
+
   /// Empty unless asked for.
   std::vector<LightGroup>& light_groups() { return light_groups_; }
   const std::vector<LightGroup>& light_groups() const { return light_groups_; }
@@ -67,6 +72,7 @@ class Frame {
   std::vector<LightGroup> light_groups_;
   std::optional<FrameJitter> jitter_;
   std::optional<StereoView> stereo_;
+  std::optional<Parity> checkerboard_;
 };
 
 }  // namespace becalm

@@ -52,6 +52,10 @@ struct FrameSetup {
         aov_spp(static_cast<std::uint32_t>(options.aov_spp)),
         seed(options.seed + (options.eye == Eye::right ? kRightEyeSeed : 0)),
         eye(options.eye),
+        checkerboard(options.checkerboard
+                         ? std::optional((frame_number & 1) == 0 ? Parity::even : Parity::odd)
+                         : std::nullopt),
+        jitter_frame(jitter_frame_of(frame_number - std::int64_t{description.frames.first})),
         cameras(description.camera, frame_number, width, height, eye),
         eye_interiors(scene.needs().media ? interiors_at(snapshot, cameras.current().eye()) : Interiors()),
         guides(wants_guides(options.aovs)),
@@ -76,13 +80,14 @@ struct FrameSetup {
   /// Set if all pixels have the same few positions.
   std::optional<FrameJitter> shared_positions() const {
     const Film& film = description.film;
-    if (film.jitter.cycle == 0 || spp > kMostSharedPositions || sample_counts != nullptr) return std::nullopt;
+    const std::uint32_t points = film.jitter.points(spp);
+    if (film.jitter.cycle == 0 || points > kMostSharedPositions || sample_counts != nullptr)
+      return std::nullopt;
     FrameJitter jitter{.positions_px = {},
                        .filter = static_cast<FilterShape>(film.filter.type),
                        .radius_px = film.filter.radius_px};
-    for (std::uint32_t i = 0; i < spp; ++i) {
-      jitter.positions_px.push_back(
-          sample(film.filter, film.jitter.point(std::int64_t{frame} - description.frames.first, spp, i)));
+    for (std::uint32_t i = 0; i < points; ++i) {
+      jitter.positions_px.push_back(sample(film.filter, film.jitter.point(jitter_frame, spp, i)));
     }
     return jitter;
   }
@@ -96,8 +101,10 @@ struct FrameSetup {
   }
 
   std::uint32_t samples_of(int x, int y) const {
+    if (!is_rendered(x, y)) return 0;
     return sample_counts == nullptr ? spp : static_cast<std::uint32_t>(sample_counts->at(x, y, 0));
   }
+  bool is_rendered(int x, int y) const { return !checkerboard || has_sample(*checkerboard, x, y); }
 
   PathSample sample_pixel(const PathContext& context, int x, int y, std::uint32_t index) const {
     Sampler sampler(seed, frame, x, y, index);
@@ -111,8 +118,11 @@ struct FrameSetup {
   V2f filter_point(Sampler& sampler, std::uint32_t index) const {
     const V2f u = sampler.next_2d();
     const Jitter& jitter = description.film.jitter;
-    return jitter.cycle == 0 ? u : jitter.point(std::int64_t{frame} - description.frames.first, spp, index);
+    return jitter.cycle == 0 ? u : jitter.point(jitter_frame, spp, index);
   }
+
+  /// In a checkerboard a pixel has samples in every other frame, which together shall have all positions.
+  std::int64_t jitter_frame_of(std::int64_t number) const { return checkerboard ? number >> 1 : number; }
 
   const Snapshot& snapshot;
   const SceneDescription& description;
@@ -123,6 +133,8 @@ struct FrameSetup {
   std::uint32_t aov_spp;
   std::uint32_t seed;
   Eye eye;
+  std::optional<Parity> checkerboard;
+  std::int64_t jitter_frame;  ///< that the jitter is of
   CameraAnimation cameras;
   Interiors eye_interiors;
   bool guides;
@@ -179,6 +191,7 @@ Frame make_frame(const FrameSetup& setup, const RenderOptions& options) {
   frame.add(Aov::beauty);
   frame.set_jitter(setup.shared_positions());
   frame.set_stereo(setup.stereo());
+  frame.set_checkerboard(setup.checkerboard);
   for (const AovInfo& entry : kAovTable) {
     if (!entry.diagnostic && contains(options.aovs, entry.aov)) frame.add(entry.aov);
   }
@@ -227,7 +240,7 @@ std::optional<Frame> render_frame(Scene& scene, int frame_number, const RenderOp
         // Aligned blocks of the sampler's sequence are stratified, so the halves are the first and the
         // second, not odd and even.
         const std::uint32_t spp = setup.samples_of(x, y), half = (spp + 1) / 2;
-        const std::uint32_t guide_samples = setup.guides ? setup.aov_spp : 0;
+        const std::uint32_t guide_samples = setup.guides && spp > 0 ? setup.aov_spp : 0;
         samples_of_tile += spp;
         pixel.clear();
         if (splits) pixel_split.clear();

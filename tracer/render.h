@@ -24,6 +24,9 @@ struct RenderOptions {
   /// Samples per pixel of the AOVs of what is seen (albedo, normal, depth, motion, object_id, material_id) if
   /// more than the pixel's samples, up to 65536. Those beyond them end at the surface and find no light.
   int aov_spp = 0;
+  /// Samples go to every other pixel: of frames of even numbers those whose x + y is even, of others the
+  /// rest, which stay as where nothing is hit. Two frames then share a position of the jitter.
+  bool checkerboard = false;
   std::uint32_t seed = 0;
   /// Of a camera with two; the random numbers of the eyes differ.
   Eye eye = Eye::centre;

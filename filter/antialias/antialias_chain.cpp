@@ -1,6 +1,7 @@
 #include "filter/antialias/antialias_chain.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "filter/merge/patch_sums.h"
@@ -46,15 +47,20 @@ Settings aligner_settings(const AntialiasTask& task) {
 }
 
 AntialiasChain::AntialiasChain(gpu::Device& device, const AntialiasTask& task) : chain(device, "antialias") {
-  samples = chain.input("samples", Format::f32x4, task.full);
-  finite = chain.input("finite", Format::f32, task.full);
-  weights = chain.table("weights", Format::f32, {10, 1});
+  samples = chain.input("samples", Format::f32x4, task.samples());
+  finite = chain.input("finite", Format::f32, task.samples());
+  if (task.is_sparse()) {
+    grid = add_tables(task.full, "grid");
+  } else {
+    weights = chain.table("weights", Format::f32, {10, 1});
+  }
   exposure = chain.table("exposure", Format::f32, {1, 1});
   color = chain.history("history.color", Format::f32x4, task.full);
   stats = chain.history("history.stats", Format::f32x2, task.full);
-  const ImageId reconstructed = add_reconstruction(task);
-  add_reprojection(task, reconstructed);
-  add_accumulation(task, reconstructed);
+  const Reconstructed reconstructed = add_reconstruction(task.full, grid, "");
+  variance_ = reconstructed.variance;
+  add_reprojection(task, reconstructed.color);
+  add_accumulation(task, reconstructed.color);
   chain.output(color.next);
   chain.output(stats.next);
   chain.output(decision);
@@ -65,17 +71,29 @@ AntialiasChain::AntialiasChain(gpu::Device& device, const AntialiasTask& task) :
   if (contains(task.diagnostics, Aov::flow)) chain.output(offset);
 }
 
-ImageId AntialiasChain::add_reconstruction(const AntialiasTask& task) {
-  const ImageId reconstructed = chain.image("reconstructed", Format::f32x4, task.full);
-  variance_ = chain.image("variance", Format::f32x2, task.full);
+SparseTables AntialiasChain::add_tables(gpu::Extent extent, const std::string& name) {
+  return {chain.table(name + ".columns", Format::f32x4, {extent.width, 2}),
+          chain.table(name + ".rows", Format::f32x4, {extent.height, 2})};
+}
+
+AntialiasChain::Reconstructed AntialiasChain::add_reconstruction(gpu::Extent extent,
+                                                                 const std::optional<SparseTables>& tables,
+                                                                 const std::string& name,
+                                                                 std::optional<ImageId> into) {
+  const Reconstructed made{into ? *into : chain.image(name + "reconstructed", Format::f32x4, extent),
+                           chain.image(name + "variance", Format::f32x2, extent)};
+  const gpu::Footprint around = tables ? gpu::anywhere() : gpu::reach(1);
   chain.pass("antialias/reconstruct")
-      .read("samples", samples, gpu::reach(1))
-      .read("finite", finite, gpu::reach(1))
+      .read("samples", samples, around)
+      .read("finite", finite, around)
       .read("weights", weights)
-      .write("color", reconstructed)
-      .write("variance", variance_)
-      .dispatch(task.full);
-  return reconstructed;
+      .read("columns", tables ? std::optional(tables->columns) : std::nullopt)
+      .read("rows", tables ? std::optional(tables->rows) : std::nullopt)
+      .write("color", made.color)
+      .write("variance", made.variance)
+      .specialize("sparse", tables ? 1 : 0)
+      .dispatch(extent);
+  return made;
 }
 
 ImageId AntialiasChain::add_motion(const AntialiasTask& task) {
@@ -91,15 +109,40 @@ ImageId AntialiasChain::add_motion(const AntialiasTask& task) {
   return dilated;
 }
 
+/// Of a scaled image, the search is that of the frame's pixels, between one frame and the next: of more
+/// pixels it would take longer and know no more.
 Alignment AntialiasChain::add_search(const AntialiasTask& task, ImageId reconstructed) {
-  const Settings settings = aligner_settings(task);
+  Settings settings = aligner_settings(task);
+  const gpu::Extent extent = task.samples();
+  const bool is_scaled = extent != task.full;
+  ImageId target = reconstructed;
+  ImageId source = color.previous;
+  if (is_scaled) {
+    search_grid = add_tables(extent, "search.grid");
+    settings.motion = MotionUse::none;
+    const gpu::History searched = chain.history("searched", Format::f32x4, extent);
+    target = add_reconstruction(extent, search_grid, "search.", searched.next).color;
+    source = searched.previous;
+  }
   const auto features = [&](const std::string& name, ImageId image) {
     return add_feature_passes(
-        chain, settings, task.full, name,
+        chain, settings, extent, name,
         {.color = image, .exposure = exposure, .guide_features = {}, .guide_planes = 0});
   };
-  return add_align_passes(chain, settings, task.full, features("target", reconstructed),
-                          features("source", color.previous), {.name = {}, .motion = motion});
+  Alignment found =
+      add_align_passes(chain, settings, extent, features("target", target), features("source", source),
+                       {.name = {}, .motion = is_scaled ? std::nullopt : motion});
+  if (!is_scaled) return found;
+  const ImageId scaled = chain.image("search.offset", Format::f32x2, task.full);
+  const auto scale = static_cast<float>(task.settings.scale.value());
+  chain.pass("antialias/scale_offset")
+      .read("offset_coarse", found.offset, gpu::anywhere())
+      .write("offset", scaled)
+      .constants(params::ScaleOffsetParams{.scale = scale})
+      .dispatch(task.full);
+  found.offset = scaled;
+  found.limit_px = static_cast<int>(std::ceil(scale * static_cast<float>(found.limit_px)));
+  return found;
 }
 
 WarpedHistory AntialiasChain::add_warp(const AntialiasTask& task, ImageId at, int limit_px,
@@ -192,18 +235,23 @@ void AntialiasChain::add_accumulation(const AntialiasTask& task, ImageId reconst
   }
   const bool masked = settings.mask == Switch::yes;
   decision = chain.image("decision", Format::f32x4, task.full);
+  const gpu::Footprint around = grid ? gpu::anywhere() : gpu::reach(1);
+  const gpu::Footprint compared = gpu::reach(grid ? 2 : 1);  // kSide of the kernel
   chain.pass("antialias/accumulate")
-      .read("samples", samples, gpu::reach(1))
-      .read("finite", finite, gpu::reach(1))
-      .read("color", reconstructed, gpu::reach(1))
-      .read("variance", variance_, gpu::reach(1))
-      .read("warped_color", warped.color, gpu::reach(1))
-      .read("warped_stats", warped.stats, gpu::reach(1))
+      .read("samples", samples, around)
+      .read("finite", finite, around)
+      .read("color", reconstructed, compared)
+      .read("variance", variance_, compared)
+      .read("warped_color", warped.color, compared)
+      .read("warped_stats", warped.stats, compared)
       .read("exposure", exposure)
-      .read("residual", masked ? residual_ : std::nullopt, gpu::bilinear(1))
+      .read("residual", masked ? residual_ : std::nullopt,
+            task.samples() == task.full ? gpu::bilinear(1) : gpu::anywhere())
       .read("valid", valid)
       .read("difference", difference, gpu::reach(kRejectionRadius, 0))
       .read("difference_sums", sums)
+      .read("columns", grid ? std::optional(grid->columns) : std::nullopt)
+      .read("rows", grid ? std::optional(grid->rows) : std::nullopt)
       .write("merged_color", color.next)
       .write("merged_stats", stats.next)
       .write("decision", decision)
@@ -216,7 +264,8 @@ void AntialiasChain::add_accumulation(const AntialiasTask& task, ImageId reconst
       .specialize("by_color", difference ? 1 : 0)
       .specialize("against_outliers", number(settings.outliers))
       .specialize("steady", number(settings.steady))
-      .constants(params::AccumulateParams{.residual_scale = 1.0f,
+      .specialize("sparse", grid ? 1 : 0)
+      .constants(params::AccumulateParams{.residual_scale = static_cast<float>(settings.scale.value()),
                                           .newest = settings.newest,
                                           .frames = static_cast<float>(settings.frames),
                                           .gamma = settings.gamma})

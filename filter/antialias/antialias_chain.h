@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "filter/align/align.h"
 #include "filter/antialias/antialias_settings.h"
@@ -13,10 +14,14 @@ namespace becalm::filter {
 /// What the passes of antialiasing depend on.
 struct AntialiasTask {
   AntialiasSettings settings;
-  gpu::Extent full;
-  AovSet used;         ///< AOVs that are read besides the beauty
-  AovSet diagnostics;  ///< diagnostic AOVs in the results
+  gpu::Extent full;          ///< of the results
+  gpu::Extent sampled = {};  ///< of the frames; 0: that of the results
+  AovSet used;               ///< AOVs that are read besides the beauty
+  AovSet diagnostics;        ///< diagnostic AOVs in the results
 
+  /// Whether samples and pixels are not of one grid, or not all pixels have samples.
+  bool is_sparse() const { return settings.checkerboard || !settings.scale.is_one(); }
+  gpu::Extent samples() const { return sampled.width > 0 ? sampled : full; }
   bool has_motion() const { return contains(used, Aov::motion) && settings.uses_vectors(); }
   bool validates_surface() const;
   bool validates_color() const;
@@ -25,20 +30,28 @@ struct AntialiasTask {
 /// The aligner's settings for frames of little noise, which are matched by radiance alone at full size.
 Settings aligner_settings(const AntialiasTask& task);
 
+/// Where samples are sparser than pixels: SparseGrid::columns and rows, as f32x4 of two rows.
+struct SparseTables {
+  gpu::ImageId columns;
+  gpu::ImageId rows;
+};
+
 /// Antialiases one frame after another: reprojection, validation, accumulation. Frames are whole: the history
-/// stays on the device. All images are shifted by SampleGrid::shift.
+/// stays on the device. Unless the grid is sparse, all images are shifted by SampleGrid::shift.
 struct AntialiasChain {
   AntialiasChain(gpu::Device& device, const AntialiasTask& task);
 
   gpu::Chain chain;
-  gpu::ImageId samples;   ///< f32x4: the frame, non-finite pixels replaced
-  gpu::ImageId finite;    ///< f32: 1, or 0 for a pixel that is not finite or lies outside of the frame
-  gpu::ImageId weights;   ///< f32, 10x1: SampleGrid::weights
-  gpu::ImageId exposure;  ///< f32, 1x1
-  std::optional<gpu::ImageId> motion;   ///< f32x2: from pack_motion
-  std::optional<gpu::ImageId> depth;    ///< f32: finite everywhere
-  std::optional<gpu::ImageId> surface;  ///< f32x4: normal, depth; 0 for what frames do not have
-  std::optional<gpu::ImageId> object;   ///< f32: number
+  gpu::ImageId samples;  ///< f32x4: the frame, non-finite pixels replaced
+  gpu::ImageId finite;   ///< f32: 1, or 0 for a pixel that is not finite, lies outside or has no sample
+  std::optional<gpu::ImageId> weights;      ///< f32, 10x1: SampleGrid::weights; or
+  std::optional<SparseTables> grid;         ///< of the results' pixels
+  std::optional<SparseTables> search_grid;  ///< of the samples' pixels, if the search has them
+  gpu::ImageId exposure;                    ///< f32, 1x1
+  std::optional<gpu::ImageId> motion;       ///< f32x2: from pack_motion
+  std::optional<gpu::ImageId> depth;        ///< f32: finite everywhere
+  std::optional<gpu::ImageId> surface;      ///< f32x4: normal, depth; 0 for what frames do not have
+  std::optional<gpu::ImageId> object;       ///< f32: number
 
   gpu::History color;
   gpu::History stats;
@@ -47,7 +60,13 @@ struct AntialiasChain {
   gpu::ImageId offset;    ///< f32x2: of the history; where two are compared, of the vectors
 
  private:
-  gpu::ImageId add_reconstruction(const AntialiasTask& task);
+  struct Reconstructed {
+    gpu::ImageId color;     ///< f32x4
+    gpu::ImageId variance;  ///< f32x2: variance; confidence, 1 for a pixel of a whole frame, 0 for none
+  };
+  SparseTables add_tables(gpu::Extent extent, const std::string& name);
+  Reconstructed add_reconstruction(gpu::Extent extent, const std::optional<SparseTables>& tables,
+                                   const std::string& name, std::optional<gpu::ImageId> into = {});
   gpu::ImageId add_motion(const AntialiasTask& task);
   Alignment add_search(const AntialiasTask& task, gpu::ImageId reconstructed);
   WarpedHistory add_warp(const AntialiasTask& task, gpu::ImageId offset, int limit_px, const char* name);
@@ -55,7 +74,7 @@ struct AntialiasChain {
   gpu::ImageId add_validation(const AntialiasTask& task);
   void add_accumulation(const AntialiasTask& task, gpu::ImageId reconstructed);
 
-  gpu::ImageId variance_;                 ///< f32x2: of the reconstructed frame; 1, or 0
+  gpu::ImageId variance_;                 ///< f32x2: Reconstructed::variance
   std::optional<gpu::ImageId> residual_;  ///< of the search's finest level
 };
 

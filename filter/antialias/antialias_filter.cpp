@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "filter/antialias/antialias_chain.h"
+#include "filter/antialias/checkerboard.h"
 #include "filter/antialias/motion_to_next.h"
 #include "filter/antialias/sample_grid.h"
 #include "filter/antialias/sharpener.h"
@@ -41,6 +42,21 @@ void shifted(const Image& image, const Imath::V2i& shift, std::span<float> to, i
         const std::size_t at = static_cast<std::size_t>(y) * image.width() + x;
         convert(image.pixel(from_x, from_y), to.subspan(at * channels, channels),
                 from_x == x + shift.x && from_y == y + shift.y);
+      }
+    }
+  });
+}
+
+/// Calls `copy(from, to)` for each pixel of the scaled image, with the pixel of `image` that `nearest` names.
+template <class Copy>
+void scaled(const Image& image, const NearestSample& nearest, gpu::Extent full, std::span<float> to,
+            int channels, const Copy& copy) {
+  for_rows(full.height, [&](int begin, int end) {
+    for (int y = begin; y < end; ++y) {
+      for (int x = 0; x < full.width; ++x) {
+        const Imath::V2i from = nearest.at(x, y);
+        const std::size_t at = static_cast<std::size_t>(y) * full.width + x;
+        copy(image.pixel(from.x, from.y), to.subspan(at * channels, channels));
       }
     }
   });
@@ -85,6 +101,17 @@ std::string reprojected_text(const AntialiasSettings& settings, const AovSet& av
 }
 
 struct AntialiasFilter::State {
+  /// Places an image of the frame, or with `on_grid` one whose values lie in pixel centres, in an image of
+  /// the chain by `convert(from, to, is_inside)`.
+  template <class Convert>
+  void place(const Image& image, std::span<float> to, int channels, const Convert& convert,
+             bool on_grid = false) const {
+    if (!task.is_sparse()) return shifted(image, on_grid ? Imath::V2i(0) : grid.shift, to, channels, convert);
+    NearestSample nearest{.scale = task.settings.scale, .window = window};
+    if (!on_grid) nearest.position_px = sparse.position_px;
+    scaled(image, nearest, task.full, to, channels,
+           [&](std::span<const float> from, std::span<float> at) { convert(from, at, true); });
+  }
   /// `color` is the frame's, finite and scaled.
   void upload(const Step& step, const Frame& frame, const Image& color,
               const std::vector<std::uint8_t>& finite);
@@ -104,7 +131,9 @@ struct AntialiasFilter::State {
   std::optional<ShotSignature> before;  ///< of the last frame in the history
   std::map<int, PackedEstimate> predictions;
   std::optional<float> scale;  ///< of the radiance on the device: a power of two, the same for all frames
+  Imath::Box2i window;         ///< of the frames, in the image plane
   SampleGrid grid;             ///< of the frame at work
+  SparseGrid sparse;           ///< the same, if the task is
   Frame next;                  ///< motion and depth of the last frame of a backward pass
 };
 
@@ -113,8 +142,11 @@ AntialiasFilter::AntialiasFilter(gpu::Device& device, const AntialiasSettings& s
     : state_(std::make_unique<State>()) {
   State& s = *state_;
   s.find_cuts = options.find_cuts;
+  s.window = {options.origin, options.origin + Imath::V2i(width - 1, height - 1)};
+  const Imath::V2i size = settings.scale.window(s.window).size() + Imath::V2i(1);
   s.task = {.settings = settings,
-            .full = {width, height},
+            .full = {size.x, size.y},
+            .sampled = {width, height},
             .used = available & wanted_aovs(settings),
             .diagnostics = options.diagnostics};
   s.whole = {.settings = aligner_settings(s.task),
@@ -137,15 +169,25 @@ AntialiasFilter::AntialiasFilter(gpu::Device& device, const AntialiasSettings& s
 AntialiasFilter::~AntialiasFilter() = default;
 AntialiasFilter::AntialiasFilter(AntialiasFilter&&) noexcept = default;
 
-std::optional<Frame> AntialiasFilter::run(const Step& step, const Frame& frame, FrameReport& report) {
+std::optional<Frame> AntialiasFilter::run(const Step& step, const Frame& given, FrameReport& report) {
   State& s = *state_;
   const AntialiasTask& task = s.task;
-  check_frame(frame, task.full.width, task.full.height, task.used, "the frames before it");
+  const gpu::Extent sampled = task.samples();
+  check_frame(given, sampled.width, sampled.height, task.used, "the frames before it");
+  std::optional<Frame> whole;
+  if (task.settings.checkerboard) {
+    require_checkerboard(given);
+    whole = given;
+    fill_holes(*whole, *given.checkerboard());
+  }
+  const Frame& frame = whole ? *whole : given;
   const Image& beauty = frame.image(Aov::beauty);
   const std::vector<std::uint8_t> finite = finite_pixels(beauty);
   report.non_finite_pixels = static_cast<std::size_t>(std::ranges::count(finite, 0));
-  Image color(task.full.width, task.full.height, 4);
-  pack_color(beauty, finite, bounds(task.full), color.data());
+  std::vector<std::uint8_t> counts = finite;  // what is a sample
+  if (whole) leave_holes(*given.checkerboard(), sampled.width, counts);
+  Image color(sampled.width, sampled.height, 4);
+  pack_color(beauty, counts, bounds(sampled), color.data());
   if (!s.scale) s.scale = scale_of(color);
   for (float& value : color.data()) value *= *s.scale;
   const float exposed = exposure(color);
@@ -161,8 +203,13 @@ std::optional<Frame> AntialiasFilter::run(const Step& step, const Frame& frame, 
     if (report.new_shot) reset();
     s.before = std::move(signature);
   }
-  s.grid = sample_grid(task.settings.reconstruct == Switch::yes ? frame.jitter() : std::nullopt);
-  s.upload(step, frame, color, finite);
+  const auto& jitter = task.settings.reconstruct == Switch::yes ? frame.jitter() : std::nullopt;
+  if (task.is_sparse()) {
+    s.sparse = sparse_grid(jitter, task.settings.scale, s.window, task.settings.checkerboard);
+  } else {
+    s.grid = sample_grid(jitter);
+  }
+  s.upload(step, frame, color, counts);
   s.passes->chain.upload<float>(s.passes->exposure)[0] = exposed;
   s.passes->chain.run();
   add_times(report, s.passes->chain);
@@ -187,15 +234,31 @@ std::optional<Frame> AntialiasFilter::run(const Step& step, const Frame& frame, 
 void AntialiasFilter::State::upload(const Step& step, const Frame& frame, const Image& color,
                                     const std::vector<std::uint8_t>& finite) {
   gpu::Chain& chain = passes->chain;
-  shifted(
-      color, grid.shift, chain.upload<float>(passes->samples), 4,
-      [](std::span<const float> from, std::span<float> to, bool) { std::ranges::copy(from, to.begin()); });
-  Image counts(task.full.width, task.full.height, 1);
+  const auto upload_tables = [&](const SparseTables& tables, const SparseGrid& of) {
+    std::ranges::copy(of.columns, chain.upload<float>(tables.columns).begin());
+    std::ranges::copy(of.rows, chain.upload<float>(tables.rows).begin());
+  };
+  const gpu::Extent sampled = task.samples();
+  Image counts(sampled.width, sampled.height, 1);
   std::ranges::copy(finite, counts.data().begin());
-  shifted(
-      counts, grid.shift, chain.upload<float>(passes->finite), 1,
-      [](std::span<const float> from, std::span<float> to, bool inside) { to[0] = inside ? from[0] : 0.0f; });
-  std::ranges::copy(grid.weights, chain.upload<float>(passes->weights).begin());
+  if (passes->grid) {
+    upload_tables(*passes->grid, sparse);
+    if (passes->search_grid) {
+      upload_tables(*passes->search_grid,
+                    sparse_grid(frame.jitter(), {}, window, task.settings.checkerboard));
+    }
+    std::ranges::copy(color.data(), chain.upload<float>(passes->samples).begin());
+    std::ranges::copy(counts.data(), chain.upload<float>(passes->finite).begin());
+  } else {
+    shifted(
+        color, grid.shift, chain.upload<float>(passes->samples), 4,
+        [](std::span<const float> from, std::span<float> to, bool) { std::ranges::copy(from, to.begin()); });
+    shifted(counts, grid.shift, chain.upload<float>(passes->finite), 1,
+            [](std::span<const float> from, std::span<float> to, bool inside) {
+              to[0] = inside ? from[0] : 0.0f;
+            });
+    std::ranges::copy(grid.weights, chain.upload<float>(*passes->weights).begin());
+  }
   if (passes->motion) upload_motion(step, frame);
   if (passes->surface) upload_surface(frame);
 }
@@ -204,33 +267,41 @@ void AntialiasFilter::State::upload_motion(const Step& step, const Frame& frame)
   gpu::Chain& chain = passes->chain;
   const bool forward_in_time = step.direction == Direction::forward;
   const std::span<float> motion = chain.upload<float>(*passes->motion);
+  const auto place_motion = [&](const Image& vectors, bool on_grid) {
+    Image pairs(vectors.width(), vectors.height(), 2);
+    pack_motion(vectors, bounds(task.samples()), kUnlimitedMotion, pairs.data());
+    const auto scale = static_cast<float>(task.settings.scale.value());
+    place(
+        pairs, motion, 2,
+        [scale](std::span<const float> from, std::span<float> to, bool) {
+          to[0] = scale * from[0];
+          to[1] = scale * from[1];
+        },
+        on_grid);
+  };
   if (forward_in_time) {
-    Image pairs(task.full.width, task.full.height, 2);
-    pack_motion(frame.image(Aov::motion), bounds(task.full), kUnlimitedMotion, pairs.data());
-    shifted(pairs, grid.shift, motion, 2, [](std::span<const float> from, std::span<float> to, bool) {
-      std::ranges::copy(from, to.begin());
-    });
+    place_motion(frame.image(Aov::motion), false);
   } else if (next.has(Aov::motion)) {
-    pack_motion(motion_to_next(next), bounds(task.full), kUnlimitedMotion, motion);
+    place_motion(motion_to_next(next), true);
   } else {
     std::ranges::fill(motion, 0.0f);  // there is no history yet
   }
   if (passes->depth) {
-    shifted(frame.image(Aov::depth), grid.shift, chain.upload<float>(*passes->depth), 1,
-            [](std::span<const float> from, std::span<float> to, bool) {
-              to[0] = from[0] < kFarDepth ? from[0] : kFarDepth;  // NaN is far, too
-            });
+    place(frame.image(Aov::depth), chain.upload<float>(*passes->depth), 1,
+          [](std::span<const float> from, std::span<float> to, bool) {
+            to[0] = from[0] < kFarDepth ? from[0] : kFarDepth;  // NaN is far, too
+          });
   }
   if (forward_in_time) return;
   next = Frame(frame.number(), frame.width(), frame.height());
   next.image(Aov::motion) = frame.image(Aov::motion);
   next.image(Aov::depth) = frame.image(Aov::depth);
-  if (grid.weights[9] > 0.0f) next.set_jitter(frame.jitter());
+  if (task.settings.reconstruct == Switch::yes) next.set_jitter(frame.jitter());
 }
 
 void AntialiasFilter::State::upload_surface(const Frame& frame) {
   gpu::Chain& chain = passes->chain;
-  Image surface(task.full.width, task.full.height, 4);
+  Image surface(frame.width(), frame.height(), 4);
   const Image& normal = frame.image(Aov::normal);
   const Image& depth = frame.image(Aov::depth);
   const auto finite_or_zero = [](float x) { return std::isfinite(x) ? x : 0.0f; };
@@ -247,10 +318,10 @@ void AntialiasFilter::State::upload_surface(const Frame& frame) {
   const auto copy = [](std::span<const float> from, std::span<float> to, bool) {
     std::ranges::copy(from, to.begin());
   };
-  shifted(surface, grid.shift, chain.upload<float>(*passes->surface), 4, copy);
+  place(surface, chain.upload<float>(*passes->surface), 4, copy);
   const std::span<float> object = chain.upload<float>(*passes->object);
   if (contains(task.used, Aov::object_id)) {
-    shifted(frame.image(Aov::object_id), grid.shift, object, 1, copy);
+    place(frame.image(Aov::object_id), object, 1, copy);
   } else {
     std::ranges::fill(object, 0.0f);
   }
@@ -269,10 +340,17 @@ Frame AntialiasFilter::State::forward(const Frame& frame, const std::vector<std:
   if (sharpener) made.color = sharpener->run(made.color, report);
   Frame result(frame.number(), full.width, full.height);
   const float back = 1.0f / *scale;
-  const std::span<const float> beauty = frame.image(Aov::beauty).data();
-  const std::span<float> color = made.color.data();
-  for (std::size_t i = 0; i < finite.size(); ++i) {
-    for (std::size_t c = 4 * i; c < 4 * i + 4; ++c) color[c] = finite[i] ? back * color[c] : beauty[c];
+  const NearestSample nearest{.scale = task.settings.scale, .window = window};
+  for (int y = 0; y < full.height; ++y) {
+    for (int x = 0; x < full.width; ++x) {
+      const Imath::V2i from = nearest.at(x, y);
+      const std::span<float> color = made.color.pixel(x, y);
+      if (finite[static_cast<std::size_t>(from.y) * frame.width() + from.x] != 0) {
+        for (float& value : color) value *= back;
+      } else {
+        std::ranges::copy(frame.image(Aov::beauty).pixel(from.x, from.y), color.begin());
+      }
+    }
   }
   result.image(Aov::beauty) = std::move(made.color);
   if (contains(task.diagnostics, Aov::sample_count)) {

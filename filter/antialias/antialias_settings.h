@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "filter/settings.h"
+#include "frame/scale.h"
 
 namespace becalm::filter {
 
@@ -49,6 +50,10 @@ struct AntialiasSettings {
   Switch outliers = Switch::no;
   Switch steady = Switch::no;
   float sharpen = 0.0f;
+
+  // Not in the table: properties of the frames and the results rather than of the method.
+  Scale scale;                ///< of the results' sides to those of the frames
+  bool checkerboard = false;  ///< whether only every other pixel of a frame holds a sample
 
   bool searches() const { return reproject != Reproject::vectors; }
   bool uses_vectors() const { return reproject != Reproject::search; }

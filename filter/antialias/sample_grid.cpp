@@ -22,6 +22,26 @@ double weight_along_axis(const FrameJitter& jitter, double distance_px) {
   return 0.0;
 }
 
+/// The sum of the weights of samples that stand one pixel apart, on average.
+double mean_sum(const FrameJitter& jitter) {
+  const double width = 2.0 * std::clamp(static_cast<double>(jitter.radius_px), 0.5, 1.5);
+  switch (jitter.filter) {
+    case FilterShape::blackman_harris:
+      return width * kBlackmanHarrisMean;
+    case FilterShape::box:
+      return width;
+    case FilterShape::tent:
+      return 0.5 * width;
+  }
+  return 1.0;
+}
+
+/// Radius in input pixels of the filter that finds samples everywhere: that of a bilinear read, or one that
+/// reaches the direct neighbours of a pixel without a sample.
+double wide_radius(bool is_checkerboard) {
+  return is_checkerboard ? 1.5 : 1.0;
+}
+
 }  // namespace
 
 SampleGrid sample_grid(const std::optional<FrameJitter>& jitter) {
@@ -36,6 +56,44 @@ SampleGrid sample_grid(const std::optional<FrameJitter>& jitter) {
                                                                    weight_along_axis(*jitter, y + k / 3 - 1));
   }
   grid.weights[9] = 1.0f;
+  return grid;
+}
+
+SparseGrid sparse_grid(const std::optional<FrameJitter>& jitter, const Scale& scale,
+                       const Imath::Box2i& window, bool is_checkerboard) {
+  SparseGrid grid;
+  const bool is_known = jitter && jitter->positions_px.size() == 1;
+  if (jitter) {
+    for (const Imath::V2f& position : jitter->positions_px) grid.position_px += position;
+    grid.position_px /= static_cast<float>(jitter->positions_px.size());
+  }
+  const double radius = wide_radius(is_checkerboard);
+  const auto table = [&](int axis) {
+    const int first = scale.edge(window.min[axis]);
+    const int size = scale.edge(window.max[axis] + 1) - first;
+    const NearestSample samples{.scale = scale, .window = window};
+    std::vector<float> values(8 * static_cast<std::size_t>(size));
+    for (int i = 0; i < size; ++i) {
+      const double place = samples.place(i, axis) - grid.position_px[axis];
+      const double nearest = std::round(place);
+      float* const narrow = &values[4 * static_cast<std::size_t>(i)];
+      float* const wide = narrow + 4 * static_cast<std::size_t>(size);
+      narrow[0] = static_cast<float>(nearest);
+      for (int k = 1; k <= 3; ++k) {
+        const double distance = nearest + k - 2 - place;
+        wide[k] =
+            static_cast<float>(std::max(1.0 - std::abs(distance) / radius, 0.0) / (radius * scale.value()));
+        narrow[k] =
+            is_known
+                ? static_cast<float>(weight_along_axis(*jitter, distance * scale.value()) / mean_sum(*jitter))
+            : scale.is_one() ? (k == 2 ? 1.0f : 0.0f)
+                             : wide[k];
+      }
+    }
+    return values;
+  };
+  grid.columns = table(0);
+  grid.rows = table(1);
   return grid;
 }
 

@@ -4,8 +4,10 @@
 
 #include <array>
 #include <optional>
+#include <vector>
 
 #include "frame/jitter.h"
+#include "frame/scale.h"
 
 namespace becalm::filter {
 
@@ -19,5 +21,23 @@ struct SampleGrid {
 };
 
 SampleGrid sample_grid(const std::optional<FrameJitter>& jitter);
+
+/// How samples lie around the pixels of an image of another size, or of one of which only some pixels have
+/// samples, along both axes.
+struct SparseGrid {
+  /// Of the scaled image's columns and rows, 8 values each: the number of the nearest sample along the axis,
+  /// then the weights of the pixel filter, which is as wide as the scaled image's pixels ask for, at that
+  /// sample's last, itself and next; 0, and the weights of a filter that finds samples everywhere.
+  std::vector<float> columns;
+  std::vector<float> rows;
+  Imath::V2f position_px{0.0f, 0.0f};  ///< of the samples in their pixels
+};
+
+/// For a frame that covers `window` and holds samples everywhere or in a checkerboard. Samples whose place is
+/// not known or not unique weigh by the second filter alone, around their positions' mean.
+/// The product of a pixel's weights is, summed over samples, 1 on average over the pixels of a frame of
+/// scale 1.
+SparseGrid sparse_grid(const std::optional<FrameJitter>& jitter, const Scale& scale,
+                       const Imath::Box2i& window, bool is_checkerboard);
 
 }  // namespace becalm::filter

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Imath/ImathVec.h>
+
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -37,6 +39,8 @@ struct SequenceOptions {
   FindCuts find_cuts = FindCuts::no;
   Alpha alpha = Alpha::keep;
   std::size_t light_groups = 0;  ///< of every frame; if 0, light groups are ignored
+  /// Of the frames' first pixel in the image plane, to which results of another size are aligned.
+  Imath::V2i origin{0, 0};
 };
 
 /// Device memory that all filters together may take, in bytes.

@@ -127,15 +127,10 @@ void require_flat(const std::string& path, const Imf::MultiPartInputFile& file) 
   throw Error(ExitStatus::bad_input, fmt::format("{}: a deep image, expected flat pixels", path));
 }
 
-/// As the file records it; nothing where it does not, or in words that becalm does not know.
-std::optional<FrameJitter> jitter_of(const Imf::Header& header) {
-  const auto* attribute = header.findTypedAttribute<Imf::StringAttribute>(kJitterAttribute);
-  return attribute == nullptr ? std::nullopt : parse_jitter(attribute->value());
-}
-
-std::optional<StereoView> stereo_of(const Imf::Header& header) {
-  const auto* attribute = header.findTypedAttribute<Imf::StringAttribute>(kStereoAttribute);
-  return attribute == nullptr ? std::nullopt : parse_stereo(attribute->value());
+/// Empty where there is none.
+std::string text_attribute(const Imf::Header& header, const char* name) {
+  const auto* attribute = header.findTypedAttribute<Imf::StringAttribute>(name);
+  return attribute == nullptr ? std::string() : attribute->value();
 }
 
 /// The views of the file, each with the windows of its beauty's part.
@@ -181,9 +176,12 @@ LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted, c
       static_cast<ViewLayers&>(view) = views[i];
       view.window = window.value_or(views[i].data_window);
       view.frame = Frame(frame_number, width_of(view.window), height_of(view.window));
-      view.frame.set_jitter(jitter_of(file->header(0)));
+      // As the file records them; nothing where it does not, or in words that becalm does not know.
+      view.frame.set_jitter(parse_jitter(text_attribute(file->header(0), kJitterAttribute)));
+      view.frame.set_checkerboard(
+          parse_checkerboard(text_attribute(file->header(0), kCheckerboardAttribute), view.window.min));
       const int part = view.layers[static_cast<std::size_t>(Aov::beauty)]->part;
-      view.frame.set_stereo(stereo_of(file->header(part)));
+      view.frame.set_stereo(parse_stereo(text_attribute(file->header(part), kStereoAttribute)));
       add_targets(wanted, light_groups, view, parts);
     }
     for (const auto& [part, targets] : parts) read_part(*file, part, targets);
@@ -198,8 +196,7 @@ std::string read_attribute(const std::string& path, const std::string& name) {
   reading(path, [&] {
     stamp_of(path);
     const std::unique_ptr<Imf::MultiPartInputFile> file = open_exr(path);
-    const auto* attribute = file->header(0).findTypedAttribute<Imf::StringAttribute>(name);
-    if (attribute != nullptr) value = attribute->value();
+    value = text_attribute(file->header(0), name.c_str());
   });
   return value;
 }

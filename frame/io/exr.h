@@ -145,6 +145,8 @@ void check_selection(const std::string& path, const LayerOptions& options, const
 
 /// How the parts of the denoised channels are written; by default as the source is.
 struct DenoisedFormat {
+  /// Of the frame's sides to the source's: the display window and the windows of all parts are scaled.
+  Scale scale = {};
   std::optional<PixelType> type;             ///< of the denoised channels
   std::optional<std::string> compression{};  ///< one of compression_names()
   /// Parts without a channel that is selected are left out, and deep ones unless all of theirs are.
@@ -158,9 +160,11 @@ std::span<const std::string_view> compression_names();
 /// the frame has them (all of the beauty's part), replaced by the frame's, in the same parts, types,
 /// compression, windows and attributes, every other channel bit for bit; the frame is cut to the file's
 /// window; diagnostics of the frame are added as layers to the beauty's part, and of its mipmap levels only
-/// the full size is written. `other_views` are the frames of the source's other views, in their order. The
-/// source's file is read again for this: throws Error(bad_input) naming it if it has changed since, or if
-/// its window is not inside the frame's. Atomic as write_exr is.
+/// the full size is written. If the frame has another scale, or its source is a checkerboard, each pixel of
+/// another channel is the nearest sample's, bit for bit, but for motion, which is multiplied by the scale;
+/// deep parts throw Error(bad_input). `other_views` are the frames of the source's other views, in their
+/// order. The source's file is read again for this: throws Error(bad_input) naming it if it has changed
+/// since, or if its window is not inside the frame's. Atomic as write_exr is.
 WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
                                const std::vector<Frame>& other_views, const LoadedFrame& source,
                                const Attributes& attributes, const DenoisedFormat& format = {});

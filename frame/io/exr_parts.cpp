@@ -128,52 +128,118 @@ void writing(const std::string& path, const std::vector<Imf::Header>& headers,
   stream.commit();
 }
 
-void write_part(Imf::MultiPartOutputFile& file, int part, const FrameChannels& from_frame,
-                Imf::InputPart* source, WriteReport& report) {
+namespace {
+
+/// Writes a part stripe by stripe, after `fill` has put the lines of each stripe into all of its planes.
+void write_stripes(Imf::MultiPartOutputFile& file, int part, Stripe& stripe,
+                   const std::function<void(int first, int last)>& fill) {
   const Imf::Header& header = file.header(part);
   const Imath::Box2i& window = header.dataWindow();
-  Stripe stripe(window);
-  for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
-    stripe.add(it.name(), it.channel().type, it.channel().xSampling, it.channel().ySampling);
-  }
-  const auto is_frames = [&](const Stripe::Plane& plane) { return from_frame.contains(plane.channel); };
-  const bool all_frames = std::all_of(stripe.planes().begin(), stripe.planes().end(), is_frames);
-
-  assert(all_frames || source != nullptr);
-
-  const auto write_stripes = [&](auto&& write_lines) {
+  const auto write = [&](auto&& write_lines) {
     for_each_stripe(header, [&](int first, int last) {
       stripe.move_to(first, last);
-      if (!all_frames) {
-        reading(source->fileName(), [&] {
-          source->setFrameBuffer(stripe.frame_buffer(std::not_fn(is_frames)));
-          source->readPixels(first, last);
-        });
-      }
-      for (Stripe::Plane& plane : stripe.planes()) {
-        if (!is_frames(plane)) continue;
-        convert(from_frame.at(plane.channel), Imath::Box2i({window.min.x, first}, {window.max.x, last}),
-                plane, report);
-      }
+      fill(first, last);
       write_lines(first, last, stripe.frame_buffer([](const Stripe::Plane&) { return true; }));
     });
   };
-
   if (is_tiled(header)) {
     Imf::TiledOutputPart out(file, part);
     const int tile_height = static_cast<int>(header.tileDescription().ySize);
-    write_stripes([&](int first, int last, const Imf::FrameBuffer& pixels) {
+    write([&](int first, int last, const Imf::FrameBuffer& pixels) {
       out.setFrameBuffer(pixels);
       out.writeTiles(0, out.numXTiles() - 1, (first - window.min.y) / tile_height,
                      (last - window.min.y) / tile_height);
     });
   } else {
     Imf::OutputPart out(file, part);
-    write_stripes([&](int first, int last, const Imf::FrameBuffer& pixels) {
+    write([&](int first, int last, const Imf::FrameBuffer& pixels) {
       out.setFrameBuffer(pixels);
       out.writePixels(last - first + 1);
     });
   }
+}
+
+Stripe planes_of(const Imf::Header& header) {
+  Stripe stripe(header.dataWindow());
+  for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
+    stripe.add(it.name(), it.channel().type, it.channel().xSampling, it.channel().ySampling);
+  }
+  return stripe;
+}
+
+void read_lines(Imf::InputPart& source, Stripe& stripe, int first, int last,
+                const std::function<bool(const Stripe::Plane&)>& wanted) {
+  reading(source.fileName(), [&] {
+    source.setFrameBuffer(stripe.frame_buffer(wanted));
+    source.readPixels(first, last);
+  });
+}
+
+void multiply(char* value, Imf::PixelType type, float factor, WriteReport& report) {
+  if (type == Imf::HALF) {
+    Imath::half half;
+    std::memcpy(&half, value, sizeof half);
+    store(value, to_half(factor * half, report.half_overflows).bits());
+  } else if (type == Imf::FLOAT) {
+    float number;
+    std::memcpy(&number, value, sizeof number);
+    store(value, factor * number);
+  }
+}
+
+}  // namespace
+
+void write_part(Imf::MultiPartOutputFile& file, int part, const FrameChannels& from_frame,
+                Imf::InputPart* source, WriteReport& report) {
+  Stripe stripe = planes_of(file.header(part));
+  const Imath::Box2i& window = file.header(part).dataWindow();
+  const auto is_frames = [&](const Stripe::Plane& plane) { return from_frame.contains(plane.channel); };
+  const bool all_frames = std::all_of(stripe.planes().begin(), stripe.planes().end(), is_frames);
+
+  assert(all_frames || source != nullptr);
+
+  write_stripes(file, part, stripe, [&](int first, int last) {
+    if (!all_frames) read_lines(*source, stripe, first, last, std::not_fn(is_frames));
+    for (Stripe::Plane& plane : stripe.planes()) {
+      if (!is_frames(plane)) continue;
+      convert(from_frame.at(plane.channel), Imath::Box2i({window.min.x, first}, {window.max.x, last}), plane,
+              report);
+    }
+  });
+}
+
+void write_scaled_part(Imf::MultiPartOutputFile& file, int part, const FrameChannels& from_frame,
+                       Imf::InputPart& source, const NearestSample& nearest,
+                       const std::set<std::string>& motion_channels, WriteReport& report) {
+  const Imath::Box2i& window = file.header(part).dataWindow();
+  const Imath::Box2i from = source.header().dataWindow();
+  Stripe whole = planes_of(source.header());
+  whole.move_to(from.min.y, from.max.y);
+  read_lines(source, whole, from.min.y, from.max.y, [](const Stripe::Plane&) { return true; });
+  Stripe stripe = planes_of(file.header(part));
+  write_stripes(file, part, stripe, [&](int first, int last) {
+    const Imath::Box2i lines({window.min.x, first}, {window.max.x, last});
+    for (Stripe::Plane& plane : stripe.planes()) {
+      if (const auto image = from_frame.find(plane.channel); image != from_frame.end()) {
+        convert(image->second, lines, plane, report);
+        continue;
+      }
+      const auto source_plane = std::ranges::find(whole.planes(), plane.channel, &Stripe::Plane::channel);
+      const int bytes = plane.type == Imf::HALF ? 2 : 4;
+      const int columns = (from.max.x - from.min.x) / source_plane->x_sampling + 1;
+      const bool is_motion = motion_channels.contains(plane.channel);
+      char* to = plane.bytes.data();
+      for (int y = first; y <= last; ++y) {
+        for (int x = window.min.x; x <= window.max.x; ++x, to += bytes) {
+          const Imath::V2i at = nearest.at(x - window.min.x, y - window.min.y);
+          const std::size_t index = static_cast<std::size_t>(at.y / source_plane->y_sampling) * columns +
+                                    at.x / source_plane->x_sampling;
+          std::memcpy(to, &source_plane->bytes[index * bytes], static_cast<std::size_t>(bytes));
+          if (is_motion) multiply(to, plane.type, static_cast<float>(nearest.scale.value()), report);
+        }
+      }
+    }
+  });
 }
 
 void copy_part(Imf::MultiPartInputFile& from, int part, Imf::MultiPartOutputFile& to, int to_part) {

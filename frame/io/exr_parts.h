@@ -9,6 +9,7 @@
 
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,12 @@ void writing(const std::string& path, const std::vector<Imf::Header>& headers,
 /// may be null if there are none.
 void write_part(Imf::MultiPartOutputFile& file, int part, const FrameChannels& from_frame,
                 Imf::InputPart* source, WriteReport& report);
+
+/// The same for a part of another size than its source's: each pixel of a channel that is not the frame's is
+/// that of `nearest`, whose scale motion channels are multiplied by.
+void write_scaled_part(Imf::MultiPartOutputFile& file, int part, const FrameChannels& from_frame,
+                       Imf::InputPart& source, const NearestSample& nearest,
+                       const std::set<std::string>& motion_channels, WriteReport& report);
 
 /// Copies a part's chunks as they are, still compressed.
 void copy_part(Imf::MultiPartInputFile& from, int part, Imf::MultiPartOutputFile& to, int to_part);

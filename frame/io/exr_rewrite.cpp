@@ -51,7 +51,44 @@ struct Rewritten {
   std::map<int, FrameChannels> channels;  ///< of the parts that are not copied
   std::list<Image> light;                 ///< radiance without the surfaces' colours
   std::optional<PixelType> type;          ///< of replaced channels; the source's if empty
+  Scale scale;                            ///< of the headers' windows, over the source's
 };
+
+/// Scales the windows of a part's header. Channels at a part of the resolution get all of it.
+void scale_windows(const std::string& path, const Scale& scale, Imf::Header& header) {
+  if (is_deep(header)) {
+    throw Error(ExitStatus::bad_input,
+                fmt::format("{}: has a deep part, which cannot be scaled: --channels leaves it out", path));
+  }
+  header.dataWindow() = scale.window(header.dataWindow());
+  header.displayWindow() = scale.window(header.displayWindow());
+  for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
+    it.channel().xSampling = it.channel().ySampling = 1;
+  }
+}
+
+/// The sample next to each pixel of a scaled part.
+NearestSample nearest_in(const Imf::Header& source, const LoadedView& view, const Scale& scale) {
+  NearestSample nearest{.scale = scale, .window = source.dataWindow()};
+  if (const auto& jitter = view.frame.jitter(); jitter && jitter->positions_px.size() == 1) {
+    nearest.position_px = jitter->positions_px.front();
+  }
+  if (view.frame.checkerboard()) {
+    const Imath::V2i away = nearest.window.min - view.window.min;
+    const bool is_odd = (*view.frame.checkerboard() == Parity::odd) != (((away.x + away.y) & 1) != 0);
+    nearest.checkerboard = is_odd ? Parity::odd : Parity::even;
+  }
+  return nearest;
+}
+
+std::set<std::string> motion_channels_of(const std::vector<const ViewLayers*>& views) {
+  std::set<std::string> names;
+  for (const ViewLayers* view : views) {
+    const auto& motion = view->layers[static_cast<std::size_t>(Aov::motion)];
+    if (motion) names.insert(motion->channels.begin(), motion->channels.end());
+  }
+  return names;
+}
 
 /// The light whose product with the surface's colour is the radiance; 0 where the colour is 0.
 Image divided(const Image& radiance, const Image& colour) {
@@ -79,14 +116,15 @@ void replace_view(const std::string& path, const LoadedView& view, const Frame& 
                   const std::string& diagnostics_view, Rewritten& file) {
   const LayerSource& beauty = beauty_of(view);
   Imf::Header& header = file.headers[beauty.part];
-  const Imath::V2i& origin = view.window.min;
-  const Imath::V2i size = view.window.size() + Imath::V2i(1);
+  const Imath::Box2i scaled = file.scale.window(view.window);
+  const Imath::V2i& origin = scaled.min;
+  const Imath::V2i size = scaled.size() + Imath::V2i(1);
   if (size != Imath::V2i(frame.width(), frame.height()) || !frame.has(Aov::beauty)) {
     throw Error(ExitStatus::bad_input, fmt::format("{}: {}x{} pixels, but the denoised frame has {}x{}", path,
                                                    size.x, size.y, frame.width(), frame.height()));
   }
   const Imath::Box2i& needed = header.dataWindow();
-  if (!view.window.intersects(needed.min) || !view.window.intersects(needed.max)) {
+  if (!scaled.intersects(needed.min) || !scaled.intersects(needed.max)) {
     throw Error(ExitStatus::bad_input,
                 fmt::format("{}: its data window is not inside the denoised frame's", path));
   }
@@ -225,7 +263,14 @@ WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
   Rewritten rewritten;
   rewritten.type = format.type;
   rewritten.headers.reserve(from->parts());
+  rewritten.scale = format.scale;
+  const bool resamples = !format.scale.is_one() || source.frame.checkerboard().has_value();
   for (int part = 0; part < from->parts(); ++part) rewritten.headers.push_back(from->header(part));
+  if (resamples) {
+    for (Imf::Header& header : rewritten.headers) {
+      if (format.channels.selects_all() || !is_deep(header)) scale_windows(source_path, format.scale, header);
+    }
+  }
   replace_view(source_path, source, frame, "", rewritten);
   for (std::size_t i = 0; i < other_views.size(); ++i) {
     const LoadedView& view = source.other_views.at(i);
@@ -247,6 +292,7 @@ WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
   std::vector<Imf::Header> headers;
   for (const int part : kept) {
     Imf::Header& header = headers.emplace_back(rewritten.headers[part]);
+    if (resamples) rewritten.channels[part];  // no part is copied
     const auto channels = rewritten.channels.find(part);
     const bool is_denoised = with_denoised.contains(part);
     if (channels != rewritten.channels.end()) {
@@ -258,6 +304,12 @@ WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
   writing(path, headers, [&](Imf::MultiPartOutputFile& file) {
     for (std::size_t number = 0; number < kept.size(); ++number) {
       const auto channels = rewritten.channels.find(kept[number]);
+      if (resamples) {
+        Imf::InputPart in(*from, kept[number]);
+        write_scaled_part(file, static_cast<int>(number), channels->second, in,
+                          nearest_in(in.header(), source, format.scale), motion_channels_of(views), report);
+        continue;
+      }
       if (channels == rewritten.channels.end()) {
         copy_part(*from, kept[number], file, static_cast<int>(number));
         continue;

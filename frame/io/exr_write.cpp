@@ -53,6 +53,10 @@ WriteReport write_exr(const std::string& path, const std::vector<WrittenView>& v
     if (views.size() > 1) header.setName(views[view].name);
     insert_attributes(header, attributes);
     if (frame.jitter()) insert_attributes(header, {{kJitterAttribute, format_jitter(*frame.jitter())}});
+    if (frame.checkerboard()) {
+      insert_attributes(header,
+                        {{kCheckerboardAttribute, *frame.checkerboard() == Parity::odd ? "odd" : "even"}});
+    }
     if (frame.stereo()) insert_attributes(header, {{kStereoAttribute, format_stereo(*frame.stereo())}});
     for (const AovInfo& entry : kAovTable) {
       if (!frame.has(entry.aov)) continue;

@@ -54,4 +54,10 @@ std::optional<FrameJitter> parse_jitter(std::string_view text) {
   }
 }
 
+std::optional<Parity> parse_checkerboard(std::string_view text, const Imath::V2i& first) {
+  if (text != "even" && text != "odd") return std::nullopt;
+  const bool is_odd = (text == "odd") != (((first.x + first.y) & 1) != 0);
+  return is_odd ? Parity::odd : Parity::even;
+}
+
 }  // namespace becalm::io

@@ -145,6 +145,24 @@ Hanika et al. 2021, section 4: six shots of 16 megapixels (X-Trans) in 34 ms on 
 """
 
 
+def upsample_part(becalm):
+    return f"""## Temporal upsampling and checkerboards
+
+{measured_at()}
+
+The same kind of frames at 192x108, 16 frames, rendered at full size, as a checkerboard, at 2/3 and at
+half of the sides, and brought to full size by `becalm antialias`. Processor seconds a frame without
+starting up; half size and 1 sample cost a quarter of full size and 1.
+
+{said(sys.executable, "-m", "benches.antialias.run", "--becalm", becalm, "--upsample")}
+
+A zone plate of 192x192, panned at constant speeds (pixels a frame), one sample a pixel: what is left of
+its contrast by frequency (cycles a pixel), beside the pixel filter, which is the limit.
+
+{said(sys.executable, "-m", "benches.antialias.run", "--becalm", becalm, "--zone-plate")}
+"""
+
+
 def time_part(becalm):
     rows = "\n".join(time_table(becalm, "build/report"))
     return f"""## Time
@@ -167,9 +185,10 @@ def scaling_part(becalm):
     return f"{title}\n\n{measured_at()}\n{text}"
 
 
-PARTS = {"quality": quality_part, "trade": trade_part, "adaptive": adaptive_part, "antialias": antialias_part, "stereo": stereo_part, "burst": burst_part, "time": time_part,
-         "scaling": scaling_part}  # by name, in RESULTS.md's order
-TITLES = {"quality": "## Cycles shots, 8 samples a pixel", "trade": "## The trade", "adaptive": "## Adaptive sampling", "antialias": "## Temporal antialiasing", "stereo": "## Stereo", "burst": "## Bursts",
+PARTS = {"quality": quality_part, "trade": trade_part, "adaptive": adaptive_part, "antialias": antialias_part, "upsample": upsample_part,
+         "stereo": stereo_part, "burst": burst_part, "time": time_part, "scaling": scaling_part}  # by name, in RESULTS.md's order
+TITLES = {"quality": "## Cycles shots, 8 samples a pixel", "trade": "## The trade", "adaptive": "## Adaptive sampling", "antialias": "## Temporal antialiasing",
+          "upsample": "## Temporal upsampling", "stereo": "## Stereo", "burst": "## Bursts",
           "time": "## Time\n", "scaling": "## Time and memory against pixels and frames\n"}
 
 

@@ -25,9 +25,10 @@ layout(constant_id = 5) const int by_surface = 0;      // `valid` rejects
 layout(constant_id = 6) const int by_color = 0;        // the filtered difference rejects
 layout(constant_id = 7) const int against_outliers = 0;
 layout(constant_id = 8) const int steady = 0;
+layout(constant_id = 9) const int sparse = 0;          // samples and pixels are not of one grid
 
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(push_constant) uniform Params { ivec2 size; ivec2 residual_size; AccumulateParams p; };
+layout(push_constant) uniform Params { ivec2 size; ivec2 samples_size; ivec2 residual_size; AccumulateParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer samples;
 layout(set = 0, binding = 1) uniform samplerBuffer finite;
 layout(set = 0, binding = 2) uniform samplerBuffer color;
@@ -39,9 +40,11 @@ layout(set = 0, binding = 7) uniform samplerBuffer residual;
 layout(set = 0, binding = 8) uniform samplerBuffer valid;
 layout(set = 0, binding = 9) uniform samplerBuffer difference;
 layout(set = 0, binding = 10) uniform samplerBuffer difference_sums;
-layout(std430, set = 0, binding = 11) writeonly buffer MergedColorBuffer { vec4 data[]; } merged_color;
-layout(std430, set = 0, binding = 12) writeonly buffer MergedStatsBuffer { vec2 data[]; } merged_stats;
-layout(std430, set = 0, binding = 13) writeonly buffer DecisionBuffer { vec4 data[]; } decision;
+layout(set = 0, binding = 11) uniform samplerBuffer columns;
+layout(set = 0, binding = 12) uniform samplerBuffer rows;
+layout(std430, set = 0, binding = 13) writeonly buffer MergedColorBuffer { vec4 data[]; } merged_color;
+layout(std430, set = 0, binding = 14) writeonly buffer MergedStatsBuffer { vec2 data[]; } merged_stats;
+layout(std430, set = 0, binding = 15) writeonly buffer DecisionBuffer { vec4 data[]; } decision;
 
 /// Limits differences, so that sums of their squares stay within the range of floats.
 const float kLargest = 1e16;
@@ -59,13 +62,21 @@ const float kExplained = 0.5;
 const float kCertain = 9.0;
 /// Share of its weight that a new sample keeps where the history lies on its bounds.
 const float kSteady = 0.25;
+/// Fewest frames that a history may be worth.
+const float kFewest = sparse != 0 ? 1e-3 : 1.0;
+
+#include "lib/sparse_grid.glsl"
+
+/// By the confidence of a pixel, which is 1 in whole frames. Some devices round even that.
+float divided(float x, float confidence) { return sparse != 0 ? x / confidence : x; }
 
 float squared(vec3 d) {
   d = clamp(d, -kLargest, kLargest);
   return dot(d, d) / 3.0;
 }
 
-/// The 3x3 samples around a pixel: their bounds in the space of rectification, and what eq. 10 and 11 take.
+/// The samples around a pixel, 3x3 or, where they are sparser than pixels, the 2x2 nearest (survey, section 5.2):
+/// their bounds in the space of rectification, and what eq. 10 and 11 take.
 struct Around {
   vec3 low;
   vec3 high;
@@ -74,7 +85,7 @@ struct Around {
   float difference;  // eq. 11: mean squared difference between the history and a sample
 };
 
-Around look_around(ivec2 at, int index, vec3 history) {
+Around look_around(ivec2 at, vec3 history) {
   vec3 sum = vec3(0.0);
   vec3 squares = vec3(0.0);
   float difference_sum = 0.0;
@@ -82,14 +93,17 @@ Around look_around(ivec2 at, int index, vec3 history) {
   vec3 high = vec3(-3.4e38);
   float count = 0.0;
   // Relative to the pixel's own sample, so that the squares of an even surface cancel.
-  const vec3 own = texelFetch(samples, index).rgb;
+  const GridTaps taps = grid_taps(at);
+  const ivec2 nearest = clamp(taps.nearest, ivec2(0), samples_size - 1);
+  const int middle = nearest.y * samples_size.x + nearest.x;
+  const vec3 own = texelFetch(samples, middle).rgb;
   vec3 mean_rgb = vec3(0.0);
   float squares_rgb = 0.0;
   [[unroll]] for (int k = 0; k < 9; ++k) {
-    const ivec2 q = at + ivec2(k % 3, k / 3) - 1;
-    const bool inside = q.x >= 0 && q.y >= 0 && q.x < size.x && q.y < size.y;
-    const int tap = inside ? q.y * size.x + q.x : index;
-    const float w = inside && texelFetch(finite, tap).x > 0.0 ? 1.0 : 0.0;
+    const ivec2 q = taps.nearest + ivec2(k % 3, k / 3) - 1;
+    const bool inside = q.x >= 0 && q.y >= 0 && q.x < samples_size.x && q.y < samples_size.y;
+    const int tap = inside ? q.y * samples_size.x + q.x : middle;
+    const float w = inside && texelFetch(finite, tap).x > 0.0 && taps.wide[k % 3][k / 3] > 0.0 ? 1.0 : 0.0;
     const vec3 x = texelFetch(samples, tap).rgb;
     const vec3 d = clamp(x - own, -kLargest, kLargest);
     const vec3 in_space = in_ycocg != 0 ? to_ycocg(d) : d;
@@ -116,26 +130,35 @@ Around look_around(ivec2 at, int index, vec3 history) {
   return around;
 }
 
-/// The variance of the new frame and the squared bias of the history, over 3x3 pixels: the bias is what noise
-/// does not explain of their mean squared difference, or of the pixel's own.
+/// Side of the square of pixels that bias is measured over: sparse samples tell as much on more of them.
+const int kSide = sparse != 0 ? 5 : 3;
+
+/// The variance of a whole frame's pixel and the squared bias of the history, over the pixels around, which count by
+/// their confidence: the bias is what noise does not explain of their mean squared difference, or of the pixel's own.
 vec2 variance_and_bias(ivec2 at, int index, float n) {
   float squares = 0.0;
   float noise = 0.0;
+  float weight = 0.0;
   float count = 0.0;
-  [[unroll]] for (int k = 0; k < 9; ++k) {
-    const ivec2 q = at + ivec2(k % 3, k / 3) - 1;
+  [[unroll]] for (int k = 0; k < kSide * kSide; ++k) {
+    const ivec2 q = at + ivec2(k % kSide, k / kSide) - kSide / 2;
     const bool inside = q.x >= 0 && q.y >= 0 && q.x < size.x && q.y < size.y;
     const int tap = inside ? q.y * size.x + q.x : index;
     const vec2 new_stats = texelFetch(variance, tap).xy;
-    const float w = inside && new_stats.y > 0.0 && texelFetch(warped_stats, tap).y > 0.0 ? 1.0 : 0.0;
+    const float w = inside && new_stats.y > 0.0 && texelFetch(warped_stats, tap).y > 0.0 ? new_stats.y : 0.0;
     squares += w * squared(texelFetch(color, tap).rgb - texelFetch(warped_color, tap).rgb);
-    noise += w * new_stats.x;
-    count += w;
+    noise += w * w * new_stats.x;
+    weight += w;
+    count += w > 0.0 ? 1.0 : 0.0;
   }
-  const float of_frame = noise / max(count, 1.0);
-  const float expected = kExplained * of_frame * (1.0 + 1.0 / max(n, 1.0));
+  weight = max(weight, kFewest);
+  const float of_frame = noise / weight;
+  const float of_history = 1.0 / max(n, kFewest);
+  const float expected = kExplained * of_frame * ((sparse != 0 ? count / weight : 1.0) + of_history);
+  const float expected_own =
+      sparse != 0 ? kExplained * of_frame * (1.0 / texelFetch(variance, index).y + of_history) : expected;
   const float own = squared(texelFetch(color, index).rgb - texelFetch(warped_color, index).rgb);
-  return vec2(of_frame, max(max(squares / max(count, 1.0) - expected, own - kCertain * expected), 0.0));
+  return vec2(of_frame, max(max(squares / weight - expected, own - kCertain * expected_own), 0.0));
 }
 
 float residual_at(int x, int y) { return texelFetch(residual, y * residual_size.x + x).x; }
@@ -177,7 +200,7 @@ void main() {
   vec4 h = found;
   float near_bounds = 0.0;
   Around around;
-  if (rectify != 0 || rule == kGain) around = look_around(at, index, found.rgb);
+  if (rectify != 0 || rule == kGain) around = look_around(at, found.rgb);
   if (rectify != 0) {
     const vec3 in_space = in_ycocg != 0 ? to_ycocg(h.rgb) : h.rgb;
     const vec3 within = rectify == 1 ? clamp(in_space, around.low, around.high)
@@ -187,19 +210,20 @@ void main() {
     near_bounds = 1.0 - clamp(4.0 * room / max(around.high.x - around.low.x, 1e-30), 0.0, 1.0);
   }
 
-  const float even = 1.0 / (min(stats.y, p.frames - 1.0) + 1.0);
+  const float worth = has_sample ? x_stats.y : 1.0;  // of the new frame's pixel
+  const float even = worth / (min(stats.y, p.frames - 1.0) + worth);
   float bias = 0.0;
-  float alpha = p.newest;
+  float alpha = worth * p.newest;
   if (rule == kMean) alpha = even;
-  if (rule == kGain) alpha = max(around.difference > 0.0 ? 1.0 - around.spread / around.difference : 0.0, even);
+  if (rule == kGain) alpha = max(around.difference > 0.0 ? worth * (1.0 - around.spread / around.difference) : 0.0, even);
   if (rule == kVariance) {
     // The variance of a history of n frames is 1/n of a frame's: a tracked one would give frames that happen to
     // miss an edge, and so have no variance, all weight.
     const vec2 found_here = variance_and_bias(at, index, stats.y);
     bias = found_here.y;
-    const float of_history = found_here.x / max(stats.y, 1.0);
-    alpha = of_history + bias > 0.0 ? gain(found_here.x, of_history, bias) : even;
-    alpha = max(alpha, 1.0 / p.frames);
+    const float of_history = found_here.x / max(stats.y, kFewest);
+    alpha = of_history + bias > 0.0 ? gain(divided(found_here.x, worth), of_history, bias) : even;
+    alpha = max(alpha, worth / p.frames);
   }
   const float trusted = alpha;
   if (against_outliers != 0) {
@@ -215,11 +239,11 @@ void main() {
   const float rest = 1.0 - alpha;
   const float old_variance = rest > 0.0 ? rest * rest * (stats.x + bias) : 0.0;
   vec2 blended_stats = vec2(min(old_variance + alpha * alpha * x_stats.x, kLargestVariance),
-                            min(stats.y / (alpha * alpha * stats.y + rest * rest), p.frames));
+                            min(stats.y / (divided(alpha * alpha * stats.y, worth) + rest * rest), p.frames));
   vec4 decided = vec4(clamp((alpha - trusted) / max(1.0 - trusted, 1e-6), 0.0, 1.0), min(bias, kLargestVariance), alpha, 0.0);
   if (!has_history) {
     blended = x;
-    blended_stats = vec2(x_stats.x, 1.0);
+    blended_stats = vec2(x_stats.x, worth);
     decided = vec4(1.0, 0.0, 1.0, 0.0);
   }
   // A sample that is not finite leaves the history as it is; without history, its replacement keeps a count of 0.

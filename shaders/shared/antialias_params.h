@@ -8,10 +8,15 @@ namespace becalm::filter::params {
 
 /// antialias/accumulate.
 struct AccumulateParams {
-  float residual_scale;  // full-resolution pixels in one of the residual's
+  float residual_scale;  // pixels in one of the residual's
   float newest;          // weight of a new sample, if it is constant
   float frames;          // most frames that a history counts as
   float gamma;           // standard deviations of the bounds
+};
+
+/// antialias/scale_offset.
+struct ScaleOffsetParams {
+  float scale;  // pixels in one sample's
 };
 
 #ifdef __cplusplus

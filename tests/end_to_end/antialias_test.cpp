@@ -13,13 +13,13 @@ namespace becalm::test {
 namespace {
 
 /// The harness's scene with jitter and a hard sun instead of noisy light.
-std::string write_jittered_scene(const TempFolder& folder) {
+std::string write_jittered_scene(const TempFolder& folder, const std::string& more = "") {
   const std::string path = write_scene(folder);
   std::stringstream text;
   text << std::ifstream(path).rdbuf();
   std::string scene = text.str();
   const std::string film = "\"film\": {";
-  scene.insert(scene.find(film) + film.size(), "\"jitter_cycle\": 4, ");
+  scene.insert(scene.find(film) + film.size(), "\"jitter_cycle\": 4, " + more);
   write_text(path, scene);
   return path;
 }
@@ -85,10 +85,80 @@ TEST_F(Antialias, TakesWhatTheUserSaysOfTheJitter) {
                            read_frame(frame_path(folder_ / "none.####.exr", 2)).image(Aov::beauty)));
 }
 
+TEST_F(Antialias, ScalesTheBeautyAndEveryOtherChannel) {
+  render();
+  const Frame given = read_frame(frame_path(input_, 2), AovSet().set());
+  becalm_done(command("out.####.exr", {"--scale", "3/2", "--quiet"}));
+  const Frame result = read_frame(frame_path(folder_ / "out.####.exr", 2), AovSet().set());
+  EXPECT_EQ(result.width(), Scale({3, 2}).edge(given.width()));
+  EXPECT_EQ(result.height(), Scale({3, 2}).edge(given.height()));
+  EXPECT_FALSE(result.jitter());
+  NearestSample nearest{.scale = {3, 2}, .window = {{0, 0}, {given.width() - 1, given.height() - 1}}};
+  nearest.position_px = given.jitter()->positions_px.front();
+  for (int y = 0; y < result.height(); ++y) {
+    for (int x = 0; x < result.width(); ++x) {
+      const Imath::V2i at = nearest.at(x, y);
+      ASSERT_EQ(result.image(Aov::depth).at(x, y, 0), given.image(Aov::depth).at(at.x, at.y, 0));
+      ASSERT_EQ(result.image(Aov::motion).at(x, y, 0), 1.5f * given.image(Aov::motion).at(at.x, at.y, 0));
+    }
+  }
+  becalm_done(command("a.####.exr", {"--scale", "1.5", "--quiet"}));
+  fs::remove(folder_ / "a.0002.exr");
+  becalm_done(command("a.####.exr", {"--scale", "1.5", "--resume"}));
+  expect_same_beauty(folder_ / "out.####.exr", folder_ / "a.####.exr", 1, 4);
+  expect_error(becalm(command("a.####.exr", {"--scale", "2", "--resume"})), 2, {"a.0001.exr", "scale"});
+}
+
+TEST_F(Antialias, MakesCheckerboardsWhole) {
+  const std::string scene = write_jittered_scene(folder_);
+  becalm_done({"render", scene, "-o", input_, "--spp", "1", "--float", "--aovs", "motion,depth",
+               "--checkerboard", "--quiet"});
+  const Frame given = read_frame(frame_path(input_, 1));
+  ASSERT_EQ(given.checkerboard(), Parity::odd) << "frame 1 has an odd number";
+  for (int y = 0; y < given.height(); ++y) {
+    for (int x = 0; x < given.width(); ++x) {
+      const bool holds = has_sample(Parity::odd, x, y);
+      ASSERT_TRUE(holds || given.image(Aov::beauty).at(x, y, 1) == 0.0f);
+    }
+  }
+  becalm_done(command("auto.####.exr", {"--checkerboard", "--quiet"}));
+  becalm_done(command("even.####.exr", {"--checkerboard=even", "--quiet"}));
+  expect_same_beauty(folder_ / "auto.####.exr", folder_ / "even.####.exr", 1, 4);
+  AovSet depth;
+  depth.set(static_cast<std::size_t>(Aov::depth));
+  const Frame whole = read_frame(frame_path(folder_ / "auto.####.exr", 1), depth);
+  EXPECT_FALSE(whole.checkerboard());
+  expect_error(becalm(command("out.####.exr")), 3, {"in.000", "--checkerboard"});
+  expect_error(becalm({"denoise", input_, "-o", folder_ / "out.####.exr"}), 3, {"in.000", "--checkerboard"});
+  expect_error(becalm(command("out.####.exr", {"--checkerboard=both"})), 2, {"--checkerboard=both", "even"});
+  expect_error(becalm({"render", scene, "-o", folder_ / "r.####.exr", "--checkerboard", "--denoise"}), 2,
+               {"--checkerboard"});
+}
+
+TEST_F(Antialias, AFrameOfOnePlaceTellsIt) {
+  becalm_done({"render", write_jittered_scene(folder_, "\"jitter_one_a_frame\": true, "), "-o", input_,
+               "--spp", "4", "--aovs", "motion,depth,variance", "--quiet"});
+  for (int number = 1; number <= 2; ++number) {
+    ASSERT_EQ(read_frame(frame_path(input_, number)).jitter()->positions_px.size(), 1u);
+  }
+  EXPECT_NE(read_frame(frame_path(input_, 1)).jitter(), read_frame(frame_path(input_, 2)).jitter());
+  // The recipe for noise at the same time: the place survives denoising.
+  const std::string denoised = folder_ / "denoised.####.exr";
+  becalm_done({"denoise", input_, "-o", denoised, "--preset", "draft", "--quiet"});
+  EXPECT_EQ(read_frame(frame_path(denoised, 2)).jitter(), read_frame(frame_path(input_, 2)).jitter());
+  becalm_done({"antialias", denoised, "-o", folder_ / "out.####.exr", "--scale", "2", "--quiet"});
+  EXPECT_EQ(read_frame(frame_path(folder_ / "out.####.exr", 2)).width(),
+            2 * read_frame(frame_path(input_, 2)).width());
+}
+
 TEST_F(Antialias, RefusesWhatIsWrong) {
   expect_error(becalm(command("out.####.exr")), 3, {"in.####.exr"});
   render();
   expect_error(becalm(command("out.####.exr", {"--jitter", "halton:0"})), 2, {"--jitter halton:0"});
+  for (const char* scale : {"0.5", "5", "2x", "-2", "3/0", "1.2345", "", "nan", "4001/1000"}) {
+    expect_error(becalm(command("out.####.exr", {"--scale", scale})), 2, {"--scale"});
+  }
+  expect_error(becalm(command("out.####.exr", {"--checkerboard"})), 3, {"becalm:checkerboard"});
   expect_error(becalm(command("out.####.exr", {"--preset", "balanced"})), 2, {"preset 'balanced'", "best"});
   expect_error(becalm(command("out.####.exr", {"--set", "newest=2"})), 2, {"newest", "0.001..1"});
   expect_error(becalm({"antialias", input_, "-o", input_}), 2, {"would overwrite the input"});

@@ -91,6 +91,13 @@ class FootprintsTest : public DeviceTest {
     }
     const AntialiasChain made(device(), task);
     use(made.chain, {kSide});
+    for (const Scale& scale : {Scale{1, 1}, Scale{2, 1}}) {
+      task.settings.scale = scale;
+      task.settings.checkerboard = true;
+      task.sampled = {kSide / scale.numerator, kSide / scale.numerator};
+      const AntialiasChain sparse(device(), task);
+      use(sparse.chain, {kSide});
+    }
     const SharpenPasses sharpens(device(), task_of("final"), kFull);
     use(sharpens.chain, {kSide});
   }

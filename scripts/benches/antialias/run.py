@@ -7,8 +7,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from benches.antialias import stutter
-from benches.antialias.shots import CHOOSING, REPORTED, antialias, read, render
+from benches.antialias import stutter, upsample, zone_plate
+from benches.antialias.shots import CHOOSING, CYCLE, REPORTED, antialias, read, render
 
 METHODS = {  # the options of becalm antialias
     "1 spp": None,
@@ -53,7 +53,13 @@ def main():
     parser.add_argument("--frames", type=int, default=24, help="of each shot (default: 24)")
     parser.add_argument("--becalm", default="build/release/becalm")
     parser.add_argument("-o", "--output", type=Path, default=Path("build/antialias"), metavar="DIR")
+    parser.add_argument("--upsample", action="store_true", help="the curves of full size, checkerboard, 1.5x and 2x at equal time instead, at 192x108")
+    parser.add_argument("--zone-plate", action="store_true", help="the transfer function of a panned zone plate instead")
     asked = parser.parse_args()
+    if asked.upsample:
+        return print(upsample.curves(asked.becalm, asked.output / "upsample", (192, 108), 16))
+    if asked.zone_plate:
+        return print(zone_plate.table(asked.becalm, asked.output / "zone_plate"))
     size = tuple(int(side) for side in asked.size.split("x"))
     frames = range(1, asked.frames + 1)
     if asked.stutter:
@@ -67,8 +73,8 @@ def main():
     print("| scene | method | RMSE | of clamping's | SSIM | RMSE of changes |\n| --- | --- | --- | --- | --- | --- |")
     for scene in asked.scenes or (CHOOSING if asked.choosing else REPORTED):
         root = asked.output / asked.size / scene
-        render(asked.becalm, scene, root / "jittered", frames, size, 1, True)
-        render(asked.becalm, scene, root / "reference", frames, size, REFERENCE_SPP, False)
+        render(asked.becalm, scene, root / "jittered", frames, size, 1, CYCLE)
+        render(asked.becalm, scene, root / "reference", frames, size, REFERENCE_SPP, 0)
         reference = [read(root / "reference", frame) for frame in frames]
         clamping = None
         for name, options in methods.items():

@@ -70,16 +70,17 @@ def add_ambient(path):
     Path(str(path) + ".partial.exr").replace(path)
 
 
-def render(becalm, scene, folder, frames, size, spp, jittered):
-    """Renders the frames that are not there yet into folder/f.####.exr."""
+def render(becalm, scene, folder, frames, size, spp, cycle, options=()):
+    """Renders the frames that are not there yet into folder/f.####.exr. `cycle` is the jitter's, 0 for none."""
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "scene.json"
-    path.write_text(json.dumps(variant(scene, CYCLE if jittered else 0, size)))
+    path.write_text(json.dumps(variant(scene, cycle, size)))
     missing = [frame for frame in frames if not (folder / f"f.{frame:04}.exr").exists()]
     if not missing:
         return
     subprocess.run([becalm, "render", path, "-o", folder / "made.####.exr", "--frames", ",".join(map(str, missing)), "--spp", str(spp), "--aov-spp", str(spp),
-                    "--float", "--overwrite", "--aovs", "albedo,normal,depth,motion,object_id" if jittered else "albedo", "--quiet"], check=True)
+                    "--float", "--overwrite", "--aovs", "albedo,normal,depth,motion,object_id" if cycle else "albedo", "--quiet", *options],
+                   check=True)
     for frame in missing:
         made = folder / f"made.{frame:04}.exr"
         add_ambient(made)

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "frame/jitter.h"
+
 namespace becalm::reference {
 namespace {
 
@@ -108,6 +110,45 @@ Grid<Antialiased> reconstruct(const Grid<Rgb>& samples, const std::array<double,
       const double n = sum * sum / squares;
       const double of_samples = spread_and_difference(samples, x, y, mean).first;
       frame.at(x, y) = {mean, n < 1.5 ? of_samples / n : spread / (sum * (n - 1.0)), 1.0};
+    }
+  }
+  return frame;
+}
+
+Grid<Antialiased> reconstruct_sparse(const Grid<Rgb>& samples, const std::array<double, 2>& position,
+                                     double scale, double wide_radius,
+                                     const std::function<bool(int x, int y)>& holds) {
+  constexpr double radius = 1.5;
+  const auto window = [&](double distance_px) {
+    const double t = std::abs(distance_px) / radius;
+    return t > 1.0 ? 0.0 : blackman_harris_window(t) / (2.0 * radius * kBlackmanHarrisMean);
+  };
+  const auto tent = [&](double distance_px) {
+    return std::max(1.0 - std::abs(distance_px) / wide_radius, 0.0) / wide_radius;
+  };
+  const int width = static_cast<int>(std::floor(samples.width * scale + 0.5));
+  const int height = static_cast<int>(std::floor(samples.height * scale + 0.5));
+  Grid<Antialiased> frame(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const double at_x = (x + 0.5) / scale - 0.5;
+      const double at_y = (y + 0.5) / scale - 0.5;
+      Rgb sum{};
+      double weight = 0.0;
+      for (int j = 0; j < samples.height; ++j) {
+        for (int i = 0; i < samples.width; ++i) {
+          if (!holds(i, j)) continue;
+          const double dx = i + position[0] - at_x;
+          const double dy = j + position[1] - at_y;
+          const double w =
+              window(scale * dx) * window(scale * dy) + 0.3 * tent(dx) * tent(dy) / (scale * scale);
+          weight += w;
+          for (int c = 0; c < 3; ++c) sum[c] += w * samples.at(i, j)[c];
+        }
+      }
+      Antialiased& result = frame.at(x, y);
+      result.count = weight > 0.0 ? std::min(weight, 1.0) : 0.0;
+      for (int c = 0; c < 3; ++c) result.color[c] = weight > 0.0 ? sum[c] / weight : 0.0;
     }
   }
   return frame;

@@ -16,7 +16,7 @@ FrameRange read_frames(const JsonValue& json) {
 }
 
 Film read_film(const JsonValue& json) {
-  json.allow_keys({"width", "height", "filter", "jitter_cycle"});
+  json.allow_keys({"width", "height", "filter", "jitter_cycle", "jitter_one_a_frame"});
   constexpr int largest_size = 65536;
   Film film;
   film.width = json.at("width").integer(1, largest_size);
@@ -26,6 +26,7 @@ Film read_film(const JsonValue& json) {
     film.filter.type = static_cast<FilterType>(filter->at("type").choice({"blackman_harris", "box", "tent"}));
     if (const auto radius = filter->find("radius_px")) film.filter.radius_px = radius->number(0.0, 32.0);
   }
+  if (const auto one = json.find("jitter_one_a_frame")) film.jitter.one_a_frame = one->boolean();
   if (const auto cycle = json.find("jitter_cycle")) film.jitter.cycle = cycle->integer(0, 1'000'000);
   return film;
 }
