@@ -94,7 +94,7 @@ void add_render_options(CLI::App& parser, RenderCommand& command) {
           "--checkerboard", command.checkerboard,
           "Render every other pixel, the others in the next frame; becalm antialias --checkerboard makes "
           "them whole")
-      ->group("Rendering");
+      ->group(more("Rendering"));
   parser.add_option("--size", command.size, "Image size in pixels (default: the scene's)")
       ->option_text("WxH")
       ->group("Rendering");

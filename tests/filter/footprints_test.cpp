@@ -9,6 +9,8 @@
 #include "filter/align/align.h"
 #include "filter/antialias/antialias_chain.h"
 #include "filter/antialias/sharpener.h"
+#include "filter/burst/burst_chains.h"
+#include "filter/burst/burst_merger.h"
 #include "filter/gpu/program.h"
 #include "filter/merge/combine.h"
 #include "filter/merge/merge_chains.h"
@@ -130,20 +132,41 @@ class FootprintsTest : public DeviceTest {
     use(passes.chain, {.target = kSide, .origin = around_px, .offset_limit = limit_px});
   }
 
+  static void bursts(const Use& use) {
+    constexpr int limit_px = 40;
+    constexpr int around_px = limit_px + 8;
+    constexpr int source = kSide + 2 * around_px;
+    const BurstTask task{.aligner = burst_aligner_settings(), .cfa = {}, .full = kFull, .block = 2};
+    const BurstAlignPasses align(device(), task);
+    use(align.chain, {kSide});
+    const BurstChoosePasses choice(device(), task);
+    use(choice.chain, {kSide / task.block});
+    const BurstMergePasses merge(device(), task, limit_px, kFull, {source, source});
+    use(merge.chain, {.target = kSide, .origin = around_px, .offset_limit = limit_px});
+  }
+
   static void check(const Chain& chain, const TileSizes& sizes) { check_passes(chain, sizes, ""); }
+  static void check_bursts(const Chain& chain, const TileSizes& sizes) {
+    check_passes(chain, sizes, "burst/");
+  }
   static void check_antialiasing(const Chain& chain, const TileSizes& sizes) {
     check_passes(chain, sizes, "antialias/");
     check_passes(chain, sizes, "merge/spline");
   }
 
+  /// Passes to which random pixels look invalid throughout: StereoTest and BurstTest compare tiles with whole
+  /// frames in their place.
+  static bool decides_nothing(const std::string& name) {
+    return name == "stereo/check_depth" || name == "burst/warp" || name == "burst/accumulate";
+  }
+
   /// Checks those of a chain's passes whose names begin with `prefix`, but not those that another pass of the
-  /// same kernel reads alike, nor those of antialiasing that read anywhere in the history. Random
-  /// pixels decide nothing in stereo/check_depth; StereoTest.TilesDoNotShow covers it.
+  /// same kernel reads alike, nor those of antialiasing that read anywhere in the history.
   static void check_passes(const Chain& chain, const TileSizes& sizes, const std::string& prefix) {
     const std::vector<gpu::DeclaredPass> passes = chain.declared_passes();
     for (std::size_t i = passes.size(); i-- > 0;) {  // finest levels come last
       if (!passes[i].name.starts_with(prefix) || passes[i].name == "antialias/validate") continue;
-      if (passes[i].name == "stereo/check_depth") continue;
+      if (decides_nothing(passes[i].name)) continue;
       if (!is_new(passes[i]) || passes[i].name == "fill") continue;
       for (const std::string& error : wrong_footprints(chain, i, sizes)) ADD_FAILURE() << error;
     }
@@ -235,6 +258,10 @@ TEST_F(FootprintsTest, OfTheCombination) {
   combination(check);
 }
 
+TEST_F(FootprintsTest, OfBursts) {
+  bursts(check_bursts);
+}
+
 TEST_F(FootprintsTest, OfTheEyes) {
   eyes(check);
 }
@@ -245,7 +272,7 @@ TEST_F(FootprintsTest, AreCheckedOfEveryKernel) {
     for (const gpu::DeclaredPass& pass : chain.declared_passes()) checked.insert(pass.name);
   };
   for (const auto& chains :
-       {features, search_and_merge, network, estimated_variances, combination, antialiasing, eyes}) {
+       {features, search_and_merge, network, estimated_variances, combination, antialiasing, eyes, bursts}) {
     chains(collect);
   }
   for (const gpu::Kernel& kernel : gpu::embedded_kernels()) {

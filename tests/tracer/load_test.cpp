@@ -99,7 +99,7 @@ TEST(Load, DescribesWhatIsRequiredAndWhatIsLeftOut) {
       "left out:  area lights, points and spots, suns, environment image, perfect mirrors or glass, "
       "microfacets, transmission, textures, bump and normal maps, mixed materials, tangent frames, opacity, "
       "procedural surfaces, media, moving camera, instances that move, motion blur, depth of field, "
-      "changing lights");
+      "changing lights, two eyes");
   EXPECT_EQ(lines[5], "variant:   'diffuse' of the path integrator, 'diffuse' with AOVs of surfaces");
   EXPECT_EQ(lines[6], "hierarchy: 1 objects baked into one, 0 instances; 12 triangles stored, 12 visible");
   EXPECT_EQ(lines[7].rfind("memory:    ", 0), 0u) << lines[7];
