@@ -24,6 +24,7 @@
 #include "app/progress.h"
 #include "filter/burst/burst_merger.h"
 #include "filter/burst/noise_fit.h"
+#include "filter/sequence/frame_filter.h"
 #include "frame/error.h"
 #include "frame/io/exr.h"
 #include "frame/raw/dng.h"
@@ -105,8 +106,9 @@ class BurstJob {
     tell_inputs(info);
 
     std::optional<gpu::Device> device(std::in_place, device_options(command_.filter));
-    std::optional<filter::BurstMerger> merger(std::in_place, *device, aligner_, info.cfa, info.width,
-                                              info.height, memory_limit(command_.filter));
+    std::optional<filter::BurstMerger> merger(
+        std::in_place, *device, aligner_, info.cfa, info.width, info.height,
+        std::min(memory_limit(command_.filter), filter::usable_bytes(*device)));
     const filter::FilterMemory memory = merger->memory();
     profile_.set_device(device->info().name, memory);
     progress_->detail(fmt::format("device {}, {}, {:.0f} MiB, blocks of {} px", device->info().name,

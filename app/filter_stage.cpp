@@ -101,18 +101,19 @@ void FilterStage::build(int width, int height, const std::vector<FilteredView>& 
                             views.size() == 1 ? "one" : fmt::format("'{}'", fmt::join(names, ","))));
   }
   const bool pairs = are_pair && stereo_.value_or(true);
-  if (pairs && views[0].light_groups != views[1].light_groups) {
-    throw Error(
-        ExitStatus::bad_input,
-        fmt::format("the left eye has {} light groups, and the right one {}; --no-stereo filters each by "
-                    "itself",
-                    views[0].light_groups, views[1].light_groups));
+  const auto additive = [&](const FilteredView& view) { return view.available & filter::additive_aovs(); };
+  if (pairs && denoises_additive_ &&
+      (views[0].light_groups != views[1].light_groups || additive(views[0]) != additive(views[1]))) {
+    throw Error(ExitStatus::bad_input,
+                "the eyes have other light groups, or direct and indirect light in one of them alone; "
+                "--no-stereo filters each by itself");
   }
   device_.emplace(device_options_);
   const std::uint64_t memory = std::min(memory_limit_, filter::usable_bytes(*device_));
   AovSet common = AovSet().set();
   for (const FilteredView& view : views) common &= view.available;
-  const auto make = [&](const auto& maker, AovSet available, std::size_t light_groups, std::uint64_t limit) {
+  const auto make = [&](const auto& maker, AovSet available, const std::vector<std::string>& light_groups,
+                        std::uint64_t limit) {
     if (!denoises_additive_) available &= ~filter::additive_aovs();
     return maker(
         *device_, width, height, available,
@@ -120,7 +121,7 @@ void FilterStage::build(int width, int height, const std::vector<FilteredView>& 
                                 .memory_limit = limit,
                                 .find_cuts = cuts_ == "auto" ? filter::FindCuts::yes : filter::FindCuts::no,
                                 .alpha = alpha_,
-                                .light_groups = denoises_additive_ ? light_groups : 0,
+                                .light_groups = denoises_additive_ ? light_groups.size() : 0,
                                 .origin = origin});
   };
   if (pairs) pair_ = make(recipe_.make_pair, common, views[0].light_groups, memory);

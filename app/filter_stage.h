@@ -44,7 +44,7 @@ struct FilterRecipe {
 struct FilteredView {
   std::string name;  ///< empty where there is but one
   AovSet available;
-  std::size_t light_groups = 0;
+  std::vector<std::string> light_groups = {};  ///< their names
 };
 
 /// The denoiser, and temporal antialiasing, by a preset and the changes of `options`. Throw Error(usage).

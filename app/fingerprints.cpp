@@ -49,7 +49,7 @@ io::Attributes Fingerprints::of(int frame) {
 }
 
 std::set<int> Fingerprints::up_to_date(const std::set<int>& existing,
-                                       const std::function<std::string(int)>& path) {
+                                       const std::function<std::vector<std::string>(int)>& paths) {
   std::set<int> read;
   std::map<int, int> sources;  // of the outputs
   for (const int source : inputs_.sources()) {
@@ -62,7 +62,12 @@ std::set<int> Fingerprints::up_to_date(const std::set<int>& existing,
   tbb::parallel_for_each(read, [this](int frame) { take(frame); });
   std::set<int> same;
   for (const auto& [output, source] : sources) {
-    if (io::read_attribute(path(output), kInputs) == of(source).front().second) same.insert(output);
+    const std::string inputs = of(source).front().second;
+    if (std::ranges::all_of(paths(output), [&](const std::string& path) {
+          return io::read_attribute(path, kInputs) == inputs;
+        })) {
+      same.insert(output);
+    }
   }
   return same;
 }

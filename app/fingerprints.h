@@ -33,8 +33,9 @@ class Fingerprints {
   io::Attributes of(int frame);
   /// `beauty=R,G,B,A albedo=...`: what the filter takes of the frame's file.
   std::string layers_of(int frame) { return taken(frame).layers; }
-  /// Of `existing` outputs, those that were made from what is there now.
-  std::set<int> up_to_date(const std::set<int>& existing, const std::function<std::string(int)>& path);
+  /// Of `existing` outputs, those all of whose files were made from what is there now.
+  std::set<int> up_to_date(const std::set<int>& existing,
+                           const std::function<std::vector<std::string>(int)>& paths);
 
  private:
   struct Taken {

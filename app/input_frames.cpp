@@ -34,6 +34,10 @@ InputFrames::InputFrames(const std::vector<std::string>& patterns, Pair pair, co
       throw Error(ExitStatus::usage, fmt::format("{}: {} of one sequence must both have a frame field",
                                                  other->text(), pair == Pair::eyes ? "eyes" : "halves"));
     }
+    if (pair == Pair::eyes && find_other_half(pattern_)) {
+      throw Error(ExitStatus::usage,
+                  fmt::format("{}: holds a half of the samples, expected eyes of all samples", pattern));
+    }
   } else {
     other_half_ = find_other_half(pattern_);
   }

@@ -23,6 +23,8 @@ class Outputs {
   /// Files of a frame.
   std::size_t files() const { return patterns_.size(); }
   std::string path(int frame, std::size_t file = 0) const { return patterns_[file].path(frame); }
+  /// Of all files of a frame.
+  std::vector<std::string> paths(int frame) const;
 
   /// Throws Error(usage) if one of the outputs is one of the inputs, also through links.
   void keep_apart_from(const std::vector<std::string>& inputs) const;
@@ -47,7 +49,6 @@ class Outputs {
   Existing find_existing(const io::Attributes& attributes) const;
 
  private:
-  std::vector<std::string> paths(int frame) const;
   std::vector<std::string> all_paths() const;
   void check_attributes(const std::string& path, const io::Attributes& attributes) const;
 

@@ -52,8 +52,8 @@ AovSet filter_input(const FilterStage& filter, int spp) {
 
 /// Where noisy frames wait for the filter without --keep-noisy: beside the outputs. The name has a frame
 /// field even if the output, being one frame, has none: the filter reads its neighbours, too.
-std::string scratch_pattern(std::string output) {
-  if (has_eye_field(output)) output = pattern_of_eye(output, 0);
+std::string scratch_pattern(std::string output, Eye first) {
+  if (has_eye_field(output)) output = pattern_of_eye(output, first == Eye::right ? 1 : 0);
   const bool has_field = io::SequencePattern(output).has_frame_field();
   return output.substr(0, output.rfind('.')) + (has_field ? ".noisy.exr" : ".noisy.####.exr");
 }
@@ -153,7 +153,8 @@ void RenderJob::choose_noisy_files() {
         fmt::format("--keep-noisy {}: expected no %V: both eyes are views of one file", command_.keep_noisy));
   }
   if (!kept && !has_segments()) return;
-  const std::string pattern = kept ? command_.keep_noisy : scratch_pattern(command_.output.pattern);
+  const std::string pattern =
+      kept ? command_.keep_noisy : scratch_pattern(command_.output.pattern, eyes_.front());
   noisy_files_.emplace(
       NoisyFiles{.outputs = Outputs(kept ? "--keep-noisy" : "-o", {io::SequencePattern(pattern)}, readable_),
                  .attributes = render_attributes({rendered_, asked_.light_groups}, /*float_colors=*/true)});
@@ -209,7 +210,8 @@ ExitStatus RenderJob::run() {
     for (const Eye eye : eyes_) {
       views.push_back({.name = name_of_eye(eye),
                        .available = rendered_,
-                       .light_groups = asked_.light_groups ? scene_.description().light_groups.size() : 0});
+                       .light_groups = asked_.light_groups ? scene_.description().light_groups
+                                                           : std::vector<std::string>()});
     }
     filter_->build(size_.width, size_.height, views);
   }

@@ -119,7 +119,7 @@ ExitStatus SequenceJob::run() {
                                 fingerprints_.layers_of(*needed.begin())));
   std::vector<FilteredView> filtered;
   for (const InputLayout& view : views) {
-    filtered.push_back({.name = view.view, .available = view.aovs, .light_groups = view.light_groups.size()});
+    filtered.push_back({.name = view.view, .available = view.aovs, .light_groups = view.light_groups});
   }
   filter_.build(window_.width(), window_.height(), filtered, window_.window.min);
   if (!command_.choice.empty()) progress_->note(command_.choice);
@@ -180,7 +180,7 @@ void SequenceJob::print_plan(const std::set<int>& needed) {
 void SequenceJob::find_existing() {
   Outputs::Existing found = outputs_.find_existing(attributes_);
   warn_unusable(found.unusable);
-  existing_ = fingerprints_.up_to_date(found.frames, [this](int frame) { return outputs_.path(frame); });
+  existing_ = fingerprints_.up_to_date(found.frames, [this](int frame) { return outputs_.paths(frame); });
   std::vector<int> outdated;
   std::ranges::set_difference(found.frames, existing_, std::back_inserter(outdated));
   if (outdated.empty()) return;
@@ -213,7 +213,9 @@ io::LoadedFrame SequenceJob::read(int frame) {
     loaded.frame.set_checkerboard(parity);
     for (io::LoadedView& view : loaded.other_views) view.frame.set_checkerboard(parity);
   }
-  if (loaded.frame.checkerboard() && !filter_.takes_checkerboards()) {
+  const bool has_holes =
+      loaded.frame.checkerboard() || (loaded.other_eye && loaded.other_eye->frame.checkerboard());
+  if (has_holes && !filter_.takes_checkerboards()) {
     throw Error(
         ExitStatus::bad_input,
         fmt::format("{}: a checkerboard of pixels: becalm antialias --checkerboard makes it whole first",

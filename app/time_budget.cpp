@@ -35,9 +35,11 @@ void choose_by_time(RenderCommand& command, tracer::Scene& scene) {
   const Size size = size_of(command, scene.description());
   const std::vector<int> frames = frames_of(command, scene.description());
   const bool chooses_preset = command.preset == kAutoPreset;
+  const std::vector<Eye> eyes = eyes_of(command, scene.description());
   command.adaptive = true;
   if (command.output.resume) {
-    const Outputs outputs("-o", {io::SequencePattern(pattern_of_eye(command.output.pattern, 0))}, frames);
+    const std::size_t eye = eyes.front() == Eye::right ? 1 : 0;
+    const Outputs outputs("-o", {io::SequencePattern(pattern_of_eye(command.output.pattern, eye))}, frames);
     const std::string spp = setting(outputs.recorded("becalm:settings"), "spp");
     if (!spp.empty()) {
       command.asked_spp = std::stoi(spp);
@@ -47,7 +49,6 @@ void choose_by_time(RenderCommand& command, tracer::Scene& scene) {
       return;
     }
   }
-  const std::vector<Eye> eyes = eyes_of(command, scene.description());
   tracer::RenderOptions options = render_options(command, size);
   options.eye = eyes.front();
   AdaptiveSampling sampling(scene, options, command.filter, {});

@@ -35,13 +35,15 @@ struct StereoCamera {
 struct StereoView {
   StereoCamera camera;
   Eye eye = Eye::left;
+  Imath::V2d middle_px{0.0,
+                       0.0};  ///< of the whole picture, from the middle of this image, which may be cropped
 
   bool operator==(const StereoView&) const = default;
 
   /// Distance along the view over distance along the ray of a pixel position, in an image of this size.
   double cosine(double x, double y, int width, int height) const {
-    const double right = x - 0.5 * width - camera.axis_px(eye);
-    const double down = y - 0.5 * height;
+    const double right = x - 0.5 * width - middle_px.x - camera.axis_px(eye);
+    const double down = y - 0.5 * height - middle_px.y;
     return camera.focal_px / std::sqrt(camera.focal_px * camera.focal_px + right * right + down * down);
   }
 

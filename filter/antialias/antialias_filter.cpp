@@ -182,10 +182,13 @@ std::optional<Frame> AntialiasFilter::run(const Step& step, const Frame& given, 
   }
   const Frame& frame = whole ? *whole : given;
   const Image& beauty = frame.image(Aov::beauty);
-  const std::vector<std::uint8_t> finite = finite_pixels(beauty);
-  report.non_finite_pixels = static_cast<std::size_t>(std::ranges::count(finite, 0));
+  std::vector<std::uint8_t> finite = finite_pixels(beauty);
   std::vector<std::uint8_t> counts = finite;  // what is a sample
-  if (whole) leave_holes(*given.checkerboard(), sampled.width, counts);
+  if (whole) {
+    leave_holes(*given.checkerboard(), sampled.width, counts);
+    close_holes(*given.checkerboard(), sampled.width, finite);  // they are made, whatever they hold
+  }
+  report.non_finite_pixels = static_cast<std::size_t>(std::ranges::count(finite, 0));
   Image color(sampled.width, sampled.height, 4);
   pack_color(beauty, counts, bounds(sampled), color.data());
   if (!s.scale) s.scale = scale_of(color);

@@ -45,12 +45,24 @@ void require_checkerboard(const Frame& frame) {
                           frame.number()));
 }
 
-void leave_holes(Parity parity, int width, std::vector<std::uint8_t>& counts) {
+namespace {
+
+void mark_holes(Parity parity, int width, std::uint8_t mark, std::vector<std::uint8_t>& counts) {
   for (std::size_t i = 0; i < counts.size(); ++i) {
     const int x = static_cast<int>(i % width);
     const int y = static_cast<int>(i / width);
-    if (!has_sample(parity, x, y)) counts[i] = 0;
+    if (!has_sample(parity, x, y)) counts[i] = mark;
   }
+}
+
+}  // namespace
+
+void leave_holes(Parity parity, int width, std::vector<std::uint8_t>& counts) {
+  mark_holes(parity, width, 0, counts);
+}
+
+void close_holes(Parity parity, int width, std::vector<std::uint8_t>& counts) {
+  mark_holes(parity, width, 1, counts);
 }
 
 }  // namespace becalm::filter

@@ -16,5 +16,7 @@ void fill_holes(Frame& frame, Parity parity);
 
 /// Marks pixels without samples as 0, in rows of `width`.
 void leave_holes(Parity parity, int width, std::vector<std::uint8_t>& counts);
+/// Marks them as 1.
+void close_holes(Parity parity, int width, std::vector<std::uint8_t>& counts);
 
 }  // namespace becalm::filter

@@ -10,7 +10,8 @@ namespace becalm::filter {
 Correspondence correspondence_by_depth(const Frame& frame, float limit_px) {
   const Image& depth = frame.image(Aov::depth);
   const StereoView& view = *frame.stereo();
-  const StereoView other{view.camera, view.other_eye()};
+  StereoView other = view;
+  other.eye = view.other_eye();
   const int width = frame.width();
   const int height = frame.height();
   Correspondence where{Image(width, height, 2, kNowhere), Image(width, height, 1)};

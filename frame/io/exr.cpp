@@ -34,6 +34,9 @@ using TargetsByChannel = std::map<std::string, std::vector<Target>>;
 int width_of(const Imath::Box2i& window) {
   return window.max.x - window.min.x + 1;
 }
+Imath::V2d middle_of(const Imath::Box2i& window) {
+  return {0.5 * (window.min.x + window.max.x), 0.5 * (window.min.y + window.max.y)};
+}
 int height_of(const Imath::Box2i& window) {
   return window.max.y - window.min.y + 1;
 }
@@ -181,7 +184,9 @@ LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted, c
       view.frame.set_checkerboard(
           parse_checkerboard(text_attribute(file->header(0), kCheckerboardAttribute), view.window.min));
       const int part = view.layers[static_cast<std::size_t>(Aov::beauty)]->part;
-      view.frame.set_stereo(parse_stereo(text_attribute(file->header(part), kStereoAttribute)));
+      std::optional<StereoView> stereo = parse_stereo(text_attribute(file->header(part), kStereoAttribute));
+      if (stereo) stereo->middle_px = middle_of(views[i].display_window) - middle_of(view.window);
+      view.frame.set_stereo(stereo);
       add_targets(wanted, light_groups, view, parts);
     }
     for (const auto& [part, targets] : parts) read_part(*file, part, targets);

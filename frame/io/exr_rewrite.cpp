@@ -1,4 +1,5 @@
 #include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfTileDescription.h>
 #include <fmt/format.h>
 
@@ -13,6 +14,7 @@
 #include "frame/io/exr_file.h"
 #include "frame/io/exr_parts.h"
 #include "frame/io/printable.h"
+#include "frame/io/stereo_text.h"
 
 namespace becalm::io {
 namespace {
@@ -62,6 +64,12 @@ void scale_windows(const std::string& path, const Scale& scale, Imf::Header& hea
   }
   header.dataWindow() = scale.window(header.dataWindow());
   header.displayWindow() = scale.window(header.displayWindow());
+  if (const auto* text = header.findTypedAttribute<Imf::StringAttribute>(kStereoAttribute)) {
+    if (std::optional<StereoView> view = parse_stereo(text->value())) {
+      view->camera.focal_px *= scale.value();
+      header.insert(kStereoAttribute, Imf::StringAttribute(format_stereo(*view)));
+    }
+  }
   for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
     it.channel().xSampling = it.channel().ySampling = 1;
   }

@@ -96,10 +96,20 @@ class LibRawFile : public File {
 
   const Info& info() const override { return info_; }
 
-  void read(std::span<float> samples) override {
+  void unpack() override {
     check(raw_.unpack());
+    if (raw_.imgdata.rawdata.raw_image == nullptr)
+      throw std::runtime_error("it has colours in every pixel, expected a mosaic");
+    const auto& sizes = raw_.imgdata.sizes;
+    const int right = sizes.left_margin + info_.width;
+    const int bottom = sizes.top_margin + info_.height;
+    if (right > sizes.raw_width || bottom > sizes.raw_height ||
+        sizes.raw_pitch < static_cast<std::size_t>(right) * sizeof(ushort))
+      throw std::runtime_error("its active area is not inside its picture");
+  }
+
+  void read(std::span<float> samples) override {
     const ushort* pixels = raw_.imgdata.rawdata.raw_image;
-    if (pixels == nullptr) throw std::runtime_error("it has colours in every pixel, expected a mosaic");
     const auto& sizes = raw_.imgdata.sizes;
     const std::size_t pitch = sizes.raw_pitch / sizeof(ushort);
     const double white = raw_.imgdata.rawdata.color.maximum;

@@ -41,6 +41,7 @@ std::unique_ptr<File> open(const std::string& path) {
 
 Mosaic read(File& file, const std::string& path) {
   try {
+    file.unpack();
     Mosaic mosaic{Image(file.info().width, file.info().height, 1), file.info().cfa};
     file.read(mosaic.samples.data());
     return mosaic;

@@ -35,8 +35,11 @@ class File {
  public:
   virtual ~File() = default;
   virtual const Info& info() const = 0;
-  /// Writes the active area's samples; black is subtracted and white is 1. May be called once. Throws
-  /// std::runtime_error with the reason.
+  /// Decodes the samples. Before memory is taken for them, absurd sizes and truncated files are refused.
+  /// Throws std::runtime_error with the reason.
+  virtual void unpack() = 0;
+  /// Writes the active area's samples, once they are decoded; black is subtracted and white is 1. May be
+  /// called once. Throws std::runtime_error with the reason.
   virtual void read(std::span<float> samples) = 0;
 };
 

@@ -7,9 +7,10 @@ const float kFarOffset = 1e6f;
 /// By how much a depth may differ from the expected one, relative to it. Depths are means over a pixel.
 const float kDepthTolerance = 0.05f;
 
-/// Whether the depth in the other eye's image is that of the same surface. Both may be infinite.
+/// Whether the depth in the other eye's image is that of the same surface. Both may be infinite, but then
+/// only both: any difference is within a share of infinity.
 bool is_expected_depth(float depth, float expected) {
-  return depth == expected || abs(depth - expected) <= kDepthTolerance * expected;
+  return depth == expected || (expected < 3.4e38f && abs(depth - expected) <= kDepthTolerance * expected);
 }
 
 /// Effective sample count of two estimates with `own` and `other` samples, blended with weight `alpha` of the

@@ -157,6 +157,39 @@ TEST_F(Burst, TakesTheNoiseThatItIsTold) {
   EXPECT_NE(given.err.find("2.000e-04,3.000e-05 (as given)"), std::string::npos) << given.err;
 }
 
+/// Gives a tag of a little-endian TIFF file's first directory another value of 32 bits.
+void change_tag(const std::string& path, std::uint16_t tag, std::uint32_t value) {
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  const auto read = [&](std::streamoff at, std::size_t bytes) {
+    std::uint32_t number = 0;
+    file.seekg(at);
+    for (std::size_t i = 0; i < bytes; ++i) number |= static_cast<std::uint32_t>(file.get()) << 8 * i;
+    return number;
+  };
+  const std::streamoff directory = read(4, 4);
+  for (std::uint32_t i = 0; i < read(directory, 2); ++i) {
+    const std::streamoff entry = directory + 2 + 12 * static_cast<std::streamoff>(i);
+    if (read(entry, 2) != tag) continue;
+    file.seekp(entry + 8);
+    for (int byte = 0; byte < 4; ++byte) file.put(static_cast<char>(value >> 8 * byte));
+    return;
+  }
+  FAIL() << path << " has no tag " << tag;
+}
+
+TEST_F(Burst, RefusesSizesThatTheFileDoesNotHold) {
+  constexpr std::uint16_t width = 256, height = 257;
+  const raw::Info info = camera();
+  for (const std::uint32_t claimed : {4000u, 65535u}) {
+    const std::vector<std::string> files{write(1, info), write(2, info)};
+    for (const std::string& file : files) {
+      change_tag(file, width, claimed);
+      change_tag(file, height, claimed);
+    }
+    expect_error(becalm(command(files, folder_ / "out.exr")), 3, {"in1.dng"});
+  }
+}
+
 TEST_F(Burst, RefusesWhatIsNoBurst) {
   const auto inputs = write_burst();
   const std::string output = folder_ / "out.exr";

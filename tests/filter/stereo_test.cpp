@@ -221,6 +221,16 @@ TEST_F(StereoTest, WhatTheOtherEyeDoesNotSeeStaysAsItIs) {
   }
 }
 
+TEST_F(StereoTest, SkyIsNoSurfaceThatTheOtherEyeSees) {
+  const Shot shot{.noise = 0.05, .contrast = 0.0};
+  Frame left = frame_of(shot, Eye::left);
+  std::ranges::fill(left.image(Aov::depth).data(), std::numeric_limits<float>::infinity());
+  const auto results =
+      filter_pair(device(), unsmoothed(), left, frame_of(shot, Eye::right),
+                  {.diagnostics = AovSet().set(static_cast<std::size_t>(Aov::stereo_weight))});
+  for (const float weight : results[0].image(Aov::stereo_weight).data()) ASSERT_EQ(weight, 0.0f);
+}
+
 TEST_F(StereoTest, AConstantStaysConstantAtAnyScale) {
   for (const char* name : {"draft", "balanced"}) {
     for (const float value : {1e-30f, 0.5f, 1e30f}) {

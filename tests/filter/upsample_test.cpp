@@ -260,6 +260,25 @@ TEST_F(UpsampleTest, NonFinitePixelsComeOutAsTheyCameAndSpoilNothing) {
   }
 }
 
+TEST_F(UpsampleTest, HolesMayHoldAnything) {
+  const Shot shot{.scale = {1, 1}, .checkerboard = true};
+  const Frame zeros = frame_of(shot, 0);
+  Frame nans = zeros;
+  for (int y = 0; y < nans.height(); ++y) {
+    for (int x = 0; x < nans.width(); ++x) {
+      if (has_sample(*nans.checkerboard(), x, y)) continue;
+      std::ranges::fill(nans.image(Aov::beauty).pixel(x, y), std::numeric_limits<float>::quiet_NaN());
+    }
+  }
+  AntialiasFilter of_zeros = make(settings_of(shot), zeros);
+  AntialiasFilter of_nans = make(settings_of(shot), nans);
+  FrameReport report;
+  const std::optional<Frame> made = of_nans.run({.frame = 0}, nans, report);
+  EXPECT_EQ(report.non_finite_pixels, 0u);
+  EXPECT_TRUE(
+      std::ranges::equal(made->image(Aov::beauty).data(), run(of_zeros, zeros).image(Aov::beauty).data()));
+}
+
 TEST_F(UpsampleTest, TakesEveryKindOfFrame) {
   for (const bool checkerboard : {false, true}) {
     for (const auto& [width, height] : {std::pair{1, 1}, {5, 1}, {3, 200}}) {
