@@ -10,6 +10,8 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO as oiio
 
+from benches.scene_text import scene_text
+
 REPORTED = ("fence", "classroom", "blocks", "meadow")
 CHOOSING = ("courtyard", "courtyard_sun", "spheres")  # what settings are chosen on; courtyard_sun: still, but for its shadows
 AMBIENT = np.array([0.22, 0.26, 0.33], np.float32)
@@ -19,18 +21,8 @@ CYCLE = 16
 
 def variant(scene, cycle, size):
     """The scene of this name with nothing in it that needs more than one sample but edges and textures."""
-    root = Path("scenes").resolve()
     name, moving_sun, _ = scene.partition("_sun")
-    text = json.loads((root / f"{name}.json").read_text())
-
-    def absolute(node):
-        if isinstance(node, dict):
-            return {key: absolute(value) for key, value in node.items()}
-        if isinstance(node, list):
-            return [absolute(value) for value in node]
-        return str(root / node) if isinstance(node, str) and node.startswith(("textures/", "meshes/")) else node
-
-    text = absolute(text)
+    text = scene_text(name)
     text.pop("environment", None)
     text["integrator"] = text.get("integrator", {}) | {"max_depth": 1}
     text["film"] |= {"width": size[0], "height": size[1], "jitter_cycle": cycle}

@@ -167,8 +167,8 @@ def main():
     print("| scene | method | spp | RMSE | of none's | SSIM | stereo difference |\n| --- | --- | --- | --- | --- | --- | --- |")
     for shot in shots:
         table(shot, asked.spp, METHODS)
-    print(f"\nOne frame of {WEIGHT_SPP} samples, not smoothed, the other eye reprojected by depth; the last column is the mean weight of the own eye beside\n"
-          "the true one's,\nthe root mean square error of the weight, and their correlation.\n")
+    print(f"\nOne frame of {WEIGHT_SPP} samples, not smoothed, the other eye reprojected by depth; the last\ncolumn is the mean weight of the own eye beside "
+          "the true one's, the root mean square error of the\nweight, and their correlation.\n")
     print("| scene | weight | RMSE | SSIM | stereo difference | of the weight |\n| --- | --- | --- | --- | --- | --- |")
     for shot in shots:
         weights(shot)

@@ -7,6 +7,8 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO as oiio
 
+from benches.scene_text import scene_text, with_absolute_paths
+
 REPORTED = ("spheres", "statue")
 CHOOSING = ("courtyard", "dining")  # what constants are chosen on
 SEPARATION = {"spheres": 0.13, "statue": 0.065, "courtyard": 0.065, "dining": 0.065}  # of the eyes; spheres are twice as large
@@ -39,17 +41,7 @@ def statue():
 
 
 def scene_of(name, size):
-    root = Path("scenes").resolve()
-    text = statue() if name == "statue" else json.loads((root / f"{name}.json").read_text())
-
-    def absolute(node):
-        if isinstance(node, dict):
-            return {key: absolute(value) for key, value in node.items()}
-        if isinstance(node, list):
-            return [absolute(value) for value in node]
-        return str(root / node) if isinstance(node, str) and node.startswith(("textures/", "meshes/")) else node
-
-    text = absolute(text)
+    text = with_absolute_paths(statue()) if name == "statue" else scene_text(name)
     text["film"] |= {"width": size[0], "height": size[1]}
     text["camera"]["eye_separation"] = SEPARATION[name]
     return text
