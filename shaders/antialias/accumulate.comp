@@ -48,13 +48,6 @@ layout(std430, set = 0, binding = 15) writeonly buffer DecisionBuffer { vec4 dat
 
 /// Limits differences, so that sums of their squares stay within the range of floats.
 const float kLargest = 1e16;
-/// Of the inverted mask (Hanika et al. 2021, section 4): patches whose distance exceeds kEta / kKappa differ.
-const float kKappa = 40.0;
-const float kEta = 0.2;
-/// Filtered difference, relative to the brightness, that rejects the whole history, and below which none is.
-const float kRejects = 0.3;
-const float kAccepts = 0.05;
-const int kRejectionRadius = 3;
 /// Share of the expected noise that counts against a difference: less follows motion sooner, more averages
 /// longer. Chosen on the shots of scripts/benches/antialias: from 0.4 to 1 still and moving ones trade 3 %.
 const float kExplained = 0.5;
@@ -75,60 +68,7 @@ float squared(vec3 d) {
   return dot(d, d) / 3.0;
 }
 
-/// The samples around a pixel, 3x3 or, where they are sparser than pixels, the 2x2 nearest (survey, section 5.2):
-/// their bounds in the space of rectification, and what eq. 10 and 11 take.
-struct Around {
-  vec3 low;
-  vec3 high;
-  vec3 middle;
-  float spread;      // eq. 10: variance of the samples
-  float difference;  // eq. 11: mean squared difference between the history and a sample
-};
-
-Around look_around(ivec2 at, vec3 history) {
-  vec3 sum = vec3(0.0);
-  vec3 squares = vec3(0.0);
-  float difference_sum = 0.0;
-  vec3 low = vec3(3.4e38);
-  vec3 high = vec3(-3.4e38);
-  float count = 0.0;
-  // Relative to the pixel's own sample, so that the squares of an even surface cancel.
-  const GridTaps taps = grid_taps(at);
-  const ivec2 nearest = clamp(taps.nearest, ivec2(0), samples_size - 1);
-  const int middle = nearest.y * samples_size.x + nearest.x;
-  const vec3 own = texelFetch(samples, middle).rgb;
-  vec3 mean_rgb = vec3(0.0);
-  float squares_rgb = 0.0;
-  [[unroll]] for (int k = 0; k < 9; ++k) {
-    const ivec2 q = taps.nearest + ivec2(k % 3, k / 3) - 1;
-    const bool inside = q.x >= 0 && q.y >= 0 && q.x < samples_size.x && q.y < samples_size.y;
-    const int tap = inside ? q.y * samples_size.x + q.x : middle;
-    const float w = inside && texelFetch(finite, tap).x > 0.0 && taps.wide[k % 3][k / 3] > 0.0 ? 1.0 : 0.0;
-    const vec3 x = texelFetch(samples, tap).rgb;
-    const vec3 d = clamp(x - own, -kLargest, kLargest);
-    const vec3 in_space = in_ycocg != 0 ? to_ycocg(d) : d;
-    sum += w * in_space;
-    squares += w * in_space * in_space;
-    low = w > 0.0 ? min(low, in_space) : low;
-    high = w > 0.0 ? max(high, in_space) : high;
-    mean_rgb += w * d;
-    squares_rgb += w * dot(d, d);
-    difference_sum += w * squared(history - x);
-    count += w;
-  }
-  Around around;
-  const float n = max(count, 1.0);
-  const vec3 offset = in_ycocg != 0 ? to_ycocg(own) : own;
-  const vec3 mean = sum / n;
-  const vec3 deviation = sqrt(max(squares / n - mean * mean, vec3(0.0)));
-  around.middle = offset + mean;
-  around.low = by_deviation != 0 ? around.middle - p.gamma * deviation : offset + low;
-  around.high = by_deviation != 0 ? around.middle + p.gamma * deviation : offset + high;
-  mean_rgb /= n;
-  around.spread = max(squares_rgb / n - dot(mean_rgb, mean_rgb), 0.0) / 3.0;
-  around.difference = difference_sum / n;
-  return around;
-}
+#include "lib/samples_around.glsl"
 
 /// Side of the square of pixels that bias is measured over: sparse samples tell as much on more of them.
 const int kSide = sparse != 0 ? 5 : 3;
@@ -161,30 +101,7 @@ vec2 variance_and_bias(ivec2 at, int index, float n) {
   return vec2(of_frame, max(max(squares / weight - expected, own - kCertain * expected_own), 0.0));
 }
 
-float residual_at(int x, int y) { return texelFetch(residual, y * residual_size.x + x).x; }
-
-/// 1 where patches differ, 0 where they are alike.
-float mask_of(ivec2 at) {
-  const BilinearTaps taps = bilinear_taps(at, vec2(0.0), residual_size, p.residual_scale);
-  const float top = mix(residual_at(taps.lo.x, taps.lo.y), residual_at(taps.hi.x, taps.lo.y), taps.t.x);
-  const float bottom = mix(residual_at(taps.lo.x, taps.hi.y), residual_at(taps.hi.x, taps.hi.y), taps.t.x);
-  return clamp(kKappa * mix(top, bottom, taps.t.y) - kEta, 0.0, 1.0);
-}
-
-/// The least weight of the new frame by the filtered difference (survey, eq. 5).
-float least_by_color(ivec2 at, int index) {
-  vec4 sum = texelFetch(difference_sums, index);
-  float count = 0.0;
-  [[unroll]] for (int i = -kRejectionRadius; i <= kRejectionRadius; ++i) {
-    const bool inside = at.x + i >= 0 && at.x + i < size.x;
-    const vec4 tap = texelFetch(difference, inside ? index + i : index);
-    sum += inside ? tap : vec4(0.0);
-    count += inside ? 1.0 : 0.0;
-  }
-  const int rows = min(at.y + kRejectionRadius, size.y - 1) - max(at.y - kRejectionRadius, 0) + 1;
-  const vec3 mean = abs(sum.rgb) / (count * float(rows));
-  return clamp((max(mean.r, max(mean.g, mean.b)) - kAccepts) / (kRejects - kAccepts), 0.0, 1.0);
-}
+#include "lib/reject_history.glsl"
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);

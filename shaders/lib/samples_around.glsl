@@ -1,0 +1,57 @@
+// The samples around a pixel, by which its history is rectified and weighed. Not pure functions: the including
+// kernel declares the texel buffers and constants that they read, and lib/sparse_grid.glsl's.
+
+/// The samples around a pixel, 3x3 or, where they are sparser than pixels, the 2x2 nearest (survey, section 5.2):
+/// their bounds in the space of rectification, and what eq. 10 and 11 take.
+struct Around {
+  vec3 low;
+  vec3 high;
+  vec3 middle;
+  float spread;      // eq. 10: variance of the samples
+  float difference;  // eq. 11: mean squared difference between the history and a sample
+};
+
+Around look_around(ivec2 at, vec3 history) {
+  vec3 sum = vec3(0.0);
+  vec3 squares = vec3(0.0);
+  float difference_sum = 0.0;
+  vec3 low = vec3(3.4e38);
+  vec3 high = vec3(-3.4e38);
+  float count = 0.0;
+  // Relative to the pixel's own sample, so that the squares of an even surface cancel.
+  const GridTaps taps = grid_taps(at);
+  const ivec2 nearest = clamp(taps.nearest, ivec2(0), samples_size - 1);
+  const int middle = nearest.y * samples_size.x + nearest.x;
+  const vec3 own = texelFetch(samples, middle).rgb;
+  vec3 mean_rgb = vec3(0.0);
+  float squares_rgb = 0.0;
+  [[unroll]] for (int k = 0; k < 9; ++k) {
+    const ivec2 q = taps.nearest + ivec2(k % 3, k / 3) - 1;
+    const bool inside = q.x >= 0 && q.y >= 0 && q.x < samples_size.x && q.y < samples_size.y;
+    const int tap = inside ? q.y * samples_size.x + q.x : middle;
+    const float w = inside && texelFetch(finite, tap).x > 0.0 && taps.wide[k % 3][k / 3] > 0.0 ? 1.0 : 0.0;
+    const vec3 x = texelFetch(samples, tap).rgb;
+    const vec3 d = clamp(x - own, -kLargest, kLargest);
+    const vec3 in_space = in_ycocg != 0 ? to_ycocg(d) : d;
+    sum += w * in_space;
+    squares += w * in_space * in_space;
+    low = w > 0.0 ? min(low, in_space) : low;
+    high = w > 0.0 ? max(high, in_space) : high;
+    mean_rgb += w * d;
+    squares_rgb += w * dot(d, d);
+    difference_sum += w * squared(history - x);
+    count += w;
+  }
+  Around around;
+  const float n = max(count, 1.0);
+  const vec3 offset = in_ycocg != 0 ? to_ycocg(own) : own;
+  const vec3 mean = sum / n;
+  const vec3 deviation = sqrt(max(squares / n - mean * mean, vec3(0.0)));
+  around.middle = offset + mean;
+  around.low = by_deviation != 0 ? around.middle - p.gamma * deviation : offset + low;
+  around.high = by_deviation != 0 ? around.middle + p.gamma * deviation : offset + high;
+  mean_rgb /= n;
+  around.spread = max(squares_rgb / n - dot(mean_rgb, mean_rgb), 0.0) / 3.0;
+  around.difference = difference_sum / n;
+  return around;
+}
