@@ -1,4 +1,4 @@
-"""becalm's tracer beside Cycles: noise, time, and time to equal error on three scenes of equal materials. Called by `scripts/bench peer`."""
+"""becalm's tracer beside Cycles, or beside another becalm: noise, time, and time to equal error. Called by `scripts/bench peer`."""
 
 import argparse
 import json
@@ -22,32 +22,35 @@ WORST = 0.01  # the share of pixels that is left out of the second ratio
 def arguments():
     parser = argparse.ArgumentParser(prog="scripts/bench peer", description=__doc__)
     parser.add_argument("-o", "--output", type=Path, default=Path("out/peer"), metavar="DIR", help="report.md and frames (default: out/peer)")
-    parser.add_argument("--scenes", type=lambda text: text.split(","), default=list(SCENES), metavar="LIST", help=f"default: {','.join(SCENES)}")
+    parser.add_argument("--scenes", type=lambda text: text.split(","), default=list(SCENES), metavar="LIST",
+                        help=f"default: {','.join(SCENES)}; with --other also scene files, such as scenes/slab.json")
+    parser.add_argument("--frame", type=int, default=5, metavar="N", help="of scene files (default: 5)")
     parser.add_argument("--size", default="480x270", metavar="WxH", help="default: 480x270")
     parser.add_argument("--spp", type=int, default=64, metavar="N", help="default: 64")
     parser.add_argument("--seeds", type=int, default=4, metavar="N", help="frames of each, at least 2 (default: 4)")
     parser.add_argument("--becalm", type=Path, default=Path("build/release/becalm"), metavar="PATH")
     parser.add_argument("--other", type=Path, metavar="PATH", help="another becalm in place of Cycles")
     asked = parser.parse_args()
-    if unknown := [name for name in asked.scenes if name not in SCENES]:
-        parser.error(f"no scene '{unknown[0]}'; there are {', '.join(SCENES)}")
+    if unknown := [name for name in asked.scenes if name not in SCENES and not (asked.other and Path(name).is_file())]:
+        parser.error(f"no scene '{unknown[0]}'; there are {', '.join(SCENES)}{' and files' if asked.other else ''}")
     if asked.seeds < 2:
         parser.error("--seeds: expected at least 2")
     return asked
 
 
-def render_becalm(program, name, scene_file, asked):
-    """Frames of all seeds, and processor seconds of each, alternating frames of one sample to know what the start takes."""
-    seconds, frames = [], []
+def render_becalms(programs, scene_file, folder, frame, asked):
+    """Of each program: frames of all seeds, and the median of the processor seconds of one. The programs alternate; frames of one sample
+    tell what the start takes."""
+    seconds, frames = [[] for _ in programs], [[] for _ in programs]
     for seed in range(1, asked.seeds + 1):
-        cost = {}
-        for spp in (1, asked.spp):
-            path = scene_file.with_name(f"{name}.{seed}.exr")
-            _, cost[spp] = timed([program, "render", scene_file, "-o", path, "--size", asked.size, "--spp", spp, "--seed", seed, "--float",
-                                  "--quiet", "--overwrite"])
-        seconds.append((cost[asked.spp].processor_s - cost[1].processor_s) * asked.spp / (asked.spp - 1))
-        frames.append(radiance(path))
-    return np.stack(frames), statistics.median(seconds)
+        for number, program in enumerate(programs):
+            cost, path = {}, folder / f"becalm{number}.{seed}.exr"
+            for spp in (1, asked.spp):
+                _, cost[spp] = timed([program, "render", scene_file, "-o", path, "--frames", frame, "--size", asked.size, "--spp", spp,
+                                      "--seed", seed, "--float", "--quiet", "--overwrite"])
+            seconds[number].append((cost[asked.spp].processor_s - cost[1].processor_s) * asked.spp / (asked.spp - 1))
+            frames[number].append(radiance(path))
+    return [(np.stack(of_program), statistics.median(spent)) for of_program, spent in zip(frames, seconds)]
 
 
 def render_cycles(name, folder, asked):
@@ -76,10 +79,12 @@ def main():
     asked = arguments()
     rows = []
     for name in asked.scenes:
-        folder = asked.output / name
-        scene_file = write_scene(SCENES[name], folder, asked.size)
-        theirs = render_becalm(asked.other, "other", scene_file, asked) if asked.other else render_cycles(name, folder, asked)
-        rows.append(row(name, render_becalm(asked.becalm, "becalm", scene_file, asked), theirs))
+        is_file = name not in SCENES
+        folder = asked.output / Path(name).stem
+        folder.mkdir(parents=True, exist_ok=True)
+        scene_file, frame = (Path(name), asked.frame) if is_file else (write_scene(SCENES[name], folder, asked.size), 1)
+        ours, *others = render_becalms([asked.becalm, *([asked.other] if asked.other else [])], scene_file, folder, frame, asked)
+        rows.append(row(Path(name).stem, ours, others[0] if others else render_cycles(name, folder, asked)))
         print(rows[-1], flush=True)
     columns = ("mean", "variance", "seconds", "equal", "equal_kept")
     lines = [[r["scene"], *(f"{r[c]:.4f}" if c == "mean" else f"{r[c]:.2f}" for c in columns)] for r in rows]
