@@ -31,12 +31,12 @@ void check_eye(const Frame& frame, Eye eye, const std::string& path) {
 }
 
 io::LoadedFrame read_file(const std::string& path, int frame, const FilterStage& filter,
-                          const io::LayerOptions& layers, const InputWindow& window) {
+                          const io::LayerOptions& layers, const InputWindow& window, io::KeepPassedOn keep) {
   if (!filter.denoises_additive()) {
-    return io::read_exr(path, frame, filter.wanted(), layers, io::LightGroups::leave, window.window);
+    return io::read_exr(path, frame, filter.wanted(), layers, io::LightGroups::leave, window.window, keep);
   }
   io::LoadedFrame loaded = io::read_exr(path, frame, filter.wanted() | filter::additive_aovs(), layers,
-                                        io::LightGroups::read, window.window);
+                                        io::LightGroups::read, window.window, keep);
   leave_other_parts(loaded);
   std::ranges::for_each(loaded.other_views, leave_other_parts);
   return loaded;
@@ -45,15 +45,17 @@ io::LoadedFrame read_file(const std::string& path, int frame, const FilterStage&
 }  // namespace
 
 io::LoadedFrame read_pixels(const InputFrames& inputs, int frame, const FilterStage& filter,
-                            const io::LayerOptions& layers, const InputWindow& window) {
-  io::LoadedFrame loaded = read_file(inputs.path(frame), frame, filter, layers, window);
+                            const io::LayerOptions& layers, const InputWindow& window,
+                            io::KeepPassedOn keep) {
+  io::LoadedFrame loaded = read_file(inputs.path(frame), frame, filter, layers, window, keep);
   if (inputs.other_half()) {
     const std::string other = inputs.other_half()->path(frame);
-    join_halves(loaded, read_file(other, frame, filter, layers, window), other);
+    join_halves(loaded, read_file(other, frame, filter, layers, window, io::KeepPassedOn::no), other);
   }
   if (inputs.other_eye()) {
     const std::string other = inputs.other_eye()->path(frame);
-    loaded.other_eye = std::make_shared<io::LoadedFrame>(read_file(other, frame, filter, layers, window));
+    loaded.other_eye =
+        std::make_shared<io::LoadedFrame>(read_file(other, frame, filter, layers, window, keep));
     check_eye(loaded.frame, Eye::left, inputs.path(frame));
     check_eye(loaded.other_eye->frame, Eye::right, other);
   }

@@ -12,6 +12,7 @@ namespace becalm::app {
 /// each, which are joined, or of the two eyes. Every frame covers `window`. Throws as io::read_exr and
 /// join_halves do.
 io::LoadedFrame read_pixels(const InputFrames& inputs, int frame, const FilterStage& filter,
-                            const io::LayerOptions& layers, const InputWindow& window);
+                            const io::LayerOptions& layers, const InputWindow& window,
+                            io::KeepPassedOn keep = io::KeepPassedOn::no);
 
 }  // namespace becalm::app

@@ -133,14 +133,14 @@ ExitStatus SequenceJob::run() {
   }
   const double work_per_step = static_cast<double>(wanted.size()) / static_cast<double>(steps.size());
   FrameSink sink(outputs_, existing_, "--type float keeps them", *progress_, profile_);
-  run_pipeline(steps.size(),
-               {.source = [&](std::size_t step) { return std::optional(read(steps[step].frame)); },
-                .filter =
-                    [&](std::size_t step, io::LoadedFrame noisy) {
-                      progress_->update(steps[step].frame, work_per_step * static_cast<double>(step));
-                      return filter_.run(steps[step], std::move(noisy), *progress_, profile_);
-                    },
-                .sink = [&](const FinishedFrame& finished) { write(finished, sink); }});
+  run_pipeline(steps.size(), {.source = [&](std::size_t step) { return std::optional(read(steps[step])); },
+                              .filter =
+                                  [&](std::size_t step, io::LoadedFrame noisy) {
+                                    progress_->update(steps[step].frame,
+                                                      work_per_step * static_cast<double>(step));
+                                    return filter_.run(steps[step], std::move(noisy), *progress_, profile_);
+                                  },
+                              .sink = [&](const FinishedFrame& finished) { write(finished, sink); }});
   filter_.finish(profile_);
   return conclude(*progress_, asked, command_.running.profile ? &profile_ : nullptr);
 }
@@ -188,11 +188,14 @@ void SequenceJob::find_existing() {
                    counted(outdated.size(), "frame is", "frames are"), io::format_frame_range(outdated)));
 }
 
-io::LoadedFrame SequenceJob::read(int frame) {
+io::LoadedFrame SequenceJob::read(const filter::Step& step) {
+  const int frame = step.frame;
   const ProfileScope scope(profile_, "read");
   progress_->detail(fmt::format("frame {}: reading {}", frame, inputs_.path(frame)));
   fingerprints_.take(frame);
-  io::LoadedFrame loaded = read_pixels(inputs_, frame, filter_, layers_, window_);
+  const bool keeps = step.wanted && step.direction == filter::Direction::forward && format_.scale.is_one();
+  io::LoadedFrame loaded = read_pixels(inputs_, frame, filter_, layers_, window_,
+                                       keeps ? io::KeepPassedOn::yes : io::KeepPassedOn::no);
   if (command_.jitter != "auto") {
     loaded.frame.set_jitter(given_jitter(command_.jitter, frame));
     for (io::LoadedView& view : loaded.other_views) view.frame.set_jitter(loaded.frame.jitter());

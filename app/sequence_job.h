@@ -35,7 +35,7 @@ class SequenceJob {
   std::string settings() const;
   void find_existing();
   void print_plan(const std::set<int>& needed);
-  io::LoadedFrame read(int frame);
+  io::LoadedFrame read(const filter::Step& step);
   void require_sound_input(const std::vector<int>& frames) const;
   std::string halves_text() const;
   void write(const FinishedFrame& result, FrameSink& sink);

@@ -6,13 +6,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstring>
 #include <functional>
 #include <limits>
 #include <map>
+#include <set>
 
 #include "frame/error.h"
 #include "frame/io/exr_file.h"
+#include "frame/io/exr_parts.h"
 #include "frame/io/jitter_text.h"
 #include "frame/io/stereo_text.h"
 #include "frame/io/stripe.h"
@@ -31,6 +34,15 @@ struct Target {
 
 using TargetsByChannel = std::map<std::string, std::vector<Target>>;
 
+/// What is read of a part.
+struct PartTargets {
+  TargetsByChannel channels;
+  std::set<std::string> denoised;  ///< channels that the denoised frame replaces
+};
+
+/// More than this is not kept of a file: frames are read again rather than that memory is full of them.
+constexpr std::size_t kLargestKept = std::size_t{256} << 20;
+
 int width_of(const Imath::Box2i& window) {
   return window.max.x - window.min.x + 1;
 }
@@ -48,57 +60,105 @@ float value_of_nothing(Aov aov) {
   return 0.0f;
 }
 
-/// Copies what the stripe's lines and the frame's window have in common.
-void copy_lines(const Stripe::Plane& plane, const Imath::Box2i& lines, const Target& target) {
+/// Copies what the lines first..last of the plane and the frame's window have in common. The plane's samples
+/// are of type T.
+template <class T>
+void copy_lines(const Stripe::Plane& plane, const Imath::Box2i& lines, int first, int last,
+                const Target& target) {
   const Imath::Box2i& frame_window = target.window;
   const int x_begin = std::max(lines.min.x, frame_window.min.x);
   const int x_end = std::min(lines.max.x, frame_window.max.x) + 1;
-  for (int y = std::max(lines.min.y, frame_window.min.y); y <= std::min(lines.max.y, frame_window.max.y);
-       ++y) {
+  for (int y = std::max(first, frame_window.min.y); y <= std::min(last, frame_window.max.y); ++y) {
     const std::size_t row = static_cast<std::size_t>(y - lines.min.y) * width_of(lines);
     for (int x = x_begin; x < x_end; ++x) {
-      float value;
-      std::memcpy(&value, &plane.bytes[(row + (x - lines.min.x)) * sizeof value], sizeof value);
+      T sample;
+      std::memcpy(&sample, &plane.bytes[(row + (x - lines.min.x)) * sizeof sample], sizeof sample);
+      auto value = static_cast<float>(sample);
       if (target.squared) value *= value;
       target.image->at(x - frame_window.min.x, y - frame_window.min.y, target.channel) = value * target.scale;
     }
   }
 }
 
-void read_part(Imf::MultiPartInputFile& file, int part_number, const TargetsByChannel& targets) {
+void copy_to_targets(const Stripe& stripe, int first, int last, const TargetsByChannel& targets) {
+  for (const Stripe::Plane& plane : stripe.planes()) {
+    const auto found = targets.find(plane.channel);
+    if (found == targets.end()) continue;
+    const auto copy = plane.type == Imf::HALF   ? copy_lines<Imath::half>
+                      : plane.type == Imf::UINT ? copy_lines<std::uint32_t>
+                                                : copy_lines<float>;
+    for (const Target& target : found->second) copy(plane, stripe.lines(), first, last, target);
+  }
+}
+
+/// The channels of a part that are passed on, with room for all of its lines. Those that are read besides
+/// must have a sample in each pixel.
+Stripe passed_on_channels(const Imf::Header& header, const PartTargets& targets) {
+  Stripe stripe(header.dataWindow());
+  for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
+    const Imf::Channel& channel = it.channel();
+    const bool is_sparse = channel.xSampling != 1 || channel.ySampling != 1;
+    if (targets.denoised.contains(it.name())) continue;
+    if (is_sparse && targets.channels.contains(it.name())) continue;
+    stripe.add(it.name(), channel.type, channel.xSampling, channel.ySampling);
+  }
+  return stripe;
+}
+
+/// Bytes of the stripe's planes when it holds all lines of the window.
+std::size_t bytes_in(const Stripe& stripe, const Imath::Box2i& window) {
+  std::size_t bytes = 0;
+  for (const Stripe::Plane& plane : stripe.planes()) {
+    bytes += stripe.row_bytes(plane) * static_cast<std::size_t>(height_of(window));
+  }
+  return bytes;
+}
+
+/// Reads a part's targets, and into `kept` its channels.
+void read_part(Imf::MultiPartInputFile& file, int part_number, const TargetsByChannel& targets,
+               Stripe& kept) {
   Imf::InputPart part(file, part_number);
   const Imath::Box2i window = part.header().dataWindow();
+  kept.move_to(window.min.y, window.max.y);
   Stripe stripe(window);
-  for (const auto& entry : targets) stripe.add(entry.first, Imf::FLOAT);
+  for (const auto& entry : targets) {
+    if (kept.plane_of(entry.first) == nullptr) stripe.add(entry.first, Imf::FLOAT);
+  }
+  const auto all = [](const Stripe::Plane&) { return true; };
   for_each_stripe(part.header(), [&](int first, int last) {
     stripe.move_to(first, last);
-    part.setFrameBuffer(stripe.frame_buffer([](const Stripe::Plane&) { return true; }));
-    part.readPixels(first, last);
-    const Imath::Box2i lines(Imath::V2i(window.min.x, first), Imath::V2i(window.max.x, last));
-    for (const Stripe::Plane& plane : stripe.planes()) {
-      for (const Target& target : targets.at(plane.channel)) copy_lines(plane, lines, target);
+    Imf::FrameBuffer buffer = stripe.frame_buffer(all);
+    const Imf::FrameBuffer of_kept = kept.frame_buffer(all);
+    for (auto slice = of_kept.begin(); slice != of_kept.end(); ++slice) {
+      buffer.insert(slice.name(), slice.slice());
     }
+    part.setFrameBuffer(buffer);
+    part.readPixels(first, last);
+    copy_to_targets(stripe, first, last, targets);
+    copy_to_targets(kept, first, last, targets);
   });
 }
 
 /// Makes the images of a view, and notes for each part what is to be read into them. `parts` points into the
 /// view afterwards, so it must not move.
 void add_targets(AovSet wanted, LightGroups light_groups, LoadedView& view,
-                 std::map<int, TargetsByChannel>& parts) {
-  const auto add = [&](const LayerSource& source, Image& image) {
+                 std::map<int, PartTargets>& parts) {
+  const auto add = [&](const LayerSource& source, Image& image, bool denoised) {
     for (std::size_t c = 0; c < source.channels.size(); ++c) {
       if (source.channels[c].empty()) {  // a beauty without alpha is opaque
         for (std::size_t i = c; i < image.data().size(); i += source.channels.size()) image.data()[i] = 1.0f;
         continue;
       }
-      parts[source.part][source.channels[c]].push_back(
+      PartTargets& part = parts[source.part];
+      part.channels[source.channels[c]].push_back(
           {&image, view.window, static_cast<int>(c), source.scale[c], source.squared});
+      if (denoised) part.denoised.insert(source.channels[c]);
     }
   };
   for (const AovInfo& entry : kAovTable) {
     const std::size_t index = static_cast<std::size_t>(entry.aov);
     if (!wanted.test(index) || !view.layers[index]) continue;
-    add(*view.layers[index], view.frame.add(entry.aov, value_of_nothing(entry.aov)));
+    add(*view.layers[index], view.frame.add(entry.aov, value_of_nothing(entry.aov)), is_denoised(entry.aov));
   }
   if (light_groups == LightGroups::leave) return;
   std::vector<LightGroup>& groups = view.frame.light_groups();
@@ -107,10 +167,10 @@ void add_targets(AovSet wanted, LightGroups light_groups, LoadedView& view,
   }
   for (LightGroup& group : groups) {
     const LightSource& source = view.lights.at(group.name);
-    add(source.layer, group.radiance);
+    add(source.layer, group.radiance, true);
     if (!source.colour) continue;
     Image& colour = view.colours[group.name] = Image(view.frame.width(), view.frame.height(), 3);
-    add(*source.colour, colour);
+    add(*source.colour, colour, false);
   }
 }
 
@@ -163,17 +223,18 @@ std::vector<ExrView> read_exr_header(const std::string& path, const LayerOptions
 }
 
 LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted, const LayerOptions& options,
-                     LightGroups light_groups, const std::optional<Imath::Box2i>& window) {
+                     LightGroups light_groups, const std::optional<Imath::Box2i>& window, KeepPassedOn keep) {
   LoadedFrame loaded;
   reading(path, [&] {
-    loaded.contents = std::make_shared<ExrContents>(path, stamp_of(path));
+    const auto contents = std::make_shared<ExrContents>(path, stamp_of(path));
+    loaded.contents = contents;
     const std::unique_ptr<Imf::MultiPartInputFile> file = open_exr(path);
     const std::vector<ExrView> views = views_of(path, *file, options);
     require_all_chunks(path, *file);
 
     wanted.set(static_cast<std::size_t>(Aov::beauty));
     loaded.other_views.resize(views.size() - 1);
-    std::map<int, TargetsByChannel> parts;
+    std::map<int, PartTargets> parts;
     for (std::size_t i = 0; i < views.size(); ++i) {
       LoadedView& view = i == 0 ? loaded : loaded.other_views[i - 1];
       static_cast<ViewLayers&>(view) = views[i];
@@ -189,7 +250,22 @@ LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted, c
       view.frame.set_stereo(stereo);
       add_targets(wanted, light_groups, view, parts);
     }
-    for (const auto& [part, targets] : parts) read_part(*file, part, targets);
+    std::size_t room = keep == KeepPassedOn::yes ? kLargestKept : 0;
+    for (const auto& [number, targets] : parts) {
+      const Imf::Header& header = file->header(number);
+      Stripe kept(header.dataWindow());
+      // A part without denoised channels is copied as it is.
+      if (room > 0 && !targets.denoised.empty()) {
+        Stripe wanted_by_writer = passed_on_channels(header, targets);
+        const std::size_t bytes = bytes_in(wanted_by_writer, header.dataWindow());
+        if (bytes <= room) {
+          room -= bytes;
+          kept = std::move(wanted_by_writer);
+        }
+      }
+      read_part(*file, number, targets.channels, kept);
+      if (!kept.planes().empty()) contents->keep(number, std::move(kept));
+    }
     multiply_by_colours(loaded);
     std::ranges::for_each(loaded.other_views, multiply_by_colours);
   });

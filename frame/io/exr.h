@@ -48,6 +48,10 @@ struct ExrView : ViewLayers {
   Imath::Box2i display_window;
 };
 
+/// Whether read_exr keeps the channels that write_denoised_exr passes on, so that they are decompressed once.
+/// Kept are at most 256 MiB of a file, or none.
+enum class KeepPassedOn { no, yes };
+
 /// Whether read_exr_header also looks for every chunk of pixels, which reads some bytes of each.
 enum class CheckChunks { no, yes };
 
@@ -62,7 +66,8 @@ std::vector<ExrView> read_exr_header(const std::string& path, const LayerOptions
 /// pixels, no colour, a deep file, more than 65536 pixels a side.
 LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted,
                      const LayerOptions& options = {}, LightGroups light_groups = LightGroups::leave,
-                     const std::optional<Imath::Box2i>& window = std::nullopt);
+                     const std::optional<Imath::Box2i>& window = std::nullopt,
+                     KeepPassedOn keep = KeepPassedOn::no);
 
 /// Threads with which OpenEXR compresses and decompresses, in the whole process; as many as processors unless
 /// set.
@@ -163,8 +168,8 @@ std::span<const std::string_view> compression_names();
 /// the full size is written. If the frame has another scale, or its source is a checkerboard, each pixel of
 /// another channel is the nearest sample's, bit for bit, but for motion, which is multiplied by the scale;
 /// deep parts throw Error(bad_input). `other_views` are the frames of the source's other views, in their
-/// order. The source's file is read again for this: throws Error(bad_input) naming it if it has changed
-/// since, or if its window is not inside the frame's. Atomic as write_exr is.
+/// order. What was not kept of the source's file is read again: throws Error(bad_input) naming it if it has
+/// changed since, or if its window is not inside the frame's. Atomic as write_exr is.
 WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
                                const std::vector<Frame>& other_views, const LoadedFrame& source,
                                const Attributes& attributes, const DenoisedFormat& format = {});

@@ -7,11 +7,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "frame/io/exr.h"
+#include "frame/io/stripe.h"
 
 namespace becalm::io {
 
@@ -26,18 +28,25 @@ struct FileStamp {
   bool operator==(const FileStamp&) const = default;
 };
 
-/// What LoadedFrame keeps of its file: where it lies, not its pixels, so that a window of many frames costs
-/// no more than their AOVs. Channels that are passed on are read when the result is written.
+/// What LoadedFrame keeps of its file: where it lies, and, if asked, channels that are passed on. Others are
+/// read when the result is written.
 class ExrContents {
  public:
   ExrContents(std::string path, FileStamp stamp) : path_(std::move(path)), stamp_(stamp) {}
 
   const std::string& path() const { return path_; }
   const FileStamp& stamp() const { return stamp_; }
+  /// Channels of a part in all of its lines, or null.
+  const Stripe* kept(int part) const {
+    const auto found = kept_.find(part);
+    return found == kept_.end() ? nullptr : &found->second;
+  }
+  void keep(int part, Stripe channels) { kept_.insert_or_assign(part, std::move(channels)); }
 
  private:
   std::string path_;
   FileStamp stamp_;
+  std::map<int, Stripe> kept_;
 };
 
 /// Runs `work`, turning what OpenEXR throws about the file `path` into Error(bad_input).

@@ -167,14 +167,6 @@ Stripe planes_of(const Imf::Header& header) {
   return stripe;
 }
 
-void read_lines(Imf::InputPart& source, Stripe& stripe, int first, int last,
-                const std::function<bool(const Stripe::Plane&)>& wanted) {
-  reading(source.fileName(), [&] {
-    source.setFrameBuffer(stripe.frame_buffer(wanted));
-    source.readPixels(first, last);
-  });
-}
-
 void multiply(char* value, Imf::PixelType type, float factor, WriteReport& report) {
   if (type == Imf::HALF) {
     Imath::half half;
@@ -189,17 +181,26 @@ void multiply(char* value, Imf::PixelType type, float factor, WriteReport& repor
 
 }  // namespace
 
+ReadLines lines_of(Imf::InputPart& part) {
+  return [&part](Stripe& stripe, const std::function<bool(const Stripe::Plane&)>& wanted) {
+    reading(part.fileName(), [&] {
+      part.setFrameBuffer(stripe.frame_buffer(wanted));
+      part.readPixels(stripe.lines().min.y, stripe.lines().max.y);
+    });
+  };
+}
+
 void write_part(Imf::MultiPartOutputFile& file, int part, const FrameChannels& from_frame,
-                Imf::InputPart* source, WriteReport& report) {
+                const ReadLines& read, WriteReport& report) {
   Stripe stripe = planes_of(file.header(part));
   const Imath::Box2i& window = file.header(part).dataWindow();
   const auto is_frames = [&](const Stripe::Plane& plane) { return from_frame.contains(plane.channel); };
   const bool all_frames = std::all_of(stripe.planes().begin(), stripe.planes().end(), is_frames);
 
-  assert(all_frames || source != nullptr);
+  assert(all_frames || read != nullptr);
 
   write_stripes(file, part, stripe, [&](int first, int last) {
-    if (!all_frames) read_lines(*source, stripe, first, last, std::not_fn(is_frames));
+    if (!all_frames) read(stripe, std::not_fn(is_frames));
     for (Stripe::Plane& plane : stripe.planes()) {
       if (!is_frames(plane)) continue;
       convert(from_frame.at(plane.channel), Imath::Box2i({window.min.x, first}, {window.max.x, last}), plane,
@@ -215,7 +216,7 @@ void write_scaled_part(Imf::MultiPartOutputFile& file, int part, const FrameChan
   const Imath::Box2i from = source.header().dataWindow();
   Stripe whole = planes_of(source.header());
   whole.move_to(from.min.y, from.max.y);
-  read_lines(source, whole, from.min.y, from.max.y, [](const Stripe::Plane&) { return true; });
+  lines_of(source)(whole, [](const Stripe::Plane&) { return true; });
   Stripe stripe = planes_of(file.header(part));
   write_stripes(file, part, stripe, [&](int first, int last) {
     const Imath::Box2i lines({window.min.x, first}, {window.max.x, last});
@@ -225,7 +226,7 @@ void write_scaled_part(Imf::MultiPartOutputFile& file, int part, const FrameChan
         continue;
       }
       const auto source_plane = std::ranges::find(whole.planes(), plane.channel, &Stripe::Plane::channel);
-      const int bytes = plane.type == Imf::HALF ? 2 : 4;
+      const std::size_t bytes = size_of(plane.type);
       const int columns = (from.max.x - from.min.x) / source_plane->x_sampling + 1;
       const bool is_motion = motion_channels.contains(plane.channel);
       char* to = plane.bytes.data();
@@ -234,7 +235,7 @@ void write_scaled_part(Imf::MultiPartOutputFile& file, int part, const FrameChan
           const Imath::V2i at = nearest.at(x - window.min.x, y - window.min.y);
           const std::size_t index = static_cast<std::size_t>(at.y / source_plane->y_sampling) * columns +
                                     at.x / source_plane->x_sampling;
-          std::memcpy(to, &source_plane->bytes[index * bytes], static_cast<std::size_t>(bytes));
+          std::memcpy(to, &source_plane->bytes[index * bytes], bytes);
           if (is_motion) multiply(to, plane.type, static_cast<float>(nearest.scale.value()), report);
         }
       }

@@ -15,6 +15,7 @@
 
 #include "frame/frame.h"
 #include "frame/io/exr.h"
+#include "frame/io/stripe.h"
 
 namespace becalm::io {
 
@@ -27,6 +28,11 @@ struct FrameChannel {
 
 using FrameChannels = std::map<std::string, FrameChannel>;
 
+/// Whether a denoised frame's image takes the place of its source's.
+inline bool is_denoised(Aov aov) {
+  return aov == Aov::beauty || aov == Aov::direct || aov == Aov::indirect;
+}
+
 /// Adds the AOV as a layer under the table's name (bare for the beauty), with the view's if there is one.
 void add_layer(const Frame& frame, Aov aov, const std::string& view, Imf::PixelType type,
                const Imath::V2i& origin, Imf::Header& header, FrameChannels& channels);
@@ -38,10 +44,17 @@ void insert_attributes(Imf::Header& header, const Attributes& attributes);
 void writing(const std::string& path, const std::vector<Imf::Header>& headers,
              const std::function<void(Imf::MultiPartOutputFile&)>& work);
 
-/// Writes the pixels of one part: the channels that `from_frame` names, and all others from `source`, which
-/// may be null if there are none.
+/// Fills the planes of a stripe for which `wanted` is true with its lines.
+using ReadLines =
+    std::function<void(Stripe& stripe, const std::function<bool(const Stripe::Plane&)>& wanted)>;
+
+/// Lines of a part of a file.
+ReadLines lines_of(Imf::InputPart& part);
+
+/// Writes the pixels of one part: the channels that `from_frame` names, and all others as `read` gives them,
+/// which may be empty if there are none.
 void write_part(Imf::MultiPartOutputFile& file, int part, const FrameChannels& from_frame,
-                Imf::InputPart* source, WriteReport& report);
+                const ReadLines& read, WriteReport& report);
 
 /// The same for a part of another size than its source's: each pixel of a channel that is not the frame's is
 /// that of `nearest`, whose scale motion channels are multiplied by.

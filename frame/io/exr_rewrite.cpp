@@ -38,11 +38,6 @@ bool may_alter(Imf::Compression compression, std::string_view channel, Imf::Pixe
          std::find(std::begin(transformed), std::end(transformed), letter) != std::end(transformed);
 }
 
-/// Whether a denoised frame's image takes the place of its source's.
-bool is_denoised(Aov aov) {
-  return aov == Aov::beauty || aov == Aov::direct || aov == Aov::indirect;
-}
-
 const LayerSource& beauty_of(const LoadedView& view) {
   return *view.layers[static_cast<std::size_t>(Aov::beauty)];
 }
@@ -195,6 +190,14 @@ bool select_channels(const ChannelSelection& selection, const std::vector<std::s
   return true;
 }
 
+/// Whether the stripe holds all channels of the part but those that the frame replaces.
+bool has_others(const Stripe& kept, const Imf::Header& header, const FrameChannels& replaced) {
+  for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
+    if (!replaced.contains(it.name()) && kept.plane_of(it.name()) == nullptr) return false;
+  }
+  return true;
+}
+
 /// Chooses how the pixels of a part that is not copied are stored: by `compression` (one of kCompressions),
 /// or as they are.
 void prepare_header(const FrameChannels& channels, const std::optional<std::string>& compression,
@@ -322,8 +325,18 @@ WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
         copy_part(*from, kept[number], file, static_cast<int>(number));
         continue;
       }
+      const Stripe* read_before = source.contents->kept(kept[number]);
+      if (read_before != nullptr && has_others(*read_before, headers[number], channels->second)) {
+        const auto copy = [&](Stripe& stripe, const std::function<bool(const Stripe::Plane&)>& wanted) {
+          for (Stripe::Plane& plane : stripe.planes()) {
+            if (wanted(plane)) stripe.copy_lines(*read_before, plane);
+          }
+        };
+        write_part(file, static_cast<int>(number), channels->second, copy, report);
+        continue;
+      }
       Imf::InputPart in(*from, kept[number]);
-      write_part(file, static_cast<int>(number), channels->second, &in, report);
+      write_part(file, static_cast<int>(number), channels->second, lines_of(in), report);
     }
   });
   return report;

@@ -10,10 +10,6 @@
 namespace becalm::io {
 namespace {
 
-std::size_t size_of(Imf::PixelType type) {
-  return type == Imf::HALF ? 2 : 4;
-}
-
 /// The number of samples in the `length` pixels from one that is a multiple of `sampling`.
 std::size_t samples(int length, int sampling) {
   return (static_cast<std::size_t>(length) + sampling - 1) / sampling;
@@ -35,6 +31,26 @@ int stripe_lines(const Imf::Header& header) {
 
 }  // namespace
 
+std::size_t size_of(Imf::PixelType type) {
+  return type == Imf::HALF ? 2 : 4;
+}
+
+const Stripe::Plane* Stripe::plane_of(const std::string& channel) const {
+  const auto found = std::ranges::find(planes_, channel, &Plane::channel);
+  return found == planes_.end() ? nullptr : &*found;
+}
+
+std::size_t Stripe::row_bytes(const Plane& plane) const {
+  return samples(lines_.max.x - lines_.min.x + 1, plane.x_sampling) * size_of(plane.type);
+}
+
+void Stripe::copy_lines(const Stripe& from, Plane& plane) const {
+  const Plane& whole = *from.plane_of(plane.channel);
+  const auto first = static_cast<std::size_t>(lines_.min.y - from.lines_.min.y) / plane.y_sampling;
+  std::copy_n(whole.bytes.begin() + static_cast<std::ptrdiff_t>(first * row_bytes(plane)), plane.bytes.size(),
+              plane.bytes.begin());
+}
+
 void Stripe::add(std::string channel, Imf::PixelType type, int x_sampling, int y_sampling) {
   planes_.push_back({std::move(channel), type, x_sampling, y_sampling, {}});
 }
@@ -52,10 +68,8 @@ Imf::FrameBuffer Stripe::frame_buffer(const std::function<bool(const Plane&)>& w
   Imf::FrameBuffer buffer;
   for (const Plane& plane : planes_) {
     if (!wanted(plane)) continue;
-    const std::size_t row_bytes =
-        samples(lines_.max.x - lines_.min.x + 1, plane.x_sampling) * size_of(plane.type);
     buffer.insert(plane.channel, Imf::Slice::Make(plane.type, plane.bytes.data(), lines_, size_of(plane.type),
-                                                  row_bytes, plane.x_sampling, plane.y_sampling));
+                                                  row_bytes(plane), plane.x_sampling, plane.y_sampling));
   }
   return buffer;
 }

@@ -29,7 +29,16 @@ class Stripe {
   /// Makes room for the lines first..last; what the planes held is lost.
   void move_to(int first, int last);
 
+  /// The lines in the planes, from the data window's left to its right.
+  const Imath::Box2i& lines() const { return lines_; }
   std::vector<Plane>& planes() { return planes_; }
+  const std::vector<Plane>& planes() const { return planes_; }
+  /// The plane of a channel, or null.
+  const Plane* plane_of(const std::string& channel) const;
+  /// Bytes of a line of samples.
+  std::size_t row_bytes(const Plane& plane) const;
+  /// Copies its lines of a channel from another stripe, which holds them in the same type and sampling.
+  void copy_lines(const Stripe& from, Plane& plane) const;
   /// Where OpenEXR finds the planes for which `wanted` is true. Valid until the next add() or move_to().
   Imf::FrameBuffer frame_buffer(const std::function<bool(const Plane&)>& wanted) const;
 
@@ -37,6 +46,9 @@ class Stripe {
   Imath::Box2i lines_;
   std::vector<Plane> planes_;
 };
+
+/// Bytes of a sample.
+std::size_t size_of(Imf::PixelType type);
 
 /// Calls `work(first, last)` for runs of lines that cover the data window, in the file's line order, so that
 /// each holds whole chunks or whole rows of tiles.

@@ -34,13 +34,21 @@ std::string text_of(const Imf::Attribute& attribute) {
 
 WriteReport PassedOn::denoise(AovSet diagnostics, const LayerOverrides& overrides,
                               const DenoisedFormat& format) {
-  LoadedFrame loaded = read_exr(source_, 1, {}, {.layers = overrides});
-  for (float& value : loaded.frame.image(Aov::beauty).data()) value = 2.0f * value + 1.0f;
-  for (const AovInfo& entry : kAovTable) {
-    if (diagnostics.test(static_cast<std::size_t>(entry.aov))) loaded.frame.add(entry.aov, 0.3f);
-  }
-  layers_ = loaded.layers;
-  return write_denoised_exr(result_, loaded.frame, {}, loaded, {{"becalm:preset", "final"}}, format);
+  const auto write = [&](const std::string& result, AovSet wanted, KeepPassedOn keep) {
+    LoadedFrame loaded =
+        read_exr(source_, 1, wanted, {.layers = overrides}, LightGroups::leave, std::nullopt, keep);
+    for (float& value : loaded.frame.image(Aov::beauty).data()) value = 2.0f * value + 1.0f;
+    for (const AovInfo& entry : kAovTable) {
+      if (diagnostics.test(static_cast<std::size_t>(entry.aov))) loaded.frame.add(entry.aov, 0.3f);
+    }
+    layers_ = loaded.layers;
+    return write_denoised_exr(result, loaded.frame, {}, loaded, {{"becalm:preset", "final"}}, format);
+  };
+  const WriteReport report = write(result_, {}, KeepPassedOn::no);
+  const std::string of_kept = folder_.path("out/of_kept.exr");
+  write(of_kept, AovSet().set(static_cast<std::size_t>(Aov::depth)), KeepPassedOn::yes);
+  EXPECT_EQ(read_bytes(of_kept), read_bytes(result_));
+  return report;
 }
 
 void PassedOn::expect_same_but_for(const std::vector<std::string>& replaced, int part) const {
