@@ -69,20 +69,23 @@ Command add_antialias(CLI::App& becalm) {
   auto command = std::make_shared<SequenceCommand>();
   command->preset = "best";
   add_antialias_options(parser, *command);
-  return {&parser, [command] {
-            apply(command->running, command->filter);
-            catch_signals();
-            if (command->jitter != "auto") given_jitter(command->jitter, 0);  // throws if it is none
-            command->filter.additive = "none";
-            if (const std::string& given = command->checkerboard;
-                !given.empty() && given != "auto" && given != "even" && given != "odd") {
-              throw Error(ExitStatus::usage,
-                          fmt::format("--checkerboard={}: expected auto, even or odd", given));
-            }
-            return SequenceJob(*command, antialiaser(command->preset, command->filter, command->scale,
-                                                     !command->checkerboard.empty()))
-                .run();
-          }};
+  return {
+      &parser, [command] {
+        apply(command->running, command->filter);
+        catch_signals();
+        if (command->jitter != "auto") given_jitter(command->jitter, 0);  // throws if it is none
+        command->filter.additive = "none";
+        if (const std::string& given = command->checkerboard;
+            !given.empty() && given != "auto" && given != "even" && given != "odd") {
+          throw Error(ExitStatus::usage, fmt::format("--checkerboard={}: expected auto, even or odd", given));
+        }
+        const Checkerboards checkerboards = command->checkerboard.empty()     ? Checkerboards::refused
+                                            : command->checkerboard == "auto" ? Checkerboards::as_files_tell
+                                                                              : Checkerboards::as_told;
+        return SequenceJob(*command,
+                           antialiaser(command->preset, command->filter, command->scale, checkerboards))
+            .run();
+      }};
 }
 
 }  // namespace becalm::app

@@ -31,17 +31,17 @@ FilterRecipe denoiser(const std::string& preset, const FilterOptions& options) {
 }
 
 FilterRecipe antialiaser(const std::string& preset, const FilterOptions& options, const Scale& scale,
-                         bool checkerboard) {
+                         Checkerboards checkerboards) {
   filter::AntialiasSettings settings = filter::antialias_preset(preset);
   for (const std::string& assignment : options.assignments) filter::set(settings, assignment);
   settings.scale = scale;
-  settings.checkerboard = checkerboard;
+  settings.checkerboard = checkerboards != Checkerboards::refused;
   return {.settings = filter::to_string(settings),
           .wanted = filter::wanted_aovs(settings),
           .directions = settings.directions,
           .takes_additive = false,
           .averages_alpha = true,
-          .takes_checkerboards = checkerboard,
+          .checkerboards = checkerboards,
           .make =
               [settings](gpu::Device& device, int width, int height, AovSet available,
                          const filter::SequenceOptions& sequence) {

@@ -21,6 +21,9 @@
 
 namespace becalm::app {
 
+/// Whether frames may hold every other pixel alone, and what tells which.
+enum class Checkerboards { refused, as_files_tell, as_told };
+
 /// What a FilterStage runs.
 struct FilterRecipe {
   std::string settings;  ///< as files record them
@@ -28,7 +31,7 @@ struct FilterRecipe {
   filter::Directions directions;
   bool takes_additive;  ///< whether it can filter additive AOVs and light groups
   bool averages_alpha;  ///< whether alpha is always filtered with the beauty
-  bool takes_checkerboards = false;
+  Checkerboards checkerboards = Checkerboards::refused;
   std::function<std::unique_ptr<filter::FrameFilter>(
       gpu::Device& device, int width, int height, AovSet available, const filter::SequenceOptions& options)>
       make;
@@ -49,9 +52,9 @@ struct FilteredView {
 
 /// The denoiser, and temporal antialiasing, by a preset and the changes of `options`. Throw Error(usage).
 FilterRecipe denoiser(const std::string& preset, const FilterOptions& options);
-/// `scale` and `checkerboard` as AntialiasSettings have them.
+/// `scale` as AntialiasSettings have it.
 FilterRecipe antialiaser(const std::string& preset, const FilterOptions& options, const Scale& scale,
-                         bool checkerboard);
+                         Checkerboards checkerboards);
 
 /// The filter in the pipeline of `denoise`, `antialias` and `render --denoise`: opens the device, builds the
 /// chain once, and reports what happened to each frame.
@@ -66,7 +69,7 @@ class FilterStage {
   AovSet wanted() const { return recipe_.wanted; }
   /// Whether alpha is filtered with the beauty, rather than passed on or denoised where it is noisy.
   bool averages_alpha() const { return recipe_.averages_alpha; }
-  bool takes_checkerboards() const { return recipe_.takes_checkerboards; }
+  Checkerboards checkerboards() const { return recipe_.checkerboards; }
   /// Whether light groups and the AOVs of filter::additive_aovs() are denoised, too, where frames have them.
   bool denoises_additive() const { return denoises_additive_; }
   AovSet diagnostics() const { return diagnostics_; }

@@ -38,8 +38,9 @@ GivenStereo given_stereo(const std::string& text) {
   return given;
 }
 
-void give_stereo(const GivenStereo& given, Eye eye, Frame& frame) {
-  const StereoView view{given.camera, eye};
+void give_stereo(const GivenStereo& given, Eye eye, io::LoadedView& loaded) {
+  Frame& frame = loaded.frame;
+  const StereoView view{.camera = given.camera, .eye = eye, .middle_px = loaded.middle_px};
   frame.set_stereo(view);
   if (!given.planar || !frame.has(Aov::depth)) return;
   Image& depth = frame.image(Aov::depth);

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "frame/frame.h"
+#include "frame/io/exr.h"
 #include "frame/stereo.h"
 
 namespace becalm::app {
@@ -16,7 +16,7 @@ struct GivenStereo {
 /// `FOCAL_PX,SEPARATION,CONVERGENCE` and `,planar`. Throws Error(usage) for another text.
 GivenStereo given_stereo(const std::string& text);
 
-/// Tells the frame which eye of the cameras it is of; planar depths become distances along the rays.
-void give_stereo(const GivenStereo& given, Eye eye, Frame& frame);
+/// Tells the view's frame which eye of the cameras it is of; planar depths become distances along the rays.
+void give_stereo(const GivenStereo& given, Eye eye, io::LoadedView& loaded);
 
 }  // namespace becalm::app

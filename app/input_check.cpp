@@ -24,11 +24,28 @@ struct Checked {
   std::string problem;
 };
 
+void check_checkerboard(const std::string& path, bool is_checkerboard, Checkerboards checkerboards) {
+  if (is_checkerboard && checkerboards == Checkerboards::refused) {
+    throw Error(
+        ExitStatus::bad_input,
+        fmt::format("{}: a checkerboard of pixels: becalm antialias --checkerboard makes it whole first",
+                    path));
+  }
+  if (!is_checkerboard && checkerboards == Checkerboards::as_files_tell) {
+    throw Error(
+        ExitStatus::bad_input,
+        fmt::format("{}: does not tell which pixels of a checkerboard it holds, as becalm:checkerboard "
+                    "would: expected --checkerboard=even or odd",
+                    path));
+  }
+}
+
 /// Of the views of one file.
 std::vector<InputLayout> read_layout(const std::string& path, const FilterStage& filter,
                                      const io::LayerOptions& layers) {
   std::vector<InputLayout> layout;
   for (const io::ExrView& view : io::read_exr_header(path, layers, io::CheckChunks::yes)) {
+    check_checkerboard(path, view.is_checkerboard, filter.checkerboards());
     layout.push_back(layout_of(view, filter));
   }
   return layout;

@@ -85,7 +85,8 @@ ExitStatus SequenceJob::run() {
                  {"becalm:preset", command_.preset}};
   // The results have no one place in their pixels, whatever the input's samples had.
   if (filter_.averages_alpha()) attributes_.emplace_back(io::kJitterAttribute, "none");
-  if (filter_.takes_checkerboards()) attributes_.emplace_back(io::kCheckerboardAttribute, "none");
+  if (filter_.checkerboards() != Checkerboards::refused)
+    attributes_.emplace_back(io::kCheckerboardAttribute, "none");
   choose_additive();
 
   if (!command_.output.overwrite && !command_.output.resume) outputs_.keep_foreign_files();
@@ -203,26 +204,18 @@ io::LoadedFrame SequenceJob::read(const filter::Step& step) {
   if (!command_.stereo_camera.empty()) {
     const GivenStereo given = given_stereo(command_.stereo_camera);
     if (loaded.other_eye) {
-      give_stereo(given, Eye::left, loaded.frame);
-      give_stereo(given, Eye::right, loaded.other_eye->frame);
+      give_stereo(given, Eye::left, loaded);
+      give_stereo(given, Eye::right, *loaded.other_eye);
     } else if (loaded.other_views.size() == 1) {
       const bool left_first = is_eye(loaded.view, Eye::left);
-      give_stereo(given, left_first ? Eye::left : Eye::right, loaded.frame);
-      give_stereo(given, left_first ? Eye::right : Eye::left, loaded.other_views.front().frame);
+      give_stereo(given, left_first ? Eye::left : Eye::right, loaded);
+      give_stereo(given, left_first ? Eye::right : Eye::left, loaded.other_views.front());
     }
   }
-  if (filter_.takes_checkerboards() && command_.checkerboard != "auto") {
+  if (filter_.checkerboards() == Checkerboards::as_told) {
     const Parity parity = given_checkerboard(command_.checkerboard, frame, window_.window.min);
     loaded.frame.set_checkerboard(parity);
     for (io::LoadedView& view : loaded.other_views) view.frame.set_checkerboard(parity);
-  }
-  const bool has_holes =
-      loaded.frame.checkerboard() || (loaded.other_eye && loaded.other_eye->frame.checkerboard());
-  if (has_holes && !filter_.takes_checkerboards()) {
-    throw Error(
-        ExitStatus::bad_input,
-        fmt::format("{}: a checkerboard of pixels: becalm antialias --checkerboard makes it whole first",
-                    inputs_.path(frame)));
   }
   return loaded;
 }

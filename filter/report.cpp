@@ -1,5 +1,7 @@
 #include "filter/report.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace becalm::filter {
@@ -19,6 +21,15 @@ void add_memory(FilterMemory& memory, const gpu::Chain& chain) {
   memory.device_bytes += chain.device_bytes();
   memory.device_bytes_unaliased += chain.device_bytes_unaliased();
   memory.staging_bytes += chain.staging_bytes();
+}
+
+void add_memory(FilterMemory& memory, const FilterMemory& part, const std::string& name) {
+  memory.device_bytes += part.device_bytes;
+  memory.device_bytes_unaliased += part.device_bytes_unaliased;
+  memory.staging_bytes += part.staging_bytes;
+  if (part.tiles == 1) return;
+  memory.tile_plan =
+      fmt::format("{}{} {}", memory.tile_plan == "1" ? "" : memory.tile_plan + "; ", name, part.tile_plan);
 }
 
 }  // namespace becalm::filter

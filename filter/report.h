@@ -46,4 +46,7 @@ struct FilterMemory {
 /// Adds the memory that a chain holds.
 void add_memory(FilterMemory& memory, const gpu::Chain& chain);
 
+/// Adds the bytes of a part that has tiles of its own, and its plan under `name` if it is cut.
+void add_memory(FilterMemory& memory, const FilterMemory& part, const std::string& name);
+
 }  // namespace becalm::filter

@@ -1,118 +1,230 @@
 #include "filter/align/pair_aligner.h"
 
 #include <optional>
-#include <string>
+#include <span>
+#include <utility>
+#include <vector>
 
-#include "filter/align/align.h"
-#include "filter/align/guides.h"
+#include "filter/align/pair_search.h"
+#include "filter/align/split_plan.h"
 #include "filter/input/frame_check.h"
 #include "filter/input/host_images.h"
 #include "filter/tiles/pixel_view.h"
 
 namespace becalm::filter {
+namespace {
 
 using gpu::Extent;
-using gpu::Format;
 using gpu::ImageId;
 
-struct PairAligner::State {
-  /// The inputs for one of the two frames.
-  struct Inputs {
-    ImageId color;
-    std::optional<ImageId> guide;
-  };
+/// One of the two frames, whose rectangles are uploaded.
+struct MatchedFrame {
+  explicit MatchedFrame(const Frame& of) : frame(of), finite(finite_pixels(of.image(Aov::beauty))) {}
 
-  State(gpu::Device& device, const Settings& settings_, int width, int height, const AovSet& available)
-      : settings(settings_),
-        full{width, height},
-        guides(guides_of(settings, available)),
-        chain(device, "align pair") {
-    required.set(static_cast<std::size_t>(Aov::beauty));
-    required.set(static_cast<std::size_t>(Aov::albedo), guides.albedo);
-    required.set(static_cast<std::size_t>(Aov::normal), guides.normal);
-    extents = pyramid_extents(settings, width, height);
-    exposure_image = chain.table("exposure", Format::f32, {1, 1});
-    const Features target_features = add_features("target", target);
-    const Features source_features = add_features("source", source);
-    if (settings.motion != MotionUse::none && contains(available, Aov::motion)) {
-      motion = chain.input("motion", Format::f32x2, full);
+  /// `Inputs` has the images `color` and `guide`.
+  template <class Inputs>
+  void upload(gpu::Chain& chain, const Guides& guides, const Inputs& inputs, const Rect& rect) const {
+    pack_color(frame.image(Aov::beauty), finite, rect, chain.upload<float>(inputs.color));
+    if (inputs.guide) {
+      pack_guide(frame, guides.albedo, guides.normal, rect, chain.upload<float>(*inputs.guide));
     }
-    alignment = add_align_passes(chain, settings, full, target_features, source_features,
-                                 {.name = {}, .motion = motion});
-    chain.output(alignment.offset);
-    for (const ImageId residual : alignment.residual) chain.output(residual);
-    chain.build();
   }
 
-  Features add_features(const std::string& name, Inputs& inputs) {
-    inputs.color = chain.input("color." + name, Format::f32x4, full);
-    FeatureSources sources{
-        .color = inputs.color, .exposure = exposure_image, .guide_features = {}, .guide_planes = 0};
-    if (guides.planes() > 0) {
-      inputs.guide = chain.input("guide." + name, Format::f32, {full.width, full.height, guides.planes()});
-      Extent extent = extents.front();
-      extent.planes = guides.planes();
-      sources.guide_features = chain.image("guide.features." + name, Format::f32, extent);
-      sources.guide_planes = guides.planes();
-      add_guide_passes(chain, settings, full, *inputs.guide, guides.weights, *sources.guide_features);
-    }
-    return add_feature_passes(chain, settings, full, name, sources);
-  }
-
-  void upload(const Frame& frame, const Inputs& inputs) {
-    const Image& beauty = frame.image(Aov::beauty);
-    pack_color(beauty, finite_pixels(beauty), bounds(full), chain.upload<float>(inputs.color));
-    if (inputs.guide)
-      pack_guide(frame, guides.albedo, guides.normal, bounds(full), chain.upload<float>(*inputs.guide));
-  }
-
-  Settings settings;
-  Extent full;
-  Guides guides;
-  AovSet required;
-  std::vector<Extent> extents;
-  gpu::Chain chain;
-  ImageId exposure_image;
-  Inputs target;
-  Inputs source;
-  std::optional<ImageId> motion;
-  Alignment alignment;
+  const Frame& frame;
+  std::vector<std::uint8_t> finite;
 };
 
+struct MatchedPair {
+  MatchedFrame target;
+  MatchedFrame source;
+  float exposure;  ///< of the target, for both
+};
+
+}  // namespace
+
+/// The chains for tiles of one size.
+struct PairAligner::Chains {
+  Chains(gpu::Device& device, const FilterTask& task, const PyramidSplit& split_, const Tile& tile)
+      : split(split_), search(device, task, split, tile.target.extent(), tile.source.extent()) {
+    if (split.has_coarse()) {
+      features.emplace(features_of(device, task, split, tile.target.extent()));
+      coarse.emplace(device, task, split);
+    }
+    for_each(*this, [](gpu::Chain& chain) { chain.plan(); });
+  }
+
+  static CutRules cut_rules(gpu::Device& device, const FilterTask& task, const PyramidSplit& split) {
+    CutRules rules{.tiles = PairSearch(device, task, split, task.full, task.full).chain.tile_rules(),
+                   .features = {}};
+    if (split.has_coarse()) rules.features = features_of(device, task, split, task.full).chain.tile_rules();
+    return rules;
+  }
+
+  static FeatureChain features_of(gpu::Device& device, const FilterTask& task, const PyramidSplit& split,
+                                  Extent part) {
+    return {device, task, split, FeatureChain::Of::new_frame, part, FeatureChain::Outputs::coarse};
+  }
+
+  template <class Self, class Use>
+  static void for_each(Self& self, const Use& use) {
+    if (self.features) use(self.features->chain);
+    if (self.coarse) use(self.coarse->chain);
+    use(self.search.chain);
+  }
+
+  std::uint64_t device_bytes() const {
+    std::uint64_t sum = 0;
+    for_each(*this, [&](const gpu::Chain& chain) { sum += chain.device_bytes(); });
+    return sum;
+  }
+
+  PyramidSplit split;
+  std::optional<FeatureChain> features;  ///< of either frame, at level `coarse` of the split
+  std::optional<CoarseChain> coarse;
+  PairSearch search;
+};
+
+struct PairAligner::State {
+  State(gpu::Device& device, const Settings& settings, Extent full, const AovSet& available,
+        std::uint64_t memory_limit);
+  bool plan_whole_frame(gpu::Device& device, std::uint64_t memory_limit);
+
+  void check(const Frame& target, const Frame& source) const;
+  void upload_motion(gpu::Chain& chain, gpu::ImageId image, const Frame& target, const Rect& rect) const {
+    pack_motion(target.image(Aov::motion), rect, motion_limit_px(task.settings, task.full),
+                chain.upload<float>(image));
+  }
+  void find_coarse_offsets(const MatchedPair& pair, FrameReport& report);
+  /// Makes the coarse features of one tile of a frame, and copies them into an input of the coarse chain.
+  void find_coarse_features(const MatchedFrame& frame, const Tile& tile, float exposure, ImageId coarse_input,
+                            FrameReport& report);
+  void search_tile(const Tile& tile, const MatchedPair& pair, PairAlignment& result, FrameReport& report);
+
+  FilterTask task;
+  bool takes_motion = false;
+  SplitPlan<Chains> plan;
+};
+
+PairAligner::State::State(gpu::Device& device, const Settings& settings, Extent full, const AovSet& available,
+                          std::uint64_t memory_limit)
+    : task{.settings = settings,
+           .full = full,
+           .used = available,
+           .diagnostics = {},
+           .guides = guides_of(settings, available)},
+      takes_motion(settings.motion != MotionUse::none && contains(available, Aov::motion)) {
+  if (!plan_whole_frame(device, memory_limit)) plan = plan_split<Chains>(device, task, memory_limit);
+  Chains::for_each(*plan.chains, [](gpu::Chain& chain) { chain.build(); });
+}
+
+bool PairAligner::State::plan_whole_frame(gpu::Device& device, std::uint64_t memory_limit) {
+  const std::size_t levels = pyramid_extents(task.settings, task.full.width, task.full.height).size();
+  plan.tiles = {uncut(task.full)};
+  try {
+    plan.chains = std::make_unique<Chains>(device, task, PyramidSplit{.levels = levels, .coarse = levels},
+                                           plan.tiles.front());
+  } catch (const gpu::DeviceLimitError&) {
+    return false;  // an image is too large for the device; tiles have smaller images
+  }
+  return plan.chains->device_bytes() <= memory_limit;
+}
+
+void PairAligner::State::check(const Frame& target, const Frame& source) const {
+  AovSet matched;
+  matched.set(static_cast<std::size_t>(Aov::beauty));
+  matched.set(static_cast<std::size_t>(Aov::albedo), task.guides.albedo);
+  matched.set(static_cast<std::size_t>(Aov::normal), task.guides.normal);
+  for (const Frame* frame : {&target, &source}) {
+    check_frame(*frame, task.full.width, task.full.height, matched, "the aligner's frames");
+  }
+  if (!takes_motion) return;
+  check_frame(target, task.full.width, task.full.height, AovSet().set(static_cast<std::size_t>(Aov::motion)),
+              "the aligner's target");
+}
+
+void PairAligner::State::find_coarse_features(const MatchedFrame& frame, const Tile& tile, float exposure,
+                                              ImageId coarse_input, FrameReport& report) {
+  FeatureChain& features = *plan.chains->features;
+  features.chain.upload<float>(features.exposure)[0] = exposure;
+  frame.upload(features.chain, task.guides, features, tile.target);
+  features.chain.run();
+  add_times(report, features.chain);
+  const std::size_t level = plan.chains->split.coarse;
+  const int px = level_px(task.settings, level);
+  const auto extent_of = [&](Extent full) {
+    return level_extent(task.settings, full, level).with_planes(features.coarse->planes);
+  };
+  const Rect core = at_level(tile.core, px);
+  copy_rect({features.chain.download<float>(features.coarse->image), extent_of(tile.target.extent())},
+            within(core, at_level(tile.target, px)),
+            {plan.chains->coarse->chain.upload<float>(coarse_input), extent_of(task.full)}, core.x, core.y);
+}
+
+void PairAligner::State::find_coarse_offsets(const MatchedPair& pair, FrameReport& report) {
+  CoarseChain& coarse = *plan.chains->coarse;
+  for (const Tile& tile : plan.feature_tiles) {
+    find_coarse_features(pair.target, tile, pair.exposure, coarse.target.image, report);
+    find_coarse_features(pair.source, tile, pair.exposure, coarse.source.image, report);
+  }
+  if (coarse.motion) upload_motion(coarse.chain, *coarse.motion, pair.target.frame, bounds(task.full));
+  coarse.chain.run();
+  add_times(report, coarse.chain);
+}
+
+void PairAligner::State::search_tile(const Tile& tile, const MatchedPair& pair, PairAlignment& result,
+                                     FrameReport& report) {
+  PairSearch& search = plan.chains->search;
+  gpu::Chain& chain = search.chain;
+  chain.upload<float>(search.exposure)[0] = pair.exposure;
+  const std::span<float> origin = chain.upload<float>(search.target_origin);
+  origin[0] = static_cast<float>(tile.target.x - tile.source.x);
+  origin[1] = static_cast<float>(tile.target.y - tile.source.y);
+  pair.target.upload(chain, task.guides, search.target, tile.target);
+  pair.source.upload(chain, task.guides, search.source, tile.source);
+  if (search.motion) upload_motion(chain, *search.motion, pair.target.frame, tile.target);
+  if (search.start) {
+    const CoarseChain& coarse = *plan.chains->coarse;
+    const std::size_t level = plan.chains->split.coarse;
+    upload(chain, *search.start,
+           {coarse.chain.download<float>(coarse.offset), level_extent(task.settings, task.full, level), 2},
+           at_level(tile.target, level_px(task.settings, level)));
+  }
+  chain.run();
+  add_times(report, chain);
+  copy_core(chain.download<float>(search.offset), tile, result.offset);
+  const int px = level_px(task.settings, 0);
+  const Rect core = at_level(tile.core, px);
+  copy_rect({chain.download<float>(search.residual), level_extent(task.settings, tile.target.extent(), 0)},
+            within(core, at_level(tile.target, px)), view(result.residual), core.x, core.y);
+}
+
 PairAligner::PairAligner(gpu::Device& device, const Settings& settings, int width, int height,
-                         const AovSet& available)
-    : state_(std::make_unique<State>(device, settings, width, height, available)) {}
+                         const AovSet& available, std::uint64_t memory_limit)
+    : state_(std::make_unique<State>(device, settings, Extent{width, height}, available, memory_limit)) {}
 PairAligner::~PairAligner() = default;
 PairAligner::PairAligner(PairAligner&&) noexcept = default;
 
-PairAlignment PairAligner::align(const Frame& target, const Frame& source) {
+PairAlignment PairAligner::align(const Frame& target, const Frame& source, FrameReport& report) {
   State& s = *state_;
-  for (const Frame* frame : {&target, &source}) {
-    check_frame(*frame, s.full.width, s.full.height, s.required, "the aligner's frames");
-  }
-  s.chain.upload<float>(s.exposure_image)[0] = exposure(target.image(Aov::beauty));
-  s.upload(target, s.target);
-  s.upload(source, s.source);
-  if (s.motion) {
-    check_frame(target, s.full.width, s.full.height, AovSet().set(static_cast<std::size_t>(Aov::motion)),
-                "the aligner's target");
-    pack_motion(target.image(Aov::motion), bounds(s.full), motion_limit_px(s.settings, s.full),
-                s.chain.upload<float>(*s.motion));
-  }
-  s.chain.run();
-
-  PairAlignment result{download(s.chain, s.alignment.offset, s.full, 2), {}, s.chain.times()};
-  for (std::size_t l = 0; l < s.extents.size(); ++l) {
-    result.residual.push_back(download(s.chain, s.alignment.residual[l], s.extents[l], 1));
-  }
+  s.check(target, source);
+  const MatchedPair pair{.target = MatchedFrame(target),
+                         .source = MatchedFrame(source),
+                         .exposure = exposure(target.image(Aov::beauty))};
+  if (s.plan.chains->coarse) s.find_coarse_offsets(pair, report);
+  const Extent full = s.task.full;
+  const Extent matched = level_extent(s.task.settings, full, 0);
+  PairAlignment result{Image(full.width, full.height, 2), Image(matched.width, matched.height, 1)};
+  for (const Tile& tile : s.plan.tiles) s.search_tile(tile, pair, result, report);
   return result;
 }
 
-std::uint64_t PairAligner::device_bytes() const {
-  return state_->chain.device_bytes();
-}
-std::uint64_t PairAligner::device_bytes_unaliased() const {
-  return state_->chain.device_bytes_unaliased();
+FilterMemory PairAligner::memory() const {
+  const SplitPlan<Chains>& plan = state_->plan;
+  FilterMemory memory{.tiles = plan.tiles.size(),
+                      .tile = plan.tiles.front().target.extent(),
+                      .tile_plan = describe(plan.tiles)};
+  Chains::for_each(std::as_const(*plan.chains), [&](const gpu::Chain& chain) { add_memory(memory, chain); });
+  return memory;
 }
 
 }  // namespace becalm::filter

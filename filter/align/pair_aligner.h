@@ -1,11 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
-#include <vector>
 
 #include "filter/gpu/device.h"
-#include "filter/gpu/profiler.h"
+#include "filter/report.h"
 #include "filter/settings.h"
 #include "frame/frame.h"
 
@@ -14,31 +14,30 @@ namespace becalm::filter {
 struct PairAlignment {
   /// Two channels, the frames' size, in pixels: source(p + offset) looks like target(p).
   Image offset;
-  /// One channel: the patch distance at the offset for each pyramid level, the finest first, at the sizes of
-  /// pyramid_extents.
-  std::vector<Image> residual;
-  std::vector<gpu::PassTime> passes;  ///< device time, in order of execution
+  /// One channel: the patch distance at the offset at the finest pyramid level, at that level's size.
+  Image residual;
 };
 
 /// Aligns one frame with another by the search that SequenceFilter uses for its history, without merging. The
 /// frames are matched by radiance, scaled by the target's exposure, and, if `settings.guides` is 1, by albedo
-/// and normal where available.
+/// and normal where available. A frame that the device cannot hold is cut, as FrameMerger does it: the
+/// results do not depend on the cut.
 class PairAligner {
  public:
-  /// Throws DeviceError if the device fails or cannot hold the images.
-  PairAligner(gpu::Device& device, const Settings& settings, int width, int height, const AovSet& available);
+  /// Chooses the largest tiles whose chains hold at most `memory_limit` bytes on the device. Throws
+  /// DeviceLimitError if even the smallest tiles hold more, and DeviceError if the device fails.
+  PairAligner(gpu::Device& device, const Settings& settings, int width, int height, const AovSet& available,
+              std::uint64_t memory_limit = std::numeric_limits<std::uint64_t>::max());
   ~PairAligner();
   PairAligner(PairAligner&&) noexcept;
 
-  /// Throws Error(bad_input) if a frame has another size or lacks an AOV that is matched, or if the target
-  /// lacks the motion that is used.
-  PairAlignment align(const Frame& target, const Frame& source);
-
-  /// Device memory held, and what it would be if images did not share memory.
-  std::uint64_t device_bytes() const;
-  std::uint64_t device_bytes_unaliased() const;
+  /// Adds the device times to the report. Throws Error(bad_input) if a frame has another size or lacks an AOV
+  /// that is matched, or if the target lacks the motion that is used.
+  PairAlignment align(const Frame& target, const Frame& source, FrameReport& report);
+  FilterMemory memory() const;
 
  private:
+  struct Chains;
   struct State;
   std::unique_ptr<State> state_;
 };

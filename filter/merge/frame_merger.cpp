@@ -1,11 +1,10 @@
 #include "filter/merge/frame_merger.h"
 
 #include <algorithm>
-#include <limits>
 #include <optional>
-#include <string>
 #include <utility>
 
+#include "filter/align/split_plan.h"
 #include "filter/ceil_div.h"
 #include "filter/for_rows.h"
 #include "filter/input/host_images.h"
@@ -16,28 +15,6 @@ namespace becalm::filter {
 namespace {
 
 using gpu::Extent;
-
-/// A rectangle in pixels of a level. `px` is the side of such a pixel; `rect` begins at multiples of it.
-Rect at_level(const Rect& rect, int px) {
-  return {rect.x / px, rect.y / px, ceil_div(rect.width, px), ceil_div(rect.height, px)};
-}
-
-/// What tiles need, whatever their size.
-struct CutRules {
-  TileRules tiles;
-  TileRules features;  ///< of the tiles in which features are made
-};
-
-CutRules rules_of(gpu::Device& device, const FilterTask& task, const PyramidSplit& split) {
-  const auto of_features = [&](FeatureChain::Of of) {
-    return FeatureChain(device, task, split, of, task.full).chain.tile_rules();
-  };
-  return {
-      .tiles =
-          MergeChain(device, task, split, task.full, task.full, /*is_whole_frame=*/false).chain.tile_rules(),
-      .features =
-          rules_for_both(of_features(FeatureChain::Of::new_frame), of_features(FeatureChain::Of::history))};
-}
 
 /// Copies a tile's core into the images of the frame that are not empty.
 void unpack(const MergedTile& pixels, const Tile& tile, int residual_px, MergedFrame& frame) {
@@ -87,8 +64,18 @@ struct FrameMerger::Chains {
     const Extent target = tile.target.extent();
     new_frame.emplace(device, task, split, FeatureChain::Of::new_frame, target);
     history.emplace(device, task, split, FeatureChain::Of::history, target);
-    if (split.has_coarse()) coarse.emplace(device, task, split, new_frame->finest.planes);
+    if (split.has_coarse()) coarse.emplace(device, task, split);
     for_each([](gpu::Chain& chain) { chain.plan(); });
+  }
+
+  static CutRules cut_rules(gpu::Device& device, const FilterTask& task, const PyramidSplit& split) {
+    const auto of_features = [&](FeatureChain::Of of) {
+      return FeatureChain(device, task, split, of, task.full).chain.tile_rules();
+    };
+    return {.tiles = MergeChain(device, task, split, task.full, task.full, /*is_whole_frame=*/false)
+                         .chain.tile_rules(),
+            .features = rules_for_both(of_features(FeatureChain::Of::new_frame),
+                                       of_features(FeatureChain::Of::history))};
   }
 
   template <class Use>
@@ -153,7 +140,10 @@ struct FrameMerger::Host {
 FrameMerger::FrameMerger(gpu::Device& device, FilterTask task, std::uint64_t memory_limit)
     : task_(std::move(task)) {
   if (!plan_whole_frame(device, memory_limit)) {
-    plan_tiles_of_frame(device, memory_limit);
+    SplitPlan<Chains> plan = plan_split<Chains>(device, task_, memory_limit);
+    chains_ = std::move(plan.chains);
+    tiles_ = std::move(plan.tiles);
+    feature_tiles_ = std::move(plan.feature_tiles);
     host_ = std::make_unique<Host>(task_, *chains_);
   }
   chains_->for_each([](gpu::Chain& chain) { chain.build(); });
@@ -173,49 +163,6 @@ bool FrameMerger::plan_whole_frame(gpu::Device& device, std::uint64_t memory_lim
   }
   tiles_ = {uncut(task_.full)};
   return chains_->device_bytes() <= memory_limit;
-}
-
-void FrameMerger::plan_tiles_of_frame(gpu::Device& device, std::uint64_t memory_limit) {
-  const Extent full = task_.full;
-  const std::size_t levels = pyramid_extents(task_.settings, full.width, full.height).size();
-  std::uint64_t least_work = std::numeric_limits<std::uint64_t>::max();
-  std::uint64_t least_bytes = std::numeric_limits<std::uint64_t>::max();
-  std::string reason;
-  tiles_.clear();
-  for (std::size_t coarse = 1; coarse <= levels; ++coarse) {
-    const PyramidSplit split{.levels = levels, .coarse = coarse};
-    const CutRules rules = rules_of(device, task_, split);
-    std::unique_ptr<Chains> chains;
-    std::vector<Tile> feature_tiles;
-    const auto fits = [&](const Tile& tile) {
-      try {
-        chains = std::make_unique<Chains>(device, task_, split, tile);
-      } catch (const gpu::DeviceLimitError& error) {
-        if (reason.empty()) reason = error.what();
-        return false;
-      }
-      feature_tiles = cut_tiles(full, tile.target.extent(), rules.features);
-      if (feature_tiles.empty()) {
-        if (reason.empty()) reason = "the prefilter reaches further than tiles have room for";
-        return false;
-      }
-      const std::uint64_t bytes = chains->device_bytes();
-      if (bytes < least_bytes) {
-        least_bytes = bytes;
-        reason = tiles_too_large(tile, bytes, memory_limit);
-      }
-      return bytes <= memory_limit;
-    };
-    std::vector<Tile> tiles = plan_tiles(full, rules.tiles, fits);
-    if (tiles.empty()) continue;
-    const std::uint64_t work = tiles.size() * tiles.front().target.extent().elements();
-    if (work >= least_work) continue;
-    least_work = work;
-    chains_ = std::move(chains);
-    feature_tiles_ = std::move(feature_tiles);
-    tiles_ = std::move(tiles);
-  }
-  if (tiles_.empty()) throw cannot_be_cut(full, reason);
 }
 
 void FrameMerger::merge(const NewFrame& frame, MergedFrame& merged, FrameReport& report) {

@@ -9,74 +9,8 @@
 #include "filter/merge/additive.h"
 
 namespace becalm::filter {
-namespace {
-
 using gpu::Extent;
 using gpu::Format;
-
-Features feature_input(gpu::Chain& chain, const std::string& name, Extent extent, int planes) {
-  return {chain.input(name, Format::f32, extent.with_planes(planes)), planes};
-}
-
-/// Whether known motion is a candidate in the coarse chain, rather than at a finer level.
-bool coarse_takes_motion(const FilterTask& task, const PyramidSplit& split) {
-  return contains(task.used, Aov::motion) && task.settings.motion == MotionUse::guide &&
-         motion_level(split.levels) >= split.coarse;
-}
-
-/// Limit of the motion that is a candidate in the coarse chain; 0 if none is.
-int coarse_motion_limit_px(const FilterTask& task, const PyramidSplit& split) {
-  return coarse_takes_motion(task, split) ? largest_motion_px(task.settings, task.full) : 0;
-}
-
-}  // namespace
-
-FeatureChain::FeatureChain(gpu::Device& device, const FilterTask& task, const PyramidSplit& split, Of of,
-                           Extent part)
-    : chain(device, of == Of::history ? "features of the history" : "features of the frame") {
-  const Settings& settings = task.settings;
-  const std::string name = of == Of::history ? "source" : "target";
-  const int planes = task.guides.planes();
-  color = chain.input("color", Format::f32x4, part);
-  exposure = chain.table("exposure", Format::f32, {1, 1});
-  FeatureSources sources{.color = color, .exposure = exposure, .guide_features = {}, .guide_planes = planes};
-  if (planes > 0) {
-    const Extent matching = level_extent(settings, part, 0).with_planes(planes);
-    if (of == Of::history) {
-      guide = sources.guide_features = chain.input("guide.features", Format::f32, matching);
-    } else {
-      guide = chain.input("guide", Format::f32, part.with_planes(planes));
-      sources.guide_features = chain.image("guide.features", Format::f32, matching);
-      add_guide_passes(chain, settings, part, *guide, task.guides.weights, *sources.guide_features);
-    }
-  }
-  finest = add_feature_passes(chain, settings, part, name, sources);
-  chain.output(finest.image, level_px(settings, 0));
-  if (split.has_coarse()) {
-    coarse = add_pyramid(chain, settings, {.finest = 0, .end = split.coarse + 1}, part, finest, name).back();
-    chain.output(coarse->image, level_px(settings, split.coarse));
-  }
-}
-
-CoarseChain::CoarseChain(gpu::Device& device, const FilterTask& task, const PyramidSplit& split, int planes)
-    : chain(device, "coarse levels") {
-  const Extent extent = level_extent(task.settings, task.full, split.coarse);
-  target = feature_input(chain, "features.target", extent, planes);
-  source = feature_input(chain, "features.source", extent, planes);
-  if (coarse_takes_motion(task, split)) motion = chain.input("motion", Format::f32x2, task.full);
-  const SearchResult found = add_search_passes(chain, task.settings,
-                                               {.name = {},
-                                                .levels = {.finest = split.coarse, .end = split.levels},
-                                                .full = task.full,
-                                                .window = add_same_window(chain, task.full, "origin"),
-                                                .target = target,
-                                                .source = source,
-                                                .start = {},
-                                                .motion = motion,
-                                                .motion_limit_px = coarse_motion_limit_px(task, split)});
-  offset = found.offset;
-  chain.output(offset, level_px(task.settings, split.coarse));
-}
 
 gpu::History MergeChain::history(const std::string& name, Format format, bool is_whole_frame, Extent target,
                                  Extent source) {
@@ -136,8 +70,6 @@ MergeChain::MergeChain(gpu::Device& device, const FilterTask& task, const Pyrami
   }
   const Matched matched =
       is_whole_frame ? features_of_frame(task, new_color) : features_of_tile(task, split, target, source);
-  const int start_limit_px =
-      offset_limit_px(settings, {split.coarse, split.levels}, 0, coarse_motion_limit_px(task, split));
   const bool guides = motion && settings.motion == MotionUse::guide;
   const SearchResult found = add_search_passes(chain, settings,
                                                {.name = {},
@@ -147,7 +79,7 @@ MergeChain::MergeChain(gpu::Device& device, const FilterTask& task, const Pyrami
                                                 .target = matched.target,
                                                 .source = matched.source,
                                                 .start = cut ? cut->start : std::nullopt,
-                                                .start_limit_px = start_limit_px,
+                                                .start_limit_px = start_limit_px(task, split),
                                                 .motion = guides ? motion : std::nullopt,
                                                 .motion_limit_px = largest_motion_px(settings, task.full)});
   int limit_px = found.limit_px;

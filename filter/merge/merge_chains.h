@@ -8,48 +8,13 @@
 #include <vector>
 
 #include "filter/align/align.h"
+#include "filter/align/search_chains.h"
 #include "filter/gpu/chain.h"
 #include "filter/input/noisy_inputs.h"
 #include "filter/merge/merge.h"
 #include "filter/task.h"
 
 namespace becalm::filter {
-
-/// The pyramid level that separates the search of the whole frame from that of the tiles.
-struct PyramidSplit {
-  std::size_t levels = 1;  ///< of the whole frame's pyramid
-  /// The levels from this one on are searched for the whole frame at once; none if it equals `levels`.
-  std::size_t coarse = 1;
-
-  bool has_coarse() const { return coarse < levels; }
-};
-
-/// Matching features of a part of a frame, made from its colour and its guides. The history's guides are the
-/// previous frame's guide features, at matching resolution.
-struct FeatureChain {
-  enum class Of { new_frame, history };
-  FeatureChain(gpu::Device& device, const FilterTask& task, const PyramidSplit& split, Of of,
-               gpu::Extent part);
-
-  gpu::Chain chain;
-  gpu::ImageId color;
-  gpu::ImageId exposure;
-  /// At full resolution for a new frame, at matching resolution for the history.
-  std::optional<gpu::ImageId> guide;
-  Features finest;
-  std::optional<Features> coarse;  ///< at level `coarse` of the split
-};
-
-/// Searches the offsets at level `coarse` for the whole frame.
-struct CoarseChain {
-  CoarseChain(gpu::Device& device, const FilterTask& task, const PyramidSplit& split, int planes);
-
-  gpu::Chain chain;
-  Features target;
-  Features source;
-  std::optional<gpu::ImageId> motion;  ///< at full resolution, if it is a candidate at a coarse level
-  gpu::ImageId offset;
-};
 
 /// Results of a merge in a tile's target rectangle; spans that are not wanted are empty.
 struct MergedTile {

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
-#include <vector>
 
 #include "filter/estimate.h"
 #include "filter/gpu/device.h"
@@ -10,7 +8,7 @@
 #include "filter/stereo/disparity.h"
 #include "filter/stereo/eye_passes.h"
 #include "filter/task.h"
-#include "filter/tiles/tiles.h"
+#include "filter/tiles/local_chain.h"
 
 namespace becalm::filter {
 
@@ -25,12 +23,11 @@ class EyeCombiner {
   /// report.
   Estimate run(const EyeFrame& own, const EyeFrame& other, const Correspondence& where, Image& weight,
                FrameReport& report);
-  FilterMemory memory() const;
+  FilterMemory memory() const { return chain_.memory(); }
 
  private:
   FilterTask task_;
-  std::vector<Tile> tiles_;
-  std::unique_ptr<EyePasses> passes_;
+  LocalChain<EyePasses> chain_;
 };
 
 }  // namespace becalm::filter

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -18,8 +17,10 @@
 namespace becalm::filter {
 namespace {
 
-/// The combination of the eyes may take 1 / kShareOfEyes of the memory.
+/// The combination of the eyes and the search between them may take 1 / kShareOfEyes of the memory, the
+/// search 1 / kShareOfSearch: of whole frames it takes a quarter of what the combination does.
 constexpr std::uint64_t kShareOfEyes = 4;
+constexpr std::uint64_t kShareOfSearch = 16;
 
 /// Eyes are searched at full size: their offsets are a few pixels, and those found at half the size blur more
 /// than the other eye's samples gain.
@@ -35,11 +36,11 @@ Settings search_settings(Settings settings) {
 }
 
 /// The frame as it is searched: the estimate's colours, and albedo and normal where they are matched.
-Frame searched(const Frame& frame, const Estimate& estimate, const AovSet& guides) {
+Frame searched(const Frame& frame, const Estimate& estimate, const AovSet& used) {
   Frame result(frame.number(), frame.width(), frame.height());
   result.image(Aov::beauty) = estimate.color;
   for (const Aov aov : {Aov::albedo, Aov::normal}) {
-    if (contains(guides, aov)) result.image(aov) = frame.image(aov);
+    if (contains(used, aov)) result.image(aov) = frame.image(aov);
   }
   return result;
 }
@@ -47,14 +48,17 @@ Frame searched(const Frame& frame, const Estimate& estimate, const AovSet& guide
 }  // namespace
 
 struct StereoFilter::State {
+  void make_aligner();
   Pair<Correspondence> find(const Pair<const Frame*>& eyes, const std::vector<EyeFrame>& own,
                             Pair<FrameReport>& reports);
 
   gpu::Device& device;
+  std::uint64_t search_limit = 0;  ///< bytes
   std::vector<SequenceFilter> eyes = {};
   float depth_limit_px = 0.0f;  ///< of the offsets that depths tell
   std::optional<EyeCombiner> combiner = {};
-  std::optional<PairAligner> aligner = {};  ///< from the first pair on whose cameras are not known
+  /// Without depth; with it from the first pair on whose cameras are not known.
+  std::optional<PairAligner> aligner = {};
 };
 
 StereoFilter::StereoFilter(gpu::Device& device, const Settings& settings, int width, int height,
@@ -64,6 +68,7 @@ StereoFilter::StereoFilter(gpu::Device& device, const Settings& settings, int wi
   const std::uint64_t all = std::min(options.memory_limit, usable_bytes(device));
   SequenceOptions of_eye = options;
   of_eye.memory_limit = (all - all / kShareOfEyes) / 2;
+  s.search_limit = all / kShareOfSearch;
   for (int eye = 0; eye < 2; ++eye) s.eyes.emplace_back(device, settings, width, height, available, of_eye);
   const Settings search = search_settings(settings);
   Settings known = search;
@@ -71,10 +76,18 @@ StereoFilter::StereoFilter(gpu::Device& device, const Settings& settings, int wi
   s.depth_limit_px = motion_limit_px(known, {width, height});
   const int of_search = offset_limit_px(search, {0, pyramid_extents(search, width, height).size()});
   s.combiner.emplace(device, s.eyes.front().task(),
-                     std::max(static_cast<int>(std::ceil(s.depth_limit_px)), of_search), all / kShareOfEyes);
+                     std::max(static_cast<int>(std::ceil(s.depth_limit_px)), of_search),
+                     all / kShareOfEyes - s.search_limit);
+  if (!contains(s.eyes.front().task().used, Aov::depth)) s.make_aligner();
 }
 StereoFilter::~StereoFilter() = default;
 StereoFilter::StereoFilter(StereoFilter&&) noexcept = default;
+
+void StereoFilter::State::make_aligner() {
+  const FilterTask& task = eyes.front().task();
+  aligner.emplace(device, search_settings(task.settings), task.full.width, task.full.height, task.used,
+                  search_limit);
+}
 
 StereoFilter::Pair<Correspondence> StereoFilter::State::find(const Pair<const Frame*>& frames,
                                                              const std::vector<EyeFrame>& own,
@@ -90,20 +103,12 @@ StereoFilter::Pair<Correspondence> StereoFilter::State::find(const Pair<const Fr
     return {correspondence_by_depth(*frames[0], depth_limit_px),
             correspondence_by_depth(*frames[1], depth_limit_px)};
   }
-  AovSet guides;
-  for (const Aov aov : {Aov::albedo, Aov::normal}) {
-    guides.set(static_cast<std::size_t>(aov), contains(task.used, aov));
-  }
-  if (!aligner) {
-    aligner.emplace(device, search_settings(task.settings), task.full.width, task.full.height, guides);
-  }
-  const Pair<Frame> images{searched(*frames[0], own[0].estimate, guides),
-                           searched(*frames[1], own[1].estimate, guides)};
+  if (!aligner) make_aligner();
+  const Pair<Frame> images{searched(*frames[0], own[0].estimate, task.used),
+                           searched(*frames[1], own[1].estimate, task.used)};
   Pair<Image> found;
   for (std::size_t eye = 0; eye < 2; ++eye) {
-    PairAlignment aligned = aligner->align(images[eye], images[1 - eye]);
-    std::ranges::move(aligned.passes, std::back_inserter(reports[eye].passes));
-    found[eye] = std::move(aligned.offset);
+    found[eye] = aligner->align(images[eye], images[1 - eye], reports[eye]).offset;
   }
   Pair<Correspondence> where;
   for (std::size_t eye = 0; eye < 2; ++eye) {
@@ -145,22 +150,13 @@ StereoFilter::Pair<std::optional<Frame>> StereoFilter::run(const Step& step, con
 FilterMemory StereoFilter::memory() const {
   const State& s = *state_;
   FilterMemory memory = s.eyes[0].memory();
-  const auto add = [&](const FilterMemory& part) {
-    memory.device_bytes += part.device_bytes;
-    memory.device_bytes_unaliased += part.device_bytes_unaliased;
-    memory.staging_bytes += part.staging_bytes;
-  };
-  add(s.eyes[1].memory());
-  const FilterMemory eyes = s.combiner->memory();
-  add(eyes);
-  if (s.aligner) {
-    memory.device_bytes += s.aligner->device_bytes();
-    memory.device_bytes_unaliased += s.aligner->device_bytes_unaliased();
-  }
-  if (eyes.tiles > 1) {
-    memory.tile_plan =
-        fmt::format("{}eyes {}", memory.tile_plan == "1" ? "" : memory.tile_plan + "; ", eyes.tile_plan);
-  }
+  // The other eye is cut alike.
+  const FilterMemory other = s.eyes[1].memory();
+  memory.device_bytes += other.device_bytes;
+  memory.device_bytes_unaliased += other.device_bytes_unaliased;
+  memory.staging_bytes += other.staging_bytes;
+  add_memory(memory, s.combiner->memory(), "eyes");
+  if (s.aligner) add_memory(memory, s.aligner->memory(), "search");
   return memory;
 }
 

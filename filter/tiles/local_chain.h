@@ -12,19 +12,22 @@
 
 namespace becalm::filter {
 
-/// A chain without history whose pixels depend only on a margin around them. Frames that the device cannot
-/// hold are cut into tiles; the results do not depend on the cut. `Passes` declares the chain for tiles of
-/// one size: it is constructed from (device, task, extent) and has a member `chain`, not yet planned.
+/// A chain without history whose pixels depend only on a margin around them, or on what passes gather from a
+/// source rectangle around that. Frames that the device cannot hold are cut into tiles; the results do not
+/// depend on the cut. `Passes` declares the chain for tiles of one size in its member `chain`, not yet
+/// planned.
 template <class Passes>
 class LocalChain {
  public:
-  /// Builds the chain for the largest tiles that take at most `memory_limit` bytes. Throws DeviceLimitError
-  /// if even the smallest tiles take more.
-  LocalChain(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit) {
+  /// Builds the chain for the largest tiles that take at most `memory_limit` bytes. `make(target, source)` is
+  /// the passes for rectangles of these sizes, as std::unique_ptr. Throws DeviceLimitError if even the
+  /// smallest tiles take more.
+  template <class Make>
+  LocalChain(gpu::Extent full, std::uint64_t memory_limit, const Make& make) {
     std::string reason;
-    const TileRules rules = rules_for_both(Passes(device, task, task.full).chain.tile_rules(), kCoarseGrid);
-    tiles_ = plan_tiles(task.full, rules, [&](const Tile& tile) {
-      passes_ = std::make_unique<Passes>(device, task, tile.target.extent());
+    const TileRules rules = rules_for_both(make(full, full)->chain.tile_rules(), kCoarseGrid);
+    tiles_ = plan_tiles(full, rules, [&](const Tile& tile) {
+      passes_ = make(tile.target.extent(), tile.source.extent());
       try {
         passes_->chain.plan();
       } catch (const gpu::DeviceLimitError& error) {
@@ -35,9 +38,15 @@ class LocalChain {
       reason = tiles_too_large(tile, bytes, memory_limit);
       return bytes <= memory_limit;
     });
-    if (tiles_.empty()) throw cannot_be_cut(task.full, reason);
+    if (tiles_.empty()) throw cannot_be_cut(full, reason);
     passes_->chain.build();
   }
+
+  /// The same for passes that gather nothing, which are constructed from (device, task, extent).
+  LocalChain(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit)
+      : LocalChain(task.full, memory_limit, [&](gpu::Extent target, gpu::Extent) {
+          return std::make_unique<Passes>(device, task, target);
+        }) {}
 
   /// For each tile, `upload(passes, tile)` fills the inputs and `download(passes, tile)` reads the outputs.
   /// Adds the device times to the report.

@@ -203,7 +203,9 @@ std::vector<ExrView> views_of(const std::string& path, const Imf::MultiPartInput
   std::vector<ExrView> views;
   for (ViewLayers& found : find_view_layers(path, part_channels(file), options)) {
     const Imf::Header& header = file.header(found.layers[static_cast<std::size_t>(Aov::beauty)]->part);
-    views.push_back({std::move(found), header.dataWindow(), header.displayWindow()});
+    const bool is_checkerboard =
+        parse_checkerboard(text_attribute(file.header(0), kCheckerboardAttribute), {}).has_value();
+    views.push_back({std::move(found), header.dataWindow(), header.displayWindow(), is_checkerboard});
   }
   return views;
 }
@@ -246,7 +248,8 @@ LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted, c
           parse_checkerboard(text_attribute(file->header(0), kCheckerboardAttribute), view.window.min));
       const int part = view.layers[static_cast<std::size_t>(Aov::beauty)]->part;
       std::optional<StereoView> stereo = parse_stereo(text_attribute(file->header(part), kStereoAttribute));
-      if (stereo) stereo->middle_px = middle_of(views[i].display_window) - middle_of(view.window);
+      view.middle_px = middle_of(views[i].display_window) - middle_of(view.window);
+      if (stereo) stereo->middle_px = view.middle_px;
       view.frame.set_stereo(stereo);
       add_targets(wanted, light_groups, view, parts);
     }

@@ -22,6 +22,8 @@ class ExrContents;
 struct LoadedView : ViewLayers {
   Frame frame;
   Imath::Box2i window;  ///< that the frame covers, in the file's coordinates
+  /// As StereoView has it, of any frame: not zero where the window is not the display window.
+  Imath::V2d middle_px{0.0, 0.0};
   /// Of light groups that are products: the surface's colour, which the frame's radiance contains.
   std::map<std::string, Image> colours;
 };
@@ -46,6 +48,7 @@ enum class LightGroups { leave, read };
 struct ExrView : ViewLayers {
   Imath::Box2i data_window;  ///< of the beauty's part
   Imath::Box2i display_window;
+  bool is_checkerboard = false;  ///< the file tells which pixels of a checkerboard it holds
 };
 
 /// Whether read_exr keeps the channels that write_denoised_exr passes on, so that they are decompressed once.

@@ -5,7 +5,7 @@
 #include "frame/pictures/embedded_library.h"
 
 extern "C" {
-// NOLINTBEGIN(readability-identifier-naming): symbols of embedded_module.S
+// NOLINTBEGIN(readability-identifier-naming): symbols of becalm_embed_module
 extern const std::byte becalm_pictures_module[];
 extern const std::byte becalm_pictures_module_end[];
 // NOLINTEND(readability-identifier-naming)

@@ -13,7 +13,7 @@
 #include "frame/raw/dng.h"
 
 extern "C" {
-// NOLINTBEGIN(readability-identifier-naming): symbols of embedded_module.S
+// NOLINTBEGIN(readability-identifier-naming): symbols of becalm_embed_module
 extern const std::byte becalm_raw_module[];
 extern const std::byte becalm_raw_module_end[];
 // NOLINTEND(readability-identifier-naming)

@@ -45,15 +45,24 @@ def chunks_read(chunk, all_chunks):
     return [i for i, (first, last) in enumerate(all_chunks) if first <= end and last >= begin]
 
 
-def frame_path(pattern, frame):
-    """The file of a frame in a `####` pattern. As in becalm, a minus sign counts as a digit of the padding."""
-    return re.sub(r"#+", lambda field: f"{frame:0{len(field[0])}d}", pattern, count=1)
+def has_eye_field(pattern):
+    """Whether each eye has a file, `%V` or `%v` in the pattern."""
+    return bool(re.search("%[Vv]", pattern))
+
+
+def frame_paths(pattern, frame):
+    """The file of a frame in a `####` pattern, or one for each eye. As in becalm, a minus sign counts as a digit of the padding."""
+    path = re.sub(r"#+", lambda field: f"{frame:0{len(field[0])}d}", pattern, count=1)
+    if not has_eye_field(path):
+        return [path]
+    return [path.replace("%V", eye).replace("%v", eye[0]) for eye in ("left", "right")]
 
 
 def folder_of(output):
-    """The folder of an output pattern's plan, logs and task states."""
+    """The folder of an output pattern's plan, logs and task states: above the eyes' own folders if there are any."""
     path = Path(output)
-    return path.parent / ("farm." + re.sub(r"[.#]+exr$", "", path.name))
+    parent = next((folder for folder in path.parents if not has_eye_field(str(folder))), Path())
+    return parent / ("farm." + re.sub(r"[.#]+exr$", "", re.sub(r"[._-]?%[Vv]", "", path.name)))
 
 
 def load(folder):

@@ -1,10 +1,16 @@
 // Both eyes, from the tracer to files and through becalm denoise: views of one file, and a file for each eye.
 
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfInputFile.h>
+#include <OpenEXR/ImfOutputFile.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <fstream>
+#include <map>
 #include <sstream>
+#include <vector>
 
 #include "frame/io/stereo_text.h"
 #include "tests/end_to_end/harness.h"
@@ -26,6 +32,31 @@ std::string write_stereo_scene(const TempFolder& folder) {
   scene.insert(scene.find(camera) + camera.size(), "\"eye_separation\": 0.3, ");
   write_text(path, scene);
   return path;
+}
+
+/// Copies what lies within `window`, which becomes the data window, without the attribute of the camera if
+/// `bare`.
+void crop(const std::string& from, const std::string& to, const Imath::Box2i& window, bool bare) {
+  Imf::InputFile file(from.c_str());
+  Imf::Header header = file.header();
+  const int width = header.dataWindow().max.x + 1;
+  const int height = header.dataWindow().max.y + 1;
+  header.dataWindow() = window;
+  if (bare) header.erase(io::kStereoAttribute);
+  Imf::FrameBuffer buffer;
+  std::map<std::string, std::vector<float>> planes;
+  for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
+    channel.channel().type = Imf::FLOAT;
+    std::vector<float>& plane = planes[channel.name()];
+    plane.resize(static_cast<std::size_t>(width) * height);
+    buffer.insert(channel.name(), Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(plane.data()), sizeof(float),
+                                             sizeof(float) * width));
+  }
+  file.setFrameBuffer(buffer);
+  file.readPixels(0, height - 1);
+  Imf::OutputFile cropped(to.c_str(), header);
+  cropped.setFrameBuffer(buffer);
+  cropped.writePixels(window.max.y - window.min.y + 1);
 }
 
 class Stereo : public testing::Test {
@@ -164,6 +195,25 @@ TEST_F(Stereo, TakesTheCamerasFromTheUserOrSearches) {
     expect_error(becalm(command("in.%V.####.exr", "x.%V.####.exr", {"--stereo-camera", wrong})), 2,
                  {"--stereo-camera", wrong, "FOCAL_PX"});
   }
+}
+
+TEST_F(Stereo, CamerasFromTheUserAreOfTheWholePicture) {
+  render();
+  const StereoCamera camera = read_frame(frame_path(folder_ / "in.left.####.exr", 1)).stereo()->camera;
+  const Imath::Box2i window(Imath::V2i(14, 0), Imath::V2i(45, 22));
+  for (int number = 1; number <= 4; ++number) {
+    for (const std::string eye : {"left.####.exr", "right.####.exr"}) {
+      const auto path = [&](const char* name) { return frame_path(folder_ / (name + eye), number); };
+      crop(path("in."), path("crop."), window, false);
+      crop(path("in."), path("bare."), window, true);
+    }
+  }
+  becalm_done(command("crop.%V.####.exr", "known.%V.####.exr", {"--quiet"}));
+  becalm_done(command("bare.%V.####.exr", "given.%V.####.exr",
+                      {"--quiet", "--stereo-camera",
+                       fmt::format("{},{},{}", camera.focal_px, camera.separation, camera.convergence)}));
+  expect_same_beauty(folder_ / "known.left.####.exr", folder_ / "given.left.####.exr", 1, 4);
+  expect_same_beauty(folder_ / "known.right.####.exr", folder_ / "given.right.####.exr", 1, 4);
 }
 
 TEST_F(Stereo, RefusesWhatIsWrong) {

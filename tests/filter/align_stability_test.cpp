@@ -45,7 +45,8 @@ class AlignStability : public DeviceTest {
  protected:
   static PairAlignment align(const Settings& settings, const Frame& target, const Frame& source) {
     PairAligner aligner(device(), settings, target.width(), target.height(), target.aovs());
-    return aligner.align(target, source);
+    FrameReport report;
+    return aligner.align(target, source, report);
   }
 };
 
@@ -230,7 +231,7 @@ TEST_F(AlignStability, ExtremeImagesGiveFiniteOffsetsWithinReach) {
               << name << ", " << preset_name;
         }
       }
-      for (const float residual : found.residual.front().data()) {
+      for (const float residual : found.residual.data()) {
         ASSERT_TRUE(std::isfinite(residual) && residual >= 0.0f) << name << ", " << preset_name;
       }
     }

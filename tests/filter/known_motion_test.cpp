@@ -51,7 +51,8 @@ class KnownMotion : public DeviceTest {
   }
   static PairAlignment align(const Settings& settings, const Frame& target, const Frame& source) {
     PairAligner aligner(device(), settings, kWidth, kHeight, target.aovs());
-    return aligner.align(target, source);
+    FrameReport report;
+    return aligner.align(target, source, report);
   }
 };
 

@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <limits>
+#include <random>
+#include <vector>
+
 #include "filter/align/align.h"
 #include "frame/error.h"
 #include "tests/filter/device_fixture.h"
@@ -43,7 +47,10 @@ double median_error_px(const Image& offset) {
   return errors[errors.size() / 2];
 }
 
-class PairAlignerTest : public DeviceTest {};
+class PairAlignerTest : public DeviceTest {
+ protected:
+  FrameReport report;
+};
 
 TEST_F(PairAlignerTest, FindsAShiftInRadianceInAlbedoAndInBoth) {
   for (const auto& patterned :
@@ -51,7 +58,7 @@ TEST_F(PairAlignerTest, FindsAShiftInRadianceInAlbedoAndInBoth) {
     const Frame target = frame_with(patterned, 0);
     const Frame source = frame_with(patterned, 1);
     PairAligner aligner(device(), preset("final"), kWidth, kHeight, target.aovs());
-    const PairAlignment found = aligner.align(target, source);
+    const PairAlignment found = aligner.align(target, source, report);
     EXPECT_LT(median_error_px(found.offset), 0.3)
         << (*patterned.begin() == Aov::beauty ? "beauty" : "albedo");
   }
@@ -64,9 +71,9 @@ TEST_F(PairAlignerTest, ExposureIsTheTargetsForBothFrames) {
   for (float& value : source.image(Aov::beauty).data()) value *= 2.0f;
   PairAligner aligner(device(), preset("final"), kWidth, kHeight, target.aovs());
   const auto mean_residual = [&](const Frame& frame) {
-    const PairAlignment found = aligner.align(target, frame);
+    const PairAlignment found = aligner.align(target, frame, report);
     double sum = 0;
-    for (const float value : found.residual.front().data()) sum += value;
+    for (const float value : found.residual.data()) sum += value;
     return sum / (kWidth * kHeight);
   };
   EXPECT_NEAR(mean_residual(target), 0.0, 1e-5);
@@ -78,18 +85,62 @@ TEST_F(PairAlignerTest, GivesTheSizesThatItPromises) {
   Settings settings = preset("final");
   set(settings, "match_downsample=2");
   PairAligner aligner(device(), settings, kWidth, kHeight, frame.aovs());
-  const PairAlignment found = aligner.align(frame, frame);
+  const PairAlignment found = aligner.align(frame, frame, report);
   EXPECT_EQ(found.offset.width(), kWidth);
   EXPECT_EQ(found.offset.height(), kHeight);
   EXPECT_EQ(found.offset.channels(), 2);
-  const auto extents = pyramid_extents(settings, kWidth, kHeight);
-  ASSERT_EQ(found.residual.size(), extents.size());
-  for (std::size_t l = 0; l < extents.size(); ++l) {
-    EXPECT_EQ(found.residual[l].width(), extents[l].width);
-    EXPECT_EQ(found.residual[l].height(), extents[l].height);
+  EXPECT_EQ(found.residual.width(), kWidth / 2);
+  EXPECT_EQ(found.residual.height(), kHeight / 2);
+  EXPECT_FALSE(report.passes.empty());
+  EXPECT_LT(aligner.memory().device_bytes, aligner.memory().device_bytes_unaliased);
+}
+
+/// A frame of noise that moves by `shift_px` to the right, with motion that is wrong in places.
+Frame wide_frame(int number, int shift_px) {
+  std::mt19937 random(number);
+  std::normal_distribution<float> noise;
+  Frame frame(number, 1400, 64);
+  Image& beauty = frame.add(Aov::beauty, 1.0f);
+  Image& albedo = frame.add(Aov::albedo);
+  Image& motion = frame.add(Aov::motion, static_cast<float>(shift_px));
+  for (int y = 0; y < frame.height(); ++y) {
+    for (int x = 0; x < frame.width(); ++x) {
+      const auto value = static_cast<float>(pattern(x - shift_px, y, 6));
+      for (int c = 0; c < 3; ++c) {
+        beauty.at(x, y, c) = (random() % 60 == 0 ? 20.0f : 1.0f) * (0.2f + value + 0.1f * noise(random));
+        albedo.at(x, y, c) = value;
+      }
+      motion.at(x, y, 1) = x / 40 % 3 == 0 ? 9.0f : 0.0f;
+    }
   }
-  EXPECT_FALSE(found.passes.empty());
-  EXPECT_LT(aligner.device_bytes(), aligner.device_bytes_unaliased());
+  beauty.at(700, 40, 1) = std::numeric_limits<float>::quiet_NaN();
+  return frame;
+}
+
+TEST_F(PairAlignerTest, TilesDoNotShow) {
+  const Frame target = wide_frame(1, 0);
+  const Frame source = wide_frame(2, 13);
+  for (const auto& changes :
+       {std::vector<const char*>{"motion=none", "match_downsample=1", "prefilter=0"}, {"motion=guide"}}) {
+    Settings settings = preset("final");
+    for (const char* change : changes) set(settings, change);
+    const auto aligner = [&](std::uint64_t limit) {
+      return PairAligner(device(), settings, target.width(), target.height(), target.aovs(), limit);
+    };
+    PairAligner whole = aligner(std::numeric_limits<std::uint64_t>::max());
+    const PairAlignment expected = whole.align(target, source, report);
+    EXPECT_EQ(whole.memory().tiles, 1u);
+    for (const double share : {0.8, 0.6}) {
+      const auto limit = static_cast<std::uint64_t>(share * static_cast<double>(whole.memory().device_bytes));
+      PairAligner cut = aligner(limit);
+      EXPECT_GT(cut.memory().tiles, 1u);
+      EXPECT_LE(cut.memory().device_bytes, limit);
+      const PairAlignment found = cut.align(target, source, report);
+      EXPECT_TRUE(std::ranges::equal(found.offset.data(), expected.offset.data())) << changes[0] << share;
+      EXPECT_TRUE(std::ranges::equal(found.residual.data(), expected.residual.data())) << changes[0] << share;
+    }
+    EXPECT_THROW(aligner(100'000), gpu::DeviceLimitError);
+  }
 }
 
 TEST_F(PairAlignerTest, RefusesFramesThatDiffer) {
@@ -97,7 +148,7 @@ TEST_F(PairAlignerTest, RefusesFramesThatDiffer) {
   PairAligner aligner(device(), preset("final"), kWidth, kHeight, target.aovs());
   const auto refusal = [&](const Frame& source) -> std::string {
     try {
-      aligner.align(target, source);
+      aligner.align(target, source, report);
     } catch (const Error& error) {
       EXPECT_EQ(error.status(), ExitStatus::bad_input);
       return error.what();

@@ -273,21 +273,26 @@ TEST_F(StereoTest, TheOrderOfTheEyesDoesNotMatter) {
   }
 }
 
+/// The shot's frame several times side by side.
+Frame wide_frame_of(const Shot& shot, Eye eye, int width) {
+  const Frame part = frame_of(shot, eye);
+  Frame frame(1, width, kHeight);
+  frame.set_stereo(part.stereo());
+  for (const Aov aov : {Aov::beauty, Aov::variance, Aov::depth}) {
+    if (!part.has(aov)) continue;
+    Image& image = frame.add(aov);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < width; ++x)
+        std::ranges::copy(part.image(aov).pixel(x % kWidth, y), image.pixel(x, y).begin());
+    }
+  }
+  return frame;
+}
+
 TEST_F(StereoTest, TilesDoNotShow) {
   const Shot shot{.card = true};
   constexpr int width = 384;
-  Frame left(1, width, kHeight), right(1, width, kHeight);
-  for (const auto& [frame, eye] : {std::pair{&left, Eye::left}, {&right, Eye::right}}) {
-    const Frame part = frame_of(shot, eye);
-    frame->set_stereo(part.stereo());
-    for (const Aov aov : {Aov::beauty, Aov::variance, Aov::depth}) {
-      Image& image = frame->add(aov);
-      for (int y = 0; y < kHeight; ++y) {
-        for (int x = 0; x < width; ++x)
-          std::ranges::copy(part.image(aov).pixel(x % kWidth, y), image.pixel(x, y).begin());
-      }
-    }
-  }
+  const Frame left = wide_frame_of(shot, Eye::left, width), right = wide_frame_of(shot, Eye::right, width);
   FilterTask task{.settings = unsmoothed(),
                   .full = {width, kHeight},
                   .used = left.aovs(),
@@ -318,6 +323,29 @@ TEST_F(StereoTest, TilesDoNotShow) {
   EXPECT_GT(memory_of_cut.tiles, 1u);
   EXPECT_TRUE(std::ranges::equal(whole.color.data(), cut.color.data()));
   EXPECT_TRUE(std::ranges::equal(whole.stats.data(), cut.stats.data()));
+}
+
+TEST_F(StereoTest, TheSearchKeepsToTheMemory) {
+  constexpr int width = 1152;
+  const Shot shot{.card = true, .depth = false, .camera = false};
+  const Frame left = wide_frame_of(shot, Eye::left, width), right = wide_frame_of(shot, Eye::right, width);
+  const auto run = [&](std::uint64_t limit) {
+    StereoFilter filter(device(), unsmoothed(), width, kHeight, left.aovs(), {.memory_limit = limit});
+    StereoFilter::Pair<FrameReport> reports;
+    auto results = filter.run({.frame = 1}, {&left, &right}, reports);
+    return std::pair(std::move(results), filter.memory());
+  };
+  const auto [whole, memory] = run(std::numeric_limits<std::uint64_t>::max());
+  EXPECT_EQ(memory.tile_plan, "1");
+  const auto limit = memory.device_bytes / 3;
+  const auto [cut, memory_of_cut] = run(limit);
+  EXPECT_LE(memory_of_cut.device_bytes, limit);
+  EXPECT_NE(memory_of_cut.tile_plan.find("search "), std::string::npos) << memory_of_cut.tile_plan;
+  for (int eye = 0; eye < 2; ++eye) {
+    EXPECT_TRUE(
+        std::ranges::equal(whole[eye]->image(Aov::beauty).data(), cut[eye]->image(Aov::beauty).data()));
+  }
+  EXPECT_THROW(run(100'000), gpu::DeviceLimitError);
 }
 
 TEST(Disparity, IsThatOfTheCamera) {

@@ -49,9 +49,11 @@ class Plan(unittest.TestCase):
         self.assertEqual(farm.chunks_read(small[8], small), list(range(6, 18)))
 
     def test_names(self):
-        self.assertEqual(farm.frame_path("out/a.####.exr", 7), "out/a.0007.exr")
-        self.assertEqual(farm.frame_path("a.####.exr", -1), "a.-001.exr")
+        self.assertEqual(farm.frame_paths("out/a.####.exr", 7), ["out/a.0007.exr"])
+        self.assertEqual(farm.frame_paths("a.####.exr", -1), ["a.-001.exr"])
+        self.assertEqual(farm.frame_paths("%v/a.%V.##.exr", 7), ["l/a.left.07.exr", "r/a.right.07.exr"])
         self.assertEqual(farm.folder_of("out/a.####.exr"), Path("out/farm.a"))
+        self.assertEqual(farm.folder_of("/out/%V/x/a.%v.####.exr"), Path("/out/farm.a"))
 
 
 class Submitted(unittest.TestCase):
@@ -74,8 +76,8 @@ class Submitted(unittest.TestCase):
         return subprocess.run([sys.executable, str(FARM / name), *map(str, arguments)], env={**self.environment, **variables},
                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
-    def submit(self, source, *more):
-        done = self.run_script("submit", source, "-o", self.path / "out/a.####.exr", "--frames", "1-70", "--becalm",
+    def submit(self, source, *more, output="out/a.####.exr"):
+        done = self.run_script("submit", source, "-o", self.path / output, "--frames", "1-70", "--becalm",
                                self.path / "becalm", *more)
         self.assertEqual(done.returncode, 0, done.stderr)
         lines = self.calls.read_text().splitlines()
@@ -117,6 +119,22 @@ class Submitted(unittest.TestCase):
         self.assertIn("denoise.0 failed with status 3", status.stdout)
         self.assertEqual(self.task("check", 0, STATUS="3")[0], 1)
         self.assertEqual(self.task("check", 0)[0], 0)
+
+    def test_each_eye_may_have_a_file(self):
+        output = self.path / "out/a.%V.####.exr"
+        self.submit(self.path / "shot.json", output="out/a.%V.####.exr")
+        noisy = self.path / "out/noisy/a.%V.####.exr"
+        self.assertEqual(self.task("denoise", 1)[1], [f"denoise {noisy} -o {output} --frames 32-63 --resume"])
+        for eye in ("left", "right"):
+            (self.path / f"out/a.{eye}.0003.exr").touch()
+        (self.path / "out/a.left.0004.exr").touch()
+        self.assertIn("denoised 1 of 70 frames", self.run_script("status", output).stdout)
+        self.calls.write_text("")
+        self.task("check", 0)
+        self.assertIn(f"info {self.path}/out/a.right.0070.exr", self.calls.read_text().splitlines())
+        refused = self.run_script("submit", self.path / "in.%V.####.exr", "-o", self.path / "b.####.exr", "--frames", "1-2")
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("expected %V", refused.stderr)
 
     def test_usage(self):
         for wrong in (["x.json"], ["x.json", "-o", "a.exr", "--frames", "1-2"],

@@ -26,13 +26,16 @@ class FrameJob : public AlignJob {
     target_ = frame_of(target, 1);
     source_ = frame_of(source, 2);
   }
-  void run() override { found_ = aligner_.align(target_, source_); }
+  void run() override {
+    report_ = {};
+    found_ = aligner_.align(target_, source_, report_);
+  }
 
-  std::vector<gpu::PassTime> passes() const override { return found_.passes; }
+  std::vector<gpu::PassTime> passes() const override { return report_.passes; }
   Image offset() const override { return found_.offset; }
-  Image residual() const override { return found_.residual.at(0); }
-  std::uint64_t device_bytes() const override { return aligner_.device_bytes(); }
-  std::uint64_t device_bytes_unaliased() const override { return aligner_.device_bytes_unaliased(); }
+  Image residual() const override { return found_.residual; }
+  std::uint64_t device_bytes() const override { return aligner_.memory().device_bytes; }
+  std::uint64_t device_bytes_unaliased() const override { return aligner_.memory().device_bytes_unaliased; }
 
  private:
   /// Channels of an AOV that its layer lacks become 1: an RGB beauty is opaque.
@@ -60,6 +63,7 @@ class FrameJob : public AlignJob {
   Frame target_;
   Frame source_;
   filter::PairAlignment found_;
+  filter::FrameReport report_;
 };
 
 }  // namespace
