@@ -112,7 +112,7 @@ class BurstJob {
     const filter::FilterMemory memory = merger->memory();
     profile_.set_device(device->info().name, memory);
     progress_->detail(fmt::format("device {}, {}, {:.0f} MiB, blocks of {} px", device->info().name,
-                                  memory.tile_plan, mebibytes(memory.device_bytes), merger->block()));
+                                  memory.tile_plan, mebibytes(memory.device.total()), merger->block()));
     merger->start({.samples = mosaic_.samples, .noise = noise_, .saturated = kSaturated}, info.white_balance);
     std::size_t done = 1;
     for (std::size_t frame = 0; frame < frames_->count(); ++frame) {

@@ -214,10 +214,7 @@ void FilterStage::finish(Profile& profile) const {
   if (views_.empty()) return;
   filter::FilterMemory memory = memory_of(0);
   for (std::size_t view = 1; !pair_ && view < views_.size(); ++view) {
-    const filter::FilterMemory more = memory_of(view);
-    memory.device_bytes += more.device_bytes;
-    memory.device_bytes_unaliased += more.device_bytes_unaliased;
-    memory.staging_bytes += more.staging_bytes;
+    memory += memory_of(view);
   }
   profile.set_device(device_->info().name, memory);
   check_validation(*device_);

@@ -44,7 +44,7 @@ void Profile::print() const {
         "device {}: {} of {}x{} px, {:.1f} MiB held ({:.1f} MiB without shared memory), {:.1f} MiB of host "
         "memory for transfers",
         device_, memory_.tiles == 1 ? "1 tile" : fmt::format("{} tiles", memory_.tiles), memory_.tile.width,
-        memory_.tile.height, mebibytes(memory_.device_bytes), mebibytes(memory_.device_bytes_unaliased),
+        memory_.tile.height, mebibytes(memory_.device.total()), mebibytes(memory_.device_bytes_unaliased),
         mebibytes(memory_.staging_bytes)));
   }
   rusage usage = {};

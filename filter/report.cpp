@@ -18,15 +18,20 @@ void add_times(FrameReport& report, const gpu::Chain& chain) {
 }
 
 void add_memory(FilterMemory& memory, const gpu::Chain& chain) {
-  memory.device_bytes += chain.device_bytes();
+  memory.device += chain.device_bytes();
   memory.device_bytes_unaliased += chain.device_bytes_unaliased();
   memory.staging_bytes += chain.staging_bytes();
 }
 
+FilterMemory& FilterMemory::operator+=(const FilterMemory& part) {
+  device += part.device;
+  device_bytes_unaliased += part.device_bytes_unaliased;
+  staging_bytes += part.staging_bytes;
+  return *this;
+}
+
 void add_memory(FilterMemory& memory, const FilterMemory& part, const std::string& name) {
-  memory.device_bytes += part.device_bytes;
-  memory.device_bytes_unaliased += part.device_bytes_unaliased;
-  memory.staging_bytes += part.staging_bytes;
+  memory += part;
   if (part.tiles == 1) return;
   memory.tile_plan =
       fmt::format("{}{} {}", memory.tile_plan == "1" ? "" : memory.tile_plan + "; ", name, part.tile_plan);

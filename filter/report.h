@@ -38,9 +38,12 @@ struct FilterMemory {
   std::size_t tiles = 1;
   gpu::Extent tile;       ///< size of a tile's target rectangle
   std::string tile_plan;  ///< as describe() of tiles/tiles.h
-  std::uint64_t device_bytes = 0;
-  std::uint64_t device_bytes_unaliased = 0;  ///< device_bytes if images did not share memory
+  gpu::DeviceBytes device = {};
+  std::uint64_t device_bytes_unaliased = 0;  ///< if images did not share memory
   std::uint64_t staging_bytes = 0;           ///< host memory for uploads and downloads
+
+  /// Adds the bytes of a part, but not its tiles.
+  FilterMemory& operator+=(const FilterMemory& part);
 };
 
 /// Adds the memory that a chain holds.

@@ -73,9 +73,9 @@ struct PairAligner::Chains {
   }
 
   std::uint64_t device_bytes() const {
-    std::uint64_t sum = 0;
+    gpu::DeviceBytes sum;
     for_each(*this, [&](const gpu::Chain& chain) { sum += chain.device_bytes(); });
-    return sum;
+    return sum.total();
   }
 
   PyramidSplit split;

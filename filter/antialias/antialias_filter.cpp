@@ -158,13 +158,13 @@ AntialiasFilter::AntialiasFilter(gpu::Device& device, const AntialiasSettings& s
   s.passes.emplace(device, s.task);
   s.passes->chain.plan();
   const std::uint64_t allowed = std::min(options.memory_limit, usable_bytes(device));
-  const std::uint64_t bytes = s.passes->chain.device_bytes();
-  if (bytes > allowed) {
-    throw gpu::DeviceLimitError(tiles_too_large(uncut(s.task.full), bytes, allowed));
+  const gpu::DeviceBytes bytes = s.passes->chain.device_bytes();
+  if (bytes.total() > allowed) {
+    throw gpu::DeviceLimitError(tiles_too_large(uncut(s.task.full), bytes.total(), allowed));
   }
   s.passes->chain.build();
-  if (settings.directions == Directions::both) s.combiner.emplace(device, s.whole, allowed - bytes);
-  if (settings.sharpen > 0.0f) s.sharpener.emplace(device, s.whole, settings.sharpen, allowed - bytes);
+  if (settings.directions == Directions::both) s.combiner.emplace(device, s.whole, allowed - bytes.own);
+  if (settings.sharpen > 0.0f) s.sharpener.emplace(device, s.whole, settings.sharpen, allowed - bytes.own);
 }
 AntialiasFilter::~AntialiasFilter() = default;
 AntialiasFilter::AntialiasFilter(AntialiasFilter&&) noexcept = default;
@@ -384,9 +384,7 @@ FilterMemory AntialiasFilter::memory() const {
   add_memory(memory, state_->passes->chain);
   for (const FilterMemory& part : {state_->combiner ? state_->combiner->memory() : FilterMemory{},
                                    state_->sharpener ? state_->sharpener->memory() : FilterMemory{}}) {
-    memory.device_bytes += part.device_bytes;
-    memory.device_bytes_unaliased += part.device_bytes_unaliased;
-    memory.staging_bytes += part.staging_bytes;
+    memory += part;
   }
   return memory;
 }

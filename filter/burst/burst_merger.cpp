@@ -93,7 +93,11 @@ struct BurstMerger::State {
     }
   }
 
-  std::uint64_t search_bytes() const { return align->chain.device_bytes() + choose->chain.device_bytes(); }
+  std::uint64_t search_bytes() const {
+    gpu::DeviceBytes bytes = align->chain.device_bytes();
+    bytes += choose->chain.device_bytes();
+    return bytes.total();
+  }
 
   void plan_tiles_of_frame(gpu::Device& device, std::uint64_t memory_limit) {
     std::string reason;
@@ -108,8 +112,8 @@ struct BurstMerger::State {
           reason = error.what();
           return false;
         }
-        reason = tiles_too_large(tile, merge->chain.device_bytes(), limit);
-        return merge->chain.device_bytes() <= limit;
+        reason = tiles_too_large(tile, merge->chain.device_bytes().total(), limit);
+        return merge->chain.device_bytes().total() <= limit;
       });
     };
     tiles = with_limit(std::min(memory_limit, kTileBytes));

@@ -200,8 +200,7 @@ void Chain::build() {
     s.create_staging();
     s.create_pipelines();
     s.create_nothing();
-    s.create_descriptor_sets();
-    s.record_all();
+    s.declare_times();
   });
   s.device.check_validation(s.label());
   s.is_built = true;
@@ -270,6 +269,7 @@ void Chain::run() {
     }
   }
   try {
+    s.bind_scratch();
     s.run_segments();
   } catch (const vk::DeviceLostError&) {
     throw DeviceError(s.label() + ": device '" + s.device.info.name + "' was lost while it ran");
@@ -291,8 +291,8 @@ const std::vector<PassTime>& Chain::times() const {
   return impl_->times;
 }
 
-std::uint64_t Chain::device_bytes() const {
-  return impl_->device_bytes;
+DeviceBytes Chain::device_bytes() const {
+  return impl_->bytes;
 }
 
 std::uint64_t Chain::device_bytes_unaliased() const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -26,6 +27,20 @@ namespace becalm::gpu {
 struct History {
   ImageId previous;
   ImageId next;
+};
+
+/// Device memory that chains hold together. Chains of a device run in turn, so they share what only a run
+/// needs.
+struct DeviceBytes {
+  std::uint64_t own = 0;      ///< of images that are kept between runs
+  std::uint64_t scratch = 0;  ///< the most that one of the chains needs in a run
+
+  std::uint64_t total() const { return own + scratch; }
+  DeviceBytes& operator+=(const DeviceBytes& other) {
+    own += other.own;
+    scratch = std::max(scratch, other.scratch);
+    return *this;
+  }
 };
 
 /// Where the host writes inputs and reads outputs.
@@ -62,6 +77,8 @@ struct DeclaredPass {
 ///          .specialize("factor", 2).dispatch(half_extent);
 ///     chain.output(half);
 ///     chain.build();
+///
+/// Chains of a device must not run at the same time: they share memory.
 ///
 /// Barriers, lifetimes, memory aliasing, debug labels and timestamps are derived from the declarations.
 /// `build` checks them: each binding of a kernel is named exactly once, and no other; formats, access and the
@@ -181,7 +198,7 @@ class Chain {
   /// Runs all passes once and waits. History images swap afterwards. Throws DeviceError if an input was never
   /// uploaded, if the device is lost, and for validation messages.
   void run();
-  /// An output's pixels; the next run overwrites them.
+  /// An output's pixels; the chain's next run overwrites them.
   template <class T>
   std::span<const T> download(ImageId image) const {
     auto bytes = download_bytes(image);
@@ -202,7 +219,7 @@ class Chain {
   const std::vector<PassTime>& times() const;
   /// Device bytes held, or to be held once built, and what they would be if images did not share memory (both
   /// without staging_bytes).
-  std::uint64_t device_bytes() const;
+  DeviceBytes device_bytes() const;
   std::uint64_t device_bytes_unaliased() const;
   /// Host memory of inputs and outputs: staging memory, or the images themselves if they are used in place.
   std::uint64_t staging_bytes() const;

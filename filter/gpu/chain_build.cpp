@@ -119,9 +119,9 @@ void Chain::Impl::plan_memory() {
   }
 
   buffers.resize(images.size());
-  std::vector<MemoryRequest> requests;
+  std::vector<MemoryRequest> requests;  // of what no run leaves to the next
   std::vector<std::size_t> owners;
-  std::vector<std::size_t> hosted;
+  std::vector<std::size_t> kept;
   std::uint32_t types = ~0u;
   std::uint64_t alignment = 1;
   for (std::size_t i = 0; i < images.size(); ++i) {
@@ -129,11 +129,8 @@ void Chain::Impl::plan_memory() {
     if (is_hosts || (!is_in_place() && (images[i].role == Role::input || images[i].is_output))) {
       staging_bytes += images[i].bytes();
     }
-    if (images[i].is_history()) {
-      first[i] = 0;
-      last[i] = last_step;
-    }
-    if (first[i] == never && !is_hosts) continue;
+    const bool is_kept = is_hosts || images[i].is_history();
+    if (first[i] == never && !is_kept) continue;
     const vk::BufferCreateInfo create = buffer_of(images[i]);
     const vk::MemoryRequirements needs =
         device.device.getBufferMemoryRequirements(vk::DeviceBufferMemoryRequirements(&create))
@@ -141,8 +138,9 @@ void Chain::Impl::plan_memory() {
     types &= needs.memoryTypeBits;
     alignment = std::max<std::uint64_t>(alignment, needs.alignment);  // powers of two
     buffers[i].bytes = needs.size;
-    if (is_hosts) {
-      hosted.push_back(i);
+    if (is_kept) {
+      kept.push_back(i);
+      if (!is_hosts) bytes.own += needs.size;
       continue;
     }
     requests.push_back({needs.size, first[i], last[i]});
@@ -159,45 +157,66 @@ void Chain::Impl::plan_memory() {
     buffers[owners[i]].arena = plan.arenas[i];
     buffers[owners[i]].offset = plan.offsets[i];
   }
-  arena_bytes = plan.arena_bytes;
-  for (const std::size_t i : hosted) {
-    buffers[i].arena = static_cast<int>(arena_bytes.size());
-    arena_bytes.push_back(buffers[i].bytes);
+  scratch_bytes = plan.arena_bytes;
+  for (const std::size_t i : kept) {
+    buffers[i].arena = static_cast<int>(scratch_bytes.size() + own_bytes.size());
+    own_bytes.push_back(buffers[i].bytes);
   }
   using Memory = vk::MemoryPropertyFlagBits;
   // If the device is a processor, host-visible memory is as fast as any other.
   memory_type = is_mapped() ? device.memory_type(types, Memory::eHostVisible | Memory::eHostCoherent,
                                                  Memory::eHostCached | Memory::eDeviceLocal)
                             : device.memory_type(types, {}, Memory::eDeviceLocal);
-  device_bytes = plan.total_bytes;
-  device_bytes_unaliased = gpu::plan_memory(requests, alignment, false, limit).total_bytes;
+  bytes.scratch = plan.total_bytes;
+  device_bytes_unaliased = bytes.own + gpu::plan_memory(requests, alignment, false, limit).total_bytes;
 }
 
 void Chain::Impl::allocate() {
-  std::vector<std::byte*> mapped(arena_bytes.size());
+  std::vector<std::byte*> mapped(own_bytes.size());
   guarded(
-      label() + ": " + format_mib(device_bytes + (is_in_place() ? staging_bytes : 0)) + " of device memory",
+      label() + ": " + format_mib(bytes.total() + (is_in_place() ? staging_bytes : 0)) + " of device memory",
       [&] {
-        for (std::size_t i = 0; i < arena_bytes.size(); ++i) {
-          arenas.emplace_back(device.device, vk::MemoryAllocateInfo(arena_bytes[i], memory_type));
-          device.set_name(arenas.back(), name + " arena " + std::to_string(i));
-          if (is_mapped()) mapped[i] = static_cast<std::byte*>(arenas[i].mapMemory(0, VK_WHOLE_SIZE));
+        device.scratch.reserve(device.device, memory_type, is_mapped(), scratch_bytes);
+        for (std::size_t i = 0; i < own_bytes.size(); ++i) {
+          own.emplace_back(device.device, vk::MemoryAllocateInfo(own_bytes[i], memory_type));
+          if (is_mapped()) mapped[i] = static_cast<std::byte*>(own[i].mapMemory(0, VK_WHOLE_SIZE));
         }
       });
   for (std::size_t i = 0; i < images.size(); ++i) {
-    DeviceBuffer& buffer = buffers[i];
-    if (buffer.bytes == 0) continue;
-    buffer.buffer = {device.device, buffer_of(images[i])};
-    device.set_name(buffer.buffer, images[i].name);
-    const auto arena = static_cast<std::size_t>(buffer.arena);
-    buffer.buffer.bindMemory(*arenas[arena], buffer.offset);
-    if (is_mapped()) buffer.mapped = mapped[arena] + buffer.offset;
-    if (images[i].extent.elements() <= device.limits.maxTexelBufferElements) {
-      buffer.texels = {
-          device.device,
-          vk::BufferViewCreateInfo({}, *buffer.buffer, texel_format(images[i].format), 0, VK_WHOLE_SIZE)};
-    }
+    if (buffers[i].bytes == 0 || is_scratch(buffers[i])) continue;
+    const std::size_t arena = static_cast<std::size_t>(buffers[i].arena) - scratch_bytes.size();
+    bind_image(i, own[arena], mapped[arena]);
   }
+}
+
+void Chain::Impl::bind_image(std::size_t image, const vk::raii::DeviceMemory& memory, std::byte* mapped) {
+  DeviceBuffer& buffer = buffers[image];
+  buffer.texels = nullptr;
+  buffer.buffer = {device.device, buffer_of(images[image])};
+  device.set_name(buffer.buffer, images[image].name);
+  buffer.buffer.bindMemory(*memory, buffer.offset);
+  if (mapped != nullptr) buffer.mapped = mapped + buffer.offset;
+  if (images[image].extent.elements() <= device.limits.maxTexelBufferElements) {
+    buffer.texels = {
+        device.device,
+        vk::BufferViewCreateInfo({}, *buffer.buffer, texel_format(images[image].format), 0, VK_WHOLE_SIZE)};
+  }
+}
+
+void Chain::Impl::bind_scratch() {
+  const std::shared_ptr<const Scratch::Arenas> present = device.scratch.arenas(memory_type, is_mapped());
+  if (scratch == present) return;
+  for (Segment& segment : segments) segment.commands = {nullptr, nullptr};
+  reset_commands = nullptr;
+  for (auto& sets : descriptor_sets) sets.clear();
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    if (buffers[i].bytes == 0 || !is_scratch(buffers[i])) continue;
+    const auto arena = static_cast<std::size_t>(buffers[i].arena);
+    bind_image(i, present->memory[arena], present->mapped[arena]);
+  }
+  scratch = present;
+  create_descriptor_sets();
+  record_all();
 }
 
 void Chain::Impl::create_staging() {

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -20,6 +21,7 @@
 #include "filter/gpu/hazards.h"
 #include "filter/gpu/profiler_impl.h"
 #include "filter/gpu/program_impl.h"
+#include "filter/gpu/scratch.h"
 
 namespace becalm::gpu {
 
@@ -89,7 +91,7 @@ struct Segment {
 struct DeviceBuffer {
   vk::raii::Buffer buffer = nullptr;
   vk::raii::BufferView texels = nullptr;  ///< null if the device cannot read so many elements as texels
-  int arena = 0;
+  int arena = 0;                          ///< of those that Chain::Impl numbers
   std::uint64_t offset = 0;
   std::uint64_t bytes = 0;      ///< 0: no step uses the image
   std::byte* mapped = nullptr;  ///< host address, if the chain's memory is mapped
@@ -124,12 +126,16 @@ struct Chain::Impl {
   void plan_segments();
   void plan_memory();
   void allocate();
+  void bind_image(std::size_t image, const vk::raii::DeviceMemory& memory, std::byte* mapped);
+  /// Takes the device's present scratch memory and records what depends on it; nothing if it has it.
+  void bind_scratch();
   void create_staging();
   void create_pipelines();
   void create_nothing();
   void bind(vk::DescriptorSet set, const BindingInfo& binding, const vk::DescriptorBufferInfo& part,
             vk::BufferView texels) const;
   void create_descriptor_sets();
+  void declare_times();
   void record_all();
   void record(const Segment& segment, int parity) const;
   void record_pass(const vk::raii::CommandBuffer& commands, std::size_t pass, int parity) const;
@@ -144,6 +150,10 @@ struct Chain::Impl {
   /// Whether the image has memory of its own, which counts as the host's and not as the device's.
   bool is_hosted(const ImageDeclaration& declared) const {
     return is_in_place() && !declared.is_history() && (declared.role == Role::input || declared.is_output);
+  }
+
+  bool is_scratch(const DeviceBuffer& planned) const {
+    return static_cast<std::size_t>(planned.arena) < scratch_bytes.size();
   }
 
   /// The buffer of an image in frames of this parity. The two buffers of a history swap every frame.
@@ -163,13 +173,16 @@ struct Chain::Impl {
   bool has_host_passes = false;
 
   std::vector<Step> steps;
-  std::vector<std::uint64_t> arena_bytes;  // planned arenas, then one for each image of the host's
+  // Arenas are numbered: those of the device's scratch memory, then those of the chain alone.
+  std::vector<std::uint64_t> scratch_bytes;
+  std::vector<std::uint64_t> own_bytes;  // of each history image and each image of the host's
   std::uint32_t memory_type = 0;
-  std::vector<vk::raii::DeviceMemory> arenas;
+  std::shared_ptr<const Scratch::Arenas> scratch;  // null before the first run
+  std::vector<vk::raii::DeviceMemory> own;
   std::vector<DeviceBuffer> buffers;  // one per image
   std::vector<HostBuffer> staging;    // one per image; null except for staged inputs and outputs
   std::vector<bool> is_filled;        // one per image: the host has requested its upload memory
-  std::uint64_t device_bytes = 0;
+  DeviceBytes bytes;
   std::uint64_t device_bytes_unaliased = 0;
   std::uint64_t staging_bytes = 0;
 

@@ -123,10 +123,13 @@ void Chain::Impl::record_reset(const vk::raii::CommandBuffer& commands) const {
   commands.end();
 }
 
-void Chain::Impl::record_all() {
+void Chain::Impl::declare_times() {
   for (const PassDeclaration& pass : passes) {
     times.push_back({.name = time_name(pass, images), .image_bytes = image_bytes(pass, images)});
   }
+}
+
+void Chain::Impl::record_all() {
   timer.emplace(device, static_cast<std::uint32_t>(passes.size()));
   command_pool = {device.device, vk::CommandPoolCreateInfo({}, device.queue_family)};
   const std::uint32_t parities = has_history ? 2 : 1;

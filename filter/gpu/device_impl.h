@@ -12,6 +12,7 @@
 #include <vulkan/vulkan_raii.hpp>
 
 #include "filter/gpu/device.h"
+#include "filter/gpu/scratch.h"
 
 namespace becalm::gpu {
 
@@ -69,6 +70,7 @@ struct Device::Impl {
   vk::raii::Device device = nullptr;
   vk::raii::Queue queue = nullptr;
   std::unique_ptr<Programs> programs;
+  Scratch scratch;
 
   DeviceInfo info;
   vk::PhysicalDeviceLimits limits;

@@ -87,9 +87,9 @@ struct FrameMerger::Chains {
   }
 
   std::uint64_t device_bytes() {
-    std::uint64_t sum = 0;
+    gpu::DeviceBytes sum;
     for_each([&](const gpu::Chain& chain) { sum += chain.device_bytes(); });
-    return sum;
+    return sum.total();
   }
 
   PyramidSplit split;

@@ -29,10 +29,6 @@ namespace {
 /// Share of the device's memory that the filter may take; the driver and other programs need the rest.
 constexpr double kShareOfDevice = 0.9;
 
-/// The smoothers and the combiner may each take 1 / kShareOfOthers of the memory left; the merger takes the
-/// rest.
-constexpr std::uint64_t kShareOfOthers = 4;
-
 /// 1 for each pixel that is output unchanged: non-finite pixels, and empty ones, into which smoothing would
 /// spread light without alpha.
 std::vector<std::uint8_t> unfiltered_pixels(const NewFrame& frame) {
@@ -148,21 +144,19 @@ SequenceFilter::SequenceFilter(gpu::Device& device, const Settings& settings, in
           .additive = (used & additive_aovs()).count() + options.light_groups,
           .denoises_alpha = options.alpha == Alpha::denoise};
   std::uint64_t left = std::min(options.memory_limit, usable_bytes(device));
+  state_->merger.emplace(device, task, left);
+  left -= state_->merger->memory().device.own;  // the others keep nothing between runs
   if (task.smooths()) {
     FilterTask task_of_frame = task;
     if (task.smooths_merged()) task_of_frame.additive = 0;
-    state_->smoother.emplace(device, task_of_frame, left / kShareOfOthers);
-    left -= state_->smoother->memory().device_bytes;
+    state_->smoother.emplace(device, task_of_frame, left);
   }
   if (task.smooths_merged()) {
-    state_->merged_smoother.emplace(device, task, left / kShareOfOthers);
-    left -= state_->merged_smoother->memory().device_bytes;
+    state_->merged_smoother.emplace(device, task, left);
   }
   if (settings.directions == Directions::both) {
-    state_->combiner.emplace(device, task, left / kShareOfOthers);
-    left -= state_->combiner->memory().device_bytes;
+    state_->combiner.emplace(device, task, left);
   }
-  state_->merger.emplace(device, task, left);
 }
 SequenceFilter::~SequenceFilter() = default;
 SequenceFilter::SequenceFilter(SequenceFilter&&) noexcept = default;
@@ -277,9 +271,7 @@ FilterMemory SequenceFilter::memory() const {
   const FilterMemory merge = state_->merger->memory();
   FilterMemory memory{.tiles = merge.tiles, .tile = merge.tile, .tile_plan = {}};
   const auto add = [&](const char* name, const FilterMemory& part) {
-    memory.device_bytes += part.device_bytes;
-    memory.device_bytes_unaliased += part.device_bytes_unaliased;
-    memory.staging_bytes += part.staging_bytes;
+    memory += part;
     if (part.tiles == 1) return;
     memory.tile_plan += fmt::format("{}{} {}", memory.tile_plan.empty() ? "" : "; ", name, part.tile_plan);
   };

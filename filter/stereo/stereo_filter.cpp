@@ -150,11 +150,7 @@ StereoFilter::Pair<std::optional<Frame>> StereoFilter::run(const Step& step, con
 FilterMemory StereoFilter::memory() const {
   const State& s = *state_;
   FilterMemory memory = s.eyes[0].memory();
-  // The other eye is cut alike.
-  const FilterMemory other = s.eyes[1].memory();
-  memory.device_bytes += other.device_bytes;
-  memory.device_bytes_unaliased += other.device_bytes_unaliased;
-  memory.staging_bytes += other.staging_bytes;
+  memory += s.eyes[1].memory();  // which is cut alike
   add_memory(memory, s.combiner->memory(), "eyes");
   if (s.aligner) add_memory(memory, s.aligner->memory(), "search");
   return memory;

@@ -34,7 +34,7 @@ class LocalChain {
         reason = error.what();
         return false;
       }
-      const std::uint64_t bytes = passes_->chain.device_bytes();
+      const std::uint64_t bytes = passes_->chain.device_bytes().total();
       reason = tiles_too_large(tile, bytes, memory_limit);
       return bytes <= memory_limit;
     });

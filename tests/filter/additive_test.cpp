@@ -193,7 +193,7 @@ TEST_F(AdditiveTest, TilesDoNotShow) {
   const auto large_frame = [](int number) { return noisy_frame(number, 320, 200); };
   const std::vector<Denoised> whole = denoise(settings, large_frame);
   ASSERT_EQ(memory_.tiles, 1u);
-  const std::vector<Denoised> tiled = denoise(settings, large_frame, memory_.device_bytes / 4);
+  const std::vector<Denoised> tiled = denoise(settings, large_frame, memory_.device.total() / 4);
   ASSERT_GT(memory_.tiles, 1u);
   for (std::size_t i = 0; i < whole.size(); ++i) {
     const auto images = additive_images(whole[i].frame, whole[i].frame.aovs());

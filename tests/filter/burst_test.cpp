@@ -281,7 +281,7 @@ TEST_F(BurstTest, TilesDoNotShow) {
       return std::pair(merges.merged(), merges.memory());
     };
     const auto [whole, memory] = run(std::numeric_limits<std::uint64_t>::max());
-    const auto [cut, of_cut] = run(memory.device_bytes * 8 / 10);
+    const auto [cut, of_cut] = run(memory.device.total() * 8 / 10);
     ASSERT_EQ(memory.tiles, 1u);
     ASSERT_GT(of_cut.tiles, 1u);
     EXPECT_LT(rmse(whole, cut, 0), 1e-7) << of_cut.tile_plan;

@@ -144,10 +144,10 @@ class FrameMergerTest : public DeviceTest {
                               int frames = 3) {
     SequenceFilter whole = make(settings, scene, kUnlimited);
     ASSERT_EQ(whole.memory().tiles, 1u);
-    const auto limit = static_cast<std::uint64_t>(share * static_cast<double>(whole.memory().device_bytes));
+    const auto limit = static_cast<std::uint64_t>(share * static_cast<double>(whole.memory().device.total()));
     SequenceFilter tiled = make(settings, scene, limit);
     EXPECT_GE(tiled.memory().tiles, tiles);
-    EXPECT_LE(tiled.memory().device_bytes, limit);
+    EXPECT_LE(tiled.memory().device.total(), limit);
     for (int number = 1; number <= frames; ++number) {
       SCOPED_TRACE("frame " + std::to_string(number));
       if (number == 4) {
@@ -163,10 +163,10 @@ class FrameMergerTest : public DeviceTest {
                                                  const std::vector<int>& frames = {1, 2, 3},
                                                  double share = 0.5, std::size_t least_tiles = 2) {
     SequenceFilter whole = make(settings, scene, kUnlimited);
-    const auto limit = static_cast<std::uint64_t>(share * static_cast<double>(whole.memory().device_bytes));
+    const auto limit = static_cast<std::uint64_t>(share * static_cast<double>(whole.memory().device.total()));
     SequenceFilter tiled = make(settings, scene, limit);
     EXPECT_GE(tiled.memory().tiles, least_tiles);
-    EXPECT_LE(tiled.memory().device_bytes, limit);
+    EXPECT_LE(tiled.memory().device.total(), limit);
     const std::vector<Segment> segments = schedule(frames, {frames.begin(), frames.end()}, {.segment = 4});
     ASSERT_EQ(segments.size(), 1u);
     for (const Step& step : segments.front()) {
@@ -216,7 +216,7 @@ TEST_F(FrameMergerTest, ShowsNoSeamsUnderAnyPreset) {
 }
 
 TEST_F(FrameMergerTest, ShowsNoSeamsBetweenManySmallTiles) {
-  expect_no_seams(forward("final"), {.width = 325, .height = 293}, 0.18, 12, 4);
+  expect_no_seams(forward("final"), {.width = 325, .height = 293}, 0.12, 12, 4);
 }
 
 TEST_F(FrameMergerTest, ShowsNoSeamsUnderOtherSettings) {
@@ -230,7 +230,7 @@ TEST_F(FrameMergerTest, ShowsNoSeamsUnderOtherSettings) {
     SCOPED_TRACE(assignments.front());
     Settings settings = forward("final");
     for (const char* assignment : assignments) set(settings, assignment);
-    expect_no_seams(settings, scene, 0.35, 2, 2);
+    expect_no_seams(settings, scene, 0.18, 2, 2);
   }
 }
 
@@ -258,7 +258,7 @@ TEST_F(FrameMergerTest, FollowsKnownMotionUpToTheSameLimitAsWholeFrames) {
                           {.diagnostics = diagnostics(), .memory_limit = limit});
   };
   SequenceFilter whole = make_filter(kUnlimited);
-  SequenceFilter tiled = make_filter(whole.memory().device_bytes / 2);
+  SequenceFilter tiled = make_filter(whole.memory().device.total() / 2);
   ASSERT_EQ(whole.memory().tiles, 1u);
   ASSERT_GE(tiled.memory().tiles, 2u);
   const auto second_of = [](SequenceFilter& filter, int shift_px, bool known) {
@@ -290,10 +290,10 @@ TEST_F(FrameMergerTest, SeesTheWholeHistoryOnlyWhereKnownMotionIsTheOffset) {
   const Scene scene{.width = 4096, .height = 64, .motion = true};
   Settings settings = forward("final");
   set(settings, "motion=none");
-  const std::uint64_t limit = make(settings, scene, kUnlimited).memory().device_bytes / 10;
+  const std::uint64_t limit = make(settings, scene, kUnlimited).memory().device.total() / 10;
   for (const char* motion : {"motion=none", "motion=guide"}) {
     set(settings, motion);
-    EXPECT_LE(make(settings, scene, limit).memory().device_bytes, limit) << motion;
+    EXPECT_LE(make(settings, scene, limit).memory().device.total(), limit) << motion;
   }
   set(settings, "motion=override");
   EXPECT_THROW(make(settings, scene, limit), gpu::DeviceLimitError);

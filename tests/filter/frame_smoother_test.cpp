@@ -256,10 +256,10 @@ TEST_F(FrameSmootherTest, TilesShowNoSeams) {
   frame.image(Aov::beauty).at(70, 80, 1) = kNan;
   FrameSmoother whole(device(), task_of(frame), kUnlimited);
   ASSERT_EQ(whole.memory().tiles, 1u);
-  const std::uint64_t limit = whole.memory().device_bytes * 9 / 10;
+  const std::uint64_t limit = whole.memory().device.total() * 9 / 10;
   FrameSmoother tiled(device(), task_of(frame), limit);
   EXPECT_GE(tiled.memory().tiles, 2u);
-  EXPECT_LE(tiled.memory().device_bytes, limit);
+  EXPECT_LE(tiled.memory().device.total(), limit);
   const Estimate a = run(whole, frame);
   const Estimate b = run(tiled, frame);
   EXPECT_TRUE(std::ranges::equal(a.color.data(), b.color.data()));

@@ -92,7 +92,7 @@ TEST_F(PairAlignerTest, GivesTheSizesThatItPromises) {
   EXPECT_EQ(found.residual.width(), kWidth / 2);
   EXPECT_EQ(found.residual.height(), kHeight / 2);
   EXPECT_FALSE(report.passes.empty());
-  EXPECT_LT(aligner.memory().device_bytes, aligner.memory().device_bytes_unaliased);
+  EXPECT_LT(aligner.memory().device.total(), aligner.memory().device_bytes_unaliased);
 }
 
 /// A frame of noise that moves by `shift_px` to the right, with motion that is wrong in places.
@@ -131,10 +131,11 @@ TEST_F(PairAlignerTest, TilesDoNotShow) {
     const PairAlignment expected = whole.align(target, source, report);
     EXPECT_EQ(whole.memory().tiles, 1u);
     for (const double share : {0.8, 0.6}) {
-      const auto limit = static_cast<std::uint64_t>(share * static_cast<double>(whole.memory().device_bytes));
+      const auto limit =
+          static_cast<std::uint64_t>(share * static_cast<double>(whole.memory().device.total()));
       PairAligner cut = aligner(limit);
       EXPECT_GT(cut.memory().tiles, 1u);
-      EXPECT_LE(cut.memory().device_bytes, limit);
+      EXPECT_LE(cut.memory().device.total(), limit);
       const PairAlignment found = cut.align(target, source, report);
       EXPECT_TRUE(std::ranges::equal(found.offset.data(), expected.offset.data())) << changes[0] << share;
       EXPECT_TRUE(std::ranges::equal(found.residual.data(), expected.residual.data())) << changes[0] << share;

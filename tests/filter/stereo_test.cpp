@@ -319,7 +319,7 @@ TEST_F(StereoTest, TilesDoNotShow) {
   };
   const auto [whole, memory] = run(std::numeric_limits<std::uint64_t>::max());
   EXPECT_EQ(memory.tiles, 1u);
-  const auto [cut, memory_of_cut] = run(memory.device_bytes * 2 / 3);
+  const auto [cut, memory_of_cut] = run(memory.device.total() * 2 / 3);
   EXPECT_GT(memory_of_cut.tiles, 1u);
   EXPECT_TRUE(std::ranges::equal(whole.color.data(), cut.color.data()));
   EXPECT_TRUE(std::ranges::equal(whole.stats.data(), cut.stats.data()));
@@ -337,9 +337,9 @@ TEST_F(StereoTest, TheSearchKeepsToTheMemory) {
   };
   const auto [whole, memory] = run(std::numeric_limits<std::uint64_t>::max());
   EXPECT_EQ(memory.tile_plan, "1");
-  const auto limit = memory.device_bytes / 3;
+  const auto limit = memory.device.total() / 3;
   const auto [cut, memory_of_cut] = run(limit);
-  EXPECT_LE(memory_of_cut.device_bytes, limit);
+  EXPECT_LE(memory_of_cut.device.total(), limit);
   EXPECT_NE(memory_of_cut.tile_plan.find("search "), std::string::npos) << memory_of_cut.tile_plan;
   for (int eye = 0; eye < 2; ++eye) {
     EXPECT_TRUE(

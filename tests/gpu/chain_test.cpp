@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "tests/gpu/history_chain.h"
 #include "tests/gpu/support.h"
 
 namespace becalm::gpu {
@@ -186,34 +187,6 @@ struct AccumulateParams {
   std::int32_t count;
 };
 
-/// total.next = 3 total.prev + 5 frame + 0, so that a wrong or late history shows at once.
-struct HistoryChain {
-  explicit HistoryChain(bool alias_memory = true)
-      : chain(validated_device(), "history", test_options(alias_memory)) {
-    frame = chain.input("frame", Format::u32, {kCount, 1});
-    total = chain.history("total", Format::u32, {kCount, 1});
-    chain.pass("kernels/mix")
-        .read("a", total.previous)
-        .read("b", frame)
-        .write("result", total.next)
-        .constants(MixParams{kCount, 1, 1, kCount, kCount, 0})
-        .dispatch({kCount, 1});
-    chain.output(total.next);
-    chain.build();
-  }
-  std::uint32_t run(std::uint32_t value) {
-    std::ranges::fill(chain.upload<std::uint32_t>(frame), value);
-    chain.run();
-    const auto result = chain.download<std::uint32_t>(total.next);
-    EXPECT_TRUE(std::ranges::all_of(result, [&](std::uint32_t r) { return r == result[0]; }));
-    return result[0];
-  }
-  static constexpr int kCount = 100;
-  Chain chain;
-  ImageId frame;
-  History total;
-};
-
 TEST_F(ChainTest, HandsAHistoryFromFrameToFrame) {
   HistoryChain history;
   std::uint32_t expected = 0;
@@ -298,11 +271,11 @@ TEST_F(ChainTest, SaysWhatMemoryItHolds) {
     add_six_passes(chain, input, extent);
     chain.plan();
     // One image is read while the next is written.
-    EXPECT_EQ(chain.device_bytes(), (alias ? 2 : 7) * bytes);
+    EXPECT_EQ(chain.device_bytes().total(), (alias ? 2 : 7) * bytes);
     EXPECT_EQ(chain.device_bytes_unaliased(), 7 * bytes);
     EXPECT_EQ(chain.staging_bytes(), 2 * bytes);
     chain.build();
-    EXPECT_EQ(chain.device_bytes(), (alias ? 2 : 7) * bytes) << "as planned";
+    EXPECT_EQ(chain.device_bytes().total(), (alias ? 2 : 7) * bytes) << "as planned";
     EXPECT_EQ(chain.staging_bytes(), 2 * bytes) << "as planned";
   }
 }
@@ -316,7 +289,7 @@ TEST_F(ChainTest, UsesInputsAndOutputsInPlaceOnAProcessor) {
   const ImageId last = add_six_passes(chain, input, extent);
   chain.build();
   EXPECT_EQ(chain.staging_bytes(), 3 * extent.elements() * 4);
-  EXPECT_EQ(chain.device_bytes(), 2 * extent.elements() * 4) << "what the host uses shares no memory";
+  EXPECT_EQ(chain.device_bytes().total(), 2 * extent.elements() * 4) << "what the host uses shares no memory";
   std::ranges::fill(chain.upload<float>(unused), 7.0f);
   std::ranges::fill(chain.upload<float>(input), 1.0f);
   chain.run();

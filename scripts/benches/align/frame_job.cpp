@@ -34,7 +34,7 @@ class FrameJob : public AlignJob {
   std::vector<gpu::PassTime> passes() const override { return report_.passes; }
   Image offset() const override { return found_.offset; }
   Image residual() const override { return found_.residual; }
-  std::uint64_t device_bytes() const override { return aligner_.memory().device_bytes; }
+  std::uint64_t device_bytes() const override { return aligner_.memory().device.total(); }
   std::uint64_t device_bytes_unaliased() const override { return aligner_.memory().device_bytes_unaliased; }
 
  private:

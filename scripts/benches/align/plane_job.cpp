@@ -40,7 +40,7 @@ class PlaneJob : public AlignJob {
   std::vector<gpu::PassTime> passes() const override { return chain_.times(); }
   Image offset() const override { return filter::download(chain_, offset_, full_, 2); }
   Image residual() const override { return filter::download(chain_, residual_, matching_, 1); }
-  std::uint64_t device_bytes() const override { return chain_.device_bytes(); }
+  std::uint64_t device_bytes() const override { return chain_.device_bytes().total(); }
   std::uint64_t device_bytes_unaliased() const override { return chain_.device_bytes_unaliased(); }
 
  private:

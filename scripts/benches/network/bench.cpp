@@ -48,7 +48,7 @@ class NetworkJob {
     }
     return 1e-3 * milliseconds;
   }
-  double device_bytes() const { return static_cast<double>(chain_.device_bytes()); }
+  double device_bytes() const { return static_cast<double>(chain_.device_bytes().total()); }
 
  private:
   static filter::FilterTask task(gpu::Extent full) {
