@@ -43,7 +43,7 @@ def burst(runs):
     merged = runs.folder / "merged.exr"
     runs.run("burst", *paths, "--reference", "first", "-o", merged)
     truth = photographed.picture.clip(0, 1)
-    pictures = {"one raw file": developed[0], "average": np.mean(developed, axis=0), "merged": read_layers(merged)[""][..., :3],
+    pictures = {"one raw file": developed[0], "plain average": np.mean(developed, axis=0), "merged": read_layers(merged)[""][..., :3],
                 "without noise": truth}
     rows = [["", "RMSE where nothing moves", "where something does"]]
     for name, picture in pictures.items():
@@ -51,7 +51,7 @@ def burst(runs):
             rows.append([name, *(f"{rms(picture, truth, where):.4f}" for where in (photographed.outside, photographed.swept))])
     return Use(
         "burst", "Bursts of raw files",
-        f"{COUNT} exposures at ISO {ISO} by a shaking hand, with a disc that moves, as raw files of a camera model. becalm burst aligns and merges them "
-        "before demosaicing; what moves is kept from the first exposure alone, where a plain average has ghosts.",
+        f"{COUNT} exposures at ISO {ISO} by a shaking hand, with a disc that moves, as raw files of a camera model. becalm burst aligns and "
+        "merges them before demosaicing; what moves is kept from the first exposure alone, where a plain average has ghosts.",
         [1], {name: [display(BRIGHTNESS * picture)] for name, picture in pictures.items()}, "one raw file", "merged",
         "Against the picture without noise and mosaic", rows, runs.shown)
