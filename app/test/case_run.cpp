@@ -1,6 +1,7 @@
 #include "app/test/case_run.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <chrono>
 #include <exception>
@@ -70,7 +71,7 @@ class CaseRunner {
 
   /// Whether the frames were made.
   bool count(const MadeFrames& made) {
-    if (result_.command.empty() && !made.commands.empty()) result_.command = made.commands.front();
+    if (result_.command.empty()) result_.command = fmt::format("{}", fmt::join(made.commands, " && "));
     result_.peak_memory_bytes = std::max(result_.peak_memory_bytes, made.peak_memory_bytes);
     run_.interrupted = made.interrupted;
     if (made.interrupted) {

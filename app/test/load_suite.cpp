@@ -56,34 +56,49 @@ std::vector<std::string> read_strings(const JsonValue& json) {
   return strings;
 }
 
-std::vector<std::string> read_command(const JsonValue& json) {
-  std::vector<std::string> command = read_strings(json);
+CommandTemplate read_words(const JsonValue& json) {
+  CommandTemplate command = read_strings(json);
   if (command.empty() || command.front().empty()) json.fail("expected a program and its arguments");
-  const auto names_output = [](const std::string& word) {
-    return word.find("{output}") != std::string::npos;
-  };
-  if (std::ranges::none_of(command, names_output)) {
+  return command;
+}
+
+CommandTemplate read_command(const JsonValue& json) {
+  CommandTemplate command = read_words(json);
+  if (!has_placeholder(command, "{output}")) {
     json.fail("expected {output} in one of the arguments, where the command writes its EXR file");
   }
   return command;
 }
 
+std::vector<CommandTemplate> read_prepare(const JsonValue& json) {
+  std::vector<CommandTemplate> commands;
+  for (const JsonValue& element : json.elements()) {
+    commands.push_back(read_words(element));
+    if (has_placeholder(commands.back(), "{output}")) {
+      element.fail("{output} is what 'command' writes; expected {work}, the folder for what is prepared");
+    }
+  }
+  return commands;
+}
+
 /// Changes `source`, which holds the suite's defaults.
 void read_source(const JsonValue& json, const std::string& suite_file, CaseSource& source) {
-  json.allow_keys(
-      {"scene", "command", "frames", "spp", "seed", "size", "aovs", "denoise", "timeout_s", "memory"});
+  json.allow_keys({"scene", "command", "prepare", "frames", "spp", "seed", "size", "aovs", "denoise",
+                   "timeout_s", "memory"});
   const auto scene = json.find("scene");
   const auto command = json.find("command");
   if (scene && command) command->fail("expected either a scene or a command, found both");
   if (scene) {
     source.scene = from_suite(suite_file, scene->string());
     source.command.clear();
+    source.prepare.clear();
     if (!is_file(source.scene)) scene->fail(fmt::format("no file {}", source.scene));
   }
   if (command) {
     source.command = read_command(*command);
     source.scene.clear();
   }
+  if (const auto prepare = json.find("prepare")) source.prepare = read_prepare(*prepare);
   if (const auto frames = json.find("frames")) source.frames = read_frames(*frames, frames->string());
   if (const auto spp = json.find("spp")) source.spp = spp->integer(1, kMostSamplesPerPixel);
   if (const auto seed = json.find("seed")) {
@@ -105,7 +120,11 @@ void read_source(const JsonValue& json, const std::string& suite_file, CaseSourc
 
 void check_source(const JsonValue& json, const CaseSource& source) {
   if (source.scene.empty() && source.command.empty()) json.fail("expected a 'scene' or a 'command'");
-  if (source.command.empty()) return;
+  if (source.command.empty()) {
+    if (const auto prepare = json.find("prepare"))
+      prepare->fail("is for a command, and the source is a scene");
+    return;
+  }
   // Options of becalm render would silently do nothing.
   for (const char* key : {"size", "aovs", "denoise"}) {
     if (const auto value = json.find(key)) value->fail("is for a scene, and the source is a command");
@@ -113,7 +132,8 @@ void check_source(const JsonValue& json, const CaseSource& source) {
 }
 
 void read_reference(const JsonValue& json, ReferenceSettings& reference) {
-  json.allow_keys({"spp", "seed", "count", "denoise"});
+  json.allow_keys({"command", "spp", "seed", "count", "denoise"});
+  if (const auto command = json.find("command")) reference.command = read_command(*command);
   if (const auto spp = json.find("spp")) reference.spp = spp->integer(1, kMostSamplesPerPixel);
   if (const auto seed = json.find("seed")) {
     reference.seed = static_cast<std::uint32_t>(seed->integer(0, kLargestSeed));

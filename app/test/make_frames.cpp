@@ -62,42 +62,41 @@ Arguments render_command(const TestCase& test, const FrameOrder& order) {
   return command;
 }
 
-void replace_all(std::string& text, std::string_view name, const std::string& value) {
-  for (std::size_t at = text.find(name); at != std::string::npos; at = text.find(name, at + value.size())) {
-    text.replace(at, name.size(), value);
-  }
+/// {work}: what is prepared for one making of the frames lies beside them.
+std::string work_of(const FrameOrder& order) {
+  return (fs::path(order.pattern).parent_path() / "work").string();
 }
 
-bool has_placeholder(const Arguments& command, std::string_view name) {
-  return std::ranges::any_of(command,
-                             [&](const std::string& word) { return word.find(name) != std::string::npos; });
-}
-
-Arguments substituted(Arguments command, const FrameOrder& order, int frame, const std::string& output) {
-  for (std::string& word : command) {
-    replace_all(word, "{frame}", std::to_string(frame));
-    replace_all(word, "{spp}", std::to_string(order.spp));
-    replace_all(word, "{seed}", std::to_string(order.seed));
-    replace_all(word, "{threads}", std::to_string(order.threads));
-    replace_all(word, "{output}", output);
-  }
-  return command;
-}
+/// One command, or the same for each of several frames.
+using Step = std::vector<Arguments>;
 
 /// A command with {frame} runs once a frame; another makes all frames of a pattern, or the only one.
-std::vector<Arguments> source_commands(const TestCase& test, const FrameOrder& order) {
-  const CaseSource& source = test.source;
-  if (source.command.empty()) return {render_command(test, order)};
+Step step_of(const CommandTemplate& command, const TestCase& test, const FrameOrder& order) {
   const io::SequencePattern pattern(order.pattern);
-  if (!has_placeholder(source.command, "{frame}")) {
-    const std::string output = source.frames.size() == 1 ? pattern.path(source.frames[0]) : order.pattern;
-    return {substituted(source.command, order, source.frames.front(), output)};
+  const std::vector<int>& frames = test.source.frames;
+  const auto for_frame = [&](int frame, const std::string& output) {
+    return substituted(command, {{"{frame}", std::to_string(frame)},
+                                 {"{spp}", std::to_string(order.spp)},
+                                 {"{seed}", std::to_string(order.seed)},
+                                 {"{threads}", std::to_string(order.threads)},
+                                 {"{becalm}", becalm_executable()},
+                                 {"{work}", work_of(order)},
+                                 {"{output}", output}});
+  };
+  if (!has_placeholder(command, "{frame}")) {
+    return {for_frame(frames.front(), frames.size() == 1 ? pattern.path(frames[0]) : order.pattern)};
   }
-  std::vector<Arguments> commands;
-  for (const int frame : source.frames) {
-    commands.push_back(substituted(source.command, order, frame, pattern.path(frame)));
-  }
-  return commands;
+  Step step;
+  for (const int frame : frames) step.push_back(for_frame(frame, pattern.path(frame)));
+  return step;
+}
+
+std::vector<Step> steps_of(const TestCase& test, const FrameOrder& order) {
+  if (order.command.empty()) return {{render_command(test, order)}};
+  std::vector<Step> steps;
+  for (const CommandTemplate& command : order.prepare) steps.push_back(step_of(command, test, order));
+  steps.push_back(step_of(order.command, test, order));
+  return steps;
 }
 
 /// Behind how a command ended: the last line that it printed.
@@ -111,21 +110,22 @@ std::string last_line(const std::string& file) {
   return last.empty() ? "" : ": " + last.substr(0, longest);
 }
 
-MadeFrames run_all(const TestCase& test, const std::vector<Arguments>& commands,
-                   const std::string& working_folder, const std::string& pattern,
-                   const RunSettings& settings) {
+MadeFrames run_all(const TestCase& test, const std::vector<Step>& steps, const std::string& working_folder,
+                   const std::string& pattern, const RunSettings& settings) {
   MadeFrames made;
   ChildLimits limits{.timeout_s = test.source.timeout_s, .memory_bytes = test.source.memory_bytes};
-  for (const Arguments& command : commands) {
-    made.commands.push_back(shell_line(command));
-    const ChildResult result = run_child(command, working_folder, output_file(settings), limits);
-    made.seconds += result.seconds;
-    made.peak_memory_bytes = std::max(made.peak_memory_bytes, result.peak_memory_bytes);
-    made.interrupted = result.end == ChildEnd::interrupted;
-    if (result.succeeded()) continue;
-    made.failure = fmt::format("{} {}{}", fs::path(command.front()).filename().string(),
-                               describe(result, limits), last_line(output_file(settings)));
-    return made;
+  for (const Step& step : steps) {
+    made.commands.push_back(shell_line(step.front()));
+    for (const Arguments& command : step) {
+      const ChildResult result = run_child(command, working_folder, output_file(settings), limits);
+      made.seconds += result.seconds;
+      made.peak_memory_bytes = std::max(made.peak_memory_bytes, result.peak_memory_bytes);
+      made.interrupted = result.end == ChildEnd::interrupted;
+      if (result.succeeded()) continue;
+      made.failure = fmt::format("{} {}{}", fs::path(command.front()).filename().string(),
+                                 describe(result, limits), last_line(output_file(settings)));
+      return made;
+    }
   }
   for (const int frame : test.source.frames) {
     const std::string path = io::SequencePattern(pattern).path(frame);
@@ -139,7 +139,12 @@ MadeFrames run_all(const TestCase& test, const std::vector<Arguments>& commands,
 }  // namespace
 
 FrameOrder order_of_test(const TestCase& test) {
-  return {.spp = test.source.spp, .seed = test.source.seed, .preset = test.source.preset, .pattern = {}};
+  return {.spp = test.source.spp,
+          .seed = test.source.seed,
+          .command = test.source.command,
+          .prepare = test.source.prepare,
+          .preset = test.source.preset,
+          .pattern = {}};
 }
 
 FrameOrder order_of_reference(const TestCase& test, int which) {
@@ -148,9 +153,12 @@ FrameOrder order_of_reference(const TestCase& test, int which) {
   const CaseSource& source = test.source;
   const int spp =
       exact || test.judges.denoised ? source.spp : std::min(kMostSamplesPerPixel, times * source.spp);
+  const bool is_other = !test.reference.command.empty();
   const std::uint32_t seed = exact ? source.seed : source.seed + kReferenceSeeds;
   return {.spp = test.reference.spp.value_or(spp),
           .seed = test.reference.seed.value_or(seed) + static_cast<std::uint32_t>(which),
+          .command = is_other ? test.reference.command : source.command,
+          .prepare = is_other ? std::vector<CommandTemplate>{} : source.prepare,
           .preset = test.reference.preset.value_or(exact ? source.preset : ""),
           .variance = !exact,  // for the rounding of what is stored
           .pattern = {}};
@@ -161,7 +169,12 @@ int reference_count(const TestCase& test) {
 }
 
 void require_seed(const TestCase& test) {
-  if (test.source.command.empty() || has_placeholder(test.source.command, "{seed}")) return;
+  const CaseSource& source = test.source;
+  const auto takes_seed = [](const CommandTemplate& command) { return has_placeholder(command, "{seed}"); };
+  if (source.command.empty() || !test.reference.command.empty() || takes_seed(source.command) ||
+      std::ranges::any_of(source.prepare, takes_seed)) {
+    return;
+  }
   throw Error(ExitStatus::bad_input,
               fmt::format("{}: /cases/{}/source/command: expected {{seed}} in one of the arguments; without "
                           "it, frames of another seed would have the same noise",
@@ -169,14 +182,15 @@ void require_seed(const TestCase& test) {
 }
 
 MadeFrames make_frames(const TestCase& test, const FrameOrder& order, const RunSettings& settings) {
-  fs::create_directories(fs::path(order.pattern).parent_path());
+  fs::create_directories(order.command.empty() ? fs::path(order.pattern).parent_path().string()
+                                               : work_of(order));
   FrameOrder here = order;
   here.threads = settings.threads;
   here.reproducible = settings.reproducible;
   // Words of a command may be paths, which are from the suite file as all paths in it.
   const fs::path suite_folder = fs::absolute(test.suite_file).parent_path();
-  const fs::path folder = test.source.command.empty() ? fs::current_path() : suite_folder;
-  return run_all(test, source_commands(test, here), folder.string(), order.pattern, settings);
+  const fs::path folder = order.command.empty() ? fs::current_path() : suite_folder;
+  return run_all(test, steps_of(test, here), folder.string(), order.pattern, settings);
 }
 
 MadeFrames denoise_frames(const TestCase& test, const std::string& preset, const std::string& from,
@@ -193,7 +207,7 @@ MadeFrames denoise_frames(const TestCase& test, const std::string& preset, const
                     std::to_string(settings.threads),
                     "--quiet"};
   if (settings.reproducible) command.emplace_back("--reproducible");
-  return run_all(test, {command}, fs::current_path().string(), to, settings);
+  return run_all(test, {{command}}, fs::current_path().string(), to, settings);
 }
 
 std::string output_file(const RunSettings& settings) {

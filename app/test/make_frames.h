@@ -13,22 +13,25 @@ namespace becalm::app {
 struct FrameOrder {
   int spp = 1;
   std::uint32_t seed = 0;
-  std::string preset;     ///< of the filter; empty: none
-  bool variance = false;  ///< wanted as a layer even if no judge reads it
-  std::string pattern;    ///< where the frames go: an absolute path with ####
+  CommandTemplate command;               ///< empty: the case's scene is rendered
+  std::vector<CommandTemplate> prepare;  ///< run before `command`
+  std::string preset;                    ///< of the filter; empty: none
+  bool variance = false;                 ///< wanted as a layer even if no judge reads it
+  std::string pattern;                   ///< where the frames go: an absolute path with ####
   int threads = 1;
   bool reproducible = false;
 };
 
 /// What is judged.
 FrameOrder order_of_test(const TestCase& test);
-/// The first (0) or the second (1) reference, by the case's "reference". What that leaves open: with `exact`
-/// all is as the source has it; otherwise another seed, 16 times the samples (as many for `denoised`, whose
-/// filter would else see two kinds of noise), and no filter.
+/// The first (0) or the second (1) reference, by the case's "reference". What that leaves open: the source's
+/// commands; with `exact` all is as the source has it; otherwise another seed, 16 times the samples (as many
+/// for `denoised`, whose filter would else see two kinds of noise), and no filter.
 FrameOrder order_of_reference(const TestCase& test, int which);
 int reference_count(const TestCase& test);
 
-/// Throws Error(bad_input) if another seed does not change what the case's command is asked.
+/// Throws Error(bad_input) if references are made by the case's own commands and another seed does not change
+/// what these are asked.
 void require_seed(const TestCase& test);
 
 /// Where and how commands run.
@@ -39,7 +42,7 @@ struct RunSettings {
 };
 
 struct MadeFrames {
-  std::vector<std::string> commands;  ///< those that were run, as one would type them
+  std::vector<std::string> commands;  ///< as one would type them; of those that differ by frame, the first
   std::string failure;                ///< why frames are missing, one line; empty if they are all there
   bool interrupted = false;
   double seconds = 0.0;

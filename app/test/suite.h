@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/frame_figures.h"
+#include "app/test/command_template.h"
 
 namespace becalm::app {
 
@@ -13,8 +14,9 @@ inline constexpr int kMostSamplesPerPixel = 65536;
 
 /// What makes the frames of a case: a scene that becalm renders, or a command.
 struct CaseSource {
-  std::string scene;                 ///< relative paths are from the current folder; empty for a command
-  std::vector<std::string> command;  ///< with placeholders; empty for a scene
+  std::string scene;                     ///< relative paths are from the current folder; empty for a command
+  CommandTemplate command;               ///< writes the frames; empty for a scene
+  std::vector<CommandTemplate> prepare;  ///< run before `command`, which reads what they write
   std::vector<int> frames{1};
   int spp = 16;
   std::uint32_t seed = 1;
@@ -31,6 +33,7 @@ struct ReferenceSettings {
   std::optional<std::uint32_t> seed;
   std::optional<int> count;           ///< 1, or 2 independent ones
   std::optional<std::string> preset;  ///< empty: not denoised
+  CommandTemplate command;            ///< instead of the source; empty: the source makes them
 };
 
 /// One limit of a frame's figure.

@@ -49,7 +49,7 @@ struct CaseResult {
   std::vector<std::string> messages;
   std::vector<CheckResult> checks;
   std::vector<JudgedFrame> frames;
-  std::string command;  ///< the first one that was run, as one would type it
+  std::string command;  ///< how the frames were made, as one would type it
   std::string output;   ///< the end of what the commands printed
   double seconds = 0.0;
   std::uint64_t peak_memory_bytes = 0;  ///< of the commands; 0 where nothing was run

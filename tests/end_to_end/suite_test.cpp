@@ -154,6 +154,44 @@ TEST_F(SuiteTest, ACommandWithoutFrameMakesASequence) {
   EXPECT_EQ(run().status, 0);
 }
 
+TEST_F(SuiteTest, CommandsReadWhatWasPrepared) {
+  write_suite(R"("two_steps": {"source": {"frames": "1-2", "spp": 1, "seed": 5,
+    "prepare": [["{becalm}", "render", "scene.json", "-o", "{work}/in.####.exr", "--frames", "1-2", "--spp", "{spp}",
+                 "--seed", "{seed}", "--float", "--quiet"],
+                ["sh", "-c", "echo $0 $(ls {work}) >>told.txt", "{frame}"]],
+    "command": ["cp", "{work}/in.000{frame}.exr", "{output}"]}, "judged_by": {"exact": true}})");
+  update();
+  EXPECT_EQ(read_text(folder_ / "told.txt"), "1 in.0001.exr in.0002.exr\n2 in.0001.exr in.0002.exr\n");
+  becalm_done({"render", folder_ / "scene.json", "-o", folder_ / "rendered.####.exr", "--frames", "1-2",
+               "--spp", "1", "--seed", "5", "--float", "--quiet"});
+  expect_same_beauty(folder_ / "references/two_steps/a.####.exr", folder_ / "rendered.####.exr", 1, 2);
+  const Outcome outcome = run({"--json", folder_ / "results.json"});
+  EXPECT_EQ(outcome.status, 0) << outcome.out;
+  expect_words(read_text(folder_ / "results.json"), {"becalm render", " && sh -c", " && cp "});
+}
+
+TEST_F(SuiteTest, WhatCannotBePreparedFailsTheCase) {
+  write_suite(
+      shell_case("a", "cp image.exr $0", R"(, "prepare": [["sh", "-c", "echo no licence; exit 7"]])"));
+  write_reference("a");
+  const Outcome outcome = run();
+  EXPECT_EQ(outcome.status, 1);
+  expect_words(line_of(outcome, "a"), {"failed", "exit status 7: no licence"});
+}
+
+TEST_F(SuiteTest, ReferencesMayHaveACommandOfTheirOwn) {
+  write_image("truth.exr", 2);
+  write_suite(R"("filtered": {"source": {"command": ["cp", "{work}/in.exr", "{output}"], "prepare": [
+    ["cp", "image.exr", "{work}/in.exr"]]}, "reference": {"command": ["cp", "truth.exr", "{output}"]},
+    "judged_by": {"error": {"max_rel_mse": 1e-5}}})");
+  update();
+  const Outcome outcome = run();
+  EXPECT_EQ(outcome.status, 1);
+  expect_words(line_of(outcome, "filtered"), {"failed", "relMSE"});
+  write_image("image.exr", 2);
+  EXPECT_EQ(run().status, 0);
+}
+
 TEST_F(SuiteTest, WorkingFilesAreRemoved) {
   write_suite(shell_case("good"));
   write_reference("good");

@@ -60,6 +60,15 @@ MUTATIONS = {
     "NaN in one pixel": (
         "tracer/film.cpp", "Imath::Vec4<double>({}, sums_.mean.y", "sums_.mean.x",
         "x == 20 && y == 20 ? std::numeric_limits<double>::quiet_NaN() : sums_.mean.x"),
+    "antialiasing that weighs new samples alike": (
+        "filter/antialias/antialias_chain.cpp", ".specialize(\"rule\", {})", "static_cast<int>(settings.accumulate)",
+        "static_cast<int>(Accumulate::exponential)"),
+    "samples at the opposite side of their pixels": (
+        "filter/antialias/sample_grid.cpp", "const Imath::V2f position = {};", "jitter->positions_px.front()",
+        "-jitter->positions_px.front()"),
+    "burst whose reference counts as free of noise": (
+        "filter/burst/burst_merger.cpp", "{},\n            static_cast<float>(noise.a)",
+        "static_cast<float>(reference_noise.b)", "0.0f"),
     "energy of the red channel in all channels": (
         "filter/smooth/energy.cpp", "block.frame[c] += exposure * {};", "beauty[4 * i + c]", "beauty[4 * i]"),
 }
