@@ -263,6 +263,21 @@ TEST_F(UpsampleTest, PublishedPresetsGoByThePlacesOfSamples) {
   }
 }
 
+TEST_F(UpsampleTest, SeveralSamplesWeighByTheMeanOfTheirFilters) {
+  const auto columns = [](std::vector<Imath::V2f> positions) {
+    return sparse_grid(FrameJitter{.positions_px = std::move(positions)}, {2, 1}, {{0, 0}, {7, 7}}, false)
+        .columns;
+  };
+  const Imath::V2f left(-0.1f, 0.0f);
+  const Imath::V2f right(0.2f, 0.0f);
+  const std::vector<float> of_left = columns({left});
+  const std::vector<float> of_right = columns({right});
+  const std::vector<float> of_both = columns({left, right});
+  for (std::size_t i = 0; i < of_both.size() / 2; ++i) {  // the pixel filter's: nearest sample, three weights
+    EXPECT_NEAR(of_both[i], 0.5f * (of_left[i] + of_right[i]), 1e-6f) << i;
+  }
+}
+
 TEST_F(UpsampleTest, HistoryThatMovesFastIsHeldAgainstFewerSamples) {
   const Shot shot{.scale = {2, 1}};
   // Of the four samples around pixel (22, 22), the farthest alone is as bright as the history.

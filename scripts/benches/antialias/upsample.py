@@ -13,7 +13,7 @@ from benches.timed import timed
 # Glints of `crossing`, brighter than all else, decided its rows; a sample of `meadow` costs more than the filter, as those of others do not.
 SCENES = ("fence", "classroom", "blocks", "meadow")
 SAMPLES = (1, 2, 4)
-# The mean of samples of several places has none, by which it could be scaled, and without noise more samples of one place are one.
+# The mean of samples of several places tells less than one of them (shaders/antialias/README.md), and without noise those of one place are one.
 SCALED_SAMPLES = (1,)
 REFERENCE_SPP = 128
 # name: size over the output's, jitter cycle (16 positions a pixel of the output), samples, options of render and of antialias
