@@ -252,6 +252,7 @@ void AntialiasChain::add_accumulation(const AntialiasTask& task, ImageId reconst
       .read("difference_sums", sums)
       .read("columns", grid ? std::optional(grid->columns) : std::nullopt)
       .read("rows", grid ? std::optional(grid->rows) : std::nullopt)
+      .read("offset", grid ? std::optional(offset) : std::nullopt)
       .write("merged_color", color.next)
       .write("merged_stats", stats.next)
       .write("decision", decision)

@@ -21,6 +21,8 @@ struct AntialiasTask {
 
   /// Whether samples and pixels are not of one grid, or not all pixels have samples.
   bool is_sparse() const { return settings.checkerboard || !settings.scale.is_one(); }
+  /// Whether pixels are made by the places of samples: sparse ones have no other way to more pixels.
+  bool uses_places() const { return is_sparse() || settings.reconstruct == Switch::yes; }
   gpu::Extent samples() const { return sampled.width > 0 ? sampled : full; }
   bool has_motion() const { return contains(used, Aov::motion) && settings.uses_vectors(); }
   bool validates_surface() const;

@@ -206,7 +206,7 @@ std::optional<Frame> AntialiasFilter::run(const Step& step, const Frame& given, 
     if (report.new_shot) reset();
     s.before = std::move(signature);
   }
-  const auto& jitter = task.settings.reconstruct == Switch::yes ? frame.jitter() : std::nullopt;
+  const auto& jitter = task.uses_places() ? frame.jitter() : std::nullopt;
   if (task.is_sparse()) {
     s.sparse = sparse_grid(jitter, task.settings.scale, s.window, task.settings.checkerboard);
   } else {
@@ -299,7 +299,7 @@ void AntialiasFilter::State::upload_motion(const Step& step, const Frame& frame)
   next = Frame(frame.number(), frame.width(), frame.height());
   next.image(Aov::motion) = frame.image(Aov::motion);
   next.image(Aov::depth) = frame.image(Aov::depth);
-  if (task.settings.reconstruct == Switch::yes) next.set_jitter(frame.jitter());
+  if (task.uses_places()) next.set_jitter(frame.jitter());
 }
 
 void AntialiasFilter::State::upload_surface(const Frame& frame) {

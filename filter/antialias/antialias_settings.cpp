@@ -54,7 +54,8 @@ const SettingRow<AntialiasSettings> kAntialiasTable[] = {
     {{"mask", "no or yes", "averages only where the aligner's patches differ (needs a search)"},
      name_field(&AntialiasSettings::mask, kSwitchNames)},
     {{"reconstruct", "no or yes",
-      "makes each pixel of a jittered frame of all samples under its filter, whose places are known"},
+      "makes each pixel of a jittered frame of all samples under its filter, whose places are known; with "
+      "--scale or --checkerboard always"},
      name_field(&AntialiasSettings::reconstruct, kSwitchNames)},
     {{"outliers", "no or yes", "weighs samples by 1/(1 + luminance), against fireflies; darkens edges"},
      name_field(&AntialiasSettings::outliers, kSwitchNames)},

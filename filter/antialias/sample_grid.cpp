@@ -62,12 +62,21 @@ SampleGrid sample_grid(const std::optional<FrameJitter>& jitter) {
 SparseGrid sparse_grid(const std::optional<FrameJitter>& jitter, const Scale& scale,
                        const Imath::Box2i& window, bool is_checkerboard) {
   SparseGrid grid;
-  const bool is_known = jitter && jitter->positions_px.size() == 1;
-  if (jitter) {
+  const bool is_known = jitter && !jitter->positions_px.empty();
+  if (is_known) {
     for (const Imath::V2f& position : jitter->positions_px) grid.position_px += position;
     grid.position_px /= static_cast<float>(jitter->positions_px.size());
   }
   const double radius = wide_radius(is_checkerboard);
+  // A pixel's samples are known by their mean alone, which has their filters' mean.
+  const auto narrow_weight = [&](double distance, int axis) {
+    double sum = 0.0;
+    for (const Imath::V2f& position : jitter->positions_px) {
+      const double from_mean = position[axis] - grid.position_px[axis];
+      sum += weight_along_axis(*jitter, (distance + from_mean) * scale.value());
+    }
+    return sum / (mean_sum(*jitter) * static_cast<double>(jitter->positions_px.size()));
+  };
   const auto table = [&](int axis) {
     const int first = scale.edge(window.min[axis]);
     const int size = scale.edge(window.max[axis] + 1) - first;
@@ -83,11 +92,9 @@ SparseGrid sparse_grid(const std::optional<FrameJitter>& jitter, const Scale& sc
         const double distance = nearest + k - 2 - place;
         wide[k] =
             static_cast<float>(std::max(1.0 - std::abs(distance) / radius, 0.0) / (radius * scale.value()));
-        narrow[k] =
-            is_known
-                ? static_cast<float>(weight_along_axis(*jitter, distance * scale.value()) / mean_sum(*jitter))
-            : scale.is_one() ? (k == 2 ? 1.0f : 0.0f)
-                             : wide[k];
+        narrow[k] = is_known         ? static_cast<float>(narrow_weight(distance, axis))
+                    : scale.is_one() ? (k == 2 ? 1.0f : 0.0f)
+                                     : wide[k];
       }
     }
     return values;

@@ -30,13 +30,13 @@ struct SparseGrid {
   /// sample's last, itself and next; 0, and the weights of a filter that finds samples everywhere.
   std::vector<float> columns;
   std::vector<float> rows;
-  Imath::V2f position_px{0.0f, 0.0f};  ///< of the samples in their pixels
+  Imath::V2f position_px{0.0f, 0.0f};  ///< of the samples in their pixels, on average
 };
 
-/// For a frame that covers `window` and holds samples everywhere or in a checkerboard. Samples whose place is
-/// not known or not unique weigh by the second filter alone, around their positions' mean.
-/// The product of a pixel's weights is, summed over samples, 1 on average over the pixels of a frame of
-/// scale 1.
+/// For a frame that covers `window` and holds samples everywhere or in a checkerboard. What is the mean of
+/// samples of several places weighs, along each axis, by the mean of their filters, and samples whose place
+/// is not known by the second filter alone. The product of a pixel's weights is, summed over samples, 1 on
+/// average over the pixels of a frame of scale 1.
 SparseGrid sparse_grid(const std::optional<FrameJitter>& jitter, const Scale& scale,
                        const Imath::Box2i& window, bool is_checkerboard);
 

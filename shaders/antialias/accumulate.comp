@@ -42,9 +42,10 @@ layout(set = 0, binding = 9) uniform samplerBuffer difference;
 layout(set = 0, binding = 10) uniform samplerBuffer difference_sums;
 layout(set = 0, binding = 11) uniform samplerBuffer columns;
 layout(set = 0, binding = 12) uniform samplerBuffer rows;
-layout(std430, set = 0, binding = 13) writeonly buffer MergedColorBuffer { vec4 data[]; } merged_color;
-layout(std430, set = 0, binding = 14) writeonly buffer MergedStatsBuffer { vec2 data[]; } merged_stats;
-layout(std430, set = 0, binding = 15) writeonly buffer DecisionBuffer { vec4 data[]; } decision;
+layout(set = 0, binding = 13) uniform samplerBuffer offset;  // of the history, read where samples are sparse
+layout(std430, set = 0, binding = 14) writeonly buffer MergedColorBuffer { vec4 data[]; } merged_color;
+layout(std430, set = 0, binding = 15) writeonly buffer MergedStatsBuffer { vec2 data[]; } merged_stats;
+layout(std430, set = 0, binding = 16) writeonly buffer DecisionBuffer { vec4 data[]; } decision;
 
 /// Limits differences, so that sums of their squares stay within the range of floats.
 const float kLargest = 1e16;
@@ -117,7 +118,8 @@ void main() {
   vec4 h = found;
   float near_bounds = 0.0;
   Around around;
-  if (rectify != 0 || rule == kGain) around = look_around(at, found.rgb);
+  const float speed_px = sparse != 0 ? length(texelFetch(offset, index).xy) : 0.0;
+  if (rectify != 0 || rule == kGain) around = look_around(at, found.rgb, speed_px);
   if (rectify != 0) {
     const vec3 in_space = in_ycocg != 0 ? to_ycocg(h.rgb) : h.rgb;
     const vec3 within = rectify == 1 ? clamp(in_space, around.low, around.high)

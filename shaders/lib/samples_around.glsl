@@ -1,8 +1,15 @@
 // The samples around a pixel, by which its history is rectified and weighed. Not pure functions: the including
 // kernel declares the texel buffers and constants that they read, and lib/sparse_grid.glsl's.
 
-/// The samples around a pixel, 3x3 or, where they are sparser than pixels, the 2x2 nearest (survey, section 5.2):
-/// their bounds in the space of rectification, and what eq. 10 and 11 take.
+/// Where samples are sparser than pixels, the least weight of those around a pixel, of the nearest one's, from a motion
+/// of kFast on: a shrunken neighbourhood keeps less of what has moved, and a still one would flicker in it.
+const float kNear = 0.3;
+/// Pixels a frame up to which the neighbourhood is whole, and from which on it is smallest.
+const float kSlow = 1.0;
+const float kFast = 3.0;
+
+/// The samples around a pixel, 3x3 or, where they are sparser than pixels, the 2x2 nearest and fewer of what moves
+/// (survey, section 5.2): their bounds in the space of rectification, and what eq. 10 and 11 take.
 struct Around {
   vec3 low;
   vec3 high;
@@ -11,7 +18,8 @@ struct Around {
   float difference;  // eq. 11: mean squared difference between the history and a sample
 };
 
-Around look_around(ivec2 at, vec3 history) {
+/// `speed_px` is that of the history, in pixels a frame.
+Around look_around(ivec2 at, vec3 history, float speed_px) {
   vec3 sum = vec3(0.0);
   vec3 squares = vec3(0.0);
   float difference_sum = 0.0;
@@ -25,12 +33,20 @@ Around look_around(ivec2 at, vec3 history) {
   const vec3 own = texelFetch(samples, middle).rgb;
   vec3 mean_rgb = vec3(0.0);
   float squares_rgb = 0.0;
+  int tap[9];
+  float weight[9];
+  float most = 0.0;
   [[unroll]] for (int k = 0; k < 9; ++k) {
     const ivec2 q = taps.nearest + ivec2(k % 3, k / 3) - 1;
     const bool inside = q.x >= 0 && q.y >= 0 && q.x < samples_size.x && q.y < samples_size.y;
-    const int tap = inside ? q.y * samples_size.x + q.x : middle;
-    const float w = inside && texelFetch(finite, tap).x > 0.0 && taps.wide[k % 3][k / 3] > 0.0 ? 1.0 : 0.0;
-    const vec3 x = texelFetch(samples, tap).rgb;
+    tap[k] = inside ? q.y * samples_size.x + q.x : middle;
+    weight[k] = inside && texelFetch(finite, tap[k]).x > 0.0 ? taps.wide[k % 3][k / 3] : 0.0;
+    most = max(most, weight[k]);
+  }
+  const float least = sparse != 0 ? kNear * smoothstep(kSlow, kFast, speed_px) * most : 0.0;
+  [[unroll]] for (int k = 0; k < 9; ++k) {
+    const float w = weight[k] > least ? 1.0 : 0.0;
+    const vec3 x = texelFetch(samples, tap[k]).rgb;
     const vec3 d = clamp(x - own, -kLargest, kLargest);
     const vec3 in_space = in_ycocg != 0 ? to_ycocg(d) : d;
     sum += w * in_space;

@@ -244,6 +244,62 @@ TEST_F(UpsampleTest, ConstantsStayConstantInBothDirections) {
   }
 }
 
+TEST_F(UpsampleTest, PublishedPresetsGoByThePlacesOfSamples) {
+  const Shot shot{.scale = {2, 1}};
+  const Image truth = truth_of(shot, 0);
+  for (const char* preset : {"clamping", "gain"}) {
+    SCOPED_TRACE(preset);
+    const auto error = [&](bool places_known) {
+      AntialiasFilter filter = make(settings_of(shot, {}, preset), frame_of(shot, 0));
+      Frame result(0, 1, 1);
+      for (int number = 0; number < 16; ++number) {
+        Frame frame = frame_of(shot, number);
+        if (!places_known) frame.set_jitter(std::nullopt);
+        result = run(filter, frame);
+      }
+      return rmse(result.image(Aov::beauty), truth);
+    };
+    EXPECT_LT(error(true), 0.9 * error(false));
+  }
+}
+
+TEST_F(UpsampleTest, SeveralSamplesWeighByTheMeanOfTheirFilters) {
+  const auto columns = [](std::vector<Imath::V2f> positions) {
+    return sparse_grid(FrameJitter{.positions_px = std::move(positions)}, {2, 1}, {{0, 0}, {7, 7}}, false)
+        .columns;
+  };
+  const Imath::V2f left(-0.1f, 0.0f);
+  const Imath::V2f right(0.2f, 0.0f);
+  const std::vector<float> of_left = columns({left});
+  const std::vector<float> of_right = columns({right});
+  const std::vector<float> of_both = columns({left, right});
+  for (std::size_t i = 0; i < of_both.size() / 2; ++i) {  // the pixel filter's: nearest sample, three weights
+    EXPECT_NEAR(of_both[i], 0.5f * (of_left[i] + of_right[i]), 1e-6f) << i;
+  }
+}
+
+TEST_F(UpsampleTest, HistoryThatMovesFastIsHeldAgainstFewerSamples) {
+  const Shot shot{.scale = {2, 1}};
+  // Of the four samples around pixel (22, 22), the farthest alone is as bright as the history.
+  const auto after_bright_frame = [&](float speed_px) {
+    Frame bright = frame_of(shot, 0);
+    bright.set_jitter(FrameJitter{.positions_px = {{0.0f, 0.0f}}});
+    for (float& value : bright.image(Aov::beauty).data()) value = 1.0f;
+    Frame dark = bright;
+    for (float& value : dark.image(Aov::beauty).data()) value = 0.1f;
+    for (int c = 0; c < 3; ++c) dark.image(Aov::beauty).at(10, 10, c) = 1.0f;
+    for (float& value : dark.image(Aov::motion).data()) value = speed_px / 2.0f;
+    Frame second(1, dark.width(), dark.height());
+    for (const Aov aov : {Aov::beauty, Aov::depth, Aov::motion}) second.image(aov) = dark.image(aov);
+    second.set_jitter(dark.jitter());
+    AntialiasFilter filter = make(settings_of(shot, {}, "clamping"), bright);
+    run(filter, bright);
+    return run(filter, second).image(Aov::beauty).at(22, 22, 0);
+  };
+  EXPECT_GT(after_bright_frame(0.0f), 0.8f);
+  EXPECT_LT(after_bright_frame(4.0f), 0.3f);
+}
+
 TEST_F(UpsampleTest, NonFinitePixelsComeOutAsTheyCameAndSpoilNothing) {
   const Shot shot{.scale = {2, 1}};
   AntialiasFilter filter = make(settings_of(shot), frame_of(shot, 0));

@@ -7,7 +7,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from benches.antialias import stutter, upsample, zone_plate
+from benches.antialias import noisy, stutter, upsample, zone_plate
 from benches.antialias.shots import CHOOSING, CYCLE, REPORTED, antialias, read, render
 
 METHODS = {  # the options of becalm antialias
@@ -54,10 +54,13 @@ def main():
     parser.add_argument("--becalm", default="build/release/becalm")
     parser.add_argument("-o", "--output", type=Path, default=Path("build/antialias"), metavar="DIR")
     parser.add_argument("--upsample", action="store_true", help="the curves of full size, checkerboard, 1.5x and 2x at equal time instead, at 192x108")
+    parser.add_argument("--noisy", action="store_true", help="noisy frames of half the size made full-size and calm instead, at 192x108")
     parser.add_argument("--zone-plate", action="store_true", help="the transfer function of a panned zone plate instead")
     asked = parser.parse_args()
     if asked.upsample:
         return print(upsample.curves(asked.becalm, asked.output / "upsample", (192, 108), 16))
+    if asked.noisy:
+        return print(noisy.table(asked.becalm, asked.output / "noisy", noisy.CHOOSING if asked.choosing else noisy.REPORTED, (192, 108), 12))
     if asked.zone_plate:
         return print(zone_plate.table(asked.becalm, asked.output / "zone_plate"))
     size = tuple(int(side) for side in asked.size.split("x"))
