@@ -1,6 +1,7 @@
 // becalm burst: from DNG files to pictures and mosaics, and what it refuses.
 
 #include <gtest/gtest.h>
+#include <signal.h>
 
 #include <cmath>
 #include <fstream>
@@ -155,6 +156,35 @@ TEST_F(Burst, TakesTheNoiseThatItIsTold) {
   EXPECT_NE(told.err.find("1.000e-04,1.000e-04 (as the file tells)"), std::string::npos) << told.err;
   const Outcome given = becalm_done(command(inputs, output, {"--noise", "2e-4,3e-5"}));
   EXPECT_NE(given.err.find("2.000e-04,3.000e-05 (as given)"), std::string::npos) << given.err;
+}
+
+TEST_F(Burst, SignalsLeaveNothingHalfWritten) {
+  std::vector<std::string> inputs;
+  for (int number = 1; number <= 20; ++number) inputs.push_back(write(number, camera({}, 192, 144)));
+  const fs::path outputs = folder_.path() / "outputs";
+  fs::create_directory(outputs);
+  const std::string output = (outputs / "out.exr").string(), whole = folder_ / "whole.exr";
+  const std::string messages = folder_ / "messages";
+  const auto merge_to = [&](const std::string& path) {
+    return command(inputs, path, {"--reference", "first"});
+  };
+  const auto told = [&] {
+    std::ifstream file(messages);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  for (const int signal : {SIGINT, SIGTERM}) {
+    Process process(merge_to(output), "exec \"$0\" \"$@\" 2>'" + messages + "'");
+    ASSERT_TRUE(wait_until([&] { return told().find("merged, 2 of 20") != std::string::npos; }));
+    process.signal(signal);
+    EXPECT_EQ(process.wait().status, 130) << told();
+    EXPECT_NE(told().find("interrupted: " + output + " was not written\n"), std::string::npos) << told();
+    EXPECT_EQ(files_in(outputs), std::vector<std::string>{});
+    fs::remove(messages);
+  }
+  becalm_done(merge_to(output));
+  becalm_done(merge_to(whole));
+  EXPECT_EQ(files_in(outputs), std::vector<std::string>{"out.exr"});
+  EXPECT_TRUE(same_pixels(read_frame(output).image(Aov::beauty), read_frame(whole).image(Aov::beauty)));
 }
 
 /// Gives a tag of a little-endian TIFF file's first directory another value of 32 bits.
