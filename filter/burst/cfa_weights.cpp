@@ -92,8 +92,9 @@ std::vector<float> cfa_weights(const CfaPattern& cfa, const std::array<float, 3>
     const System solve = inverse(system_of(window));
     float* out = weights.data() + of_pixel * pixel;
     for (int place = 0; place < places; ++place) {
+      const int down = place / kCfaSteps;
       const double x = static_cast<double>(place % kCfaSteps) / kCfaSteps;
-      const double y = static_cast<double>(place / kCfaSteps) / kCfaSteps;
+      const double y = static_cast<double>(down) / kCfaSteps;
       for (int color = 0; color < kColors; ++color) {
         SystemRow right{};
         for (int i = 0; i < kWindowSamples; ++i)

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "frame/raw/raw.h"
@@ -46,6 +47,7 @@ Matrix inverse(const Matrix& a) {
 struct Tags {
   std::vector<double> noise_profile;
   bool pattern_is_6x6 = false;
+  std::string refusal;  ///< why the file is not to be read, if so
 
   static void found(void* tags, int tag, int type, int length, unsigned order, void* stream, INT64) {
     auto& self = *static_cast<Tags*>(tags);
@@ -57,8 +59,9 @@ struct Tags {
       case 33422:  // CFAPattern
       case 64777:  // the same of another maker
         // LibRaw 0.20 writes past its end where a pattern of 36 does not follow its size.
-        if (length == 36 && !self.pattern_is_6x6) throw LIBRAW_EXCEPTION_IO_CORRUPT;
-        break;
+        if (length != 36 || self.pattern_is_6x6) break;
+        self.refusal = "its CFAPattern has 36 colours, but its CFARepeatPatternDim is not 6x6";
+        throw LIBRAW_EXCEPTION_IO_CORRUPT;
       case 51041:
         self.read_noise_profile(in, type, length, order);
         break;
@@ -106,7 +109,9 @@ class LibRawFile : public File {
   explicit LibRawFile(const std::string& path) {
     raw_.set_exifparser_handler(Tags::found, &tags_);
     raw_.set_dataerror_handler(nullptr, nullptr);  // which would print; the exception tells
-    check(raw_.open_file(path.c_str()));
+    const int opened = raw_.open_file(path.c_str());
+    if (!tags_.refusal.empty()) throw std::runtime_error(tags_.refusal);
+    check(opened);
     const auto& sizes = raw_.imgdata.sizes;
     info_.make = raw_.imgdata.idata.make;
     info_.model = raw_.imgdata.idata.model;

@@ -216,7 +216,8 @@ TEST_F(Burst, RefusesSizesThatTheFileDoesNotHold) {
 TEST_F(Burst, RefusesAPatternThatIsNotOfItsSize) {
   const std::string file = write(1, camera(x_trans()));
   change_tag(file, 33421, 0x00020002);  // LibRaw 0.20 would write past the pattern's end
-  expect_error(becalm(command({file, write(2, camera(x_trans()))}, folder_ / "out.exr")), 3, {"in1.dng"});
+  expect_error(becalm(command({file, write(2, camera(x_trans()))}, folder_ / "out.exr")), 3,
+               {"in1.dng", "CFARepeatPatternDim"});
 }
 
 TEST_F(Burst, RefusesWhatIsNoBurst) {
