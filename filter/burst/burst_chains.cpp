@@ -86,16 +86,16 @@ BurstChoosePasses::BurstChoosePasses(gpu::Device& device, const BurstTask& task)
       .write("difference", differences)
       .dispatch(blocks);
   chain.pass("burst/sum_column")
-      .read("difference", differences, gpu::reach(0, kBurstPatchRadius))
+      .read("difference", differences, gpu::reach(0, kChoicePatchRadius))
       .write("sums", sums)
-      .specialize("radius", kBurstPatchRadius)
+      .specialize("radius", kChoicePatchRadius)
       .dispatch(blocks);
   chain.pass("burst/choose_offset")
-      .read("sums", sums, gpu::reach(kBurstPatchRadius, 0))
+      .read("sums", sums, gpu::reach(kChoicePatchRadius, 0))
       .read("found", found)
       .read("whole", whole)
       .write("offset", offset)
-      .specialize("radius", kBurstPatchRadius)
+      .specialize("radius", kChoicePatchRadius)
       .dispatch(blocks);
   chain.output(offset, task.block);
 }
@@ -103,82 +103,63 @@ BurstChoosePasses::BurstChoosePasses(gpu::Device& device, const BurstTask& task)
 BurstMergePasses::BurstMergePasses(gpu::Device& device, const BurstTask& task, int limit_px, Extent target,
                                    Extent source)
     : chain(device, "merge") {
-  const CfaWeights of_cfa = cfa_weights(task.cfa);
-  const int cells = task.cfa.period * task.cfa.period;
   reference = chain.input("reference", Format::f32, target);
   frame = chain.input("frame", Format::f32, source);
   offset = chain.input("offset", Format::f32x2, in_blocks(task, target));
   before = chain.input("accumulated.before", Format::f32x2, target);
   colors = colors_table(chain, task);
-  weights = chain.table("weights", Format::f32, {3 * of_cfa.side() * of_cfa.side(), cells});
+  weights = chain.table("weights", Format::f32, {static_cast<int>(cfa_weight_count(task.cfa)), 1});
   levels = levels_table(chain);
   target_place = chain.table("target_place", Format::f32x2, {1, 1});
   source_place = chain.table("source_place", Format::f32x2, {1, 1});
   target_origin = chain.table("target_origin", Format::f32x2, {1, 1});
 
-  const ImageId green = chain.image("green", Format::f32, source);
-  const ImageId red = chain.image("red", Format::f32, source);
-  const ImageId blue = chain.image("blue", Format::f32, source);
   // At the border, samples are read a period before.
-  const gpu::Footprint around = gpu::reach(of_cfa.reach);
-  chain.pass("burst/green")
-      .read("mosaic", frame, around)
-      .read("weights", weights)
-      .read("place", source_place)
-      .write("green", green)
-      .specialize("period", task.cfa.period)
-      .specialize("reach", of_cfa.reach)
-      .dispatch(source);
-  chain.pass("burst/red_blue")
-      .read("mosaic", frame, around)
-      .read("green", green, around)
-      .read("weights", weights)
-      .read("levels", levels)
-      .read("place", source_place)
-      .write("red", red)
-      .write("blue", blue)
-      .specialize("period", task.cfa.period)
-      .specialize("reach", of_cfa.reach)
-      .dispatch(source);
-
-  constexpr int taps_px = 2;  // of Catmull-Rom
+  const int taps_px = std::max(kCfaTaps - kCfaBefore, task.cfa.period);
   const ImageId warped = chain.image("warped", Format::f32x2, target);
   chain.pass("burst/warp")
-      .read("red", red, gpu::gather(limit_px + taps_px))
-      .read("green", green, gpu::gather(limit_px + taps_px))
-      .read("blue", blue, gpu::gather(limit_px + taps_px))
+      .read("mosaic", frame, gpu::gather(limit_px + taps_px))
       .read("offset", offset, gpu::bilinear(task.block))
       .read("colors", colors)
+      .read("weights", weights)
       .read("levels", levels)
       .read("target_place", target_place)
+      .read("source_place", source_place)
       .read("target_origin", target_origin)
       .write("warped", warped)
       .specialize("period", task.cfa.period)
       .specialize("block", task.block)
+      .specialize("taps", kCfaTaps)
+      .specialize("before", kCfaBefore)
+      .specialize("steps", kCfaSteps)
       .dispatch(target);
 
   const ImageId difference = chain.image("difference", Format::f32x2, target);
   chain.pass("burst/difference")
       .read("reference", reference)
       .read("warped", warped)
+      .read("colors", colors)
       .read("levels", levels)
+      .read("place", target_place)
       .write("difference", difference)
+      .specialize("period", task.cfa.period)
       .dispatch(target);
-  const ImageId sums = chain.image("difference.columns", Format::f32x4, target);
+  const ImageId sums = chain.image("difference.columns", Format::f32x4, target.with_planes(2));
   chain.pass("burst/column_sums")
-      .read("difference", difference, gpu::reach(0, kBurstPatchRadius))
+      .read("difference", difference, gpu::reach(0, kMergePatchRadius))
       .write("sums", sums)
-      .specialize("radius", kBurstPatchRadius)
+      .specialize("radius", kMergePatchRadius)
       .dispatch(target);
   after = chain.image("accumulated.after", Format::f32x2, target);
   chain.pass("burst/accumulate")
       .read("reference", reference)
       .read("warped", warped)
-      .read("sums", sums, gpu::reach(kBurstPatchRadius, 0))
+      .read("difference", difference)
+      .read("sums", sums, gpu::reach(kMergePatchRadius, 0))
       .read("levels", levels)
       .read("before", before)
       .write("after", after)
-      .specialize("radius", kBurstPatchRadius)
+      .specialize("radius", kMergePatchRadius)
       .dispatch(target);
   chain.output(after);
 }

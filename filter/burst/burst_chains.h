@@ -20,7 +20,7 @@ struct BurstTask {
 };
 
 /// What a frame's samples mean, against the reference's; the order is that of shaders/lib/mosaic.glsl.
-using Levels = std::array<float, 9>;
+using Levels = std::array<float, 6>;
 
 /// The search for a frame's offsets from the reference, on blocks of whole mosaics.
 struct BurstAlignPasses {
@@ -69,7 +69,10 @@ struct BurstMergePasses {
   gpu::ImageId target_origin;  ///< f32x2, 1x1: of the target's first pixel in the source
 };
 
-/// Radius of the patches whose differences decide.
-constexpr int kBurstPatchRadius = 3;
+/// Radius of the patches of blocks whose differences decide on offsets.
+constexpr int kChoicePatchRadius = 3;
+/// Radius of the patches of samples whose differences decide on weights. A radius of 3: RMSE 1 % more where
+/// things move, and equal elsewhere (courtyard, spheres).
+constexpr int kMergePatchRadius = 2;
 
 }  // namespace becalm::filter

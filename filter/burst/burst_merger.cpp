@@ -25,8 +25,8 @@ namespace {
 constexpr int kMostPatternBlocks = 8;
 /// Of a tile's chain; larger tiles are no faster.
 constexpr std::uint64_t kTileBytes = 512ull << 20;
-/// Frames that are farther off, or a share of the longer side, are not merged: tiles would need too much of
-/// them.
+/// Blocks whose offsets differ more from that of the picture's middle, or by more than a share of the longer
+/// side, are not merged: tiles would need too much of the frame.
 constexpr int kFarthestPx = 256;
 constexpr int kFarthestShare = 32;
 
@@ -127,7 +127,6 @@ struct BurstMerger::State {
       align->chain.upload<float>(align->colors)[i] = colors[i];
       merge->chain.upload<float>(merge->colors)[i] = colors[i];
     }
-    copy_to(merge->chain.upload<float>(merge->weights), cfa_weights(task.cfa).values);
   }
 
   Levels levels_with(const NoiseModel& noise, float saturated) const {
@@ -136,10 +135,7 @@ struct BurstMerger::State {
             static_cast<float>(noise.a),
             static_cast<float>(noise.b),
             reference_saturated,
-            saturated,
-            white_balance[0],
-            white_balance[1],
-            white_balance[2]};
+            saturated};
   }
 
   /// Offsets of the search, regularized.
@@ -149,15 +145,21 @@ struct BurstMerger::State {
     const Image source = download(align->chain, align->source, blocks, 1);
     offset = download(align->chain, align->offset, blocks, 2);
     const GlobalMotion motion = fit_global_motion(target, source, offset);
-    const double limit = static_cast<double>(limit_px) / task.block;
+    const Imath::V2d middle = motion.offset(blocks.width / 2, blocks.height / 2, blocks.width, blocks.height);
+    shift_px = {shift_of(middle.x, task.full.width), shift_of(middle.y, task.full.height)};
+    const auto limited = [&](double in_blocks, int shift) {
+      const double least = static_cast<double>(shift - limit_px) / task.block;
+      const double most = static_cast<double>(shift + limit_px) / task.block;
+      return static_cast<float>(std::clamp(in_blocks, least, most));
+    };
     const std::span<float> whole = choose->chain.upload<float>(choose->whole);
     for_rows(blocks.height, [&](int begin, int end) {
       for (int y = begin; y < end; ++y) {
         for (int x = 0; x < blocks.width; ++x) {
           const Imath::V2d at = motion.offset(x, y, blocks.width, blocks.height);
           const std::size_t i = 2 * (static_cast<std::size_t>(y) * blocks.width + x);
-          whole[i] = static_cast<float>(std::clamp(at.x, -limit, limit));
-          whole[i + 1] = static_cast<float>(std::clamp(at.y, -limit, limit));
+          whole[i] = limited(at.x, shift_px.x);
+          whole[i + 1] = limited(at.y, shift_px.y);
         }
       }
     });
@@ -168,8 +170,28 @@ struct BurstMerger::State {
     add_times(report, choose->chain);
     offset = download(choose->chain, choose->offset, blocks, 2);
     // What is farther off is read at another place, differs there, and is rejected.
-    for (float& value : offset.data())
-      value = std::clamp(value, static_cast<float>(-limit), static_cast<float>(limit));
+    const std::span<float> offsets = offset.data();
+    for (std::size_t i = 0; i < offsets.size(); i += 2) {
+      offsets[i] = limited(offsets[i], shift_px.x);
+      offsets[i + 1] = limited(offsets[i + 1], shift_px.y);
+    }
+  }
+
+  /// Along one axis: the frame's offset in whole pixels.
+  int shift_of(double in_blocks, int size) const {
+    return static_cast<int>(std::lround(std::clamp<double>(in_blocks * task.block, -size, size)));
+  }
+
+  /// What a tile reads of a frame that is shifted.
+  Rect shifted_source(const Tile& tile) const {
+    const auto along = [](int target, int target_size, int source_size, int shift, int frame) {
+      return std::clamp(target - (source_size - target_size) / 2 + shift, 0, frame - source_size);
+    };
+    const Rect& target = tile.target;
+    const Rect& source = tile.source;
+    return {along(target.x, target.width, source.width, shift_px.x, task.full.width),
+            along(target.y, target.height, source.height, shift_px.y, task.full.height), source.width,
+            source.height};
   }
 
   void merge_tile(const Tile& tile, const Image& frame, const Levels& levels, FrameReport& report) {
@@ -179,16 +201,17 @@ struct BurstMerger::State {
     };
     const int period = task.cfa.period;
     const int block = task.block;
+    const Rect source = shifted_source(tile);
     upload(passes.chain, passes.reference, view(std::as_const(reference)), tile.target);
-    upload(passes.chain, passes.frame, view(frame), tile.source);
+    upload(passes.chain, passes.frame, view(frame), source);
     upload(passes.chain, passes.before, view(std::as_const(accumulated)), tile.target);
     upload(passes.chain, passes.offset, view(std::as_const(offset)),
            {tile.target.x / block, tile.target.y / block, ceil_div(tile.target.width, block),
             ceil_div(tile.target.height, block)});
     copy_to(passes.chain.upload<float>(passes.levels), levels);
     place(passes.target_place, tile.target.x % period, tile.target.y % period);
-    place(passes.source_place, tile.source.x % period, tile.source.y % period);
-    place(passes.target_origin, tile.target.x - tile.source.x, tile.target.y - tile.source.y);
+    place(passes.source_place, source.x % period, source.y % period);
+    place(passes.target_origin, tile.target.x - source.x, tile.target.y - source.y);
     passes.chain.run();
     add_times(report, passes.chain);
     copy_core(passes.chain.download<float>(passes.after), tile, next);
@@ -199,12 +222,12 @@ struct BurstMerger::State {
   std::optional<BurstChoosePasses> choose;
   std::optional<BurstMergePasses> merge;
   std::vector<Tile> tiles;
-  int limit_px = 0;  ///< largest component of the offsets that are used
+  int limit_px = 0;        ///< largest component of the offsets that are used, less `shift_px`
+  Imath::V2i shift_px{0};  ///< of the last frame: that of the picture's middle
 
   Image reference;
   NoiseModel reference_noise;
   float reference_saturated = 1.0f;
-  std::array<float, 3> white_balance{1, 1, 1};
   Image offset;       ///< of the last frame, in blocks
   Image accumulated;  ///< two channels: weighted sum of samples, sum of weights
   Image next;         ///< with the frame at work
@@ -222,7 +245,7 @@ void BurstMerger::start(const BurstFrame& reference, const std::array<float, 3>&
   s.reference = finite_samples(reference.samples, reference.saturated);
   s.reference_noise = reference.noise;
   s.reference_saturated = reference.saturated;
-  s.white_balance = white_balance;
+  copy_to(s.merge->chain.upload<float>(s.merge->weights), cfa_weights(s.task.cfa, white_balance));
   s.accumulated = Image(full.width, full.height, 2, 1.0f);
   const auto sums = s.accumulated.data();
   const auto samples = s.reference.data();

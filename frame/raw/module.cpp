@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "frame/raw/raw.h"
@@ -42,19 +43,47 @@ Matrix inverse(const Matrix& a) {
   return r;
 }
 
-/// DNG's NoiseProfile, which LibRaw itself does not keep.
-struct NoiseProfile {
-  std::vector<double> values;
+/// What is told of each tag before LibRaw reads it: DNG's NoiseProfile, which LibRaw itself does not keep.
+struct Tags {
+  std::vector<double> noise_profile;
+  bool pattern_is_6x6 = false;
+  std::string refusal;  ///< why the file is not to be read, if so
 
-  static void found(void* profile, int tag, int type, int length, unsigned order, void* stream, INT64) {
-    constexpr int noise_profile = 51041, of_doubles = 12, most = 2 * 4;
-    if ((tag & 0xffff) != noise_profile || type != of_doubles || length < 2 || length > most) return;
-    auto& values = static_cast<NoiseProfile*>(profile)->values;
-    auto* in = static_cast<LibRaw_abstract_datastream*>(stream);
+  static void found(void* tags, int tag, int type, int length, unsigned order, void* stream, INT64) {
+    auto& self = *static_cast<Tags*>(tags);
+    auto& in = *static_cast<LibRaw_abstract_datastream*>(stream);
+    switch (tag & 0xffff) {
+      case 33421:  // CFARepeatPatternDim
+        self.read_pattern_size(in, order);
+        break;
+      case 33422:  // CFAPattern
+      case 64777:  // the same of another maker
+        // LibRaw 0.20 writes past its end where a pattern of 36 does not follow its size.
+        if (length != 36 || self.pattern_is_6x6) break;
+        self.refusal = "its CFAPattern has 36 colours, but its CFARepeatPatternDim is not 6x6";
+        throw LIBRAW_EXCEPTION_IO_CORRUPT;
+      case 51041:
+        self.read_noise_profile(in, type, length, order);
+        break;
+    }
+  }
+
+  void read_pattern_size(LibRaw_abstract_datastream& in, unsigned order) {
+    unsigned char bytes[4] = {};
+    in.read(bytes, 1, sizeof bytes);
+    const int high = order == 0x4d4d ? 0 : 1;
+    const auto side = [&](int at) { return 256 * bytes[at + high] + bytes[at + 1 - high]; };
+    pattern_is_6x6 = side(0) == 6 && side(2) == 6;
+  }
+
+  void read_noise_profile(LibRaw_abstract_datastream& in, int type, int length, unsigned order) {
+    constexpr int of_doubles = 12, most = 2 * 4;
+    if (type != of_doubles || length < 2 || length > most) return;
+    auto& values = noise_profile;
     values.assign(static_cast<std::size_t>(length), 0.0);
     for (double& value : values) {
       unsigned char bytes[8];
-      if (in->read(bytes, 1, 8) != 8) {
+      if (in.read(bytes, 1, 8) != 8) {
         values.clear();
         return;
       }
@@ -64,7 +93,8 @@ struct NoiseProfile {
   }
 
   /// Of green, where each colour has its own.
-  std::optional<NoiseModel> model() const {
+  std::optional<NoiseModel> noise() const {
+    const auto& values = noise_profile;
     if (values.empty()) return std::nullopt;
     const std::size_t at = values.size() >= 6 ? 2 : 0;
     const NoiseModel noise{values[at], values[at + 1]};
@@ -77,21 +107,28 @@ struct NoiseProfile {
 class LibRawFile : public File {
  public:
   explicit LibRawFile(const std::string& path) {
-    raw_.set_exifparser_handler(NoiseProfile::found, &profile_);
+    raw_.set_exifparser_handler(Tags::found, &tags_);
     raw_.set_dataerror_handler(nullptr, nullptr);  // which would print; the exception tells
-    check(raw_.open_file(path.c_str()));
+    const int opened = raw_.open_file(path.c_str());
+    if (!tags_.refusal.empty()) throw std::runtime_error(tags_.refusal);
+    check(opened);
     const auto& sizes = raw_.imgdata.sizes;
     info_.make = raw_.imgdata.idata.make;
     info_.model = raw_.imgdata.idata.model;
     info_.width = sizes.width;
     info_.height = sizes.height;
     info_.cfa = pattern();
-    info_.shutter_s = raw_.imgdata.other.shutter;
-    info_.iso = raw_.imgdata.other.iso_speed;
-    info_.f_number = raw_.imgdata.other.aperture;
+    const auto told = [](double number) { return std::isfinite(number) && number > 0.0 ? number : 0.0; };
+    info_.shutter_s = told(raw_.imgdata.other.shutter);
+    info_.iso = told(raw_.imgdata.other.iso_speed);
+    info_.f_number = told(raw_.imgdata.other.aperture);
     info_.flip = sizes.flip & 7;
-    info_.noise = profile_.model();
+    info_.noise = tags_.noise();
     set_colors();
+    const auto& black = raw_.imgdata.color.cblack;
+    constexpr std::size_t most = std::size(decltype(raw_.imgdata.color.cblack){}) - 6;
+    if (std::size_t{black[4]} * black[5] > most)
+      throw std::runtime_error("its black level has too large a pattern");
   }
 
   const Info& info() const override { return info_; }
@@ -165,7 +202,10 @@ class LibRawFile : public File {
     const float* factors = as_shot ? color.cam_mul : color.pre_mul;
     Matrix to_rec709{};
     for (int i = 0; i < 3; ++i) {
-      if (factors[i] > 0 && factors[1] > 0) info_.white_balance[i] = factors[i] / factors[1];
+      // Others are no light's.
+      constexpr float most = 1000.0f;
+      const float factor = factors[i] / factors[1];
+      if (factor > 1.0f / most && factor < most) info_.white_balance[i] = factor;
       for (int j = 0; j < 3; ++j) {
         to_rec709.m[i][j] = color.rgb_cam[i][j];
         info_.camera_to_rec709[3 * i + j] = color.rgb_cam[i][j];
@@ -181,6 +221,10 @@ class LibRawFile : public File {
         info_.xyz_to_camera[3 * i + j] = static_cast<float>(sum / daylight);
       }
     }
+    for (const auto* matrix : {&info_.camera_to_rec709, &info_.xyz_to_camera}) {
+      if (!std::ranges::all_of(*matrix, [](float value) { return std::isfinite(value); }))
+        throw std::runtime_error("its colour matrix has values that are not finite");
+    }
   }
 
   double black_of(int x, int y) {
@@ -191,7 +235,7 @@ class LibRawFile : public File {
     return black;
   }
 
-  NoiseProfile profile_;
+  Tags tags_;
   LibRaw raw_;
   Info info_;
 };

@@ -1,13 +1,12 @@
 // Samples of a sensor's mosaic, their noise, and what a merge makes of them. A levels table has, in this
 // order: a and b of the reference's noise, a and b of the frame's, from which value on the reference's samples
-// are saturated, and the frame's; the white balance of red, green and blue.
+// are saturated, and the frame's.
 #include "lib/language.glsl"
 
 const int kReferenceNoise = 0;
 const int kFrameNoise = 2;
 const int kReferenceSaturated = 4;
 const int kFrameSaturated = 5;
-const int kBalance = 6;
 
 /// Least variance, below that of any sensor's quantization.
 const float kLeastVariance = 1e-12f;
@@ -42,7 +41,7 @@ const float kExplainedMean = 4.0f;
 /// Excess over that, in variances, from which on a frame begins to lose its weight, and has lost it. Frames
 /// that show another thing all show the same, so that weights by their squared error alone leave ghosts.
 const float kDoubt = 0.5f;
-const float kRejected = 2.0f;
+const float kRejected = 4.0f;
 
 /// Weight of a frame's sample, where the reference's own has 1: the ratio of the reference's variance to the
 /// sample's expected squared error. The patch has `count` differences with this sum and sum of squares.

@@ -1,6 +1,7 @@
 // becalm burst: from DNG files to pictures and mosaics, and what it refuses.
 
 #include <gtest/gtest.h>
+#include <signal.h>
 
 #include <cmath>
 #include <fstream>
@@ -157,6 +158,28 @@ TEST_F(Burst, TakesTheNoiseThatItIsTold) {
   EXPECT_NE(given.err.find("2.000e-04,3.000e-05 (as given)"), std::string::npos) << given.err;
 }
 
+TEST_F(Burst, ASignalLeavesNothingHalfWritten) {
+  std::vector<std::string> inputs;
+  for (int number = 1; number <= 16; ++number) inputs.push_back(write(number, camera({}, 96, 72)));
+  const fs::path outputs = folder_.path() / "outputs";
+  fs::create_directory(outputs);
+  const std::string output = (outputs / "out.exr").string(), messages = folder_ / "messages";
+  const std::vector<std::string> merges = command(inputs, output, {"--reference", "first"});
+  const auto told = [&] {
+    std::ifstream file(messages);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  Process process(merges, "exec \"$0\" \"$@\" 2>'" + messages + "'");
+  ASSERT_TRUE(wait_until([&] { return told().find("merged, 2 of 16") != std::string::npos; }));
+  process.signal(SIGINT);
+  EXPECT_EQ(process.wait().status, 130) << told();
+  EXPECT_NE(told().find("interrupted: " + output + " was not written\n"), std::string::npos) << told();
+  EXPECT_EQ(files_in(outputs), std::vector<std::string>{});
+  becalm_done(merges);
+  EXPECT_EQ(files_in(outputs), std::vector<std::string>{"out.exr"});
+  EXPECT_LT(error_of(read_frame(output).image(Aov::beauty), 1), 0.005) << "of 16 frames";
+}
+
 /// Gives a tag of a little-endian TIFF file's first directory another value of 32 bits.
 void change_tag(const std::string& path, std::uint16_t tag, std::uint32_t value) {
   std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
@@ -188,6 +211,13 @@ TEST_F(Burst, RefusesSizesThatTheFileDoesNotHold) {
     }
     expect_error(becalm(command(files, folder_ / "out.exr")), 3, {"in1.dng"});
   }
+}
+
+TEST_F(Burst, RefusesAPatternThatIsNotOfItsSize) {
+  const std::string file = write(1, camera(x_trans()));
+  change_tag(file, 33421, 0x00020002);  // LibRaw 0.20 would write past the pattern's end
+  expect_error(becalm(command({file, write(2, camera(x_trans()))}, folder_ / "out.exr")), 3,
+               {"in1.dng", "CFARepeatPatternDim"});
 }
 
 TEST_F(Burst, RefusesWhatIsNoBurst) {

@@ -168,19 +168,33 @@ TEST_F(BurstTest, MatchesBlocksOfAllColours) {
   }
 }
 
-TEST_F(BurstTest, EstimatesColoursOfPlanesExactly) {
+TEST_F(BurstTest, ReadsColoursBetweenPixels) {
   for (const CfaPattern& cfa : patterns()) {
-    Grid<double> mosaic(24, 24);
-    const auto plane = [](int x, int y, int color) { return 0.2 * color + 0.01 * x - 0.02 * y; };
+    const std::vector<float> weights = cfa_weights(cfa, kBalance);
+    Grid<double> even(24, 24), slope(24, 24);
+    const auto grey = [](double x, double y) { return 0.3 + 0.01 * x - 0.02 * y; };
     for (int y = 0; y < 24; ++y) {
-      for (int x = 0; x < 24; ++x) mosaic.at(x, y) = plane(x, y, cfa.color(x, y));
+      for (int x = 0; x < 24; ++x) {
+        even.at(x, y) = 0.1 + 0.2 * cfa.color(x, y);
+        slope.at(x, y) = grey(x, y) / kBalance[cfa.color(x, y)];
+      }
     }
-    const reference::Colors colors = reference::all_colors(mosaic, cfa, {});
     for (int color = 0; color < 3; ++color) {
-      for (int y = 6; y < 18; ++y) {
-        for (int x = 6; x < 18; ++x)
-          EXPECT_NEAR(colors.plane[color].at(x, y), plane(x, y, color), 1e-6)
+      for (double y = 6.0; y < 12.0; y += 0.3125) {
+        for (double x = 6.0; x < 12.0; x += 0.3125) {
+          EXPECT_NEAR(reference::read(even, cfa, weights, color, x, y).value, 0.1 + 0.2 * color, 1e-5);
+          // A slope has 0.02 a pixel.
+          EXPECT_NEAR(reference::read(slope, cfa, weights, color, x, y).value * kBalance[color], grey(x, y),
+                      2e-3)
               << x << ' ' << y << ' ' << color;
+        }
+      }
+    }
+    for (int y = 6; y < 12; ++y) {
+      for (int x = 6; x < 12; ++x) {
+        const reference::Read own = reference::read(slope, cfa, weights, cfa.color(x, y), x, y);
+        EXPECT_NEAR(own.value, slope.at(x, y), 1e-6) << "a sample is itself";
+        EXPECT_NEAR(own.ratio, 1.0, 1e-5);
       }
     }
   }
@@ -217,6 +231,63 @@ TEST_F(BurstTest, LowersNoiseByTheRootOfTheNumber) {
     const double single = rmse(frames.front(), truth, 12);
     EXPECT_LT(rmse(merged(cfa, frames), truth, 12), 1.25 * single / std::sqrt(6.0));
   }
+}
+
+/// Light of many scales, so that there is something to match at every level of the search.
+Image clouds(int width, int height) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  Image image(width, height, 1, 0.3f);
+  for (int cell = 256; cell >= 12; cell /= 2) {
+    Grid<double> grid(width / cell + 2, height / cell + 2);
+    for (double& value : grid.data) value = uniform(random);
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x)
+        image.at(x, y, 0) += static_cast<float>(0.05 * bilinear(grid, double(x) / cell, double(y) / cell));
+    }
+  }
+  return image;
+}
+
+TEST_F(BurstTest, MergesFramesThatAreFarOff) {
+  constexpr int shift = 300;  // beyond what tiles read around them
+  constexpr int side = 1024;
+  const CfaPattern cfa = bayer(0);
+  const Image light = clouds(side + shift, side + shift);
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  const auto photograph = [&](int corner, double noise) {
+    Image image(side, side, 1);
+    for (int y = 0; y < side; ++y) {
+      for (int x = 0; x < side; ++x) {
+        const double value = light.at(x + corner, y + corner, 0) / kBalance[cfa.color(x, y)];
+        const double deviation = std::sqrt(kNoise.a * value + kNoise.b);
+        image.at(x, y, 0) = static_cast<float>(value + noise * deviation * normal(random));
+      }
+    }
+    return image;
+  };
+  const Image truth = photograph(0, 0.0), target = photograph(0, 1.0), source = photograph(shift, 1.0);
+  Settings aligner = burst_aligner_settings();
+  set(aligner, "pyramid=2x7");
+  const auto make = [&](std::uint64_t limit) {
+    return BurstMerger(device(), aligner, cfa, side, side, limit);
+  };
+  const std::uint64_t whole = make(std::numeric_limits<std::uint64_t>::max()).memory().device_bytes;
+  BurstMerger merges = make(whole * 2 / 10);
+  ASSERT_GT(merges.memory().tiles, 4u);
+  merges.start({.samples = target, .noise = kNoise}, kBalance);
+  FrameReport report;
+  merges.add({.samples = source, .noise = kNoise}, report);
+  const Image result = merges.merged();
+  double before = 0.0, after = 0.0;
+  for (int y = shift + 24; y < side - 24; ++y) {
+    for (int x = shift + 24; x < side - 24; ++x) {
+      before += std::pow(target.at(x, y, 0) - truth.at(x, y, 0), 2.0);
+      after += std::pow(result.at(x, y, 0) - truth.at(x, y, 0), 2.0);
+    }
+  }
+  EXPECT_LT(std::sqrt(after / before), 0.73) << "0.716, and 1 where the frame is not merged";
 }
 
 TEST_F(BurstTest, KeepsWhatAllFramesAgreeOn) {

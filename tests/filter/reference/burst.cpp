@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "filter/burst/cfa_weights.h"
 
@@ -21,90 +22,48 @@ double variance(const NoiseModel& noise, double signal) {
   return std::max(noise.a * std::max(signal, 0.0) + noise.b, 1e-12);
 }
 
-void catmull_rom(double t, double w[4]) {
-  w[0] = (-t + 2 * t * t - t * t * t) / 2;
-  w[1] = (2 - 5 * t * t + 3 * t * t * t) / 2;
-  w[2] = (t + 4 * t * t - 3 * t * t * t) / 2;
-  w[3] = (-t * t + t * t * t) / 2;
-}
-
 /// A frame's weight against the reference's 1, from the differences of a patch.
 double weight_of(double sum, double squares, double count, double own, double other) {
   const double excess = std::max(squares / count - 1.25, (sum / count) * (sum / count) - 4.0 / count);
   const double bias = std::max(excess, 0.0) * (own + other);
-  const double t = std::clamp((excess - 0.5) / (2.0 - 0.5), 0.0, 1.0);
+  const double t = std::clamp((excess - 0.5) / (4.0 - 0.5), 0.0, 1.0);
   return own / (other + bias) * (1.0 - (3.0 - 2.0 * t) * t * t);
-}
-
-struct Read {
-  double value = 0.0;
-  double ratio = 0.0;
-};
-
-Read read(const Colors& colors, int color, double x, double y, double saturated) {
-  const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
-  const Grid<double>& plane = colors.plane[color];
-  if (x < 0 || y < 0 || x > plane.width - 1 || y > plane.height - 1) return {};
-  double wx[4], wy[4], sum = 0.0, squares = 0.0;
-  catmull_rom(x - x0, wx);
-  catmull_rom(y - y0, wy);
-  for (int j = 0; j < 4; ++j) {
-    for (int i = 0; i < 4; ++i) {
-      const double w = wx[i] * wy[j];
-      const double value = plane.clamped(x0 + i - 1, y0 + j - 1);
-      const double green = colors.plane[1].clamped(x0 + i - 1, y0 + j - 1);
-      if (w != 0.0 && std::max(value, green) >= saturated) return {};
-      sum += w * value;
-      squares += w * w;
-    }
-  }
-  return {sum, std::max(squares, 0.35)};
 }
 
 }  // namespace
 
-Colors all_colors(const Grid<double>& mosaic, const CfaPattern& cfa, const BurstLevels& levels) {
-  const filter::CfaWeights weights = filter::cfa_weights(cfa);
-  const int side = weights.side();
-  const auto weight = [&](int x, int y, int color, int dx, int dy) {
-    const int pixel = (y % cfa.period) * cfa.period + x % cfa.period;
-    return static_cast<double>(
-        weights.values[((pixel * 3 + color) * side + dy + weights.reach) * side + dx + weights.reach]);
-  };
-  const auto weighted = [&](int x, int y, int color, const auto& value) {
-    double sum = 0.0;
-    for (int dy = -weights.reach; dy <= weights.reach; ++dy) {
-      for (int dx = -weights.reach; dx <= weights.reach; ++dx)
-        sum += weight(x, y, color, dx, dy) * value(x + dx, y + dy);
-    }
-    return sum;
-  };
-  Colors colors;
-  for (Grid<double>& plane : colors.plane) plane = Grid<double>(mosaic.width, mosaic.height);
-  for (const int color : {1, 0, 2}) {
-    const double ratio = levels.balance[1] / levels.balance[color];
-    for (int y = 0; y < mosaic.height; ++y) {
-      for (int x = 0; x < mosaic.width; ++x) {
-        double& value = colors.plane[color].at(x, y);
-        if (color == 1) {
-          value = weighted(x, y, 1, [&](int u, int v) { return sample(mosaic, u, v, cfa.period); });
-        } else {
-          value =
-              ratio * colors.plane[1].at(x, y) + weighted(x, y, color, [&](int u, int v) {
-                return sample(mosaic, u, v, cfa.period) - ratio * sample(colors.plane[1], u, v, cfa.period);
-              });
-        }
-      }
+Read read(const Grid<double>& mosaic, const CfaPattern& cfa, std::span<const float> weights, int color,
+          double x, double y, double saturated) {
+  using filter::kCfaBefore, filter::kCfaSteps, filter::kCfaTaps;
+  const int fine_x = static_cast<int>(std::floor(kCfaSteps * x + 0.5));
+  const int fine_y = static_cast<int>(std::floor(kCfaSteps * y + 0.5));
+  if (fine_x < 0 || fine_y < 0 || fine_x > kCfaSteps * (mosaic.width - 1) ||
+      fine_y > kCfaSteps * (mosaic.height - 1))
+    return {};
+  const int px = fine_x / kCfaSteps, py = fine_y / kCfaSteps;
+  const int pixel = (py % cfa.period) * cfa.period + px % cfa.period;
+  const int place = (fine_y % kCfaSteps) * kCfaSteps + fine_x % kCfaSteps;
+  const int row = ((pixel * kCfaSteps * kCfaSteps + place) * 3 + color) * kCfaTaps * kCfaTaps;
+  Read result;
+  for (int j = 0; j < kCfaTaps; ++j) {
+    for (int i = 0; i < kCfaTaps; ++i) {
+      const double w = weights[row + j * kCfaTaps + i];
+      const double value = sample(mosaic, px + i - kCfaBefore, py + j - kCfaBefore, cfa.period);
+      if (w != 0.0 && value >= saturated) return {};
+      result.value += w * value;
+      result.ratio += w * w;
     }
   }
-  return colors;
+  return result;
 }
 
 Grid<Accumulated> burst_addition(const Grid<double>& reference, const Grid<double>& frame,
                                  const Grid<Vec2>& offset, int block, const CfaPattern& cfa,
                                  const BurstLevels& levels) {
   const int width = reference.width, height = reference.height;
-  const Colors colors = all_colors(frame, cfa, levels);
+  const std::vector<float> weights =
+      filter::cfa_weights(cfa, {static_cast<float>(levels.balance[0]), static_cast<float>(levels.balance[1]),
+                                static_cast<float>(levels.balance[2])});
   Grid<double> offset_x(offset.width, offset.height), offset_y(offset.width, offset.height);
   for (std::size_t i = 0; i < offset.data.size(); ++i) {
     offset_x.data[i] = offset.data[i].x;
@@ -120,7 +79,7 @@ Grid<Accumulated> burst_addition(const Grid<double>& reference, const Grid<doubl
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const double bx = (x + 0.5) / block - 0.5, by = (y + 0.5) / block - 0.5;
-      const Read h = read(colors, cfa.color(x, y), x + block * bilinear(offset_x, bx, by),
+      const Read h = read(frame, cfa, weights, cfa.color(x, y), x + block * bilinear(offset_x, bx, by),
                           y + block * bilinear(offset_y, bx, by), levels.frame_saturated);
       const double value = reference.at(x, y);
       const double signal = 0.5 * (value + h.value);
@@ -138,8 +97,9 @@ Grid<Accumulated> burst_addition(const Grid<double>& reference, const Grid<doubl
     for (int x = 0; x < width; ++x) {
       if (!difference.at(x, y).usable) continue;
       double sum = 0.0, squares = 0.0, count = 0.0;
-      for (int v = std::max(y - 3, 0); v <= std::min(y + 3, height - 1); ++v) {
-        for (int u = std::max(x - 3, 0); u <= std::min(x + 3, width - 1); ++u) {
+      for (int v = std::max(y - 2, 0); v <= std::min(y + 2, height - 1); ++v) {
+        for (int u = std::max(x - 2, 0); u <= std::min(x + 2, width - 1); ++u) {
+          if ((cfa.color(u, v) == 1) != (cfa.color(x, y) == 1)) continue;
           const Difference& d = difference.at(u, v);
           sum += d.d;
           squares += d.d * d.d;

@@ -2,6 +2,8 @@
 
 // The merge of a burst's frame in plain double, written to be read: the oracle for shaders/burst/.
 
+#include <span>
+
 #include "frame/mosaic.h"
 #include "tests/filter/reference/grid.h"
 
@@ -15,11 +17,14 @@ struct BurstLevels {
   double balance[3] = {1, 1, 1};
 };
 
-/// Red, green and blue at every pixel of a mosaic.
-struct Colors {
-  Grid<double> plane[3];
+struct Read {
+  double value = 0.0;
+  double ratio = 0.0;  ///< of its variance to a sample's; 0 where nothing can be read
 };
-Colors all_colors(const Grid<double>& mosaic, const CfaPattern& cfa, const BurstLevels& levels);
+
+/// A colour of a mosaic between its pixels, by filter::cfa_weights.
+Read read(const Grid<double>& mosaic, const CfaPattern& cfa, std::span<const float> weights, int color,
+          double x, double y, double saturated = 1e30);
 
 struct Accumulated {
   double sum = 0.0;
