@@ -67,7 +67,7 @@ struct BurstMerger::State {
     plan_search(device, memory_limit);
     limit_px =
         std::min(align->limit_px, std::max(kFarthestPx, std::max(full.width, full.height) / kFarthestShare));
-    const std::uint64_t left = memory_limit - std::min(search_bytes(), memory_limit);
+    const std::uint64_t left = memory_limit - std::min(search_bytes().own, memory_limit);
     plan_tiles_of_frame(device, left);
     align->chain.build();
     choose->chain.build();
@@ -84,19 +84,19 @@ struct BurstMerger::State {
         align->chain.plan();
         choose.emplace(device, task);
         choose->chain.plan();
-        if (search_bytes() <= memory_limit) return;
+        if (search_bytes().total() <= memory_limit) return;
         if (is_last)
-          throw cannot_be_cut(task.full, tiles_too_large(uncut(task.full), search_bytes(), memory_limit));
+          throw cannot_be_cut(task.full,
+                              tiles_too_large(uncut(task.full), search_bytes().total(), memory_limit));
       } catch (const gpu::DeviceLimitError&) {
         if (is_last) throw;
       }
     }
   }
 
-  std::uint64_t search_bytes() const {
+  gpu::DeviceBytes search_bytes() const {
     gpu::DeviceBytes bytes = align->chain.device_bytes();
-    bytes += choose->chain.device_bytes();
-    return bytes.total();
+    return bytes += choose->chain.device_bytes();
   }
 
   void plan_tiles_of_frame(gpu::Device& device, std::uint64_t memory_limit) {

@@ -273,7 +273,7 @@ TEST_F(BurstTest, MergesFramesThatAreFarOff) {
   const auto make = [&](std::uint64_t limit) {
     return BurstMerger(device(), aligner, cfa, side, side, limit);
   };
-  const std::uint64_t whole = make(std::numeric_limits<std::uint64_t>::max()).memory().device_bytes;
+  const std::uint64_t whole = make(std::numeric_limits<std::uint64_t>::max()).memory().device.total();
   BurstMerger merges = make(whole * 2 / 10);
   ASSERT_GT(merges.memory().tiles, 4u);
   merges.start({.samples = target, .noise = kNoise}, kBalance);
