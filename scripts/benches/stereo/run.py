@@ -63,6 +63,11 @@ class Shot:
             differences.append(self.reprojection[frame].difference(pair))
         return np.sqrt(max(np.mean(errors), 0)), np.mean(likeness), np.sqrt(np.mean(differences))
 
+    def energy(self, images):
+        """Mean radiance of {frame: both eyes} over the reference's."""
+        return sum(pair[eye].mean(dtype=float) for pair in images.values() for eye in EYES) / sum(
+            self.reference[frame][eye].mean(dtype=float) for frame in images for eye in EYES)
+
 
 def denoise(becalm, source, target, options):
     """Processor seconds."""
@@ -133,7 +138,7 @@ def weights(shot):
         if estimate:
             e, t = np.concatenate(estimate), np.concatenate(true)
             beside = f"{e.mean():.3f} of {t.mean():.3f}, {np.sqrt(np.mean((e - t) ** 2)):.3f}, {np.corrcoef(e, t)[0, 1]:.2f}"
-        print(f"| {shot.scene} | {kind} | {error:.4f} | {likeness:.3f} | {difference:.4f} | {beside} |", flush=True)
+        print(f"| {shot.scene} | {kind} | {error:.4f} | {shot.energy(images[kind]):.3f} | {likeness:.3f} | {difference:.4f} | {beside} |", flush=True)
 
 
 def cost(becalm, scene, root, spp):
@@ -167,9 +172,10 @@ def main():
     print("| scene | method | spp | RMSE | of none's | SSIM | stereo difference |\n| --- | --- | --- | --- | --- | --- | --- |")
     for shot in shots:
         table(shot, asked.spp, METHODS)
-    print(f"\nOne frame of {WEIGHT_SPP} samples, not smoothed, the other eye reprojected by depth; the last\ncolumn is the mean weight of the own eye beside "
-          "the true one's, the root mean square error of the\nweight, and their correlation.\n")
-    print("| scene | weight | RMSE | SSIM | stereo difference | of the weight |\n| --- | --- | --- | --- | --- | --- |")
+    print(f"\nOne frame of {WEIGHT_SPP} samples, not smoothed, the other eye reprojected by depth. Energy is the\nmean radiance over the "
+          "reference's. The last column is the mean weight of the own eye beside the true one's,\nthe root mean square error of the weight, "
+          "and their correlation.\n")
+    print("| scene | weight | RMSE | energy | SSIM | stereo difference | of the weight |\n| --- | --- | --- | --- | --- | --- | --- |")
     for shot in shots:
         weights(shot)
     print(f"\nProcessor seconds of a frame of {COST_SIZE[0]}x{COST_SIZE[1]}, files included:\n\n| preset | one eye | both eyes | ratio |\n| --- | --- | --- | --- |")
