@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <span>
+#include <vector>
 
 #include "filter/for_rows.h"
 
@@ -33,23 +36,80 @@ Correspondence correspondence_by_depth(const Frame& frame, float limit_px) {
   return where;
 }
 
-Image consistent_offsets(const Image& offsets, const Image& back) {
-  constexpr float kTolerance_px = 1.0f;
-  Image consistent(offsets.width(), offsets.height(), 2, kNowhere);
+namespace {
+
+/// Which pixels of one image lead to which of another, both of one size.
+class Matches {
+ public:
+  Matches(const Image& offsets, const Image& residual)
+      : offsets_(offsets), best_(offsets.pixel_count(), kNone) {
+    for (int y = 0; y < offsets.height(); ++y) {
+      for (int x = 0; x < offsets.width(); ++x) {
+        int* best = best_of(x, y);
+        if (best == nullptr) continue;
+        const int index = y * offsets.width() + x;
+        if (*best == kNone || residual.data()[index] < residual.data()[*best]) *best = index;
+      }
+    }
+  }
+
+  /// Of the pixel that leads with the least residual to where (x, y) leads; empty if that is outside.
+  std::span<const float> best_offset_beside(int x, int y) {
+    const int* best = best_of(x, y);
+    return best == nullptr ? std::span<const float>() : offset_of(*best);
+  }
+
+  /// Of the pixel that leads to (x, y) of the other image, or to its left or right, with the least residual;
+  /// empty if none does: a surface that is wider there leaves gaps of a pixel.
+  std::span<const float> best_offset_to(int x, int y) const {
+    for (const int u : {x, x - 1, x + 1}) {
+      if (u < 0 || u >= offsets_.width()) continue;
+      const int best = best_[static_cast<std::size_t>(y) * offsets_.width() + u];
+      if (best != kNone) return offset_of(best);
+    }
+    return {};
+  }
+
+ private:
+  static constexpr int kNone = -1;
+
+  int* best_of(int x, int y) {
+    const std::span<const float> there = offsets_.pixel(x, y);
+    const long u = std::lround(static_cast<float>(x) + there[0]);
+    const long v = std::lround(static_cast<float>(y) + there[1]);
+    if (u < 0 || v < 0 || u >= offsets_.width() || v >= offsets_.height()) return nullptr;
+    return &best_[static_cast<std::size_t>(v) * offsets_.width() + u];
+  }
+  std::span<const float> offset_of(int index) const {
+    return offsets_.data().subspan(2 * static_cast<std::size_t>(index), 2);
+  }
+
+  const Image& offsets_;
+  std::vector<int> best_;  ///< for each pixel of the other image, the index of the one that leads there
+};
+
+}  // namespace
+
+std::array<Image, 2> unique_offsets(const Image& offsets, const Image& residual) {
+  constexpr float kTolerance_px = 1.0f;  // what one surface's offsets may differ by
+  Matches matches(offsets, residual);
+  const Image nowhere(offsets.width(), offsets.height(), 2, kNowhere);
+  std::array<Image, 2> unique{nowhere, nowhere};
   for_rows(offsets.height(), [&](int begin, int end) {
     for (int y = begin; y < end; ++y) {
       for (int x = 0; x < offsets.width(); ++x) {
-        const std::span<const float> there = offsets.pixel(x, y);
-        const long u = std::lround(static_cast<float>(x) + there[0]);
-        const long v = std::lround(static_cast<float>(y) + there[1]);
-        if (u < 0 || v < 0 || u >= back.width() || v >= back.height()) continue;
-        const std::span<const float> again = back.pixel(static_cast<int>(u), static_cast<int>(v));
-        if (std::hypot(there[0] + again[0], there[1] + again[1]) > kTolerance_px) continue;
-        std::ranges::copy(there, consistent.pixel(x, y).begin());
+        const std::span<const float> own = offsets.pixel(x, y);
+        if (const std::span<const float> best = matches.best_offset_beside(x, y);
+            !best.empty() && std::hypot(own[0] - best[0], own[1] - best[1]) <= kTolerance_px) {
+          std::ranges::copy(own, unique[0].pixel(x, y).begin());
+        }
+        if (const std::span<const float> best = matches.best_offset_to(x, y); !best.empty()) {
+          std::ranges::transform(best, unique[1].pixel(x, y).begin(), std::negate<>());
+        }
       }
     }
   });
-  return consistent;
+  return unique;
 }
 
 }  // namespace becalm::filter

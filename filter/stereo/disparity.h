@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "frame/frame.h"
 
 namespace becalm::filter {
@@ -18,8 +20,10 @@ struct Correspondence {
 /// not known.
 Correspondence correspondence_by_depth(const Frame& frame, float limit_px);
 
-/// The offsets (two channels) of pixels from which those of the other image lead back, to within a pixel;
-/// kNowhere elsewhere: what one eye alone sees is found nowhere in the other.
-Image consistent_offsets(const Image& offsets, const Image& back);
+/// Offsets of both images (two channels) from a search of the first alone, `residual` its patch distances, of
+/// the same size: where several pixels lead to one, those of the surface with the least residual are kept,
+/// and the other image's offsets lead back. kNowhere elsewhere: what one eye alone sees is found nowhere in
+/// the other. Di Stefano, Marchionni, Mattoccia, "A fast area-based stereo matching algorithm" (2004).
+std::array<Image, 2> unique_offsets(const Image& offsets, const Image& residual);
 
 }  // namespace becalm::filter

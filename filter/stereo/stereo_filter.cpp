@@ -106,13 +106,11 @@ StereoFilter::Pair<Correspondence> StereoFilter::State::find(const Pair<const Fr
   if (!aligner) make_aligner();
   const Pair<Frame> images{searched(*frames[0], own[0].estimate, task.used),
                            searched(*frames[1], own[1].estimate, task.used)};
-  Pair<Image> found;
-  for (std::size_t eye = 0; eye < 2; ++eye) {
-    found[eye] = aligner->align(images[eye], images[1 - eye], reports[eye]).offset;
-  }
+  const PairAlignment found = aligner->align(images[0], images[1], reports[0]);
+  Pair<Image> offsets = unique_offsets(found.offset, found.residual);
   Pair<Correspondence> where;
   for (std::size_t eye = 0; eye < 2; ++eye) {
-    where[eye].offset = consistent_offsets(found[eye], found[1 - eye]);
+    where[eye].offset = std::move(offsets[eye]);
     // A surface is about as far from either eye.
     if (has_depth) where[eye].depth = frames[eye]->image(Aov::depth);
   }

@@ -2,6 +2,7 @@
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
 #include <gtest/gtest.h>
@@ -201,19 +202,20 @@ TEST_F(Stereo, CamerasFromTheUserAreOfTheWholePicture) {
   render();
   const StereoCamera camera = read_frame(frame_path(folder_ / "in.left.####.exr", 1)).stereo()->camera;
   const Imath::Box2i window(Imath::V2i(14, 0), Imath::V2i(45, 22));
-  for (int number = 1; number <= 4; ++number) {
+  for (int number = 1; number <= 2; ++number) {
     for (const std::string eye : {"left.####.exr", "right.####.exr"}) {
       const auto path = [&](const char* name) { return frame_path(folder_ / (name + eye), number); };
       crop(path("in."), path("crop."), window, false);
       crop(path("in."), path("bare."), window, true);
     }
   }
-  becalm_done(command("crop.%V.####.exr", "known.%V.####.exr", {"--quiet"}));
-  becalm_done(command("bare.%V.####.exr", "given.%V.####.exr",
-                      {"--quiet", "--stereo-camera",
-                       fmt::format("{},{},{}", camera.focal_px, camera.separation, camera.convergence)}));
-  expect_same_beauty(folder_ / "known.left.####.exr", folder_ / "given.left.####.exr", 1, 4);
-  expect_same_beauty(folder_ / "known.right.####.exr", folder_ / "given.right.####.exr", 1, 4);
+  std::vector<std::string> options{"--quiet", "--set", "smooth=none"};
+  becalm_done(command("crop.%V.####.exr", "known.%V.####.exr", options));
+  options.insert(options.end(), {"--stereo-camera", fmt::format("{},{},{}", camera.focal_px,
+                                                                camera.separation, camera.convergence)});
+  becalm_done(command("bare.%V.####.exr", "given.%V.####.exr", options));
+  expect_same_beauty(folder_ / "known.left.####.exr", folder_ / "given.left.####.exr", 1, 2);
+  expect_same_beauty(folder_ / "known.right.####.exr", folder_ / "given.right.####.exr", 1, 2);
 }
 
 TEST_F(Stereo, RefusesWhatIsWrong) {

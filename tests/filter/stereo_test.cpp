@@ -367,16 +367,21 @@ TEST(Disparity, IsThatOfTheCamera) {
   EXPECT_EQ(where.offset.at(13, 5, 0), kNowhere) << "further than the limit";
 }
 
-TEST(Disparity, OffsetsThatDoNotLeadBackAreDropped) {
-  Image there(6, 1, 2), back(6, 1, 2);
-  for (int x = 0; x < 6; ++x) {
-    there.at(x, 0, 0) = x == 5 ? 1.0f : 2.0f;
-    back.at(x, 0, 0) = x == 3 ? 1.0f : -2.25f;
-  }
-  const Image consistent = consistent_offsets(there, back);
-  for (const int x : {0, 2, 3}) EXPECT_EQ(consistent.at(x, 0, 0), 2.0f);
-  EXPECT_EQ(consistent.at(1, 0, 0), kNowhere) << "pixel 3 leads elsewhere";
-  EXPECT_EQ(consistent.at(4, 0, 0), kNowhere) << "outside of the image";
+TEST(Disparity, OffsetsOfOneEyeTellThoseOfTheOther) {
+  // Pixels 0 to 2 lead to 2 to 4; 3 and 4, which the other eye does not see, to 3 and outside; 5 to 7; 7 to 7
+  // but for less than a pixel of difference.
+  Image there(8, 1, 2), residual(8, 1, 1, 0.5f);
+  const float offsets[] = {2.0f, 2.0f, 2.25f, 0.0f, 9.0f, 2.0f, 0.75f, 0.0f};
+  for (int x = 0; x < 8; ++x) there.at(x, 0, 0) = offsets[x];
+  residual.at(1, 0, 0) = 0.1f;
+  residual.at(6, 0, 0) = 0.2f;
+  const auto [own, other] = unique_offsets(there, residual);
+  for (const int x : {0, 1, 2, 6, 7}) EXPECT_EQ(own.at(x, 0, 0), offsets[x]) << x;
+  EXPECT_EQ(own.at(3, 0, 0), kNowhere) << "pixel 1 matches better there";
+  EXPECT_EQ(own.at(4, 0, 0), kNowhere) << "outside of the image";
+  EXPECT_EQ(own.at(5, 0, 0), kNowhere) << "pixel 6 matches better there";
+  const float back[] = {kNowhere, -2.0f, -2.0f, -2.0f, -2.25f, -2.25f, -0.75f, -0.75f};
+  for (int x = 0; x < 8; ++x) EXPECT_EQ(other.at(x, 0, 0), back[x]) << x;
 }
 
 }  // namespace
