@@ -186,9 +186,9 @@ TEST(MosaicFunctions, WeighByTheExpectedError) {
   EXPECT_FLOAT_EQ(glsl::frame_weight(0.0f, count, count, 1.0f, 1.0f), 1.0f) << "noise alone";
   EXPECT_FLOAT_EQ(glsl::frame_weight(0.0f, count, count, 1.0f, 0.5f), 2.0f) << "a frame of half the variance";
   EXPECT_LT(glsl::frame_weight(0.0f, 2.0f * count, count, 1.0f, 1.0f), 0.5f) << "differences beyond noise";
-  EXPECT_EQ(glsl::frame_weight(0.0f, 4.0f * count, count, 1.0f, 1.0f), 0.0f) << "another thing";
-  EXPECT_EQ(glsl::frame_weight(2.0f * count, 4.0f * count, count, 1.0f, 1.0f), 0.0f)
-      << "darker by two deviations";
+  EXPECT_EQ(glsl::frame_weight(0.0f, 6.0f * count, count, 1.0f, 1.0f), 0.0f) << "another thing";
+  EXPECT_EQ(glsl::frame_weight(2.2f * count, 4.9f * count, count, 1.0f, 1.0f), 0.0f)
+      << "darker by more than two deviations";
 }
 
 }  // namespace
