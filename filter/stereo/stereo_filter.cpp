@@ -17,11 +17,6 @@
 namespace becalm::filter {
 namespace {
 
-/// The combination of the eyes and the search between them may take 1 / kShareOfEyes of the memory, the
-/// search 1 / kShareOfSearch: of whole frames it takes a quarter of what the combination does.
-constexpr std::uint64_t kShareOfEyes = 4;
-constexpr std::uint64_t kShareOfSearch = 16;
-
 /// Eyes are searched at full size: their offsets are a few pixels, and those found at half the size blur more
 /// than the other eye's samples gain.
 Settings search_settings(Settings settings) {
@@ -53,7 +48,7 @@ struct StereoFilter::State {
                             Pair<FrameReport>& reports);
 
   gpu::Device& device;
-  std::uint64_t search_limit = 0;  ///< bytes
+  std::uint64_t scratch_limit = 0;  ///< bytes that the eyes leave
   std::vector<SequenceFilter> eyes = {};
   float depth_limit_px = 0.0f;  ///< of the offsets that depths tell
   std::optional<EyeCombiner> combiner = {};
@@ -67,17 +62,19 @@ StereoFilter::StereoFilter(gpu::Device& device, const Settings& settings, int wi
   State& s = *state_;
   const std::uint64_t all = std::min(options.memory_limit, usable_bytes(device));
   SequenceOptions of_eye = options;
-  of_eye.memory_limit = (all - all / kShareOfEyes) / 2;
-  s.search_limit = all / kShareOfSearch;
-  for (int eye = 0; eye < 2; ++eye) s.eyes.emplace_back(device, settings, width, height, available, of_eye);
+  of_eye.memory_limit = all / 2;
+  s.scratch_limit = all;
+  for (int eye = 0; eye < 2; ++eye) {
+    s.eyes.emplace_back(device, settings, width, height, available, of_eye);
+    s.scratch_limit -= s.eyes.back().memory().device.own;
+  }
   const Settings search = search_settings(settings);
   Settings known = search;
   known.motion = MotionUse::guide;
   s.depth_limit_px = motion_limit_px(known, {width, height});
   const int of_search = offset_limit_px(search, {0, pyramid_extents(search, width, height).size()});
   s.combiner.emplace(device, s.eyes.front().task(),
-                     std::max(static_cast<int>(std::ceil(s.depth_limit_px)), of_search),
-                     all / kShareOfEyes - s.search_limit);
+                     std::max(static_cast<int>(std::ceil(s.depth_limit_px)), of_search), s.scratch_limit);
   if (!contains(s.eyes.front().task().used, Aov::depth)) s.make_aligner();
 }
 StereoFilter::~StereoFilter() = default;
@@ -86,7 +83,7 @@ StereoFilter::StereoFilter(StereoFilter&&) noexcept = default;
 void StereoFilter::State::make_aligner() {
   const FilterTask& task = eyes.front().task();
   aligner.emplace(device, search_settings(task.settings), task.full.width, task.full.height, task.used,
-                  search_limit);
+                  scratch_limit);
 }
 
 StereoFilter::Pair<Correspondence> StereoFilter::State::find(const Pair<const Frame*>& frames,
