@@ -54,7 +54,7 @@ class Frame {
 
   /// Set if the frame is of one eye of a pair whose cameras are known.
   const std::optional<StereoView>& stereo() const { return stereo_; }
-  void set_stereo(std::optional<StereoView> stereo) { stereo_ = stereo; }
+  void set_stereo(const std::optional<StereoView>& stereo) { stereo_ = stereo; }
 
   /// Set if only these pixels hold samples; the others are as AOVs are where nothing is hit.
   const std::optional<Parity>& checkerboard() const { return checkerboard_; }

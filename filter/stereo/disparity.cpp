@@ -91,7 +91,7 @@ class Matches {
 }  // namespace
 
 std::array<Image, 2> unique_offsets(const Image& offsets, const Image& residual) {
-  constexpr float kTolerance_px = 1.0f;  // what one surface's offsets may differ by
+  constexpr float kTolerancePx = 1.0f;  // what one surface's offsets may differ by
   Matches matches(offsets, residual);
   const Image nowhere(offsets.width(), offsets.height(), 2, kNowhere);
   std::array<Image, 2> unique{nowhere, nowhere};
@@ -100,7 +100,7 @@ std::array<Image, 2> unique_offsets(const Image& offsets, const Image& residual)
       for (int x = 0; x < offsets.width(); ++x) {
         const std::span<const float> own = offsets.pixel(x, y);
         if (const std::span<const float> best = matches.best_offset_beside(x, y);
-            !best.empty() && std::hypot(own[0] - best[0], own[1] - best[1]) <= kTolerance_px) {
+            !best.empty() && std::hypot(own[0] - best[0], own[1] - best[1]) <= kTolerancePx) {
           std::ranges::copy(own, unique[0].pixel(x, y).begin());
         }
         if (const std::span<const float> best = matches.best_offset_to(x, y); !best.empty()) {
