@@ -52,12 +52,14 @@ def crop(rng, pair, size):
     variance = np.full((1, size, size), -1.0, np.float32)
     if pair.variances and (pair.merged or rng.random() >= WITHOUT_VARIANCE):
         variance = cut(pair.variances[rng.integers(len(pair.variances))]) ** 2
-    references = np.stack([cut(r) for r in pair.references])
+    references = np.stack([cut(r) for r in (pair.references[0], pair.references[-1])])
     if rng.random() < WITH_BACKGROUND:
         history = rng.integers(2, 13) if pair.merged else 1
         background = backgrounds.random_background(rng, size)
         colors, variance, features, references = backgrounds.put_behind(
             rng, background, colors, variance, features, references, history)
+        if not pair.independent:
+            references[1] = references[0]
     features = with_features_dropped(rng, features)
     gain = np.exp(rng.normal() * EXPOSURE_SPREAD)
     variance = np.where(variance < 0, variance, variance * gain**2)
@@ -104,5 +106,9 @@ def load(data):
     """Pairs to learn from and pairs to choose on."""
     learn, choose = [], []
     for folder in shots.complete_shots(data):
-        (choose if is_held_out(folder) else learn).extend(shots.load_shot(folder))
+        pairs = shots.load_shot(folder)
+        if is_held_out(folder):
+            choose.extend(pair for pair in pairs if pair.independent)
+        else:
+            learn.extend(pairs)
     return learn, choose

@@ -19,8 +19,8 @@ import OpenImageIO as oiio
 import becalm_meshes
 import becalm_textures
 from becalm_scene import LAST_FRAME, make_scene, scale_light
+from noise_levels import noise_levels, reference_samples
 
-SPP_CHOICES, SPP_WEIGHTS = [1, 2, 4, 8, 16, 32, 64], [0.14, 0.16, 0.2, 0.2, 0.15, 0.1, 0.05]
 MOST_ATTEMPTS = 20
 PROBE_SIZE, PROBE_SPP = "64x36", 16
 # The relative variance of one sample predicts that of the references within a factor of 2.
@@ -38,7 +38,8 @@ def read_arguments():
     parser.add_argument("--references", type=int, default=4,
                         help="how many of those frames, evenly spread, get references and a second level of noise")
     parser.add_argument("--reference-spp", type=int, default=64,
-                        help="most samples per pixel of each of the two references; calm shots take fewer, down to 16")
+                        help="most samples per pixel of each of the two references; calm shots take fewer, down to 16, "
+                             "those with clean noisy frames more, up to 128")
     parser.add_argument("--size", default="256x144")
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--becalm", type=Path, default=Path("build/release/becalm"))
@@ -155,12 +156,12 @@ def make_shot(arguments, seed, assets):
     folder.mkdir(parents=True, exist_ok=True)
     start = time.monotonic()
     rng = np.random.default_rng([seed, 0x4C564C53])
-    spp = sorted(int(s) for s in rng.choice(SPP_CHOICES, 2, replace=False, p=SPP_WEIGHTS))
     aov_style = [None, 16, 64][seed % 3]
     exposure = 0.2 * 10 ** rng.uniform(-2, 2)
     facts = choose_scene(arguments, folder, seed, assets, exposure)
     wanted = 8 * int(np.ceil(REFERENCE_SPP_PER_NOISE * facts["sample_noise"] / 8))
-    reference_spp = min(max(wanted, FEWEST_REFERENCE_SPP), arguments.reference_spp)
+    spp = noise_levels(facts["sample_noise"], rng.random)
+    reference_spp = reference_samples(spp[-1], min(max(wanted, FEWEST_REFERENCE_SPP), arguments.reference_spp))
     scene = folder / "scene.json"
     referenced = evenly_spread(arguments.numbers, arguments.references)
     for level, samples in enumerate(spp):

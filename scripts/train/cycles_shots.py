@@ -6,7 +6,7 @@ A shot is a pure function of its seed and the size. Its folder DIR/cycles-SEED6 
 Denoising Albedo, Denoising Normal (of the camera's space) and Denoising Depth:
 
     n004_a.0001.exr, n004_b.0001.exr   the frame at 4 samples a pixel, in halves of 2 with other seeds (n001: n001_a only)
-    r_a.0001.exr, r_b.0001.exr         references of 64 samples each
+    r_a.0001.exr, r_b.0001.exr         references of 64 samples each, or 128 for the cleanest frames
     shot.json                          what was rendered; written last, so a shot that has it is complete and is skipped
 """
 
@@ -28,9 +28,9 @@ import cycles_lights as lights
 import cycles_motion as motion
 from cycles_dice import Dice
 from cycles_layouts import LAYOUTS, Stage
+from noise_levels import noise_levels, reference_samples
 
-NOISE_SPP = {1: 14, 2: 16, 4: 20, 8: 20, 16: 15, 32: 10, 64: 5}
-REFERENCE_SPP = 64
+LEAST_REFERENCE_SPP = 64
 ATTEMPTS = 12  # scenes tried for a seed
 PILOT_SIZE, PILOT_SPP = (64, 36), 8
 
@@ -76,13 +76,13 @@ def set_up(dice, threads):
     bpy.context.view_layer.cycles.denoising_store_passes = True
 
 
-def pilot(scene, size):
+def pilot(scene, size, seed):
     """Luminance of a small quick render of the shot."""
     path = os.path.join(tempfile.gettempdir(), f"cycles_pilot_{os.getpid()}.exr")
     scene.render.resolution_x, scene.render.resolution_y = size
     scene.render.image_settings.file_format = "OPEN_EXR"
     scene.render.image_settings.color_depth = "32"
-    scene.cycles.samples, scene.cycles.seed = PILOT_SPP, 1
+    scene.cycles.samples, scene.cycles.seed = PILOT_SPP, seed
     scene.render.filepath = path
     bpy.ops.render.render(write_still=True)
     image = bpy.data.images.load(path)
@@ -91,6 +91,13 @@ def pilot(scene, size):
     bpy.data.images.remove(image)
     os.remove(path)
     return pixels.reshape(-1, 4)[:, :3] @ np.float32([0.2126, 0.7152, 0.0722])
+
+
+def noise_of_sample(one, other):
+    """Mean relative variance of one sample, from two renders of PILOT_SPP samples."""
+    level = np.minimum(one, np.percentile(one, 99)).mean()
+    squared = 0.5 * (one - other) ** 2 / ((0.5 * (one + other)) ** 2 + (0.1 * level) ** 2 + 1e-12)
+    return PILOT_SPP * float(squared.mean())
 
 
 def build(seed, size, threads):
@@ -126,14 +133,15 @@ def build(seed, size, threads):
         scene.render.use_motion_blur = has_motion_blur
         scene.render.motion_blur_shutter = dice.uniform(0.3, 1.0)
         scene.frame_set(1)
-        luminance = pilot(scene, PILOT_SIZE)
+        luminance = pilot(scene, PILOT_SIZE, 1)
         mean = float(np.mean(np.minimum(luminance, 50.0 * np.median(luminance) + 1e-6)))
         lit = float(np.mean(luminance > 0.02 * mean))
         if mean < 1e-5 or lit < 0.25 or np.std(luminance) < 0.08 * mean:
             continue
+        noise = noise_of_sample(luminance, pilot(scene, PILOT_SIZE, 2))
         brightness = 10.0 ** (dice.uniform(-2.0, 2.0) if dice.chance(0.6) else dice.gauss(0.0, 0.3))
         lights.scale_lights(0.25 * brightness / mean)
-        return {"layout": layout.__name__, "environment": environment, "brightness": round(brightness, 4),
+        return {"layout": layout.__name__, "environment": environment, "brightness": round(brightness, 4), "sample_noise": noise,
                 "has_depth_of_field": has_depth_of_field, "has_motion_blur": has_motion_blur, "has_volume": has_volume}, dice
     return None, None
 
@@ -152,8 +160,8 @@ def render_shot(folder, seed, asked):
     scene.render.resolution_x, scene.render.resolution_y = asked.size
     settings = scene.render.image_settings
     settings.file_format, settings.color_depth, settings.exr_codec = "OPEN_EXR_MULTILAYER", "16", "ZIP"
-    low = dice.pick(NOISE_SPP)
-    levels = sorted({low, dice.pick({spp: weight for spp, weight in NOISE_SPP.items() if spp != low})})
+    levels = noise_levels(facts["sample_noise"], dice.random)
+    reference_spp = reference_samples(levels[-1], LEAST_REFERENCE_SPP)
     cycles_seeds = iter(dice.sample(range(1, 2**30), 6 * motion.SHOT_FRAMES))
 
     def write(name, samples, frame):
@@ -170,10 +178,10 @@ def render_shot(folder, seed, asked):
                 write(f"n{spp:03d}_{half}", max(spp // 2, 1), frame)
         if frame in referenced:
             for half in "ab":
-                write(f"r_{half}", REFERENCE_SPP, frame)
+                write(f"r_{half}", reference_spp, frame)
     shot = {"renderer": "cycles", "version": bpy.app.version_string, "seed": seed,
             "width": asked.size[0], "height": asked.size[1], "frames": asked.frames,
-            "references": referenced, "reference_spp": REFERENCE_SPP, "spp": levels, **facts}
+            "references": referenced, "reference_spp": reference_spp, "spp": levels, **facts}
     partial = os.path.join(folder, f"shot.json.partial.{os.getpid()}")
     with open(partial, "w") as file:
         json.dump(shot, file, indent=1)

@@ -7,6 +7,7 @@ from network import FEATURES, LOSS_FLOOR, LOSS_SCALE, divisor_of, network_inputs
 # A pixel counts for at most this: else fireflies of the references rule the gradient.
 LARGEST_RELATIVE = 16.0
 LEAST_RELATIVE = 1e-4
+LEAST_OWN_SHARE = 0.25  # of a crop's error against noisy references that is taken to be the result's own, at least
 SHARE_OF_PROPORTION = 0.15
 SHARE_OF_SMAPE = 0.3
 SCALE_SPREAD = 1.2  # standard deviation of the logarithm
@@ -32,22 +33,28 @@ def random_scales(count):
 
 
 def training_loss(result, log_error, references, scales):
-    """The logarithm of a clamped relative squared error, SMAPE of the result, and the likelihood of its error.
+    """A clamped relative squared error as a share of its size, SMAPE of the result, and the likelihood of its error.
 
-    The error is learned from (x-a)(x-b), whose mean is that of the squared error whatever the references' noise.
+    The gradient of the first is that of the error's logarithm, if the references' noise is not counted as error. The error is
+    learned from (x-a)(x-b), whose mean is that of the squared error whatever the references' noise; not where both are one.
     """
     x = scales * result
     reference = 0.5 * scales * (references[:, 0] + references[:, 1])
     middle = 0.5 * (x.detach().clamp(min=0.0) + reference)
-    relative = ((x - reference) ** 2 / (middle**2 + LOSS_FLOOR)).clamp(max=LARGEST_RELATIVE).mean((1, 2, 3))
+    relative_mean = lambda squared: (squared / (middle**2 + LOSS_FLOOR)).clamp(max=LARGEST_RELATIVE).mean((1, 2, 3))
+    relative = relative_mean((x - reference) ** 2)
     smape = ((x - reference).abs() / (x.detach().abs() + reference.abs() + 0.02)).mean()
     own = LOSS_SCALE * result.detach()
     a, b = LOSS_SCALE * references[:, 0], LOSS_SCALE * references[:, 1]
     squared = ((own - a) * (own - b)).mean(1, keepdim=True) / ((own**2).mean(1, keepdim=True) + LOSS_FLOOR)
     squared = squared.clamp(-LARGEST_RELATIVE, LARGEST_RELATIVE)
-    likelihood = (log_error + squared * torch.exp(-log_error)).mean()
+    independent = (a != b).flatten(1).any(1).view(-1, 1, 1, 1)
+    likelihood = torch.where(independent, log_error + squared * torch.exp(-log_error), torch.zeros_like(log_error)).mean()
     # Each crop counts by its own size of error, or the noisiest alone would be learned and detail of clean ones lost.
-    proportion = torch.log(relative + LEAST_RELATIVE).mean()
+    with torch.no_grad():
+        of_references = relative_mean((0.5 * scales * (references[:, 0] - references[:, 1])) ** 2)
+        own_error = torch.maximum(relative - of_references, LEAST_OWN_SHARE * relative) + LEAST_RELATIVE
+    proportion = (relative / own_error).mean()
     return SHARE_OF_PROPORTION * proportion + SHARE_OF_SMAPE * smape + SHARE_OF_ERROR * likelihood, relative.mean()
 
 

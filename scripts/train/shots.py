@@ -44,8 +44,13 @@ class Pair:
     variances: list  # what the renderer tells of the noise: its own variance, that of the halves; may be empty
     # (albedo, normal, depth) as 7 channels: as the radiance, of the references, and of a merged frame its own.
     features: list
-    references: list  # two
+    references: list  # two, or one
     own: np.ndarray = None  # of a merged frame, what it was before; its variance is always known
+
+    @property
+    def independent(self):
+        """Whether the squared error can be told from the references' noise."""
+        return len(self.references) == 2
 
     @property
     def merged(self):
@@ -134,7 +139,23 @@ def pack_shot(folder):
             pair = packed_pair(layers["color"] * exposure, [np.sqrt(np.maximum(v, 0.0)) * exposure for v in variances_of(layers)],
                                [packed_features(layers), clean], [r["color"] * exposure for r in (a, b)])
             arrays.update({f"{spp:03d}.{frame:04d}.{name}": array for name, array in pair.items()})
+        arrays.update(pairs_of_references(a, b, frame))
     save(f"{folder}/{PACKED}", arrays)
+
+
+def pairs_of_references(a, b, frame):
+    """Each reference as a frame with little noise, whose only reference is the other (Lehtinen et al. 2018)."""
+    arrays = {}
+    if not (np.isfinite(a["color"]).all() and np.isfinite(b["color"]).all()):
+        return arrays
+    for name, noisy, other in (("a", a, b), ("b", b, a)):
+        exposure = exposure_of(noisy["color"])
+        if exposure == 0.0:
+            continue
+        pair = packed_pair(noisy["color"] * exposure, [], [packed_features(noisy), packed_features(other)],
+                           [other["color"] * exposure])
+        arrays.update({f"r_{name}.{frame:04d}.{array_name}": array for array_name, array in pair.items()})
+    return arrays
 
 
 def half(radiance):

@@ -13,6 +13,7 @@ import backgrounds
 import batches
 import export
 import losses
+import noise_levels
 import shots
 import train
 from network import CHANNELS, Network, parameter_count
@@ -72,10 +73,11 @@ class Shots(unittest.TestCase):
 
     def test_pairs_of_both_renderers_are_read(self):
         learn, choose = batches.load(self.folder.name)
-        self.assertEqual([p.name for p in learn], ["becalm-000000/004.0001", "cycles-000000/004.0001"])
+        names = lambda shot: [f"{shot}/{name}.0001" for name in ("004", "r_a", "r_b")]
+        self.assertEqual([p.name for p in learn], names("becalm-000000") + names("cycles-000000"))
         self.assertEqual([p.name for p in choose], ["becalm-000009/004.0001", "cycles-000009/004.0001"])
-        self.assertEqual([len(p.variances) for p in learn], [2, 1])
-        for pair in learn:
+        self.assertEqual([len(p.variances) for p in learn], [2, 0, 0, 1, 0, 0])
+        for pair in filter(lambda pair: pair.independent, learn):
             self.assertAlmostEqual(shots.exposure_of(pair.color), 1.0, delta=0.01)
             self.assertLess(losses.rel_mse(torch.from_numpy(np.float32(pair.references[0]))[None],
                                            batches.whole_frame(pair)[3]), 0.01)
@@ -87,12 +89,21 @@ class Shots(unittest.TestCase):
         merged = shots.packed_pair(frame.color, [0.5 * frame.variances[0]], features, frame.references, frame.color)
         shots.save(f"{folder}/{shots.MERGED}", {f"both.0001.{name}": array for name, array in merged.items()})
         pairs = shots.load_shot(folder)
-        self.assertEqual([p.name for p in pairs], ["becalm-000000/004.0001", "becalm-000000/both.0001"])
-        self.assertEqual([p.merged for p in pairs], [False, True])
+        self.assertEqual([p.name for p in pairs if p.merged], ["becalm-000000/both.0001"])
         rng = np.random.default_rng(1)
         told = lambda pair: sum(batches.crop(rng, pair, SIZE)[1].min() >= 0 for _ in range(100))
-        self.assertEqual(told(pairs[1]), 100)
+        self.assertEqual(told(pairs[-1]), 100)
         self.assertLess(told(pairs[0]), 90)
+
+    def test_a_reference_is_a_frame_too_and_the_other_is_what_it_is_to_become(self):
+        of_a, of_b = batches.load(self.folder.name)[0][1:3]
+        ratio = np.float32(of_a.references[0]) / np.float32(of_b.color)
+        np.testing.assert_allclose(ratio, ratio.mean(), rtol=2e-3)
+        self.assertFalse(of_a.independent)
+        rng = np.random.default_rng(1)
+        for _ in range(20):
+            references = batches.crop(rng, of_a, SIZE)[3]
+            np.testing.assert_array_equal(references[0], references[1])
 
     def test_training_begins_with_the_weights_given(self):
         start = f"{self.folder.name}/start.weights"
@@ -195,6 +206,32 @@ class Networks(unittest.TestCase):
         truth = np.log((0.3 * 0.2) ** 2 / ((0.3 * 1.2) ** 2 + 0.01))
         self.assertLess(likelihood(truth), likelihood(truth + 0.5))
         self.assertLess(likelihood(truth), likelihood(truth - 0.5))
+
+    def test_the_error_is_not_learned_from_one_reference(self):
+        result, reference = torch.rand(1, 3, 8, 8), torch.rand(1, 1, 3, 8, 8)
+        log_error = torch.zeros(1, 1, 8, 8, requires_grad=True)
+        losses.training_loss(result, log_error, reference.expand(1, 2, 3, 8, 8), losses.LOSS_SCALE)[0].backward()
+        self.assertEqual(log_error.grad.abs().max().item(), 0.0)
+
+    def test_a_crop_counts_by_its_own_error_not_by_that_of_its_references(self):
+        def pull(noise):
+            """The gradient's size for a result that is 10 % too bright."""
+            torch.manual_seed(2)
+            result = torch.full((1, 3, 64, 64), 1.1, requires_grad=True)
+            references = 1.0 + noise * torch.randn(1, 2, 3, 64, 64)
+            losses.training_loss(result, torch.zeros(1, 1, 64, 64), references, losses.LOSS_SCALE)[0].backward()
+            return result.grad.mean().item()
+        self.assertGreater(pull(0.15), 0.7 * pull(0.001))
+
+
+class NoiseLevels(unittest.TestCase):
+    def test_samples_follow_the_noise_and_are_two_counts_of_the_table(self):
+        draws = iter([0.5, 0.5, 0.0, 0.0, 1.0, 1.0])
+        random = lambda: next(draws)
+        self.assertEqual(noise_levels.noise_levels(0.4, random), [4, 8])  # of 0.095, twice the same
+        self.assertEqual(noise_levels.noise_levels(0.4, random), [32, 64])  # of 0.003, beyond the table
+        self.assertEqual(noise_levels.noise_levels(0.4, random), [1, 2])
+        self.assertEqual(noise_levels.sample_count(0.0, 0.1), 1)
 
 
 if __name__ == "__main__":
