@@ -266,8 +266,8 @@ void check_options_fit(const RenderCommand& command) {
 }
 
 void set_defaults(RenderCommand& command, const tracer::SceneDescription& scene) {
-  constexpr int kMostWithTarget = 256;
-  command.spp = command.asked_spp.value_or(command.noise_target ? kMostWithTarget : command.spp);
+  constexpr int most_with_target = 256;
+  command.spp = command.asked_spp.value_or(command.noise_target ? most_with_target : command.spp);
   // What is seen of jittered frames belongs to the positions of their samples.
   command.aov_spp =
       command.asked_aov_spp.value_or(scene.film.jitter.cycle > 0 ? command.spp : command.aov_spp);

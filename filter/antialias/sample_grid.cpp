@@ -52,8 +52,10 @@ SampleGrid sample_grid(const std::optional<FrameJitter>& jitter) {
   const double x = position.x + grid.shift.x;
   const double y = position.y + grid.shift.y;
   for (int k = 0; k < 9; ++k) {
-    grid.weights[static_cast<std::size_t>(k)] = static_cast<float>(weight_along_axis(*jitter, x + k % 3 - 1) *
-                                                                   weight_along_axis(*jitter, y + k / 3 - 1));
+    const int column = k % 3 - 1;
+    const int row = k / 3 - 1;
+    grid.weights[static_cast<std::size_t>(k)] =
+        static_cast<float>(weight_along_axis(*jitter, x + column) * weight_along_axis(*jitter, y + row));
   }
   grid.weights[9] = 1.0f;
   return grid;

@@ -121,7 +121,8 @@ void add_layer(Chain& chain, const HostLayer& declared) {
     const float* const half = coarse ? images.read<float>(coarse->image).data() : nullptr;
     const std::span<float> to = images.write<float>(result_image);
     const Framed* const framed = std::get_if<Framed>(&result);
-    const std::ptrdiff_t row_floats = std::ptrdiff_t{size.width + 2} * layer.outputs;
+    const int outputs = layer.outputs;
+    const std::ptrdiff_t row_floats = std::ptrdiff_t{size.width + 2} * outputs;
     for_rows(size.height, [&](int begin, int end) {
       std::vector<float> row(framed ? 0 : row_floats);
       for (int y = begin; y < end; ++y) {
@@ -131,7 +132,7 @@ void add_layer(Chain& chain, const HostLayer& declared) {
           frame_row(*framed, y, framed_row);
         } else {
           convolution->make_row(y, from, half, row.data());
-          row_to_planes(row.data(), size, layer.outputs, y, to);
+          row_to_planes(row.data(), size, outputs, y, to);
         }
       }
     });

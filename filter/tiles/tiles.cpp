@@ -112,8 +112,8 @@ std::vector<Tile> cut_tiles(Extent frame, Extent target, const TileRules& rules)
 
 std::string describe(const std::vector<Tile>& tiles) {
   if (tiles.size() == 1) return "1";
-  const auto columns = static_cast<std::size_t>(
-      std::ranges::count_if(tiles, [](const Tile& tile) { return tile.core.y == 0; }));
+  const auto columns = std::ranges::count_if(tiles, [](const Tile& tile) { return tile.core.y == 0; });
+  const auto rows = std::ranges::count_if(tiles, [](const Tile& tile) { return tile.core.x == 0; });
   int margin = 0;
   int reach = 0;
   for (const Tile& tile : tiles) {
@@ -121,7 +121,7 @@ std::string describe(const std::vector<Tile>& tiles) {
     reach = std::max(reach, largest_margin(tile.target, tile.source));
   }
   const Extent target = tiles.front().target.extent();
-  return fmt::format("{}x{} of {}x{} px with margins of up to {} px{}", columns, tiles.size() / columns,
+  return fmt::format("{}x{} of {}x{} px with margins of up to {} px{}", columns, rows,
                      target.width, target.height, margin,
                      reach > 0 ? fmt::format(", history up to {} px beyond", reach) : "");
 }

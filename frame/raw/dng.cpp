@@ -123,7 +123,7 @@ Directory directory(const Info& info, const DngSamples& samples, std::size_t exi
   };
   std::vector<double> neutral;
   for (const float factor : info.white_balance) neutral.push_back(factor > 0.0f ? 1.0 / factor : 1.0);
-  const auto cells = static_cast<std::ptrdiff_t>(info.cfa.period * info.cfa.period);
+  const auto cells = std::ptrdiff_t{info.cfa.period} * info.cfa.period;
   Directory d(kHeaderBytes);
   d.add_long(254, 0);  // NewSubfileType: the picture itself
   d.add_long(256, static_cast<std::size_t>(info.width));
