@@ -13,14 +13,15 @@ WITHOUT_ALBEDO = 0.15
 WITHOUT_NORMAL = 0.2
 WITHOUT_DEPTH = 0.2
 WITHOUT_VARIANCE = 0.4
+BEAUTY_ALONE = 0.15
 CLEAN_FEATURES = 0.35
-WITH_BACKGROUND = 0.12
+WITH_BACKGROUND = 0.2
 
 
 def with_features_dropped(rng, features):
     """Features (2 x 7 channels) with some taken away, as the filter packs a frame that lacks them."""
     features = features.copy().reshape(2, 7, *features.shape[1:])
-    nothing = rng.random() < 0.07  # beauty alone
+    nothing = rng.random() < BEAUTY_ALONE
     if nothing or rng.random() < WITHOUT_ALBEDO:
         features[:, :3] = 1.0
     if nothing or rng.random() < WITHOUT_NORMAL:
