@@ -104,40 +104,52 @@ bool counts(const NewFrame& frame, const Estimate& estimate, std::size_t i) {
   return frame.finite[i] && estimate.stats.data()[2 * i + 1] > 0.0f;
 }
 
-/// How much of each pixel the factors of blocks apply to: R / (R + (kUnseen L)^2), with the mean squares R of
-/// the difference from the frame and L of the estimate around it. Where there is no noise, smoothing removed
-/// no light, and light that it removed beside does not belong there.
+/// How the factors of blocks apply to a pixel.
+struct Restored {
+  double share = 0.0;  ///< of the pixel that they apply to
+  double limit = 0.0;  ///< largest relative change
+
+  double factor(double of_block) const { return 1.0 + std::clamp(share * (of_block - 1.0), -limit, limit); }
+};
+
+/// What smoothing may have removed of each pixel, from the mean squares R of the difference from the frame and
+/// L of the estimate around it. The share is R / (R + (kUnseen L)^2): where there is no noise, smoothing
+/// removed no light, and light that it removed beside does not belong there. The limit is sqrt(R) / L, which
+/// no lost mean exceeds: a sun whose disc has lost light does not brighten the land below it.
 class Restorable {
  public:
   Restorable(const NewFrame& frame, const Estimate& estimate)
       : width_(ceil_div(estimate.color.width(), kCell)),
         height_(ceil_div(estimate.color.height(), kCell)),
-        shares_(static_cast<std::size_t>(width_) * height_) {
+        cells_(static_cast<std::size_t>(width_) * height_) {
     for_each_in_parallel(height_, [&](int row) {
       for (int column = 0; column < width_; ++column) {
-        shares_[static_cast<std::size_t>(row) * width_ + column] =
-            share_of_cell(frame, estimate, column, row);
+        cells_[static_cast<std::size_t>(row) * width_ + column] = of_cell(frame, estimate, column, row);
       }
     });
     for (int x = 0; x < estimate.color.width(); ++x) columns_.emplace_back((x + 0.5) / kCell - 0.5, width_);
   }
 
-  /// Calls set(x, share) for the pixels of a row.
+  /// Calls set(x, restored) for the pixels of a row.
   template <class Set>
   void for_row(int y, const Set& set) const {
     const Between row((y + 0.5) / kCell - 0.5, height_);
-    const double* low = &shares_[static_cast<std::size_t>(row.low) * width_];
-    const double* high = &shares_[static_cast<std::size_t>(row.high) * width_];
-    std::vector<double> along(static_cast<std::size_t>(width_));
-    for (std::size_t i = 0; i < along.size(); ++i) along[i] = mix(low[i], high[i], row.share);
+    const Restored* low = &cells_[static_cast<std::size_t>(row.low) * width_];
+    const Restored* high = &cells_[static_cast<std::size_t>(row.high) * width_];
+    std::vector<Restored> along(static_cast<std::size_t>(width_));
+    for (std::size_t i = 0; i < along.size(); ++i) along[i] = between(low[i], high[i], row.share);
     for (std::size_t x = 0; x < columns_.size(); ++x) {
       const Between& c = columns_[x];
-      set(x, mix(along[c.low], along[c.high], c.share));
+      set(x, between(along[c.low], along[c.high], c.share));
     }
   }
 
  private:
-  static double share_of_cell(const NewFrame& frame, const Estimate& estimate, int column, int row) {
+  static Restored between(const Restored& a, const Restored& b, double share) {
+    return {mix(a.share, b.share, share), mix(a.limit, b.limit, share)};
+  }
+
+  static Restored of_cell(const NewFrame& frame, const Estimate& estimate, int column, int row) {
     const int width = estimate.color.width();
     double residual = 0.0;
     double power = 0.0;
@@ -152,12 +164,14 @@ class Restorable {
         }
       }
     }
-    return residual > 0.0 ? residual / (residual + kUnseen * kUnseen * power) : 0.0;
+    if (!(residual > 0.0)) return {};
+    const double limit = power > 0.0 ? std::sqrt(residual / power) : kLargestFactor;
+    return {.share = residual / (residual + kUnseen * kUnseen * power), .limit = std::min(limit, kLargestFactor)};
   }
 
   int width_;
   int height_;
-  std::vector<double> shares_;    ///< of cells, row by row
+  std::vector<Restored> cells_;   ///< row by row
   std::vector<Between> columns_;  ///< of pixels
 };
 
@@ -170,7 +184,7 @@ BlockGrid finest_level(const NewFrame& frame, const FilterTask& task, const Esti
   const std::span<const float> color = estimate.color.data();
   const double exposure = frame.exposure;
   const auto add_row = [&](int y) {
-    restorable.for_row(y, [&](std::size_t x, double share) {
+    restorable.for_row(y, [&](std::size_t x, const Restored& restored) {
       const std::size_t i = static_cast<std::size_t>(y) * width + x;
       if (!counts(frame, estimate, i)) return;
       Block& block = level.at(static_cast<int>(x) / kFinestBlock, y / kFinestBlock);
@@ -178,7 +192,7 @@ BlockGrid finest_level(const NewFrame& frame, const FilterTask& task, const Esti
         const double e = exposure * color[4 * i + c];
         block.frame[c] += exposure * beauty[4 * i + c];
         block.estimate[c] += e;
-        block.restorable[c] += share * e;
+        block.restorable[c] += restored.share * e;
       }
       block.noise += exposure * exposure * pixel_noise(frame, task, estimate, i);
     });
@@ -253,12 +267,12 @@ void apply(const BlockGrid& grid, int block_px, const Restorable& restorable, Es
     for (int x = 0; x < grid.width; ++x) {
       for (std::size_t c = 0; c < 3; ++c) along[x][c] = factor_between(grid, {double(x), grid.width}, row, c);
     }
-    restorable.for_row(y, [&](std::size_t x, double share) {
+    restorable.for_row(y, [&](std::size_t x, const Restored& restored) {
       const std::size_t i = static_cast<std::size_t>(y) * width + x;
       const Between& column = columns[x];
       for (std::size_t c = 0; c < 3; ++c) {
         const double of_block = mix(along[column.low][c], along[column.high][c], column.share);
-        const auto factor = static_cast<float>(1.0 + share * (of_block - 1.0));
+        const auto factor = static_cast<float>(restored.factor(of_block));
         estimate.color.data()[4 * i + c] *= factor;
         for (Image& image : estimate.additive) image.data()[4 * i + c] *= factor;
       }
@@ -306,13 +320,13 @@ Remainder remainder_of_row(const NewFrame& frame, const Estimate& estimate, cons
   const double exposure = frame.exposure;
   const std::size_t first = static_cast<std::size_t>(y) * estimate.color.width();
   Remainder sum;
-  restorable.for_row(y, [&](std::size_t x, double share) {
+  restorable.for_row(y, [&](std::size_t x, const Restored& restored) {
     const std::size_t i = first + x;
     if (!counts(frame, estimate, i)) return;
     for (std::size_t c = 0; c < 3; ++c) {
       const double e = exposure * estimate.color.data()[4 * i + c];
       sum.estimate[c] += e;
-      sum.restorable[c] += share * e;
+      sum.restorable[c] += restored.share * e;
       sum.residual += exposure * exposure * residual_square(frame, estimate, i, c) / 3.0;
     }
   });

@@ -31,8 +31,9 @@ bool processor_is_newer() {
 #endif
 }
 
-/// Runs on both, with --reproducible and without.
-void expect_reproducible(const TempFolder& folder, std::vector<std::string> command, AovSet aovs) {
+/// Runs on both, with --reproducible and without. Returns whether frames differ without it: otherwise the
+/// environments would not change anything, and the rest would tell nothing.
+bool expect_reproducible(const TempFolder& folder, std::vector<std::string> command, AovSet aovs) {
   command.insert(command.end(), {"--device", "llvmpipe", "-o", ""});
   const auto pixels = [&](const std::string& environment, const std::string& name) {
     command.back() = folder / (name + ".####.exr");
@@ -48,23 +49,27 @@ void expect_reproducible(const TempFolder& folder, std::vector<std::string> comm
     EXPECT_TRUE(same_pixels(pinned_old.image(entry.aov), pinned_new.image(entry.aov))) << entry.name;
     EXPECT_TRUE(same_pixels(pinned_old.image(entry.aov), free_old.image(entry.aov))) << entry.name;
   }
-  // Otherwise the environments would not change anything, and the above would tell nothing.
-  EXPECT_EQ(!same_pixels(free_old.image(Aov::beauty), free_new.image(Aov::beauty)), processor_is_newer());
+  return !same_pixels(free_old.image(Aov::beauty), free_new.image(Aov::beauty));
 }
 
 TEST(Reproducible, RendersDoNotDependOnTheProcessor) {
   const TempFolder folder;
-  expect_reproducible(folder,
-                      {"render", write_scene(folder), "--frames", "1", "--spp", "8", "--aovs", "all",
-                       "--float", "--denoise=draft", "--context", "none"},
-                      all_aovs());
+  const bool differ =
+      expect_reproducible(folder,
+                          {"render", write_scene(folder), "--frames", "1", "--spp", "8", "--aovs", "all",
+                           "--float", "--denoise=draft", "--context", "none"},
+                          all_aovs());
+  EXPECT_EQ(differ, processor_is_newer());
 }
 
 TEST_F(Denoise, ReproducibleFramesDoNotDependOnTheProcessor) {
   write_frames({1, 2});
-  for (const char* preset : {"draft", "final"}) {
-    expect_reproducible(folder_, {"denoise", input_, "--frames", "1", "--preset", preset}, {});
+  // Of small frames in half floats a preset may come out alike by chance.
+  bool differ = false;
+  for (const char* preset : {"draft", "balanced", "final"}) {
+    differ |= expect_reproducible(folder_, {"denoise", input_, "--frames", "1", "--preset", preset}, {});
   }
+  EXPECT_EQ(differ, processor_is_newer());
 }
 
 TEST_F(SuiteTest, ReproducibleReferencesHoldOnOtherProcessors) {

@@ -166,6 +166,26 @@ TEST(RestoreEnergy, WhatIsRightIsHardlyBrightenedForWhatIsMissingElsewhere) {
   }
 }
 
+TEST(RestoreEnergy, LandIsNotBrightenedBeyondItsNoiseForASunThatLostLight) {
+  Frame frame = noisy_frame(256, 192, Told::variance);  // noise of 20 %
+  Estimate estimate = even_estimate(frame, 1.0f);
+  for (int x = 60; x < 64; ++x) {
+    for (int c = 0; c < 3; ++c) {
+      frame.image(Aov::beauty).at(x, 40, c) = 500000.0f;
+      frame.image(Aov::variance).at(x, 40, c) = 1e6f;
+      estimate.color.at(x, 40, c) = 400000.0f;
+    }
+  }
+  restore(frame, estimate);
+  for (int y = 0; y < 192; ++y) {
+    for (int x = 0; x < 256; ++x) {
+      const bool beside_the_sun = std::abs(x - 62) < 24 && std::abs(y - 40) < 24;  // in its cells
+      if (beside_the_sun) continue;
+      ASSERT_LT(estimate.color.at(x, y, 1), 1.0f + 1.2f * kNoise) << x << ',' << y;
+    }
+  }
+}
+
 TEST(RestoreEnergy, AnEqualEstimateStaysBitForBit) {
   for (const Told told : {Told::variance, Told::halves, Told::nothing}) {
     const Frame frame = noisy_frame(70, 45, told);
