@@ -100,9 +100,6 @@ const SettingRow<Settings> kTable[] = {
      name_field(&Settings::distance, std::span(kDistanceNames))},
     {{"refine_levels", "integer 0..12", "subpixel refinement on so many of the finest levels"},
      number_field(&Settings::refine_levels, 0, 12)},
-    {{"prefilter", "integer 0..5",
-      "a-trous steps on the radiance that is matched, each reaching twice as far"},
-     number_field(&Settings::prefilter, 0, 5)},
     {{"guides", "0 or 1", "1 matches albedo and normal besides the radiance, where frames have them"},
      number_field(&Settings::guides, 0, 1)},
     {{"motion", "none, guide or override",
@@ -140,12 +137,10 @@ Settings preset(std::string_view name) {
     settings.match_downsample = 4;
     settings.smooth = Smooth::frames;
     settings.directions = Directions::forward;
-    settings.prefilter = 0;
     settings.blur_radius = {5};
     settings.motion = MotionUse::none;
   } else if (name == "final") {
     settings.match_downsample = 1;
-    settings.prefilter = 2;
     settings.patch_radius = 2;
   } else if (name == "paper") {
     // Hanika, Tessari and Dachsbacher 2021, sections 3.1 and 3.2.
@@ -153,7 +148,6 @@ Settings preset(std::string_view name) {
     settings.pyramid = {.factor = 4, .levels = 4};
     settings.blur_radius = {10, 4, 2, 2};
     settings.refine_levels = 2;
-    settings.prefilter = 0;
     settings.guides = 0;
     settings.motion = MotionUse::none;
     settings.resample = Resample::bilinear;

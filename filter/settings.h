@@ -52,7 +52,6 @@ struct Settings {
   std::vector<int> blur_radius = {1, 2};
   Distance distance = Distance::log_l1_centered;
   int refine_levels = 12;
-  int prefilter = 1;
   int guides = 1;
   MotionUse motion = MotionUse::none;
 

@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <tuple>
-#include <utility>
-
 #include "shaders/shared/align_params.h"
 
 namespace becalm::filter {
@@ -18,37 +15,17 @@ using gpu::ImageId;
 /// The firefly test reads the pixels next to each.
 constexpr int kFireflyReach = 1;
 
-/// Writes the compressed luminance, smoothed by `prefilter` guided steps, to the last plane of `features`.
-void add_radiance_feature(Chain& chain, const Settings& settings, Extent full, const std::string& name,
-                          const FeatureSources& sources, ImageId features) {
-  const Extent extent = level_extent(settings, full, 0);
-  const auto target_of = [&](int step) {
-    return step == settings.prefilter
-               ? std::pair(features, sources.guide_planes)
-               : std::pair(chain.image(fmt::format("radiance.{}.step{}", name, step), Format::f32, extent),
-                           0);
-  };
-  const auto weight_of = [&](int step) { return step == settings.prefilter ? kFeatureRange : 0.0f; };
-  auto [radiance, plane] = target_of(0);
+/// Writes the compressed luminance to the last plane of `features`.
+void add_radiance_feature(Chain& chain, const Settings& settings, Extent full, const FeatureSources& sources,
+                          ImageId features) {
   chain.pass("align/radiance_feature")
       .read("color", sources.color, gpu::block(settings.match_downsample, kFireflyReach))
       .read("exposure", sources.exposure)
-      .write("features", radiance)
-      .constants(params::RadianceFeatureParams{
-          .downsample = settings.match_downsample, .plane = plane, .weight = weight_of(0)})
-      .dispatch(extent);
-  for (int step = 1; step <= settings.prefilter; ++step) {
-    const ImageId unfiltered = radiance;
-    const int tap_distance = 1 << (step - 1);  // there are two taps on either side
-    std::tie(radiance, plane) = target_of(step);
-    chain.pass("align/prefilter")
-        .read("radiance", unfiltered, gpu::reach(2 * tap_distance))
-        .read("guides", sources.guide_features, gpu::reach(2 * tap_distance))
-        .write("filtered", radiance)
-        .specialize("guide_planes", sources.guide_planes)
-        .constants(params::PrefilterParams{.step = tap_distance, .plane = plane, .weight = weight_of(step)})
-        .dispatch(extent);
-  }
+      .write("features", features)
+      .constants(params::RadianceFeatureParams{.downsample = settings.match_downsample,
+                                               .plane = sources.guide_planes,
+                                               .weight = kFeatureRange})
+      .dispatch(level_extent(settings, full, 0));
 }
 
 }  // namespace
@@ -82,7 +59,7 @@ Features add_feature_passes(Chain& chain, const Settings& settings, Extent full,
         .constants(params::GuideFeatureParams{.plane_in = 0, .plane = 0, .weight = 1.0f})
         .dispatch({extent.width, extent.height, sources.guide_planes});
   }
-  add_radiance_feature(chain, settings, full, name, sources, features);
+  add_radiance_feature(chain, settings, full, sources, features);
   return {features, planes};
 }
 

@@ -54,7 +54,7 @@ SplitPlan<Chains> plan_split(gpu::Device& device, const FilterTask& task, std::u
       }
       plan.feature_tiles = cut_tiles(full, tile.target.extent(), rules.features);
       if (plan.feature_tiles.empty()) {
-        if (reason.empty()) reason = "the prefilter reaches further than tiles have room for";
+        if (reason.empty()) reason = "features reach further than tiles have room for";
         return false;
       }
       const std::uint64_t bytes = plan.chains->device_bytes();

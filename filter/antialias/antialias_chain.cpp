@@ -35,7 +35,6 @@ bool AntialiasTask::validates_color() const {
 
 Settings aligner_settings(const AntialiasTask& task) {
   Settings settings = preset("final");
-  settings.prefilter = 0;
   settings.guides = 0;
   settings.blur_radius = {2};
   settings.refine_levels = task.settings.refine_levels;

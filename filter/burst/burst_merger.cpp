@@ -52,7 +52,6 @@ Image finite_samples(const Image& samples, float saturated) {
 Settings burst_aligner_settings() {
   Settings settings = preset("final");
   settings.match_downsample = 1;  // blocks are pixels to the aligner
-  settings.prefilter = 0;
   settings.guides = 0;
   settings.motion = MotionUse::none;
   settings.distance = Distance::l1;

@@ -25,7 +25,6 @@ Settings search_settings(Settings settings) {
   settings.blur_radius = {1, 2};
   settings.distance = Distance::log_l1_centered;
   settings.refine_levels = 12;
-  settings.prefilter = 0;
   settings.motion = MotionUse::none;
   return settings;
 }

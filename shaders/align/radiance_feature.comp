@@ -1,7 +1,7 @@
 // Reads a colour image and the frame's exposure; writes the exposed luminance averaged over downsample x
-// downsample pixels: as a matching feature, or uncompressed if prefilter steps follow. Averages come before
-// range compression, since the mean of compressed noisy values is lower than the compressed mean: a target
-// that is noisier than the history would look darker and match the history's darker pixels.
+// downsample pixels, as a matching feature. Averages come before range compression, since the mean of
+// compressed noisy values is lower than the compressed mean: a target that is noisier than the history would
+// look darker and match the history's darker pixels.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -50,5 +50,5 @@ void main() {
       ++count;
     }
   }
-  features.data[(p.plane * size.y + at.y) * size.x + at.x] = radiance_feature(sum / float(count), p.weight);
+  features.data[(p.plane * size.y + at.y) * size.x + at.x] = p.weight * compress(sum / float(count));
 }

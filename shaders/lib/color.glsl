@@ -14,10 +14,6 @@ float compress(float x) { return x / (1.0f + x); }
 /// the radiance stays as it is.
 float demodulated(float radiance, float albedo) { return albedo > 0.02f ? radiance / albedo : radiance; }
 
-/// The matching feature of an exposed radiance. A weight of 0 leaves it uncompressed, for prefilter steps to
-/// follow.
-float radiance_feature(float x, float weight) { return weight > 0.0f ? weight * compress(x) : x; }
-
 /// Divisor that makes differences relative: the luminance plus a tenth of the frame's typical luminance,
 /// below which errors count absolutely.
 float brightness(float r, float g, float b, float exposure) {

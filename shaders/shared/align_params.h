@@ -18,14 +18,7 @@ struct GuideFeatureParams {
 struct RadianceFeatureParams {
   int downsample;  // 1, 2 or 4
   int plane;       // written
-  float weight;    // 0 if prefilter steps follow
-};
-
-/// align/prefilter.
-struct PrefilterParams {
-  int step;      // distance of the taps
-  int plane;     // written
-  float weight;  // as in RadianceFeatureParams
+  float weight;
 };
 
 /// align/warp_source. Coarse offsets times `coarse_scale` are offsets of this level.

@@ -189,7 +189,6 @@ TEST_F(AdditiveTest, TilesDoNotShow) {
   settings.smooth = Smooth::none;
   settings.pyramid.levels = 1;
   settings.blur_radius = {1};
-  settings.prefilter = 0;
   const auto large_frame = [](int number) { return noisy_frame(number, 320, 200); };
   const std::vector<Denoised> whole = denoise(settings, large_frame);
   ASSERT_EQ(memory_.tiles, 1u);

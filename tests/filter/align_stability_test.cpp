@@ -107,7 +107,6 @@ TEST_F(AlignStability, MotionThatOnlyTheFinestLevelSeesIsFound) {
     });
   };
   Settings settings = preset("final");
-  settings.prefilter = 0;  // it blurs grain
   const Image offset = align(settings, scene(0), scene(2)).offset;
   std::vector<float> inside, outside;
   for (int y = 38; y < 42; ++y) {

@@ -224,7 +224,7 @@ TEST_F(FrameMergerTest, ShowsNoSeamsUnderOtherSettings) {
   const std::vector<std::vector<const char*>> all{{"merge=mask", "resample=bilinear"},
                                                   {"pyramid=4"},
                                                   {"blur_radius=10,3"},
-                                                  {"patch_radius=8", "prefilter=4"},
+                                                  {"patch_radius=8"},
                                                   {"guides=0", "blur_radius=5", "merge=mask"}};
   for (const std::vector<const char*>& assignments : all) {
     SCOPED_TRACE(assignments.front());

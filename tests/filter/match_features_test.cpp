@@ -5,7 +5,6 @@
 #include "filter/input/host_images.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/pattern.h"
-#include "tests/filter/reference/grid.h"
 
 namespace becalm::filter {
 namespace {
@@ -20,7 +19,6 @@ TEST_P(FeaturesAtResolution, AreCompressedLuminanceAndWeightedGuides) {
   const int downsample = GetParam();
   Settings settings = preset("final");
   settings.match_downsample = downsample;
-  settings.prefilter = 0;
   const gpu::Extent full{kWidth, kHeight};
   gpu::Extent extent = pyramid_extents(settings, kWidth, kHeight).front();
   extent.planes = 2;
@@ -73,75 +71,37 @@ TEST_P(FeaturesAtResolution, AreCompressedLuminanceAndWeightedGuides) {
   }
 }
 
-/// The prefilter in double (Dammertz et al. 2010): `steps` steps of a 5x5 B3 spline whose taps lie 1, 2, 4
-/// ... px apart and have lower weights the more their guides differ.
-reference::Grid<double> prefiltered(reference::Grid<double> image,
-                                    const std::vector<reference::Grid<double>>& guides, int steps) {
-  constexpr std::array<double, 5> spline{1 / 16.0, 1 / 4.0, 3 / 8.0, 1 / 4.0, 1 / 16.0};
-  for (int step = 0; step < steps; ++step) {
-    const auto before = image;
-    for (int y = 0; y < image.height; ++y) {
-      for (int x = 0; x < image.width; ++x) {
-        double sum = 0, weights = 0;
-        for (int j = 0; j < 5; ++j) {
-          for (int i = 0; i < 5; ++i) {
-            const int u = x + ((i - 2) << step), v = y + ((j - 2) << step);
-            double distance = 0;
-            for (const auto& guide : guides) distance += std::pow(guide.clamped(u, v) - guide.at(x, y), 2);
-            const double weight = spline[i] * spline[j] * std::exp(-distance / 2);
-            sum += weight * before.clamped(u, v);
-            weights += weight;
-          }
-        }
-        image.at(x, y) = sum / weights;
-      }
+TEST_F(FeaturesTest, AFireflyIsTheMeanOfItsFourNearest) {
+  Settings settings = preset("final");
+  settings.match_downsample = 1;
+  const gpu::Extent full{kWidth, kHeight};
+  gpu::Chain chain(device(), "firefly test");
+  const gpu::ImageId color = chain.input("color", gpu::Format::f32x4, full);
+  const gpu::ImageId exposure_image = chain.input("exposure", gpu::Format::f32, {1, 1});
+  const Features features =
+      add_feature_passes(chain, settings, full, "target", {color, exposure_image, std::nullopt, 0});
+  chain.output(features.image);
+  chain.build();
+
+  const auto radiance = [](int x, int y) { return 0.5 + pattern(x, y, 0); };
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const bool firefly = x == 6 && y == 3;
+      std::ranges::fill_n(chain.upload<float>(color).begin() + 4 * (y * kWidth + x), 4,
+                          firefly ? 1e6f : static_cast<float>(radiance(x, y)));
     }
   }
-  return image;
-}
+  chain.upload<float>(exposure_image)[0] = 1.0f;
+  chain.run();
 
-TEST_F(FeaturesTest, RadianceIsSmoothedAlongTheGuidesWithoutFireflies) {
-  {
-    Settings settings = preset("final");
-    settings.prefilter = 2;
-    const gpu::Extent full{kWidth, kHeight};
-    gpu::Chain chain(device(), "prefilter test");
-    const gpu::ImageId color = chain.input("color", gpu::Format::f32x4, full);
-    const gpu::ImageId exposure_image = chain.input("exposure", gpu::Format::f32, {1, 1});
-    const gpu::ImageId guides = chain.input("guides", gpu::Format::f32, {kWidth, kHeight, 2});
-    const Features features =
-        add_feature_passes(chain, settings, full, "target", {color, exposure_image, guides, 2});
-    chain.output(features.image);
-    chain.build();
-
-    reference::Grid<double> radiance(kWidth, kHeight);
-    std::vector<reference::Grid<double>> planes(2, radiance);
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        const int i = y * kWidth + x;
-        const float value = static_cast<float>(0.5 + pattern(x, y, 0));
-        // A firefly in the middle is replaced by the mean of the four nearest.
-        const bool firefly = x == 6 && y == 3;
-        std::ranges::fill_n(chain.upload<float>(color).begin() + 4 * i, 4, firefly ? 1e6f : value);
-        radiance.at(x, y) =
-            firefly ? 0.25 * (2.0 + pattern(5, 3, 0) + pattern(7, 3, 0) + pattern(6, 2, 0) + pattern(6, 4, 0))
-                    : value;
-        for (int plane = 0; plane < 2; ++plane) {
-          const double guide =
-              plane == 0 ? (y == 5 ? 0.0 : 8.0 * (0.2 + 0.7 * pattern(x, y, 7))) : 3.0 * (x > 8);
-          planes[plane].at(x, y) = static_cast<float>(guide);
-          chain.upload<float>(guides)[plane * kWidth * kHeight + i] = static_cast<float>(guide);
-        }
-      }
-    }
-    chain.upload<float>(exposure_image)[0] = 1.0f;
-    chain.run();
-
-    const auto expected = prefiltered(radiance, planes, 2);
-    const auto found = chain.download<float>(features.image).subspan(2 * kWidth * kHeight);
-    for (std::size_t i = 0; i < expected.data.size(); ++i) {
-      EXPECT_NEAR(found[i], 16.0 * expected.data[i] / (1.0 + expected.data[i]), 1e-4)
-          << "pixel " << i % kWidth << "," << i / kWidth;
+  const auto found = chain.download<float>(features.image);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const double expected =
+          x == 6 && y == 3
+              ? 0.25 * (radiance(5, 3) + radiance(7, 3) + radiance(6, 2) + radiance(6, 4))
+              : radiance(x, y);
+      EXPECT_NEAR(found[y * kWidth + x], 16.0 * expected / (1.0 + expected), 1e-4) << "pixel " << x << "," << y;
     }
   }
 }

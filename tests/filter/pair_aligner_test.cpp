@@ -121,7 +121,7 @@ TEST_F(PairAlignerTest, TilesDoNotShow) {
   const Frame target = wide_frame(1, 0);
   const Frame source = wide_frame(2, 13);
   for (const auto& changes :
-       {std::vector<const char*>{"motion=none", "match_downsample=1", "prefilter=0"}, {"motion=guide"}}) {
+       {std::vector<const char*>{"motion=none", "match_downsample=1"}, {"motion=guide"}}) {
     Settings settings = preset("final");
     for (const char* change : changes) set(settings, change);
     const auto aligner = [&](std::uint64_t limit) {

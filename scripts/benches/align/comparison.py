@@ -13,12 +13,12 @@ from pictures.panel import panel
 
 OURS = "ours"
 # By name: settings that change the default preset, and whether the albedo and normal layers are matched too.
-FINAL = ["match_downsample=1", "prefilter=2"]
+FINAL = ["match_downsample=1"]
 VARIANTS = {
     OURS: (FINAL, True),
     "ours, radiance": (FINAL, False),
     "ours, balanced": ([], True),
-    "ours, draft": (["match_downsample=4", "prefilter=0", "blur_radius=5"], True),
+    "ours, draft": (["match_downsample=4", "blur_radius=5"], True),
 }
 PRESET = "balanced"  # the default
 CORRELATION_GOAL = 0.02

@@ -46,7 +46,6 @@ VARIANTS = [
     ("large_patch", "final, weights from 7x7 patches", ("patch_radius=3",), ()),
     ("frames", "final, merging smoothed frames", ("smooth=frames",), ()),
     ("radiance_alone", "final, matching radiance alone", ("guides=0",), ()),
-    ("unfiltered", "final, matching without prefilter", ("prefilter=0",), ()),
     ("motion_none", "final, without motion vectors", ("motion=none",), ()),
     ("motion_vectors", "final, motion vectors in place of the search", ("motion=override",), ()),
     ("bilinear", "final, bilinear resampling", ("resample=bilinear",), ()),
