@@ -20,6 +20,8 @@ constexpr double kLargestFactor = 2.0;
 /// of the final change of the whole frame. Such a change is hardly visible between two frames, but a bias of
 /// that size darkens a shot.
 constexpr double kUnseen = 0.01;
+/// Relative brightness, above that around them, of samples that smoothing removes.
+constexpr double kLeastOutlier = 0.25;
 /// Size of the cells that `Restorable` tells clean from noisy.
 constexpr int kCell = 16;
 
@@ -114,8 +116,10 @@ struct Restored {
 
 /// What smoothing may have removed of each pixel, from the mean squares R of the difference from the frame and
 /// L of the estimate around it. The share is R / (R + (kUnseen L)^2): where there is no noise, smoothing
-/// removed no light, and light that it removed beside does not belong there. The limit is sqrt(R) / L, which
-/// no lost mean exceeds: a sun whose disc has lost light does not brighten the land below it.
+/// removed no light, and light that it removed beside does not belong there. The limit is r = sqrt(R) / L,
+/// which no lost mean exceeds, and r^2 / kLeastOutlier, which it does not exceed either if what was removed
+/// were samples brighter than L by kLeastOutlier and more. So a sun whose disc has lost light hardly brightens
+/// the land below it.
 class Restorable {
  public:
   Restorable(const NewFrame& frame, const Estimate& estimate)
@@ -165,8 +169,9 @@ class Restorable {
       }
     }
     if (!(residual > 0.0)) return {};
-    const double limit = power > 0.0 ? std::sqrt(residual / power) : kLargestFactor;
-    return {.share = residual / (residual + kUnseen * kUnseen * power), .limit = std::min(limit, kLargestFactor)};
+    const double square = power > 0.0 ? residual / power : kLargestFactor;
+    return {.share = residual / (residual + kUnseen * kUnseen * power),
+            .limit = std::min({std::sqrt(square), square / kLeastOutlier, kLargestFactor})};
   }
 
   int width_;

@@ -181,7 +181,7 @@ TEST(RestoreEnergy, LandIsNotBrightenedBeyondItsNoiseForASunThatLostLight) {
     for (int x = 0; x < 256; ++x) {
       const bool beside_the_sun = std::abs(x - 62) < 24 && std::abs(y - 40) < 24;  // in its cells
       if (beside_the_sun) continue;
-      ASSERT_LT(estimate.color.at(x, y, 1), 1.0f + 1.2f * kNoise) << x << ',' << y;
+      ASSERT_LT(estimate.color.at(x, y, 1), 1.0f + kNoise) << x << ',' << y;
     }
   }
 }
