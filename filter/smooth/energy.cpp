@@ -114,12 +114,12 @@ struct Restored {
   double factor(double of_block) const { return 1.0 + std::clamp(share * (of_block - 1.0), -limit, limit); }
 };
 
-/// What smoothing may have removed of each pixel, from the mean squares R of the difference from the frame and
-/// L of the estimate around it. The share is R / (R + (kUnseen L)^2): where there is no noise, smoothing
+/// What smoothing may have removed of each pixel, from the mean squares R of the difference from the frame
+/// and L of the estimate around it. The share is R / (R + (kUnseen L)^2): where there is no noise, smoothing
 /// removed no light, and light that it removed beside does not belong there. The limit is r = sqrt(R) / L,
 /// which no lost mean exceeds, and r^2 / kLeastOutlier, which it does not exceed either if what was removed
-/// were samples brighter than L by kLeastOutlier and more. So a sun whose disc has lost light hardly brightens
-/// the land below it.
+/// were samples brighter than L by kLeastOutlier and more. So a sun whose disc has lost light hardly
+/// brightens the land below it.
 class Restorable {
  public:
   Restorable(const NewFrame& frame, const Estimate& estimate)

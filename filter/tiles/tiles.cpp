@@ -121,8 +121,8 @@ std::string describe(const std::vector<Tile>& tiles) {
     reach = std::max(reach, largest_margin(tile.target, tile.source));
   }
   const Extent target = tiles.front().target.extent();
-  return fmt::format("{}x{} of {}x{} px with margins of up to {} px{}", columns, rows,
-                     target.width, target.height, margin,
+  return fmt::format("{}x{} of {}x{} px with margins of up to {} px{}", columns, rows, target.width,
+                     target.height, margin,
                      reach > 0 ? fmt::format(", history up to {} px beyond", reach) : "");
 }
 

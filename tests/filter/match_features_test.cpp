@@ -97,11 +97,11 @@ TEST_F(FeaturesTest, AFireflyIsTheMeanOfItsFourNearest) {
   const auto found = chain.download<float>(features.image);
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
-      const double expected =
-          x == 6 && y == 3
-              ? 0.25 * (radiance(5, 3) + radiance(7, 3) + radiance(6, 2) + radiance(6, 4))
-              : radiance(x, y);
-      EXPECT_NEAR(found[y * kWidth + x], 16.0 * expected / (1.0 + expected), 1e-4) << "pixel " << x << "," << y;
+      const double expected = x == 6 && y == 3
+                                  ? 0.25 * (radiance(5, 3) + radiance(7, 3) + radiance(6, 2) + radiance(6, 4))
+                                  : radiance(x, y);
+      EXPECT_NEAR(found[y * kWidth + x], 16.0 * expected / (1.0 + expected), 1e-4)
+          << "pixel " << x << "," << y;
     }
   }
 }
