@@ -1,8 +1,7 @@
 // Reads two estimates of a frame; writes the per-pixel statistics from which `combine` makes its weights:
-// (variance per frame of the first, of the second, squared difference of the two, 1), relative to their
-// brightness. The variance per frame is the variance times the effective sample count, so that a patch may
-// average pixels with histories of different lengths. Pixels that one of the estimates knows nothing of get
-// zeros.
+// (variance per frame of the first, of the second, 0, 1), relative to their brightness. The variance per frame
+// is the variance times the effective sample count, so that a patch may average pixels with histories of
+// different lengths. Pixels that one of the estimates knows nothing of get zeros.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/color.glsl"
@@ -27,8 +26,7 @@ void main() {
   const vec3 b = texelFetch(backward_color, index).rgb;
   const vec3 both = 0.5 * f + 0.5 * b;
   const float scale = 1.0 / brightness(both.r, both.g, both.b, texelFetch(exposure, 0).x);
-  const vec3 d = clamp((f - b) * scale, -kLargestDifference, kLargestDifference);
   const vec2 variances = min(vec2(stats_f.x, stats_b.x) * scale * scale, kLargestDifference * kLargestDifference);
   const bool counts = stats_f.y > 0.0 && stats_b.y > 0.0;
-  statistics.data[index] = counts ? vec4(variances * vec2(stats_f.y, stats_b.y), dot(d, d) / 3.0, 1.0) : vec4(0.0);
+  statistics.data[index] = counts ? vec4(variances * vec2(stats_f.y, stats_b.y), 0.0, 1.0) : vec4(0.0);
 }

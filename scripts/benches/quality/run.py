@@ -16,7 +16,7 @@ from benches.quality.plots import write_plots
 from benches.quality.shots import KNOWN, Shots
 from benches.quality.variants import NOISY, VARIANTS, Program, Variant
 
-SCENES = ["penumbra", "crossing", "spheres", "fence", "courtyard", "dining", "ocean"]
+SCENES = ["penumbra", "crossing", "spheres", "fence", "courtyard", "dining", "ocean", "meadow", "mountains", "slab"]
 PICTURED = ["noisy", "paper", "forward", "smoother", "final"]
 
 

@@ -35,6 +35,7 @@ VARIANTS = [
     Variant("final", "preset final", settings()),
     Variant("balanced", "preset balanced", settings(preset="balanced")),
     Variant("draft", "preset draft", settings(preset="draft")),
+    Variant("single", "final, each frame alone", ("--preset", "final", "--segment", "1", "--warmup", "0"), ablation=True),
     Variant("segment_8", "smoother, segments of 8", (*settings(*SMOOTHER), "--segment", "8", *WARMUP), ablation=True, segment=8),
     Variant("segment_5", "smoother, segments of 5", (*settings(*SMOOTHER), "--segment", "5", *WARMUP), ablation=True, segment=5),
 ] + [Variant(name, title, settings(*changed), without, ablation=True) for name, title, changed, without in [
