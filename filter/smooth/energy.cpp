@@ -22,6 +22,8 @@ constexpr double kLargestFactor = 2.0;
 constexpr double kUnseen = 0.01;
 /// Relative brightness, above that around them, of samples that smoothing removes.
 constexpr double kLeastOutlier = 0.25;
+/// Limit of the relative change of a pixel at one time.
+constexpr double kLargestChange = 1.0;
 /// Size of the cells that `Restorable` tells clean from noisy.
 constexpr int kCell = 16;
 
@@ -106,20 +108,23 @@ bool counts(const NewFrame& frame, const Estimate& estimate, std::size_t i) {
   return frame.finite[i] && estimate.stats.data()[2 * i + 1] > 0.0f;
 }
 
-/// How the factors of blocks apply to a pixel.
-struct Restored {
-  double share = 0.0;  ///< of the pixel that they apply to
-  double limit = 0.0;  ///< largest relative change
+/// How far the factors of blocks apply to a pixel.
+struct Allowance {
+  double share = 0.0;     ///< of the pixel that they apply to
+  double darker = 0.0;    ///< largest relative change
+  double brighter = 0.0;  ///< likewise
 
-  double factor(double of_block) const { return 1.0 + std::clamp(share * (of_block - 1.0), -limit, limit); }
+  double factor(double of_block) const {
+    return 1.0 + std::clamp(share * (of_block - 1.0), -darker, brighter);
+  }
 };
 
-/// What smoothing may have removed of each pixel, from the mean squares R of the difference from the frame
+/// What smoothing may have changed of each pixel, from the mean squares R of the difference from the frame
 /// and L of the estimate around it. The share is R / (R + (kUnseen L)^2): where there is no noise, smoothing
-/// removed no light, and light that it removed beside does not belong there. The limit is r = sqrt(R) / L,
-/// which no lost mean exceeds, and r^2 / kLeastOutlier, which it does not exceed either if what was removed
-/// were samples brighter than L by kLeastOutlier and more. So a sun whose disc has lost light hardly
-/// brightens the land below it.
+/// removed no light, and light that it removed beside does not belong there. No change exceeds r = sqrt(R) /
+/// L, since none of an even cell's mean is larger. Light is lost with samples brighter than L by
+/// kLeastOutlier and more, whose mean is r^2 / kLeastOutlier at most. So a sun whose disc has lost light
+/// hardly brightens the land below it. Light that these limits keep back is not restored elsewhere.
 class Restorable {
  public:
   Restorable(const NewFrame& frame, const Estimate& estimate)
@@ -134,13 +139,13 @@ class Restorable {
     for (int x = 0; x < estimate.color.width(); ++x) columns_.emplace_back((x + 0.5) / kCell - 0.5, width_);
   }
 
-  /// Calls set(x, restored) for the pixels of a row.
+  /// Calls set(x, allowed) for the pixels of a row.
   template <class Set>
   void for_row(int y, const Set& set) const {
     const Between row((y + 0.5) / kCell - 0.5, height_);
-    const Restored* low = &cells_[static_cast<std::size_t>(row.low) * width_];
-    const Restored* high = &cells_[static_cast<std::size_t>(row.high) * width_];
-    std::vector<Restored> along(static_cast<std::size_t>(width_));
+    const Allowance* low = &cells_[static_cast<std::size_t>(row.low) * width_];
+    const Allowance* high = &cells_[static_cast<std::size_t>(row.high) * width_];
+    std::vector<Allowance> along(static_cast<std::size_t>(width_));
     for (std::size_t i = 0; i < along.size(); ++i) along[i] = between(low[i], high[i], row.share);
     for (std::size_t x = 0; x < columns_.size(); ++x) {
       const Between& c = columns_[x];
@@ -149,11 +154,11 @@ class Restorable {
   }
 
  private:
-  static Restored between(const Restored& a, const Restored& b, double share) {
-    return {mix(a.share, b.share, share), mix(a.limit, b.limit, share)};
+  static Allowance between(const Allowance& a, const Allowance& b, double share) {
+    return {mix(a.share, b.share, share), mix(a.darker, b.darker, share), mix(a.brighter, b.brighter, share)};
   }
 
-  static Restored of_cell(const NewFrame& frame, const Estimate& estimate, int column, int row) {
+  static Allowance of_cell(const NewFrame& frame, const Estimate& estimate, int column, int row) {
     const int width = estimate.color.width();
     double residual = 0.0;
     double power = 0.0;
@@ -169,14 +174,15 @@ class Restorable {
       }
     }
     if (!(residual > 0.0)) return {};
-    const double square = power > 0.0 ? residual / power : kLargestFactor;
-    return {.share = residual / (residual + kUnseen * kUnseen * power),
-            .limit = std::min({std::sqrt(square), square / kLeastOutlier, kLargestFactor})};
+    const double share = residual / (residual + kUnseen * kUnseen * power);
+    if (!(power > 0.0)) return {share, kLargestChange, kLargestChange};
+    const double change = std::min(std::sqrt(residual / power), kLargestChange);
+    return {share, change, std::min(change, residual / power / kLeastOutlier)};
   }
 
   int width_;
   int height_;
-  std::vector<Restored> cells_;   ///< row by row
+  std::vector<Allowance> cells_;  ///< row by row
   std::vector<Between> columns_;  ///< of pixels
 };
 
@@ -189,7 +195,7 @@ BlockGrid finest_level(const NewFrame& frame, const FilterTask& task, const Esti
   const std::span<const float> color = estimate.color.data();
   const double exposure = frame.exposure;
   const auto add_row = [&](int y) {
-    restorable.for_row(y, [&](std::size_t x, const Restored& restored) {
+    restorable.for_row(y, [&](std::size_t x, const Allowance& allowed) {
       const std::size_t i = static_cast<std::size_t>(y) * width + x;
       if (!counts(frame, estimate, i)) return;
       Block& block = level.at(static_cast<int>(x) / kFinestBlock, y / kFinestBlock);
@@ -197,7 +203,7 @@ BlockGrid finest_level(const NewFrame& frame, const FilterTask& task, const Esti
         const double e = exposure * color[4 * i + c];
         block.frame[c] += exposure * beauty[4 * i + c];
         block.estimate[c] += e;
-        block.restorable[c] += restored.share * e;
+        block.restorable[c] += allowed.share * e;
       }
       block.noise += exposure * exposure * pixel_noise(frame, task, estimate, i);
     });
@@ -272,12 +278,12 @@ void apply(const BlockGrid& grid, int block_px, const Restorable& restorable, Es
     for (int x = 0; x < grid.width; ++x) {
       for (std::size_t c = 0; c < 3; ++c) along[x][c] = factor_between(grid, {double(x), grid.width}, row, c);
     }
-    restorable.for_row(y, [&](std::size_t x, const Restored& restored) {
+    restorable.for_row(y, [&](std::size_t x, const Allowance& allowed) {
       const std::size_t i = static_cast<std::size_t>(y) * width + x;
       const Between& column = columns[x];
       for (std::size_t c = 0; c < 3; ++c) {
         const double of_block = mix(along[column.low][c], along[column.high][c], column.share);
-        const auto factor = static_cast<float>(restored.factor(of_block));
+        const auto factor = static_cast<float>(allowed.factor(of_block));
         estimate.color.data()[4 * i + c] *= factor;
         for (Image& image : estimate.additive) image.data()[4 * i + c] *= factor;
       }
@@ -325,13 +331,13 @@ Remainder remainder_of_row(const NewFrame& frame, const Estimate& estimate, cons
   const double exposure = frame.exposure;
   const std::size_t first = static_cast<std::size_t>(y) * estimate.color.width();
   Remainder sum;
-  restorable.for_row(y, [&](std::size_t x, const Restored& restored) {
+  restorable.for_row(y, [&](std::size_t x, const Allowance& allowed) {
     const std::size_t i = first + x;
     if (!counts(frame, estimate, i)) return;
     for (std::size_t c = 0; c < 3; ++c) {
       const double e = exposure * estimate.color.data()[4 * i + c];
       sum.estimate[c] += e;
-      sum.restorable[c] += restored.share * e;
+      sum.restorable[c] += allowed.share * e;
       sum.residual += exposure * exposure * residual_square(frame, estimate, i, c) / 3.0;
     }
   });

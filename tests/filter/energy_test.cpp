@@ -18,12 +18,12 @@ constexpr float kNoise = 0.2f;
 enum class Told { variance, halves, nothing };  ///< what the frame states about its noise
 
 /// A frame of radiance 1 under noise.
-Frame noisy_frame(int width, int height, Told told) {
+Frame noisy_frame(int width, int height, Told told, float noise = kNoise) {
   std::mt19937 random(8);
-  std::normal_distribution<float> normal(0, kNoise);
+  std::normal_distribution<float> normal(0, noise);
   Frame frame(1, width, height);
   Image& beauty = frame.add(Aov::beauty, 1.0f);
-  if (told == Told::variance) frame.add(Aov::variance, kNoise * kNoise);
+  if (told == Told::variance) frame.add(Aov::variance, noise * noise);
   if (told == Told::halves) {
     frame.add(Aov::half_a);
     frame.add(Aov::half_b);
@@ -184,6 +184,19 @@ TEST(RestoreEnergy, LandIsNotBrightenedBeyondItsNoiseForASunThatLostLight) {
       ASSERT_LT(estimate.color.at(x, y, 1), 1.0f + kNoise) << x << ',' << y;
     }
   }
+}
+
+TEST(RestoreEnergy, FramesWithLittleNoiseLoseLightButHardlyGainAny) {
+  constexpr float little = 0.03f;
+  const Frame frame = noisy_frame(200, 150, Told::variance, little);
+  Estimate bright = even_estimate(frame, 1.05f);
+  restore(frame, bright);
+  EXPECT_NEAR(mean_green(bright.color), mean_green(frame.image(Aov::beauty)), 0.003);
+  // Samples that are brighter by 25 % and have this root mean square add (0.05^2 + 0.03^2) / 0.25.
+  Estimate dark = even_estimate(frame, 0.95f);
+  restore(frame, dark);
+  EXPECT_GT(mean_green(dark.color), 0.955);
+  EXPECT_LT(mean_green(dark.color), 0.98);
 }
 
 TEST(RestoreEnergy, AnEqualEstimateStaysBitForBit) {
