@@ -37,7 +37,7 @@ tracer::RenderOptions pilot_of(tracer::RenderOptions render) {
 }  // namespace
 
 Image expected_error(const Frame& filtered, float exposure) {
-  constexpr double least_square = 0.01;
+  constexpr double added_square = 0.01;  // below a tenth of the typical brightness, errors count as they are
   Image error(filtered.width(), filtered.height(), 1);
   const std::span<const float> beauty = filtered.image(Aov::beauty).data();
   const std::span<const float> variance = filtered.image(Aov::variance).data();
@@ -45,7 +45,7 @@ Image expected_error(const Frame& filtered, float exposure) {
   for (std::size_t i = 0; i < error.pixel_count(); ++i) {
     const double brightness = (double(beauty[4 * i]) + beauty[4 * i + 1] + beauty[4 * i + 2]) / 3.0;
     error.data()[i] =
-        static_cast<float>(square * variance[3 * i] / (square * brightness * brightness + least_square));
+        static_cast<float>(square * variance[3 * i] / (square * brightness * brightness + added_square));
   }
   return error;
 }

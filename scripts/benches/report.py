@@ -1,5 +1,5 @@
-"""Writes RESULTS.md: the quality of each preset on the Cycles shots and on our scenes, the trade of speed for accuracy, what adaptive sampling gains,
-temporal antialiasing, bursts, time and memory at 1920x1080, and both against pixels and frames.
+"""Writes RESULTS.md: the quality of each preset on the Cycles shots and on our scenes, the trade of speed for accuracy, what
+adaptive sampling gains, temporal antialiasing, bursts, time and memory at 1920x1080, and both against pixels and frames.
 Called by `scripts/bench report`."""
 
 import argparse
@@ -93,8 +93,8 @@ def scenes_part(becalm):
 
 {measured_at()}
 
-384x216, with albedo, normal, depth and variance; two references of 64 samples, whose noise is taken
-out. The network did not learn from these scenes, but affinities were added after a look at
+384x216, with every feature, variance and half-buffers; two references of 64 samples, whose noise is
+taken out. The network did not learn from these scenes, but affinities were added after a look at
 `penumbra`.
 
 {overview}
@@ -219,11 +219,12 @@ def scaling_part(becalm):
     return f"{title}\n\n{measured_at()}\n{text}"
 
 
-PARTS = {"quality": quality_part, "scenes": scenes_part, "trade": trade_part, "adaptive": adaptive_part, "antialias": antialias_part, "upsample": upsample_part,
-         "stereo": stereo_part, "burst": burst_part, "time": time_part, "scaling": scaling_part}  # by name, in RESULTS.md's order
-TITLES = {"quality": "## Cycles shots, 8 samples a pixel", "scenes": "## Our scenes, 8 samples a pixel", "trade": "## The trade", "adaptive": "## Adaptive sampling", "antialias": "## Temporal antialiasing",
-          "upsample": "## Temporal upsampling", "stereo": "## Stereo", "burst": "## Bursts",
-          "time": "## Time\n", "scaling": "## Time and memory against pixels and frames\n"}
+# By name, in RESULTS.md's order.
+PARTS = {"quality": quality_part, "scenes": scenes_part, "trade": trade_part, "adaptive": adaptive_part, "antialias": antialias_part,
+         "upsample": upsample_part, "stereo": stereo_part, "burst": burst_part, "time": time_part, "scaling": scaling_part}
+TITLES = {"quality": "## Cycles shots, 8 samples a pixel", "scenes": "## Our scenes, 8 samples a pixel", "trade": "## The trade",
+          "adaptive": "## Adaptive sampling", "antialias": "## Temporal antialiasing", "upsample": "## Temporal upsampling",
+          "stereo": "## Stereo", "burst": "## Bursts", "time": "## Time\n", "scaling": "## Time and memory against pixels and frames\n"}
 
 
 def measured_at():

@@ -35,7 +35,7 @@ def random_scales(count):
 def training_loss(result, log_error, references, scales):
     """A clamped relative squared error as a share of its size, SMAPE of the result, and the likelihood of its error.
 
-    The gradient of the first is that of the error's logarithm, if the references' noise is not counted as error. The error is
+    The gradient of the first is that of the error's logarithm; where references are two, their noise is not counted as error. The error is
     learned from (x-a)(x-b), whose mean is that of the squared error whatever the references' noise; not where both are one.
     """
     x = scales * result

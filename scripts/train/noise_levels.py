@@ -1,26 +1,26 @@
 """How many samples the noisy frames of a shot get: by the shot's own noise, so that shots of all renderers and lights spread
-evenly from frames that are nearly clean to frames that show hardly anything."""
+from frames that are nearly clean to frames that show hardly anything, as far as 1 to 64 samples reach."""
 
 import math
 
-SAMPLES = (1, 2, 4, 8, 16, 32, 64)
+FEWEST, MOST = 1, 64
 CLEANEST, NOISIEST = 0.003, 3.0  # relative squared error of a noisy frame
 
 
 def sample_count(sample_noise, relative_error):
     """The power of two nearest to what gives frames that error, if one sample of a pixel has `sample_noise`."""
     wanted = max(sample_noise, 1e-9) / relative_error
-    return min(max(2 ** round(math.log2(wanted)), SAMPLES[0]), SAMPLES[-1])
+    return min(max(2 ** round(math.log2(wanted)), FEWEST), MOST)
 
 
 def noise_levels(sample_noise, random):
     """Two different sample counts, ascending; `random` draws uniformly from [0, 1)."""
     first, second = (sample_count(sample_noise, CLEANEST * (NOISIEST / CLEANEST) ** random()) for _ in range(2))
     if first == second:
-        second = first // 2 if first == SAMPLES[-1] else 2 * first
+        second = first // 2 if first == MOST else 2 * first
     return sorted((first, second))
 
 
 def reference_samples(most_samples, least):
-    """Of each of two references: twice the samples of the cleanest noisy frame."""
+    """Of each of two references: twice the samples of the cleanest noisy frame, and no fewer than `least`."""
     return max(least, 2 * most_samples)

@@ -1,8 +1,8 @@
 """Reads the shots that cycles_shots.py and becalm_shots.py rendered: pairs of noisy frames and references.
 
 A pair is what the network may be shown of one frame: radiance, variance, features, noisy or clean, and two independent
-references. Pairs are packed once a shot into a file beside the frames, since reading EXR files takes longer than training on
-them.
+references, or one where the frame is the other. Pairs are packed once a shot into a file beside the frames, since reading EXR
+files takes longer than training on them.
 """
 
 import json
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import OpenImageIO as oiio
 
-PACKED = "packed.npz"
+PACKED = "pairs.npz"
 MERGED = "merged.npz"  # what merged_shots.py writes
 FIREFLY = 1e4  # largest radiance over the frame's typical one that a reference may have: half-float range
 

@@ -1,5 +1,5 @@
 // Reads two estimates of a frame; writes the per-pixel statistics from which `combine` makes its weights:
-// (variance per frame of the first, of the second, 0, 1), relative to their brightness. The variance per frame
+// (variance per frame of the first, of the second, unused, 1), relative to their brightness. The variance per frame
 // is the variance times the effective sample count, so that a patch may average pixels with histories of
 // different lengths. Pixels that one of the estimates knows nothing of get zeros.
 #version 460

@@ -18,7 +18,7 @@ struct GuideFeatureParams {
 struct RadianceFeatureParams {
   int downsample;  // 1, 2 or 4
   int plane;       // written
-  float weight;
+  float weight;    // the largest value of the feature
 };
 
 /// align/warp_source. Coarse offsets times `coarse_scale` are offsets of this level.

@@ -68,6 +68,7 @@ class Cells:
         inputs = [frame_path(noisy, frame) for frame in self.data.frames] + [
             frame_path(reference, frame) for reference in references for frame in self.data.measured]
         recipe = {"program": self.made_by, "options": self._options(variant), "without": list(variant.without),
+                  "frames": list(self.data.frames), "measured": list(self.data.measured), "reference_spp": self.reference_spp,
                   "input": str(noisy), "changed": max(path.stat().st_mtime for path in inputs), "pictured": pictured}
         if self.resume and file.exists():
             kept = json.loads(file.read_text())

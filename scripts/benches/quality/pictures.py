@@ -11,7 +11,7 @@ ERROR_SCALE = 0.5      # relative error at which the map is brightest
 ERROR_WINDOW_PX = 3    # width of the windows over which maps of error are averaged: about what an eye resolves
 ENERGY_SCALE = 0.1     # relative change of brightness at which the map has full colour
 ENERGY_SIGMA_PX = 4.0  # of the Gaussian that averages brightness before it is compared: single pixels would show noise
-JPEG_QUALITY = 80      # about 30 kB a picture, which keeps the page of seven scenes small enough to send
+JPEG_QUALITY = 80      # about 30 kB a picture, which keeps the page of ten scenes small enough to send
 
 
 def error_colours(squared):
