@@ -185,6 +185,8 @@ std::vector<Frame> FilterStage::run_views(const filter::Step& step, const std::v
 }
 
 void FilterStage::tell(const filter::FrameReport& report, const std::string& name, Progress& progress) const {
+  progress.detail(fmt::format("{}: {:.3g} frames a pixel on average, {:.0f} % of the history rejected", name,
+                              report.mean_sample_count, 100.0 * report.mean_rejected));
   if (report.new_shot) progress.note(fmt::format("{}: a new shot begins", name));
   if (report.non_finite_pixels > 0) {
     progress.warn(

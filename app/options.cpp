@@ -71,9 +71,7 @@ void add_running_options(CLI::App& command, RunningOptions& options) {
       ->group(more("Running"));
   CLI::Option* quiet = command.add_flag("-q,--quiet", options.quiet, "No progress; warnings and errors stay")
                            ->group("Running");
-  command
-      .add_flag("-v,--verbose", options.verbose,
-                "Also tell layers, device, tiles and every file read and written")
+  command.add_flag("-v,--verbose", options.verbose, "Also tell layers, device, tiles, histories and files")
       ->excludes(quiet)
       ->group("Running");
   command

@@ -230,7 +230,7 @@ void pack_guide(const Frame& frame, bool albedo, bool normal, const Rect& rect, 
 
 void pack_motion(const Image& motion, const Rect& rect, float limit_px, std::span<float> pairs) {
   assert(motion.channels() == 2 && pairs.size() == rect.extent().elements() * 2);
-  constexpr float none = 1e30f;  // kNoMotion of shaders/lib/motion.glsl
+  constexpr float none = 1e30f;  // not known to is_known_motion of shaders/lib/motion.glsl
   for_each_pixel(rect, motion.width(), [&](std::size_t in, std::size_t out) {
     const auto pixel = motion.data().subspan(2 * in, 2);
     const bool known = is_within(pixel, limit_px);

@@ -53,9 +53,9 @@ int guide_planes(bool albedo, bool normal);
 /// clamped to [0,1].
 void pack_guide(const Frame& frame, bool albedo, bool normal, const Rect& rect, std::span<float> planes);
 
-/// Packs a rectangle of the motion AOV as offset pairs. A pixel is marked as having no motion (kNoMotion of
-/// shaders/lib/motion.glsl) if its motion is not finite, which is how files mask it, or if a component
-/// exceeds the limit (motion_limit_px).
+/// Packs a rectangle of the motion AOV as offset pairs. A pixel is marked as having no motion
+/// (is_known_motion of shaders/lib/motion.glsl) if its motion is not finite, which is how files mask it, or
+/// if a component exceeds the limit (motion_limit_px).
 void pack_motion(const Image& motion, const Rect& rect, float limit_px, std::span<float> pairs);
 
 /// Number of pixels with a finite motion that has a component beyond the limit.

@@ -1,5 +1,5 @@
 """Writes RESULTS.md: the quality of each preset on the Cycles shots and on our scenes, the trade of speed for accuracy, what
-adaptive sampling gains, temporal antialiasing, bursts, time and memory at 1920x1080, and both against pixels and frames.
+adaptive sampling gains, temporal antialiasing and upsampling, pairs of eyes, bursts, time and memory at 1920x1080, and both against pixels and frames.
 Called by `scripts/bench report`."""
 
 import argparse
@@ -72,8 +72,8 @@ def quality_part(becalm):
 480x270, with albedo, normal and depth, without variance;
 `scripts/benches/quality/cycles/render.py` renders them, two references each. relMSE and temporal
 error are those of `becalm compare`, as a share of noisy's. The network did not learn from them, but
-was extended after a look at `cloth` and `foliage` (`scripts/train/README.md`). The last four rows
-change one thing of `final`.
+was extended after looks at `cloth`, `foliage` and `car` (`scripts/train/README.md`). The last four
+rows change one thing of `final`.
 
 {section(folder, "8 samples per pixel")}
 
@@ -146,7 +146,7 @@ def stereo_part(becalm):
 
 {measured_at()}
 
-Eight frames of both eyes at 320x180; errors of three of them against 64 samples, whose noise is
+Eight frames of both eyes at 320x180; errors of three of them against 256 samples, whose noise is
 taken out (`scripts/benches/stereo/`). The stereo difference is the root mean square difference
 between an eye and the other one reprojected by depth. Constants were chosen on `courtyard` and
 `dining`. Published: Philippi et al. 2022, section 5.3, on scenes of their own; `temporal` is as

@@ -158,7 +158,7 @@ def _glyphs(rng):
 
 def _rings(rng):
     """Wood-like: stretched noise read through a sawtooth."""
-    u, v = _unit_grid()
+    _, v = _unit_grid()
     warp = _fbm(rng, 2.4)
     return _stretched((warp * rng.uniform(2, 8) + v * rng.integers(1, 12)) % 1 + 0.3 * _fbm(rng, 1.2))
 

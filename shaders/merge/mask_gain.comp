@@ -6,7 +6,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/bilinear.glsl"
-#include "lib/color.glsl"
 #include "lib/gain.glsl"
 #include "shared/merge_params.h"
 

@@ -26,13 +26,14 @@ TEST_F(Denoise, ADryRunTellsWhatWouldBeReadAndWrittenAndWritesNothing) {
   EXPECT_EQ(becalm(command("out/a.####.exr", {"--dry-run", "--frames", "2-3"})).status, 3);
 }
 
-TEST_F(Denoise, VerboseTellsLayersDeviceAndFiles) {
+TEST_F(Denoise, VerboseTellsLayersDeviceHistoryAndFiles) {
   write_frames({1});
   const Outcome outcome = becalm_done(command("out.####.exr", {"-v"}));
   for (const std::string& words :
        {std::string("48x32 px of beauty=R,G,B,A albedo=albedo.R"), std::string("device "),
-        std::string("tiles 1\n"), "reading " + folder_ / "in.0001.exr",
-        "wrote " + folder_ / "out.0001.exr"}) {
+        std::string("tiles 1\n"),
+        std::string("frame 1: 1 frames a pixel on average, 100 % of the history rejected"),
+        "reading " + folder_ / "in.0001.exr", "wrote " + folder_ / "out.0001.exr"}) {
     EXPECT_NE(outcome.err.find(words), std::string::npos) << words << "\n" << outcome.err;
   }
 }

@@ -225,11 +225,11 @@ class Networks(unittest.TestCase):
 
 
 class NoiseLevels(unittest.TestCase):
-    def test_samples_follow_the_noise_and_are_two_counts_of_the_table(self):
+    def test_samples_follow_the_noise_and_are_two_different_counts(self):
         draws = iter([0.5, 0.5, 0.0, 0.0, 1.0, 1.0])
         random = lambda: next(draws)
         self.assertEqual(noise_levels.noise_levels(0.4, random), [4, 8])  # of 0.095, twice the same
-        self.assertEqual(noise_levels.noise_levels(0.4, random), [32, 64])  # of 0.003, beyond the table
+        self.assertEqual(noise_levels.noise_levels(0.4, random), [32, 64])  # of 0.003, beyond the most
         self.assertEqual(noise_levels.noise_levels(0.4, random), [1, 2])
         self.assertEqual(noise_levels.sample_count(0.0, 0.1), 1)
 

@@ -44,8 +44,8 @@ TEST(Material, EveryParameterMayBeAnImage) {
     'p': {'type': 'principled', 'base_color': {'image': 'p.exr', 'space': 'linear'}, 'metallic': {'image': 'p.exr', 'channel': 'r'},
           'roughness': {'image': 'p.exr', 'channel': 'g', 'scale': 0.5}, 'clearcoat': {'image': 'p.exr', 'channel': 'b'}, 'sheen': 0.25},
     'c': {'type': 'diffuse', 'reflectance': 0.5})"));
-  EXPECT_FALSE(has_textures(named(scene, "c")));
-  for (const char* name : {"m", "g", "p"}) EXPECT_TRUE(has_textures(named(scene, name))) << name;
+  EXPECT_FALSE(named(scene, "c").textured);
+  for (const char* name : {"m", "g", "p"}) EXPECT_TRUE(named(scene, name).textured) << name;
   const V2f left(0.25f, 0.5f), right(0.75f, 0.5f);
 
   const auto metal = evaluate<ConductorBsdf>(scene, "m", left);

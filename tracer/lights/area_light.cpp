@@ -72,7 +72,7 @@ double AreaLight::irradiance_at(const Receiver& at) const {
   const double mean = channel_mean(radiance);
   const V3d to_center = p + (e1 + e2) * (quad ? 0.5 : 1.0 / 3.0);
   const double squared = seen.squared;
-  // Farther than twice the diagonal all shapes are as good as a disc.
+  // Farther than 1.4 times the diagonal all shapes are as good as a disc.
   if (squared < 2.0 * (length1 * length1 + length2 * length2))
     return mean * polygon_irradiance(at, {p, p + e1, quad ? p + e1 + e2 : p + e2, p + e2});
   const double inverse = 1.0 / std::sqrt(squared);

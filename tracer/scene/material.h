@@ -94,13 +94,6 @@ struct Material {
 /// Sets `bsdf` and `textured` from the model.
 void finish_material(Material& material);
 
-/// Whether the BSDF varies over the surface. Of a mix: whether its factor does.
-inline bool has_textures(const Material& material) {
-  return material.textured;
-}
-inline bool is_mix(const Material& material) {
-  return std::holds_alternative<MixMaterial>(material.model);
-}
 /// Whether the shading normal is perturbed.
 inline bool has_relief(const Material& material) {
   return material.bump.has_value() || material.normal_map.has_value();

@@ -27,13 +27,6 @@ ELECTRONS = 50_000  # at white, ISO 100
 READ_NOISE_E, CONVERTER_NOISE = 2.5, 1.5 / (WHITE - BLACK)
 
 
-def noise_model(iso):
-    """a, b: the variance of a sample of value x is a x + b."""
-    electrons = ELECTRONS * 100 / iso
-    quantization = 1 / 12 / (WHITE - BLACK) ** 2
-    return 1 / electrons, (READ_NOISE_E / electrons) ** 2 + CONVERTER_NOISE**2 + quantization
-
-
 @dataclass
 class Burst:
     """Noise-free mosaics of one burst, the first of which is the reference."""

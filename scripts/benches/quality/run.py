@@ -119,7 +119,7 @@ def print_means(asked, results):
                 print(f"geometric mean of {len(cells)} scenes, {spp} spp  {variant.name:<16} relMSE {relmse}  temporal {temporal}  of noisy")
 
 
-def write_report(asked, program, results, missing):
+def write_report(asked, results, missing):
     """Prints and writes all tables. Returns the sections of the page."""
     spps = results.spps()
     report = Report(asked.output, ["goals", *(f"{spp}spp" for spp in spps), "samples", "variants"], "Quality of the denoised sequences")
@@ -151,7 +151,7 @@ def main():
     missing = measure(asked, Cells(program, data, asked.output, asked.reference_spp, asked.resume), results)
     if not results.cells:
         sys.exit("bench quality: nothing to measure: " + "; ".join(missing))
-    sections = write_report(asked, program, results, missing)
+    sections = write_report(asked, results, missing)
     judged = asked.ablation_spp[0] if asked.ablation_spp[0] in results.spps() else results.spps()[0]
     plots = write_plots(asked.output / "plots", results, ENERGY, judged)
     write_quality_page(asked, results, sections, plots)
