@@ -22,11 +22,6 @@ struct FilterTask {
 
   bool has_halves() const { return contains(used, Aov::half_a) && contains(used, Aov::half_b); }
   bool variance_known() const { return contains(used, Aov::variance) || has_halves(); }
-  /// Whether the albedo is divided out of the history. Only in variance mode: where history is never
-  /// rejected, factors of noisy albedo would accumulate.
-  bool demodulates_history() const {
-    return contains(used, Aov::albedo) && settings.merge == MergeMode::variance;
-  }
   bool smooths() const { return settings.smooth != Smooth::none; }
   /// Whether smoothed frames only determine the merge weights, and the merged noisy layers are smoothed for
   /// the output.

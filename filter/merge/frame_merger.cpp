@@ -147,9 +147,6 @@ FrameMerger::FrameMerger(gpu::Device& device, FilterTask task, std::uint64_t mem
     host_ = std::make_unique<Host>(task_, *chains_);
   }
   chains_->for_each([](gpu::Chain& chain) { chain.build(); });
-  if (task_.demodulates_history()) {
-    albedo_ = previous_albedo_ = Image(task_.full.width, task_.full.height, 4);
-  }
 }
 
 FrameMerger::~FrameMerger() = default;
@@ -170,11 +167,7 @@ void FrameMerger::merge(const NewFrame& frame, MergedFrame& merged, FrameReport&
     for (const Tile& tile : feature_tiles_) find_features(tile, frame, report);
     if (chains_->coarse) find_coarse_offsets(frame, report);
   }
-  if (!albedo_.empty()) {
-    pack_albedo(frame.frame.image(Aov::albedo), bounds(task_.full), albedo_.data());
-  }
   for (const Tile& tile : tiles_) merge_tile(tile, frame, merged, report);
-  std::swap(previous_albedo_, albedo_);
   if (!host_) return;
   std::swap(host_->history, host_->next);
   std::swap(host_->history_features, host_->features);
@@ -275,10 +268,6 @@ void FrameMerger::merge_tile(const Tile& tile, const NewFrame& frame, MergedFram
   if (merge.guide) {
     pack_guide(frame.frame, task_.guides.albedo, task_.guides.normal, tile.target,
                chain.upload<float>(*merge.guide));
-  }
-  if (merge.albedo) {
-    upload(chain, merge.albedo->current, view(std::as_const(albedo_)), tile.target);
-    upload(chain, merge.albedo->previous, view(std::as_const(previous_albedo_)), tile.source);
   }
   if (host_) upload_cut(tile);
   chain.run();

@@ -55,8 +55,6 @@ class FrameMerger {
   std::vector<Tile> feature_tiles_;  ///< for making features, if the frame is cut
   std::unique_ptr<Chains> chains_;
   std::unique_ptr<Host> host_;  ///< if the frame is cut: state kept between frames
-  Image albedo_;                ///< of the new frame, from pack_albedo, if the history is demodulated
-  Image previous_albedo_;
 };
 
 }  // namespace becalm::filter

@@ -20,51 +20,10 @@ using gpu::Extent;
 using gpu::Format;
 using gpu::ImageId;
 
-/// Divides the history's radiance by the previous frame's albedo.
-WarpInputs add_demodulate_passes(Chain& chain, Extent extent, WarpInputs history) {
-  const ImageId irradiance = chain.image("history.irradiance", Format::f32x4, extent);
-  const ImageId stats = chain.image("history.irradiance.stats", Format::f32x2, extent);
-  chain.pass("merge/demodulate_history")
-      .read("color", history.color)
-      .read("stats", history.stats)
-      .read("albedo", history.albedo->previous)
-      .write("irradiance", irradiance)
-      .write("irradiance_stats", stats)
-      .dispatch(extent);
-  history.color = irradiance;
-  history.stats = stats;
-  for (std::size_t i = 0; i < history.additive.size(); ++i) {
-    if (history.additive[i].kind == Carried::features) continue;
-    const ImageId demodulated =
-        chain.image(fmt::format("history.irradiance.additive.{}", i), Format::f32x4, extent);
-    chain.pass("merge/additive_demodulate")
-        .read("color", history.additive[i].image)
-        .read("albedo", history.albedo->previous)
-        .write("irradiance", demodulated)
-        .dispatch(extent);
-    history.additive[i].image = demodulated;
-  }
-  return history;
-}
-
 /// Footprint of a read of the history at the offsets, by either filter.
 gpu::Footprint gather_history(const WarpInputs& history) {
   constexpr int taps = 2;  // of the sharp filter, on either side of the position
   return gpu::gather(history.offset_limit_px + taps);
-}
-
-/// The factor by which the warped, demodulated history is multiplied in each target pixel.
-ImageId add_remodulation_pass(Chain& chain, Extent full, const WarpInputs& history,
-                              const SourceWindow& window, ImageId offset) {
-  const ImageId factor = chain.image("history.factor", Format::f32x4, full);
-  chain.pass("merge/remodulation")
-      .read("offset", offset)
-      .read("albedo", history.albedo->current, gpu::reach(1))
-      .read("history_albedo", history.albedo->previous, gather_history(history))
-      .read("target_origin", window.target_origin)
-      .write("factor", factor)
-      .dispatch(full);
-  return factor;
 }
 
 /// The coefficients of the spline through the history's pixels.
@@ -177,28 +136,24 @@ struct CarriedRead {
 /// share of their own that keeps them within the range of the nearest pixels.
 CarriedRead add_carried_read(Chain& chain, const Settings& settings, Extent full, const SourceWindow& window,
                              ImageId offset, const WarpInputs& history, std::size_t i,
-                             std::optional<ImageId> factor, std::optional<ImageId> share) {
+                             std::optional<ImageId> share) {
   const CarriedImage& carried = history.additive[i];
   const bool own_share = carried.kind != Carried::additive;
-  const bool demodulated = history.albedo && carried.kind != Carried::features;
   CarriedRead made{.warped = chain.image(fmt::format("warped.additive.{}", i), Format::f32x4, full),
                    .share = {}};
   if (own_share) {
     made.share = chain.image(fmt::format("warped.share.{}", i), Format::f32, full);
     share.reset();
   }
-  if (!demodulated) factor.reset();
   chain.pass("merge/additive_warp")
       .read("offset", offset)
       .read("history_color", carried.image, gather_history(history))
       .read("history_stats", history.stats, gather_history(history))
       .read("target_origin", window.target_origin)
-      .read("factor", factor)
       .read("share", share)
       .write("warped", made.warped)
       .write("own_share", made.share)
       .specialize("resample", static_cast<int>(settings.resample))
-      .specialize("demodulated", demodulated ? 1 : 0)
       .specialize("in_range", own_share ? 1 : 0)
       .dispatch(full);
   return made;
@@ -206,19 +161,14 @@ CarriedRead add_carried_read(Chain& chain, const Settings& settings, Extent full
 
 }  // namespace
 
-WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent full, const WarpInputs& radiance,
+WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent full, const WarpInputs& history,
                               ImageId offset) {
-  WarpedHistory warped{chain.image(radiance.name + "warped.color", Format::f32x4, full),
-                       chain.image(radiance.name + "warped.stats", Format::f32x2, full)};
+  WarpedHistory warped{chain.image(history.name + "warped.color", Format::f32x4, full),
+                       chain.image(history.name + "warped.stats", Format::f32x2, full)};
   const SourceWindow window =
-      radiance.window ? *radiance.window : add_same_window(chain, full, radiance.name + "origin.merge");
-  const WarpInputs history = radiance.albedo ? add_demodulate_passes(chain, window.full, radiance) : radiance;
+      history.window ? *history.window : add_same_window(chain, full, history.name + "origin.merge");
   std::optional<ImageId> share;
   if (!history.additive.empty()) share = chain.image("warped.share", Format::f32, full);
-  std::optional<ImageId> factor;
-  if (history.albedo) {
-    factor = add_remodulation_pass(chain, full, history, window, offset);
-  }
   const ImageId sharp =
       settings.resample == Resample::spline ? add_spline_passes(chain, window.full, history) : history.color;
   chain.pass("merge/warp_history")
@@ -227,13 +177,11 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
       .read("history_color", history.color, gather_history(history))
       .read("history_stats", history.stats, gather_history(history))
       .read("target_origin", window.target_origin)
-      .read("factor", factor)
       .write("warped_color", warped.color)
       .write("warped_stats", warped.stats)
       .write("share", share)
       .specialize("resample", static_cast<int>(settings.resample))
       .specialize("writes_share", share ? 1 : 0)
-      .specialize("demodulated", history.albedo ? 1 : 0)
       .dispatch(full);
   // Additive AOVs add up to the noisy radiance if it is carried, else to the colour; they use its share.
   const auto noisy = std::ranges::find(history.additive, Carried::radiance, &CarriedImage::kind);
@@ -241,7 +189,7 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
   std::optional<ImageId> share_of_light = share;
   const auto read = [&](std::size_t i) {
     const CarriedRead made =
-        add_carried_read(chain, settings, full, window, offset, history, i, factor, share_of_light);
+        add_carried_read(chain, settings, full, window, offset, history, i, share_of_light);
     warped.additive[i] = made.warped;
     return made.share;
   };
@@ -277,7 +225,6 @@ MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent ful
                                           .stats = inputs.history_stats.previous,
                                           .window = inputs.history_window,
                                           .additive = std::move(additive_history),
-                                          .albedo = inputs.albedo,
                                           .offset_limit_px = alignment.limit_px},
                                          alignment.offset);
   const ImageId decision = settings.merge == MergeMode::variance

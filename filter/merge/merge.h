@@ -13,17 +13,11 @@ namespace becalm::filter {
 
 class NoisyInputs;
 
-/// An image (f32x4) of the new frame and that of the previous frame, which covers the history's window.
-struct FramePair {
-  gpu::ImageId current;
-  gpu::ImageId previous;
-};
-
 /// The kinds of images that are merged with the beauty's weights.
 enum class Carried {
   additive,  ///< an additive AOV
   radiance,  ///< the noisy radiance, with its variance in the fourth channel
-  features,  ///< albedo, depth, normal: never divided by the albedo
+  features,  ///< albedo, depth, normal
 };
 
 /// An image (f32x4) that is merged into its history with the beauty's weights.
@@ -46,7 +40,6 @@ struct MergeInputs {
   /// Set if the previous history covers more of the frame than the other images.
   std::optional<SourceWindow> history_window = {};
   std::vector<CarriedInput> additive = {};
-  std::optional<FramePair> albedo = {};  ///< as WarpInputs::albedo
 };
 
 /// An image of the history (f32x4).
@@ -61,7 +54,6 @@ struct WarpInputs {
   gpu::ImageId stats;
   std::optional<SourceWindow> window = {};
   std::vector<CarriedImage> additive = {};  ///< carried images
-  std::optional<FramePair> albedo = {};     ///< from pack_albedo, if the history is demodulated
   int offset_limit_px = 0;                  ///< largest component of the offsets
   std::string name = {};  ///< prefix of the images' names, for chains that warp more than once
 };
@@ -73,9 +65,7 @@ struct WarpedHistory {
   std::vector<gpu::ImageId> additive = {};  ///< f32x4
 };
 
-/// Reads the previous history at the offsets (f32x2, full resolution). If the albedo is given, radiance is
-/// divided by the previous albedo before the read and multiplied by the new one afterwards, as far as the two
-/// differ by more than noise (merge/remodulation.comp).
+/// Reads the previous history at the offsets (f32x2, full resolution).
 WarpedHistory add_warp_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
                               const WarpInputs& history, gpu::ImageId offset);
 

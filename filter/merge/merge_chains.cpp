@@ -90,10 +90,6 @@ MergeChain::MergeChain(gpu::Device& device, const FilterTask& task, const Pyrami
   }
   residual_ = found.residual.front();
 
-  if (task.demodulates_history()) {
-    albedo = {chain.input("albedo.cur", Format::f32x4, target),
-              chain.input("albedo.prev", Format::f32x4, source)};
-  }
   additive = additive_inputs(chain, task.additive, target, "additive.cur");
   for (std::size_t i = 0; i < task.carried(); ++i) {
     carried.push_back(
@@ -112,8 +108,7 @@ MergeChain::MergeChain(gpu::Device& device, const FilterTask& task, const Pyrami
                                .history_color = color,
                                .history_stats = stats,
                                .history_window = matched.window,
-                               .additive = inputs,
-                               .albedo = albedo},
+                               .additive = inputs},
                               {offset_, found.residual, limit_px});
   add_outputs(task);
 }

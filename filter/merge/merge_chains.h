@@ -42,7 +42,6 @@ struct MergeChain {
   gpu::ImageId smoothed_color;  ///< if the task smooths
   gpu::ImageId smoothed_stats;
   std::optional<gpu::ImageId> motion;  ///< candidate or offset, if the tile uses it
-  std::optional<FramePair> albedo;
   std::vector<gpu::ImageId> additive;  ///< of the new frame, noisy or smoothed
   gpu::History color;                  ///< `previous` is an input unless the tile is the whole frame
   gpu::History stats;

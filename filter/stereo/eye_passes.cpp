@@ -19,15 +19,12 @@ EyePasses::Eye::Eye(gpu::Chain& chain, const FilterTask& task, Extent extent_, c
     : extent(extent_),
       color(chain.input(name + ".color", Format::f32x4, extent)),
       stats(chain.input(name + ".stats", Format::f32x2, extent)),
-      carried(additive_inputs(chain, task.carried(), extent, name + ".carried")) {
-  if (task.demodulates_history()) albedo = chain.input(name + ".albedo", Format::f32x4, extent);
-}
+      carried(additive_inputs(chain, task.carried(), extent, name + ".carried")) {}
 
 void EyePasses::Eye::upload(gpu::Chain& chain, const EyeFrame& eye, const Rect& rect) const {
   filter::upload(chain, color, view(eye.estimate.color), rect);
   filter::upload(chain, stats, view(eye.estimate.stats), rect);
   upload_additive(chain, carried, eye.estimate.additive, rect);
-  if (albedo) pack_albedo(eye.frame.frame.image(Aov::albedo), rect, chain.upload<float>(*albedo));
   if (depth) filter::upload(chain, *depth, view(eye.frame.frame.image(Aov::depth)), rect);
 }
 
@@ -53,7 +50,6 @@ EyePasses::EyePasses(gpu::Device& device, const FilterTask& task, int limit_px, 
                                                  : i == task.additive ? Carried::radiance
                                                                       : Carried::features});
   }
-  if (own.albedo) inputs.albedo = FramePair{*own.albedo, *other.albedo};
   add_blend(task, add_warp_passes(chain, task.settings, target, inputs, add_depth_check(limit_px)));
 }
 

@@ -36,8 +36,7 @@ struct EyePasses {
     gpu::ImageId color;
     gpu::ImageId stats;
     std::vector<gpu::ImageId> carried;
-    std::optional<gpu::ImageId> albedo;  ///< if the other eye's estimate is divided by it before it is read
-    std::optional<gpu::ImageId> depth;   ///< of the other eye, if frames have it
+    std::optional<gpu::ImageId> depth;  ///< of the other eye, if frames have it
   };
 
   gpu::Chain chain;

@@ -8,8 +8,7 @@
 #extension GL_EXT_control_flow_attributes : require
 
 layout(constant_id = 0) const int resample = 1;     // as in lib/resample.glsl
-layout(constant_id = 1) const int demodulated = 0;  // as in merge/warp_history
-layout(constant_id = 2) const int in_range = 0;     // 1: finds the image's own share and writes it
+layout(constant_id = 1) const int in_range = 0;     // 1: finds the image's own share and writes it
 
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Sizes { ivec2 size; ivec2 history_color_size; };
@@ -17,10 +16,9 @@ layout(set = 0, binding = 0) uniform samplerBuffer offset;
 layout(set = 0, binding = 1) uniform samplerBuffer history_color;
 layout(set = 0, binding = 2) uniform samplerBuffer history_stats;
 layout(set = 0, binding = 3) uniform samplerBuffer target_origin;
-layout(set = 0, binding = 4) uniform samplerBuffer factor;
-layout(set = 0, binding = 5) uniform samplerBuffer share;
-layout(std430, set = 0, binding = 6) writeonly buffer WarpedBuffer { vec4 data[]; } warped;
-layout(std430, set = 0, binding = 7) writeonly buffer OwnShareBuffer { float data[]; } own_share;
+layout(set = 0, binding = 4) uniform samplerBuffer share;
+layout(std430, set = 0, binding = 5) writeonly buffer WarpedBuffer { vec4 data[]; } warped;
+layout(std430, set = 0, binding = 6) writeonly buffer OwnShareBuffer { float data[]; } own_share;
 
 #include "lib/read_history.glsl"
 
@@ -37,6 +35,5 @@ void main() {
   } else {
     color = h.bilinear + texelFetch(share, index).x * (h.sharp - h.bilinear);
   }
-  const vec3 scale = demodulated != 0 ? texelFetch(factor, index).rgb : vec3(1.0);
-  warped.data[index] = h.found ? color * vec4(scale, 1.0) : vec4(0.0);
+  warped.data[index] = h.found ? color : vec4(0.0);
 }

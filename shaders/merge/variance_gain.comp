@@ -20,7 +20,7 @@ layout(constant_id = 1) const int smoothed = 0;  // 1: the new frame is smoothed
 const float kSignificanceInNoise = 3.0;
 
 /// Standard deviations beyond which a difference is certainly no noise.
-const float kCertain = 32.0;
+const float kCertain = 8.0;
 
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(set = 0, binding = 0) uniform samplerBuffer color;

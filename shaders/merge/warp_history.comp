@@ -3,16 +3,15 @@
 // rings around fireflies, so its result is mixed with the bilinear one, by one share for all channels, until
 // it lies within the range of the four nearest taps. Given the share, the result is linear in the history, so
 // images that are resampled with the same share still add up.
-// Statistics are (variance, effective sample count); a count of 0 means that there is no history. A history
-// without its albedo is multiplied by `factor`. If the history's images cover more of the frame than the
-// target's, the target's first pixel lies at target_origin in them.
+// Statistics are (variance, effective sample count); a count of 0 means that there is no history. If the
+// history's images cover more of the frame than the target's, the target's first pixel lies at target_origin
+// in them.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 
 layout(constant_id = 0) const int resample = 1;      // as in lib/resample.glsl
 layout(constant_id = 1) const int writes_share = 0;  // 1: writes `share`, for AOVs that are resampled with it
-layout(constant_id = 2) const int demodulated = 0;   // 1: the history comes without its albedo
 
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Sizes { ivec2 size; ivec2 history_color_size; };
@@ -20,17 +19,14 @@ layout(set = 0, binding = 0) uniform samplerBuffer offset;
 layout(set = 0, binding = 1) uniform samplerBuffer history_color;
 layout(set = 0, binding = 2) uniform samplerBuffer history_stats;
 layout(set = 0, binding = 3) uniform samplerBuffer target_origin;
-layout(set = 0, binding = 4) uniform samplerBuffer factor;
-layout(set = 0, binding = 5) uniform samplerBuffer history_sharp;  // the history, or its spline coefficients
-layout(std430, set = 0, binding = 6) writeonly buffer WarpedColorBuffer { vec4 data[]; } warped_color;
-layout(std430, set = 0, binding = 7) writeonly buffer WarpedStatsBuffer { vec2 data[]; } warped_stats;
-layout(std430, set = 0, binding = 8) writeonly buffer ShareBuffer { float data[]; } share;
+layout(set = 0, binding = 4) uniform samplerBuffer history_sharp;  // the history, or its spline coefficients
+layout(std430, set = 0, binding = 5) writeonly buffer WarpedColorBuffer { vec4 data[]; } warped_color;
+layout(std430, set = 0, binding = 6) writeonly buffer WarpedStatsBuffer { vec2 data[]; } warped_stats;
+layout(std430, set = 0, binding = 7) writeonly buffer ShareBuffer { float data[]; } share;
 
 #define SHARP_HISTORY history_sharp
 
-#include "lib/gain.glsl"
 #include "lib/read_history.glsl"
-#include "lib/reflectance.glsl"
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
@@ -42,8 +38,7 @@ void main() {
   // Only rounding is left beyond the range. It would show as negative radiance or as change in an even
   // surface.
   const vec4 in_range = clamp(color, h.lowest, h.highest);
-  const vec3 scale = demodulated != 0 ? texelFetch(factor, index).rgb : vec3(1.0);
-  warped_color.data[index] = h.found ? in_range * vec4(scale, 1.0) : vec4(0.0);
-  warped_stats.data[index] = vec2(min(h.stats.x * variance_divisor_of(scale), kLargestVariance), h.stats.y);
+  warped_color.data[index] = h.found ? in_range : vec4(0.0);
+  warped_stats.data[index] = h.stats;
   if (writes_share != 0) share.data[index] = sharp;
 }

@@ -1,4 +1,4 @@
-// The history with its albedo divided out.
+// Sequences whose albedo is noisy, black, white or not finite.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -39,19 +39,6 @@ Frame moving_frame(int number, const AlbedoAt& albedo_at, const RadianceAt& radi
   return frame;
 }
 
-/// A noise that explains any difference between frames, so that the merge averages them with equal weights.
-constexpr float kAnyDifference = 100.0f;
-
-/// Merges frames along the known motion.
-Settings along_motion() {
-  Settings settings = preset("draft");
-  for (const char* change : {"smooth=none", "patch_radius=3", "motion=override"}) set(settings, change);
-  return settings;
-}
-
-/// If it is known, the history is demodulated.
-enum class Albedo { known, unknown };
-
 /// Mean squared difference of a denoised frame from `truth_at(x, y)`, excluding the borders, where surfaces
 /// come into view.
 template <class TruthAt>
@@ -70,40 +57,9 @@ double squared_error(const Frame& frame, const TruthAt& truth_at) {
 constexpr float kIrradiance = 2.0f;
 constexpr int kFrames = 8;
 
-float texture(float u, float v) {
-  return static_cast<float>(0.05 + 0.9 * pattern(2.5 * u, 2.5 * v, 9));
-}
+class AlbedoTest : public DeviceTest {};
 
-class DemodulateHistoryTest : public DeviceTest {
- protected:
-  /// The last frame of `frame_of`, merged along the known motion.
-  template <class FrameOf>
-  static Frame last_of(const FrameOf& frame_of, Albedo albedo) {
-    AovSet available = frame_of(1).aovs();
-    available.set(static_cast<std::size_t>(Aov::albedo), albedo == Albedo::known);
-    SequenceFilter filter(device(), along_motion(), kWidth, kHeight, available);
-    Denoised denoised;
-    for (int number = 1; number <= kFrames; ++number) denoised = filter.denoise(frame_of(number));
-    return std::move(denoised.frame);
-  }
-};
-
-TEST_F(DemodulateHistoryTest, HistoryOfAnotherPlaceGetsTheTextureOfTheFrame) {
-  const auto frame_of = [](int number) {
-    Frame frame = moving_frame(number, texture, [](float u, float v) { return kIrradiance * texture(u, v); });
-    for (float& v : frame.image(Aov::motion).data()) v += 2.5f;  // an error of three pixels in total
-    std::ranges::fill(frame.image(Aov::variance).data(), kAnyDifference);
-    return frame;
-  };
-  const Frame truth = frame_of(kFrames);
-  const auto error_with = [&](Albedo albedo) {
-    return squared_error(last_of(frame_of, albedo),
-                         [&](int x, int y) { return truth.image(Aov::beauty).at(x, y, 1); });
-  };
-  EXPECT_LT(error_with(Albedo::known), 0.5 * error_with(Albedo::unknown));
-}
-
-TEST_F(DemodulateHistoryTest, NoiseOfTheAlbedoMakesNothingWorse) {
+TEST_F(AlbedoTest, NoiseOfTheAlbedoMakesNothingWorse) {
   // Stripes with soft edges, as out of focus, of four samples; albedo and radiance have the same noise.
   const auto covered = [](float u) {
     return std::clamp(std::abs(std::fmod(u, 16.0f) - 8.0f) - 3.5f, 0.0f, 1.0f);
@@ -133,7 +89,7 @@ TEST_F(DemodulateHistoryTest, NoiseOfTheAlbedoMakesNothingWorse) {
   EXPECT_LT(squared_error(denoised.frame, truth_at), squared_error(noisy_frame(kFrames), truth_at));
 }
 
-TEST_F(DemodulateHistoryTest, EmittersAndBlackSurfacesKeepTheirBrightness) {
+TEST_F(AlbedoTest, EmittersAndBlackSurfacesKeepTheirBrightness) {
   // Stripes of emitters with an albedo of 1 or 0, between walls that are dark, grey, black or white.
   struct Stripe {
     float albedo;
@@ -164,17 +120,16 @@ TEST_F(DemodulateHistoryTest, EmittersAndBlackSurfacesKeepTheirBrightness) {
   }
 }
 
-TEST_F(DemodulateHistoryTest, AlbedoThatIsNotFiniteDarkensAndBrightensNothing) {
+TEST_F(AlbedoTest, AlbedoThatIsNotFiniteDarkensAndBrightensNothing) {
   constexpr float albedo = 0.1f;
   constexpr float radiance = 0.2f;
   const auto even = [&](int number) {
     return moving_frame(
         number, [&](float, float) { return albedo; }, [&](float, float) { return radiance; });
   };
-  SequenceFilter filter(device(), along_motion(), kWidth, kHeight, even(1).aovs());
+  SequenceFilter filter(device(), preset("draft"), kWidth, kHeight, even(1).aovs());
   for (int number = 1; number <= 5; ++number) {
     Frame frame = even(number);
-    std::ranges::fill(frame.image(Aov::variance).data(), kAnyDifference);
     if (number == 3) {
       frame.image(Aov::albedo).at(20, 20, 1) = std::numeric_limits<float>::quiet_NaN();
       frame.image(Aov::albedo).at(40, 30, 0) = std::numeric_limits<float>::infinity();
