@@ -170,7 +170,7 @@ Merged merge_by_variance(const Grid<Estimate>& sample, const Grid<Estimate>& war
           for (int c = 0; c < 3; ++c)
             own_square += std::pow((own.color[c] - warped.at(x, y).color[c]) * own_scale, 2) / 3;
           const double own_noise = (own.variance + warped.at(x, y).variance) * own_scale * own_scale;
-          if (own_square > 32 * 32 * own_noise) relative_bias = std::max(relative_bias, own_square);
+          if (own_square > 8 * 8 * own_noise) relative_bias = std::max(relative_bias, own_square);
         }
         alpha = std::max(1 / kMostFrames, gain(variance_new, variance_history, relative_bias));
         const double unbiased = gain(variance_new, variance_history, 0);
