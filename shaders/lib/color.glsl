@@ -10,10 +10,6 @@ float exposed(float radiance, float exposure) { return min(max(radiance * exposu
 /// Range compression of an exposed radiance to [0,1).
 float compress(float x) { return x / (1.0f + x); }
 
-/// Radiance without the texture; where the albedo is nearly black, light that did not come from it would be blown up, and
-/// the radiance stays as it is.
-float demodulated(float radiance, float albedo) { return albedo > 0.02f ? radiance / albedo : radiance; }
-
 /// Divisor that makes differences relative: the luminance plus a tenth of the frame's typical luminance,
 /// below which errors count absolutely.
 float brightness(float r, float g, float b, float exposure) {
