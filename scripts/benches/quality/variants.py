@@ -20,24 +20,18 @@ def settings(*assignments, preset="final"):
     return ("--preset", preset, *(word for assignment in assignments for word in ("--set", assignment)))
 
 
-# The merge without the network. It then weighs noisy frames, for which patches must be larger.
-MERGE = ("smooth=none", "patch_radius=3", "motion=none")
-FORWARD = ("directions=forward", *MERGE)
-SMOOTHER = ("directions=both", *MERGE)
 WARMUP = ("--warmup", "8")
 
 NOISY = Variant("noisy", "noisy")
 VARIANTS = [
     NOISY,
     Variant("paper", "preset paper", settings(preset="paper"), history="before"),
-    Variant("forward", "variance, forward", settings(*FORWARD), history="before"),
-    Variant("smoother", "smoother", settings(*SMOOTHER), history="all"),
-    Variant("final", "preset final", settings()),
-    Variant("balanced", "preset balanced", settings(preset="balanced")),
-    Variant("draft", "preset draft", settings(preset="draft")),
+    Variant("final", "preset final", settings(), history="all"),
+    Variant("balanced", "preset balanced", settings(preset="balanced"), history="all"),
+    Variant("draft", "preset draft", settings(preset="draft"), history="before"),
     Variant("single", "final, each frame alone", ("--preset", "final", "--segment", "1", "--warmup", "0"), ablation=True),
-    Variant("segment_8", "smoother, segments of 8", (*settings(*SMOOTHER), "--segment", "8", *WARMUP), ablation=True, segment=8),
-    Variant("segment_5", "smoother, segments of 5", (*settings(*SMOOTHER), "--segment", "5", *WARMUP), ablation=True, segment=5),
+    Variant("segment_8", "final, segments of 8", (*settings(), "--segment", "8", *WARMUP), ablation=True, segment=8),
+    Variant("segment_5", "final, segments of 5", (*settings(), "--segment", "5", *WARMUP), ablation=True, segment=5),
 ] + [Variant(name, title, settings(*changed), without, ablation=True) for name, title, changed, without in [
     ("forward_smooth", "final, forward", ("directions=forward",), ()),
     ("half_buffers", "final, variance from half-buffers", (), ("variance",)),
