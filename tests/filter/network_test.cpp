@@ -184,8 +184,7 @@ TEST_F(NetworkTest, AgreesWithTheReferenceForSingleFramesWithAndWithoutAlbedo) {
     const Grid<Estimate> truth =
         reference::smooth_by_network({sample.pixels, sample.own_pixels}, {sample.features, sample.own},
                                      sample.exposure, frame_weights(), true);
-    expect_agreement(sample, truth,
-                     smooth_on(device(), sample, frame_weights(), true, std::nullopt, kind));
+    expect_agreement(sample, truth, smooth_on(device(), sample, frame_weights(), true, std::nullopt, kind));
   }
 }
 
