@@ -27,6 +27,19 @@ float excess_over_noise(float measured, float noise, float count, float standard
   return max(0.0f, measured - noise * (1.0f + standard_errors * sqrt(2.0f / count)));
 }
 
+/// Standard errors by which a residual of noisy frames must exceed noise to count as bias; below that, noise
+/// would reject history. Residuals of smoothed frames are no random samples: any excess counts.
+const float kSignificanceInNoise = 3.0f;
+
+/// Squared bias of a patch of `count` pixels, whose differences have the expected square `noise`. What all pixels
+/// share shows in the mean difference (`mean_squared`), whose noise averages out; misaligned detail shows in the
+/// mean squared difference (`squared_mean`) alone. Noise is taken as grey: the squared mean then has one degree of
+/// freedom, whatever the number of channels.
+float patch_bias(float mean_squared, float squared_mean, float noise, float count, float standard_errors) {
+  return max(excess_over_noise(mean_squared, noise / count, 1.0f, standard_errors),
+             excess_over_noise(squared_mean, noise, count, standard_errors));
+}
+
 /// Weight of the new sample that minimises the expected squared error, eq. 4. `variance_new` is that of the
 /// new sample's mean; `variance_history` and `bias_squared` are the history's.
 float gain(float variance_new, float variance_history, float bias_squared) {

@@ -31,17 +31,13 @@ layout(std430, set = 0, binding = 6) writeonly buffer ColorBuffer { vec4 data[];
 layout(std430, set = 0, binding = 7) writeonly buffer StatsBuffer { vec2 data[]; } stats;
 layout(std430, set = 0, binding = 8) writeonly buffer WeightBuffer { float data[]; } weight_backward;
 
+#include "lib/patch_row.glsl"
+
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= size.x || at.y >= size.y) return;
   const int index = at.y * size.x + at.x;
-  vec4 sum = texelFetch(statistics_sums, index);
-  [[unroll]] for (int i = -radius; i <= radius; ++i) {
-    if (i == 0) continue;
-    const bool inside = at.x + i >= 0 && at.x + i < size.x;
-    const vec4 tap = texelFetch(statistics, inside ? index + i : index);
-    sum += inside ? tap : vec4(0.0);
-  }
+  const vec4 sum = patch_without_pixel(statistics, statistics_sums, at);
   const vec2 stats_f = texelFetch(forward_stats, index).xy;
   const vec2 stats_b = texelFetch(backward_stats, index).xy;
   const vec4 f = texelFetch(forward_color, index);
@@ -51,11 +47,11 @@ void main() {
   const float counted = stats_b.y / max(stats_f.y + stats_b.y, 1e-6);
   // An estimate's variance is that of a frame over the sample count. Without neighbours, all frames count
   // alike.
-  vec2 of_frame = sum.xy / max(sum.w, 1.0);
+  vec2 of_frame = sum.xy / max(sum.z, 1.0);
   if (smoothed != 0) of_frame = sqrt(of_frame) * sqrt(max(texelFetch(statistics, index).xy, kLeastOfPatch * of_frame));
-  float weight = sum.w >= 1.0 ? gain(of_frame.y / max(stats_b.y, 1e-6), of_frame.x / max(stats_f.y, 1e-6), 0.0) : counted;
+  float weight = sum.z >= 1.0 ? gain(of_frame.y / max(stats_b.y, 1e-6), of_frame.x / max(stats_f.y, 1e-6), 0.0) : counted;
   // Both are exact: take the forward estimate, which includes the frame.
-  if (sum.w >= 1.0 && of_frame.x + of_frame.y <= 0.0) weight = 0.0;
+  if (sum.z >= 1.0 && of_frame.x + of_frame.y <= 0.0) weight = 0.0;
   if (!has_f) weight = 1.0;
   if (!has_b) weight = 0.0;
 

@@ -1,5 +1,5 @@
 // Reads two estimates of a frame; writes the per-pixel statistics from which `combine` makes its weights:
-// (variance per frame of the first, of the second, unused, 1), relative to their brightness. The variance per frame
+// (variance per frame of the first, of the second, 1, unused), relative to their brightness. The variance per frame
 // is the variance times the effective sample count, so that a patch may average pixels with histories of
 // different lengths. Pixels that one of the estimates knows nothing of get zeros.
 #version 460
@@ -28,5 +28,5 @@ void main() {
   const float scale = 1.0 / brightness(both.r, both.g, both.b, texelFetch(exposure, 0).x);
   const vec2 variances = min(vec2(stats_f.x, stats_b.x) * scale * scale, kLargestDifference * kLargestDifference);
   const bool counts = stats_f.y > 0.0 && stats_b.y > 0.0;
-  statistics.data[index] = counts ? vec4(variances * vec2(stats_f.y, stats_b.y), 0.0, 1.0) : vec4(0.0);
+  statistics.data[index] = counts ? vec4(variances * vec2(stats_f.y, stats_b.y), 1.0, 0.0) : vec4(0.0);
 }

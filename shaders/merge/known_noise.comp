@@ -14,17 +14,13 @@ layout(set = 0, binding = 1) uniform samplerBuffer statistics;
 layout(set = 0, binding = 2) uniform samplerBuffer statistics_sums;
 layout(std430, set = 0, binding = 3) writeonly buffer KnownBuffer { vec4 data[]; } known;
 
+#include "lib/patch_row.glsl"
+
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= size.x || at.y >= size.y) return;
   const int index = at.y * size.x + at.x;
-  vec4 sum = texelFetch(statistics_sums, index);
-  [[unroll]] for (int i = -radius; i <= radius; ++i) {
-    if (i == 0) continue;
-    const bool inside = at.x + i >= 0 && at.x + i < size.x;
-    const vec4 tap = texelFetch(statistics, inside ? index + i : index);
-    sum += inside ? tap : vec4(0.0);
-  }
+  const vec4 sum = patch_without_pixel(statistics, statistics_sums, at);
   const vec4 value = texelFetch(noisy, index);
   // A firefly among calm pixels keeps its variance, since its own difference is large.
   const vec4 own = texelFetch(statistics, index);

@@ -15,10 +15,6 @@
 layout(constant_id = 0) const int radius = 3;
 layout(constant_id = 1) const int smoothed = 0;  // 1: the new frame is smoothed; its variance is that of a window's mean
 
-/// Standard errors by which a residual of noisy frames must exceed noise to count as bias; below that, noise
-/// would reject history. Residuals of smoothed frames are no random samples: any excess counts.
-const float kSignificanceInNoise = 3.0;
-
 /// Standard deviations beyond which a difference is certainly no noise.
 const float kCertain = 8.0;
 
@@ -37,6 +33,7 @@ layout(std430, set = 0, binding = 10) writeonly buffer MergedStatsBuffer { vec2 
 layout(std430, set = 0, binding = 11) writeonly buffer DecisionBuffer { vec4 data[]; } decision;
 
 #include "lib/blend.glsl"
+#include "lib/patch_row.glsl"
 
 /// `alpha` after sample and history are also weighted by 1/(1 + luminance), as far as noise explains their
 /// difference: bright sky that a dark leaf has just uncovered is no outlier.
@@ -46,10 +43,9 @@ float alpha_against_outliers(int index, float alpha) {
   const float exposed_to = texelFetch(exposure, 0).x;
   const float weighted = luminance_weighted(alpha, exposed_to * max(luminance(x.r, x.g, x.b), 0.0),
                                             exposed_to * max(luminance(h.r, h.g, h.b), 0.0));
-  const vec3 d = clamp(x - h, -kLargestDifference, kLargestDifference);
-  const float difference = dot(d, d) / 3.0;
-  const float noise_of_sample = texelFetch(variance, index).x;
-  return mix(alpha, weighted, noise_of_sample > 0.0 ? noise_of_sample / (noise_of_sample + difference) : 0.0);
+  const float difference_squared = texelFetch(difference, index).a;
+  const float noise_of_sample = texelFetch(noise, index).x;
+  return mix(alpha, weighted, noise_of_sample > 0.0 ? noise_of_sample / (noise_of_sample + difference_squared) : 0.0);
 }
 
 /// Relative squared bias of a pixel that is darker than its history by more than any noise explains, such as a single
@@ -65,18 +61,8 @@ void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= size.x || at.y >= size.y) return;
   const int index = at.y * size.x + at.x;
-  // The sums hold the rows above and below. Add the pixel's own row without the pixel.
-  vec4 difference_sum = texelFetch(difference_sums, index);
-  vec4 noise_sum = texelFetch(noise_sums, index);
-  [[unroll]] for (int i = -radius; i <= radius; ++i) {
-    if (i == 0) continue;
-    const bool inside = at.x + i >= 0 && at.x + i < size.x;
-    const int tap = inside ? index + i : index;
-    const vec4 tap_difference = texelFetch(difference, tap);
-    const vec4 tap_noise = texelFetch(noise, tap);
-    difference_sum += inside ? tap_difference : vec4(0.0);
-    noise_sum += inside ? tap_noise : vec4(0.0);
-  }
+  const vec4 difference_sum = patch_without_pixel(difference, difference_sums, at);
+  const vec4 noise_sum = patch_without_pixel(noise, noise_sums, at);
   const float count = noise_sum.z;
   float alpha = 1.0;
   float bias_squared = 0.0;
@@ -93,15 +79,10 @@ void main() {
                                              : borrowed_variance(variance_of_patch, own_variance, light);
     const float variance_history = noise_sum.y / count;
     const float expected = variance_of_patch + variance_history;
-    // Two estimates of the bias: what all pixels of the patch share shows in the mean difference, whose noise
-    // averages out; misaligned detail shows in the squared differences alone.
     const vec3 mean = difference_sum.rgb / count;
-    const float significance = smoothed != 0 ? 0.0 : kSignificanceInNoise;
-    // Noise is taken as grey: the squared mean then has one degree of freedom, whatever the number of
-    // channels.
-    const float of_mean = excess_over_noise(dot(mean, mean) / 3.0, expected / count, 1.0, significance);
-    const float of_pixels = excess_over_noise(difference_sum.a / count, expected, count, significance);
-    const float relative_bias = max(max(of_mean, of_pixels), smoothed != 0 ? bias_of_dark_pixel(index, x, h) : 0.0);
+    const float of_patch =
+        patch_bias(dot(mean, mean) / 3.0, difference_sum.a / count, expected, count, smoothed != 0 ? 0.0 : kSignificanceInNoise);
+    const float relative_bias = max(of_patch, smoothed != 0 ? bias_of_dark_pixel(index, x, h) : 0.0);
     alpha = max(gain(variance_new, variance_history, relative_bias), 1.0 / kMostFrames);
     // The share by which the bias lowers the history's weight: 1 - (1 - alpha) / (1 - alpha without bias).
     rejected = relative_bias > 0.0 ? relative_bias / (variance_new + variance_history + relative_bias) : 0.0;

@@ -26,17 +26,13 @@ layout(set = 0, binding = 3) uniform samplerBuffer expected;
 layout(std430, set = 0, binding = 4) writeonly buffer ShareBuffer { float data[]; } share;
 layout(std430, set = 0, binding = 5) writeonly buffer StatsBuffer { vec2 data[]; } stats;
 
+#include "lib/patch_row.glsl"
+
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= size.x || at.y >= size.y) return;
   const int index = at.y * size.x + at.x;
-  vec4 sum = texelFetch(lost_sums, index);
-  [[unroll]] for (int i = -radius; i <= radius; ++i) {
-    if (i == 0) continue;
-    const bool inside = at.x + i >= 0 && at.x + i < size.x;
-    const vec4 tap = texelFetch(lost, inside ? index + i : index);
-    sum += inside ? tap : vec4(0.0);
-  }
+  const vec4 sum = patch_without_pixel(lost, lost_sums, at);
   const float count = sum.z;
   const vec2 noisy = texelFetch(variance, index).xy;
   const vec2 smooth_stats = texelFetch(expected, index).xy;

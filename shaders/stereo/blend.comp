@@ -15,11 +15,6 @@
 layout(constant_id = 0) const int radius = 3;
 layout(constant_id = 1) const int smoothed = 0;       // 1: the estimates are of smoothed frames
 
-
-/// Standard errors by which a residual of noisy frames must exceed noise to count as bias, as in
-/// merge/variance_gain.
-const float kSignificanceInNoise = 3.0;
-
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(set = 0, binding = 0) uniform samplerBuffer own_color;
 layout(set = 0, binding = 1) uniform samplerBuffer own_stats;
@@ -34,22 +29,14 @@ layout(std430, set = 0, binding = 9) writeonly buffer ColorBuffer { vec4 data[];
 layout(std430, set = 0, binding = 10) writeonly buffer StatsBuffer { vec2 data[]; } stats;
 layout(std430, set = 0, binding = 11) writeonly buffer WeightBuffer { float data[]; } weight_other;
 
+#include "lib/patch_row.glsl"
+
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= size.x || at.y >= size.y) return;
   const int index = at.y * size.x + at.x;
-  // The sums hold the rows above and below. Add the pixel's own row without the pixel.
-  vec4 difference_sum = texelFetch(difference_sums, index);
-  vec4 noise_sum = texelFetch(noise_sums, index);
-  [[unroll]] for (int i = -radius; i <= radius; ++i) {
-    if (i == 0) continue;
-    const bool inside = at.x + i >= 0 && at.x + i < size.x;
-    const int tap = inside ? index + i : index;
-    const vec4 tap_difference = texelFetch(difference, tap);
-    const vec4 tap_noise = texelFetch(noise, tap);
-    difference_sum += inside ? tap_difference : vec4(0.0);
-    noise_sum += inside ? tap_noise : vec4(0.0);
-  }
+  const vec4 difference_sum = patch_without_pixel(difference, difference_sums, at);
+  const vec4 noise_sum = patch_without_pixel(noise, noise_sums, at);
   const vec4 own = texelFetch(own_color, index);
   const vec4 other = texelFetch(warped_color, index);
   const vec2 stats_own = texelFetch(own_stats, index).xy;
@@ -62,10 +49,8 @@ void main() {
     const float variance_other = noise_sum.y / count;
     const float expected = variance_own + variance_other;
     const vec3 mean = difference_sum.rgb / count;
-    const float significance = smoothed != 0 ? 0.0 : kSignificanceInNoise;
-    const float of_mean = excess_over_noise(dot(mean, mean) / 3.0, expected / count, 1.0, significance);
-    const float of_pixels = excess_over_noise(difference_sum.a / count, expected, count, significance);
-    const float relative_bias = max(of_mean, of_pixels);
+    const float relative_bias =
+        patch_bias(dot(mean, mean) / 3.0, difference_sum.a / count, expected, count, smoothed != 0 ? 0.0 : kSignificanceInNoise);
     alpha = gain(variance_own, variance_other, relative_bias);
     const float bright = brightness(other.r, other.g, other.b, texelFetch(exposure, 0).x);
     bias_squared = min(relative_bias * bright * bright, kLargestVariance);
