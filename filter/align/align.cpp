@@ -156,7 +156,6 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
     return offset_limit_px(settings, {level, end}, search.start_limit_px, motion_limit_px);
   };
   SearchResult result{.offset = {}, .residual = {}, .limit_px = limit_after(finest)};
-  result.residual.resize(end - finest);
   CoarseOffset coarse;
   if (search.start) {
     coarse = {*search.start, settings.pyramid.factor};
@@ -167,7 +166,7 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
   for (std::size_t l = end; l-- > finest;) {
     const Extent extent = level_extent(settings, search.full, l);
     const ImageId residual = chain.image(search.name + fmt::format("residual.L{}", l), Format::f32, extent);
-    result.residual[l - finest] = residual;
+    result.residual = residual;
     const Features& target = targets[l - finest];
     const Features& source = sources[l - finest];
     int limit_px = limit_after(l + 1);

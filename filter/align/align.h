@@ -38,9 +38,9 @@ struct Search {
 };
 
 struct SearchResult {
-  gpu::ImageId offset;                 ///< f32x2, at level `finest`, in pixels of that level
-  std::vector<gpu::ImageId> residual;  ///< one per level from `finest` on, as in Alignment
-  int limit_px = 0;                    ///< as offset_limit_px
+  gpu::ImageId offset;    ///< f32x2, at level `finest`, in pixels of that level
+  gpu::ImageId residual;  ///< of that level, as in Alignment
+  int limit_px = 0;       ///< as offset_limit_px
 };
 SearchResult add_search_passes(gpu::Chain& chain, const Settings& settings, const Search& search);
 
@@ -55,9 +55,9 @@ gpu::ImageId add_override_pass(gpu::Chain& chain, gpu::Extent full, gpu::ImageId
 struct Alignment {
   /// f32x2, full resolution: source(p + offset) looks like target(p), in full-resolution pixels.
   gpu::ImageId offset;
-  /// Patch distance at the offset for each pyramid level (f32, sizes of pyramid_extents): the mean over the
-  /// patch, minus the distance of equal pixels.
-  std::vector<gpu::ImageId> residual;
+  /// f32, at level 0: the patch distance at the offset, the mean over the patch, minus the distance of equal
+  /// pixels.
+  gpu::ImageId residual;
   int limit_px = 0;  ///< largest component of the offsets
 };
 

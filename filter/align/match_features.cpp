@@ -37,8 +37,7 @@ void add_guide_passes(Chain& chain, const Settings& settings, Extent full, Image
         .read("guide", guide, gpu::block(settings.match_downsample))
         .write("features", guide_features)
         .specialize("downsample", settings.match_downsample)
-        .constants(params::GuideFeatureParams{.plane_in = static_cast<int>(plane),
-                                              .plane = static_cast<int>(plane),
+        .constants(params::GuideFeatureParams{.plane = static_cast<int>(plane),
                                               .weight = kFeatureRange * weights[plane]})
         .dispatch(extent);
   }
@@ -55,7 +54,7 @@ Features add_feature_passes(Chain& chain, const Settings& settings, Extent full,
         .read("guide", *sources.guide_features)
         .write("features", features)
         .specialize("downsample", 1)
-        .constants(params::GuideFeatureParams{.plane_in = 0, .plane = 0, .weight = 1.0f})
+        .constants(params::GuideFeatureParams{.plane = 0, .weight = 1.0f})
         .dispatch({extent.width, extent.height, sources.guide_planes});
   }
   add_radiance_feature(chain, settings, full, sources, features);

@@ -39,7 +39,7 @@ PairSearch::PairSearch(gpu::Device& device, const FilterTask& task, const Pyrami
   if (motion && settings.motion == MotionUse::override_offset) {
     offset = add_override_pass(chain, target_extent, offset, *motion);
   }
-  residual = found.residual.front();
+  residual = found.residual;
   chain.output(offset);
   chain.output(residual, level_px(settings, 0));
 }

@@ -1,7 +1,6 @@
 #include "filter/align/pyramid.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "filter/ceil_div.h"
 
@@ -58,7 +57,7 @@ std::size_t motion_level(std::size_t levels) {
 }
 
 float motion_limit_px(const Settings& settings, Extent full) {
-  if (settings.motion == MotionUse::override_offset) return std::numeric_limits<float>::max();
+  if (settings.motion == MotionUse::override_offset) return kLongestMotion;
   return static_cast<float>(guide_limit_px(full));
 }
 

@@ -31,9 +31,12 @@ struct LevelRange {
 /// starts from offsets of at most `start_px`; known motion of at most `motion_px` is a candidate.
 int offset_limit_px(const Settings& settings, const LevelRange& levels, int start_px = 0, int motion_px = 0);
 
+/// Longest component of motion that shaders/lib/motion.glsl takes as known.
+constexpr float kLongestMotion = 999'999.0f;
+
 /// Limit of the components of known motion, in full-resolution pixels; longer motion is ignored. For a
 /// candidate of the search: 256 px, or an eighth of the frame's longer side if that is more, with and without
-/// tiles, since tiles would need the whole history otherwise. For the offset itself: no limit.
+/// tiles, since tiles would need the whole history otherwise. For the offset itself: kLongestMotion.
 float motion_limit_px(const Settings& settings, gpu::Extent full);
 
 /// Largest component of known motion that counts: longer motion leads out of the frame or is ignored.

@@ -14,7 +14,7 @@ using gpu::ImageId;
 
 namespace {
 
-/// Radius of the patches over which colour rejects; that of shaders/antialias/accumulate.comp.
+/// Radius of the patches over which colour rejects; that of shaders/lib/reject_history.glsl.
 constexpr int kRejectionRadius = 3;
 
 int number(Switch value) {
@@ -162,7 +162,7 @@ void AntialiasChain::add_reprojection(const AntialiasTask& task, ImageId reconst
     return;
   }
   const Alignment found = add_search(task, reconstructed);
-  residual_ = found.residual.front();
+  residual_ = found.residual;
   if (!vectors) {
     offset = found.offset;
     warped = add_warp(task, offset, found.limit_px, "");

@@ -6,10 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "filter/input/estimate_variance.h"
 #include "filter/input/noisy_inputs.h"
 #include "filter/merge/patch_sums.h"
-#include "frame/error.h"
 #include "shaders/shared/merge_params.h"
 
 namespace becalm::filter {
@@ -88,7 +86,7 @@ ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const
       .read("variance", inputs.variance)
       .read("warped_color", warped.color)
       .read("warped_stats", warped.stats)
-      .read("residual", alignment.residual.front(), gpu::bilinear(settings.match_downsample))
+      .read("residual", alignment.residual, gpu::bilinear(settings.match_downsample))
       .write("merged_color", inputs.history_color.next)
       .write("merged_stats", inputs.history_stats.next)
       .write("decision", decision)

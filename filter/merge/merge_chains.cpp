@@ -88,7 +88,7 @@ MergeChain::MergeChain(gpu::Device& device, const FilterTask& task, const Pyrami
     offset_ = add_override_pass(chain, target, offset_, *motion);
     limit_px = largest_motion_px(settings, task.full);
   }
-  residual_ = found.residual.front();
+  residual_ = found.residual;
 
   additive = additive_inputs(chain, task.additive, target, "additive.cur");
   for (std::size_t i = 0; i < task.carried(); ++i) {

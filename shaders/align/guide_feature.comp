@@ -17,5 +17,5 @@ void main() {
   const ivec3 at = ivec3(gl_GlobalInvocationID);
   if (at.x >= size.x || at.y >= size.y) return;
   features.data[((p.plane + at.z) * size.y + at.y) * size.x + at.x] =
-      p.weight * block_mean(guide, at.xy, p.plane_in + at.z, guide_size, downsample);
+      p.weight * block_mean(guide, at.xy, p.plane + at.z, guide_size, downsample);
 }

@@ -9,8 +9,7 @@ namespace becalm::filter::params {
 
 /// align/guide_feature: full resolution in, matching resolution out.
 struct GuideFeatureParams {
-  int plane_in;  // first plane read
-  int plane;     // first plane written
+  int plane;  // first plane read and written
   float weight;
 };
 

@@ -31,7 +31,7 @@ GpuAlignment align_on(gpu::Device& device, const Settings& settings, gpu::Extent
   const Alignment alignment =
       add_align_passes(chain, settings, full, {target_image, extent.planes}, {source_image, extent.planes});
   chain.output(alignment.offset);
-  chain.output(alignment.residual.front());
+  chain.output(alignment.residual);
   chain.build();
   const auto upload = [&](gpu::ImageId image, const Planes& planes) {
     auto out = chain.upload<float>(image).begin();
@@ -46,7 +46,7 @@ GpuAlignment align_on(gpu::Device& device, const Settings& settings, gpu::Extent
   for (std::size_t i = 0; i < result.offset.data.size(); ++i) {
     result.offset.data[i] = {offset[2 * i], offset[2 * i + 1]};
   }
-  std::ranges::copy(chain.download<float>(alignment.residual.front()), result.residual.data.begin());
+  std::ranges::copy(chain.download<float>(alignment.residual), result.residual.data.begin());
   return result;
 }
 

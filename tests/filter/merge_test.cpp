@@ -43,11 +43,8 @@ class MergeOnDevice {
     color_ = smoothed ? chain_.input("smoothed.color", gpu::Format::f32x4, full) : noisy_.color;
     variance_ = smoothed ? chain_.input("smoothed.stats", gpu::Format::f32x2, full) : noisy_.variance;
     alignment_.offset = chain_.input("offset", gpu::Format::f32x2, full);
-    for (std::size_t l = 0; l < pyramid_extents(settings, kWidth, kHeight).size(); ++l) {
-      alignment_.residual.push_back(alignment_.offset);
-    }
     if (settings.merge == MergeMode::mask) {
-      alignment_.residual.front() = chain_.input("residual.L0", gpu::Format::f32, full);
+      alignment_.residual = chain_.input("residual.L0", gpu::Format::f32, full);
     }
     const gpu::History color = chain_.history("history.color", gpu::Format::f32x4, full);
     const gpu::History stats = chain_.history("history.stats", gpu::Format::f32x2, full);
@@ -72,8 +69,7 @@ class MergeOnDevice {
     upload_estimate(chain_, color_, variance_, sample);
     upload_offset(chain_, alignment_.offset, offset);
     chain_.upload<float>(noisy_.exposure)[0] = kExposure;
-    if (residual)
-      std::ranges::copy(residual->data, chain_.upload<float>(alignment_.residual.front()).begin());
+    if (residual) std::ranges::copy(residual->data, chain_.upload<float>(alignment_.residual).begin());
     chain_.run();
     reference::Merged merged{download_estimate(chain_, merged_color_, merged_stats_, kFull),
                              Grid<double>(kWidth, kHeight)};

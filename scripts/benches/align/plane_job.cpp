@@ -25,7 +25,7 @@ class PlaneJob : public AlignJob {
     const filter::Features source = add_feature(settings, "source", source_);
     const filter::Alignment alignment = add_align_passes(chain_, settings, full, target, source);
     offset_ = alignment.offset;
-    residual_ = alignment.residual.front();
+    residual_ = alignment.residual;
     chain_.output(offset_);
     chain_.output(residual_);
     chain_.build();
