@@ -4,38 +4,15 @@
 
 #include <string>
 
-#include "filter/merge/additive.h"
+#include "filter/merge/estimate_inputs.h"
 #include "filter/merge/patch_sums.h"
 #include "filter/tiles/pixel_view.h"
-#include "shaders/shared/merge_params.h"
 
 namespace becalm::filter {
 
 using gpu::Extent;
 using gpu::Format;
 using gpu::ImageId;
-
-namespace {
-
-/// The inputs of a chain for an estimate or a tile of it.
-struct EstimateInputs {
-  EstimateInputs(gpu::Chain& chain, const FilterTask& task, Extent extent, const std::string& name)
-      : color(chain.input(name + ".color", Format::f32x4, extent)),
-        stats(chain.input(name + ".stats", Format::f32x2, extent)),
-        additive(additive_inputs(chain, task.carried(), extent, name + ".additive")) {}
-
-  void upload(gpu::Chain& chain, const Estimate& estimate, const Rect& rect) const {
-    filter::upload(chain, color, view(estimate.color), rect);
-    filter::upload(chain, stats, view(estimate.stats), rect);
-    upload_additive(chain, additive, estimate.additive, rect);
-  }
-
-  ImageId color;
-  ImageId stats;
-  std::vector<ImageId> additive;
-};
-
-}  // namespace
 
 Combined add_combine_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent extent,
                             const CombineInputs& inputs) {
@@ -92,8 +69,8 @@ struct Combiner::Passes {
                                      .forward_stats = forward.stats,
                                      .backward_color = prediction.color,
                                      .backward_stats = prediction.stats,
-                                     .forward_additive = forward.additive,
-                                     .backward_additive = prediction.additive})) {
+                                     .forward_additive = forward.carried,
+                                     .backward_additive = prediction.carried})) {
     chain.output(combined.color);
     chain.output(combined.stats);
     for (const ImageId image : combined.additive) chain.output(image);

@@ -1,7 +1,5 @@
 #include "filter/merge/patch_sums.h"
 
-#include "shaders/shared/merge_params.h"
-
 namespace becalm::filter {
 
 using gpu::Format;

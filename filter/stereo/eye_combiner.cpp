@@ -20,8 +20,8 @@ Estimate EyeCombiner::run(const EyeFrame& own, const EyeFrame& other, const Corr
     const auto origin = chain.upload<float>(passes.window.target_origin);
     origin[0] = static_cast<float>(tile.target.x - tile.source.x);
     origin[1] = static_cast<float>(tile.target.y - tile.source.y);
-    passes.own.upload(chain, own, tile.target);
-    passes.other.upload(chain, other, tile.source);
+    passes.own.upload(chain, own.estimate, tile.target);
+    passes.upload_other(other, tile.source);
     upload(chain, passes.offset, view(where.offset), tile.target);
     if (passes.expected_depth) upload(chain, *passes.expected_depth, view(where.depth), tile.target);
   };

@@ -15,29 +15,17 @@ using gpu::Extent;
 using gpu::Format;
 using gpu::ImageId;
 
-EyePasses::Eye::Eye(gpu::Chain& chain, const FilterTask& task, Extent extent_, const std::string& name)
-    : extent(extent_),
-      color(chain.input(name + ".color", Format::f32x4, extent)),
-      stats(chain.input(name + ".stats", Format::f32x2, extent)),
-      carried(additive_inputs(chain, task.carried(), extent, name + ".carried")) {}
-
-void EyePasses::Eye::upload(gpu::Chain& chain, const EyeFrame& eye, const Rect& rect) const {
-  filter::upload(chain, color, view(eye.estimate.color), rect);
-  filter::upload(chain, stats, view(eye.estimate.stats), rect);
-  upload_additive(chain, carried, eye.estimate.additive, rect);
-  if (depth) filter::upload(chain, *depth, view(eye.frame.frame.image(Aov::depth)), rect);
-}
-
 EyePasses::EyePasses(gpu::Device& device, const FilterTask& task, int limit_px, Extent target, Extent source)
     : chain(device, "eyes"),
       exposure(chain.table("exposure", Format::f32, {1, 1})),
+      extent(target),
       window{source, chain.table("target_origin", Format::f32x2, {1, 1})},
       own(chain, task, target, "own"),
       other(chain, task, source, "other"),
       offset(chain.input("offset", Format::f32x2, target)) {
   if (contains(task.used, Aov::depth)) {
     expected_depth = chain.input("expected_depth", Format::f32, target);
-    other.depth = chain.input("other.depth", Format::f32, source);
+    other_depth = chain.input("other.depth", Format::f32, source);
   }
   WarpInputs inputs{.color = other.color,
                     .stats = other.stats,
@@ -53,21 +41,26 @@ EyePasses::EyePasses(gpu::Device& device, const FilterTask& task, int limit_px, 
   add_blend(task, add_warp_passes(chain, task.settings, target, inputs, add_depth_check(limit_px)));
 }
 
+void EyePasses::upload_other(const EyeFrame& eye, const Rect& rect) {
+  other.upload(chain, eye.estimate, rect);
+  if (other_depth) upload(chain, *other_depth, view(eye.frame.frame.image(Aov::depth)), rect);
+}
+
 ImageId EyePasses::add_depth_check(int limit_px) {
-  if (!other.depth) return offset;
-  const ImageId checked = chain.image("offset.checked", Format::f32x2, own.extent);
+  if (!other_depth) return offset;
+  const ImageId checked = chain.image("offset.checked", Format::f32x2, extent);
   chain.pass("stereo/check_depth")
       .read("offset_given", offset)
       .read("expected_depth", *expected_depth)
-      .read("other_depth", other.depth, gpu::gather(limit_px + 1))
+      .read("other_depth", other_depth, gpu::gather(limit_px + 1))
       .read("target_origin", window.target_origin)
       .write("offset", checked)
-      .dispatch(own.extent);
+      .dispatch(extent);
   return checked;
 }
 
 void EyePasses::add_blend(const FilterTask& task, const WarpedHistory& warped) {
-  const Extent target = own.extent;
+  const Extent target = extent;
   const int radius = task.settings.patch_radius;
   const ImageId difference = chain.image("difference", Format::f32x4, target);
   const ImageId noise = chain.image("noise", Format::f32x4, target);

@@ -1,12 +1,12 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "filter/align/align.h"
 #include "filter/estimate.h"
 #include "filter/gpu/chain.h"
+#include "filter/merge/estimate_inputs.h"
 #include "filter/merge/merge.h"
 #include "filter/task.h"
 #include "filter/tiles/tiles.h"
@@ -26,24 +26,16 @@ struct EyePasses {
   EyePasses(gpu::Device& device, const FilterTask& task, int limit_px, gpu::Extent target,
             gpu::Extent source);
 
-  /// Inputs of one eye.
-  struct Eye {
-    Eye(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent, const std::string& name);
-    /// Uploads a rectangle of the frame.
-    void upload(gpu::Chain& chain, const EyeFrame& eye, const Rect& rect) const;
-
-    gpu::Extent extent;
-    gpu::ImageId color;
-    gpu::ImageId stats;
-    std::vector<gpu::ImageId> carried;
-    std::optional<gpu::ImageId> depth;  ///< of the other eye, if frames have it
-  };
+  /// Uploads what a tile reads of the other eye.
+  void upload_other(const EyeFrame& eye, const Rect& rect);
 
   gpu::Chain chain;
   gpu::ImageId exposure;
+  gpu::Extent extent;  ///< of the own images
   SourceWindow window;
-  Eye own;
-  Eye other;
+  EstimateInputs own;
+  EstimateInputs other;
+  std::optional<gpu::ImageId> other_depth;     ///< if frames have it
   gpu::ImageId offset;                         ///< f32x2, into the other eye's image
   std::optional<gpu::ImageId> expected_depth;  ///< f32, there; 0: not known
   gpu::ImageId color;                          ///< outputs

@@ -29,7 +29,7 @@ class StereoFilter {
 
   /// Runs one step of a schedule with both eyes' frames, in any order that does not change. A wanted forward
   /// step returns both filtered frames. Frames that know their stereo camera (Frame::stereo) and depth are
-  /// aligned by depth where that matches, else by the search.
+  /// aligned by depth, others by the search.
   Pair<std::optional<Frame>> run(const Step& step, const Pair<const Frame*>& eyes,
                                  Pair<FrameReport>& reports);
   FilterMemory memory() const;

@@ -142,7 +142,7 @@ TEST_F(StereoTest, TheChainAgreesWithTheReference) {
     upload_estimate(chain, passes.other.color, passes.other.stats, other);
     upload_offset(chain, passes.offset, given);
     for (std::size_t i = 0; i < depth.data.size(); ++i) {
-      chain.upload<float>(*passes.other.depth)[i] = static_cast<float>(depth.data[i]);
+      chain.upload<float>(*passes.other_depth)[i] = static_cast<float>(depth.data[i]);
       chain.upload<float>(*passes.expected_depth)[i] = static_cast<float>(expected_depth.data[i]);
     }
     chain.run();
