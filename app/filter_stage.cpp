@@ -18,7 +18,8 @@ namespace becalm::app {
 
 namespace {
 
-/// Chosen by the curves in filter/README.md.
+/// Longer segments take more memory, shorter ones repeat more frames; seams then have the temporal error of
+/// other frames (filter/README.md).
 constexpr int kSegment = 32;
 constexpr int kWarmup = 8;
 

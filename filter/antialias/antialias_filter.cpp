@@ -26,8 +26,13 @@ namespace {
 
 /// The depth of pixels that hit nothing.
 constexpr float kFarDepth = 1e30f;
-/// Known motion is not limited: it leads out of the frame or to history.
-constexpr float kUnlimitedMotion = 1e6f;
+
+/// Mean over the pixels of one of their `channels` values.
+double mean_of(std::span<const float> values, std::size_t channels, std::size_t channel) {
+  double sum = 0.0;
+  for (std::size_t i = channel; i < values.size(); i += channels) sum += values[i];
+  return sum * static_cast<double>(channels) / static_cast<double>(values.size());
+}
 
 /// Copies pixel p + shift of an image, at its border the nearest pixel, to pixel p of `to`, converted by
 /// `convert(from, to, is_inside)`.
@@ -117,9 +122,9 @@ struct AntialiasFilter::State {
               const std::vector<std::uint8_t>& finite);
   void upload_motion(const Step& step, const Frame& frame);
   void upload_surface(const Frame& frame);
-  Frame forward(const Frame& frame, const std::vector<std::uint8_t>& finite, float exposure,
+  Frame forward(const Step& step, const Frame& frame, const std::vector<std::uint8_t>& finite, float exposure,
                 FrameReport& report);
-  void add_diagnostics(Frame& result);
+  void add_diagnostics(std::span<const float> decided, Frame& result);
 
   AntialiasTask task;
   FilterTask whole;  ///< for the chains that are shared with the denoiser
@@ -218,7 +223,7 @@ std::optional<Frame> AntialiasFilter::run(const Step& step, const Frame& given, 
   add_times(report, s.passes->chain);
   if (step.direction == Direction::forward) {
     if (!step.wanted) return std::nullopt;
-    return s.forward(frame, finite, exposed, report);
+    return s.forward(step, frame, finite, exposed, report);
   }
   if (step.wanted) {
     Estimate prediction(task.full, 0);
@@ -272,7 +277,7 @@ void AntialiasFilter::State::upload_motion(const Step& step, const Frame& frame)
   const std::span<float> motion = chain.upload<float>(*passes->motion);
   const auto place_motion = [&](const Image& vectors, bool on_grid) {
     Image pairs(vectors.width(), vectors.height(), 2);
-    pack_motion(vectors, bounds(task.samples()), kUnlimitedMotion, pairs.data());
+    pack_motion(vectors, bounds(task.samples()), kLongestMotion, pairs.data());
     const auto scale = static_cast<float>(task.settings.scale.value());
     place(
         pairs, motion, 2,
@@ -330,13 +335,14 @@ void AntialiasFilter::State::upload_surface(const Frame& frame) {
   }
 }
 
-Frame AntialiasFilter::State::forward(const Frame& frame, const std::vector<std::uint8_t>& finite,
-                                      float exposure, FrameReport& report) {
+Frame AntialiasFilter::State::forward(const Step& step, const Frame& frame,
+                                      const std::vector<std::uint8_t>& finite, float exposure,
+                                      FrameReport& report) {
   const gpu::Extent full = task.full;
   Estimate made(full, 0);
   made.color = download(passes->chain, passes->color.next, full, 4);
   made.stats = download(passes->chain, passes->stats.next, full, 2);
-  if (const auto prediction = predictions.find(frame.number()); prediction != predictions.end()) {
+  if (const auto prediction = predictions.find(step.frame); prediction != predictions.end()) {
     made = combiner->run(exposure, made, prediction->second.estimate(), report);
     predictions.erase(prediction);
   }
@@ -360,12 +366,14 @@ Frame AntialiasFilter::State::forward(const Frame& frame, const std::vector<std:
     const std::span<float> layer = result.add(Aov::sample_count).data();
     for (std::size_t i = 0; i < layer.size(); ++i) layer[i] = made.stats.data()[2 * i + 1];
   }
-  add_diagnostics(result);
+  const std::span<const float> decided = passes->chain.download<float>(passes->decision);
+  report.mean_rejected = mean_of(decided, 4, 0);
+  report.mean_sample_count = mean_of(made.stats.data(), 2, 1);
+  add_diagnostics(decided, result);
   return result;
 }
 
-void AntialiasFilter::State::add_diagnostics(Frame& result) {
-  const auto decided = passes->chain.download<float>(passes->decision);
+void AntialiasFilter::State::add_diagnostics(std::span<const float> decided, Frame& result) {
   const auto add = [&](Aov aov, std::size_t value, auto convert) {
     if (!contains(task.diagnostics, aov)) return;
     const std::span<float> layer = result.add(aov).data();

@@ -1,7 +1,5 @@
 #include "filter/input/estimate_variance.h"
 
-#include "shaders/shared/merge_params.h"
-
 namespace becalm::filter {
 namespace {
 

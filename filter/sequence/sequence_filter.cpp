@@ -116,7 +116,7 @@ struct SequenceFilter::State {
   /// The smoothed frame: kept from an earlier step, or computed now.
   Estimate smoothed(const Step& step, const NewFrame& frame, FrameReport& report);
   /// Merges a frame with the history before it and the prediction kept for it.
-  void forward(Merged& made, FrameReport& report);
+  void forward(const Step& step, Merged& made, FrameReport& report);
 
   FilterTask task;
   std::optional<FrameSmoother> smoother;
@@ -193,7 +193,7 @@ std::optional<SequenceFilter::Merged> SequenceFilter::begin(const Step& step, co
   if (state_->smoother) new_frame.smoothed = state_->smoothed(step, new_frame, report);
   if (step.wanted && step.direction == Direction::forward) {
     std::optional<Merged> made(std::in_place, Merged{std::move(new_frame), {}});
-    state_->forward(*made, report);
+    state_->forward(step, *made, report);
     return made;
   }
   MergedFrame merged;
@@ -222,7 +222,7 @@ Estimate SequenceFilter::State::smoothed(const Step& step, const NewFrame& frame
   return result;
 }
 
-void SequenceFilter::State::forward(Merged& made, FrameReport& report) {
+void SequenceFilter::State::forward(const Step& step, Merged& made, FrameReport& report) {
   const gpu::Extent full = task.full;
   const NewFrame& frame = made.frame;
   MergedFrame& merged = made.made;
@@ -237,7 +237,7 @@ void SequenceFilter::State::forward(Merged& made, FrameReport& report) {
   merger->merge(frame, merged, report);
   report.mean_rejected = merged.rejected / static_cast<double>(full.elements());
 
-  if (const auto prediction = predictions.find(frame.frame.number()); prediction != predictions.end()) {
+  if (const auto prediction = predictions.find(step.frame); prediction != predictions.end()) {
     merged.merged = combiner->run(frame.exposure, merged.merged, prediction->second.estimate(), report);
     predictions.erase(prediction);
   }
@@ -269,17 +269,11 @@ void SequenceFilter::reset() {
 
 FilterMemory SequenceFilter::memory() const {
   const FilterMemory merge = state_->merger->memory();
-  FilterMemory memory{.tiles = merge.tiles, .tile = merge.tile, .tile_plan = {}};
-  const auto add = [&](const char* name, const FilterMemory& part) {
-    memory += part;
-    if (part.tiles == 1) return;
-    memory.tile_plan += fmt::format("{}{} {}", memory.tile_plan.empty() ? "" : "; ", name, part.tile_plan);
-  };
-  if (state_->smoother) add("smooth", state_->smoother->memory());
-  add("merge", merge);
-  if (state_->combiner) add("combine", state_->combiner->memory());
-  if (state_->merged_smoother) add("smooth merged", state_->merged_smoother->memory());
-  if (memory.tile_plan.empty()) memory.tile_plan = "1";
+  FilterMemory memory{.tiles = merge.tiles, .tile = merge.tile, .tile_plan = "1"};
+  if (state_->smoother) add_memory(memory, state_->smoother->memory(), "smooth");
+  add_memory(memory, merge, "merge");
+  if (state_->combiner) add_memory(memory, state_->combiner->memory(), "combine");
+  if (state_->merged_smoother) add_memory(memory, state_->merged_smoother->memory(), "smooth merged");
   return memory;
 }
 

@@ -85,12 +85,11 @@ double residual_square(const NewFrame& frame, const Estimate& estimate, std::siz
 /// Variance of the mean of a pixel's channel according to the frame's AOVs; negative or not finite if
 /// unknown.
 double known_variance(const NewFrame& frame, const FilterTask& task, std::size_t i, std::size_t c) {
-  if (task.has_halves()) {
-    const double e = 0.5 * (double(frame.frame.image(Aov::half_a).data()[3 * i + c]) -
-                            frame.frame.image(Aov::half_b).data()[3 * i + c]);
-    return e * e;
-  }
-  return contains(task.used, Aov::variance) ? frame.frame.image(Aov::variance).data()[3 * i + c] : -1.0;
+  if (contains(task.used, Aov::variance)) return frame.frame.image(Aov::variance).data()[3 * i + c];
+  if (!task.has_halves()) return -1.0;
+  const double e = 0.5 * (double(frame.frame.image(Aov::half_a).data()[3 * i + c]) -
+                          frame.frame.image(Aov::half_b).data()[3 * i + c]);
+  return e * e;
 }
 
 /// The known variance, else the squared difference from the estimate; averaged over channels.

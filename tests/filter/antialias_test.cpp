@@ -307,6 +307,20 @@ TEST_F(AntialiasTest, DisocclusionLeavesNoGhost) {
   }
 }
 
+TEST_F(AntialiasTest, ReportsHowLongHistoriesAreAndWhatWasRejected) {
+  const std::vector<Frame> shot = frames(8, discs);
+  AntialiasFilter filter = make(settings_of("forward", {"accumulate=mean"}), shot.front());
+  FrameReport report;
+  filter.run({.frame = shot.front().number(), .new_history = true}, shot.front(), report);
+  EXPECT_EQ(report.mean_rejected, 1.0);
+  for (const Frame& frame : std::span(shot).subspan(1)) {
+    report = {};
+    filter.run({.frame = frame.number()}, frame, report);
+  }
+  EXPECT_GT(report.mean_sample_count, 4.0);
+  EXPECT_LT(report.mean_rejected, 0.2);
+}
+
 TEST_F(AntialiasTest, ScalesWithTheRadiance) {
   const std::vector<Frame> shot = frames(4, discs, {0.6, 0.2});
   for (const char* preset : {"best", "clamping", "gain"}) {

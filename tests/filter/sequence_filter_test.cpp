@@ -150,6 +150,22 @@ TEST_F(SequenceFilterTest, TheFirstFrameAndTheFrameAfterAResetAreTheInput) {
   }
 }
 
+TEST_F(SequenceFilterTest, PredictionsAreThoseOfTheStepsWhateverFramesSayOfThemselves) {
+  SequenceFilter filter(device(), preset("balanced"), kWidth, kHeight, noisy_frame(1).aovs());
+  const Frame frame = noisy_frame(1);
+  const std::vector<int> frames{4, 5, 6, 7};
+  int combined = 0;
+  for (const Segment& segment : schedule(frames, {4, 5, 6}, {.segment = 8})) {
+    for (const Step& step : segment) {
+      FrameReport report;
+      filter.run(step, frame, report);
+      combined += std::ranges::any_of(
+          report.passes, [](const gpu::PassTime& pass) { return pass.name.starts_with("merge/combine "); });
+    }
+  }
+  EXPECT_EQ(combined, 3);
+}
+
 TEST_F(SequenceFilterTest, EqualRunsGiveEqualBytes) {
   std::vector<float> first;
   for (int run = 0; run < 2; ++run) {
