@@ -1,4 +1,4 @@
-"""Random crops of training pairs, varied so that one network serves every kind of sequence."""
+"""Random crops of training pairs, varied so that a network serves every kind of sequence."""
 
 import numpy as np
 import torch
@@ -90,12 +90,12 @@ def batch(rng, pairs, count, size=CROP):
     return [torch.from_numpy(np.stack(column)) for column in zip(*crops)]
 
 
-def whole_frame(pair, clean=False, with_variance=True):
+def whole_frame(pair):
     """A whole pair as a batch of one, cut to multiples of 16."""
     height, width = (n // 16 * 16 for n in pair.color.shape[1:])
     cut = lambda a: torch.from_numpy(np.asarray(a)[..., :height, :width].astype(np.float32))[None]
-    variance = cut(pair.variances[0]) ** 2 if pair.variances and with_variance else -torch.ones(1, 1, height, width)
-    return [cut(colors_of(pair)), variance, cut(features_of(pair, clean)), cut(np.stack(pair.references))]
+    variance = cut(pair.variances[0]) ** 2 if pair.variances else -torch.ones(1, 1, height, width)
+    return [cut(colors_of(pair)), variance, cut(features_of(pair, clean=False)), cut(np.stack(pair.references))]
 
 
 def is_held_out(folder):

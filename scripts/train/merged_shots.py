@@ -97,10 +97,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("data")
     parser.add_argument("--becalm", required=True, help="the program")
-    parser.add_argument("--part", default="1/1", metavar="I/N", help="each Nth shot alone, from the Ith")
     args = parser.parse_args()
-    part, parts = map(int, args.part.split("/"))
-    for folder in shots.complete_shots(args.data)[part - 1::parts]:
+    for folder in shots.complete_shots(args.data):
         if not os.path.exists(f"{folder}/{shots.MERGED}"):
             merge_shot(args.becalm, folder)
             print(folder, flush=True)

@@ -75,7 +75,7 @@ def read_layers(path, renderer):
 
 
 def exposure_of(color):
-    """1 over the geometric mean of the luminance, as filter/host_images.cpp has it."""
+    """1 over the geometric mean of the luminance, as filter/input/host_images.cpp has it."""
     light = np.tensordot(np.array([0.2126, 0.7152, 0.0722]), color.astype(np.float64), 1)
     lit = light[np.isfinite(light) & (light > 0)]
     if lit.size == 0:

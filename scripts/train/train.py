@@ -126,7 +126,7 @@ class Trainer:
     def run(self):
         learn, choose = self.load()
         print(f"{len(learn)} pairs to learn from, {len(choose)} to choose on, {parameter_count(self.network)} parameters")
-        loaded = last_evaluation = time.monotonic()
+        last_evaluation = time.monotonic()
         errors = []
         while self.share_done() < 1.0:
             start = time.monotonic()
@@ -136,12 +136,6 @@ class Trainer:
             if now - last_evaluation > 60.0 * EVALUATE_EVERY_MIN:
                 self.evaluate(choose, float(np.mean(errors)))
                 errors = []
-                if self.args.reload_min > 0 and now - loaded > 60.0 * self.args.reload_min:
-                    before = len(choose)
-                    learn, choose = self.load()
-                    if len(choose) != before:
-                        self.best = math.inf  # errors on other shots do not compare
-                    loaded = time.monotonic()
                 last_evaluation = time.monotonic()
         self.evaluate(choose, float(np.mean(errors)) if errors else math.nan)
 
@@ -159,7 +153,6 @@ def parse(words):
     parser.add_argument("--threads", type=int, default=os.cpu_count())
     parser.add_argument("--crop", type=int, default=batches.CROP)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--reload-min", type=float, default=0.0, help="look for new shots after so many minutes")
     return parser.parse_args(words)
 
 

@@ -4,7 +4,3 @@
 /// from their albedo, and the division would amplify it. The limit is continuous, so a texture around it
 /// stays even.
 vec3 divisor_of(vec3 albedo) { return max(albedo, vec3(0.04)); }
-
-/// Divisor of the variance where the radiance is divided by `divisor`: the mean of its squares, since a
-/// variance is a mean over channels. Multiplying by it again restores the variance.
-float variance_divisor_of(vec3 divisor) { return dot(divisor, divisor) / 3.0; }

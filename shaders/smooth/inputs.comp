@@ -49,7 +49,8 @@ void main() {
   float noise = kNoiseUnknown;
   if (variance_known != 0) {
     const float exposed_deviation = sqrt(max(texelFetch(variance, from).x, 0.0)) * texelFetch(exposure, 0).x;
-    const float divisor = sqrt(variance_divisor_of(divisor_of(features.rgb)));
+    // A variance is a mean over channels.
+    const float divisor = length(divisor_of(features.rgb)) / sqrt(3.0);
     noise = told_noise(exposed_deviation / divisor, luminance(value.r, value.g, value.b));
   }
   const int pixels = size.x * size.y;
