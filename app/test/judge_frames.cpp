@@ -22,6 +22,10 @@ struct FrameProblem : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+Imath::V2i first_pixel(const std::string& path) {
+  return io::read_exr_header(path, {}, io::CheckChunks::no).front().data_window.min;
+}
+
 Frame read_reference(const std::string& path, int number) {
   Frame frame = io::read_exr(path, number, AovSet().set()).frame;
   for (const float value : frame.image(Aov::beauty).data()) {
@@ -50,12 +54,19 @@ void require_finite(const Image& image, int number) {
       fmt::format("frame {}: {} pixels are not finite, the first is {}", number, count, first));
 }
 
-Frame read_test(const std::string& path, int number, const std::string& layer, const Frame& reference) {
+/// `reference` was read from `reference_path`.
+Frame read_test(const std::string& path, int number, const std::string& layer, const Frame& reference,
+                const std::string& reference_path) {
+  const Imath::V2i expected = first_pixel(reference_path);
   try {
     Frame frame = read_layer_as_beauty(path, number, layer);
     if (frame.width() != reference.width() || frame.height() != reference.height()) {
       throw FrameProblem(fmt::format("frame {} is {}x{}, and its reference {}x{}", number, frame.width(),
                                      frame.height(), reference.width(), reference.height()));
+    }
+    if (const Imath::V2i first = first_pixel(path); first != expected) {
+      throw FrameProblem(fmt::format("frame {} begins at pixel ({}, {}), and its reference at ({}, {})",
+                                     number, first.x, first.y, expected.x, expected.y));
     }
     require_finite(frame.image(Aov::beauty), number);
     return frame;
@@ -139,9 +150,9 @@ class CaseJudge {
                     fmt::format("{}: is not of the size of {}", files.reference_b, files.reference));
       }
     }
-    const Frame fresh = read_test(files.test, files.number, test_.layer, reference);
+    const Frame fresh = read_test(files.test, files.number, test_.layer, reference, files.reference);
     if (test_.judges.exact) {
-      verdict_.checks.push_back(judge_exactly(*test_.judges.exact, files.number, fresh, reference));
+      verdict_.checks.push_back(judge_exactly(*test_.judges.exact, files));
     }
     if (test_.judges.statistical) {
       verdict_.checks.push_back(
@@ -180,7 +191,7 @@ class CaseJudge {
  private:
   void add_denoised(const JudgedFrame& files) {
     const Frame reference = read_reference(files.denoised_reference, files.number);
-    const Frame fresh = read_test(files.denoised_test, files.number, "", reference);
+    const Frame fresh = read_test(files.denoised_test, files.number, "", reference, files.denoised_reference);
     ComparedFrame now = compared(files.number, fresh, reference, nullptr);
     verdict_.measured.denoised_frames.push_back(
         measure(now, denoised_before_ ? &*denoised_before_ : nullptr));

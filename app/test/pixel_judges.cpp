@@ -9,14 +9,16 @@
 #include "app/frame_figures.h"
 #include "app/test/references.h"
 #include "frame/error.h"
+#include "frame/io/exr_channels.h"
+#include "frame/io/printable.h"
 #include "frame/judge/exact.h"
 #include "frame/judge/statistical.h"
 
 namespace becalm::app {
 namespace {
 
-std::string layer_name(Aov aov) {
-  return aov == Aov::beauty ? "beauty" : std::string(info(aov).name);
+std::string part_name(const io::ExrChannels::Part& part) {
+  return part.name.empty() ? "without a name" : io::printable(part.name);
 }
 
 /// Steps of half where a file of halves was read, of float otherwise; NaN against a number is infinitely
@@ -45,30 +47,52 @@ Reference both(const JudgedFrame& files, const Frame& a, const Frame* b) {
 
 }  // namespace
 
-CheckResult judge_exactly(const ExactJudge& judge, int number, const Frame& test, const Frame& reference) {
+CheckResult judge_exactly(const ExactJudge& judge, const JudgedFrame& files) {
   CheckResult check{.judge = "exact",
                     .figure = "ulps",
-                    .frame = number,
+                    .frame = files.number,
                     .limit = static_cast<double>(judge.max_ulps),
                     .passed = true,
-                    .text = fmt::format("frame {} is equal", number)};
-  for (const AovInfo& entry : kAovTable) {
-    const Image& expected = reference.image(entry.aov);
-    if (expected.empty()) continue;
-    const std::string what = fmt::format("{} of frame {}", layer_name(entry.aov), number);
-    if (!test.image(entry.aov).same_shape(expected)) {
-      check.passed = false;
-      check.value = std::numeric_limits<double>::infinity();
-      check.text = what + " is missing";
-      return check;
-    }
-    const judge::ExactResult result = judge::compare_exactly(test.image(entry.aov), expected);
-    if (result.passed()) continue;
-    check.value = std::max(check.value, ulps_of(*result.largest));
-    if (ulps_of(*result.largest) <= check.limit) continue;
+                    .text = fmt::format("frame {} is equal", files.number)};
+  const auto fail = [&](double ulps, std::string text) {
     check.passed = false;
-    check.text = fmt::format("{}: {}", what, judge::describe(result));
+    check.value = ulps;
+    check.text = fmt::format("frame {}: {}", files.number, text);
     return check;
+  };
+  constexpr double all = std::numeric_limits<double>::infinity();
+  const io::ExrChannels test(files.test);
+  const io::ExrChannels reference(files.reference);
+  if (test.parts().size() < reference.parts().size()) {
+    return fail(all, fmt::format("has {} parts, and its reference has {}", test.parts().size(),
+                                 reference.parts().size()));
+  }
+  for (std::size_t i = 0; i < reference.parts().size(); ++i) {
+    const io::ExrChannels::Part& expected = reference.parts()[i];
+    const auto found = std::ranges::find(test.parts(), expected.name, &io::ExrChannels::Part::name);
+    if (found == test.parts().end()) return fail(all, fmt::format("part {} is missing", part_name(expected)));
+    if (found->is_deep || expected.is_deep) {
+      return fail(all, fmt::format("part {} is deep, which cannot be compared", part_name(expected)));
+    }
+    if (found->data_window != expected.data_window || found->display_window != expected.display_window) {
+      return fail(all, fmt::format("part {} has other data or display windows", part_name(expected)));
+    }
+    const auto part = static_cast<std::size_t>(found - test.parts().begin());
+    for (const std::string& name : expected.channels) {
+      const std::string what = io::printable(expected.name.empty() ? name : expected.name + ": " + name);
+      if (std::ranges::find(found->channels, name) == found->channels.end()) {
+        return fail(all, what + " is missing");
+      }
+      const Image fresh = test.read(part, name);
+      const Image known = reference.read(i, name);
+      if (!fresh.same_shape(known)) return fail(all, what + " has pixels of another kind");
+      const judge::ExactResult result = judge::compare_exactly(fresh, known);
+      if (result.passed()) continue;
+      check.value = std::max(check.value, ulps_of(*result.largest));
+      if (check.value > check.limit) {
+        return fail(check.value, fmt::format("{}: {}", what, judge::describe(result)));
+      }
+    }
   }
   return check;
 }

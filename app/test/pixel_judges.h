@@ -6,8 +6,9 @@
 
 namespace becalm::app {
 
-/// Every layer that the reference has, bit for bit or within max_ulps.
-CheckResult judge_exactly(const ExactJudge& judge, int number, const Frame& test, const Frame& reference);
+/// Every channel of every part that the reference has, bit for bit or within max_ulps, and the windows. Other
+/// metadata and what the reference lacks do not count.
+CheckResult judge_exactly(const ExactJudge& judge, const JudgedFrame& files);
 
 /// Frames of few samples against a reference of many. The suite's false-alarm rate is shared by the frames of
 /// the case. Throws Error(bad_input) for a reference without variance.

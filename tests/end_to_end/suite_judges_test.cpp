@@ -43,7 +43,7 @@ TEST_F(SuiteJudges, ExactKeepsEveryLayer) {
   replace_in_scene("[0.8, 0.1, 0.1]", "[0.8, 0.1, 0.11]");
   const Outcome outcome = run();
   EXPECT_EQ(outcome.status, 1);
-  EXPECT_NE(line_of(outcome, "layers").find("of frame 1"), std::string::npos) << outcome.out;
+  EXPECT_NE(line_of(outcome, "layers").find("frame 1: "), std::string::npos) << outcome.out;
 }
 
 TEST_F(SuiteJudges, LimitsHoldForEveryFrameAndForTheSequence) {

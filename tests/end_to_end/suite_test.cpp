@@ -35,6 +35,38 @@ TEST_F(SuiteTest, ACaseThatIsEqualPassesAndOneThatDiffersFails) {
   expect_words(outcome.out, {"1 passed, 1 failed, 0 errors, 0 skipped"});
 }
 
+TEST_F(SuiteTest, ExactSeesChannelsThatBecalmDoesNotKnowAndEveryView) {
+  const auto fails = [&](const char* name, const auto& change) {
+    write_suite(shell_case(name));
+    update();
+    change(folder_ / (std::string("references/") + name + "/a.0001.exr"));
+    const Outcome outcome = run();
+    EXPECT_EQ(outcome.status, 1) << name;
+    return line_of(outcome, name);
+  };
+  Frame left = noise_frame(1, kSize, kSize);
+  Frame right = noise_frame(2, kSize, kSize);
+  const auto write_views = [&](const std::string& path) {
+    io::write_exr(path, std::vector<io::WrittenView>{{"left", &left}, {"right", &right}}, {},
+                  io::PixelType::float32);
+  };
+  write_views(folder_ / "image.exr");
+  const std::string eye = fails("eye", [&](const std::string& path) {
+    right.image(Aov::beauty).at(1, 2, 0) += 1.0f;
+    write_views(path);
+  });
+  expect_words(eye, {"right", "1 pixels differ", "pixel 1,2"});
+
+  Frame group = noise_frame(1, kSize, kSize);
+  group.light_groups().push_back({"key", Image(kSize, kSize, 3, 0.5f)});
+  io::write_exr(folder_ / "image.exr", group, {});
+  const std::string channel = fails("channel", [&](const std::string& path) {
+    group.light_groups().front().radiance.at(3, 4, 1) = 0.25f;
+    io::write_exr(path, group, {});
+  });
+  expect_words(channel, {"light.key.G", "1 pixels differ", "pixel 3,4"});
+}
+
 TEST_F(SuiteTest, UlpsMayBeAllowed) {
   write_suite(shell_case("other", "cp image.exr $0", "", R"("exact": {"max_ulps": 1})"));
   write_reference("other");
