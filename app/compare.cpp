@@ -1,8 +1,10 @@
 // becalm compare: the figures of a sequence against a reference, and a failure where they pass a limit.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -15,10 +17,12 @@
 #include "app/command.h"
 #include "app/compare_report.h"
 #include "app/console.h"
+#include "app/eye_names.h"
 #include "app/frame_figures.h"
 #include "app/options.h"
 #include "frame/io/exr.h"
 #include "frame/io/layers.h"
+#include "frame/io/printable.h"
 #include "frame/io/sequence.h"
 
 namespace becalm::app {
@@ -47,6 +51,7 @@ struct CompareCommand {
   std::string reference_b;
   std::string frames;
   std::string layers;
+  std::string view;
   std::string report;
   std::string json;
   std::array<std::optional<double>, kFigures.size()> limits;  ///< in the order of kFigures
@@ -98,8 +103,16 @@ class CompareJob {
   ExitStatus run();
 
  private:
-  ComparedFrame read(int frame) const;
-  Image read_like(const io::SequencePattern& pattern, int frame, const Image& reference) const;
+  /// A file's beauty, with where its first pixel lies.
+  struct Placed {
+    std::string path;
+    Image beauty;
+    Imath::V2i first;
+  };
+
+  ComparedFrame read(int frame);
+  Placed read_view(const io::SequencePattern& pattern, int frame);
+  Image read_like(const io::SequencePattern& pattern, int frame, const Placed& reference);
   std::vector<std::string> find_failures(const std::vector<FrameFigures>& figures) const;
   void write_json(const std::vector<FrameFigures>& figures, const std::vector<std::string>& failures) const;
 
@@ -109,17 +122,38 @@ class CompareJob {
   const io::LayerOptions layers_;
   std::optional<io::SequencePattern> reference_b_;
   std::vector<int> frames_;
+  bool told_views_ = false;  ///< that other views are not measured
 };
+
+/// A finite number; where it bounds from above, no negative one.
+CLI::Validator limit_of(LimitKind kind) {
+  return CLI::Validator(
+      [kind](const std::string& text) {
+        double value = 0.0;
+        const bool is_number = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
+        if (is_number && (kind == LimitKind::min || value >= 0.0)) return std::string();
+        return fmt::format("expected a finite number{}", kind == LimitKind::min ? "" : " of at least 0");
+      },
+      "");
+}
+
+/// The number that a single file's name has, else 1.
+int number_of(const std::string& file) {
+  const std::optional<io::NamedFrame> named = io::frame_in_name(file);
+  return named ? named->number : 1;
+}
 
 CompareJob::CompareJob(const CompareCommand& command)
     : command_(command),
       reference_(command.reference),
       test_(command.test),
       layers_{.layers = io::parse_layer_overrides(command.layers)} {
+  for (const std::string& text : {command.reference, command.test, command.reference_b})
+    refuse_eye_field(text);
   if (!command.reference_b.empty()) reference_b_.emplace(command.reference_b);
   frames_ = !command.frames.empty()        ? io::parse_frame_range(command.frames)
             : reference_.has_frame_field() ? reference_.frames_on_disk()
-                                           : std::vector<int>{1};
+                                           : std::vector<int>{number_of(command.reference)};
   if (frames_.empty()) {
     throw Error(ExitStatus::bad_input, fmt::format("{}: no frame of this sequence is on disk{}",
                                                    command.reference, reference_.hint_of_other_padding()));
@@ -132,23 +166,48 @@ CompareJob::CompareJob(const CompareCommand& command)
   }
 }
 
-ComparedFrame CompareJob::read(int frame) const {
+ComparedFrame CompareJob::read(int frame) {
   ComparedFrame images{.frame = frame, .test = {}, .reference = {}, .reference_b = {}, .reference_mean = {}};
-  images.reference = io::read_exr(reference_.path(frame), frame, {}, layers_).frame.image(Aov::beauty);
-  images.test = read_like(test_, frame, images.reference);
-  if (reference_b_) {
-    images.reference_b = read_like(*reference_b_, frame, images.reference);
-    images.reference_mean = mean_image(images.reference, images.reference_b);
-  }
+  Placed reference = read_view(reference_, frame);
+  images.test = read_like(test_, frame, reference);
+  if (reference_b_) images.reference_b = read_like(*reference_b_, frame, reference);
+  images.reference = std::move(reference.beauty);
+  if (reference_b_) images.reference_mean = mean_image(images.reference, images.reference_b);
   return images;
 }
 
-Image CompareJob::read_like(const io::SequencePattern& pattern, int frame, const Image& reference) const {
-  Image image = io::read_exr(pattern.path(frame), frame, {}, layers_).frame.image(Aov::beauty);
-  if (image.width() == reference.width() && image.height() == reference.height()) return image;
-  throw Error(ExitStatus::bad_input,
-              fmt::format("{}: is {}x{}, and {} is {}x{}", pattern.path(frame), image.width(), image.height(),
-                          reference_.path(frame), reference.width(), reference.height()));
+CompareJob::Placed CompareJob::read_view(const io::SequencePattern& pattern, int frame) {
+  const std::string path = pattern.path(frame);
+  io::LoadedFrame file = io::read_exr(path, frame, {}, layers_);
+  std::vector<io::LoadedView*> views{&file};
+  for (io::LoadedView& view : file.other_views) views.push_back(&view);
+  std::vector<std::string> names;
+  for (const io::LoadedView* view : views) names.push_back(io::printable(view->view));
+  const auto asked =
+      command_.view.empty() ? views.begin() : std::ranges::find(views, command_.view, &io::LoadedView::view);
+  if (asked == views.end()) {
+    throw Error(ExitStatus::bad_input, fmt::format("{}: no view '{}'; expected {}", path, command_.view,
+                                                   views.size() == 1 && names.front().empty()
+                                                       ? "a file of views"
+                                                       : fmt::format("{}", fmt::join(names, " or "))));
+  }
+  if (command_.view.empty() && views.size() > 1 && !told_views_) {
+    warn(fmt::format("{}: measured is the view {} of {}; --view names another", path, names.front(),
+                     fmt::join(names, ", ")));
+    told_views_ = true;
+  }
+  return {path, std::move((*asked)->frame.image(Aov::beauty)), (*asked)->window.min};
+}
+
+Image CompareJob::read_like(const io::SequencePattern& pattern, int frame, const Placed& reference) {
+  Placed file = read_view(pattern, frame);
+  const auto place = [](const Placed& of) {
+    return fmt::format("{}x{} from pixel ({}, {}) on", of.beauty.width(), of.beauty.height(), of.first.x,
+                       of.first.y);
+  };
+  if (place(file) == place(reference)) return std::move(file.beauty);
+  throw Error(ExitStatus::bad_input, fmt::format("{}: is {}, and {} is {}", file.path, place(file),
+                                                 reference.path, place(reference)));
 }
 
 ExitStatus CompareJob::run() {
@@ -178,9 +237,17 @@ ExitStatus CompareJob::run() {
   return failures.empty() ? ExitStatus::done : ExitStatus::comparison_failed;
 }
 
-/// A limit holds for every frame: one bad frame in a hundred is seen, and would not be in the mean.
+/// A limit holds for every frame: one bad frame in a hundred is seen, and would not be in the mean. Pixels
+/// that are not finite are within no limit.
 std::vector<std::string> CompareJob::find_failures(const std::vector<FrameFigures>& figures) const {
   std::vector<std::string> failures;
+  const bool has_limits =
+      std::ranges::any_of(command_.limits, [](const auto& limit) { return limit.has_value(); });
+  for (const FrameFigures& frame : figures) {
+    if (!has_limits || frame.skipped == 0) continue;
+    failures.push_back(
+        fmt::format("failed: {} pixels of frame {} are not finite", frame.skipped, frame.frame));
+  }
   for (std::size_t i = 0; i < kFigures.size(); ++i) {
     const Figure& figure = kFigures[i];
     const std::optional<double> limit = command_.limits[i];
@@ -250,6 +317,12 @@ Command add_compare(CLI::App& becalm) {
                   "The layer that is compared where its name is not known, of every file: beauty=NAME")
       ->option_text("beauty=NAME")
       ->group("Input");
+  parser
+      .add_option(
+          "--view", command->view,
+          "The view of stereo files that is compared, such as right (default: the files' default view)")
+      ->option_text("NAME")
+      ->group("Input");
   parser.add_option("--json", command->json, "Write the figures to this file too")
       ->option_text("FILE")
       ->group("Output");
@@ -260,6 +333,7 @@ Command add_compare(CLI::App& becalm) {
       ->group("Output");
   for (std::size_t i = 0; i < kFigures.size(); ++i) {
     parser.add_option(kLimitOptions[i].name, command->limits[i], kLimitOptions[i].help)
+        ->check(limit_of(kFigures[i].limit))
         ->option_text("X")
         ->group("Limits (any frame beyond one: exit status 1)");
   }

@@ -1,7 +1,11 @@
 #include "app/eye_names.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
+
+#include "frame/error.h"
 
 namespace becalm::app {
 
@@ -23,6 +27,14 @@ bool are_eyes(std::string_view first, std::string_view second) {
 
 bool has_eye_field(std::string_view pattern) {
   return pattern_of_eye(pattern, 0) != pattern;
+}
+
+void refuse_eye_field(std::string_view pattern) {
+  if (!has_eye_field(pattern)) return;
+  throw Error(ExitStatus::usage,
+              fmt::format("{}: has a field for the eye, which only denoise and render take; "
+                          "name one eye, such as {}",
+                          pattern, pattern_of_eye(pattern, 0)));
 }
 
 std::string pattern_of_eye(std::string_view pattern, std::size_t eye) {

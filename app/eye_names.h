@@ -24,6 +24,9 @@ bool are_eyes(std::string_view first, std::string_view second);
 /// and `r`.
 bool has_eye_field(std::string_view pattern);
 
+/// Throws Error(usage) for a pattern with a field for the eye, where a command takes none.
+void refuse_eye_field(std::string_view pattern);
+
 /// The pattern of an eye (0 the left one, 1 the right one).
 std::string pattern_of_eye(std::string_view pattern, std::size_t eye);
 

@@ -16,6 +16,7 @@
 #include "app/audit_run.h"
 #include "app/command.h"
 #include "app/counted.h"
+#include "app/eye_names.h"
 #include "app/frame_problems.h"
 #include "app/half_buffers.h"
 #include "app/layer_arguments.h"
@@ -328,6 +329,7 @@ void describe_sequence(const io::SequencePattern& pattern, const io::LayerOption
 
 ExitStatus describe(const InfoCommand& command) {
   const io::LayerOptions layers = layer_options(command.layers);
+  refuse_eye_field(command.subject);
   if (command.subject == "device") {
     describe_devices(command.json);
   } else if (std::filesystem::path(command.subject).extension() == ".json") {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -99,6 +100,67 @@ TEST_F(Compare, NothingFiniteIsAFailure) {
   const Outcome outcome = becalm({"compare", reference_, test_, "--max-relmse", "1"});
   EXPECT_EQ(outcome.status, 1);
   EXPECT_NE(outcome.err.find("not finite"), std::string::npos) << outcome.err;
+}
+
+TEST_F(Compare, PixelsThatAreNotFiniteAreWithinNoLimit) {
+  write_frames(1, 1.0f);
+  for (const std::string& pattern : {test_, reference_}) {
+    Frame frame = noise_frame(1);
+    frame.image(Aov::beauty).at(5, 7, 1) = std::numeric_limits<float>::quiet_NaN();
+    const std::string path = frame_path(pattern, 1);
+    const std::string kept = path + ".kept";
+    fs::rename(path, kept);
+    io::write_exr(path, frame, {}, io::PixelType::float32);
+    const Outcome outcome = becalm({"compare", reference_, test_, "--max-relmse", "1"});
+    EXPECT_EQ(outcome.status, 1) << path;
+    EXPECT_NE(outcome.err.find("1 pixels of frame 1"), std::string::npos) << outcome.err;
+    EXPECT_EQ(becalm({"compare", reference_, test_}).status, 0) << "without a limit nothing fails";
+    fs::rename(kept, path);
+  }
+}
+
+TEST_F(Compare, AnyViewOfAStereoFileIsMeasured) {
+  Frame left = noise_frame(1);
+  Frame right = noise_frame(2);
+  io::write_exr(folder_ / "a.exr", std::vector<io::WrittenView>{{"left", &left}, {"right", &right}}, {});
+  for (float& value : right.image(Aov::beauty).data()) value *= 2.0f;
+  io::write_exr(folder_ / "b.exr", std::vector<io::WrittenView>{{"left", &left}, {"right", &right}}, {});
+  const auto compared = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"compare", folder_ / "a.exr", folder_ / "b.exr", "--max-relmse", "0.1"};
+    words.insert(words.end(), more.begin(), more.end());
+    return becalm(words);
+  };
+  const Outcome first = compared({});
+  EXPECT_EQ(first.status, 0);
+  EXPECT_NE(first.err.find("--view"), std::string::npos) << first.err;
+  EXPECT_EQ(compared({"--view", "left"}).err, "");
+  EXPECT_EQ(compared({"--view", "right"}).status, 1);
+  EXPECT_EQ(compared({"--view", "middle"}).status, 3);
+}
+
+TEST_F(Compare, PixelsAreComparedWhereTheyLie) {
+  write_frames(1, 1.0f);
+  const std::string moved = folder_ / "moved.exr";
+  fs::copy_file(frame_path(reference_, 1), moved);
+  // The windows of the header move by one pixel.
+  std::ifstream file(moved, std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  for (const char* name : {"dataWindow", "displayWindow"}) {
+    const std::size_t at = bytes.find(name) + std::string(name).size() + std::string("?box2i?").size() + 4;
+    for (const std::size_t x : {at, at + 8}) ++bytes[x];
+  }
+  write_text(moved, bytes);
+  const Outcome outcome = becalm({"compare", frame_path(reference_, 1), moved});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_NE(outcome.err.find("(1, 0)"), std::string::npos) << outcome.err;
+}
+
+TEST_F(Compare, LimitsAreNumbersThatCanBeMet) {
+  write_frames(1, 1.0f);
+  for (const char* value : {"nan", "-1", "inf", "x"}) {
+    EXPECT_EQ(becalm({"compare", reference_, test_, "--max-relmse", value}).status, 2) << value;
+  }
+  EXPECT_EQ(becalm({"compare", reference_, test_, "--min-psnr", "-3"}).status, 0);
 }
 
 TEST_F(Compare, TheNoiseOfTwoReferencesIsNoError) {
