@@ -150,15 +150,35 @@ std::vector<std::string> numbers_on_disk(const std::string& prefix, const std::s
   return numbers;
 }
 
-/// The width that most zero-padded numbers have. If none is padded, the width of the shortest number, since a
-/// wider padding would have added zeros to it.
+bool is_negative(const std::string& number) {
+  return number.front() == '-';
+}
+
+bool is_zero_padded(const std::string& number) {
+  const std::size_t digits = number.size() - is_negative(number);
+  return digits > 1 && number[is_negative(number)] == '0';
+}
+
+/// Whether `-0001` is written for a padding of 4, as Blender does, and not `-001`.
+bool has_sign_before_padding(const std::vector<std::string>& numbers, int padding) {
+  const auto has = [&](int size) {
+    return std::ranges::any_of(numbers, [size](const std::string& number) {
+      return is_negative(number) && is_zero_padded(number) && std::ssize(number) == size;
+    });
+  };
+  return has(padding + 1) && !has(padding);
+}
+
+/// The width that most zero-padded numbers have, of positive ones if there are any. If none is padded, the
+/// width of the shortest number, since a wider padding would have added zeros to it.
 int padding_of(const std::vector<std::string>& numbers) {
   if (numbers.empty()) return 1;
   std::map<int, int> zero_padded;
   std::size_t least = numbers.front().size();
+  const bool positive = std::ranges::any_of(
+      numbers, [](const std::string& number) { return !is_negative(number) && is_zero_padded(number); });
   for (const std::string& number : numbers) {
-    const bool negative = number.front() == '-';
-    if (number.size() - negative > 1 && number[negative] == '0')
+    if (is_zero_padded(number) && !(positive && is_negative(number)))
       ++zero_padded[static_cast<int>(number.size())];
     least = std::min(least, number.size());
   }
@@ -245,14 +265,19 @@ SequencePattern::SequencePattern(std::string text, std::optional<int> lone_paddi
   if (!field) return;
   prefix_ = text_.substr(0, field->begin);
   suffix_ = text_.substr(field->end);
-  padding_ = !field->probe_disk ? field->padding
-             : lone_padding     ? *lone_padding
-                                : padding_of(numbers_on_disk(prefix_, suffix_));
+  const std::vector<std::string> numbers = numbers_on_disk(prefix_, suffix_);
+  padding_ = !field->probe_disk ? field->padding : lone_padding ? *lone_padding : padding_of(numbers);
+  sign_before_padding_ = has_sign_before_padding(numbers, padding_);
+}
+
+std::string SequencePattern::number_text(int frame) const {
+  const bool outside = sign_before_padding_ && frame < 0;
+  return fmt::format("{:0{}}", frame, padding_ + (outside ? 1 : 0));
 }
 
 std::string SequencePattern::path(int frame) const {
   if (!has_frame_field()) return text_;
-  return fmt::format("{}{:0{}}{}", prefix_, frame, padding_, suffix_);
+  return prefix_ + number_text(frame) + suffix_;
 }
 
 std::vector<int> SequencePattern::frames_on_disk() const {
@@ -262,7 +287,7 @@ std::vector<int> SequencePattern::frames_on_disk() const {
     const std::string_view whole = number;
     const std::optional<int> frame = take_int(number);
     // `shot.12.exr` is no frame of `shot.####.exr`: opening frame 12 would look for another file.
-    if (frame && fmt::format("{:0{}}", *frame, padding_) == whole) frames.push_back(*frame);
+    if (frame && number_text(*frame) == whole) frames.push_back(*frame);
   }
   std::sort(frames.begin(), frames.end());
   return frames;
@@ -274,7 +299,7 @@ std::string SequencePattern::hint_of_other_padding() const {
   std::erase_if(numbers, [&](const std::string& number) {
     std::string_view rest = number;
     const std::optional<int> frame = take_int(rest);
-    return !frame || fmt::format("{:0{}}", *frame, padding_) == number;
+    return !frame || number_text(*frame) == number;
   });
   if (numbers.empty()) return "";
   return fmt::format("; {}{}{} is there, and {}#{} finds it", prefix_,

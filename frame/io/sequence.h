@@ -40,8 +40,9 @@ class SequencePattern {
   bool has_frame_field() const { return padding_ > 0; }
   /// The least number of characters of a frame number; 0 without a frame field.
   int padding() const { return padding_; }
-  /// The file of a frame; negative numbers keep their sign before the padding: `shot.-001.exr` for `####` and
-  /// -1. The text itself where it has no frame field.
+  /// The file of a frame. The padding counts the sign of negative numbers, `shot.-001.exr` for `####` and -1,
+  /// unless the files on disk have it in addition, as Blender's: `shot.-0001.exr`. The text itself where it
+  /// has no frame field.
   std::string path(int frame) const;
   /// Numbers of the files that exist, ascending; none where the text has no frame field.
   std::vector<int> frames_on_disk() const;
@@ -52,10 +53,13 @@ class SequencePattern {
  private:
   SequencePattern(std::string text, std::optional<int> lone_padding);
 
+  std::string number_text(int frame) const;
+
   std::string text_;
   std::string prefix_;
   std::string suffix_;
-  int padding_ = 0;  ///< 0: no frame field
+  int padding_ = 0;                   ///< 0: no frame field
+  bool sign_before_padding_ = false;  ///< of negative numbers
 };
 
 }  // namespace becalm::io

@@ -155,6 +155,18 @@ TEST_F(OnDisk, FramesThatExist) {
   EXPECT_TRUE(SequencePattern(folder_.path("no_folder/shot.####.exr")).frames_on_disk().empty());
 }
 
+TEST_F(OnDisk, NegativeNumbersMayHaveTheirSignBeforeThePadding) {
+  for (const char* name : {"shot.-0012.exr", "shot.-0001.exr", "shot.0000.exr", "shot.0001.exr"}) touch(name);
+  for (const char* text : {"shot.####.exr", "shot.#.exr"}) {
+    const SequencePattern pattern(folder_.path(text));
+    EXPECT_EQ(pattern.frames_on_disk(), (Frames{-12, -1, 0, 1})) << text;
+    EXPECT_EQ(pattern.path(-3), folder_.path("shot.-0003.exr"));
+    EXPECT_EQ(pattern.path(3), folder_.path("shot.0003.exr"));
+  }
+  touch("shot.-002.exr");  // both are there: the padding counts the sign
+  EXPECT_EQ(SequencePattern(folder_.path("shot.####.exr")).frames_on_disk(), (Frames{-2, 0, 1}));
+}
+
 TEST_F(OnDisk, HintsAtNumbersOfAnotherPadding) {
   const SequencePattern pattern(folder_.path("shot.####.exr"));
   touch("shot.0001.exr");
