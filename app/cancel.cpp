@@ -29,6 +29,7 @@ void catch_signals() {
   sigaction(SIGTERM, &action, nullptr);
   action.sa_handler = SIG_IGN;
   sigaction(SIGPIPE, &action, nullptr);
+  sigaction(SIGXFSZ, &action, nullptr);  // a limit of files' sizes is an error of writing
 }
 
 const std::atomic<bool>& stop_requested() {

@@ -8,10 +8,12 @@
 #include <limits>
 #include <system_error>
 
+#include "app/eye_names.h"
 #include "app/half_buffers.h"
 #include "frame/error.h"
 
 namespace becalm::app {
+namespace fs = std::filesystem;
 
 Missing parse_missing(const std::string& name) {
   return name == "skip" ? Missing::skip : name == "hold" ? Missing::hold : Missing::error;
@@ -23,13 +25,30 @@ int usual_step(const std::vector<int>& frames) {
   return frames.size() < 2 ? 1 : step;
 }
 
+namespace {
+
+/// The frames with those between them, in their usual step.
+std::vector<int> every_step(const std::vector<int>& frames) {
+  std::vector<int> all;
+  for (const int frame : frames) {
+    while (!all.empty() && all.back() + usual_step(frames) < frame)
+      all.push_back(all.back() + usual_step(frames));
+    all.push_back(frame);
+  }
+  return all;
+}
+
+}  // namespace
+
 InputFrames::InputFrames(const std::vector<std::string>& patterns, Pair pair, const std::string& range,
                          std::optional<int> frame, Missing missing, const Readable& readable)
     : pattern_(patterns.front()), padding_(pattern_.padding()) {
   const std::string& pattern = pattern_.text();
+  for (const std::string& text : patterns) refuse_eye_field(text);
   if (patterns.size() > 1) {
     std::optional<io::SequencePattern>& other = pair == Pair::eyes ? other_eye_ : other_half_;
     other.emplace(patterns[1]);
+    refuse_no_pair(pattern, other->text(), pair);
     if (other->has_frame_field() != pattern_.has_frame_field()) {
       throw Error(ExitStatus::usage, fmt::format("{}: {} of one sequence must both have a frame field",
                                                  other->text(), pair == Pair::eyes ? "eyes" : "halves"));
@@ -59,17 +78,35 @@ InputFrames::InputFrames(const std::vector<std::string>& patterns, Pair pair, co
                                                    pattern_.hint_of_other_padding()));
   }
   const bool all = asked.empty();
-  if (all) asked = present;
+  if (all) asked = missing == Missing::hold ? every_step(present) : present;
   assign_outputs(asked, present, missing);
   // A frame that is held is read whether or not it was asked for itself.
   readable_ = readable(sources(), present);
   step_ = usual_step(readable_);
-  const bool gaps =
-      std::ranges::adjacent_find(readable_, [&](int a, int b) { return b - a > step_; }) != readable_.end();
+  const bool gaps = missing != Missing::hold && std::ranges::adjacent_find(readable_, [&](int a, int b) {
+                                                  return b - a > step_;
+                                                }) != readable_.end();
   if (all && gaps) {
     note_ = fmt::format("{}: only frames {} are on disk; the filter starts anew after each gap", pattern,
                         io::format_frame_range(present));
   }
+}
+
+/// Halves that are one file would show no noise at all, and two frames of a sequence are not one.
+void InputFrames::refuse_no_pair(const std::string& first, const std::string& second, Pair pair) {
+  const char* what = pair == Pair::eyes ? "eyes" : "halves of one frame";
+  std::error_code error;
+  if (first == second || fs::equivalent(first, second, error)) {
+    throw Error(ExitStatus::usage, fmt::format("{}: is given twice, expected two {}", first, what));
+  }
+  const std::optional<io::NamedFrame> a = io::frame_in_name(first);
+  const std::optional<io::NamedFrame> b = io::frame_in_name(second);
+  constexpr int least_padding = 3;  // fewer digits may number the halves
+  if (!a || !b || a->number == b->number || std::min(a->padding, b->padding) < least_padding) return;
+  throw Error(ExitStatus::usage,
+              fmt::format("{} and {}: are frames {} and {}, expected two {}; a sequence is one argument in "
+                          "quotes, such as 'shot.####.exr'",
+                          first, second, a->number, b->number, what));
 }
 
 std::vector<int> InputFrames::present_in_both(const std::vector<int>& asked, Missing missing) const {
@@ -104,7 +141,14 @@ void InputFrames::take_single_file(const std::string& range, std::optional<int> 
           fmt::format("--frames {}: {} is a single file; a sequence has a frame field, such as ####.exr",
                       range, file));
     }
-    if (!frame) frame = asked.front();
+    const int number = asked.front();
+    const std::optional<io::NamedFrame> named = io::frame_in_name(file);
+    if (!frame && named && named->number != number) {
+      throw Error(ExitStatus::usage,
+                  fmt::format("--frames {}: {} is frame {}; --frame {} gives it another number", range, file,
+                              named->number, number));
+    }
+    if (!frame) frame = number;
   }
   const std::optional<io::NamedFrame> named = io::frame_in_name(file);
   if (named) padding_ = named->padding;

@@ -65,6 +65,8 @@ class InputFrames {
   const std::string& note() const { return note_; }
 
  private:
+  /// Throws Error(usage) for two patterns that cannot be a pair.
+  static void refuse_no_pair(const std::string& first, const std::string& second, Pair pair);
   void take_single_file(const std::string& range, std::optional<int> frame);
   /// The frames of both eyes on disk. Throws Error(bad_input) for one of `asked` (all if there are none) that
   /// one eye lacks, unless missing frames are dealt with.

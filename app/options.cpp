@@ -153,7 +153,8 @@ void add_filter_options(CLI::App& command, FilterOptions& options) {
   command
       .add_flag("--diagnostics", options.diagnostics,
                 "Write what the filter decided as layers: flow, error_mask, sample_count, bias, gain, "
-                "residual, remaining_variance")
+                "residual, remaining_variance, and the merged noisy layers: accumulated, "
+                "accumulated_albedo, ...")
       ->group(more("Filter"));
   command.add_option("--device", options.device, "Vulkan device (default: a hardware GPU if there is one)")
       ->option_text("N|NAME")

@@ -152,6 +152,21 @@ void Outputs::keep_foreign_files() const {
   }
 }
 
+void Outputs::check_places() const {
+  for (const std::string& path : all_paths()) {
+    fs::path place = fs::absolute(path).parent_path();
+    std::error_code error;
+    while (!fs::exists(place, error) && place.has_relative_path()) place = place.parent_path();
+    if (!fs::is_directory(place, error)) refuse_place(std::make_error_code(std::errc::not_a_directory));
+    if (::access(place.c_str(), W_OK | X_OK) != 0) refuse_place({errno, std::generic_category()});
+  }
+}
+
+void Outputs::refuse_place(const std::error_code& why) const {
+  throw Error(ExitStatus::resource,
+              fmt::format("{} {}: cannot write there: {}", option_, patterns_.front().text(), why.message()));
+}
+
 void Outputs::prepare() {
   std::map<fs::path, std::set<std::string>> names;  // by folder
   for (const std::string& path : all_paths())
@@ -162,10 +177,7 @@ void Outputs::prepare() {
     const fs::path place = folder.empty() ? fs::path(".") : folder;
     if (!error && ::access(place.c_str(), W_OK | X_OK) != 0) error = {errno, std::generic_category()};
     if (!error && !fs::is_directory(place)) error = std::make_error_code(std::errc::not_a_directory);
-    if (error) {
-      throw Error(ExitStatus::resource, fmt::format("{} {}: cannot write there: {}", option_,
-                                                    patterns_.front().text(), error.message()));
-    }
+    if (error) refuse_place(error);
     locks_.push_back(
         std::make_unique<FolderLock>(place, std::vector<std::string>(files.begin(), files.end())));
     for (const fs::directory_entry& entry : fs::directory_iterator(place, error)) {

@@ -4,6 +4,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "app/folder_lock.h"
@@ -32,6 +33,9 @@ class Outputs {
   /// Throws Error(usage) if there is a file in an output's place that becalm did not write.
   void keep_foreign_files() const;
 
+  /// Throws Error(resource) if a folder cannot be written to or made. Changes nothing.
+  void check_places() const;
+
   /// Makes the folder, locks the frames against other processes as long as this lives, and removes what
   /// killed runs left half-written of them. Throws Error(resource), before hours of work whose result could
   /// not be written.
@@ -50,6 +54,7 @@ class Outputs {
 
  private:
   std::vector<std::string> all_paths() const;
+  [[noreturn]] void refuse_place(const std::error_code& why) const;
   void check_attributes(const std::string& path, const io::Attributes& attributes) const;
 
   std::string option_;

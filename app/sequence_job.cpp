@@ -90,7 +90,7 @@ ExitStatus SequenceJob::run() {
   choose_additive();
 
   if (!command_.output.overwrite && !command_.output.resume) outputs_.keep_foreign_files();
-  if (!command_.dry_run) outputs_.prepare();
+  command_.dry_run ? outputs_.check_places() : outputs_.prepare();
   if (command_.output.resume) find_existing();
   // Without segments every frame depends on all before it.
   const std::set<int> wanted =

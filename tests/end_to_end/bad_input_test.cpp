@@ -204,6 +204,36 @@ TEST_F(BadInput, OutputOverInput) {
   }
 }
 
+TEST_F(BadInput, HalvesThatAreNoPair) {
+  for (const int number : {1, 2}) write_noise("in.000" + std::to_string(number) + ".exr", number);
+  fs::create_symlink(folder_ / "in.0001.exr", folder_ / "other.exr");
+  const auto denoise = [&](const std::string& first, const std::string& second) {
+    return becalm({"denoise", folder_ / first, folder_ / second, "-o", folder_ / "out.####.exr"});
+  };
+  expect_error(denoise("in.####.exr", "in.####.exr"), kUsage, {"in.####.exr", "twice"});
+  expect_error(denoise("in.0001.exr", "other.exr"), kUsage, {"in.0001.exr", "twice"});
+  expect_error(denoise("in.0001.exr", "in.0002.exr"), kUsage, {"frames 1 and 2", "'shot.####.exr'"});
+}
+
+TEST_F(BadInput, ARangeThatIsNotTheSingleFile) {
+  write_noise("in.0002.exr", 2);
+  expect_error(becalm({"denoise", folder_ / "in.0002.exr", "-o", folder_ / "out.####.exr", "--frames", "7"}),
+               kUsage, {"--frames 7", "is frame 2", "--frame 7"});
+}
+
+TEST_F(BadInput, AnEyeFieldWhereNoneIsTaken) {
+  const std::string eyes = folder_ / "in.%V.####.exr";
+  expect_error(becalm({"info", eyes}), kUsage, {"%V", "left"});
+  expect_error(becalm({"compare", eyes, eyes}), kUsage, {"%V", "left"});
+  expect_error(becalm({"antialias", eyes, "-o", folder_ / "out.####.exr"}), kUsage, {"%V", "left"});
+}
+
+TEST_F(BadInput, ADryRunTellsThatNothingCanBeWritten) {
+  write_noise("in.0001.exr", 1);
+  expect_error(becalm({"denoise", folder_ / "in.0001.exr", "-o", scene_ + "/new/out.exr", "--dry-run"}),
+               kResource, {"scene.json/new/out.exr"});
+}
+
 TEST_F(BadInput, ValuesOutOfRange) {
   expect_error(render({"--size", "640by360"}), kUsage, {"--size", "640by360", "WIDTHxHEIGHT"});
   expect_error(render({"--size", "0x360"}), kUsage, {"--size", "0x360"});

@@ -119,6 +119,12 @@ TEST_F(Denoise, MissingHoldWritesOneOutputForEachInput) {
                {"frame 0", "hold"});
 }
 
+TEST_F(Denoise, WithoutARangeGapsAreHeldToo) {
+  write_frames({1, 2, 4});
+  becalm_done(command("hold.####.exr", {"--missing", "hold", "--quiet"}));
+  EXPECT_EQ(io::read_attribute(folder_ / "hold.0003.exr", "becalm:held_from"), "2");
+}
+
 TEST_F(Denoise, HeldFramesMayComeFromTheContext) {
   write_frames({1, 2, 4});
   becalm_done(command("whole.####.exr", {"--frames", "1-4", "--missing", "hold", "--quiet"}));
