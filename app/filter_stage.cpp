@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "app/eye_names.h"
+#include "filter/input/radiance_scale.h"
 #include "filter/merge/additive.h"
 #include "frame/error.h"
 #include "frame/io/printable.h"
@@ -146,7 +147,7 @@ std::optional<FinishedFrame> FilterStage::run(const filter::Step& step, io::Load
   for (const io::LoadedView& view : noisy.other_views) frames.push_back(&view.frame);
   if (noisy.other_eye) frames.push_back(&noisy.other_eye->frame);
   std::vector<filter::FrameReport> reports(frames.size());
-  std::vector<Frame> made = run_views(step, frames, reports, profile);
+  std::vector<Frame> made = run_scaled(step, frames, reports, profile);
   if (!matched_.empty()) {
     progress.detail(fmt::format("device {}", device_->info().name));
     progress.detail(fmt::format("tiles {}", tiles()));
@@ -161,6 +162,20 @@ std::optional<FinishedFrame> FilterStage::run(const filter::Step& step, io::Load
   Frame first = std::move(made.front());
   made.erase(made.begin());
   return FinishedFrame{std::move(first), std::move(made), std::move(noisy)};
+}
+
+std::vector<Frame> FilterStage::run_scaled(const filter::Step& step, const std::vector<const Frame*>& frames,
+                                           std::vector<filter::FrameReport>& reports, Profile& profile) {
+  if (!radiance_scale_) radiance_scale_ = filter::radiance_scale(*frames.front());
+  const float scale = *radiance_scale_;
+  if (scale == 1.0f) return run_views(step, frames, reports, profile);
+  std::vector<Frame> scaled;
+  for (const Frame* frame : frames) filter::scale_radiance(scaled.emplace_back(*frame), scale);
+  std::vector<const Frame*> pointers;
+  for (const Frame& frame : scaled) pointers.push_back(&frame);
+  std::vector<Frame> made = run_views(step, pointers, reports, profile);
+  for (Frame& frame : made) filter::scale_radiance(frame, 1.0f / scale);
+  return made;
 }
 
 std::vector<Frame> FilterStage::run_views(const filter::Step& step, const std::vector<const Frame*>& frames,

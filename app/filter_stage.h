@@ -109,6 +109,9 @@ class FilterStage {
   /// The filtered frames of all views; none if the step makes none.
   std::vector<Frame> run_views(const filter::Step& step, const std::vector<const Frame*>& frames,
                                std::vector<filter::FrameReport>& reports, Profile& profile);
+  /// The same of frames whose radiance may be of any size.
+  std::vector<Frame> run_scaled(const filter::Step& step, const std::vector<const Frame*>& frames,
+                                std::vector<filter::FrameReport>& reports, Profile& profile);
   void tell(const filter::FrameReport& report, const std::string& name, Progress& progress) const;
 
   FilterRecipe recipe_;
@@ -122,6 +125,7 @@ class FilterStage {
   std::string context_;
   std::string cuts_;  ///< as typed
   std::set<int> given_cuts_;
+  std::optional<float> radiance_scale_;  ///< by the first frame, the same for all
   std::optional<gpu::Device> device_;
   struct View {
     std::string name;                             ///< with a space before it; empty where there is but one

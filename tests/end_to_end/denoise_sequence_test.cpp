@@ -145,6 +145,31 @@ TEST_F(Denoise, WhatIsHeldDoesNotDependOnTheRange) {
   }
 }
 
+TEST_F(Denoise, RadianceMayBeOfAnySize) {
+  const auto write = [&](float scale) {
+    for (const int number : {1, 2, 3}) {
+      Frame frame = noise_frame(number);
+      Image& beauty = frame.image(Aov::beauty);
+      for (std::size_t i = 0; i < beauty.pixel_count(); ++i) {
+        for (std::size_t c = 0; c < 3; ++c) beauty.data()[4 * i + c] *= scale;
+      }
+      io::write_exr(frame_path(input_, number), frame, {}, io::PixelType::float32);
+    }
+  };
+  write(1.0f);
+  becalm_done(command("usual.####.exr", {"--type", "float", "--quiet"}));
+  for (const float scale : {0x1p-96f, 0x1p96f}) {
+    write(scale);
+    becalm_done(command("scaled.####.exr", {"--type", "float", "--quiet"}));
+    const Frame usual = read_frame(folder_ / "usual.0002.exr");
+    const Frame scaled = read_frame(folder_ / "scaled.0002.exr");
+    for (std::size_t i = 0; i < usual.image(Aov::beauty).data().size(); ++i) {
+      const float factor = i % 4 == 3 ? 1.0f : scale;
+      ASSERT_EQ(scaled.image(Aov::beauty).data()[i], factor * usual.image(Aov::beauty).data()[i]) << scale;
+    }
+  }
+}
+
 TEST_F(Denoise, NothingIsCarriedOverACut) {
   write_frames({1, 2, 3});
   for (const int number : {4, 5}) {
