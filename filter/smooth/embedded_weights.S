@@ -1,12 +1,8 @@
-// The files of weights/, as they are, each between two symbols.
+// The file of weights/, as it is, between two symbols.
     .section .rodata
     .balign 16
-    .globl becalm_frame_weights, becalm_frame_weights_end
-becalm_frame_weights:
-    .incbin "frames.weights"
-becalm_frame_weights_end:
-    .globl becalm_merged_weights, becalm_merged_weights_end
-becalm_merged_weights:
-    .incbin "merged.weights"
-becalm_merged_weights_end:
+    .globl becalm_standard_weights, becalm_standard_weights_end
+becalm_standard_weights:
+    .incbin "standard.weights"
+becalm_standard_weights_end:
     .section .note.GNU-stack, "", %progbits

@@ -29,7 +29,7 @@ struct FrameSmoother::Passes {
         noisy(chain, task, extent, NoisyUse::smooth),
         additive(additive_inputs(chain, task.additive, extent, "additive.cur")),
         own_additive(task.merged ? additive_inputs(chain, task.additive, extent, "additive.own") : additive),
-        network(chain, task.merged ? merged_weights() : frame_weights(), extent, noisy, task.variance_known(),
+        network(chain, embedded_weights(), extent, noisy, task.variance_known(),
                 layered(additive, own_additive), convolver_of(device.info())) {
     chain.output(network.smoothed().color);
     chain.output(network.smoothed().stats);

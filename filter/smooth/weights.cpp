@@ -8,10 +8,8 @@
 #include <string_view>
 
 extern "C" {
-extern const std::byte becalm_frame_weights[];
-extern const std::byte becalm_frame_weights_end[];
-extern const std::byte becalm_merged_weights[];
-extern const std::byte becalm_merged_weights_end[];
+extern const std::byte becalm_standard_weights[];
+extern const std::byte becalm_standard_weights_end[];
 }
 
 namespace becalm::filter {
@@ -90,13 +88,8 @@ NetworkWeights parse_weights(std::span<const std::byte> file) {
   return weights;
 }
 
-const NetworkWeights& frame_weights() {
-  static const NetworkWeights weights = parse_weights({becalm_frame_weights, becalm_frame_weights_end});
-  return weights;
-}
-
-const NetworkWeights& merged_weights() {
-  static const NetworkWeights weights = parse_weights({becalm_merged_weights, becalm_merged_weights_end});
+const NetworkWeights& embedded_weights() {
+  static const NetworkWeights weights = parse_weights({becalm_standard_weights, becalm_standard_weights_end});
   return weights;
 }
 

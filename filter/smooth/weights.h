@@ -53,8 +53,7 @@ struct NetworkWeights {
 /// Parses a file of export.py. Throws std::invalid_argument if it is not one or has another size.
 NetworkWeights parse_weights(std::span<const std::byte> file);
 
-/// The networks that are embedded in the program: of single frames, and of merged ones.
-const NetworkWeights& frame_weights();
-const NetworkWeights& merged_weights();
+/// The network that is embedded in the program.
+const NetworkWeights& embedded_weights();
 
 }  // namespace becalm::filter

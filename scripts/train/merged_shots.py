@@ -2,9 +2,9 @@
 
     merged_shots.py DATA --becalm PROGRAM
 
-For each complete shot of DATA the frame with a reference is merged four times: from all frames up to it and from a few, from
-all frames and from a few around it. The files say of the noise what chance decides: a variance, half-buffers or nothing. What
-the last smoothing would see is stored in SHOT/merged.npz, in the form of PACKED (shots.py); shots that have it are left alone.
+For each complete shot of DATA the frame with a reference is merged twice: from the frames up to it, and from all frames. The
+files say of the noise what chance decides: a variance, half-buffers or nothing. What the last smoothing would see is stored in
+SHOT/merged.npz, in the form of PACKED (shots.py); shots that have it are left alone.
 """
 
 import argparse
@@ -46,19 +46,11 @@ def read_channels(path, names):
     return pixels[..., [spec.channelnames.index(name) for name in names]].transpose(2, 0, 1)
 
 
-def spans(wanted, last, rng):
-    """(first frame, last frame, directions) of what is merged into the frame `wanted`, of the frames 1 to `last`."""
-    before, after = (int(rng.integers(1, 3)) for _ in range(2))
-    few = max(wanted - before, 1)
-    return [(1, wanted, "forward"), (few, wanted, "forward"), (1, last, "both"), (few, min(wanted + after, last), "both")]
-
-
-def merge(becalm, folder, wanted, span, preset):
-    """The frame `wanted` merged from those of a span in the folder: radiance, its variance, and features of 7 channels."""
-    first, last, directions = span
-    subprocess.run([becalm, "denoise", f"{folder}/in.####.exr", "-o", f"{folder}/out.####.exr", "--frames", str(wanted),
-                    "--context", f"{first}-{last}", "--quiet", "--overwrite", "--diagnostics", "--threads", "1", "--preset", preset,
-                    "--set", "smooth=merged", "--set", f"directions={directions}", "--cuts", "none"], check=True)
+def merge(becalm, folder, frames, wanted, preset, directions):
+    """The frame `wanted` merged from files of `frames`: radiance, its variance, and features of 7 channels."""
+    subprocess.run([becalm, "denoise", f"{folder}/in.####.exr", "-o", f"{folder}/out.####.exr", "--frames", frames, "--quiet",
+                    "--diagnostics", "--threads", "1", "--preset", preset, "--set", "smooth=merged",
+                    "--set", f"directions={directions}", "--cuts", "none"], check=True)
     channels = [f"accumulated.{c}" for c in "RGB"] + ["accumulated_variance.Y"] + [f"accumulated_albedo.{c}" for c in "RGB"]
     channels += [f"accumulated_normal.{c}" for c in "XYZ"] + ["accumulated_depth.Y"]
     layers = read_channels(f"{folder}/out.{wanted:04d}.exr", channels)
@@ -72,24 +64,27 @@ def merge_shot(becalm, folder):
     spp, wanted = shot["spp"][0], shot["references"][0]
     a, b = (shots.read_layers(f"{folder}/{name}.{wanted:04d}.exr", shot["renderer"]) for name in ("r_a", "r_b"))
     clean = shots.packed_features({name: 0.5 * (a[name] + b[name]) for name in ("albedo", "normal", "depth")})
-    noisy = {frame: shots.noisy_layers(folder, shot, spp, frame) for frame in range(1, shot["frames"] + 1)}
-    own = noisy[wanted]
-    exposure = shots.exposure_of(own["color"])
     arrays = {}
     with tempfile.TemporaryDirectory() as temporary:
-        for index, span in enumerate(spans(wanted, shot["frames"], rng)):
+        for directions in ("forward", "both"):
             told = TOLD[rng.choice(len(TOLD), p=TOLD_SHARES)]
-            for frame, layers in noisy.items():
+            for frame in range(1, shot["frames"] + 1):
+                layers = shots.noisy_layers(folder, shot, spp, frame)
                 kept = ["color", "albedo", "normal", "depth"] + [name for name in told if name in layers]
                 write_layers(f"{temporary}/in.{frame:04d}.exr", {name: layers[name] for name in kept})
-            color, variance, features = merge(becalm, temporary, wanted, span, MATCHING[rng.integers(len(MATCHING))])
-            finite = all(np.isfinite(image).all() for image in (color, variance, own["color"], a["color"], b["color"]))
+                if frame == wanted:
+                    of_wanted = layers
+            frames = f"1-{wanted}" if directions == "forward" else str(wanted)
+            color, variance, features = merge(becalm, temporary, frames, wanted, MATCHING[rng.integers(len(MATCHING))],
+                                              directions)
+            exposure = shots.exposure_of(of_wanted["color"])
+            finite = all(np.isfinite(image).all() for image in (color, variance, of_wanted["color"], a["color"], b["color"]))
             if exposure == 0.0 or not finite:
                 continue
             pair = shots.packed_pair(color * exposure, [np.sqrt(variance) * exposure],
-                                     [features, clean, shots.packed_features(own)], [r["color"] * exposure for r in (a, b)],
-                                     own["color"] * exposure)
-            arrays.update({f"{index}.{wanted:04d}.{name}": array for name, array in pair.items()})
+                                     [features, clean, shots.packed_features(of_wanted)], [r["color"] * exposure for r in (a, b)],
+                                     of_wanted["color"] * exposure)
+            arrays.update({f"{directions}.{wanted:04d}.{name}": array for name, array in pair.items()})
     shots.save(f"{folder}/{shots.MERGED}", arrays)
 
 

@@ -1,8 +1,8 @@
-"""Trains a network: train.py DATA OUT [--of frames|merged] [--size standard|small] [--minutes M | --steps N] [--device cpu|cuda]
+"""Trains the network: train.py DATA OUT [--size standard|small] [--minutes M | --steps N] [--device cpu|cuda] [--seed N]
 
 Goes on from OUT/checkpoint.pt if that is there. Writes OUT/checkpoint.pt, OUT/best.pt (the averaged weights with the least
-error on the shots held out) and OUT/curve.csv (minutes, step, training error, held-out error as a share of what went in,
-energy).
+error on the shots held out) and OUT/curve.csv (minutes, step, training error, held-out error, energy,
+held-out error of merged frames, as a share of theirs).
 """
 
 import argparse
@@ -73,11 +73,6 @@ class Trainer:
         self.step, self.spent_s, self.best = state["step"], state["spent_s"], state["best"]
         self.rng = np.random.default_rng([self.args.seed, self.step])
 
-    def load(self):
-        """Pairs to learn from and pairs to choose on, of single frames or of merged ones."""
-        merged = self.args.of == "merged"
-        return [[pair for pair in pairs if pair.merged == merged] for pairs in batches.load(self.args.data)]
-
     def share_done(self):
         """Of the steps, if there is a number of them, else of the time."""
         return self.step / self.args.steps if self.args.steps > 0 else self.spent_s / (60.0 * self.args.minutes)
@@ -114,7 +109,9 @@ class Trainer:
 
     def evaluate(self, pairs, training_error):
         error, energy = held_out_error(self.average, pairs) if pairs else (math.nan, math.nan)
-        line = f"{self.spent_s / 60:.2f},{self.step},{training_error:.5f},{error:.5f},{energy:.5f}"
+        merged = [pair for pair in pairs if pair.merged]
+        of_merged, _ = held_out_error(self.average, merged) if merged else (math.nan, math.nan)
+        line = f"{self.spent_s / 60:.2f},{self.step},{training_error:.5f},{error:.5f},{energy:.5f},{of_merged:.5f}"
         print(line, flush=True)
         with open(self.path("curve.csv"), "a") as file:
             file.write(line + "\n")
@@ -124,7 +121,7 @@ class Trainer:
         self.save()
 
     def run(self):
-        learn, choose = self.load()
+        learn, choose = batches.load(self.args.data)
         print(f"{len(learn)} pairs to learn from, {len(choose)} to choose on, {parameter_count(self.network)} parameters")
         last_evaluation = time.monotonic()
         errors = []
@@ -144,7 +141,6 @@ def parse(words):
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("data")
     parser.add_argument("out")
-    parser.add_argument("--of", choices=("frames", "merged"), default="frames", help="what the network is to smooth")
     parser.add_argument("--size", choices=sorted(CHANNELS), default="standard")
     parser.add_argument("--start", metavar="FILE.weights", help="begin with these weights; their size counts")
     parser.add_argument("--minutes", type=float, default=240.0)

@@ -111,7 +111,7 @@ Grid<Estimate> smooth_on(gpu::Device& device, const Sample& sample, const Networ
 
 /// A network with random weights, whose features and windows depend on every input.
 NetworkWeights random_weights() {
-  NetworkWeights weights = frame_weights();
+  NetworkWeights weights = embedded_weights();
   std::mt19937 random(5);
   const auto randomize = [&](Layer& layer, float spread) {
     std::normal_distribution<float> normal(0,
@@ -164,8 +164,7 @@ class NetworkTest : public DeviceTest {
 
 TEST_F(NetworkTest, AgreesWithTheReference) {
   expect_agreement(noisy_sample(27, 21), random_weights(), true);
-  expect_agreement(noisy_sample(17, 30), frame_weights(), true);
-  expect_agreement(noisy_sample(30, 17), merged_weights(), true);
+  expect_agreement(noisy_sample(17, 30), embedded_weights(), true);
 }
 
 TEST_F(NetworkTest, AgreesWithTheReferenceWhereTheVarianceIsUnknown) {
@@ -183,8 +182,9 @@ TEST_F(NetworkTest, AgreesWithTheReferenceForSingleFramesWithAndWithoutAlbedo) {
     sample.own = sample.features;
     const Grid<Estimate> truth =
         reference::smooth_by_network({sample.pixels, sample.own_pixels}, {sample.features, sample.own},
-                                     sample.exposure, frame_weights(), true);
-    expect_agreement(sample, truth, smooth_on(device(), sample, frame_weights(), true, std::nullopt, kind));
+                                     sample.exposure, embedded_weights(), true);
+    expect_agreement(sample, truth,
+                     smooth_on(device(), sample, embedded_weights(), true, std::nullopt, kind));
   }
 }
 

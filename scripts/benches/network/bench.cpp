@@ -20,7 +20,7 @@ class NetworkJob {
   NetworkJob(gpu::Extent full, Convolver convolver)
       : chain_(device_, "network"),
         noisy_(chain_, task(full), full, filter::NoisyUse::smooth),
-        network_(chain_, filter::frame_weights(), full, noisy_, true, {}, convolver) {
+        network_(chain_, filter::embedded_weights(), full, noisy_, true, {}, convolver) {
     chain_.output(network_.smoothed().color);
     chain_.output(network_.smoothed().stats);
     chain_.build();
@@ -65,7 +65,7 @@ class NetworkJob {
 
 /// Multiplications of all convolutions of one frame.
 double products(gpu::Extent full) {
-  const filter::NetworkWeights& weights = filter::frame_weights();
+  const filter::NetworkWeights& weights = filter::embedded_weights();
   const auto of = [](const filter::Layer& layer) { return static_cast<double>(layer.weight.size()); };
   double per_pixel = of(weights.finish);  // per pixel of the finest scale
   double pixels = 1.0;
