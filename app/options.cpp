@@ -185,7 +185,7 @@ gpu::DeviceOptions device_options(const FilterOptions& options) {
 std::uint64_t memory_limit(const FilterOptions& options) {
   if (options.memory.empty()) return std::numeric_limits<std::uint64_t>::max();
   const std::optional<std::uint64_t> bytes = parse_bytes(options.memory);
-  if (bytes) return *bytes;
+  if (bytes) return static_cast<std::uint64_t>(options.memory_share * static_cast<double>(*bytes));
   throw Error(
       ExitStatus::usage,
       fmt::format("--memory {}: expected a size with its unit, such as 512M or 1.5G", options.memory));

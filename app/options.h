@@ -46,7 +46,8 @@ void add_running_options(CLI::App& command, RunningOptions& options);
 struct FilterOptions {
   std::vector<std::string> assignments;  ///< of --set
   std::string device;
-  std::string memory;  ///< of --memory; empty: what the device has
+  std::string memory;         ///< of --memory; empty: what the device has
+  double memory_share = 1.0;  ///< of it, for this filter; others of the process have the rest
   std::optional<int> segment;
   std::optional<int> warmup;
   std::string context;  ///< empty: what there is
@@ -68,7 +69,7 @@ void add_filter_options(CLI::App& command, FilterOptions& options);
 /// The preset with every --set applied. Throws Error(usage).
 filter::Settings resolve_settings(const std::string& preset, const FilterOptions& options);
 gpu::DeviceOptions device_options(const FilterOptions& options);
-/// Bytes that --memory allows the filter. Throws Error(usage).
+/// Bytes that --memory allows the filter, or its share. Throws Error(usage).
 std::uint64_t memory_limit(const FilterOptions& options);
 /// Every diagnostic AOV, or none.
 AovSet diagnostics_of(const FilterOptions& options);

@@ -42,6 +42,19 @@
 namespace becalm::app {
 namespace {
 
+/// Share of --memory for the filters of all eyes' pilots, which have a quarter of a frame's pixels.
+constexpr double kPilotsMemory = 0.2;
+
+bool samples_adaptively(const RenderCommand& command) {
+  return command.adaptive || command.noise_target;
+}
+
+FilterOptions options_of_frames(const RenderCommand& command) {
+  FilterOptions options = command.filter;
+  if (samples_adaptively(command)) options.memory_share = 1.0 - kPilotsMemory;
+  return options;
+}
+
 /// What the filter wants of the tracer: a single sample has no halves.
 AovSet filter_input(const FilterStage& filter, int spp) {
   AovSet wanted = filter.wanted();
@@ -94,7 +107,7 @@ class RenderJob {
   void run_frame_by_frame(const std::vector<int>& work);
   void run_segments(const std::vector<int>& work);
   RenderedFrames rendered_frames();
-  bool is_adaptive() const { return command_.adaptive || command_.noise_target; }
+  bool is_adaptive() const { return samples_adaptively(command_); }
   void tell_expected_noise();
   void run_steps(const std::vector<filter::Step>& steps,
                  const std::function<std::optional<io::LoadedFrame>(std::size_t)>& source);
@@ -127,8 +140,9 @@ RenderJob::RenderJob(const RenderCommand& command, tracer::Scene scene)
     : command_(command),
       threads_(command.running.threads),
       asked_(parse_aovs(command.aovs)),
-      filter_(command.preset.empty() ? std::nullopt
-                                     : std::make_optional<FilterStage>(command.preset, command.filter)),
+      filter_(command.preset.empty()
+                  ? std::nullopt
+                  : std::make_optional<FilterStage>(command.preset, options_of_frames(command))),
       rendered_(asked_.aovs | (filter_ ? filter_input(*filter_, command.spp) : AovSet())),
       scene_(std::move(scene)),
       scene_hash_(scene_hash(command.scene)),
@@ -254,9 +268,11 @@ RenderedFrames RenderJob::rendered_frames() {
   options.aovs = rendered_;
   options.light_groups = asked_.light_groups;
   if (is_adaptive()) {
+    FilterOptions of_pilots = command_.filter;
+    of_pilots.memory_share = kPilotsMemory / static_cast<double>(eyes_.size());
     for (const Eye eye : eyes_) {
       options.eye = eye;
-      sampling_.emplace_back(scene_, options, command_.filter,
+      sampling_.emplace_back(scene_, options, of_pilots,
                              AdaptiveSampling::Options{.noise_target = command_.noise_target,
                                                        .spp = command_.spp,
                                                        .halves = contains(rendered_, Aov::half_a)});
