@@ -30,11 +30,7 @@ float patch_difference(ivec2 at, vec2 offset) {
       for (int i = -kRadius; i <= kRadius; ++i) {
         const ivec2 q = clamp(at + ivec2(i, j), ivec2(0), size - 1);
         const BilinearTaps taps = bilinear_taps(origin + q, offset, source_size);
-        const int top = (plane * source_size.y + taps.lo.y) * source_size.x;
-        const int bottom = (plane * source_size.y + taps.hi.y) * source_size.x;
-        const float there =
-            mix(mix(texelFetch(source, top + taps.lo.x).x, texelFetch(source, top + taps.hi.x).x, taps.t.x),
-                mix(texelFetch(source, bottom + taps.lo.x).x, texelFetch(source, bottom + taps.hi.x).x, taps.t.x), taps.t.y);
+        const float there = bilinear_value(source, taps, source_size.x, plane * source_size.y);
         sum += abs(texelFetch(target, (plane * size.y + q.y) * size.x + q.x).x - there);
       }
     }

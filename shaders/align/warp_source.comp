@@ -25,10 +25,7 @@ void main() {
   const ivec2 origin = ivec2(texelFetch(target_origin, 0).xy) / p.level_px;
   const BilinearTaps taps = bilinear_taps(origin + at, start, source_size);
   [[unroll]] for (int plane = 0; plane < planes; ++plane) {
-    const int top = (plane * source_size.y + taps.lo.y) * source_size.x;
-    const int bottom = (plane * source_size.y + taps.hi.y) * source_size.x;
     warped.data[(plane * size.y + at.y) * size.x + at.x] =
-        mix(mix(texelFetch(source, top + taps.lo.x).x, texelFetch(source, top + taps.hi.x).x, taps.t.x),
-            mix(texelFetch(source, bottom + taps.lo.x).x, texelFetch(source, bottom + taps.hi.x).x, taps.t.x), taps.t.y);
+        bilinear_value(source, taps, source_size.x, plane * source_size.y);
   }
 }

@@ -3,9 +3,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/bilinear.glsl"
+#include "lib/dispatch_size.glsl"
 
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(push_constant) uniform Params { ivec2 size; };
 layout(set = 0, binding = 0) uniform samplerBuffer target;
 layout(set = 0, binding = 1) uniform samplerBuffer source;
 layout(set = 0, binding = 2) uniform samplerBuffer found;
@@ -13,11 +13,7 @@ layout(set = 0, binding = 3) uniform samplerBuffer whole;
 layout(std430, set = 0, binding = 4) writeonly buffer DifferenceBuffer { vec2 data[]; } difference;
 
 float source_at(ivec2 at, vec2 displacement) {
-  const BilinearTaps taps = bilinear_taps(at, displacement, size);
-  const int top = taps.lo.y * size.x;
-  const int bottom = taps.hi.y * size.x;
-  return mix(mix(texelFetch(source, top + taps.lo.x).x, texelFetch(source, top + taps.hi.x).x, taps.t.x),
-             mix(texelFetch(source, bottom + taps.lo.x).x, texelFetch(source, bottom + taps.hi.x).x, taps.t.x), taps.t.y);
+  return bilinear_value(source, bilinear_taps(at, displacement, size), size.x, 0);
 }
 
 void main() {

@@ -21,3 +21,12 @@ BilinearTaps bilinear_taps(ivec2 pixel, vec2 displacement, ivec2 size, float sca
   const vec2 within = vec2(pixel) - scale * coarse + displacement;
   return bilinear_taps(ivec2(coarse), (within + 0.5) / scale - 0.5, size);
 }
+
+/// The value between the taps in the first channel of an image whose rows are `width` texels, from the row
+/// `first_row` of the texels on.
+float bilinear_value(samplerBuffer image, BilinearTaps taps, int width, int first_row) {
+  const int top = (first_row + taps.lo.y) * width;
+  const int bottom = (first_row + taps.hi.y) * width;
+  return mix(mix(texelFetch(image, top + taps.lo.x).x, texelFetch(image, top + taps.hi.x).x, taps.t.x),
+             mix(texelFetch(image, bottom + taps.lo.x).x, texelFetch(image, bottom + taps.hi.x).x, taps.t.x), taps.t.y);
+}

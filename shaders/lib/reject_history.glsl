@@ -9,14 +9,10 @@ const float kRejects = 0.3;
 const float kAccepts = 0.05;
 const int kRejectionRadius = 3;
 
-float residual_at(int x, int y) { return texelFetch(residual, y * residual_size.x + x).x; }
-
 /// 1 where patches differ, 0 where they are alike.
 float mask_of(ivec2 at) {
   const BilinearTaps taps = bilinear_taps(at, vec2(0.0), residual_size, p.residual_scale);
-  const float top = mix(residual_at(taps.lo.x, taps.lo.y), residual_at(taps.hi.x, taps.lo.y), taps.t.x);
-  const float bottom = mix(residual_at(taps.lo.x, taps.hi.y), residual_at(taps.hi.x, taps.hi.y), taps.t.x);
-  return clamp(kKappa * mix(top, bottom, taps.t.y) - kEta, 0.0, 1.0);
+  return clamp(kKappa * bilinear_value(residual, taps, residual_size.x, 0) - kEta, 0.0, 1.0);
 }
 
 /// The least weight of the new frame by the filtered difference (survey, eq. 5).

@@ -22,14 +22,10 @@ layout(std430, set = 0, binding = 7) writeonly buffer DecisionBuffer { vec4 data
 
 #include "lib/blend.glsl"
 
-float residual_at(int x, int y) { return texelFetch(residual, y * residual_size.x + x).x; }
-
 /// The residual at the pixel's centre, read bilinearly from an image of equal or lower resolution.
 float read_residual(ivec2 at) {
   const BilinearTaps taps = bilinear_taps(at, vec2(0.0), residual_size, p.residual_scale);
-  const float top = mix(residual_at(taps.lo.x, taps.lo.y), residual_at(taps.hi.x, taps.lo.y), taps.t.x);
-  const float bottom = mix(residual_at(taps.lo.x, taps.hi.y), residual_at(taps.hi.x, taps.hi.y), taps.t.x);
-  return mix(top, bottom, taps.t.y);
+  return bilinear_value(residual, taps, residual_size.x, 0);
 }
 
 void main() {
