@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <span>
 #include <string>
@@ -32,13 +33,15 @@ struct History {
 /// Device memory that chains hold together. Chains of a device run in turn, so they share what only a run
 /// needs.
 struct DeviceBytes {
-  std::uint64_t own = 0;      ///< of images that are kept between runs
-  std::uint64_t scratch = 0;  ///< the most that one of the chains needs in a run
+  std::uint64_t own = 0;                    ///< of images that are kept between runs
+  std::vector<std::uint64_t> scratch = {};  ///< by arena: the most that one of the chains needs in a run
 
-  std::uint64_t total() const { return own + scratch; }
+  std::uint64_t total() const { return std::accumulate(scratch.begin(), scratch.end(), own); }
   DeviceBytes& operator+=(const DeviceBytes& other) {
     own += other.own;
-    scratch = std::max(scratch, other.scratch);
+    scratch.resize(std::max(scratch.size(), other.scratch.size()));
+    for (std::size_t i = 0; i < other.scratch.size(); ++i)
+      scratch[i] = std::max(scratch[i], other.scratch[i]);
     return *this;
   }
 };

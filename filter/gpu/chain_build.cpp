@@ -167,7 +167,7 @@ void Chain::Impl::plan_memory() {
   memory_type = is_mapped() ? device.memory_type(types, Memory::eHostVisible | Memory::eHostCoherent,
                                                  Memory::eHostCached | Memory::eDeviceLocal)
                             : device.memory_type(types, {}, Memory::eDeviceLocal);
-  bytes.scratch = plan.total_bytes;
+  bytes.scratch = scratch_bytes;
   device_bytes_unaliased = bytes.own + gpu::plan_memory(requests, alignment, false, limit).total_bytes;
 }
 

@@ -42,12 +42,19 @@ TEST(Scratch, IsCountedOnceForAllChains) {
   const TwiceChain small({64, 4}), large({64, 400});
   DeviceBytes bytes = small.chain.device_bytes();
   bytes += large.chain.device_bytes();
-  EXPECT_GE(large.chain.device_bytes().scratch, 64u * 400u * sizeof(float));
+  EXPECT_GE(large.chain.device_bytes().total(), 64u * 400u * sizeof(float));
   EXPECT_EQ(bytes.scratch, large.chain.device_bytes().scratch);
   const HistoryChain history;
   EXPECT_GE(history.chain.device_bytes().own, 2u * HistoryChain::kCount * sizeof(std::uint32_t));
   bytes += history.chain.device_bytes();
   EXPECT_EQ(bytes.total(), large.chain.device_bytes().total() + history.chain.device_bytes().own);
+}
+
+TEST(Scratch, EveryArenaIsAsLargeAsAnyChainNeedsIt) {
+  DeviceBytes bytes{.own = 5, .scratch = {20, 20, 10}};
+  bytes += {.own = 1, .scratch = {20, 15, 20}};
+  bytes += {.own = 0, .scratch = {30}};
+  EXPECT_EQ(bytes.total(), 6u + 30u + 20u + 20u);
 }
 
 TEST(Scratch, GrowsUnderChainsThatHaveRun) {
