@@ -1,6 +1,6 @@
-// Reads an antialiased frame and one number; writes the frame sharpened that much. Contrast-adaptive as in AMD's FidelityFX CAS (Kramer 2019,
-// in the survey of Yang et al. 2020, section 6.1.2): the weight of the four neighbours falls with the local
-// contrast, and the result stays within the range of the 3x3 pixels.
+// Reads an antialiased frame and one number; writes the frame sharpened that much. Contrast-adaptive as in
+// AMD's FidelityFX CAS (Kramer 2019, in the survey of Yang et al. 2020, section 6.1.2): the weight of the four
+// neighbours falls with the local contrast, and the result stays within the range of the 3x3 pixels.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
