@@ -205,7 +205,8 @@ Image CompareJob::read_like(const io::SequencePattern& pattern, int frame, const
     return fmt::format("{}x{} from pixel ({}, {}) on", of.beauty.width(), of.beauty.height(), of.first.x,
                        of.first.y);
   };
-  if (place(file) == place(reference)) return std::move(file.beauty);
+  if (file.beauty.same_shape(reference.beauty) && file.first == reference.first)
+    return std::move(file.beauty);
   throw Error(ExitStatus::bad_input, fmt::format("{}: is {}, and {} is {}", file.path, place(file),
                                                  reference.path, place(reference)));
 }

@@ -167,7 +167,7 @@ std::optional<FinishedFrame> FilterStage::run(const filter::Step& step, io::Load
 std::vector<Frame> FilterStage::run_scaled(const filter::Step& step, const std::vector<const Frame*>& frames,
                                            std::vector<filter::FrameReport>& reports, Profile& profile) {
   if (!radiance_scale_) radiance_scale_ = filter::radiance_scale(*frames.front());
-  const float scale = *radiance_scale_;
+  const float scale = radiance_scale_.value_or(1.0f);
   if (scale == 1.0f) return run_views(step, frames, reports, profile);
   std::vector<Frame> scaled;
   for (const Frame* frame : frames) filter::scale_radiance(scaled.emplace_back(*frame), scale);

@@ -29,10 +29,10 @@ namespace {
 
 /// The frames with those between them, in their usual step.
 std::vector<int> every_step(const std::vector<int>& frames) {
+  const int step = usual_step(frames);
   std::vector<int> all;
   for (const int frame : frames) {
-    while (!all.empty() && all.back() + usual_step(frames) < frame)
-      all.push_back(all.back() + usual_step(frames));
+    while (!all.empty() && all.back() + step < frame) all.push_back(all.back() + step);
     all.push_back(frame);
   }
   return all;
@@ -133,6 +133,7 @@ std::vector<int> InputFrames::present_in_both(const std::vector<int>& asked, Mis
 
 void InputFrames::take_single_file(const std::string& range, std::optional<int> frame) {
   const std::string& file = pattern_.text();
+  const std::optional<io::NamedFrame> named = io::frame_in_name(file);
   if (!range.empty()) {
     const std::vector<int> asked = io::parse_frame_range(range);
     if (asked.size() > 1) {
@@ -142,7 +143,6 @@ void InputFrames::take_single_file(const std::string& range, std::optional<int> 
                       range, file));
     }
     const int number = asked.front();
-    const std::optional<io::NamedFrame> named = io::frame_in_name(file);
     if (!frame && named && named->number != number) {
       throw Error(ExitStatus::usage,
                   fmt::format("--frames {}: {} is frame {}; --frame {} gives it another number", range, file,
@@ -150,7 +150,6 @@ void InputFrames::take_single_file(const std::string& range, std::optional<int> 
     }
     if (!frame) frame = number;
   }
-  const std::optional<io::NamedFrame> named = io::frame_in_name(file);
   if (named) padding_ = named->padding;
   has_numbers_ = frame || named;
   const int number = frame ? *frame : named ? named->number : 1;

@@ -29,7 +29,7 @@ void multiply(std::span<float> values, float factor) {
 
 }  // namespace
 
-float radiance_scale(const Frame& frame) {
+std::optional<float> radiance_scale(const Frame& frame) {
   const Image& beauty = frame.image(Aov::beauty);
   double sum = 0.0;
   std::size_t count = 0;
@@ -39,7 +39,8 @@ float radiance_scale(const Frame& frame) {
     sum += std::log2(l);
     ++count;
   }
-  const double exponent = count == 0 ? 0.0 : sum / static_cast<double>(count);
+  if (count == 0) return std::nullopt;
+  const double exponent = sum / static_cast<double>(count);
   if (std::abs(exponent) <= kUsualExponent) return 1.0f;
   return std::ldexp(1.0f, std::clamp(-static_cast<int>(std::lround(exponent)), -120, 120));
 }
