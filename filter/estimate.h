@@ -28,6 +28,7 @@ struct Estimate {
 struct NewFrame {
   const Frame& frame;
   const NewFrame* own = nullptr;     ///< of a merged frame: the unmerged one
+  Image frames = {};                 ///< of a merged frame: the effective number of frames
   std::vector<std::uint8_t> finite;  ///< from finite_pixels
   float exposure;                    ///< of the whole frame, from exposure()
   float usual_depth = 1.0f;          ///< from typical_depth

@@ -2,6 +2,7 @@
 
 #include "filter/input/estimate_variance.h"
 #include "filter/input/host_images.h"
+#include "filter/tiles/pixel_view.h"
 
 namespace becalm::filter {
 
@@ -23,6 +24,7 @@ NoisyInputs::NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent 
     own_color = chain.input("own.color", Format::f32x4, extent);
     own_features = {.albedo_depth = chain.input("own.albedo_depth", Format::f32x4, extent),
                     .normal = chain.input("own.normal", Format::f32x4, extent)};
+    frames = chain.input("frames", Format::f32, extent);
   }
   if (task.variance_known()) {
     variance = given_variance_;
@@ -51,6 +53,7 @@ void NoisyInputs::upload(gpu::Chain& chain, const FilterTask& task, const NewFra
     pack_color(frame.own->frame.image(Aov::beauty), frame.finite, tile.target,
                chain.upload<float>(own_color));
     upload_features(frame.own->frame, *own_features);
+    filter::upload(chain, *frames, view(frame.frames), tile.target);
   }
 }
 

@@ -32,6 +32,8 @@ class NoisyInputs {
   std::optional<SurfaceImages> features;  ///< if a pass reads them
   /// Of a merged frame: the unmerged frame's features, else the same.
   std::optional<SurfaceImages> own_features;
+  /// Of a merged frame: f32, the effective number of frames. `variance` is that of their mean.
+  std::optional<gpu::ImageId> frames;
 
  private:
   gpu::ImageId given_variance_;

@@ -9,6 +9,7 @@
 #include "filter/merge/patch_sums.h"
 #include "filter/smooth/convolution.h"
 #include "filter/smooth/host_features.h"
+#include "filter/smooth/own_share.h"
 
 namespace becalm::filter {
 
@@ -78,13 +79,22 @@ NetworkPasses::NetworkPasses(Chain& chain, const NetworkWeights& weights, Extent
   add_windows(chain, weights, frame, "beauty", beauty.irradiance, frame.color, color, stats);
   const ImageId share = add_share(chain, frame, color, stats);
   smoothed_.color = add_restore(chain, "smoothed.color", frame.color, color, share);
+  std::optional<ImageId> own_share;
+  if (frame.frames) {
+    const OwnShare own = add_own_share(chain, full_, frame, smoothed_.color, smoothed_.stats);
+    smoothed_.color = add_restore(chain, "mixed.color", frame.own_color, smoothed_.color, own.share);
+    smoothed_.stats = own.stats;
+    own_share = own.share;
+  }
   for (std::size_t i = 0; i < additive.size(); ++i) {
     const std::string name = fmt::format("additive.{}", i);
     const Layered irradiance = add_demodulate(chain, frame, name, additive[i]).irradiance;
     const ImageId windows = chain.image("windows." + name, Format::f32x4, full);
     add_windows(chain, weights, frame, name, irradiance, additive[i].merged, windows,
                 chain.image(name + ".stats", Format::f32x2, full));
-    smoothed_.additive.push_back(add_restore(chain, "smoothed." + name, additive[i].merged, windows, share));
+    ImageId result = add_restore(chain, "smoothed." + name, additive[i].merged, windows, share);
+    if (own_share) result = add_restore(chain, "mixed." + name, additive[i].own, result, *own_share);
+    smoothed_.additive.push_back(result);
   }
 }
 
@@ -229,6 +239,7 @@ ImageId NetworkPasses::add_share(Chain& chain, const NoisyInputs& frame, ImageId
   chain.pass("smooth/lost")
       .read("color", frame.color)
       .read("variance", frame.variance)
+      .read("frames", std::optional<ImageId>())
       .read("smoothed", color)
       .read("exposure", frame.exposure)
       .write("lost", lost)

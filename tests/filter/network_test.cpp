@@ -68,6 +68,9 @@ Sample noisy_sample(int width, int height) {
   return sample;
 }
 
+/// How many frames are said to have been merged.
+constexpr float kMergedFrames = 4.0f;
+
 /// Kinds of frames: merged ones, with albedos of their own; single ones; ones without albedo.
 enum class Kind { merged, single, without_albedo };
 
@@ -105,6 +108,7 @@ Grid<Estimate> smooth_on(gpu::Device& device, const Sample& sample, const Networ
           static_cast<float>(sample.own_pixels.data[i].color[c]);
     }
   }
+  if (noisy.frames) std::ranges::fill(chain.upload<float>(*noisy.frames), kMergedFrames);
   chain.run();
   return download_estimate(chain, smoothed.color, smoothed.stats, extent);
 }
@@ -133,9 +137,16 @@ class NetworkTest : public DeviceTest {
  protected:
   /// Compares the results of every convolver that the device supports.
   void expect_agreement(const Sample& sample, const NetworkWeights& weights, bool variance_known) {
+    const reference::TwoSamples samples{sample.pixels, sample.own_pixels};
+    const Grid<Estimate> smoothed = reference::smooth_by_network(samples, {sample.features, sample.own},
+                                                                 sample.exposure, weights, variance_known);
     const Grid<Estimate> truth =
-        reference::smooth_by_network({sample.pixels, sample.own_pixels}, {sample.features, sample.own},
-                                     sample.exposure, weights, variance_known);
+        reference::with_own_share(samples, smoothed, kMergedFrames, sample.exposure);
+    double mixed = 0;
+    for (std::size_t i = 0; i < truth.data.size(); ++i) {
+      mixed += std::abs(truth.data[i].color[1] / smoothed.data[i].color[1] - 1) / truth.data.size();
+    }
+    EXPECT_GT(mixed, 1e-3) << "the frame itself has hardly a share";
     expect_agreement(sample, truth, smooth_on(device(), sample, weights, variance_known, Convolver::kernels));
     if (!device().info().is_processor) return;
     expect_agreement(sample, truth, smooth_on(device(), sample, weights, variance_known, Convolver::host));
@@ -272,6 +283,38 @@ TEST_F(NetworkTest, NothingIsInvented) {
     ASSERT_GE(e.color[1], range[0] * (1 - 1e-6));
     ASSERT_LE(e.color[1], range[1] * (1 + 1e-6));
   }
+}
+
+TEST_F(NetworkTest, WhereAnErrorIsExpectedThatNoNoiseExplainsTheFrameItselfCounts) {
+  // A checker of single pixels that merging blurred away, with an outlier in the frame itself.
+  constexpr int size = 40;
+  constexpr int outlier = 20;
+  constexpr float merged_contrast = 0.0f;
+  constexpr float own_contrast = 0.2f;
+  const auto sign = [](int x, int y) { return (x + y) % 2 == 0 ? 1.0 : -1.0; };
+  Sample sample(size, size);
+  for (int y = 0; y < size; ++y) {
+    for (int x = 0; x < size; ++x) {
+      sample.features.at(x, y) = sample.own.at(x, y) = {0.5, 0.5, 0.5, 1.0, 0.0, 0.0, 1.0};
+      const auto pixel = [&](double contrast) {
+        const double value = 0.5 + contrast * sign(x, y);
+        return Estimate{.color = {value, value, value, 1.0}, .variance = 1e-5, .count = 1.0};
+      };
+      sample.pixels.at(x, y) = pixel(merged_contrast);
+      sample.own_pixels.at(x, y) = pixel(own_contrast);
+    }
+  }
+  for (int c = 0; c < 3; ++c) sample.own_pixels.at(outlier, outlier).color[c] = 1e6;
+  const auto contrast_with_expected_error = [&](float log_error) {
+    NetworkWeights weights = embedded_weights();
+    std::ranges::fill(weights.error.weight, 0.0f);
+    std::ranges::fill(weights.error.bias, log_error);
+    const Grid<Estimate> result = smooth_on(device(), sample, weights);
+    EXPECT_LT(result.at(outlier, outlier).color[1], 1.0) << "the outlier came back";
+    return (result.at(8, 8).color[1] - 0.5) * sign(8, 8);
+  };
+  EXPECT_NEAR(contrast_with_expected_error(-12.0f), merged_contrast, 0.01);
+  EXPECT_NEAR(contrast_with_expected_error(0.0f), own_contrast, 0.01);
 }
 
 TEST_F(NetworkTest, RadianceAtTheEndsOfFloatComesOutFinite) {

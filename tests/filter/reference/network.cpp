@@ -253,45 +253,76 @@ double luminance(const Rgba& c) {
   return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
 }
 
-/// Puts back the part of the sample that patches lost beyond their noise.
-Grid<Estimate> restored(const Grid<Estimate>& sample, const Grid<Estimate>& smoothed, double exposure) {
-  struct Lost {
-    double square = 0.0;
-    double noise = 0.0;
-  };
+/// A squared difference and what noise alone would make of it, both relative to brightness.
+struct Lost {
+  double square = 0.0;
+  double noise = 0.0;
+};
+
+double relative_scale(const Rgba& smoothed, double exposure) {
+  return 1.0 / (std::max(luminance(smoothed), 0.0) + 0.1 / exposure);
+}
+
+/// What `smoothed` lost of the sample, whose variance is `frames` times what it says.
+Grid<Lost> lost_of(const Grid<Estimate>& sample, const Grid<Estimate>& smoothed, double frames,
+                   double exposure) {
   Grid<Lost> lost(sample.width, sample.height);
   for (std::size_t i = 0; i < lost.data.size(); ++i) {
     const Rgba& y = smoothed.data[i].color;
-    const double scale = 1.0 / (std::max(luminance(y), 0.0) + 0.1 / exposure);
+    const double scale = relative_scale(y, exposure);
     for (int c = 0; c < 3; ++c)
       lost.data[i].square += std::pow((sample.data[i].color[c] - y[c]) * scale, 2) / 3;
-    lost.data[i].noise = sample.data[i].variance * scale * scale;
+    lost.data[i].noise = sample.data[i].variance * frames * scale * scale;
   }
+  return lost;
+}
+
+/// Calls `use(u, v)` for the valid pixels of the 7x7 around (x, y), but not for that itself; returns their number.
+template <class Use>
+int for_neighbours(const Grid<Estimate>& sample, int x, int y, const Use& use) {
+  int count = 0;
+  for (int v = std::max(y - 3, 0); v <= std::min(y + 3, sample.height - 1); ++v) {
+    for (int u = std::max(x - 3, 0); u <= std::min(x + 3, sample.width - 1); ++u) {
+      if ((u == x && v == y) || sample.at(u, v).count <= 0) continue;
+      use(u, v);
+      ++count;
+    }
+  }
+  return count;
+}
+
+Lost mean_of_neighbours(const Grid<Estimate>& sample, const Grid<Lost>& lost, int x, int y) {
+  Lost mean;
+  const int count = for_neighbours(sample, x, y, [&](int u, int v) {
+    mean.square += lost.at(u, v).square;
+    mean.noise += lost.at(u, v).noise;
+  });
+  mean.square /= std::max(count, 1);
+  mean.noise /= std::max(count, 1);
+  return mean;
+}
+
+/// Moves `pixel` by `share` to the sample, whose noise has that variance.
+void mix(Estimate& pixel, const Rgba& color, double variance, double share) {
+  for (int c = 0; c < 4; ++c) pixel.color[c] += share * (color[c] - pixel.color[c]);
+  pixel.variance = std::pow(1 - share, 2) * pixel.variance + share * share * variance;
+}
+
+/// Puts back the part of the sample that patches lost beyond their noise.
+Grid<Estimate> restored(const Grid<Estimate>& sample, const Grid<Estimate>& smoothed, double exposure) {
+  const Grid<Lost> lost = lost_of(sample, smoothed, 1.0, exposure);
   Grid<Estimate> result = smoothed;
   for (int y = 0; y < sample.height; ++y) {
     for (int x = 0; x < sample.width; ++x) {
       if (sample.at(x, y).count <= 0) continue;
-      Lost mean;
-      double count = 0;
-      for (int v = std::max(y - 3, 0); v <= std::min(y + 3, sample.height - 1); ++v) {
-        for (int u = std::max(x - 3, 0); u <= std::min(x + 3, sample.width - 1); ++u) {
-          if ((u == x && v == y) || sample.at(u, v).count <= 0) continue;
-          mean.square += lost.at(u, v).square;
-          mean.noise += lost.at(u, v).noise;
-          ++count;
-        }
-      }
-      count = std::max(count, 1.0);
-      mean.square /= count;
-      mean.noise /= count;
+      const Lost mean = mean_of_neighbours(sample, lost, x, y);
+      const double count = std::max(for_neighbours(sample, x, y, [](int, int) {}), 1);
       const double detail = mean.square - mean.noise * (1 + 3 * std::sqrt(2 / count));
       const Lost& own = lost.at(x, y);
       const double noise = std::max(own.noise, mean.noise);
       const double of_pixel = own.square > 32 * 32 * noise ? own.square / (own.square + noise) : 0.0;
       const double share = std::max(of_pixel, detail > 0 ? detail / (detail + mean.noise) : 0.0);
-      Estimate& pixel = result.at(x, y);
-      for (int c = 0; c < 4; ++c) pixel.color[c] += share * (sample.at(x, y).color[c] - pixel.color[c]);
-      pixel.variance = std::pow(1 - share, 2) * pixel.variance + share * share * sample.at(x, y).variance;
+      mix(result.at(x, y), sample.at(x, y).color, sample.at(x, y).variance, share);
     }
   }
   return result;
@@ -364,6 +395,40 @@ Grid<Estimate> smooth_by_network(const TwoSamples& samples, const TwoFeatures& f
     }
   }
   return restored(sample, smoothed, exposure);
+}
+
+Grid<Estimate> with_own_share(const TwoSamples& samples, const Grid<Estimate>& smoothed, double frames,
+                              double exposure) {
+  const Grid<Estimate>& merged = samples.merged;
+  Grid<Estimate> own = samples.own;
+  for (std::size_t i = 0; i < own.data.size(); ++i) own.data[i].variance = merged.data[i].variance;
+  const Grid<Lost> lost = lost_of(own, smoothed, frames, exposure);
+  Grid<double> blur(merged.width, merged.height);
+  Grid<double> noise(merged.width, merged.height);
+  for (int y = 0; y < merged.height; ++y) {
+    for (int x = 0; x < merged.width; ++x) {
+      const Lost mean = mean_of_neighbours(merged, lost, x, y);
+      const Estimate& result = smoothed.at(x, y);
+      const double error = result.variance * std::pow(relative_scale(result.color, exposure), 2);
+      const double noise_of_pixel = lost.at(x, y).noise;
+      noise.at(x, y) = std::max({mean.square, mean.noise, 1e-12});
+      blur.at(x, y) = std::clamp(
+          (error - noise_of_pixel / frames) / std::max({mean.square, noise_of_pixel, 1e-12}), -1.0, 1.0);
+    }
+  }
+  Grid<Estimate> result = smoothed;
+  for (int y = 0; y < merged.height; ++y) {
+    for (int x = 0; x < merged.width; ++x) {
+      if (merged.at(x, y).count <= 0) continue;
+      double sum = 0;
+      const int count = for_neighbours(merged, x, y, [&](int u, int v) { sum += blur.at(u, v); });
+      const double n = noise.at(x, y);
+      const double share =
+          std::max(sum, 0.0) / std::max(count, 1) * n / std::max(n, lost.at(x, y).square / 16);
+      mix(result.at(x, y), own.at(x, y).color, merged.at(x, y).variance * frames, share);
+    }
+  }
+  return result;
 }
 
 }  // namespace becalm::reference

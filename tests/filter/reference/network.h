@@ -28,4 +28,9 @@ struct TwoSamples {
 Grid<Estimate> smooth_by_network(const TwoSamples& samples, const TwoFeatures& features, double exposure,
                                  const filter::NetworkWeights& weights, bool variance_known);
 
+/// The result mixed with the unmerged frame where it is blurred, as shaders/smooth/own_share.comp does. So many
+/// `frames` were merged.
+Grid<Estimate> with_own_share(const TwoSamples& samples, const Grid<Estimate>& smoothed, double frames,
+                              double exposure);
+
 }  // namespace becalm::reference

@@ -1,0 +1,44 @@
+// Reads smooth/blur's output, its patch sums, smooth/lost's output, the variance of the mean of `frames` frames
+// and the result's statistics; writes the share of the frame in the result, and the statistics of the mix. The share is the
+// mean over the patch without the pixel, so that it depends on no value that it weighs. A frame's pixel that
+// differs by more than noise does takes a smaller share: outliers stay out.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#include "lib/dispatch_size.glsl"
+#include "lib/gain.glsl"
+
+/// Standard deviations of noise from which a pixel is an outlier.
+const float kOutlier = 4.0;
+
+layout(constant_id = 0) const int radius = 3;
+
+layout(local_size_x = 64, local_size_y = 1) in;
+layout(set = 0, binding = 0) uniform samplerBuffer blur;
+layout(set = 0, binding = 1) uniform samplerBuffer blur_sums;
+layout(set = 0, binding = 2) uniform samplerBuffer lost;
+layout(set = 0, binding = 3) uniform samplerBuffer variance;
+layout(set = 0, binding = 4) uniform samplerBuffer stats;
+layout(set = 0, binding = 5) uniform samplerBuffer frames;
+layout(std430, set = 0, binding = 6) writeonly buffer ShareBuffer { float data[]; } share;
+layout(std430, set = 0, binding = 7) writeonly buffer MixedStatsBuffer { vec2 data[]; } mixed_stats;
+
+#include "lib/patch_row.glsl"
+
+void main() {
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  if (at.x >= size.x || at.y >= size.y) return;
+  const int index = at.y * size.x + at.x;
+  const vec4 sum = patch_without_pixel(blur, blur_sums, at);
+  const vec4 own = texelFetch(blur, index);
+  const float difference_squared = texelFetch(lost, index).x;
+  const float blurred = own.z > 0.0 ? max(sum.x, 0.0) / max(sum.z, 1.0) : 0.0;
+  const float of_frame =
+      blurred > 0.0 ? blurred * own.y / max(own.y, difference_squared / (kOutlier * kOutlier)) : 0.0;
+  share.data[index] = of_frame;
+  const vec2 before = texelFetch(stats, index).xy;
+  const float rest = 1.0 - of_frame;
+  const float noise = texelFetch(variance, index).x * texelFetch(frames, index).x;
+  const float left = rest * rest * before.x + of_frame * of_frame * noise;
+  mixed_stats.data[index] = vec2(min(left, kLargestVariance), before.y);
+}
