@@ -81,7 +81,7 @@ NetworkPasses::NetworkPasses(Chain& chain, const NetworkWeights& weights, Extent
   smoothed_.color = add_restore(chain, "smoothed.color", frame.color, color, share);
   std::optional<ImageId> own_share;
   if (frame.frames) {
-    const OwnShare own = add_own_share(chain, full_, frame, smoothed_.color, smoothed_.stats);
+    const OwnShare own = add_own_share(chain, full_, frame, smoothed_.color, smoothed_.stats, stats);
     smoothed_.color = add_restore(chain, "mixed.color", frame.own_color, smoothed_.color, own.share);
     smoothed_.stats = own.stats;
     own_share = own.share;

@@ -15,7 +15,7 @@ constexpr int kPatchRadius = 3;
 }  // namespace
 
 OwnShare add_own_share(gpu::Chain& chain, gpu::Extent full, const NoisyInputs& frame, ImageId color,
-                       ImageId stats) {
+                       ImageId stats, ImageId expected) {
   const ImageId lost = chain.image("own.lost", Format::f32x4, full);
   chain.pass("smooth/lost")
       .read("color", frame.own_color)
@@ -33,7 +33,7 @@ OwnShare add_own_share(gpu::Chain& chain, gpu::Extent full, const NoisyInputs& f
       .read("lost_sums", lost_sums)
       .read("frames", frame.frames)
       .read("smoothed", color)
-      .read("stats", stats)
+      .read("expected", expected)
       .read("exposure", frame.exposure)
       .write("blur", blur)
       .specialize("radius", kPatchRadius)

@@ -1,5 +1,5 @@
 // Reads smooth/lost's output for a frame and its result, its patch sums, how many frames were merged, and the
-// result with its expected error; writes (the share of that error that is blur, the squared difference that noise makes, 1, 0), the
+// result with the error that the network expects; writes (the share of that error that is blur, the squared difference that noise makes, 1, 0), the
 // share as a part of the difference. Averaging n frames leaves an n-th of a frame's variance; an error beyond
 // that is what merging and smoothing blurred, in which the frame itself has no part. A share may be negative:
 // own_share averages them.
@@ -16,7 +16,7 @@ layout(local_size_x = 64, local_size_y = 1) in;
 layout(set = 0, binding = 0) uniform samplerBuffer lost;
 layout(set = 0, binding = 1) uniform samplerBuffer lost_sums;
 layout(set = 0, binding = 2) uniform samplerBuffer smoothed;
-layout(set = 0, binding = 3) uniform samplerBuffer stats;
+layout(set = 0, binding = 3) uniform samplerBuffer expected;
 layout(set = 0, binding = 4) uniform samplerBuffer exposure;
 layout(set = 0, binding = 5) uniform samplerBuffer frames;
 layout(std430, set = 0, binding = 6) writeonly buffer BlurBuffer { vec4 data[]; } blur;
@@ -33,11 +33,11 @@ void main() {
   const vec4 sum = patch_without_pixel(lost, lost_sums, at);
   const vec2 mean = sum.xy / max(sum.z, 1.0);
   const vec4 y = texelFetch(smoothed, index);
-  const vec2 expected = texelFetch(stats, index).xy;
+  const vec2 of_network = texelFetch(expected, index).xy;
   const float scale = 1.0 / brightness(y.r, y.g, y.b, texelFetch(exposure, 0).x);
-  const float error = min(expected.x * scale * scale, kLargestDifference * kLargestDifference);
+  const float error = min(of_network.x * scale * scale, kLargestDifference * kLargestDifference);
   const float blurred = error - own.y / max(texelFetch(frames, index).x, 1.0);
   const float share = clamp(blurred / max(max(mean.x, own.y), kLeastNoise), -1.0, 1.0);
-  const bool counts = own.z > 0.0 && expected.y > 0.0 && sum.z >= 1.0;
+  const bool counts = own.z > 0.0 && of_network.y > 0.0 && sum.z >= 1.0;
   blur.data[index] = counts ? vec4(share, max(max(mean.x, mean.y), kLeastNoise), 1.0, 0.0) : vec4(0.0);
 }

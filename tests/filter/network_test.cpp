@@ -137,11 +137,12 @@ class NetworkTest : public DeviceTest {
  protected:
   /// Compares the results of every convolver that the device supports.
   void expect_agreement(const Sample& sample, const NetworkWeights& weights, bool variance_known) {
-    const reference::TwoSamples samples{sample.pixels, sample.own_pixels};
-    const Grid<Estimate> smoothed = reference::smooth_by_network(samples, {sample.features, sample.own},
-                                                                 sample.exposure, weights, variance_known);
-    const Grid<Estimate> truth =
-        reference::with_own_share(samples, smoothed, kMergedFrames, sample.exposure);
+    const auto reference_of = [&](double frames) {
+      return reference::smooth_by_network({sample.pixels, sample.own_pixels}, {sample.features, sample.own},
+                                          sample.exposure, weights, variance_known, frames);
+    };
+    const Grid<Estimate> smoothed = reference_of(0);
+    const Grid<Estimate> truth = reference_of(kMergedFrames);
     double mixed = 0;
     for (std::size_t i = 0; i < truth.data.size(); ++i) {
       mixed += std::abs(truth.data[i].color[1] / smoothed.data[i].color[1] - 1) / truth.data.size();
@@ -193,7 +194,7 @@ TEST_F(NetworkTest, AgreesWithTheReferenceForSingleFramesWithAndWithoutAlbedo) {
     sample.own = sample.features;
     const Grid<Estimate> truth =
         reference::smooth_by_network({sample.pixels, sample.own_pixels}, {sample.features, sample.own},
-                                     sample.exposure, embedded_weights(), true);
+                                     sample.exposure, embedded_weights(), true, 0);
     expect_agreement(sample, truth,
                      smooth_on(device(), sample, embedded_weights(), true, std::nullopt, kind));
   }

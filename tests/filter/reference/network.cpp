@@ -277,7 +277,8 @@ Grid<Lost> lost_of(const Grid<Estimate>& sample, const Grid<Estimate>& smoothed,
   return lost;
 }
 
-/// Calls `use(u, v)` for the valid pixels of the 7x7 around (x, y), but not for that itself; returns their number.
+/// Calls `use(u, v)` for the valid pixels of the 7x7 around (x, y), but not for that itself; returns their
+/// number.
 template <class Use>
 int for_neighbours(const Grid<Estimate>& sample, int x, int y, const Use& use) {
   int count = 0;
@@ -328,10 +329,46 @@ Grid<Estimate> restored(const Grid<Estimate>& sample, const Grid<Estimate>& smoo
   return result;
 }
 
+/// The result mixed with the unmerged frame where more was blurred than noise. `expected` has the errors that
+/// the network expects as variances.
+Grid<Estimate> with_own_share(const TwoSamples& samples, const Grid<Estimate>& smoothed,
+                              const Grid<Estimate>& expected, double frames, double exposure) {
+  const Grid<Estimate>& merged = samples.merged;
+  Grid<Estimate> own = samples.own;
+  for (std::size_t i = 0; i < own.data.size(); ++i) own.data[i].variance = merged.data[i].variance;
+  const Grid<Lost> lost = lost_of(own, smoothed, frames, exposure);
+  Grid<double> blur(merged.width, merged.height);
+  Grid<double> noise(merged.width, merged.height);
+  for (int y = 0; y < merged.height; ++y) {
+    for (int x = 0; x < merged.width; ++x) {
+      const Lost mean = mean_of_neighbours(merged, lost, x, y);
+      const double error =
+          expected.at(x, y).variance * std::pow(relative_scale(smoothed.at(x, y).color, exposure), 2);
+      const double noise_of_pixel = lost.at(x, y).noise;
+      noise.at(x, y) = std::max({mean.square, mean.noise, 1e-12});
+      blur.at(x, y) = std::clamp(
+          (error - noise_of_pixel / frames) / std::max({mean.square, noise_of_pixel, 1e-12}), -1.0, 1.0);
+    }
+  }
+  Grid<Estimate> result = smoothed;
+  for (int y = 0; y < merged.height; ++y) {
+    for (int x = 0; x < merged.width; ++x) {
+      if (merged.at(x, y).count <= 0) continue;
+      double sum = 0;
+      const int count = for_neighbours(merged, x, y, [&](int u, int v) { sum += blur.at(u, v); });
+      const double n = noise.at(x, y);
+      const double share =
+          std::max(sum, 0.0) / std::max(count, 1) * n / std::max(n, lost.at(x, y).square / 16);
+      mix(result.at(x, y), own.at(x, y).color, merged.at(x, y).variance * frames, share);
+    }
+  }
+  return result;
+}
+
 }  // namespace
 
 Grid<Estimate> smooth_by_network(const TwoSamples& samples, const TwoFeatures& features, double exposure,
-                                 const filter::NetworkWeights& weights, bool variance_known) {
+                                 const filter::NetworkWeights& weights, bool variance_known, double frames) {
   const Grid<Estimate>& sample = samples.merged;
   const Grid<SmoothFeatures> merged = padded(features.merged);
   const Grid<SmoothFeatures> own = padded(features.own);
@@ -394,41 +431,9 @@ Grid<Estimate> smooth_by_network(const TwoSamples& samples, const TwoFeatures& f
           square == 0 ? 0.0 : std::exp(log_error) * (square + 0.01 / 0.09) / (exposure * exposure);
     }
   }
-  return restored(sample, smoothed, exposure);
-}
-
-Grid<Estimate> with_own_share(const TwoSamples& samples, const Grid<Estimate>& smoothed, double frames,
-                              double exposure) {
-  const Grid<Estimate>& merged = samples.merged;
-  Grid<Estimate> own = samples.own;
-  for (std::size_t i = 0; i < own.data.size(); ++i) own.data[i].variance = merged.data[i].variance;
-  const Grid<Lost> lost = lost_of(own, smoothed, frames, exposure);
-  Grid<double> blur(merged.width, merged.height);
-  Grid<double> noise(merged.width, merged.height);
-  for (int y = 0; y < merged.height; ++y) {
-    for (int x = 0; x < merged.width; ++x) {
-      const Lost mean = mean_of_neighbours(merged, lost, x, y);
-      const Estimate& result = smoothed.at(x, y);
-      const double error = result.variance * std::pow(relative_scale(result.color, exposure), 2);
-      const double noise_of_pixel = lost.at(x, y).noise;
-      noise.at(x, y) = std::max({mean.square, mean.noise, 1e-12});
-      blur.at(x, y) = std::clamp(
-          (error - noise_of_pixel / frames) / std::max({mean.square, noise_of_pixel, 1e-12}), -1.0, 1.0);
-    }
-  }
-  Grid<Estimate> result = smoothed;
-  for (int y = 0; y < merged.height; ++y) {
-    for (int x = 0; x < merged.width; ++x) {
-      if (merged.at(x, y).count <= 0) continue;
-      double sum = 0;
-      const int count = for_neighbours(merged, x, y, [&](int u, int v) { sum += blur.at(u, v); });
-      const double n = noise.at(x, y);
-      const double share =
-          std::max(sum, 0.0) / std::max(count, 1) * n / std::max(n, lost.at(x, y).square / 16);
-      mix(result.at(x, y), own.at(x, y).color, merged.at(x, y).variance * frames, share);
-    }
-  }
-  return result;
+  const Grid<Estimate> result_of_merged = restored(sample, smoothed, exposure);
+  if (frames == 0) return result_of_merged;
+  return with_own_share(samples, result_of_merged, smoothed, frames, exposure);
 }
 
 }  // namespace becalm::reference

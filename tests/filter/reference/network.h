@@ -24,13 +24,9 @@ struct TwoSamples {
 
 /// The smoothing network in double, as in scripts/train/network.py. Samples have a count of 1, or 0 for
 /// non-finite pixels. A result's variance is the squared error that the network expects. Without
-/// `variance_known` the samples' variances are ignored.
+/// `variance_known` the samples' variances are ignored. If `frames` is not 0, the merged frame is the mean of
+/// so many, and the result is mixed with the unmerged one where it is blurred.
 Grid<Estimate> smooth_by_network(const TwoSamples& samples, const TwoFeatures& features, double exposure,
-                                 const filter::NetworkWeights& weights, bool variance_known);
-
-/// The result mixed with the unmerged frame where it is blurred, as shaders/smooth/own_share.comp does. So many
-/// `frames` were merged.
-Grid<Estimate> with_own_share(const TwoSamples& samples, const Grid<Estimate>& smoothed, double frames,
-                              double exposure);
+                                 const filter::NetworkWeights& weights, bool variance_known, double frames);
 
 }  // namespace becalm::reference
