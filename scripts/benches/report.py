@@ -197,6 +197,19 @@ its contrast by frequency (cycles a pixel), beside the pixel filter, which is th
 """
 
 
+def training_part(_):
+    return f"""## Training
+
+{measured_at()}
+
+What the network depends on: trained from scratch, for a tenth of the steps of the program's, on half of
+its shots; errors on held-out shots as shares of the noisy frames', geometric means
+(`scripts/train/README.md`).
+
+{said(sys.executable, "-m", "benches.training")}
+"""
+
+
 def time_part(becalm):
     rows = "\n".join(time_table(becalm, "build/report"))
     return f"""## Time
@@ -221,10 +234,10 @@ def scaling_part(becalm):
 
 # By name, in RESULTS.md's order.
 PARTS = {"quality": quality_part, "scenes": scenes_part, "trade": trade_part, "adaptive": adaptive_part, "antialias": antialias_part,
-         "upsample": upsample_part, "stereo": stereo_part, "burst": burst_part, "time": time_part, "scaling": scaling_part}
+         "upsample": upsample_part, "stereo": stereo_part, "burst": burst_part, "training": training_part, "time": time_part, "scaling": scaling_part}
 TITLES = {"quality": "## Cycles shots, 8 samples a pixel", "scenes": "## Our scenes, 8 samples a pixel", "trade": "## The trade",
           "adaptive": "## Adaptive sampling", "antialias": "## Temporal antialiasing", "upsample": "## Temporal upsampling",
-          "stereo": "## Stereo", "burst": "## Bursts", "time": "## Time\n", "scaling": "## Time and memory against pixels and frames\n"}
+          "stereo": "## Stereo", "burst": "## Bursts", "training": "## Training", "time": "## Time\n", "scaling": "## Time and memory against pixels and frames\n"}
 
 
 def measured_at():
@@ -239,11 +252,11 @@ def parts_of(text):
 
 def main():
     parser = argparse.ArgumentParser(prog="scripts/bench report", description=__doc__)
-    parser.add_argument("parts", nargs="*", choices=[*PARTS, []], metavar="PART", help=f"{', '.join(PARTS)}: the others are kept (default: all)")
+    parser.add_argument("parts", nargs="*", choices=[*PARTS, []], metavar="PART", help=f"{', '.join(PARTS)}: the others are kept (default: all but training, which wants its shots)")
     parser.add_argument("--becalm", default="build/release/becalm")
     asked = parser.parse_args()
     results = Path("RESULTS.md")
-    for name in asked.parts or PARTS:
+    for name in asked.parts or [name for name in PARTS if name != "training"]:
         part = PARTS[name](asked.becalm)  # takes minutes: the file is read anew after it
         parts = parts_of(results.read_text() if results.exists() else "") | {name: part}
         text = "".join(parts[name].strip() + "\n\n" for name in PARTS if name in parts)

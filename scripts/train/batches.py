@@ -1,5 +1,7 @@
 """Random crops of training pairs, varied so that a network serves every kind of sequence."""
 
+import os
+
 import numpy as np
 import torch
 
@@ -103,13 +105,13 @@ def is_held_out(folder):
     return int(folder.rsplit("-", 1)[1]) % 10 == 9
 
 
-def load(data):
-    """Pairs to learn from and pairs to choose on."""
+def load(data, renderer=""):
+    """Pairs to learn from, of one renderer's shots or of all, and pairs of all to choose on."""
     learn, choose = [], []
     for folder in shots.complete_shots(data):
         pairs = shots.load_shot(folder)
         if is_held_out(folder):
             choose.extend(pair for pair in pairs if pair.independent)
-        else:
+        elif os.path.basename(folder).startswith(renderer):
             learn.extend(pairs)
     return learn, choose

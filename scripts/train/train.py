@@ -121,7 +121,7 @@ class Trainer:
         self.save()
 
     def run(self):
-        learn, choose = batches.load(self.args.data)
+        learn, choose = batches.load(self.args.data, self.args.renderer)
         print(f"{len(learn)} pairs to learn from, {len(choose)} to choose on, {parameter_count(self.network)} parameters")
         last_evaluation = time.monotonic()
         errors = []
@@ -143,6 +143,7 @@ def parse(words):
     parser.add_argument("out")
     parser.add_argument("--size", choices=sorted(CHANNELS), default="standard")
     parser.add_argument("--start", metavar="FILE.weights", help="begin with these weights; their size counts")
+    parser.add_argument("--renderer", choices=("becalm", "cycles"), default="", help="learn from its shots alone")
     parser.add_argument("--minutes", type=float, default=240.0)
     parser.add_argument("--steps", type=int, default=0, help="so many steps instead")
     parser.add_argument("--device", default="cpu")
