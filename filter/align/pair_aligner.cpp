@@ -87,7 +87,6 @@ struct PairAligner::Chains {
 struct PairAligner::State {
   State(gpu::Device& device, const Settings& settings, Extent full, const AovSet& available,
         std::uint64_t memory_limit);
-  bool plan_whole_frame(gpu::Device& device, std::uint64_t memory_limit);
 
   void check(const Frame& target, const Frame& source) const;
   void upload_motion(gpu::Chain& chain, gpu::ImageId image, const Frame& target, const Rect& rect) const {
@@ -113,20 +112,12 @@ PairAligner::State::State(gpu::Device& device, const Settings& settings, Extent 
            .diagnostics = {},
            .guides = guides_of(settings, available)},
       takes_motion(settings.motion != MotionUse::none && contains(available, Aov::motion)) {
-  if (!plan_whole_frame(device, memory_limit)) plan = plan_split<Chains>(device, task, memory_limit);
-  Chains::for_each(*plan.chains, [](gpu::Chain& chain) { chain.build(); });
-}
-
-bool PairAligner::State::plan_whole_frame(gpu::Device& device, std::uint64_t memory_limit) {
-  const std::size_t levels = pyramid_extents(task.settings, task.full.width, task.full.height).size();
   plan.tiles = {uncut(task.full)};
-  try {
-    plan.chains = std::make_unique<Chains>(device, task, PyramidSplit{.levels = levels, .coarse = levels},
-                                           plan.tiles.front());
-  } catch (const gpu::DeviceLimitError&) {
-    return false;  // an image is too large for the device; tiles have smaller images
-  }
-  return plan.chains->device_bytes() <= memory_limit;
+  plan.chains = plan_whole_frame(task, memory_limit, [&](const PyramidSplit& split) {
+    return std::make_unique<Chains>(device, task, split, plan.tiles.front());
+  });
+  if (!plan.chains) plan = plan_split<Chains>(device, task, memory_limit);
+  Chains::for_each(*plan.chains, [](gpu::Chain& chain) { chain.build(); });
 }
 
 void PairAligner::State::check(const Frame& target, const Frame& source) const {

@@ -31,6 +31,21 @@ struct SplitPlan {
   std::vector<Tile> feature_tiles;  ///< in which features are made, of the same size
 };
 
+/// The chains for the whole frame as one tile, or null if they take more than `memory_limit` bytes or an
+/// image is too large for the device. `make(split)` returns them as std::unique_ptr.
+template <class Make>
+auto plan_whole_frame(const FilterTask& task, std::uint64_t memory_limit, const Make& make) {
+  const std::size_t levels = pyramid_extents(task.settings, task.full.width, task.full.height).size();
+  decltype(make(PyramidSplit{})) chains;
+  try {
+    chains = make(PyramidSplit{.levels = levels, .coarse = levels});
+  } catch (const gpu::DeviceLimitError&) {
+    return chains;
+  }
+  if (chains->device_bytes() > memory_limit) chains.reset();
+  return chains;
+}
+
 /// The split and the tiles of the least work that take at most `memory_limit` bytes. Throws DeviceLimitError
 /// if even the smallest tiles take more.
 template <class Chains>

@@ -139,7 +139,11 @@ struct FrameMerger::Host {
 
 FrameMerger::FrameMerger(gpu::Device& device, FilterTask task, std::uint64_t memory_limit)
     : task_(std::move(task)) {
-  if (!plan_whole_frame(device, memory_limit)) {
+  tiles_ = {uncut(task_.full)};
+  chains_ = plan_whole_frame(task_, memory_limit, [&](const PyramidSplit& split) {
+    return std::make_unique<Chains>(device, task_, split);
+  });
+  if (!chains_) {
     SplitPlan<Chains> plan = plan_split<Chains>(device, task_, memory_limit);
     chains_ = std::move(plan.chains);
     tiles_ = std::move(plan.tiles);
@@ -150,17 +154,6 @@ FrameMerger::FrameMerger(gpu::Device& device, FilterTask task, std::uint64_t mem
 }
 
 FrameMerger::~FrameMerger() = default;
-
-bool FrameMerger::plan_whole_frame(gpu::Device& device, std::uint64_t memory_limit) {
-  const std::size_t levels = pyramid_extents(task_.settings, task_.full.width, task_.full.height).size();
-  try {
-    chains_ = std::make_unique<Chains>(device, task_, PyramidSplit{.levels = levels, .coarse = levels});
-  } catch (const gpu::DeviceLimitError&) {
-    return false;  // an image is too large for the device; tiles have smaller images
-  }
-  tiles_ = {uncut(task_.full)};
-  return chains_->device_bytes() <= memory_limit;
-}
 
 void FrameMerger::merge(const NewFrame& frame, MergedFrame& merged, FrameReport& report) {
   if (host_) {

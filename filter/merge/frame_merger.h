@@ -44,7 +44,6 @@ class FrameMerger {
  private:
   struct Chains;
   struct Host;
-  bool plan_whole_frame(gpu::Device& device, std::uint64_t memory_limit);
   void find_features(const Tile& tile, const NewFrame& frame, FrameReport& report);
   void find_coarse_offsets(const NewFrame& frame, FrameReport& report);
   void upload_cut(const Tile& tile);
