@@ -87,13 +87,13 @@ Geometric means over the shots.
 
 def scenes_part(becalm):
     folder = Path("out/report_scenes")
-    run_quality(becalm, folder, "--spp", "8", "--frames", "4-13", "--measured", "7-9", "--reference-spp", "32")
+    run_quality(becalm, folder, "--spp", "8", "--frames", "4-13", "--measured", "7-9", "--reference-spp", "64")
     overview, relmse, temporal, energy = section(folder, "8 samples per pixel").split("\n\n")[:4]
     return f"""## Our scenes, 8 samples a pixel
 
 {measured_at()}
 
-384x216, with every feature, variance and half-buffers; two references of 32 samples, whose noise is
+384x216, with every feature, variance and half-buffers; two references of 64 samples, whose noise is
 taken out. The network did not learn from these scenes, but affinities were added after a look at
 `penumbra`.
 
