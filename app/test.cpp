@@ -267,7 +267,7 @@ Command add_test(CLI::App& becalm) {
       "  becalm test tests/regression --jobs 2 --junit results.xml\n"
       "  becalm test suite.json --filter 'glass*' --keep out\n"
       "  becalm test suite.json --update=glass --yes\n"
-      "tests/regression/README.md has the format of suites.\n");
+      "tests/regression/FORMAT.md has the format of suites.\n");
   return {&parser, [command] {
             catch_signals();
             return TestJob(*command).run();
