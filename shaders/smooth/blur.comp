@@ -1,8 +1,8 @@
 // Reads smooth/lost's output for a frame and its result, its patch sums, how many frames were merged, and the
-// result with the error that the network expects; writes (the share of that error that is blur, the squared difference that noise makes, 1, 0), the
-// share as a part of the difference. Averaging n frames leaves an n-th of a frame's variance; an error beyond
-// that is what merging and smoothing blurred, in which the frame itself has no part. A share may be negative:
-// own_share averages them.
+// result with the error that the network expects; writes (share, squared difference that noise makes, 1, 0).
+// Averaging n frames leaves an n-th of a frame's variance. An expected error beyond that is blur, in which the
+// frame itself has no part. The share is that excess over the squared difference of frame and result. It may
+// be negative: own_share averages shares over a patch.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

@@ -1,7 +1,6 @@
 // Reads a frame, its variance and the smoothed result; writes (squared difference of both, variance that
 // noise alone would give it, 1, 0), relative to the result's brightness; zeros for a pixel that is not
-// finite. The variance is that of the frame or, if the frame is one of those whose mean has that variance,
-// theirs.
+// finite.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/color.glsl"

@@ -1,7 +1,7 @@
-// Reads smooth/blur's output, its patch sums, smooth/lost's output, the variance of the mean of `frames` frames
-// and the result's statistics; writes the share of the frame in the result, and the statistics of the mix. The share is the
-// mean over the patch without the pixel, so that it depends on no value that it weighs. A frame's pixel that
-// differs by more than noise does takes a smaller share: outliers stay out.
+// Reads smooth/blur's output, its patch sums, smooth/lost's output, the variance of the mean of `frames`
+// frames and the result's statistics; writes the frame's share of the result, and the statistics of the mix.
+// The share is the mean over the patch without the pixel, so that it depends on no value that it weighs. A
+// pixel of the frame that differs by more than noise does takes a smaller share: outliers stay out.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
