@@ -315,7 +315,7 @@ Command add_compare(CLI::App& becalm) {
       ->group("Input");
   parser
       .add_option("--layers", command->layers,
-                  "The layer that is compared where its name is not known, of every file: beauty=NAME")
+                  "The layer to compare in every file, if its name is not recognised: beauty=NAME")
       ->option_text("beauty=NAME")
       ->group("Input");
   parser

@@ -42,6 +42,7 @@ void add_denoise_options(CLI::App& parser, SequenceCommand& command) {
           "the view; without, the eyes are searched for each other")
       ->option_text("F,S,C[,planar]")
       ->group(more("Input"));
+  add_additive_option(parser, command.layers);
   add_alpha_option(parser, command.filter);
   add_filter_options(parser, command.filter);
   add_running_options(parser, command.running);

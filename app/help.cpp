@@ -43,7 +43,7 @@ bool is_more(std::string_view group) {
 }
 
 /// The groups that are headings, each once, in the order in which their first options were added. The
-/// nameless group, --help, comes last.
+/// default group, "Options" with --help, comes last.
 std::vector<std::string> headings_of(const CLI::App* app) {
   std::vector<std::string> headings;
   for (std::string group : app->get_groups()) {

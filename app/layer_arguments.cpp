@@ -20,6 +20,9 @@ void add_layer_options(CLI::App& command, LayerArguments& arguments) {
                   "scale=S, swap (X and Y), joined by commas")
       ->option_text("CHANGE,...")
       ->group(more("Input"));
+}
+
+void add_additive_option(CLI::App& command, LayerArguments& arguments) {
   command
       .add_option(
           "--additive", arguments.additive,

@@ -10,13 +10,15 @@ class App;
 
 namespace becalm::app {
 
-/// What `denoise` and `info` are told about the layers of files.
+/// What commands are told about the layers of files.
 struct LayerArguments {
   std::string layers;
   std::string motion;
   std::string additive = "auto";
 };
 void add_layer_options(CLI::App& command, LayerArguments& arguments);
+/// --additive, for commands that denoise.
+void add_additive_option(CLI::App& command, LayerArguments& arguments);
 
 /// Throws Error(usage). Leaves `additive` empty: io::choose_additive needs the layers of a file for it.
 io::LayerOptions layer_options(const LayerArguments& arguments);

@@ -61,11 +61,11 @@ void add_running_options(CLI::App& command, RunningOptions& options) {
       ->option_text("N")
       ->group("Running");
   command
-      .add_flag(
-          "--reproducible", options.reproducible,
-          "Equal bytes on every x86-64 processor: Embree, oneDNN and the software device, which is then "
-          "taken unless --device names another, use no instructions beyond SSE4.2; takes about 10 % "
-          "longer")
+      .add_flag("--reproducible", options.reproducible,
+                "Equal bytes on x86-64 processors that have FMA, with the same libraries: Embree, oneDNN and "
+                "the software device, which is then "
+                "taken unless --device names another, use no instructions beyond SSE4.2; takes about 10 % "
+                "longer")
       ->group(more("Running"));
   command.add_flag("--profile", options.profile, "At the end, tell where time and memory went")
       ->group(more("Running"));
@@ -106,10 +106,10 @@ void apply(const RunningOptions& running, FilterOptions& filter) {
 
 void add_alpha_option(CLI::App& command, FilterOptions& options) {
   command
-      .add_option(
-          "--alpha", options.alpha,
-          "keep passes alpha on as it came; denoise merges it with the beauty's weights where it is as "
-          "rough as the noise of motion blur and depth of field, or as clean hair (default: keep)")
+      .add_option("--alpha", options.alpha,
+                  "keep passes alpha on as it came; denoise merges it with the beauty's weights where it "
+                  "looks noisy, "
+                  "as under motion blur and depth of field; clean hair looks noisy too (default: keep)")
       ->check(CLI::IsMember({"keep", "denoise"}))
       ->option_text("keep|denoise")
       ->group(more("Filter"));
@@ -151,10 +151,11 @@ void add_filter_options(CLI::App& command, FilterOptions& options) {
       ->option_text("auto|none|LIST")
       ->group(more("Filter"));
   command
-      .add_flag("--diagnostics", options.diagnostics,
-                "Write what the filter decided as layers: flow, error_mask, sample_count, bias, gain, "
-                "residual, remaining_variance, and the merged noisy layers: accumulated, "
-                "accumulated_albedo, ...")
+      .add_flag(
+          "--diagnostics", options.diagnostics,
+          "Write what the filter decided as layers: flow, error_mask, sample_count, bias, gain; denoising "
+          "also residual, remaining_variance, stereo_weight (pairs of eyes) and the merged noisy layers: "
+          "accumulated, accumulated_albedo, ...")
       ->group(more("Filter"));
   command.add_option("--device", options.device, "Vulkan device (default: a hardware GPU if there is one)")
       ->option_text("N|NAME")
@@ -162,8 +163,8 @@ void add_filter_options(CLI::App& command, FilterOptions& options) {
   command
       .add_option(
           "--memory", options.memory,
-          "Device memory that the filter may take: 512M, 2G, 1.5G (default: what the device has); larger "
-          "frames are cut into tiles, which the results do not show")
+          "Device memory that the filter may take: 512M, 2G, 1.5G (default: what the device has); denoising "
+          "cuts larger frames into tiles, which the results do not show")
       ->option_text("SIZE")
       ->group(more("Running"));
   command

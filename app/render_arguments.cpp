@@ -106,7 +106,9 @@ void add_render_options(CLI::App& parser, RenderCommand& command) {
       ->check(CLI::IsMember({"both", "left", "right"}))
       ->option_text("both|left|right")
       ->group(more("Rendering"));
-  parser.add_option("--seed", command.seed, "Another seed is another, independent noise (default: 0)")
+  parser
+      .add_option("--seed", command.seed,
+                  "Seed of the noise; different seeds give independent noise (default: 0)")
       ->option_text("N")
       ->group("Rendering");
   parser

@@ -251,8 +251,8 @@ void add_test_options(CLI::App& parser, TestCommand& command) {
   parser
       .add_flag(
           "--reproducible", command.reproducible,
-          "Give it to becalm render and denoise, so that exact holds on every x86-64 processor; use it for "
-          "--update as well")
+          "Pass --reproducible to becalm render and denoise (not to commands), so that exact holds on other "
+          "x86-64 processors; use it with --update too")
       ->group("Running");
 }
 

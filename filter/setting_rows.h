@@ -18,7 +18,7 @@
 
 namespace becalm::filter {
 
-/// Of the enum that several tables have.
+/// Names of Directions, which both tables of settings have.
 inline constexpr std::array<std::string_view, 2> kDirectionsNames{"forward", "both"};
 
 /// How a member of `S` is read from text and written as text.

@@ -14,8 +14,8 @@ namespace becalm::filter {
 enum class Reproject { search, vectors, known, best };
 
 /// The weight of the new sample: constant; 1/N; the gain of Philippi et al. 2022 (eq. 4, 10 and 11); or that
-/// gain from the variances that are tracked with the history. The values are those of
-/// shaders/antialias/accumulate.comp.
+/// gain with the variance of the pixels around it, 1/n of it for a history of n frames. The values are those
+/// of shaders/antialias/accumulate.comp.
 enum class Accumulate { exponential = 0, mean = 1, gain = 2, variance = 3 };
 
 /// How the history is brought within the bounds of the new frame's 3x3 pixels: not at all; channel by

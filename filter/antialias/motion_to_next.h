@@ -4,10 +4,9 @@
 
 namespace becalm::filter {
 
-/// The motion from a frame to the next one, in the layout of the motion AOV, of the next frame's motion (to
-/// this one), depth and jitter, as far as it has them: each sample of the next frame is put where it comes
-/// from; of those that fall into one pixel the closest counts. Pixels in which none falls have no motion
-/// (NaN).
+/// Motion from a frame to the next one, in the layout of the motion AOV, found by inverting the next frame's
+/// motion with its depth and jitter, where it has them. Each of its samples goes to the pixel that it came
+/// from; of several the closest counts. Pixels that get none have no motion (NaN).
 Image motion_to_next(const Frame& next);
 
 }  // namespace becalm::filter

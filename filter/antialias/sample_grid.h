@@ -25,18 +25,17 @@ SampleGrid sample_grid(const std::optional<FrameJitter>& jitter);
 /// How samples lie around the pixels of an image of another size, or of one of which only some pixels have
 /// samples, along both axes.
 struct SparseGrid {
-  /// Of the scaled image's columns and rows, 8 values each: the number of the nearest sample along the axis,
-  /// then the weights of the pixel filter, which is as wide as the scaled image's pixels ask for, at that
-  /// sample's last, itself and next; 0, and the weights of a filter that finds samples everywhere.
+  /// 8 values for each column or row of the scaled image: the index of the nearest sample along the axis; the
+  /// weights of the scaled image's pixel filter at the sample before it, at itself and at the next; 0; and
+  /// the same three weights of a wide filter that reaches a sample everywhere.
   std::vector<float> columns;
   std::vector<float> rows;
   Imath::V2f position_px{0.0f, 0.0f};  ///< of the samples in their pixels, on average
 };
 
-/// For a frame that covers `window` and holds samples everywhere or in a checkerboard. What is the mean of
-/// samples of several places weighs, along each axis, by the mean of their filters, and samples whose place
-/// is not known by the second filter alone. The product of a pixel's weights is, summed over samples, 1 on
-/// average over the pixels of a frame of scale 1.
+/// For a frame that covers `window` and holds samples everywhere or in a checkerboard. A sample that averages
+/// several places has the mean of their weights along each axis; one of unknown place has the wide filter's
+/// alone. At scale 1 a pixel's weights sum to 1 on average.
 SparseGrid sparse_grid(const std::optional<FrameJitter>& jitter, const Scale& scale,
                        const Imath::Box2i& window, bool is_checkerboard);
 

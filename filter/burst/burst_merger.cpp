@@ -25,8 +25,9 @@ namespace {
 constexpr int kMostPatternBlocks = 8;
 /// Of a tile's chain; larger tiles are no faster.
 constexpr std::uint64_t kTileBytes = 512ull << 20;
-/// Blocks whose offsets differ more from that of the picture's middle, or by more than a share of the longer
-/// side, are not merged: tiles would need too much of the frame.
+/// Offsets are clamped to this distance from that of the picture's middle, or to a share of the longer side
+/// if that is more, or tiles would need too much of the frame. What lies farther off is rejected by its
+/// weight.
 constexpr int kFarthestPx = 256;
 constexpr int kFarthestShare = 32;
 

@@ -11,7 +11,7 @@ namespace {
 /// Chosen on courtyard and spheres. Exponents of 1 and 3 (the latter with planes exact): RMSE of what is read
 /// up to 13 % more, or noise kept that costs more than it gains.
 constexpr double kExponent = 1.8;
-/// Of the generalized covariance, what belongs to each colour by itself, in that which all share.
+/// Share of the generalized covariance that applies only between samples of one colour.
 constexpr double kOwnShare = 0.2;
 
 constexpr int kColors = 3;
@@ -104,7 +104,7 @@ std::vector<float> cfa_weights(const CfaPattern& cfa, const std::array<float, 3>
           double weight = 0.0;
           for (int j = 0; j < kSystemSize; ++j) weight += solve[i][j] * right[j];
           weight *= white_balance[window.color[i]] / white_balance[color];
-          // What rounding leaves of none must not make samples count as used.
+          // Weights that are 0 but for rounding must not mark samples as used.
           *out++ = std::abs(weight) < 1e-6 ? 0.0f : static_cast<float>(weight);
         }
       }

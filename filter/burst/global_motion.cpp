@@ -104,7 +104,7 @@ double median(std::vector<double>& values) {
   return *middle;
 }
 
-/// As many pixels decide as are needed.
+/// About 400,000 pixels suffice for the fit.
 int stride_of(const Image& image) {
   constexpr double most = 400'000;
   return std::max(1, static_cast<int>(std::sqrt(static_cast<double>(image.pixel_count()) / most)));

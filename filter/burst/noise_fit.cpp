@@ -56,8 +56,8 @@ BlockStatistics statistics_of(const Mosaic& mosaic, int left, int top, float sat
   return {.mean = sum / count, .variance = squares / count, .count = count};
 }
 
-/// Mean of a block's colours differ in Bayer's pattern, whose four phases share one block; the model is
-/// linear, so that the block's mean variance belongs to its mean brightness.
+/// Colours have different means in Bayer's pattern, whose four phases share one block; the model is linear,
+/// so that the block's mean variance belongs to its mean brightness.
 std::vector<BlockStatistics> blocks_of(const Mosaic& mosaic, float saturated) {
   const int rows = mosaic.samples.height() / kBlock;
   const int columns = mosaic.samples.width() / kBlock;

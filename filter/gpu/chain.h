@@ -84,9 +84,10 @@ struct DeclaredPass {
 /// Chains of a device must not run at the same time: they share memory.
 ///
 /// Barriers, lifetimes, memory aliasing, debug labels and timestamps are derived from the declarations.
-/// `build` checks them: each binding of a kernel is named exactly once, and no other; formats, access and the
-/// size of the constants match the kernel; every image is written before it is read. It throws DeviceError
-/// naming the pass and the binding, and DeviceLimitError if something is too large for the device.
+/// `plan`, which `build` calls, checks them: each binding of a kernel is named exactly once, and no other;
+/// formats, access and the size of the constants match the kernel; every image is written before it is read.
+/// It throws DeviceError naming the pass and the binding, and DeviceLimitError if something is too large for
+/// the device.
 class Chain {
   struct Impl;
 

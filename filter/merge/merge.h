@@ -77,8 +77,9 @@ struct MergeOutputs {
   gpu::ImageId warped_color;                  ///< f32x4: the history warped to the new frame
   gpu::ImageId warped_stats;                  ///< f32x2, as the history's
   std::vector<gpu::ImageId> warped_additive;  ///< f32x4
-  /// f32x4: rejected share of the history; its squared bias, to be added to the variance of warped_stats if
-  /// the warped history is used as a prediction of the new frame; weight of the new sample; 0.
+  /// f32x4: rejected share of the history; its squared bias (in mask mode, the variance that stands for the
+  /// rejected share), to be added to the variance of warped_stats if the warped history is used as a
+  /// prediction of the new frame; weight of the new sample; 0.
   gpu::ImageId decision;
 };
 

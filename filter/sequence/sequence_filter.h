@@ -34,9 +34,9 @@ class SequenceFilter : public FrameFilter {
   ~SequenceFilter() override;
   SequenceFilter(SequenceFilter&&) noexcept;
 
-  /// Smoothed frames are kept until the last step that needs them, predictions from the backward step to the
-  /// forward step of their frame. Each takes some 12 bytes per pixel, 24 more with smooth=merged, and 16 for
-  /// each additive AOV, for each frame of a segment.
+  /// A smoothed frame is kept until its last step and takes some 12 bytes per pixel, with smooth=frames 16
+  /// more for each additive AOV. A prediction is kept from the backward step to the forward step of its frame
+  /// and takes 12, with smooth=merged 24 more, and 16 for each additive AOV.
   std::optional<Frame> run(const Step& step, const Frame& frame, FrameReport& report) override;
 
   /// A frame between its merge and what comes out.

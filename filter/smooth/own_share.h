@@ -11,10 +11,9 @@ struct OwnShare {
   gpu::ImageId stats;
 };
 
-/// Of a merged frame and its smoothed result, `color` with (remaining variance, valid) in `stats`: how much
-/// of the frame itself the result takes. `expected` is the error that the network expects, f32x2 as `stats`.
-/// It is much where merging and smoothing blurred more than noise would have done: detail in frames of little
-/// noise.
+/// How much of the unmerged frame the result takes. That is much where merging and smoothing blurred detail
+/// and the frame has little noise. `color` is the smoothed merged frame with (remaining variance, valid) in
+/// `stats`; `expected` is the squared error that the network expects, f32x2 as `stats`.
 OwnShare add_own_share(gpu::Chain& chain, gpu::Extent full, const NoisyInputs& frame, gpu::ImageId color,
                        gpu::ImageId stats, gpu::ImageId expected);
 

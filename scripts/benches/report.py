@@ -1,5 +1,5 @@
 """Writes RESULTS.md: the quality of each preset on the Cycles shots and on our scenes, the trade of speed for accuracy, what
-adaptive sampling gains, temporal antialiasing and upsampling, pairs of eyes, bursts, time and memory at 1920x1080, and both against pixels and frames.
+adaptive sampling gains, temporal antialiasing and upsampling, pairs of eyes, bursts, what training depends on, time and memory at 1920x1080, and both against pixels and frames.
 Called by `scripts/bench report`."""
 
 import argparse
@@ -202,9 +202,8 @@ def training_part(_):
 
 {measured_at()}
 
-What the network depends on: trained from scratch, for a tenth of the steps of the program's, on half of
-its shots; errors on held-out shots as shares of the noisy frames', geometric means
-(`scripts/train/README.md`).
+What the network depends on: trained from scratch, for far fewer steps than the program's. Errors are
+those on held-out shots as shares of the input's, noisy or merged frames; geometric means.
 
 {said(sys.executable, "-m", "benches.training")}
 """

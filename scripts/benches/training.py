@@ -1,8 +1,6 @@
 """What the smoother's training depends on: from scratch on the shots of both renderers, on those of each alone, with the
-smaller network, and over time. The network of the program had more shots and ten times the steps. Called by
-`scripts/bench report training`; scripts/train/run renders the shots."""
+smaller network, and over time. Called by `scripts/bench report training`; goes on where an earlier run was stopped."""
 
-import argparse
 import csv
 import os
 import subprocess
@@ -18,25 +16,39 @@ import network  # noqa: E402
 import train  # noqa: E402
 from benches.markdown_report import markdown  # noqa: E402
 
+DATA = "build/train/shots"  # of scripts/train/run
+OUT = Path("build/train/ablations")
+STEPS = 3000  # from scratch; the program's network has had 118,000 (filter/smooth/weights/README.md)
 VARIANTS = {
-    "both renderers": [],
-    "becalm's shots alone": ["--renderer", "becalm"],
-    "Cycles' shots alone": ["--renderer", "cycles"],
-    "both, small network": ["--size", "small"],
+    "both renderers": ("both", []),
+    "becalm's shots alone": ("becalm", ["--renderer", "becalm"]),
+    "Cycles' shots alone": ("cycles", ["--renderer", "cycles"]),
+    "both, small network": ("small", ["--size", "small"]),
 }
-# Else the allocator takes memory anew for every step, which takes longer than the step.
-ALLOCATOR = {"MALLOC_ARENA_MAX": "1", "MALLOC_MMAP_MAX_": "0", "MALLOC_TRIM_THRESHOLD_": "100000000000",
-             "MALLOC_TOP_PAD_": "268435456", "OMP_NUM_THREADS": "1"}
+# As in scripts/train/run, which says why.
+ENVIRONMENT = {"MALLOC_ARENA_MAX": "1", "MALLOC_MMAP_MAX_": "0", "MALLOC_TRIM_THRESHOLD_": "100000000000",
+               "MALLOC_TOP_PAD_": "268435456", "OMP_NUM_THREADS": "1"}
 
 
-def trained(data, folder, steps, options):
-    """The averaged network after `steps`, and the seconds that a step took."""
-    subprocess.run([sys.executable, "scripts/train/train.py", data, str(folder), "--steps", str(steps), "--threads", "1", *options],
-                   check=True, env=os.environ | ALLOCATOR)
-    state = torch.load(folder / "checkpoint.pt", map_location="cpu")
+def checkpoint(folder):
+    path = folder / "checkpoint.pt"
+    return torch.load(path, map_location="cpu") if path.exists() else None
+
+
+def trained(folder, options):
+    """The checkpoint after STEPS steps."""
+    state = checkpoint(folder)
+    if state is None or state["step"] < STEPS:
+        subprocess.run([sys.executable, "scripts/train/train.py", DATA, str(folder), "--steps", str(STEPS), "--threads", "1", *options],
+                       check=True, env=os.environ | ENVIRONMENT, stdout=sys.stderr)
+        state = checkpoint(folder)
+    return state
+
+
+def averaged_network(state):
     made = network.Network(state["channels"])
     made.load_state_dict(state["average"])
-    return made, state["spent_s"] / state["step"]
+    return made
 
 
 def error(made, pairs):
@@ -44,30 +56,33 @@ def error(made, pairs):
 
 
 def curve(folder):
-    """Rows of (steps, share of the held-out error), every second evaluation."""
-    rows = list(csv.reader((folder / "curve.csv").open()))
-    return [(row[1], f"1/{1.0 / float(row[3]):.3g}") for row in rows[::max(len(rows) // 6, 1)]]
+    """Rows of (minutes, steps, held-out error)."""
+    with (folder / "curve.csv").open() as file:
+        return [(f"{float(minutes):.0f}", steps, f"1/{1.0 / float(held_out):.3g}") for minutes, steps, _, held_out, *_ in csv.reader(file)]
+
+
+def held_out_pairs():
+    """Of the held-out shots, by kind of frame and renderer."""
+    _, pairs = batches.load(DATA, "none") if os.path.isdir(DATA) else ([], [])
+    kinds = {(merged, renderer): [p for p in pairs if p.merged == merged and p.name.startswith(renderer)]
+             for merged in (False, True) for renderer in ("becalm", "cycles")}
+    if not all(kinds.values()):
+        sys.exit(f"{DATA}: expected held-out shots of both renderers with merged frames; scripts/train/run shots merged makes them")
+    return kinds
 
 
 def main():
-    parser = argparse.ArgumentParser(prog="scripts/bench report training", description=__doc__)
-    parser.add_argument("--data", default="build/train/shots")
-    parser.add_argument("--out", default="build/train/ablations")
-    parser.add_argument("--steps", type=int, default=3000)
-    asked = parser.parse_args()
     torch.set_num_threads(1)
-    _, held_out = batches.load(asked.data)
+    kinds = held_out_pairs()
     rows = []
-    for name, options in VARIANTS.items():
-        folder = Path(asked.out) / name.replace(" ", "_").replace("'", "").replace(",", "")
-        made, step_s = trained(asked.data, folder, asked.steps, options)
-        errors = [error(made, [p for p in held_out if p.name.startswith(renderer) and p.merged == merged])
-                  for merged in (False, True) for renderer in ("becalm", "cycles")]
-        rows.append((name, network.parameter_count(made), f"{step_s:.2f}", *errors))
-    shots = len({pair.name.split("/")[0] for pair in held_out})
-    print(f"{asked.steps} steps each; {shots} held-out shots.\n")
-    print(markdown(("learns from", "parameters", "s a step", "single frames: becalm's", "Cycles'", "merged frames: becalm's", "Cycles'"), rows))
-    print(markdown(("steps", "both renderers"), curve(Path(asked.out) / "both_renderers")))
+    for name, (folder, options) in VARIANTS.items():
+        state = trained(OUT / folder, options)
+        made = averaged_network(state)
+        rows.append((name, network.parameter_count(made), f"{state['spent_s'] / state['step']:.2f}", *(error(made, pairs) for pairs in kinds.values())))
+    held_out = {pair.name.split("/")[0] for pairs in kinds.values() for pair in pairs}
+    print(f"{STEPS} steps of {train.BATCH} crops, on one core; {len(held_out)} held-out shots.\n")
+    print(markdown(("learns from", "parameters", "s a step", "becalm's frames", "Cycles' frames", "becalm's, merged", "Cycles', merged"), rows))
+    print(markdown(("minutes", "steps", "both renderers, all held-out pairs"), curve(OUT / "both")))
 
 
 if __name__ == "__main__":

@@ -109,9 +109,8 @@ def load(data, renderer=""):
     """Pairs to learn from, of one renderer's shots or of all, and pairs of all to choose on."""
     learn, choose = [], []
     for folder in shots.complete_shots(data):
-        pairs = shots.load_shot(folder)
         if is_held_out(folder):
-            choose.extend(pair for pair in pairs if pair.independent)
+            choose.extend(pair for pair in shots.load_shot(folder) if pair.independent)
         elif os.path.basename(folder).startswith(renderer):
-            learn.extend(pairs)
+            learn.extend(shots.load_shot(folder))
     return learn, choose

@@ -1,6 +1,6 @@
-// Reads a mosaic and its noise; writes one value for each block of `block` x `block` samples: the mean of the
-// blocks' colours, each with its share of the mosaic, so that blocks with other counts of a colour have no
-// other value, in deviations of its noise. This is what the aligner matches (Hanika et al. 2021, section 4).
+// Reads a mosaic and its noise; writes one value for each block of `block` x `block` samples: the mean of its
+// colours' means, weighted by each colour's share of the mosaic so that blocks with other counts of a colour
+// agree, in standard deviations of its noise. This is what the aligner matches (Hanika et al. 2021, section 4).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/mosaic.glsl"

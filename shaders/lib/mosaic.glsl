@@ -38,8 +38,8 @@ const float kMostDeviations = 64.0f;
 /// difference times the number of samples.
 const float kExplained = 1.25f;
 const float kExplainedMean = 4.0f;
-/// Excess over that, in variances, from which on a frame begins to lose its weight, and has lost it. Frames
-/// that show another thing all show the same, so that weights by their squared error alone leave ghosts.
+/// Excess over that, in variances, at which a frame's weight starts to fall, and at which it is 0. Where something
+/// moved, all frames agree against the reference: weights by squared error alone leave ghosts.
 const float kDoubt = 0.5f;
 const float kRejected = 4.0f;
 

@@ -10,8 +10,8 @@ vec3 from_ycocg(vec3 c) {
   return vec3(t + c.y, c.x + c.z, t - c.y);
 }
 
-/// The point nearest to `history` on the way to `middle`, which lies within the bounds, that does so as well. An
-/// excess of rounding is none: in a channel without contrast it would take the whole way.
+/// `history`, moved towards `middle`, which lies within the bounds, just far enough to lie within them. Excesses
+/// within rounding are ignored: in a channel without contrast they would move it all the way.
 vec3 clip_towards(vec3 history, vec3 middle, vec3 low, vec3 high) {
   const vec3 way = history - middle;
   const float rounding = 2e-6 * max(abs(history.x), max(abs(history.y), abs(history.z)));

@@ -1,8 +1,9 @@
 // The samples around a pixel, by which its history is rectified and weighed. Not pure functions: the including
 // kernel declares the texel buffers and constants that they read, and lib/sparse_grid.glsl's.
 
-/// Where samples are sparser than pixels, the least weight of those around a pixel, of the nearest one's, from a motion
-/// of kFast on: a shrunken neighbourhood keeps less of what has moved, and a still one would flicker in it.
+/// Where samples are sparser than pixels and the motion is kFast or more, samples with less than this share of the
+/// largest weight are ignored. A smaller neighbourhood rejects more history of what moved; in still areas it would
+/// flicker.
 const float kNear = 0.3;
 /// Pixels a frame up to which the neighbourhood is whole, and from which on it is smallest.
 const float kSlow = 1.0;

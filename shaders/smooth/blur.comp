@@ -1,8 +1,8 @@
 // Reads smooth/lost's output for a frame and its result, its patch sums, how many frames were merged, and the
-// result with the error that the network expects; writes (share, squared difference that noise makes, 1, 0).
-// Averaging n frames leaves an n-th of a frame's variance. An expected error beyond that is blur, in which the
-// frame itself has no part. The share is that excess over the squared difference of frame and result. It may
-// be negative: own_share averages shares over a patch.
+// result with the error that the network expects; writes (share, noise, 1, 0). Averaging n frames leaves an
+// n-th of a frame's variance; an error beyond that is blur, which the frame itself does not have. The share is
+// that excess over the squared difference of frame and result. It may be negative: own_share averages shares
+// over a patch. The noise is the larger of the patch's variance and its squared difference.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -23,6 +23,7 @@ layout(std430, set = 0, binding = 6) writeonly buffer BlurBuffer { vec4 data[]; 
 
 #include "lib/patch_row.glsl"
 
+/// Relative squared difference below which frame and result are the same.
 const float kLeastNoise = 1e-12;
 
 void main() {

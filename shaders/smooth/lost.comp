@@ -1,13 +1,14 @@
 // Reads a frame, its variance and the smoothed result; writes (squared difference of both, variance that
 // noise alone would give it, 1, 0), relative to the result's brightness; zeros for a pixel that is not
-// finite.
+// finite. If `of_one_frame` is set, the frame is one of those that were merged, and the variance is that of
+// their mean.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/color.glsl"
 #include "lib/dispatch_size.glsl"
 #include "lib/gain.glsl"
 
-layout(constant_id = 0) const int of_one_frame = 0;  // 1: `variance` is that of the mean of `frames` frames
+layout(constant_id = 0) const int of_one_frame = 0;  // 1: multiplies the variance by `frames`
 
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(set = 0, binding = 0) uniform samplerBuffer color;

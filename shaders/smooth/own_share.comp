@@ -1,7 +1,8 @@
 // Reads smooth/blur's output, its patch sums, smooth/lost's output, the variance of the mean of `frames`
 // frames and the result's statistics; writes the frame's share of the result, and the statistics of the mix.
-// The share is the mean over the patch without the pixel, so that it depends on no value that it weighs. A
-// pixel of the frame that differs by more than noise does takes a smaller share: outliers stay out.
+// The share is the mean over the patch without the pixel: shares that follow from the value that they weigh
+// darken the image. Only outliers count by themselves: they take a smaller share. Their light is restored with
+// that of others (filter/smooth/energy.h).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

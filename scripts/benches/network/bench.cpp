@@ -32,6 +32,7 @@ class NetworkJob {
           noisy_.features->normal, noisy_.own_features->albedo_depth, noisy_.own_features->normal}) {
       for (float& value : chain_.upload<float>(image)) value = uniform(random);
     }
+    for (float& value : chain_.upload<float>(*noisy_.frames)) value = 4.0f;
     run();  // the first run also touches memory for the first time and builds oneDNN's primitives
   }
 

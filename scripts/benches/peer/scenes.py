@@ -55,7 +55,7 @@ def _room():
 
 
 def _metal():
-    """Metal on a large floor under a sky, and a lamp: the kind of the README's first scene."""
+    """Metal on a large floor under a sky, and a lamp."""
     materials = {"clay": Material("diffuse", (0.6, 0.35, 0.25)), "rough": Material("metal", (0.95, 0.75, 0.4), 0.4),
                  "smooth": Material("metal", (0.9, 0.9, 0.92), 0.15), "white": Material("diffuse", (0.8, 0.8, 0.8))}
     things = [Thing("rectangle", "clay", (12, 1, 12), (0, 0, 0)), Thing("sphere", "rough", (0.8, 0.8, 0.8), (-1.3, 0.8, 0)),

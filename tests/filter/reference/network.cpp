@@ -263,16 +263,15 @@ double relative_scale(const Rgba& smoothed, double exposure) {
   return 1.0 / (std::max(luminance(smoothed), 0.0) + 0.1 / exposure);
 }
 
-/// What `smoothed` lost of the sample, whose variance is `frames` times what it says.
-Grid<Lost> lost_of(const Grid<Estimate>& sample, const Grid<Estimate>& smoothed, double frames,
-                   double exposure) {
+/// What `smoothed` lost of the sample.
+Grid<Lost> lost_of(const Grid<Estimate>& sample, const Grid<Estimate>& smoothed, double exposure) {
   Grid<Lost> lost(sample.width, sample.height);
   for (std::size_t i = 0; i < lost.data.size(); ++i) {
     const Rgba& y = smoothed.data[i].color;
     const double scale = relative_scale(y, exposure);
     for (int c = 0; c < 3; ++c)
       lost.data[i].square += std::pow((sample.data[i].color[c] - y[c]) * scale, 2) / 3;
-    lost.data[i].noise = sample.data[i].variance * frames * scale * scale;
+    lost.data[i].noise = sample.data[i].variance * scale * scale;
   }
   return lost;
 }
@@ -311,7 +310,7 @@ void mix(Estimate& pixel, const Rgba& color, double variance, double share) {
 
 /// Puts back the part of the sample that patches lost beyond their noise.
 Grid<Estimate> restored(const Grid<Estimate>& sample, const Grid<Estimate>& smoothed, double exposure) {
-  const Grid<Lost> lost = lost_of(sample, smoothed, 1.0, exposure);
+  const Grid<Lost> lost = lost_of(sample, smoothed, exposure);
   Grid<Estimate> result = smoothed;
   for (int y = 0; y < sample.height; ++y) {
     for (int x = 0; x < sample.width; ++x) {
@@ -332,11 +331,13 @@ Grid<Estimate> restored(const Grid<Estimate>& sample, const Grid<Estimate>& smoo
 /// The result mixed with the unmerged frame where more was blurred than noise. `expected` has the errors that
 /// the network expects as variances.
 Grid<Estimate> with_own_share(const TwoSamples& samples, const Grid<Estimate>& smoothed,
-                              const Grid<Estimate>& expected, double frames, double exposure) {
+                              const Grid<Estimate>& expected, const FrameCount& frames, double exposure) {
   const Grid<Estimate>& merged = samples.merged;
   Grid<Estimate> own = samples.own;
-  for (std::size_t i = 0; i < own.data.size(); ++i) own.data[i].variance = merged.data[i].variance;
-  const Grid<Lost> lost = lost_of(own, smoothed, frames, exposure);
+  for (int y = 0; y < own.height; ++y) {
+    for (int x = 0; x < own.width; ++x) own.at(x, y).variance = merged.at(x, y).variance * frames(x, y);
+  }
+  const Grid<Lost> lost = lost_of(own, smoothed, exposure);
   Grid<double> blur(merged.width, merged.height);
   Grid<double> noise(merged.width, merged.height);
   for (int y = 0; y < merged.height; ++y) {
@@ -346,8 +347,9 @@ Grid<Estimate> with_own_share(const TwoSamples& samples, const Grid<Estimate>& s
           expected.at(x, y).variance * std::pow(relative_scale(smoothed.at(x, y).color, exposure), 2);
       const double noise_of_pixel = lost.at(x, y).noise;
       noise.at(x, y) = std::max({mean.square, mean.noise, 1e-12});
-      blur.at(x, y) = std::clamp(
-          (error - noise_of_pixel / frames) / std::max({mean.square, noise_of_pixel, 1e-12}), -1.0, 1.0);
+      blur.at(x, y) =
+          std::clamp((error - noise_of_pixel / frames(x, y)) / std::max({mean.square, noise_of_pixel, 1e-12}),
+                     -1.0, 1.0);
     }
   }
   Grid<Estimate> result = smoothed;
@@ -359,7 +361,7 @@ Grid<Estimate> with_own_share(const TwoSamples& samples, const Grid<Estimate>& s
       const double n = noise.at(x, y);
       const double share =
           std::max(sum, 0.0) / std::max(count, 1) * n / std::max(n, lost.at(x, y).square / 16);
-      mix(result.at(x, y), own.at(x, y).color, merged.at(x, y).variance * frames, share);
+      mix(result.at(x, y), own.at(x, y).color, own.at(x, y).variance, share);
     }
   }
   return result;
@@ -368,7 +370,8 @@ Grid<Estimate> with_own_share(const TwoSamples& samples, const Grid<Estimate>& s
 }  // namespace
 
 Grid<Estimate> smooth_by_network(const TwoSamples& samples, const TwoFeatures& features, double exposure,
-                                 const filter::NetworkWeights& weights, bool variance_known, double frames) {
+                                 const filter::NetworkWeights& weights, bool variance_known,
+                                 const FrameCount& frames) {
   const Grid<Estimate>& sample = samples.merged;
   const Grid<SmoothFeatures> merged = padded(features.merged);
   const Grid<SmoothFeatures> own = padded(features.own);
@@ -432,7 +435,7 @@ Grid<Estimate> smooth_by_network(const TwoSamples& samples, const TwoFeatures& f
     }
   }
   const Grid<Estimate> result_of_merged = restored(sample, smoothed, exposure);
-  if (frames == 0) return result_of_merged;
+  if (!frames) return result_of_merged;
   return with_own_share(samples, result_of_merged, smoothed, frames, exposure);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 
 #include "filter/smooth/weights.h"
 #include "tests/filter/reference/merge.h"
@@ -22,11 +23,15 @@ struct TwoSamples {
   const Grid<Estimate>& own;
 };
 
+/// The number of frames that were merged at (x, y).
+using FrameCount = std::function<double(int x, int y)>;
+
 /// The smoothing network in double, as in scripts/train/network.py. Samples have a count of 1, or 0 for
 /// non-finite pixels. A result's variance is the squared error that the network expects. Without
-/// `variance_known` the samples' variances are ignored. If `frames` is not 0, the merged frame is the mean of
+/// `variance_known` the samples' variances are ignored. If `frames` is set, the merged frame is the mean of
 /// so many, and the result is mixed with the unmerged one where it is blurred.
 Grid<Estimate> smooth_by_network(const TwoSamples& samples, const TwoFeatures& features, double exposure,
-                                 const filter::NetworkWeights& weights, bool variance_known, double frames);
+                                 const filter::NetworkWeights& weights, bool variance_known,
+                                 const FrameCount& frames);
 
 }  // namespace becalm::reference
