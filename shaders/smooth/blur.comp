@@ -1,8 +1,8 @@
 // Reads smooth/lost's output for a frame and its result, its patch sums, how many frames were merged, and the
-// result with the error that the network expects; writes (share, noise, 1, 0). Averaging n frames leaves an
-// n-th of a frame's variance; an error beyond that is blur, which the frame itself does not have. The share is
-// that excess over the squared difference of frame and result. It may be negative: own_share averages shares
-// over a patch. The noise is the larger of the patch's variance and its squared difference.
+// result with the squared error that the network expects; writes (share, noise, 1, that error). Averaging n
+// frames leaves an n-th of a frame's variance; an error beyond that is blur, which the frame itself does not
+// have. The share is that excess over the squared difference of frame and result. It may be negative: own_share
+// averages shares over a patch. The noise is the larger of the patch's variance and its squared difference.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -40,5 +40,5 @@ void main() {
   const float blurred = error - own.y / max(texelFetch(frames, index).x, 1.0);
   const float share = clamp(blurred / max(max(mean.x, own.y), kLeastNoise), -1.0, 1.0);
   const bool counts = own.z > 0.0 && of_network.y > 0.0 && sum.z >= 1.0;
-  blur.data[index] = counts ? vec4(share, max(max(mean.x, mean.y), kLeastNoise), 1.0, 0.0) : vec4(0.0);
+  blur.data[index] = counts ? vec4(share, max(max(mean.x, mean.y), kLeastNoise), 1.0, error) : vec4(0.0);
 }

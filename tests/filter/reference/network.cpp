@@ -340,16 +340,17 @@ Grid<Estimate> with_own_share(const TwoSamples& samples, const Grid<Estimate>& s
   const Grid<Lost> lost = lost_of(own, smoothed, exposure);
   Grid<double> blur(merged.width, merged.height);
   Grid<double> noise(merged.width, merged.height);
+  Grid<double> error(merged.width, merged.height);
   for (int y = 0; y < merged.height; ++y) {
     for (int x = 0; x < merged.width; ++x) {
       const Lost mean = mean_of_neighbours(merged, lost, x, y);
-      const double error =
-          expected.at(x, y).variance * std::pow(relative_scale(smoothed.at(x, y).color, exposure), 2);
       const double noise_of_pixel = lost.at(x, y).noise;
+      error.at(x, y) =
+          expected.at(x, y).variance * std::pow(relative_scale(smoothed.at(x, y).color, exposure), 2);
       noise.at(x, y) = std::max({mean.square, mean.noise, 1e-12});
-      blur.at(x, y) =
-          std::clamp((error - noise_of_pixel / frames(x, y)) / std::max({mean.square, noise_of_pixel, 1e-12}),
-                     -1.0, 1.0);
+      blur.at(x, y) = std::clamp(
+          (error.at(x, y) - noise_of_pixel / frames(x, y)) / std::max({mean.square, noise_of_pixel, 1e-12}),
+          -1.0, 1.0);
     }
   }
   Grid<Estimate> result = smoothed;
@@ -358,9 +359,13 @@ Grid<Estimate> with_own_share(const TwoSamples& samples, const Grid<Estimate>& s
       if (merged.at(x, y).count <= 0) continue;
       double sum = 0;
       const int count = for_neighbours(merged, x, y, [&](int u, int v) { sum += blur.at(u, v); });
-      const double n = noise.at(x, y);
+      const Lost& own_lost = lost.at(x, y);
+      const double error_and_noise = error.at(x, y) + own_lost.noise;
+      const double explained = 4 * std::min(error_and_noise, noise.at(x, y));
       const double share =
-          std::max(sum, 0.0) / std::max(count, 1) * n / std::max(n, lost.at(x, y).square / 16);
+          (1 - 1 / frames(x, y)) *
+          std::min(std::max(sum, 0.0) / std::max(count, 1), error.at(x, y) / error_and_noise) * explained /
+          std::max(explained, own_lost.square);
       mix(result.at(x, y), own.at(x, y).color, own.at(x, y).variance, share);
     }
   }
