@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "filter/ceil_div.h"
-#include "filter/merge/patch_sums.h"
 #include "filter/smooth/convolution.h"
 #include "filter/smooth/host_features.h"
+#include "filter/smooth/lost.h"
 #include "filter/smooth/own_share.h"
 
 namespace becalm::filter {
@@ -22,8 +22,6 @@ namespace {
 
 /// Radius of the windows over radiance, albedo and grey value; kWindowTaps are its pixels.
 constexpr int kWindowRadius = 2;
-/// Radius of the patch that shows whether windows removed more than noise.
-constexpr int kLostRadius = 3;
 
 /// Weights of 1x1 layers with concatenated outputs, as shaders/lib/head.glsl reads them.
 std::vector<float> pack_head(const std::vector<const Layer*>& layers) {
@@ -235,21 +233,12 @@ void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, con
 }
 
 ImageId NetworkPasses::add_share(Chain& chain, const NoisyInputs& frame, ImageId color, ImageId stats) {
-  const ImageId lost = chain.image("network.lost", Format::f32x4, full_);
-  chain.pass("smooth/lost")
-      .read("color", frame.color)
-      .read("variance", frame.variance)
-      .read("frames", std::optional<ImageId>())
-      .read("smoothed", color)
-      .read("exposure", frame.exposure)
-      .write("lost", lost)
-      .dispatch(full_);
-  const ImageId sums = add_patch_sums(chain, kLostRadius, full_, lost, "network.lost");
+  const Lost lost = add_lost(chain, full_, "network.lost", frame, frame.color, color, {});
   const ImageId share = chain.image("network.share", Format::f32, full_);
   smoothed_.stats = chain.image("smoothed.stats", Format::f32x2, full_);
   chain.pass("smooth/share")
-      .read("lost", lost, gpu::reach(kLostRadius, 0))
-      .read("lost_sums", sums)
+      .read("lost", lost.pixels, gpu::reach(kLostRadius, 0))
+      .read("lost_sums", lost.sums)
       .read("variance", frame.variance)
       .read("expected", stats)
       .write("share", share)
