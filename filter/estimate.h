@@ -28,16 +28,11 @@ struct Estimate {
 struct NewFrame {
   const Frame& frame;
   const NewFrame* own = nullptr;     ///< of a merged frame: the unmerged one
-  Image frames = {};                 ///< of a merged frame: the effective number of frames
   std::vector<std::uint8_t> finite;  ///< from finite_pixels
   float exposure;                    ///< of the whole frame, from exposure()
   float usual_depth = 1.0f;          ///< from typical_depth
   std::vector<Image> additive = {};  ///< from pack_additive
-  Estimate smoothed = {};            ///< if not empty, matched and merged instead of the frame
-
-  const std::vector<Image>& merged_additive() const {
-    return smoothed.additive.empty() ? additive : smoothed.additive;
-  }
+  Estimate smoothed = {};            ///< of an unmerged frame, if the task smooths; it is what is matched
 };
 
 }  // namespace becalm::filter

@@ -1,8 +1,12 @@
-// The file of weights/, as it is, between two symbols.
+// The files of weights/, as they are, each between two symbols.
     .section .rodata
     .balign 16
     .globl becalm_standard_weights, becalm_standard_weights_end
 becalm_standard_weights:
     .incbin "standard.weights"
 becalm_standard_weights_end:
+    .globl becalm_share_weights, becalm_share_weights_end
+becalm_share_weights:
+    .incbin "shares.weights"
+becalm_share_weights_end:
     .section .note.GNU-stack, "", %progbits

@@ -62,11 +62,9 @@ Estimate MergedSmoother::smooth(const NewFrame& frame, Estimate merged, FrameRep
   Frame still(frame.frame.number(), frame.frame.width(), frame.frame.height());
   Image& beauty = still.image(Aov::beauty) = std::move(merged.color);
   Image& variance = still.add(Aov::variance);
-  Image frames(beauty.width(), beauty.height(), 1);
   for_pixels(beauty, [&](std::size_t i) {
     std::copy_n(noisy.color.data().begin() + 3 * i, 3, beauty.data().begin() + 4 * i);
     std::fill_n(variance.data().begin() + 3 * i, 3, noisy.variance.data()[i]);
-    frames.data()[i] = std::max(merged.stats.data()[2 * i + 1], 1.0f);
     float& depth = noisy.depth.data()[i];
     depth = frame.usual_depth * depth / (2.0f - depth);  // infinite where nothing was hit
   });
@@ -76,7 +74,6 @@ Estimate MergedSmoother::smooth(const NewFrame& frame, Estimate merged, FrameRep
   merged.additive.resize(task_.additive);
   Estimate smoothed = smoother_.smooth({.frame = still,
                                         .own = &frame,
-                                        .frames = std::move(frames),
                                         .finite = frame.finite,
                                         .exposure = frame.exposure,
                                         .usual_depth = frame.usual_depth,

@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "filter/ceil_div.h"
+#include "filter/merge/patch_sums.h"
 #include "filter/smooth/convolution.h"
 #include "filter/smooth/host_features.h"
-#include "filter/smooth/lost.h"
-#include "filter/smooth/own_share.h"
+#include "filter/smooth/shares.h"
 
 namespace becalm::filter {
 
@@ -22,6 +22,9 @@ namespace {
 
 /// Radius of the windows over radiance, albedo and grey value; kWindowTaps are its pixels.
 constexpr int kWindowRadius = 2;
+
+/// Radius of the patches over which the difference of a frame and its result is averaged.
+constexpr int kLostRadius = 3;
 
 /// Weights of 1x1 layers with concatenated outputs, as shaders/lib/head.glsl reads them.
 std::vector<float> pack_head(const std::vector<const Layer*>& layers) {
@@ -57,10 +60,11 @@ void NetworkPasses::upload_weights(Chain& chain) const {
   for (const auto& [image, values] : weights_) std::ranges::copy(values, chain.upload<float>(image).begin());
 }
 
-NetworkPasses::NetworkPasses(Chain& chain, const NetworkWeights& weights, Extent full,
-                             const NoisyInputs& frame, bool variance_known,
-                             const std::vector<Layered>& additive, Convolver convolver)
+NetworkPasses::NetworkPasses(Chain& chain, const Weights& trained, Extent full, const NoisyInputs& frame,
+                             bool variance_known, const std::vector<AdditiveInputs>& additive,
+                             Convolver convolver)
     : full_(full), padded_{padded_px(full.width), padded_px(full.height)} {
+  const NetworkWeights& weights = trained.network;
   const Demodulated beauty = add_demodulate(chain, frame, "beauty", {frame.color, frame.own_color});
   const ImageId inputs = add_inputs(chain, frame, beauty, variance_known);
   features_ = convolver == Convolver::host ? add_host_features(chain, weights, padded_, inputs)
@@ -77,21 +81,26 @@ NetworkPasses::NetworkPasses(Chain& chain, const NetworkWeights& weights, Extent
   add_windows(chain, weights, frame, "beauty", beauty.irradiance, frame.color, color, stats);
   const ImageId share = add_share(chain, frame, color, stats);
   smoothed_.color = add_restore(chain, "smoothed.color", frame.color, color, share);
-  std::optional<ImageId> own_share;
-  if (frame.frames) {
-    const OwnShare own = add_own_share(chain, full_, frame, smoothed_.color, smoothed_.stats, stats);
-    smoothed_.color = add_restore(chain, "mixed.color", frame.own_color, smoothed_.color, own.share);
-    smoothed_.stats = own.stats;
-    own_share = own.share;
+  std::optional<Shares> shares;
+  const auto with_shares = [&](const std::string& name, ImageId result, ImageId own, ImageId alone) {
+    const ImageId mixed = add_restore(chain, "own_mixed." + name, own, result, shares->of_frame);
+    return add_restore(chain, "mixed." + name, alone, mixed, shares->of_alone);
+  };
+  if (frame.alone) {
+    shares = add_shares(chain, full_, frame, smoothed_.color, smoothed_.stats,
+                        weights_image(chain, "shares", pack_shares(trained.shares)));
+    smoothed_.color = with_shares("color", smoothed_.color, frame.own_color, frame.alone->color);
+    smoothed_.stats = shares->stats;
   }
   for (std::size_t i = 0; i < additive.size(); ++i) {
     const std::string name = fmt::format("additive.{}", i);
-    const Layered irradiance = add_demodulate(chain, frame, name, additive[i]).irradiance;
+    const Layered& radiance = additive[i].radiance;
+    const Layered irradiance = add_demodulate(chain, frame, name, radiance).irradiance;
     const ImageId windows = chain.image("windows." + name, Format::f32x4, full);
-    add_windows(chain, weights, frame, name, irradiance, additive[i].merged, windows,
+    add_windows(chain, weights, frame, name, irradiance, radiance.merged, windows,
                 chain.image(name + ".stats", Format::f32x2, full));
-    ImageId result = add_restore(chain, "smoothed." + name, additive[i].merged, windows, share);
-    if (own_share) result = add_restore(chain, "mixed." + name, additive[i].own, result, *own_share);
+    ImageId result = add_restore(chain, "smoothed." + name, radiance.merged, windows, share);
+    if (shares) result = with_shares(name, result, radiance.own, additive[i].alone);
     smoothed_.additive.push_back(result);
   }
 }
@@ -233,12 +242,20 @@ void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, con
 }
 
 ImageId NetworkPasses::add_share(Chain& chain, const NoisyInputs& frame, ImageId color, ImageId stats) {
-  const Lost lost = add_lost(chain, full_, "network.lost", frame, frame.color, color, {});
+  const ImageId lost = chain.image("network.lost", Format::f32x4, full_);
+  chain.pass("smooth/lost")
+      .read("color", frame.color)
+      .read("variance", frame.variance)
+      .read("smoothed", color)
+      .read("exposure", frame.exposure)
+      .write("lost", lost)
+      .dispatch(full_);
+  const ImageId lost_sums = add_patch_sums(chain, kLostRadius, full_, lost, "network.lost");
   const ImageId share = chain.image("network.share", Format::f32, full_);
   smoothed_.stats = chain.image("smoothed.stats", Format::f32x2, full_);
   chain.pass("smooth/share")
-      .read("lost", lost.pixels, gpu::reach(kLostRadius, 0))
-      .read("lost_sums", lost.sums)
+      .read("lost", lost, gpu::reach(kLostRadius, 0))
+      .read("lost_sums", lost_sums)
       .read("variance", frame.variance)
       .read("expected", stats)
       .write("share", share)

@@ -10,16 +10,23 @@
 extern "C" {
 extern const std::byte becalm_standard_weights[];
 extern const std::byte becalm_standard_weights_end[];
+extern const std::byte becalm_share_weights[];
+extern const std::byte becalm_share_weights_end[];
 }
 
 namespace becalm::filter {
 namespace {
 
-constexpr std::string_view kMagic = "becalmNW";
+constexpr std::string_view kNetworkMagic = "becalmNW";
+constexpr std::string_view kSharesMagic = "becalmSH";
 
 class Reader {
  public:
-  explicit Reader(std::span<const std::byte> file) : rest_(file) {}
+  Reader(std::span<const std::byte> file, std::string_view magic) : rest_(file) {
+    for (const char c : magic) {
+      if (take<char>() != c) throw std::invalid_argument("network weights: not a file of scripts/train/");
+    }
+  }
 
   template <class T>
   T take() {
@@ -43,7 +50,9 @@ class Reader {
     return layer;
   }
 
-  bool at_end() const { return rest_.empty(); }
+  void expect_end() const {
+    if (!rest_.empty()) throw std::invalid_argument("network weights: the file is too long");
+  }
 
  private:
   std::span<const std::byte> rest_;
@@ -52,10 +61,7 @@ class Reader {
 }  // namespace
 
 NetworkWeights parse_weights(std::span<const std::byte> file) {
-  Reader reader(file);
-  for (const char c : kMagic) {
-    if (reader.take<char>() != c) throw std::invalid_argument("network weights: not a file of export.py");
-  }
+  Reader reader(file, kNetworkMagic);
   if (reader.take<std::uint32_t>() != kNetworkInputs) {
     throw std::invalid_argument("network weights: trained for other inputs");
   }
@@ -84,12 +90,26 @@ NetworkWeights parse_weights(std::span<const std::byte> file) {
   }
   weights.albedo = reader.take_layer(c[0], 2 * kWindowTaps, 1);
   weights.error = reader.take_layer(c[0], 1, 1);
-  if (!reader.at_end()) throw std::invalid_argument("network weights: the file is too long");
+  reader.expect_end();
   return weights;
+}
+
+ShareWeights parse_shares(std::span<const std::byte> file) {
+  Reader reader(file, kSharesMagic);
+  ShareWeights layers{reader.take_layer(kShareInputs, kShareHidden, 1),
+                      reader.take_layer(kShareHidden, kShareHidden, 1),
+                      reader.take_layer(kShareHidden, kShareOutputs, 1)};
+  reader.expect_end();
+  return layers;
 }
 
 const NetworkWeights& embedded_weights() {
   static const NetworkWeights weights = parse_weights({becalm_standard_weights, becalm_standard_weights_end});
+  return weights;
+}
+
+const ShareWeights& embedded_shares() {
+  static const ShareWeights weights = parse_shares({becalm_share_weights, becalm_share_weights_end});
   return weights;
 }
 

@@ -50,10 +50,22 @@ struct NetworkWeights {
   Layer error;   ///< log of the expected squared relative error
 };
 
-/// Parses a file of export.py. Throws std::invalid_argument if it is not one or has another size.
-NetworkWeights parse_weights(std::span<const std::byte> file);
+/// Number of inputs of the layers that tell a result's shares (shaders/smooth/shares.comp), and of their
+/// outputs: logits of the shares of the frame and of the frame smoothed alone.
+constexpr int kShareInputs = 9;
+constexpr int kShareHidden = 16;
+constexpr int kShareOutputs = 2;
 
-/// The network that is embedded in the program.
+/// 1x1 layers, a rectification after each but the last, as scripts/train/shares.py writes them.
+using ShareWeights = std::array<Layer, 3>;
+
+/// Parse a file of export.py and one of shares.py. Throw std::invalid_argument if it is not one or has
+/// another size.
+NetworkWeights parse_weights(std::span<const std::byte> file);
+ShareWeights parse_shares(std::span<const std::byte> file);
+
+/// What is embedded in the program.
 const NetworkWeights& embedded_weights();
+const ShareWeights& embedded_shares();
 
 }  // namespace becalm::filter

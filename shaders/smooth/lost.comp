@@ -1,22 +1,18 @@
 // Reads a frame, its variance and the smoothed result; writes (squared difference of both, variance that
 // noise alone would give it, 1, 0), relative to the result's brightness; zeros for a pixel that is not
-// finite. If `of_one_frame` is set, the frame is one of those that were merged, and the variance is that of
-// their mean.
+// finite.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/color.glsl"
 #include "lib/dispatch_size.glsl"
 #include "lib/gain.glsl"
 
-layout(constant_id = 0) const int of_one_frame = 0;  // 1: multiplies the variance by `frames`
-
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(set = 0, binding = 0) uniform samplerBuffer color;
 layout(set = 0, binding = 1) uniform samplerBuffer variance;
 layout(set = 0, binding = 2) uniform samplerBuffer smoothed;
 layout(set = 0, binding = 3) uniform samplerBuffer exposure;
-layout(set = 0, binding = 4) uniform samplerBuffer frames;
-layout(std430, set = 0, binding = 5) writeonly buffer LostBuffer { vec4 data[]; } lost;
+layout(std430, set = 0, binding = 4) writeonly buffer LostBuffer { vec4 data[]; } lost;
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
@@ -26,7 +22,6 @@ void main() {
   const vec2 stats = texelFetch(variance, index).xy;
   const float scale = 1.0 / brightness(y.r, y.g, y.b, texelFetch(exposure, 0).x);
   const vec3 d = clamp((texelFetch(color, index).rgb - y.rgb) * scale, -kLargestDifference, kLargestDifference);
-  const float count = of_one_frame != 0 ? texelFetch(frames, index).x : 1.0;
-  const float deviation = min(sqrt(max(stats.x, 0.0) * count) * scale, kLargestDifference);
+  const float deviation = min(sqrt(max(stats.x, 0.0)) * scale, kLargestDifference);
   lost.data[index] = stats.y > 0.0 ? vec4(dot(d, d) / 3.0, deviation * deviation, 1.0, 0.0) : vec4(0.0);
 }

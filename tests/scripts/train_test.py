@@ -14,6 +14,7 @@ import batches
 import export
 import losses
 import noise_levels
+import shares
 import shots
 import train
 from network import CHANNELS, Network, parameter_count
@@ -94,6 +95,24 @@ class Shots(unittest.TestCase):
         told = lambda pair: sum(batches.crop(rng, pair, SIZE)[1].min() >= 0 for _ in range(100))
         self.assertEqual(told(pairs[-1]), 100)
         self.assertLess(told(pairs[0]), 90)
+
+    def test_shares_are_learned_from_merged_frames_and_survive_export(self):
+        network = Network(CHANNELS["small"])
+        rng = np.random.default_rng(1)
+        frame = batches.load(self.folder.name)[0][0]
+        clean = np.float32(frame.references[0])
+        # A merged frame that lost all detail, while the frame itself is nearly clean.
+        features = [*frame.features, frame.features[0]]
+        blurred = np.broadcast_to(clean.mean((1, 2), keepdims=True), clean.shape)
+        merged = shots.packed_pair(blurred, [np.full((1, SIZE, SIZE), 0.01)], features, frame.references,
+                                   clean * (1 + 0.01 * rng.normal(size=clean.shape)))
+        shots.save(f"{self.folder.name}/becalm-000000/{shots.MERGED}", {f"both.0001.{name}": a for name, a in merged.items()})
+        pair = shots.load_shot(f"{self.folder.name}/becalm-000000")[-1]
+        prepared = [shares.prepared(network, pair)]
+        trained = shares.train(prepared, 300)
+        error = shares.gain(trained, prepared)
+        self.assertLess(error, 0.3)
+        self.assertAlmostEqual(shares.gain(shares.from_bytes(shares.to_bytes(trained)), prepared), error, delta=0.01)
 
     def test_a_reference_is_a_frame_too_and_the_other_is_what_it_is_to_become(self):
         of_a, of_b = batches.load(self.folder.name)[0][1:3]

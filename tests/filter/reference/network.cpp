@@ -328,45 +328,69 @@ Grid<Estimate> restored(const Grid<Estimate>& sample, const Grid<Estimate>& smoo
   return result;
 }
 
-/// The result mixed with the unmerged frame where more was blurred than noise. `expected` has the errors that
-/// the network expects as variances.
-Grid<Estimate> with_own_share(const TwoSamples& samples, const Grid<Estimate>& smoothed,
-                              const Grid<Estimate>& expected, const FrameCount& frames, double exposure) {
-  const Grid<Estimate>& merged = samples.merged;
-  Grid<Estimate> own = samples.own;
-  for (int y = 0; y < own.height; ++y) {
-    for (int x = 0; x < own.width; ++x) own.at(x, y).variance = merged.at(x, y).variance * frames(x, y);
-  }
-  const Grid<Lost> lost = lost_of(own, smoothed, exposure);
-  Grid<double> blur(merged.width, merged.height);
-  Grid<double> noise(merged.width, merged.height);
-  Grid<double> error(merged.width, merged.height);
-  for (int y = 0; y < merged.height; ++y) {
-    for (int x = 0; x < merged.width; ++x) {
-      const Lost mean = mean_of_neighbours(merged, lost, x, y);
-      const double noise_of_pixel = lost.at(x, y).noise;
-      error.at(x, y) =
-          expected.at(x, y).variance * std::pow(relative_scale(smoothed.at(x, y).color, exposure), 2);
-      noise.at(x, y) = std::max({mean.square, mean.noise, 1e-12});
-      blur.at(x, y) = std::clamp(
-          (error.at(x, y) - noise_of_pixel / frames(x, y)) / std::max({mean.square, noise_of_pixel, 1e-12}),
-          -1.0, 1.0);
-    }
-  }
-  Grid<Estimate> result = smoothed;
-  for (int y = 0; y < merged.height; ++y) {
-    for (int x = 0; x < merged.width; ++x) {
-      if (merged.at(x, y).count <= 0) continue;
+/// Mean of squared relative differences, errors or variances over the valid pixels of the 7x7 around each.
+struct Measured {
+  std::array<double, 6> values{};
+};
+
+Grid<Measured> measured(const TwoSamples& samples, const Grid<Estimate>& merged, const Grid<Estimate>& alone,
+                        double exposure) {
+  Grid<Measured> result(merged.width, merged.height);
+  for (std::size_t i = 0; i < result.data.size(); ++i) {
+    const Rgba& x = samples.own.data[i].color;
+    const Rgba& y = merged.data[i].color;
+    const Rgba& z = alone.data[i].color;
+    const double scale = relative_scale(y, exposure);
+    const auto difference = [&](const Rgba& a, const Rgba& b) {
       double sum = 0;
-      const int count = for_neighbours(merged, x, y, [&](int u, int v) { sum += blur.at(u, v); });
-      const Lost& own_lost = lost.at(x, y);
-      const double error_and_noise = error.at(x, y) + own_lost.noise;
-      const double explained = 4 * std::min(error_and_noise, noise.at(x, y));
-      const double share =
-          (1 - 1 / frames(x, y)) *
-          std::min(std::max(sum, 0.0) / std::max(count, 1), error.at(x, y) / error_and_noise) * explained /
-          std::max(explained, own_lost.square);
-      mix(result.at(x, y), own.at(x, y).color, own.at(x, y).variance, share);
+      for (int c = 0; c < 3; ++c) sum += std::pow((a[c] - b[c]) * scale, 2) / 3;
+      return sum;
+    };
+    const auto relative = [&](double variance) { return variance * scale * scale; };
+    result.data[i].values = {difference(x, y),
+                             difference(z, y),
+                             difference(x, z),
+                             relative(merged.data[i].variance),
+                             relative(samples.merged.data[i].variance),
+                             relative(alone.data[i].variance)};
+  }
+  return result;
+}
+
+/// The mean of the smoothed merged frame, the frame itself and the frame smoothed alone.
+Grid<Estimate> with_shares(const TwoSamples& samples, const Grid<Estimate>& merged, const Alone& alone,
+                           double exposure) {
+  const Grid<Measured> all = measured(samples, merged, alone.smoothed, exposure);
+  Grid<Estimate> result = merged;
+  for (int y = 0; y < merged.height; ++y) {
+    for (int x = 0; x < merged.width; ++x) {
+      if (samples.merged.at(x, y).count <= 0) continue;
+      Pixel patch(6);
+      const int count = for_neighbours(samples.merged, x, y, [&](int u, int v) {
+        for (std::size_t i = 0; i < patch.size(); ++i) patch[i] += all.at(u, v).values[i];
+      });
+      for (double& value : patch) value /= std::max(count, 1);
+      const std::array<double, 6>& own = all.at(x, y).values;
+      Pixel values = patch;
+      values.insert(values.end(), own.begin() + 3, own.end());
+      for (double& value : values) value = std::log(std::min(value, 1e6) + 1e-6) / 3;
+      for (std::size_t i = 0; i < alone.shares.size(); ++i) {
+        values = outputs_of(alone.shares[i], values);
+        if (i + 1 == alone.shares.size()) break;
+        for (double& value : values) value = std::max(value, 0.0);
+      }
+      const double total = 1 + std::exp(values[0]) + std::exp(values[1]);
+      const double limit = std::min(4 * patch[0] / std::max(own[0], 1e-12), 1.0);
+      const double of_frame = limit * std::exp(values[0]) / total;
+      const double of_alone = std::exp(values[1]) / total;
+      Estimate& pixel = result.at(x, y);
+      const double scale = relative_scale(pixel.color, exposure);
+      pixel.variance = (1 - of_frame - of_alone) * pixel.variance +
+                       of_alone * alone.smoothed.at(x, y).variance + of_frame * patch[0] / (scale * scale);
+      for (int c = 0; c < 4; ++c) {
+        pixel.color[c] += of_frame * (samples.own.at(x, y).color[c] - pixel.color[c]) +
+                          of_alone * (alone.smoothed.at(x, y).color[c] - pixel.color[c]);
+      }
     }
   }
   return result;
@@ -376,7 +400,7 @@ Grid<Estimate> with_own_share(const TwoSamples& samples, const Grid<Estimate>& s
 
 Grid<Estimate> smooth_by_network(const TwoSamples& samples, const TwoFeatures& features, double exposure,
                                  const filter::NetworkWeights& weights, bool variance_known,
-                                 const FrameCount& frames) {
+                                 const Alone* alone) {
   const Grid<Estimate>& sample = samples.merged;
   const Grid<SmoothFeatures> merged = padded(features.merged);
   const Grid<SmoothFeatures> own = padded(features.own);
@@ -440,8 +464,8 @@ Grid<Estimate> smooth_by_network(const TwoSamples& samples, const TwoFeatures& f
     }
   }
   const Grid<Estimate> result_of_merged = restored(sample, smoothed, exposure);
-  if (!frames) return result_of_merged;
-  return with_own_share(samples, result_of_merged, smoothed, frames, exposure);
+  if (!alone) return result_of_merged;
+  return with_shares(samples, result_of_merged, *alone, exposure);
 }
 
 }  // namespace becalm::reference

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <functional>
 
 #include "filter/smooth/weights.h"
 #include "tests/filter/reference/merge.h"
@@ -23,15 +22,19 @@ struct TwoSamples {
   const Grid<Estimate>& own;
 };
 
-/// The number of frames that were merged at (x, y).
-using FrameCount = std::function<double(int x, int y)>;
+/// Of a merged frame: the unmerged one smoothed alone, its expected squared error as variance, and the layers
+/// that tell the shares.
+struct Alone {
+  const Grid<Estimate>& smoothed;
+  const filter::ShareWeights& shares;
+};
 
 /// The smoothing network in double, as in scripts/train/network.py. Samples have a count of 1, or 0 for
 /// non-finite pixels. A result's variance is the squared error that the network expects. Without
-/// `variance_known` the samples' variances are ignored. If `frames` is set, the merged frame is the mean of
-/// so many, and the result is mixed with the unmerged one where it is blurred.
+/// `variance_known` the samples' variances are ignored. With `alone` the result is mixed with the unmerged
+/// frame and with that.
 Grid<Estimate> smooth_by_network(const TwoSamples& samples, const TwoFeatures& features, double exposure,
                                  const filter::NetworkWeights& weights, bool variance_known,
-                                 const FrameCount& frames);
+                                 const Alone* alone);
 
 }  // namespace becalm::reference

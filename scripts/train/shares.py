@@ -1,0 +1,171 @@
+"""Trains the shares of a result: shares.py DATA NETWORK.weights OUT.weights [--steps N]
+
+The output of a pixel is a mean of three estimates: the smoothed merged frame, the frame itself, and the frame smoothed alone.
+Two small hidden layers tell their shares from the errors that the network expects and from the differences of the three
+(filter/smooth/shares.h has the same in C++). The network stays as it is. Prints the error of the mean on the held-out shots,
+as a share of that of the smoothed merged frame.
+
+OUT: the magic "becalmSH", then all parameters as half floats, layer by layer, as in export.py.
+"""
+
+import argparse
+import math
+
+import numpy as np
+import torch
+import torch.nn as nn
+import torch.nn.functional as F
+
+import batches
+import export
+import losses
+from network import FEATURES, LOSS_FLOOR, LOSS_SCALE, luminance
+
+MAGIC = b"becalmSH"
+INPUTS = 9
+HIDDEN = 16
+RADIUS = 3  # of the patches over which differences are averaged
+LARGEST_INPUT = 1e6
+LEAST_INPUT = 1e-6
+LARGEST_HALF = 6e4
+INPUT_SCALE = 1.0 / 3.0
+OUTLIER = 4.0  # squared difference, over that of the patch, from which a pixel of the frame counts less
+FRAMES = 3  # a step
+LEARNING_RATE = 5e-3
+
+
+class Shares(nn.Module):
+    """Logits of the shares of the frame and of the frame smoothed alone; that of the smoothed merged frame is 0."""
+
+    def __init__(self):
+        super().__init__()
+        self.layers = nn.ModuleList(nn.Conv2d(i, o, 1) for i, o in ((INPUTS, HIDDEN), (HIDDEN, HIDDEN), (HIDDEN, 2)))
+        nn.init.zeros_(self.layers[-1].weight)
+        with torch.no_grad():
+            self.layers[-1].bias.fill_(-3.0)
+
+    def forward(self, inputs):
+        first, second, last = self.layers
+        return last(F.relu(second(F.relu(first(inputs)))))
+
+
+def mean_of_neighbours(x):
+    """Over the patch around each pixel, as far as it is in the image, without the pixel."""
+    side = 2 * RADIUS + 1
+    total = lambda image: F.avg_pool2d(image, side, 1, RADIUS) * side * side - image
+    return (total(x) / total(torch.ones_like(x[:1, :1])).clamp(min=1.0)).clamp(min=0.0)
+
+
+def estimates_of(network, pair):
+    """Result and expected squared error of the merged frame, of the frame itself (no error), and of it smoothed alone."""
+    colors, variance, features, references = batches.whole_frame(pair)
+    own, own_features = colors[:, 3:], features[:, FEATURES:]
+    alone = [torch.cat([own, own], 1), torch.full_like(variance, -1.0), torch.cat([own_features, own_features], 1), references]
+    results = []
+    for batch in ([colors, variance, features, references], alone):
+        result, log_error = losses.smoothed(network, batch)
+        error = torch.exp(log_error) * ((LOSS_SCALE * result).square().mean(1, keepdim=True) + LOSS_FLOOR) / LOSS_SCALE**2
+        results.append((result, error))
+    (merged, error), (smoothed, error_alone) = results
+    return merged, error, own, smoothed, error_alone, variance, references
+
+
+def prepared(network, pair):
+    """What training reads of a merged pair, as half floats."""
+    with torch.no_grad():
+        merged, error, own, smoothed, error_alone, variance, references = estimates_of(network, pair)
+        scale = 1.0 / (luminance(merged).clamp(min=0.0) + 0.1) ** 2
+        relative = lambda squared: squared * scale
+        difference = lambda a, b: relative((a - b).square().mean(1, keepdim=True))
+        of_frame = difference(own, merged)
+        measured = torch.cat([of_frame, difference(smoothed, merged), difference(own, smoothed),
+                              relative(error), relative(variance.clamp(min=0.0)), relative(error_alone)], 1)
+        of_patch = mean_of_neighbours(measured)
+        inputs = torch.cat([of_patch, measured[:, 3:]], 1)
+        inputs = INPUT_SCALE * torch.log(inputs.clamp(max=LARGEST_INPUT) + LEAST_INPUT)
+        limit = (OUTLIER * of_patch[:, :1] / of_frame.clamp(min=1e-12)).clamp(max=1.0)
+        images = merged, own, smoothed, references[0, :1], references[0, -1:]
+        return [image.clamp(-LARGEST_HALF, LARGEST_HALF).half() for image in (inputs, limit, *images)]
+
+
+def mixed(shares, inputs, limit, merged, own, smoothed):
+    """The mean of the three estimates."""
+    logits = shares(inputs)
+    weight = torch.softmax(torch.cat([torch.zeros_like(logits[:, :1]), logits], 1), 1)
+    return merged + limit * weight[:, 1:2] * (own - merged) + weight[:, 2:] * (smoothed - merged)
+
+
+def loss_of(shares, frame, scale):
+    """The relative squared error of the mean, without the references' noise, as a share of the smoothed merged frame's."""
+    inputs, limit, merged, own, smoothed, a, b = (image.float() for image in frame)
+    reference = 0.5 * (a + b)
+    noise = (scale * 0.5 * (a - b)).square()
+    relative = lambda squared: (squared / ((scale * reference.clamp(min=0.0)).square() + LOSS_FLOOR)).clamp(max=losses.LARGEST_RELATIVE)
+    error = lambda x: relative((scale * (x - reference)).square() - noise).mean()
+    before = torch.maximum(error(merged), losses.LEAST_OWN_SHARE * relative(noise).mean()) + losses.LEAST_RELATIVE
+    return error(mixed(shares, inputs, limit, merged, own, smoothed)) / before
+
+
+def train(frames, steps, seed=1):
+    torch.manual_seed(seed)
+    rng = np.random.default_rng(seed)
+    shares = Shares()
+    optimizer = torch.optim.Adam(shares.parameters(), LEARNING_RATE)
+    for step in range(steps):
+        for group in optimizer.param_groups:
+            group["lr"] = LEARNING_RATE * min(1.0, (step + 1) / 100) * (0.02 + 0.49 * (1.0 + math.cos(math.pi * step / steps)))
+        chosen = [frames[i] for i in rng.integers(len(frames), size=FRAMES)]
+        loss = sum(loss_of(shares, frame, losses.random_scales(1)) for frame in chosen)
+        optimizer.zero_grad()
+        loss.backward()
+        torch.nn.utils.clip_grad_norm_(shares.parameters(), 1.0)
+        optimizer.step()
+    return shares
+
+
+@torch.no_grad()
+def gain(shares, frames):
+    """Geometric mean over frames of the error, as a share of the smoothed merged frame's."""
+    logs = []
+    for frame in frames:
+        inputs, limit, merged, own, smoothed, a, b = (image.float() for image in frame)
+        error = lambda x: max(losses.rel_mse(x, torch.stack([a, b], 1)), 1e-6)
+        logs.append(math.log(error(mixed(shares, inputs, limit, merged, own, smoothed)) / error(merged)))
+    return math.exp(np.mean(logs))
+
+
+def to_bytes(shares):
+    return MAGIC + b"".join(p.detach().numpy().astype("<f2").tobytes() for layer in shares.layers for p in (layer.weight, layer.bias))
+
+
+def from_bytes(data):
+    shares = Shares()
+    halves = torch.from_numpy(np.frombuffer(data, "<f2", offset=len(MAGIC)).astype(np.float32))
+    with torch.no_grad():
+        for layer in shares.layers:
+            for p in (layer.weight, layer.bias):
+                p.copy_(halves[: p.numel()].view(p.shape))
+                halves = halves[p.numel() :]
+    return shares
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("data")
+    parser.add_argument("network")
+    parser.add_argument("out")
+    parser.add_argument("--steps", type=int, default=4000)
+    args = parser.parse_args()
+    torch.set_num_threads(1)
+    network = export.read_weights(args.network)
+    learn, choose = ([prepared(network, pair) for pair in pairs if pair.merged] for pairs in batches.load(args.data))
+    print(f"{len(learn)} frames to learn from, {len(choose)} to choose on", flush=True)
+    shares = train(learn, args.steps)
+    with open(args.out, "wb") as file:
+        file.write(to_bytes(shares))
+    if choose:
+        print(f"held-out shots: {gain(shares, choose):.3f} of the error of the smoothed merged frame")
+
+
+if __name__ == "__main__":
+    main()
