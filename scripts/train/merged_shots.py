@@ -1,10 +1,10 @@
 """Merges the noisy frames of shots by becalm's own filter, for the network that smooths merged frames to learn from.
 
-    merged_shots.py DATA --becalm PROGRAM
+    merged_shots.py DATA --becalm PROGRAM [--again]
 
 For each complete shot of DATA the frame with a reference is merged twice: from the frames up to it, and from all frames. The
 files say of the noise what chance decides: a variance, half-buffers or nothing. What the last smoothing would see is stored in
-SHOT/merged.npz, in the form of PACKED (shots.py); shots that have it are left alone.
+SHOT/merged.npz, in the form of PACKED (shots.py), with --again in SHOT/remerged.npz; shots that have it are left alone.
 """
 
 import argparse
@@ -57,7 +57,7 @@ def merge(becalm, folder, frames, wanted, preset, directions):
     return layers[:3], layers[3:4], layers[4:].astype(np.float16)
 
 
-def merge_shot(becalm, folder):
+def merge_shot(becalm, folder, file):
     with open(f"{folder}/shot.json") as file:
         shot = json.load(file)
     rng = np.random.default_rng([shot["seed"], 77])
@@ -85,17 +85,19 @@ def merge_shot(becalm, folder):
                                      [features, clean, shots.packed_features(of_wanted)], [r["color"] * exposure for r in (a, b)],
                                      of_wanted["color"] * exposure)
             arrays.update({f"{directions}.{wanted:04d}.{name}": array for name, array in pair.items()})
-    shots.save(f"{folder}/{shots.MERGED}", arrays)
+    shots.save(f"{folder}/{file}", arrays)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("data")
     parser.add_argument("--becalm", required=True, help="the program")
+    parser.add_argument("--again", action="store_true", help="for shares.py: by the program with the trained network")
     args = parser.parse_args()
+    file = shots.REMERGED if args.again else shots.MERGED
     for folder in shots.complete_shots(args.data):
-        if not os.path.exists(f"{folder}/{shots.MERGED}"):
-            merge_shot(args.becalm, folder)
+        if not os.path.exists(f"{folder}/{file}"):
+            merge_shot(args.becalm, folder, file)
             print(folder, flush=True)
 
 

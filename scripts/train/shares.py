@@ -2,14 +2,15 @@
 
 The output of a pixel is a mean of three estimates: the smoothed merged frame, the frame itself, and the frame smoothed alone.
 Two small hidden layers tell their shares from the errors that the network expects and from the differences of the three
-(filter/smooth/shares.h has the same in C++). The network stays as it is. Prints the error of the mean on the held-out shots,
-as a share of that of the smoothed merged frame.
+(filter/smooth/shares.h has the same in C++). The network stays as it is; it must be that of the program that merged the
+frames. Prints the error of the mean on the held-out shots, as a share of that of the smoothed merged frame.
 
 OUT: the magic "becalmSH", then all parameters as half floats, layer by layer, as in export.py.
 """
 
 import argparse
 import math
+import os
 
 import numpy as np
 import torch
@@ -19,6 +20,7 @@ import torch.nn.functional as F
 import batches
 import export
 import losses
+import shots
 from network import FEATURES, LOSS_FLOOR, LOSS_SCALE, luminance
 
 MAGIC = b"becalmSH"
@@ -158,7 +160,13 @@ def main():
     args = parser.parse_args()
     torch.set_num_threads(1)
     network = export.read_weights(args.network)
-    learn, choose = ([prepared(network, pair) for pair in pairs if pair.merged] for pairs in batches.load(args.data))
+    learn, choose = [], []
+    for folder in shots.complete_shots(args.data):
+        if os.path.exists(f"{folder}/{shots.REMERGED}"):
+            pairs = shots.load_pairs(folder, shots.REMERGED)
+            (choose if batches.is_held_out(folder) else learn).extend(prepared(network, pair) for pair in pairs)
+    if not learn:
+        raise SystemExit(f"{args.data}: expected shots with {shots.REMERGED}; merged_shots.py --again makes it")
     print(f"{len(learn)} frames to learn from, {len(choose)} to choose on", flush=True)
     shares = train(learn, args.steps)
     with open(args.out, "wb") as file:

@@ -14,6 +14,7 @@ import OpenImageIO as oiio
 
 PACKED = "pairs.npz"
 MERGED = "merged.npz"  # what merged_shots.py writes
+REMERGED = "remerged.npz"  # the same by the program with the network that MERGED has trained
 FIREFLY = 1e4  # largest radiance over the frame's typical one that a reference may have: half-float range
 
 NAMES = {
@@ -190,7 +191,7 @@ def load_pairs(folder, file):
                     variances=list(deviations),
                     features=list(packed[f"{key}.features"]),
                     references=list(packed[f"{key}.references"]),
-                    own=packed[f"{key}.own"] if file == MERGED else None,
+                    own=packed[f"{key}.own"] if f"{key}.own" in packed.files else None,
                 )
             )
     return pairs

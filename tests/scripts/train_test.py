@@ -106,8 +106,8 @@ class Shots(unittest.TestCase):
         blurred = np.broadcast_to(clean.mean((1, 2), keepdims=True), clean.shape)
         merged = shots.packed_pair(blurred, [np.full((1, SIZE, SIZE), 0.01)], features, frame.references,
                                    clean * (1 + 0.01 * rng.normal(size=clean.shape)))
-        shots.save(f"{self.folder.name}/becalm-000000/{shots.MERGED}", {f"both.0001.{name}": a for name, a in merged.items()})
-        pair = shots.load_shot(f"{self.folder.name}/becalm-000000")[-1]
+        shots.save(f"{self.folder.name}/becalm-000000/{shots.REMERGED}", {f"both.0001.{name}": a for name, a in merged.items()})
+        pair = shots.load_pairs(f"{self.folder.name}/becalm-000000", shots.REMERGED)[0]
         prepared = [shares.prepared(network, pair)]
         trained = shares.train(prepared, 300)
         error = shares.gain(trained, prepared)
