@@ -32,7 +32,11 @@ struct NewFrame {
   float exposure;                    ///< of the whole frame, from exposure()
   float usual_depth = 1.0f;          ///< from typical_depth
   std::vector<Image> additive = {};  ///< from pack_additive
-  Estimate smoothed = {};            ///< of an unmerged frame, if the task smooths; it is what is matched
+  Estimate smoothed = {};            ///< if not empty, matched and merged instead of the frame
+
+  const std::vector<Image>& merged_additive() const {
+    return smoothed.additive.empty() ? additive : smoothed.additive;
+  }
 };
 
 }  // namespace becalm::filter

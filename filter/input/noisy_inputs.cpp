@@ -24,8 +24,6 @@ NoisyInputs::NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent 
     own_color = chain.input("own.color", Format::f32x4, extent);
     own_features = {.albedo_depth = chain.input("own.albedo_depth", Format::f32x4, extent),
                     .normal = chain.input("own.normal", Format::f32x4, extent)};
-    alone = {.color = chain.input("alone.color", Format::f32x4, extent),
-             .stats = chain.input("alone.stats", Format::f32x2, extent)};
   }
   if (task.variance_known()) {
     variance = given_variance_;
@@ -54,8 +52,6 @@ void NoisyInputs::upload(gpu::Chain& chain, const FilterTask& task, const NewFra
     pack_color(frame.own->frame.image(Aov::beauty), frame.finite, tile.target,
                chain.upload<float>(own_color));
     upload_features(frame.own->frame, *own_features);
-    filter::upload(chain, alone->color, view(frame.own->smoothed.color), tile.target);
-    filter::upload(chain, alone->stats, view(frame.own->smoothed.stats), tile.target);
   }
 }
 

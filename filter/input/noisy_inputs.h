@@ -32,12 +32,6 @@ class NoisyInputs {
   std::optional<SurfaceImages> features;  ///< if a pass reads them
   /// Of a merged frame: the unmerged frame's features, else the same.
   std::optional<SurfaceImages> own_features;
-  /// Of a merged frame: the unmerged frame, smoothed alone.
-  struct Alone {
-    gpu::ImageId color;  ///< f32x4
-    gpu::ImageId stats;  ///< f32x2: (expected squared error, valid)
-  };
-  std::optional<Alone> alone;
 
  private:
   gpu::ImageId given_variance_;

@@ -253,9 +253,7 @@ void FrameMerger::merge_tile(const Tile& tile, const NewFrame& frame, MergedFram
     upload(chain, merge.smoothed_color, view(frame.smoothed.color), tile.target);
     upload(chain, merge.smoothed_stats, view(frame.smoothed.stats), tile.target);
   }
-  upload_additive(chain, merge.additive,
-                  task_.settings.smooth == Smooth::frames ? frame.smoothed.additive : frame.additive,
-                  tile.target);
+  upload_additive(chain, merge.additive, frame.merged_additive(), tile.target);
   if (merge.motion) {
     pack_motion(frame.frame.image(Aov::motion), tile.target, motion_limit_px(task_.settings, task_.full),
                 chain.upload<float>(*merge.motion));

@@ -147,7 +147,9 @@ SequenceFilter::SequenceFilter(gpu::Device& device, const Settings& settings, in
   state_->merger.emplace(device, task, left);
   left -= state_->merger->memory().device.own;  // the others keep nothing between runs
   if (task.smooths()) {
-    state_->smoother.emplace(device, task, left);
+    FilterTask task_of_frame = task;
+    if (task.smooths_merged()) task_of_frame.additive = 0;
+    state_->smoother.emplace(device, task_of_frame, left);
   }
   if (task.smooths_merged()) {
     state_->merged_smoother.emplace(device, task, left);

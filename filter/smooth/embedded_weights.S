@@ -5,8 +5,8 @@
 becalm_standard_weights:
     .incbin "standard.weights"
 becalm_standard_weights_end:
-    .globl becalm_share_weights, becalm_share_weights_end
-becalm_share_weights:
-    .incbin "shares.weights"
-becalm_share_weights_end:
+    .globl becalm_own_share_weights, becalm_own_share_weights_end
+becalm_own_share_weights:
+    .incbin "own_share.weights"
+becalm_own_share_weights_end:
     .section .note.GNU-stack, "", %progbits

@@ -15,10 +15,9 @@ using gpu::ImageId;
 
 namespace {
 
-std::vector<AdditiveInputs> together(const std::vector<ImageId>& merged, const std::vector<ImageId>& own,
-                                     const std::vector<ImageId>& alone) {
-  std::vector<AdditiveInputs> result;
-  for (std::size_t i = 0; i < merged.size(); ++i) result.push_back({{merged[i], own[i]}, alone[i]});
+std::vector<Layered> layered(const std::vector<ImageId>& merged, const std::vector<ImageId>& own) {
+  std::vector<Layered> result;
+  for (std::size_t i = 0; i < merged.size(); ++i) result.push_back({merged[i], own[i]});
   return result;
 }
 
@@ -30,10 +29,8 @@ struct FrameSmoother::Passes {
         noisy(chain, task, extent, NoisyUse::smooth),
         additive(additive_inputs(chain, task.additive, extent, "additive.cur")),
         own_additive(task.merged ? additive_inputs(chain, task.additive, extent, "additive.own") : additive),
-        additive_alone(task.merged ? additive_inputs(chain, task.additive, extent, "additive.alone")
-                                   : additive),
-        network(chain, {embedded_weights(), embedded_shares()}, extent, noisy, task.variance_known(),
-                together(additive, own_additive, additive_alone), convolver_of(device.info())) {
+        network(chain, {embedded_weights(), embedded_own_share()}, extent, noisy, task.variance_known(),
+                layered(additive, own_additive), convolver_of(device.info())) {
     chain.output(network.smoothed().color);
     chain.output(network.smoothed().stats);
     for (const ImageId image : network.smoothed().additive) chain.output(image);
@@ -43,8 +40,6 @@ struct FrameSmoother::Passes {
   NoisyInputs noisy;
   std::vector<ImageId> additive;
   std::vector<ImageId> own_additive;  ///< of merged frames: those of the unmerged frame, else the same
-  std::vector<ImageId>
-      additive_alone;  ///< of merged frames: those of the frame smoothed alone, else the same
   NetworkPasses network;
 };
 
@@ -61,10 +56,7 @@ Estimate FrameSmoother::smooth(const NewFrame& frame, FrameReport& report) {
     passes.noisy.upload(chain, task_, frame, tile, ignored);
     passes.network.upload_weights(chain);
     upload_additive(chain, passes.additive, frame.additive, tile.target);
-    if (task_.merged) {
-      upload_additive(chain, passes.own_additive, frame.own->additive, tile.target);
-      upload_additive(chain, passes.additive_alone, frame.own->smoothed.additive, tile.target);
-    }
+    if (task_.merged) upload_additive(chain, passes.own_additive, frame.own->additive, tile.target);
   };
   const auto download = [&](const Passes& passes, const Tile& tile) {
     const Smoothed& smoothed = passes.network.smoothed();

@@ -9,7 +9,7 @@
 #include "filter/merge/patch_sums.h"
 #include "filter/smooth/convolution.h"
 #include "filter/smooth/host_features.h"
-#include "filter/smooth/shares.h"
+#include "filter/smooth/own_share.h"
 
 namespace becalm::filter {
 
@@ -61,8 +61,7 @@ void NetworkPasses::upload_weights(Chain& chain) const {
 }
 
 NetworkPasses::NetworkPasses(Chain& chain, const Weights& trained, Extent full, const NoisyInputs& frame,
-                             bool variance_known, const std::vector<AdditiveInputs>& additive,
-                             Convolver convolver)
+                             bool variance_known, const std::vector<Layered>& additive, Convolver convolver)
     : full_(full), padded_{padded_px(full.width), padded_px(full.height)} {
   const NetworkWeights& weights = trained.network;
   const Demodulated beauty = add_demodulate(chain, frame, "beauty", {frame.color, frame.own_color});
@@ -81,26 +80,22 @@ NetworkPasses::NetworkPasses(Chain& chain, const Weights& trained, Extent full, 
   add_windows(chain, weights, frame, "beauty", beauty.irradiance, frame.color, color, stats);
   const ImageId share = add_share(chain, frame, color, stats);
   smoothed_.color = add_restore(chain, "smoothed.color", frame.color, color, share);
-  std::optional<Shares> shares;
-  const auto with_shares = [&](const std::string& name, ImageId result, ImageId own, ImageId alone) {
-    const ImageId mixed = add_restore(chain, "own_mixed." + name, own, result, shares->of_frame);
-    return add_restore(chain, "mixed." + name, alone, mixed, shares->of_alone);
-  };
-  if (frame.alone) {
-    shares = add_shares(chain, full_, frame, smoothed_.color, smoothed_.stats,
-                        weights_image(chain, "shares", pack_shares(trained.shares)));
-    smoothed_.color = with_shares("color", smoothed_.color, frame.own_color, frame.alone->color);
-    smoothed_.stats = shares->stats;
+  std::optional<ImageId> own_share;
+  if (frame.own_color != frame.color) {
+    const OwnShare own = add_own_share(chain, full_, frame, smoothed_.color, smoothed_.stats,
+                                       weights_image(chain, "own_share", pack_own_share(trained.own_share)));
+    smoothed_.color = add_restore(chain, "mixed.color", frame.own_color, smoothed_.color, own.share);
+    smoothed_.stats = own.stats;
+    own_share = own.share;
   }
   for (std::size_t i = 0; i < additive.size(); ++i) {
     const std::string name = fmt::format("additive.{}", i);
-    const Layered& radiance = additive[i].radiance;
-    const Layered irradiance = add_demodulate(chain, frame, name, radiance).irradiance;
+    const Layered irradiance = add_demodulate(chain, frame, name, additive[i]).irradiance;
     const ImageId windows = chain.image("windows." + name, Format::f32x4, full);
-    add_windows(chain, weights, frame, name, irradiance, radiance.merged, windows,
+    add_windows(chain, weights, frame, name, irradiance, additive[i].merged, windows,
                 chain.image(name + ".stats", Format::f32x2, full));
-    ImageId result = add_restore(chain, "smoothed." + name, radiance.merged, windows, share);
-    if (shares) result = with_shares(name, result, radiance.own, additive[i].alone);
+    ImageId result = add_restore(chain, "smoothed." + name, additive[i].merged, windows, share);
+    if (own_share) result = add_restore(chain, "mixed." + name, additive[i].own, result, *own_share);
     smoothed_.additive.push_back(result);
   }
 }

@@ -26,16 +26,10 @@ struct Layered {
   gpu::ImageId own;
 };
 
-/// An additive AOV to smooth: as Layered; and of the frame smoothed alone, f32x4.
-struct AdditiveInputs {
-  Layered radiance;
-  gpu::ImageId alone;
-};
-
 /// The trained parameters that the passes use.
 struct Weights {
   const NetworkWeights& network;
-  const ShareWeights& shares;
+  const OwnShareWeights& own_share;
 };
 
 /// What computes the network's features: the kernels of shaders/smooth/, or oneDNN if the device is a
@@ -48,12 +42,12 @@ constexpr Convolver convolver_of(const gpu::DeviceInfo& device) {
 /// The passes that smooth a frame by a network. From the frame and its features the network predicts the
 /// weights of a window around each pixel of five scales. The windows average the radiance, from the coarsest
 /// scale to the finest. Weights are positive and sum to 1. A merged frame's result is then mixed with the
-/// frame itself and with the frame smoothed alone (filter/smooth/shares.h).
+/// frame itself (filter/smooth/own_share.h).
 class NetworkPasses {
  public:
   /// Declares the passes. Additive AOVs are averaged by the beauty's windows.
   NetworkPasses(gpu::Chain& chain, const Weights& weights, gpu::Extent full, const NoisyInputs& frame,
-                bool variance_known, const std::vector<AdditiveInputs>& additive, Convolver convolver);
+                bool variance_known, const std::vector<Layered>& additive, Convolver convolver);
   /// Uploads the weights; call it after the chain is built.
   void upload_weights(gpu::Chain& chain) const;
 

@@ -10,15 +10,15 @@
 extern "C" {
 extern const std::byte becalm_standard_weights[];
 extern const std::byte becalm_standard_weights_end[];
-extern const std::byte becalm_share_weights[];
-extern const std::byte becalm_share_weights_end[];
+extern const std::byte becalm_own_share_weights[];
+extern const std::byte becalm_own_share_weights_end[];
 }
 
 namespace becalm::filter {
 namespace {
 
 constexpr std::string_view kNetworkMagic = "becalmNW";
-constexpr std::string_view kSharesMagic = "becalmSH";
+constexpr std::string_view kOwnShareMagic = "becalmOS";
 
 class Reader {
  public:
@@ -94,11 +94,11 @@ NetworkWeights parse_weights(std::span<const std::byte> file) {
   return weights;
 }
 
-ShareWeights parse_shares(std::span<const std::byte> file) {
-  Reader reader(file, kSharesMagic);
-  ShareWeights layers{reader.take_layer(kShareInputs, kShareHidden, 1),
-                      reader.take_layer(kShareHidden, kShareHidden, 1),
-                      reader.take_layer(kShareHidden, kShareOutputs, 1)};
+OwnShareWeights parse_own_share(std::span<const std::byte> file) {
+  Reader reader(file, kOwnShareMagic);
+  OwnShareWeights layers{reader.take_layer(kOwnShareInputs, kOwnShareHidden, 1),
+                         reader.take_layer(kOwnShareHidden, kOwnShareHidden, 1),
+                         reader.take_layer(kOwnShareHidden, 1, 1)};
   reader.expect_end();
   return layers;
 }
@@ -108,8 +108,9 @@ const NetworkWeights& embedded_weights() {
   return weights;
 }
 
-const ShareWeights& embedded_shares() {
-  static const ShareWeights weights = parse_shares({becalm_share_weights, becalm_share_weights_end});
+const OwnShareWeights& embedded_own_share() {
+  static const OwnShareWeights weights =
+      parse_own_share({becalm_own_share_weights, becalm_own_share_weights_end});
   return weights;
 }
 

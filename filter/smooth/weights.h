@@ -50,22 +50,19 @@ struct NetworkWeights {
   Layer error;   ///< log of the expected squared relative error
 };
 
-/// Number of inputs of the layers that tell a result's shares (shaders/smooth/shares.comp), and of their
-/// outputs: logits of the shares of the frame and of the frame smoothed alone.
-constexpr int kShareInputs = 9;
-constexpr int kShareHidden = 16;
-constexpr int kShareOutputs = 2;
+/// 1x1 layers that tell the frame's own share of a merged frame's result (shaders/smooth/own_share.comp), a
+/// rectification after each but the last, as scripts/train/own_share.py writes them.
+constexpr int kOwnShareInputs = 5;
+constexpr int kOwnShareHidden = 16;
+using OwnShareWeights = std::array<Layer, 3>;
 
-/// 1x1 layers, a rectification after each but the last, as scripts/train/shares.py writes them.
-using ShareWeights = std::array<Layer, 3>;
-
-/// Parse a file of export.py and one of shares.py. Throw std::invalid_argument if it is not one or has
+/// Parse a file of export.py and one of own_share.py. Throw std::invalid_argument if it is not one or has
 /// another size.
 NetworkWeights parse_weights(std::span<const std::byte> file);
-ShareWeights parse_shares(std::span<const std::byte> file);
+OwnShareWeights parse_own_share(std::span<const std::byte> file);
 
 /// What is embedded in the program.
 const NetworkWeights& embedded_weights();
-const ShareWeights& embedded_shares();
+const OwnShareWeights& embedded_own_share();
 
 }  // namespace becalm::filter

@@ -4,7 +4,7 @@
 
 For each complete shot of DATA the frame with a reference is merged twice: from the frames up to it, and from all frames. The
 files say of the noise what chance decides: a variance, half-buffers or nothing. What the last smoothing would see is stored in
-SHOT/merged.npz, in the form of PACKED (shots.py), with --again in SHOT/remerged.npz; shots that have it are left alone.
+SHOT/merged.npz, in the form of PACKED (shots.py), with --again (for own_share.py) in SHOT/remerged.npz; shots that have it are left alone.
 """
 
 import argparse
@@ -92,7 +92,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("data")
     parser.add_argument("--becalm", required=True, help="the program")
-    parser.add_argument("--again", action="store_true", help="for shares.py: by the program with the trained network")
+    parser.add_argument("--again", action="store_true", help="for own_share.py: by the program with the trained network")
     args = parser.parse_args()
     file = shots.REMERGED if args.again else shots.MERGED
     for folder in shots.complete_shots(args.data):

@@ -23,18 +23,13 @@ using reference::Grid;
 
 struct Sample {
   Sample(int width, int height)
-      : pixels(width, height),
-        own_pixels(width, height),
-        features(width, height),
-        own(width, height),
-        alone(width, height) {}
+      : pixels(width, height), own_pixels(width, height), features(width, height), own(width, height) {}
   gpu::Extent extent() const { return {pixels.width, pixels.height}; }
 
   Grid<Estimate> pixels;
   Grid<Estimate> own_pixels;  ///< of the unmerged frame, if `pixels` are merged
   Grid<reference::SmoothFeatures> features;
   Grid<reference::SmoothFeatures> own;  ///< of the unmerged frame, if `features` are merged
-  Grid<Estimate> alone;                 ///< the unmerged frame, smoothed alone
   float exposure = 1.7f;
 };
 
@@ -65,12 +60,9 @@ Sample noisy_sample(int width, int height) {
       }
       e.count = (x * 5 + y * 3) % 41 == 0 ? 0.0 : 1.0;
       sample.own_pixels.at(x, y) = e;
-      Estimate& alone = sample.alone.at(x, y) = e;
       for (int c = 0; c < 3; ++c) {
         sample.own_pixels.at(x, y).color[c] *= static_cast<float>(std::max(1 + noise(random), 0.0));
-        alone.color[c] = static_cast<float>(light * (0.1 + f[c]) * (1 + 0.1 * noise(random)));
       }
-      alone.variance = static_cast<float>(0.01 * light * light * (1 + x % 4));
     }
   }
   return sample;
@@ -81,14 +73,14 @@ enum class Kind { merged, single, without_albedo };
 
 Grid<Estimate> smooth_on(gpu::Device& device, const Sample& sample, const NetworkWeights& weights,
                          bool variance_known = true, std::optional<Convolver> convolver = std::nullopt,
-                         Kind kind = Kind::merged, const ShareWeights& shares = embedded_shares()) {
+                         Kind kind = Kind::merged, const OwnShareWeights& own_share = embedded_own_share()) {
   const gpu::Extent extent = sample.extent();
   gpu::Chain chain(device, "network test");
   FilterTask task = task_with_variance(preset("balanced"), extent);
   task.merged = kind == Kind::merged;
   task.used.set(static_cast<std::size_t>(Aov::albedo), kind != Kind::without_albedo);
   const NoisyInputs noisy(chain, task, extent, NoisyUse::smooth);
-  const NetworkPasses network(chain, {weights, shares}, extent, noisy, variance_known, {},
+  const NetworkPasses network(chain, {weights, own_share}, extent, noisy, variance_known, {},
                               convolver.value_or(convolver_of(device.info())));
   const Smoothed& smoothed = network.smoothed();
   chain.output(smoothed.color);
@@ -113,7 +105,6 @@ Grid<Estimate> smooth_on(gpu::Device& device, const Sample& sample, const Networ
           static_cast<float>(sample.own_pixels.data[i].color[c]);
     }
   }
-  if (noisy.alone) upload_estimate(chain, noisy.alone->color, noisy.alone->stats, sample.alone);
   chain.run();
   return download_estimate(chain, smoothed.color, smoothed.stats, extent);
 }
@@ -142,18 +133,17 @@ class NetworkTest : public DeviceTest {
  protected:
   /// Compares the results of every convolver that the device supports.
   void expect_agreement(const Sample& sample, const NetworkWeights& weights, bool variance_known) {
-    const reference::Alone alone{sample.alone, embedded_shares()};
-    const auto reference_with = [&](const reference::Alone* mixed_with) {
+    const auto reference_with = [&](const OwnShareWeights* own_share) {
       return reference::smooth_by_network({sample.pixels, sample.own_pixels}, {sample.features, sample.own},
-                                          sample.exposure, weights, variance_known, mixed_with);
+                                          sample.exposure, weights, variance_known, own_share);
     };
     const Grid<Estimate> smoothed = reference_with(nullptr);
-    const Grid<Estimate> truth = reference_with(&alone);
+    const Grid<Estimate> truth = reference_with(&embedded_own_share());
     double mixed = 0;
     for (std::size_t i = 0; i < truth.data.size(); ++i) {
       mixed += std::abs(truth.data[i].color[1] / smoothed.data[i].color[1] - 1) / truth.data.size();
     }
-    EXPECT_GT(mixed, 1e-3) << "the other estimates have hardly a share";
+    EXPECT_GT(mixed, 1e-3) << "the frame itself has hardly a share";
     expect_agreement(sample, truth, smooth_on(device(), sample, weights, variance_known, Convolver::kernels));
     if (!device().info().is_processor) return;
     expect_agreement(sample, truth, smooth_on(device(), sample, weights, variance_known, Convolver::host));
@@ -250,7 +240,6 @@ TEST_F(NetworkTest, AnEvenSurfaceStaysAsItIs) {
   for (reference::SmoothFeatures& f : sample.features.data) f = {0.5, 0.25, 0.75, 1.0, 0.0, 0.0, 1.0};
   sample.own = sample.features;
   sample.own_pixels = sample.pixels;
-  sample.alone = sample.pixels;
   for (const Estimate& e : smooth_on(device(), sample, random_weights()).data) {
     for (int c = 0; c < 4; ++c) ASSERT_NEAR(e.color[c], sample.pixels.data[0].color[c], 2e-6 * e.color[c]);
   }
@@ -261,7 +250,7 @@ TEST_F(NetworkTest, RadianceScaledByAPowerOfTwoScalesTheResultExactly) {
   Sample scaled = sample;
   constexpr float factor = 1024.0f;
   scaled.exposure /= factor;
-  for (Grid<Estimate>* frame : {&scaled.pixels, &scaled.own_pixels, &scaled.alone}) {
+  for (Grid<Estimate>* frame : {&scaled.pixels, &scaled.own_pixels}) {
     for (Estimate& e : frame->data) {
       for (int c = 0; c < 3; ++c) e.color[c] *= factor;
       e.variance *= factor * factor;
@@ -282,7 +271,7 @@ TEST_F(NetworkTest, NothingIsInvented) {
   for (std::size_t i = 0; i < sample.pixels.data.size(); ++i) {
     for (int c = 0; c < 3; ++c) sample.features.data[i][c] = sample.own.data[i][c] = 1.0;
     sample.pixels.data[i].count = 1.0;
-    for (const Grid<Estimate>* frame : {&sample.pixels, &sample.own_pixels, &sample.alone}) {
+    for (const Grid<Estimate>* frame : {&sample.pixels, &sample.own_pixels}) {
       range[0] = std::min(range[0], frame->data[i].color[1]);
       range[1] = std::max(range[1], frame->data[i].color[1]);
     }
@@ -294,38 +283,35 @@ TEST_F(NetworkTest, NothingIsInvented) {
 }
 
 /// Layers that tell the same everywhere.
-ShareWeights constant_shares(float logit_of_frame, float logit_of_alone) {
-  ShareWeights shares = embedded_shares();
-  std::ranges::fill(shares.back().weight, 0.0f);
-  shares.back().bias = {logit_of_frame, logit_of_alone};
-  return shares;
+OwnShareWeights constant_share(float logit) {
+  OwnShareWeights layers = embedded_own_share();
+  std::ranges::fill(layers.back().weight, 0.0f);
+  layers.back().bias = {logit};
+  return layers;
 }
 
-TEST_F(NetworkTest, TheOutputIsTheMeanOfThreeEstimatesByTheirShares) {
+constexpr float kNever = -80.0f;
+constexpr float kAlways = 80.0f;
+
+TEST_F(NetworkTest, TheOutputIsTheMeanOfTheMergedFrameAndTheFrameItself) {
   Sample sample = noisy_sample(40, 24);
   for (Estimate& e : sample.pixels.data) e.count = 1.0;
-  constexpr float never = -80.0f;
-  constexpr float always = 80.0f;
-  const auto result_by = [&](float frame, float alone) {
+  const auto result_by = [&](float logit) {
     return smooth_on(device(), sample, embedded_weights(), true, std::nullopt, Kind::merged,
-                     constant_shares(frame, alone));
+                     constant_share(logit));
   };
-  const Grid<Estimate> merged = result_by(never, never);
-  const Grid<Estimate> alone = result_by(never, always);
-  const Grid<Estimate> half = result_by(never, 0.0f);
-  const Grid<Estimate> frame = result_by(always, never);
+  const Grid<Estimate> merged = result_by(kNever);
+  const Grid<Estimate> half = result_by(0.0f);
+  const Grid<Estimate> frame = result_by(kAlways);
   std::size_t outliers = 0;
   for (std::size_t i = 0; i < merged.data.size(); ++i) {
     const double y = merged.data[i].color[1];
     const double x = sample.own_pixels.data[i].color[1];
-    const double z = sample.alone.data[i].color[1];
-    ASSERT_NEAR(alone.data[i].color[1], z, 1e-5 * (z + std::abs(y)));
-    ASSERT_NEAR(half.data[i].color[1], 0.5 * (y + z), 1e-5 * (z + std::abs(y)));
-    ASSERT_NEAR(half.data[i].variance, 0.5 * (merged.data[i].variance + sample.alone.data[i].variance),
-                1e-5 * half.data[i].variance);
-    // An outlier of the frame moves no pixel by more than twice its patch's difference.
-    if (std::abs(frame.data[i].color[1] - x) < 1e-4 * (x + std::abs(y))) continue;
-    EXPECT_LT(std::abs(frame.data[i].color[1] - y), std::abs(x - y));
+    const double moved = frame.data[i].color[1] - y;
+    ASSERT_NEAR(half.data[i].color[1], y + 0.5 * moved, 1e-5 * (x + y));
+    // Only an outlier, which differs more than its patch, is not taken whole.
+    if (std::abs(moved - (x - y)) < 1e-4 * (x + y)) continue;
+    EXPECT_LT(std::abs(moved), std::abs(x - y));
     ++outliers;
   }
   EXPECT_GT(outliers, 0u);
@@ -341,18 +327,18 @@ TEST_F(NetworkTest, AFireflyOfTheFrameItselfHasHardlyAShare) {
   for (int c = 0; c < 3; ++c) sample.own_pixels.at(x, y).color[c] = firefly;
   const auto color_with_share = [&](float logit) {
     return smooth_on(device(), sample, embedded_weights(), true, std::nullopt, Kind::merged,
-                     constant_shares(logit, -80.0f))
+                     constant_share(logit))
         .at(x, y)
         .color[1];
   };
-  EXPECT_LT(color_with_share(0.0f) - color_with_share(-80.0f), 1e-4 * firefly);
+  EXPECT_LT(color_with_share(0.0f) - color_with_share(kNever), 1e-4 * firefly);
 }
 
 TEST_F(NetworkTest, RadianceAtTheEndsOfFloatComesOutFinite) {
   for (const float scale : {1e-30f, 1e30f}) {
     Sample sample = noisy_sample(40, 24);
     sample.exposure = std::clamp(1.0f / scale, 1e-15f, 1e15f);
-    for (Grid<Estimate>* frame : {&sample.pixels, &sample.own_pixels, &sample.alone}) {
+    for (Grid<Estimate>* frame : {&sample.pixels, &sample.own_pixels}) {
       for (Estimate& e : frame->data) {
         for (int c = 0; c < 3; ++c) e.color[c] *= scale;
         e.variance = std::min(e.variance * scale * scale, 1e34);

@@ -14,7 +14,7 @@ import batches
 import export
 import losses
 import noise_levels
-import shares
+import own_share
 import shots
 import train
 from network import CHANNELS, Network, parameter_count
@@ -96,7 +96,7 @@ class Shots(unittest.TestCase):
         self.assertEqual(told(pairs[-1]), 100)
         self.assertLess(told(pairs[0]), 90)
 
-    def test_shares_are_learned_from_merged_frames_and_survive_export(self):
+    def test_the_own_share_is_learned_from_merged_frames_and_survives_export(self):
         network = Network(CHANNELS["small"])
         rng = np.random.default_rng(1)
         frame = batches.load(self.folder.name)[0][0]
@@ -108,11 +108,11 @@ class Shots(unittest.TestCase):
                                    clean * (1 + 0.01 * rng.normal(size=clean.shape)))
         shots.save(f"{self.folder.name}/becalm-000000/{shots.REMERGED}", {f"both.0001.{name}": a for name, a in merged.items()})
         pair = shots.load_pairs(f"{self.folder.name}/becalm-000000", shots.REMERGED)[0]
-        prepared = [shares.prepared(network, pair)]
-        trained = shares.train(prepared, 300)
-        error = shares.gain(trained, prepared)
+        prepared = [own_share.prepared(network, pair)]
+        trained = own_share.train(prepared, 300)
+        error = own_share.gain(trained, prepared)
         self.assertLess(error, 0.3)
-        self.assertAlmostEqual(shares.gain(shares.from_bytes(shares.to_bytes(trained)), prepared), error, delta=0.01)
+        self.assertAlmostEqual(own_share.gain(own_share.from_bytes(own_share.to_bytes(trained)), prepared), error, delta=0.01)
 
     def test_a_reference_is_a_frame_too_and_the_other_is_what_it_is_to_become(self):
         of_a, of_b = batches.load(self.folder.name)[0][1:3]

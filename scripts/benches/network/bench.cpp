@@ -20,8 +20,7 @@ class NetworkJob {
   NetworkJob(gpu::Extent full, Convolver convolver)
       : chain_(device_, "network"),
         noisy_(chain_, task(full), full, filter::NoisyUse::smooth),
-        network_(chain_, {filter::embedded_weights(), filter::embedded_shares()}, full, noisy_, true, {},
-                 convolver) {
+        network_(chain_, {filter::embedded_weights(), filter::embedded_own_share()}, full, noisy_, true, {}, convolver) {
     chain_.output(network_.smoothed().color);
     chain_.output(network_.smoothed().stats);
     chain_.build();
@@ -30,8 +29,7 @@ class NetworkJob {
     std::uniform_real_distribution<float> uniform(0.0f, 1.0f);
     for (const gpu::ImageId image :
          {noisy_.color, noisy_.own_color, noisy_.variance, noisy_.exposure, noisy_.features->albedo_depth,
-          noisy_.features->normal, noisy_.own_features->albedo_depth, noisy_.own_features->normal,
-          noisy_.alone->color, noisy_.alone->stats}) {
+          noisy_.features->normal, noisy_.own_features->albedo_depth, noisy_.own_features->normal}) {
       for (float& value : chain_.upload<float>(image)) value = uniform(random);
     }
     run();  // the first run also touches memory for the first time and builds oneDNN's primitives

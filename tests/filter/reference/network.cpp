@@ -328,69 +328,43 @@ Grid<Estimate> restored(const Grid<Estimate>& sample, const Grid<Estimate>& smoo
   return result;
 }
 
-/// Mean of squared relative differences, errors or variances over the valid pixels of the 7x7 around each.
-struct Measured {
-  std::array<double, 6> values{};
-};
-
-Grid<Measured> measured(const TwoSamples& samples, const Grid<Estimate>& merged, const Grid<Estimate>& alone,
-                        double exposure) {
-  Grid<Measured> result(merged.width, merged.height);
-  for (std::size_t i = 0; i < result.data.size(); ++i) {
+/// The mean of the smoothed merged frame and the frame itself, by the layers' share.
+Grid<Estimate> with_own_share(const TwoSamples& samples, const Grid<Estimate>& merged,
+                              const filter::OwnShareWeights& layers, double exposure) {
+  using Measured = std::array<double, 3>;  // squared difference, expected error, variance; all relative
+  Grid<Measured> all(merged.width, merged.height);
+  for (std::size_t i = 0; i < all.data.size(); ++i) {
     const Rgba& x = samples.own.data[i].color;
     const Rgba& y = merged.data[i].color;
-    const Rgba& z = alone.data[i].color;
     const double scale = relative_scale(y, exposure);
-    const auto difference = [&](const Rgba& a, const Rgba& b) {
-      double sum = 0;
-      for (int c = 0; c < 3; ++c) sum += std::pow((a[c] - b[c]) * scale, 2) / 3;
-      return sum;
-    };
-    const auto relative = [&](double variance) { return variance * scale * scale; };
-    result.data[i].values = {difference(x, y),
-                             difference(z, y),
-                             difference(x, z),
-                             relative(merged.data[i].variance),
-                             relative(samples.merged.data[i].variance),
-                             relative(alone.data[i].variance)};
+    double difference = 0;
+    for (int c = 0; c < 3; ++c) difference += std::pow((x[c] - y[c]) * scale, 2) / 3;
+    all.data[i] = {difference, merged.data[i].variance * scale * scale,
+                   samples.merged.data[i].variance * scale * scale};
   }
-  return result;
-}
-
-/// The mean of the smoothed merged frame, the frame itself and the frame smoothed alone.
-Grid<Estimate> with_shares(const TwoSamples& samples, const Grid<Estimate>& merged, const Alone& alone,
-                           double exposure) {
-  const Grid<Measured> all = measured(samples, merged, alone.smoothed, exposure);
   Grid<Estimate> result = merged;
   for (int y = 0; y < merged.height; ++y) {
     for (int x = 0; x < merged.width; ++x) {
       if (samples.merged.at(x, y).count <= 0) continue;
-      Pixel patch(6);
+      Measured patch{};
       const int count = for_neighbours(samples.merged, x, y, [&](int u, int v) {
-        for (std::size_t i = 0; i < patch.size(); ++i) patch[i] += all.at(u, v).values[i];
+        for (std::size_t i = 0; i < patch.size(); ++i) patch[i] += all.at(u, v)[i];
       });
       for (double& value : patch) value /= std::max(count, 1);
-      const std::array<double, 6>& own = all.at(x, y).values;
-      Pixel values = patch;
-      values.insert(values.end(), own.begin() + 3, own.end());
+      const Measured& own = all.at(x, y);
+      Pixel values{patch[0], patch[1], patch[2], own[1], own[2]};
       for (double& value : values) value = std::log(std::min(value, 1e6) + 1e-6) / 3;
-      for (std::size_t i = 0; i < alone.shares.size(); ++i) {
-        values = outputs_of(alone.shares[i], values);
-        if (i + 1 == alone.shares.size()) break;
+      for (std::size_t i = 0; i < layers.size(); ++i) {
+        values = outputs_of(layers[i], values);
+        if (i + 1 == layers.size()) break;
         for (double& value : values) value = std::max(value, 0.0);
       }
-      const double total = 1 + std::exp(values[0]) + std::exp(values[1]);
       const double limit = std::min(4 * patch[0] / std::max(own[0], 1e-12), 1.0);
-      const double of_frame = limit * std::exp(values[0]) / total;
-      const double of_alone = std::exp(values[1]) / total;
+      const double share = limit * sigmoid(values[0]);
       Estimate& pixel = result.at(x, y);
       const double scale = relative_scale(pixel.color, exposure);
-      pixel.variance = (1 - of_frame - of_alone) * pixel.variance +
-                       of_alone * alone.smoothed.at(x, y).variance + of_frame * patch[0] / (scale * scale);
-      for (int c = 0; c < 4; ++c) {
-        pixel.color[c] += of_frame * (samples.own.at(x, y).color[c] - pixel.color[c]) +
-                          of_alone * (alone.smoothed.at(x, y).color[c] - pixel.color[c]);
-      }
+      pixel.variance = (1 - share) * pixel.variance + share * patch[0] / (scale * scale);
+      for (int c = 0; c < 4; ++c) pixel.color[c] += share * (samples.own.at(x, y).color[c] - pixel.color[c]);
     }
   }
   return result;
@@ -400,7 +374,7 @@ Grid<Estimate> with_shares(const TwoSamples& samples, const Grid<Estimate>& merg
 
 Grid<Estimate> smooth_by_network(const TwoSamples& samples, const TwoFeatures& features, double exposure,
                                  const filter::NetworkWeights& weights, bool variance_known,
-                                 const Alone* alone) {
+                                 const filter::OwnShareWeights* own_share) {
   const Grid<Estimate>& sample = samples.merged;
   const Grid<SmoothFeatures> merged = padded(features.merged);
   const Grid<SmoothFeatures> own = padded(features.own);
@@ -464,8 +438,8 @@ Grid<Estimate> smooth_by_network(const TwoSamples& samples, const TwoFeatures& f
     }
   }
   const Grid<Estimate> result_of_merged = restored(sample, smoothed, exposure);
-  if (!alone) return result_of_merged;
-  return with_shares(samples, result_of_merged, *alone, exposure);
+  if (!own_share) return result_of_merged;
+  return with_own_share(samples, result_of_merged, *own_share, exposure);
 }
 
 }  // namespace becalm::reference

@@ -22,19 +22,12 @@ struct TwoSamples {
   const Grid<Estimate>& own;
 };
 
-/// Of a merged frame: the unmerged one smoothed alone, its expected squared error as variance, and the layers
-/// that tell the shares.
-struct Alone {
-  const Grid<Estimate>& smoothed;
-  const filter::ShareWeights& shares;
-};
-
 /// The smoothing network in double, as in scripts/train/network.py. Samples have a count of 1, or 0 for
 /// non-finite pixels. A result's variance is the squared error that the network expects. Without
-/// `variance_known` the samples' variances are ignored. With `alone` the result is mixed with the unmerged
-/// frame and with that.
+/// `variance_known` the samples' variances are ignored. With `own_share` the result is mixed with the unmerged
+/// frame.
 Grid<Estimate> smooth_by_network(const TwoSamples& samples, const TwoFeatures& features, double exposure,
                                  const filter::NetworkWeights& weights, bool variance_known,
-                                 const Alone* alone);
+                                 const filter::OwnShareWeights* own_share);
 
 }  // namespace becalm::reference

@@ -1,0 +1,29 @@
+// Reads a frame, the smoothed merged frame with (expected squared error, valid), and the variance of what was
+// merged; writes what own_share averages over patches: (squared difference, expected error, variance, 1),
+// relative to the merged result's brightness; zeros for a pixel that is not finite.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "lib/color.glsl"
+#include "lib/dispatch_size.glsl"
+#include "lib/gain.glsl"
+
+layout(local_size_x = 64, local_size_y = 1) in;
+layout(set = 0, binding = 0) uniform samplerBuffer frame;
+layout(set = 0, binding = 1) uniform samplerBuffer variance;
+layout(set = 0, binding = 2) uniform samplerBuffer merged;
+layout(set = 0, binding = 3) uniform samplerBuffer merged_error;
+layout(set = 0, binding = 4) uniform samplerBuffer exposure;
+layout(std430, set = 0, binding = 5) writeonly buffer DifferenceBuffer { vec4 data[]; } difference;
+
+void main() {
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  if (at.x >= size.x || at.y >= size.y) return;
+  const int index = at.y * size.x + at.x;
+  const vec3 y = texelFetch(merged, index).rgb;
+  const vec2 noise = texelFetch(variance, index).xy;
+  const float scale = 1.0 / brightness(y.r, y.g, y.b, texelFetch(exposure, 0).x);
+  const vec3 d = clamp((texelFetch(frame, index).rgb - y) * scale, -kLargestDifference, kLargestDifference);
+  const vec2 variances = max(vec2(texelFetch(merged_error, index).x, noise.x), 0.0);
+  const vec2 deviations = min(sqrt(variances) * scale, kLargestDifference);
+  difference.data[index] = noise.y > 0.0 ? vec4(dot(d, d) / 3.0, deviations * deviations, 1.0) : vec4(0.0);
+}

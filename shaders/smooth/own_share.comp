@@ -1,0 +1,91 @@
+// Reads smooth/difference's output, its patch sums, the smoothed merged frame with its expected error, and the
+// weights of three small layers; writes the share of the frame itself in the output, and the squared error
+// that is then expected. The difference is that of the patch without the pixel: a share that follows from the
+// value that it weighs darkens the image. Only an outlier, which differs more than its patch, has less.
+// A mean's expected error is at most the mean of its parts' errors, and this is what is written; that of the
+// frame is its squared difference from the merged frame.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#include "lib/color.glsl"
+#include "lib/dispatch_size.glsl"
+#include "lib/gain.glsl"
+
+layout(constant_id = 0) const int radius = 3;
+
+layout(local_size_x = 128, local_size_y = 1) in;
+layout(set = 0, binding = 0) uniform samplerBuffer difference;
+layout(set = 0, binding = 1) uniform samplerBuffer difference_sums;
+layout(set = 0, binding = 2) uniform samplerBuffer merged;
+layout(set = 0, binding = 3) uniform samplerBuffer merged_error;
+layout(set = 0, binding = 4) uniform samplerBuffer exposure;
+layout(set = 0, binding = 5) uniform samplerBuffer weights;
+layout(std430, set = 0, binding = 6) writeonly buffer ShareBuffer { float data[]; } share;
+layout(std430, set = 0, binding = 7) writeonly buffer StatsBuffer { vec2 data[]; } stats;
+
+#include "lib/patch_row.glsl"
+
+// Of the inputs; scripts/train/own_share.py has the same.
+const float kLargestInput = 1e6;
+const float kLeastInput = 1e-6;
+/// Squared difference, over the mean of its patch, from which a pixel of the frame counts less.
+const float kOutlier = 4.0;
+
+// As filter/smooth/own_share.h packs them: for each output of a layer its weights, four in a vector; then the
+// layer's biases. Copied to shared memory and read at literal offsets (shaders/smooth/README.md says why).
+const int kInputVectors = 2;  // 5 inputs
+const int kHiddenVectors = 4;
+const int kHidden = 4 * kHiddenVectors;
+const int kSecond = kHidden * kInputVectors + kHiddenVectors;
+const int kLast = kSecond + kHidden * kHiddenVectors + kHiddenVectors;
+const int kVectors = kLast + kHiddenVectors + 1;
+shared vec4 layer[kVectors];
+
+void load_layers() {
+  const int invocations = int(gl_WorkGroupSize.x * gl_WorkGroupSize.y);
+  for (int i = int(gl_LocalInvocationIndex); i < kVectors; i += invocations) layer[i] = texelFetch(weights, i);
+  barrier();
+}
+
+/// Input for a squared relative difference or variance.
+float encoded(float squared) { return log(min(squared, kLargestInput) + kLeastInput) / 3.0; }
+
+/// The share's logit.
+float logit_of(vec4 inputs[kInputVectors]) {
+  vec4 first[kHiddenVectors];
+  [[unroll]] for (int o = 0; o < kHidden; ++o) {
+    float sum = layer[kHidden * kInputVectors + o / 4][o % 4];
+    [[unroll]] for (int i = 0; i < kInputVectors; ++i) sum += dot(layer[o * kInputVectors + i], inputs[i]);
+    first[o / 4][o % 4] = max(sum, 0.0);
+  }
+  vec4 second[kHiddenVectors];
+  [[unroll]] for (int o = 0; o < kHidden; ++o) {
+    float sum = layer[kSecond + kHidden * kHiddenVectors + o / 4][o % 4];
+    [[unroll]] for (int i = 0; i < kHiddenVectors; ++i) sum += dot(layer[kSecond + o * kHiddenVectors + i], first[i]);
+    second[o / 4][o % 4] = max(sum, 0.0);
+  }
+  float logit = layer[kLast + kHiddenVectors].x;
+  [[unroll]] for (int i = 0; i < kHiddenVectors; ++i) logit += dot(layer[kLast + i], second[i]);
+  return logit;
+}
+
+void main() {
+  load_layers();
+  const ivec2 at = min(ivec2(gl_GlobalInvocationID.xy), size - 1);
+  const int index = at.y * size.x + at.x;
+  const vec4 sum = patch_without_pixel(difference, difference_sums, at);
+  const vec3 of_patch = max(sum.xyz, 0.0) / max(sum.w, 1.0);
+  const vec4 own = texelFetch(difference, index);
+  vec4 inputs[kInputVectors];
+  inputs[0] = vec4(encoded(of_patch.x), encoded(of_patch.y), encoded(of_patch.z), encoded(own.y));
+  inputs[1] = vec4(encoded(own.z), 0.0, 0.0, 0.0);
+  const float limit = min(kOutlier * of_patch.x / max(own.x, 1e-12), 1.0);
+  const float of_frame = own.w > 0.0 ? limit / (1.0 + exp(-logit_of(inputs))) : 0.0;
+  const vec2 before = texelFetch(merged_error, index).xy;
+  const vec4 y = texelFetch(merged, index);
+  const float bright = brightness(y.r, y.g, y.b, texelFetch(exposure, 0).x);
+  if (at != ivec2(gl_GlobalInvocationID.xy)) return;
+  share.data[index] = of_frame;
+  const float left = (1.0 - of_frame) * before.x + of_frame * of_patch.x * bright * bright;
+  stats.data[index] = vec2(min(left, kLargestVariance), before.y);
+}
