@@ -57,7 +57,7 @@ def merge(becalm, folder, frames, wanted, preset, directions):
     return layers[:3], layers[3:4], layers[4:].astype(np.float16)
 
 
-def merge_shot(becalm, folder, file):
+def merge_shot(becalm, folder, target):
     with open(f"{folder}/shot.json") as file:
         shot = json.load(file)
     rng = np.random.default_rng([shot["seed"], 77])
@@ -85,7 +85,7 @@ def merge_shot(becalm, folder, file):
                                      [features, clean, shots.packed_features(of_wanted)], [r["color"] * exposure for r in (a, b)],
                                      of_wanted["color"] * exposure)
             arrays.update({f"{directions}.{wanted:04d}.{name}": array for name, array in pair.items()})
-    shots.save(f"{folder}/{file}", arrays)
+    shots.save(f"{folder}/{target}", arrays)
 
 
 def main():
@@ -94,10 +94,10 @@ def main():
     parser.add_argument("--becalm", required=True, help="the program")
     parser.add_argument("--again", action="store_true", help="for own_share.py: by the program with the trained network")
     args = parser.parse_args()
-    file = shots.REMERGED if args.again else shots.MERGED
+    target = shots.REMERGED if args.again else shots.MERGED
     for folder in shots.complete_shots(args.data):
-        if not os.path.exists(f"{folder}/{file}"):
-            merge_shot(args.becalm, folder, file)
+        if not os.path.exists(f"{folder}/{target}"):
+            merge_shot(args.becalm, folder, target)
             print(folder, flush=True)
 
 
