@@ -55,8 +55,15 @@ TEST(BsdfChiSquare, conductor) {
   }
 }
 
+#ifdef __SANITIZE_ADDRESS__
+/// The sanitizer looks at memory, which is the same for all; it makes quadrature four times as slow.
+constexpr float kEtas[] = {1.5f};
+#else
+constexpr float kEtas[] = {1.5f, 1.0f / 1.5f, 1.05f, 2.5f};
+#endif
+
 void expect_dielectrics_match(float alpha, const V3f& transmittance, std::uint32_t seed) {
-  for (const float eta : {1.5f, 1.0f / 1.5f, 1.05f, 2.5f}) {
+  for (const float eta : kEtas) {
     expect_sampler_matches(DielectricBsdf{eta, alpha, transmittance},
                            fmt::format("dielectric eta {:.3f} alpha {}", eta, alpha), seed += 10);
   }
