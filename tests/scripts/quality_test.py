@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO as oiio
 
-from benches.quality.cells import radiance
+from benches.quality.cells import Cells, radiance
 from benches.quality.data import MissingFrames, frame_path
 from benches.quality.goals import seam_ratio
 from benches.quality.shots import Shots
@@ -140,6 +140,23 @@ class ShotsOfOthers(unittest.TestCase):
         self.assertEqual(len(shots.references("cellar", None)), 2)
         with self.assertRaisesRegex(MissingFrames, "garden/b/f.0007.exr"):
             shots.references("garden", None)
+
+    def measured(self, command):
+        """The garden's cell by another denoiser."""
+        shots = Shots(self.folder)
+        cells = Cells(Program(BECALM), shots, self.folder / "out", None, False)
+        return cells.measure("garden", 8, Variant("other", "other", command=command), False)
+
+    def test_another_denoiser_is_measured_on_what_it_writes(self):
+        brighter = 'for file in "$(dirname "$1")"/*.exr; do oiiotool "$file" --mulc 1.1 -o "$(dirname "$2")/$(basename "$file")"; done; echo "$3" >&2'
+        cell = self.measured(("sh", "-c", brighter, "-", "{noisy}", "{denoised}", "{frames}"))
+        self.assertAlmostEqual(cell["mean"]["energy"], 0.1, delta=1e-3)
+        self.assertEqual(cell["times"].keys(), {"process", "processor"})
+
+    def test_another_denoiser_that_fails_is_no_cell(self):
+        with self.assertRaises(subprocess.CalledProcessError):
+            self.measured(("sh", "-c", "exit 3 # {denoised}"))
+        self.assertFalse((self.folder / "out/cells/garden.8.other.json").exists())
 
     def test_a_folder_without_shots_is_refused(self):
         with self.assertRaisesRegex(OSError, "no folder n8"):

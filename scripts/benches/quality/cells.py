@@ -103,23 +103,30 @@ class Cells:
 
     def _options(self, variant):
         """What the cell depends on besides the program and its input."""
-        return self.program.options(variant)
+        return list(variant.command) or self.program.options(variant)
 
     def _denoise(self, variant, noisy, denoised):
-        """Writes the denoised frames. Returns seconds per frame: the median of the filter, the mean of the whole process, and by all its threads."""
+        """Writes the denoised frames. Returns seconds per frame: the median of becalm's filter, the mean of the whole process, and by all its threads."""
         given = noisy
         if variant.without:
             copies = denoised.parent.with_name("given")
             copies.mkdir()
             given = copy_without(noisy, self.data.frames, variant.without, copies)
-        run, cost = timed([self.program.path, "denoise", given, "-o", denoised, "--frames", frame_range(self.data.frames), "--quiet",
-                           "--profile", *self.program.options(variant)], check=False, stderr=subprocess.PIPE, text=True)
+        frames = frame_range(self.data.frames)
+        if variant.command:
+            denoised.parent.mkdir()
+            command = [word.format(noisy=given, denoised=denoised, frames=frames) for word in variant.command]
+        else:
+            command = [self.program.path, "denoise", given, "-o", denoised, "--frames", frames, "--quiet", "--profile",
+                       *self.program.options(variant)]
+        run, cost = timed(command, check=False, stderr=subprocess.PIPE, text=True)
         if run.returncode != 0:
             sys.stderr.write(run.stderr)
         run.check_returncode()
         filter_ms = re.findall(r"^  filter(?: backward)? +([\d.]+) ms$", run.stderr, re.MULTILINE)
         count = len(self.data.frames)
-        return {"filter": sum(map(float, filter_ms)) / 1e3, "process": cost.wall_s / count, "processor": cost.processor_s / count}
+        times = {"process": cost.wall_s / count, "processor": cost.processor_s / count}
+        return times if variant.command else times | {"filter": sum(map(float, filter_ms)) / 1e3}
 
     def _compare(self, references, test, file):
         first, second = references

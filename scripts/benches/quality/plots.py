@@ -49,7 +49,7 @@ def plot_time(path, results, spp):
     """relMSE over noisy's against seconds per frame, a point for each variant."""
     figure, axes = plot_axes(f"time against error at {spp} spp, means over the scenes", "seconds of the filter a frame", "relMSE over that of noisy")
     for variant in results.variants:
-        seconds = [cell["times"]["filter"] for cell in results.of(spp, variant.name).values() if cell["times"]]
+        seconds = [cell["times"]["filter"] for cell in results.of(spp, variant.name).values() if "filter" in cell["times"]]
         if not seconds:
             continue
         point = np.mean(seconds), np.mean(list(results.ratios(spp, variant.name, "relmse").values()))

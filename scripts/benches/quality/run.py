@@ -1,6 +1,7 @@
 """Quality of `becalm denoise` on animated scenes, measured against two references of each. Called by `scripts/bench quality`."""
 
 import argparse
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -27,6 +28,13 @@ def _variant(text):
     return Variant(name, name, tuple(options))
 
 
+def _other(text):
+    name, *command = shlex.split(text)
+    if not any("{denoised}" in word for word in command):
+        raise argparse.ArgumentTypeError(f"'{text}': expected NAME COMMAND ..., with a word that has {{denoised}}")
+    return Variant(name, name, command=tuple(command))
+
+
 def arguments():
     parser = argparse.ArgumentParser(prog="scripts/bench quality", description=__doc__)
     parser.add_argument("-o", "--output", type=Path, metavar="DIR",
@@ -44,6 +52,9 @@ def arguments():
     parser.add_argument("--variants", type=words, metavar="LIST", help="names of variants (default: all)")
     parser.add_argument("--variant", action="append", default=[], type=_variant, metavar="'NAME OPTION ...'",
                         help="also measure becalm denoise with these options")
+    parser.add_argument("--other", action="append", default=[], type=_other, metavar="'NAME COMMAND ...'",
+                        help="also measure another denoiser; of the command's words {noisy} and {denoised} become patterns of EXR files, {frames} "
+                             "a range such as 4-13")
     parser.add_argument("--pictured", type=words, metavar="LIST", default=PICTURED, help=f"variants on the page (default: {','.join(PICTURED)})")
     parser.add_argument("--pictured-spp", type=counts, metavar="LIST", help="sample counts on the page (default: 4, with --shots: all)")
     parser.add_argument("--frames", type=frames, metavar="RANGE", help="of the noisy sequences (default: 1-16)")
@@ -55,12 +66,13 @@ def arguments():
     asked = parser.parse_args()
     if asked.shots and asked.data:
         parser.error("--shots and --data exclude each other")
+    added = asked.variant + asked.other
     names = [variant.name for variant in VARIANTS]
     for name in (asked.variants or []) + asked.pictured:
-        if name not in names + [variant.name for variant in asked.variant]:
+        if name not in names + [variant.name for variant in added]:
             parser.error(f"no variant '{name}'; there are {', '.join(names)}")
     asked.named = asked.variants is not None
-    asked.variants = [v for v in VARIANTS if asked.variants is None or v is NOISY or v.name in asked.variants] + asked.variant
+    asked.variants = [v for v in VARIANTS if asked.variants is None or v is NOISY or v.name in asked.variants] + added
     return asked
 
 

@@ -70,7 +70,7 @@ def overview_table(results, spp):
         mean = {metric: np.mean([cell["mean"][metric] for cell in cells.values()]) for metric in ("relmse", "temporal", "ssim")}
         ratio = {metric: np.mean(list(results.ratios(spp, variant.name, metric).values())) for metric in ("relmse", "temporal")}
         scene, energy = largest({scene: cell["mean"]["energy"] for scene, cell in cells.items()})
-        seconds = [[cell["times"][part] for cell in cells.values() if cell["times"]] for part in ("filter", "process")]
+        seconds = [[cell["times"][part] for cell in cells.values() if part in cell["times"]] for part in ("filter", "process")]
         rows.append((variant.title, len(cells), figure(mean["relmse"], 5), share(ratio["relmse"]), figure(mean["temporal"], 5),
                      share(ratio["temporal"]), f"{percent(energy)} {scene}", figure(mean["ssim"], 3),
                      *(figure(np.mean(of) if of else None, 2) for of in seconds)))
@@ -135,9 +135,9 @@ def still_table(results, spp):
 def variant_table(results):
     rows = []
     for variant in results.variants:
-        command = " ".join(variant.options) or "-"
+        command = " ".join(variant.command or variant.options) or "-"
         if variant.without:
             command += f" (without the layers {', '.join(variant.without)})"
         refusal = results.refusals.get(variant.name)
         rows.append((variant.name, variant.title, command, f"{NOT_AVAILABLE}: {refusal}" if refusal else "measured"))
-    return markdown(("name", "variant", "options of becalm denoise", "state"), rows)
+    return markdown(("name", "variant", "options of becalm denoise, or command", "state"), rows)

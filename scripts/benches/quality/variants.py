@@ -1,4 +1,4 @@
-"""The compared variants: ways to run `becalm denoise`. A new variant needs only a new row here."""
+"""The compared variants: ways to run `becalm denoise`, and commands of other denoisers. A new variant needs only a new row here."""
 
 import re
 import subprocess
@@ -14,6 +14,7 @@ class Variant:
     ablation: bool = False  # one idea changed; measured only at the sample counts of --ablation-spp
     history: str = ""       # frames that an ideal merge of still pixels has: "before", up to the current one, or "all"
     segment: int = 0        # frames per segment, if temporal error at seams is measured
+    command: tuple = ()     # of another denoiser, in place of becalm; its words may name {noisy}, {denoised} and {frames}
 
 
 def settings(*assignments, preset="final"):
@@ -69,7 +70,7 @@ class Program:
 
     def refusal(self, variant):
         """The program's reason to refuse the variant's options, or "". It checks options before it looks for files."""
-        if variant is NOISY:
+        if variant is NOISY or variant.command:
             return ""
         run = subprocess.run([self.path, "denoise", "none.####.exr", "-o", "never.####.exr", *self.options(variant)],
                              capture_output=True, text=True)
