@@ -33,7 +33,9 @@ struct NewFrame {
   float usual_depth = 1.0f;          ///< from typical_depth
   std::vector<Image> additive = {};  ///< from pack_additive
   Estimate smoothed = {};            ///< if not empty, matched and merged instead of the frame
+  Image smoothed_albedo = {};        ///< RGB; if not empty, stands for the frame's albedo
 
+  const Image& albedo() const { return smoothed_albedo.empty() ? frame.image(Aov::albedo) : smoothed_albedo; }
   const std::vector<Image>& merged_additive() const {
     return smoothed.additive.empty() ? additive : smoothed.additive;
   }

@@ -112,6 +112,10 @@ const SettingRow<Settings> kTable[] = {
       "frames: each frame is smoothed before it is matched and merged; merged: noisy frames are merged with "
       "the weights of smoothed ones, then smoothed"},
      name_field(&Settings::smooth, std::span(kSmoothNames))},
+    {{"smooth_albedo", "0 or 1",
+      "1 smooths the albedo before radiance is divided by it: of glossy or blurred surfaces many renderers "
+      "write it noisy"},
+     number_field(&Settings::smooth_albedo, 0, 1)},
     {{"directions", "forward or both",
       "forward: from the frames before alone, as they come; both: from those after as well, within segments"},
      name_field(&Settings::directions, std::span(kDirectionsNames))},
@@ -136,6 +140,7 @@ Settings preset(std::string_view name) {
   if (name == "draft") {
     settings.match_downsample = 4;
     settings.smooth = Smooth::frames;
+    settings.smooth_albedo = 0;
     settings.directions = Directions::forward;
     settings.blur_radius = {5};
     settings.motion = MotionUse::none;
@@ -152,6 +157,7 @@ Settings preset(std::string_view name) {
     settings.motion = MotionUse::none;
     settings.resample = Resample::bilinear;
     settings.smooth = Smooth::none;
+    settings.smooth_albedo = 0;
     settings.directions = Directions::forward;
     settings.merge = MergeMode::mask;
   } else if (name != "balanced") {

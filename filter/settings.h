@@ -57,6 +57,7 @@ struct Settings {
 
   Resample resample = Resample::catmull_rom;
   Smooth smooth = Smooth::merged;
+  int smooth_albedo = 1;
   Directions directions = Directions::both;
   MergeMode merge = MergeMode::variance;
   MaskWeights mask;

@@ -18,7 +18,8 @@ struct FilterTask {
   Guides guides;
   std::size_t additive = 0;  ///< number of additive AOVs of a frame (merge/additive.h)
   bool denoises_alpha = false;
-  bool merged = false;  ///< the input frames are merged frames, with NewFrame::own set
+  bool merged = false;     ///< the input frames are merged frames, with NewFrame::own set
+  bool of_albedo = false;  ///< the input frames' radiance is an albedo, with noise of another kind
 
   bool has_halves() const { return contains(used, Aov::half_a) && contains(used, Aov::half_b); }
   bool variance_known() const { return contains(used, Aov::variance) || has_halves(); }
@@ -26,6 +27,9 @@ struct FilterTask {
   /// Whether smoothed frames only determine the merge weights, and the merged noisy layers are smoothed for
   /// the output.
   bool smooths_merged() const { return settings.smooth == Smooth::merged; }
+  bool smooths_albedo() const {
+    return smooths() && settings.smooth_albedo != 0 && contains(used, Aov::albedo);
+  }
   /// Number of images merged with the beauty's weights: additive AOVs, then the noisy layers that are
   /// smoothed after the merge.
   std::size_t carried() const { return additive + (smooths_merged() ? kNoisyLayers : 0); }

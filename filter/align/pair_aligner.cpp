@@ -26,7 +26,9 @@ struct MatchedFrame {
   void upload(gpu::Chain& chain, const Guides& guides, const Inputs& inputs, const Rect& rect) const {
     pack_color(frame.image(Aov::beauty), finite, rect, chain.upload<float>(inputs.color));
     if (inputs.guide) {
-      pack_guide(frame, guides.albedo, guides.normal, rect, chain.upload<float>(*inputs.guide));
+      pack_guide(guides.albedo ? &frame.image(Aov::albedo) : nullptr,
+                 guides.normal ? &frame.image(Aov::normal) : nullptr, rect,
+                 chain.upload<float>(*inputs.guide));
     }
   }
 

@@ -172,10 +172,11 @@ float typical_depth(const Frame& frame, const AovSet& used) {
   return sum.count > 0 ? static_cast<float>(sum.geometric_mean()) : 1.0f;
 }
 
-void pack_features(const Frame& frame, const AovSet& used, float usual_depth, const Rect& rect,
-                   std::span<float> albedo_depth, std::span<float> normal) {
+void pack_features(const NewFrame& from, const AovSet& used, const Rect& rect, std::span<float> albedo_depth,
+                   std::span<float> normal) {
+  const Frame& frame = from.frame;
   if (contains(used, Aov::albedo)) {
-    pack_albedo(frame.image(Aov::albedo), rect, albedo_depth);
+    pack_albedo(from.albedo(), rect, albedo_depth);
   } else {
     std::ranges::fill(albedo_depth, 1.0f);
   }
@@ -191,8 +192,8 @@ void pack_features(const Frame& frame, const AovSet& used, float usual_depth, co
     const float z = has_depth ? frame.image(Aov::depth).data()[in] : 0.0f;
     // Infinite depth (nothing hit) maps to the maximum; NaN and depths of 0 or less map to 0.
     albedo_depth[4 * out + 3] = z == std::numeric_limits<float>::infinity() ? 2.0f
-                                : z > 0.0f                                  ? 2.0f / (1.0f + usual_depth / z)
-                                                                            : 0.0f;
+                                : z > 0.0f ? 2.0f / (1.0f + from.usual_depth / z)
+                                           : 0.0f;
   });
 }
 
@@ -200,13 +201,13 @@ int guide_planes(bool albedo, bool normal) {
   return (albedo ? 1 : 0) + (normal ? 2 : 0);
 }
 
-void pack_guide(const Frame& frame, bool albedo, bool normal, const Rect& rect, std::span<float> planes) {
+void pack_guide(const Image* albedo, const Image* normal, const Rect& rect, std::span<float> planes) {
   const auto count = static_cast<std::size_t>(rect.extent().elements());
-  assert(planes.size() == count * guide_planes(albedo, normal));
+  assert(planes.size() == count * guide_planes(albedo != nullptr, normal != nullptr));
   std::size_t plane = 0;
   if (albedo) {
-    const auto values = frame.image(Aov::albedo).data();
-    for_each_pixel(rect, frame.width(), [&](std::size_t in, std::size_t out) {
+    const auto values = albedo->data();
+    for_each_pixel(rect, albedo->width(), [&](std::size_t in, std::size_t out) {
       const float l = luminance(values.subspan(3 * in, 3));
       planes[out] = std::isfinite(l) ? std::clamp(l, 0.0f, 1.0f) : 0.0f;
     });
@@ -216,10 +217,10 @@ void pack_guide(const Frame& frame, bool albedo, bool normal, const Rect& rect, 
     // Orthonormal axes perpendicular to (1,1,1): the six axis directions have distinct projections onto them.
     constexpr float half_root = 0.70710678f;
     constexpr float sixth_root = 0.40824829f;
-    const auto values = frame.image(Aov::normal).data();
+    const auto values = normal->data();
     const auto u = planes.subspan(plane * count, count);
     const auto v = planes.subspan((plane + 1) * count, count);
-    for_each_pixel(rect, frame.width(), [&](std::size_t in, std::size_t out) {
+    for_each_pixel(rect, normal->width(), [&](std::size_t in, std::size_t out) {
       const auto n = values.subspan(3 * in, 3);
       const bool finite = all_finite(n);
       u[out] = finite ? std::clamp((n[0] - n[1]) * half_root, -1.0f, 1.0f) : 0.0f;

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "filter/estimate.h"
 #include "filter/tiles/tiles.h"
 #include "frame/frame.h"
 
@@ -42,16 +43,16 @@ float typical_depth(const Frame& frame, const AovSet& used);
 /// Packs the features of a rectangle: (albedo, depth) and (normal, 0). The albedo is that of pack_albedo, or
 /// 1 if it is not in `used`. The depth z is packed as 2 z / (z + usual_depth), infinity as 2. A depth that is
 /// NaN or not positive and a non-finite normal component become 0, as do AOVs that are not in `used`.
-void pack_features(const Frame& frame, const AovSet& used, float usual_depth, const Rect& rect,
-                   std::span<float> albedo_depth, std::span<float> normal);
+void pack_features(const NewFrame& frame, const AovSet& used, const Rect& rect, std::span<float> albedo_depth,
+                   std::span<float> normal);
 
 /// Number of guide planes of a frame with these AOVs: one for albedo, two for normal.
 int guide_planes(bool albedo, bool normal);
 
 /// Packs the guide planes of a rectangle: the albedo's luminance, then the normal's components along two axes
-/// perpendicular to (1,1,1) (a unit vector has two degrees of freedom). Non-finite values become 0. Albedo is
-/// clamped to [0,1].
-void pack_guide(const Frame& frame, bool albedo, bool normal, const Rect& rect, std::span<float> planes);
+/// perpendicular to (1,1,1) (a unit vector has two degrees of freedom). An image that is null has no planes.
+/// Non-finite values become 0. Albedo is clamped to [0,1].
+void pack_guide(const Image* albedo, const Image* normal, const Rect& rect, std::span<float> planes);
 
 /// Packs a rectangle of the motion AOV as offset pairs. A pixel is marked as having no motion
 /// (is_known_motion of shaders/lib/motion.glsl) if its motion is not finite, which is how files mask it, or

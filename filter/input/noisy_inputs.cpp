@@ -43,15 +43,15 @@ void NoisyInputs::upload(gpu::Chain& chain, const FilterTask& task, const NewFra
   chain.upload<float>(exposure)[0] = frame.exposure;
   if (reads_exposure_alone) return;
   pack_color(frame.frame.image(Aov::beauty), frame.finite, tile.target, chain.upload<float>(color));
-  const auto upload_features = [&](const Frame& source, const SurfaceImages& target) {
-    pack_features(source, task.used, frame.usual_depth, tile.target, chain.upload<float>(target.albedo_depth),
+  const auto upload_features = [&](const NewFrame& source, const SurfaceImages& target) {
+    pack_features(source, task.used, tile.target, chain.upload<float>(target.albedo_depth),
                   chain.upload<float>(target.normal));
   };
-  if (features) upload_features(frame.frame, *features);
+  if (features) upload_features(frame, *features);
   if (task.merged) {
     pack_color(frame.own->frame.image(Aov::beauty), frame.finite, tile.target,
                chain.upload<float>(own_color));
-    upload_features(frame.own->frame, *own_features);
+    upload_features(*frame.own, *own_features);
   }
 }
 

@@ -166,6 +166,11 @@ void FrameMerger::merge(const NewFrame& frame, MergedFrame& merged, FrameReport&
   std::swap(host_->history_features, host_->features);
 }
 
+void FrameMerger::upload_guide(const NewFrame& frame, const Rect& rect, std::span<float> planes) const {
+  pack_guide(task_.guides.albedo ? &frame.albedo() : nullptr,
+             task_.guides.normal ? &frame.frame.image(Aov::normal) : nullptr, rect, planes);
+}
+
 void FrameMerger::find_features(const Tile& tile, const NewFrame& frame, FrameReport& report) {
   const auto keep = [&](const FeatureChain& from, Host::Matched& to) {
     const auto keep_level = [&](const Features& features, std::size_t level, Host::Planes& planes) {
@@ -188,8 +193,7 @@ void FrameMerger::find_features(const Tile& tile, const NewFrame& frame, FrameRe
   }
   new_frame.chain.upload<float>(new_frame.exposure)[0] = frame.exposure;
   if (new_frame.guide) {
-    pack_guide(frame.frame, task_.guides.albedo, task_.guides.normal, tile.target,
-               new_frame.chain.upload<float>(*new_frame.guide));
+    upload_guide(frame, tile.target, new_frame.chain.upload<float>(*new_frame.guide));
   }
   new_frame.chain.run();
   keep(new_frame, host_->features);
@@ -259,8 +263,7 @@ void FrameMerger::merge_tile(const Tile& tile, const NewFrame& frame, MergedFram
                 chain.upload<float>(*merge.motion));
   }
   if (merge.guide) {
-    pack_guide(frame.frame, task_.guides.albedo, task_.guides.normal, tile.target,
-               chain.upload<float>(*merge.guide));
+    upload_guide(frame, tile.target, chain.upload<float>(*merge.guide));
   }
   if (host_) upload_cut(tile);
   chain.run();

@@ -44,6 +44,7 @@ class FrameMerger {
  private:
   struct Chains;
   struct Host;
+  void upload_guide(const NewFrame& frame, const Rect& rect, std::span<float> planes) const;
   void find_features(const Tile& tile, const NewFrame& frame, FrameReport& report);
   void find_coarse_offsets(const NewFrame& frame, FrameReport& report);
   void upload_cut(const Tile& tile);

@@ -19,6 +19,7 @@
 #include "filter/sequence/alpha.h"
 #include "filter/sequence/cuts.h"
 #include "filter/sequence/packed_estimate.h"
+#include "filter/smooth/albedo_smoother.h"
 #include "filter/smooth/energy.h"
 #include "filter/smooth/frame_smoother.h"
 #include "filter/smooth/merged_smoother.h"
@@ -113,18 +114,21 @@ AovSet wanted_aovs(const Settings& settings) {
 }
 
 struct SequenceFilter::State {
-  /// The smoothed frame: kept from an earlier step, or computed now.
+  /// The smoothed albedo and the smoothed frame: kept from an earlier step, or computed now.
+  Image smoothed_albedo(const Step& step, const NewFrame& frame, FrameReport& report);
   Estimate smoothed(const Step& step, const NewFrame& frame, FrameReport& report);
   /// Merges a frame with the history before it and the prediction kept for it.
   void forward(const Step& step, Merged& made, FrameReport& report);
 
   FilterTask task;
+  std::optional<AlbedoSmoother> albedo_smoother;
   std::optional<FrameSmoother> smoother;
   std::optional<MergedSmoother> merged_smoother;
   std::optional<FrameMerger> merger;
   std::optional<Combiner> combiner;
 
   std::map<int, PackedEstimate> kept_smoothed;  ///< by frame number
+  std::map<int, HalfImage> kept_albedo;         ///< likewise
   std::map<int, PackedEstimate> predictions;
   FindCuts find_cuts = FindCuts::no;
   std::optional<ShotSignature> before;  ///< of the last frame in the history
@@ -146,6 +150,7 @@ SequenceFilter::SequenceFilter(gpu::Device& device, const Settings& settings, in
   std::uint64_t left = std::min(options.memory_limit, usable_bytes(device));
   state_->merger.emplace(device, task, left);
   left -= state_->merger->memory().device.own;  // the others keep nothing between runs
+  if (task.smooths_albedo()) state_->albedo_smoother.emplace(device, task, left);
   if (task.smooths()) {
     FilterTask task_of_frame = task;
     if (task.smooths_merged()) task_of_frame.additive = 0;
@@ -190,6 +195,7 @@ std::optional<SequenceFilter::Merged> SequenceFilter::begin(const Step& step, co
     if (report.new_shot) reset();
     state_->before = std::move(signature);
   }
+  if (state_->albedo_smoother) new_frame.smoothed_albedo = state_->smoothed_albedo(step, new_frame, report);
   if (state_->smoother) new_frame.smoothed = state_->smoothed(step, new_frame, report);
   if (step.wanted && step.direction == Direction::forward) {
     std::optional<Merged> made(std::in_place, Merged{std::move(new_frame), {}});
@@ -211,10 +217,19 @@ const FilterTask& SequenceFilter::task() const {
   return state_->task;
 }
 
-Estimate SequenceFilter::State::smoothed(const Step& step, const NewFrame& frame, FrameReport& report) {
-  auto kept = kept_smoothed.extract(step.frame);
+Image SequenceFilter::State::smoothed_albedo(const Step& step, const NewFrame& frame, FrameReport& report) {
+  auto kept = kept_albedo.extract(step.frame);
   // Packed even if no later step needs it, so that the output does not depend on which frames a job has
   // filtered before.
+  HalfImage packed =
+      kept ? std::move(kept.mapped()) : HalfImage(albedo_smoother->smooth(frame, report), {1.0f, 1.0f, 1.0f});
+  Image result = packed.image();
+  if (step.again) kept_albedo.insert_or_assign(step.frame, std::move(packed));
+  return result;
+}
+
+Estimate SequenceFilter::State::smoothed(const Step& step, const NewFrame& frame, FrameReport& report) {
+  auto kept = kept_smoothed.extract(step.frame);
   PackedEstimate packed =
       kept ? std::move(kept.mapped()) : PackedEstimate(smoother->smooth(frame, report), frame.exposure, 0);
   Estimate result = packed.estimate();
@@ -270,6 +285,7 @@ void SequenceFilter::reset() {
 FilterMemory SequenceFilter::memory() const {
   const FilterMemory merge = state_->merger->memory();
   FilterMemory memory{.tiles = merge.tiles, .tile = merge.tile, .tile_plan = "1"};
+  if (state_->albedo_smoother) add_memory(memory, state_->albedo_smoother->memory(), "smooth albedo");
   if (state_->smoother) add_memory(memory, state_->smoother->memory(), "smooth");
   add_memory(memory, merge, "merge");
   if (state_->combiner) add_memory(memory, state_->combiner->memory(), "combine");

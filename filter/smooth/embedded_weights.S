@@ -5,6 +5,10 @@
 becalm_standard_weights:
     .incbin "standard.weights"
 becalm_standard_weights_end:
+    .globl becalm_albedo_weights, becalm_albedo_weights_end
+becalm_albedo_weights:
+    .incbin "albedo.weights"
+becalm_albedo_weights_end:
     .globl becalm_own_share_weights, becalm_own_share_weights_end
 becalm_own_share_weights:
     .incbin "own_share.weights"

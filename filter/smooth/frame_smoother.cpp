@@ -21,6 +21,11 @@ std::vector<Layered> layered(const std::vector<ImageId>& merged, const std::vect
   return result;
 }
 
+Weights weights_of(const FilterTask& task) {
+  if (task.of_albedo) return {embedded_albedo_weights(), nullptr};
+  return {embedded_weights(), &embedded_own_share()};
+}
+
 }  // namespace
 
 struct FrameSmoother::Passes {
@@ -29,7 +34,7 @@ struct FrameSmoother::Passes {
         noisy(chain, task, extent, NoisyUse::smooth),
         additive(additive_inputs(chain, task.additive, extent, "additive.cur")),
         own_additive(task.merged ? additive_inputs(chain, task.additive, extent, "additive.own") : additive),
-        network(chain, {embedded_weights(), embedded_own_share()}, extent, noisy, task.variance_known(),
+        network(chain, weights_of(task), extent, noisy, task.variance_known(),
                 layered(additive, own_additive), convolver_of(device.info())) {
     chain.output(network.smoothed().color);
     chain.output(network.smoothed().stats);

@@ -78,12 +78,16 @@ NetworkPasses::NetworkPasses(Chain& chain, const Weights& trained, Extent full, 
   const ImageId color = chain.image("windows.color", Format::f32x4, full);
   const ImageId stats = chain.image("windows.stats", Format::f32x2, full);
   add_windows(chain, weights, frame, "beauty", beauty.irradiance, frame.color, color, stats);
+  if (!trained.own_share) {
+    smoothed_ = {.color = color, .stats = stats, .additive = {}};
+    return;
+  }
   const ImageId share = add_share(chain, frame, color, stats);
   smoothed_.color = add_restore(chain, "smoothed.color", frame.color, color, share);
   std::optional<ImageId> own_share;
   if (frame.own_color != frame.color) {
     const OwnShare own = add_own_share(chain, full_, frame, smoothed_.color, smoothed_.stats,
-                                       weights_image(chain, "own_share", pack_own_share(trained.own_share)));
+                                       weights_image(chain, "own_share", pack_own_share(*trained.own_share)));
     smoothed_.color = add_restore(chain, "mixed.color", frame.own_color, smoothed_.color, own.share);
     smoothed_.stats = own.stats;
     own_share = own.share;

@@ -29,7 +29,7 @@ struct Layered {
 /// The trained parameters that the passes use.
 struct Weights {
   const NetworkWeights& network;
-  const OwnShareWeights& own_share;
+  const OwnShareWeights* own_share;  ///< null: an albedo is smoothed, and nothing of the frame is put back
 };
 
 /// What computes the network's features: the kernels of shaders/smooth/, or oneDNN if the device is a

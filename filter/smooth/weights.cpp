@@ -10,6 +10,8 @@
 extern "C" {
 extern const std::byte becalm_standard_weights[];
 extern const std::byte becalm_standard_weights_end[];
+extern const std::byte becalm_albedo_weights[];
+extern const std::byte becalm_albedo_weights_end[];
 extern const std::byte becalm_own_share_weights[];
 extern const std::byte becalm_own_share_weights_end[];
 }
@@ -105,6 +107,11 @@ OwnShareWeights parse_own_share(std::span<const std::byte> file) {
 
 const NetworkWeights& embedded_weights() {
   static const NetworkWeights weights = parse_weights({becalm_standard_weights, becalm_standard_weights_end});
+  return weights;
+}
+
+const NetworkWeights& embedded_albedo_weights() {
+  static const NetworkWeights weights = parse_weights({becalm_albedo_weights, becalm_albedo_weights_end});
   return weights;
 }
 

@@ -63,6 +63,7 @@ OwnShareWeights parse_own_share(std::span<const std::byte> file);
 
 /// What is embedded in the program.
 const NetworkWeights& embedded_weights();
+const NetworkWeights& embedded_albedo_weights();
 const OwnShareWeights& embedded_own_share();
 
 }  // namespace becalm::filter

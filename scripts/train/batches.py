@@ -5,6 +5,7 @@ import os
 import numpy as np
 import torch
 
+import albedo_noise
 import backgrounds
 import shots
 
@@ -56,7 +57,10 @@ def crop(rng, pair, size):
     if pair.variances and (pair.merged or rng.random() >= WITHOUT_VARIANCE):
         variance = cut(pair.variances[rng.integers(len(pair.variances))]) ** 2
     references = np.stack([cut(r) for r in (pair.references[0], pair.references[-1])])
-    if rng.random() < WITH_BACKGROUND:
+    if pair.of_albedo and rng.random() < albedo_noise.SHARE:
+        noisy, truth = albedo_noise.with_noise(rng, references[0])
+        colors, references = np.concatenate([noisy, noisy]), np.stack([truth, truth])
+    elif not pair.of_albedo and rng.random() < WITH_BACKGROUND:
         history = rng.integers(2, 13) if pair.merged else 1
         background = backgrounds.random_background(rng, size)
         colors, variance, features, references = backgrounds.put_behind(
@@ -105,12 +109,17 @@ def is_held_out(folder):
     return int(folder.rsplit("-", 1)[1]) % 10 == 9
 
 
-def load(data, renderer=""):
-    """Pairs to learn from, of one renderer's shots or of all, and pairs of all to choose on."""
+def load(data, renderer="", albedo=False):
+    """Pairs to learn from, of one renderer's shots or of all, and pairs of all to choose on; of radiance or of albedo."""
     learn, choose = [], []
     for folder in shots.complete_shots(data):
+        pairs = shots.load_shot(folder)
         if is_held_out(folder):
-            choose.extend(pair for pair in shots.load_shot(folder) if pair.independent)
+            pairs = [pair for pair in pairs if pair.independent]
+        if albedo:
+            pairs = shots.of_albedo(pairs)
+        if is_held_out(folder):
+            choose.extend(pairs)
         elif os.path.basename(folder).startswith(renderer):
-            learn.extend(shots.load_shot(folder))
+            learn.extend(pairs)
     return learn, choose

@@ -7,6 +7,7 @@ from network import FEATURES, LOSS_FLOOR, LOSS_SCALE, divisor_of, network_inputs
 # A pixel counts for at most this: else fireflies of the references rule the gradient.
 LARGEST_RELATIVE = 16.0
 LEAST_RELATIVE = 1e-4
+LEAST_OF_ALBEDO = 1e-3  # the radiance has more noise; with less the network learns to do nothing
 LEAST_OWN_SHARE = 0.25  # of a crop's error against noisy references that is taken to be the result's own, at least
 SHARE_OF_PROPORTION = 0.15
 SHARE_OF_SMAPE = 0.3
@@ -32,7 +33,7 @@ def random_scales(count):
     return LOSS_SCALE * torch.exp(SCALE_SPREAD * torch.randn(count, 1, 1, 1))
 
 
-def training_loss(result, log_error, references, scales):
+def training_loss(result, log_error, references, scales, least=LEAST_RELATIVE):
     """A clamped relative squared error as a share of its size, SMAPE of the result, and the likelihood of its error.
 
     The gradient of the first is that of the error's logarithm; where references are two, their noise is not counted as error. The error is
@@ -53,7 +54,7 @@ def training_loss(result, log_error, references, scales):
     # Each crop counts by its own size of error, or the noisiest alone would be learned and detail of clean ones lost.
     with torch.no_grad():
         of_references = relative_mean((0.5 * scales * (references[:, 0] - references[:, 1])) ** 2)
-        own_error = torch.maximum(relative - of_references, LEAST_OWN_SHARE * relative) + LEAST_RELATIVE
+        own_error = torch.maximum(relative - of_references, LEAST_OWN_SHARE * relative) + least
     proportion = (relative / own_error).mean()
     return SHARE_OF_PROPORTION * proportion + SHARE_OF_SMAPE * smape + SHARE_OF_ERROR * likelihood, relative.mean()
 

@@ -10,7 +10,7 @@ import torch
 import torch.nn as nn
 import torch.nn.functional as F
 
-CHANNELS = {"standard": (16, 24, 32, 48, 64), "small": (8, 16, 24, 32, 48)}
+CHANNELS = {"standard": (16, 24, 32, 48, 64), "small": (8, 16, 24, 32, 48), "albedo": (8, 16, 24, 24, 24)}
 INPUTS = 20
 FEATURES = 7  # albedo, normal, depth
 WINDOW = 5
@@ -26,6 +26,7 @@ LEAST_CONFIDENCE = 1e-8
 LOSS_SCALE = 0.3
 LOSS_FLOOR = 0.01
 LARGEST_LOG_ERROR = 8.0
+IDENTITY = 5.0  # added to the logit of a window's own pixel
 ALBEDO_CENTRE = 3.0  # added to the logit of the albedo window's own pixel
 # Logits of a bilinear upsampling, from which the weights of the coarser scale's pixels start.
 BILINEAR = (0.5625, 0.1875, 0.1875, 0.0625)
@@ -107,6 +108,11 @@ class Network(nn.Module):
                 nn.init.normal_(head.weight[1:], std=0.1)
                 head.bias[0] = 2.0
             self.error.bias.fill_(-3.0)
+
+    def start_from_identity(self):
+        """Lets the finest window begin with its own pixel: what is hardly noisy comes out as it is."""
+        with torch.no_grad():
+            self.window[0].bias[TAPS // 2] += IDENTITY
 
     def features(self, x):
         skips = []

@@ -47,6 +47,7 @@ class Pair:
     features: list
     references: list  # two, or one
     own: np.ndarray = None  # of a merged frame, what it was before; its variance is always known
+    of_albedo: bool = False  # its radiance is an albedo
 
     @property
     def independent(self):
@@ -203,6 +204,18 @@ def load_shot(folder):
         pack_shot(folder)
     files = [file for file in (PACKED, MERGED) if os.path.exists(f"{folder}/{file}")]
     return [pair for file in files for pair in load_pairs(folder, file)]
+
+
+def of_albedo(pairs):
+    """What a network learns from to smooth the albedo: it stands for the radiance, the references' for the references."""
+    made = []
+    for pair in pairs:
+        if pair.merged or not pair.independent:
+            continue
+        features = [np.concatenate([np.ones_like(f[:3]), f[3:]]) for f in pair.features]
+        clean = pair.features[1][:3]
+        made.append(Pair(pair.name, pair.features[0][:3], [], features, [clean, clean], of_albedo=True))
+    return made
 
 
 def complete_shots(data):

@@ -1,4 +1,4 @@
-"""Trains the network: train.py DATA OUT [--size standard|small] [--minutes M | --steps N] [--device cpu|cuda] [--seed N]
+"""Trains the network: train.py DATA OUT [--size standard|small|albedo] [--minutes M | --steps N] [--device cpu|cuda] [--seed N]
 
 Goes on from OUT/checkpoint.pt if that is there. Writes OUT/checkpoint.pt, OUT/best.pt (the averaged weights with the least
 error on the shots held out) and OUT/curve.csv (minutes, step, training error, held-out error, energy,
@@ -25,7 +25,7 @@ LEARNING_RATE = 1e-3
 LAST_RATE = 0.02  # of the learning rate
 WARM_UP = 200
 AVERAGE_DECAY = 0.999
-EVALUATE_EVERY_MIN = 5.0
+EVALUATE_EVERY_MIN = 1.0
 
 
 def rate_at(share, step):
@@ -55,6 +55,10 @@ class Trainer:
         torch.manual_seed(args.seed)
         self.rng = np.random.default_rng(args.seed)
         network = export.read_weights(args.start) if args.start else Network(CHANNELS[args.size])
+        self.albedo = args.size == "albedo"
+        if self.albedo and not args.start:
+            network.start_from_identity()
+        self.least = losses.LEAST_OF_ALBEDO if self.albedo else losses.LEAST_RELATIVE
         self.network = network.to(args.device, memory_format=torch.channels_last)
         self.average = copy.deepcopy(self.network)
         self.optimizer = torch.optim.Adam(self.network.parameters(), LEARNING_RATE, eps=1e-8)
@@ -95,7 +99,7 @@ class Trainer:
             group["lr"] = rate_at(self.share_done(), self.step)
         batch = [t.to(self.args.device) for t in batches.batch(self.rng, pairs, BATCH, self.args.crop)]
         scales = losses.random_scales(BATCH).to(self.args.device)
-        loss, relative = losses.training_loss(*losses.smoothed(self.network, batch), batch[3], scales)
+        loss, relative = losses.training_loss(*losses.smoothed(self.network, batch), batch[3], scales, self.least)
         self.optimizer.zero_grad()
         loss.backward()
         torch.nn.utils.clip_grad_norm_(self.network.parameters(), 1.0)
@@ -121,7 +125,7 @@ class Trainer:
         self.save()
 
     def run(self):
-        learn, choose = batches.load(self.args.data, self.args.renderer)
+        learn, choose = batches.load(self.args.data, self.args.renderer, self.albedo)
         print(f"{len(learn)} pairs to learn from, {len(choose)} to choose on, {parameter_count(self.network)} parameters")
         last_evaluation = time.monotonic()
         errors = []
@@ -141,7 +145,7 @@ def parse(words):
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("data")
     parser.add_argument("out")
-    parser.add_argument("--size", choices=sorted(CHANNELS), default="standard")
+    parser.add_argument("--size", choices=sorted(CHANNELS), default="standard", help="albedo: the one that smooths albedo, and learns from it")
     parser.add_argument("--start", metavar="FILE.weights", help="begin with these weights; their size counts")
     parser.add_argument("--renderer", choices=("becalm", "cycles"), default="", help="learn from its shots alone")
     parser.add_argument("--minutes", type=float, default=240.0)

@@ -9,6 +9,7 @@
 
 #include "filter/input/host_images.h"
 #include "filter/sequence/sequence_filter.h"
+#include "filter/smooth/albedo_smoother.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/guided_frame.h"
 #include "tests/filter/pattern.h"
@@ -87,6 +88,71 @@ TEST_F(AlbedoTest, NoiseOfTheAlbedoMakesNothingWorse) {
   Denoised denoised;
   for (int number = 1; number <= kFrames; ++number) denoised = filter.denoise(noisy_frame(number));
   EXPECT_LT(squared_error(denoised.frame, truth_at), squared_error(noisy_frame(kFrames), truth_at));
+}
+
+/// What AlbedoSmoother makes of an albedo without other features.
+Image smoothed(gpu::Device& device, Image albedo) {
+  Frame frame(1, albedo.width(), albedo.height());
+  frame.image(Aov::albedo) = std::move(albedo);
+  AovSet used;
+  used.set(static_cast<std::size_t>(Aov::albedo));
+  AlbedoSmoother smoother(device,
+                          {.settings = preset("balanced"),
+                           .full = {frame.width(), frame.height()},
+                           .used = used,
+                           .diagnostics = {},
+                           .guides = {}},
+                          std::numeric_limits<std::uint64_t>::max());
+  FrameReport report;
+  return smoother.smooth({.frame = frame, .finite = {}, .exposure = 7.0f}, report);
+}
+
+double mean_square_difference(const Image& a, const Image& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.data().size(); ++i) sum += std::pow(a.data()[i] - b.data()[i], 2.0);
+  return sum / static_cast<double>(a.data().size());
+}
+
+TEST_F(AlbedoTest, NoiseOfTheAlbedoItselfIsSmoothed) {
+  // Coats that mirror a part of the samples; the albedo is the mean of four samples.
+  Image clean(kWidth, kHeight, 3);
+  Image noisy = clean;
+  std::mt19937 random(3);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const double mirrored = x < kWidth / 2 ? 0.2 : 0.5;
+      const int hits = std::binomial_distribution<int>(4, mirrored)(random);
+      std::ranges::fill(clean.pixel(x, y), static_cast<float>(0.3 + 0.5 * mirrored));
+      std::ranges::fill(noisy.pixel(x, y), 0.3f + 0.125f * static_cast<float>(hits));
+    }
+  }
+  EXPECT_LT(mean_square_difference(smoothed(device(), noisy), clean),
+            0.3 * mean_square_difference(noisy, clean));
+}
+
+TEST_F(AlbedoTest, ACleanTextureStays) {
+  Image texture(kWidth, kHeight, 3);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      for (int c = 0; c < 3; ++c) texture.at(x, y, c) = (x / 4 + y / 3 + c) % 2 ? 0.8f : 0.2f;
+    }
+  }
+  EXPECT_LT(mean_square_difference(smoothed(device(), texture), texture), 0.02 * 0.09);  // of its variance
+}
+
+TEST_F(AlbedoTest, TheSmoothedAlbedoIsFiniteAndInRange) {
+  Image albedo(33, 20, 3, 0.5f);
+  albedo.at(4, 5, 0) = std::numeric_limits<float>::quiet_NaN();
+  albedo.at(9, 5, 2) = std::numeric_limits<float>::infinity();
+  albedo.at(20, 10, 1) = 1e30f;
+  albedo.at(21, 11, 1) = -1e30f;
+  const Image smooth = smoothed(device(), albedo);
+  for (const float value : smooth.data()) {
+    EXPECT_GE(value, 0.0f);
+    EXPECT_LE(value, 1.0f + 1e-6f);
+  }
+  const Image even = smoothed(device(), Image(17, 3, 3, 0.5f));
+  for (const float value : even.data()) EXPECT_NEAR(value, 0.5f, 1e-5f);
 }
 
 TEST_F(AlbedoTest, EmittersAndBlackSurfacesKeepTheirBrightness) {

@@ -216,7 +216,7 @@ class FootprintsTest : public DeviceTest {
     task.used.set(static_cast<std::size_t>(Aov::albedo), frame != Frame::without_albedo);
     Chain chain(device(), "smooth");
     const NoisyInputs noisy(chain, task, kFull, NoisyUse::smooth);
-    const NetworkPasses network(chain, {embedded_weights(), embedded_own_share()}, kFull, noisy, true, {},
+    const NetworkPasses network(chain, {embedded_weights(), &embedded_own_share()}, kFull, noisy, true, {},
                                 convolver);
     use(chain, {kSide});
   }

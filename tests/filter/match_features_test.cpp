@@ -140,7 +140,7 @@ TEST(HostImages, GuidesTellTheSixAxesApart) {
   Image& normal = frame.add(Aov::normal);
   for (int axis = 0; axis < 6; ++axis) normal.at(axis, 0, axis / 2) = axis % 2 ? -1.0f : 1.0f;
   std::vector<float> planes(12);
-  pack_guide(frame, false, true, {0, 0, 6, 1}, planes);
+  pack_guide(nullptr, &normal, {0, 0, 6, 1}, planes);
   for (int a = 0; a < 6; ++a) {
     for (int b = 0; b < a; ++b) {
       EXPECT_GT(std::hypot(planes[a] - planes[b], planes[6 + a] - planes[6 + b]), 0.5f) << a << " and " << b;

@@ -73,7 +73,7 @@ enum class Kind { merged, single, without_albedo };
 
 Grid<Estimate> smooth_on(gpu::Device& device, const Sample& sample, const NetworkWeights& weights,
                          bool variance_known = true, std::optional<Convolver> convolver = std::nullopt,
-                         Kind kind = Kind::merged, const OwnShareWeights& own_share = embedded_own_share()) {
+                         Kind kind = Kind::merged, const OwnShareWeights* own_share = &embedded_own_share()) {
   const gpu::Extent extent = sample.extent();
   gpu::Chain chain(device, "network test");
   FilterTask task = task_with_variance(preset("balanced"), extent);
@@ -196,6 +196,19 @@ TEST_F(NetworkTest, AgreesWithTheReferenceForSingleFramesWithAndWithoutAlbedo) {
   }
 }
 
+TEST_F(NetworkTest, AgreesWithTheReferenceForAnAlbedo) {
+  Sample sample = noisy_sample(27, 21);
+  for (reference::SmoothFeatures& f : sample.features.data) std::fill_n(f.begin(), 3, 1.0);
+  sample.own = sample.features;
+  sample.own_pixels = sample.pixels;
+  const Grid<Estimate> truth =
+      reference::windows_of_network({sample.pixels, sample.own_pixels}, {sample.features, sample.own},
+                                    sample.exposure, embedded_albedo_weights(), false);
+  expect_agreement(sample, truth,
+                   smooth_on(device(), sample, embedded_albedo_weights(), false, std::nullopt,
+                             Kind::without_albedo, nullptr));
+}
+
 TEST_F(NetworkTest, OneDnnAndKernelsAgreeForImagesOfAnySize) {
   if (!device().info().is_processor) GTEST_SKIP() << "the device is no processor";
   for (const gpu::Extent extent : {gpu::Extent{1, 1}, {200, 1}, {1, 70}, {33, 47}}) {
@@ -297,8 +310,8 @@ TEST_F(NetworkTest, TheOutputIsTheMeanOfTheMergedFrameAndTheFrameItself) {
   Sample sample = noisy_sample(40, 24);
   for (Estimate& e : sample.pixels.data) e.count = 1.0;
   const auto result_by = [&](float logit) {
-    return smooth_on(device(), sample, embedded_weights(), true, std::nullopt, Kind::merged,
-                     constant_share(logit));
+    const OwnShareWeights layers = constant_share(logit);
+    return smooth_on(device(), sample, embedded_weights(), true, std::nullopt, Kind::merged, &layers);
   };
   const Grid<Estimate> merged = result_by(kNever);
   const Grid<Estimate> half = result_by(0.0f);
@@ -326,8 +339,8 @@ TEST_F(NetworkTest, AFireflyOfTheFrameItselfHasHardlyAShare) {
   for (Estimate& e : sample.pixels.data) e.count = 1.0;
   for (int c = 0; c < 3; ++c) sample.own_pixels.at(x, y).color[c] = firefly;
   const auto color_with_share = [&](float logit) {
-    return smooth_on(device(), sample, embedded_weights(), true, std::nullopt, Kind::merged,
-                     constant_share(logit))
+    const OwnShareWeights layers = constant_share(logit);
+    return smooth_on(device(), sample, embedded_weights(), true, std::nullopt, Kind::merged, &layers)
         .at(x, y)
         .color[1];
   };

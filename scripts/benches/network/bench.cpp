@@ -20,7 +20,7 @@ class NetworkJob {
   NetworkJob(gpu::Extent full, Convolver convolver)
       : chain_(device_, "network"),
         noisy_(chain_, task(full), full, filter::NoisyUse::smooth),
-        network_(chain_, {filter::embedded_weights(), filter::embedded_own_share()}, full, noisy_, true, {},
+        network_(chain_, {filter::embedded_weights(), &filter::embedded_own_share()}, full, noisy_, true, {},
                  convolver) {
     chain_.output(network_.smoothed().color);
     chain_.output(network_.smoothed().stats);

@@ -372,9 +372,8 @@ Grid<Estimate> with_own_share(const TwoSamples& samples, const Grid<Estimate>& m
 
 }  // namespace
 
-Grid<Estimate> smooth_by_network(const TwoSamples& samples, const TwoFeatures& features, double exposure,
-                                 const filter::NetworkWeights& weights, bool variance_known,
-                                 const filter::OwnShareWeights* own_share) {
+Grid<Estimate> windows_of_network(const TwoSamples& samples, const TwoFeatures& features, double exposure,
+                                  const filter::NetworkWeights& weights, bool variance_known) {
   const Grid<Estimate>& sample = samples.merged;
   const Grid<SmoothFeatures> merged = padded(features.merged);
   const Grid<SmoothFeatures> own = padded(features.own);
@@ -437,7 +436,15 @@ Grid<Estimate> smooth_by_network(const TwoSamples& samples, const TwoFeatures& f
           square == 0 ? 0.0 : std::exp(log_error) * (square + 0.01 / 0.09) / (exposure * exposure);
     }
   }
-  const Grid<Estimate> result_of_merged = restored(sample, smoothed, exposure);
+  return smoothed;
+}
+
+Grid<Estimate> smooth_by_network(const TwoSamples& samples, const TwoFeatures& features, double exposure,
+                                 const filter::NetworkWeights& weights, bool variance_known,
+                                 const filter::OwnShareWeights* own_share) {
+  const Grid<Estimate> result_of_merged =
+      restored(samples.merged, windows_of_network(samples, features, exposure, weights, variance_known),
+               exposure);
   if (!own_share) return result_of_merged;
   return with_own_share(samples, result_of_merged, *own_share, exposure);
 }

@@ -24,8 +24,11 @@ struct TwoSamples {
 
 /// The smoothing network in double, as in scripts/train/network.py. Samples have a count of 1, or 0 for
 /// non-finite pixels. A result's variance is the squared error that the network expects. Without
-/// `variance_known` the samples' variances are ignored. With `own_share` the result is mixed with the
-/// unmerged frame.
+/// `variance_known` the samples' variances are ignored.
+Grid<Estimate> windows_of_network(const TwoSamples& samples, const TwoFeatures& features, double exposure,
+                                  const filter::NetworkWeights& weights, bool variance_known);
+
+/// The same with what is put back of the frame. With `own_share` the result is mixed with the unmerged frame.
 Grid<Estimate> smooth_by_network(const TwoSamples& samples, const TwoFeatures& features, double exposure,
                                  const filter::NetworkWeights& weights, bool variance_known,
                                  const filter::OwnShareWeights* own_share);
