@@ -5,7 +5,7 @@ import numpy as np
 import torch
 import torch.nn.functional as F
 
-SHARE = 0.4  # of the crops
+SHARE = 0.2  # of the crops
 MOST_SAMPLES = 32
 LARGEST_BLUR = 6  # radius in pixels
 

@@ -7,7 +7,7 @@ from network import FEATURES, LOSS_FLOOR, LOSS_SCALE, divisor_of, network_inputs
 # A pixel counts for at most this: else fireflies of the references rule the gradient.
 LARGEST_RELATIVE = 16.0
 LEAST_RELATIVE = 1e-4
-LEAST_OF_ALBEDO = 1e-3  # the radiance has more noise; with less the network learns to do nothing
+LEAST_OF_ALBEDO = 2e-4  # with less the network learns to do nothing
 LEAST_OWN_SHARE = 0.25  # of a crop's error against noisy references that is taken to be the result's own, at least
 SHARE_OF_PROPORTION = 0.15
 SHARE_OF_SMAPE = 0.3

@@ -25,7 +25,7 @@ LEARNING_RATE = 1e-3
 LAST_RATE = 0.02  # of the learning rate
 WARM_UP = 200
 AVERAGE_DECAY = 0.999
-EVALUATE_EVERY_MIN = 1.0
+EVALUATE_EVERY_MIN = 5.0
 
 
 def rate_at(share, step):

@@ -9,6 +9,7 @@ import numpy as np
 import OpenImageIO as oiio
 import torch
 
+import albedo_noise
 import backgrounds
 import batches
 import export
@@ -82,6 +83,17 @@ class Shots(unittest.TestCase):
             self.assertAlmostEqual(shots.exposure_of(pair.color), 1.0, delta=0.01)
             self.assertLess(losses.rel_mse(torch.from_numpy(np.float32(pair.references[0]))[None],
                                            batches.whole_frame(pair)[3]), 0.01)
+
+    def test_an_albedo_stands_for_the_radiance_and_has_none_itself(self):
+        frames = [p for p in batches.load(self.folder.name)[0] if p.independent]
+        learn, choose = batches.load(self.folder.name, albedo=True)
+        self.assertEqual([p.name for p in learn], [p.name for p in frames])
+        self.assertEqual(len(choose), 2)
+        for of_albedo, frame in zip(learn, frames):
+            np.testing.assert_array_equal(of_albedo.color, frame.features[0][:3])
+            np.testing.assert_array_equal(of_albedo.references[1], frame.features[1][:3])
+            np.testing.assert_array_equal(of_albedo.features[0][3:], frame.features[0][3:])
+            self.assertEqual((of_albedo.features[0][:3].min(), of_albedo.variances), (1.0, []))
 
     def test_merged_frames_are_read_and_always_tell_their_variance(self):
         folder = f"{self.folder.name}/becalm-000000"
@@ -241,6 +253,27 @@ class Networks(unittest.TestCase):
             losses.training_loss(result, torch.zeros(1, 1, 64, 64), references, losses.LOSS_SCALE)[0].backward()
             return result.grad.mean().item()
         self.assertGreater(pull(0.15), 0.7 * pull(0.001))
+
+
+class AlbedoNoise(unittest.TestCase):
+    def test_the_truth_is_its_mean(self):
+        clean = np.random.default_rng(1).random((3, SIZE, SIZE))
+        for make in (albedo_noise.coated, albedo_noise.blurred):
+            for seed in range(3):
+                noisy, truth = make(np.random.default_rng(seed), clean)
+                self.assertTrue(0 <= noisy.min() and noisy.max() <= 1)
+                self.assertGreater(np.abs(noisy - truth).mean(), 0.005)
+                self.assertLess(abs((noisy - truth).mean()), 0.02)
+
+    def test_an_untrained_network_lets_an_albedo_pass(self):
+        torch.manual_seed(1)
+        network = Network(CHANNELS["albedo"])
+        network.start_from_identity()
+        albedo = torch.rand(1, 3, SIZE, SIZE)
+        features = torch.ones(1, 14, SIZE, SIZE)
+        with torch.no_grad():
+            found = losses.smoothed(network, [torch.cat([albedo, albedo], 1), -torch.ones(1, 1, SIZE, SIZE), features, None])[0]
+        self.assertLess((found - albedo).abs().mean().item(), 0.25 * (albedo - albedo.mean()).abs().mean().item())
 
 
 class NoiseLevels(unittest.TestCase):
