@@ -17,7 +17,7 @@ from benches.timed import timed
 PRESETS = ("draft", "balanced", "final")
 SCENE, FRAMES, SPP = "scenes/crossing.json", "5-10", 4
 RUNS = 3  # of each preset, alternating
-VARIANTS = ("noisy", *PRESETS, "paper", "single", "frames", "forward_smooth", "beauty_alone")
+VARIANTS = ("noisy", *PRESETS, "paper", "single", "frames", "forward_smooth", "beauty_alone", "noisy_albedo")
 
 
 def said(*command):
@@ -72,7 +72,7 @@ def quality_part(becalm):
 480x270, with albedo, normal and depth, without variance;
 `scripts/benches/quality/cycles/render.py` renders them, two references each. relMSE and temporal
 error are those of `becalm compare`, as a share of noisy's. The network did not learn from them, but
-was extended after looks at `cloth`, `foliage` and `car` (`scripts/train/README.md`). The last four
+was extended after looks at `cloth`, `foliage` and `car` (`scripts/train/README.md`). The last five
 rows change one thing of `final`.
 
 {section(folder, "8 samples per pixel")}

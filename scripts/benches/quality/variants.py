@@ -39,6 +39,7 @@ VARIANTS = [
     ("variance_alone", "final without half-buffers", (), ("half_a", "half_b")),
     ("estimated", "final, variance estimated", (), ("variance", "half_a", "half_b")),
     ("beauty_alone", "final, of the beauty alone", (), ("variance", "half_a", "half_b", "albedo", "normal", "depth", "motion", "object_id")),
+    ("noisy_albedo", "final, albedo not smoothed", ("smooth_albedo=0",), ()),
     ("large_patch", "final, weights from 7x7 patches", ("patch_radius=3",), ()),
     ("frames", "final, merging smoothed frames", ("smooth=frames",), ()),
     ("radiance_alone", "final, matching radiance alone", ("guides=0",), ()),
@@ -48,7 +49,7 @@ VARIANTS = [
 ]]
 
 # A program that does not have one of these settings behaves as with this value.
-PLAIN = {"directions": "forward", "smooth": "none", "resample": "catmull_rom"}
+PLAIN = {"directions": "forward", "smooth": "none", "smooth_albedo": "0", "resample": "catmull_rom"}
 
 
 class Program:
