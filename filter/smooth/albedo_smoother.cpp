@@ -14,7 +14,8 @@ namespace {
 constexpr std::array kFeatures = {Aov::normal, Aov::depth};
 
 FilterTask task_of_albedo(const FilterTask& task) {
-  FilterTask result{.settings = task.settings, .full = task.full, .used = {}, .diagnostics = {}, .guides = {}};
+  FilterTask result{
+      .settings = task.settings, .full = task.full, .used = {}, .diagnostics = {}, .guides = {}};
   for (const Aov aov : kFeatures) result.used.set(static_cast<std::size_t>(aov), contains(task.used, aov));
   result.of_albedo = true;
   return result;
