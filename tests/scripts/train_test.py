@@ -265,6 +265,16 @@ class AlbedoNoise(unittest.TestCase):
                 self.assertGreater(np.abs(noisy - truth).mean(), 0.005)
                 self.assertLess(abs((noisy - truth).mean()), 0.02)
 
+    def test_some_albedos_are_clean_tiles(self):
+        rng = np.random.default_rng(1)
+        made = [albedo_noise.with_noise(rng, np.full((3, SIZE, SIZE), 0.5, np.float32)) for _ in range(60)]
+        clean = [truth for noisy, truth in made if np.array_equal(noisy, truth)]
+        self.assertGreater(len(clean), 5)
+        self.assertLess(len(clean), 40)
+        colours = [len(np.unique(image.reshape(3, -1), axis=1).T) for image in clean]
+        self.assertIn(2, colours)
+        self.assertGreater(max(colours), 4)
+
     def test_an_untrained_network_lets_an_albedo_pass(self):
         torch.manual_seed(1)
         network = Network(CHANNELS["albedo"])
