@@ -3,7 +3,7 @@ Renders the animated Cycles shots that becalm is validated on: noisy frames DIR/
 
     blender -b --factory-startup --python scripts/benches/quality/cycles/render.py -- --out build/quality/cycles
 
-No setting of the denoiser is chosen on these shots; its network was extended after looks at three (scripts/train/README.md). Frames that
+No setting of the denoiser is chosen on these shots; its network was extended after looks at four (scripts/train/README.md). Frames that
 exist are kept. Each noisy frame has its own seed and is a half-float multilayer file with Combined, Denoising Albedo, Denoising Normal
 and Denoising Depth; references have only their beauty. The time of rendering is noted beside the frames, in seconds.json.
 """

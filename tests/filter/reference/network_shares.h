@@ -1,0 +1,15 @@
+#pragma once
+
+#include "filter/smooth/weights.h"
+#include "tests/filter/reference/network.h"
+
+namespace becalm::reference {
+
+/// Puts back the part of the sample that patches lost beyond their noise.
+Grid<Estimate> restored(const Grid<Estimate>& sample, const Grid<Estimate>& smoothed, double exposure);
+
+/// The mean of the smoothed merged frame and the frame itself, by the layers' share.
+Grid<Estimate> with_own_share(const TwoSamples& samples, const Grid<Estimate>& merged,
+                              const filter::OwnShareWeights& layers, double exposure);
+
+}  // namespace becalm::reference
