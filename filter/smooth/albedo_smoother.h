@@ -10,7 +10,8 @@
 namespace becalm::filter {
 
 /// Smooths the albedo of a frame by a small network of its own. Where a surface is glossy, or blurred by a
-/// lens or by motion, renderers write the albedo as noisy as the radiance, and dividing by it adds that noise.
+/// lens or by motion, renderers write the albedo as noisy as the radiance, and dividing by it adds that
+/// noise.
 class AlbedoSmoother {
  public:
   /// As FrameSmoother's constructor.
