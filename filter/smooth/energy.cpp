@@ -12,8 +12,11 @@
 namespace becalm::filter {
 namespace {
 
-/// Smaller blocks would restore mainly single bright samples, which makes smooth light uneven.
-constexpr int kFinestBlock = 128;
+constexpr int kFinestBlock = 16;
+/// Single bright samples rule the difference of smaller blocks and would make smooth light uneven. There a
+/// difference counts that exceeds so many times its variance.
+constexpr int kSteadyBlock = 128;
+constexpr double kSignificance = 4.0;
 /// Limit of the factor by which one level changes a block.
 constexpr double kLargestFactor = 2.0;
 /// Relative noise of the frame's mean below which the difference is restored regardless of noise, and limit
@@ -39,14 +42,15 @@ struct Block {
 
 /// Blocks of one size, row by row.
 struct BlockGrid {
-  BlockGrid(int columns, int rows)
-      : width(columns), height(rows), blocks(static_cast<std::size_t>(columns) * rows) {}
+  BlockGrid(int columns, int rows, int block_px)
+      : width(columns), height(rows), block_px(block_px), blocks(static_cast<std::size_t>(columns) * rows) {}
 
   Block& at(int x, int y) { return blocks[static_cast<std::size_t>(y) * width + x]; }
   const Block& at(int x, int y) const { return blocks[static_cast<std::size_t>(y) * width + x]; }
 
   int width;
   int height;
+  int block_px;
   std::vector<Block> blocks;
 };
 
@@ -189,7 +193,7 @@ BlockGrid finest_level(const NewFrame& frame, const FilterTask& task, const Esti
                        const Restorable& restorable) {
   const int width = estimate.color.width();
   const int height = estimate.color.height();
-  BlockGrid level(ceil_div(width, kFinestBlock), ceil_div(height, kFinestBlock));
+  BlockGrid level(ceil_div(width, kFinestBlock), ceil_div(height, kFinestBlock), kFinestBlock);
   const std::span<const float> beauty = frame.frame.image(Aov::beauty).data();
   const std::span<const float> color = estimate.color.data();
   const double exposure = frame.exposure;
@@ -214,7 +218,7 @@ BlockGrid finest_level(const NewFrame& frame, const FilterTask& task, const Esti
 }
 
 BlockGrid coarser(const BlockGrid& fine) {
-  BlockGrid level((fine.width + 1) / 2, (fine.height + 1) / 2);
+  BlockGrid level((fine.width + 1) / 2, (fine.height + 1) / 2, 2 * fine.block_px);
   for (int y = 0; y < fine.height; ++y) {
     for (int x = 0; x < fine.width; ++x) {
       Block& block = level.at(x / 2, y / 2);
@@ -231,7 +235,7 @@ BlockGrid coarser(const BlockGrid& fine) {
 }
 
 /// Changes the block's factor towards the one that gives the estimate the frame's mean: by the share of the
-/// difference that exceeds its variance, `noise`, and at most by a factor of `largest` or 1 / `largest`.
+/// difference that exceeds `noise`, and at most by a factor of `largest` or 1 / `largest`.
 void bring_to_frame(Block& block, double noise, double largest) {
   Channels difference{};
   double squares = 0.0;
@@ -251,6 +255,7 @@ void bring_to_frame(Block& block, double noise, double largest) {
 
 /// Computes one level's factors from those of the next coarser level, if there is one.
 void find_factors(BlockGrid& level, const BlockGrid* coarse) {
+  const double significance = level.block_px < kSteadyBlock ? kSignificance : 1.0;
   for (int y = 0; y < level.height; ++y) {
     for (int x = 0; x < level.width; ++x) {
       Block& block = level.at(x, y);
@@ -258,7 +263,7 @@ void find_factors(BlockGrid& level, const BlockGrid* coarse) {
         block.factor[c] = factor_between(*coarse, {(x + 0.5) / 2.0 - 0.5, coarse->width},
                                          {(y + 0.5) / 2.0 - 0.5, coarse->height}, c);
       }
-      bring_to_frame(block, block.noise, kLargestFactor);
+      bring_to_frame(block, significance * block.noise, kLargestFactor);
     }
   }
 }
@@ -266,13 +271,12 @@ void find_factors(BlockGrid& level, const BlockGrid* coarse) {
 /// Multiplies the restorable part of the estimate and of its additive AOVs by the factors, interpolated
 /// between the blocks' centres. Calls `use_row(y)` for each row that is done, on all threads.
 template <class UseRow>
-void apply(const BlockGrid& grid, int block_px, const Restorable& restorable, Estimate& estimate,
-           const UseRow& use_row) {
+void apply(const BlockGrid& grid, const Restorable& restorable, Estimate& estimate, const UseRow& use_row) {
   const int width = estimate.color.width();
   std::vector<Between> columns;
-  for (int x = 0; x < width; ++x) columns.emplace_back((x + 0.5) / block_px - 0.5, grid.width);
+  for (int x = 0; x < width; ++x) columns.emplace_back((x + 0.5) / grid.block_px - 0.5, grid.width);
   const auto scale_row = [&](int y) {
-    const Between row((y + 0.5) / block_px - 0.5, grid.height);
+    const Between row((y + 0.5) / grid.block_px - 0.5, grid.height);
     std::vector<Channels> along(static_cast<std::size_t>(grid.width));
     for (int x = 0; x < grid.width; ++x) {
       for (std::size_t c = 0; c < 3; ++c) along[x][c] = factor_between(grid, {double(x), grid.width}, row, c);
@@ -357,9 +361,9 @@ void restore_whole(Block whole, const Remainder& left, const Restorable& restora
   const double noise = std::min(whole.noise, left.residual);
   const double unseen = kUnseen * mean * kUnseen * mean;
   bring_to_frame(whole, noise > 0.0 ? noise * (noise / (noise + unseen)) : 0.0, 1.0 + kUnseen);
-  BlockGrid one(1, 1);
+  BlockGrid one(1, 1, kFinestBlock);
   one.blocks = {whole};
-  apply(one, 1, restorable, estimate, [](int) {});
+  apply(one, restorable, estimate, [](int) {});
 }
 
 }  // namespace
@@ -373,7 +377,7 @@ void restore_energy(const NewFrame& frame, const FilterTask& task, Estimate& est
     find_factors(levels[l], l + 1 < levels.size() ? &levels[l + 1] : nullptr);
   }
   std::vector<Remainder> rows(static_cast<std::size_t>(estimate.color.height()));
-  apply(levels.front(), kFinestBlock, restorable, estimate,
+  apply(levels.front(), restorable, estimate,
         [&](int y) { rows[static_cast<std::size_t>(y)] = remainder_of_row(frame, estimate, restorable, y); });
   Remainder left;
   for (const Remainder& row : rows) left += row;

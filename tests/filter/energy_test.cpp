@@ -77,6 +77,33 @@ TEST(RestoreEnergy, GivesBackWhatNoiseDoesNotExplain) {
   }
 }
 
+TEST(RestoreEnergy, LightReturnsToWhereItIsMissing) {
+  constexpr int size = 128;
+  constexpr int first = 40;  // of the pixels where light is missing, along both axes
+  constexpr int last = 79;
+  constexpr int blurred = 24;  // factors are interpolated between blocks
+  for (const Told told : {Told::variance, Told::halves, Told::nothing}) {
+    const Frame frame = noisy_frame(size, size, told);
+    Estimate estimate = even_estimate(frame, 1.0f);
+    for (int y = first; y <= last; ++y) {
+      for (int x = first; x <= last; ++x) std::fill_n(estimate.color.pixel(x, y).begin(), 3, 0.7f);
+    }
+    restore(frame, estimate);
+    for (int y = 0; y < size; ++y) {
+      for (int x = 0; x < size; ++x) {
+        const int outside = std::max({first - x, x - last, first - y, y - last});
+        const float green = estimate.color.pixel(x, y)[1];
+        if (outside > blurred) {
+          ASSERT_NEAR(green, 1.0f, 0.03f) << x << "," << y;
+        }
+        if (outside < -8) {
+          ASSERT_NEAR(green, 1.0f, 0.15f) << x << "," << y;
+        }
+      }
+    }
+  }
+}
+
 TEST(RestoreEnergy, NoiseHardlyMovesAnExactEstimate) {
   for (const Told told : {Told::variance, Told::halves, Told::nothing}) {
     const Frame frame = noisy_frame(200, 150, told);
