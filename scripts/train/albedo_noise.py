@@ -1,14 +1,17 @@
 """Noise for clean albedos, of the two kinds that renderers write: of coats that mirror some of a pixel's samples, and of blur by lens
 or motion, where each sample sees another place. The truth is known exactly, and such shots are rare among random ones. Some albedos
-are tiled instead, with and without noise: fine tiles of two colours must not be taken for it."""
+are fine patterns instead, with and without noise."""
 
 import numpy as np
 import torch
 import torch.nn.functional as F
 
-SHARE = 0.35  # of the crops
-TILED = 0.6  # of these
-WITHOUT_NOISE = 0.5  # of the tiled ones
+import patterns
+
+SHARE = 0.6  # of the crops
+PATTERNED = 0.7  # of these
+WITHOUT_NOISE = 0.7  # of the patterned ones
+IN_PART = 0.4  # of those with noise
 MOST_SAMPLES = 32
 LARGEST_BLUR = 6  # radius in pixels
 
@@ -22,23 +25,6 @@ def smooth_field(rng, size):
     side = rng.integers(2, 7)
     coarse = torch.from_numpy(rng.random((1, 1, side, side)))
     return F.interpolate(coarse, size=(size, size), mode="bilinear", align_corners=True)[0, 0].numpy()
-
-
-def tiles(rng, size):
-    """Tiles of two colours, in turn or at random, or of any colours; of 1 to 12 pixels, turned at random or not at all."""
-    y, x = np.mgrid[:size, :size].astype(np.float64)
-    angle = rng.choice([0.0, rng.random() * np.pi])
-    along, across = np.cos(angle) * x + np.sin(angle) * y, np.cos(angle) * y - np.sin(angle) * x
-    sides = 12.0 ** rng.random(2)
-    if angle == 0.0:
-        sides = sides.round()
-    column, row = (np.floor(v / side + rng.random()).astype(int) for v, side in zip((along, across), sides))
-    column, row = column - column.min(), row - row.min()
-    kind = rng.integers(3)
-    if kind == 2:
-        return rng.random((3, column.max() + 1, row.max() + 1))[:, column, row]
-    which = (column + row) % 2 if kind == 0 else rng.integers(0, 2, (column.max() + 1, row.max() + 1))[column, row]
-    return rng.random((3, 2))[:, which]
 
 
 def coated(rng, clean):
@@ -63,11 +49,14 @@ def blurred(rng, clean):
 
 
 def with_noise(rng, clean):
-    """(noisy, truth), float32, from an albedo (3, size, size) without noise, or from tiles in its place."""
-    clean = clean.astype(np.float64)
-    if rng.random() < TILED:
-        clean = tiles(rng, clean.shape[-1])
+    """(noisy, truth), float32, from an albedo (3, size, size) without noise, or from a pattern in its place."""
+    size = clean.shape[-1]
+    noisy = truth = clean.astype(np.float64)
+    if rng.random() < PATTERNED:
+        noisy, truth = patterns.random_pattern(rng, size)
         if rng.random() < WITHOUT_NOISE:
-            return [clean.astype(np.float32)] * 2
+            return noisy, truth
     make = coated if rng.random() < 0.5 else blurred
-    return [image.astype(np.float32) for image in make(rng, clean)]
+    made = make(rng, truth.astype(np.float64))
+    somewhere = smooth_field(rng, size) < (0.5 if rng.random() < IN_PART else np.inf)
+    return [np.where(somewhere, a, b).astype(np.float32) for a, b in zip(made, (noisy, truth))]
