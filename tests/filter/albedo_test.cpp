@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <random>
 #include <utility>
 #include <vector>
@@ -128,6 +129,22 @@ TEST_F(AlbedoTest, NoiseOfTheAlbedoItselfIsSmoothed) {
   }
   EXPECT_LT(mean_square_difference(smoothed(device(), noisy), clean),
             0.3 * mean_square_difference(noisy, clean));
+}
+
+TEST_F(AlbedoTest, FineStripesOfClothStay) {
+  constexpr double amplitude = 0.25;
+  for (const double period_px : {3.0, 4.5, 7.0}) {
+    Image stripes(kWidth, kHeight, 3);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        const double folded = 0.8 * x + 0.6 * y + 1.5 * std::sin(0.12 * x);
+        const double wave = amplitude * std::sin(2.0 * std::numbers::pi * folded / period_px);
+        for (int c = 0; c < 3; ++c) stripes.at(x, y, c) = static_cast<float>(0.5 + (c == 1 ? -wave : wave));
+      }
+    }
+    EXPECT_LT(mean_square_difference(smoothed(device(), stripes), stripes), 0.1 * amplitude * amplitude / 2)
+        << period_px;
+  }
 }
 
 TEST_F(AlbedoTest, ACleanTextureStays) {
