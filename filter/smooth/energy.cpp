@@ -263,7 +263,11 @@ void find_factors(BlockGrid& level, const BlockGrid* coarse) {
         block.factor[c] = factor_between(*coarse, {(x + 0.5) / 2.0 - 0.5, coarse->width},
                                          {(y + 0.5) / 2.0 - 0.5, coarse->height}, c);
       }
-      bring_to_frame(block, significance * block.noise, kLargestFactor);
+      // A small block without bright samples is as noisy as its surroundings, or it would lose light that
+      // theirs is not sure enough to regain.
+      const bool small = level.block_px < kSteadyBlock && coarse;
+      const double noise = small ? std::max(block.noise, coarse->at(x / 2, y / 2).noise / 4.0) : block.noise;
+      bring_to_frame(block, significance * noise, kLargestFactor);
     }
   }
 }
