@@ -12,9 +12,10 @@
 namespace becalm::filter {
 namespace {
 
+/// Sides of the finest blocks, and of those from which single bright samples no longer rule a block. Smaller
+/// ones would make smooth light uneven, so there only a squared difference counts that exceeds its variance
+/// so many times.
 constexpr int kFinestBlock = 16;
-/// Single bright samples rule the difference of smaller blocks and would make smooth light uneven. There a
-/// difference counts that exceeds so many times its variance.
 constexpr int kSteadyBlock = 128;
 constexpr double kSignificance = 4.0;
 /// Limit of the factor by which one level changes a block.
@@ -255,7 +256,7 @@ void bring_to_frame(Block& block, double noise, double largest) {
 
 /// Computes one level's factors from those of the next coarser level, if there is one.
 void find_factors(BlockGrid& level, const BlockGrid* coarse) {
-  const double significance = level.block_px < kSteadyBlock ? kSignificance : 1.0;
+  const bool steady = level.block_px >= kSteadyBlock;
   for (int y = 0; y < level.height; ++y) {
     for (int x = 0; x < level.width; ++x) {
       Block& block = level.at(x, y);
@@ -263,11 +264,11 @@ void find_factors(BlockGrid& level, const BlockGrid* coarse) {
         block.factor[c] = factor_between(*coarse, {(x + 0.5) / 2.0 - 0.5, coarse->width},
                                          {(y + 0.5) / 2.0 - 0.5, coarse->height}, c);
       }
-      // A small block without bright samples is as noisy as its surroundings, or it would lose light that
-      // theirs is not sure enough to regain.
-      const bool small = level.block_px < kSteadyBlock && coarse;
-      const double noise = small ? std::max(block.noise, coarse->at(x / 2, y / 2).noise / 4.0) : block.noise;
-      bring_to_frame(block, significance * noise, kLargestFactor);
+      // A small block without a bright sample seems dark and hardly noisy. With the noise of the block around
+      // it, it is not darkened.
+      double noise = block.noise;
+      if (!steady && coarse) noise = std::max(noise, coarse->at(x / 2, y / 2).noise / 4.0);
+      bring_to_frame(block, steady ? noise : kSignificance * noise, kLargestFactor);
     }
   }
 }

@@ -72,8 +72,8 @@ def quality_part(becalm):
 480x270, with albedo, normal and depth, without variance;
 `scripts/benches/quality/cycles/render.py` renders them, two references each. relMSE and temporal
 error are those of `becalm compare`, as a share of noisy's. The network did not learn from them, but
-was extended after looks at `cloth`, `foliage`, `car` and `bottles` (`scripts/train/README.md`). The
-last five rows change one thing of `final`.
+was extended after looks at `cloth`, `foliage`, `car` and `bottles`, and the light's blocks after one
+at `candles` (`scripts/train/README.md`). The last five rows change one thing of `final`.
 
 {section(folder, "8 samples per pixel")}
 

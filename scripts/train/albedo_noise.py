@@ -58,5 +58,5 @@ def with_noise(rng, clean):
             return noisy, truth
     make = coated if rng.random() < 0.5 else blurred
     made = make(rng, truth.astype(np.float64))
-    somewhere = smooth_field(rng, size) < (0.5 if rng.random() < IN_PART else np.inf)
-    return [np.where(somewhere, a, b).astype(np.float32) for a, b in zip(made, (noisy, truth))]
+    noised = smooth_field(rng, size) < 0.5 if rng.random() < IN_PART else True
+    return [np.where(noised, a, b).astype(np.float32) for a, b in zip(made, (noisy, truth))]

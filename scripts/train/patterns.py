@@ -1,5 +1,6 @@
 """Fine regular textures as a renderer sees them, with few samples a pixel and without noise: stripes, weaves, tiles, dots. Their periods
-reach from a few pixels to a dozen, and change across the picture as in perspective. A network that has not seen them takes them for noise."""
+reach from two pixels to a dozen, and change across the picture as in perspective. A network that has not seen them takes them
+for noise."""
 
 import numpy as np
 
