@@ -7,6 +7,7 @@ import torch
 
 import albedo_noise
 import backgrounds
+import losses
 import shots
 
 CROP = 80
@@ -18,6 +19,7 @@ WITHOUT_DEPTH = 0.2
 WITHOUT_VARIANCE = 0.4
 BEAUTY_ALONE = 0.07
 CLEAN_FEATURES = 0.35
+SMOOTHED_ALBEDO = 0.75  # of the others; as all presets but `draft` do
 WITH_BACKGROUND = 0.12
 
 
@@ -34,10 +36,14 @@ def with_features_dropped(rng, features):
     return features.reshape(14, *features.shape[2:])
 
 
-def features_of(pair, clean):
-    """The merged features, then the frame's own: 2 x 7 channels."""
+def features_of(pair, clean, smoothed):
+    """The merged features, then the frame's own: 2 x 7 channels; of the references, or with the albedo smoothed."""
+    if clean:
+        return np.concatenate([pair.features[1]] * 2)
     own = pair.features[2 if pair.merged else 0]
-    return np.concatenate([pair.features[1]] * 2 if clean else [pair.features[0], own])
+    if smoothed and pair.smoothed_albedo is not None:
+        own = np.concatenate([pair.smoothed_albedo, own[3:]])
+    return np.concatenate([pair.features[0] if pair.merged else own, own])
 
 
 def colors_of(pair):
@@ -52,7 +58,7 @@ def crop(rng, pair, size):
     x = rng.integers(width - size + 1)
     cut = lambda a: a[..., y : y + size, x : x + size].astype(np.float32)
     colors = cut(colors_of(pair))
-    features = cut(features_of(pair, rng.random() < CLEAN_FEATURES))
+    features = cut(features_of(pair, rng.random() < CLEAN_FEATURES, rng.random() < SMOOTHED_ALBEDO))
     variance = np.full((1, size, size), -1.0, np.float32)
     if pair.variances and (pair.merged or rng.random() >= WITHOUT_VARIANCE):
         variance = cut(pair.variances[rng.integers(len(pair.variances))]) ** 2
@@ -101,7 +107,18 @@ def whole_frame(pair):
     height, width = (n // 16 * 16 for n in pair.color.shape[1:])
     cut = lambda a: torch.from_numpy(np.asarray(a)[..., :height, :width].astype(np.float32))[None]
     variance = cut(pair.variances[0]) ** 2 if pair.variances else -torch.ones(1, 1, height, width)
-    return [cut(colors_of(pair)), variance, cut(features_of(pair, clean=False)), cut(np.stack(pair.references))]
+    return [cut(colors_of(pair)), variance, cut(features_of(pair, clean=False, smoothed=True)), cut(np.stack(pair.references))]
+
+
+@torch.no_grad()
+def smooth_albedos(pairs, network):
+    """Adds to each pair its frame's albedo as `network` smooths it. Width and height are multiples of 16."""
+    for pair in pairs:
+        features = pair.features[2 if pair.merged else 0]
+        surface = np.concatenate([np.ones_like(features[:3]), features[3:]])
+        albedo = shots.Pair(pair.name, features[:3], [], [surface], [features[:3]], of_albedo=True)
+        smoothed, _ = losses.smoothed(network, whole_frame(albedo))
+        pair.smoothed_albedo = smoothed[0].clamp(0, 1).numpy().astype(np.float16)
 
 
 def is_held_out(folder):

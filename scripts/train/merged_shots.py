@@ -2,8 +2,8 @@
 
     merged_shots.py DATA --becalm PROGRAM [--again]
 
-For each complete shot of DATA the frame with a reference is merged twice: from the frames up to it, and from all frames. The
-files say of the noise what chance decides: a variance, half-buffers or nothing. What the last smoothing would see is stored in
+For each complete shot of DATA the frame with a reference is merged four times: from the frames up to it, and from those after
+it as well. The files say of the noise what chance decides: a variance, half-buffers or nothing. What the last smoothing would see is stored in
 SHOT/merged.npz, in the form of PACKED (shots.py), with --again (for own_share.py) in SHOT/remerged.npz; shots that have it are left alone.
 """
 
@@ -23,6 +23,7 @@ CHANNELS = {"color": ["R", "G", "B"], **{name: shots.NAMES["becalm"][name] for n
 TOLD = [[], ["variance"], ["half_a", "half_b"]]
 TOLD_SHARES = [0.5, 0.25, 0.25]
 MATCHING = ["draft", "balanced", "final"]
+MERGES = 4  # of each shot: forward and both ways, of all frames and of a part
 
 
 def write_layers(path, layers):
@@ -49,7 +50,7 @@ def read_channels(path, names):
 def merge(becalm, folder, frames, wanted, preset, directions):
     """The frame `wanted` merged from files of `frames`: radiance, its variance, and features of 7 channels."""
     subprocess.run([becalm, "denoise", f"{folder}/in.####.exr", "-o", f"{folder}/out.####.exr", "--frames", frames, "--quiet",
-                    "--diagnostics", "--threads", "1", "--preset", preset, "--set", "smooth=merged",
+                    "--diagnostics", "--threads", "1", "--preset", preset, "--set", "smooth=merged", "--set", "smooth_albedo=1",
                     "--set", f"directions={directions}", "--cuts", "none"], check=True)
     channels = [f"accumulated.{c}" for c in "RGB"] + ["accumulated_variance.Y"] + [f"accumulated_albedo.{c}" for c in "RGB"]
     channels += [f"accumulated_normal.{c}" for c in "XYZ"] + ["accumulated_depth.Y"]
@@ -64,27 +65,30 @@ def merge_shot(becalm, folder, target):
     spp, wanted = shot["spp"][0], shot["references"][0]
     a, b = (shots.read_layers(f"{folder}/{name}.{wanted:04d}.exr", shot["renderer"]) for name in ("r_a", "r_b"))
     clean = shots.packed_features({name: 0.5 * (a[name] + b[name]) for name in ("albedo", "normal", "depth")})
+    frames = {frame: shots.noisy_layers(folder, shot, spp, frame) for frame in range(1, shot["frames"] + 1)}
+    of_wanted = frames[wanted]
+    exposure = shots.exposure_of(of_wanted["color"])
     arrays = {}
-    with tempfile.TemporaryDirectory() as temporary:
-        for directions in ("forward", "both"):
-            told = TOLD[rng.choice(len(TOLD), p=TOLD_SHARES)]
-            for frame in range(1, shot["frames"] + 1):
-                layers = shots.noisy_layers(folder, shot, spp, frame)
+    for number in range(MERGES):
+        directions = ("forward", "both")[number % 2]
+        told = TOLD[rng.choice(len(TOLD), p=TOLD_SHARES)]
+        # The first two merges see all frames, the others a part.
+        first = 1 if number < 2 else rng.integers(1, wanted)
+        last = wanted if directions == "forward" else shot["frames"] if number < 2 else rng.integers(wanted, shot["frames"]) + 1
+        with tempfile.TemporaryDirectory() as temporary:
+            for frame in range(first, last + 1):
+                layers = frames[frame]
                 kept = ["color", "albedo", "normal", "depth"] + [name for name in told if name in layers]
                 write_layers(f"{temporary}/in.{frame:04d}.exr", {name: layers[name] for name in kept})
-                if frame == wanted:
-                    of_wanted = layers
-            frames = f"1-{wanted}" if directions == "forward" else str(wanted)
-            color, variance, features = merge(becalm, temporary, frames, wanted, MATCHING[rng.integers(len(MATCHING))],
-                                              directions)
-            exposure = shots.exposure_of(of_wanted["color"])
-            finite = all(np.isfinite(image).all() for image in (color, variance, of_wanted["color"], a["color"], b["color"]))
-            if exposure == 0.0 or not finite:
-                continue
-            pair = shots.packed_pair(color * exposure, [np.sqrt(variance) * exposure],
-                                     [features, clean, shots.packed_features(of_wanted)], [r["color"] * exposure for r in (a, b)],
-                                     of_wanted["color"] * exposure)
-            arrays.update({f"{directions}.{wanted:04d}.{name}": array for name, array in pair.items()})
+            color, variance, features = merge(becalm, temporary, f"{first}-{wanted}" if directions == "forward" else str(wanted),
+                                              wanted, MATCHING[rng.integers(len(MATCHING))], directions)
+        finite = all(np.isfinite(image).all() for image in (color, variance, of_wanted["color"], a["color"], b["color"]))
+        if exposure == 0.0 or not finite:
+            continue
+        pair = shots.packed_pair(color * exposure, [np.sqrt(variance) * exposure],
+                                 [features, clean, shots.packed_features(of_wanted)], [r["color"] * exposure for r in (a, b)],
+                                 of_wanted["color"] * exposure)
+        arrays.update({f"{directions}{number}.{wanted:04d}.{name}": array for name, array in pair.items()})
     shots.save(f"{folder}/{target}", arrays)
 
 

@@ -10,7 +10,7 @@ import torch
 import torch.nn as nn
 import torch.nn.functional as F
 
-CHANNELS = {"standard": (16, 24, 32, 48, 64), "small": (8, 16, 24, 32, 48), "albedo": (8, 16, 24, 24, 24)}
+CHANNELS = {"standard": (16, 24, 32, 48, 64), "small": (8, 16, 24, 32, 48), "albedo": (8, 16, 24, 24, 16)}
 INPUTS = 20
 FEATURES = 7  # albedo, normal, depth
 WINDOW = 5

@@ -1,8 +1,8 @@
-"""Trains the frame's own share: own_share.py DATA NETWORK.weights OUT.weights [--steps N]
+"""Trains the frame's own share: own_share.py DATA NETWORK.weights ALBEDO.weights OUT.weights [--steps N]
 
 The output of a pixel is a mean of the smoothed merged frame and of the frame itself. Two small hidden layers tell the frame's
 share from the error that the network expects, the noise of the merged frame, and the difference of the two
-(filter/smooth/own_share.h has the same in C++). The network stays as it is; it must be that of the program that merged the
+(filter/smooth/own_share.h has the same in C++). The networks stay as they are; they must be those of the program that merged the
 frames. Prints the error of the mean on the held-out shots, as a share of that of the smoothed merged frame.
 
 OUT: the magic "becalmOS", then all parameters as half floats, layer by layer, as in export.py.
@@ -139,15 +139,17 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("data")
     parser.add_argument("network")
+    parser.add_argument("albedo")
     parser.add_argument("out")
     parser.add_argument("--steps", type=int, default=4000)
     args = parser.parse_args()
     torch.set_num_threads(1)
-    network = export.read_weights(args.network)
+    network, albedo_network = export.read_weights(args.network), export.read_weights(args.albedo)
     learn, choose = [], []
     for folder in shots.complete_shots(args.data):
         if os.path.exists(f"{folder}/{shots.REMERGED}"):
             pairs = shots.load_pairs(folder, shots.REMERGED)
+            batches.smooth_albedos(pairs, albedo_network)
             (choose if batches.is_held_out(folder) else learn).extend(prepared(network, pair) for pair in pairs)
     if not learn:
         raise SystemExit(f"{args.data}: expected shots with {shots.REMERGED}; merged_shots.py --again makes it")

@@ -48,6 +48,7 @@ class Pair:
     references: list  # two, or one
     own: np.ndarray = None  # of a merged frame, what it was before; its variance is always known
     of_albedo: bool = False  # its radiance is an albedo
+    smoothed_albedo: np.ndarray = None  # of the frame itself, as smooth_albedos made it; 3 channels
 
     @property
     def independent(self):

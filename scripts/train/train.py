@@ -126,6 +126,8 @@ class Trainer:
 
     def run(self):
         learn, choose = batches.load(self.args.data, self.args.renderer, self.albedo)
+        if self.args.albedo:
+            batches.smooth_albedos(learn + choose, export.read_weights(self.args.albedo))
         print(f"{len(learn)} pairs to learn from, {len(choose)} to choose on, {parameter_count(self.network)} parameters")
         last_evaluation = time.monotonic()
         errors = []
@@ -147,6 +149,7 @@ def parse(words):
     parser.add_argument("out")
     parser.add_argument("--size", choices=sorted(CHANNELS), default="standard", help="albedo: the one that smooths albedo, and learns from it")
     parser.add_argument("--start", metavar="FILE.weights", help="begin with these weights; their size counts")
+    parser.add_argument("--albedo", metavar="FILE.weights", help="smooth the frames' albedos by this network first")
     parser.add_argument("--renderer", choices=("becalm", "cycles"), default="", help="learn from its shots alone")
     parser.add_argument("--minutes", type=float, default=240.0)
     parser.add_argument("--steps", type=int, default=0, help="so many steps instead")

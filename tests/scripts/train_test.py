@@ -96,6 +96,27 @@ class Shots(unittest.TestCase):
             np.testing.assert_array_equal(of_albedo.features[0][3:], frame.features[0][3:])
             self.assertEqual((of_albedo.features[0][:3].min(), of_albedo.variances), (1.0, []))
 
+    def test_most_crops_have_the_albedo_smoothed(self):
+        pair = batches.load(self.folder.name)[0][0]
+        network = Network(CHANNELS["small"])
+        batches.smooth_albedos([pair], network)
+        albedo, raw = np.float32(pair.smoothed_albedo), np.float32(pair.features[0][:3])
+        self.assertGreater(np.abs(albedo - raw).max(), 0.01)
+        self.assertAlmostEqual(albedo.mean(), raw.mean(), delta=0.02)
+        np.testing.assert_array_equal(batches.features_of(pair, clean=False, smoothed=True)[:3], pair.smoothed_albedo)
+        np.testing.assert_array_equal(batches.features_of(pair, clean=False, smoothed=True)[3:7], pair.features[0][3:])
+        np.testing.assert_array_equal(batches.features_of(pair, clean=False, smoothed=False)[:7], pair.features[0])
+        np.testing.assert_array_equal(batches.features_of(pair, clean=True, smoothed=True)[7:], pair.features[1])
+        np.testing.assert_array_equal(batches.whole_frame(pair)[2][0, :3], pair.smoothed_albedo)
+
+    def test_of_a_merged_frame_the_own_albedo_is_smoothed(self):
+        pair = batches.load(self.folder.name)[0][0]
+        pair.features, pair.own = [pair.features[1], pair.features[1], pair.features[0]], pair.color
+        batches.smooth_albedos([pair], Network(CHANNELS["small"]))
+        features = batches.features_of(pair, clean=False, smoothed=True)
+        np.testing.assert_array_equal(features[:7], pair.features[0])
+        np.testing.assert_array_equal(features[7:10], pair.smoothed_albedo)
+
     def test_merged_frames_are_read_and_always_tell_their_variance(self):
         folder = f"{self.folder.name}/becalm-000000"
         frame = batches.load(self.folder.name)[0][0]
