@@ -16,6 +16,7 @@ import numpy as np
 import torch
 
 import batches
+import dead_channels
 import export
 import losses
 from network import CHANNELS, Network, parameter_count
@@ -26,6 +27,7 @@ LAST_RATE = 0.02  # of the learning rate
 WARM_UP = 200
 AVERAGE_DECAY = 0.999
 EVALUATE_EVERY_MIN = 5.0
+REVIVED_ON = 48  # frames on which a dead channel stays dark
 
 
 def rate_at(share, step):
@@ -129,6 +131,10 @@ class Trainer:
         if self.args.albedo:
             batches.smooth_albedos(learn + choose, export.read_weights(self.args.albedo))
         print(f"{len(learn)} pairs to learn from, {len(choose)} to choose on, {parameter_count(self.network)} parameters")
+        if self.args.start and self.step == 0:
+            frames = [batches.whole_frame(learn[i]) for i in self.rng.integers(len(learn), size=REVIVED_ON)]
+            print(f"{dead_channels.revive(self.network, frames)} dead channels revived")
+            self.average.load_state_dict(self.network.state_dict())
         last_evaluation = time.monotonic()
         errors = []
         while self.share_done() < 1.0:

@@ -12,6 +12,7 @@ import torch
 import albedo_noise
 import backgrounds
 import batches
+import dead_channels
 import export
 import losses
 import noise_levels
@@ -239,6 +240,23 @@ class Networks(unittest.TestCase):
         expected, found = self.smoothed(self.network, self.colors), self.smoothed(again, self.colors)
         self.assertLess(((found - expected).abs() / expected).max().item(), 2e-2)  # of weights in half floats
         self.assertEqual(len(data), 32 + 2 * parameter_count(self.network))
+
+    def test_dead_channels_are_revived_and_the_result_stays(self):
+        frame = [self.colors, self.variance, self.features, None]
+        dead = [(self.network.encode[0].conv, 3), (self.network.encode[4].conv, 5), (self.network.decode[2].conv, 1)]
+        with torch.no_grad():
+            for conv, channel in dead:
+                conv.bias[channel] = -1e6
+        def largest(conv, channel):
+            with torch.no_grad():
+                _, (image,) = dead_channels.outputs_of(self.network, conv, [frame])
+            return image[channel].max().item()
+        before = self.smoothed(self.network, self.colors)
+        self.assertGreaterEqual(dead_channels.revive(self.network, [frame]), len(dead))
+        self.assertLess((self.smoothed(self.network, self.colors) - before).abs().max().item(), 1e-5)
+        for conv, channel in dead:
+            self.assertGreater(largest(conv, channel), 0)
+        self.assertEqual(dead_channels.revive(self.network, [frame]), 0)
 
     def test_weights_are_positive_and_sum_to_one(self):
         self.features[:, :3] = self.features[:, 7:10] = 1.0  # no albedo
