@@ -38,6 +38,7 @@ struct Block {
   Channels estimate{};    ///< the same, of the estimate
   Channels restorable{};  ///< the same, of the part of the estimate that the factor applies to
   double noise = 0.0;     ///< variance of `frame`, averaged over channels
+  int pixels = 0;         ///< that are in the sums
   Channels factor{1.0, 1.0, 1.0};
 };
 
@@ -210,6 +211,7 @@ BlockGrid finest_level(const NewFrame& frame, const FilterTask& task, const Esti
         block.restorable[c] += allowed.share * e;
       }
       block.noise += exposure * exposure * pixel_noise(frame, task, estimate, i);
+      ++block.pixels;
     });
   };
   for_each_in_parallel(level.height, [&](int row) {
@@ -230,6 +232,7 @@ BlockGrid coarser(const BlockGrid& fine) {
         block.restorable[c] += part.restorable[c];
       }
       block.noise += part.noise;
+      block.pixels += part.pixels;
     }
   }
   return level;
@@ -264,10 +267,13 @@ void find_factors(BlockGrid& level, const BlockGrid* coarse) {
         block.factor[c] = factor_between(*coarse, {(x + 0.5) / 2.0 - 0.5, coarse->width},
                                          {(y + 0.5) / 2.0 - 0.5, coarse->height}, c);
       }
-      // A small block without a bright sample seems dark and hardly noisy. With the noise of the block around
-      // it, it is not darkened.
+      // A small block without a bright sample seems dark and hardly noisy. With the noise of as many pixels
+      // of the block around it, it is not darkened.
       double noise = block.noise;
-      if (!steady && coarse) noise = std::max(noise, coarse->at(x / 2, y / 2).noise / 4.0);
+      if (!steady && coarse && block.pixels > 0) {
+        const Block& around = coarse->at(x / 2, y / 2);
+        noise = std::max(noise, around.noise * block.pixels / around.pixels);
+      }
       bring_to_frame(block, steady ? noise : kSignificance * noise, kLargestFactor);
     }
   }

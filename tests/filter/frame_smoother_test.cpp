@@ -205,10 +205,14 @@ TEST_F(FrameSmootherTest, IsRefusedWhereTheSmallestTilesAreTooLarge) {
 /// Extreme values, each put into some pixels of one AOV, must not make any result non-finite.
 TEST_F(FrameSmootherTest, ExtremesStayFinite) {
   Frame frame = textured_frame(40, 24, 0.3f);
-  for (const Aov aov : {Aov::normal, Aov::depth, Aov::half_a, Aov::half_b}) frame.add(aov, 0.5f);
+  for (const Aov aov : {Aov::normal, Aov::depth}) frame.add(aov, 0.5f);
   FrameSmoother smoother(device(), task_of(frame), kUnlimited);
+  Frame halved = frame;
+  halved.remove(Aov::variance);
+  for (const Aov half : {Aov::half_a, Aov::half_b}) halved.image(half) = frame.image(Aov::albedo);
+  FrameSmoother smoother_of_halves(device(), task_of(halved), kUnlimited);
   const auto expect_finite = [&](const Frame& input, const char* what) {
-    const Estimate smoothed = run(smoother, input);
+    const Estimate smoothed = run(input.has(Aov::half_a) ? smoother_of_halves : smoother, input);
     const std::vector<std::uint8_t> finite = finite_pixels(input.image(Aov::beauty));
     for (std::size_t i = 0; i < finite.size(); ++i) {
       for (std::size_t c = 0; c < 4; ++c) {
@@ -221,7 +225,7 @@ TEST_F(FrameSmootherTest, ExtremesStayFinite) {
   };
   for (const Aov aov : {Aov::beauty, Aov::albedo, Aov::normal, Aov::depth, Aov::variance, Aov::half_a}) {
     for (const float bad : {kNan, kInf, -kInf, 1e30f, -1e30f, 1e-30f, 0.0f, -0.5f}) {
-      Frame poisoned = frame;
+      Frame poisoned = aov == Aov::half_a ? halved : frame;
       for (int i = 0; i < 12; ++i) poisoned.image(aov).at(3 * i + 2, (7 * i) % 24, 0) = bad;
       expect_finite(poisoned, info(aov).name.data());
     }
