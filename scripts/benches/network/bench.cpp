@@ -43,8 +43,8 @@ class NetworkJob {
     double milliseconds = 0.0;
     for (const gpu::PassTime& pass : chain_.times()) {
       const std::string_view name = pass.name;
-      const bool convolves = name.starts_with("network/convolve") || name.starts_with("network/pool") ||
-                             name.starts_with("network/host");
+      const bool convolves = name.starts_with("smooth/convolve") || name.starts_with("smooth/pool") ||
+                             name.starts_with("smooth/host");
       if (convolves) milliseconds += pass.milliseconds;
     }
     return 1e-3 * milliseconds;
