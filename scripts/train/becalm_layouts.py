@@ -9,7 +9,7 @@ import numpy as np
 
 from becalm_meshes import SPECIAL_KINDS
 
-SHAPES = ["cube", "sphere", "exact_sphere", "disc", "rectangle"]
+SHAPES = ["cube", "sphere", "exact_sphere"]
 
 
 @dataclass
@@ -55,7 +55,7 @@ class Stage:
         """A mesh of the shot's palette or a basic shape: its name, the height of its origin above its lowest point, and
         the scale that makes it about 1 unit large."""
         if self.rng.random() < 0.25:
-            shape = str(self.rng.choice(SHAPES[:3]))
+            shape = str(self.rng.choice(SHAPES))
             return self.shape(shape), 1.0, 0.5
         entry = self.palette[self.rng.integers(len(self.palette))]
         return self.obj(entry), 0.0, 1.0

@@ -117,8 +117,9 @@ class Materials:
         if self.rng.random() < glass_share:
             return self.dielectric()
         if self.rng.random() < 0.05:  # a veil: partly seen through without refraction
-            entry = self.entries[self.diffuse(coarse)]
-            entry["opacity"] = round(float(self.rng.uniform(0.2, 0.8)), 3)
+            name = self.diffuse(coarse)
+            self.entries[name]["opacity"] = round(float(self.rng.uniform(0.2, 0.8)), 3)
+            return name
         return self.opaque(coarse)
 
     def masked(self):

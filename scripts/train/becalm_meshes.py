@@ -15,7 +15,7 @@ SPECIAL_KINDS = {"sheet", "cards", "grass", "frame", "terrain"}
 
 
 def make_library(folder, count):
-    """Writes `count` meshes and meshes.json, the list of their names, kinds and extents."""
+    """Writes `count` meshes and meshes.json, the list of their names and kinds."""
     folder.mkdir(parents=True, exist_ok=True)
     entries = []
     for number in range(count):
@@ -25,8 +25,7 @@ def make_library(folder, count):
         positions = _standing(positions)
         name = f"mesh_{number:02d}.obj"
         _write_obj(folder / name, positions, uvs, normals, triangles)
-        extent = (positions.max(0) - positions.min(0)).round(4).tolist()
-        entries.append({"file": name, "kind": kind, "extent": extent})
+        entries.append({"file": name, "kind": kind})
     (folder / "meshes.json").write_text(json.dumps(entries, indent=1))
 
 

@@ -28,7 +28,7 @@ import cycles_lights as lights
 import cycles_motion as motion
 from cycles_dice import Dice
 from cycles_layouts import LAYOUTS, Stage
-from noise_levels import noise_levels, reference_samples
+from noise_levels import evenly_spread, noise_levels, reference_samples
 
 LEAST_REFERENCE_SPP = 64
 ATTEMPTS = 12  # scenes tried for a seed
@@ -144,11 +144,6 @@ def build(seed, size, threads):
         return {"layout": layout.__name__, "environment": environment, "brightness": round(brightness, 4), "sample_noise": noise,
                 "has_depth_of_field": has_depth_of_field, "has_motion_blur": has_motion_blur, "has_volume": has_volume}, dice
     return None, None
-
-
-def evenly_spread(frames, count):
-    """`count` of the frames, with as many before the first as after the last: 5 of 1 to 8 for one."""
-    return [frames[(2 * place + 1) * len(frames) // (2 * count)] for place in range(count)]
 
 
 def render_shot(folder, seed, asked):

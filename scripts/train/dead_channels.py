@@ -23,6 +23,8 @@ def convolutions(network):
         else:
             readers = [(network.finish.conv, 0)]
         made.append((network.decode[i].conv, readers))
+    heads = (network.window[0], network.confidence[0], network.albedo, network.error)
+    made.append((network.finish.conv, [(head, 0) for head in heads]))
     return made
 
 

@@ -35,8 +35,15 @@ def to_bytes(network):
 
 def from_bytes(data):
     """The network that a file holds."""
+    if not data.startswith(MAGIC):
+        raise ValueError(f"network weights: expected the magic {MAGIC.decode()}")
     sizes = struct.unpack_from("<6I", data, len(MAGIC))
+    if sizes[0] != INPUTS:
+        raise ValueError(f"network weights: {sizes[0]} inputs, expected {INPUTS}")
     network = Network(channels=sizes[1:])
+    expected = len(MAGIC) + 24 + 2 * sum(parameter.numel() for parameter in network.parameters())
+    if len(data) != expected:
+        raise ValueError(f"network weights: {len(data)} bytes, expected {expected}")
     offset = len(MAGIC) + 24
     with torch.no_grad():
         for layer in layers(network):

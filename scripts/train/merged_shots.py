@@ -4,10 +4,12 @@
 
 For each complete shot of DATA the frame with a reference is merged four times: from the frames up to it, and from those after
 it as well. The files say of the noise what chance decides: a variance, half-buffers or nothing. What the last smoothing would see is stored in
-SHOT/merged.npz, in the form of PACKED (shots.py), with --again (for own_share.py) in SHOT/remerged.npz; shots that have it are left alone.
+SHOT/merged.npz, in the form of PACKED (shots.py); shots that have it are left alone. With --again (for own_share.py) it goes into SHOT/remerged.npz, anew if
+another program made that.
 """
 
 import argparse
+import hashlib
 import json
 import os
 import subprocess
@@ -23,6 +25,7 @@ CHANNELS = {"color": ["R", "G", "B"], **{name: shots.NAMES["becalm"][name] for n
 TOLD = [[], ["variance"], ["half_a", "half_b"]]
 TOLD_SHARES = [0.5, 0.25, 0.25]
 MATCHING = ["draft", "balanced", "final"]
+PROGRAM = "program"  # array of the digest of the program that merged
 MERGES = 4  # of each shot: forward and both ways, of all frames and of a part
 
 
@@ -62,6 +65,8 @@ def merge_shot(becalm, folder, target):
     with open(f"{folder}/shot.json") as file:
         shot = json.load(file)
     rng = np.random.default_rng([shot["seed"], 77])
+    if not shot["references"]:
+        return
     spp, wanted = shot["spp"][0], shot["references"][0]
     a, b = (shots.read_layers(f"{folder}/{name}.{wanted:04d}.exr", shot["renderer"]) for name in ("r_a", "r_b"))
     clean = shots.packed_features({name: 0.5 * (a[name] + b[name]) for name in ("albedo", "normal", "depth")})
@@ -73,8 +78,8 @@ def merge_shot(becalm, folder, target):
         directions = ("forward", "both")[number % 2]
         told = TOLD[rng.choice(len(TOLD), p=TOLD_SHARES)]
         # The first two merges see all frames, the others a part.
-        first = 1 if number < 2 else rng.integers(1, wanted)
-        last = wanted if directions == "forward" else shot["frames"] if number < 2 else rng.integers(wanted, shot["frames"]) + 1
+        first = 1 if number < 2 else rng.integers(1, wanted + 1)
+        last = wanted if directions == "forward" else shot["frames"] if number < 2 else rng.integers(wanted, shot["frames"] + 1)
         with tempfile.TemporaryDirectory() as temporary:
             for frame in range(first, last + 1):
                 layers = frames[frame]
@@ -89,7 +94,21 @@ def merge_shot(becalm, folder, target):
                                  [features, clean, shots.packed_features(of_wanted)], [r["color"] * exposure for r in (a, b)],
                                  of_wanted["color"] * exposure)
         arrays.update({f"{directions}{number}.{wanted:04d}.{name}": array for name, array in pair.items()})
+    arrays[PROGRAM] = np.array(digest_of(becalm))
     shots.save(f"{folder}/{target}", arrays)
+
+
+def digest_of(path):
+    with open(path, "rb") as file:
+        return hashlib.sha256(file.read()).hexdigest()
+
+
+def is_merged(path, becalm):
+    """Whether the file is there and of this program; of any, if that is None."""
+    if not os.path.exists(path):
+        return False
+    with np.load(path) as arrays:
+        return becalm is None or (PROGRAM in arrays and str(arrays[PROGRAM]) == digest_of(becalm))
 
 
 def main():
@@ -100,7 +119,7 @@ def main():
     args = parser.parse_args()
     target = shots.REMERGED if args.again else shots.MERGED
     for folder in shots.complete_shots(args.data):
-        if not os.path.exists(f"{folder}/{target}"):
+        if not is_merged(f"{folder}/{target}", args.becalm if args.again else None):
             merge_shot(args.becalm, folder, target)
             print(folder, flush=True)
 

@@ -127,20 +127,16 @@ class Network(nn.Module):
         out[0] = self.finish(out[0])
         return out
 
-    def forward(self, inputs, irradiance, own_irradiance, divisor, own_divisor, valid=None):
+    def forward(self, inputs, irradiance, own_irradiance, divisor, own_divisor):
         """The smoothed radiance (exposed, with albedo again) and the log of its squared relative error.
 
-        Width and height are multiples of 16. `valid` is 0 for pixels that do not count, else 1.
+        Width and height are multiples of 16.
         """
         f = self.features(inputs)
         of_pixels = [head(x) for head, x in zip(self.confidence, f)]
         confidence = [torch.sigmoid(x[:, :1]).clamp(min=LEAST_CONFIDENCE) for x in of_pixels]
         own_confidence = torch.sigmoid(of_pixels[0][:, 1 + AFFINITIES :]).clamp(min=LEAST_CONFIDENCE)
         distances = [squared_distances(x[:, 1 : 1 + AFFINITIES]) for x in of_pixels]
-        if valid is not None:
-            hole = torch.full_like(own_confidence, 1e-20)
-            confidence[0] = torch.where(valid > 0, confidence[0], hole)
-            own_confidence = torch.where(valid > 0, own_confidence, hole)
         values, counts = [irradiance], [confidence[0]]
         for c in confidence[1:]:
             count = F.avg_pool2d(counts[-1], 2)

@@ -1,5 +1,6 @@
 """How many samples the noisy frames of a shot get: by the shot's own noise, so that shots of all renderers and lights spread
-from frames that are nearly clean to frames that show hardly anything, as far as 1 to 64 samples reach."""
+from frames that are nearly clean to frames that show hardly anything, as far as 1 to 64 samples reach. And which of its
+frames get references."""
 
 import math
 
@@ -24,3 +25,8 @@ def noise_levels(sample_noise, random):
 def reference_samples(most_samples, least):
     """Of each of two references: twice the samples of the cleanest noisy frame, and no fewer than `least`."""
     return max(least, 2 * most_samples)
+
+
+def evenly_spread(frames, count):
+    """`count` of the frames, with as many before the first as after the last: 5 of 1 to 8 for one."""
+    return [frames[(2 * place + 1) * len(frames) // (2 * count)] for place in range(count)]

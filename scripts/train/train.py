@@ -38,10 +38,11 @@ def rate_at(share, step):
 
 @torch.no_grad()
 def held_out_error(network, pairs):
-    """Geometric mean over pairs of relMSE as a share of the noisy frames', and the mean change of energy."""
+    """Geometric mean over pairs of relMSE as a share of the noisy frames', and the median change of energy."""
+    device = next(network.parameters()).device
     logs, energies = [], []
     for pair in pairs:
-        frame = batches.whole_frame(pair)
+        frame = [t.to(device) for t in batches.whole_frame(pair)]
         result, _ = losses.smoothed(network, frame)
         references = frame[3]
         noisy = losses.rel_mse(frame[0][:, :3], references)
@@ -132,7 +133,8 @@ class Trainer:
             batches.smooth_albedos(learn + choose, export.read_weights(self.args.albedo))
         print(f"{len(learn)} pairs to learn from, {len(choose)} to choose on, {parameter_count(self.network)} parameters")
         if self.args.start and self.step == 0:
-            frames = [batches.whole_frame(learn[i]) for i in self.rng.integers(len(learn), size=REVIVED_ON)]
+            some = [batches.whole_frame(learn[i]) for i in self.rng.integers(len(learn), size=REVIVED_ON)]
+            frames = [[t.to(self.args.device) for t in frame] for frame in some]
             print(f"{dead_channels.revive(self.network, frames)} dead channels revived")
             self.average.load_state_dict(self.network.state_dict())
         last_evaluation = time.monotonic()
