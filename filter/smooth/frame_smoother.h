@@ -9,8 +9,8 @@
 
 namespace becalm::filter {
 
-/// Smooths single frames before they are matched and merged, so that offsets and merge weights depend little
-/// on noise.
+/// Smooths frames by the network: single ones, so that offsets and merge weights depend little on noise; as
+/// the task says, merged ones or albedos.
 class FrameSmoother {
  public:
   /// Plans the largest tiles that take at most `memory_limit` bytes. Throws DeviceLimitError if even the

@@ -19,8 +19,8 @@ class HostConvolution {
   ~HostConvolution();
 
   /// Computes row `y`, counted from 0. `source` and `coarse` begin with the framed row above row 0; `coarse`
-  /// is the image of half the size. All pixels of `result`, a framed row, are written; those of the frame are
-  /// invalid. May be called by several threads at once.
+  /// is the image of half the size. `result` is a framed row; its first and last pixel are undefined. May be
+  /// called by several threads at once.
   void make_row(int y, const float* source, const float* coarse, float* result) const;
 
  private:

@@ -1,6 +1,6 @@
 """Random textures and environment images for training shots.
 
-Each texture is a pure function of its number. All of them tile.
+Each texture is a pure function of its number. All but pictures tile; environments do from left to right.
 """
 
 import json
