@@ -104,6 +104,25 @@ TEST(RestoreEnergy, LightReturnsToWhereItIsMissing) {
   }
 }
 
+TEST(RestoreEnergy, ADarkBlockIsAsNoisyAsItsSurroundingsAlsoAtTheEdge) {
+  constexpr int block = 16;
+  // In an image of one column of blocks a block of twice the size has two of four parts.
+  Frame frame(1, block, 2 * block);
+  Image& beauty = frame.add(Aov::beauty, 1.0f);
+  Image& variance = frame.add(Aov::variance, 1.75f);
+  for (int y = block; y < 2 * block; ++y) {
+    for (int x = 0; x < block; ++x) {
+      std::fill_n(beauty.pixel(x, y).begin(), 3, 0.9f);
+      std::fill_n(variance.pixel(x, y).begin(), 3, 1e-4f);
+    }
+  }
+  Estimate estimate = even_estimate(frame, 1.0f);
+  restore(frame, estimate);
+  for (std::size_t i = 0; i < estimate.color.pixel_count(); ++i) {
+    ASSERT_GT(estimate.color.data()[4 * i + 1], 0.985f) << "pixel " << i;
+  }
+}
+
 TEST(RestoreEnergy, NoiseHardlyMovesAnExactEstimate) {
   for (const Told told : {Told::variance, Told::halves, Told::nothing}) {
     const Frame frame = noisy_frame(200, 150, told);
