@@ -282,10 +282,17 @@ RenderedFrames RenderJob::rendered_frames() {
 }
 
 void RenderJob::run_frame_by_frame(const std::vector<int>& work) {
-  start_progress(work.size());
-  RenderedFrames frames = rendered_frames();
   std::vector<filter::Step> steps;
-  for (const int frame : work) steps.push_back({.frame = frame});
+  if (filter_) {
+    for (const filter::Segment& segment :
+         filter_->schedule(readable_, {work.begin(), work.end()}, usual_step(readable_))) {
+      steps.insert(steps.end(), segment.begin(), segment.end());
+    }
+  } else {
+    for (const int frame : work) steps.push_back({.frame = frame});
+  }
+  start_progress(steps.size());
+  RenderedFrames frames = rendered_frames();
   run_steps(steps, [&](std::size_t step) { return frames.make(steps[step].frame); });
 }
 

@@ -19,7 +19,7 @@ struct RenderCommand {
   FilterOptions filter;
   RunningOptions running;
   std::optional<int> asked_spp;
-  int spp = 8;  ///< with a noise target the most; see resolve_sampling
+  int spp = 8;  ///< with a noise target the most; see set_defaults
   bool adaptive = false;
   std::optional<double> noise_target;
   std::string time_budget;  ///< of a frame; empty: none

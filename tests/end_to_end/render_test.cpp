@@ -223,6 +223,27 @@ TEST_F(Render, DenoiseWhileRenderingIsRenderThenDenoise) {
   EXPECT_EQ(io::read_attribute(folder_ / "both.0002.exr", "becalm:preset"), "balanced");
 }
 
+TEST_F(Render, AForwardFilterSeesCutsGapsAndContextAsDenoiseDoes) {
+  render("noisy.####.exr", {"--float", "--spp", "1", "--aovs", "albedo,normal,depth,motion,variance"});
+  const auto expect_same = [&](const std::vector<std::string>& options, int first, int last) {
+    std::vector<std::string> rendered{"--float", "--spp", "1", "--denoise=draft", "--overwrite"};
+    std::vector<std::string> denoised{"denoise",  folder_ / "noisy.####.exr",
+                                      "-o",       folder_ / "then.####.exr",
+                                      "--preset", "draft",
+                                      "--quiet",  "--overwrite"};
+    rendered.insert(rendered.end(), options.begin(), options.end());
+    denoised.insert(denoised.end(), options.begin(), options.end());
+    render("both.####.exr", rendered);
+    becalm_done(denoised);
+    for (const int frame : {first, last}) {
+      expect_same_beauty(folder_ / "both.####.exr", folder_ / "then.####.exr", frame, frame);
+    }
+  };
+  expect_same({"--cuts", "3"}, 1, 4);
+  expect_same({"--cuts", "none", "--frames", "1,2,4"}, 1, 4);
+  expect_same({"--cuts", "none", "--frames", "3-4", "--context", "1-4"}, 3, 4);
+}
+
 TEST_F(Render, ResumedDenoiseWhileRenderingIsTheSame) {
   const std::vector<std::string> options{"--denoise=draft", "--spp", "1", "--keep-noisy",
                                          folder_ / "kept.####.exr"};
