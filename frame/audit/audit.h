@@ -30,7 +30,7 @@ std::vector<Finding> audit(const Subject& subject);
 
 // One check a file. Each returns nothing where the frame lacks what it looks at.
 
-/// The beauty is that of the frame before, bit for bit.
+/// The beauty is that of the frame before, bit for bit, and not black.
 std::optional<Finding> check_duplicate(const Subject& subject);
 /// Noise stays where it was: the frames were rendered with one seed.
 std::optional<Finding> check_fixed_noise(const Subject& subject);

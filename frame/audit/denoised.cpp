@@ -12,13 +12,13 @@ constexpr double kFewestRough = 0.003;
 }  // namespace
 
 std::optional<Finding> check_denoised(const Subject& subject) {
-  const double share = rough_share(subject.frame.image(Aov::beauty));
-  if (share >= kFewestRough) return std::nullopt;
+  const std::optional<double> share = rough_share(subject.frame.image(Aov::beauty));
+  if (!share || *share >= kFewestRough) return std::nullopt;
   return Finding{
       "denoised",
       fmt::format("only {:.2f} % of the lit pixels stick out from their neighbours as noise does, so "
                   "the frame seems to be denoised already: give becalm the renderer's own output",
-                  100.0 * share)};
+                  100.0 * *share)};
 }
 
 }  // namespace becalm::audit

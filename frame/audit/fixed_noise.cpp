@@ -29,7 +29,7 @@ double correlation(const std::vector<float>& a, const std::vector<float>& b) {
 std::optional<Finding> check_fixed_noise(const Subject& subject) {
   if (!subject.has_pair(Aov::beauty) || check_duplicate(subject)) return std::nullopt;
   const Image& now = subject.frame.image(Aov::beauty);
-  if (rough_share(now) < kNoisyShare) return std::nullopt;
+  if (rough_share(now).value_or(0.0) < kNoisyShare) return std::nullopt;
   const double alike = correlation(fine_detail(now), fine_detail(subject.before->image(Aov::beauty)));
   if (alike < kLargestCorrelation) return std::nullopt;
   return Finding{

@@ -22,7 +22,7 @@ std::vector<float> brightness(const Image& image) {
   return values;
 }
 
-double rough_share(const Image& beauty) {
+std::optional<double> rough_share(const Image& beauty) {
   const std::vector<float> values = brightness(beauty);
   const int width = beauty.width();
   std::size_t lit = 0;
@@ -44,7 +44,8 @@ double rough_share(const Image& beauty) {
       if (reverses) ++rough;
     }
   }
-  return lit == 0 ? 0.0 : static_cast<double>(rough) / static_cast<double>(lit);
+  if (lit == 0) return std::nullopt;
+  return static_cast<double>(rough) / static_cast<double>(lit);
 }
 
 std::vector<float> fine_detail(const Image& beauty) {

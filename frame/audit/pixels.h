@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "frame/image.h"
@@ -12,8 +13,8 @@ std::vector<float> brightness(const Image& image);
 
 /// Share of the lit pixels inside the border whose brightness is above or below that of all eight neighbours
 /// on both sides, in all four directions, by more than 2 %: about a fifth of white noise, next to nothing of
-/// clean pictures.
-double rough_share(const Image& beauty);
+/// clean pictures. Nothing where no such pixel is lit.
+std::optional<double> rough_share(const Image& beauty);
 
 /// Each pixel's brightness minus the mean of the 3x3 pixels around it; 0 at the border.
 std::vector<float> fine_detail(const Image& beauty);

@@ -96,10 +96,13 @@ TEST(Audit, FindsAnAlbedoThatIsUpsideDownOrMirrored) {
   }
 }
 
-TEST(Audit, ABlackFrameOfOnePixelHasOnlyLittleNoise) {
-  Frame frame(1, 1, 1);
-  frame.add(Aov::beauty);
-  EXPECT_EQ(found(frame), "denoised");
+TEST(Audit, NothingIsSaidOfBlackFrames) {
+  for (const int size : {1, 48}) {
+    Frame frame(1, size, size);
+    frame.add(Aov::beauty);
+    EXPECT_EQ(found(frame), "");
+    EXPECT_EQ(found(frame, &frame), "") << "as after a fade";
+  }
 }
 
 TEST(Audit, FramesThatRepeat) {
