@@ -14,6 +14,7 @@
 #include <system_error>
 
 #include "frame/error.h"
+#include "frame/io/exr_channels.h"
 
 namespace becalm::app {
 namespace fs = std::filesystem;
@@ -95,9 +96,9 @@ bool is_of_becalm(const std::string& path) {
   }
 }
 
-bool is_whole(const std::string& path, int frame) {
+bool is_whole(const std::string& path) {
   try {
-    io::read_exr(path, frame, {});
+    io::require_whole_exr(path);
     return true;
   } catch (const Error&) {
     return false;
@@ -145,11 +146,14 @@ void Outputs::keep_apart_from(const std::vector<std::string>& inputs) const {
 void Outputs::keep_foreign_files() const {
   for (const std::string& path : all_paths()) {
     std::error_code error;
-    if (!fs::is_regular_file(path, error) || is_of_becalm(path)) continue;
-    throw Error(
-        ExitStatus::usage,
-        fmt::format("{} {}: is there, and becalm did not write it; --overwrite replaces it", option_, path));
+    if (fs::is_regular_file(path, error) && !is_of_becalm(path)) refuse_foreign_file(path);
   }
+}
+
+void Outputs::refuse_foreign_file(const std::string& path) const {
+  throw Error(
+      ExitStatus::usage,
+      fmt::format("{} {}: is there, and becalm did not write it; --overwrite replaces it", option_, path));
 }
 
 void Outputs::check_places() const {
@@ -202,9 +206,13 @@ Outputs::Existing Outputs::find_existing(const io::Attributes& attributes) const
     for (const std::string& path : paths(frame)) {
       std::error_code error;
       const bool is_there = fs::exists(path, error);
-      const bool is_usable = is_there && is_whole(path, frame);
+      const bool is_usable = is_there && is_whole(path);
       if (is_usable) check_attributes(path, attributes);
-      if (is_there && !is_usable) existing.unusable.push_back(path);
+      if (is_there && !is_usable) {
+        if (fs::is_regular_file(path, error) && !fs::is_empty(path, error) && !is_of_becalm(path))
+          refuse_foreign_file(path);
+        existing.unusable.push_back(path);
+      }
       all_there = all_there && is_usable;
     }
     if (all_there) existing.frames.insert(frame);

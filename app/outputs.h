@@ -49,12 +49,13 @@ class Outputs {
     std::vector<std::string> unusable;  ///< there, but no longer readable: to be written again
   };
   /// What --resume keeps. Throws Error(usage) for a file that was written with other attributes, naming what
-  /// differs.
+  /// differs, and for one that becalm did not write.
   Existing find_existing(const io::Attributes& attributes) const;
 
  private:
   std::vector<std::string> all_paths() const;
   [[noreturn]] void refuse_place(const std::error_code& why) const;
+  [[noreturn]] void refuse_foreign_file(const std::string& path) const;
   void check_attributes(const std::string& path, const io::Attributes& attributes) const;
 
   std::string option_;

@@ -74,9 +74,10 @@ void SequenceJob::choose_additive() {
   }
   layers_.additive = io::choose_additive(command_.layers.additive, sets);
   additive_notes_ = io::describe(sets);
-  if (!layers_.additive.empty()) {
-    attributes_.emplace_back("becalm:additive", fmt::format("{}", fmt::join(layers_.additive, ",")));
-  }
+  // Also where there are none: files that were written with some must not be kept beside others.
+  attributes_.emplace_back("becalm:additive", layers_.additive.empty()
+                                                  ? "none"
+                                                  : fmt::format("{}", fmt::join(layers_.additive, ",")));
 }
 
 ExitStatus SequenceJob::run() {

@@ -70,4 +70,14 @@ Image ExrChannels::read(std::size_t part, const std::string& channel) const {
   return image;
 }
 
+void require_whole_exr(const std::string& path) {
+  reading(path, [&] { require_all_chunks(path, *open_exr(path)); });
+  const ExrChannels file(path);
+  for (std::size_t part = 0; part < file.parts().size(); ++part) {
+    // A chunk has all channels of its lines.
+    const std::vector<std::string>& channels = file.parts()[part].channels;
+    if (!channels.empty()) file.read(part, channels.front());
+  }
+}
+
 }  // namespace becalm::io

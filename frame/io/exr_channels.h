@@ -38,4 +38,8 @@ class ExrChannels {
   std::vector<Part> parts_;
 };
 
+/// Throws as read_exr does unless every chunk of the file is there and those of its flat parts can be
+/// decompressed. It need not hold anything that becalm knows.
+void require_whole_exr(const std::string& path);
+
 }  // namespace becalm::io

@@ -98,5 +98,23 @@ TEST_F(Denoise, FilesThatBecalmDidNotWriteAreNotReplacedUnlessAsked) {
   becalm_done(command("out.####.exr", {"-q"}));
 }
 
+TEST_F(Denoise, ResumeReplacesNoFileThatBecalmDidNotWrite) {
+  write_frames({1});
+  write_text(folder_ / "out.0001.exr", "not an image");
+  expect_error(becalm(command("out.####.exr", {"--resume"})), 2, {"out.0001.exr", "--overwrite"});
+  write_text(folder_ / "out.0001.exr", "");
+  becalm_done(command("out.####.exr", {"--resume", "--quiet"}));
+}
+
+TEST_F(Denoise, ResumeKeepsOutputsWhoseLayersBecalmDoesNotKnow) {
+  write_frames({1});
+  const std::vector<std::string> depth{"--channels", "albedo", "--resume"};
+  becalm_done(command("out.####.exr", depth));
+  const auto written = fs::last_write_time(folder_ / "out.0001.exr");
+  const Outcome again = becalm_done(command("out.####.exr", depth));
+  EXPECT_EQ(again.err.find("damaged"), std::string::npos) << again.err;
+  EXPECT_EQ(fs::last_write_time(folder_ / "out.0001.exr"), written);
+}
+
 }  // namespace
 }  // namespace becalm::test
