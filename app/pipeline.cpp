@@ -30,8 +30,8 @@ void run_pipeline(std::size_t steps, const Stages& stages) {
       if (!noisy || stop_requested()) break;
       if (step + 1 < steps) start_source(step + 1);
       std::optional<FinishedFrame> finished = stages.filter(step, std::move(*noisy));
-      if (!finished) continue;
       if (written.valid()) written.get();
+      if (!finished) continue;
       written = std::async(std::launch::async, sink, std::move(*finished));
     }
     if (written.valid()) written.get();
