@@ -167,8 +167,13 @@ CompareJob::CompareJob(const CompareCommand& command)
 }
 
 ComparedFrame CompareJob::read(int frame) {
-  ComparedFrame images{.frame = frame, .test = {}, .reference = {}, .reference_b = {}, .reference_mean = {}};
   Placed reference = read_view(reference_, frame);
+  ComparedFrame images{.frame = frame,
+                       .first = reference.first,
+                       .test = {},
+                       .reference = {},
+                       .reference_b = {},
+                       .reference_mean = {}};
   images.test = read_like(test_, frame, reference);
   if (reference_b_) images.reference_b = read_like(*reference_b_, frame, reference);
   images.reference = std::move(reference.beauty);
@@ -233,8 +238,8 @@ ExitStatus CompareJob::run() {
   if (report) report->finish(fmt::format("{} against {}", command_.test, command_.reference), figures);
 
   const std::vector<std::string> failures = find_failures(figures);
-  if (!command_.json.empty()) write_json(figures, failures);
   for (const std::string& failure : failures) warn(failure);
+  if (!command_.json.empty()) write_json(figures, failures);
   return failures.empty() ? ExitStatus::done : ExitStatus::comparison_failed;
 }
 
@@ -283,7 +288,8 @@ void CompareJob::write_json(const std::vector<FrameFigures>& figures,
   json["mean"] = to_json(mean_of(figures));
   json["failures"] = failures;
   std::ofstream file(command_.json);
-  if (!(file << json.dump(2) << '\n') || !file.flush()) {
+  if (!(file << json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n') ||
+      !file.flush()) {
     throw Error(ExitStatus::resource, fmt::format("--json {}: cannot write it", command_.json));
   }
 }

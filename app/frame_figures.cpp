@@ -78,7 +78,7 @@ FrameFigures measure(const ComparedFrame& now, const ComparedFrame* before) {
     figures.energy = energy(now.test, now.reference).value;
   }
   figures.flip = flip(now.test, now.best_reference()).value;
-  if (before != nullptr && before->frame == now.frame - 1) {
+  if (before != nullptr && before->frame == now.frame - 1 && now.is_where(*before)) {
     figures.temporal = two ? temporal_error(now.test, before->test, now.reference, before->reference,
                                             now.reference_b, before->reference_b)
                                  .value

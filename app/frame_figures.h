@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Imath/ImathVec.h>
+
 #include <array>
 #include <cstddef>
 #include <span>
@@ -55,6 +57,7 @@ BeyondLimit find_beyond(const Figure& figure, double limit, std::span<const Fram
 /// The images of one frame.
 struct ComparedFrame {
   int frame = 0;
+  Imath::V2i first{0, 0};  ///< where the first pixel lies
   Image test;
   Image reference;
   Image reference_b;     ///< empty where there is one reference
@@ -62,11 +65,16 @@ struct ComparedFrame {
 
   /// For what has no form of two references: the one with the least noise.
   const Image& best_reference() const { return reference_b.empty() ? reference : reference_mean; }
+  /// Whether both show the same pixels.
+  bool is_where(const ComparedFrame& other) const {
+    return first == other.first && test.same_shape(other.test);
+  }
 };
 
 Image mean_image(const Image& a, const Image& b);
 
-/// `before` is the frame measured before, or null; the temporal error needs the number before `now`'s.
+/// `before` is the frame measured before, or null; the temporal error needs the number before `now`'s, and
+/// the same pixels.
 FrameFigures measure(const ComparedFrame& now, const ComparedFrame* before);
 
 }  // namespace becalm::app

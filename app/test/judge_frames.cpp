@@ -7,6 +7,7 @@
 #include <numeric>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "app/test/layer_as_beauty.h"
 #include "app/test/pixel_judges.h"
@@ -22,18 +23,14 @@ struct FrameProblem : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-Imath::V2i first_pixel(const std::string& path) {
-  return io::read_exr_header(path, {}, io::CheckChunks::no).front().data_window.min;
-}
-
-Frame read_reference(const std::string& path, int number) {
-  Frame frame = io::read_exr(path, number, AovSet().set()).frame;
-  for (const float value : frame.image(Aov::beauty).data()) {
+PlacedFrame read_reference(const std::string& path, int number) {
+  PlacedFrame reference = read_layer_as_beauty(path, number, "");
+  for (const float value : reference.frame.image(Aov::beauty).data()) {
     if (!std::isfinite(value)) {
       throw Error(ExitStatus::bad_input, path + ": the reference has pixels that are not finite");
     }
   }
-  return frame;
+  return reference;
 }
 
 void require_finite(const Image& image, int number) {
@@ -54,22 +51,19 @@ void require_finite(const Image& image, int number) {
       fmt::format("frame {}: {} pixels are not finite, the first is {}", number, count, first));
 }
 
-/// `reference` was read from `reference_path`.
-Frame read_test(const std::string& path, int number, const std::string& layer, const Frame& reference,
-                const std::string& reference_path) {
-  const Imath::V2i expected = first_pixel(reference_path);
+Frame read_test(const std::string& path, int number, const std::string& layer, const PlacedFrame& reference) {
   try {
-    Frame frame = read_layer_as_beauty(path, number, layer);
-    if (frame.width() != reference.width() || frame.height() != reference.height()) {
+    auto [frame, first] = read_layer_as_beauty(path, number, layer);
+    if (frame.width() != reference.frame.width() || frame.height() != reference.frame.height()) {
       throw FrameProblem(fmt::format("frame {} is {}x{}, and its reference {}x{}", number, frame.width(),
-                                     frame.height(), reference.width(), reference.height()));
+                                     frame.height(), reference.frame.width(), reference.frame.height()));
     }
-    if (const Imath::V2i first = first_pixel(path); first != expected) {
+    if (first != reference.first) {
       throw FrameProblem(fmt::format("frame {} begins at pixel ({}, {}), and its reference at ({}, {})",
-                                     number, first.x, first.y, expected.x, expected.y));
+                                     number, first.x, first.y, reference.first.x, reference.first.y));
     }
     require_finite(frame.image(Aov::beauty), number);
-    return frame;
+    return std::move(frame);
   } catch (const Error& error) {
     throw FrameProblem(error.what());
   }
@@ -122,10 +116,12 @@ double mean_temporal_error(std::span<const FrameFigures> frames) {
   return count == 0 ? std::numeric_limits<double>::quiet_NaN() : sum / static_cast<double>(count);
 }
 
-ComparedFrame compared(int number, const Frame& test, const Frame& reference, const Frame* reference_b) {
+ComparedFrame compared(int number, const Frame& test, const PlacedFrame& reference,
+                       const Frame* reference_b) {
   ComparedFrame frame{.frame = number,
+                      .first = reference.first,
                       .test = test.image(Aov::beauty),
-                      .reference = reference.image(Aov::beauty),
+                      .reference = reference.frame.image(Aov::beauty),
                       .reference_b = {},
                       .reference_mean = {}};
   if (reference_b != nullptr) {
@@ -141,26 +137,28 @@ class CaseJudge {
   CaseJudge(const TestCase& test, Verdict& verdict) : test_(test), verdict_(verdict) {}
 
   void add(const JudgedFrame& files) {
-    const Frame reference = read_reference(files.reference, files.number);
+    const PlacedFrame reference = read_reference(files.reference, files.number);
     std::optional<Frame> reference_b;
     if (!files.reference_b.empty()) {
-      reference_b = read_reference(files.reference_b, files.number);
-      if (reference_b->width() != reference.width() || reference_b->height() != reference.height()) {
+      reference_b = read_reference(files.reference_b, files.number).frame;
+      if (reference_b->width() != reference.frame.width() ||
+          reference_b->height() != reference.frame.height()) {
         throw Error(ExitStatus::bad_input,
                     fmt::format("{}: is not of the size of {}", files.reference_b, files.reference));
       }
     }
-    const Frame fresh = read_test(files.test, files.number, test_.layer, reference, files.reference);
+    const Frame fresh = read_test(files.test, files.number, test_.layer, reference);
     if (test_.judges.exact) {
       verdict_.checks.push_back(judge_exactly(*test_.judges.exact, files));
     }
     if (test_.judges.statistical) {
       verdict_.checks.push_back(
-          judge_statistically(test_, files, fresh, reference, reference_b ? &*reference_b : nullptr));
+          judge_statistically(test_, files, fresh, reference.frame, reference_b ? &*reference_b : nullptr));
     }
     ComparedFrame now = compared(files.number, fresh, reference, reference_b ? &*reference_b : nullptr);
     verdict_.measured.frames.push_back(measure(now, before_ ? &*before_ : nullptr));
-    flicker_.add(now.test, now.reference, reference_b ? now.reference_b : now.reference);
+    has_one_place_ = has_one_place_ && (!before_ || now.is_where(*before_));
+    if (has_one_place_) flicker_.add(now.test, now.reference, reference_b ? now.reference_b : now.reference);
     before_ = std::move(now);
     if (test_.judges.denoised) add_denoised(files);
   }
@@ -168,7 +166,7 @@ class CaseJudge {
   void finish() {
     Measurements& measured = verdict_.measured;
     measured.temporal_error = mean_temporal_error(measured.frames);
-    measured.flicker = flicker_.measured().value;
+    measured.flicker = has_one_place_ ? flicker_.measured().value : std::numeric_limits<double>::quiet_NaN();
     std::vector<CheckResult>& checks = verdict_.checks;
     for (const FigureLimit& limit : test_.judges.limits)
       checks.push_back(check_limit(limit, measured.frames));
@@ -190,8 +188,8 @@ class CaseJudge {
 
  private:
   void add_denoised(const JudgedFrame& files) {
-    const Frame reference = read_reference(files.denoised_reference, files.number);
-    const Frame fresh = read_test(files.denoised_test, files.number, "", reference, files.denoised_reference);
+    const PlacedFrame reference = read_reference(files.denoised_reference, files.number);
+    const Frame fresh = read_test(files.denoised_test, files.number, "", reference);
     ComparedFrame now = compared(files.number, fresh, reference, nullptr);
     verdict_.measured.denoised_frames.push_back(
         measure(now, denoised_before_ ? &*denoised_before_ : nullptr));
@@ -203,6 +201,7 @@ class CaseJudge {
   std::optional<ComparedFrame> before_;
   std::optional<ComparedFrame> denoised_before_;
   Flicker flicker_;
+  bool has_one_place_ = true;  ///< all frames show the same pixels; else nothing is said of flicker
 };
 
 }  // namespace

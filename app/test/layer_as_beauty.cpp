@@ -5,18 +5,21 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "frame/error.h"
 #include "frame/io/exr.h"
 
 namespace becalm::app {
 
-Frame read_layer_as_beauty(const std::string& path, int number, const std::string& layer) {
+PlacedFrame read_layer_as_beauty(const std::string& path, int number, const std::string& layer) {
   const std::optional<Aov> aov = layer.empty() ? Aov::beauty : find_aov(layer);
   io::LayerOptions options;
   if (!aov) options.layers[Aov::beauty] = layer;  // one of another renderer
-  Frame frame = io::read_exr(path, number, AovSet().set(), options).frame;
-  if (!aov || *aov == Aov::beauty) return frame;
+  io::LoadedFrame file = io::read_exr(path, number, AovSet().set(), options);
+  Frame& frame = file.frame;
+  const auto placed = [&] { return PlacedFrame{std::move(frame), file.window.min}; };
+  if (!aov || *aov == Aov::beauty) return placed();
   if (!frame.has(*aov)) throw Error(ExitStatus::bad_input, fmt::format("{}: no layer {}", path, layer));
   const Image& image = frame.image(*aov);
   Image& beauty = frame.add(Aov::beauty, 1.0f);
@@ -28,7 +31,7 @@ Frame read_layer_as_beauty(const std::string& path, int number, const std::strin
       }
     }
   }
-  return frame;
+  return placed();
 }
 
 }  // namespace becalm::app

@@ -1,14 +1,22 @@
 #pragma once
 
+#include <Imath/ImathVec.h>
+
 #include <string>
 
 #include "frame/frame.h"
 
 namespace becalm::app {
 
+/// A frame, and where its first pixel lies in the file's coordinates.
+struct PlacedFrame {
+  Frame frame;
+  Imath::V2i first;
+};
+
 /// Reads a file for a case that is judged by a layer: the frame's beauty is that layer, of becalm's layers
 /// with their channels as R, G and B, 0 where they have fewer and where a pixel hits nothing. `layer` empty:
 /// the beauty itself. Throws Error(bad_input) for a layer that is not there.
-Frame read_layer_as_beauty(const std::string& path, int number, const std::string& layer);
+PlacedFrame read_layer_as_beauty(const std::string& path, int number, const std::string& layer);
 
 }  // namespace becalm::app

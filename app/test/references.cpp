@@ -50,7 +50,7 @@ void write_reference(const TestCase& test, int spp, const std::string& from, int
     fs::copy_file(from, to, fs::copy_options::overwrite_existing);
     return;
   }
-  Frame frame = read_layer_as_beauty(from, number, test.layer);
+  auto [frame, first] = read_layer_as_beauty(from, number, test.layer);
   const Image& beauty = frame.image(Aov::beauty);
   if (std::ranges::any_of(beauty.data(), [](float value) { return !std::isfinite(value); })) {
     throw Error(ExitStatus::bad_input,
@@ -70,8 +70,8 @@ void write_reference(const TestCase& test, int spp, const std::string& from, int
   // What is denoised must keep the noise as the renderer makes it, and other layers have another.
   if (!test.judges.denoised && test.layer.empty()) round_below_noise(frame);
   if (!test.judges.denoised && !test.judges.statistical) frame.remove(Aov::variance);
-  io::write_compact_exr(to, frame,
-                        {{"becalm:version", BECALM_VERSION}, {kSamplesAttribute, std::to_string(spp)}});
+  io::write_compact_exr(
+      to, frame, {{"becalm:version", BECALM_VERSION}, {kSamplesAttribute, std::to_string(spp)}}, first);
 }
 
 ComparedFrame read_pair(int number, const std::string& test, const std::string& reference) {

@@ -107,9 +107,10 @@ struct Pictures {
 
 /// `layer` of the test frame is shown, its beauty if that is empty.
 void add_pictures(const JudgedFrame& files, const std::string& layer, Pictures& pictures) {
-  const Frame test = files.test.empty() ? Frame() : read_layer_as_beauty(files.test, files.number, layer);
+  const Frame test =
+      files.test.empty() ? Frame() : read_layer_as_beauty(files.test, files.number, layer).frame;
   const Frame reference =
-      files.reference.empty() ? Frame() : read_layer_as_beauty(files.reference, files.number, "");
+      files.reference.empty() ? Frame() : read_layer_as_beauty(files.reference, files.number, "").frame;
   const Frame& known = reference.has(Aov::beauty) ? reference : test;
   if (!known.has(Aov::beauty)) return;
   const int factor = (known.width() + kWidestPicture - 1) / kWidestPicture;

@@ -134,9 +134,10 @@ WriteReport write_exr(const std::string& path, const std::vector<WrittenView>& v
 void write_plane_exr(const std::string& path, const Image& plane, const Attributes& attributes);
 
 /// Writes a frame, which has a beauty, small: all layers as half with ZIP compression, no alpha where it is 1
-/// everywhere, and the variance by its root, to 12 % (`noiselevel`, which read_exr squares). Atomic and
-/// failing as write_exr.
-void write_compact_exr(const std::string& path, const Frame& frame, const Attributes& attributes);
+/// everywhere, and the variance by its root, to 12 % (`noiselevel`, which read_exr squares). `first`: where
+/// its first pixel lies. Atomic and failing as write_exr.
+void write_compact_exr(const std::string& path, const Frame& frame, const Attributes& attributes,
+                       const Imath::V2i& first = Imath::V2i(0));
 
 /// Which channels are written: by default all.
 struct ChannelSelection {

@@ -34,22 +34,24 @@ bool is_opaque(const Image& beauty) {
 
 }  // namespace
 
-void write_compact_exr(const std::string& path, const Frame& frame, const Attributes& attributes) {
-  Imf::Header header(frame.width(), frame.height());
+void write_compact_exr(const std::string& path, const Frame& frame, const Attributes& attributes,
+                       const Imath::V2i& first) {
+  const Imath::Box2i window(first, first + Imath::V2i(frame.width() - 1, frame.height() - 1));
+  Imf::Header header(window, window);
   header.setType(Imf::SCANLINEIMAGE);
   header.compression() = Imf::ZIP_COMPRESSION;
   insert_attributes(header, attributes);
   FrameChannels channels;
   const auto add = [&](const std::string& name, const Image& image, int channel) {
     header.channels().insert(name, Imf::Channel(Imf::HALF));
-    channels[name] = {&image, channel};
+    channels[name] = {&image, channel, first};
   };
   const Image& beauty = frame.image(Aov::beauty);
   const int colours = is_opaque(beauty) ? 3 : 4;
   for (int c = 0; c < colours; ++c) add(std::string(1, "RGBA"[c]), beauty, c);
   for (const AovInfo& entry : kAovTable) {
     if (!frame.has(entry.aov) || entry.aov == Aov::beauty || entry.aov == Aov::variance) continue;
-    add_layer(frame, entry.aov, "", Imf::HALF, Imath::V2i(0), header, channels);
+    add_layer(frame, entry.aov, "", Imf::HALF, first, header, channels);
   }
   Image deviation;
   if (frame.has(Aov::variance)) {

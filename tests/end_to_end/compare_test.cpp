@@ -155,6 +155,30 @@ TEST_F(Compare, PixelsAreComparedWhereTheyLie) {
   EXPECT_NE(outcome.err.find("(1, 0)"), std::string::npos) << outcome.err;
 }
 
+TEST_F(Compare, FramesOfOtherSizesHaveNoTemporalError) {
+  for (int number = 1; number <= 3; ++number) {
+    const Frame frame = noise_frame(number, number == 1 ? 24 : 32, 16);
+    for (const std::string& pattern : {reference_, test_})
+      io::write_exr(frame_path(pattern, number), frame, {}, io::PixelType::float32);
+  }
+  const std::string json = folder_ / "figures.json";
+  becalm_done({"compare", reference_, test_, "--json", json});
+  const auto figures = nlohmann::json::parse(std::ifstream(json));
+  EXPECT_TRUE(figures["frames"][1]["temporal"].is_null());
+  EXPECT_EQ(figures["frames"][2]["temporal"], 0.0);
+}
+
+TEST_F(Compare, NamesThatAreNoTextAreWritten) {
+  write_frames(1, 2.0f);
+  const std::string odd = folder_ / "r\xe9" "f.exr";
+  fs::copy_file(frame_path(reference_, 1), odd);
+  const std::string json = folder_ / "figures.json";
+  const Outcome outcome =
+      becalm({"compare", odd, frame_path(test_, 1), "--max-relmse", "0.01", "--json", json});
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  EXPECT_EQ(nlohmann::json::parse(std::ifstream(json))["failures"].size(), 1u);
+}
+
 TEST_F(Compare, LimitsAreNumbersThatCanBeMet) {
   write_frames(1, 1.0f);
   for (const char* value : {"nan", "-1", "inf", "x"}) {

@@ -1,5 +1,9 @@
 // becalm test: what cases find, and what is reported.
 
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfOutputFile.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -78,6 +82,30 @@ TEST_F(SuiteTest, UlpsMayBeAllowed) {
   for (float& value : frame.image(Aov::beauty).data()) value = std::nextafter(value, 2.0f);
   io::write_exr(folder_ / "image.exr", frame, {}, io::PixelType::float32);
   EXPECT_EQ(run().status, 1);
+}
+
+TEST_F(SuiteTest, ReferencesKeepTheirPlaceAndLayersTheirName) {
+  Imf::Header header(Imath::Box2i({0, 0}, {19, 19}), Imath::Box2i({3, 2}, {10, 7}));
+  header.channels().insert("key.R", Imf::Channel(Imf::FLOAT));
+  header.channels().insert("key.G", Imf::Channel(Imf::FLOAT));
+  header.channels().insert("key.B", Imf::Channel(Imf::FLOAT));
+  std::vector<float> values(static_cast<std::size_t>(20) * 20, 0.5f);
+  Imf::FrameBuffer pixels;
+  for (const char* name : {"key.R", "key.G", "key.B"}) {
+    pixels.insert(name, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(values.data()), sizeof(float),
+                                   20 * sizeof(float)));
+  }
+  {
+    Imf::OutputFile file((folder_ / "cropped.exr").c_str(), header);
+    file.setFrameBuffer(pixels);
+    file.writePixels(6);
+  }
+  write_suite(
+      R"("cropped": {"source": {"command": ["sh", "-c", "cp cropped.exr $0", "{output}", "{seed}"]}, "layer": "key",
+    "judged_by": {"error": {"max_rel_mse": 1e-5}}})");
+  update();
+  const Outcome outcome = run();
+  EXPECT_EQ(outcome.status, 0) << outcome.out;
 }
 
 TEST_F(SuiteTest, ACaseWithoutReferenceIsAnError) {
