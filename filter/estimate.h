@@ -34,6 +34,7 @@ struct NewFrame {
   std::vector<Image> additive = {};  ///< from pack_additive
   Estimate smoothed = {};            ///< if not empty, matched and merged instead of the frame
   Image smoothed_albedo = {};        ///< RGB; if not empty, stands for the frame's albedo
+  Image motion = {};                 ///< offset into the history, as Aov::motion; empty if no motion is used
 
   const Image& albedo() const { return smoothed_albedo.empty() ? frame.image(Aov::albedo) : smoothed_albedo; }
   const std::vector<Image>& merged_additive() const {

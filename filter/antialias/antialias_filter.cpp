@@ -10,7 +10,7 @@
 
 #include "filter/antialias/antialias_chain.h"
 #include "filter/antialias/checkerboard.h"
-#include "filter/antialias/motion_to_next.h"
+#include "filter/input/motion_to_next.h"
 #include "filter/antialias/sample_grid.h"
 #include "filter/antialias/sharpener.h"
 #include "filter/for_rows.h"

@@ -212,7 +212,7 @@ void FrameMerger::find_features(const Tile& tile, const NewFrame& frame, FrameRe
 void FrameMerger::find_coarse_offsets(const NewFrame& frame, FrameReport& report) {
   CoarseChain& coarse = *chains_->coarse;
   if (coarse.motion) {
-    pack_motion(frame.frame.image(Aov::motion), bounds(task_.full),
+    pack_motion(frame.motion, bounds(task_.full),
                 motion_limit_px(task_.settings, task_.full), coarse.chain.upload<float>(*coarse.motion));
   }
   std::ranges::copy(host_->features.coarse.values, coarse.chain.upload<float>(coarse.target.image).begin());
@@ -259,7 +259,7 @@ void FrameMerger::merge_tile(const Tile& tile, const NewFrame& frame, MergedFram
   }
   upload_additive(chain, merge.additive, frame.merged_additive(), tile.target);
   if (merge.motion) {
-    pack_motion(frame.frame.image(Aov::motion), tile.target, motion_limit_px(task_.settings, task_.full),
+    pack_motion(frame.motion, tile.target, motion_limit_px(task_.settings, task_.full),
                 chain.upload<float>(*merge.motion));
   }
   if (merge.guide) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <span>
@@ -13,6 +14,7 @@
 #include "filter/for_rows.h"
 #include "filter/input/frame_check.h"
 #include "filter/input/host_images.h"
+#include "filter/input/motion_to_next.h"
 #include "filter/merge/additive.h"
 #include "filter/merge/combine.h"
 #include "filter/merge/frame_merger.h"
@@ -117,6 +119,8 @@ struct SequenceFilter::State {
   /// The smoothed albedo and the smoothed frame: kept from an earlier step, or computed now.
   Image smoothed_albedo(const Step& step, const NewFrame& frame, FrameReport& report);
   Estimate smoothed(const Step& step, const NewFrame& frame, FrameReport& report);
+  /// The offset into the history; none is known backward without a history.
+  Image motion(const Step& step, const Frame& frame);
   /// Merges a frame with the history before it and the prediction kept for it.
   void forward(const Step& step, Merged& made, FrameReport& report);
 
@@ -132,6 +136,7 @@ struct SequenceFilter::State {
   std::map<int, PackedEstimate> predictions;
   FindCuts find_cuts = FindCuts::no;
   std::optional<ShotSignature> before;  ///< of the last frame in the history
+  std::optional<Frame> next;            ///< motion and depth of the last frame of a backward pass
 };
 
 SequenceFilter::SequenceFilter(gpu::Device& device, const Settings& settings, int width, int height,
@@ -195,6 +200,7 @@ std::optional<SequenceFilter::Merged> SequenceFilter::begin(const Step& step, co
     if (report.new_shot) reset();
     state_->before = std::move(signature);
   }
+  if (contains(task.used, Aov::motion)) new_frame.motion = state_->motion(step, frame);
   if (state_->albedo_smoother) new_frame.smoothed_albedo = state_->smoothed_albedo(step, new_frame, report);
   if (state_->smoother) new_frame.smoothed = state_->smoothed(step, new_frame, report);
   if (step.wanted && step.direction == Direction::forward) {
@@ -215,6 +221,15 @@ std::optional<SequenceFilter::Merged> SequenceFilter::begin(const Step& step, co
 
 const FilterTask& SequenceFilter::task() const {
   return state_->task;
+}
+
+Image SequenceFilter::State::motion(const Step& step, const Frame& frame) {
+  if (step.direction == Direction::forward) return frame.image(Aov::motion);
+  Image result = next ? motion_to_next(*next)
+                      : Image(frame.width(), frame.height(), 2, std::numeric_limits<float>::quiet_NaN());
+  next.emplace(frame.number(), frame.width(), frame.height());
+  for (const Aov aov : {Aov::motion, Aov::depth}) next->image(aov) = frame.image(aov);
+  return result;
 }
 
 Image SequenceFilter::State::smoothed_albedo(const Step& step, const NewFrame& frame, FrameReport& report) {
@@ -280,6 +295,7 @@ Denoised SequenceFilter::denoise(const Frame& frame) {
 void SequenceFilter::reset() {
   state_->merger->reset();
   state_->before.reset();
+  state_->next.reset();
 }
 
 FilterMemory SequenceFilter::memory() const {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "filter/antialias/antialias_filter.h"
-#include "filter/antialias/motion_to_next.h"
+#include "filter/input/motion_to_next.h"
 #include "filter/antialias/sample_grid.h"
 #include "frame/error.h"
 #include "tests/filter/device_fixture.h"

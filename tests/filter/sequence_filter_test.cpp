@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <random>
+#include <set>
 
 #include "frame/error.h"
 #include "tests/filter/device_fixture.h"
@@ -109,6 +110,36 @@ TEST_F(SequenceFilterTest, BothDirectionsAreBetterThanOneAndKeepTheEnergy) {
     EXPECT_NEAR(energy / clean_energy, 1.0, 0.0075);
   }
   EXPECT_LT(error[1], 0.85 * error[0]);
+}
+
+TEST_F(SequenceFilterTest, BackwardInTimeKnownMotionIsTurnedAround) {
+  const auto with_motion = [](int number) {
+    Frame frame = noisy_frame(number);
+    frame.remove(Aov::albedo);
+    Image& motion = frame.add(Aov::motion);
+    for (std::size_t i = 0; i < motion.pixel_count(); ++i) {
+      motion.data()[2 * i] = 2.0f;
+      motion.data()[2 * i + 1] = -1.0f;
+    }
+    return frame;
+  };
+  Settings settings = preset("final");
+  settings.motion = MotionUse::override_offset;
+  SequenceFilter filter(device(), settings, kWidth, kHeight, with_motion(1).aovs());
+  const std::vector<int> frames{1, 2, 3, 4};
+  const auto error_of = [&](const std::set<int>& wanted, const std::vector<int>& present) {
+    double error = 0.0;
+    for (const Segment& segment : schedule(present, wanted, {.segment = 8})) {
+      for (const Step& step : segment) {
+        FrameReport report;
+        const std::optional<Frame> denoised = filter.run(step, with_motion(step.frame), report);
+        if (denoised) error += squared_error(*denoised);
+      }
+    }
+    return error;
+  };
+  const double alone = error_of({1}, std::vector<int>{1});
+  EXPECT_LT(error_of({1}, frames), 0.7 * alone) << "frames 2 to 4 were not found";
 }
 
 TEST_F(SequenceFilterTest, NothingIsKnownOfALastFrameFromTheFuture) {

@@ -1,4 +1,4 @@
-#include "filter/antialias/motion_to_next.h"
+#include "filter/input/motion_to_next.h"
 
 #include <cmath>
 #include <limits>
