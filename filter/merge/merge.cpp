@@ -103,13 +103,14 @@ constexpr int kNoisePatchRadius = 3;
 
 /// The noisy layer, its variance limited to what differs from the history.
 ImageId add_known_noise(Chain& chain, Extent full, ImageId noisy, ImageId warped, ImageId warped_stats,
-                        ImageId exposure) {
+                        const NoisyInputs& frame) {
   const ImageId statistics = chain.image("noise.repeated", Format::f32x4, full);
   chain.pass("merge/repeated_noise")
       .read("noisy", noisy)
       .read("warped_noisy", warped)
       .read("warped_stats", warped_stats)
-      .read("exposure", exposure)
+      .read("exposure", frame.exposure)
+      .read("variance", frame.variance)
       .write("statistics", statistics)
       .dispatch(full);
   const ImageId sums = add_patch_sums(chain, kNoisePatchRadius, full, statistics, "noise.repeated");
@@ -232,7 +233,7 @@ MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent ful
     const ImageId layer = inputs.additive[i].color;
     const ImageId color =
         inputs.additive[i].kind == Carried::radiance
-            ? add_known_noise(chain, full, layer, warped.additive[i], warped.stats, inputs.noisy.exposure)
+            ? add_known_noise(chain, full, layer, warped.additive[i], warped.stats, inputs.noisy)
             : layer;
     chain.pass("merge/additive_blend")
         .read("color", color)

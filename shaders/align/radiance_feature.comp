@@ -18,23 +18,27 @@ layout(set = 0, binding = 1) uniform samplerBuffer exposure;
 layout(std430, set = 0, binding = 2) writeonly buffer FeaturesBuffer { float data[]; } features;
 
 float exposed_at(ivec2 at, float e) {
-  const ivec2 q = clamp(at, ivec2(0), color_size - 1);
-  const vec4 c = texelFetch(color, q.y * color_size.x + q.x);
+  const vec4 c = texelFetch(color, at.y * color_size.x + at.x);
   return exposed(luminance(c.r, c.g, c.b), e);
 }
 
-/// The pixel's exposed luminance, or the mean of its four nearest neighbours if it is a firefly.
+/// The pixel's exposed luminance, or the mean of its nearest neighbours, four inside the frame, if it is a
+/// firefly.
 float without_firefly(ivec2 at, float e) {
   const float here = exposed_at(at, e);
   float brightest = 0.0;
   float sum = 0.0;
+  float count = 0.0;
   [[unroll]] for (int k = 0; k < 9; ++k) {
     if (k == 4) continue;
-    const float x = exposed_at(at + ivec2(k % 3, k / 3) - 1, e);
+    const ivec2 next = at + ivec2(k % 3, k / 3) - 1;
+    const bool inside = all(greaterThanEqual(next, ivec2(0))) && all(lessThan(next, color_size));
+    const float x = inside ? exposed_at(next, e) : 0.0;
     brightest = max(brightest, x);
     sum += k % 2 == 1 ? x : 0.0;
+    count += k % 2 == 1 && inside ? 1.0 : 0.0;
   }
-  return here > kFirefly * brightest ? 0.25 * sum : here;
+  return count > 0.0 && here > kFirefly * brightest ? sum / count : here;
 }
 
 void main() {
