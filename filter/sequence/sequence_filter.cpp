@@ -1,6 +1,7 @@
 #include "filter/sequence/sequence_filter.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +9,7 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 
 #include "filter/align/pyramid.h"
@@ -25,6 +27,7 @@
 #include "filter/smooth/energy.h"
 #include "filter/smooth/frame_smoother.h"
 #include "filter/smooth/merged_smoother.h"
+#include "frame/error.h"
 
 namespace becalm::filter {
 namespace {
@@ -119,6 +122,8 @@ struct SequenceFilter::State {
   /// The smoothed albedo and the smoothed frame: kept from an earlier step, or computed now.
   Image smoothed_albedo(const Step& step, const NewFrame& frame, FrameReport& report);
   Estimate smoothed(const Step& step, const NewFrame& frame, FrameReport& report);
+  /// Throws Error(bad_input) if the light groups are not those of the frames before.
+  void check_light_groups(const Frame& frame);
   /// The offset into the history; none is known backward without a history.
   Image motion(const Step& step, const Frame& frame);
   /// Merges a frame with the history before it and the prediction kept for it.
@@ -135,8 +140,9 @@ struct SequenceFilter::State {
   std::map<int, HalfImage> kept_albedo;         ///< likewise
   std::map<int, PackedEstimate> predictions;
   FindCuts find_cuts = FindCuts::no;
-  std::optional<ShotSignature> before;  ///< of the last frame in the history
-  std::optional<Frame> next;            ///< motion and depth of the last frame of a backward pass
+  std::optional<ShotSignature> before;                   ///< of the last frame in the history
+  std::optional<std::vector<std::string>> light_groups;  ///< their names, sorted; of the first frame
+  std::optional<Frame> next;  ///< motion and depth of the last frame of a backward pass
 };
 
 SequenceFilter::SequenceFilter(gpu::Device& device, const Settings& settings, int width, int height,
@@ -188,6 +194,7 @@ std::optional<SequenceFilter::Merged> SequenceFilter::begin(const Step& step, co
                      .usual_depth = typical_depth(frame, task.used),
                      .additive = {}};
   new_frame.additive = pack_additive(frame, task, new_frame.finite, report);
+  if (task.additive > 0) state_->check_light_groups(frame);
   report.non_finite_pixels = static_cast<std::size_t>(std::ranges::count(new_frame.finite, 0));
   if (contains(task.used, Aov::motion)) {
     report.far_motions =
@@ -221,6 +228,17 @@ std::optional<SequenceFilter::Merged> SequenceFilter::begin(const Step& step, co
 
 const FilterTask& SequenceFilter::task() const {
   return state_->task;
+}
+
+void SequenceFilter::State::check_light_groups(const Frame& frame) {
+  std::vector<std::string> names;
+  for (const LightGroup& group : frame.light_groups()) names.push_back(group.name);
+  std::ranges::sort(names);
+  if (!light_groups) light_groups = names;
+  if (names == *light_groups) return;
+  throw Error(ExitStatus::bad_input,
+              fmt::format("frame {}: has the light groups {}: expected {} as the frames before it",
+                          frame.number(), fmt::join(names, ","), fmt::join(*light_groups, ",")));
 }
 
 Image SequenceFilter::State::motion(const Step& step, const Frame& frame) {

@@ -34,9 +34,9 @@ class SequenceFilter : public FrameFilter {
   ~SequenceFilter() override;
   SequenceFilter(SequenceFilter&&) noexcept;
 
-  /// A smoothed frame is kept until its last step and takes some 12 bytes per pixel, with smooth=frames 16
-  /// more for each additive AOV. A prediction is kept from the backward step to the forward step of its frame
-  /// and takes 12, with smooth=merged 24 more, and 16 for each additive AOV.
+  /// A smoothed frame is kept until its last step and takes some 12 bytes per pixel, with its albedo 6 more,
+  /// with smooth=frames 16 more for each additive AOV. A prediction is kept from the backward step to the
+  /// forward step of its frame and takes 12, with smooth=merged 24 more, and 16 for each additive AOV.
   std::optional<Frame> run(const Step& step, const Frame& frame, FrameReport& report) override;
 
   /// A frame between its merge and what comes out.

@@ -15,7 +15,8 @@ BilinearTaps bilinear_taps(ivec2 pixel, vec2 displacement, ivec2 size) {
   return BilinearTaps(clamp(lo, ivec2(0), size - 1), clamp(lo + 1, ivec2(0), size - 1), displacement - base);
 }
 
-/// The same in an image that is smaller by the factor `scale`, a power of two. Its size may be rounded up.
+/// The same in an image that is smaller by the factor `scale`. Its size may be rounded up. Only for a
+/// power of two do results not depend on where a tile begins.
 BilinearTaps bilinear_taps(ivec2 pixel, vec2 displacement, ivec2 size, float scale) {
   const vec2 coarse = floor(vec2(pixel) / scale);
   const vec2 within = vec2(pixel) - scale * coarse + displacement;

@@ -240,13 +240,19 @@ TEST_F(AdditiveTest, MayBeLeftOut) {
   EXPECT_TRUE(denoised.light_groups().empty());
 }
 
-TEST_F(AdditiveTest, FramesThatLackAGroupAreRefused) {
+TEST_F(AdditiveTest, FramesThatLackAGroupOrHaveAnotherAreRefused) {
   const auto fewer_groups_later = [](int number) {
     Frame frame = noisy_frame(number);
     if (number > 1) frame.light_groups().pop_back();
     return frame;
   };
   EXPECT_THROW(denoise(preset("draft"), fewer_groups_later), Error);
+  const auto other_groups_later = [](int number) {
+    Frame frame = noisy_frame(number);
+    if (number > 1) frame.light_groups().back().name = "another";
+    return frame;
+  };
+  EXPECT_THROW(denoise(preset("draft"), other_groups_later), Error);
 }
 
 }  // namespace
