@@ -31,7 +31,7 @@ const Bsdf& Path<F>::shade(const ObjectState& object, const Hit& hit, Surface& s
         footprint = parameter_footprint(differential_.dpdx, differential_.dpdy, around.dpdu, around.dpdv);
       const TexturePoint point{surface.uv, footprint.duv_dx, footprint.duv_dy};
       const Material& material = resolve_mix(materials, *object.material, context_.textures, point, u_mix);
-      if (has_relief(material)) {
+      if (has_relief(material) && around.has_uvs) {
         surface.normal_shading = perturbed_normal(
             material, context_.textures,
             {point, around.dpdu, around.dpdv, surface.normal_shading, surface.normal_geometric});

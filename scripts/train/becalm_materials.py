@@ -116,10 +116,6 @@ class Materials:
     def any(self, coarse=1.0, glass_share=0.1):
         if self.rng.random() < glass_share:
             return self.dielectric()
-        if self.rng.random() < 0.05:  # a veil: partly seen through without refraction
-            name = self.diffuse(coarse)
-            self.entries[name]["opacity"] = round(float(self.rng.uniform(0.2, 0.8)), 3)
-            return name
         return self.opaque(coarse)
 
     def masked(self):

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "frame/error.h"
+#include "tests/tracer/test_images.h"
 #include "tests/tracer/test_scenes.h"
 #include "tracer/describe_scene.h"
 
@@ -205,6 +206,25 @@ TEST(Load, NamesBadValues) {
             "scene.json: /film/width: expected a whole number from 1 to 65536, found 0");
   EXPECT_EQ(load_error(with_meshes("{'box': {'shape': 'sphere', 'segments': 2.5}}")),
             "scene.json: /meshes/box/segments: expected a whole number from 3 to 4096, found 2.5");
+}
+
+TEST(Load, NamesMaterialsThatAShapeCannotHave) {
+  const auto loaded = [](const std::string& mesh, const std::string& material, const std::string& more = "") {
+    write_image("relief.exr", 1, 1, 1, {0.5f});
+    return load_error(
+        "{'camera': {'look_at': {'eye': [0,0,4], 'target': [0,0,0]}}, 'media': {'fog': {'type': "
+        "'homogeneous', 'extinction': 1}}, 'materials': {'m': {'type': 'diffuse', 'reflectance': 1, " +
+        material + "}}, 'meshes': {'shape': {" + mesh + "}}, 'objects': [{'mesh': 'shape', 'material': 'm'" +
+        more + "}]}");
+  };
+  EXPECT_EQ(loaded("'shape': 'exact_sphere'", "'opacity': 0.5"),
+            "scene.json: /objects/0/material: only triangles can have an opacity");
+  EXPECT_EQ(loaded("'procedural': 'terrain'", "'bump': {'image': 'relief.exr'}"),
+            "scene.json: /objects/0/material: a procedural surface has no uvs for bump and normal maps");
+  EXPECT_EQ(
+      loaded("'shape': 'cube'", "'opacity': 0.5", ", 'interior': 'fog'"),
+      "scene.json: /objects/0/interior: a material with an opacity bounds no medium: it would leak through "
+      "the holes");
 }
 
 TEST(Load, NamesImpossibleMotion) {

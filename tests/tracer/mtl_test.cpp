@@ -122,6 +122,8 @@ TEST(Mtl, Images) {
   EXPECT_EQ(material.bump->scale, 0.125f);
   EXPECT_EQ(reader.data(material.normal_map->texture, {{0.5f, 0.5f}}), V3f(0.25f, 0.5f, 0.75f));
   EXPECT_NEAR(loaded.materials.at(0).emission.z, 2.0f * decoded(0.75f), 2e-3f);
+  write_image("bright.exr", 1, 1, 3, {20.0f, 20.0f, 20.0f});
+  EXPECT_GT(load("newmtl m\nmap_Ke bright.exr\n").materials.at(0).emission.x, 15.0f);
 }
 
 TEST(Mtl, Errors) {

@@ -125,6 +125,9 @@ TEST(Obj, NamesTheFaceOfABadIndex) {
   EXPECT_EQ(obj_error(kCorners + "f 1/7 2/7 3/7\n"), "m.obj: face 1: uv index 7 is outside the file's 0");
   EXPECT_EQ(obj_error(kCorners + "f 1 2 -9\n"), "m.obj: face 1: vertex index -4 is outside the file's 4");
   EXPECT_EQ(obj_error(kCorners + "f 0 1 2\n"), "m.obj: line 5: 'f' needs indices other than 0, found '0'");
+  EXPECT_EQ(obj_error(kCorners + "f 1 2x 3\n"), "m.obj: line 5: 'f' needs indices other than 0, found '2x'");
+  EXPECT_EQ(obj_error(kCorners + "f 1.5 2 3\n"),
+            "m.obj: line 5: 'f' needs indices other than 0, found '1.5'");
   EXPECT_EQ(obj_error(kCorners + "f 1 2 3 # x\n"),
             "m.obj: line 5: 'f' needs indices other than 0, found '#'");
   EXPECT_EQ(obj_error(kCorners + "f 1/1/1/1 2 3\n"),

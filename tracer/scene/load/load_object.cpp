@@ -1,4 +1,7 @@
 #include <algorithm>
+#include <span>
+#include <variant>
+#include <vector>
 
 #include "tracer/scene/load/load_sections.h"
 #include "tracer/scene/load/scatter.h"
@@ -49,17 +52,45 @@ bool scales_alike(const TransformCurve& transform) {
   });
 }
 
-/// Throws for combinations that are not supported. Removes the rotation of emissive spheres: motion blur is
-/// linear between transforms and would shrink a turning sphere.
+/// What materials may ask of a surface and an object's shape does not have. The parts of a mix count.
+void check_material_fits(const JsonValue& json, const Object& object, const SceneDescription& scene) {
+  const Material& material = scene.materials[object.material];
+  const auto& shape = scene.meshes[object.mesh];
+  if (has_alpha(material) && !std::holds_alternative<Mesh>(shape))
+    json.at("material").fail("only triangles can have an opacity");
+  if (has_alpha(material) && object.interior)
+    json.at("interior").fail("a material with an opacity bounds no medium: it would leak through the holes");
+  if (!std::holds_alternative<ProceduralDescription>(shape)) return;
+  std::vector<const Material*> parts{&material};
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (has_relief(*parts[i]))
+      json.at("material").fail("a procedural surface has no uvs for bump and normal maps");
+    if (const auto* mix = std::get_if<MixMaterial>(&parts[i]->model)) {
+      for (const std::uint32_t part : {mix->first, mix->second}) parts.push_back(&scene.materials[part]);
+    }
+  }
+}
+
+bool turns(const TransformCurve& transform) {
+  const auto rotation = [](const TransformCurve::Key& key) { return std::span(key.value).subspan(3, 3); };
+  return std::ranges::any_of(transform.keys(), [&](const TransformCurve::Key& key) {
+    return !std::ranges::equal(rotation(key), rotation(transform.keys().front()));
+  });
+}
+
+/// Throws for combinations that are not supported. Removes the rotation of emissive spheres that turn: motion
+/// blur is linear between transforms and would shrink them.
 void check_fits(const JsonValue& json, Object& object, const SceneDescription& scene) {
   const Material& material = scene.materials[object.material];
   if (material.is_interface && object.emissive)
     json.at("emission").fail("an interface has no surface that could emit");
+  check_material_fits(json, object, scene);
   if (!object.emissive || std::holds_alternative<Mesh>(scene.meshes[object.mesh])) return;
   if (!std::holds_alternative<UnitSphere>(scene.meshes[object.mesh]))
     json.at("emission").fail("only triangles and exact spheres can emit");
   if (!scales_alike(object.transform))
     json.at("transform").fail("an exact sphere that emits must be scaled alike in x, y and z");
+  if (!turns(object.transform)) return;
   std::vector<TransformCurve::Key> keys = object.transform.keys();
   for (TransformCurve::Key& key : keys) std::fill_n(key.value.begin() + 3, 3, 0.0);
   object.transform = TransformCurve(std::move(keys), object.transform.interpolation());

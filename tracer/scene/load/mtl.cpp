@@ -170,7 +170,8 @@ class Translator {
     const std::uint32_t texture =
         add(mtl_.emissive_texname, mtl_.emissive_texopt, TextureContent::color, V3f(1.0f));
     constexpr float whole = 1.0f;
-    const V3f mean = Textures::Reader(textures_).color(texture, {V2f(0.5f), {whole, 0.0f}, {0.0f, whole}});
+    // Not limited to 1, as a reflectance is.
+    const V3f mean = Textures::Reader(textures_).data(texture, {V2f(0.5f), {whole, 0.0f}, {0.0f, whole}});
     textures_.check();
     result.emission = is_black(result.emission) ? mean : result.emission * mean;
   }

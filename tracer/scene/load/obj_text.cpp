@@ -131,7 +131,7 @@ class BlockReader {
     const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), index);
     if (error == std::errc::result_out_of_range)
       index = digits.starts_with('-') ? -std::numeric_limits<int>::max() : std::numeric_limits<int>::max();
-    return index != 0;
+    return index != 0 && stop == digits.data() + digits.size();
   }
 
   Block block_;
