@@ -213,7 +213,8 @@ TEST(Load, NamesMaterialsThatAShapeCannotHave) {
     write_image("relief.exr", 1, 1, 1, {0.5f});
     return load_error(
         "{'camera': {'look_at': {'eye': [0,0,4], 'target': [0,0,0]}}, 'media': {'fog': {'type': "
-        "'homogeneous', 'extinction': 1}}, 'materials': {'m': {'type': 'diffuse', 'reflectance': 1, " +
+        "'homogeneous', 'extinction': 1, 'albedo': 0.5}}, 'materials': {'m': {'type': 'diffuse', "
+        "'reflectance': 1, " +
         material + "}}, 'meshes': {'shape': {" + mesh + "}}, 'objects': [{'mesh': 'shape', 'material': 'm'" +
         more + "}]}");
   };
