@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <deque>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <numeric>
@@ -103,6 +104,7 @@ class RenderJob {
   bool has_segments() const { return filter_ && filter_->has_segments(); }
   void choose_noisy_files();
   void find_existing();
+  void remove_scratch_files() const;
   void start_progress(std::size_t frames_to_make);
   void run_frame_by_frame(const std::vector<int>& work);
   void run_segments(const std::vector<int>& work);
@@ -217,7 +219,10 @@ ExitStatus RenderJob::run() {
   // A filter without segments goes through every frame before the one that is missing.
   std::vector<int> work = up_to_last_missing(asked, existing_);
   if (!filter_ || has_segments()) std::erase_if(work, [&](int frame) { return existing_.contains(frame); });
-  if (work.empty()) return all_there(asked.size(), command_.running.quiet);
+  if (work.empty()) {
+    remove_scratch_files();
+    return all_there(asked.size(), command_.running.quiet);
+  }
 
   if (filter_) {
     std::vector<FilteredView> views;
@@ -237,6 +242,12 @@ ExitStatus RenderJob::run() {
   if (filter_) filter_->finish(profile_);
   if (command_.noise_target) tell_expected_noise();
   return conclude(*progress_, asked.size(), command_.running.profile ? &profile_ : nullptr);
+}
+
+/// What a run that was stopped at its very end has left.
+void RenderJob::remove_scratch_files() const {
+  if (!noisy_files_ || !command_.keep_noisy.empty()) return;
+  for (const int frame : noisy_files_->existing) std::filesystem::remove(noisy_files_->outputs.path(frame));
 }
 
 void RenderJob::start_progress(std::size_t frames_to_make) {
@@ -311,7 +322,7 @@ void RenderJob::run_segments(const std::vector<int>& work) {
   RenderedFrames frames = rendered_frames();
   RenderAhead ahead(frames, *noisy_files_, std::move(segments), !command_.keep_noisy.empty());
   run_steps(ahead.steps(), [&](std::size_t step) { return ahead.next(step); });
-  ahead.finish();
+  ahead.finish(progress_->written() == outputs_->frames().size());
 }
 
 void RenderJob::run_steps(const std::vector<filter::Step>& steps,

@@ -72,10 +72,10 @@ std::optional<io::LoadedFrame> RenderAhead::next(std::size_t step) {
   return std::nullopt;
 }
 
-void RenderAhead::finish() {
+void RenderAhead::finish(bool all_written) {
   close();
   if (tracer_.valid()) tracer_.get();
-  while (removed_ < segments_.size() && !stop_requested()) remove_files(removed_++);
+  while (removed_ < segments_.size() && (all_written || !stop_requested())) remove_files(removed_++);
 }
 
 void RenderAhead::end() {

@@ -33,8 +33,8 @@ class RenderAhead {
   /// The noisy frame of a step; nothing if a stop was requested. Throws what ended the tracer.
   std::optional<io::LoadedFrame> next(std::size_t step);
   /// Behind the pipeline: throws what ended the tracer, and removes the last files unless a stop was
-  /// requested.
-  void finish();
+  /// requested before all outputs were written.
+  void finish(bool all_written);
 
  private:
   void trace();

@@ -91,6 +91,21 @@ TEST_F(Render, NoisyFramesThatTheFilterReadsAreGoneAtTheEnd) {
                            read_frame(folder_ / "whole.0002.exr").image(Aov::beauty)));
 }
 
+TEST_F(Render, NoisyFramesThatAStoppedRunLeftAreGoneWhenAllIsThere) {
+  const std::vector<std::string> options{"--spp", "1", "--denoise", "--frames", "1-2", "--context", "none"};
+  const auto with = [&](const std::string& option) {
+    std::vector<std::string> all = options;
+    all.push_back(option);
+    return all;
+  };
+  std::vector<std::string> keeps = options;
+  keeps.insert(keeps.end(), {"--keep-noisy", folder_ / "out/a.####.noisy.exr"});
+  render("out/a.####.exr", keeps);
+  EXPECT_EQ(files_in(folder_.path() / "out").size(), 4u);
+  render("out/a.####.exr", with("--resume"));
+  EXPECT_EQ(files_in(folder_.path() / "out"), (std::vector<std::string>{"a.0001.exr", "a.0002.exr"}));
+}
+
 TEST_F(Render, SegmentsThatTheTracerRunsAheadOfAreThoseOfRenderThenDenoise) {
   const std::vector<std::string> segments{"--segment", "1", "--warmup", "1"};
   std::vector<std::string> options{"--float", "--spp", "1", "--denoise"};
@@ -204,6 +219,25 @@ TEST_F(Render, ResumeNoticesAnEditedMesh) {
     "meshes": {"t": {"obj": "mesh.obj"}}, "objects": [{"name": "o", "mesh": "t", "material": "m"}]})");
   render("a.####.exr", {"--frames", "1"});
   write_text(folder_ / "mesh.obj", "v 0 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\n");
+  expect_error(becalm(command("a.####.exr", {"--resume"})), 2, {"a.0001.exr", "scene"});
+}
+
+TEST_F(Render, ResumeNoticesAnEditedMaterialOfAMeshAndItsImage) {
+  write_text(folder_ / "mesh.obj",
+             "mtllib mesh.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n");
+  write_text(folder_ / "mesh.mtl", "newmtl m\nKd 1 0 0\nmap_Kd -s 2 2 1 image.exr\n");
+  io::write_exr(folder_ / "image.exr", noise_frame(1, 4, 4), {});
+  write_text(
+      scene_,
+      R"({"film": {"width": 16, "height": 16}, "camera": {"look_at": {"eye": [0, 0, 4], "target": [0, 0, 0]}}, "environment": {"radiance": [1, 1, 1]},
+    "frames": {"first": 1, "last": 2}, "materials": {},
+    "meshes": {"t": {"obj": "mesh.obj", "materials": "mtl"}}, "objects": [{"name": "o", "mesh": "t"}]})");
+  render("a.####.exr", {"--frames", "1"});
+  render("a.####.exr", {"--frames", "1", "--resume"});
+  io::write_exr(folder_ / "image.exr", noise_frame(2, 4, 4), {});
+  expect_error(becalm(command("a.####.exr", {"--resume"})), 2, {"a.0001.exr", "scene"});
+  io::write_exr(folder_ / "image.exr", noise_frame(1, 4, 4), {});
+  write_text(folder_ / "mesh.mtl", "newmtl m\nKd 0 1 0\nmap_Kd -s 2 2 1 image.exr\n");
   expect_error(becalm(command("a.####.exr", {"--resume"})), 2, {"a.0001.exr", "scene"});
 }
 
