@@ -20,6 +20,7 @@
 #include "app/help.h"
 #include "app/mebibytes.h"
 #include "app/options.h"
+#include "app/outputs.h"
 #include "app/profile.h"
 #include "app/progress.h"
 #include "filter/burst/burst_merger.h"
@@ -166,19 +167,11 @@ class BurstJob {
       if (fs::equivalent(command_.output, frames_->path(i), error))
         throw Error(ExitStatus::usage, fmt::format("-o {}: would overwrite an input", command_.output));
     }
-    if (command_.overwrite || is_of_becalm()) return;
+    if (command_.overwrite || is_of_becalm(command_.output)) return;
     throw Error(
         ExitStatus::usage,
-        fmt::format("-o {}: is there already and not becalm's; --overwrite replaces it", command_.output));
-  }
-
-  bool is_of_becalm() const {
-    if (kind_ == Kind::dng) return false;
-    try {
-      return !io::read_attribute(command_.output, "becalm:version").empty();
-    } catch (const Error&) {
-      return false;
-    }
+        fmt::format("-o {}: is there already, and {}; --overwrite replaces it", command_.output,
+                    kind_ == Kind::dng ? "a DNG does not tell who made it" : "becalm did not write it"));
   }
 
   /// Reads the reference, and its noise. False if the run is to stop.

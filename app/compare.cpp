@@ -137,12 +137,6 @@ CLI::Validator limit_of(LimitKind kind) {
       "");
 }
 
-/// The number that a single file's name has, else 1.
-int number_of(const std::string& file) {
-  const std::optional<io::NamedFrame> named = io::frame_in_name(file);
-  return named ? named->number : 1;
-}
-
 CompareJob::CompareJob(const CompareCommand& command)
     : command_(command),
       reference_(command.reference),
@@ -153,7 +147,7 @@ CompareJob::CompareJob(const CompareCommand& command)
   if (!command.reference_b.empty()) reference_b_.emplace(command.reference_b);
   frames_ = !command.frames.empty()        ? io::parse_frame_range(command.frames)
             : reference_.has_frame_field() ? reference_.frames_on_disk()
-                                           : std::vector<int>{number_of(command.reference)};
+                                           : std::vector<int>{io::number_in_name(command.reference)};
   if (frames_.empty()) {
     throw Error(ExitStatus::bad_input, fmt::format("{}: no frame of this sequence is on disk{}",
                                                    command.reference, reference_.hint_of_other_padding()));

@@ -118,11 +118,6 @@ Json to_json(const std::vector<io::AdditiveSet>& sets) {
   return json;
 }
 
-int frame_number(const std::string& path) {
-  const std::optional<io::NamedFrame> named = io::frame_in_name(path);
-  return named ? named->number : 1;
-}
-
 /// --audit: what would spoil the result of denoising these frames.
 std::vector<FrameFinding> audit_of(const io::SequencePattern& pattern, const std::vector<int>& frames,
                                    const io::LayerOptions& layers) {
@@ -186,7 +181,7 @@ void describe_file(const InfoCommand& command, const io::LayerOptions& layers) {
   const std::string alpha = alpha_outlook(path, layers);
   std::vector<FrameFinding> findings;
   const bool audits = command.audit && file.problem.empty();
-  if (audits) findings = audit_of(io::SequencePattern(path), {frame_number(path)}, layers);
+  if (audits) findings = audit_of(io::SequencePattern(path), {io::number_in_name(path)}, layers);
   if (command.json) {
     Json json{{"file", path},   {"parts", to_json(file.parts)}, {"additive", to_json(sets)},
               {"alpha", alpha}, {"becalm", origin_of(path)},    {"problem", file.problem}};

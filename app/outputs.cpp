@@ -88,14 +88,6 @@ std::string describe_difference(const std::string& there, const std::string& her
   return "the settings in another order";
 }
 
-bool is_of_becalm(const std::string& path) {
-  try {
-    return !io::read_attribute(path, "becalm:version").empty();
-  } catch (const Error&) {
-    return false;
-  }
-}
-
 bool is_whole(const std::string& path) {
   try {
     io::require_whole_exr(path);
@@ -106,6 +98,14 @@ bool is_whole(const std::string& path) {
 }
 
 }  // namespace
+
+bool is_of_becalm(const std::string& path) {
+  try {
+    return !io::read_attribute(path, "becalm:version").empty();
+  } catch (const Error&) {
+    return false;
+  }
+}
 
 Outputs::Outputs(std::string_view option, std::vector<io::SequencePattern> patterns, std::vector<int> frames)
     : option_(option), patterns_(std::move(patterns)), frames_(std::move(frames)) {

@@ -13,6 +13,9 @@
 
 namespace becalm::app {
 
+/// Whether it is an EXR file that becalm wrote.
+bool is_of_becalm(const std::string& path);
+
 /// The files that a command writes: one a frame, or one for each eye.
 class Outputs {
  public:

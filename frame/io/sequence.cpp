@@ -241,6 +241,11 @@ std::optional<NamedFrame> frame_in_name(const std::string& path) {
   return NamedFrame{*number, static_cast<int>(digits.size())};
 }
 
+int number_in_name(const std::string& path) {
+  const std::optional<NamedFrame> named = frame_in_name(path);
+  return named ? named->number : 1;
+}
+
 SequencePattern::SequencePattern(std::string text) : SequencePattern(std::move(text), std::nullopt) {}
 
 SequencePattern::SequencePattern(std::string text, int lone_padding)

@@ -26,6 +26,9 @@ struct NamedFrame {
 /// versions (`shot_v02.exr`) nor sizes (`room_640x360.exr`) are frames. None of these: nothing.
 std::optional<NamedFrame> frame_in_name(const std::string& path);
 
+/// The number that a single file's name has, else 1.
+int number_in_name(const std::string& path);
+
 /// A file name with at most one frame field: `####`, `@@@@` (digits = characters), `%04d`, `%d`, `$F4` or
 /// `$F`; a lone `#` takes its padding from the files on disk, and 1 digit where there are none. Folders hold
 /// no field.
