@@ -106,6 +106,26 @@ TEST(Scatter, IsTheSameForTheSameSettingsAndAPrefixOfMore) {
   EXPECT_EQ(equal, 0);
 }
 
+TEST(Scatter, StandsOnAllPartsOfAGround) {
+  // The left half is 1 high, the right half 2.
+  write_file(
+      "ground.obj",
+      "mtllib ground.mtl\nv -4 1 -4\nv -4 1 4\nv 0 1 4\nv 0 1 -4\nv 0 2 -4\nv 0 2 4\nv 4 2 4\nv 4 2 -4\n"
+      "usemtl left\nf 1 2 3 4\nusemtl right\nf 5 6 7 8\n");
+  write_file("ground.mtl", "newmtl left\nKd 1 0 0\nnewmtl right\nKd 0 1 0\n");
+  const Scene scene = load_text(R"({'film': {'width': 4, 'height': 4},
+    'camera': {'look_at': {'eye': [0,2,9], 'target': [0,0,0]}}, 'materials': {'m': {'type': 'diffuse', 'reflectance': 1}},
+    'meshes': {'land': {'obj': 'ground.obj', 'materials': 'mtl'}, 'cube': {'shape': 'cube'}},
+    'objects': [{'name': 'ground', 'mesh': 'land'}, {'name': 'stick', 'mesh': 'cube', 'material': 'm',
+      'scatter': {'area': [-3,-3,3,3], 'count': 40, 'on': 'ground'}}]})");
+  const std::vector<Object>& all = scene.description().objects;
+  ASSERT_EQ(all.size(), 2u + 40u);
+  for (std::size_t i = 2; i < all.size(); ++i) {
+    const M44d m = place(all[i]);
+    EXPECT_NEAR(m[3][1], m[3][0] < 0.0 ? 1.0 : 2.0, 1e-4) << m[3][0];
+  }
+}
+
 TEST(Scatter, SpreadsOverItsAreaWithinItsLimits) {
   const std::vector<Object> all =
       copies("", "'area': [-2,-3,4,1], 'scale': [0.5,2], 'tilt_deg': 20, 'count': 800");

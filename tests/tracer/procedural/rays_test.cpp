@@ -238,21 +238,20 @@ TEST_P(Rays, NormalsAreTheFieldsGradient) {
 
 INSTANTIATE_TEST_SUITE_P(Sizes, Rays, testing::Values(1e-4, 1.0, 1e6));
 
-TEST(Procedural, BoundsHoldTheSurfaceAndAreTight) {
+TEST(Procedural, BoundsHoldAHeightFieldAndAreTight) {
   for (const NamedField& field : small_fields(3.0)) {
+    if (field.name == "blobs") continue;  // no height field
     const Procedural procedural = made(field.description);
     const Imath::Box3f box = bounds(procedural);
     Imath::Box3f seen;
     for (int k = 0; k < 90000; ++k) {
-      const V3f origin(3.0f * (static_cast<float>(k % 300) / 299.0f - 0.5f), 5.0f,
-                       3.0f * (static_cast<float>(k / 300) / 299.0f - 0.5f));
-      const V3f dir(0.0f, -1.0f, 0.0f);
-      const auto t = intersect(procedural, origin, dir, 0.0f, 1e30f);
-      if (t) seen.extendBy(point(procedural, origin + *t * dir).position);
+      // The surface itself, not what rays find of it, which are clipped to the box.
+      const V3f at(3.0f * (static_cast<float>(k % 300) / 299.0f - 0.5f), 0.0f,
+                   3.0f * (static_cast<float>(k / 300) / 299.0f - 0.5f));
+      seen.extendBy(point(procedural, at).position);
     }
     EXPECT_TRUE(box.intersects(seen.min) && box.intersects(seen.max)) << field.name;
     const V3f size = box.size();
-    if (field.name == "blobs") continue;  // seen from above alone
     EXPECT_LT(box.max.y - seen.max.y, 0.15f * size.y) << field.name;
     EXPECT_LT(seen.min.y - box.min.y, 0.15f * size.y) << field.name;
     EXPECT_FLOAT_EQ(size.x, 3.0f);

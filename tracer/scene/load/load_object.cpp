@@ -172,13 +172,16 @@ Scatter read_scatter(const JsonValue& json) {
   return scatter;
 }
 
-/// The earlier object of that name.
-const Object& read_ground(const JsonValue& json, const SceneDescription& scene) {
+/// The earlier object of that name, with all parts of its mesh.
+std::vector<Object> read_ground(const JsonValue& json, const SceneDescription& scene) {
   const std::string name = json.string();
-  const auto found = std::ranges::find(scene.objects, name, &Object::name);
-  if (found == scene.objects.end()) json.fail(fmt::format("no object '{}' before this one", name));
-  if (found->transform.animated()) json.fail(fmt::format("the object '{}' moves", name));
-  return *found;
+  std::vector<Object> parts;
+  std::ranges::copy_if(scene.objects, std::back_inserter(parts),
+                       [&](const Object& object) { return object.name == name; });
+  if (parts.empty()) json.fail(fmt::format("no object '{}' before this one", name));
+  if (std::ranges::any_of(parts, [](const Object& part) { return part.transform.animated(); }))
+    json.fail(fmt::format("the object '{}' moves", name));
+  return parts;
 }
 
 }  // namespace
@@ -193,10 +196,9 @@ void read_object(const JsonValue& json, const SceneNames& names, SceneDescriptio
   if (objects.front().transform.animated()) json.at("transform").fail("what is scattered must stand still");
   const Scatter scatter = read_scatter(*settings);
   const auto on = settings->find("on");
-  const std::optional<Object> ground = on ? std::make_optional(read_ground(*on, scene)) : std::nullopt;
+  const std::vector<Object> ground = on ? read_ground(*on, scene) : std::vector<Object>();
   for (const Object& object : objects) {
-    std::ranges::move(scattered_copies(object, scatter, scene, ground ? &*ground : nullptr),
-                      std::back_inserter(scene.objects));
+    std::ranges::move(scattered_copies(object, scatter, scene, ground), std::back_inserter(scene.objects));
   }
 }
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <deque>
 #include <optional>
 
 #include "tracer/sampling/sobol.h"
@@ -66,9 +68,9 @@ V2d spread(std::uint32_t index, const V2d& shift) {
 }  // namespace
 
 std::vector<Object> scattered_copies(const Object& object, const Scatter& scatter,
-                                     const SceneDescription& scene, const Object* ground) {
-  std::optional<Ground> heights;
-  if (ground != nullptr) heights.emplace(scene, *ground);
+                                     const SceneDescription& scene, std::span<const Object> ground) {
+  std::deque<Ground> heights;
+  for (const Object& part : ground) heights.emplace_back(scene, part);
   CopyRandom shift_random(scatter.seed, ~0u);
   const double shift_x = shift_random.next();
   const V2d shift(shift_x, shift_random.next());
@@ -84,10 +86,11 @@ std::vector<Object> scattered_copies(const Object& object, const Scatter& scatte
     const double lean_to = random.next() * 360.0;
     const double scale = scatter.scale_low + random.next() * (scatter.scale_high - scatter.scale_low);
     double y = 0.0;
-    if (heights) {
-      const std::optional<double> height = heights->height(x, z);
-      if (!height) continue;
-      y = *height;
+    if (!heights.empty()) {
+      std::optional<double> topmost;
+      for (const Ground& part : heights) topmost = std::max(topmost, part.height(x, z));
+      if (!topmost) continue;
+      y = *topmost;
     }
     // Upright, leaned towards a direction, turned about the upright axis.
     const M44d turn = transform_at(TransformCurve::Value{0, 0, 0, 0, yaw, 0, 1, 1, 1}, 0.0);

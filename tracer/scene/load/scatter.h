@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "tracer/scene/scene_description.h"
@@ -18,9 +19,10 @@ struct Scatter {
 };
 
 /// The copies stand evenly spread (a low-discrepancy sequence), and so do the first n of more copies. Each
-/// one's own transform acts before the scatter's. With a `ground`, an object of a mesh, they are moved up or
-/// down onto its topmost point; those that miss it are left out. The object and the ground must stand still.
+/// one's own transform acts before the scatter's. With a `ground`, the parts of one object, they are moved up
+/// or down onto its topmost point; those that miss it are left out. The object and the ground must stand
+/// still.
 std::vector<Object> scattered_copies(const Object& object, const Scatter& scatter,
-                                     const SceneDescription& scene, const Object* ground);
+                                     const SceneDescription& scene, std::span<const Object> ground);
 
 }  // namespace becalm::tracer
