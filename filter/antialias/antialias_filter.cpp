@@ -10,12 +10,12 @@
 
 #include "filter/antialias/antialias_chain.h"
 #include "filter/antialias/checkerboard.h"
-#include "filter/input/motion_to_next.h"
 #include "filter/antialias/sample_grid.h"
 #include "filter/antialias/sharpener.h"
 #include "filter/for_rows.h"
 #include "filter/input/frame_check.h"
 #include "filter/input/host_images.h"
+#include "filter/input/motion_to_next.h"
 #include "filter/merge/combine.h"
 #include "filter/sequence/cuts.h"
 #include "filter/sequence/packed_estimate.h"

@@ -212,8 +212,8 @@ void FrameMerger::find_features(const Tile& tile, const NewFrame& frame, FrameRe
 void FrameMerger::find_coarse_offsets(const NewFrame& frame, FrameReport& report) {
   CoarseChain& coarse = *chains_->coarse;
   if (coarse.motion) {
-    pack_motion(frame.motion, bounds(task_.full),
-                motion_limit_px(task_.settings, task_.full), coarse.chain.upload<float>(*coarse.motion));
+    pack_motion(frame.motion, bounds(task_.full), motion_limit_px(task_.settings, task_.full),
+                coarse.chain.upload<float>(*coarse.motion));
   }
   std::ranges::copy(host_->features.coarse.values, coarse.chain.upload<float>(coarse.target.image).begin());
   std::ranges::copy(host_->history_features.coarse.values,

@@ -170,7 +170,9 @@ TEST_F(Compare, FramesOfOtherSizesHaveNoTemporalError) {
 
 TEST_F(Compare, NamesThatAreNoTextAreWritten) {
   write_frames(1, 2.0f);
-  const std::string odd = folder_ / "r\xe9" "f.exr";
+  const std::string odd = folder_ /
+                          "r\xe9"
+                          "f.exr";
   fs::copy_file(frame_path(reference_, 1), odd);
   const std::string json = folder_ / "figures.json";
   const Outcome outcome =

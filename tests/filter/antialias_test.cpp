@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "filter/antialias/antialias_filter.h"
-#include "filter/input/motion_to_next.h"
 #include "filter/antialias/sample_grid.h"
+#include "filter/input/motion_to_next.h"
 #include "frame/error.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/reference/antialias.h"
