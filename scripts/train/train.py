@@ -16,7 +16,6 @@ import numpy as np
 import torch
 
 import batches
-import dead_channels
 import export
 import losses
 from network import CHANNELS, Network, parameter_count
@@ -27,7 +26,6 @@ LAST_RATE = 0.02  # of the learning rate
 WARM_UP = 200
 AVERAGE_DECAY = 0.999
 EVALUATE_EVERY_MIN = 5.0
-REVIVED_ON = 48  # frames on which a dead channel stays dark
 
 
 def rate_at(share, step):
@@ -132,11 +130,6 @@ class Trainer:
         if self.args.albedo:
             batches.smooth_albedos(learn + choose, export.read_weights(self.args.albedo))
         print(f"{len(learn)} pairs to learn from, {len(choose)} to choose on, {parameter_count(self.network)} parameters")
-        if self.args.start and self.step == 0:
-            some = [batches.whole_frame(learn[i]) for i in self.rng.integers(len(learn), size=REVIVED_ON)]
-            frames = [[t.to(self.args.device) for t in frame] for frame in some]
-            print(f"{dead_channels.revive(self.network, frames)} dead channels revived")
-            self.average.load_state_dict(self.network.state_dict())
         last_evaluation = time.monotonic()
         errors = []
         while self.share_done() < 1.0:

@@ -13,7 +13,6 @@ import torch
 import albedo_noise
 import backgrounds
 import batches
-import dead_channels
 import export
 import losses
 import noise_levels
@@ -156,6 +155,16 @@ class Shots(unittest.TestCase):
         self.assertLess(error, 0.3)
         self.assertAlmostEqual(own_share.gain(own_share.from_bytes(own_share.to_bytes(trained)), prepared), error, delta=0.01)
 
+    def test_detail_beyond_the_noise_is_put_back(self):
+        noisy = torch.rand(1, 3, SIZE, SIZE) + 0.5
+        smoothed = noisy.mean((2, 3), keepdim=True).expand_as(noisy)
+        error = torch.full((1, 1, SIZE, SIZE), 0.1)
+        for variance, close in ((1e-6, True), (1.0, False)):
+            result, left = own_share.with_detail(smoothed, error, noisy, torch.full_like(error, variance))
+            expected = noisy if close else smoothed
+            self.assertLess((result - expected).abs().max().item(), 1e-3)
+            self.assertLess((left - (variance if close else error)).abs().max().item(), 1e-3)
+
     def test_a_reference_is_a_frame_too_and_the_other_is_what_it_is_to_become(self):
         of_a, of_b = batches.load(self.folder.name)[0][1:3]
         ratio = np.float32(of_a.references[0]) / np.float32(of_b.color)
@@ -247,23 +256,6 @@ class Networks(unittest.TestCase):
         expected, found = self.smoothed(self.network, self.colors), self.smoothed(again, self.colors)
         self.assertLess(((found - expected).abs() / expected).max().item(), 2e-2)  # of weights in half floats
         self.assertEqual(len(data), 32 + 2 * parameter_count(self.network))
-
-    def test_dead_channels_are_revived_and_the_result_stays(self):
-        frame = [self.colors, self.variance, self.features, None]
-        dead = [(self.network.encode[0].conv, 3), (self.network.encode[4].conv, 5), (self.network.decode[2].conv, 1)]
-        with torch.no_grad():
-            for conv, channel in dead:
-                conv.bias[channel] = -1e6
-        def largest(conv, channel):
-            with torch.no_grad():
-                _, (image,) = dead_channels.outputs_of(self.network, conv, [frame])
-            return image[channel].max().item()
-        before = self.smoothed(self.network, self.colors)
-        self.assertGreaterEqual(dead_channels.revive(self.network, [frame]), len(dead))
-        self.assertLess((self.smoothed(self.network, self.colors) - before).abs().max().item(), 1e-5)
-        for conv, channel in dead:
-            self.assertGreater(largest(conv, channel), 0)
-        self.assertEqual(dead_channels.revive(self.network, [frame]), 0)
 
     def test_weights_are_positive_and_sum_to_one(self):
         self.features[:, :3] = self.features[:, 7:10] = 1.0  # no albedo
