@@ -1,0 +1,101 @@
+// What is estimated of a burst on the host: its noise, the motion of the whole picture, its sharpness.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "filter/burst/global_motion.h"
+#include "filter/burst/noise_fit.h"
+#include "tests/filter/cfa_shots.h"
+
+namespace becalm::filter {
+namespace {
+
+using namespace cfa_shots;
+using reference::Vec2;
+
+TEST(NoiseFit, FindsTheModel) {
+  for (const CfaPattern& cfa : {bayer(0), x_trans()}) {
+    for (const NoiseModel& noise : {NoiseModel{1e-5, 1e-7}, NoiseModel{3e-4, 2e-6}, NoiseModel{2e-3, 1e-4}}) {
+      std::mt19937 random(3);
+      std::normal_distribution<double> normal;
+      Mosaic mosaic{Image(480, 480, 1), cfa};
+      for (int y = 0; y < 480; ++y) {
+        for (int x = 0; x < 480; ++x) {
+          // Brightness rises along x; a third of the rows has texture.
+          const double texture = y % 72 < 24 ? 0.05 * std::sin(1.1 * x) * std::sin(0.9 * y) : 0.0;
+          const double light = 0.02 + 0.8 * x / 480.0 + texture;
+          mosaic.samples.at(x, y, 0) =
+              static_cast<float>(light + std::sqrt(noise.a * light + noise.b) * normal(random));
+        }
+      }
+      const NoiseModel found = fit_noise(mosaic, 0.98f);
+      for (const double signal : {0.05, 0.3, 0.7}) {
+        const double expected = noise.a * signal + noise.b;
+        EXPECT_NEAR((found.a * signal + found.b) / expected, 1.0, 0.2)
+            << cfa.period << ": " << noise.a << ' ' << noise.b << " at " << signal;
+      }
+    }
+  }
+}
+
+TEST(NoiseFit, SaysNothingOfNothing) {
+  const NoiseModel found = fit_noise({Image(48, 48, 1, 1.0f), bayer(0)}, 0.98f);
+  EXPECT_EQ(found.a + found.b, 0.0) << "all saturated";
+}
+
+TEST(GlobalMotionTest, FindsATurnBesideAThingThatMoves) {
+  constexpr int width = 120, height = 90;
+  const auto truth = [](int x, int y) {
+    const double u = x - 59.5, v = y - 44.5;
+    return Vec2{1.3 + 0.004 * u - 0.01 * v, -0.7 + 0.01 * u + 0.004 * v};
+  };
+  const auto texture = [](double x, double y) {
+    return 12.0 * (std::sin(0.55 * x + 0.2 * y) + std::sin(0.4 * y - 0.13 * x) +
+                   std::sin(0.23 * x * std::cos(0.02 * y)));
+  };
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  Image target(width, height, 1), source(width, height, 1), offset(width, height, 2);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      source.at(x, y, 0) = static_cast<float>(texture(x, y) + normal(random));
+      const Vec2 at = truth(x, y);
+      const bool moves = x > 80 && y < 40;
+      target.at(x, y, 0) = static_cast<float>(moves ? texture(x + 7, y) : texture(x + at.x, y + at.y)) +
+                           static_cast<float>(normal(random));
+      offset.at(x, y, 0) = static_cast<float>((moves ? 7.0 : at.x) + 0.4 * normal(random));
+      offset.at(x, y, 1) = static_cast<float>((moves ? 0.0 : at.y) + 0.4 * normal(random));
+    }
+  }
+  const GlobalMotion motion = fit_global_motion(target, source, offset);
+  double largest = 0.0;
+  for (int y = 0; y < height; y += 5) {
+    for (int x = 0; x < width; x += 5) {
+      const Imath::V2d found = motion.offset(x, y, width, height);
+      largest = std::max(largest, std::hypot(found.x - truth(x, y).x, found.y - truth(x, y).y));
+    }
+  }
+  EXPECT_LT(largest, 0.2);
+  const GlobalMotion none = fit_global_motion(Image(30, 30, 1), Image(30, 30, 1), Image(30, 30, 2, 0.5f));
+  EXPECT_EQ(none.offset(3, 4, 30, 30), Imath::V2d(0.0, 0.0)) << "without texture nothing moves";
+}
+
+TEST(Sharpness, FallsWithBlur) {
+  const CfaPattern cfa = bayer(0);
+  const Image sharp = photographed(cfa, 96, 96, {.shift = {}, .noise = 1.0, .seed = 1});
+  Image blurred = sharp;
+  for (int y = 0; y < 96; ++y) {
+    for (int x = 6; x < 90; ++x) {
+      const double mean = (scene(x - 6, y, cfa.color(x, y)) + scene(x, y, cfa.color(x, y)) +
+                           scene(x + 6, y, cfa.color(x, y))) /
+                          3.0;
+      blurred.at(x, y, 0) = static_cast<float>(mean + sharp.at(x, y, 0) - scene(x, y, cfa.color(x, y)));
+    }
+  }
+  EXPECT_GT(sharpness({sharp, cfa}, kNoise), 1.02 * sharpness({blurred, cfa}, kNoise));
+}
+
+}  // namespace
+}  // namespace becalm::filter
