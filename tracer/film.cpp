@@ -67,14 +67,27 @@ void SplitStatistics::write(Frame& frame, int x, int y) const {
   }
 }
 
-V3d PixelStatistics::variance_of_mean() const {
-  const double n = sums_.count;
-  // One sample has no spread. Its square estimates the second moment, which is at least the variance: the
-  // noise is overestimated instead of being 0.
-  return sums_.count >= 2 ? sums_.squares / (n * (n - 1.0)) : sums_.mean * sums_.mean;
+void PixelStatistics::close_block() {
+  if (sums_.block_count == 0) return;
+  const double weight = sums_.block_count;
+  const V3d delta = sums_.block_sum / weight - sums_.mean;
+  sums_.count += sums_.block_count;
+  sums_.mean += delta * (weight / sums_.count);
+  sums_.squares += weight * delta * (sums_.block_sum / weight - sums_.mean);
+  ++sums_.blocks;
+  sums_.block_count = 0;
+  sums_.block_sum = V3d(0.0);
 }
 
-void PixelStatistics::write(Frame& frame, int x, int y) const {
+V3d PixelStatistics::variance_of_mean() const {
+  // One block has no spread. Its square estimates the second moment, which is at least the variance: the
+  // noise is overestimated instead of being 0.
+  if (sums_.blocks < 2) return sums_.mean * sums_.mean;
+  return sums_.squares / (double(sums_.count) * (sums_.blocks - 1.0));
+}
+
+void PixelStatistics::write(Frame& frame, int x, int y) {
+  close_block();
   const double weight = sums_.count > 0 ? 1.0 / sums_.count : 0.0;
   store(frame, Aov::beauty, x, y,
         Imath::Vec4<double>(sums_.mean.x, sums_.mean.y, sums_.mean.z, sums_.covered * weight));

@@ -237,12 +237,10 @@ std::optional<Frame> render_frame(Scene& scene, int frame_number, const RenderOp
     for (int y = tile.y0; y < tile.y1; ++y) {
       for (int x = tile.x0; x < tile.x1; ++x) {
         if (cancelled()) return;
-        // Aligned blocks of the sampler's sequence are stratified, so the halves are the first and the
-        // second, not odd and even.
-        const std::uint32_t spp = setup.samples_of(x, y), half = (spp + 1) / 2;
+        const std::uint32_t spp = setup.samples_of(x, y);
         const std::uint32_t guide_samples = setup.guides && spp > 0 ? setup.aov_spp : 0;
         samples_of_tile += spp;
-        pixel.clear();
+        pixel.clear(spp);
         if (splits) pixel_split.clear();
         const auto is_dropped = [&](const PathSample& sample, std::uint32_t i) {
           if (is_finite(sample)) return false;
@@ -254,7 +252,7 @@ std::optional<Frame> render_frame(Scene& scene, int frame_number, const RenderOp
           if (splits) split.clear();
           const PathSample sample = setup.sample_pixel(context, x, y, i);
           if (is_dropped(sample, i)) continue;
-          pixel.add(sample, i < half ? 0 : 1);
+          pixel.add(sample, i);
           if (setup.guides) pixel.add_guides(sample.guides);
           if (splits) pixel_split.add(split);
         }

@@ -177,12 +177,11 @@ TEST(Variance, OfOneSampleIsItsSquare) {
 }
 
 TEST(Variance, AgreesWithTheSpreadAmongSeeds) {
-  // Samples of a pixel are stratified, so their mean spreads less than that of independent ones, which is
-  // what the samples' own spread tells: on edges, where stratification helps most, several times less;
-  // elsewhere little less.
+  // Samples of a pixel are stratified, and so are the blocks whose spread tells the variance; the whole is so
+  // a little more. By the spread of single samples the sum for 32 would be 3.1 times what it is.
   Scene scene = load_text(room(1.0, "'width': 20, 'height': 15"));
   constexpr int seeds = 96, pixels = 20 * 15;
-  for (const int spp : {2, 8}) {
+  for (const int spp : {2, 8, 32}) {
     std::vector<double> sum(pixels), squares(pixels), reported(pixels), ratios;
     for (std::uint32_t seed = 0; seed < seeds; ++seed) {
       const Frame frame = render_frame(scene, 1, options(spp, {Aov::variance}, seed)).value();
@@ -203,9 +202,9 @@ TEST(Variance, AgreesWithTheSpreadAmongSeeds) {
     std::nth_element(ratios.begin(), ratios.begin() + ratios.size() / 2, ratios.end());
     const double median = ratios[ratios.size() / 2];
     EXPECT_GT(median, 0.95) << spp;
-    EXPECT_LT(median, 1.4) << spp;
+    EXPECT_LT(median, 1.3) << spp;
     EXPECT_GT(all_reported, 0.95 * among_seeds) << spp;
-    EXPECT_LT(all_reported, 3.0 * among_seeds) << spp;
+    EXPECT_LT(all_reported, 2.2 * among_seeds) << spp;
   }
 }
 
