@@ -24,7 +24,7 @@ namespace {
 constexpr int kWindowRadius = 2;
 
 /// Radius of the patches over which the difference of a frame and its result is averaged.
-constexpr int kLostRadius = 3;
+constexpr int kLostRadius = 7;
 
 /// Weights of 1x1 layers with concatenated outputs, as shaders/lib/head.glsl reads them.
 std::vector<float> pack_head(const std::vector<const Layer*>& layers) {
@@ -86,7 +86,7 @@ NetworkPasses::NetworkPasses(Chain& chain, const Weights& trained, Extent full, 
   smoothed_.color = add_restore(chain, "smoothed.color", frame.color, color, share);
   std::optional<ImageId> own_share;
   if (frame.own_color != frame.color) {
-    const OwnShare own = add_own_share(chain, full_, frame, smoothed_.color, smoothed_.stats,
+    const OwnShare own = add_own_share(chain, full_, frame, {smoothed_.color, smoothed_.stats, share},
                                        weights_image(chain, "own_share", pack_own_share(*trained.own_share)));
     smoothed_.color = add_restore(chain, "mixed.color", frame.own_color, smoothed_.color, own.share);
     smoothed_.stats = own.stats;
@@ -250,7 +250,7 @@ ImageId NetworkPasses::add_share(Chain& chain, const NoisyInputs& frame, ImageId
       .write("lost", lost)
       .dispatch(full_);
   const ImageId lost_sums = add_patch_sums(chain, kLostRadius, full_, lost, "network.lost");
-  const ImageId share = chain.image("network.share", Format::f32, full_);
+  const ImageId share = chain.image("network.share", Format::f32x2, full_);
   smoothed_.stats = chain.image("smoothed.stats", Format::f32x2, full_);
   chain.pass("smooth/share")
       .read("lost", lost, gpu::reach(kLostRadius, 0))

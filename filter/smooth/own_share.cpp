@@ -12,16 +12,17 @@ constexpr int kVector = 4;
 
 }  // namespace
 
-OwnShare add_own_share(gpu::Chain& chain, gpu::Extent full, const NoisyInputs& frame, gpu::ImageId merged,
-                       gpu::ImageId error, gpu::ImageId weights) {
+OwnShare add_own_share(gpu::Chain& chain, gpu::Extent full, const NoisyInputs& frame,
+                       const SmoothedMerged& merged, gpu::ImageId weights) {
   using gpu::Format;
   const gpu::ImageId difference = chain.image("own.difference", Format::f32x4, full);
   chain.pass("smooth/difference")
       .read("frame", frame.own_color)
       .read("variance", frame.variance)
-      .read("merged", merged)
-      .read("merged_error", error)
+      .read("merged", merged.color)
+      .read("merged_error", merged.stats)
       .read("exposure", frame.exposure)
+      .read("detail", merged.detail)
       .write("difference", difference)
       .dispatch(full);
   const gpu::ImageId sums = add_patch_sums(chain, kRadius, full, difference, "own.difference");
@@ -30,8 +31,8 @@ OwnShare add_own_share(gpu::Chain& chain, gpu::Extent full, const NoisyInputs& f
   chain.pass("smooth/own_share")
       .read("difference", difference, gpu::reach(kRadius, 0))
       .read("difference_sums", sums)
-      .read("merged", merged)
-      .read("merged_error", error)
+      .read("merged", merged.color)
+      .read("merged_error", merged.stats)
       .read("exposure", frame.exposure)
       .read("weights", weights)
       .write("share", own.share)

@@ -15,12 +15,19 @@ struct OwnShare {
   gpu::ImageId stats;
 };
 
+/// The smoothed merged frame.
+struct SmoothedMerged {
+  gpu::ImageId color;
+  gpu::ImageId stats;  ///< as OwnShare::stats
+  gpu::ImageId
+      detail;  ///< f32x2; the second is the mean relative variance of the patch around (smooth/share)
+};
+
 /// How much of the frame itself the output takes. Merging and smoothing blur detail that the frame has; where
 /// much of it is noise, it has little. Trained layers tell the share from the error that the network expects,
-/// the noise of the merged frame and the difference of both. `merged` is the smoothed merged frame with its
-/// expected error, f32x2 as `stats`; `weights` are packed by pack_own_share.
-OwnShare add_own_share(gpu::Chain& chain, gpu::Extent full, const NoisyInputs& frame, gpu::ImageId merged,
-                       gpu::ImageId error, gpu::ImageId weights);
+/// the noise of the merged frame and the difference of both. `weights` are packed by pack_own_share.
+OwnShare add_own_share(gpu::Chain& chain, gpu::Extent full, const NoisyInputs& frame,
+                       const SmoothedMerged& merged, gpu::ImageId weights);
 
 /// The layers' weights as shaders/smooth/own_share.comp reads them.
 std::vector<float> pack_own_share(const OwnShareWeights& layers);

@@ -32,8 +32,12 @@ LEAST_INPUT = 1e-6
 LARGEST_HALF = 6e4
 INPUT_SCALE = 1.0 / 3.0
 OUTLIER = 4.0  # squared difference, over that of the patch, from which a pixel of the frame counts less
-SIGNIFICANCE = 3.0  # of a loss of detail, in standard errors; as share.comp has it
-CERTAIN = 32.0  # standard deviations by which a pixel's difference is no noise; likewise
+LEAST_OF_PATCH = 0.1  # of a patch's mean variance that a pixel has at least; this and the next as difference.comp has them
+LARGEST_LEAST = 0.05  # what that is at most
+LARGEST_PATCH = 100.0  # that a patch counts for then
+LOST_RADIUS = 7  # of the patches over which a loss of detail is told; this and the next two as share.comp has them
+SIGNIFICANCE = 2.0  # of a loss of detail, in standard errors
+CERTAIN = 32.0  # standard deviations by which a pixel's difference is no noise
 FRAMES = 3  # a step
 LEARNING_RATE = 5e-3
 
@@ -53,35 +57,37 @@ class OwnShare(nn.Module):
         return last(F.relu(second(F.relu(first(inputs)))))
 
 
-def total_of_neighbours(x):
-    side = 2 * RADIUS + 1
-    return F.avg_pool2d(x, side, 1, RADIUS) * side * side - x
+def total_of_neighbours(x, radius):
+    side = 2 * radius + 1
+    return F.avg_pool2d(x, side, 1, radius) * side * side - x
 
 
-def neighbour_count(x):
-    return total_of_neighbours(torch.ones_like(x[:1, :1]))
+def neighbour_count(x, radius):
+    return total_of_neighbours(torch.ones_like(x[:1, :1]), radius).clamp(min=1.0)
 
 
-def mean_of_neighbours(x):
+def mean_of_neighbours(x, radius=RADIUS):
     """Over the patch around each pixel, as far as it is in the image, without the pixel."""
-    return (total_of_neighbours(x) / neighbour_count(x).clamp(min=1.0)).clamp(min=0.0)
+    return (total_of_neighbours(x, radius) / neighbour_count(x, radius)).clamp(min=0.0)
 
 
 def with_detail(merged, error, noisy, variance):
     """What the program does before (shaders/smooth/share.comp): detail that patches lost beyond their noise is put back. The
-    merged frame, smoothed, and the squared error that is then expected."""
+    merged frame, smoothed, the squared error that is then expected, and the mean relative variance around each pixel."""
     scale = 1.0 / (luminance(merged).clamp(min=0.0) + 0.1)
     square = ((noisy - merged) * scale).square().mean(1, keepdim=True)
     noise = variance.clamp(min=0.0) * scale**2
-    of_patch = mean_of_neighbours(torch.cat([square, noise], 1))
-    mean_square, mean_noise = of_patch[:, :1], of_patch[:, 1:]
-    count = neighbour_count(noise).clamp(min=1.0)
-    detail = (mean_square - mean_noise * (1.0 + SIGNIFICANCE * torch.sqrt(2.0 / count))).clamp(min=0.0)
+    excess = square - noise
+    of_patch = mean_of_neighbours(torch.cat([excess, excess.square(), noise], 1), LOST_RADIUS)
+    mean_excess, squared_excess, mean_noise = of_patch.split(1, 1)
+    uncertain = SIGNIFICANCE**2 * squared_excess / neighbour_count(noise, LOST_RADIUS)
+    detail = (mean_excess - uncertain / mean_excess.clamp(min=1e-20)).clamp(min=0.0)
     most = torch.maximum(noise, mean_noise)
     certain = square > CERTAIN**2 * most
     share = lambda excess, rest: torch.where(excess > 0, excess / (excess + rest).clamp(min=1e-30), torch.zeros_like(excess))
     put_back = torch.maximum(torch.where(certain, share(square, most), torch.zeros_like(square)), share(detail, mean_noise))
-    return merged + put_back * (noisy - merged), (1.0 - put_back) ** 2 * error + put_back**2 * variance.clamp(min=0.0)
+    left = (1.0 - put_back) ** 2 * error + put_back**2 * variance.clamp(min=0.0)
+    return merged + put_back * (noisy - merged), left, mean_noise
 
 
 def prepared(network, pair):
@@ -92,13 +98,14 @@ def prepared(network, pair):
         merged, log_error = losses.smoothed(network, frame)
         own = colors[:, 3:]
         error = torch.exp(log_error) * ((LOSS_SCALE * merged).square().mean(1, keepdim=True) + LOSS_FLOOR) / LOSS_SCALE**2
-        merged, error = with_detail(merged, error, colors[:, :3], variance)
+        merged, error, patch_noise = with_detail(merged, error, colors[:, :3], variance)
         relative = lambda squared: squared / (luminance(merged).clamp(min=0.0) + 0.1) ** 2
-        measured = torch.cat([relative((own - merged).square().mean(1, keepdim=True)), relative(error), relative(variance.clamp(min=0.0))], 1)
+        noise = torch.maximum(relative(variance.clamp(min=0.0)), (LEAST_OF_PATCH * patch_noise).clamp(max=LARGEST_LEAST))
+        measured = torch.cat([relative((own - merged).square().mean(1, keepdim=True)), relative(error), noise], 1)
         of_patch = mean_of_neighbours(measured)
         inputs = torch.cat([of_patch, measured[:, 1:]], 1)
         inputs = INPUT_SCALE * torch.log(inputs.clamp(max=LARGEST_INPUT) + LEAST_INPUT)
-        limit = (OUTLIER * of_patch[:, :1] / measured[:, :1].clamp(min=1e-12)).clamp(max=1.0)
+        limit = (OUTLIER * of_patch[:, :1].clamp(max=LARGEST_PATCH) / measured[:, :1].clamp(min=1e-12)).clamp(max=1.0)
         images = inputs, limit, merged, own, references[0, :1], references[0, -1:]
         return [image.clamp(-LARGEST_HALF, LARGEST_HALF).half() for image in images]
 

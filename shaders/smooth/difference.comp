@@ -1,11 +1,17 @@
 // Reads a frame, the smoothed merged frame with (expected squared error, valid), and the variance of what was
 // merged; writes what own_share averages over patches: (squared difference, expected error, variance, 1),
-// relative to the merged result's brightness; zeros for a pixel that is not finite.
+// relative to the merged result's brightness; zeros for a pixel that is not finite. A pixel's variance is at
+// least a share of the mean of the patch around it (smooth/share): where light is sparse, most pixels got none
+// and seem to have no noise.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/color.glsl"
 #include "lib/dispatch_size.glsl"
 #include "lib/gain.glsl"
+
+/// Of the patch's mean variance that a pixel has at least; and what that is at most, beside fireflies.
+const float kLeastOfPatch = 0.1;
+const float kLargestLeast = 0.05;
 
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(set = 0, binding = 0) uniform samplerBuffer frame;
@@ -13,7 +19,8 @@ layout(set = 0, binding = 1) uniform samplerBuffer variance;
 layout(set = 0, binding = 2) uniform samplerBuffer merged;
 layout(set = 0, binding = 3) uniform samplerBuffer merged_error;
 layout(set = 0, binding = 4) uniform samplerBuffer exposure;
-layout(std430, set = 0, binding = 5) writeonly buffer DifferenceBuffer { vec4 data[]; } difference;
+layout(set = 0, binding = 5) uniform samplerBuffer detail;
+layout(std430, set = 0, binding = 6) writeonly buffer DifferenceBuffer { vec4 data[]; } difference;
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
@@ -25,5 +32,7 @@ void main() {
   const vec3 d = clamp((texelFetch(frame, index).rgb - y) * scale, -kLargestDifference, kLargestDifference);
   const vec2 variances = max(vec2(texelFetch(merged_error, index).x, noise.x), 0.0);
   const vec2 deviations = min(sqrt(variances) * scale, kLargestDifference);
-  difference.data[index] = noise.y > 0.0 ? vec4(dot(d, d) / 3.0, deviations * deviations, 1.0) : vec4(0.0);
+  const float least = min(kLeastOfPatch * texelFetch(detail, index).y, kLargestLeast);
+  const vec2 relative = max(deviations * deviations, vec2(0.0, least));
+  difference.data[index] = noise.y > 0.0 ? vec4(dot(d, d) / 3.0, relative, 1.0) : vec4(0.0);
 }

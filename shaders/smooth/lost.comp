@@ -1,6 +1,6 @@
-// Reads a frame, its variance and the smoothed result; writes (squared difference of both, variance that
-// noise alone would give it, 1, 0), relative to the result's brightness; zeros for a pixel that is not
-// finite.
+// Reads a frame, its variance and the smoothed result; writes (excess, its square, variance of the frame, 1),
+// relative to the result's brightness; zeros for a pixel that is not finite. The excess is what the squared
+// difference of both is more than the frame's noise alone would make it, on average.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/color.glsl"
@@ -23,5 +23,7 @@ void main() {
   const float scale = 1.0 / brightness(y.r, y.g, y.b, texelFetch(exposure, 0).x);
   const vec3 d = clamp((texelFetch(color, index).rgb - y.rgb) * scale, -kLargestDifference, kLargestDifference);
   const float deviation = min(sqrt(max(stats.x, 0.0)) * scale, kLargestDifference);
-  lost.data[index] = stats.y > 0.0 ? vec4(dot(d, d) / 3.0, deviation * deviation, 1.0, 0.0) : vec4(0.0);
+  const float noise = deviation * deviation;
+  const float excess = dot(d, d) / 3.0 - noise;
+  lost.data[index] = stats.y > 0.0 ? vec4(excess, excess * excess, noise, 1.0) : vec4(0.0);
 }

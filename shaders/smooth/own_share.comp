@@ -30,6 +30,8 @@ const float kLargestInput = 1e6;
 const float kLeastInput = 1e-6;
 /// Squared difference, over the mean of its patch, from which a pixel of the frame counts less.
 const float kOutlier = 4.0;
+/// A patch's mean counts for at most this: a firefly is no less an outlier beside another.
+const float kLargestPatch = 100.0;
 
 // As filter/smooth/own_share.h packs them: for each output of a layer its weights, four in a vector; then the
 // layer's biases. Copied to shared memory and read at literal offsets (shaders/smooth/README.md says why).
@@ -79,7 +81,7 @@ void main() {
   vec4 inputs[kInputVectors];
   inputs[0] = vec4(encoded(of_patch.x), encoded(of_patch.y), encoded(of_patch.z), encoded(own.y));
   inputs[1] = vec4(encoded(own.z), 0.0, 0.0, 0.0);
-  const float limit = min(kOutlier * of_patch.x / max(own.x, 1e-12), 1.0);
+  const float limit = min(kOutlier * min(of_patch.x, kLargestPatch) / max(own.x, 1e-12), 1.0);
   const float of_frame = own.w > 0.0 ? limit / (1.0 + exp(-logit_of(inputs))) : 0.0;
   const vec2 before = texelFetch(merged_error, index).xy;
   const vec4 y = texelFetch(merged, index);

@@ -1,29 +1,30 @@
 // Reads smooth/lost's output, its sums over patches, the variance of the frame and the error that the network
-// expects; writes the share of the frame that is put back, and the variance that then remains. What a patch
-// lost beyond its noise was detail: the share minimises the expected squared error of the mix
-// (lib/gain.glsl). The pixel itself is left out of its patch, since a share derived from the value that it
-// weighs would darken the image. Only a pixel that no noise can explain, such as a star, decides for itself.
+// expects; writes (share of the frame that is put back, mean of the patch's relative variances) and the
+// variance that then remains. What a patch lost beyond its noise was detail: the share minimises the expected
+// squared error of the mix (lib/gain.glsl). The loss must be significant by its own spread over the patch:
+// where light is sparse, few pixels rule both the squared difference and the variance, and neither tells
+// much. The pixel itself is left out of its patch, since a share derived from the value that it weighs would
+// darken the image. Only a pixel that no noise can explain, such as a star, decides for itself.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "lib/dispatch_size.glsl"
 #include "lib/gain.glsl"
 
-/// Standard errors by which the loss must exceed the noise. Monte Carlo noise is spikier than the Gaussian
-/// noise that standard errors assume.
-const float kSignificance = 3.0;
+/// Standard errors by which the mean excess must exceed zero. It then shrinks as James and Stein (1961) have it.
+const float kSignificance = 2.0;
 /// A difference of more than this many standard deviations of the pixel's and of its patch's noise is not
 /// noise.
 const float kCertain = 32.0;
 
-layout(constant_id = 0) const int radius = 3;
+layout(constant_id = 0) const int radius = 7;
 
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(set = 0, binding = 0) uniform samplerBuffer lost;
 layout(set = 0, binding = 1) uniform samplerBuffer lost_sums;
 layout(set = 0, binding = 2) uniform samplerBuffer variance;
 layout(set = 0, binding = 3) uniform samplerBuffer expected;
-layout(std430, set = 0, binding = 4) writeonly buffer ShareBuffer { float data[]; } share;
+layout(std430, set = 0, binding = 4) writeonly buffer ShareBuffer { vec2 data[]; } share;
 layout(std430, set = 0, binding = 5) writeonly buffer StatsBuffer { vec2 data[]; } stats;
 
 #include "lib/patch_row.glsl"
@@ -33,18 +34,20 @@ void main() {
   if (at.x >= size.x || at.y >= size.y) return;
   const int index = at.y * size.x + at.x;
   const vec4 sum = patch_without_pixel(lost, lost_sums, at);
-  const float count = sum.z;
+  const float count = max(sum.w, 1.0);
   const vec2 noisy = texelFetch(variance, index).xy;
   const vec2 smooth_stats = texelFetch(expected, index).xy;
-  const vec2 mean = sum.xy / max(count, 1.0);
-  const float detail = excess_over_noise(mean.x, mean.y, max(count, 1.0), kSignificance);
-  const vec2 own = texelFetch(lost, index).xy;
-  const float noise = max(own.y, mean.y);
-  const bool certain = own.x > kCertain * kCertain * noise;
-  const float of_pixel = certain ? own.x / (own.x + noise) : 0.0;
-  const float of_patch = detail > 0.0 ? detail / (detail + mean.y) : 0.0;
+  const vec3 mean = max(sum.xyz / count, vec3(0.0));
+  const float uncertain = kSignificance * kSignificance * mean.y / count;
+  const float detail = mean.x * mean.x > uncertain ? mean.x - uncertain / mean.x : 0.0;
+  const vec4 own = texelFetch(lost, index);
+  const float noise = max(own.z, mean.z);
+  const float squared = own.x + own.z;
+  const bool certain = squared > kCertain * kCertain * noise;
+  const float of_pixel = certain ? squared / (squared + noise) : 0.0;
+  const float of_patch = detail > 0.0 ? detail / (detail + mean.z) : 0.0;
   const float put_back = noisy.y > 0.0 ? max(of_pixel, of_patch) : 0.0;
-  share.data[index] = put_back;
+  share.data[index] = vec2(put_back, mean.z);
   const float rest = 1.0 - put_back;
   const float left = rest * rest * smooth_stats.x + put_back * put_back * noisy.x;
   stats.data[index] = vec2(min(left, kLargestVariance), smooth_stats.y);

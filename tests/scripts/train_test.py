@@ -160,10 +160,12 @@ class Shots(unittest.TestCase):
         smoothed = noisy.mean((2, 3), keepdim=True).expand_as(noisy)
         error = torch.full((1, 1, SIZE, SIZE), 0.1)
         for variance, close in ((1e-6, True), (1.0, False)):
-            result, left = own_share.with_detail(smoothed, error, noisy, torch.full_like(error, variance))
+            result, left, noise = own_share.with_detail(smoothed, error, noisy, torch.full_like(error, variance))
             expected = noisy if close else smoothed
             self.assertLess((result - expected).abs().max().item(), 1e-3)
             self.assertLess((left - (variance if close else error)).abs().max().item(), 1e-3)
+            brightness = smoothed[0, :, 0, 0].dot(torch.tensor((0.2126, 0.7152, 0.0722))) + 0.1
+            self.assertAlmostEqual(noise.mean().item(), variance / brightness.item() ** 2, delta=1e-3 * variance)
 
     def test_a_reference_is_a_frame_too_and_the_other_is_what_it_is_to_become(self):
         of_a, of_b = batches.load(self.folder.name)[0][1:3]

@@ -312,10 +312,10 @@ Grid<Estimate> windows_of_network(const TwoSamples& samples, const TwoFeatures& 
 Grid<Estimate> smooth_by_network(const TwoSamples& samples, const TwoFeatures& features, double exposure,
                                  const filter::NetworkWeights& weights, bool variance_known,
                                  const filter::OwnShareWeights* own_share) {
-  const Grid<Estimate> result_of_merged = restored(
+  const Restored merged = restored(
       samples.merged, windows_of_network(samples, features, exposure, weights, variance_known), exposure);
-  if (!own_share) return result_of_merged;
-  return with_own_share(samples, result_of_merged, *own_share, exposure);
+  if (!own_share) return merged.result;
+  return with_own_share(samples, merged, *own_share, exposure);
 }
 
 }  // namespace becalm::reference

@@ -18,6 +18,8 @@ double luminance(const Rgba& c) {
 struct Lost {
   double square = 0.0;
   double noise = 0.0;
+
+  double excess() const { return square - noise; }
 };
 
 double relative_scale(const Rgba& smoothed, double exposure) {
@@ -37,13 +39,13 @@ Grid<Lost> lost_of(const Grid<Estimate>& sample, const Grid<Estimate>& smoothed,
   return lost;
 }
 
-/// Calls `use(u, v)` for the valid pixels of the 7x7 around (x, y), but not for that itself; returns their
+/// Calls `use(u, v)` for the valid pixels of the patch around (x, y), but not for that itself; returns their
 /// number.
 template <class Use>
-int for_neighbours(const Grid<Estimate>& sample, int x, int y, const Use& use) {
+int for_neighbours(const Grid<Estimate>& sample, int radius, int x, int y, const Use& use) {
   int count = 0;
-  for (int v = std::max(y - 3, 0); v <= std::min(y + 3, sample.height - 1); ++v) {
-    for (int u = std::max(x - 3, 0); u <= std::min(x + 3, sample.width - 1); ++u) {
+  for (int v = std::max(y - radius, 0); v <= std::min(y + radius, sample.height - 1); ++v) {
+    for (int u = std::max(x - radius, 0); u <= std::min(x + radius, sample.width - 1); ++u) {
       if ((u == x && v == y) || sample.at(u, v).count <= 0) continue;
       use(u, v);
       ++count;
@@ -52,15 +54,27 @@ int for_neighbours(const Grid<Estimate>& sample, int x, int y, const Use& use) {
   return count;
 }
 
-Lost mean_of_neighbours(const Grid<Estimate>& sample, const Grid<Lost>& lost, int x, int y) {
-  Lost mean;
-  const int count = for_neighbours(sample, x, y, [&](int u, int v) {
-    mean.square += lost.at(u, v).square;
-    mean.noise += lost.at(u, v).noise;
+/// The share of the sample that a patch of 15x15 calls for, and the patch's mean noise.
+struct PatchShare {
+  double share = 0.0;
+  double mean_noise = 0.0;
+};
+
+PatchShare share_of(const Grid<Estimate>& sample, const Grid<Lost>& lost, int x, int y) {
+  double excess = 0.0, squared_excess = 0.0, mean_noise = 0.0;
+  const int valid = for_neighbours(sample, 7, x, y, [&](int u, int v) {
+    excess += lost.at(u, v).excess();
+    squared_excess += std::pow(lost.at(u, v).excess(), 2);
+    mean_noise += lost.at(u, v).noise;
   });
-  mean.square /= std::max(count, 1);
-  mean.noise /= std::max(count, 1);
-  return mean;
+  const double count = std::max(valid, 1);
+  mean_noise /= count;
+  const double ratio = squared_excess / (excess * excess);  // squared standard error, over the squared mean
+  const double detail = excess > 0 ? excess / count * (1 - 4 * ratio) : 0.0;
+  const Lost& own = lost.at(x, y);
+  const double noise = std::max(own.noise, mean_noise);
+  const double of_pixel = own.square > 32 * 32 * noise ? own.square / (own.square + noise) : 0.0;
+  return {std::max(of_pixel, detail > 0 ? detail / (detail + mean_noise) : 0.0), mean_noise};
 }
 
 /// Moves `pixel` by `share` to the sample, whose noise has that variance.
@@ -71,27 +85,23 @@ void mix(Estimate& pixel, const Rgba& color, double variance, double share) {
 
 }  // namespace
 
-Grid<Estimate> restored(const Grid<Estimate>& sample, const Grid<Estimate>& smoothed, double exposure) {
+Restored restored(const Grid<Estimate>& sample, const Grid<Estimate>& smoothed, double exposure) {
   const Grid<Lost> lost = lost_of(sample, smoothed, exposure);
-  Grid<Estimate> result = smoothed;
+  Restored out{smoothed, Grid<double>(sample.width, sample.height)};
   for (int y = 0; y < sample.height; ++y) {
     for (int x = 0; x < sample.width; ++x) {
       if (sample.at(x, y).count <= 0) continue;
-      const Lost mean = mean_of_neighbours(sample, lost, x, y);
-      const double count = std::max(for_neighbours(sample, x, y, [](int, int) {}), 1);
-      const double detail = mean.square - mean.noise * (1 + 3 * std::sqrt(2 / count));
-      const Lost& own = lost.at(x, y);
-      const double noise = std::max(own.noise, mean.noise);
-      const double of_pixel = own.square > 32 * 32 * noise ? own.square / (own.square + noise) : 0.0;
-      const double share = std::max(of_pixel, detail > 0 ? detail / (detail + mean.noise) : 0.0);
-      mix(result.at(x, y), sample.at(x, y).color, sample.at(x, y).variance, share);
+      const PatchShare patch = share_of(sample, lost, x, y);
+      mix(out.result.at(x, y), sample.at(x, y).color, sample.at(x, y).variance, patch.share);
+      out.patch_noise.at(x, y) = patch.mean_noise;
     }
   }
-  return result;
+  return out;
 }
 
-Grid<Estimate> with_own_share(const TwoSamples& samples, const Grid<Estimate>& merged,
+Grid<Estimate> with_own_share(const TwoSamples& samples, const Restored& restored,
                               const filter::OwnShareWeights& layers, double exposure) {
+  const Grid<Estimate>& merged = restored.result;
   using Measured = std::array<double, 3>;  // squared difference, expected error, variance; all relative
   Grid<Measured> all(merged.width, merged.height);
   for (std::size_t i = 0; i < all.data.size(); ++i) {
@@ -101,14 +111,15 @@ Grid<Estimate> with_own_share(const TwoSamples& samples, const Grid<Estimate>& m
     double difference = 0;
     for (int c = 0; c < 3; ++c) difference += std::pow((x[c] - y[c]) * scale, 2) / 3;
     all.data[i] = {difference, merged.data[i].variance * scale * scale,
-                   samples.merged.data[i].variance * scale * scale};
+                   std::max(samples.merged.data[i].variance * scale * scale,
+                            std::min(0.1 * restored.patch_noise.data[i], 0.05))};
   }
   Grid<Estimate> result = merged;
   for (int y = 0; y < merged.height; ++y) {
     for (int x = 0; x < merged.width; ++x) {
       if (samples.merged.at(x, y).count <= 0) continue;
       Measured patch{};
-      const int count = for_neighbours(samples.merged, x, y, [&](int u, int v) {
+      const int count = for_neighbours(samples.merged, 3, x, y, [&](int u, int v) {
         for (std::size_t i = 0; i < patch.size(); ++i) patch[i] += all.at(u, v)[i];
       });
       for (double& value : patch) value /= std::max(count, 1);
@@ -120,7 +131,7 @@ Grid<Estimate> with_own_share(const TwoSamples& samples, const Grid<Estimate>& m
         if (i + 1 == layers.size()) break;
         for (double& value : values) value = std::max(value, 0.0);
       }
-      const double limit = std::min(4 * patch[0] / std::max(own[0], 1e-12), 1.0);
+      const double limit = std::min(4 * std::min(patch[0], 100.0) / std::max(own[0], 1e-12), 1.0);
       const double share = limit * sigmoid(values[0]);
       Estimate& pixel = result.at(x, y);
       const double scale = relative_scale(pixel.color, exposure);

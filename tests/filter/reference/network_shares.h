@@ -5,11 +5,16 @@
 
 namespace becalm::reference {
 
+struct Restored {
+  Grid<Estimate> result;
+  Grid<double> patch_noise;  ///< mean variance around each pixel, relative to the squared brightness
+};
+
 /// Puts back the part of the sample that patches lost beyond their noise.
-Grid<Estimate> restored(const Grid<Estimate>& sample, const Grid<Estimate>& smoothed, double exposure);
+Restored restored(const Grid<Estimate>& sample, const Grid<Estimate>& smoothed, double exposure);
 
 /// The mean of the smoothed merged frame and the frame itself, by the layers' share.
-Grid<Estimate> with_own_share(const TwoSamples& samples, const Grid<Estimate>& merged,
+Grid<Estimate> with_own_share(const TwoSamples& samples, const Restored& restored,
                               const filter::OwnShareWeights& layers, double exposure);
 
 }  // namespace becalm::reference
