@@ -104,6 +104,14 @@ vec2 variance_and_bias(ivec2 at, int index, float n) {
 
 #include "lib/reject_history.glsl"
 
+/// The weight `alpha` of the new sample after both sample and history are also weighted by 1/(1 + luminance)
+/// (survey of Yang et al., eq. 4).
+float luminance_weighted(float alpha, float luminance_new, float luminance_history) {
+  float weight_new = alpha / (1.0f + luminance_new);
+  float weight_history = (1.0f - alpha) / (1.0f + luminance_history);
+  return weight_new / (weight_new + weight_history);
+}
+
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= size.x || at.y >= size.y) return;

@@ -49,14 +49,6 @@ float gain(float variance_new, float variance_history, float bias_squared) {
   return total > 0.0f ? history_error / total : 1.0f;
 }
 
-/// The weight `alpha` of the new sample after both sample and history are also weighted by 1/(1 + luminance)
-/// (survey of Yang et al., eq. 4).
-float luminance_weighted(float alpha, float luminance_new, float luminance_history) {
-  float weight_new = alpha / (1.0f + luminance_new);
-  float weight_history = (1.0f - alpha) / (1.0f + luminance_history);
-  return weight_new / (weight_new + weight_history);
-}
-
 /// Effective sample count after blending one new frame with weight `alpha` into a history of `n` frames, eq. 5, and no
 /// more than kMostFrames.
 float blended_count(float n, float alpha) {

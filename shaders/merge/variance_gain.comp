@@ -35,19 +35,6 @@ layout(std430, set = 0, binding = 11) writeonly buffer DecisionBuffer { vec4 dat
 #include "lib/blend.glsl"
 #include "lib/patch_row.glsl"
 
-/// `alpha` after sample and history are also weighted by 1/(1 + luminance), as far as noise explains their
-/// difference: bright sky that a dark leaf has just uncovered is no outlier.
-float alpha_against_outliers(int index, float alpha) {
-  const vec3 x = texelFetch(color, index).rgb;
-  const vec3 h = texelFetch(warped_color, index).rgb;
-  const float exposed_to = texelFetch(exposure, 0).x;
-  const float weighted = luminance_weighted(alpha, exposed_to * max(luminance(x.r, x.g, x.b), 0.0),
-                                            exposed_to * max(luminance(h.r, h.g, h.b), 0.0));
-  const float difference_squared = texelFetch(difference, index).a;
-  const float noise_of_sample = texelFetch(noise, index).x;
-  return mix(alpha, weighted, noise_of_sample > 0.0 ? noise_of_sample / (noise_of_sample + difference_squared) : 0.0);
-}
-
 /// Relative squared bias of a pixel that is darker than its history by more than any noise explains, such as a single
 /// leaf that has come before the sky; its neighbours may all agree with their history. Brighter pixels may be outliers.
 float bias_of_dark_pixel(int index, vec4 x, vec4 h) {
@@ -88,7 +75,5 @@ void main() {
     rejected = relative_bias > 0.0 ? relative_bias / (variance_new + variance_history + relative_bias) : 0.0;
     bias_squared = min(relative_bias * scale * scale, kLargestVariance);
   }
-  // Not for noisy frames, which these weights would darken.
-  if (smoothed != 0) alpha = alpha_against_outliers(index, alpha);
   blend(index, alpha, bias_squared, rejected, bias_squared);
 }

@@ -32,17 +32,6 @@ double gain(double sample, double history, double bias) {
 
 constexpr double kMostFrames = 64;
 
-/// Also weights both by 1/(1 + luminance) (survey of Yang et al., eq. 4), as far as noise explains their
-/// difference.
-double against_outliers(double alpha, const Estimate& sample, const Estimate& history, double exposure) {
-  double difference = 0;
-  for (int c = 0; c < 3; ++c) difference += std::pow(sample.color[c] - history.color[c], 2) / 3;
-  const double noise = sample.variance > 0 ? sample.variance / (sample.variance + difference) : 0;
-  const double of_sample = alpha / (1 + exposure * std::max(luminance(sample.color), 0.0));
-  const double of_history = (1 - alpha) / (1 + exposure * std::max(luminance(history.color), 0.0));
-  return std::lerp(alpha, of_sample / (of_sample + of_history), noise);
-}
-
 Estimate blend(const Estimate& sample, const Estimate& history, double alpha, double bias) {
   if (sample.count <= 0 && history.count > 0) return history;
   if (sample.count <= 0) return {sample.color, 0.0, 0.0};
@@ -182,7 +171,6 @@ Merged merge_by_variance(const Grid<Estimate>& sample, const Grid<Estimate>& war
       }
       const bool sampled = sample.at(x, y).count > 0;
       const bool held = warped.at(x, y).count > 0;
-      if (smoothed) alpha = against_outliers(alpha, sample.at(x, y), warped.at(x, y), exposure);
       merged.estimate.at(x, y) = blend(sample.at(x, y), warped.at(x, y), alpha, bias);
       merged.rejected.at(x, y) = !sampled ? 0.0 : (held ? rejected : 1.0);
     }
