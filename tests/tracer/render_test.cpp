@@ -178,7 +178,7 @@ TEST(Variance, OfOneSampleIsItsSquare) {
 
 TEST(Variance, AgreesWithTheSpreadAmongSeeds) {
   // Samples of a pixel are stratified, and so are the blocks whose spread tells the variance; the whole is so
-  // a little more. By the spread of single samples the sum for 32 would be 3.1 times what it is.
+  // a little more. By the spread of single samples the sum for 32 would be 3.1 times the truth.
   Scene scene = load_text(room(1.0, "'width': 20, 'height': 15"));
   constexpr int seeds = 96, pixels = 20 * 15;
   for (const int spp : {2, 8, 32}) {
