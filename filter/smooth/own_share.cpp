@@ -44,16 +44,14 @@ OwnShare add_own_share(gpu::Chain& chain, gpu::Extent full, const NoisyInputs& f
 
 std::vector<float> pack_own_share(const OwnShareWeights& layers) {
   std::vector<float> values;
-  const auto fill_vector = [&] {
-    values.resize(static_cast<std::size_t>(ceil_div(static_cast<int>(values.size()), kVector)) * kVector);
-  };
   for (const Layer& layer : layers) {
-    for (int output = 0; output < layer.outputs; ++output) {
-      for (int input = 0; input < layer.inputs; ++input) values.push_back(layer.at(output, input));
-      fill_vector();
+    const int padded = ceil_div(layer.outputs, kVector) * kVector;
+    for (int input = -1; input < layer.inputs; ++input) {
+      for (int output = 0; output < padded; ++output) {
+        const bool exists = output < layer.outputs;
+        values.push_back(!exists ? 0.0f : input < 0 ? layer.bias[output] : layer.at(output, input));
+      }
     }
-    values.insert(values.end(), layer.bias.begin(), layer.bias.end());
-    fill_vector();
   }
   return values;
 }

@@ -33,42 +33,48 @@ const float kOutlier = 4.0;
 /// A patch's mean counts for at most this: a firefly is no less an outlier beside another.
 const float kLargestPatch = 100.0;
 
-// As filter/smooth/own_share.h packs them: for each output of a layer its weights, four in a vector; then the
-// layer's biases. Copied to shared memory and read at literal offsets (shaders/smooth/README.md says why).
-const int kInputVectors = 2;  // 5 inputs
+// As filter/smooth/own_share.h packs them: for each layer its biases, then for each input the weights to all
+// outputs, four outputs in a vector. Copied to shared memory and read at literal offsets
+// (shaders/smooth/README.md says why).
+const int kInputs = 5;
 const int kHiddenVectors = 4;
 const int kHidden = 4 * kHiddenVectors;
-const int kSecond = kHidden * kInputVectors + kHiddenVectors;
-const int kLast = kSecond + kHidden * kHiddenVectors + kHiddenVectors;
-const int kVectors = kLast + kHiddenVectors + 1;
-shared vec4 layer[kVectors];
+const int kSecond = (1 + kInputs) * kHiddenVectors;
+const int kLast = kSecond + (1 + kHidden) * kHiddenVectors;
+const int kVectors = kLast + 1 + kHidden;
+shared vec4 layers[kVectors];
 
 void load_layers() {
   const int invocations = int(gl_WorkGroupSize.x * gl_WorkGroupSize.y);
-  for (int i = int(gl_LocalInvocationIndex); i < kVectors; i += invocations) layer[i] = texelFetch(weights, i);
+  for (int i = int(gl_LocalInvocationIndex); i < kVectors; i += invocations) layers[i] = texelFetch(weights, i);
   barrier();
 }
 
 /// Input for a squared relative difference or variance.
 float encoded(float squared) { return log(min(squared, kLargestInput) + kLeastInput) / 3.0; }
 
+/// The layer at `first`, of `values`; four outputs in a vector.
+vec4[kHiddenVectors] apply_layer(int first, int inputs, int outputs, vec4 values[kHiddenVectors]) {
+  vec4 sums[kHiddenVectors];
+  [[unroll]] for (int o = 0; o < outputs; ++o) sums[o] = layers[first + o];
+  [[unroll]] for (int i = 0; i < inputs; ++i) {
+    [[unroll]] for (int o = 0; o < outputs; ++o) {
+      sums[o] = fma(vec4(values[i / 4][i % 4]), layers[first + (1 + i) * outputs + o], sums[o]);
+    }
+  }
+  return sums;
+}
+
+vec4[kHiddenVectors] rectified(vec4 values[kHiddenVectors]) {
+  [[unroll]] for (int o = 0; o < kHiddenVectors; ++o) values[o] = max(values[o], 0.0);
+  return values;
+}
+
 /// The share's logit.
-float logit_of(vec4 inputs[kInputVectors]) {
-  vec4 first[kHiddenVectors];
-  [[unroll]] for (int o = 0; o < kHidden; ++o) {
-    float sum = layer[kHidden * kInputVectors + o / 4][o % 4];
-    [[unroll]] for (int i = 0; i < kInputVectors; ++i) sum += dot(layer[o * kInputVectors + i], inputs[i]);
-    first[o / 4][o % 4] = max(sum, 0.0);
-  }
-  vec4 second[kHiddenVectors];
-  [[unroll]] for (int o = 0; o < kHidden; ++o) {
-    float sum = layer[kSecond + kHidden * kHiddenVectors + o / 4][o % 4];
-    [[unroll]] for (int i = 0; i < kHiddenVectors; ++i) sum += dot(layer[kSecond + o * kHiddenVectors + i], first[i]);
-    second[o / 4][o % 4] = max(sum, 0.0);
-  }
-  float logit = layer[kLast + kHiddenVectors].x;
-  [[unroll]] for (int i = 0; i < kHiddenVectors; ++i) logit += dot(layer[kLast + i], second[i]);
-  return logit;
+float logit_of(vec4 inputs[kHiddenVectors]) {
+  const vec4 first[kHiddenVectors] = rectified(apply_layer(0, kInputs, kHiddenVectors, inputs));
+  const vec4 second[kHiddenVectors] = rectified(apply_layer(kSecond, kHidden, kHiddenVectors, first));
+  return apply_layer(kLast, kHidden, 1, second)[0].x;
 }
 
 void main() {
@@ -78,11 +84,12 @@ void main() {
   const vec4 sum = patch_without_pixel(difference, difference_sums, at);
   const vec3 of_patch = max(sum.xyz, 0.0) / max(sum.w, 1.0);
   const vec4 own = texelFetch(difference, index);
-  vec4 inputs[kInputVectors];
+  vec4 inputs[kHiddenVectors];
   inputs[0] = vec4(encoded(of_patch.x), encoded(of_patch.y), encoded(of_patch.z), encoded(own.y));
   inputs[1] = vec4(encoded(own.z), 0.0, 0.0, 0.0);
   const float limit = min(kOutlier * min(of_patch.x, kLargestPatch) / max(own.x, 1e-12), 1.0);
-  const float of_frame = own.w > 0.0 ? limit / (1.0 + exp(-logit_of(inputs))) : 0.0;
+  const float trained = 1.0 / (1.0 + exp(-logit_of(inputs)));  // outside of branches, so not below
+  const float of_frame = own.w > 0.0 ? limit * trained : 0.0;
   const vec2 before = texelFetch(merged_error, index).xy;
   const vec4 y = texelFetch(merged, index);
   const float bright = brightness(y.r, y.g, y.b, texelFetch(exposure, 0).x);
