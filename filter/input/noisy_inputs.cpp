@@ -9,7 +9,9 @@ namespace becalm::filter {
 using gpu::Format;
 
 NoisyInputs::NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent, NoisyUse use)
-    : has_albedo(contains(task.used, Aov::albedo)) {
+    : has_albedo(contains(task.used, Aov::albedo)),
+      has_depth(contains(task.used, Aov::depth)),
+      has_normal(contains(task.used, Aov::normal)) {
   exposure = chain.table("exposure", Format::f32, {1, 1});
   if (use == NoisyUse::merge && task.smooths() && !task.smooths_merged()) return;
   given_variance_ = chain.input("variance.cur", Format::f32x2, extent);

@@ -25,6 +25,8 @@ class NoisyInputs {
               FrameReport& report) const;
 
   bool has_albedo;                        ///< if false, the albedo is 1 everywhere
+  bool has_depth;                         ///< if false, the depth is 0 everywhere
+  bool has_normal;                        ///< if false, the normal is 0 everywhere
   gpu::ImageId color;                     ///< f32x4, non-finite pixels replaced
   gpu::ImageId own_color;                 ///< of a merged frame: the unmerged frame's, else the same
   gpu::ImageId variance;                  ///< f32x2, as MergeInputs::variance

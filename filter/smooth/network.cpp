@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "filter/ceil_div.h"
-#include "filter/merge/patch_sums.h"
 #include "filter/smooth/convolution.h"
+#include "filter/smooth/detail_share.h"
 #include "filter/smooth/host_features.h"
 #include "filter/smooth/own_share.h"
 
@@ -22,9 +22,6 @@ namespace {
 
 /// Radius of the windows over radiance, albedo and grey value; kWindowTaps are its pixels.
 constexpr int kWindowRadius = 2;
-
-/// Radius of the patches over which the difference of a frame and its result is averaged.
-constexpr int kLostRadius = 7;
 
 /// Weights of 1x1 layers with concatenated outputs, as shaders/lib/head.glsl reads them.
 std::vector<float> pack_head(const std::vector<const Layer*>& layers) {
@@ -82,7 +79,8 @@ NetworkPasses::NetworkPasses(Chain& chain, const Weights& trained, Extent full, 
     smoothed_ = {.color = color, .stats = stats, .additive = {}};
     return;
   }
-  const ImageId share = add_share(chain, frame, color, stats);
+  const auto [share, remaining] = add_detail_share(chain, full_, frame, color, stats);
+  smoothed_.stats = remaining;
   smoothed_.color = add_restore(chain, "smoothed.color", frame.color, color, share);
   std::optional<ImageId> own_share;
   if (frame.own_color != frame.color) {
@@ -238,30 +236,6 @@ void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, con
                              : frame.own_features == frame.features ? 1
                                                                     : 2)
       .dispatch(full_);
-}
-
-ImageId NetworkPasses::add_share(Chain& chain, const NoisyInputs& frame, ImageId color, ImageId stats) {
-  const ImageId lost = chain.image("network.lost", Format::f32x4, full_);
-  chain.pass("smooth/lost")
-      .read("color", frame.color)
-      .read("variance", frame.variance)
-      .read("smoothed", color)
-      .read("exposure", frame.exposure)
-      .write("lost", lost)
-      .dispatch(full_);
-  const ImageId lost_sums = add_patch_sums(chain, kLostRadius, full_, lost, "network.lost");
-  const ImageId share = chain.image("network.share", Format::f32x2, full_);
-  smoothed_.stats = chain.image("smoothed.stats", Format::f32x2, full_);
-  chain.pass("smooth/share")
-      .read("lost", lost, gpu::reach(kLostRadius, 0))
-      .read("lost_sums", lost_sums)
-      .read("variance", frame.variance)
-      .read("expected", stats)
-      .write("share", share)
-      .write("stats", smoothed_.stats)
-      .specialize("radius", kLostRadius)
-      .dispatch(full_);
-  return share;
 }
 
 ImageId NetworkPasses::add_restore(Chain& chain, const std::string& name, ImageId color, ImageId smoothed,

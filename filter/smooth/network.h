@@ -80,9 +80,6 @@ class NetworkPasses {
                    const std::string& name, const Layered& irradiance, gpu::ImageId color,
                    gpu::ImageId smoothed, gpu::ImageId stats) const;
 
-  /// Computes (the share of the frame that is put back, mean relative variance around), f32x2, and the
-  /// remaining variance.
-  gpu::ImageId add_share(gpu::Chain& chain, const NoisyInputs& frame, gpu::ImageId color, gpu::ImageId stats);
   gpu::ImageId add_restore(gpu::Chain& chain, const std::string& name, gpu::ImageId color,
                            gpu::ImageId smoothed, gpu::ImageId share) const;
 

@@ -1,18 +1,26 @@
-// Reads a frame, its variance and the smoothed result; writes (excess, its square, variance of the frame, 1),
-// relative to the result's brightness; zeros for a pixel that is not finite. The excess is what the squared
-// difference of both is more than the frame's noise alone would make it, on average.
+// Reads a frame, its variance and features, and the smoothed result; writes (excess, its square, variance of the
+// frame, 1), relative to the result's brightness, to `lost` where there is a surface and to `lost_behind` where
+// there is none; zeros to the other one, and to both for a pixel that is not finite. The excess is what the
+// squared difference of frame and result is more than the frame's noise alone would make it, on average.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/color.glsl"
 #include "lib/dispatch_size.glsl"
 #include "lib/gain.glsl"
 
+layout(constant_id = 0) const int separate = 1;  // 0: all pixels count as surfaces
+
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(set = 0, binding = 0) uniform samplerBuffer color;
 layout(set = 0, binding = 1) uniform samplerBuffer variance;
 layout(set = 0, binding = 2) uniform samplerBuffer smoothed;
 layout(set = 0, binding = 3) uniform samplerBuffer exposure;
-layout(std430, set = 0, binding = 4) writeonly buffer LostBuffer { vec4 data[]; } lost;
+layout(set = 0, binding = 4) uniform samplerBuffer albedo_depth;
+layout(set = 0, binding = 5) uniform samplerBuffer normal;
+layout(std430, set = 0, binding = 6) writeonly buffer LostBuffer { vec4 data[]; } lost;
+layout(std430, set = 0, binding = 7) writeonly buffer BehindBuffer { vec4 data[]; } lost_behind;
+
+#include "lib/surface.glsl"
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
@@ -25,5 +33,8 @@ void main() {
   const float deviation = min(sqrt(max(stats.x, 0.0)) * scale, kLargestDifference);
   const float noise = deviation * deviation;
   const float excess = dot(d, d) / 3.0 - noise;
-  lost.data[index] = stats.y > 0.0 ? vec4(excess, excess * excess, noise, 1.0) : vec4(0.0);
+  const vec4 statistics = stats.y > 0.0 ? vec4(excess, excess * excess, noise, 1.0) : vec4(0.0);
+  const bool behind = separate != 0 && !shows_surface(index);
+  lost.data[index] = behind ? vec4(0.0) : statistics;
+  if (separate != 0) lost_behind.data[index] = behind ? statistics : vec4(0.0);
 }

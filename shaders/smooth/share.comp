@@ -1,9 +1,10 @@
-// Reads smooth/lost's output, its sums over patches, the variance of the frame and the error that the network
+// Reads smooth/lost's outputs, their sums over patches, the variance of the frame and the error that the network
 // expects; writes (share of the frame that is put back, mean of the patch's relative variances) and the
 // variance that then remains. What a patch lost beyond its noise was detail: the share minimises the expected
 // squared error of the mix (lib/gain.glsl). The loss must be significant by its own spread over the patch:
 // where light is sparse, few pixels rule both the squared difference and the variance, and neither tells
-// much. The pixel itself is left out of its patch, since a share derived from the value that it weighs would
+// much. Surfaces and what is behind them have patches of their own, since the one is often clean where the
+// other is noisy. The pixel itself is left out of its patch, since a share derived from the value that it weighs would
 // darken the image. Only a pixel that no noise can explain, such as a star, decides for itself.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -18,29 +19,37 @@ const float kSignificance = 2.0;
 const float kCertain = 32.0;
 
 layout(constant_id = 0) const int radius = 7;
+layout(constant_id = 1) const int separate = 1;  // as in smooth/lost
 
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(set = 0, binding = 0) uniform samplerBuffer lost;
 layout(set = 0, binding = 1) uniform samplerBuffer lost_sums;
 layout(set = 0, binding = 2) uniform samplerBuffer variance;
 layout(set = 0, binding = 3) uniform samplerBuffer expected;
-layout(std430, set = 0, binding = 4) writeonly buffer ShareBuffer { vec2 data[]; } share;
-layout(std430, set = 0, binding = 5) writeonly buffer StatsBuffer { vec2 data[]; } stats;
+layout(set = 0, binding = 4) uniform samplerBuffer albedo_depth;
+layout(set = 0, binding = 5) uniform samplerBuffer normal;
+layout(set = 0, binding = 6) uniform samplerBuffer lost_behind;
+layout(set = 0, binding = 7) uniform samplerBuffer lost_behind_sums;
+layout(std430, set = 0, binding = 8) writeonly buffer ShareBuffer { vec2 data[]; } share;
+layout(std430, set = 0, binding = 9) writeonly buffer StatsBuffer { vec2 data[]; } stats;
 
 #include "lib/patch_row.glsl"
+#include "lib/surface.glsl"
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= size.x || at.y >= size.y) return;
   const int index = at.y * size.x + at.x;
-  const vec4 sum = patch_without_pixel(lost, lost_sums, at);
+  const bool behind = separate != 0 && !shows_surface(index);
+  const vec4 sum = behind ? patch_without_pixel(lost_behind, lost_behind_sums, at)
+                          : patch_without_pixel(lost, lost_sums, at);
   const float count = max(sum.w, 1.0);
   const vec2 noisy = texelFetch(variance, index).xy;
   const vec2 smooth_stats = texelFetch(expected, index).xy;
   const vec3 mean = max(sum.xyz / count, vec3(0.0));
   const float uncertain = kSignificance * kSignificance * mean.y / count;
   const float detail = mean.x * mean.x > uncertain ? mean.x - uncertain / mean.x : 0.0;
-  const vec4 own = texelFetch(lost, index);
+  const vec4 own = behind ? texelFetch(lost_behind, index) : texelFetch(lost, index);
   const float noise = max(own.z, mean.z);
   const float squared = own.x + own.z;
   const bool certain = squared > kCertain * kCertain * noise;

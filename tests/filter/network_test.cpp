@@ -33,7 +33,8 @@ struct Sample {
   float exposure = 1.7f;
 };
 
-/// A textured slope under noise before a wall of another normal, with fireflies and non-finite pixels.
+/// A textured slope under noise before a wall of another normal and a bit of sky, with fireflies and
+/// non-finite pixels.
 Sample noisy_sample(int width, int height) {
   Sample sample(width, height);
   std::mt19937 random(3);
@@ -43,8 +44,9 @@ Sample noisy_sample(int width, int height) {
       const bool wall = y < height / 3 + x / 4;
       reference::SmoothFeatures& f = sample.features.at(x, y);
       for (int c = 0; c < 3; ++c) f[c] = static_cast<float>(pattern(2 * x, 2 * y, 4 + c));
-      f[3] = static_cast<float>(wall ? 1.4 : 0.4 + 0.01 * y);
-      f[wall ? 6 : 5] = 1.0;
+      const bool sky = wall && x > 3 * width / 4;
+      f[3] = static_cast<float>(sky ? 2.0 : wall ? 1.4 : 0.4 + 0.01 * y);
+      f[wall ? 6 : 5] = sky ? 0.0 : 1.0;
       sample.own.at(x, y) = f;
       for (int c = 0; c < 3; ++c) sample.own.at(x, y)[c] = static_cast<float>(0.9 * f[c] + 0.02 * (x % 3));
       Estimate& e = sample.pixels.at(x, y);
@@ -79,6 +81,7 @@ Grid<Estimate> smooth_on(gpu::Device& device, const Sample& sample, const Networ
   FilterTask task = task_with_variance(preset("balanced"), extent);
   task.merged = kind == Kind::merged;
   task.used.set(static_cast<std::size_t>(Aov::albedo), kind != Kind::without_albedo);
+  for (const Aov aov : {Aov::normal, Aov::depth}) task.used.set(static_cast<std::size_t>(aov));
   const NoisyInputs noisy(chain, task, extent, NoisyUse::smooth);
   const NetworkPasses network(chain, {weights, own_share}, extent, noisy, variance_known, {},
                               convolver.value_or(convolver_of(device.info())));

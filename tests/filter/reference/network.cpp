@@ -312,8 +312,8 @@ Grid<Estimate> windows_of_network(const TwoSamples& samples, const TwoFeatures& 
 Grid<Estimate> smooth_by_network(const TwoSamples& samples, const TwoFeatures& features, double exposure,
                                  const filter::NetworkWeights& weights, bool variance_known,
                                  const filter::OwnShareWeights* own_share) {
-  const Restored merged = restored(
-      samples.merged, windows_of_network(samples, features, exposure, weights, variance_known), exposure);
+  const Grid<Estimate> windows = windows_of_network(samples, features, exposure, weights, variance_known);
+  const Restored merged = restored(samples.merged, windows, features.own, exposure);
   if (!own_share) return merged.result;
   return with_own_share(samples, merged, *own_share, exposure);
 }

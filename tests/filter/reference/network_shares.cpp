@@ -39,6 +39,11 @@ Grid<Lost> lost_of(const Grid<Estimate>& sample, const Grid<Estimate>& smoothed,
   return lost;
 }
 
+/// Whether the pixel shows a surface, and neither what is far behind all others nor nothing at all.
+bool shows_surface(const SmoothFeatures& f) {
+  return f[3] < 1.99 && (f[4] != 0 || f[5] != 0 || f[6] != 0);
+}
+
 /// Calls `use(u, v)` for the valid pixels of the patch around (x, y), but not for that itself; returns their
 /// number.
 template <class Use>
@@ -60,14 +65,19 @@ struct PatchShare {
   double mean_noise = 0.0;
 };
 
-PatchShare share_of(const Grid<Estimate>& sample, const Grid<Lost>& lost, int x, int y) {
+/// Of pixels that show surfaces, or of those that do not, as the pixel itself.
+PatchShare share_of(const Grid<Estimate>& sample, const Grid<Lost>& lost,
+                    const Grid<SmoothFeatures>& features, int x, int y) {
   double excess = 0.0, squared_excess = 0.0, mean_noise = 0.0;
-  const int valid = for_neighbours(sample, 7, x, y, [&](int u, int v) {
+  int alike = 0;
+  for_neighbours(sample, 7, x, y, [&](int u, int v) {
+    if (shows_surface(features.at(u, v)) != shows_surface(features.at(x, y))) return;
+    ++alike;
     excess += lost.at(u, v).excess();
     squared_excess += std::pow(lost.at(u, v).excess(), 2);
     mean_noise += lost.at(u, v).noise;
   });
-  const double count = std::max(valid, 1);
+  const double count = std::max(alike, 1);
   mean_noise /= count;
   const double ratio = squared_excess / (excess * excess);  // squared standard error, over the squared mean
   const double detail = excess > 0 ? excess / count * (1 - 4 * ratio) : 0.0;
@@ -85,13 +95,14 @@ void mix(Estimate& pixel, const Rgba& color, double variance, double share) {
 
 }  // namespace
 
-Restored restored(const Grid<Estimate>& sample, const Grid<Estimate>& smoothed, double exposure) {
+Restored restored(const Grid<Estimate>& sample, const Grid<Estimate>& smoothed,
+                  const Grid<SmoothFeatures>& features, double exposure) {
   const Grid<Lost> lost = lost_of(sample, smoothed, exposure);
   Restored out{smoothed, Grid<double>(sample.width, sample.height)};
   for (int y = 0; y < sample.height; ++y) {
     for (int x = 0; x < sample.width; ++x) {
       if (sample.at(x, y).count <= 0) continue;
-      const PatchShare patch = share_of(sample, lost, x, y);
+      const PatchShare patch = share_of(sample, lost, features, x, y);
       mix(out.result.at(x, y), sample.at(x, y).color, sample.at(x, y).variance, patch.share);
       out.patch_noise.at(x, y) = patch.mean_noise;
     }

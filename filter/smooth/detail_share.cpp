@@ -1,0 +1,67 @@
+#include "filter/smooth/detail_share.h"
+
+#include <optional>
+#include <string>
+
+#include "filter/merge/patch_sums.h"
+
+namespace becalm::filter {
+
+using gpu::Format;
+using gpu::ImageId;
+
+namespace {
+
+/// Radius of the patches over which the difference of a frame and its result is averaged.
+constexpr int kLostRadius = 7;
+
+}  // namespace
+
+DetailShare add_detail_share(gpu::Chain& chain, gpu::Extent full, const NoisyInputs& frame, ImageId color,
+                             ImageId stats) {
+  const SurfaceImages& features = *frame.own_features;
+  const bool separate = frame.has_depth || frame.has_normal;
+  const auto image = [&](const std::string& name) { return chain.image(name, Format::f32x4, full); };
+  const auto sums = [&](ImageId statistics, const std::string& name) {
+    return add_patch_sums(chain, kLostRadius, full, statistics, name);
+  };
+
+  const ImageId lost = image("detail.lost");
+  const std::optional<ImageId> behind = separate ? std::optional(image("detail.lost_behind")) : std::nullopt;
+  chain.pass("smooth/lost")
+      .read("color", frame.color)
+      .read("variance", frame.variance)
+      .read("smoothed", color)
+      .read("exposure", frame.exposure)
+      .read("albedo_depth", features.albedo_depth)
+      .read("normal", features.normal)
+      .write("lost", lost)
+      .write("lost_behind", behind)
+      .specialize("separate", separate ? 1 : 0)
+      .specialize("has_normal", frame.has_normal ? 1 : 0)
+      .dispatch(full);
+
+  const ImageId lost_sums = sums(lost, "detail.lost");
+  const std::optional<ImageId> behind_sums =
+      behind ? std::optional(sums(*behind, "detail.lost_behind")) : std::nullopt;
+  const DetailShare detail{.share = chain.image("detail.share", Format::f32x2, full),
+                           .stats = chain.image("detail.stats", Format::f32x2, full)};
+  chain.pass("smooth/share")
+      .read("lost", lost, gpu::reach(kLostRadius, 0))
+      .read("lost_sums", lost_sums)
+      .read("lost_behind", behind, gpu::reach(kLostRadius, 0))
+      .read("lost_behind_sums", behind_sums)
+      .read("variance", frame.variance)
+      .read("expected", stats)
+      .read("albedo_depth", features.albedo_depth)
+      .read("normal", features.normal)
+      .write("share", detail.share)
+      .write("stats", detail.stats)
+      .specialize("radius", kLostRadius)
+      .specialize("separate", separate ? 1 : 0)
+      .specialize("has_normal", frame.has_normal ? 1 : 0)
+      .dispatch(full);
+  return detail;
+}
+
+}  // namespace becalm::filter
