@@ -21,7 +21,7 @@ import batches
 import export
 import losses
 import shots
-from network import LOSS_FLOOR, LOSS_SCALE, luminance
+from network import FEATURES, LOSS_FLOOR, LOSS_SCALE, luminance
 
 MAGIC = b"becalmOS"
 INPUTS = 5
@@ -37,7 +37,8 @@ LEAST_OF_PATCH = 0.1  # of a patch's mean variance that a pixel has at least; th
 LARGEST_LEAST = 0.05  # what that is at most
 LOST_RADIUS = 7  # of the patches over which a loss of detail is told; this and the next two as share.comp has them
 SIGNIFICANCE = 2.0  # of a loss of detail, in standard errors
-CERTAIN = 32.0  # standard deviations by which a pixel's difference is no noise
+FARTHEST_SURFACE = 1.99  # packed depth
+CERTAIN = 16.0  # standard deviations by which a pixel's difference is no noise
 FRAMES = 3  # a step
 LEARNING_RATE = 5e-3
 
@@ -62,25 +63,34 @@ def total_of_neighbours(x, radius):
     return F.avg_pool2d(x, side, 1, radius) * side * side - x
 
 
-def neighbour_count(x, radius):
-    return total_of_neighbours(torch.ones_like(x[:1, :1]), radius).clamp(min=1.0)
-
-
-def mean_of_neighbours(x, radius=RADIUS):
+def mean_of_neighbours(x):
     """Over the patch around each pixel, as far as it is in the image, without the pixel."""
-    return (total_of_neighbours(x, radius) / neighbour_count(x, radius)).clamp(min=0.0)
+    count = total_of_neighbours(torch.ones_like(x[:1, :1]), RADIUS)
+    return (total_of_neighbours(x, RADIUS) / count.clamp(min=1.0)).clamp(min=0.0)
 
 
-def with_detail(merged, error, noisy, variance):
+def shows_surface(features):
+    """As shaders/lib/surface.glsl, for features of 7 channels of which none is missing."""
+    return (features[:, 6:7] < FARTHEST_SURFACE) & (features[:, 3:6] != 0).any(1, keepdim=True)
+
+
+def sums_of_alike(x, surface):
+    """Over the patch around each pixel, without the pixel, of the pixels that show surfaces or of those that do not, as it does."""
+    of_kind = lambda kind: total_of_neighbours(torch.where(kind, x, torch.zeros_like(x)), LOST_RADIUS)
+    return torch.where(surface, of_kind(surface), of_kind(~surface))
+
+
+def with_detail(merged, error, noisy, variance, surface):
     """What the program does before (shaders/smooth/share.comp): detail that patches lost beyond their noise is put back. The
     merged frame, smoothed, the squared error that is then expected, and the mean relative variance around each pixel."""
     scale = 1.0 / (luminance(merged).clamp(min=0.0) + 0.1)
     square = ((noisy - merged) * scale).square().mean(1, keepdim=True)
     noise = variance.clamp(min=0.0) * scale**2
     excess = square - noise
-    of_patch = mean_of_neighbours(torch.cat([excess, excess.square(), noise], 1), LOST_RADIUS)
-    mean_excess, squared_excess, mean_noise = of_patch.split(1, 1)
-    uncertain = SIGNIFICANCE**2 * squared_excess / neighbour_count(noise, LOST_RADIUS)
+    sums = sums_of_alike(torch.cat([excess, excess.square(), noise, torch.ones_like(noise)], 1), surface)
+    count = sums[:, 3:].clamp(min=1.0)
+    mean_excess, squared_excess, mean_noise = (sums[:, :3] / count).clamp(min=0.0).split(1, 1)
+    uncertain = SIGNIFICANCE**2 * squared_excess / count
     detail = (mean_excess - uncertain / mean_excess.clamp(min=1e-20)).clamp(min=0.0)
     most = torch.maximum(noise, mean_noise)
     certain = square > CERTAIN**2 * most
@@ -94,11 +104,11 @@ def prepared(network, pair):
     """What training reads of a merged pair, as half floats."""
     with torch.no_grad():
         frame = batches.whole_frame(pair)
-        colors, variance, _, references = frame
+        colors, variance, features, references = frame
         merged, log_error = losses.smoothed(network, frame)
         own = colors[:, 3:]
         error = torch.exp(log_error) * ((LOSS_SCALE * merged).square().mean(1, keepdim=True) + LOSS_FLOOR) / LOSS_SCALE**2
-        merged, error, patch_noise = with_detail(merged, error, colors[:, :3], variance)
+        merged, error, patch_noise = with_detail(merged, error, colors[:, :3], variance, shows_surface(features[:, FEATURES:]))
         relative = lambda squared: squared / (luminance(merged).clamp(min=0.0) + 0.1) ** 2
         noise = torch.maximum(relative(variance.clamp(min=0.0)), (LEAST_OF_PATCH * patch_noise).clamp(max=LARGEST_LEAST))
         measured = torch.cat([relative((own - merged).square().mean(1, keepdim=True)), relative(error), noise], 1)

@@ -16,7 +16,7 @@
 const float kSignificance = 2.0;
 /// A difference of more than this many standard deviations of the pixel's and of its patch's noise is not
 /// noise.
-const float kCertain = 32.0;
+const float kCertain = 16.0;
 
 layout(constant_id = 0) const int radius = 7;
 layout(constant_id = 1) const int separate = 1;  // as in smooth/lost

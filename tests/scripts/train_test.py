@@ -159,13 +159,26 @@ class Shots(unittest.TestCase):
         noisy = torch.rand(1, 3, SIZE, SIZE) + 0.5
         smoothed = noisy.mean((2, 3), keepdim=True).expand_as(noisy)
         error = torch.full((1, 1, SIZE, SIZE), 0.1)
+        surface = torch.ones_like(error, dtype=torch.bool)
         for variance, close in ((1e-6, True), (1.0, False)):
-            result, left, noise = own_share.with_detail(smoothed, error, noisy, torch.full_like(error, variance))
+            result, left, noise = own_share.with_detail(smoothed, error, noisy, torch.full_like(error, variance), surface)
             expected = noisy if close else smoothed
             self.assertLess((result - expected).abs().max().item(), 1e-3)
             self.assertLess((left - (variance if close else error)).abs().max().item(), 1e-3)
             brightness = smoothed[0, :, 0, 0].dot(torch.tensor((0.2126, 0.7152, 0.0722))) + 0.1
             self.assertAlmostEqual(noise.mean().item(), variance / brightness.item() ** 2, delta=1e-3 * variance)
+
+    def test_noise_of_surfaces_is_not_that_of_what_is_behind(self):
+        noisy = torch.rand(1, 3, SIZE, SIZE) + 0.5
+        smoothed = noisy.mean((2, 3), keepdim=True).expand_as(noisy)
+        features = torch.zeros(1, 7, SIZE, SIZE)
+        features[:, 5, ::2], features[:, 6] = 1.0, 2.0
+        features[:, 6, ::2] = 0.5
+        surface = own_share.shows_surface(features)
+        variance = torch.where(surface, 1.0, 1e-6)
+        result, _, _ = own_share.with_detail(smoothed, torch.full_like(variance, 0.1), noisy, variance, surface)
+        self.assertLess((result - noisy)[..., 1::2, :].abs().max().item(), 1e-3)
+        self.assertLess((result - smoothed)[..., ::2, :].abs().max().item(), 1e-3)
 
     def test_a_reference_is_a_frame_too_and_the_other_is_what_it_is_to_become(self):
         of_a, of_b = batches.load(self.folder.name)[0][1:3]

@@ -83,7 +83,7 @@ PatchShare share_of(const Grid<Estimate>& sample, const Grid<Lost>& lost,
   const double detail = excess > 0 ? excess / count * (1 - 4 * ratio) : 0.0;
   const Lost& own = lost.at(x, y);
   const double noise = std::max(own.noise, mean_noise);
-  const double of_pixel = own.square > 32 * 32 * noise ? own.square / (own.square + noise) : 0.0;
+  const double of_pixel = own.square > 16 * 16 * noise ? own.square / (own.square + noise) : 0.0;
   return {std::max(of_pixel, detail > 0 ? detail / (detail + mean_noise) : 0.0), mean_noise};
 }
 
