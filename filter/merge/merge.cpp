@@ -74,6 +74,7 @@ ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, c
       .write("decision", decision)
       .specialize("radius", settings.patch_radius)
       .specialize("smoothed", settings.smooth != Smooth::none ? 1 : 0)
+      .specialize("noise_explains", settings.smooth != Smooth::frames ? 1 : 0)
       .dispatch(full);
   return decision;
 }

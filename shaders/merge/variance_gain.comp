@@ -14,6 +14,9 @@
 
 layout(constant_id = 0) const int radius = 3;
 layout(constant_id = 1) const int smoothed = 0;  // 1: the new frame is smoothed; its variance is that of a window's mean
+// 0: all of a patch's difference is bias. Smoothed frames that are merged themselves have their errors in common, so the
+// expected ones explain no difference, and what merging blurs is lost.
+layout(constant_id = 2) const int noise_explains = 1;
 
 /// Standard deviations beyond which a difference is certainly no noise.
 const float kCertain = 8.0;
@@ -65,7 +68,7 @@ void main() {
     const float variance_new = smoothed != 0 ? min(variance_of_patch, own_variance)
                                              : borrowed_variance(variance_of_patch, own_variance, light);
     const float variance_history = noise_sum.y / count;
-    const float expected = variance_of_patch + variance_history;
+    const float expected = noise_explains != 0 ? variance_of_patch + variance_history : 0.0;
     const vec3 mean = difference_sum.rgb / count;
     const float of_patch =
         patch_bias(dot(mean, mean) / 3.0, difference_sum.a / count, expected, count, smoothed != 0 ? 0.0 : kSignificanceInNoise);

@@ -33,11 +33,17 @@ Settings of_noisy_frames() {
 }
 
 /// A chain with only the merge's passes; offsets and residuals are inputs.
+/// The merge itself; noisy layers, which smooth=merged carries along, are not.
+Settings without_noisy_layers(Settings settings) {
+  if (settings.smooth == Smooth::merged) settings.smooth = Smooth::frames;
+  return settings;
+}
+
 class MergeOnDevice {
  public:
   MergeOnDevice(gpu::Device& device, const Settings& settings)
       : chain_(device, "merge test"),
-        noisy_(chain_, task_with_variance(settings, kFull), kFull, NoisyUse::merge) {
+        noisy_(chain_, task_with_variance(without_noisy_layers(settings), kFull), kFull, NoisyUse::merge) {
     const gpu::Extent full = kFull;
     const bool smoothed = settings.smooth != Smooth::none;
     color_ = smoothed ? chain_.input("smoothed.color", gpu::Format::f32x4, full) : noisy_.color;
@@ -140,7 +146,8 @@ void expect_agreement(const reference::Merged& found, const reference::Merged& t
 }
 
 class VarianceGainTest : public MergeTest, public testing::WithParamInterface<Smooth> {};
-INSTANTIATE_TEST_SUITE_P(Smooth, VarianceGainTest, testing::Values(Smooth::none, Smooth::frames));
+INSTANTIATE_TEST_SUITE_P(Smooth, VarianceGainTest,
+                         testing::Values(Smooth::none, Smooth::frames, Smooth::merged));
 
 TEST_P(VarianceGainTest, AgreesWithTheReference) {
   Settings settings = of_noisy_frames();

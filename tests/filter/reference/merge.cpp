@@ -142,7 +142,8 @@ Merged merge_by_variance(const Grid<Estimate>& sample, const Grid<Estimate>& war
       if (count > 0) {
         variance_new /= count;
         variance_history /= count;
-        const double noise = variance_new + variance_history;
+        const double noise =
+            settings.smooth == filter::Smooth::frames ? 0.0 : variance_new + variance_history;
         const Estimate& own = sample.at(x, y);
         const bool counts = own.count > 0 && warped.at(x, y).count > 0;
         const double own_scale = 1 / brightness(warped.at(x, y).color, exposure);
