@@ -27,7 +27,8 @@ DetailShare add_detail_share(gpu::Chain& chain, gpu::Extent full, const NoisyInp
   };
 
   const ImageId lost = image("detail.lost");
-  const std::optional<ImageId> behind = separate ? std::optional(image("detail.lost_behind")) : std::nullopt;
+  const std::optional<ImageId> background =
+      separate ? std::optional(image("detail.lost_background")) : std::nullopt;
   chain.pass("smooth/lost")
       .read("color", frame.color)
       .read("variance", frame.variance)
@@ -36,21 +37,21 @@ DetailShare add_detail_share(gpu::Chain& chain, gpu::Extent full, const NoisyInp
       .read("albedo_depth", features.albedo_depth)
       .read("normal", features.normal)
       .write("lost", lost)
-      .write("lost_behind", behind)
+      .write("lost_background", background)
       .specialize("separate", separate ? 1 : 0)
       .specialize("has_normal", frame.has_normal ? 1 : 0)
       .dispatch(full);
 
   const ImageId lost_sums = sums(lost, "detail.lost");
-  const std::optional<ImageId> behind_sums =
-      behind ? std::optional(sums(*behind, "detail.lost_behind")) : std::nullopt;
+  const std::optional<ImageId> background_sums =
+      background ? std::optional(sums(*background, "detail.lost_background")) : std::nullopt;
   const DetailShare detail{.share = chain.image("detail.share", Format::f32x2, full),
                            .stats = chain.image("detail.stats", Format::f32x2, full)};
   chain.pass("smooth/share")
       .read("lost", lost, gpu::reach(kLostRadius, 0))
       .read("lost_sums", lost_sums)
-      .read("lost_behind", behind, gpu::reach(kLostRadius, 0))
-      .read("lost_behind_sums", behind_sums)
+      .read("lost_background", background, gpu::reach(kLostRadius, 0))
+      .read("lost_background_sums", background_sums)
       .read("variance", frame.variance)
       .read("expected", stats)
       .read("albedo_depth", features.albedo_depth)

@@ -267,8 +267,9 @@ void find_factors(BlockGrid& level, const BlockGrid* coarse) {
         block.factor[c] = factor_between(*coarse, {(x + 0.5) / 2.0 - 0.5, coarse->width},
                                          {(y + 0.5) / 2.0 - 0.5, coarse->height}, c);
       }
-      // A small block without a bright sample seems dark and hardly noisy. With the noise of as many pixels
-      // around it, of any larger block up to the steady ones, it is not darkened.
+      // A small block without a bright sample seems dark and hardly noisy. It is not darkened, since its
+      // noise is at least that of as many pixels of each larger block around it, up to the smallest steady
+      // one.
       if (!steady && coarse && block.pixels > 0) {
         const Block& around = coarse->at(x / 2, y / 2);
         block.noise = std::max(block.noise, around.noise * block.pixels / around.pixels);

@@ -73,7 +73,8 @@ def quality_part(becalm):
 `scripts/benches/quality/cycles/render.py` renders them, two references each. relMSE and temporal
 error are those of `becalm compare`, as a share of noisy's. The network did not learn from them, but
 was extended after looks at `cloth`, `foliage`, `car` and `bottles`, and the light's blocks after one
-at `candles` (`scripts/train/README.md`). The last five rows change one thing of `final`.
+at `candles` (`scripts/train/README.md`). That only `draft` takes all of a difference for bias was
+decided with these shots in view. The last five rows change one thing of `final`.
 
 {section(folder, "8 samples per pixel")}
 
@@ -94,8 +95,9 @@ def scenes_part(becalm):
 {measured_at()}
 
 384x216, with every feature, variance and half-buffers; two references of 64 samples, whose noise is
-taken out. The network did not learn from these scenes, but affinities were added after a look at
-`penumbra`.
+taken out. The network did not learn from these scenes, but affinities were added, and single pixels
+restored from 16 deviations on, after looks at `penumbra`, and the noise of small blocks was raised
+after one at `slab` (`scripts/train/README.md`).
 
 {overview}
 

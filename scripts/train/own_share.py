@@ -37,8 +37,8 @@ LEAST_OF_PATCH = 0.1  # of a patch's mean variance that a pixel has at least; th
 LARGEST_LEAST = 0.05  # what that is at most
 LOST_RADIUS = 7  # of the patches over which a loss of detail is told; this and the next two as share.comp has them
 SIGNIFICANCE = 2.0  # of a loss of detail, in standard errors
-FARTHEST_SURFACE = 1.99  # packed depth
 CERTAIN = 16.0  # standard deviations by which a pixel's difference is no noise
+FARTHEST_SURFACE = 1.99  # packed depth; as surface.glsl has it
 FRAMES = 3  # a step
 LEARNING_RATE = 5e-3
 

@@ -14,8 +14,8 @@
 
 layout(constant_id = 0) const int radius = 3;
 layout(constant_id = 1) const int smoothed = 0;  // 1: the new frame is smoothed; its variance is that of a window's mean
-// 0: all of a patch's difference is bias. Smoothed frames that are merged themselves have their errors in common, so the
-// expected ones explain no difference, and what merging blurs is lost.
+// 0: all of a patch's difference counts as bias. This is for merging smoothed frames: most of their error is blur, which
+// both have alike and which makes no difference, so a difference is not to be excused by the error that is expected.
 layout(constant_id = 2) const int noise_explains = 1;
 
 /// Standard deviations beyond which a difference is certainly no noise.

@@ -1,5 +1,5 @@
 // Reads a frame, its variance and features, and the smoothed result; writes (excess, its square, variance of the
-// frame, 1), relative to the result's brightness, to `lost` where there is a surface and to `lost_behind` where
+// frame, 1), relative to the result's brightness, to `lost` where there is a surface and to `lost_background` where
 // there is none; zeros to the other one, and to both for a pixel that is not finite. The excess is what the
 // squared difference of frame and result is more than the frame's noise alone would make it, on average.
 #version 460
@@ -18,7 +18,7 @@ layout(set = 0, binding = 3) uniform samplerBuffer exposure;
 layout(set = 0, binding = 4) uniform samplerBuffer albedo_depth;
 layout(set = 0, binding = 5) uniform samplerBuffer normal;
 layout(std430, set = 0, binding = 6) writeonly buffer LostBuffer { vec4 data[]; } lost;
-layout(std430, set = 0, binding = 7) writeonly buffer BehindBuffer { vec4 data[]; } lost_behind;
+layout(std430, set = 0, binding = 7) writeonly buffer BackgroundBuffer { vec4 data[]; } lost_background;
 
 #include "lib/surface.glsl"
 
@@ -34,7 +34,7 @@ void main() {
   const float noise = deviation * deviation;
   const float excess = dot(d, d) / 3.0 - noise;
   const vec4 statistics = stats.y > 0.0 ? vec4(excess, excess * excess, noise, 1.0) : vec4(0.0);
-  const bool behind = separate != 0 && !shows_surface(index);
-  lost.data[index] = behind ? vec4(0.0) : statistics;
-  if (separate != 0) lost_behind.data[index] = behind ? statistics : vec4(0.0);
+  const bool background = separate != 0 && !shows_surface(index);
+  lost.data[index] = background ? vec4(0.0) : statistics;
+  if (separate != 0) lost_background.data[index] = background ? statistics : vec4(0.0);
 }

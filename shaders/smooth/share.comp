@@ -3,8 +3,8 @@
 // variance that then remains. What a patch lost beyond its noise was detail: the share minimises the expected
 // squared error of the mix (lib/gain.glsl). The loss must be significant by its own spread over the patch:
 // where light is sparse, few pixels rule both the squared difference and the variance, and neither tells
-// much. Surfaces and what is behind them have patches of their own, since the one is often clean where the
-// other is noisy. The pixel itself is left out of its patch, since a share derived from the value that it weighs would
+// much. Surfaces and the background have patches of their own, since one is often clean where the other is
+// noisy. The pixel itself is left out of its patch, since a share derived from the value that it weighs would
 // darken the image. Only a pixel that no noise can explain, such as a star, decides for itself.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -28,8 +28,8 @@ layout(set = 0, binding = 2) uniform samplerBuffer variance;
 layout(set = 0, binding = 3) uniform samplerBuffer expected;
 layout(set = 0, binding = 4) uniform samplerBuffer albedo_depth;
 layout(set = 0, binding = 5) uniform samplerBuffer normal;
-layout(set = 0, binding = 6) uniform samplerBuffer lost_behind;
-layout(set = 0, binding = 7) uniform samplerBuffer lost_behind_sums;
+layout(set = 0, binding = 6) uniform samplerBuffer lost_background;
+layout(set = 0, binding = 7) uniform samplerBuffer lost_background_sums;
 layout(std430, set = 0, binding = 8) writeonly buffer ShareBuffer { vec2 data[]; } share;
 layout(std430, set = 0, binding = 9) writeonly buffer StatsBuffer { vec2 data[]; } stats;
 
@@ -40,8 +40,8 @@ void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= size.x || at.y >= size.y) return;
   const int index = at.y * size.x + at.x;
-  const bool behind = separate != 0 && !shows_surface(index);
-  const vec4 sum = behind ? patch_without_pixel(lost_behind, lost_behind_sums, at)
+  const bool background = separate != 0 && !shows_surface(index);
+  const vec4 sum = background ? patch_without_pixel(lost_background, lost_background_sums, at)
                           : patch_without_pixel(lost, lost_sums, at);
   const float count = max(sum.w, 1.0);
   const vec2 noisy = texelFetch(variance, index).xy;
@@ -49,7 +49,7 @@ void main() {
   const vec3 mean = max(sum.xyz / count, vec3(0.0));
   const float uncertain = kSignificance * kSignificance * mean.y / count;
   const float detail = mean.x * mean.x > uncertain ? mean.x - uncertain / mean.x : 0.0;
-  const vec4 own = behind ? texelFetch(lost_behind, index) : texelFetch(lost, index);
+  const vec4 own = background ? texelFetch(lost_background, index) : texelFetch(lost, index);
   const float noise = max(own.z, mean.z);
   const float squared = own.x + own.z;
   const bool certain = squared > kCertain * kCertain * noise;

@@ -152,6 +152,11 @@ TEST_F(FrameSmootherTest, ALoneBrightSampleIsSmoothedAndAPointOfLightStays) {
   EXPECT_GT(run(smoother, star).color.at(12, 12, 0), 15.0f);
 }
 
+TEST_F(FrameSmootherTest, AGlintThatTheNoiseRulesOutStays) {
+  const Frame glint = with_one_pixel(3.4f, 0.01f);  // 24 standard deviations of its own and of its neighbours
+  EXPECT_GT(smooth(glint).color.at(12, 12, 0), 3.2f);
+}
+
 TEST_F(FrameSmootherTest, AnEvenImageStaysAsItIs) {
   Frame frame(1, 24, 20);
   frame.add(Aov::beauty, 0.37f);

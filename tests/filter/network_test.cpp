@@ -213,7 +213,7 @@ TEST_F(NetworkTest, AgreesWithTheReferenceForAnAlbedo) {
 }
 
 TEST_F(NetworkTest, OneDnnAndKernelsAgreeForImagesOfAnySize) {
-  if (!device().info().is_processor) GTEST_SKIP() << "the device is no processor";
+  if (!device().info().is_processor) GTEST_SKIP() << "oneDNN convolves on software devices only";
   for (const gpu::Extent extent : {gpu::Extent{1, 1}, {200, 1}, {1, 70}, {33, 47}}) {
     const Sample sample = noisy_sample(extent.width, extent.height);
     const Grid<Estimate> kernels = smooth_on(device(), sample, random_weights(), true, Convolver::kernels);

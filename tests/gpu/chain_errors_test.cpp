@@ -196,7 +196,9 @@ TEST_F(ChainErrors, NameAnImageThatIsTooLargeForAStorageBuffer) {
   // Images that are only read as texels may be larger. On devices that allow storage buffers of gigabytes, a
   // larger image would exceed other limits first. Mesa's software device, which CI uses, allows less.
   const std::uint64_t limit = validated_device().info().max_storage_buffer_bytes;
-  if (limit > std::uint64_t{1} << 30) GTEST_SKIP() << "a storage buffer may hold " << limit << " bytes";
+  if (limit > std::uint64_t{1} << 30)
+    GTEST_SKIP() << "a storage buffer may hold " << limit
+                 << " bytes: a larger image exceeds other limits first";
   const Extent large{1024, static_cast<int>(limit / 4096) + 1};
   const ImageId a = chain_.input("a", Format::u32, kExtent);
   const ImageId texels = chain_.input("texels", Format::u32, large);

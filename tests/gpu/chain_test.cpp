@@ -281,7 +281,8 @@ TEST_F(ChainTest, SaysWhatMemoryItHolds) {
 }
 
 TEST_F(ChainTest, UsesInputsAndOutputsInPlaceOnAProcessor) {
-  if (!validated_device().info().is_processor) GTEST_SKIP() << "the device is no processor";
+  if (!validated_device().info().is_processor)
+    GTEST_SKIP() << "hardware has memory of its own: nothing is in place";
   constexpr Extent extent{1024, 64};
   Chain chain(validated_device(), "in place", test_options());
   const ImageId unused = chain.input("unused", Format::f32, extent);

@@ -27,7 +27,8 @@ class HostPassTest : public ::testing::Test {
     made_ = chain_.image("made", Format::f32, kExtent);
   }
   void SetUp() override {
-    if (!validated_device().info().is_processor) GTEST_SKIP() << "the device is no processor";
+    if (!validated_device().info().is_processor)
+      GTEST_SKIP() << "host passes read the memory of software devices only";
   }
   void TearDown() override { EXPECT_TRUE(validated_device().validation_messages().empty()); }
 
