@@ -37,7 +37,7 @@ struct Block {
   Channels frame{};       ///< sums of exposed radiance over pixels
   Channels estimate{};    ///< the same, of the estimate
   Channels restorable{};  ///< the same, of the part of the estimate that the factor applies to
-  double noise = 0.0;     ///< variance of `frame`, averaged over channels; find_factors raises it
+  double noise = 0.0;     ///< variance of `frame`, averaged over channels
   int pixels = 0;         ///< that are in the sums
   Channels factor{1.0, 1.0, 1.0};
 };
@@ -267,14 +267,14 @@ void find_factors(BlockGrid& level, const BlockGrid* coarse) {
         block.factor[c] = factor_between(*coarse, {(x + 0.5) / 2.0 - 0.5, coarse->width},
                                          {(y + 0.5) / 2.0 - 0.5, coarse->height}, c);
       }
-      // A small block without a bright sample seems dark and hardly noisy. It is not darkened, since its
-      // noise is at least that of as many pixels of each larger block around it, up to the smallest steady
-      // one.
+      // A small block without a bright sample seems dark and hardly noisy. With the noise of as many pixels
+      // of the block around it, it is not darkened.
+      double noise = block.noise;
       if (!steady && coarse && block.pixels > 0) {
         const Block& around = coarse->at(x / 2, y / 2);
-        block.noise = std::max(block.noise, around.noise * block.pixels / around.pixels);
+        noise = std::max(noise, around.noise * block.pixels / around.pixels);
       }
-      bring_to_frame(block, (steady ? 1.0 : kSignificance) * block.noise, kLargestFactor);
+      bring_to_frame(block, steady ? noise : kSignificance * noise, kLargestFactor);
     }
   }
 }

@@ -96,8 +96,7 @@ def scenes_part(becalm):
 
 384x216, with every feature, variance and half-buffers; two references of 64 samples, whose noise is
 taken out. The network did not learn from these scenes, but affinities were added, and single pixels
-restored from 16 deviations on, after looks at `penumbra`, and the noise of small blocks was raised
-after one at `slab` (`scripts/train/README.md`).
+restored from 16 deviations on, after looks at `penumbra`.
 
 {overview}
 

@@ -153,31 +153,6 @@ TEST(RestoreEnergy, LightOfRareBrightSamplesIsInTheWholeFrame) {
   EXPECT_NEAR(mean_green(estimate.color), mean, 0.002 * mean);
 }
 
-TEST(RestoreEnergy, LightThatIsRareForLargerBlocksTooDarkensNone) {
-  // One bright sample in 64x64 pixels, on average: most blocks of 16 and 32 pixels have none and seem to be
-  // clean.
-  constexpr int size = 256;
-  constexpr float rare = 1.0f / (64 * 64);
-  constexpr float ambient = 0.2f;
-  std::mt19937 random(5);
-  std::bernoulli_distribution hit(rare);
-  Frame frame(1, size, size);
-  Image& beauty = frame.add(Aov::beauty, 1.0f);
-  Image& variance = frame.add(Aov::variance);
-  for (std::size_t i = 0; i < beauty.pixel_count(); ++i) {
-    const float sample = hit(random) ? (1 - ambient) / rare : 0.0f;
-    for (std::size_t c = 0; c < 3; ++c) {
-      beauty.data()[4 * i + c] = ambient + sample;
-      variance.data()[3 * i + c] = 1e-4f + sample * sample;
-    }
-  }
-  Estimate estimate = even_estimate(frame, 1.0f);
-  restore(frame, estimate);
-  for (std::size_t i = 0; i < estimate.color.pixel_count(); ++i) {
-    ASSERT_GT(estimate.color.data()[4 * i + 1], 0.8f) << "pixel " << i;
-  }
-}
-
 TEST(RestoreEnergy, CleanPixelsKeepTheirBrightnessBesideNoisyOnes) {
   // One block: the left half is noisy and has lost 5 % of its light, the right half is clean and exact.
   Frame frame = noisy_frame(128, 96, Told::nothing);
