@@ -142,7 +142,6 @@ Settings preset(std::string_view name) {
     settings.smooth = Smooth::frames;
     settings.smooth_albedo = 0;
     settings.directions = Directions::forward;
-    settings.blur_radius = {5};
     settings.motion = MotionUse::none;
   } else if (name == "final") {
     settings.match_downsample = 1;

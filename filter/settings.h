@@ -49,9 +49,9 @@ struct Pyramid {
 struct Settings {
   int match_downsample = 2;
   Pyramid pyramid;
-  std::vector<int> blur_radius = {1, 2};
+  std::vector<int> blur_radius = {6};
   Distance distance = Distance::log_l1_centered;
-  int refine_levels = 12;
+  int refine_levels = 1;
   int guides = 1;
   MotionUse motion = MotionUse::none;
 

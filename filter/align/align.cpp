@@ -110,7 +110,7 @@ struct Strip {
 /// On a software device with eight lanes reads are the main cost, so strips are large. Hardware needs many
 /// small invocations whose 25 sums per column stay in registers.
 Strip match_strip(const gpu::DeviceInfo& device) {
-  return device.type == "software" ? Strip{8, 32} : Strip{2, 16};
+  return device.type == "software" ? Strip{16, 32} : Strip{2, 16};
 }
 
 /// Searches the level in one pass that stores no distances in memory.

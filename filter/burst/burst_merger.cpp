@@ -57,6 +57,7 @@ Settings burst_aligner_settings() {
   settings.motion = MotionUse::none;
   settings.distance = Distance::l1;
   settings.blur_radius = {4, 4, 3, 2};
+  settings.refine_levels = 12;
   return settings;
 }
 

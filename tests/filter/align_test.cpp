@@ -69,7 +69,6 @@ class AlignTest : public DeviceTest {};
 void expect_shift_found(gpu::Device& device, Vec2 truth, double bound_px) {
   const int width = 1920, height = 1080;
   Settings settings = preset("final");
-  settings.blur_radius = {5};  // more exact on clean texture than smaller radii (shaders/align/README.md)
   const GpuAlignment found =
       align_on(device, settings, {width, height}, {feature_image(width, height, {}, 3)},
                {feature_image(width, height, {-truth.x, -truth.y}, 3)});
@@ -126,7 +125,6 @@ class AlignAgainstReference : public AlignTest, public testing::WithParamInterfa
 TEST_P(AlignAgainstReference, OffsetsAndResidualsAgree) {
   const Case& c = GetParam();
   Settings settings = preset("final");
-  settings.blur_radius = {5};
   for (const std::string& assignment : c.settings) set(settings, assignment);
   const gpu::Extent full{c.width, c.height};
   const auto extents = pyramid_extents(settings, c.width, c.height);
@@ -186,9 +184,10 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"quarter_resolution", {"match_downsample=4"}, 131, 90, 1},
                     Case{"three_planes", {"pyramid=2x3"}, 64, 48, 3},
                     Case{"radii_per_level", {"blur_radius=10,4,2", "pyramid=2x3"}, 80, 60, 1},
-                    Case{"default_radii", {"blur_radius=1,2"}, 80, 60, 1},
+                    Case{"small_radii", {"blur_radius=1,2"}, 80, 60, 1},
                     Case{"radius_zero", {"blur_radius=2,0", "pyramid=2x2"}, 64, 48, 1},
-                    Case{"unrefined", {"refine_levels=0"}, 64, 48, 1}, Case{"one_row", {}, 64, 1, 1}),
+                    Case{"unrefined", {"refine_levels=0"}, 64, 48, 1},
+                    Case{"all_refined", {"refine_levels=12"}, 90, 61, 1}, Case{"one_row", {}, 64, 1, 1}),
     [](const auto& info) { return info.param.name; });
 
 TEST_F(AlignTest, OnePixelImages) {

@@ -56,10 +56,12 @@ class FootprintsTest : public DeviceTest {
     }
   }
 
+  /// Random pixels show all that a search reads if patches are small, so that shifts to the window's border
+  /// are chosen, and every level is refined, so that the other shifts' costs count too.
   static void search_and_merge(const Use& use) {
     const PyramidSplit split{.levels = 3, .coarse = 2};
-    use_merge(use, task_of("balanced", {"motion=none"}), split, 48);
-    use_merge(use, task_of("draft"), split, 80);
+    use_merge(use, task_of("balanced", {"motion=none", "blur_radius=1,2", "refine_levels=12"}), split, 48);
+    use_merge(use, task_of("draft", {"blur_radius=5", "refine_levels=12"}), split, 80);
     use_merge(use, task_of("paper"), {.levels = 2, .coarse = 1}, 16);
     known_motion(use);
   }
@@ -177,7 +179,7 @@ class FootprintsTest : public DeviceTest {
 
   /// The passes that read motion: as a candidate of up to 256 px, and instead of offsets.
   static void known_motion(const Use& use) {
-    const FilterTask task = task_of("balanced");
+    const FilterTask task = task_of("balanced", {"blur_radius=1,2", "refine_levels=12"});
     constexpr int motion_px = 256;
     constexpr int around_px = motion_px + 16;
     constexpr int side = kSide + 2 * around_px;

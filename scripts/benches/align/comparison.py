@@ -18,7 +18,7 @@ VARIANTS = {
     OURS: (FINAL, True),
     "ours, radiance": (FINAL, False),
     "ours, balanced": ([], True),
-    "ours, draft": (["match_downsample=4", "blur_radius=5"], True),
+    "ours, draft": (["match_downsample=4"], True),
 }
 PRESET = "balanced"  # the default
 CORRELATION_GOAL = 0.02
