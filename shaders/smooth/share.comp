@@ -42,7 +42,7 @@ void main() {
   const int index = at.y * size.x + at.x;
   const bool background = separate != 0 && !shows_surface(index);
   const vec4 sum = background ? patch_without_pixel(lost_background, lost_background_sums, at)
-                          : patch_without_pixel(lost, lost_sums, at);
+                              : patch_without_pixel(lost, lost_sums, at);
   const float count = max(sum.w, 1.0);
   const vec2 noisy = texelFetch(variance, index).xy;
   const vec2 smooth_stats = texelFetch(expected, index).xy;

@@ -32,13 +32,13 @@ Settings of_noisy_frames() {
   return settings;
 }
 
-/// A chain with only the merge's passes; offsets and residuals are inputs.
-/// The merge itself; noisy layers, which smooth=merged carries along, are not.
+/// For chains of the merge's passes alone, which do not carry the noisy layers of smooth=merged.
 Settings without_noisy_layers(Settings settings) {
   if (settings.smooth == Smooth::merged) settings.smooth = Smooth::frames;
   return settings;
 }
 
+/// A chain with only the merge's passes; offsets and residuals are inputs.
 class MergeOnDevice {
  public:
   MergeOnDevice(gpu::Device& device, const Settings& settings)
