@@ -290,7 +290,7 @@ TEST_F(FrameMergerTest, SeesTheWholeHistoryOnlyWhereKnownMotionIsTheOffset) {
   const Scene scene{.width = 4096, .height = 64, .motion = true};
   Settings settings = forward("final");
   set(settings, "motion=none");
-  const std::uint64_t limit = make(settings, scene, kUnlimited).memory().device.total() / 10;
+  const std::uint64_t limit = make(settings, scene, kUnlimited).memory().device.total() / 7;
   const auto reach_px = [&](const char* motion) {
     set(settings, motion);
     const FilterMemory memory = make(settings, scene, limit).memory();
