@@ -8,6 +8,7 @@ import torch
 import albedo_noise
 import backgrounds
 import losses
+import rare_crops
 import shots
 
 CROP = 80
@@ -19,8 +20,10 @@ WITHOUT_DEPTH = 0.2
 WITHOUT_VARIANCE = 0.4
 BEAUTY_ALONE = 0.07
 CLEAN_FEATURES = 0.35
-SMOOTHED_ALBEDO = 0.75  # of the others; as all presets but `draft` do
+SMOOTHED_ALBEDO = 0.4  # of the others; as all presets but `draft` do: what it sees is else forgotten
 WITH_BACKGROUND = 0.12
+TEXTURED = 0.1  # of the others
+WITH_FIREFLIES = 0.2  # of the merged frames'
 
 
 def with_features_dropped(rng, features):
@@ -73,6 +76,10 @@ def crop(rng, pair, size):
             rng, background, colors, variance, features, references, history)
         if not pair.independent:
             references[1] = references[0]
+    elif not pair.of_albedo and rng.random() < TEXTURED:
+        colors, variance, features, references = rare_crops.textured_crop(rng, size, rng.integers(2, 13) if pair.merged else 1)
+    if pair.merged and rng.random() < WITH_FIREFLIES:
+        colors[3:] = rare_crops.with_fireflies(rng, colors[3:])
     features = with_features_dropped(rng, features)
     gain = np.exp(rng.normal() * EXPOSURE_SPREAD)
     variance = np.where(variance < 0, variance, variance * gain**2)
@@ -100,6 +107,24 @@ def crop(rng, pair, size):
 def batch(rng, pairs, count, size=CROP):
     crops = [crop(rng, pairs[rng.integers(len(pairs))], size) for _ in range(count)]
     return [torch.from_numpy(np.stack(column)) for column in zip(*crops)]
+
+
+class Stream(torch.utils.data.IterableDataset):
+    """Batches without end. Each process that makes some has its own random numbers."""
+
+    def __init__(self, pairs, count, size, seed):
+        self.pairs, self.count, self.size, self.seed = pairs, count, size, seed
+
+    def __iter__(self):
+        worker = torch.utils.data.get_worker_info()
+        rng = np.random.default_rng([*self.seed, worker.id if worker else 0])
+        while True:
+            yield batch(rng, self.pairs, self.count, self.size)
+
+
+def stream(pairs, count, size, seed, workers):
+    """An iterator over batches of `count` crops, made by `workers` processes, or by this one if there are none."""
+    return iter(torch.utils.data.DataLoader(Stream(pairs, count, size, seed), batch_size=None, num_workers=workers))
 
 
 def whole_frame(pair):

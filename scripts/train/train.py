@@ -1,4 +1,4 @@
-"""Trains the network: train.py DATA OUT [--size standard|small|albedo] [--minutes M | --steps N] [--device cpu|cuda] [--seed N]
+"""Trains the network: train.py DATA OUT [--size standard|small|albedo] [--minutes M | --steps N] [--device cpu|cuda] [--batch N] [--seed N]
 
 Goes on from OUT/checkpoint.pt if that is there. Writes OUT/checkpoint.pt, OUT/best.pt (the averaged weights with the least
 error on the shots held out) and OUT/curve.csv (minutes, step, training error, held-out error, energy,
@@ -17,21 +17,20 @@ import torch
 
 import batches
 import export
+import idle_channels
 import losses
 from network import CHANNELS, Network, parameter_count
 
-BATCH = 6
-LEARNING_RATE = 1e-3
 LAST_RATE = 0.02  # of the learning rate
 WARM_UP = 200
 AVERAGE_DECAY = 0.999
 EVALUATE_EVERY_MIN = 5.0
 
 
-def rate_at(share, step):
-    """Learning rate after `share` of the time: cosine, after a linear start."""
+def share_of_rate(share, step):
+    """Of the learning rate, after `share` of the time: cosine, after a linear start."""
     cosine = LAST_RATE + (1.0 - LAST_RATE) * 0.5 * (1.0 + math.cos(math.pi * min(share, 1.0)))
-    return LEARNING_RATE * min(1.0, (step + 1) / WARM_UP) * cosine
+    return min(1.0, (step + 1) / WARM_UP) * cosine
 
 
 @torch.no_grad()
@@ -54,7 +53,6 @@ class Trainer:
         self.args = args
         os.makedirs(args.out, exist_ok=True)
         torch.manual_seed(args.seed)
-        self.rng = np.random.default_rng(args.seed)
         network = export.read_weights(args.start) if args.start else Network(CHANNELS[args.size])
         self.albedo = args.size == "albedo"
         if self.albedo and not args.start:
@@ -62,7 +60,7 @@ class Trainer:
         self.least = losses.LEAST_OF_ALBEDO if self.albedo else losses.LEAST_RELATIVE
         self.network = network.to(args.device, memory_format=torch.channels_last)
         self.average = copy.deepcopy(self.network)
-        self.optimizer = torch.optim.Adam(self.network.parameters(), LEARNING_RATE, eps=1e-8)
+        self.optimizer = torch.optim.Adam(self.network.parameters(), args.rate, eps=1e-8)
         self.step, self.spent_s, self.best = 0, 0.0, math.inf
         if os.path.exists(self.path("checkpoint.pt")):
             self.resume()
@@ -76,7 +74,6 @@ class Trainer:
         self.average.load_state_dict(state["average"])
         self.optimizer.load_state_dict(state["optimizer"])
         self.step, self.spent_s, self.best = state["step"], state["spent_s"], state["best"]
-        self.rng = np.random.default_rng([self.args.seed, self.step])
 
     def share_done(self):
         """Of the steps, if there is a number of them, else of the time."""
@@ -95,11 +92,11 @@ class Trainer:
         torch.save(state, self.path("checkpoint.pt.partial"))
         os.replace(self.path("checkpoint.pt.partial"), self.path("checkpoint.pt"))
 
-    def train_step(self, pairs):
+    def train_step(self, batch):
         for group in self.optimizer.param_groups:
-            group["lr"] = rate_at(self.share_done(), self.step)
-        batch = [t.to(self.args.device) for t in batches.batch(self.rng, pairs, BATCH, self.args.crop)]
-        scales = losses.random_scales(BATCH).to(self.args.device)
+            group["lr"] = self.args.rate * share_of_rate(self.share_done(), self.step)
+        batch = [t.to(self.args.device) for t in batch]
+        scales = losses.random_scales(len(batch[0])).to(self.args.device)
         loss, relative = losses.training_loss(*losses.smoothed(self.network, batch), batch[3], scales, self.least)
         self.optimizer.zero_grad()
         loss.backward()
@@ -130,11 +127,15 @@ class Trainer:
         if self.args.albedo:
             batches.smooth_albedos(learn + choose, export.read_weights(self.args.albedo))
         print(f"{len(learn)} pairs to learn from, {len(choose)} to choose on, {parameter_count(self.network)} parameters")
+        if self.args.start and self.step == 0:
+            print(f"{idle_channels.restart(self.network, choose)} channels were zero on all held-out frames")
+            self.average = copy.deepcopy(self.network)
+        stream = batches.stream(learn, self.args.batch, self.args.crop, [self.args.seed, self.step], self.args.workers)
         last_evaluation = time.monotonic()
         errors = []
         while self.share_done() < 1.0:
             start = time.monotonic()
-            errors.append(self.train_step(learn))
+            errors.append(self.train_step(next(stream)))
             now = time.monotonic()
             self.spent_s += now - start
             if now - last_evaluation > 60.0 * EVALUATE_EVERY_MIN:
@@ -149,13 +150,16 @@ def parse(words):
     parser.add_argument("data")
     parser.add_argument("out")
     parser.add_argument("--size", choices=sorted(CHANNELS), default="standard", help="albedo: the one that smooths albedo, and learns from it")
-    parser.add_argument("--start", metavar="FILE.weights", help="begin with these weights; their size counts")
+    parser.add_argument("--start", metavar="FILE.weights", help="begin with these weights; their size counts, channels that are zero start anew")
     parser.add_argument("--albedo", metavar="FILE.weights", help="smooth the frames' albedos by this network first")
     parser.add_argument("--renderer", choices=("becalm", "cycles"), default="", help="learn from its shots alone")
     parser.add_argument("--minutes", type=float, default=240.0)
     parser.add_argument("--steps", type=int, default=0, help="so many steps instead")
     parser.add_argument("--device", default="cpu")
     parser.add_argument("--threads", type=int, default=os.cpu_count())
+    parser.add_argument("--batch", type=int, default=6, help="crops a step")
+    parser.add_argument("--rate", type=float, default=1e-3, help="the learning rate")
+    parser.add_argument("--workers", type=int, default=0, help="processes that make batches beside the one that learns")
     parser.add_argument("--crop", type=int, default=batches.CROP)
     parser.add_argument("--seed", type=int, default=1)
     return parser.parse_args(words)
