@@ -108,7 +108,7 @@ struct Strip {
 };
 
 /// On a software device with eight lanes reads are the main cost, so strips are large. Hardware needs many
-/// small invocations, the fewer columns the more: 4 are the fastest there with patches of 13x13.
+/// invocations: of 1, 2 and 4 columns, 4 are the fastest on an NVIDIA H100 with patches of 13x13.
 Strip match_strip(const gpu::DeviceInfo& device) {
   return device.type == "software" ? Strip{16, 32} : Strip{4, 16};
 }

@@ -80,7 +80,8 @@ def main():
         made = averaged_network(state)
         rows.append((name, network.parameter_count(made), f"{state['spent_s'] / state['step']:.2f}", *(error(made, pairs) for pairs in kinds.values())))
     held_out = {pair.name.split("/")[0] for pairs in kinds.values() for pair in pairs}
-    print(f"{STEPS} steps of {train.parse(["", ""]).batch} crops, on one core; {len(held_out)} held-out shots.\n")
+    crops = train.parse([str(DATA), str(OUT)]).batch
+    print(f"{STEPS} steps of {crops} crops, on one core; {len(held_out)} held-out shots.\n")
     print(markdown(("learns from", "parameters", "s a step", "becalm's frames", "Cycles' frames", "becalm's, merged", "Cycles', merged"), rows))
     print(markdown(("minutes", "steps", "both renderers, all held-out pairs"), curve(OUT / "both")))
 

@@ -20,10 +20,10 @@ WITHOUT_DEPTH = 0.2
 WITHOUT_VARIANCE = 0.4
 BEAUTY_ALONE = 0.07
 CLEAN_FEATURES = 0.35
-SMOOTHED_ALBEDO = 0.4  # of the others; as all presets but `draft` do: what it sees is else forgotten
+SMOOTHED_ALBEDO = 0.4  # of the others; as all presets do but `draft`, whose input must not be forgotten
 WITH_BACKGROUND = 0.12
-TEXTURED = 0.1  # of the others
-WITH_FIREFLIES = 0.2  # of the merged frames'
+TEXTURED = 0.1  # of the crops without such a background
+WITH_FIREFLIES = 0.2  # of the crops of merged frames
 
 
 def with_features_dropped(rng, features):
