@@ -166,14 +166,18 @@ std::optional<FinishedFrame> FilterStage::run(const filter::Step& step, io::Load
 
 std::vector<Frame> FilterStage::run_scaled(const filter::Step& step, const std::vector<const Frame*>& frames,
                                            std::vector<filter::FrameReport>& reports, Profile& profile) {
-  if (!radiance_scale_) radiance_scale_ = filter::radiance_scale(*frames.front());
+  filter::Step scaled_step = step;
+  if (const std::optional<float> own = filter::radiance_scale(*frames.front())) {
+    scaled_step.new_history |= radiance_scale_ && *radiance_scale_ != *own;
+    radiance_scale_ = own;
+  }
   const float scale = radiance_scale_.value_or(1.0f);
-  if (scale == 1.0f) return run_views(step, frames, reports, profile);
+  if (scale == 1.0f) return run_views(scaled_step, frames, reports, profile);
   std::vector<Frame> scaled;
   for (const Frame* frame : frames) filter::scale_radiance(scaled.emplace_back(*frame), scale);
   std::vector<const Frame*> pointers;
   for (const Frame& frame : scaled) pointers.push_back(&frame);
-  std::vector<Frame> made = run_views(step, pointers, reports, profile);
+  std::vector<Frame> made = run_views(scaled_step, pointers, reports, profile);
   for (Frame& frame : made) filter::scale_radiance(frame, 1.0f / scale);
   return made;
 }

@@ -125,7 +125,7 @@ class FilterStage {
   std::string context_;
   std::string cuts_;  ///< as typed
   std::set<int> given_cuts_;
-  std::optional<float> radiance_scale_;  ///< by the first frame that is not black, the same for all after it
+  std::optional<float> radiance_scale_;  ///< of the last frame that was not black
   std::optional<gpu::Device> device_;
   struct View {
     std::string name;                             ///< with a space before it; empty where there is but one

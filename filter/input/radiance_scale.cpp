@@ -3,21 +3,35 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <span>
 
+#include "filter/for_rows.h"
 #include "filter/luminance.h"
 
 namespace becalm::filter {
 namespace {
 
-/// Typical luminances between the inverse of this and this are left alone: variances down to 1e-12 of their
-/// square are still within the range of floats.
+/// Typical luminances from 2 to the power of -this to that are left alone: variances down to 1e-12 of their
+/// square are still within the range of floats. Scales are powers of 2^(2 * this), so frames of one shot
+/// hardly ever differ in theirs.
 constexpr int kUsualExponent = 40;
+constexpr int kLargestExponent = 120;  ///< of a scale
 
 constexpr std::array kRadiance{Aov::half_a,   Aov::half_b, Aov::direct,
                                Aov::indirect, Aov::bias,   Aov::accumulated};
 constexpr std::array kSquaredRadiance{Aov::variance, Aov::remaining_variance, Aov::accumulated_variance};
+
+struct ExponentSum {
+  ExponentSum& operator+=(const ExponentSum& other) {
+    exponents += other.exponents;
+    count += other.count;
+    return *this;
+  }
+  std::int64_t exponents = 0;
+  std::int64_t count = 0;
+};
 
 void multiply(std::span<float> values, float factor) {
   for (float& value : values) {
@@ -31,18 +45,18 @@ void multiply(std::span<float> values, float factor) {
 
 std::optional<float> radiance_scale(const Frame& frame) {
   const Image& beauty = frame.image(Aov::beauty);
-  double sum = 0.0;
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < beauty.pixel_count(); ++i) {
-    const float l = luminance(beauty.data().subspan(4 * i, 4));
-    if (!(l > 0.0f && std::isfinite(l))) continue;
-    sum += std::log2(l);
-    ++count;
-  }
-  if (count == 0) return std::nullopt;
-  const double exponent = sum / static_cast<double>(count);
-  if (std::abs(exponent) <= kUsualExponent) return 1.0f;
-  return std::ldexp(1.0f, std::clamp(-static_cast<int>(std::lround(exponent)), -120, 120));
+  const auto sum = sum_of_rows<ExponentSum>(beauty.height(), [&](int y) {
+    ExponentSum row;
+    for (int x = 0; x < beauty.width(); ++x) {
+      const float l = luminance(beauty.pixel(x, y));
+      if (l > 0.0f && std::isfinite(l)) row += {std::ilogb(l), 1};
+    }
+    return row;
+  });
+  if (sum.count == 0) return std::nullopt;
+  const double exponent = static_cast<double>(sum.exponents) / static_cast<double>(sum.count);
+  const int steps = static_cast<int>(std::lround(exponent / (2 * kUsualExponent)));
+  return std::ldexp(1.0f, std::clamp(-2 * kUsualExponent * steps, -kLargestExponent, kLargestExponent));
 }
 
 void scale_radiance(Frame& frame, float scale) {

@@ -6,9 +6,9 @@
 
 namespace becalm::filter {
 
-/// The power of two that brings the frame's typical luminance near 1, if that is so far from 1 that squares
-/// of radiance would leave the range of floats; else 1. Nothing of a black frame. The filter is exactly
-/// invariant to it.
+/// The power of two that brings the frame's typical luminance nearer to 1, if that is so far from 1 that
+/// squares of radiance would leave the range of floats; else 1. Nothing of a black frame. The filter is
+/// exactly invariant to it.
 std::optional<float> radiance_scale(const Frame& frame);
 
 /// Multiplies radiance by a power of two, and variances by its square, in all AOVs that are either. What
