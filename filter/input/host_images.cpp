@@ -158,6 +158,13 @@ std::size_t pack_variance(const Frame& frame, const AovSet& used, std::span<cons
   return replaced;
 }
 
+namespace {
+
+/// Blender writes 1e10 where nothing is hit, Arnold 1e30.
+constexpr float kNothingHit = 1e9f;
+
+}  // namespace
+
 float typical_depth(const Frame& frame, const AovSet& used) {
   if (!contains(used, Aov::depth)) return 1.0f;
   const Image& depth = frame.image(Aov::depth);
@@ -165,7 +172,7 @@ float typical_depth(const Frame& frame, const AovSet& used) {
     LogarithmSum row;
     for (int x = 0; x < depth.width(); ++x) {
       const float z = depth.at(x, y, 0);
-      if (z > 0.0f && std::isfinite(z)) row.add(z);
+      if (z > 0.0f && z < kNothingHit) row.add(z);
     }
     return row;
   });

@@ -219,11 +219,24 @@ TEST_F(Denoise, NoisyAlphaIsDenoisedOnRequest) {
   becalm_done(command("out.####.exr", {"--alpha", "denoise"}));
   EXPECT_EQ(io::read_attribute(folder_ / "passed.0002.exr", "becalm:alpha"), "passed on");
   EXPECT_EQ(io::read_attribute(folder_ / "out.0002.exr", "becalm:alpha").find("denoised in "), 0u);
-  const Image after = read_frame(folder_ / "out.0002.exr").image(Aov::beauty);
-  for (std::size_t i = 3; i < after.data().size(); i += 4) {
-    ASSERT_GE(after.data()[i], 0.0f);
-    ASSERT_LE(after.data()[i], 1.0f);
-  }
+  // Its pixels are alike but for the noise.
+  const auto mean_and_variance = [&](const char* name) {
+    const Image image = read_frame(folder_ / name).image(Aov::beauty);
+    double sum = 0.0, squares = 0.0;
+    for (std::size_t i = 3; i < image.data().size(); i += 4) {
+      const double alpha = image.data()[i];
+      EXPECT_GE(alpha, 0.0);
+      EXPECT_LE(alpha, 1.0);
+      sum += alpha;
+      squares += alpha * alpha;
+    }
+    const double count = static_cast<double>(image.pixel_count());
+    return std::pair{sum / count, squares / count - sum / count * (sum / count)};
+  };
+  const auto [mean_before, variance_before] = mean_and_variance("in.0002.exr");
+  const auto [mean, variance] = mean_and_variance("out.0002.exr");
+  EXPECT_NEAR(mean, mean_before, 0.05 * mean_before);
+  EXPECT_LT(variance, 0.6 * variance_before);
 }
 
 TEST_F(Denoise, ChannelsToWriteAreSelected) {
@@ -263,12 +276,33 @@ TEST_F(Denoise, LayersMayBeLeftOutAndMotionTurned) {
   EXPECT_NE(described.find("albedo.R  float  passed on"), std::string::npos) << described;
 
   std::vector<std::string> fast = options;
-  fast.insert(fast.end(), {"--preset", "draft"});
+  fast.insert(fast.end(), {"--preset", "draft", "--set", "motion=override", "--diagnostics"});
   becalm_done(command("out.####.exr", fast));
   EXPECT_NE(io::read_attribute(folder_ / "out.0002.exr", "becalm:settings")
                 .find(" layers=albedo=none motion=flip-x,scale=0.5"),
             std::string::npos);
+  const AovSet flow = AovSet().set(static_cast<std::size_t>(Aov::flow));
+  const Image motion = read_frame(folder_ / "out.0002.exr", flow).image(Aov::flow);
+  EXPECT_EQ(motion.at(20, 10, 0), -0.25f);
+  EXPECT_EQ(motion.at(20, 10, 1), 0.25f);
   expect_error(becalm(command("out.####.exr", {"--motion", "flip"})), 2, {"motion 'flip'", "flip-x"});
+}
+
+TEST_F(Denoise, HugeDepthsMeanThatNothingIsHit) {
+  const auto denoise = [&](float nothing, const std::string& pattern) {
+    for (const int number : {1, 2}) {
+      Frame frame = noise_frame(number);
+      Image& depth = frame.add(Aov::depth);
+      for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) depth.at(x, y, 0) = 2 * x < kWidth ? nothing : 10.0f + y;
+      }
+      io::write_exr(frame_path(input_, number), frame, {}, io::PixelType::float32);
+    }
+    becalm_done(command(pattern, {"--quiet"}));
+  };
+  denoise(std::numeric_limits<float>::infinity(), "infinite.####.exr");
+  denoise(1e10f, "blender.####.exr");
+  EXPECT_TRUE(same_frame("infinite.0002.exr", "blender.0002.exr"));
 }
 
 TEST_F(Denoise, NonFinitePixelsStayAndAreReportedOnce) {
