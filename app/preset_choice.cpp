@@ -16,7 +16,8 @@ namespace {
 
 constexpr int kLargestWidth = 384;
 constexpr int kLargestHeight = 216;
-/// Frames in the measured segment. One more on either side is its warm-up: a quarter, as in default segments.
+/// Measured frames. Where both directions are searched, they are a segment, and one more on either side is
+/// its warm-up: a quarter, as in default segments.
 constexpr int kFrames = 4;
 constexpr int kMostSamples = 65536;
 
@@ -47,14 +48,16 @@ double seconds_per_frame(gpu::Device& device, const filter::Settings& settings, 
   }
   filter::SequenceFilter filter(device, settings, frame.width(), frame.height(), available,
                                 {.memory_limit = memory_limit});
+  const bool has_segments = settings.directions == filter::Directions::both;
   std::vector<int> present;
   std::set<int> wanted;
-  for (int number = kFrames - 1; number <= 2 * kFrames; ++number) {
+  for (int number = has_segments ? kFrames - 1 : kFrames; number <= 2 * kFrames; ++number) {
     present.push_back(number);
     if (number / kFrames == 1) wanted.insert(number);
   }
-  const std::vector<filter::Segment> segments =
-      filter::schedule(present, wanted, {.directions = settings.directions, .segment = kFrames, .warmup = 1});
+  const std::vector<filter::Segment> segments = filter::schedule(
+      present, wanted,
+      {.directions = settings.directions, .segment = has_segments ? kFrames : 0, .warmup = has_segments});
   const auto run = [&](const filter::Step& step) {
     filter::FrameReport report;
     filter.run(step, frame, report);
