@@ -164,6 +164,7 @@ class Restorable {
   }
 
   static Allowance of_cell(const NewFrame& frame, const Estimate& estimate, int column, int row) {
+    const double exposure = frame.exposure;
     const int width = estimate.color.width();
     double residual = 0.0;
     double power = 0.0;
@@ -172,8 +173,8 @@ class Restorable {
         const std::size_t i = static_cast<std::size_t>(y) * width + x;
         if (!counts(frame, estimate, i)) continue;
         for (std::size_t c = 0; c < 3; ++c) {
-          const double e = frame.exposure * estimate.color.data()[4 * i + c];
-          residual += frame.exposure * frame.exposure * residual_square(frame, estimate, i, c);
+          const double e = exposure * estimate.color.data()[4 * i + c];
+          residual += exposure * exposure * residual_square(frame, estimate, i, c);
           power += e * e;
         }
       }

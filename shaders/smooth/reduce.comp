@@ -33,6 +33,6 @@ void main() {
     count += value.a;
   }
   if (at != ivec2(gl_GlobalInvocationID.xy)) return;
-  counted.data[index] = vec4(sum / count, 0.25 * count * confidence(head[0]));
+  counted.data[index] = vec4(sum / max(count, 1e-30), 0.25 * count * confidence(head[0]));
   affinities.data[index] = vec4(head[1], head[2], head[3], head[4]);
 }
