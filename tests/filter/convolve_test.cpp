@@ -1,5 +1,5 @@
 // The convolutions and the pooling of shaders/smooth/ against plain loops in double: every layer shape of the
-// network, on sizes that are no multiple of a block or workgroup.
+// networks, on sizes that are no multiple of a block or workgroup.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,6 +12,7 @@
 #include "filter/smooth/convolution.h"
 #include "shaders/shared/convolve_params.h"
 #include "tests/filter/device_fixture.h"
+#include "tests/filter/layer_shapes.h"
 
 namespace becalm {
 namespace {
@@ -97,16 +98,9 @@ class ConvolveTest : public DeviceTest {
   }
 };
 
-TEST_F(ConvolveTest, MatchesALoopForEveryLayerOfTheEncoder) {
-  for (const auto& [inputs, outputs] :
-       {std::pair{12, 8}, {12, 16}, {16, 16}, {16, 24}, {24, 32}, {32, 48}, {48, 64}}) {
-    expect_matches(0, inputs, outputs, {37, 11});
-  }
-}
-
-TEST_F(ConvolveTest, MatchesALoopForEveryLayerOfTheDecoder) {
-  for (const auto& [coarse, fine] : {std::pair{16, 8}, {24, 16}, {32, 24}, {48, 32}, {64, 48}}) {
-    expect_matches(coarse, fine, fine, {37, 11});
+TEST_F(ConvolveTest, MatchesALoopForEveryLayerOfTheNetworks) {
+  for (const LayerShape& shape : convolution_shapes()) {
+    expect_matches(shape.coarse, shape.fine, shape.outputs, {37, 11});
   }
 }
 

@@ -1,4 +1,4 @@
-// oneDNN's convolutions, row by row, against plain loops in double: every layer shape of the network, and
+// oneDNN's convolutions, row by row, against plain loops in double: every layer shape of the networks, and
 // independence of height and thread.
 #include "filter/smooth/host_convolution.h"
 
@@ -10,6 +10,8 @@
 #include <string>
 #include <thread>
 #include <vector>
+
+#include "tests/filter/layer_shapes.h"
 
 namespace becalm::filter {
 namespace {
@@ -84,12 +86,9 @@ void expect_matches(int upsampled, int direct, int outputs, int width, int heigh
 }
 
 TEST(HostConvolution, MatchesALoopForEveryLayer) {
-  for (const auto& [inputs, outputs] :
-       {std::pair{20, 16}, {16, 16}, {16, 24}, {24, 32}, {32, 48}, {48, 64}}) {
-    expect_matches(0, inputs, outputs, 37, 5);
-  }
-  for (const auto& [coarse, fine] : {std::pair{24, 16}, {32, 24}, {48, 32}, {64, 48}}) {
-    expect_matches(coarse, fine, fine, 38, 6);
+  for (const LayerShape& shape : convolution_shapes()) {
+    const bool is_decoder = shape.coarse > 0;
+    expect_matches(shape.coarse, shape.fine, shape.outputs, is_decoder ? 38 : 37, is_decoder ? 6 : 5);
   }
 }
 

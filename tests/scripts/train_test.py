@@ -16,6 +16,7 @@ import batches
 import export
 import idle_channels
 import losses
+import merged_shots
 import noise_levels
 import own_share
 import patterns
@@ -42,8 +43,8 @@ def layer(name, image, suffixes="RGB"):
     return {prefix + suffix: image[i] for i, suffix in enumerate(suffixes)}
 
 
-def write_shot(folder, renderer, seed):
-    """A chequered surface under light that is brighter to the right, at 4 samples a pixel."""
+def write_shot(folder, renderer, seed, frames=1):
+    """A chequered surface under light that is brighter to the right, at 4 samples a pixel. The first frame has references."""
     rng = np.random.default_rng(seed)
     x, y = np.meshgrid(np.arange(SIZE), np.arange(SIZE))
     albedo = np.where((x // 8 + y // 8) % 2, 0.7, 0.3)[None] * np.array([1.0, 0.8, 0.6])[:, None, None]
@@ -55,17 +56,18 @@ def write_shot(folder, renderer, seed):
     names = [("", "albedo", "normal", "depth"), ("ViewLayer.Combined", "ViewLayer.Denoising Albedo", "ViewLayer.Denoising Normal", "ViewLayer.Denoising Depth")]
     beauty, of_albedo, of_normal, of_depth = names[renderer == "cycles"]
     features = layer(of_albedo, albedo) | layer(of_normal, normal, "XYZ") | layer(of_depth, depth, "Z")
-    a, b = noisy(), noisy()
-    if renderer == "cycles":
-        write_exr(f"{folder}/n004_a.0001.exr", layer(beauty, a) | features)
-        write_exr(f"{folder}/n004_b.0001.exr", layer(beauty, b) | features)
-    else:
-        halves = layer("half_a", a) | layer("half_b", b) | layer("variance", (clean * 0.35) ** 2)
-        write_exr(f"{folder}/n004.0001.exr", layer(beauty, 0.5 * (a + b)) | halves | features)
+    for frame in range(1, frames + 1):
+        a, b = noisy(), noisy()
+        if renderer == "cycles":
+            write_exr(f"{folder}/n004_a.{frame:04d}.exr", layer(beauty, a) | features)
+            write_exr(f"{folder}/n004_b.{frame:04d}.exr", layer(beauty, b) | features)
+        else:
+            halves = layer("half_a", a) | layer("half_b", b) | layer("variance", (clean * 0.35) ** 2)
+            write_exr(f"{folder}/n004.{frame:04d}.exr", layer(beauty, 0.5 * (a + b)) | halves | features)
     for name in "ab":
         write_exr(f"{folder}/r_{name}.0001.exr", layer(beauty, clean * rng.gamma(64.0, 1 / 64.0, clean.shape)) | features)
     with open(f"{folder}/shot.json", "w") as file:
-        json.dump({"renderer": renderer, "references": [1], "spp": [4]}, file)
+        json.dump({"renderer": renderer, "seed": seed, "frames": frames, "references": [1], "spp": [4]}, file)
 
 
 class Shots(unittest.TestCase):
@@ -125,6 +127,35 @@ class Shots(unittest.TestCase):
         features = batches.features_of(pair, clean=False, smoothed=True)
         np.testing.assert_array_equal(features[:7], pair.features[0])
         np.testing.assert_array_equal(features[7:10], pair.smoothed_albedo)
+
+        pair.with_raw_albedo = True
+        np.testing.assert_array_equal(batches.features_of(pair, clean=False, smoothed=True)[7:], pair.features[2])
+
+    def test_shots_are_merged_of_what_each_merge_is_given(self):
+        for renderer in ("becalm", "cycles"):
+            folder = f"{self.folder.name}/{renderer}-000002"
+            write_shot(folder, renderer, 3, frames=3)
+            merged_shots.merge_shot(os.environ["BECALM"], folder, shots.MERGED)
+            pairs = {p.name.split("/")[1]: p for p in shots.load_shot(folder) if p.merged}
+            self.assertEqual(sorted(pairs), ["both1.0001", "both3.0001", "both5.0001", "forward0.0001", "forward2.0001", "forward4.0001"])
+            self.assertEqual([name for name, p in pairs.items() if p.with_raw_albedo], ["forward4.0001"])
+            nothing = shots.no_features((SIZE, SIZE))
+            alone = [name for name, p in pairs.items() if all((f == nothing).all() for f in p.features)]
+            self.assertEqual(alone, ["both5.0001"])
+            for name in ("both1.0001", "both5.0001"):
+                truth = np.float32(pairs[name].references).mean(0)
+                error = lambda image: ((np.float32(image) - truth) ** 2).mean()
+                self.assertLess(error(pairs[name].color), 0.6 * error(pairs[name].own), name)
+
+    def test_crops_are_of_every_kind(self):
+        learn, _ = batches.load(self.folder.name)
+        kinds, shares = batches.by_kind(learn)
+        self.assertEqual([len(kind) for kind in kinds], [2, 4])
+        np.testing.assert_allclose(shares, [0.6, 0.4])
+        merged = shots.Pair("merged", learn[0].color, [], learn[0].features, learn[0].references, learn[0].color)
+        kinds, shares = batches.by_kind([*learn, merged])
+        self.assertEqual([len(kind) for kind in kinds], [1, 2, 4])
+        np.testing.assert_allclose(shares, batches.KIND_SHARES)
 
     def test_merged_frames_are_read_and_always_tell_their_variance(self):
         folder = f"{self.folder.name}/becalm-000000"
