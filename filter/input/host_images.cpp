@@ -15,6 +15,8 @@ namespace {
 
 /// Exposures are clamped to [1/this, this]; beyond it, squares of scaled values leave the range of floats.
 constexpr double kLargestExposure = 1e15;
+/// Depths from this on mean that nothing was hit: Blender writes 1e10 there, Arnold 1e30.
+constexpr float kNothingHit = 1e9f;
 
 /// Calls `use(index in the image, index in the rectangle)` for each pixel of the rectangle, on all threads.
 template <class Use>
@@ -157,13 +159,6 @@ std::size_t pack_variance(const Frame& frame, const AovSet& used, std::span<cons
   });
   return replaced;
 }
-
-namespace {
-
-/// Blender writes 1e10 where nothing is hit, Arnold 1e30.
-constexpr float kNothingHit = 1e9f;
-
-}  // namespace
 
 float typical_depth(const Frame& frame, const AovSet& used) {
   if (!contains(used, Aov::depth)) return 1.0f;
