@@ -136,6 +136,9 @@ class Shots(unittest.TestCase):
             folder = f"{self.folder.name}/{renderer}-000002"
             write_shot(folder, renderer, 3, frames=3)
             merged_shots.merge_shot(os.environ["BECALM"], folder, shots.MERGED)
+            self.assertTrue(merged_shots.is_merged(f"{folder}/{shots.MERGED}", os.environ["BECALM"]))
+            with unittest.mock.patch.object(merged_shots, "MERGES", merged_shots.MERGES[:4]):
+                self.assertFalse(merged_shots.is_merged(f"{folder}/{shots.MERGED}", None))
             pairs = {p.name.split("/")[1]: p for p in shots.load_shot(folder) if p.merged}
             self.assertEqual(sorted(pairs), ["both1.0001", "both3.0001", "both5.0001", "forward0.0001", "forward2.0001", "forward4.0001"])
             self.assertEqual([name for name, p in pairs.items() if p.with_raw_albedo], ["forward4.0001"])
