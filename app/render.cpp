@@ -64,12 +64,14 @@ AovSet filter_input(const FilterStage& filter, int spp) {
   return wanted;
 }
 
-/// Where noisy frames wait for the filter without --keep-noisy: beside the outputs. The name has a frame
-/// field even if the output, being one frame, has none: the filter reads its neighbours, too.
+/// Where noisy frames wait for the filter without --keep-noisy: beside the outputs, under a name that nobody
+/// gives to frames that are kept. The name has a frame field even if the output, being one frame, has none:
+/// the filter reads its neighbours, too.
 std::string scratch_pattern(std::string output, Eye first) {
   if (has_eye_field(output)) output = pattern_of_eye(output, first == Eye::right ? 1 : 0);
   const bool has_field = io::SequencePattern(output).has_frame_field();
-  return output.substr(0, output.rfind('.')) + (has_field ? ".noisy.exr" : ".noisy.####.exr");
+  return output.substr(0, output.rfind('.')) +
+         (has_field ? ".becalm-scratch.exr" : ".becalm-scratch.####.exr");
 }
 
 /// The frames that can be rendered for a filter with segments: the scene's, at the distance of those asked

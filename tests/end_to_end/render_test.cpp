@@ -99,11 +99,21 @@ TEST_F(Render, NoisyFramesThatAStoppedRunLeftAreGoneWhenAllIsThere) {
     return all;
   };
   std::vector<std::string> keeps = options;
-  keeps.insert(keeps.end(), {"--keep-noisy", folder_ / "out/a.####.noisy.exr"});
+  keeps.insert(keeps.end(), {"--keep-noisy", folder_ / "out/a.####.becalm-scratch.exr"});
   render("out/a.####.exr", keeps);
   EXPECT_EQ(files_in(folder_.path() / "out").size(), 4u);
   render("out/a.####.exr", with("--resume"));
   EXPECT_EQ(files_in(folder_.path() / "out"), (std::vector<std::string>{"a.0001.exr", "a.0002.exr"}));
+}
+
+TEST_F(Render, NoisyFramesThatAreKeptOutliveLaterRuns) {
+  const std::vector<std::string> options{"--spp", "1", "--denoise", "--frames", "1-2", "--context", "none"};
+  std::vector<std::string> keeps = options;
+  keeps.insert(keeps.end(), {"--keep-noisy", folder_ / "out/a.####.noisy.exr"});
+  render("out/a.####.exr", keeps);
+  render("out/a.####.exr", options);
+  EXPECT_EQ(files_in(folder_.path() / "out"),
+            (std::vector<std::string>{"a.0001.exr", "a.0001.noisy.exr", "a.0002.exr", "a.0002.noisy.exr"}));
 }
 
 TEST_F(Render, SegmentsThatTheTracerRunsAheadOfAreThoseOfRenderThenDenoise) {
