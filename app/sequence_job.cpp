@@ -16,6 +16,7 @@
 #include "app/given_jitter.h"
 #include "app/given_stereo.h"
 #include "app/input_pixels.h"
+#include "frame/audit/audit.h"
 #include "frame/io/additive_layers.h"
 #include "frame/io/jitter_text.h"
 #include "frame/io/sequence.h"
@@ -58,20 +59,19 @@ SequenceJob::SequenceJob(const SequenceCommand& command, FilterRecipe recipe)
   outputs_.keep_apart_from(paths);
 }
 
-/// Chooses by the first frame of the sequence on disk, so that all jobs of a sequence choose alike.
+/// Chooses by the first frame of the sequence on disk that tells, so that all jobs of a sequence choose
+/// alike.
 void SequenceJob::choose_additive() {
   if (!filter_.denoises_additive()) return;
   const io::SequencePattern& pattern = inputs_.pattern();
-  const std::string path = pattern.has_frame_field() ? pattern.path(pattern.frames_on_disk().front())
-                                                     : inputs_.path(inputs_.readable().front());
-  std::vector<io::AdditiveSet> sets;
-  if (command_.layers.additive == "auto") {
-    try {
-      sets = io::find_additive_sets(path, layers_);
-    } catch (const Error&) {
-      return;  // check_inputs tells what is wrong, if this frame is needed
-    }
+  std::vector<std::string> paths;
+  if (pattern.has_frame_field()) {
+    for (const int frame : pattern.frames_on_disk()) paths.push_back(pattern.path(frame));
+  } else {
+    paths.push_back(inputs_.path(inputs_.readable().front()));
   }
+  std::vector<io::AdditiveSet> sets;
+  if (command_.layers.additive == "auto") sets = io::find_additive_sets(paths, layers_);
   layers_.additive = io::choose_additive(command_.layers.additive, sets);
   additive_notes_ = io::describe(sets);
   // Also where there are none: files that were written with some must not be kept beside others.
@@ -198,6 +198,12 @@ io::LoadedFrame SequenceJob::read(const filter::Step& step) {
   const bool keeps = step.wanted && step.direction == filter::Direction::forward && format_.scale.is_one();
   io::LoadedFrame loaded = read_pixels(inputs_, frame, filter_, layers_, window_,
                                        keeps ? io::KeepPassedOn::yes : io::KeepPassedOn::no);
+  if (inputs_.other_half() && !told_of_same_halves_) {
+    if (const auto finding = audit::check_same_halves({loaded.frame})) {
+      progress_->warn(fmt::format("frame {}: {}", frame, finding->text));
+      told_of_same_halves_ = true;
+    }
+  }
   if (command_.jitter != "auto") {
     loaded.frame.set_jitter(given_jitter(command_.jitter, frame));
     for (io::LoadedView& view : loaded.other_views) view.frame.set_jitter(loaded.frame.jitter());

@@ -51,6 +51,7 @@ class SequenceJob {
   Fingerprints fingerprints_;
   io::Attributes attributes_;
   std::vector<std::string> additive_notes_;
+  bool told_of_same_halves_ = false;
   std::set<int> existing_;
   std::optional<Progress> progress_;
   Profile profile_;

@@ -38,6 +38,8 @@ std::optional<Finding> check_fixed_noise(const Subject& subject);
 std::optional<Finding> check_denoised(const Subject& subject);
 /// Bright samples were cut off at one value.
 std::optional<Finding> check_clamped(const Subject& subject);
+/// NaN in the beauty or a feature.
+std::optional<Finding> check_not_a_number(const Subject& subject);
 /// Values at the end of half's range or beyond it.
 std::optional<Finding> check_overflow(const Subject& subject);
 /// Single pixels hold much of the light.
@@ -54,6 +56,8 @@ std::optional<Finding> check_normal_length(const Subject& subject);
 std::optional<Finding> check_normal_space(const Subject& subject);
 /// The frame before is found better along vectors of another sign, order or scale.
 std::optional<Finding> check_motion(const Subject& subject);
+/// Both halves have the same noise.
+std::optional<Finding> check_same_halves(const Subject& subject);
 /// The variance is not what the halves, or else two frames, show.
 std::optional<Finding> check_variance(const Subject& subject);
 

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <span>
 
+#include "frame/error.h"
 #include "frame/io/aliases.h"
 #include "frame/io/channel_layers.h"
 #include "frame/io/exr.h"
@@ -37,8 +38,9 @@ constexpr std::string_view kArnoldOldPaths[] = {"direct_diffuse",
                                                 "background"};
 constexpr std::string_view kDirectAndIndirect[] = {"direct", "indirect", "emission", "background"};
 constexpr std::string_view kVray[] = {
-    "lighting", "gi",       "reflection", "reflect",    "refraction", "refract", "specular",
-    "sss",      "caustics", "background", "atmosphere", "selfillum",  "sheen",   "selfillumination"};
+    "lighting",   "gi",         "globalillumination", "reflection", "reflect",
+    "refraction", "refract",    "specular",           "sss",        "caustics",
+    "background", "atmosphere", "selfillum",          "sheen",      "selfillumination"};
 constexpr std::string_view kRenderMan[] = {"directdiffuse",    "indirectdiffuse", "directspecular",
                                            "indirectspecular", "subsurface",      "transmissive",
                                            "emissive",         "background"};
@@ -51,8 +53,8 @@ constexpr std::span<const std::string_view> kSets[] = {kBlender,        kArnoldL
                                                        kArnoldOldPaths, kDirectAndIndirect, kVray,
                                                        kRenderMan,      kRenderManLobes};
 
-/// What the names of Arnold's light groups begin with; the scene gives the rest.
-constexpr std::string_view kArnoldGroup = "rgba_";
+/// What the names of Arnold's and of Cycles' light groups begin with; the scene gives the rest.
+constexpr std::string_view kLightGroups[] = {"rgba_", "combined_"};
 
 /// Blender's light of these layers is multiplied by the surface's colour in another layer.
 struct ColouredBy {
@@ -70,6 +72,10 @@ constexpr double kHalfRounding = 2.0 / 1024.0;
 constexpr double kSmallest = 1e-6;
 /// Share of the values that may be farther off, such as clamped fireflies.
 constexpr double kAllowedShare = 1e-3;
+/// Share of a frame's values that must not be black for it to tell whether layers add up.
+constexpr double kLeastLit = 1e-3;
+/// Frames without such layers after which a sequence has none.
+constexpr int kMostWithout = 8;
 
 const ChannelLayer* find_layer(const std::vector<ChannelLayer>& layers, std::string_view name,
                                const Imath::Box2i& window, const std::vector<PartChannels>& parts) {
@@ -85,7 +91,7 @@ const ChannelLayer* find_layer(const std::vector<ChannelLayer>& layers, std::str
 
 /// The layer's own name after its view layer's.
 std::string_view end_of(std::string_view name) {
-  return name.substr(name.rfind('.') + 1);
+  return without_vray(name.substr(name.rfind('.') + 1));
 }
 
 /// The candidates of a file: sets of at least two layers, by whole names.
@@ -117,7 +123,9 @@ std::vector<std::vector<std::string>> candidates(const std::vector<PartChannels>
   for (const std::span<const std::string_view> set : kSets) {
     add([&](std::string_view name) { return std::ranges::find(set, name) != set.end(); });
   }
-  add([&](std::string_view name) { return name.starts_with(kArnoldGroup) && !names_an_aov(name); });
+  for (const std::string_view group : kLightGroups) {
+    add([&](std::string_view name) { return name.starts_with(group) && !names_an_aov(name); });
+  }
   return sets;
 }
 
@@ -130,10 +138,11 @@ std::vector<std::vector<std::string>> candidates_of(const std::string& path, con
   return sets;
 }
 
-/// Share of the values that the layers' sum misses.
-double share_off(const Frame& frame) {
+/// Share of the values but black ones that the layers' sum misses; nothing of a frame that is black.
+std::optional<double> share_off(const Frame& frame) {
   const Image& beauty = frame.image(Aov::beauty);
   std::size_t off = 0;
+  std::size_t lit = 0;
   for (std::size_t i = 0; i < beauty.pixel_count(); ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
       const double wanted = beauty.data()[4 * i + c];
@@ -145,9 +154,12 @@ double share_off(const Frame& frame) {
         size += std::abs(part);
       }
       if (std::abs(sum - wanted) > kHalfRounding * size + kSmallest) ++off;
+      if (size > kSmallest) ++lit;
     }
   }
-  return static_cast<double>(off) / static_cast<double>(3 * beauty.pixel_count());
+  if (lit == 0 || static_cast<double>(lit) < kLeastLit * static_cast<double>(3 * beauty.pixel_count()))
+    return std::nullopt;
+  return static_cast<double>(off) / static_cast<double>(lit);
 }
 
 /// Whether the light group is also read as direct or indirect light of the beauty's part.
@@ -160,6 +172,24 @@ bool is_denoised_aov(const ViewLayers& view, const std::string& light) {
     return source(aov) && source(aov)->part == source(Aov::beauty)->part && source(aov)->part == layer.part &&
            source(aov)->channels == layer.channels;
   });
+}
+
+std::vector<AdditiveSet> sets_among(const std::string& path, std::vector<std::vector<std::string>> candidates,
+                                    const LayerOptions& options) {
+  std::vector<AdditiveSet> sets;
+  for (std::vector<std::string>& layers : candidates) {
+    LayerOptions with_layers = options;
+    with_layers.additive = layers;
+    LoadedFrame loaded = read_exr(path, 0, {}, with_layers, LightGroups::read);
+    std::erase_if(loaded.frame.light_groups(), [&](const LightGroup& group) {
+      return std::ranges::find(layers, group.name) == layers.end();
+    });
+    const std::optional<double> off = share_off(loaded.frame);
+    // Those that are AOVs are denoised anyway.
+    std::erase_if(layers, [&](const std::string& name) { return is_denoised_aov(loaded, name); });
+    if (off && !layers.empty()) sets.push_back({std::move(layers), *off});
+  }
+  return sets;
 }
 
 }  // namespace
@@ -188,22 +218,23 @@ bool AdditiveSet::adds_up() const {
 }
 
 std::vector<AdditiveSet> find_additive_sets(const std::string& path, const LayerOptions& options) {
-  std::vector<AdditiveSet> sets;
-  for (std::vector<std::string>& layers : candidates_of(path, options)) {
-    LayerOptions with_layers = options;
-    with_layers.additive = layers;
-    LoadedFrame loaded = read_exr(path, 0, {}, with_layers, LightGroups::read);
-    std::erase_if(loaded.frame.light_groups(), [&](const LightGroup& group) {
-      return std::ranges::find(layers, group.name) == layers.end();
-    });
-    const double off = share_off(loaded.frame);
-    // Those that are AOVs are denoised anyway.
-    std::erase_if(layers, [&](const std::string& name) { return is_denoised_aov(loaded, name); });
-    if (!layers.empty()) sets.push_back({std::move(layers), off});
-  }
-  return sets;
+  return sets_among(path, candidates_of(path, options), options);
 }
 
+std::vector<AdditiveSet> find_additive_sets(std::span<const std::string> paths, const LayerOptions& options) {
+  int without = 0;
+  for (const std::string& path : paths) {
+    try {
+      std::vector<std::vector<std::string>> found = candidates_of(path, options);
+      if (found.empty() && ++without == kMostWithout) break;
+      std::vector<AdditiveSet> sets = sets_among(path, std::move(found), options);
+      if (!sets.empty()) return sets;
+    } catch (const Error&) {
+      // Whoever needs this frame tells what is wrong.
+    }
+  }
+  return {};
+}
 std::vector<std::string> choose_additive(std::string_view text, const std::vector<AdditiveSet>& sets) {
   std::vector<std::string> chosen;
   if (text == "none") return chosen;

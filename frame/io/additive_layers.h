@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,14 +18,19 @@ std::optional<LightSource> find_additive_layer(const std::vector<PartChannels>& 
 /// Layers whose sum should be the beauty, such as diffuse and specular light, or the light groups.
 struct AdditiveSet {
   std::vector<std::string> layers;
-  /// Share of the values whose sum is farther from the beauty than rounding to half explains.
+  /// Share of the values but black ones whose sum is farther from the beauty than rounding to half explains.
   double share_off = 0.0;
   bool adds_up() const;
 };
 
 /// The sets that the names of a file's layers suggest, each with how well it adds up to the beauty of the
-/// default view. Reads their pixels; throws as read_exr does.
+/// default view. None of a frame that is black but for a thousandth. Reads their pixels; throws as read_exr
+/// does.
 std::vector<AdditiveSet> find_additive_sets(const std::string& path, const LayerOptions& options);
+
+/// Those of the first frame of a sequence that has some. Frames that are black or cannot be read say nothing,
+/// nor do up to seven that have no such layers, such as a slate.
+std::vector<AdditiveSet> find_additive_sets(std::span<const std::string> paths, const LayerOptions& options);
 
 /// `--additive auto|NAME,NAME|none`: the layers that are denoised with the beauty; for auto those of the sets
 /// that add up.

@@ -76,6 +76,7 @@ constexpr Alias kAliases[] = {
     {.aov = Aov::accumulated_depth, .layer = "accumulated_depth"},
 };
 
+constexpr std::string_view kVrayPrefix = "vray";
 constexpr std::string_view kVraysNames[] = {"noiselevel", "zdepth",          "normals", "bump_normals",
                                             "rawlight",   "rawgi",           "matteid", "defocusamount",
                                             "rawshadow",  "reflectionfilter"};
@@ -88,10 +89,12 @@ std::span<const Alias> aliases() {
 
 std::optional<std::string_view> scope_before(std::string_view layer, std::string_view alias) {
   if (layer == alias) return "";
-  if (alias.empty() || layer.size() <= alias.size() + 1 || !layer.ends_with(alias)) return std::nullopt;
-  const std::size_t dot = layer.size() - alias.size() - 1;
-  if (layer[dot] != '.') return std::nullopt;
-  return layer.substr(0, dot);
+  if (alias.empty() || !layer.ends_with(alias)) return std::nullopt;
+  std::string_view before = layer.substr(0, layer.size() - alias.size());
+  if (before.ends_with(kVrayPrefix)) before.remove_suffix(kVrayPrefix.size());
+  if (before.empty()) return "";
+  if (before.size() < 2 || before.back() != '.') return std::nullopt;
+  return before.substr(0, before.size() - 1);
 }
 
 bool names_an_aov(std::string_view layer) {
@@ -100,8 +103,13 @@ bool names_an_aov(std::string_view layer) {
   });
 }
 
+std::string_view without_vray(std::string_view layer) {
+  if (layer.starts_with(kVrayPrefix)) layer.remove_prefix(kVrayPrefix.size());
+  return layer;
+}
+
 bool is_vrays(std::string_view layer) {
-  return std::ranges::find(kVraysNames, layer) != std::end(kVraysNames);
+  return layer.starts_with(kVrayPrefix) || std::ranges::find(kVraysNames, layer) != std::end(kVraysNames);
 }
 
 }  // namespace becalm::io

@@ -26,11 +26,14 @@ struct Alias {
 std::span<const Alias> aliases();
 
 /// What stands before the alias in the layer's name, without the dot ("" for nothing), or nullopt where the
-/// layer is not of that alias.
+/// layer is not of that alias. The layer's own name may begin with `vray`.
 std::optional<std::string_view> scope_before(std::string_view layer, std::string_view alias);
 
 /// Whether a row of another AOV than the beauty has this name.
 bool names_an_aov(std::string_view layer);
+
+/// The name without the `vray` that V-Ray for 3ds Max puts in front of all layers' names.
+std::string_view without_vray(std::string_view layer);
 
 /// Whether only V-Ray calls a layer so.
 bool is_vrays(std::string_view layer);

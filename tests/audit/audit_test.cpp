@@ -132,6 +132,27 @@ TEST(Audit, PicturesThatAreNoLongerTheRenderers) {
   EXPECT_EQ(found(spots), "fireflies");
 }
 
+TEST(Audit, ValuesThatAreNotANumber) {
+  for (const Aov aov : {Aov::beauty, Aov::albedo, Aov::normal}) {
+    Frame frame = frame_of(1, 1);
+    frame.image(aov).data()[401] = NAN;
+    EXPECT_EQ(found(frame), "not_a_number");
+  }
+}
+
+TEST(Audit, HalvesOfOneSeed) {
+  Frame frame = frame_of(1, 1);
+  frame.remove(Aov::variance);
+  for (const Aov half : {Aov::half_a, Aov::half_b}) {
+    Image& radiance = frame.add(half);
+    for (std::size_t i = 0; i < radiance.data().size(); ++i)
+      radiance.data()[i] = frame.image(Aov::beauty).data()[i / 3 * 4 + i % 3];
+  }
+  EXPECT_EQ(found(frame), "same_halves");
+  frame.image(Aov::half_a).data()[300] += 0.1f;
+  EXPECT_EQ(found(frame), "");
+}
+
 TEST(Audit, ColourWithoutAlpha) {
   Frame frame = frame_of(1, 1);
   for (std::size_t i = 0; i < 500; ++i) frame.image(Aov::beauty).data()[4 * i + 3] = 0.0f;

@@ -83,6 +83,25 @@ TEST_F(Denoise, HalvesBesideEachOtherAreOneSequence) {
   expect_error(becalm({"denoise", first, "-o", folder_ / "gap.####.exr"}), 3, {"shot.b1.0002.exr"});
 }
 
+TEST_F(Denoise, HalvesOfOneSeedAreToldOnce) {
+  for (const int number : {1, 2}) {
+    for (const char* half : {"shot.b0.####.exr", "shot.b1.####.exr"})
+      io::write_exr(frame_path(folder_ / half, number), noise_frame(number), {}, io::PixelType::float32);
+  }
+  const std::string first = folder_ / "shot.b0.####.exr";
+  const std::string told = becalm_done({"denoise", first, "-o", folder_ / "out.####.exr", "--quiet"}).err;
+  EXPECT_EQ(told.find("becalm: frame 2: 100 % of the pixels are alike in both halves"), 0u) << told;
+  EXPECT_EQ(std::count(told.begin(), told.end(), '\n'), 1) << told;
+  EXPECT_NE(becalm_done({"info", first, "--audit"}).out.find("same_halves"), std::string::npos);
+}
+
+TEST_F(Denoise, NegativeNumbersKeepTheirSignBeforeThePadding) {
+  for (const char* name : {"in.-0001.exr", "in.0000.exr"})
+    io::write_exr(folder_ / name, noise_frame(1), {}, io::PixelType::float32);
+  becalm_done(command("out/a.####.exr", {"--quiet"}));
+  EXPECT_EQ(files_in(folder_.path() / "out"), (std::vector<std::string>{"a.-0001.exr", "a.0000.exr"}));
+}
+
 TEST_F(Denoise, WritesEveryFrameOnDiskAndTellsOfGaps) {
   write_frames({1, 2, 5});
   const Outcome outcome = becalm_done(command("out/a.####.exr"));

@@ -7,6 +7,8 @@
 #include <OpenEXR/ImfOutputFile.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "frame/error.h"
 #include "frame/io/exr.h"
 #include "tests/io/exr_files.h"
@@ -99,6 +101,45 @@ TEST_F(AdditiveLayers, ThoseThatDoNotAreLeft) {
   EXPECT_NE(describe(sets())[0].find("do not add up to the beauty in 100.0% of the values"),
             std::string::npos)
       << describe(sets())[0];
+}
+
+TEST_F(AdditiveLayers, ABlackFrameSaysNothingAndTheNextOneDecides) {
+  const auto black = [](int) { return 0.0f; };
+  write({{"", black}, {"diffuse", black}, {"specular", black}});
+  EXPECT_TRUE(sets().empty());
+  const std::string of_black = folder_.path("black.exr");
+  std::filesystem::rename(path_, of_black);
+  const std::string slate = folder_.path("slate.exr");
+  write({{"", first}});
+  std::filesystem::rename(path_, slate);
+  const std::string damaged = folder_.path("damaged.exr");
+  write_bytes(damaged, "no EXR");
+  const Names sequence{slate, of_black, damaged, path_};
+  write({{"", first}, {"diffuse", first}, {"specular", second}});
+  EXPECT_TRUE(choose_additive("auto", find_additive_sets(sequence, {})).empty());
+  EXPECT_EQ(find_additive_sets(sequence, {}).size(), 1u);
+  write({{"", [](int i) { return first(i) + second(i); }}, {"diffuse", first}, {"specular", second}});
+  EXPECT_EQ(choose_additive("auto", find_additive_sets(sequence, {})), (Names{"diffuse", "specular"}));
+  EXPECT_TRUE(find_additive_sets(Names(8, slate), {}).empty());
+}
+
+TEST_F(AdditiveLayers, LightGroupsOfCycles) {
+  write({{"View Layer.Combined", [](int i) { return first(i) + second(i); }},
+         {"View Layer.Combined_key", first},
+         {"View Layer.Combined_fill", second}});
+  EXPECT_EQ(choose_additive("auto", sets()), (Names{"View Layer.Combined_fill", "View Layer.Combined_key"}));
+}
+
+TEST_F(AdditiveLayers, NamesOfVrayFor3dsMax) {
+  write({{"", [](int i) { return first(i) + second(i); }},
+         {"VRayGlobalIllumination", first},
+         {"VRayLighting", second},
+         {"VRayDiffuseFilter", first},
+         {"VRayNormals", first}});
+  EXPECT_EQ(choose_additive("auto", sets()), (Names{"VRayGlobalIllumination", "VRayLighting"}));
+  const AovSet found = read_exr(path_, 1, AovSet().set(), {}).frame.aovs();
+  EXPECT_TRUE(contains(found, Aov::albedo));
+  EXPECT_TRUE(contains(found, Aov::normal));
 }
 
 TEST_F(AdditiveLayers, ArnoldsLightGroups) {

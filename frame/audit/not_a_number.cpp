@@ -1,0 +1,25 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "frame/audit/audit.h"
+
+namespace becalm::audit {
+
+std::optional<Finding> check_not_a_number(const Subject& subject) {
+  for (const Aov aov : {Aov::beauty, Aov::albedo, Aov::normal, Aov::depth}) {
+    if (!subject.frame.has(aov)) continue;
+    const std::ptrdiff_t count =
+        std::ranges::count_if(subject.frame.image(aov).data(), [](float value) { return std::isnan(value); });
+    if (count == 0) continue;
+    return Finding{"not_a_number",
+                   fmt::format("{} values of the {} are NaN, and such pixels of the beauty stay as they are: "
+                               "find the shader that makes them, or render them again",
+                               count, aov == Aov::beauty ? "beauty" : info(aov).name)};
+  }
+  return std::nullopt;
+}
+
+}  // namespace becalm::audit
