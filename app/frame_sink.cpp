@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "app/cancel.h"
@@ -61,8 +62,11 @@ void warn_unusable(const std::vector<std::string>& paths) {
 }
 
 ExitStatus all_there(std::size_t frames, bool quiet) {
-  if (!quiet)
-    say(frames == 1 ? "the frame is there already" : fmt::format("all {} frames are there already", frames));
+  if (quiet) return ExitStatus::done;
+  say(frames == 1 ? "the frame is there already" : fmt::format("all {} frames are there already", frames));
+  if (message_format() == MessageFormat::json) {
+    say_event({{"event", "end"}, {"written", 0}, {"done", frames}, {"total", frames}});
+  }
   return ExitStatus::done;
 }
 
@@ -72,7 +76,13 @@ ExitStatus conclude(Progress& progress, std::size_t frames_asked, const Profile*
   progress.finish(!cut_short);
   if (profile != nullptr) profile->print();
   if (!cut_short) return ExitStatus::done;
-  say(fmt::format("interrupted: {} of {} frames written; go on with --resume", written, frames_asked));
+  const std::string line =
+      fmt::format("interrupted: {} of {} frames written; go on with --resume", written, frames_asked);
+  if (message_format() == MessageFormat::json) {
+    say_event({{"event", "error"}, {"status", static_cast<int>(ExitStatus::interrupted)}, {"text", line}});
+  } else {
+    say(line);
+  }
   return ExitStatus::interrupted;
 }
 

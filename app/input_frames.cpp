@@ -199,7 +199,9 @@ std::vector<std::string> InputFrames::paths(int frame) const {
 }
 
 io::SequencePattern InputFrames::output_pattern(const std::string& text) const {
-  return padding_ > 0 ? io::SequencePattern(text, padding_) : io::SequencePattern(text);
+  io::SequencePattern output = padding_ > 0 ? io::SequencePattern(text, padding_) : io::SequencePattern(text);
+  output.place_sign_as(pattern_);
+  return output;
 }
 
 std::vector<int> InputFrames::outputs() const {

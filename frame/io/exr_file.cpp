@@ -50,6 +50,10 @@ void prepare_library() {
   });
 }
 
+[[noreturn]] void refuse_no_file(const std::string& path) {
+  throw Error(ExitStatus::bad_input, fmt::format("{}: not a file, expected an EXR file", path));
+}
+
 }  // namespace
 
 void set_exr_threads(int count) {
@@ -77,9 +81,7 @@ FileStamp stamp_of(const std::string& path) {
     throw Error(ExitStatus::bad_input, fmt::format("{}: no such file", path));
   }
   if (error) throw Error(ExitStatus::bad_input, fmt::format("{}: cannot be read: {}", path, error.message()));
-  if (!fs::is_regular_file(status)) {
-    throw Error(ExitStatus::bad_input, fmt::format("{}: not a file, expected an EXR file", path));
-  }
+  if (!fs::is_regular_file(status)) refuse_no_file(path);
   FileStamp stamp{fs::file_size(path, error), fs::last_write_time(path, error)};
   if (error) throw Error(ExitStatus::bad_input, fmt::format("{}: cannot be read: {}", path, error.message()));
   return stamp;
@@ -87,6 +89,9 @@ FileStamp stamp_of(const std::string& path) {
 
 std::unique_ptr<Imf::MultiPartInputFile> open_exr(const std::string& path) {
   prepare_library();
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (fs::exists(status) && !fs::is_regular_file(status)) refuse_no_file(path);  // a FIFO would wait for ever
   if (std::FILE* file = std::fopen(path.c_str(), "rbe")) {
     std::fclose(file);
   } else {

@@ -39,6 +39,9 @@ class SequencePattern {
   /// A lone `#` has this padding, whatever is on disk.
   SequencePattern(std::string text, int lone_padding);
 
+  /// From now on negative numbers have their sign where `other`, whose files are on disk, has it.
+  void place_sign_as(const SequencePattern& other) { sign_before_padding_ |= other.sign_before_padding_; }
+
   const std::string& text() const { return text_; }
   bool has_frame_field() const { return padding_ > 0; }
   /// The least number of characters of a frame number; 0 without a frame field.

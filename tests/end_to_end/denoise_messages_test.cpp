@@ -56,6 +56,9 @@ TEST_F(Denoise, ProgressAsJson) {
   EXPECT_EQ(frames, (std::vector<int>{1, 2}));
   EXPECT_NE(outcome.err.find(R"({"event":"end","written":2,"done":2,"total":2)"), std::string::npos)
       << outcome.err;
+  const Outcome resumed = becalm_done(command("out.####.exr", {"--progress", "json", "--resume"}));
+  EXPECT_NE(resumed.err.find(R"({"event":"end","written":0,"done":2,"total":2})"), std::string::npos)
+      << resumed.err;
   const Outcome failed = becalm(command("out.png", {"--progress", "json"}));
   EXPECT_EQ(failed.status, 2);
   EXPECT_EQ(failed.err.rfind(R"({"event":"error","status":2,"text":"-o )", 0), 0u) << failed.err;

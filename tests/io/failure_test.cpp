@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -9,6 +10,7 @@
 #include <random>
 
 #include "frame/error.h"
+#include "frame/io/additive_layers.h"
 #include "frame/io/atomic_file.h"
 #include "frame/io/exr.h"
 #include "tests/io/exr_files.h"
@@ -61,6 +63,13 @@ TEST_F(BadFile, Missing) {
 TEST_F(BadFile, AFolder) {
   std::filesystem::create_directory(path_);
   EXPECT_EQ(read_error(), path_ + ": not a file, expected an EXR file");
+}
+
+TEST_F(BadFile, AFifoDoesNotHang) {
+  ASSERT_EQ(::mkfifo(path_.c_str(), 0600), 0);
+  EXPECT_EQ(read_error(), path_ + ": not a file, expected an EXR file");
+  EXPECT_EQ(error_of(ExitStatus::bad_input, [&] { find_additive_sets(path_, {}); }),
+            path_ + ": not a file, expected an EXR file");
 }
 
 TEST_F(BadFile, NotAnExr) {

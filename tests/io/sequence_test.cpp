@@ -163,6 +163,10 @@ TEST_F(OnDisk, NegativeNumbersMayHaveTheirSignBeforeThePadding) {
     EXPECT_EQ(pattern.path(-3), folder_.path("shot.-0003.exr"));
     EXPECT_EQ(pattern.path(3), folder_.path("shot.0003.exr"));
   }
+  SequencePattern output(folder_.path("empty/out.####.exr"));
+  EXPECT_EQ(output.path(-3), folder_.path("empty/out.-003.exr"));
+  output.place_sign_as(SequencePattern(folder_.path("shot.####.exr")));
+  EXPECT_EQ(output.path(-3), folder_.path("empty/out.-0003.exr"));
   touch("shot.-002.exr");  // both are there: the padding counts the sign
   EXPECT_EQ(SequencePattern(folder_.path("shot.####.exr")).frames_on_disk(), (Frames{-2, 0, 1}));
 }
