@@ -66,7 +66,8 @@ void add_sequence_options(CLI::App& parser, SequenceCommand& command, const std:
           ->group(more("Output"));
   parser
       .add_option("--channels", command.channels,
-                  "Leave out every channel but these: channels, layers, or beauty, joined by commas")
+                  "Leave out every channel but these: channels, layers, parts, PART/LAYER, or beauty, joined "
+                  "by commas")
       ->delimiter(',')
       ->check(not_empty())
       ->excludes(only)

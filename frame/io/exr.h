@@ -141,7 +141,7 @@ void write_compact_exr(const std::string& path, const Frame& frame, const Attrib
 
 /// Which channels are written: by default all.
 struct ChannelSelection {
-  /// Channels, layers (`diffuse` for `diffuse.R`), or `beauty`; all where there are none.
+  /// Channels, layers (`diffuse` for `diffuse.R`), parts, PART/LAYER, or `beauty`; all where there are none.
   std::vector<std::string> names = {};
   bool denoised = false;  ///< those that were denoised, and diagnostics, whatever their names
 

@@ -125,6 +125,7 @@ ExrDescription describe_exr(const std::string& path, const LayerOptions& options
     std::vector<ViewLayers> views;
     try {
       views = find_view_layers(path, parts, options);
+      require_all_chunks(path, *file);
     } catch (const Error& error) {
       description.problem = error.what();
     }

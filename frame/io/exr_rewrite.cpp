@@ -148,11 +148,14 @@ void replace_view(const std::string& path, const LoadedView& view, const Frame& 
   }
 }
 
-/// Whether the selection names the channel. `beauty`: the part's channels that the name `beauty` selects.
-bool is_named(const ChannelSelection& selection, const std::string& channel,
+/// Whether the selection names the channel of a part, which may have a name. `beauty`: the part's channels
+/// that the name `beauty` selects.
+bool is_named(const ChannelSelection& selection, const std::string& part, const std::string& channel,
               const std::vector<std::string>& beauty) {
-  return std::ranges::any_of(selection.names, [&](const std::string& name) {
+  return std::ranges::any_of(selection.names, [&](std::string name) {
     if (name == "beauty" && std::ranges::find(beauty, channel) != beauty.end()) return true;
+    if (!part.empty() && name == part) return true;
+    if (!part.empty() && name.starts_with(part + '/')) name.erase(0, part.size() + 1);
     return channel == name || channel.starts_with(name + '.');
   });
 }
@@ -173,11 +176,12 @@ bool select_channels(const ChannelSelection& selection, const std::vector<std::s
   if (selection.selects_all()) return true;
   Imf::Header& header = file.headers[part];
   const auto replaced = file.channels.find(part);
+  const std::string name = file.headers.size() > 1 && header.hasName() ? header.name() : "";
   Imf::ChannelList kept;
   bool all = true;
   for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
     const bool is_denoised = replaced != file.channels.end() && replaced->second.contains(it.name());
-    if ((selection.denoised && is_denoised) || is_named(selection, it.name(), beauty)) {
+    if ((selection.denoised && is_denoised) || is_named(selection, name, it.name(), beauty)) {
       kept.insert(it.name(), it.channel());
     } else {
       all = false;
@@ -246,7 +250,7 @@ void check_selection(const std::string& path, const LayerOptions& options, const
       for (std::size_t part = 0; part < parts.size(); ++part) {
         const std::vector<std::string> beauty = beauty_channels(views, static_cast<int>(part));
         is_there = is_there || std::ranges::any_of(parts[part].channels, [&](const std::string& channel) {
-                     return is_named({.names = {name}}, channel, beauty);
+                     return is_named({.names = {name}}, parts[part].name, channel, beauty);
                    });
       }
       if (is_there) continue;

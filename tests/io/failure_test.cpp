@@ -45,9 +45,17 @@ class BadFile : public ::testing::Test {
       write_bytes(path_, whole.substr(0, size));
       EXPECT_TRUE(read_error().starts_with(path_ + ": "))
           << size << " of " << whole.size() << ": " << read_error();
+      EXPECT_NE(problem(), "") << size << " of " << whole.size();
     }
     write_bytes(path_, whole);
     EXPECT_EQ(read_error(), "no error");
+    EXPECT_EQ(problem(), "");
+  }
+  /// What describe_exr finds wrong.
+  std::string problem() {
+    std::string told;
+    const std::string error = error_of(ExitStatus::bad_input, [&] { told = describe_exr(path_).problem; });
+    return error == "no error" ? told : error;
   }
 
   TemporaryFolder folder_;

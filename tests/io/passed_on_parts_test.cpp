@@ -14,6 +14,7 @@
 
 #include <algorithm>
 
+#include "frame/error.h"
 #include "frame/io/exr.h"
 #include "tests/io/exr_files.h"
 #include "tests/io/passed_on_fixture.h"
@@ -129,6 +130,24 @@ TEST_F(PassedOn, DeepParts) {
     ASSERT_EQ(counts[i], i % 4);
     for (std::size_t s = 0; s < counts[i]; ++s) EXPECT_EQ(samples[i * 3 + s], expected[i * 3 + s]);
   }
+}
+
+TEST_F(PassedOn, PartsAreSelectedByTheirNames) {
+  Imf::Header albedo = scanline_part(window(0, 0, 4, 4), {{"R"}, {"G"}, {"B"}});
+  albedo.setName("albedo");
+  write_test_file(source_, {scanline_part(window(0, 0, 4, 4), kMixed), albedo});
+  for (const char* name : {"albedo", "albedo/R"}) {
+    EXPECT_NO_THROW(check_selection(source_, {}, {.names = {name}}, "--channels")) << name;
+    const LoadedFrame loaded = read_exr(source_, 1, {});
+    DenoisedFormat format;
+    format.channels.names = {name};
+    write_denoised_exr(result_, loaded.frame, {}, loaded, {}, format);
+    const Imf::MultiPartInputFile result(result_.c_str());
+    EXPECT_EQ(result.parts(), 1) << name;
+    EXPECT_NE(result.header(0).channels().findChannel("R"), nullptr) << name;
+    EXPECT_EQ(result.header(0).channels().findChannel("G") == nullptr, name == std::string("albedo/R"));
+  }
+  EXPECT_THROW(check_selection(source_, {}, {.names = {"albedo/A"}}, "--channels"), Error);
 }
 
 TEST_F(PassedOn, DiagnosticsAreAddedToTheBeautysPart) {
