@@ -1,6 +1,7 @@
 // The command line: parses, runs one subcommand and turns every failure into one line and an exit status.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -60,8 +61,10 @@ int finish_output(int status) {
   return fail(ExitStatus::resource, "standard output cannot be written to");
 }
 
-/// CLI11's message, with the command that it is about and where its help is.
-std::string usage_message(const CLI::ParseError& error, const std::array<becalm::app::Command, 7>& commands) {
+/// CLI11's message, with the command that it is about and where its help is. What is not known comes before
+/// what is missing.
+std::string usage_message(const CLI::ParseError& error, const CLI::App& parser,
+                          const std::array<becalm::app::Command, 7>& commands) {
   std::string command;
   for (const auto& entry : commands) {
     if (entry.parser->parsed()) command = entry.parser->get_name();
@@ -69,11 +72,13 @@ std::string usage_message(const CLI::ParseError& error, const std::array<becalm:
   const std::string message = error.what();
   const std::string help = command.empty() ? "becalm --help" : fmt::format("becalm {} --help", command);
   const std::string prefix = command.empty() ? "" : command + ": ";
-  if (error.get_name() == "ExtrasError") {
-    const auto colon = message.find(": ");
-    const std::string what = colon == std::string::npos ? message : message.substr(colon + 2);
-    return fmt::format("{}unknown option or argument: {}; see {}", prefix, what, help);
+  std::string unknown;
+  if (const auto at = message.find("not expected: "); at != std::string::npos) {
+    unknown = message.substr(message.find(": ", at) + 2);
+  } else if (error.get_name() == "RequiredError") {
+    unknown = fmt::format("{}", fmt::join(parser.remaining(/*recurse=*/true), " "));
   }
+  if (!unknown.empty()) return fmt::format("{}unknown option or argument: {}; see {}", prefix, unknown, help);
   return fmt::format("{}{}; see {}", prefix, message, help);
 }
 
@@ -95,7 +100,7 @@ int run(int argc, char** argv) {
     parser.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return finish_output(parser.exit(error));  // --help, --version
-    return fail(ExitStatus::usage, usage_message(error, commands));
+    return fail(ExitStatus::usage, usage_message(error, parser, commands));
   }
   const auto chosen = std::find_if(commands.begin(), commands.end(), [](const becalm::app::Command& command) {
     return command.parser->parsed();

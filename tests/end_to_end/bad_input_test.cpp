@@ -35,6 +35,12 @@ class BadInput : public testing::Test {
   std::string scene_ = write_scene(folder_);
 };
 
+TEST_F(BadInput, WhatIsNotKnownIsToldBeforeWhatIsMissing) {
+  expect_error(becalm({"denoize"}), kUsage, {"unknown option or argument: denoize"});
+  expect_error(becalm({"denoise", "--preste"}), kUsage, {"denoise: unknown option or argument: --preste"});
+  expect_error(becalm({"denoise", "in.####.exr"}), kUsage, {"denoise: --output is required"});
+}
+
 TEST_F(BadInput, MissingScene) {
   expect_error(becalm({"render", folder_ / "none.json", "-o", folder_ / "out.####.exr"}), kBadInput,
                {"none.json"});
