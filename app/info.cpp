@@ -102,12 +102,11 @@ void describe_scene(const std::string& path, bool json) {
 }
 
 /// No sets for a file without colour or with damaged pixels: its header is still described.
-std::vector<io::AdditiveSet> additive_sets(const std::string& path, const io::LayerOptions& layers) {
-  try {
-    return io::find_additive_sets(path, layers);
-  } catch (const Error&) {
-    return {};
-  }
+std::vector<io::AdditiveSet> additive_sets(const io::SequencePattern& pattern, const std::vector<int>& frames,
+                                           const io::LayerOptions& layers) {
+  std::vector<std::string> paths;
+  for (const int frame : frames) paths.push_back(pattern.path(frame));
+  return io::find_additive_sets(paths, layers);
 }
 
 Json to_json(const std::vector<io::AdditiveSet>& sets) {
@@ -177,11 +176,13 @@ void print_origin(const Json& origin) {
 void describe_file(const InfoCommand& command, const io::LayerOptions& layers) {
   const std::string& path = command.subject;
   const io::ExrDescription file = io::describe_exr(path, layers);
-  const std::vector<io::AdditiveSet> sets = additive_sets(path, layers);
+  const io::SequencePattern pattern(path);
+  const std::vector<int> frames{io::number_in_name(path)};
+  const std::vector<io::AdditiveSet> sets = additive_sets(pattern, frames, layers);
   const std::string alpha = alpha_outlook(path, layers);
   std::vector<FrameFinding> findings;
   const bool audits = command.audit && file.problem.empty();
-  if (audits) findings = audit_of(io::SequencePattern(path), {io::number_in_name(path)}, layers);
+  if (audits) findings = audit_of(pattern, frames, layers);
   if (command.json) {
     Json json{{"file", path},   {"parts", to_json(file.parts)}, {"additive", to_json(sets)},
               {"alpha", alpha}, {"becalm", origin_of(path)},    {"problem", file.problem}};
@@ -274,8 +275,8 @@ Json to_json(const std::vector<Kind>& kinds) {
   return json;
 }
 
-/// The description that most frames have, and how others differ from it; of the first frame, the additive
-/// layers, which denoise chooses by it, what becomes of alpha, and how becalm made it.
+/// The description that most frames have, and how others differ from it; the additive layers; of the first
+/// frame, what becomes of alpha, and how becalm made it.
 void describe_sequence(const io::SequencePattern& pattern, const io::LayerOptions& layers,
                        const InfoCommand& command) {
   const std::vector<int> frames = pattern.frames_on_disk();
@@ -286,7 +287,7 @@ void describe_sequence(const io::SequencePattern& pattern, const io::LayerOption
   const std::vector<Described> described = describe_frames(pattern, frames, layers);
   const std::vector<Kind> kinds = kinds_of(described);
   FrameProblems problems(pattern);
-  const std::vector<io::AdditiveSet> sets = additive_sets(pattern.path(frames.front()), layers);
+  const std::vector<io::AdditiveSet> sets = additive_sets(pattern, frames, layers);
   const std::string alpha = alpha_outlook(pattern.path(frames.front()), layers);
   Json problems_json = Json::array();
   for (const Described& frame : described) {
@@ -318,6 +319,7 @@ void describe_sequence(const io::SequencePattern& pattern, const io::LayerOption
     if (!alpha.empty()) fmt::print("{}\n", alpha);
     print_origin(origin_of(pattern.path(frames.front())));
     if (audits) print_audit(findings);
+    if (command.audit && !audits) fmt::print("audit: not done, since frames cannot be denoised\n");
   }
   if (!problems.empty()) problems.fail(frames.size(), "");
 }

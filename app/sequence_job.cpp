@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <iterator>
 #include <utility>
 
@@ -74,6 +75,9 @@ void SequenceJob::choose_additive() {
   if (command_.layers.additive == "auto") sets = io::find_additive_sets(paths, layers_);
   layers_.additive = io::choose_additive(command_.layers.additive, sets);
   additive_notes_ = io::describe(sets);
+  if (command_.layers.additive != "auto" && !layers_.additive.empty()) {
+    additive_notes_ = {fmt::format("{} are denoised with the beauty", fmt::join(layers_.additive, ", "))};
+  }
   // Also where there are none: files that were written with some must not be kept beside others.
   attributes_.emplace_back("becalm:additive", layers_.additive.empty()
                                                   ? "none"
@@ -128,6 +132,7 @@ ExitStatus SequenceJob::run() {
   if (!inputs_.note().empty()) progress_->warn(inputs_.note());
   if (inputs_.other_half()) progress_->note(halves_text());
   for (const std::string& note : additive_notes_) progress_->note(note);
+  tell_other_beauties(inputs_.path(*needed.begin()));
   if (!inputs_.has_numbers()) {
     progress_->note(
         fmt::format("{}: no frame number in the name, so this is frame 1; --frame N says otherwise",
@@ -145,6 +150,15 @@ ExitStatus SequenceJob::run() {
                               .sink = [&](const FinishedFrame& finished) { write(finished, sink); }});
   filter_.finish(profile_);
   return conclude(*progress_, asked, command_.running.profile ? &profile_ : nullptr);
+}
+
+/// View layers that stay noisy, unless the user chose the one that is denoised.
+void SequenceJob::tell_other_beauties(const std::string& path) {
+  if (layers_.layers.contains(Aov::beauty)) return;
+  const std::vector<std::string> others = io::describe_exr(path, layers_).other_beauties;
+  if (others.empty()) return;
+  progress_->note(fmt::format("{} {} passed on noisy; --layers beauty=NAME denoises another view layer",
+                              fmt::join(others, ", "), others.size() == 1 ? "is" : "are"));
 }
 
 io::LoadedFrame SequenceJob::first_frame() const {
@@ -177,6 +191,11 @@ void SequenceJob::print_plan(const std::set<int>& needed) {
   fmt::print("filters with preset {}: {}\n", command_.preset, settings());
   if (!existing_.empty()) print("keeps", command_.output.pattern, {existing_.begin(), existing_.end()});
   print("writes", command_.output.pattern, written);
+  std::erase_if(written, [&](int frame) {
+    return std::ranges::none_of(outputs_.paths(frame),
+                                [](const std::string& path) { return std::filesystem::exists(path); });
+  });
+  if (!written.empty()) print("replaces", command_.output.pattern, written);
 }
 
 void SequenceJob::find_existing() {

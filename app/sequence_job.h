@@ -35,6 +35,7 @@ class SequenceJob {
   std::string settings() const;
   void find_existing();
   void print_plan(const std::set<int>& needed);
+  void tell_other_beauties(const std::string& path);
   io::LoadedFrame read(const filter::Step& step);
   void require_sound_input(const std::vector<int>& frames) const;
   std::string halves_text() const;

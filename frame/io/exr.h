@@ -92,9 +92,10 @@ struct ExrDescription {
     std::vector<Channel> channels;
   };
   std::vector<Part> parts;
+  std::vector<std::string> other_beauties;  ///< of view layers that stay noisy
   std::string problem;  ///< why it could not be denoised, such as that it has no colour; or empty
 
-  /// One line for each part and for each channel.
+  /// One line for each part, for each channel and for each other beauty.
   std::vector<std::string> lines() const;
 };
 

@@ -113,6 +113,10 @@ std::vector<std::string> ExrDescription::lines() const {
       lines.push_back(fmt::format("  {:<{}}  {:<5}  {}", channel.name, width, channel.type, channel.use));
     }
   }
+  for (const std::string& other : other_beauties) {
+    lines.push_back(
+        fmt::format("{0} is passed on as it is; --layers 'beauty={0}' denoises it instead", other));
+  }
   return lines;
 }
 
@@ -128,6 +132,11 @@ ExrDescription describe_exr(const std::string& path, const LayerOptions& options
       require_all_chunks(path, *file);
     } catch (const Error& error) {
       description.problem = error.what();
+    }
+    for (const ViewLayers& view : views) {
+      const LayerSource& beauty = *view.layers[static_cast<std::size_t>(Aov::beauty)];
+      for (const std::string& other : find_other_beauties(parts, beauty, view.view))
+        description.other_beauties.push_back(printable(other));
     }
     for (int number = 0; number < file->parts(); ++number) {
       const Imf::Header& header = file->header(number);

@@ -202,6 +202,26 @@ std::vector<std::string> find_views(const std::vector<PartChannels>& parts) {
   return views;
 }
 
+std::vector<std::string> find_other_beauties(const std::vector<PartChannels>& parts,
+                                             const LayerSource& beauty, const std::string& view) {
+  std::map<std::string, std::string> titles;  // by view layer
+  std::string taken;
+  for (const ChannelLayer& layer : collect_layers(parts, view)) {
+    for (const Alias& alias : aliases()) {
+      if (alias.aov != Aov::beauty || alias.layer.empty()) continue;
+      const std::optional<std::string_view> scope = scope_of_alias(layer, alias);
+      const std::optional<LayerSource> source = channels_as(layer, Aov::beauty);
+      if (!scope || scope->empty() || *scope == kCompositeScope || !source) continue;
+      if (source->part == beauty.part && source->channels.front() == beauty.channels.front()) taken = *scope;
+      titles.emplace(*scope, layer.title);
+    }
+  }
+  titles.erase(taken);
+  std::vector<std::string> others;
+  for (auto& [scope, title] : titles) others.push_back(std::move(title));
+  return taken.empty() ? std::vector<std::string>() : others;
+}
+
 LayerMap find_layers(const std::string& file, const std::vector<PartChannels>& parts,
                      const LayerOptions& options, const std::string& view) {
   LayerFinder finder(parts, view);

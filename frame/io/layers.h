@@ -77,6 +77,11 @@ std::vector<std::string> find_views(const std::vector<PartChannels>& parts);
 LayerMap find_layers(const std::string& file, const std::vector<PartChannels>& parts,
                      const LayerOptions& options, const std::string& view = "");
 
+/// The titles of layers of a view, but for composites, that have a beauty's name in another view layer than
+/// `beauty`, which is what was taken. They are passed on as they are.
+std::vector<std::string> find_other_beauties(const std::vector<PartChannels>& parts,
+                                             const LayerSource& beauty, const std::string& view);
+
 /// A layer of radiance that is part of the beauty: alone, or times the surface's colour, as Blender has it.
 struct LightSource {
   LayerSource layer;

@@ -22,6 +22,11 @@ TEST_F(Denoise, ADryRunTellsWhatWouldBeReadAndWrittenAndWritesNothing) {
     EXPECT_NE(outcome.out.find(words), std::string::npos) << words << "\n" << outcome.out;
   }
   EXPECT_FALSE(fs::exists(folder_ / "out"));
+  EXPECT_EQ(outcome.out.find("replaces"), std::string::npos);
+  becalm_done(command("out/a.####.exr", {"--frames", "2", "--quiet"}));
+  EXPECT_NE(becalm_done(command("out/a.####.exr", {"--dry-run", "--frames", "2-3"}))
+                .out.find("replaces " + folder_ / "out/a.####.exr" + ": 1 frame, 2\n"),
+            std::string::npos);
   fs::remove(folder_ / "in.0002.exr");
   EXPECT_EQ(becalm(command("out/a.####.exr", {"--dry-run", "--frames", "2-3"})).status, 3);
 }

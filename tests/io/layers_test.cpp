@@ -107,6 +107,19 @@ TEST(Layers, BlendersViewLayer) {
   EXPECT_FALSE(source(map, Aov::half_a));
 }
 
+TEST(Layers, BeautiesOfOtherViewLayersAreFound) {
+  std::vector<PartChannels> parts(1);
+  for (const char* layer :
+       {"ViewLayer.Combined", "ViewLayer.Noisy Image", "fg.Combined", "Composite.Combined"}) {
+    for (const char* letter : {".R", ".G", ".B"}) parts[0].channels.push_back(std::string(layer) + letter);
+  }
+  const LayerSource beauty{.part = 0, .channels = {"ViewLayer.Combined.R"}};
+  EXPECT_EQ(find_other_beauties(parts, beauty, ""), Names{"fg.Combined"});
+  const LayerSource other{.part = 0, .channels = {"fg.Combined.R"}};
+  EXPECT_EQ(find_other_beauties(parts, other, ""), Names{"ViewLayer.Combined"});
+  EXPECT_TRUE(find_other_beauties({{.channels = {"R", "G", "B"}}}, {.channels = {"R"}}, "").empty());
+}
+
 TEST(Layers, TheCompositeIsTheLastChoice) {
   const LayerMap map =
       find({"Composite.Combined.A", "Composite.Combined.B", "Composite.Combined.G", "Composite.Combined.R"});
