@@ -22,6 +22,15 @@ bool add_file(const fs::path& file, ContentHash& hash) {
   return true;
 }
 
+/// Adds the file that the longest end of the text names which begins at a word.
+void add_file_at_end(const fs::path& folder, std::string text, ContentHash& hash) {
+  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.pop_back();
+  for (std::size_t word = text.find_first_not_of(" \t"); word != std::string::npos;) {
+    if (add_file(folder / text.substr(word), hash)) return;
+    word = text.find_first_not_of(" \t", std::min(text.find_first_of(" \t", word), text.size()));
+  }
+}
+
 /// The images of a material file: whatever names a file at the end of a line, alone or after options.
 void add_images(const fs::path& library, ContentHash& hash) {
   std::ifstream lines(library);
@@ -31,24 +40,31 @@ void add_images(const fs::path& library, ContentHash& hash) {
     std::string word;
     words >> word;
     std::string rest;
-    std::getline(words >> std::ws, rest);
-    while (!rest.empty() && std::isspace(static_cast<unsigned char>(rest.back()))) rest.pop_back();
-    if (rest.empty() || add_file(library.parent_path() / rest, hash)) continue;
-    add_file(library.parent_path() / rest.substr(rest.find_last_of(" \t") + 1), hash);
+    std::getline(words, rest);
+    add_file_at_end(library.parent_path(), rest, hash);
   }
 }
 
-/// The material files that an OBJ names, and their images.
+/// Returns whether there is such a file.
+bool add_library(const fs::path& library, ContentHash& hash) {
+  if (!add_file(library, hash)) return false;
+  add_images(library, hash);
+  return true;
+}
+
+/// The material files that an OBJ names, one with blanks in its name or several, and their images.
 void add_materials(const fs::path& obj, ContentHash& hash) {
   std::ifstream lines(obj);
   for (std::string line; std::getline(lines, line);) {
     std::istringstream words(line);
     std::string word;
     if (!(words >> word) || word != "mtllib") continue;
-    while (words >> word) {
-      const fs::path library = obj.parent_path() / word;
-      if (add_file(library, hash)) add_images(library, hash);
-    }
+    std::string names;
+    std::getline(words >> std::ws, names);
+    while (!names.empty() && std::isspace(static_cast<unsigned char>(names.back()))) names.pop_back();
+    if (add_library(obj.parent_path() / names, hash)) continue;
+    std::istringstream several(names);
+    while (several >> word) add_library(obj.parent_path() / word, hash);
   }
 }
 

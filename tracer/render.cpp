@@ -311,12 +311,12 @@ std::vector<std::string> describe_sample(Scene& scene, int frame_number, const R
                                          const PixelSample& which) {
   check(options);
   const FrameSetup setup(scene, frame_number, options);
-  const std::uint32_t samples = std::max(setup.spp, setup.aov_spp);
+  constexpr std::uint32_t samples = kMostSamples;  // adaptive frames have more than `spp` in some pixels
   if (which.x < 0 || which.x >= setup.width || which.y < 0 || which.y >= setup.height ||
       which.sample >= samples) {
     throw Error(ExitStatus::usage,
-                fmt::format("debug-pixel: {},{},{}: the frame has {}x{} pixels of {} samples", which.x,
-                            which.y, which.sample, setup.width, setup.height, samples));
+                fmt::format("debug-pixel: {},{},{}: the frame has {}x{} pixels of {} samples at most",
+                            which.x, which.y, which.sample, setup.width, setup.height, samples));
   }
   std::vector<PathVertex> path;
   PathContext context = setup.context();

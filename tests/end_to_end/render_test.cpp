@@ -234,9 +234,9 @@ TEST_F(Render, ResumeNoticesAnEditedMesh) {
 
 TEST_F(Render, ResumeNoticesAnEditedMaterialOfAMeshAndItsImage) {
   write_text(folder_ / "mesh.obj",
-             "mtllib mesh.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n");
-  write_text(folder_ / "mesh.mtl", "newmtl m\nKd 1 0 0\nmap_Kd -s 2 2 1 image.exr\n");
-  io::write_exr(folder_ / "image.exr", noise_frame(1, 4, 4), {});
+             "mtllib my mesh.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n");
+  write_text(folder_ / "my mesh.mtl", "newmtl m\nKd 1 0 0\nmap_Kd -s 2 2 1 my image.exr\n");
+  io::write_exr(folder_ / "my image.exr", noise_frame(1, 4, 4), {});
   write_text(
       scene_,
       R"({"film": {"width": 16, "height": 16}, "camera": {"look_at": {"eye": [0, 0, 4], "target": [0, 0, 0]}}, "environment": {"radiance": [1, 1, 1]},
@@ -244,10 +244,10 @@ TEST_F(Render, ResumeNoticesAnEditedMaterialOfAMeshAndItsImage) {
     "meshes": {"t": {"obj": "mesh.obj", "materials": "mtl"}}, "objects": [{"name": "o", "mesh": "t"}]})");
   render("a.####.exr", {"--frames", "1"});
   render("a.####.exr", {"--frames", "1", "--resume"});
-  io::write_exr(folder_ / "image.exr", noise_frame(2, 4, 4), {});
+  io::write_exr(folder_ / "my image.exr", noise_frame(2, 4, 4), {});
   expect_error(becalm(command("a.####.exr", {"--resume"})), 2, {"a.0001.exr", "scene"});
-  io::write_exr(folder_ / "image.exr", noise_frame(1, 4, 4), {});
-  write_text(folder_ / "mesh.mtl", "newmtl m\nKd 0 1 0\nmap_Kd -s 2 2 1 image.exr\n");
+  io::write_exr(folder_ / "my image.exr", noise_frame(1, 4, 4), {});
+  write_text(folder_ / "my mesh.mtl", "newmtl m\nKd 0 1 0\nmap_Kd -s 2 2 1 my image.exr\n");
   expect_error(becalm(command("a.####.exr", {"--resume"})), 2, {"a.0001.exr", "scene"});
 }
 

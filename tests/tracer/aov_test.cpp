@@ -158,6 +158,24 @@ TEST(Aov, MotionOfATurningAndGrowingWall) {
   });
 }
 
+TEST(Aov, MotionOfABlurredWallThatTurnedMoreInTheFrameBefore) {
+  // At whatever time of the shutter the sample is, the point was as far from the axis a frame before.
+  const std::string shutter = "'shutter': [0,1], ";
+  std::string json = scene(kAhead, R"({'mesh': 'plane', 'material': 'white', 'transform': {'keys': [
+      {'frame': 1, 'scale': 20, 'rotate_deg': [90,0,0], 'translate': [0,0,-4]},
+      {'frame': 2, 'scale': 20, 'rotate_deg': [90,0,180], 'translate': [0,0,-4]},
+      {'frame': 3, 'scale': 20, 'rotate_deg': [90,0,183], 'translate': [0,0,-4]}]}})");
+  const std::string camera = "'camera': {";
+  json.replace(json.find(camera), camera.size(), camera + shutter);
+  const Frame frame = render(json, 2, 1);
+  for_each_pixel([&](int x, int y) {
+    const double px = x + 0.5 - 0.5 * kWidth, py = y + 0.5 - 0.5 * kHeight;
+    const double previous_x = px + frame.image(Aov::motion).at(x, y, 0);
+    const double previous_y = py + frame.image(Aov::motion).at(x, y, 1);
+    EXPECT_NEAR(std::hypot(previous_x, previous_y) / std::hypot(px, py), 1.0, 0.005);
+  });
+}
+
 TEST(Aov, MotionOfAPanningCameraAtInfinityAndOfATravellingOne) {
   // The camera turns by 5 degrees to the right about y: what it sees moves left, and so came from the right.
   const double angle = 5.0 * std::numbers::pi / 180.0;

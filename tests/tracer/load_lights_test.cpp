@@ -46,7 +46,7 @@ TEST(LoadLights, ReadsEveryKind) {
   EXPECT_EQ(list.spots[1].direction, V3f(0, -1, 0));
   EXPECT_EQ(list.spots[1].inner_deg, 30.0f);
   ASSERT_EQ(list.suns.size(), 2u);
-  EXPECT_EQ(list.suns[0].direction, V3f(0, 3, 4));
+  EXPECT_LT((list.suns[0].direction - V3f(0, 0.6f, 0.8f)).length(), 1e-6f);
   EXPECT_EQ(list.suns[0].diameter_deg, 1.0f);
   EXPECT_EQ(list.suns[0].irradiance, V3f(9.0f));
   EXPECT_LT((list.suns[1].direction - V3f(std::sqrt(0.75f), 0.5f, 0)).length(), 1e-6f);
@@ -116,6 +116,13 @@ TEST(LoadLights, MovesWithinTheShutterOnlyWhatMoves) {
   EXPECT_EQ(list.spot_keys[0].direction, V3f(0, -1, 0));
   // Half-way from frame 1 to 2 a smooth curve is half-way too.
   EXPECT_LT((list.spot_keys[2].direction - V3f(0.5f, -0.5f, 0).normalized()).length(), 1e-6f);
+}
+
+TEST(LoadLights, ATinyDirectionIsOneToo) {
+  const LightList list =
+      list_of("[{'type': 'sun', 'irradiance': 1, 'direction': [0, 1e-46, 0]}]", {1.0, 1.0, 0});
+  ASSERT_EQ(list.suns.size(), 1u);
+  EXPECT_EQ(list.suns[0].direction, V3f(0, 1, 0));
 }
 
 TEST(LoadLights, NamesWhatIsWrong) {

@@ -206,6 +206,8 @@ TEST(Load, NamesBadValues) {
             "scene.json: /film/width: expected a whole number from 1 to 65536, found 0");
   EXPECT_EQ(load_error(with_meshes("{'box': {'shape': 'sphere', 'segments': 2.5}}")),
             "scene.json: /meshes/box/segments: expected a whole number from 3 to 4096, found 2.5");
+  EXPECT_EQ(load_error(with_meshes("{'box': {'shape': 'cube', 'segments': 4}}")),
+            "scene.json: /meshes/box/segments: only a disc and a sphere have segments");
 }
 
 TEST(Load, NamesMaterialsThatAShapeCannotHave) {
@@ -222,6 +224,11 @@ TEST(Load, NamesMaterialsThatAShapeCannotHave) {
             "scene.json: /objects/0/material: only triangles can have an opacity");
   EXPECT_EQ(loaded("'procedural': 'terrain'", "'bump': {'image': 'relief.exr'}"),
             "scene.json: /objects/0/material: a procedural surface has no uvs for bump and normal maps");
+  write_file("bare.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  EXPECT_EQ(loaded("'obj': 'bare.obj'", "'bump': {'image': 'relief.exr'}"),
+            "scene.json: /objects/0/material: the mesh has no uvs for bump and normal maps");
+  EXPECT_EQ(loaded("'obj': 'bare.obj'", "'opacity': {'image': 'relief.exr'}"),
+            "scene.json: /objects/0/material: the mesh has no uvs for an opacity image");
   EXPECT_EQ(
       loaded("'shape': 'cube'", "'opacity': 0.5", ", 'interior': 'fog'"),
       "scene.json: /objects/0/interior: a material with an opacity bounds no medium: it would leak through "

@@ -172,6 +172,18 @@ TEST(Mtl, PartsByMaterial) {
   EXPECT_EQ(std::get<PrincipledBsdf>(materials[2].material.bsdf).base_color, V3f(0, 0, 1));
 }
 
+TEST(Mtl, NamesMayHoldBlanks) {
+  Textures textures;
+  const std::string path = write_file(
+      "m.obj",
+      "mtllib one.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl wood dark \nf 1 2 3\nusemtl  red\nf 2 1 3\n");
+  write_file("one.mtl", "newmtl wood\nKd 0 1 0\nnewmtl wood dark\nKd 0 0 1\nnewmtl  red\nKd 1 0 0\n");
+  const std::vector<MtlMaterial> materials = load_part_materials(path, load_obj_parts(path), textures);
+  ASSERT_EQ(materials.size(), 2u);
+  EXPECT_EQ(std::get<PrincipledBsdf>(materials[0].material.bsdf).base_color, V3f(0, 0, 1));
+  EXPECT_EQ(std::get<PrincipledBsdf>(materials[1].material.bsdf).base_color, V3f(1, 0, 0));
+}
+
 TEST(Mtl, UnknownMaterialsAreNamed) {
   Textures textures;
   const std::string path = write_file("m.obj", kObj);

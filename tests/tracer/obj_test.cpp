@@ -46,6 +46,23 @@ TEST(Obj, CutsConcavePolygonsInside) {
   EXPECT_NEAR(area, 3.0, 1e-6);
 }
 
+TEST(Obj, CutsConcaveQuadrilateralsInside) {
+  // A dart of area 9 whose shorter diagonal lies outside, from each of its corners.
+  for (const char* face : {"f 1 2 3 4\n", "f 2 3 4 1\n", "f 3 4 1 2\n", "f 4 1 2 3\n"}) {
+    const Mesh mesh =
+        load_obj(write_file("m.obj", std::string("v 1 0 0\nv 0 10 0\nv -1 0 0\nv 0 1 0\n") + face));
+    ASSERT_EQ(mesh.triangles.size(), 2u);
+    double area = 0.0;
+    for (const auto& t : mesh.triangles) {
+      const float z =
+          (mesh.positions[t[1]] - mesh.positions[t[0]]).cross(mesh.positions[t[2]] - mesh.positions[t[0]]).z;
+      EXPECT_GT(z, 0.0f) << face;
+      area += 0.5 * z;
+    }
+    EXPECT_NEAR(area, 9.0, 1e-5) << face;
+  }
+}
+
 TEST(Obj, CutsPolygonsIntoTwoTrianglesFewerThanTheyHaveCorners) {
   // A comb whose tines are corners on one line, then a polygon of no area.
   const Mesh comb = load_obj(write_file("m.obj",

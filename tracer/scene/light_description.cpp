@@ -28,7 +28,10 @@ V3f direction_of(const SpotDescription& spot, double frame) {
 }
 
 V3f direction_of(const SunDescription& sun, double frame) {
-  if (const auto* vector = std::get_if<Curve<3>>(&sun.direction)) return vector_at(*vector, frame);
+  if (const auto* vector = std::get_if<Curve<3>>(&sun.direction)) {
+    const Curve<3>::Value direction = vector->at(frame);
+    return V3f(V3d(direction[0], direction[1], direction[2]).normalized());
+  }
   const auto& sky = std::get<SkyPosition>(sun.direction);
   const double azimuth = sky.azimuth_deg.at(frame)[0] * std::numbers::pi / 180.0;
   const double elevation = sky.elevation_deg.at(frame)[0] * std::numbers::pi / 180.0;

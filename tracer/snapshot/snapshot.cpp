@@ -152,13 +152,18 @@ void Snapshot::place(std::size_t index, int frame) {
   const Shutter& shutter = description_->camera.shutter;
   const Imath::Box3f& box = shapes_.bounds(object.mesh);
   const double radius = box.isEmpty() ? 1.0 : std::max(std::max(box.max.length(), box.min.length()), 1e-30f);
-  const int segments = motion_segments(object.transform, frame, shutter, radius);
+  const auto steps = [&](int at) {
+    return motion_steps(object.transform, at, shutter,
+                        motion_segments(object.transform, at, shutter, radius));
+  };
   ObjectState& state = objects_[index];
-  state.exact = motion_steps(object.transform, frame, shutter, segments);
-  state.exact_previous =
-      geometry_moves(object) ? motion_steps(object.transform, frame - 1, shutter, segments) : state.exact;
+  state.exact = steps(frame);
+  state.exact_previous = geometry_moves(object) ? steps(frame - 1) : state.exact;
   state.blur = to_float(state.exact);
   state.place = {state.blur.first(), normal_matrix(state.exact.first())};
+  const M44f& m = state.blur.first();
+  const V3f x(m[0][0], m[0][1], m[0][2]), y(m[1][0], m[1][1], m[1][2]), z(m[2][0], m[2][1], m[2][2]);
+  state.length_scale = std::cbrt(std::abs(x.cross(y).dot(z)));
   state.scale = state.translation = 0.0f;
   for (const M44f& m : state.blur.steps()) {
     for (int column = 0; column < 3; ++column) {

@@ -36,6 +36,7 @@ struct ObjectState {
   MotionSteps<double> exact;     ///< the same in double, and a frame before: for the motion AOV
   MotionSteps<double> exact_previous;
   float scale = 1.0f;                    ///< bound of |p to_world| / |p| without the translation
+  float length_scale = 1.0f;             ///< cube root of the factor by which volumes grow
   float translation = 0.0f;              ///< largest coordinate of the translation
   std::uint32_t first_light = kNoLight;  ///< number of its first triangle among the lights' triangles, or of
                                          ///< its sphere among the spheres

@@ -80,7 +80,7 @@ Surface procedural_surface(const ObjectState& object, const Procedural& procedur
                            const Hit& hit, float footprint) {
   const ProceduralPoint local = point(procedural, hit.local);
   const ProceduralPoint averaged =
-      footprint > 0.0f ? point(procedural, hit.local, footprint / object.scale) : local;
+      footprint > 0.0f ? point(procedural, hit.local, footprint / object.length_scale) : local;
   Surface surface;
   surface.position = transform_point(local.position, place.to_world);
   surface.normal_geometric = transform_vector(local.normal, place.normal_to_world).normalized();

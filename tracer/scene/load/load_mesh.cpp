@@ -22,7 +22,10 @@ struct LoadedMesh {
 Geometry read_shape(const JsonValue& json) {
   json.allow_keys({"shape", "segments"});
   const int segments = json.has("segments") ? json.at("segments").integer(3, 4096) : 64;
-  switch (json.at("shape").choice({"rectangle", "disc", "sphere", "cube", "exact_sphere"})) {
+  const int shape = json.at("shape").choice({"rectangle", "disc", "sphere", "cube", "exact_sphere"});
+  if (json.has("segments") && shape != 1 && shape != 2)
+    json.at("segments").fail("only a disc and a sphere have segments");
+  switch (shape) {
     case 0:
       return make_rectangle();
     case 1:

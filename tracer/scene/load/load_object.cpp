@@ -60,11 +60,16 @@ void check_material_fits(const JsonValue& json, const Object& object, const Scen
     json.at("material").fail("only triangles can have an opacity");
   if (has_alpha(material) && object.interior)
     json.at("interior").fail("a material with an opacity bounds no medium: it would leak through the holes");
-  if (!std::holds_alternative<ProceduralDescription>(shape)) return;
+  const auto* mesh = std::get_if<Mesh>(&shape);
+  const bool is_procedural = std::holds_alternative<ProceduralDescription>(shape);
+  if (!is_procedural && !(mesh && mesh->uvs.empty())) return;
+  if (mesh && material.opacity_mask) json.at("material").fail("the mesh has no uvs for an opacity image");
   std::vector<const Material*> parts{&material};
   for (std::size_t i = 0; i < parts.size(); ++i) {
     if (has_relief(*parts[i]))
-      json.at("material").fail("a procedural surface has no uvs for bump and normal maps");
+      json.at("material")
+          .fail(is_procedural ? "a procedural surface has no uvs for bump and normal maps"
+                              : "the mesh has no uvs for bump and normal maps");
     if (const auto* mix = std::get_if<MixMaterial>(&parts[i]->model)) {
       for (const std::uint32_t part : {mix->first, mix->second}) parts.push_back(&scene.materials[part]);
     }

@@ -71,7 +71,7 @@ class Translator {
   MtlMaterial translate() const {
     MtlMaterial result;
     Material& material = result.material;
-    material.name = mtl_.name;
+    material.name = trimmed(mtl_.name);
     const V3f specular = unit_color(mtl_.specular);
     bool clear = false;
     if (is_physically_based()) {
@@ -243,7 +243,7 @@ std::vector<MtlMaterial> load_mtl(const std::string& path, Textures& textures) {
   static const Keywords none;
   for (const tinyobj::material_t& mtl : parsed) {
     if (mtl.name.empty()) continue;  // what tinyobjloader makes of a file without any
-    const auto known = keywords.find(mtl.name);
+    const auto known = keywords.find(std::string(trimmed(mtl.name)));
     materials.push_back(
         Translator(path, mtl, known == keywords.end() ? none : known->second, textures).translate());
   }

@@ -65,7 +65,7 @@ class BlockReader {
       read_face(line);
     } else if (keyword == "usemtl") {
       text.materials.push_back(
-          {static_cast<std::uint32_t>(text.face_ends.size()), std::string(take_word(line))});
+          {static_cast<std::uint32_t>(text.face_ends.size()), std::string(trimmed(line))});
     } else if (keyword == "mtllib") {
       text.libraries.emplace_back(trimmed(line));
     }

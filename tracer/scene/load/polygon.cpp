@@ -66,6 +66,23 @@ void clip_ears(std::span<const V3f> corners, std::vector<std::array<std::uint32_
   triangles.push_back({polygon[0], polygon[1], polygon[2]});
 }
 
+/// Whether the triangles that the quadrilateral is cut into from `corner` lie within it.
+bool cuts_within(std::span<const V3f> corners, std::size_t corner) {
+  const V3d normal = area_normal(corners);
+  const auto at = [&](std::size_t i) { return V3d(corners[(corner + i) % 4]); };
+  const auto faces_along = [&](std::size_t b, std::size_t c) {
+    return (at(b) - at(0)).cross(at(c) - at(0)).dot(normal) > 0.0;
+  };
+  return faces_along(1, 2) && faces_along(2, 3);
+}
+
+/// Whether a quadrilateral is cut from its first corner and not from its second.
+bool cuts_from_first(std::span<const V3f> corners) {
+  const bool is_shorter = (corners[2] - corners[0]).length2() < (corners[3] - corners[1]).length2();
+  if (cuts_within(corners, is_shorter ? 0 : 1)) return is_shorter;
+  return cuts_within(corners, is_shorter ? 1 : 0) ? !is_shorter : is_shorter;
+}
+
 }  // namespace
 
 void cut_polygon(std::span<const V3f> corners, std::vector<std::array<std::uint32_t, 3>>& triangles) {
@@ -74,7 +91,7 @@ void cut_polygon(std::span<const V3f> corners, std::vector<std::array<std::uint3
     triangles.push_back({0, 1, 2});
   } else if (corners.size() > 4) {
     clip_ears(corners, triangles);
-  } else if ((corners[2] - corners[0]).length2() < (corners[3] - corners[1]).length2()) {
+  } else if (cuts_from_first(corners)) {
     triangles.insert(triangles.end(), {{0, 1, 2}, {0, 2, 3}});
   } else {
     triangles.insert(triangles.end(), {{0, 1, 3}, {1, 2, 3}});
