@@ -12,18 +12,15 @@ import rare_crops
 import shots
 
 CROP = 80
-# Shares of crops: of merged frames, of frames, of references as frames.
-KIND_SHARES = [0.5, 0.3, 0.2]
 EXPOSURE_SPREAD = 0.7  # standard deviation of the log of the random exposure
 # Shares of crops that lack a feature, or have it clean.
 WITHOUT_ALBEDO = 0.15
 WITHOUT_NORMAL = 0.2
 WITHOUT_DEPTH = 0.2
 WITHOUT_VARIANCE = 0.4
-BEAUTY_ALONE = 0.12
+BEAUTY_ALONE = 0.07
 CLEAN_FEATURES = 0.35
 SMOOTHED_ALBEDO = 0.4  # of the others; as all presets do but `draft`, whose input must not be forgotten
-SMOOTHED_WHEN_MERGED = 0.9  # the same of frames that were merged with their albedo smoothed
 WITH_BACKGROUND = 0.12
 TEXTURED = 0.1  # of the crops without such a background
 WITH_FIREFLIES = 0.2  # of the crops of merged frames
@@ -47,7 +44,7 @@ def features_of(pair, clean, smoothed):
     if clean:
         return np.concatenate([pair.features[1]] * 2)
     own = pair.features[2 if pair.merged else 0]
-    if smoothed and pair.smoothed_albedo is not None and not pair.with_raw_albedo:
+    if smoothed and pair.smoothed_albedo is not None:
         own = np.concatenate([pair.smoothed_albedo, own[3:]])
     return np.concatenate([pair.features[0] if pair.merged else own, own])
 
@@ -64,8 +61,7 @@ def crop(rng, pair, size):
     x = rng.integers(width - size + 1)
     cut = lambda a: a[..., y : y + size, x : x + size].astype(np.float32)
     colors = cut(colors_of(pair))
-    smoothed = rng.random() < (SMOOTHED_WHEN_MERGED if pair.merged else SMOOTHED_ALBEDO)
-    features = cut(features_of(pair, rng.random() < CLEAN_FEATURES, smoothed))
+    features = cut(features_of(pair, rng.random() < CLEAN_FEATURES, rng.random() < SMOOTHED_ALBEDO))
     variance = np.full((1, size, size), -1.0, np.float32)
     if pair.variances and (pair.merged or rng.random() >= WITHOUT_VARIANCE):
         variance = cut(pair.variances[rng.integers(len(pair.variances))]) ** 2
@@ -108,20 +104,8 @@ def crop(rng, pair, size):
     return [np.ascontiguousarray(a, np.float32) for a in arrays]
 
 
-def by_kind(pairs):
-    """The pairs of each kind of KIND_SHARES that there is, and the kinds' shares."""
-    kinds = [[], [], []]
-    for pair in pairs:
-        kinds[0 if pair.merged else 1 if pair.independent else 2].append(pair)
-    present = [(share, kind) for share, kind in zip(KIND_SHARES, kinds) if kind]
-    total = sum(share for share, _ in present)
-    return [kind for _, kind in present], [share / total for share, _ in present]
-
-
 def batch(rng, pairs, count, size=CROP):
-    kinds, shares = by_kind(pairs)
-    drawn = [kinds[kind] for kind in rng.choice(len(kinds), count, p=shares)]
-    crops = [crop(rng, kind[rng.integers(len(kind))], size) for kind in drawn]
+    crops = [crop(rng, pairs[rng.integers(len(pairs))], size) for _ in range(count)]
     return [torch.from_numpy(np.stack(column)) for column in zip(*crops)]
 
 

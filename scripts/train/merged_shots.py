@@ -2,10 +2,10 @@
 
     merged_shots.py DATA --becalm PROGRAM [--again]
 
-For each complete shot of DATA the frame with a reference is merged in the ways of MERGES. The files say of the noise what
-chance decides: a variance, half-buffers or nothing. What the last smoothing would see is stored in SHOT/merged.npz, in the form
-of PACKED (shots.py); shots that have it, merged in these ways, are left alone. With --again (for own_share.py) it goes into
-SHOT/remerged.npz, anew if another program made that.
+For each complete shot of DATA the frame with a reference is merged four times: from the frames up to it, and from those after
+it as well. The files say of the noise what chance decides: a variance, half-buffers or nothing. What the last smoothing would see is stored in
+SHOT/merged.npz, in the form of PACKED (shots.py); shots that have it are left alone. With --again (for own_share.py) it goes into SHOT/remerged.npz, anew if
+another program made that.
 """
 
 import argparse
@@ -14,7 +14,6 @@ import json
 import os
 import subprocess
 import tempfile
-from dataclasses import dataclass
 
 import numpy as np
 import OpenImageIO as oiio
@@ -25,30 +24,9 @@ CHANNELS = {"color": ["R", "G", "B"], **{name: shots.NAMES["becalm"][name] for n
             ("albedo", "normal", "depth", "variance", "half_a", "half_b")}}
 TOLD = [[], ["variance"], ["half_a", "half_b"]]
 TOLD_SHARES = [0.5, 0.25, 0.25]
-PROGRAM, WAYS = "program", "ways"  # arrays: the digest of the program that merged, and MERGES as text
-FEATURES = ("albedo", "normal", "depth")
-ACCUMULATED = ([f"accumulated_albedo.{c}" for c in "RGB"] + [f"accumulated_normal.{c}" for c in "XYZ"] + ["accumulated_depth.Y"])
-
-
-@dataclass
-class Merge:
-    """From the frames up to the one with a reference ("forward"), or from those after it as well ("both")."""
-
-    directions: str
-    all_frames: bool = True  # else a part of them
-    presets: tuple = ("draft", "balanced", "final")
-    smooth_albedo: bool = True
-    features: tuple = FEATURES
-
-
-MERGES = [
-    Merge("forward"),
-    Merge("both"),
-    Merge("forward", all_frames=False),
-    Merge("both", all_frames=False),
-    Merge("forward", presets=("draft",), smooth_albedo=False),  # as that preset has it
-    Merge("both", features=()),
-]
+MATCHING = ["draft", "balanced", "final"]
+PROGRAM = "program"  # array of the digest of the program that merged
+MERGES = 4  # of each shot: forward and both ways, of all frames and of a part
 
 
 def write_layers(path, layers):
@@ -72,15 +50,15 @@ def read_channels(path, names):
     return pixels[..., [spec.channelnames.index(name) for name in names]].transpose(2, 0, 1)
 
 
-def merged(becalm, folder, frames, wanted, preset, how):
+def merge(becalm, folder, frames, wanted, preset, directions):
     """The frame `wanted` merged from files of `frames`: radiance, its variance, and features of 7 channels."""
     subprocess.run([becalm, "denoise", f"{folder}/in.####.exr", "-o", f"{folder}/out.####.exr", "--frames", frames, "--quiet",
-                    "--diagnostics", "--threads", "1", "--preset", preset, "--set", "smooth=merged",
-                    "--set", f"smooth_albedo={int(how.smooth_albedo)}", "--set", f"directions={how.directions}", "--cuts", "none"],
-                   check=True)
-    channels = [f"accumulated.{c}" for c in "RGB"] + ["accumulated_variance.Y"] + (ACCUMULATED if how.features else [])
+                    "--diagnostics", "--threads", "1", "--preset", preset, "--set", "smooth=merged", "--set", "smooth_albedo=1",
+                    "--set", f"directions={directions}", "--cuts", "none"], check=True)
+    channels = [f"accumulated.{c}" for c in "RGB"] + ["accumulated_variance.Y"] + [f"accumulated_albedo.{c}" for c in "RGB"]
+    channels += [f"accumulated_normal.{c}" for c in "XYZ"] + ["accumulated_depth.Y"]
     layers = read_channels(f"{folder}/out.{wanted:04d}.exr", channels)
-    return layers[:3], layers[3:4], layers[4:].astype(np.float16) if how.features else shots.no_features(layers.shape[1:])
+    return layers[:3], layers[3:4], layers[4:].astype(np.float16)
 
 
 def merge_shot(becalm, folder, target):
@@ -91,33 +69,32 @@ def merge_shot(becalm, folder, target):
         return
     spp, wanted = shot["spp"][0], shot["references"][0]
     a, b = (shots.read_layers(f"{folder}/{name}.{wanted:04d}.exr", shot["renderer"]) for name in ("r_a", "r_b"))
-    clean = shots.packed_features({name: 0.5 * (a[name] + b[name]) for name in FEATURES})
+    clean = shots.packed_features({name: 0.5 * (a[name] + b[name]) for name in ("albedo", "normal", "depth")})
     frames = {frame: shots.noisy_layers(folder, shot, spp, frame) for frame in range(1, shot["frames"] + 1)}
     of_wanted = frames[wanted]
     exposure = shots.exposure_of(of_wanted["color"])
     arrays = {}
-    for number, how in enumerate(MERGES):
+    for number in range(MERGES):
+        directions = ("forward", "both")[number % 2]
         told = TOLD[rng.choice(len(TOLD), p=TOLD_SHARES)]
-        first = 1 if how.all_frames else rng.integers(1, wanted + 1)
-        forward = how.directions == "forward"
-        last = wanted if forward else shot["frames"] if how.all_frames else rng.integers(wanted, shot["frames"] + 1)
+        # The first two merges see all frames, the others a part.
+        first = 1 if number < 2 else rng.integers(1, wanted + 1)
+        last = wanted if directions == "forward" else shot["frames"] if number < 2 else rng.integers(wanted, shot["frames"] + 1)
         with tempfile.TemporaryDirectory() as temporary:
             for frame in range(first, last + 1):
                 layers = frames[frame]
-                kept = ["color", *how.features] + [name for name in told if name in layers]
+                kept = ["color", "albedo", "normal", "depth"] + [name for name in told if name in layers]
                 write_layers(f"{temporary}/in.{frame:04d}.exr", {name: layers[name] for name in kept})
-            color, variance, features = merged(becalm, temporary, f"{first}-{wanted}" if forward else str(wanted), wanted,
-                                               how.presets[rng.integers(len(how.presets))], how)
+            color, variance, features = merge(becalm, temporary, f"{first}-{wanted}" if directions == "forward" else str(wanted),
+                                              wanted, MATCHING[rng.integers(len(MATCHING))], directions)
         finite = all(np.isfinite(image).all() for image in (color, variance, of_wanted["color"], a["color"], b["color"]))
         if exposure == 0.0 or not finite:
             continue
-        seen = [features, clean, shots.packed_features(of_wanted)] if how.features else [features] * 3
-        pair = shots.packed_pair(color * exposure, [np.sqrt(variance) * exposure], seen, [r["color"] * exposure for r in (a, b)],
+        pair = shots.packed_pair(color * exposure, [np.sqrt(variance) * exposure],
+                                 [features, clean, shots.packed_features(of_wanted)], [r["color"] * exposure for r in (a, b)],
                                  of_wanted["color"] * exposure)
-        if not how.smooth_albedo:
-            pair["with_raw_albedo"] = np.array(True)
-        arrays.update({f"{how.directions}{number}.{wanted:04d}.{name}": array for name, array in pair.items()})
-    arrays[PROGRAM], arrays[WAYS] = np.array(digest_of(becalm)), np.array(repr(MERGES))
+        arrays.update({f"{directions}{number}.{wanted:04d}.{name}": array for name, array in pair.items()})
+    arrays[PROGRAM] = np.array(digest_of(becalm))
     shots.save(f"{folder}/{target}", arrays)
 
 
@@ -127,12 +104,11 @@ def digest_of(path):
 
 
 def is_merged(path, becalm):
-    """Whether the file is there, merged in these ways and by this program; by any, if that is None."""
+    """Whether the file is there and of this program; of any, if that is None."""
     if not os.path.exists(path):
         return False
     with np.load(path) as arrays:
-        holds = lambda name, text: name in arrays and str(arrays[name]) == text
-        return holds(WAYS, repr(MERGES)) and (becalm is None or holds(PROGRAM, digest_of(becalm)))
+        return becalm is None or (PROGRAM in arrays and str(arrays[PROGRAM]) == digest_of(becalm))
 
 
 def main():

@@ -47,7 +47,6 @@ class Pair:
     features: list
     references: list  # two, or one
     own: np.ndarray = None  # of a merged frame, what it was before; its variance is always known
-    with_raw_albedo: bool = False  # of a merged frame: nothing has smoothed the albedo
     of_albedo: bool = False  # its radiance is an albedo
     smoothed_albedo: np.ndarray = None  # of the frame itself, as smooth_albedos made it; 3 channels
 
@@ -98,13 +97,6 @@ def packed_features(layers):
     with np.errstate(divide="ignore", invalid="ignore"):
         relative = np.where(hit, 2.0 / (1.0 + usual / depth), np.where(depth > 0, 2.0, 0.0))
     return np.concatenate([albedo, normal, relative]).astype(np.float16)
-
-
-def no_features(size):
-    """What the filter packs of a frame of (height, width) that has none: albedo 1, normal and depth 0."""
-    features = np.zeros((7, *size), np.float16)
-    features[:3] = 1.0
-    return features
 
 
 def noisy_layers(folder, shot, spp, frame):
@@ -202,7 +194,6 @@ def load_pairs(folder, file):
                     features=list(packed[f"{key}.features"]),
                     references=list(packed[f"{key}.references"]),
                     own=packed[f"{key}.own"] if f"{key}.own" in packed.files else None,
-                    with_raw_albedo=f"{key}.with_raw_albedo" in packed.files,
                 )
             )
     return pairs

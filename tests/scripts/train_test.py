@@ -128,37 +128,18 @@ class Shots(unittest.TestCase):
         np.testing.assert_array_equal(features[:7], pair.features[0])
         np.testing.assert_array_equal(features[7:10], pair.smoothed_albedo)
 
-        pair.with_raw_albedo = True
-        np.testing.assert_array_equal(batches.features_of(pair, clean=False, smoothed=True)[7:], pair.features[2])
-
-    def test_shots_are_merged_of_what_each_merge_is_given(self):
+    def test_shots_are_merged_by_the_program_itself(self):
         for renderer in ("becalm", "cycles"):
             folder = f"{self.folder.name}/{renderer}-000002"
             write_shot(folder, renderer, 3, frames=3)
             merged_shots.merge_shot(os.environ["BECALM"], folder, shots.MERGED)
             self.assertTrue(merged_shots.is_merged(f"{folder}/{shots.MERGED}", os.environ["BECALM"]))
-            with unittest.mock.patch.object(merged_shots, "MERGES", merged_shots.MERGES[:4]):
-                self.assertFalse(merged_shots.is_merged(f"{folder}/{shots.MERGED}", None))
+            self.assertFalse(merged_shots.is_merged(f"{folder}/{shots.MERGED}", __file__))
             pairs = {p.name.split("/")[1]: p for p in shots.load_shot(folder) if p.merged}
-            self.assertEqual(sorted(pairs), ["both1.0001", "both3.0001", "both5.0001", "forward0.0001", "forward2.0001", "forward4.0001"])
-            self.assertEqual([name for name, p in pairs.items() if p.with_raw_albedo], ["forward4.0001"])
-            nothing = shots.no_features((SIZE, SIZE))
-            alone = [name for name, p in pairs.items() if all((f == nothing).all() for f in p.features)]
-            self.assertEqual(alone, ["both5.0001"])
-            for name in ("both1.0001", "both5.0001"):
-                truth = np.float32(pairs[name].references).mean(0)
-                error = lambda image: ((np.float32(image) - truth) ** 2).mean()
-                self.assertLess(error(pairs[name].color), 0.6 * error(pairs[name].own), name)
-
-    def test_crops_are_of_every_kind(self):
-        learn, _ = batches.load(self.folder.name)
-        kinds, shares = batches.by_kind(learn)
-        self.assertEqual([len(kind) for kind in kinds], [2, 4])
-        np.testing.assert_allclose(shares, [0.6, 0.4])
-        merged = shots.Pair("merged", learn[0].color, [], learn[0].features, learn[0].references, learn[0].color)
-        kinds, shares = batches.by_kind([*learn, merged])
-        self.assertEqual([len(kind) for kind in kinds], [1, 2, 4])
-        np.testing.assert_allclose(shares, batches.KIND_SHARES)
+            self.assertEqual(sorted(pairs), ["both1.0001", "both3.0001", "forward0.0001", "forward2.0001"])
+            truth = np.float32(pairs["both1.0001"].references).mean(0)
+            error = lambda image: ((np.float32(image) - truth) ** 2).mean()
+            self.assertLess(error(pairs["both1.0001"].color), 0.6 * error(pairs["both1.0001"].own))
 
     def test_merged_frames_are_read_and_always_tell_their_variance(self):
         folder = f"{self.folder.name}/becalm-000000"
