@@ -161,8 +161,11 @@ class BurstJob {
   }
 
   void check_output() const {
+    check_place("-o", command_.output, command_.output);
     std::error_code error;
-    if (!fs::exists(command_.output)) return;
+    if (!fs::exists(command_.output, error)) return;
+    if (fs::is_directory(command_.output, error))
+      throw Error(ExitStatus::usage, fmt::format("-o {}: is a folder, expected a file", command_.output));
     for (std::size_t i = 0; i < frames_->count(); ++i) {
       if (fs::equivalent(command_.output, frames_->path(i), error))
         throw Error(ExitStatus::usage, fmt::format("-o {}: would overwrite an input", command_.output));
@@ -363,7 +366,8 @@ void add_burst_options(CLI::App& parser, BurstCommand& command) {
   add_running_options(parser, command.running);
   parser.footer(
       "Frames of one camera and size, held by hand or moving; what moves within them is kept from the\n"
-      "reference alone. Frames of other exposures (up to 16 times) are scaled to the reference's.\n"
+      "reference alone. Frames of other exposures (up to 16 times the first's) are scaled to the "
+      "reference's.\n"
       "Examples:\n"
       "  becalm burst IMG_0001.dng IMG_0002.dng IMG_0003.dng -o night.exr\n"
       "  becalm burst burst/*.RAF -o merged.dng --reference first\n");

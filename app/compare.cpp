@@ -254,8 +254,10 @@ std::vector<std::string> CompareJob::find_failures(const std::vector<FrameFigure
     if (!limit) continue;
     const BeyondLimit found = find_beyond(figure, *limit, figures);
     if (found.measured == 0) {
-      failures.push_back(fmt::format("failed: no {} could be measured for {}: no frame follows another",
-                                     figure.title, kLimitOptions[i].name));
+      failures.push_back(
+          fmt::format("failed: no {} could be measured for {}: no two frames that follow each other have "
+                      "finite pixels in common",
+                      figure.title, kLimitOptions[i].name));
     }
     if (found.failed == 0) continue;
     failures.push_back(fmt::format("failed: {} of frame {} is {}, and {} is {:g} ({} of {} frames)",

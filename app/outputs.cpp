@@ -97,7 +97,21 @@ bool is_whole(const std::string& path) {
   }
 }
 
+[[noreturn]] void refuse_place(std::string_view option, std::string_view name, const std::error_code& why) {
+  throw Error(ExitStatus::resource,
+              fmt::format("{} {}: cannot write there: {}", option, name, why.message()));
+}
+
 }  // namespace
+
+void check_place(std::string_view option, std::string_view name, const std::string& path) {
+  fs::path place = fs::absolute(path).parent_path();
+  std::error_code error;
+  while (!fs::exists(place, error) && place.has_relative_path()) place = place.parent_path();
+  if (!fs::is_directory(place, error))
+    refuse_place(option, name, std::make_error_code(std::errc::not_a_directory));
+  if (::access(place.c_str(), W_OK | X_OK) != 0) refuse_place(option, name, {errno, std::generic_category()});
+}
 
 bool is_of_becalm(const std::string& path) {
   try {
@@ -157,18 +171,7 @@ void Outputs::refuse_foreign_file(const std::string& path) const {
 }
 
 void Outputs::check_places() const {
-  for (const std::string& path : all_paths()) {
-    fs::path place = fs::absolute(path).parent_path();
-    std::error_code error;
-    while (!fs::exists(place, error) && place.has_relative_path()) place = place.parent_path();
-    if (!fs::is_directory(place, error)) refuse_place(std::make_error_code(std::errc::not_a_directory));
-    if (::access(place.c_str(), W_OK | X_OK) != 0) refuse_place({errno, std::generic_category()});
-  }
-}
-
-void Outputs::refuse_place(const std::error_code& why) const {
-  throw Error(ExitStatus::resource,
-              fmt::format("{} {}: cannot write there: {}", option_, patterns_.front().text(), why.message()));
+  for (const std::string& path : all_paths()) check_place(option_, patterns_.front().text(), path);
 }
 
 void Outputs::prepare() {
@@ -181,7 +184,7 @@ void Outputs::prepare() {
     const fs::path place = folder.empty() ? fs::path(".") : folder;
     if (!error && ::access(place.c_str(), W_OK | X_OK) != 0) error = {errno, std::generic_category()};
     if (!error && !fs::is_directory(place)) error = std::make_error_code(std::errc::not_a_directory);
-    if (error) refuse_place(error);
+    if (error) refuse_place(option_, patterns_.front().text(), error);
     locks_.push_back(
         std::make_unique<FolderLock>(place, std::vector<std::string>(files.begin(), files.end())));
     for (const fs::directory_entry& entry : fs::directory_iterator(place, error)) {

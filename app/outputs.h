@@ -16,6 +16,10 @@ namespace becalm::app {
 /// Whether it is an EXR file that becalm wrote.
 bool is_of_becalm(const std::string& path);
 
+/// Throws Error(resource) if the path's folder cannot be written to or made. Changes nothing. `option` and
+/// `name` stand in the message.
+void check_place(std::string_view option, std::string_view name, const std::string& path);
+
 /// The files that a command writes: one a frame, or one for each eye.
 class Outputs {
  public:
@@ -36,7 +40,7 @@ class Outputs {
   /// Throws Error(usage) if there is a file in an output's place that becalm did not write.
   void keep_foreign_files() const;
 
-  /// Throws Error(resource) if a folder cannot be written to or made. Changes nothing.
+  /// check_place of all.
   void check_places() const;
 
   /// Makes the folder, locks the frames against other processes as long as this lives, and removes what
@@ -57,7 +61,6 @@ class Outputs {
 
  private:
   std::vector<std::string> all_paths() const;
-  [[noreturn]] void refuse_place(const std::error_code& why) const;
   [[noreturn]] void refuse_foreign_file(const std::string& path) const;
   void check_attributes(const std::string& path, const io::Attributes& attributes) const;
 

@@ -15,11 +15,13 @@ void Flicker::add(const Image& test, const Image& reference_a, const Image& refe
   require_comparable(images);
   const int channels = compared_channels(test);
   if (frames_ == 0) {
+    width_ = test.width();
+    height_ = test.height();
     channels_ = channels;
     sums_.resize(test.pixel_count() * channels);
     skipped_.resize(test.pixel_count());
   }
-  if (sums_.size() != test.pixel_count() * channels) {
+  if (width_ != test.width() || height_ != test.height() || channels_ != channels) {
     throw std::invalid_argument("a metric was asked of frames of different sizes");
   }
   ++frames_;

@@ -25,7 +25,7 @@ class Flicker {
     double error_a = 0.0, error_b = 0.0, product = 0.0, reference_squared = 0.0;
   };
   int frames_ = 0;
-  int channels_ = 0;
+  int width_ = 0, height_ = 0, channels_ = 0;  ///< of all frames
   std::vector<Sums> sums_;
   std::vector<bool> skipped_;  ///< by pixel
 };

@@ -67,16 +67,26 @@ void scaled(const Image& image, const NearestSample& nearest, gpu::Extent full, 
   });
 }
 
-/// The power of two that brings the largest colour of an image (RGBA, finite) to 0.5 to 1, or 1 for a black
-/// one: squares of scaled values stay within the range of floats, and scaling back is exact.
+/// Limit of scaled colours, whose squares stay within the range of floats.
+constexpr float kLargestScaled = 0x1p60f;
+
+/// The power of two that brings the typical colour of an image (RGBA, finite) near 1, or 1 for a black one:
+/// scaling back is exact. Single bright pixels hardly change it.
 float scale_of(const Image& color) {
-  float largest = 0.0f;
+  std::int64_t exponents = 0;
+  std::int64_t count = 0;
   for (std::size_t i = 0; i < color.data().size(); ++i) {
-    if (i % 4 != 3) largest = std::max(largest, std::abs(color.data()[i]));
+    if (i % 4 == 3 || color.data()[i] == 0.0f) continue;
+    exponents += std::ilogb(color.data()[i]);
+    ++count;
   }
-  int exponent = 0;
-  std::frexp(largest, &exponent);
-  return std::ldexp(1.0f, std::clamp(-exponent, -120, 120));
+  if (count == 0) return 1.0f;
+  return std::ldexp(1.0f, static_cast<int>(std::clamp<std::int64_t>(-exponents / count, -120, 120)));
+}
+
+/// A depth as kernels take it: what is not known is far.
+float known_depth(float depth) {
+  return depth > 0.0f && depth < kFarDepth ? depth : kFarDepth;
 }
 
 }  // namespace
@@ -197,7 +207,7 @@ std::optional<Frame> AntialiasFilter::run(const Step& step, const Frame& given, 
   Image color(sampled.width, sampled.height, 4);
   pack_color(beauty, counts, bounds(sampled), color.data());
   if (!s.scale) s.scale = scale_of(color);
-  for (float& value : color.data()) value *= *s.scale;
+  for (float& value : color.data()) value = std::clamp(value * *s.scale, -kLargestScaled, kLargestScaled);
   const float exposed = exposure(color);
   const auto reset = [&] {
     s.passes->chain.reset_history();
@@ -296,9 +306,7 @@ void AntialiasFilter::State::upload_motion(const Step& step, const Frame& frame)
   }
   if (passes->depth) {
     place(frame.image(Aov::depth), chain.upload<float>(*passes->depth), 1,
-          [](std::span<const float> from, std::span<float> to, bool) {
-            to[0] = from[0] < kFarDepth ? from[0] : kFarDepth;  // NaN is far, too
-          });
+          [](std::span<const float> from, std::span<float> to, bool) { to[0] = known_depth(from[0]); });
   }
   if (forward_in_time) return;
   next = Frame(frame.number(), frame.width(), frame.height());
@@ -318,10 +326,7 @@ void AntialiasFilter::State::upload_surface(const Frame& frame) {
     for (std::size_t c = 0; c < 3 && contains(task.used, Aov::normal); ++c) {
       to[c] = finite_or_zero(normal.data()[3 * i + c]);
     }
-    if (contains(task.used, Aov::depth)) {
-      const float z = depth.data()[i];
-      to[3] = z < kFarDepth ? z : std::isnan(z) ? 0.0f : kFarDepth;
-    }
+    if (contains(task.used, Aov::depth)) to[3] = known_depth(depth.data()[i]);
   }
   const auto copy = [](std::span<const float> from, std::span<float> to, bool) {
     std::ranges::copy(from, to.begin());

@@ -17,7 +17,8 @@ void fill_holes(Frame& frame, Parity parity) {
     for (const Imath::V2i& step : {Imath::V2i(-1, 0), {1, 0}, {0, -1}, {0, 1}}) {
       const Imath::V2i q = Imath::V2i(x, y) + step;
       if (q.x < 0 || q.y < 0 || q.x >= frame.width() || q.y >= frame.height()) continue;
-      const float z = depth.empty() ? 0.0f : depth.at(q.x, q.y, 0);
+      const float told = depth.empty() ? 1.0f : depth.at(q.x, q.y, 0);
+      const float z = told > 0.0f ? told : std::numeric_limits<float>::infinity();
       if (found != Imath::V2i(x, y) && !(z < least)) continue;
       found = q;
       least = z;

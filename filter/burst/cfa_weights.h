@@ -25,8 +25,8 @@ constexpr std::size_t cfa_weight_count(const CfaPattern& cfa) {
 /// `white_balance` makes grey of white light.
 ///
 /// They are the best linear unbiased estimate (universal kriging: Matheron 1963) of white-balanced colours
-/// that differ by distance^1.8 in the mean square, and by a fifth more where it is not the same colour's
-/// samples that are compared. Even areas of any colour are exact. A sample at the place itself has weight 1.
+/// that differ by distance^1.8 in the mean square, and by a fifth more where samples of one colour are
+/// compared. Even areas of any colour are exact. A sample at the place itself has weight 1.
 std::vector<float> cfa_weights(const CfaPattern& cfa, const std::array<float, 3>& white_balance);
 
 }  // namespace becalm::filter

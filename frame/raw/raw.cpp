@@ -28,7 +28,8 @@ Library& library() {
 }
 
 std::unique_ptr<File> open(const std::string& path) {
-  if (!std::filesystem::exists(path))
+  std::error_code error;
+  if (!std::filesystem::exists(path, error))
     throw Error(ExitStatus::bad_input, fmt::format("{}: no such file", path));
   Library& opens = library();
   try {

@@ -245,6 +245,11 @@ TEST_F(Burst, RefusesWhatIsNoBurst) {
   fails(inputs, {"--set", "smooth=none"}, 2, {"smooth", "blur_radius"});
   expect_error(becalm(command(inputs, folder_ / "out.jpg")), 2, {"out.jpg", ".dng"});
   expect_error(becalm(command(inputs, inputs[1])), 2, {"overwrite an input"});
+  expect_error(becalm(command(inputs, inputs[1] + "/out.dng")), 4, {"cannot write there"});
+  fs::create_directory(folder_ / "folder.dng");
+  expect_error(becalm(command(inputs, folder_ / "folder.dng")), 2, {"is a folder"});
+  expect_error(becalm(command({inputs[0], folder_ / (std::string(300, 'a') + ".dng")}, folder_ / "out.dng")),
+               3, {"no such file"});
   {  // cut short
     std::ofstream(folder_ / "short.dng", std::ios::binary)
         << std::string(std::istreambuf_iterator<char>(std::ifstream(inputs[0], std::ios::binary).rdbuf()), {})

@@ -321,6 +321,25 @@ TEST_F(AntialiasTest, ReportsHowLongHistoriesAreAndWhatWasRejected) {
   EXPECT_LT(report.mean_rejected, 0.2);
 }
 
+TEST_F(AntialiasTest, AFireflyOfTheFirstFrameDoesNotBlindTheOthers) {
+  const std::vector<Frame> shot = frames(4, discs, {0.6, 0.2});
+  std::vector<Frame> bright = shot;
+  bright.front().image(Aov::beauty).at(1, 1, 1) = 1e30f;
+  for (const char* preset : {"best", "clamping", "gain"}) {
+    AntialiasFilter plain = make(settings_of(preset), shot.front());
+    AntialiasFilter filter = make(settings_of(preset), bright.front());
+    const Frame expected = last(plain, shot), found = last(filter, bright);
+    int different = 0;
+    for (int y = 8; y < kHeight; ++y) {
+      for (int x = 8; x < kWidth; ++x) {
+        const float truth = expected.image(Aov::beauty).at(x, y, 1);
+        different += !(std::abs(found.image(Aov::beauty).at(x, y, 1) - truth) <= 1e-3f * truth);
+      }
+    }
+    EXPECT_LT(different, kWidth * kHeight / 100) << preset;
+  }
+}
+
 TEST_F(AntialiasTest, ScalesWithTheRadiance) {
   const std::vector<Frame> shot = frames(4, discs, {0.6, 0.2});
   for (const char* preset : {"best", "clamping", "gain"}) {

@@ -124,6 +124,12 @@ TEST(HostImages, ExposureBringsTheTypicalLuminanceToOne) {
   image.at(0, 0, 1) = std::nanf("");
   image.at(1, 0, 1) = INFINITY;
   EXPECT_NEAR(exposure(image), 1.0f, 1e-5f) << "what is not finite does not count";
+  Image lit(64, 32, 4);
+  std::ranges::fill(lit.data(), 0.5f);
+  for (const float firefly : {1e6f, 1e13f, 1e20f, 1e30f}) {
+    lit.at(3, 3, 1) = firefly;
+    EXPECT_NEAR(exposure(lit), 2.0f, 0.1f) << firefly;
+  }
   for (float& v : image.data()) v = 1e-30f;
   EXPECT_TRUE(std::isfinite(exposure(image)));
   EXPECT_GT(exposure(image), 1e10f);
