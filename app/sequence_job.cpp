@@ -60,6 +60,23 @@ SequenceJob::SequenceJob(const SequenceCommand& command, FilterRecipe recipe)
   outputs_.keep_apart_from(paths);
 }
 
+/// Whether the first frame, which may be a slate, has the chosen additive layers. True of a damaged one, of
+/// which check_inputs tells what is wrong.
+bool SequenceJob::first_frame_has_layers() const {
+  const std::string path = inputs_.path(inputs_.readable().front());
+  const auto can_be_read = [&](const io::LayerOptions& layers) {
+    try {
+      io::read_exr_header(path, layers, io::CheckChunks::no);
+      return true;
+    } catch (const Error&) {
+      return false;
+    }
+  };
+  io::LayerOptions without = layers_;
+  without.additive.clear();
+  return can_be_read(layers_) || !can_be_read(without);
+}
+
 /// Chooses by the first frame of the sequence on disk that tells, so that all jobs of a sequence choose
 /// alike.
 void SequenceJob::choose_additive() {
@@ -75,6 +92,12 @@ void SequenceJob::choose_additive() {
   if (command_.layers.additive == "auto") sets = io::find_additive_sets(paths, layers_);
   layers_.additive = io::choose_additive(command_.layers.additive, sets);
   additive_notes_ = io::describe(sets);
+  if (command_.layers.additive == "auto" && !layers_.additive.empty() && !first_frame_has_layers()) {
+    additive_notes_ = {
+        fmt::format("{} are passed on noisy, since frame {} lacks them; without it they are denoised",
+                    fmt::join(layers_.additive, ", "), inputs_.readable().front())};
+    layers_.additive.clear();
+  }
   if (command_.layers.additive != "auto" && !layers_.additive.empty()) {
     additive_notes_ = {fmt::format("{} are denoised with the beauty", fmt::join(layers_.additive, ", "))};
   }
@@ -192,8 +215,10 @@ void SequenceJob::print_plan(const std::set<int>& needed) {
   if (!existing_.empty()) print("keeps", command_.output.pattern, {existing_.begin(), existing_.end()});
   print("writes", command_.output.pattern, written);
   std::erase_if(written, [&](int frame) {
-    return std::ranges::none_of(outputs_.paths(frame),
-                                [](const std::string& path) { return std::filesystem::exists(path); });
+    return std::ranges::none_of(outputs_.paths(frame), [](const std::string& path) {
+      std::error_code error;
+      return std::filesystem::exists(path, error);
+    });
   });
   if (!written.empty()) print("replaces", command_.output.pattern, written);
 }

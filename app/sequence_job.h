@@ -31,6 +31,7 @@ class SequenceJob {
   std::string recorded_preset() const { return outputs_.recorded("becalm:preset"); }
 
  private:
+  bool first_frame_has_layers() const;
   void choose_additive();
   std::string settings() const;
   void find_existing();

@@ -13,6 +13,7 @@
 #include "filter/antialias/sample_grid.h"
 #include "filter/antialias/sharpener.h"
 #include "filter/for_rows.h"
+#include "filter/input/exponents.h"
 #include "filter/input/frame_check.h"
 #include "filter/input/host_images.h"
 #include "filter/input/motion_to_next.h"
@@ -70,18 +71,23 @@ void scaled(const Image& image, const NearestSample& nearest, gpu::Extent full, 
 /// Limit of scaled colours, whose squares stay within the range of floats.
 constexpr float kLargestScaled = 0x1p60f;
 
-/// The power of two that brings the typical colour of an image (RGBA, finite) near 1, or 1 for a black one:
-/// scaling back is exact. Single bright pixels hardly change it.
+/// The power of two that brings the largest colour of an image (RGBA, finite), but for fireflies, to 0.5 to
+/// 1, or 1 for a black one: scaling back is exact.
 float scale_of(const Image& color) {
-  std::int64_t exponents = 0;
-  std::int64_t count = 0;
+  Exponents exponents;
   for (std::size_t i = 0; i < color.data().size(); ++i) {
-    if (i % 4 == 3 || color.data()[i] == 0.0f) continue;
-    exponents += std::ilogb(color.data()[i]);
-    ++count;
+    if (i % 4 != 3) exponents.add(std::abs(color.data()[i]));
   }
-  if (count == 0) return 1.0f;
-  return std::ldexp(1.0f, static_cast<int>(std::clamp<std::int64_t>(-exponents / count, -120, 120)));
+  if (exponents.count() == 0) return 1.0f;
+  return std::ldexp(1.0f, std::clamp(-1 - exponents.largest_usual(), -120, 120));
+}
+
+/// Colours are limited, alpha is not.
+void scale_colors(Image& color, float scale) {
+  for (std::size_t i = 0; i < color.data().size(); ++i) {
+    float& value = color.data()[i];
+    value = i % 4 == 3 ? scale * value : std::clamp(scale * value, -kLargestScaled, kLargestScaled);
+  }
 }
 
 /// A depth as kernels take it: what is not known is far.
@@ -207,7 +213,7 @@ std::optional<Frame> AntialiasFilter::run(const Step& step, const Frame& given, 
   Image color(sampled.width, sampled.height, 4);
   pack_color(beauty, counts, bounds(sampled), color.data());
   if (!s.scale) s.scale = scale_of(color);
-  for (float& value : color.data()) value = std::clamp(value * *s.scale, -kLargestScaled, kLargestScaled);
+  scale_colors(color, *s.scale);
   const float exposed = exposure(color);
   const auto reset = [&] {
     s.passes->chain.reset_history();

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "filter/for_rows.h"
+#include "filter/input/exponents.h"
 #include "filter/luminance.h"
 
 namespace becalm::filter {
@@ -30,24 +31,8 @@ void for_each_pixel(const Rect& rect, int image_width, const Use& use) {
   });
 }
 
-/// Luminances so many times the typical one are no part of the mean: they would hide all others.
+/// Luminances so many times the largest usual one count as that: a firefly of 1e12 would hide all others.
 constexpr double kFirefly = 0x1p20;
-
-/// The mean luminance of a frame, and the sum of binary exponents of what is lit.
-struct MeanLuminance {
-  MeanLuminance& operator+=(const MeanLuminance& other) {
-    mean += other.mean;
-    exponents += other.exponents;
-    count += other.count;
-    return *this;
-  }
-  /// A power of two near the geometric mean.
-  double typical() const { return count > 0 ? std::ldexp(1.0, static_cast<int>(exponents / count)) : 0.0; }
-
-  double mean = 0.0;
-  std::int64_t exponents = 0;
-  std::int64_t count = 0;
-};
 
 /// A sum of logarithms and the number of its terms.
 struct LogarithmSum {
@@ -278,18 +263,19 @@ float exposure(const Image& beauty) {
       if (l > 0.0f && std::isfinite(l)) use(static_cast<double>(l));
     }
   };
-  const auto mean_of = [&](double largest) {
-    return sum_of_rows<MeanLuminance>(beauty.height(), [&](int y) {
-      MeanLuminance row;
-      for_each_luminance(y, [&](double l) {
-        row += {std::min(l, largest) / static_cast<double>(beauty.pixel_count()), std::ilogb(l), 1};
-      });
-      return row;
-    });
-  };
-  MeanLuminance all = mean_of(std::numeric_limits<double>::infinity());
-  if (all.mean > kFirefly * all.typical()) all = mean_of(kFirefly * all.typical());
-  const double mean = all.mean;
+  const auto exponents = sum_of_rows<Exponents>(beauty.height(), [&](int y) {
+    Exponents row;
+    for_each_luminance(y, [&](double l) { row.add(static_cast<float>(l)); });
+    return row;
+  });
+  if (exponents.count() == 0) return 1.0f;
+  const double largest = kFirefly * std::ldexp(1.0, exponents.largest_usual());
+  const double mean = sum_of_rows<double>(beauty.height(), [&](int y) {
+    double row = 0.0;
+    for_each_luminance(
+        y, [&](double l) { row += std::min(l, largest) / static_cast<double>(beauty.pixel_count()); });
+    return row;
+  });
   const auto sum = sum_of_rows<LogarithmSum>(beauty.height(), [&](int y) {
     LogarithmSum row;
     for_each_luminance(y, [&](double l) {

@@ -3,35 +3,26 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <span>
 
 #include "filter/for_rows.h"
+#include "filter/input/exponents.h"
 #include "filter/luminance.h"
 
 namespace becalm::filter {
 namespace {
 
 /// Typical luminances from 2 to the power of -this to that are left alone: variances down to 1e-12 of their
-/// square are still within the range of floats. Scales are powers of 2^(2 * this), so frames of one shot
-/// hardly ever differ in theirs.
+/// square are still within the range of floats. Scales are powers of 2^(2 * this).
 constexpr int kUsualExponent = 40;
+/// A present scale is kept up to this, so that noise does not change it from frame to frame.
+constexpr int kBearableExponent = 50;
 constexpr int kLargestExponent = 120;  ///< of a scale
 
 constexpr std::array kRadiance{Aov::half_a,   Aov::half_b, Aov::direct,
                                Aov::indirect, Aov::bias,   Aov::accumulated};
 constexpr std::array kSquaredRadiance{Aov::variance, Aov::remaining_variance, Aov::accumulated_variance};
-
-struct ExponentSum {
-  ExponentSum& operator+=(const ExponentSum& other) {
-    exponents += other.exponents;
-    count += other.count;
-    return *this;
-  }
-  std::int64_t exponents = 0;
-  std::int64_t count = 0;
-};
 
 void multiply(std::span<float> values, float factor) {
   for (float& value : values) {
@@ -43,18 +34,16 @@ void multiply(std::span<float> values, float factor) {
 
 }  // namespace
 
-std::optional<float> radiance_scale(const Frame& frame) {
+std::optional<float> radiance_scale(const Frame& frame, std::optional<float> present) {
   const Image& beauty = frame.image(Aov::beauty);
-  const auto sum = sum_of_rows<ExponentSum>(beauty.height(), [&](int y) {
-    ExponentSum row;
-    for (int x = 0; x < beauty.width(); ++x) {
-      const float l = luminance(beauty.pixel(x, y));
-      if (l > 0.0f && std::isfinite(l)) row += {std::ilogb(l), 1};
-    }
+  const auto exponents = sum_of_rows<Exponents>(beauty.height(), [&](int y) {
+    Exponents row;
+    for (int x = 0; x < beauty.width(); ++x) row.add(luminance(beauty.pixel(x, y)));
     return row;
   });
-  if (sum.count == 0) return std::nullopt;
-  const double exponent = static_cast<double>(sum.exponents) / static_cast<double>(sum.count);
+  if (exponents.count() == 0) return present;
+  const double exponent = exponents.mean();
+  if (present && std::abs(exponent + std::ilogb(*present)) <= kBearableExponent) return present;
   const int steps = static_cast<int>(std::lround(exponent / (2 * kUsualExponent)));
   return std::ldexp(1.0f, std::clamp(-2 * kUsualExponent * steps, -kLargestExponent, kLargestExponent));
 }

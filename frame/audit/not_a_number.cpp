@@ -15,9 +15,10 @@ std::optional<Finding> check_not_a_number(const Subject& subject) {
         std::ranges::count_if(subject.frame.image(aov).data(), [](float value) { return std::isnan(value); });
     if (count == 0) continue;
     return Finding{"not_a_number",
-                   fmt::format("{} values of the {} are NaN, and such pixels of the beauty stay as they are: "
-                               "find the shader that makes them, or render them again",
-                               count, aov == Aov::beauty ? "beauty" : info(aov).name)};
+                   fmt::format("{} values of the {} are NaN{}: find the shader that makes them, or "
+                               "render them again",
+                               count, aov == Aov::beauty ? "beauty" : info(aov).name,
+                               aov == Aov::beauty ? ", and such pixels stay as they are" : "")};
   }
   return std::nullopt;
 }

@@ -138,8 +138,8 @@ std::vector<std::vector<std::string>> candidates_of(const std::string& path, con
   return sets;
 }
 
-/// Share of the values but black ones that the layers' sum misses; nothing of a frame that is black.
-std::optional<double> share_off(const Frame& frame) {
+/// What a frame tells of layers: AdditiveSet without them.
+AdditiveSet compared(const Frame& frame) {
   const Image& beauty = frame.image(Aov::beauty);
   std::size_t off = 0;
   std::size_t lit = 0;
@@ -154,12 +154,12 @@ std::optional<double> share_off(const Frame& frame) {
         size += std::abs(part);
       }
       if (std::abs(sum - wanted) > kHalfRounding * size + kSmallest) ++off;
-      if (size > kSmallest) ++lit;
+      if (size > 0.0) ++lit;
     }
   }
-  if (lit == 0 || static_cast<double>(lit) < kLeastLit * static_cast<double>(3 * beauty.pixel_count()))
-    return std::nullopt;
-  return static_cast<double>(off) / static_cast<double>(lit);
+  return {.layers = {},
+          .share_off = static_cast<double>(off) / static_cast<double>(std::max<std::size_t>(lit, 1)),
+          .is_certain = static_cast<double>(lit) > kLeastLit * static_cast<double>(3 * beauty.pixel_count())};
 }
 
 /// Whether the light group is also read as direct or indirect light of the beauty's part.
@@ -174,9 +174,16 @@ bool is_denoised_aov(const ViewLayers& view, const std::string& light) {
   });
 }
 
-std::vector<AdditiveSet> sets_among(const std::string& path, std::vector<std::vector<std::string>> candidates,
-                                    const LayerOptions& options) {
+/// The candidates, each with how well it adds up. Those that are AOVs, which are denoised anyway, are left
+/// out.
+struct Compared {
   std::vector<AdditiveSet> sets;
+  bool is_certain = false;  ///< of any candidate, also of those that are left out
+};
+
+Compared compare(const std::string& path, std::vector<std::vector<std::string>> candidates,
+                 const LayerOptions& options) {
+  Compared result;
   for (std::vector<std::string>& layers : candidates) {
     LayerOptions with_layers = options;
     with_layers.additive = layers;
@@ -184,12 +191,13 @@ std::vector<AdditiveSet> sets_among(const std::string& path, std::vector<std::ve
     std::erase_if(loaded.frame.light_groups(), [&](const LightGroup& group) {
       return std::ranges::find(layers, group.name) == layers.end();
     });
-    const std::optional<double> off = share_off(loaded.frame);
-    // Those that are AOVs are denoised anyway.
+    AdditiveSet set = compared(loaded.frame);
+    result.is_certain |= set.is_certain;
     std::erase_if(layers, [&](const std::string& name) { return is_denoised_aov(loaded, name); });
-    if (off && !layers.empty()) sets.push_back({std::move(layers), *off});
+    set.layers = std::move(layers);
+    if (!set.layers.empty()) result.sets.push_back(std::move(set));
   }
-  return sets;
+  return result;
 }
 
 }  // namespace
@@ -218,23 +226,26 @@ bool AdditiveSet::adds_up() const {
 }
 
 std::vector<AdditiveSet> find_additive_sets(const std::string& path, const LayerOptions& options) {
-  return sets_among(path, candidates_of(path, options), options);
+  return compare(path, candidates_of(path, options), options).sets;
 }
 
 std::vector<AdditiveSet> find_additive_sets(std::span<const std::string> paths, const LayerOptions& options) {
+  std::vector<AdditiveSet> of_black;
   int without = 0;
   for (const std::string& path : paths) {
     try {
-      std::vector<std::vector<std::string>> found = candidates_of(path, options);
-      if (found.empty() && ++without == kMostWithout) break;
-      std::vector<AdditiveSet> sets = sets_among(path, std::move(found), options);
-      if (!sets.empty()) return sets;
+      std::vector<std::vector<std::string>> candidates = candidates_of(path, options);
+      if (candidates.empty() && ++without == kMostWithout) break;
+      Compared found = compare(path, std::move(candidates), options);
+      if (found.is_certain) return found.sets;
+      if (of_black.empty()) of_black = std::move(found.sets);
     } catch (const Error&) {
       // Whoever needs this frame tells what is wrong.
     }
   }
-  return {};
+  return of_black;
 }
+
 std::vector<std::string> choose_additive(std::string_view text, const std::vector<AdditiveSet>& sets) {
   std::vector<std::string> chosen;
   if (text == "none") return chosen;

@@ -20,16 +20,17 @@ struct AdditiveSet {
   std::vector<std::string> layers;
   /// Share of the values but black ones whose sum is farther from the beauty than rounding to half explains.
   double share_off = 0.0;
+  bool is_certain = true;  ///< the frame is not black
   bool adds_up() const;
 };
 
 /// The sets that the names of a file's layers suggest, each with how well it adds up to the beauty of the
-/// default view. None of a frame that is black but for a thousandth. Reads their pixels; throws as read_exr
-/// does.
+/// default view. Reads their pixels; throws as read_exr does.
 std::vector<AdditiveSet> find_additive_sets(const std::string& path, const LayerOptions& options);
 
-/// Those of the first frame of a sequence that has some. Frames that are black or cannot be read say nothing,
-/// nor do up to seven that have no such layers, such as a slate.
+/// Those of the first frame of a sequence that has such layers and is not black but for a thousandth, else of
+/// the first one that has them. Frames that cannot be read say nothing; after eight frames without such
+/// layers there are none.
 std::vector<AdditiveSet> find_additive_sets(std::span<const std::string> paths, const LayerOptions& options);
 
 /// `--additive auto|NAME,NAME|none`: the layers that are denoised with the beauty; for auto those of the sets

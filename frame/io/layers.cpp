@@ -213,7 +213,7 @@ std::vector<std::string> find_other_beauties(const std::vector<PartChannels>& pa
       const std::optional<LayerSource> source = channels_as(layer, Aov::beauty);
       if (!scope || scope->empty() || *scope == kCompositeScope || !source) continue;
       if (source->part == beauty.part && source->channels.front() == beauty.channels.front()) taken = *scope;
-      titles.emplace(*scope, layer.title);
+      titles.emplace(*scope, layer.title.empty() ? layer.name() : layer.title);
     }
   }
   titles.erase(taken);

@@ -39,7 +39,7 @@ class SequencePattern {
   /// A lone `#` has this padding, whatever is on disk.
   SequencePattern(std::string text, int lone_padding);
 
-  /// From now on negative numbers have their sign where `other`, whose files are on disk, has it.
+  /// From now on negative numbers have their sign before the padding if those of `other` do.
   void place_sign_as(const SequencePattern& other) { sign_before_padding_ |= other.sign_before_padding_; }
 
   const std::string& text() const { return text_; }

@@ -305,6 +305,18 @@ TEST_F(Denoise, HugeDepthsMeanThatNothingIsHit) {
   EXPECT_TRUE(same_frame("infinite.0002.exr", "blender.0002.exr"));
 }
 
+TEST_F(Denoise, ASlateLeavesAdditiveLayersNoisy) {
+  Frame slate = noise_frame(1);
+  for (const Aov aov : {Aov::albedo, Aov::normal}) slate.remove(aov);
+  io::write_exr(frame_path(input_, 1), slate, {}, io::PixelType::float32);
+  for (const int number : {2, 3}) write_lobes(frame_path(input_, number), noise_frame(number));
+  EXPECT_NE(becalm_done(command("out.####.exr", {"--preset", "draft"})).err.find("since frame 1 lacks them"),
+            std::string::npos);
+  EXPECT_NE(becalm_done(command("shot.####.exr", {"--preset", "draft", "--frames", "2-3"}))
+                .err.find("diffuse, specular add up"),
+            std::string::npos);
+}
+
 TEST_F(Denoise, NonFinitePixelsStayAndAreReportedOnce) {
   Frame frame = noise_frame(1);
   frame.image(Aov::beauty).at(10, 10, 1) = std::numeric_limits<float>::quiet_NaN();

@@ -340,6 +340,21 @@ TEST_F(AntialiasTest, AFireflyOfTheFirstFrameDoesNotBlindTheOthers) {
   }
 }
 
+TEST_F(AntialiasTest, FaintTailsDoNotDimWhatIsBright) {
+  std::vector<Frame> shot = frames(4, discs, {0.6, 0.2});
+  for (Frame& frame : shot) {
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = kWidth / 4; x < kWidth; ++x) {
+        for (int c = 0; c < 3; ++c) frame.image(Aov::beauty).at(x, y, c) = 1e-30f;
+      }
+    }
+  }
+  AntialiasFilter filter = make(settings_of("best"), shot.front());
+  const Frame found = last(filter, shot);
+  const float truth = shot.back().image(Aov::beauty).at(4, kHeight / 2, 1);
+  EXPECT_NEAR(found.image(Aov::beauty).at(4, kHeight / 2, 1), truth, 0.5f * truth);
+}
+
 TEST_F(AntialiasTest, ScalesWithTheRadiance) {
   const std::vector<Frame> shot = frames(4, discs, {0.6, 0.2});
   for (const char* preset : {"best", "clamping", "gain"}) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "filter/input/host_images.h"
+#include "filter/input/radiance_scale.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/pattern.h"
 
@@ -133,6 +134,22 @@ TEST(HostImages, ExposureBringsTheTypicalLuminanceToOne) {
   for (float& v : image.data()) v = 1e-30f;
   EXPECT_TRUE(std::isfinite(exposure(image)));
   EXPECT_GT(exposure(image), 1e10f);
+}
+
+TEST(RadianceScale, ChangesOnlyWhereThePresentOneWillNotDo) {
+  const auto scale = [](float radiance, std::optional<float> present) {
+    Frame frame(1, 8, 8);
+    std::ranges::fill(frame.add(Aov::beauty).data(), radiance);
+    return radiance_scale(frame, present);
+  };
+  EXPECT_EQ(scale(1.0f, {}), 1.0f);
+  EXPECT_EQ(scale(0x1p-42f, {}), 0x1p80f);
+  EXPECT_EQ(scale(0x1p-42f, 1.0f), 1.0f);
+  EXPECT_EQ(scale(0x1p-38f, 0x1p80f), 0x1p80f);
+  EXPECT_EQ(scale(0x1p-60f, 1.0f), 0x1p80f);
+  EXPECT_EQ(scale(0x1p100f, {}), 0x1p-80f);
+  EXPECT_EQ(scale(0.0f, 0x1p80f), 0x1p80f);
+  EXPECT_EQ(scale(0.0f, {}), std::nullopt);
 }
 
 TEST(HostImages, HolesAreFilledFromTheirNeighbours) {

@@ -106,7 +106,8 @@ TEST_F(AdditiveLayers, ThoseThatDoNotAreLeft) {
 TEST_F(AdditiveLayers, ABlackFrameSaysNothingAndTheNextOneDecides) {
   const auto black = [](int) { return 0.0f; };
   write({{"", black}, {"diffuse", black}, {"specular", black}});
-  EXPECT_TRUE(sets().empty());
+  EXPECT_EQ(choose_additive("auto", sets()), (Names{"diffuse", "specular"}))
+      << "where nothing is known better";
   const std::string of_black = folder_.path("black.exr");
   std::filesystem::rename(path_, of_black);
   const std::string slate = folder_.path("slate.exr");
@@ -121,6 +122,22 @@ TEST_F(AdditiveLayers, ABlackFrameSaysNothingAndTheNextOneDecides) {
   write({{"", [](int i) { return first(i) + second(i); }}, {"diffuse", first}, {"specular", second}});
   EXPECT_EQ(choose_additive("auto", find_additive_sets(sequence, {})), (Names{"diffuse", "specular"}));
   EXPECT_TRUE(find_additive_sets(Names(8, slate), {}).empty());
+  EXPECT_EQ(choose_additive("auto", find_additive_sets(Names{of_black, slate}, {})),
+            (Names{"diffuse", "specular"}));
+}
+
+TEST_F(AdditiveLayers, AFrameWhoseLayersAreAovsDecides) {
+  write({{"", [](int i) { return first(i) + second(i); }}, {"diffuse", first}, {"specular", second}});
+  const std::string later = folder_.path("later.exr");
+  std::filesystem::rename(path_, later);
+  write({{"", [](int i) { return first(i) + second(i); }}, {"direct", first}, {"indirect", second}});
+  EXPECT_TRUE(find_additive_sets(Names{path_, later}, {}).empty());
+}
+
+TEST_F(AdditiveLayers, DimAndSparseLightCounts) {
+  const auto spark = [](int i) { return i == 5 ? 1.0f : 0.0f; };
+  write({{"", spark}, {"diffuse", spark}, {"specular", [](int) { return 0.0f; }}});
+  EXPECT_EQ(choose_additive("auto", find_additive_sets(Names{path_}, {})), (Names{"diffuse", "specular"}));
 }
 
 TEST_F(AdditiveLayers, LightGroupsOfCycles) {

@@ -161,9 +161,9 @@ void Snapshot::place(std::size_t index, int frame) {
   state.exact_previous = geometry_moves(object) ? steps(frame - 1) : state.exact;
   state.blur = to_float(state.exact);
   state.place = {state.blur.first(), normal_matrix(state.exact.first())};
-  const M44f& m = state.blur.first();
-  const V3f x(m[0][0], m[0][1], m[0][2]), y(m[1][0], m[1][1], m[1][2]), z(m[2][0], m[2][1], m[2][2]);
-  state.length_scale = std::cbrt(std::abs(x.cross(y).dot(z)));
+  const M44d& first = state.exact.first();
+  const auto axis = [&](int row) { return V3d(first[row][0], first[row][1], first[row][2]); };
+  state.length_scale = static_cast<float>(std::cbrt(std::abs(axis(0).cross(axis(1)).dot(axis(2)))));
   state.scale = state.translation = 0.0f;
   for (const M44f& m : state.blur.steps()) {
     for (int column = 0; column < 3; ++column) {

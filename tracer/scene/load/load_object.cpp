@@ -62,7 +62,8 @@ void check_material_fits(const JsonValue& json, const Object& object, const Scen
     json.at("interior").fail("a material with an opacity bounds no medium: it would leak through the holes");
   const auto* mesh = std::get_if<Mesh>(&shape);
   const bool is_procedural = std::holds_alternative<ProceduralDescription>(shape);
-  if (!is_procedural && !(mesh && mesh->uvs.empty())) return;
+  // What an MTL file says of a mesh without uvs is ignored, as other renderers do.
+  if (!is_procedural && !(mesh && mesh->uvs.empty() && json.has("material"))) return;
   if (mesh && material.opacity_mask) json.at("material").fail("the mesh has no uvs for an opacity image");
   std::vector<const Material*> parts{&material};
   for (std::size_t i = 0; i < parts.size(); ++i) {

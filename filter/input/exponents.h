@@ -1,0 +1,47 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+namespace becalm::filter {
+
+/// How many values of an image have which binary exponent. Values that are not positive do not count.
+class Exponents {
+ public:
+  void add(float value) {
+    if (!(value > 0.0f && std::isfinite(value))) return;
+    ++counts_[static_cast<std::size_t>(std::ilogb(value) - kLeast)];
+    ++count_;
+  }
+  Exponents& operator+=(const Exponents& other) {
+    for (std::size_t i = 0; i < counts_.size(); ++i) counts_[i] += other.counts_[i];
+    count_ += other.count_;
+    return *this;
+  }
+
+  std::uint64_t count() const { return count_; }
+  /// Of the geometric mean, within 1. There must be a value.
+  double mean() const {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < counts_.size(); ++i) sum += (static_cast<double>(i) + kLeast) * counts_[i];
+    return sum / static_cast<double>(count_);
+  }
+  /// The largest that more than a thousandth of the values have or exceed: fireflies are fewer. There must be
+  /// a value.
+  int largest_usual() const {
+    std::uint64_t above = 0;
+    for (std::size_t i = counts_.size(); i-- > 0;) {
+      above += counts_[i];
+      if (above > count_ / 1000) return static_cast<int>(i) + kLeast;
+    }
+    return kLeast;
+  }
+
+ private:
+  static constexpr int kLeast = -149, kMost = 127;  ///< of a float
+  std::array<std::uint32_t, kMost - kLeast + 1> counts_{};
+  std::uint64_t count_ = 0;
+};
+
+}  // namespace becalm::filter
