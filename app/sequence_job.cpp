@@ -88,18 +88,18 @@ void SequenceJob::choose_additive() {
   } else {
     paths.push_back(inputs_.path(inputs_.readable().front()));
   }
-  std::vector<io::AdditiveSet> sets;
-  if (command_.layers.additive == "auto") sets = io::find_additive_sets(paths, layers_);
+  const bool is_auto = command_.layers.additive == "auto";
+  const auto sets = is_auto ? io::find_additive_sets(paths, layers_) : std::vector<io::AdditiveSet>();
   layers_.additive = io::choose_additive(command_.layers.additive, sets);
   additive_notes_ = io::describe(sets);
-  if (command_.layers.additive == "auto" && !layers_.additive.empty() && !first_frame_has_layers()) {
+  const std::string names = fmt::format("{}", fmt::join(layers_.additive, ", "));
+  if (is_auto && !first_frame_has_layers()) {
     additive_notes_ = {
-        fmt::format("{} are passed on noisy, since frame {} lacks them; without it they are denoised",
-                    fmt::join(layers_.additive, ", "), inputs_.readable().front())};
+        fmt::format("{} are passed on noisy, since frame {} lacks them; without it they are denoised", names,
+                    inputs_.readable().front())};
     layers_.additive.clear();
-  }
-  if (command_.layers.additive != "auto" && !layers_.additive.empty()) {
-    additive_notes_ = {fmt::format("{} are denoised with the beauty", fmt::join(layers_.additive, ", "))};
+  } else if (!is_auto && !names.empty()) {
+    additive_notes_ = {names + " are denoised with the beauty"};
   }
   // Also where there are none: files that were written with some must not be kept beside others.
   attributes_.emplace_back("becalm:additive", layers_.additive.empty()
