@@ -18,6 +18,8 @@ struct Scale {
   double value() const { return static_cast<double>(numerator) / denominator; }
   /// The output's pixel edge nearest to an edge of the input, the larger one of two.
   int edge(int input) const { return static_cast<int>(std::floor(input * value() + 0.5)); }
+  /// How far the output's edge lies beyond that edge of the input, in output pixels: -0.5 to 0.5.
+  double rounding(int input) const { return edge(input) - input * value(); }
   Imath::Box2i window(const Imath::Box2i& input) const {
     return {{edge(input.min.x), edge(input.min.y)}, {edge(input.max.x + 1) - 1, edge(input.max.y + 1) - 1}};
   }
@@ -42,8 +44,7 @@ struct NearestSample {
 
   /// Place of an output pixel's centre along an axis, in input pixels from the centre of the first one.
   double place(int output, int axis) const {
-    const int first = window.min[axis];
-    return (output + scale.edge(first) + 0.5) / scale.value() - first - 0.5;
+    return (output + scale.rounding(window.min[axis]) + 0.5) / scale.value() - 0.5;
   }
   Imath::V2i at(int x, int y) const {
     const Imath::V2i size = window.size() + Imath::V2i(1);

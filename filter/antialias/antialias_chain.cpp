@@ -137,7 +137,7 @@ Alignment AntialiasChain::add_search(const AntialiasTask& task, ImageId reconstr
   chain.pass("antialias/scale_offset")
       .read("offset_coarse", found.offset, gpu::anywhere())
       .write("offset", scaled)
-      .constants(params::ScaleOffsetParams{.scale = scale})
+      .constants(params::ScaleOffsetParams{.scale = scale, .edge_x = task.edge().x, .edge_y = task.edge().y})
       .dispatch(task.full);
   found.offset = scaled;
   found.limit_px = static_cast<int>(std::ceil(scale * static_cast<float>(found.limit_px)));
@@ -266,6 +266,8 @@ void AntialiasChain::add_accumulation(const AntialiasTask& task, ImageId reconst
       .specialize("steady", number(settings.steady))
       .specialize("sparse", grid ? 1 : 0)
       .constants(params::AccumulateParams{.residual_scale = static_cast<float>(settings.scale.value()),
+                                          .edge_x = task.edge().x,
+                                          .edge_y = task.edge().y,
                                           .newest = settings.newest,
                                           .frames = static_cast<float>(settings.frames),
                                           .gamma = settings.gamma})

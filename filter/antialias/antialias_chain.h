@@ -16,6 +16,7 @@ struct AntialiasTask {
   AntialiasSettings settings;
   gpu::Extent full;          ///< of the results
   gpu::Extent sampled = {};  ///< of the frames; 0: that of the results
+  Imath::V2i origin{0, 0};   ///< the frames' first pixel, in the image plane
   AovSet used;               ///< AOVs that are read besides the beauty
   AovSet diagnostics;        ///< diagnostic AOVs in the results
 
@@ -23,6 +24,11 @@ struct AntialiasTask {
   bool is_sparse() const { return settings.checkerboard || !settings.scale.is_one(); }
   /// Whether pixels are made by the places of samples: sparse ones have no other way to more pixels.
   bool uses_places() const { return is_sparse() || settings.reconstruct == Switch::yes; }
+  /// Of the results' first pixel: Scale::rounding.
+  Imath::V2f edge() const {
+    return {static_cast<float>(settings.scale.rounding(origin.x)),
+            static_cast<float>(settings.scale.rounding(origin.y))};
+  }
   gpu::Extent samples() const { return sampled.width > 0 ? sampled : full; }
   bool has_motion() const { return contains(used, Aov::motion) && settings.uses_vectors(); }
   bool validates_surface() const;

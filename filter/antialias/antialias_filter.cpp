@@ -168,6 +168,7 @@ AntialiasFilter::AntialiasFilter(gpu::Device& device, const AntialiasSettings& s
   s.task = {.settings = settings,
             .full = {size.x, size.y},
             .sampled = {width, height},
+            .origin = options.origin,
             .used = available & wanted_aovs(settings),
             .diagnostics = options.diagnostics};
   s.whole = {.settings = aligner_settings(s.task),

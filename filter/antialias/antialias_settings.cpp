@@ -32,8 +32,7 @@ const SettingRow<AntialiasSettings> kAntialiasTable[] = {
      name_field(&AntialiasSettings::resample, kAntialiasResampleNames)},
     {{"accumulate", "exponential, mean, gain or variance",
       "weight of a new sample: `newest`; 1/N; by the 3x3 pixels around it (Philippi et al. 2022); or by "
-      "their "
-      "variance, 1/n of it for a history of n frames"},
+      "their variance, 1/n of it for a history of n frames"},
      name_field(&AntialiasSettings::accumulate, kAccumulateNames)},
     {{"newest", "number 0.001..1", "weight of a new sample with accumulate=exponential"},
      number_field(&AntialiasSettings::newest, 0.001f, 1.0f)},

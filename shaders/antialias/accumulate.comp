@@ -112,6 +112,14 @@ float luminance_weighted(float alpha, float luminance_new, float luminance_histo
   return weight_new / (weight_new + weight_history);
 }
 
+/// Of a colour in the space of the bounds.
+float brightness_of(vec3 c) { return in_ycocg != 0 ? c.x : luminance(c.r, c.g, c.b); }
+
+/// 1 where x lies on one of the bounds, 0 from a quarter of their distance on.
+float nearness(float x, float low, float high) {
+  return 1.0 - clamp(4.0 * min(x - low, high - x) / max(high - low, 1e-30), 0.0, 1.0);
+}
+
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= size.x || at.y >= size.y) return;
@@ -133,8 +141,7 @@ void main() {
     const vec3 within = rectify == 1 ? clamp(in_space, around.low, around.high)
                                      : clip_towards(in_space, around.middle, around.low, around.high);
     if (within != in_space) h.rgb = in_ycocg != 0 ? from_ycocg(within) : within;
-    const float room = min(in_space.x - around.low.x, around.high.x - in_space.x);
-    near_bounds = 1.0 - clamp(4.0 * room / max(around.high.x - around.low.x, 1e-30), 0.0, 1.0);
+    near_bounds = nearness(brightness_of(in_space), brightness_of(around.low), brightness_of(around.high));
   }
 
   const float worth = has_sample ? x_stats.y : 1.0;  // of the new frame's pixel

@@ -14,5 +14,5 @@ layout(std430, set = 0, binding = 1) writeonly buffer OffsetBuffer { vec2 data[]
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= size.x || at.y >= size.y) return;
-  offset.data[at.y * size.x + at.x] = read_offset(at, vec2(0.0), offset_coarse_size, p.scale);
+  offset.data[at.y * size.x + at.x] = read_offset(at, vec2(p.edge_x, p.edge_y), offset_coarse_size, p.scale);
 }

@@ -11,7 +11,7 @@ const int kRejectionRadius = 3;
 
 /// 1 where patches differ, 0 where they are alike.
 float mask_of(ivec2 at) {
-  const BilinearTaps taps = bilinear_taps(at, vec2(0.0), residual_size, p.residual_scale);
+  const BilinearTaps taps = bilinear_taps(at, vec2(p.edge_x, p.edge_y), residual_size, p.residual_scale);
   return clamp(kKappa * bilinear_value(residual, taps, residual_size.x, 0) - kEta, 0.0, 1.0);
 }
 

@@ -6,17 +6,23 @@
 namespace becalm::filter::params {
 #endif
 
-/// antialias/accumulate.
+/// antialias/accumulate. `edge_*` is how far the first pixel's edge lies beyond that of the residual's, in
+/// pixels.
 struct AccumulateParams {
   float residual_scale;  // pixels in one of the residual's
+  float edge_x;
+  float edge_y;
   float newest;          // weight of a new sample, if it is constant
   float frames;          // most frames that a history counts as
   float gamma;           // standard deviations of the bounds
 };
 
-/// antialias/scale_offset.
+/// antialias/scale_offset. `edge_*` is how far the first pixel's edge lies beyond that of the first sample's,
+/// in pixels.
 struct ScaleOffsetParams {
   float scale;  // pixels in one sample's
+  float edge_x;
+  float edge_y;
 };
 
 #ifdef __cplusplus

@@ -1,0 +1,207 @@
+// Which history a pixel of temporal antialiasing gets, and what rejects it. Histories are averaged, and
+// blends tell how much of them is left.
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "filter/antialias/antialias_filter.h"
+#include "tests/filter/device_fixture.h"
+#include "tests/filter/pattern.h"
+
+namespace becalm::filter {
+namespace {
+
+constexpr int kWidth = 61;
+constexpr int kHeight = 43;
+
+AntialiasSettings forward_settings(const std::vector<const char*>& changes) {
+  AntialiasSettings settings = antialias_preset("forward");
+  for (const char* change : changes) set(settings, change);
+  return settings;
+}
+
+/// Even grey without motion.
+Frame even(int number, float grey) {
+  Frame frame(number, kWidth, kHeight);
+  std::ranges::fill(frame.add(Aov::beauty, 1.0f).data(), grey);
+  frame.add(Aov::motion);
+  return frame;
+}
+
+Frame run(AntialiasFilter& filter, const Frame& frame) {
+  FrameReport report;
+  return *filter.run({.frame = frame.number()}, frame, report);
+}
+
+/// The row in the middle of the second result.
+std::vector<float> second_result(gpu::Device& device, const std::vector<const char*>& changes,
+                                 const Frame& first, const Frame& second) {
+  AntialiasFilter filter(device, forward_settings(changes), first.width(), first.height(), first.aovs(), {});
+  run(filter, first);
+  const Frame result = run(filter, second);
+  std::vector<float> row;
+  for (int x = 0; x < kWidth; ++x) row.push_back(result.image(Aov::beauty).at(x, kHeight / 2, 0));
+  return row;
+}
+
+using AntialiasHistoryTest = DeviceTest;
+
+const std::vector<const char*> kMeanBySurface{"reproject=vectors", "accumulate=mean", "rectify=none",
+                                              "validate=surface"};
+
+/// The second frame differs on the right half only, by what `change` does to a pixel.
+template <class Change>
+std::vector<float> of_changed_surface(gpu::Device& device, Aov aov, float value, const Change& change) {
+  Frame first = even(0, 0.25f);
+  Frame second = even(1, 0.75f);
+  for (Frame* frame : {&first, &second}) std::ranges::fill(frame->add(aov).data(), value);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = kWidth / 2; x < kWidth; ++x) change(second.image(aov).pixel(x, y));
+  }
+  return second_result(device, kMeanBySurface, first, second);
+}
+
+/// Pixels next to the middle may see both halves.
+void expect_halves(const std::vector<float>& row, float left, float right) {
+  EXPECT_NEAR(row[kWidth / 4], left, 1e-4f);
+  EXPECT_NEAR(row[3 * kWidth / 4], right, 1e-4f);
+}
+
+TEST_F(AntialiasHistoryTest, AnotherObjectRejects) {
+  expect_halves(of_changed_surface(device(), Aov::object_id, 1.0f, [](std::span<float> id) { id[0] = 2.0f; }),
+                0.5f, 0.75f);
+}
+
+TEST_F(AntialiasHistoryTest, AnotherDepthRejectsFromATenthOn) {
+  expect_halves(
+      of_changed_surface(device(), Aov::depth, 2.0f, [](std::span<float> depth) { depth[0] = 2.4f; }), 0.5f,
+      0.75f);
+  expect_halves(
+      of_changed_surface(device(), Aov::depth, 2.0f, [](std::span<float> depth) { depth[0] = 2.1f; }), 0.5f,
+      0.5f);
+}
+
+TEST_F(AntialiasHistoryTest, ATurnedNormalRejects) {
+  expect_halves(
+      of_changed_surface(device(), Aov::normal, 0.5f, [](std::span<float> normal) { normal[0] = -1.5f; }),
+      0.5f, 0.75f);
+  expect_halves(
+      of_changed_surface(device(), Aov::normal, 0.5f, [](std::span<float> normal) { normal[0] = 0.4f; }),
+      0.5f, 0.5f);
+}
+
+TEST_F(AntialiasHistoryTest, AnotherColorRejectsByTheFilteredDifference) {
+  const std::vector<const char*> settings{"reproject=vectors", "accumulate=mean", "rectify=none",
+                                          "validate=color"};
+  Frame second = even(1, 0.505f);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = kWidth / 2; x < kWidth; ++x) second.image(Aov::beauty).at(x, y, 0) = 1.0f;
+  }
+  expect_halves(second_result(device(), settings, even(0, 0.5f), second), 0.5025f, 1.0f);
+}
+
+TEST_F(AntialiasHistoryTest, TheInvertedMaskAveragesOnlyWherePatchesDiffer) {
+  const std::vector<const char*> settings{"reproject=search", "accumulate=exponential", "newest=0.25",
+                                          "rectify=none", "mask=yes"};
+  const auto textured = [](int number, float right) {
+    Frame frame = even(number, 0.0f);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        const double seen = x < kWidth / 2 ? pattern(x, y, 3) : right * pattern(x, y, number + 4);
+        for (int c = 0; c < 3; ++c) frame.image(Aov::beauty).at(x, y, c) = static_cast<float>(0.2 + seen);
+      }
+    }
+    return frame;
+  };
+  const Frame second = textured(1, 4.0f);
+  const std::vector<float> row = second_result(device(), settings, textured(0, 1.0f), second);
+  const auto given = [&](int x) { return second.image(Aov::beauty).at(x, kHeight / 2, 0); };
+  for (int x = 4; x < kWidth / 2 - 8; ++x) EXPECT_NEAR(row[x], given(x), 1e-3f) << x;
+  float largest = 0.0f;
+  for (int x = kWidth / 2 + 8; x < kWidth - 4; ++x) largest = std::max(largest, std::abs(row[x] - given(x)));
+  EXPECT_GT(largest, 0.3f);
+}
+
+TEST_F(AntialiasHistoryTest, OutliersCountByTheirLuminance) {
+  const auto of_firefly = [](const char* outliers) {
+    Frame second = even(1, 1.0f);
+    std::ranges::fill(second.image(Aov::beauty).pixel(20, kHeight / 2).first(3), 200.0f);
+    return second_result(device(),
+                         {"reproject=vectors", "accumulate=mean", "reconstruct=no", "rectify=none", outliers},
+                         even(0, 1.0f), second);
+  };
+  const std::vector<float> without = of_firefly("outliers=no");
+  const std::vector<float> with = of_firefly("outliers=yes");
+  EXPECT_NEAR(without[20], 100.5f, 0.01f);
+  EXPECT_LT(with[20], 10.0f);
+  EXPECT_NEAR(with[40], 1.0f, 1e-4f);
+}
+
+/// The history lies on the bounds of the new frame, in all channels or in all but red.
+TEST_F(AntialiasHistoryTest, SteadyTakesLessOfTheFrameWhereTheHistoryIsAtItsBounds) {
+  for (const float red : {0.5f, 0.25f}) {
+    const auto of_steady = [&](const char* steady) {
+      Frame first = even(0, 0.25f);
+      Frame second = even(1, 0.25f);
+      for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) {
+          const std::span<float> color = second.image(Aov::beauty).pixel(x, y);
+          if ((x + y) % 2 == 0) std::fill_n(color.begin(), 3, 0.75f);
+          first.image(Aov::beauty).at(x, y, 0) = red;
+        }
+      }
+      return second_result(device(),
+                           {"reproject=vectors", "accumulate=mean", "reconstruct=no", "rectify=clamp",
+                            "bounds=extremes", "space=rgb", steady},
+                           first, second);
+    };
+    // 22 + 21 is odd, 23 + 21 even.
+    const std::vector<float> without = of_steady("steady=no");
+    const std::vector<float> with = of_steady("steady=yes");
+    EXPECT_NEAR(without[23], red + 0.5f * (0.75f - red), 1e-4f);
+    EXPECT_LT(with[23], without[23] - 0.02f) << red;
+  }
+}
+
+/// A texture that is sheared around the middle row, by a pixel each eight rows and frame; the window begins
+/// at `origin` in the image plane.
+Frame sheared(int number, Imath::V2i origin) {
+  Frame frame(number, kWidth, kHeight);
+  Image& beauty = frame.add(Aov::beauty, 1.0f);
+  for (int y = 0; y < kHeight; ++y) {
+    const double moved = number * (y + origin.y - 0.5 * kHeight) / 8.0;
+    for (int x = 0; x < kWidth; ++x) {
+      for (int c = 0; c < 3; ++c) {
+        beauty.at(x, y, c) = static_cast<float>(pattern(x + origin.x + moved, y + origin.y, 3));
+      }
+    }
+  }
+  return frame;
+}
+
+TEST_F(AntialiasHistoryTest, AScaledWindowReadsOffsetsAtItsPlace) {
+  const Scale scale{3, 2};
+  for (const Imath::V2i& origin : {Imath::V2i(0, 0), Imath::V2i(1, 1)}) {
+    AntialiasSettings settings = forward_settings({"reproject=search"});
+    settings.scale = scale;
+    const Frame first = sheared(0, origin);
+    SequenceOptions options{.diagnostics = {}, .origin = origin};
+    options.diagnostics.set(static_cast<std::size_t>(Aov::flow));
+    AntialiasFilter filter(device(), settings, first.width(), first.height(), first.aovs(), options);
+    run(filter, first);
+    const Frame result = run(filter, sheared(1, origin));
+    const Image& flow = result.image(Aov::flow);
+    double error = 0.0;
+    int count = 0;
+    for (int y = 9; y < flow.height() - 9; ++y) {
+      const double row = (y + scale.edge(origin.y) + 0.5) / scale.value() - 0.5;
+      for (int x = 9; x < flow.width() - 9; ++x, ++count) {
+        error += flow.at(x, y, 0) - scale.value() * (row - 0.5 * kHeight) / 8.0;
+      }
+    }
+    EXPECT_NEAR(error / count, 0.0, 0.02) << origin.x;
+  }
+}
+
+}  // namespace
+}  // namespace becalm::filter
