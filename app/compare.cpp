@@ -8,7 +8,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -20,6 +19,7 @@
 #include "app/eye_names.h"
 #include "app/frame_figures.h"
 #include "app/options.h"
+#include "app/report_file.h"
 #include "frame/io/exr.h"
 #include "frame/io/layers.h"
 #include "frame/io/printable.h"
@@ -283,11 +283,8 @@ void CompareJob::write_json(const std::vector<FrameFigures>& figures,
   }
   json["mean"] = to_json(mean_of(figures));
   json["failures"] = failures;
-  std::ofstream file(command_.json);
-  if (!(file << json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n') ||
-      !file.flush()) {
-    throw Error(ExitStatus::resource, fmt::format("--json {}: cannot write it", command_.json));
-  }
+  write_report_file("--json", command_.json,
+                    json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n');
 }
 
 }  // namespace

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
 #include <system_error>
 
 #include "app/pictures.h"
+#include "app/report_file.h"
 #include "frame/error.h"
 
 namespace becalm::app {
@@ -70,8 +70,7 @@ void CompareReport::finish(const std::string& title, const std::vector<FrameFigu
   html += fmt::format(
       "<h1>{}</h1>\n<div class=\"scale\" style=\"background: linear-gradient(to right, {})\"></div>\n"
       "<p>Relative squared error of a pixel, from {:g} (left) to {:g} (right), logarithmic; cyan where a "
-      "value is not "
-      "finite.</p>\n",
+      "value is not finite.</p>\n",
       escape(title), error_scale_css(), kCoolestError, kHottestError);
   for (const FrameFigures& entry : figures) {
     html += fmt::format(
@@ -87,10 +86,7 @@ void CompareReport::finish(const std::string& title, const std::vector<FrameFigu
     html += "</div></section>\n";
   }
   html += "</html>\n";
-  const std::string path = (std::filesystem::path(folder_) / "index.html").string();
-  std::ofstream file(path);
-  if (!(file << html) || !file.flush())
-    throw Error(ExitStatus::resource, fmt::format("{}: cannot write it", path));
+  write_report_file("--report", (std::filesystem::path(folder_) / "index.html").string(), html);
 }
 
 }  // namespace becalm::app

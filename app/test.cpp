@@ -20,6 +20,7 @@
 #include "app/command.h"
 #include "app/counted.h"
 #include "app/options.h"
+#include "app/report_file.h"
 #include "app/test/calibrate.h"
 #include "app/test/references.h"
 #include "app/test/report_files.h"

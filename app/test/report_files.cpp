@@ -4,12 +4,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <vector>
-
-#include "frame/error.h"
 
 namespace becalm::app {
 namespace {
@@ -113,13 +110,6 @@ std::string results_json(const TestResults& results) {
   json["cases"] = nlohmann::ordered_json::array();
   for (const CaseResult& result : results.cases) json["cases"].push_back(to_json(result));
   return json.dump(2, ' ', /*ensure_ascii=*/false, nlohmann::json::error_handler_t::replace) + "\n";
-}
-
-void write_report_file(const std::string& option, const std::string& path, const std::string& text) {
-  std::ofstream file(path);
-  if (!(file << text) || !file.flush()) {
-    throw Error(ExitStatus::resource, fmt::format("{} {}: cannot write it", option, path));
-  }
 }
 
 }  // namespace becalm::app

@@ -181,6 +181,29 @@ TEST_F(Compare, NamesThatAreNoTextAreWritten) {
   EXPECT_EQ(nlohmann::json::parse(std::ifstream(json))["failures"].size(), 1u);
 }
 
+TEST_F(Compare, ReportsReplaceFilesWhole) {
+  write_frames(1, 1.0f);
+  const fs::path json = fs::path(folder_ / "new") / "figures.json";
+  const auto compare_to = [&](const std::string& place) {
+    return becalm({"compare", reference_, test_, "--json", place});
+  };
+  ASSERT_EQ(compare_to(json).status, 0) << "makes the folder";
+  const fs::path link = folder_ / "link.json";
+  const fs::path before = folder_ / "before.json";
+  fs::create_symlink(json, link);
+  std::ofstream(json) << "before";
+  fs::create_hard_link(json, before);
+  ASSERT_EQ(compare_to(link).status, 0);
+  std::string kept;
+  std::ifstream(before) >> kept;
+  EXPECT_EQ(kept, "before") << "not written over, but replaced";
+  EXPECT_TRUE(nlohmann::json::parse(std::ifstream(json)).contains("mean")) << "behind the link";
+  EXPECT_NE(compare_to("/dev/stdout").out.find("\"mean\""), std::string::npos);
+  const Outcome of_folder = compare_to(json.parent_path());
+  EXPECT_EQ(of_folder.status, 4);
+  EXPECT_NE(of_folder.err.find("--json"), std::string::npos) << of_folder.err;
+}
+
 TEST_F(Compare, LimitsAreNumbersThatCanBeMet) {
   write_frames(1, 1.0f);
   for (const char* value : {"nan", "-1", "inf", "x"}) {
