@@ -3,6 +3,8 @@
 import json
 import textwrap
 
+from whole_file import write_whole
+
 COLUMNS = 100
 
 
@@ -34,7 +36,13 @@ class Report:
 
     def add(self, key, title, text, data):
         print(f"\n{title}\n\n{text}", flush=True)
-        (self.folder / f"{key}.json").write_text(json.dumps(data, indent=1))
-        (self.folder / f"{key}.md").write_text(f"## {title}\n\n{text}")
+        write_whole(self.folder / f"{key}.json", json.dumps(data, indent=1))
+        write_whole(self.folder / f"{key}.md", f"## {title}\n\n{text}")
         sections = [self.folder / f"{name}.md" for name in self.order]
-        (self.folder / "report.md").write_text("\n".join([f"# {self.title}\n", *(s.read_text() for s in sections if s.exists())]))
+        write_whole(self.folder / "report.md", "\n".join([f"# {self.title}\n", *(s.read_text() for s in sections if s.exists())]))
+
+    def clear(self):
+        """Removes the sections that an earlier run, perhaps of other scenes, wrote."""
+        for key in self.order:
+            for suffix in ("md", "json"):
+                (self.folder / f"{key}.{suffix}").unlink(missing_ok=True)

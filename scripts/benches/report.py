@@ -4,6 +4,7 @@ Called by `scripts/bench report`."""
 
 import argparse
 import datetime
+import functools
 import os
 import platform
 import re
@@ -13,6 +14,7 @@ import sys
 from pathlib import Path
 
 from benches.timed import timed
+from whole_file import write_whole
 
 PRESETS = ("draft", "balanced", "final")
 SCENE, FRAMES, SPP = "scenes/crossing.json", "5-10", 4
@@ -21,7 +23,7 @@ VARIANTS = ("noisy", *PRESETS, "paper", "single", "frames", "forward_smooth", "b
 
 
 def said(*command):
-    return subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
+    return subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout.strip()
 
 
 def processor():
@@ -109,7 +111,8 @@ restored from 16 deviations on, after looks at `penumbra`.
 
 
 def trade_part(becalm):
-    subprocess.run([sys.executable, "-m", "benches.front.run", "--becalm", becalm, "--resume"], check=True)
+    # Processor time: frames were rendered on other days, beside other work, by as many threads as there were.
+    subprocess.run([sys.executable, "-m", "benches.front.run", "--becalm", becalm, "--clock", "processor", "--resume"], check=True)
     title, text = Path("out/front/trade.md").read_text().split("\n", 1)
     return f"{title}\n\n{measured_at()}\n{text}"
 
@@ -185,8 +188,9 @@ one: without noise, more of one place would change nothing.
 {said(sys.executable, "-m", "benches.antialias.run", "--becalm", becalm, "--upsample")}
 
 The same scenes in their own light, with noise, 12 frames at 192x108: 4 samples a pixel at half size
-(`jitter_one_a_frame`) beside 1 at full size, which are as many. Errors are against 128 samples, whose
-noise is taken out; 16 samples of albedo, normal and depth are in full size's time, as by default.
+(`jitter_one_a_frame`) beside 1 at full size, which are as many. Errors are against two references of
+128 samples, whose noise is taken out; 16 samples of albedo, normal and depth are in full size's time,
+as by default.
 The order was chosen on courtyard and spheres.
 
 {said(sys.executable, "-m", "benches.antialias.run", "--becalm", becalm, "--noisy")}
@@ -240,8 +244,14 @@ TITLES = {"quality": "## Cycles shots, 8 samples a pixel", "scenes": "## Our sce
           "stereo": "## Stereo", "burst": "## Bursts", "training": "## Training", "time": "## Time\n", "scaling": "## Time and memory against pixels and frames\n"}
 
 
+@functools.cache
+def commit():
+    """Of the sources, asked before the first part: RESULTS.md changes with each."""
+    return said("git", "describe", "--always", "--dirty")
+
+
 def measured_at():
-    return f"Measured at {said('git', 'describe', '--always', '--dirty')}, {datetime.date.today()}, on {processor()}."
+    return f"Measured at {commit()}, {datetime.date.today()}, on {processor()}."
 
 
 def parts_of(text):
@@ -256,12 +266,21 @@ def main():
     parser.add_argument("--becalm", default="build/release/becalm")
     asked = parser.parse_args()
     results = Path("RESULTS.md")
+    commit()
+    failed = []
     for name in asked.parts or [name for name in PARTS if name != "training"]:
-        part = PARTS[name](asked.becalm)  # takes minutes: the file is read anew after it
+        try:
+            part = PARTS[name](asked.becalm)  # takes minutes: the file is read anew after it
+        except subprocess.CalledProcessError as error:
+            print(f"report: {name}: {error}", file=sys.stderr, flush=True)
+            failed.append(name)
+            continue
         parts = parts_of(results.read_text() if results.exists() else "") | {name: part}
         text = "".join(parts[name].strip() + "\n\n" for name in PARTS if name in parts)
-        results.write_text(f"# Results\n\nWritten by `scripts/bench report`.\n\n{text.strip()}\n")
+        write_whole(results, f"# Results\n\nWritten by `scripts/bench report`.\n\n{text.strip()}\n")
         print(f"RESULTS.md: {name}")
+    if failed:
+        sys.exit(f"report: not measured, and kept as they were: {', '.join(failed)}")
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ import numpy as np
 
 from benches.antialias.run import ssim
 from benches.antialias.shots import CYCLE, read, render
-from benches.antialias.upsample import rel_mse, temporal_error
+from benches.frame_errors import rel_mse, temporal_error
 from demo_parts.use_runs import Use, displayed, enlarged
 
 SCENE = "fence"
@@ -29,7 +29,7 @@ def table(pictures, reference):
     for name, images in pictures.items():
         if images is not reference:
             likeness = np.mean([ssim(truth, image) for truth, image in zip(reference, images)])
-            rows.append([name, f"{rel_mse(reference, images):.4f}", f"{temporal_error(reference, images):.4f}", f"{likeness:.3f}"])
+            rows.append([name, *(f"{error(reference, reference, images):.4f}" for error in (rel_mse, temporal_error)), f"{likeness:.3f}"])
     return rows
 
 

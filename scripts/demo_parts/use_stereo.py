@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from benches.stereo.run import Shot
+from benches.stereo.run import REFERENCE_SPP, Shot
 from benches.stereo.shots import read
 from demo_parts.use_runs import Use, displayed
 from pictures.colours import map_colours
@@ -50,4 +50,4 @@ def stereo(runs):
         "together, an eye takes from the other what both see: less noise is left, and above all less that differs between the eyes, which "
         f"disturbs when seen in stereo. Differences are shown up to {FULL_DIFFERENCE:g} of white.",
         frames, shown, "noisy", "both together",
-        "Against 64 samples a pixel; the difference is that of an eye from the other one, moved to where this eye sees it", rows, runs.shown)
+        f"Against {REFERENCE_SPP} samples a pixel; the difference is that of an eye from the other one, moved to where this eye sees it", rows, runs.shown)

@@ -1,9 +1,12 @@
 """The plan of a shot on a farm: its chunks of frames, the frames that each needs, and the files that tasks share."""
 
 import json
-import os
 import re
+import sys
 from pathlib import Path
+
+sys.path.append(str(Path(__file__).resolve().parents[1]))
+from whole_file import write_whole  # noqa: E402, F401: for the tasks, too
 
 SEGMENT = 32  # frames that becalm filters together; segments begin at multiples of it
 WARMUP = 8  # further frames that it reads on either side of a segment
@@ -67,10 +70,3 @@ def folder_of(output):
 
 def load(folder):
     return json.loads((Path(folder) / "plan.json").read_text())
-
-
-def write_whole(path, text):
-    """Replaces a file atomically: readers see the old text or all of the new one."""
-    partial = Path(f"{path}.{os.getpid()}")
-    partial.write_text(text)
-    partial.replace(path)

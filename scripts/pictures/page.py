@@ -3,6 +3,8 @@
 import json
 from pathlib import Path
 
+from whole_file import write_whole
+
 SKELETON = Path(__file__).with_name("page.html")
 
 
@@ -14,4 +16,4 @@ def write_page(path, title, content, data):
     page = SKELETON.read_text(encoding="utf-8")
     for place, value in (("__TITLE__", title), ("__STYLE__", style + "</style>"), ("__CONTENT__", body), ("__DATA__", text)):
         page = page.replace(place, value)
-    path.write_text(page, encoding="utf-8")
+    write_whole(path, page)

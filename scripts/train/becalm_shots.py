@@ -19,7 +19,7 @@ import OpenImageIO as oiio
 import becalm_meshes
 import becalm_textures
 from becalm_scene import LAST_FRAME, make_scene, scale_light
-from noise_levels import evenly_spread, noise_levels, reference_samples
+from noise_levels import MOST_FAILED, evenly_spread, noise_levels, reference_samples
 
 MOST_ATTEMPTS = 20
 PROBE_SIZE, PROBE_SPP = "64x36", 16
@@ -184,14 +184,18 @@ def main():
     arguments = read_arguments()
     first, _, last = arguments.seeds.partition("-")
     assets = make_assets(arguments.out / "assets")
+    failed = 0
     for seed in range(int(first), int(last or first) + 1):
         try:
             shot = make_shot(arguments, seed, assets)
         except Exception as error:  # one bad shot must not end a run of hours
             print(f"seed {seed}: failed: {error}", file=sys.stderr, flush=True)
+            failed += 1
             continue
         if shot:
             print(f"seed {seed}: {shot['layout']}, spp {shot['spp']}, attempt {shot['attempt']}, {shot['seconds']} s", flush=True)
+    if failed > MOST_FAILED * (int(last or first) + 1 - int(first)):
+        sys.exit(f"{failed} shots failed")
 
 
 if __name__ == "__main__":

@@ -28,7 +28,7 @@ import cycles_lights as lights
 import cycles_motion as motion
 from cycles_dice import Dice
 from cycles_layouts import LAYOUTS, Stage
-from noise_levels import evenly_spread, noise_levels, reference_samples
+from noise_levels import MOST_FAILED, evenly_spread, noise_levels, reference_samples
 
 LEAST_REFERENCE_SPP = 64
 ATTEMPTS = 12  # scenes tried for a seed
@@ -190,6 +190,7 @@ def main():
         sys.exit(f"--frames: 1 to {motion.SHOT_FRAMES}, not {asked.frames}")
     if not 0 <= asked.references <= asked.frames:
         sys.exit(f"--references: 0 to {asked.frames}, not {asked.references}")
+    failed = 0
     for seed in asked.seeds:
         folder = os.path.join(asked.out, f"cycles-{seed:06d}")
         if os.path.exists(os.path.join(folder, "shot.json")):
@@ -199,9 +200,12 @@ def main():
             shot = render_shot(folder, seed, asked)
         except Exception:  # a shot that fails must not end the run
             print(f"cycles-{seed:06d} failed:\n{traceback.format_exc()}", flush=True)
+            failed += 1
             continue
         words = [shot["layout"], shot["environment"], *(key[4:] for key in shot if key.startswith("has_") and shot[key])]
         print(f"cycles-{seed:06d} {time.monotonic() - start:.1f} s, spp {shot['spp']}: {', '.join(words)}", flush=True)
+    if failed > MOST_FAILED * len(asked.seeds):
+        sys.exit(f"{failed} shots failed")
 
 
 main()

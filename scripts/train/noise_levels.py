@@ -1,11 +1,12 @@
 """How many samples the noisy frames of a shot get: by the shot's own noise, so that shots of all renderers and lights spread
-from frames that are nearly clean to frames that show hardly anything, as far as 1 to 64 samples reach. And which of its
-frames get references."""
+from frames that are nearly clean to frames that show hardly anything, as far as 1 to 64 samples reach. Which of its
+frames get references, and how many shots may fail."""
 
 import math
 
 FEWEST, MOST = 1, 64
 CLEANEST, NOISIEST = 0.003, 3.0  # relative squared error of a noisy frame
+MOST_FAILED = 0.5  # of the seeds, before making shots counts as failed
 
 
 def sample_count(sample_noise, relative_error):

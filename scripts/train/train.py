@@ -89,8 +89,11 @@ class Trainer:
             "best": self.best,
             "channels": self.network.channels,
         }
-        torch.save(state, self.path("checkpoint.pt.partial"))
-        os.replace(self.path("checkpoint.pt.partial"), self.path("checkpoint.pt"))
+        self.save_whole(state, "checkpoint.pt")
+
+    def save_whole(self, state, name):
+        torch.save(state, self.path(name + ".partial"))
+        os.replace(self.path(name + ".partial"), self.path(name))
 
     def train_step(self, batch):
         for group in self.optimizer.param_groups:
@@ -119,7 +122,7 @@ class Trainer:
             file.write(line + "\n")
         if not error >= self.best:
             self.best = error
-            torch.save({"network": self.average.state_dict(), "channels": self.network.channels}, self.path("best.pt"))
+            self.save_whole({"network": self.average.state_dict(), "channels": self.network.channels}, "best.pt")
         self.save()
 
     def run(self):

@@ -89,20 +89,26 @@ inline bool planted(int bug) {{
 """
 
 
-def plant(source):
-    """Plants all bugs, each behind a switch, so that one build serves all. Returns the files' texts before."""
-    originals = {}
+def planted(source):
+    """The texts of the files with all bugs, each behind a switch, so that one build serves all; and their texts before."""
+    originals, texts = {}, {}
     for number, (name, (file, where, right, wrong)) in enumerate(MUTATIONS.items()):
         path = source / file
-        text = path.read_text(encoding="utf-8")
-        originals.setdefault(path, text)
+        if path not in texts:
+            originals[path] = texts[path] = path.read_text(encoding="utf-8")
+        text = texts[path]
         place = where.replace("{}", right)
         if text.count(place) != 1:
             sys.exit(f"{name}: {file}: expected once, found {text.count(place)} times: {place}")
         both = where.replace("{}", f"(planted({number}) ? ({wrong}) : ({right}))")
         head = "" if text.startswith(HEAD) else HEAD
-        path.write_text(head + text.replace(place, both), encoding="utf-8")
-    return originals
+        texts[path] = head + text.replace(place, both)
+    return texts, originals
+
+
+def write(texts):
+    for path, text in texts.items():
+        path.write_text(text, encoding="utf-8")
 
 
 def run(command, log, **environment):
@@ -159,15 +165,15 @@ def main():
     if unknown:
         parser.error(f"no planted bug '{unknown[0]}'")
     source = ROOT if arguments.in_place else copy_of_sources()
-    originals = plant(source)
+    texts, originals = planted(source)
     try:
+        write(texts)
         with open(source / "build/mutations.log", "w", encoding="utf-8") as log:
             if run(["cmake", "--build", source / "build/release", "--target", "becalm"], log) != 0:
                 sys.exit(f"the build failed: see {log.name}")
             missed = table(source, arguments.names or MUTATIONS, arguments.parallel, log)
     finally:
-        for path, text in originals.items():
-            path.write_text(text, encoding="utf-8")
+        write(originals)
     if missed:
         sys.exit(f"{missed} planted bugs were not caught")
 

@@ -120,6 +120,21 @@ class Submitted(unittest.TestCase):
         self.assertEqual(self.task("check", 0, STATUS="3")[0], 1)
         self.assertEqual(self.task("check", 0)[0], 0)
 
+    def test_tasks_that_end_otherwise_have_failed(self):
+        self.submit(self.path / "shot.json")
+        status = lambda: self.run_script("status", self.path / "out/a.####.exr")
+        (self.path / "becalm").unlink()
+        self.assertNotEqual(self.task("denoise", 0)[0], 0)
+        self.assertEqual(status().returncode, 1)
+        self.assertIn("denoise.0 failed: ", status().stdout)
+        (self.path / "out/farm.a/states/denoise.0").write_text("running on a node")
+        for squeue, expected in (("echo RUNNING", 3), ("echo 'slurm_load_jobs error: Unable to contact' >&2; exit 1", 3), ("exit 0", 1),
+                                 ("echo 'slurm_load_jobs error: Invalid job id specified' >&2; exit 1", 1)):
+            program = self.path / "squeue"
+            program.write_text(f"#!/bin/sh\n{squeue}\n")
+            program.chmod(program.stat().st_mode | stat.S_IXUSR)
+            self.assertEqual(status().returncode, expected, squeue)
+
     def test_each_eye_may_have_a_file(self):
         output = self.path / "out/a.%V.####.exr"
         self.submit(self.path / "shot.json", output="out/a.%V.####.exr")

@@ -170,6 +170,14 @@ class RenderTimes(unittest.TestCase):
             note(folder, 1, 5.0, 9.0)
             self.assertEqual((seconds_a_frame(folder, "wall"), seconds_a_frame(folder, "processor")), (3.0, 5.0))
 
+    def test_another_program_has_its_own(self):
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            note(folder, 2, 4.0, 6.0, "old")
+            self.assertIsNone(seconds_a_frame(folder, "wall", "new"))
+            note(folder, 1, 3.0, 4.0, "new")
+            self.assertEqual(seconds_a_frame(folder, "wall", "new"), 3.0)
+
 
 class ChangedPresets(unittest.TestCase):
     def test_each_takes_the_values_of_the_others(self):

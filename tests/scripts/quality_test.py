@@ -10,6 +10,8 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO as oiio
 
+from benches.frame_errors import rel_mse, temporal_error
+from benches.made_of import keep_if_same
 from benches.quality.cells import Cells, radiance
 from benches.quality.data import MissingFrames, frame_path
 from benches.quality.goals import seam_ratio
@@ -17,6 +19,7 @@ from benches.quality.shots import Shots
 from benches.quality.still import over_ideal, relative_error, still_pixels
 from benches.quality.tables import Results, geometric_mean, scene_table
 from benches.quality.variants import NOISY, VARIANTS, Program, Variant
+from whole_file import write_whole
 
 BECALM = os.environ["BECALM"]
 SHAPE = (60, 80)
@@ -29,6 +32,45 @@ SIGMA = 0.1
 
 def noisy(random, truth, sigma=SIGMA):
     return truth + sigma * random.standard_normal(truth.shape)
+
+
+class FrameErrors(unittest.TestCase):
+    """As tests/frame/metrics_test.cpp has them."""
+
+    def test_are_relative_to_the_references(self):
+        frames = lambda *values: [np.full((1, 1, 3), value) for value in values]
+        self.assertAlmostEqual(rel_mse(frames(1.0), frames(1.0), frames(3.0)), 4.0 / 1.01)
+        self.assertAlmostEqual(rel_mse(frames(1.0), frames(2.0), frames(3.0)), 2.0 / 2.26)
+        self.assertAlmostEqual(temporal_error(frames(1.0, 2.0), frames(1.0, 2.0), frames(1.0, 4.0)), 4.0 / 2.51)
+
+    def test_the_noise_of_two_references_is_no_error(self):
+        random = np.random.default_rng(2)
+        truth = [np.full((200, 200, 3), 1.0)] * 2
+        sigma = 0.02
+        a, b = ([noisy(random, frame, sigma) for frame in truth] for _ in "ab")
+        for error, of_noise in ((rel_mse, 1.0), (temporal_error, 2.0)):
+            self.assertAlmostEqual(error(a, b, truth), 0.0, delta=2e-5)
+            self.assertAlmostEqual(error(a, a, truth), of_noise * sigma**2, delta=2e-5)
+
+
+class KeptFrames(unittest.TestCase):
+    def test_stay_for_as_long_as_they_would_be_made_the_same(self):
+        with tempfile.TemporaryDirectory() as name:
+            program, frame = Path(name) / "program", Path(name) / "frames/f.0001.exr"
+            for text, recipe, stays in (("old", {"spp": 1}, False), ("old", {"spp": 1}, True), ("old", {"spp": 2}, False), ("new", {"spp": 2}, False)):
+                program.write_text(text)
+                keep_if_same(frame.parent, program, **recipe)
+                self.assertEqual(frame.exists(), stays)
+                frame.touch()
+
+
+class WholeFiles(unittest.TestCase):
+    def test_what_was_there_stays_until_all_is_written(self):
+        with tempfile.TemporaryDirectory() as name:
+            path = Path(name) / "a.json"
+            write_whole(path, "before")
+            self.assertRaises(UnicodeEncodeError, write_whole, path, "\udcff")
+            self.assertEqual((path.read_text(), [found.name for found in path.parent.iterdir()]), ("before", ["a.json"]))
 
 
 class StillPixels(unittest.TestCase):

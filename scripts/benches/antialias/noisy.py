@@ -6,13 +6,15 @@ import subprocess
 import sys
 
 from benches.antialias.shots import read
-from benches.antialias.upsample import per_frame, rel_mse, temporal_error
+from benches.antialias.upsample import per_frame
+from benches.frame_errors import rel_mse, temporal_error
+from benches.made_of import keep_if_same
 from benches.markdown_report import markdown
 from benches.scene_text import scene_text
 
 CHOOSING = ("courtyard", "spheres")
 REPORTED = ("fence", "classroom", "blocks")
-REFERENCE_SPP = 128  # and its noise is taken out
+REFERENCE_SPP, REFERENCE_SEEDS = 128, {"a": 1001, "b": 1002}
 AOVS = "albedo,normal,depth,motion,object_id,variance"
 EACH = ["--segment", "1", "--warmup", "0"]  # of denoise: every frame by itself
 # The variance that scaled frames pass on is that of their samples, not their own.
@@ -31,9 +33,9 @@ RECIPES = {  # name: size over the output's, samples a pixel, commands
 
 def render(becalm, scene, folder, frames, size, spp, cycle, aovs, seed):
     """Renders folder/f.####.exr, unless it is there, of the scene with its own light; returns the command and its options. `cycle` is the jitter's."""
-    folder.mkdir(parents=True, exist_ok=True)
     text = scene_text(scene)
     text["film"] |= {"width": size[0], "height": size[1], "jitter_cycle": cycle, "jitter_one_a_frame": cycle > 0}
+    keep_if_same(folder, becalm, scene=text, frames=frames, spp=spp, seed=seed, aovs=aovs)
     path = folder / "scene.json"
     path.write_text(json.dumps(text))
     command = [becalm, "render", path, "-o", folder / "f.####.exr", "--spp", str(spp), "--seed", str(seed), "--float", "--aovs", aovs]
@@ -47,11 +49,10 @@ def measure(becalm, root, scenes, size, frames):
     numbers = range(1, frames + 1)
     for scene in scenes:
         folder = root / scene
-        render(becalm, scene, folder / "reference", frames, size, REFERENCE_SPP, 0, AOVS, 1001)
-        clean = folder / "reference" / "clean"
-        subprocess.run([becalm, "denoise", folder / "reference" / "f.####.exr", "-o", clean / "f.####.exr", "--preset", "final", "--overwrite", "--quiet"],
-                       check=True)
-        reference = [read(clean, frame) for frame in numbers]
+        references = []
+        for name, seed in REFERENCE_SEEDS.items():
+            render(becalm, scene, folder / name, frames, size, REFERENCE_SPP, 0, AOVS, seed)
+            references.append([read(folder / name, frame) for frame in numbers])
         for number, (recipe, (share, spp, commands)) in enumerate(RECIPES.items()):
             source = folder / f"{spp}spp"
             small = tuple(round(share * side) for side in size)
@@ -63,7 +64,7 @@ def measure(becalm, root, scenes, size, frames):
                 filter_s += per_frame([becalm, name, source / "f.####.exr", "-o", target / "f.####.exr", *options], frames, "--context", "none")
                 source = target
             test = [read(source, frame) for frame in numbers]
-            yield scene, recipe, render_s, filter_s, rel_mse(reference, test), temporal_error(reference, test)
+            yield scene, recipe, render_s, filter_s, rel_mse(*references, test), temporal_error(*references, test)
 
 
 def table(becalm, root, scenes, size, frames):

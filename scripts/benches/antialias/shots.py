@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO as oiio
 
+from benches.made_of import keep_if_same
 from benches.scene_text import scene_text
 
 REPORTED = ("fence", "classroom", "blocks", "meadow")
@@ -64,9 +65,10 @@ def add_ambient(path):
 
 def render(becalm, scene, folder, frames, size, spp, cycle, options=()):
     """Renders the frames that are not there yet into folder/f.####.exr. `cycle` is the jitter's, 0 for none."""
-    folder.mkdir(parents=True, exist_ok=True)
+    text = variant(scene, cycle, size)
+    keep_if_same(folder, becalm, scene=text, spp=spp, options=list(options))
     path = folder / "scene.json"
-    path.write_text(json.dumps(variant(scene, cycle, size)))
+    path.write_text(json.dumps(text))
     missing = [frame for frame in frames if not (folder / f"f.{frame:04}.exr").exists()]
     if not missing:
         return

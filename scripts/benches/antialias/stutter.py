@@ -40,7 +40,7 @@ def stutter(source, made):
 def table(becalm, output, size, frames):
     """Yields the lines of the table."""
     shot = output / f"{size[0]}x{size[1]}" / "mountains"
-    render(becalm, "mountains", shot / "source", frames, size, SPP, False)
+    render(becalm, "mountains", shot / "source", frames, size, SPP, 0)
     source = [read(shot / "source", frame) for frame in frames]
     yield "| method | stutter, px a frame | of the motion |"
     yield "| --- | --- | --- |"

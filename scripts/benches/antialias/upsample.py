@@ -4,9 +4,8 @@ and filter together. Called by `scripts/bench antialias --upsample`."""
 import sys
 from collections import defaultdict
 
-import numpy as np
-
 from benches.antialias.shots import read, render
+from benches.frame_errors import rel_mse, temporal_error
 from benches.markdown_report import markdown
 from benches.timed import timed
 
@@ -23,16 +22,6 @@ MODES = {
     "1.5x": (2 / 3, 36, SCALED_SAMPLES, [], ["--scale", "3/2"]),
     "2x": (1 / 2, 64, SCALED_SAMPLES, [], ["--scale", "2"]),
 }
-
-
-def rel_mse(reference, test):
-    return float(np.mean([np.mean((r - t) ** 2 / (r**2 + 0.01)) for r, t in zip(reference, test)]))
-
-
-def temporal_error(reference, test):
-    """relMSE of the differences between frames."""
-    pairs = zip(reference, reference[1:], test, test[1:])
-    return float(np.mean([np.mean(((r1 - r0) - (t1 - t0)) ** 2 / (r1**2 + 0.01)) for r0, r1, t0, t1 in pairs]))
 
 
 def per_frame(command, frames, *one):
@@ -60,7 +49,7 @@ def measure(becalm, root, size, frames):
                 result = source / "result"
                 filter_s = per_frame([becalm, "antialias", source / "f.####.exr", "-o", result / "f.####.exr", *of_filter], frames, "--context", "none")
                 test = [read(result, frame) for frame in numbers]
-                yield scene, mode, spp, render_s, filter_s, rel_mse(reference, test), temporal_error(reference, test)
+                yield scene, mode, spp, render_s, filter_s, rel_mse(reference, reference, test), temporal_error(reference, reference, test)
 
 
 def within(measured, budget_s):

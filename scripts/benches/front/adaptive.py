@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from benches.front import page
 from benches.markdown_report import markdown
 from benches.quality.data import SCENES, frame_range
 from benches.timed import timed
@@ -71,14 +72,12 @@ def write(runs, scenes, output):
         adaptive = runs.measure(scene, SPP, "--adaptive")
         print(f"{scene:>10}  {uniform}  adaptive {adaptive}  targets {of_targets[-1][1]}", flush=True)
         found.append((scene, uniform, adaptive))
-    (output / "adaptive.json").write_text(json.dumps({"adaptive": found, "targets": of_targets}, indent=1))
-    (output / "adaptive.md").write_text(f"""## Adaptive sampling
-
-`becalm render --adaptive --denoise=final` of {SPP} samples on average, over uniform sampling:
+    text = f"""`becalm render --adaptive --denoise=final` of {SPP} samples on average, over uniform sampling:
 errors as shares of those of {SPP} samples each, and of as many as take the same processor time
 (interpolated between {', '.join(map(str, UNIFORM))}). Pilots are included in the time.
 
 {table(found)}
 `--noise-target`, at most {MOST} samples:
 
-{target_table(of_targets)}""")
+{target_table(of_targets)}"""
+    page.write_adaptive(output, text, {"adaptive": found, "targets": of_targets})

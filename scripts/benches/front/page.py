@@ -12,6 +12,7 @@ from pictures.page import write_page
 
 CONTENT = Path(__file__).with_name("page.html")
 TITLE = "The trade of speed for accuracy"
+SUBTITLE = "Time against error, both lower is better; the front joins the points that no other undercuts in both."
 OF_THE_TRADE = ("trade", "scenes", "shots", "missing")
 SECTIONS = (*OF_THE_TRADE, "adaptive", "scaling")
 FOLDED = ("scenes", "shots")
@@ -85,10 +86,15 @@ def write(folder, sets, missing, clock):
     if missing:
         report.add("missing", "Not measured", "".join(f"- {line}\n" for line in missing), missing)
     means = {one.key: mean_trade(one.trades) for one in sets}
-    report.add("trade", "The trade", _trade_text(sets, clock),
+    report.add("trade", "The trade", "\n".join([_trade_text(sets, clock), *([wrapped("Not measured: " + "; ".join(missing))] if missing else [])]),
                {key: [{"preset": point.label, "metric": metric, "dominated_by": better.label}
                       for point, metric, better in tables.dominated(mean)] for key, mean in means.items()})
-    _write_index(folder, "Time against error, both lower is better; the front joins the points that no other undercuts in both.")
+    _write_index(folder, SUBTITLE)
+
+
+def write_adaptive(folder, text, data):
+    Report(folder, SECTIONS, TITLE).add("adaptive", "Adaptive sampling", text, data)
+    _write_index(folder, SUBTITLE)
 
 
 def write_scaling(folder, preset, by_pixels, by_frames, clock):
@@ -97,4 +103,4 @@ def write_scaling(folder, preset, by_pixels, by_frames, clock):
     Report(folder, SECTIONS, TITLE).add("scaling", "Time and memory against pixels and frames", scaling.report(preset, by_pixels, by_frames, clock), {
         "pixels": [asdict(run) for run in by_pixels], "frames": [asdict(run) for run in by_frames],
         "exponents": scaling.summary(by_pixels, by_frames, clock)})
-    _write_index(folder, "Time against error, both lower is better; the front joins the points that no other undercuts in both.")
+    _write_index(folder, SUBTITLE)

@@ -16,6 +16,7 @@ from benches.quality.data import SCENES, Data, MissingFrames, Renderer, noisy_ao
 from benches.quality.render_time import CLOCKS, seconds_a_frame
 from benches.quality.shots import KNOWN, Shots
 from benches.quality.variants import Program
+from whole_file import write_whole
 
 DEFAULT_SCENES = ["penumbra", "crossing", "spheres", "dining"]
 NONE = ["none"]
@@ -109,9 +110,10 @@ class Set:
     def _render_seconds(self, scene, spp, clock):
         """Of a frame; None if nothing tells it."""
         pattern = self.data.noisy(scene, spp)
-        if seconds_a_frame(pattern.parent, clock) is None and self.data.render:
+        made_by = self.data.render.made_by if self.data.render else ""
+        if self.data.render and seconds_a_frame(pattern.parent, clock, made_by) is None:
             self.data.render.note_time(SCENES / f"{scene}.json", pattern, self.data.measured[:TIMED_FRAMES], spp, spp, noisy_aovs(spp))
-        return seconds_a_frame(pattern.parent, clock)
+        return seconds_a_frame(pattern.parent, clock, made_by)
 
 
 def find_sets(asked, program):
@@ -145,7 +147,7 @@ def measure(asked):
     if not measured:
         sys.exit("bench front: nothing to measure:\n" + "\n".join(missing or ["neither scenes nor shots"]))
     figures = {one.key: [trade.figures() for trade in (*one.trades, mean_trade(one.trades))] for one in measured}
-    (asked.output / "figures.json").write_text(json.dumps({"clock": asked.clock, "missing": missing} | figures, indent=1))
+    write_whole(asked.output / "figures.json", json.dumps({"clock": asked.clock, "missing": missing} | figures, indent=1))
     page.write(asked.output, measured, missing, asked.clock)
 
 

@@ -8,9 +8,10 @@ from pathlib import Path
 from benches.front.exponent import exponent, local_exponents
 from benches.markdown_report import figure, markdown, wrapped
 from benches.plotting import label_log_axis, plot_panels, save
-from benches.quality.cells import content_hash
+from benches.made_of import content_hash
 from benches.quality.data import SCENES, frame_path, frame_range
 from benches.timed import timed
+from whole_file import write_whole
 
 SCENE = "crossing"
 SPP = 1
@@ -43,7 +44,7 @@ def _available_mib():
 
 
 def _less_start(run, start, frames):
-    """A run's seconds a frame without the start, which is the run of one small frame. At least a hundredth of them is left."""
+    """A run's seconds a frame, of so many, without the start, which is the run of one small frame. At least a hundredth of them is left."""
     def left(clock):
         total = getattr(run, clock)
         return max(total - getattr(start, clock), 0.01 * total) / frames
@@ -73,7 +74,7 @@ class Scaling:
         return found
 
     def frames(self, counts):
-        return [_less_start(self._small(count), self._small(1), count) for count in counts]
+        return [_less_start(self._small(count), self._small(1), max(count - 1, 1)) for count in counts]
 
     def _small(self, count):
         return self._run("frames", str(count), count, list(range(1, count + 1)), lambda: self._repeated(count))
@@ -91,7 +92,7 @@ class Scaling:
             _, cost = timed([self.becalm, "denoise", pattern, "-o", denoised, "--frames", frame_range(frames), "--preset", self.preset,
                              "--overwrite", "--quiet", "--cuts", "none"])
             self.kept[key] = asdict(Measured(what, size, cost.wall_s, cost.processor_s, cost.peak_mib))
-            self.file.write_text(json.dumps(self.kept, indent=1))
+            write_whole(self.file, json.dumps(self.kept, indent=1))
             for frame in frames:
                 frame_path(denoised, frame).unlink()
         return Measured(**self.kept[key])

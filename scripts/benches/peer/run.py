@@ -15,6 +15,7 @@ from benches.peer.becalm_scene import write_scene
 from benches.peer.scenes import SCENES
 from benches.quality.cells import radiance
 from benches.timed import timed
+from whole_file import write_whole
 
 WORST = 0.01  # the share of pixels that is left out of the second ratio
 
@@ -92,7 +93,7 @@ def main():
     peer = asked.other or "Cycles"
     text = markdown(("scene", f"mean radiance, becalm / {peer}", f"variance, {peer} / becalm", "processor time of a frame", "time to equal variance",
                      "the same without the worst 1 % of pixels"), lines)
-    (asked.output / "report.md").write_text(text)
+    write_whole(asked.output / "report.md", text)
     print(text)
 
 

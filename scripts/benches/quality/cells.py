@@ -1,7 +1,6 @@
 """Cells of the tables: each is one variant on one scene at one sample count, denoised, measured and pictured."""
 
 import functools
-import hashlib
 import json
 import re
 import subprocess
@@ -12,12 +11,14 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO as oiio
 
+from benches.made_of import content_hash
 from benches.quality.data import frame_path, frame_range
 from benches.quality.pictures import write_pictures, write_references
 from benches.quality.still import over_ideal, still_pixels
 from benches.quality.variants import NOISY
 from benches.timed import timed
 from pictures.files import read_layers
+from whole_file import write_whole
 
 
 def radiance(path):
@@ -30,10 +31,6 @@ def radiance(path):
     if image.has_error or chosen.has_error:
         raise OSError(f"{path}: {image.geterror() or chosen.geterror()}")
     return chosen.get_pixels(oiio.FLOAT)
-
-
-def content_hash(path):
-    return hashlib.sha256(Path(path).read_bytes()).hexdigest()[:16]
 
 
 def plain_name(layer):
@@ -77,7 +74,7 @@ class Cells:
         with tempfile.TemporaryDirectory(dir=self.output) as folder:
             cell = self._measure(scene, spp, variant, noisy, references, Path(folder), pictured)
         cell = {"scene": scene, "spp": spp, "variant": variant.name, "recipe": recipe} | cell
-        file.write_text(json.dumps(cell, indent=1))
+        write_whole(file, json.dumps(cell, indent=1))
         return cell
 
     def _measure(self, scene, spp, variant, noisy, references, folder, pictured):

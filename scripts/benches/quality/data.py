@@ -5,6 +5,7 @@ import tempfile
 import time
 from pathlib import Path
 
+from benches.made_of import content_hash
 from benches.quality import render_time
 from benches.timed import timed
 
@@ -75,7 +76,7 @@ class Renderer:
     """Renders frames of our scenes, and notes what they cost."""
 
     def __init__(self, becalm, size):
-        self.becalm, self.size = becalm, size
+        self.becalm, self.size, self.made_by = becalm, size, content_hash(becalm)
 
     def __call__(self, scene_file, pattern, frames, spp, seed, aovs):
         """Renders the frames that do not exist."""
@@ -85,13 +86,13 @@ class Renderer:
         cost = self._render(scene_file, pattern, frames, spp, seed, aovs)
         rendered = sum(frame_path(pattern, frame).stat().st_mtime >= started for frame in frames)
         if rendered:
-            render_time.note(pattern.parent, rendered, cost.wall_s, cost.processor_s)
+            render_time.note(pattern.parent, rendered, cost.wall_s, cost.processor_s, self.made_by)
 
     def note_time(self, scene_file, pattern, frames, spp, seed, aovs):
-        """Notes what frames cost that were rendered without a note, by rendering these again."""
+        """Notes what frames cost of which this program has noted none, by rendering these again."""
         with tempfile.TemporaryDirectory() as folder:
             cost = self._render(scene_file, Path(folder) / "f.####.exr", frames, spp, seed, aovs)
-        render_time.note(pattern.parent, len(frames), cost.wall_s, cost.processor_s)
+        render_time.note(pattern.parent, len(frames), cost.wall_s, cost.processor_s, self.made_by)
 
     def _render(self, scene_file, pattern, frames, spp, seed, aovs):
         _, cost = timed([self.becalm, "render", scene_file, "-o", pattern, "--frames", frame_range(frames), "--size", self.size,

@@ -1,7 +1,8 @@
 """What rendering a folder's frames cost, kept beside them as seconds.json. Blender's Python reads this too: it needs no packages."""
 
 import json
-import os
+
+from whole_file import write_whole
 
 CLOCKS = ("wall", "processor")
 
@@ -10,18 +11,21 @@ def _file(folder):
     return folder / "seconds.json"
 
 
-def note(folder, frames, wall, processor):
-    """Adds so many frames, rendered in these seconds, to those that were noted before."""
-    kept = json.loads(_file(folder).read_text()) if _file(folder).exists() else {"frames": 0, "wall": 0.0, "processor": 0.0}
-    total = {"frames": kept["frames"] + frames, "wall": kept["wall"] + wall, "processor": kept["processor"] + processor}
-    partial = _file(folder).with_suffix(".partial")
-    partial.write_text(json.dumps(total))
-    os.replace(partial, _file(folder))
+def _kept(folder, program):
+    """What is noted of this program's frames."""
+    nothing = {"program": program, "frames": 0, "wall": 0.0, "processor": 0.0}
+    kept = nothing | json.loads(_file(folder).read_text()) if _file(folder).exists() else nothing
+    return kept if kept["program"] == program else nothing
 
 
-def seconds_a_frame(folder, clock):
-    """The mean over the noted frames by one of CLOCKS; None if none is noted."""
-    if not _file(folder).exists():
-        return None
-    kept = json.loads(_file(folder).read_text())
-    return kept[clock] / kept["frames"]
+def note(folder, frames, wall, processor, program=""):
+    """Adds so many frames, rendered in these seconds, to those of the same program that were noted before. `program` tells one from another."""
+    kept = _kept(folder, program)
+    total = {"program": program, "frames": kept["frames"] + frames, "wall": kept["wall"] + wall, "processor": kept["processor"] + processor}
+    write_whole(_file(folder), json.dumps(total))
+
+
+def seconds_a_frame(folder, clock, program=""):
+    """The mean over the program's noted frames by one of CLOCKS; None if none is noted."""
+    kept = _kept(folder, program)
+    return kept[clock] / kept["frames"] if kept["frames"] else None

@@ -135,6 +135,7 @@ def write_report(asked, results, missing):
     """Prints and writes all tables. Returns the sections of the page."""
     spps = results.spps()
     report = Report(asked.output, ["goals", *(f"{spp}spp" for spp in spps), "samples", "variants"], "Quality of the denoised sequences")
+    report.clear()
     found = goals(results, ours=not asked.shots)
     sections = []
 

@@ -145,12 +145,13 @@ def cost(becalm, scene, root, spp):
     """Processor time of a pair of eyes over that of an eye by itself, with files, by runs that alternate."""
     frames = range(1, COST_FRAMES + 1)
     folder = root / f"{COST_SIZE[0]}x{COST_SIZE[1]}" / scene
-    render(becalm, scene, folder / "noisy", frames, COST_SIZE, ["--spp", str(spp), "--aovs", AOVS])
+    noisy = folder / f"noisy{spp}"
+    render(becalm, scene, noisy, frames, COST_SIZE, ["--spp", str(spp), "--aovs", AOVS])
     for preset in ("draft", "balanced", "final"):
         apart, together = [], []
         for _ in range(COST_RUNS):
             for options, spent in ((["--no-stereo"], apart), ([], together)):
-                spent.append(denoise(becalm, folder / "noisy", folder / "timed", ["--preset", preset, *options]) / COST_FRAMES)
+                spent.append(denoise(becalm, noisy, folder / "timed", ["--preset", preset, *options]) / COST_FRAMES)
         one, pair = statistics.median(apart) / 2, statistics.median(together)
         print(f"| {preset} | {one:.2f} | {pair:.2f} | {pair / one:.2f} |", flush=True)
 

@@ -6,6 +6,7 @@ import subprocess
 import numpy as np
 import OpenImageIO as oiio
 
+from benches.made_of import keep_if_same
 from benches.scene_text import scene_text, with_absolute_paths
 
 REPORTED = ("spheres", "statue")
@@ -48,9 +49,10 @@ def scene_of(name, size):
 
 def render(becalm, scene, folder, frames, size, options):
     """Renders the frames that are not there yet into folder/f.####.exr, both eyes as views."""
-    folder.mkdir(parents=True, exist_ok=True)
+    text = scene_of(scene, size)
+    keep_if_same(folder, becalm, scene=text, options=list(options))
     path = folder / "scene.json"
-    path.write_text(json.dumps(scene_of(scene, size)))
+    path.write_text(json.dumps(text))
     missing = [frame for frame in frames if not (folder / f"f.{frame:04}.exr").exists()]
     if missing:
         subprocess.run([becalm, "render", path, "-o", folder / "f.####.exr", "--frames", ",".join(map(str, missing)), "--float", "--overwrite", "--quiet",
