@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 #include <span>
 
 #include "frame/error.h"
@@ -94,9 +95,25 @@ std::string_view end_of(std::string_view name) {
   return without_vray(name.substr(name.rfind('.') + 1));
 }
 
-/// The candidates of a file: sets of at least two layers, by whole names.
-std::vector<std::vector<std::string>> candidates(const std::vector<PartChannels>& parts,
-                                                 const ViewLayers& view) {
+bool is_of_group(std::string_view name, std::string_view group) {
+  return name.starts_with(group) && !names_an_aov(name);
+}
+
+/// The scopes whose layers may be summands of the beauty: its own, or any where it has none.
+std::set<std::string_view> scopes_beside(const LayerSource& beauty, const std::vector<ChannelLayer>& layers) {
+  std::set<std::string_view> all;
+  for (const ChannelLayer& layer : layers) {
+    const std::optional<LayerSource> source = channels_as(layer, Aov::beauty);
+    const bool is_beauty =
+        source && source->part == beauty.part && source->channels.front() == beauty.channels.front();
+    if (const std::string_view scope = scope_of(layer.name()); is_beauty && !scope.empty()) return {scope};
+    all.insert(scope_of(layer.name()));
+  }
+  return all;
+}
+
+/// The candidates of a file: sets of at least two layers, by whole names, as AdditiveSet has them.
+std::vector<AdditiveSet> candidates(const std::vector<PartChannels>& parts, const ViewLayers& view) {
   const LayerSource& beauty = *view.layers[static_cast<std::size_t>(Aov::beauty)];
   const Imath::Box2i& window = parts[beauty.part].data_window;
   const std::vector<ChannelLayer> layers = collect_layers(parts, view.view);
@@ -109,28 +126,35 @@ std::vector<std::vector<std::string>> candidates(const std::vector<PartChannels>
       return taken->channels.front() == source.channels.front();
     });
   };
-  std::vector<std::vector<std::string>> sets;
-  const auto add = [&](auto is_of_set) {
-    std::vector<std::string> names;
+  const std::set<std::string_view> scopes = scopes_beside(beauty, layers);
+  std::vector<AdditiveSet> sets;
+  const auto add_of_scope = [&](std::string_view scope, auto is_of_set) {
+    AdditiveSet set;
     for (const ChannelLayer& layer : layers) {
-      if (layer.is_bare() || parts[layer.part].data_window != window || !is_of_set(end_of(layer.name())))
-        continue;
+      const std::string_view own_scope = scope_of(layer.name());
+      if (!is_of_set(end_of(layer.name())) || (!own_scope.empty() && own_scope != scope)) continue;
       const auto source = channels_as(layer, Aov::direct);
-      if (source && !is_taken(*source)) names.push_back(layer.title.empty() ? layer.name() : layer.title);
+      if (!source || is_taken(*source)) continue;
+      set.layers.push_back(layer.title.empty() ? layer.name() : layer.title);
+      if (parts[layer.part].data_window != window) set.cropped.push_back(set.layers.back());
     }
-    if (names.size() > 1 && std::ranges::find(sets, names) == sets.end()) sets.push_back(std::move(names));
+    const auto is_same = [&](const AdditiveSet& other) { return other.layers == set.layers; };
+    if (set.layers.size() > 1 && std::ranges::none_of(sets, is_same)) sets.push_back(std::move(set));
+  };
+  const auto add = [&](auto is_of_set) {
+    for (const std::string_view scope : scopes) add_of_scope(scope, is_of_set);
   };
   for (const std::span<const std::string_view> set : kSets) {
     add([&](std::string_view name) { return std::ranges::find(set, name) != set.end(); });
   }
   for (const std::string_view group : kLightGroups) {
-    add([&](std::string_view name) { return name.starts_with(group) && !names_an_aov(name); });
+    add([&](std::string_view name) { return is_of_group(name, group); });
   }
   return sets;
 }
 
-std::vector<std::vector<std::string>> candidates_of(const std::string& path, const LayerOptions& options) {
-  std::vector<std::vector<std::string>> sets;
+std::vector<AdditiveSet> candidates_of(const std::string& path, const LayerOptions& options) {
+  std::vector<AdditiveSet> sets;
   reading(path, [&] {
     const std::vector<PartChannels> parts = part_channels(*open_exr(path));
     sets = candidates(parts, find_view_layers(path, parts, options).front());
@@ -158,6 +182,7 @@ AdditiveSet compared(const Frame& frame) {
     }
   }
   return {.layers = {},
+          .cropped = {},
           .share_off = static_cast<double>(off) / static_cast<double>(std::max<std::size_t>(lit, 1)),
           .is_certain = static_cast<double>(lit) > kLeastLit * static_cast<double>(3 * beauty.pixel_count())};
 }
@@ -181,10 +206,16 @@ struct Compared {
   bool is_certain = false;  ///< of any candidate, also of those that are left out
 };
 
-Compared compare(const std::string& path, std::vector<std::vector<std::string>> candidates,
-                 const LayerOptions& options) {
+Compared compare(const std::string& path, std::vector<AdditiveSet> candidates, const LayerOptions& options) {
   Compared result;
-  for (std::vector<std::string>& layers : candidates) {
+  for (AdditiveSet& candidate : candidates) {
+    if (!candidate.cropped.empty()) {
+      candidate.share_off = 1.0;
+      result.is_certain = true;
+      result.sets.push_back(std::move(candidate));
+      continue;
+    }
+    std::vector<std::string>& layers = candidate.layers;
     LayerOptions with_layers = options;
     with_layers.additive = layers;
     LoadedFrame loaded = read_exr(path, 0, {}, with_layers, LightGroups::read);
@@ -221,6 +252,13 @@ std::optional<LightSource> find_additive_layer(const std::vector<PartChannels>& 
   return light;
 }
 
+bool names_a_summand(std::string_view layer) {
+  const std::string_view name = end_of(layer);
+  return std::ranges::any_of(kSets,
+                             [&](const auto& set) { return std::ranges::find(set, name) != set.end(); }) ||
+         std::ranges::any_of(kLightGroups, [&](std::string_view group) { return is_of_group(name, group); });
+}
+
 bool AdditiveSet::adds_up() const {
   return share_off <= kAllowedShare;
 }
@@ -234,7 +272,7 @@ std::vector<AdditiveSet> find_additive_sets(std::span<const std::string> paths, 
   int without = 0;
   for (const std::string& path : paths) {
     try {
-      std::vector<std::vector<std::string>> candidates = candidates_of(path, options);
+      std::vector<AdditiveSet> candidates = candidates_of(path, options);
       if (candidates.empty() && ++without == kMostWithout) break;
       Compared found = compare(path, std::move(candidates), options);
       if (found.is_certain) return found.sets;
@@ -270,6 +308,12 @@ std::vector<std::string> describe(const std::vector<AdditiveSet>& sets) {
   std::vector<std::string> lines;
   for (const AdditiveSet& set : sets) {
     const std::string names = printable(fmt::format("{}", fmt::join(set.layers, ", ")), 1500);
+    if (!set.cropped.empty()) {
+      lines.push_back(fmt::format("{} are passed on noisy, since {} {} another data window than the beauty",
+                                  names, printable(fmt::format("{}", fmt::join(set.cropped, ", ")), 1500),
+                                  set.cropped.size() == 1 ? "has" : "have"));
+      continue;
+    }
     lines.push_back(set.adds_up()
                         ? fmt::format("{} add up to the beauty and are denoised with it", names)
                         : fmt::format("{} do not add up to the beauty in {:.1f}% of the values and are "

@@ -77,9 +77,9 @@ constexpr Alias kAliases[] = {
 };
 
 constexpr std::string_view kVrayPrefix = "vray";
-constexpr std::string_view kVraysNames[] = {"noiselevel", "zdepth",          "normals", "bump_normals",
-                                            "rawlight",   "rawgi",           "matteid", "defocusamount",
-                                            "rawshadow",  "reflectionfilter"};
+constexpr std::string_view kVraysNames[] = {"noiselevel", "bump_normals",  "rawlight",  "rawgi",
+                                            "matteid",    "defocusamount", "rawshadow", "reflectionfilter"};
+constexpr std::string_view kNamesOfVrayAndOthers[] = {"zdepth", "normals"};
 
 }  // namespace
 
@@ -108,8 +108,10 @@ std::string_view without_vray(std::string_view layer) {
   return layer;
 }
 
-bool is_vrays(std::string_view layer) {
-  return layer.starts_with(kVrayPrefix) || std::ranges::find(kVraysNames, layer) != std::end(kVraysNames);
+int evidence_of_vray(std::string_view layer) {
+  const auto is_among = [&](const auto& names) { return std::ranges::find(names, layer) != std::end(names); };
+  if (layer.starts_with(kVrayPrefix) || is_among(kVraysNames)) return kVraysEvidence;
+  return is_among(kNamesOfVrayAndOthers) ? 1 : 0;
 }
 
 }  // namespace becalm::io

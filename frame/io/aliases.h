@@ -35,7 +35,9 @@ bool names_an_aov(std::string_view layer);
 /// The name without the `vray` that V-Ray for 3ds Max puts in front of all layers' names.
 std::string_view without_vray(std::string_view layer);
 
-/// Whether only V-Ray calls a layer so.
-bool is_vrays(std::string_view layer);
+/// How much a layer's name tells that V-Ray wrote it: kVraysEvidence where only V-Ray calls one so, less for
+/// names that others use too, 0 for others.
+int evidence_of_vray(std::string_view layer);
+inline constexpr int kVraysEvidence = 2;
 
 }  // namespace becalm::io

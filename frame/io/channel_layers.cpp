@@ -104,6 +104,11 @@ std::string lower(std::string_view text) {
   return result;
 }
 
+std::string_view scope_of(std::string_view layer) {
+  const std::size_t dot = layer.rfind('.');
+  return dot == std::string_view::npos ? std::string_view() : layer.substr(0, dot);
+}
+
 bool ChannelLayer::is_bare() const {
   return own_name.empty() && (part_name.empty() || !names_an_aov(part_name));
 }

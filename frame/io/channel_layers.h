@@ -12,6 +12,9 @@ namespace becalm::io {
 
 std::string lower(std::string_view text);
 
+/// The view layer's or scene's name before a layer's own name, such as `viewlayer` of `viewlayer.combined`.
+std::string_view scope_of(std::string_view layer);
+
 /// The channels of one view in one layer of one part, by lower-case letter. A channel whose name does
 /// not end in a letter or a colour is a layer of its own, and has letter 0.
 struct ChannelLayer {

@@ -20,10 +20,12 @@ namespace {
 /// choice for the beauty.
 constexpr std::string_view kCompositeScope = "composite";
 
-/// The view layer's or scene's name before a layer's own name, such as `viewlayer` of `viewlayer.combined`.
-std::string_view scope_of(std::string_view layer) {
-  const std::size_t dot = layer.rfind('.');
-  return dot == std::string_view::npos ? std::string_view() : layer.substr(0, dot);
+/// Names of parts whose bare channels look like colours and are none.
+constexpr std::string_view kNoColours[] = {"ao", "occlusion", "position", "p", "uv"};
+
+bool is_no_colour(std::string_view part) {
+  return part.find("crypto") != std::string_view::npos ||
+         std::ranges::find(kNoColours, part) != std::end(kNoColours);
 }
 
 struct Found {
@@ -47,22 +49,33 @@ class LayerFinder {
  public:
   LayerFinder(const std::vector<PartChannels>& parts, const std::string& view)
       : layers_(collect_layers(parts, view)) {
-    for (const ChannelLayer& layer : layers_) is_vrays_ |= is_vrays(layer.name()) || layer.spells_colours_out;
+    int evidence = 0;
+    for (const ChannelLayer& layer : layers_) {
+      evidence += evidence_of_vray(layer.name());
+      is_vrays_ |= layer.spells_colours_out;
+    }
+    is_vrays_ |= evidence >= kVraysEvidence;
   }
 
-  /// In this order: bare channels of a part without a name, layers with a beauty's name, bare channels of any
-  /// part, a composite.
+  /// In this order: bare channels of a part without a name, layers with a beauty's name, bare channels of a
+  /// part that is not named as a summand of the beauty, of any other part that may hold colours, a composite.
   std::optional<Found> find_beauty() const {
     const auto is_composite = [](std::string_view scope) { return scope == kCompositeScope; };
     const auto is_whole_file = [](const ChannelLayer& layer, const Alias& alias) {
       return alias.layer.empty() && layer.part_name.empty();
     };
     const auto is_named = [](const ChannelLayer&, const Alias& alias) { return !alias.layer.empty(); };
-    const auto is_any = [](const ChannelLayer&, const Alias&) { return true; };
+    const auto is_colour = [](const ChannelLayer& layer, const Alias& alias) {
+      return !alias.layer.empty() || !is_no_colour(layer.part_name);
+    };
+    const auto is_no_summand = [&](const ChannelLayer& layer, const Alias& alias) {
+      return is_colour(layer, alias) && !names_a_summand(layer.name());
+    };
     if (auto found = find_by_alias(Aov::beauty, std::not_fn(is_composite), is_whole_file)) return found;
     if (auto found = find_by_alias(Aov::beauty, std::not_fn(is_composite), is_named)) return found;
+    if (auto found = find_by_alias(Aov::beauty, std::not_fn(is_composite), is_no_summand)) return found;
     return find_by_alias(
-        Aov::beauty, [](std::string_view) { return true; }, is_any);
+        Aov::beauty, [](std::string_view) { return true; }, is_colour);
   }
 
   /// The first layer that a row of the AOV names and whose scope is accepted.

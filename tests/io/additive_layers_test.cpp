@@ -4,7 +4,9 @@
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfMultiPartOutputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfOutputPart.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -41,6 +43,28 @@ class AdditiveLayers : public ::testing::Test {
     Imf::OutputFile file(path_.c_str(), header);
     file.setFrameBuffer(buffer);
     file.writePixels(kHeight);
+  }
+
+  /// Parts of bare half channels R, G and B, in this order; those named in `cropped` lack the last column.
+  void write_parts(const std::vector<std::pair<std::string, std::function<float(int)>>>& parts,
+                   const Names& cropped = {}) const {
+    std::vector<Imf::Header> headers;
+    for (const auto& [name, value] : parts) {
+      const bool is_cropped = std::ranges::find(cropped, name) != cropped.end();
+      headers.push_back(named_part(name, layer_channels("", {"R", "G", "B"}, Imf::HALF)));
+      headers.back().dataWindow() = window(0, 0, kWidth - (is_cropped ? 1 : 0), kHeight);
+    }
+    Imf::MultiPartOutputFile file(path_.c_str(), headers.data(), static_cast<int>(headers.size()));
+    for (int part = 0; part < static_cast<int>(parts.size()); ++part) {
+      std::vector<Imath::half> plane;
+      for (int i = 0; i < kWidth * kHeight; ++i) plane.emplace_back(parts[part].second(i));
+      Imf::FrameBuffer buffer;
+      for (const char* letter : {"R", "G", "B"})
+        buffer.insert(letter, Imf::Slice(Imf::HALF, reinterpret_cast<char*>(plane.data()), 2, 2 * kWidth));
+      Imf::OutputPart output(file, part);
+      output.setFrameBuffer(buffer);
+      output.writePixels(kHeight);
+    }
   }
 
   std::vector<AdditiveSet> sets() const { return find_additive_sets(path_, {}); }
@@ -204,6 +228,53 @@ TEST_F(AdditiveLayers, DirectAndIndirectLightAreDenoisedAnyway) {
          {"indirect", second},
          {"emission", first}});
   EXPECT_EQ(choose_additive("auto", sets()), Names{"emission"});
+}
+
+float both(int i) {
+  return first(i) + second(i);
+}
+
+TEST_F(AdditiveLayers, BarePartsCount) {
+  write_parts({{"diffuse", first}, {"rgba", both}, {"specular", second}});
+  EXPECT_EQ(choose_additive("auto", sets()), (Names{"diffuse", "specular"}));
+  denoise();
+  EXPECT_FLOAT_EQ(read_value(read_planes(result_, 0), "G", 9), 2.0f * Imath::half(first(9)));
+  EXPECT_FLOAT_EQ(read_value(read_planes(result_, 2), "B", 9), 2.0f * Imath::half(second(9)));
+}
+
+TEST_F(AdditiveLayers, APartOfASummandIsNotTheBeauty) {
+  write_parts(
+      {{"AO", first}, {"CryptoMaterial00", first}, {"diffuse", first}, {"main", both}, {"specular", second}});
+  EXPECT_EQ(choose_additive("auto", sets()), (Names{"diffuse", "specular"}));
+  write_parts({{"CryptoMaterial00", first}, {"position", first}});
+  EXPECT_THROW(read_exr(path_, 1, {}, {}), Error) << "no colour";
+}
+
+TEST_F(AdditiveLayers, ASummandOfAnotherDataWindowIsTold) {
+  write_parts({{"rgba", both}, {"diffuse", first}, {"specular", second}}, {"specular"});
+  EXPECT_TRUE(choose_additive("auto", sets()).empty());
+  EXPECT_EQ(describe(sets()),
+            Names{"diffuse, specular are passed on noisy, since specular has another data window "
+                  "than the beauty"});
+}
+
+TEST_F(AdditiveLayers, EachViewLayerHasItsOwn) {
+  write({{"A.Combined", both},
+         {"A.Emit", first},
+         {"A.Env", second},
+         {"B.Combined", first},
+         {"B.Emit", second},
+         {"B.Env", first}});
+  EXPECT_EQ(choose_additive("auto", sets()), (Names{"A.Emit", "A.Env"}));
+  write({{"", both}, {"A.Emit", first}, {"A.Env", first}, {"B.Emit", first}, {"B.Env", second}});
+  EXPECT_EQ(choose_additive("auto", sets()), (Names{"B.Emit", "B.Env"})) << "a bare beauty may be of any";
+}
+
+TEST_F(AdditiveLayers, DiffuseIsLightBesideNormalsAlone) {
+  write({{"", both}, {"diffuse", first}, {"specular", second}, {"normals", first}});
+  EXPECT_EQ(choose_additive("auto", sets()), (Names{"diffuse", "specular"}));
+  write({{"", both}, {"diffuse", first}, {"normals", first}, {"zDepth", first}});
+  EXPECT_TRUE(contains(read_exr(path_, 1, AovSet().set(), {}).frame.aovs(), Aov::albedo)) << "V-Ray's";
 }
 
 TEST_F(AdditiveLayers, ALayerThatIsNotThereIsAnError) {
