@@ -41,5 +41,8 @@ void request_stop() {
 bool interrupted() {
   return signalled;
 }
+void stop_if_asked() {
+  if (interrupted()) throw Error(ExitStatus::interrupted, "interrupted; nothing was written");
+}
 
 }  // namespace becalm::app

@@ -18,4 +18,7 @@ void request_stop();
 /// Whether a signal was the reason.
 bool interrupted();
 
+/// For loops before anything is written: throws Error(interrupted) once a signal came.
+void stop_if_asked();
+
 }  // namespace becalm::app

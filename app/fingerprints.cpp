@@ -6,6 +6,7 @@
 
 #include <filesystem>
 
+#include "app/cancel.h"
 #include "app/content_hash.h"
 
 namespace becalm::app {
@@ -59,7 +60,10 @@ std::set<int> Fingerprints::up_to_date(const std::set<int>& existing,
       read.merge(read_for(source));
     }
   }
-  tbb::parallel_for_each(read, [this](int frame) { take(frame); });
+  tbb::parallel_for_each(read, [this](int frame) {
+    stop_if_asked();
+    take(frame);
+  });
   std::set<int> same;
   for (const auto& [output, source] : sources) {
     const std::string inputs = of(source).front().second;

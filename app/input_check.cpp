@@ -8,6 +8,7 @@
 #include <iterator>
 #include <optional>
 
+#include "app/cancel.h"
 #include "app/eye_names.h"
 #include "app/frame_problems.h"
 #include "filter/merge/additive.h"
@@ -180,6 +181,7 @@ InputWindow find_window(const InputFrames& inputs, const io::LayerOptions& layer
   const std::vector<int>& frames = inputs.readable();
   std::vector<std::vector<io::ExrView>> headers(frames.size());
   tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t i) {
+    stop_if_asked();
     try {
       for (const std::string& path : inputs.paths(frames[i])) {
         std::ranges::move(io::read_exr_header(path, layers, io::CheckChunks::no),
@@ -208,8 +210,10 @@ std::vector<InputLayout> check_inputs(const InputFrames& inputs, const std::set<
                                       const FilterStage& filter, const io::LayerOptions& layers) {
   std::vector<Checked> checked;
   for (const int frame : frames) checked.push_back({frame, std::nullopt, ""});
-  tbb::parallel_for(std::size_t{0}, checked.size(),
-                    [&](std::size_t i) { checked[i] = check(inputs, checked[i].frame, filter, layers); });
+  tbb::parallel_for(std::size_t{0}, checked.size(), [&](std::size_t i) {
+    stop_if_asked();
+    checked[i] = check(inputs, checked[i].frame, filter, layers);
+  });
 
   const Checked* usual = most_common(checked);
   FrameProblems problems(inputs.pattern());

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <signal.h>
+#include <tbb/parallel_for.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,6 +14,7 @@
 #include <sstream>
 #include <system_error>
 
+#include "app/cancel.h"
 #include "frame/error.h"
 #include "frame/io/exr_channels.h"
 
@@ -203,10 +205,12 @@ std::string Outputs::recorded(const std::string& attribute) const {
 }
 
 Outputs::Existing Outputs::find_existing(const io::Attributes& attributes) const {
-  Existing existing;
-  for (const int frame : frames_) {
+  std::vector<char> is_existing(frames_.size(), 0);
+  std::vector<std::vector<std::string>> unusable(frames_.size());
+  tbb::parallel_for(std::size_t{0}, frames_.size(), [&](std::size_t i) {
     bool all_there = true;
-    for (const std::string& path : paths(frame)) {
+    for (const std::string& path : paths(frames_[i])) {
+      stop_if_asked();
       std::error_code error;
       const bool is_there = fs::exists(path, error);
       const bool is_usable = is_there && is_whole(path);
@@ -214,11 +218,16 @@ Outputs::Existing Outputs::find_existing(const io::Attributes& attributes) const
       if (is_there && !is_usable) {
         if (fs::is_regular_file(path, error) && !fs::is_empty(path, error) && !is_of_becalm(path))
           refuse_foreign_file(path);
-        existing.unusable.push_back(path);
+        unusable[i].push_back(path);
       }
       all_there = all_there && is_usable;
     }
-    if (all_there) existing.frames.insert(frame);
+    is_existing[i] = all_there ? 1 : 0;
+  });
+  Existing existing;
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    if (is_existing[i] != 0) existing.frames.insert(frames_[i]);
+    std::ranges::move(unusable[i], std::back_inserter(existing.unusable));
   }
   return existing;
 }

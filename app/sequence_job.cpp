@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -11,6 +12,7 @@
 
 #include "app/alpha_report.h"
 #include "app/audit_run.h"
+#include "app/cancel.h"
 #include "app/console.h"
 #include "app/counted.h"
 #include "app/eye_names.h"
@@ -60,11 +62,28 @@ SequenceJob::SequenceJob(const SequenceCommand& command, FilterRecipe recipe)
   outputs_.keep_apart_from(paths);
 }
 
-/// Whether the first frame, which may be a slate, has the chosen additive layers. True of a damaged one, of
-/// which check_inputs tells what is wrong.
-bool SequenceJob::first_frame_has_layers() const {
-  const std::string path = inputs_.path(inputs_.readable().front());
-  const auto can_be_read = [&](const io::LayerOptions& layers) {
+/// The files of all frames of the sequence on disk, or of the single frame.
+std::vector<NumberedFile> SequenceJob::all_files() const {
+  std::vector<NumberedFile> files;
+  if (!inputs_.pattern().has_frame_field()) {
+    const int frame = inputs_.readable().front();
+    for (const std::string& path : inputs_.paths(frame)) files.push_back({frame, path});
+    return files;
+  }
+  const auto add = [&](const io::SequencePattern& pattern) {
+    for (const int frame : pattern.frames_on_disk()) files.push_back({frame, pattern.path(frame)});
+  };
+  add(inputs_.pattern());
+  for (const auto& other : {inputs_.other_half(), inputs_.other_eye()}) {
+    if (other) add(*other);
+  }
+  return files;
+}
+
+/// The first frame, perhaps a slate, without the chosen additive layers. Not a damaged one, of which
+/// check_inputs tells what is wrong.
+std::optional<int> SequenceJob::frame_without_additive(const std::vector<NumberedFile>& files) const {
+  const auto can_be_read = [](const std::string& path, const io::LayerOptions& layers) {
     try {
       io::read_exr_header(path, layers, io::CheckChunks::no);
       return true;
@@ -74,30 +93,40 @@ bool SequenceJob::first_frame_has_layers() const {
   };
   io::LayerOptions without = layers_;
   without.additive.clear();
-  return can_be_read(layers_) || !can_be_read(without);
+  std::vector<char> lacks(files.size(), 0);
+  tbb::parallel_for(std::size_t{0}, files.size(), [&](std::size_t i) {
+    stop_if_asked();
+    lacks[i] = can_be_read(files[i].path, layers_) || !can_be_read(files[i].path, without) ? 0 : 1;
+  });
+  const auto found = std::ranges::find(lacks, 1);
+  if (found == lacks.end()) return std::nullopt;
+  return files[static_cast<std::size_t>(found - lacks.begin())].frame;
 }
 
-/// Chooses by the first frame of the sequence on disk that tells, so that all jobs of a sequence choose
-/// alike.
+/// Chooses by all frames of the sequence on disk, so that all jobs of a sequence choose alike: by the first
+/// one that tells what adds up, and only what every frame has.
 void SequenceJob::choose_additive() {
   if (!filter_.denoises_additive()) return;
-  const io::SequencePattern& pattern = inputs_.pattern();
-  std::vector<std::string> paths;
-  if (pattern.has_frame_field()) {
-    for (const int frame : pattern.frames_on_disk()) paths.push_back(pattern.path(frame));
-  } else {
-    paths.push_back(inputs_.path(inputs_.readable().front()));
-  }
   const bool is_auto = command_.layers.additive == "auto";
-  const auto sets = is_auto ? io::find_additive_sets(paths, layers_) : std::vector<io::AdditiveSet>();
+  std::vector<io::AdditiveSet> sets;
+  std::vector<NumberedFile> files;
+  if (is_auto) {
+    files = all_files();
+    std::vector<std::string> paths;
+    for (const NumberedFile& file : files) paths.push_back(file.path);
+    sets = io::find_additive_sets(paths, layers_);
+  }
   layers_.additive = io::choose_additive(command_.layers.additive, sets);
   additive_notes_ = io::describe(sets);
   const std::string names = fmt::format("{}", fmt::join(layers_.additive, ", "));
-  if (is_auto && !first_frame_has_layers()) {
-    additive_notes_ = {
-        fmt::format("{} are passed on noisy, since frame {} lacks them; without it they are denoised", names,
-                    inputs_.readable().front())};
-    layers_.additive.clear();
+  if (is_auto && !layers_.additive.empty()) {
+    if (const std::optional<int> lacking = frame_without_additive(files)) {
+      additive_notes_ = {
+          fmt::format("{} are passed on noisy, since frame {} on disk lacks them; --additive NAME,... "
+                      "denoises them in --frames that have them",
+                      names, *lacking)};
+      layers_.additive.clear();
+    }
   } else if (!is_auto && !names.empty()) {
     additive_notes_ = {names + " are denoised with the beauty"};
   }
@@ -224,6 +253,9 @@ void SequenceJob::print_plan(const std::set<int>& needed) {
 }
 
 void SequenceJob::find_existing() {
+  constexpr std::size_t most_untold = 50;
+  if (outputs_.frames().size() > most_untold && !command_.running.quiet)
+    say(fmt::format("--resume: checking which of {} frames are there", outputs_.frames().size()));
   Outputs::Existing found = outputs_.find_existing(attributes_);
   warn_unusable(found.unusable);
   existing_ = fingerprints_.up_to_date(found.frames, [this](int frame) { return outputs_.paths(frame); });

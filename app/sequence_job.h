@@ -20,6 +20,12 @@
 
 namespace becalm::app {
 
+/// A file of a sequence, or of one of its eyes or halves.
+struct NumberedFile {
+  int frame = 0;
+  std::string path;
+};
+
 /// One run of `becalm denoise` or `becalm antialias`: a sequence of EXR files through a filter into another.
 class SequenceJob {
  public:
@@ -31,7 +37,8 @@ class SequenceJob {
   std::string recorded_preset() const { return outputs_.recorded("becalm:preset"); }
 
  private:
-  bool first_frame_has_layers() const;
+  std::vector<NumberedFile> all_files() const;
+  std::optional<int> frame_without_additive(const std::vector<NumberedFile>& files) const;
   void choose_additive();
   std::string settings() const;
   void find_existing();

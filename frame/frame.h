@@ -60,6 +60,10 @@ class Frame {
   const std::optional<Parity>& checkerboard() const { return checkerboard_; }
   void set_checkerboard(std::optional<Parity> parity) { checkerboard_ = parity; }
 
+  /// How many pixels lie outside of what was rendered: their radiance is NaN, and that is no fault.
+  std::size_t unknown_pixels() const { return unknown_pixels_; }
+  void set_unknown_pixels(std::size_t count) { unknown_pixels_ = count; }
+
   /// Empty unless asked for.
   std::vector<LightGroup>& light_groups() { return light_groups_; }
   const std::vector<LightGroup>& light_groups() const { return light_groups_; }
@@ -73,6 +77,7 @@ class Frame {
   std::optional<FrameJitter> jitter_;
   std::optional<StereoView> stereo_;
   std::optional<Parity> checkerboard_;
+  std::size_t unknown_pixels_ = 0;
 };
 
 }  // namespace becalm

@@ -210,7 +210,8 @@ std::optional<Frame> AntialiasFilter::run(const Step& step, const Frame& given, 
     leave_holes(*given.checkerboard(), sampled.width, counts);
     close_holes(*given.checkerboard(), sampled.width, finite);  // they are made, whatever they hold
   }
-  report.non_finite_pixels = static_cast<std::size_t>(std::ranges::count(finite, 0));
+  const auto not_finite = static_cast<std::size_t>(std::ranges::count(finite, 0));
+  report.non_finite_pixels = not_finite - std::min(not_finite, frame.unknown_pixels());
   Image color(sampled.width, sampled.height, 4);
   pack_color(beauty, counts, bounds(sampled), color.data());
   if (!s.scale) s.scale = scale_of(color);

@@ -183,6 +183,25 @@ void multiply_by_colours(LoadedView& view) {
   }
 }
 
+/// Makes radiance beyond a view's own data window NaN, so that filters do not take it for black; but only
+/// where the nearest pixel is opaque: renderers crop what is empty.
+void forget_outside(const Imath::Box2i& data_window, LoadedView& view) {
+  if (data_window == view.window) return;
+  Image& beauty = view.frame.image(Aov::beauty);
+  const Imath::Box2i inside(data_window.min - view.window.min, data_window.max - view.window.min);
+  std::size_t unknown = 0;
+  for (int y = 0; y < beauty.height(); ++y) {
+    for (int x = 0; x < beauty.width(); ++x) {
+      const Imath::V2i nearest(std::clamp(x, inside.min.x, inside.max.x),
+                               std::clamp(y, inside.min.y, inside.max.y));
+      if (nearest == Imath::V2i(x, y) || beauty.at(nearest.x, nearest.y, 3) < 1.0f) continue;
+      std::ranges::fill(beauty.pixel(x, y).first(3), std::numeric_limits<float>::quiet_NaN());
+      ++unknown;
+    }
+  }
+  view.frame.set_unknown_pixels(unknown);
+}
+
 void require_flat(const std::string& path, const Imf::MultiPartInputFile& file) {
   for (int part = 0; part < file.parts(); ++part) {
     if (!is_deep(file.header(part))) return;
@@ -271,6 +290,8 @@ LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted, c
     }
     multiply_by_colours(loaded);
     std::ranges::for_each(loaded.other_views, multiply_by_colours);
+    for (std::size_t i = 0; i < views.size(); ++i)
+      forget_outside(views[i].data_window, i == 0 ? loaded : loaded.other_views[i - 1]);
   });
   return loaded;
 }

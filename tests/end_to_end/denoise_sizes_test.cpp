@@ -47,6 +47,21 @@ void write_window(const std::string& path, int number, const Imath::Box2i& data_
   file.writePixels(data_window.max.y - data_window.min.y + 1);
 }
 
+/// R, G and B of one value.
+void write_even(const std::string& path, float value, const Imath::Box2i& data_window) {
+  const Imath::V2i size = data_window.size() + Imath::V2i(1);
+  std::vector<float> values(static_cast<std::size_t>(size.x) * size.y, value);
+  Imf::Header header(kDisplay, data_window);
+  Imf::FrameBuffer buffer;
+  for (const char* name : {"R", "G", "B"}) {
+    header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+    buffer.insert(name, Imf::Slice::Make(Imf::FLOAT, values.data(), data_window));
+  }
+  Imf::OutputFile file(path.c_str(), header);
+  file.setFrameBuffer(buffer);
+  file.writePixels(size.y);
+}
+
 /// Both eyes' beauty and albedo in one part, as OpenEXR names them.
 void write_stereo(const std::string& path, const Frame& left, const Frame& right,
                   const Imath::Box2i& data_window = kDisplay) {
@@ -101,6 +116,24 @@ TEST_F(Denoise, DataWindowsMayMove) {
       }
     }
   }
+}
+
+TEST_F(Denoise, WhatLiesBeyondAnOpaqueDataWindowDarkensNothing) {
+  const Imath::Box2i overscan(Imath::V2i(-6, -6), Imath::V2i(kWidth + 5, kHeight + 5));
+  for (int number = 1; number <= 3; ++number) {
+    const Imath::Box2i window = number == 2 ? overscan : kDisplay;
+    write_even(frame_path(input_, number), 0.5f, window);
+  }
+  const Outcome outcome = becalm_done(command("out.####.exr"));
+  EXPECT_EQ(outcome.err.find("NaN"), std::string::npos) << outcome.err;
+  for (int number = 1; number <= 3; ++number) {
+    const Frame result = read_frame(frame_path(folder_ / "out.####.exr", number));
+    for (int y = 0; y < result.height(); ++y) {
+      for (int x = 0; x < result.width(); ++x)
+        ASSERT_NEAR(result.image(Aov::beauty).at(x, y, 0), 0.5f, 1e-3f) << number << ": " << x << ", " << y;
+    }
+  }
+  EXPECT_EQ(becalm_done({"info", input_, "--audit"}).out.find("NaN"), std::string::npos);
 }
 
 TEST_F(Denoise, DataWindowsOfBothEyesMayMove) {

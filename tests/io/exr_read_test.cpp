@@ -131,6 +131,27 @@ TEST_F(ExrRead, PartsWithWindowsOfTheirOwn) {
   EXPECT_TRUE(std::isinf(frame.image(Aov::depth).at(7, 5, 0)));
 }
 
+TEST_F(ExrRead, RadianceBeyondOpaqueEdgesIsUnknown) {
+  const Imath::Box2i larger = window(0, 0, 6, 5);
+  const auto value = [&](const Frame& frame, int x, int y) { return frame.image(Aov::beauty).at(x, y, 1); };
+  write_test_file(path_, {scanline_part(window(1, 1, 3, 2), {{"R"}, {"G"}, {"B"}})});
+  const Frame opaque = read_exr(path_, 1, all_aovs(), {}, LightGroups::leave, larger).frame;
+  EXPECT_EQ(opaque.unknown_pixels(), 6u * 5u - 3u * 2u);
+  EXPECT_TRUE(std::isnan(value(opaque, 0, 0)));
+  EXPECT_TRUE(std::isnan(value(opaque, 5, 2)));
+  EXPECT_EQ(value(opaque, 3, 2), test_value("G", 3, 2));
+  write_test_file(path_, {scanline_part(window(1, 1, 3, 2), kColour)});
+  const Frame cropped = read_exr(path_, 1, all_aovs(), {}, LightGroups::leave, larger).frame;
+  int seen[2] = {};
+  for (int x = 1; x < 4; ++x) {
+    const bool is_opaque = cropped.image(Aov::beauty).at(x, 1, 3) >= 1.0f;
+    ++seen[is_opaque ? 1 : 0];
+    EXPECT_EQ(std::isnan(value(cropped, x, 0)), is_opaque) << "renderers crop what is empty";
+  }
+  EXPECT_GT(seen[0], 0);
+  EXPECT_GT(seen[1], 0);
+}
+
 TEST_F(ExrRead, Attributes) {
   Imf::Header header = scanline_part(window(0, 0, 4, 4), kColour);
   header.insert("becalm:preset", Imf::StringAttribute("final"));
