@@ -18,6 +18,7 @@
 #include "app/console.h"
 #include "app/eye_names.h"
 #include "app/frame_figures.h"
+#include "app/input_frames.h"
 #include "app/options.h"
 #include "app/report_file.h"
 #include "frame/io/exr.h"
@@ -218,7 +219,7 @@ ExitStatus CompareJob::run() {
   print_header();
   for (const int frame : frames_) {
     ComparedFrame now = read(frame);
-    figures.push_back(measure(now, before ? &*before : nullptr));
+    figures.push_back(measure(now, before ? &*before : nullptr, usual_step(frames_)));
     print_row(std::to_string(frame), figures.back());
     if (figures.back().skipped > 0) {
       warn(

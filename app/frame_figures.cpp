@@ -60,7 +60,7 @@ Image mean_image(const Image& a, const Image& b) {
   return mean;
 }
 
-FrameFigures measure(const ComparedFrame& now, const ComparedFrame* before) {
+FrameFigures measure(const ComparedFrame& now, const ComparedFrame* before, int step) {
   const bool two = !now.reference_b.empty();
   const Measured error =
       two ? rel_mse(now.test, now.reference, now.reference_b) : rel_mse(now.test, now.reference);
@@ -78,7 +78,7 @@ FrameFigures measure(const ComparedFrame& now, const ComparedFrame* before) {
     figures.energy = energy(now.test, now.reference).value;
   }
   figures.flip = flip(now.test, now.best_reference()).value;
-  if (before != nullptr && before->frame == now.frame - 1 && now.is_where(*before)) {
+  if (before != nullptr && before->frame == now.frame - step && now.is_where(*before)) {
     figures.temporal = two ? temporal_error(now.test, before->test, now.reference, before->reference,
                                             now.reference_b, before->reference_b)
                                  .value

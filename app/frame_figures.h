@@ -73,8 +73,8 @@ struct ComparedFrame {
 
 Image mean_image(const Image& a, const Image& b);
 
-/// `before` is the frame measured before, or null; the temporal error needs the number before `now`'s, and
-/// the same pixels.
-FrameFigures measure(const ComparedFrame& now, const ComparedFrame* before);
+/// `before` is the frame measured before, or null; the temporal error needs the same pixels and a frame
+/// `step` before `now`, the distance between the sequence's frames.
+FrameFigures measure(const ComparedFrame& now, const ComparedFrame* before, int step = 1);
 
 }  // namespace becalm::app

@@ -173,12 +173,18 @@ void print_origin(const Json& origin) {
   fmt::print("{}\n", text);
 }
 
+/// With the layers that are denoised with the beauty.
+io::LayerOptions with_additive(io::LayerOptions layers, const std::vector<io::AdditiveSet>& sets) {
+  layers.additive = io::choose_additive("auto", sets);
+  return layers;
+}
+
 void describe_file(const InfoCommand& command, const io::LayerOptions& layers) {
   const std::string& path = command.subject;
-  const io::ExrDescription file = io::describe_exr(path, layers);
   const io::SequencePattern pattern(path);
   const std::vector<int> frames{io::number_in_name(path)};
   const std::vector<io::AdditiveSet> sets = additive_sets(pattern, frames, layers);
+  const io::ExrDescription file = io::describe_exr(path, with_additive(layers, sets));
   const std::string alpha = alpha_outlook(path, layers);
   std::vector<FrameFinding> findings;
   const bool audits = command.audit && file.problem.empty();
@@ -284,10 +290,22 @@ void describe_sequence(const io::SequencePattern& pattern, const io::LayerOption
     throw Error(ExitStatus::bad_input, fmt::format("{}: no frame of this sequence is on disk{}",
                                                    pattern.text(), pattern.hint_of_other_padding()));
   }
-  const std::vector<Described> described = describe_frames(pattern, frames, layers);
+  const std::vector<io::AdditiveSet> sets = additive_sets(pattern, frames, layers);
+  const io::LayerOptions chosen = with_additive(layers, sets);
+  std::vector<Described> described = describe_frames(pattern, frames, chosen);
+  std::vector<std::string> additive_notes = io::describe(sets);
+  const auto has_problem = [](const Described& frame) { return !frame.problem.empty(); };
+  if (std::ranges::any_of(described, has_problem)) {
+    // A frame without the layers makes all of the sequence be denoised without them, as SequenceJob chooses.
+    std::vector<Described> without = describe_frames(pattern, frames, layers);
+    for (std::size_t i = without.size(); i-- > 0;) {
+      if (has_problem(described[i]) && !has_problem(without[i]))
+        additive_notes = {io::describe_lack(chosen.additive, frames[i])};
+    }
+    described = std::move(without);
+  }
   const std::vector<Kind> kinds = kinds_of(described);
   FrameProblems problems(pattern);
-  const std::vector<io::AdditiveSet> sets = additive_sets(pattern, frames, layers);
   const std::string alpha = alpha_outlook(pattern.path(frames.front()), layers);
   Json problems_json = Json::array();
   for (const Described& frame : described) {
@@ -315,7 +333,7 @@ void describe_sequence(const io::SequencePattern& pattern, const io::LayerOption
       fmt::print("{} is the other half of the samples; denoise takes the mean of both\n", other->text());
     }
     print_kinds(kinds);
-    print_lines(io::describe(sets));
+    print_lines(additive_notes);
     if (!alpha.empty()) fmt::print("{}\n", alpha);
     print_origin(origin_of(pattern.path(frames.front())));
     if (audits) print_audit(findings);

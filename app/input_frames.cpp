@@ -1,6 +1,7 @@
 #include "app/input_frames.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -8,9 +9,11 @@
 #include <limits>
 #include <system_error>
 
+#include "app/cancel.h"
 #include "app/eye_names.h"
 #include "app/half_buffers.h"
 #include "frame/error.h"
+#include "frame/io/exr.h"
 
 namespace becalm::app {
 namespace fs = std::filesystem;
@@ -72,13 +75,15 @@ InputFrames::InputFrames(const std::vector<std::string>& patterns, Pair pair, co
   }
   std::vector<int> asked;
   if (!range.empty()) asked = io::parse_frame_range(range);
-  const std::vector<int> present = other_eye_ ? present_in_both(asked, missing) : pattern_.frames_on_disk();
+  const std::vector<int> on_disk = other_eye_ ? present_in_both(asked, missing) : pattern_.frames_on_disk();
+  std::vector<int> present = on_disk;
+  if (missing != Missing::error) leave_damaged(present);
   if (present.empty()) {
     throw Error(ExitStatus::bad_input, fmt::format("{}: no frame of this sequence is on disk{}", pattern,
                                                    pattern_.hint_of_other_padding()));
   }
   const bool all = asked.empty();
-  if (all) asked = missing == Missing::hold ? every_step(present) : present;
+  if (all) asked = missing == Missing::hold ? every_step(on_disk) : present;
   assign_outputs(asked, present, missing);
   // A frame that is held is read whether or not it was asked for itself.
   readable_ = readable(sources(), present);
@@ -86,10 +91,27 @@ InputFrames::InputFrames(const std::vector<std::string>& patterns, Pair pair, co
   const bool gaps = missing != Missing::hold && std::ranges::adjacent_find(readable_, [&](int a, int b) {
                                                   return b - a > step_;
                                                 }) != readable_.end();
-  if (all && gaps) {
+  if (all && gaps && note_.empty()) {
     note_ = fmt::format("{}: only frames {} are on disk; the filter starts anew after each gap", pattern,
                         io::format_frame_range(present));
   }
+}
+
+/// Removes frames with a file that is damaged, or that a renderer still writes: they count as missing.
+void InputFrames::leave_damaged(std::vector<int>& frames) {
+  std::vector<char> is_sound(frames.size(), 0);
+  tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t i) {
+    stop_if_asked();
+    is_sound[i] = std::ranges::all_of(paths(frames[i]), io::has_all_chunks) ? 1 : 0;
+  });
+  std::vector<int> damaged;
+  std::vector<int> sound;
+  for (std::size_t i = 0; i < frames.size(); ++i) (is_sound[i] != 0 ? sound : damaged).push_back(frames[i]);
+  if (!damaged.empty()) {
+    note_ = fmt::format("{}: frames {} are damaged or not whole yet, and count as missing", pattern_.text(),
+                        io::format_frame_range(damaged));
+  }
+  frames = std::move(sound);
 }
 
 /// Halves that are one file would show no noise at all, and two frames of a sequence are not one.

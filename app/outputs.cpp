@@ -205,29 +205,30 @@ std::string Outputs::recorded(const std::string& attribute) const {
 }
 
 Outputs::Existing Outputs::find_existing(const io::Attributes& attributes) const {
-  std::vector<char> is_existing(frames_.size(), 0);
-  std::vector<std::vector<std::string>> unusable(frames_.size());
-  tbb::parallel_for(std::size_t{0}, frames_.size(), [&](std::size_t i) {
-    bool all_there = true;
-    for (const std::string& path : paths(frames_[i])) {
-      stop_if_asked();
-      std::error_code error;
-      const bool is_there = fs::exists(path, error);
-      const bool is_usable = is_there && is_whole(path);
-      if (is_usable) check_attributes(path, attributes);
-      if (is_there && !is_usable) {
-        if (fs::is_regular_file(path, error) && !fs::is_empty(path, error) && !is_of_becalm(path))
-          refuse_foreign_file(path);
-        unusable[i].push_back(path);
-      }
-      all_there = all_there && is_usable;
-    }
-    is_existing[i] = all_there ? 1 : 0;
+  const std::vector<std::string> all = all_paths();
+  std::vector<char> is_usable(all.size(), 0);
+  tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t i) {
+    stop_if_asked();
+    std::error_code error;
+    is_usable[i] = fs::exists(all[i], error) && is_whole(all[i]) ? 1 : 0;
   });
   Existing existing;
-  for (std::size_t i = 0; i < frames_.size(); ++i) {
-    if (is_existing[i] != 0) existing.frames.insert(frames_[i]);
-    std::ranges::move(unusable[i], std::back_inserter(existing.unusable));
+  auto usable = is_usable.begin();  // in the order of all_paths
+  for (const int frame : frames_) {
+    bool all_there = true;
+    for (const std::string& path : paths(frame)) {
+      std::error_code error;
+      const bool is_there = fs::exists(path, error);
+      if (*usable != 0) check_attributes(path, attributes);
+      if (is_there && *usable == 0) {
+        if (fs::is_regular_file(path, error) && !fs::is_empty(path, error) && !is_of_becalm(path))
+          refuse_foreign_file(path);
+        existing.unusable.push_back(path);
+      }
+      all_there = all_there && *usable != 0;
+      ++usable;
+    }
+    if (all_there) existing.frames.insert(frame);
   }
   return existing;
 }

@@ -121,10 +121,7 @@ void SequenceJob::choose_additive() {
   const std::string names = fmt::format("{}", fmt::join(layers_.additive, ", "));
   if (is_auto && !layers_.additive.empty()) {
     if (const std::optional<int> lacking = frame_without_additive(files)) {
-      additive_notes_ = {
-          fmt::format("{} are passed on noisy, since frame {} on disk lacks them; --additive NAME,... "
-                      "denoises them in --frames that have them",
-                      names, *lacking)};
+      additive_notes_ = {io::describe_lack(layers_.additive, *lacking)};
       layers_.additive.clear();
     }
   } else if (!is_auto && !names.empty()) {
@@ -167,6 +164,7 @@ ExitStatus SequenceJob::run() {
   std::set<int> needed;
   for (const filter::Step& step : steps) needed.insert(step.frame);
   const std::vector<InputLayout> views = check_inputs(inputs_, needed, filter_, layers_);
+  lights_ = views.front().light_groups;
   if (command_.strict) require_sound_input({needed.begin(), needed.end()});
   io::check_selection(inputs_.path(*needed.begin()), layers_, format_.channels, "--channels");
   if (command_.dry_run) {
@@ -238,6 +236,7 @@ void SequenceJob::print_plan(const std::set<int>& needed) {
       "takes {}x{} px of {}; {}\n", window_.width(), window_.height(),
       fingerprints_.layers_of(*needed.begin()),
       format_.channels.selects_all() ? "passes on every other channel" : "leaves channels out as told");
+  if (!lights_.empty()) fmt::print("denoises the lights {} with it\n", fmt::join(lights_, ", "));
   if (inputs_.other_half()) fmt::print("{}\n", halves_text());
   for (const std::string& note : additive_notes_) fmt::print("{}\n", note);
   fmt::print("filters with preset {}: {}\n", command_.preset, settings());

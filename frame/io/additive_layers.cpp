@@ -304,6 +304,14 @@ std::vector<std::string> choose_additive(std::string_view text, const std::vecto
   return chosen;
 }
 
+std::string describe_lack(const std::vector<std::string>& layers, int frame) {
+  return fmt::format(
+      "{} are passed on noisy, since frame {} on disk lacks them; --additive NAME,... denoises them in "
+      "--frames that "
+      "have them",
+      printable(fmt::format("{}", fmt::join(layers, ", ")), 1500), frame);
+}
+
 std::vector<std::string> describe(const std::vector<AdditiveSet>& sets) {
   std::vector<std::string> lines;
   for (const AdditiveSet& set : sets) {

@@ -243,6 +243,18 @@ std::vector<ExrView> read_exr_header(const std::string& path, const LayerOptions
   return views;
 }
 
+bool has_all_chunks(const std::string& path) {
+  try {
+    reading(path, [&] {
+      stamp_of(path);
+      require_all_chunks(path, *open_exr(path));
+    });
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
 LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted, const LayerOptions& options,
                      LightGroups light_groups, const std::optional<Imath::Box2i>& window, KeepPassedOn keep) {
   LoadedFrame loaded;

@@ -80,20 +80,23 @@ std::string change_of(const LayerSource& source, std::size_t channel) {
   return change;
 }
 
-/// What the channel was taken for, such as `albedo.R` or `right beauty.G`, or that it is passed on.
+/// What the channel was taken for, such as `albedo.R`, `right beauty.G` or `light key.B`, or that it is
+/// passed on.
 std::string use_of(const std::vector<ViewLayers>& views, int part, const std::string& channel) {
   std::vector<std::string> uses;
   for (const ViewLayers& view : views) {
+    const auto add = [&](const LayerSource& source, const std::string& name, std::string_view letters) {
+      for (std::size_t i = 0; i < source.channels.size(); ++i) {
+        if (source.part != part || source.channels[i] != channel) continue;
+        uses.push_back(fmt::format("{}{}{}.{}{}", printable(view.view), view.view.empty() ? "" : " ", name,
+                                   letters[i], change_of(source, i)));
+      }
+    };
     for (const AovInfo& entry : kAovTable) {
       const std::optional<LayerSource>& source = view.layers[static_cast<std::size_t>(entry.aov)];
-      if (!source || source->part != part) continue;
-      for (std::size_t i = 0; i < source->channels.size(); ++i) {
-        if (source->channels[i] != channel) continue;
-        uses.push_back(fmt::format("{}{}{}.{}{}", printable(view.view), view.view.empty() ? "" : " ",
-                                   entry.aov == Aov::beauty ? "beauty" : entry.name, entry.channels[i],
-                                   change_of(*source, i)));
-      }
+      if (source) add(*source, std::string(entry.aov == Aov::beauty ? "beauty" : entry.name), entry.channels);
     }
+    for (const auto& [name, light] : view.lights) add(light.layer, "light " + printable(name), "RGB");
   }
   return uses.empty() ? "passed on" : fmt::format("{}", fmt::join(uses, ", "));
 }

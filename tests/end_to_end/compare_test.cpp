@@ -168,6 +168,19 @@ TEST_F(Compare, FramesOfOtherSizesHaveNoTemporalError) {
   EXPECT_EQ(figures["frames"][2]["temporal"], 0.0);
 }
 
+TEST_F(Compare, FramesOfAStepHaveATemporalError) {
+  for (const int number : {1, 3, 5, 9}) {
+    for (const std::string& pattern : {reference_, test_})
+      io::write_exr(frame_path(pattern, number), noise_frame(number, 32, 16), {}, io::PixelType::float32);
+  }
+  const std::string json = folder_ / "figures.json";
+  becalm_done({"compare", reference_, test_, "--json", json});
+  const auto frames = nlohmann::json::parse(std::ifstream(json))["frames"];
+  EXPECT_EQ(frames[1]["temporal"], 0.0);
+  EXPECT_EQ(frames[2]["temporal"], 0.0);
+  EXPECT_TRUE(frames[3]["temporal"].is_null()) << "after a gap";
+}
+
 TEST_F(Compare, NamesThatAreNoTextAreWritten) {
   write_frames(1, 2.0f);
   const std::string odd = folder_ /

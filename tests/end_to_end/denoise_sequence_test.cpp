@@ -125,6 +125,20 @@ TEST_F(Denoise, MissingSkipStartsAnewAfterTheGap) {
   EXPECT_TRUE(same_frame("skip.0004.exr", "in.0004.exr")) << "without history the frame stays as it is";
 }
 
+TEST_F(Denoise, DamagedFramesCountAsMissingWhereThatGoesOn) {
+  write_frames({1, 2, 3, 4});
+  std::ofstream(frame_path(input_, 2));
+  fs::resize_file(frame_path(input_, 3), fs::file_size(frame_path(input_, 3)) / 2);
+  expect_error(becalm(command("a.####.exr")), 3, {"0002", "0003"});
+  for (const char* how : {"skip", "hold"}) {
+    const std::string output = std::string(how) + ".####.exr";
+    const Outcome outcome = becalm_done(command(output, {"--missing", how}));
+    EXPECT_NE(outcome.err.find("frames 2,3 are damaged"), std::string::npos) << outcome.err;
+    EXPECT_EQ(fs::exists(frame_path(folder_ / output, 3)), how == std::string("hold"));
+    EXPECT_TRUE(fs::exists(frame_path(folder_ / output, 4)));
+  }
+}
+
 TEST_F(Denoise, MissingHoldWritesOneOutputForEachInput) {
   write_frames({1, 2, 5});
   const Outcome outcome = becalm_done(command("hold.####.exr", {"--frames", "1-6", "--missing", "hold"}));

@@ -114,6 +114,15 @@ TEST_F(AdditiveLayers, ThoseThatAddUpAreChosen) {
   EXPECT_EQ(result("specular.B", 9), 2.0f * Imath::half(second(9)));
 }
 
+TEST_F(AdditiveLayers, AreToldAsLight) {
+  write({{"", first}, {"diffuse", first}, {"light.key", first}, {"specular", second}});
+  const std::vector<std::string> lines = describe_exr(path_, {.additive = {"diffuse"}}).lines();
+  const auto has = [&](const char* line) { return std::ranges::find(lines, line) != lines.end(); };
+  EXPECT_TRUE(has("  diffuse.R    half   light diffuse.R")) << lines[1];
+  EXPECT_TRUE(has("  light.key.B  half   light key.B"));
+  EXPECT_TRUE(has("  specular.G   half   passed on"));
+}
+
 TEST_F(AdditiveLayers, ThoseThatDoNotAreLeft) {
   write(
       {{"", [](int i) { return 1.01f * (first(i) + second(i)); }}, {"diffuse", first}, {"specular", second}});
