@@ -166,16 +166,10 @@ std::optional<FinishedFrame> FilterStage::run(const filter::Step& step, io::Load
 
 std::vector<Frame> FilterStage::run_scaled(const filter::Step& step, const std::vector<const Frame*>& frames,
                                            std::vector<filter::FrameReport>& reports, Profile& profile) {
-  if (step.new_history) radiance_scale_.reset();
-  // A prediction and a kept smoothed image have the scale of the backward pass.
-  std::optional<float>& of_frame = scales_[step.frame];
-  if (step.direction == filter::Direction::backward || !of_frame)
-    of_frame = filter::radiance_scale(*frames.front(), radiance_scale_);
+  const float scale = filter::radiance_scale(*frames.front());
   filter::Step scaled_step = step;
-  scaled_step.new_history |= radiance_scale_ && of_frame && *radiance_scale_ != *of_frame;
-  radiance_scale_ = of_frame;
-  if (step.direction == filter::Direction::forward) scales_.erase(step.frame);
-  const float scale = radiance_scale_.value_or(1.0f);
+  scaled_step.new_history |= scale != radiance_scale_;
+  radiance_scale_ = scale;
   if (scale == 1.0f) return run_views(scaled_step, frames, reports, profile);
   std::vector<Frame> scaled;
   for (const Frame* frame : frames) filter::scale_radiance(scaled.emplace_back(*frame), scale);

@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -126,8 +125,7 @@ class FilterStage {
   std::string context_;
   std::string cuts_;  ///< as typed
   std::set<int> given_cuts_;
-  std::optional<float> radiance_scale_;         ///< of the history; nothing before a frame that is not black
-  std::map<int, std::optional<float>> scales_;  ///< of frames, until the forward pass has gone through them
+  float radiance_scale_ = 1.0f;  ///< of the history
   std::optional<gpu::Device> device_;
   struct View {
     std::string name;                             ///< with a space before it; empty where there is but one

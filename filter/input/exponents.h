@@ -21,11 +21,14 @@ class Exponents {
   }
 
   std::uint64_t count() const { return count_; }
-  /// Of the geometric mean, within 1. There must be a value.
-  double mean() const {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < counts_.size(); ++i) sum += (static_cast<double>(i) + kLeast) * counts_[i];
-    return sum / static_cast<double>(count_);
+  std::uint64_t count_below(int exponent) const { return count_between(kLeast, exponent); }
+  std::uint64_t count_from(int exponent) const { return count_between(exponent, kMost + 1); }
+  /// Of those from `first` on, `end` not included.
+  std::uint64_t count_between(int first, int end) const {
+    std::uint64_t count = 0;
+    for (int exponent = first; exponent < end; ++exponent)
+      count += counts_[static_cast<std::size_t>(exponent - kLeast)];
+    return count;
   }
   /// The largest that more than a thousandth of the values have or exceed: fireflies are fewer. There must be
   /// a value.

@@ -13,12 +13,12 @@
 namespace becalm::filter {
 namespace {
 
-/// Typical luminances from 2 to the power of -this to that are left alone: variances down to 1e-12 of their
-/// square are still within the range of floats. Scales are powers of 2^(2 * this).
+/// Luminances from 2 to the power of -this to that need no scale: variances down to 1e-12 of their square are
+/// still within the range of floats. Other scales bring 2^(2 * this) as many exponents there.
 constexpr int kUsualExponent = 40;
-/// A present scale is kept up to this, so that noise does not change it from frame to frame.
-constexpr int kBearableExponent = 50;
-constexpr int kLargestExponent = 120;  ///< of a scale
+/// Share of the luminances that must need no scale for the frame to have none. What is far from the others is
+/// less: fireflies, or, however much there is of it, traces of light as filters and compression leave them.
+constexpr double kEnough = 5e-4;
 
 constexpr std::array kRadiance{Aov::half_a,   Aov::half_b, Aov::direct,
                                Aov::indirect, Aov::bias,   Aov::accumulated};
@@ -34,18 +34,17 @@ void multiply(std::span<float> values, float factor) {
 
 }  // namespace
 
-std::optional<float> radiance_scale(const Frame& frame, std::optional<float> present) {
+float radiance_scale(const Frame& frame) {
   const Image& beauty = frame.image(Aov::beauty);
   const auto exponents = sum_of_rows<Exponents>(beauty.height(), [&](int y) {
     Exponents row;
     for (int x = 0; x < beauty.width(); ++x) row.add(luminance(beauty.pixel(x, y)));
     return row;
   });
-  if (exponents.count() == 0) return present;
-  const double exponent = exponents.mean();
-  if (present && std::abs(exponent + std::ilogb(*present)) <= kBearableExponent) return present;
-  const int steps = static_cast<int>(std::lround(exponent / (2 * kUsualExponent)));
-  return std::ldexp(1.0f, std::clamp(-2 * kUsualExponent * steps, -kLargestExponent, kLargestExponent));
+  const auto usual = static_cast<double>(exponents.count_between(-kUsualExponent, kUsualExponent));
+  if (usual >= kEnough * static_cast<double>(exponents.count())) return 1.0f;
+  const bool is_dim = exponents.count_below(-kUsualExponent) > exponents.count_from(kUsualExponent);
+  return std::ldexp(1.0f, is_dim ? 2 * kUsualExponent : -2 * kUsualExponent);
 }
 
 void scale_radiance(Frame& frame, float scale) {

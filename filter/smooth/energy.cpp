@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -282,6 +283,12 @@ void find_factors(BlockGrid& level, const BlockGrid* coarse) {
 
 /// Multiplies the restorable part of the estimate and of its additive AOVs by the factors, interpolated
 /// between the blocks' centres. Calls `use_row(y)` for each row that is done, on all threads.
+/// Within the range of floats.
+void multiply(float& value, float factor) {
+  constexpr float largest = std::numeric_limits<float>::max();
+  value = std::clamp(value * factor, -largest, largest);
+}
+
 template <class UseRow>
 void apply(const BlockGrid& grid, const Restorable& restorable, Estimate& estimate, const UseRow& use_row) {
   const int width = estimate.color.width();
@@ -299,8 +306,8 @@ void apply(const BlockGrid& grid, const Restorable& restorable, Estimate& estima
       for (std::size_t c = 0; c < 3; ++c) {
         const double of_block = mix(along[column.low][c], along[column.high][c], column.share);
         const auto factor = static_cast<float>(allowed.factor(of_block));
-        estimate.color.data()[4 * i + c] *= factor;
-        for (Image& image : estimate.additive) image.data()[4 * i + c] *= factor;
+        multiply(estimate.color.data()[4 * i + c], factor);
+        for (Image& image : estimate.additive) multiply(image.data()[4 * i + c], factor);
       }
     });
   };

@@ -136,20 +136,23 @@ TEST(HostImages, ExposureBringsTheTypicalLuminanceToOne) {
   EXPECT_GT(exposure(image), 1e10f);
 }
 
-TEST(RadianceScale, ChangesOnlyWhereThePresentOneWillNotDo) {
-  const auto scale = [](float radiance, std::optional<float> present) {
-    Frame frame(1, 8, 8);
-    std::ranges::fill(frame.add(Aov::beauty).data(), radiance);
-    return radiance_scale(frame, present);
+TEST(RadianceScale, IsNotOneWhereHardlyAnyLuminanceIsUsual) {
+  const auto scale = [](float radiance, float other = 0.0f, int others = 0) {
+    Frame frame(1, 64, 64);
+    Image& beauty = frame.add(Aov::beauty);
+    std::ranges::fill(beauty.data(), radiance);
+    std::ranges::fill(beauty.data().first(4 * others), other);
+    return radiance_scale(frame);
   };
-  EXPECT_EQ(scale(1.0f, {}), 1.0f);
-  EXPECT_EQ(scale(0x1p-42f, {}), 0x1p80f);
-  EXPECT_EQ(scale(0x1p-42f, 1.0f), 1.0f);
-  EXPECT_EQ(scale(0x1p-38f, 0x1p80f), 0x1p80f);
-  EXPECT_EQ(scale(0x1p-60f, 1.0f), 0x1p80f);
-  EXPECT_EQ(scale(0x1p100f, {}), 0x1p-80f);
-  EXPECT_EQ(scale(0.0f, 0x1p80f), 0x1p80f);
-  EXPECT_EQ(scale(0.0f, {}), std::nullopt);
+  EXPECT_EQ(scale(1.0f), 1.0f);
+  EXPECT_EQ(scale(0x1p-38f), 1.0f);
+  EXPECT_EQ(scale(0x1p-42f), 0x1p80f);
+  EXPECT_EQ(scale(0x1p-130f), 0x1p80f);
+  EXPECT_EQ(scale(0x1p100f), 0x1p-80f);
+  EXPECT_EQ(scale(0.0f), 1.0f) << "black";
+  EXPECT_EQ(scale(1.0f, 1e-30f, 4000), 1.0f) << "traces of light";
+  EXPECT_EQ(scale(1e-30f, 1.0f, 1), 0x1p80f) << "a firefly";
+  EXPECT_EQ(scale(1.0f, 1e30f, 1000), 1.0f);
 }
 
 TEST(HostImages, HolesAreFilledFromTheirNeighbours) {
