@@ -64,7 +64,7 @@ AntialiasChain::AntialiasChain(gpu::Device& device, const AntialiasTask& task) :
   chain.output(stats.next);
   chain.output(decision);
   if (task.settings.directions == Directions::both) {
-    chain.output(warped.color);
+    chain.output(prediction());
     chain.output(warped.stats);
   }
   if (contains(task.diagnostics, Aov::flow)) chain.output(offset);
@@ -175,8 +175,8 @@ void AntialiasChain::add_reprojection(const AntialiasTask& task, ImageId reconst
     warped = add_warp(task, offset, vector_limit_px, "");
     return;
   }
-  offset = *vectors;
-  const WarpedHistory by_vectors = add_warp(task, offset, vector_limit_px, "vectors.");
+  offset = chain.image("chosen.offset", Format::f32x2, task.full);
+  const WarpedHistory by_vectors = add_warp(task, *vectors, vector_limit_px, "vectors.");
   const WarpedHistory by_search = add_warp(task, found.offset, found.limit_px, "search.");
   warped = {.color = chain.image("chosen.color", Format::f32x4, task.full),
             .stats = chain.image("chosen.stats", Format::f32x2, task.full)};
@@ -187,13 +187,17 @@ void AntialiasChain::add_reprojection(const AntialiasTask& task, ImageId reconst
       .read("search_color", by_search.color, gpu::reach(1))
       .read("search_stats", by_search.stats, gpu::reach(1))
       .read("variance", variance_, gpu::reach(1))
+      .read("vectors_offset", *vectors)
+      .read("search_offset", found.offset)
       .write("warped_color", warped.color)
       .write("warped_stats", warped.stats)
+      .write("offset", offset)
       .dispatch(task.full);
 }
 
 ImageId AntialiasChain::add_validation(const AntialiasTask& task) {
-  constexpr int neighbours_px = 2;  // around the pixel at the offset, rounding included
+  const int reach = static_cast<int>(std::ceil(task.settings.scale.value()));  // of the jitter, at most
+  const int neighbours_px = reach + 1;  // around the pixel at the offset, rounding included
   surface = chain.input("surface", Format::f32x4, task.full);
   object = chain.input("object", Format::f32, task.full);
   const gpu::History last_surface = chain.history("surface", Format::f32x4, task.full);
@@ -209,6 +213,7 @@ ImageId AntialiasChain::add_validation(const AntialiasTask& task) {
       .write("valid", valid)
       .write("next_surface", last_surface.next)
       .write("next_object", last_object.next)
+      .specialize("reach", reach)
       .dispatch(task.full);
   return valid;
 }
@@ -233,6 +238,8 @@ void AntialiasChain::add_accumulation(const AntialiasTask& task, ImageId reconst
     sums = add_patch_sums(chain, kRejectionRadius, task.full, *difference, "difference");
   }
   const bool masked = settings.mask == Switch::yes;
+  if (settings.directions == Directions::both && settings.rectify != Rectify::none)
+    rectified = chain.image("rectified", Format::f32x4, task.full);
   decision = chain.image("decision", Format::f32x4, task.full);
   const gpu::Footprint around = grid ? gpu::anywhere() : gpu::reach(1);
   const gpu::Footprint compared = gpu::reach(grid ? 2 : 1);  // kSide of the kernel
@@ -255,6 +262,7 @@ void AntialiasChain::add_accumulation(const AntialiasTask& task, ImageId reconst
       .write("merged_color", color.next)
       .write("merged_stats", stats.next)
       .write("decision", decision)
+      .write("rectified", rectified)
       .specialize("rule", static_cast<int>(settings.accumulate))
       .specialize("rectify", static_cast<int>(settings.rectify))
       .specialize("by_deviation", settings.bounds == Bounds::deviation ? 1 : 0)
@@ -265,6 +273,7 @@ void AntialiasChain::add_accumulation(const AntialiasTask& task, ImageId reconst
       .specialize("against_outliers", number(settings.outliers))
       .specialize("steady", number(settings.steady))
       .specialize("sparse", grid ? 1 : 0)
+      .specialize("keeps_rectified", rectified ? 1 : 0)
       .constants(params::AccumulateParams{.residual_scale = static_cast<float>(settings.scale.value()),
                                           .edge_x = task.edge().x,
                                           .edge_y = task.edge().y,

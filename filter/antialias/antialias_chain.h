@@ -64,8 +64,11 @@ struct AntialiasChain {
   gpu::History color;
   gpu::History stats;
   WarpedHistory warped;
-  gpu::ImageId decision;  ///< f32x4: rejected share; squared bias; weight of the new frame; 0
-  gpu::ImageId offset;    ///< f32x2: of the history; where two are compared, of the vectors
+  gpu::ImageId
+      decision;  ///< f32x4: rejected share; squared bias; weight of the new frame; its worth in frames
+  std::optional<gpu::ImageId> rectified;  ///< f32x4: the warped history, if it is rectified and predicts
+  gpu::ImageId offset;                    ///< f32x2: of the history
+  gpu::ImageId prediction() const { return rectified ? *rectified : warped.color; }
 
  private:
   struct Reconstructed {

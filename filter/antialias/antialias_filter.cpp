@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -245,12 +246,18 @@ std::optional<Frame> AntialiasFilter::run(const Step& step, const Frame& given, 
   }
   if (step.wanted) {
     Estimate prediction(task.full, 0);
-    prediction.color = download(s.passes->chain, s.passes->warped.color, task.full, 4);
+    prediction.color = download(s.passes->chain, s.passes->prediction(), task.full, 4);
     prediction.stats = download(s.passes->chain, s.passes->warped.stats, task.full, 2);
     const auto decided = s.passes->chain.download<float>(s.passes->decision);
     const std::span<float> stats = prediction.stats.data();
     for (std::size_t i = 0; i < stats.size(); i += 2) {
-      stats[i] = std::min(stats[i] + decided[2 * i + 1], kLargestVariance);
+      // What rejects the history of the frames after rejects the prediction.
+      const std::span<const float> here = std::span(decided).subspan(2 * i, 4);
+      const auto [rejected, bias, weight, worth] = std::array{here[0], here[1], here[2], here[3]};
+      stats[i] = std::min(stats[i] + bias, kLargestVariance);
+      stats[i + 1] *= 1.0f - rejected;
+      if (task.settings.accumulate == Accumulate::gain)
+        stats[i + 1] = std::min(stats[i + 1], worth * (1.0f - weight) / std::max(weight, 1e-6f));
     }
     s.predictions.insert_or_assign(step.frame, PackedEstimate(std::move(prediction), exposed, 0));
   }

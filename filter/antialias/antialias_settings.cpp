@@ -48,8 +48,8 @@ const SettingRow<AntialiasSettings> kAntialiasTable[] = {
     {{"space", "rgb or ycocg", "colour space of the bounds"},
      name_field(&AntialiasSettings::space, kSpaceNames)},
     {{"validate", "none, surface, color or both",
-      "rejects history of another depth, normal or object, where frames have them, or whose colour differs "
-      "over 7x7 pixels"},
+      "rejects history of another depth, normal or object, where frames have them, or (not with --scale or "
+      "--checkerboard) whose colour differs over 7x7 pixels"},
      name_field(&AntialiasSettings::validate, kValidateNames)},
     {{"mask", "no or yes", "averages only where the aligner's patches differ (needs a search)"},
      name_field(&AntialiasSettings::mask, kSwitchNames)},

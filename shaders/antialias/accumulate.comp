@@ -1,6 +1,7 @@
 // Reads the new frame (its samples, and the pixels made of them with their variance) and the history at its
 // pixels; writes their blend, which is the next history: colour, (variance, effective frames), and the
-// decision: (rejected share; squared bias; weight of the new frame; 0). A history is validated and rectified
+// decision: (rejected share; squared bias; weight of the new frame; what it is worth in frames), and if asked the
+// rectified history. A history is validated and rectified
 // (survey of Yang et al. 2020, sections 4.1 and 4.2), then weighed by one of four rules.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -26,6 +27,7 @@ layout(constant_id = 6) const int by_color = 0;        // the filtered differenc
 layout(constant_id = 7) const int against_outliers = 0;
 layout(constant_id = 8) const int steady = 0;
 layout(constant_id = 9) const int sparse = 0;          // samples and pixels are not of one grid
+layout(constant_id = 10) const int keeps_rectified = 0;
 
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Params { ivec2 size; ivec2 samples_size; ivec2 residual_size; AccumulateParams p; };
@@ -46,6 +48,7 @@ layout(set = 0, binding = 13) uniform samplerBuffer offset;  // of the history, 
 layout(std430, set = 0, binding = 14) writeonly buffer MergedColorBuffer { vec4 data[]; } merged_color;
 layout(std430, set = 0, binding = 15) writeonly buffer MergedStatsBuffer { vec2 data[]; } merged_stats;
 layout(std430, set = 0, binding = 16) writeonly buffer DecisionBuffer { vec4 data[]; } decision;
+layout(std430, set = 0, binding = 17) writeonly buffer RectifiedBuffer { vec4 data[]; } rectified;
 
 /// Limits differences, so that sums of their squares stay within the range of floats.
 const float kLargest = 1e16;
@@ -104,6 +107,20 @@ vec2 variance_and_bias(ivec2 at, int index, float n) {
 
 #include "lib/reject_history.glsl"
 
+/// Alpha has no part in what the rules compare: it stays within that of the pixels around, or black things would
+/// leave opaque trails.
+float within_alpha_around(ivec2 at, float alpha) {
+  float least = texelFetch(color, at.y * size.x + at.x).a;
+  float most = least;
+  [[unroll]] for (int k = 0; k < kSide * kSide; ++k) {
+    const ivec2 q = clamp(at + ivec2(k % kSide, k / kSide) - kSide / 2, ivec2(0), size - 1);
+    const float a = texelFetch(color, q.y * size.x + q.x).a;
+    least = min(least, a);
+    most = max(most, a);
+  }
+  return clamp(alpha, least, most);
+}
+
 /// The weight `alpha` of the new sample after both sample and history are also weighted by 1/(1 + luminance)
 /// (survey of Yang et al., eq. 4).
 float luminance_weighted(float alpha, float luminance_new, float luminance_history) {
@@ -144,10 +161,12 @@ void main() {
     near_bounds = nearness(brightness_of(in_space), brightness_of(around.low), brightness_of(around.high));
   }
 
+  if (rectify != 0 || rule == kVariance) h.a = within_alpha_around(at, h.a);
+
   const float worth = has_sample ? x_stats.y : 1.0;  // of the new frame's pixel
   const float even = worth / (min(stats.y, p.frames - 1.0) + worth);
   float bias = 0.0;
-  float alpha = worth * p.newest;
+  float alpha = sparse != 0 ? max(worth * p.newest, even) : worth * p.newest;
   if (rule == kMean) alpha = even;
   if (rule == kGain) alpha = max(around.difference > 0.0 ? worth * (1.0 - around.spread / around.difference) : 0.0, even);
   if (rule == kVariance) {
@@ -174,19 +193,20 @@ void main() {
   const float old_variance = rest > 0.0 ? rest * rest * (stats.x + bias) : 0.0;
   vec2 blended_stats = vec2(min(old_variance + alpha * alpha * x_stats.x, kLargestVariance),
                             min(stats.y / (divided(alpha * alpha * stats.y, worth) + rest * rest), p.frames));
-  vec4 decided = vec4(clamp((alpha - trusted) / max(1.0 - trusted, 1e-6), 0.0, 1.0), min(bias, kLargestVariance), alpha, 0.0);
+  vec4 decided = vec4(clamp((alpha - trusted) / max(1.0 - trusted, 1e-6), 0.0, 1.0), min(bias, kLargestVariance), alpha, worth);
   if (!has_history) {
     blended = x;
     blended_stats = vec2(x_stats.x, worth);
-    decided = vec4(1.0, 0.0, 1.0, 0.0);
+    decided = vec4(1.0, 0.0, 1.0, worth);
   }
   // A sample that is not finite leaves the history as it is; without history, its replacement keeps a count of 0.
   if (!has_sample) {
     blended = has_history ? found : x;
     blended_stats = stats;
-    decided = vec4(0.0);
+    decided = vec4(0.0, 0.0, 0.0, 1.0);
   }
   merged_color.data[index] = blended;
   merged_stats.data[index] = blended_stats;
   decision.data[index] = decided;
+  if (keeps_rectified != 0) rectified.data[index] = h;
 }

@@ -1,5 +1,5 @@
 // Reads the new frame and its history as two kinds of offsets bring it: by motion vectors and by the search;
-// writes the one that resembles the frame more over 3x3 pixels. Vectors are exact, a search errs by parts of
+// writes the one that resembles the frame more over 3x3 pixels, and its offsets. Vectors are exact, a search errs by parts of
 // a pixel: the history by vectors stays unless the other one's squared difference is clearly smaller, as
 // where a shadow or a reflection moves on a surface that does not.
 #version 460
@@ -16,6 +16,9 @@ layout(set = 0, binding = 4) uniform samplerBuffer search_stats;
 layout(set = 0, binding = 5) uniform samplerBuffer variance;
 layout(std430, set = 0, binding = 6) writeonly buffer WarpedColorBuffer { vec4 data[]; } warped_color;
 layout(std430, set = 0, binding = 7) writeonly buffer WarpedStatsBuffer { vec2 data[]; } warped_stats;
+layout(set = 0, binding = 8) uniform samplerBuffer vectors_offset;
+layout(set = 0, binding = 9) uniform samplerBuffer search_offset;
+layout(std430, set = 0, binding = 10) writeonly buffer OffsetBuffer { vec2 data[]; } offset;
 
 /// Of the squared difference of the vectors' history, so much must be left of the search's.
 const float kClearly = 0.25;
@@ -50,4 +53,5 @@ void main() {
   const bool searched = stats_v.y <= 0.0 || (stats_s.y > 0.0 && of_vectors > kBeyond * noise && of_search < kClearly * of_vectors);
   warped_color.data[index] = searched ? texelFetch(search_color, index) : texelFetch(vectors_color, index);
   warped_stats.data[index] = searched ? stats_s : stats_v;
+  offset.data[index] = (searched ? texelFetch(search_offset, index) : texelFetch(vectors_offset, index)).xy;
 }

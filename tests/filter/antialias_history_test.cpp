@@ -1,7 +1,9 @@
 // Which history a pixel of temporal antialiasing gets, and what rejects it. Histories are averaged, and
 // blends tell how much of them is left.
 #include <algorithm>
+#include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "filter/antialias/antialias_filter.h"
@@ -161,6 +163,106 @@ TEST_F(AntialiasHistoryTest, SteadyTakesLessOfTheFrameWhereTheHistoryIsAtItsBoun
     EXPECT_NEAR(without[23], red + 0.5f * (0.75f - red), 1e-4f);
     EXPECT_LT(with[23], without[23] - 0.02f) << red;
   }
+}
+
+/// Alpha of the second row of a black square that moves by 8 pixels a frame over empty ground, with its
+/// vectors.
+TEST_F(AntialiasHistoryTest, BlackThingsLeaveNoOpaqueTrail) {
+  const auto with_square = [](int number) {
+    Frame frame = even(number, 0.0f);
+    frame.add(Aov::depth, 10.0f);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        const bool inside = x >= 8 * number && x < 8 * number + 10;
+        frame.image(Aov::beauty).at(x, y, 3) = inside ? 1.0f : 0.0f;
+        if (!inside) continue;
+        frame.image(Aov::motion).at(x, y, 0) = -8.0f;
+        frame.image(Aov::depth).at(x, y, 0) = 1.0f;
+      }
+    }
+    return frame;
+  };
+  for (const char* preset : {"forward", "clamping"}) {
+    const AntialiasSettings settings = antialias_preset(preset);
+    const Frame first = with_square(0);
+    AntialiasFilter filter(device(), settings, kWidth, kHeight, first.aovs(), {});
+    for (int number = 0; number < 4; ++number) run(filter, with_square(number));
+    const Frame result = run(filter, with_square(4));
+    for (int x = 0; x < 30; ++x)
+      EXPECT_NEAR(result.image(Aov::beauty).at(x, kHeight / 2, 3), 0.0f, 1e-4f) << preset << ' ' << x;
+    EXPECT_NEAR(result.image(Aov::beauty).at(37, kHeight / 2, 3), 1.0f, 1e-4f) << preset;
+  }
+}
+
+/// The frame before a change, whose prediction by the frames after it the same rules reject.
+TEST_F(AntialiasHistoryTest, WhatRejectsAHistoryRejectsThePrediction) {
+  const std::vector<std::vector<const char*>> cases{{"accumulate=mean", "validate=surface"},
+                                                    {"accumulate=exponential", "validate=color"},
+                                                    {"accumulate=gain"},
+                                                    {"accumulate=mean", "rectify=clamp"},
+                                                    {}};
+  for (std::vector<const char*> changes : cases) {
+    changes.insert(changes.end(), {"directions=both", "reproject=vectors", "reconstruct=no"});
+    std::vector<Frame> frames;
+    for (int number = 0; number < 6; ++number) {
+      frames.push_back(even(number, number < 3 ? 0.25f : 0.75f));
+      frames.back().add(Aov::depth, number < 3 ? 1.0f : 2.0f);
+    }
+    AntialiasFilter filter(device(), forward_settings(changes), kWidth, kHeight, frames.front().aovs(), {});
+    FrameReport report;
+    for (int i = 5; i >= 0; --i)
+      filter.run({.frame = i, .direction = Direction::backward, .new_history = i == 5}, frames[i], report);
+    for (int i = 0; i < 3; ++i) {
+      const Frame result = *filter.run({.frame = i, .new_history = i == 0}, frames[i], report);
+      EXPECT_NEAR(result.image(Aov::beauty).at(20, 20, 0), 0.25f, 1e-3f) << changes.front() << ' ' << i;
+    }
+  }
+}
+
+/// The mean share of the history that is rejected in the fourth frame of a still vertical edge, where the
+/// ground is farther away, and the mean count of frames there.
+std::pair<double, double> of_still_edge(gpu::Device& device, const Scale& scale,
+                                        const std::vector<const char*>& changes, bool has_motion) {
+  AntialiasSettings settings = forward_settings(changes);
+  settings.scale = scale;
+  const auto edge = [&](int number) {
+    Frame frame = even(number, 0.2f);
+    const float at = 0.3f * static_cast<float>(number % 3) - 0.3f;
+    frame.set_jitter(FrameJitter{.positions_px = {{at, 0.0f}}});
+    frame.add(Aov::depth, 1.0f);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        if (!has_motion) frame.image(Aov::motion).at(x, y, 0) = std::nanf("");
+        if (static_cast<float>(x) + at < 30.4f + 0.2f * static_cast<float>(y)) continue;
+        frame.image(Aov::depth).at(x, y, 0) = 3.0f + 0.1f * static_cast<float>(x);
+        for (int c = 0; c < 3; ++c) frame.image(Aov::beauty).at(x, y, c) = 0.8f;
+      }
+    }
+    return frame;
+  };
+  AntialiasFilter filter(device, settings, kWidth, kHeight, edge(0).aovs(), {});
+  FrameReport report;
+  for (int number = 0; number < 4; ++number) filter.run({.frame = number}, edge(number), report);
+  return {report.mean_rejected, report.mean_sample_count};
+}
+
+TEST_F(AntialiasHistoryTest, JitterDoesNotRejectTheEdgesOfScaledSurfaces) {
+  for (const int scale : {1, 2, 4}) {
+    EXPECT_NEAR(of_still_edge(device(), {scale, 1}, {"reproject=vectors", "validate=surface"}, true).first,
+                of_still_edge(device(), {scale, 1}, {"reproject=vectors"}, true).first, 1e-3)
+        << scale;
+  }
+}
+
+TEST_F(AntialiasHistoryTest, SurfacesAreThoseAtTheChosenOffset) {
+  EXPECT_LT(of_still_edge(device(), {1, 1}, {"reproject=best", "validate=surface"}, false).first, 0.1);
+}
+
+TEST_F(AntialiasHistoryTest, AConstantWeightTakesSparseFramesForWhatTheyAreWorth) {
+  const double exponential =
+      of_still_edge(device(), {4, 1}, {"reproject=vectors", "accumulate=exponential"}, true).second;
+  EXPECT_GT(exponential,
+            0.8 * of_still_edge(device(), {4, 1}, {"reproject=vectors", "accumulate=mean"}, true).second);
 }
 
 /// A texture that is sheared around the middle row, by a pixel each eight rows and frame; the window begins
