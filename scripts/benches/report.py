@@ -271,7 +271,7 @@ def main():
     for name in asked.parts or [name for name in PARTS if name != "training"]:
         try:
             part = PARTS[name](asked.becalm)  # takes minutes: the file is read anew after it
-        except subprocess.CalledProcessError as error:
+        except (subprocess.CalledProcessError, OSError, SystemExit) as error:
             print(f"report: {name}: {error}", file=sys.stderr, flush=True)
             failed.append(name)
             continue

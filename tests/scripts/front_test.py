@@ -175,6 +175,9 @@ class RenderTimes(unittest.TestCase):
             folder = Path(name)
             note(folder, 2, 4.0, 6.0, "old")
             self.assertIsNone(seconds_a_frame(folder, "wall", "new"))
+            self.assertEqual(seconds_a_frame(folder, "wall", None), 2.0)
+            (folder / "seconds.json").write_text('{"frames": 1, "wall": 9.0, "processor": 9.0}')  # of nobody knows which
+            self.assertIsNone(seconds_a_frame(folder, "wall", "new"))
             note(folder, 1, 3.0, 4.0, "new")
             self.assertEqual(seconds_a_frame(folder, "wall", "new"), 3.0)
 

@@ -110,7 +110,7 @@ class Set:
     def _render_seconds(self, scene, spp, clock):
         """Of a frame; None if nothing tells it."""
         pattern = self.data.noisy(scene, spp)
-        made_by = self.data.render.made_by if self.data.render else ""
+        made_by = self.data.render.made_by if self.data.render else None
         if self.data.render and seconds_a_frame(pattern.parent, clock, made_by) is None:
             self.data.render.note_time(SCENES / f"{scene}.json", pattern, self.data.measured[:TIMED_FRAMES], spp, spp, noisy_aovs(spp))
         return seconds_a_frame(pattern.parent, clock, made_by)

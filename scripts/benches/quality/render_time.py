@@ -12,10 +12,10 @@ def _file(folder):
 
 
 def _kept(folder, program):
-    """What is noted of this program's frames."""
+    """What is noted of this program's frames, or of those of any if it is None."""
     nothing = {"program": program, "frames": 0, "wall": 0.0, "processor": 0.0}
-    kept = nothing | json.loads(_file(folder).read_text()) if _file(folder).exists() else nothing
-    return kept if kept["program"] == program else nothing
+    kept = json.loads(_file(folder).read_text()) if _file(folder).exists() else nothing
+    return kept if program is None or kept.get("program", "") == program else nothing
 
 
 def note(folder, frames, wall, processor, program=""):
@@ -26,6 +26,6 @@ def note(folder, frames, wall, processor, program=""):
 
 
 def seconds_a_frame(folder, clock, program=""):
-    """The mean over the program's noted frames by one of CLOCKS; None if none is noted."""
+    """The mean over the program's noted frames (any program's if it is None) by one of CLOCKS; None if none is noted."""
     kept = _kept(folder, program)
     return kept[clock] / kept["frames"] if kept["frames"] else None
