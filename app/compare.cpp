@@ -217,9 +217,10 @@ ExitStatus CompareJob::run() {
   std::vector<FrameFigures> figures;
   std::optional<ComparedFrame> before;
   print_header();
+  const int step = usual_step(reference_.has_frame_field() ? reference_.frames_on_disk() : frames_);
   for (const int frame : frames_) {
     ComparedFrame now = read(frame);
-    figures.push_back(measure(now, before ? &*before : nullptr, usual_step(frames_)));
+    figures.push_back(measure(now, before ? &*before : nullptr, step));
     print_row(std::to_string(frame), figures.back());
     if (figures.back().skipped > 0) {
       warn(

@@ -40,9 +40,8 @@ FilterRecipe antialiaser(const std::string& preset, const FilterOptions& options
   if (is_sparse &&
       (settings.validate == filter::Validate::color || settings.validate == filter::Validate::both)) {
     throw Error(ExitStatus::usage,
-                "--set validate: compares the colours of whole pixels, which --scale and --checkerboard "
-                "frames do not "
-                "have: expected none or surface");
+                "--set validate: compares the colours of whole pixels, which frames of --scale and "
+                "--checkerboard do not have: expected none or surface");
   }
   return {.settings = filter::to_string(settings),
           .wanted = filter::wanted_aovs(settings),

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "app/additive_choice.h"
 #include "app/alpha_report.h"
 #include "app/audit_run.h"
 #include "app/command.h"
@@ -101,18 +102,19 @@ void describe_scene(const std::string& path, bool json) {
   json ? print_json({{"scene", path}, {"lines", lines}}) : print_lines(lines);
 }
 
-/// No sets for a file without colour or with damaged pixels: its header is still described.
-std::vector<io::AdditiveSet> additive_sets(const io::SequencePattern& pattern, const std::vector<int>& frames,
-                                           const io::LayerOptions& layers) {
-  std::vector<std::string> paths;
-  for (const int frame : frames) paths.push_back(pattern.path(frame));
-  return io::find_additive_sets(paths, layers);
+/// The options with the layers that are denoised with the beauty.
+io::LayerOptions with(const AdditiveChoice& choice, io::LayerOptions layers) {
+  layers.additive = choice.layers;
+  return layers;
 }
 
 Json to_json(const std::vector<io::AdditiveSet>& sets) {
   Json json = Json::array();
   for (const io::AdditiveSet& set : sets) {
-    json.push_back({{"layers", set.layers}, {"adds_up", set.adds_up()}, {"share_off", set.share_off}});
+    json.push_back({{"layers", set.layers},
+                    {"adds_up", set.adds_up()},
+                    {"share_off", set.share_off},
+                    {"cropped", set.cropped}});
   }
   return json;
 }
@@ -173,31 +175,25 @@ void print_origin(const Json& origin) {
   fmt::print("{}\n", text);
 }
 
-/// With the layers that are denoised with the beauty.
-io::LayerOptions with_additive(io::LayerOptions layers, const std::vector<io::AdditiveSet>& sets) {
-  layers.additive = io::choose_additive("auto", sets);
-  return layers;
-}
-
 void describe_file(const InfoCommand& command, const io::LayerOptions& layers) {
   const std::string& path = command.subject;
   const io::SequencePattern pattern(path);
   const std::vector<int> frames{io::number_in_name(path)};
-  const std::vector<io::AdditiveSet> sets = additive_sets(pattern, frames, layers);
-  const io::ExrDescription file = io::describe_exr(path, with_additive(layers, sets));
+  const AdditiveChoice additive = choose_additive("auto", {{frames.front(), path}}, layers);
+  const io::ExrDescription file = io::describe_exr(path, with(additive, layers));
   const std::string alpha = alpha_outlook(path, layers);
   std::vector<FrameFinding> findings;
   const bool audits = command.audit && file.problem.empty();
   if (audits) findings = audit_of(pattern, frames, layers);
   if (command.json) {
-    Json json{{"file", path},   {"parts", to_json(file.parts)}, {"additive", to_json(sets)},
+    Json json{{"file", path},   {"parts", to_json(file.parts)}, {"additive", to_json(additive.sets)},
               {"alpha", alpha}, {"becalm", origin_of(path)},    {"problem", file.problem}};
     if (audits) json["audit"] = to_json(findings);
     print_json(json);
   } else {
     fmt::print("{}: EXR with {}\n", path, counted(file.parts.size(), "part", "parts"));
     print_lines(file.lines());
-    print_lines(io::describe(sets));
+    print_lines(additive.notes);
     if (!alpha.empty()) fmt::print("{}\n", alpha);
     print_origin(origin_of(path));
     if (audits) print_audit(findings);
@@ -290,20 +286,11 @@ void describe_sequence(const io::SequencePattern& pattern, const io::LayerOption
     throw Error(ExitStatus::bad_input, fmt::format("{}: no frame of this sequence is on disk{}",
                                                    pattern.text(), pattern.hint_of_other_padding()));
   }
-  const std::vector<io::AdditiveSet> sets = additive_sets(pattern, frames, layers);
-  const io::LayerOptions chosen = with_additive(layers, sets);
-  std::vector<Described> described = describe_frames(pattern, frames, chosen);
-  std::vector<std::string> additive_notes = io::describe(sets);
-  const auto has_problem = [](const Described& frame) { return !frame.problem.empty(); };
-  if (std::ranges::any_of(described, has_problem)) {
-    // A frame without the layers makes all of the sequence be denoised without them, as SequenceJob chooses.
-    std::vector<Described> without = describe_frames(pattern, frames, layers);
-    for (std::size_t i = without.size(); i-- > 0;) {
-      if (has_problem(described[i]) && !has_problem(without[i]))
-        additive_notes = {io::describe_lack(chosen.additive, frames[i])};
-    }
-    described = std::move(without);
-  }
+  std::vector<NumberedFile> files = files_on_disk(pattern);
+  if (const auto other = find_other_half(pattern))
+    std::ranges::move(files_on_disk(*other), std::back_inserter(files));
+  const AdditiveChoice additive = choose_additive("auto", files, layers);
+  const std::vector<Described> described = describe_frames(pattern, frames, with(additive, layers));
   const std::vector<Kind> kinds = kinds_of(described);
   FrameProblems problems(pattern);
   const std::string alpha = alpha_outlook(pattern.path(frames.front()), layers);
@@ -320,7 +307,7 @@ void describe_sequence(const io::SequencePattern& pattern, const io::LayerOption
     Json json{{"pattern", pattern.text()},
               {"frames", io::format_frame_range(frames)},
               {"kinds", to_json(kinds)},
-              {"additive", to_json(sets)},
+              {"additive", to_json(additive.sets)},
               {"alpha", alpha},
               {"becalm", origin_of(pattern.path(frames.front()))},
               {"problems", std::move(problems_json)}};
@@ -333,7 +320,7 @@ void describe_sequence(const io::SequencePattern& pattern, const io::LayerOption
       fmt::print("{} is the other half of the samples; denoise takes the mean of both\n", other->text());
     }
     print_kinds(kinds);
-    print_lines(additive_notes);
+    print_lines(additive.notes);
     if (!alpha.empty()) fmt::print("{}\n", alpha);
     print_origin(origin_of(pattern.path(frames.front())));
     if (audits) print_audit(findings);

@@ -52,6 +52,14 @@ std::vector<InputLayout> read_layout(const std::string& path, const FilterStage&
   return layout;
 }
 
+/// Of the views of one file.
+std::vector<Imath::Box2i> data_windows(const std::string& path, const io::LayerOptions& layers) {
+  std::vector<Imath::Box2i> windows;
+  for (const io::ExrView& view : io::read_exr_header(path, layers, io::CheckChunks::no))
+    windows.push_back(view.data_window);
+  return windows;
+}
+
 /// The size, and the place where it is not the usual one.
 std::string text_of(const Imath::Box2i& window) {
   const std::string size =
@@ -85,10 +93,11 @@ Checked check(const InputFrames& inputs, int frame, const FilterStage& filter,
     }
     if (!inputs.other_half()) return {frame, std::move(layout), ""};
     const std::string other = inputs.other_half()->path(frame);
-    if (const std::vector<InputLayout> other_layout = read_layout(other, filter, layers);
-        other_layout != layout) {
-      throw Error(ExitStatus::bad_input,
-                  fmt::format("{}: has not the size and layers of the other half of its samples", other));
+    if (read_layout(other, filter, layers) != layout ||
+        data_windows(other, layers) != data_windows(inputs.path(frame), layers)) {
+      throw Error(
+          ExitStatus::bad_input,
+          fmt::format("{}: has not the size, windows and layers of the other half of its samples", other));
     }
     for (InputLayout& view : layout) {
       view.aovs.reset(static_cast<std::size_t>(Aov::variance));

@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "app/cancel.h"
+#include "app/console.h"
 #include "app/eye_names.h"
 #include "app/half_buffers.h"
 #include "frame/error.h"
@@ -75,43 +76,47 @@ InputFrames::InputFrames(const std::vector<std::string>& patterns, Pair pair, co
   }
   std::vector<int> asked;
   if (!range.empty()) asked = io::parse_frame_range(range);
-  const std::vector<int> on_disk = other_eye_ ? present_in_both(asked, missing) : pattern_.frames_on_disk();
-  std::vector<int> present = on_disk;
-  if (missing != Missing::error) leave_damaged(present);
+  std::vector<int> present = other_eye_ ? present_in_both(asked, missing) : pattern_.frames_on_disk();
   if (present.empty()) {
     throw Error(ExitStatus::bad_input, fmt::format("{}: no frame of this sequence is on disk{}", pattern,
                                                    pattern_.hint_of_other_padding()));
   }
   const bool all = asked.empty();
-  if (all) asked = missing == Missing::hold ? every_step(on_disk) : present;
-  assign_outputs(asked, present, missing);
-  // A frame that is held is read whether or not it was asked for itself.
-  readable_ = readable(sources(), present);
+  if (all) asked = missing == Missing::hold ? every_step(present) : present;
+  // A frame that is held is read whether or not it was asked for itself. Without damaged frames others may
+  // be.
+  do {
+    outputs_.clear();
+    assign_outputs(asked, present, missing);
+    readable_ = readable(sources(), present);
+  } while (missing != Missing::error && leave_damaged(present));
   step_ = usual_step(readable_);
   const bool gaps = missing != Missing::hold && std::ranges::adjacent_find(readable_, [&](int a, int b) {
                                                   return b - a > step_;
                                                 }) != readable_.end();
-  if (all && gaps && note_.empty()) {
+  if (all && gaps) {
     note_ = fmt::format("{}: only frames {} are on disk; the filter starts anew after each gap", pattern,
                         io::format_frame_range(present));
   }
 }
 
-/// Removes frames with a file that is damaged, or that a renderer still writes: they count as missing.
-void InputFrames::leave_damaged(std::vector<int>& frames) {
-  std::vector<char> is_sound(frames.size(), 0);
-  tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t i) {
+/// Takes damaged frames, or such as a renderer still writes, out of those that are present: they count as
+/// missing. False if none of those to read is.
+bool InputFrames::leave_damaged(std::vector<int>& present) {
+  std::vector<char> is_damaged(readable_.size(), 0);
+  tbb::parallel_for(std::size_t{0}, readable_.size(), [&](std::size_t i) {
     stop_if_asked();
-    is_sound[i] = std::ranges::all_of(paths(frames[i]), io::has_all_chunks) ? 1 : 0;
+    is_damaged[i] = std::ranges::all_of(paths(readable_[i]), io::has_all_chunks) ? 0 : 1;
   });
   std::vector<int> damaged;
-  std::vector<int> sound;
-  for (std::size_t i = 0; i < frames.size(); ++i) (is_sound[i] != 0 ? sound : damaged).push_back(frames[i]);
-  if (!damaged.empty()) {
-    note_ = fmt::format("{}: frames {} are damaged or not whole yet, and count as missing", pattern_.text(),
-                        io::format_frame_range(damaged));
+  for (std::size_t i = 0; i < readable_.size(); ++i) {
+    if (is_damaged[i] != 0) damaged.push_back(readable_[i]);
   }
-  frames = std::move(sound);
+  if (damaged.empty()) return false;
+  warn(fmt::format("{}: frames {} are damaged or not whole yet, and count as missing", pattern_.text(),
+                   io::format_frame_range(damaged)));
+  std::erase_if(present, [&](int frame) { return std::ranges::binary_search(damaged, frame); });
+  return true;
 }
 
 /// Halves that are one file would show no noise at all, and two frames of a sequence are not one.

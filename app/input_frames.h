@@ -61,8 +61,7 @@ class InputFrames {
   std::set<int> sources_of_missing(const std::set<int>& existing) const;
   /// Frames that have outputs, up to the last one that has an output which is not among the existing ones.
   std::set<int> up_to_last_missing(const std::set<int>& existing) const;
-  /// One line about damaged files that count as missing, or gaps between the files where --frames did not say
-  /// which to use; or empty.
+  /// One line about gaps between the files, where --frames did not say which to use; or empty.
   const std::string& note() const { return note_; }
 
  private:
@@ -72,7 +71,7 @@ class InputFrames {
   /// The frames of both eyes on disk. Throws Error(bad_input) for one of `asked` (all if there are none) that
   /// one eye lacks, unless missing frames are dealt with.
   std::vector<int> present_in_both(const std::vector<int>& asked, Missing missing) const;
-  void leave_damaged(std::vector<int>& frames);
+  bool leave_damaged(std::vector<int>& present);
   void assign_outputs(const std::vector<int>& asked, const std::vector<int>& present, Missing missing);
 
   io::SequencePattern pattern_;

@@ -13,6 +13,10 @@ namespace becalm::app {
 namespace fs = std::filesystem;
 
 void write_report_file(const std::string& option, const std::string& path, const std::string& text) {
+  if (path == "/dev/stdout") {  // even where that is a file: it holds what was said before
+    fmt::print("{}", text);
+    return;
+  }
   std::error_code ignored;
   if (fs::is_other(path, ignored)) {
     std::ofstream file(path);

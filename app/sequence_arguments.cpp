@@ -28,10 +28,11 @@ void add_sequence_options(CLI::App& parser, SequenceCommand& command, const std:
       ->option_text("N")
       ->group(more("Input"));
   parser
-      .add_option("--missing", command.missing,
-                  "A frame of --frames that is not there: error stops before the first frame, skip writes "
-                  "nothing for it, hold writes the "
-                  "result of the frame before it again (default: error)")
+      .add_option(
+          "--missing", command.missing,
+          "A frame of --frames that is not there, or (but for error) damaged: error stops before the first "
+          "frame, skip writes nothing for it, hold writes the result of the frame before it again (default: "
+          "error)")
       ->check(CLI::IsMember({"error", "skip", "hold"}))
       ->option_text("error|skip|hold")
       ->group("Input");

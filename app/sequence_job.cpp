@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -12,7 +11,6 @@
 
 #include "app/alpha_report.h"
 #include "app/audit_run.h"
-#include "app/cancel.h"
 #include "app/console.h"
 #include "app/counted.h"
 #include "app/eye_names.h"
@@ -20,7 +18,6 @@
 #include "app/given_stereo.h"
 #include "app/input_pixels.h"
 #include "frame/audit/audit.h"
-#include "frame/io/additive_layers.h"
 #include "frame/io/jitter_text.h"
 #include "frame/io/sequence.h"
 
@@ -62,7 +59,7 @@ SequenceJob::SequenceJob(const SequenceCommand& command, FilterRecipe recipe)
   outputs_.keep_apart_from(paths);
 }
 
-/// The files of all frames of the sequence on disk, or of the single frame.
+/// Of all frames of the sequence on disk, or of the single frame.
 std::vector<NumberedFile> SequenceJob::all_files() const {
   std::vector<NumberedFile> files;
   if (!inputs_.pattern().has_frame_field()) {
@@ -70,63 +67,18 @@ std::vector<NumberedFile> SequenceJob::all_files() const {
     for (const std::string& path : inputs_.paths(frame)) files.push_back({frame, path});
     return files;
   }
-  const auto add = [&](const io::SequencePattern& pattern) {
-    for (const int frame : pattern.frames_on_disk()) files.push_back({frame, pattern.path(frame)});
-  };
-  add(inputs_.pattern());
+  files = files_on_disk(inputs_.pattern());
   for (const auto& other : {inputs_.other_half(), inputs_.other_eye()}) {
-    if (other) add(*other);
+    if (other) std::ranges::move(files_on_disk(*other), std::back_inserter(files));
   }
   return files;
 }
 
-/// The first frame, perhaps a slate, without the chosen additive layers. Not a damaged one, of which
-/// check_inputs tells what is wrong.
-std::optional<int> SequenceJob::frame_without_additive(const std::vector<NumberedFile>& files) const {
-  const auto can_be_read = [](const std::string& path, const io::LayerOptions& layers) {
-    try {
-      io::read_exr_header(path, layers, io::CheckChunks::no);
-      return true;
-    } catch (const Error&) {
-      return false;
-    }
-  };
-  io::LayerOptions without = layers_;
-  without.additive.clear();
-  std::vector<char> lacks(files.size(), 0);
-  tbb::parallel_for(std::size_t{0}, files.size(), [&](std::size_t i) {
-    stop_if_asked();
-    lacks[i] = can_be_read(files[i].path, layers_) || !can_be_read(files[i].path, without) ? 0 : 1;
-  });
-  const auto found = std::ranges::find(lacks, 1);
-  if (found == lacks.end()) return std::nullopt;
-  return files[static_cast<std::size_t>(found - lacks.begin())].frame;
-}
-
-/// Chooses by all frames of the sequence on disk, so that all jobs of a sequence choose alike: by the first
-/// one that tells what adds up, and only what every frame has.
 void SequenceJob::choose_additive() {
   if (!filter_.denoises_additive()) return;
-  const bool is_auto = command_.layers.additive == "auto";
-  std::vector<io::AdditiveSet> sets;
-  std::vector<NumberedFile> files;
-  if (is_auto) {
-    files = all_files();
-    std::vector<std::string> paths;
-    for (const NumberedFile& file : files) paths.push_back(file.path);
-    sets = io::find_additive_sets(paths, layers_);
-  }
-  layers_.additive = io::choose_additive(command_.layers.additive, sets);
-  additive_notes_ = io::describe(sets);
-  const std::string names = fmt::format("{}", fmt::join(layers_.additive, ", "));
-  if (is_auto && !layers_.additive.empty()) {
-    if (const std::optional<int> lacking = frame_without_additive(files)) {
-      additive_notes_ = {io::describe_lack(layers_.additive, *lacking)};
-      layers_.additive.clear();
-    }
-  } else if (!is_auto && !names.empty()) {
-    additive_notes_ = {names + " are denoised with the beauty"};
-  }
+  AdditiveChoice choice = app::choose_additive(command_.layers.additive, all_files(), layers_);
+  layers_.additive = std::move(choice.layers);
+  additive_notes_ = std::move(choice.notes);
   // Also where there are none: files that were written with some must not be kept beside others.
   attributes_.emplace_back("becalm:additive", layers_.additive.empty()
                                                   ? "none"

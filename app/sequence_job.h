@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/additive_choice.h"
 #include "app/filter_stage.h"
 #include "app/fingerprints.h"
 #include "app/frame_sink.h"
@@ -20,12 +21,6 @@
 
 namespace becalm::app {
 
-/// A file of a sequence, or of one of its eyes or halves.
-struct NumberedFile {
-  int frame = 0;
-  std::string path;
-};
-
 /// One run of `becalm denoise` or `becalm antialias`: a sequence of EXR files through a filter into another.
 class SequenceJob {
  public:
@@ -38,7 +33,6 @@ class SequenceJob {
 
  private:
   std::vector<NumberedFile> all_files() const;
-  std::optional<int> frame_without_additive(const std::vector<NumberedFile>& files) const;
   void choose_additive();
   std::string settings() const;
   void find_existing();

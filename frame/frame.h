@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Imath/ImathBox.h>
+
 #include <array>
 #include <optional>
 #include <string>
@@ -18,6 +20,13 @@ namespace becalm {
 struct LightGroup {
   std::string name;
   Image radiance;  ///< RGB
+};
+
+/// Where a frame was cut in the middle of what is opaque: outside of the window radiance is NaN in so many
+/// pixels, and that is no fault.
+struct Cut {
+  Imath::Box2i window;  ///< in the frame's pixels
+  std::size_t unknown_pixels = 0;
 };
 
 /// One frame of an animation: the beauty and whichever AOVs were asked for or found, all of one size. This,
@@ -60,9 +69,8 @@ class Frame {
   const std::optional<Parity>& checkerboard() const { return checkerboard_; }
   void set_checkerboard(std::optional<Parity> parity) { checkerboard_ = parity; }
 
-  /// How many pixels lie outside of what was rendered: their radiance is NaN, and that is no fault.
-  std::size_t unknown_pixels() const { return unknown_pixels_; }
-  void set_unknown_pixels(std::size_t count) { unknown_pixels_ = count; }
+  const std::optional<Cut>& cut() const { return cut_; }
+  void set_cut(const std::optional<Cut>& cut) { cut_ = cut; }
 
   /// Empty unless asked for.
   std::vector<LightGroup>& light_groups() { return light_groups_; }
@@ -77,7 +85,7 @@ class Frame {
   std::optional<FrameJitter> jitter_;
   std::optional<StereoView> stereo_;
   std::optional<Parity> checkerboard_;
-  std::size_t unknown_pixels_ = 0;
+  std::optional<Cut> cut_;
 };
 
 }  // namespace becalm

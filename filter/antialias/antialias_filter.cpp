@@ -211,8 +211,7 @@ std::optional<Frame> AntialiasFilter::run(const Step& step, const Frame& given, 
     leave_holes(*given.checkerboard(), sampled.width, counts);
     close_holes(*given.checkerboard(), sampled.width, finite);  // they are made, whatever they hold
   }
-  const auto not_finite = static_cast<std::size_t>(std::ranges::count(finite, 0));
-  report.non_finite_pixels = not_finite - std::min(not_finite, frame.unknown_pixels());
+  report.non_finite_pixels = count_non_finite(finite, frame);
   Image color(sampled.width, sampled.height, 4);
   pack_color(beauty, counts, bounds(sampled), color.data());
   if (!s.scale) s.scale = scale_of(color);
@@ -374,7 +373,8 @@ Frame AntialiasFilter::State::forward(const Step& step, const Frame& frame,
     for (int x = 0; x < full.width; ++x) {
       const Imath::V2i from = nearest.at(x, y);
       const std::span<float> color = made.color.pixel(x, y);
-      if (finite[static_cast<std::size_t>(from.y) * frame.width() + from.x] != 0) {
+      const bool is_cut_off = frame.cut() && !frame.cut()->window.intersects(from);
+      if (is_cut_off || finite[static_cast<std::size_t>(from.y) * frame.width() + from.x] != 0) {
         for (float& value : color) value *= back;
       } else {
         std::ranges::copy(frame.image(Aov::beauty).pixel(from.x, from.y), color.begin());

@@ -21,7 +21,6 @@ class Exponents {
   }
 
   std::uint64_t count() const { return count_; }
-  std::uint64_t count_below(int exponent) const { return count_between(kLeast, exponent); }
   std::uint64_t count_from(int exponent) const { return count_between(exponent, kMost + 1); }
   /// Of those from `first` on, `end` not included.
   std::uint64_t count_between(int first, int end) const {

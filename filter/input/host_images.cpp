@@ -108,6 +108,11 @@ std::vector<std::uint8_t> finite_pixels(const Image& beauty) {
   return finite;
 }
 
+std::size_t count_non_finite(const std::vector<std::uint8_t>& finite, const Frame& frame) {
+  const auto count = static_cast<std::size_t>(std::ranges::count(finite, 0));
+  return count - std::min(count, frame.cut() ? frame.cut()->unknown_pixels : 0);
+}
+
 void pack_color(const Image& beauty, std::span<const std::uint8_t> finite, const Rect& rect,
                 std::span<float> rgba) {
   assert(beauty.channels() == 4 && rgba.size() == rect.extent().elements() * 4);

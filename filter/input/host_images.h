@@ -19,6 +19,8 @@ constexpr float kLargestVariance = 1e34f;
 
 /// One entry per pixel: 1 if all channels of the beauty are finite, else 0.
 std::vector<std::uint8_t> finite_pixels(const Image& beauty);
+/// How many of the frame's pixels are not finite, but for those where it was cut.
+std::size_t count_non_finite(const std::vector<std::uint8_t>& finite, const Frame& frame);
 
 /// Packs a rectangle of the beauty as RGBA. A non-finite pixel becomes the mean of its finite neighbours (0
 /// if it has none), so that matching finds no hole there.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <span>
 
@@ -16,8 +17,8 @@ namespace {
 /// Luminances from 2 to the power of -this to that need no scale: variances down to 1e-12 of their square are
 /// still within the range of floats. Other scales bring 2^(2 * this) as many exponents there.
 constexpr int kUsualExponent = 40;
-/// Share of the luminances that must need no scale for the frame to have none. What is far from the others is
-/// less: fireflies, or, however much there is of it, traces of light as filters and compression leave them.
+/// Share of the luminances that must be usual or brighter for dim ones not to count: those are then traces,
+/// however many, as filters and compression leave them. Fewer are fireflies.
 constexpr double kEnough = 5e-4;
 
 constexpr std::array kRadiance{Aov::half_a,   Aov::half_b, Aov::direct,
@@ -41,10 +42,11 @@ float radiance_scale(const Frame& frame) {
     for (int x = 0; x < beauty.width(); ++x) row.add(luminance(beauty.pixel(x, y)));
     return row;
   });
-  const auto usual = static_cast<double>(exponents.count_between(-kUsualExponent, kUsualExponent));
-  if (usual >= kEnough * static_cast<double>(exponents.count())) return 1.0f;
-  const bool is_dim = exponents.count_below(-kUsualExponent) > exponents.count_from(kUsualExponent);
-  return std::ldexp(1.0f, is_dim ? 2 * kUsualExponent : -2 * kUsualExponent);
+  const std::uint64_t usual = exponents.count_between(-kUsualExponent, kUsualExponent);
+  const std::uint64_t bright = exponents.count_from(kUsualExponent);
+  const bool is_dim = static_cast<double>(usual + bright) < kEnough * static_cast<double>(exponents.count());
+  if (is_dim) return std::ldexp(1.0f, 2 * kUsualExponent);
+  return bright > usual ? std::ldexp(1.0f, -2 * kUsualExponent) : 1.0f;
 }
 
 void scale_radiance(Frame& frame, float scale) {

@@ -4,10 +4,10 @@
 
 namespace becalm::filter {
 
-/// The power of two that brings the frame's luminances nearer to 1, if all but a few are so far from 1 that
-/// squares of radiance would leave the range of floats; else, and for a black frame, 1. The filter is exactly
-/// invariant to it. It depends on the frame alone, so that all jobs and all passes over a frame have the
-/// same.
+/// The power of two that brings the frame's luminances nearer to 1, if most of those that count are so far
+/// from 1 that squares of radiance would leave the range of floats; else, and for a black frame, 1. The
+/// filter is exactly invariant to it. It depends on the frame alone, so that all jobs and all passes over a
+/// frame have the same.
 float radiance_scale(const Frame& frame);
 
 /// Multiplies radiance by a power of two, and variances by its square, in all AOVs that are either. What

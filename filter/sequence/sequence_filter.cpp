@@ -195,8 +195,7 @@ std::optional<SequenceFilter::Merged> SequenceFilter::begin(const Step& step, co
                      .additive = {}};
   new_frame.additive = pack_additive(frame, task, new_frame.finite, report);
   if (task.additive > 0) state_->check_light_groups(frame);
-  report.non_finite_pixels =
-      static_cast<std::size_t>(std::ranges::count(new_frame.finite, 0)) - frame.unknown_pixels();
+  report.non_finite_pixels = count_non_finite(new_frame.finite, frame);
   if (contains(task.used, Aov::motion)) {
     report.far_motions =
         count_far_motions(frame.image(Aov::motion), motion_limit_px(task.settings, task.full));

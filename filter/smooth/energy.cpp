@@ -281,14 +281,14 @@ void find_factors(BlockGrid& level, const BlockGrid* coarse) {
   }
 }
 
-/// Multiplies the restorable part of the estimate and of its additive AOVs by the factors, interpolated
-/// between the blocks' centres. Calls `use_row(y)` for each row that is done, on all threads.
 /// Within the range of floats.
 void multiply(float& value, float factor) {
   constexpr float largest = std::numeric_limits<float>::max();
   value = std::clamp(value * factor, -largest, largest);
 }
 
+/// Multiplies the restorable part of the estimate and of its additive AOVs by the factors, interpolated
+/// between the blocks' centres. Calls `use_row(y)` for each row that is done, on all threads.
 template <class UseRow>
 void apply(const BlockGrid& grid, const Restorable& restorable, Estimate& estimate, const UseRow& use_row) {
   const int width = estimate.color.width();

@@ -13,7 +13,8 @@ std::optional<Finding> check_not_a_number(const Subject& subject) {
     if (!subject.frame.has(aov)) continue;
     auto count = static_cast<std::size_t>(std::ranges::count_if(
         subject.frame.image(aov).data(), [](float value) { return std::isnan(value); }));
-    if (aov == Aov::beauty) count -= std::min(count, 3 * subject.frame.unknown_pixels());
+    if (aov == Aov::beauty && subject.frame.cut())
+      count -= std::min(count, 3 * subject.frame.cut()->unknown_pixels);
     if (count == 0) continue;
     return Finding{"not_a_number",
                    fmt::format("{} values of the {} are NaN{}: find the shader that makes them, or "

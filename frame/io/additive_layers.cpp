@@ -211,7 +211,7 @@ Compared compare(const std::string& path, std::vector<AdditiveSet> candidates, c
   for (AdditiveSet& candidate : candidates) {
     if (!candidate.cropped.empty()) {
       candidate.share_off = 1.0;
-      result.is_certain = true;
+      candidate.is_certain = false;
       result.sets.push_back(std::move(candidate));
       continue;
     }
@@ -306,9 +306,9 @@ std::vector<std::string> choose_additive(std::string_view text, const std::vecto
 
 std::string describe_lack(const std::vector<std::string>& layers, int frame) {
   return fmt::format(
-      "{} are passed on noisy, since frame {} on disk lacks them; --additive NAME,... denoises them in "
-      "--frames that "
-      "have them",
+      "{} are passed on noisy, since frame {} on disk lacks them; --additive NAME,... --context none "
+      "denoises them in "
+      "--frames that have them",
       printable(fmt::format("{}", fmt::join(layers, ", ")), 1500), frame);
 }
 

@@ -25,7 +25,7 @@ struct AdditiveSet {
       {};  ///< those of another data window than the beauty's: nothing is known then
   /// Share of the values but black ones whose sum is farther from the beauty than rounding to half explains.
   double share_off = 0.0;
-  bool is_certain = true;  ///< the frame is not black
+  bool is_certain = true;  ///< the frame is not black, and no layer cropped
   bool adds_up() const;
 };
 

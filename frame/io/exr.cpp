@@ -199,7 +199,7 @@ void forget_outside(const Imath::Box2i& data_window, LoadedView& view) {
       ++unknown;
     }
   }
-  view.frame.set_unknown_pixels(unknown);
+  if (unknown > 0) view.frame.set_cut(Cut{inside, unknown});
 }
 
 void require_flat(const std::string& path, const Imf::MultiPartInputFile& file) {
@@ -250,7 +250,8 @@ bool has_all_chunks(const std::string& path) {
       require_all_chunks(path, *open_exr(path));
     });
     return true;
-  } catch (const Error&) {
+  } catch (const Error& error) {
+    if (error.status() != ExitStatus::bad_input) throw;
     return false;
   }
 }

@@ -62,13 +62,14 @@ enum class CheckChunks { no, yes };
 std::vector<ExrView> read_exr_header(const std::string& path, const LayerOptions& options,
                                      CheckChunks check_chunks);
 
-/// Whether the file is an EXR with all of its chunks. Reads no pixels.
+/// Whether the file is an EXR with all of its chunks. Reads no pixels. Throws Error(resource) where it cannot
+/// be read.
 bool has_all_chunks(const std::string& path);
 
 /// Reads one EXR file: of each view with a beauty the AOVs of `wanted` that it holds (the beauty always), and
 /// everything else as contents. Each view's Frame covers `window`, or by default the data window of its
 /// beauty's part; outside its own part's window an AOV has the value for pixels that hit nothing, and the
-/// beauty is 0, or NaN where it is cut off in the middle of what is opaque (Frame::unknown_pixels). Throws
+/// beauty is 0, or NaN where it is cut off in the middle of what is opaque (Frame::cut). Throws
 /// Error(bad_input) naming the file for: no such file, not an EXR, truncated or corrupt pixels, no colour, a
 /// deep file, more than 65536 pixels a side.
 LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted,

@@ -20,8 +20,13 @@ namespace {
 /// choice for the beauty.
 constexpr std::string_view kCompositeScope = "composite";
 
-/// Names of parts whose bare channels look like colours and are none.
-constexpr std::string_view kNoColours[] = {"ao", "occlusion", "position", "p", "uv"};
+/// Names of parts whose bare channels look like colours and are none; and of those that are seldom a beauty.
+constexpr std::string_view kNoColours[] = {"position", "p", "uv"};
+constexpr std::string_view kSeldomBeauties[] = {"ao", "occlusion"};
+
+bool is_seldom_beauty(std::string_view part) {
+  return names_a_summand(part) || std::ranges::find(kSeldomBeauties, part) != std::end(kSeldomBeauties);
+}
 
 bool is_no_colour(std::string_view part) {
   return part.find("crypto") != std::string_view::npos ||
@@ -49,12 +54,14 @@ class LayerFinder {
  public:
   LayerFinder(const std::vector<PartChannels>& parts, const std::string& view)
       : layers_(collect_layers(parts, view)) {
-    int evidence = 0;
+    std::map<std::string_view, int> evidence;  // by name: two parts may have one
     for (const ChannelLayer& layer : layers_) {
-      evidence += evidence_of_vray(layer.name());
+      evidence[layer.name()] = evidence_of_vray(layer.name());
       is_vrays_ |= layer.spells_colours_out;
     }
-    is_vrays_ |= evidence >= kVraysEvidence;
+    int sum = 0;
+    for (const auto& [name, of_name] : evidence) sum += of_name;
+    is_vrays_ |= sum >= kVraysEvidence;
   }
 
   /// In this order: bare channels of a part without a name, layers with a beauty's name, bare channels of a
@@ -68,12 +75,12 @@ class LayerFinder {
     const auto is_colour = [](const ChannelLayer& layer, const Alias& alias) {
       return !alias.layer.empty() || !is_no_colour(layer.part_name);
     };
-    const auto is_no_summand = [&](const ChannelLayer& layer, const Alias& alias) {
-      return is_colour(layer, alias) && !names_a_summand(layer.name());
+    const auto is_likely = [&](const ChannelLayer& layer, const Alias& alias) {
+      return is_colour(layer, alias) && !is_seldom_beauty(layer.name());
     };
     if (auto found = find_by_alias(Aov::beauty, std::not_fn(is_composite), is_whole_file)) return found;
     if (auto found = find_by_alias(Aov::beauty, std::not_fn(is_composite), is_named)) return found;
-    if (auto found = find_by_alias(Aov::beauty, std::not_fn(is_composite), is_no_summand)) return found;
+    if (auto found = find_by_alias(Aov::beauty, std::not_fn(is_composite), is_likely)) return found;
     return find_by_alias(
         Aov::beauty, [](std::string_view) { return true; }, is_colour);
   }

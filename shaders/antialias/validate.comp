@@ -1,9 +1,9 @@
 // Reads the offsets and the surfaces (normal, depth) and object numbers of the new frame and of the last one;
-// writes 1 where the history may be of the same surface, else 0: where one of the 3x3 pixels nearest to the
-// place has the object, a similar depth and a similar normal (survey of Yang et al. 2020, section 4.1), and
-// keeps the surfaces for the next frame. Jitter moves edges by up to a pixel of the samples, `reach` of these, which is
-// why neighbours count;
-// what leaks across an edge is left to rectification. What a frame does not have is 0 in both and alike.
+// writes 1 where the history may be of the same surface, else 0: where one of 3x3 pixels about the place has
+// the object, a similar depth and a similar normal (survey of Yang et al. 2020, section 4.1), and keeps the
+// surfaces for the next frame. Jitter moves edges by up to a pixel of the samples, `reach` of these, which is
+// why neighbours count; what leaks across an edge is left to rectification. What a frame does not have is 0 in
+// both and alike.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

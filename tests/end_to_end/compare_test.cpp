@@ -179,6 +179,8 @@ TEST_F(Compare, FramesOfAStepHaveATemporalError) {
   EXPECT_EQ(frames[1]["temporal"], 0.0);
   EXPECT_EQ(frames[2]["temporal"], 0.0);
   EXPECT_TRUE(frames[3]["temporal"].is_null()) << "after a gap";
+  becalm_done({"compare", reference_, test_, "--json", json, "--frames", "1,5"});
+  EXPECT_TRUE(nlohmann::json::parse(std::ifstream(json))["frames"][1]["temporal"].is_null());
 }
 
 TEST_F(Compare, NamesThatAreNoTextAreWritten) {

@@ -137,6 +137,9 @@ TEST_F(Denoise, DamagedFramesCountAsMissingWhereThatGoesOn) {
     EXPECT_EQ(fs::exists(frame_path(folder_ / output, 3)), how == std::string("hold"));
     EXPECT_TRUE(fs::exists(frame_path(folder_ / output, 4)));
   }
+  const Outcome none = becalm(command("b.####.exr", {"--frames", "2", "--missing", "skip"}));
+  EXPECT_EQ(none.status, 3);
+  EXPECT_NE(none.err.find("none of frames 2 is on disk"), std::string::npos) << none.err;
 }
 
 TEST_F(Denoise, MissingHoldWritesOneOutputForEachInput) {

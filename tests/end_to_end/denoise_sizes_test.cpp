@@ -136,6 +136,13 @@ TEST_F(Denoise, WhatLiesBeyondAnOpaqueDataWindowDarkensNothing) {
   EXPECT_EQ(becalm_done({"info", input_, "--audit"}).out.find("NaN"), std::string::npos);
 }
 
+TEST_F(Denoise, HalvesOfDifferentWindowsAreRefused) {
+  write_even(folder_ / "shot.b0.0001.exr", 0.5f, kDisplay);
+  write_even(folder_ / "shot.b1.0001.exr", 0.5f, {kDisplay.min, kDisplay.max - Imath::V2i(4)});
+  expect_error(becalm({"denoise", folder_ / "shot.b0.####.exr", "-o", folder_ / "out.####.exr"}), 3,
+               {"shot.b1.0001.exr", "windows"});
+}
+
 TEST_F(Denoise, DataWindowsOfBothEyesMayMove) {
   const Imath::Box2i object(Imath::V2i(8, 5), Imath::V2i(38, 26));
   const std::vector<Imath::Box2i> windows{{{2, 3}, {40, 28}}, {{4, 3}, {42, 30}}, {{6, 1}, {44, 28}}};

@@ -265,6 +265,27 @@ TEST_F(AntialiasHistoryTest, AConstantWeightTakesSparseFramesForWhatTheyAreWorth
             0.8 * of_still_edge(device(), {4, 1}, {"reproject=vectors", "accumulate=mean"}, true).second);
 }
 
+TEST_F(AntialiasHistoryTest, WhereAFrameWasCutTheFilterFillsIn) {
+  AntialiasSettings settings = forward_settings({"reproject=vectors"});
+  settings.scale = {3, 2};
+  Frame cut = even(0, 0.25f);
+  const Imath::Box2i seen({3, 3}, {kWidth - 4, kHeight - 4});
+  std::size_t unknown = 0;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      if (seen.intersects(Imath::V2i(x, y))) continue;
+      std::ranges::fill(cut.image(Aov::beauty).pixel(x, y).first(3), std::nanf(""));
+      ++unknown;
+    }
+  }
+  cut.set_cut(Cut{seen, unknown});
+  AntialiasFilter filter(device(), settings, kWidth, kHeight, cut.aovs(), {});
+  FrameReport report;
+  const Frame result = *filter.run({.frame = 0}, cut, report);
+  EXPECT_EQ(report.non_finite_pixels, 0u);
+  for (const float value : result.image(Aov::beauty).data()) ASSERT_TRUE(std::isfinite(value));
+}
+
 /// A texture that is sheared around the middle row, by a pixel each eight rows and frame; the window begins
 /// at `origin` in the image plane.
 Frame sheared(int number, Imath::V2i origin) {

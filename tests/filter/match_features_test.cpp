@@ -136,7 +136,7 @@ TEST(HostImages, ExposureBringsTheTypicalLuminanceToOne) {
   EXPECT_GT(exposure(image), 1e10f);
 }
 
-TEST(RadianceScale, IsNotOneWhereHardlyAnyLuminanceIsUsual) {
+TEST(RadianceScale, IsThatOfTheLuminancesThatCount) {
   const auto scale = [](float radiance, float other = 0.0f, int others = 0) {
     Frame frame(1, 64, 64);
     Image& beauty = frame.add(Aov::beauty);
@@ -153,6 +153,7 @@ TEST(RadianceScale, IsNotOneWhereHardlyAnyLuminanceIsUsual) {
   EXPECT_EQ(scale(1.0f, 1e-30f, 4000), 1.0f) << "traces of light";
   EXPECT_EQ(scale(1e-30f, 1.0f, 1), 0x1p80f) << "a firefly";
   EXPECT_EQ(scale(1.0f, 1e30f, 1000), 1.0f);
+  EXPECT_EQ(scale(1e25f, 1.0f, 10), 0x1p-80f) << "what is usual beside it is a trace";
 }
 
 TEST(HostImages, HolesAreFilledFromTheirNeighbours) {

@@ -257,6 +257,8 @@ TEST_F(AdditiveLayers, APartOfASummandIsNotTheBeauty) {
   EXPECT_EQ(choose_additive("auto", sets()), (Names{"diffuse", "specular"}));
   write_parts({{"CryptoMaterial00", first}, {"position", first}});
   EXPECT_THROW(read_exr(path_, 1, {}, {}), Error) << "no colour";
+  write_parts({{"AO", first}, {"position", second}});
+  EXPECT_EQ(read_exr(path_, 1, {}, {}).frame.image(Aov::beauty).at(1, 0, 0), float(Imath::half(first(1))));
 }
 
 TEST_F(AdditiveLayers, ASummandOfAnotherDataWindowIsTold) {
@@ -265,6 +267,17 @@ TEST_F(AdditiveLayers, ASummandOfAnotherDataWindowIsTold) {
   EXPECT_EQ(describe(sets()),
             Names{"diffuse, specular are passed on noisy, since specular has another data window "
                   "than the beauty"});
+}
+
+TEST_F(AdditiveLayers, ACroppedLayerDecidesNothing) {
+  const auto black = [](int) { return 0.0f; };
+  write_parts(
+      {{"rgba", black}, {"diffuse", black}, {"specular", black}, {"rgba_fill", black}, {"rgba_key", black}},
+      {"rgba_fill"});
+  const std::string of_black = folder_.path("black.exr");
+  std::filesystem::rename(path_, of_black);
+  write_parts({{"rgba", both}, {"diffuse", first}, {"specular", first}});
+  EXPECT_TRUE(choose_additive("auto", find_additive_sets(Names{of_black, path_}, {})).empty());
 }
 
 TEST_F(AdditiveLayers, EachViewLayerHasItsOwn) {

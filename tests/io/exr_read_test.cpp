@@ -136,7 +136,9 @@ TEST_F(ExrRead, RadianceBeyondOpaqueEdgesIsUnknown) {
   const auto value = [&](const Frame& frame, int x, int y) { return frame.image(Aov::beauty).at(x, y, 1); };
   write_test_file(path_, {scanline_part(window(1, 1, 3, 2), {{"R"}, {"G"}, {"B"}})});
   const Frame opaque = read_exr(path_, 1, all_aovs(), {}, LightGroups::leave, larger).frame;
-  EXPECT_EQ(opaque.unknown_pixels(), 6u * 5u - 3u * 2u);
+  ASSERT_TRUE(opaque.cut());
+  EXPECT_EQ(opaque.cut()->unknown_pixels, 6u * 5u - 3u * 2u);
+  EXPECT_EQ(opaque.cut()->window, window(1, 1, 3, 2));
   EXPECT_TRUE(std::isnan(value(opaque, 0, 0)));
   EXPECT_TRUE(std::isnan(value(opaque, 5, 2)));
   EXPECT_EQ(value(opaque, 3, 2), test_value("G", 3, 2));

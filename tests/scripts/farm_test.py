@@ -128,7 +128,7 @@ class Submitted(unittest.TestCase):
         self.assertEqual(status().returncode, 1)
         self.assertIn("denoise.0 failed: ", status().stdout)
         (self.path / "out/farm.a/states/denoise.0").write_text("running on a node")
-        for squeue, expected in (("echo RUNNING", 3), ("echo 'slurm_load_jobs error: Unable to contact' >&2; exit 1", 3), ("exit 0", 1),
+        for squeue, expected in (("echo becalm-denoise 0 RUNNING", 3), ("echo becalm-check 0 PENDING", 1), ("echo 'slurm_load_jobs error: Unable to contact' >&2; exit 1", 3), ("exit 0", 1),
                                  ("echo 'slurm_load_jobs error: Invalid job id specified' >&2; exit 1", 1)):
             program = self.path / "squeue"
             program.write_text(f"#!/bin/sh\n{squeue}\n")
