@@ -82,6 +82,19 @@ std::string usage_message(const CLI::ParseError& error, const CLI::App& parser,
   return fmt::format("{}{}; see {}", prefix, message, help);
 }
 
+/// Numbers are decimal, as those of frames are padded: CLI11 takes a leading zero for octal.
+void take_leading_zeros(CLI::App& parser) {
+  for (CLI::Option* option : parser.get_options()) {
+    if (option->get_type_name() != "INT" && option->get_type_name() != "UINT") continue;
+    option->transform([](const std::string& text) {
+      const std::size_t sign = text.starts_with('-') || text.starts_with('+') ? 1 : 0;
+      const std::size_t digits = std::min(text.find_first_not_of('0', sign), text.size() - 1);
+      const bool is_padded = digits > sign && text[digits] >= '0' && text[digits] <= '9';
+      return is_padded ? text.substr(0, sign) + text.substr(digits) : text;
+    });
+  }
+}
+
 int run(int argc, char** argv) {
   CLI::App parser(kDescription, "becalm");
   parser.footer(kFooter);
@@ -95,7 +108,10 @@ int run(int argc, char** argv) {
                             becalm::app::add_antialias(parser), becalm::app::add_burst(parser),
                             becalm::app::add_compare(parser),   becalm::app::add_info(parser),
                             becalm::app::add_test(parser)};
-  for (const auto& command : commands) becalm::app::add_help_all(*command.parser);
+  for (const auto& command : commands) {
+    becalm::app::add_help_all(*command.parser);
+    take_leading_zeros(*command.parser);
+  }
   try {
     parser.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

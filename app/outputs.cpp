@@ -159,10 +159,14 @@ void Outputs::keep_apart_from(const std::vector<std::string>& inputs) const {
   }
 }
 
-void Outputs::keep_foreign_files() const {
+void Outputs::keep_foreign_files(const std::string& attribute) const {
   for (const std::string& path : all_paths()) {
     std::error_code error;
-    if (fs::is_regular_file(path, error) && !is_of_becalm(path)) refuse_foreign_file(path);
+    if (!fs::is_regular_file(path, error)) continue;
+    if (!is_of_becalm(path)) refuse_foreign_file(path);
+    if (!io::read_attribute(path, attribute).empty()) continue;
+    throw Error(ExitStatus::usage,
+                fmt::format("{} {}: is there, and was rendered; --overwrite replaces it", option_, path));
   }
 }
 
@@ -172,11 +176,21 @@ void Outputs::refuse_foreign_file(const std::string& path) const {
       fmt::format("{} {}: is there, and becalm did not write it; --overwrite replaces it", option_, path));
 }
 
+void Outputs::keep_folders() const {
+  for (const std::string& path : all_paths()) {
+    std::error_code error;
+    if (fs::is_directory(path, error))
+      refuse_place(option_, path, std::make_error_code(std::errc::is_a_directory));
+  }
+}
+
 void Outputs::check_places() const {
+  keep_folders();
   for (const std::string& path : all_paths()) check_place(option_, patterns_.front().text(), path);
 }
 
 void Outputs::prepare() {
+  keep_folders();
   std::map<fs::path, std::set<std::string>> names;  // by folder
   for (const std::string& path : all_paths())
     names[fs::path(path).parent_path()].insert(fs::path(path).filename().string());

@@ -38,8 +38,11 @@ class Outputs {
   void keep_apart_from(const std::vector<std::string>& inputs) const;
 
   /// Throws Error(usage) if there is a file in an output's place that becalm did not write.
-  void keep_foreign_files() const;
+  /// `attribute` is what becalm's own files of this kind record.
+  void keep_foreign_files(const std::string& attribute = "becalm:version") const;
 
+  /// Throws Error(resource) where an output is a folder.
+  void keep_folders() const;
   /// check_place of all.
   void check_places() const;
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <system_error>
@@ -24,6 +25,13 @@ void write_report_file(const std::string& option, const std::string& path, const
       throw Error(ExitStatus::resource, fmt::format("{} {}: cannot write it", option, path));
     }
     return;
+  }
+  if (std::ifstream present(path, std::ios::binary); present) {
+    std::array<char, 4> magic{};
+    present.read(magic.data(), magic.size());
+    if (magic == std::array<char, 4>{0x76, 0x2f, 0x31, 0x01})
+      throw Error(ExitStatus::usage,
+                  fmt::format("{} {}: is an EXR file there; choose another name", option, path));
   }
   try {
     const fs::path behind_links = fs::weakly_canonical(path, ignored);

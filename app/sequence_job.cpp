@@ -95,7 +95,7 @@ ExitStatus SequenceJob::run() {
     attributes_.emplace_back(io::kCheckerboardAttribute, "none");
   choose_additive();
 
-  if (!command_.output.overwrite && !command_.output.resume) outputs_.keep_foreign_files();
+  if (!command_.output.overwrite && !command_.output.resume) outputs_.keep_foreign_files("becalm:inputs");
   command_.dry_run ? outputs_.check_places() : outputs_.prepare();
   if (command_.output.resume) find_existing();
   // Without segments every frame depends on all before it.

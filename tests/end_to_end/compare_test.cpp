@@ -214,6 +214,7 @@ TEST_F(Compare, ReportsReplaceFilesWhole) {
   EXPECT_EQ(kept, "before") << "not written over, but replaced";
   EXPECT_TRUE(nlohmann::json::parse(std::ifstream(json)).contains("mean")) << "behind the link";
   EXPECT_NE(compare_to("/dev/stdout").out.find("\"mean\""), std::string::npos);
+  EXPECT_EQ(compare_to(frame_path(test_, 1)).status, 2) << "frames are not replaced";
   const Outcome of_folder = compare_to(json.parent_path());
   EXPECT_EQ(of_folder.status, 4);
   EXPECT_NE(of_folder.err.find("--json"), std::string::npos) << of_folder.err;

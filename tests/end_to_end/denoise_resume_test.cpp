@@ -98,6 +98,23 @@ TEST_F(Denoise, FilesThatBecalmDidNotWriteAreNotReplacedUnlessAsked) {
   becalm_done(command("out.####.exr", {"-q"}));
 }
 
+TEST_F(Denoise, RenderedFramesAreNotReplacedUnlessAsked) {
+  write_frames({1});
+  io::write_exr(folder_ / "out.0001.exr", noise_frame(9), {{"becalm:version", "1"}});
+  expect_error(becalm(command("out.####.exr")), 2, {"out.0001.exr", "rendered", "--overwrite"});
+  fs::create_directories(folder_ / "folder.0001.exr");
+  expect_error(becalm(command("folder.####.exr", {"--dry-run"})), 4, {"folder.0001.exr"});
+}
+
+TEST_F(Denoise, NumbersMayHaveLeadingZeros) {
+  write_frames({1});
+  becalm_done(
+      {"denoise", frame_path(input_, 1), "--frame", "0012", "-o", folder_ / "a.####.exr", "--threads", "01"});
+  EXPECT_TRUE(fs::exists(folder_ / "a.0012.exr"));
+  becalm_done({"denoise", frame_path(input_, 1), "--frame", "0009", "-o", folder_ / "a.####.exr"});
+  EXPECT_TRUE(fs::exists(folder_ / "a.0009.exr"));
+}
+
 TEST_F(Denoise, ResumeReplacesNoFileThatBecalmDidNotWrite) {
   write_frames({1});
   write_text(folder_ / "out.0001.exr", "not an image");

@@ -204,6 +204,13 @@ TEST_F(SuiteTest, ACommandIsTold) {
   const std::string frames = folder_ / "kept/suite/told/test/frame.";
   EXPECT_EQ(read_text(folder_ / "told.txt"), frames + "0001.exr 1 3 5 1\n" + frames + "0002.exr 2 3 5 1\n");
   EXPECT_TRUE(fs::exists(frames + "0002.exr"));
+  EXPECT_EQ(run({"--threads", "1", "--keep", folder_ / "kept"}).status, 0) << "its own are replaced";
+  const std::string precious = folder_ / "mine/suite/told/precious.txt";
+  fs::create_directories(fs::path(precious).parent_path());
+  std::ofstream(precious) << "precious";
+  const Outcome refused = run({"--keep", folder_ / "mine"});
+  EXPECT_EQ(refused.status, 2) << refused.err;
+  EXPECT_TRUE(fs::exists(precious));
 }
 
 TEST_F(SuiteTest, ACommandWithoutFrameMakesASequence) {

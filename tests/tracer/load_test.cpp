@@ -206,6 +206,9 @@ TEST(Load, NamesBadValues) {
             "scene.json: /film/width: expected a whole number from 1 to 65536, found 0");
   EXPECT_EQ(load_error(with_meshes("{'box': {'shape': 'sphere', 'segments': 2.5}}")),
             "scene.json: /meshes/box/segments: expected a whole number from 3 to 4096, found 2.5");
+  EXPECT_EQ(
+      load_error(with_more("'lights': {'far': {'type': 'point', 'position': [0, 1e19, 0], 'intensity': 1}}")),
+      "scene.json: /lights/far/position/1: expected a number from -1e+17 to 1e+17, found 1e+19");
   EXPECT_EQ(load_error(with_meshes("{'box': {'shape': 'cube', 'segments': 4}}")),
             "scene.json: /meshes/box/segments: only a disc and a sphere have segments");
 }

@@ -6,8 +6,8 @@ namespace {
 
 LookAtCurve::Value read_look_at_value(const JsonValue& json) {
   LookAtCurve::Value value;
-  const auto eye = json.at("eye").numbers<3>();
-  const auto target = json.at("target").numbers<3>();
+  const auto eye = json.at("eye").numbers<3>(-kLargestCoordinate, kLargestCoordinate);
+  const auto target = json.at("target").numbers<3>(-kLargestCoordinate, kLargestCoordinate);
   const auto up = json.has("up") ? json.at("up").numbers<3>() : std::array<double, 3>{0, 1, 0};
   std::copy(eye.begin(), eye.end(), value.begin());
   std::copy(target.begin(), target.end(), value.begin() + 3);
@@ -40,11 +40,11 @@ CameraSettings read_camera(const JsonValue& json) {
     camera.shutter = {interval[0], interval[1]};
   }
   if (const auto v = json.find("aperture_radius"))
-    camera.aperture_radius = read_number_curve(*v, 0.0, kLargestNumber);
+    camera.aperture_radius = read_number_curve(*v, 0.0, kLargestCoordinate);
   if (const auto v = json.find("focus_distance"))
     camera.focus_distance = read_number_curve(*v, std::numeric_limits<float>::min(), kLargestNumber);
   if (const auto v = json.find("eye_separation"))
-    camera.eye_separation = read_number_curve(*v, 0.0, kLargestNumber);
+    camera.eye_separation = read_number_curve(*v, 0.0, kLargestCoordinate);
   if (const auto v = json.find("convergence_distance")) {
     if (!camera.has_two_eyes()) v->fail("is of cameras with an eye_separation");
     camera.convergence_distance = read_number_curve(*v, std::numeric_limits<float>::min(), kLargestNumber);

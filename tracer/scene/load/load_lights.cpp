@@ -25,8 +25,12 @@ Image read_image(const JsonValue& json, const std::string& path) {
   }
 }
 
-Curve<3> read_vector_curve(const JsonValue& json) {
-  return read_curve<3>(json, [](const JsonValue& value) { return value.numbers<3>(); });
+Curve<3> read_vector_curve(const JsonValue& json, double largest) {
+  return read_curve<3>(json, [&](const JsonValue& value) { return value.numbers<3>(-largest, largest); });
+}
+
+Curve<3> read_position_curve(const JsonValue& json) {
+  return read_vector_curve(json, kLargestCoordinate);
 }
 
 Curve<3> read_light_curve(const JsonValue& json) {
@@ -35,7 +39,7 @@ Curve<3> read_light_curve(const JsonValue& json) {
 
 /// A direction over time. Throws where it is 0, or turns to its opposite and would pass through 0.
 Curve<3> read_direction_curve(const JsonValue& json) {
-  Curve<3> curve = read_vector_curve(json);
+  Curve<3> curve = read_vector_curve(json, kLargestNumber);
   const auto unit = [](const Curve<3>::Key& key) {
     return V3d(key.value[0], key.value[1], key.value[2]).normalized();
   };
@@ -58,7 +62,7 @@ void for_each_key(const Curve<N>& a, const Curve<M>& b, const Check& check) {
 
 PointDescription read_point(const JsonValue& json, SceneDescription& scene) {
   json.allow_keys({"type", "position", "intensity", "group"});
-  return {read_vector_curve(json.at("position")), read_light_curve(json.at("intensity")),
+  return {read_position_curve(json.at("position")), read_light_curve(json.at("intensity")),
           read_light_group(json, scene.light_groups)};
 }
 
@@ -69,8 +73,8 @@ SpotDescription read_spot(const JsonValue& json, SceneDescription& scene) {
   const bool aim_is_target = json.has("target");
   const Curve<1> outer_deg = read_number_curve(json.at("outer_deg"), 0.0, 180.0);
   SpotDescription spot{
-      read_vector_curve(json.at("position")),
-      aim_is_target ? read_vector_curve(json.at("target")) : read_direction_curve(json.at("direction")),
+      read_position_curve(json.at("position")),
+      aim_is_target ? read_position_curve(json.at("target")) : read_direction_curve(json.at("direction")),
       aim_is_target,
       read_light_curve(json.at("intensity")),
       json.has("inner_deg") ? read_number_curve(json.at("inner_deg"), 0.0, 180.0) : outer_deg,

@@ -15,6 +15,8 @@
 namespace becalm::tracer {
 
 inline constexpr double kLargestNumber = std::numeric_limits<float>::max();
+/// Of places: rays of larger ones are not finite to Embree.
+inline constexpr double kLargestCoordinate = 1e17;
 
 V3f to_v3f(const std::array<double, 3>& v);
 
