@@ -190,7 +190,6 @@ void Outputs::check_places() const {
 }
 
 void Outputs::prepare() {
-  keep_folders();
   std::map<fs::path, std::set<std::string>> names;  // by folder
   for (const std::string& path : all_paths())
     names[fs::path(path).parent_path()].insert(fs::path(path).filename().string());
