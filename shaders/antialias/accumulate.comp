@@ -50,76 +50,14 @@ layout(std430, set = 0, binding = 15) writeonly buffer MergedStatsBuffer { vec2 
 layout(std430, set = 0, binding = 16) writeonly buffer DecisionBuffer { vec4 data[]; } decision;
 layout(std430, set = 0, binding = 17) writeonly buffer RectifiedBuffer { vec4 data[]; } rectified;
 
-/// Limits differences, so that sums of their squares stay within the range of floats.
-const float kLargest = 1e16;
-/// Share of the expected noise that counts against a difference: less follows motion sooner, more averages
-/// longer. Chosen on the shots of scripts/benches/antialias: from 0.4 to 1 still and moving ones trade 3 %.
-const float kExplained = 0.5;
-/// Variances of the difference beyond which a pixel's own difference is bias, whatever its neighbours say.
-const float kCertain = 9.0;
 /// Share of its weight that a new sample keeps where the history lies on its bounds.
 const float kSteady = 0.25;
-/// Fewest frames that a history may be worth.
-const float kFewest = sparse != 0 ? 1e-3 : 1.0;
 
 #include "lib/sparse_grid.glsl"
-
-/// By the confidence of a pixel, which is 1 in whole frames. Some devices round even that.
-float divided(float x, float confidence) { return sparse != 0 ? x / confidence : x; }
-
-float squared(vec3 d) {
-  d = clamp(d, -kLargest, kLargest);
-  return dot(d, d) / 3.0;
-}
-
+#include "lib/history_bias.glsl"
 #include "lib/samples_around.glsl"
-
-/// Side of the square of pixels that bias is measured over: sparse samples tell as much on more of them.
-const int kSide = sparse != 0 ? 5 : 3;
-
-/// The variance of a whole frame's pixel and the squared bias of the history, over the pixels around, which count by
-/// their confidence: the bias is what noise does not explain of their mean squared difference, or of the pixel's own.
-vec2 variance_and_bias(ivec2 at, int index, float n) {
-  float squares = 0.0;
-  float noise = 0.0;
-  float weight = 0.0;
-  float count = 0.0;
-  [[unroll]] for (int k = 0; k < kSide * kSide; ++k) {
-    const ivec2 q = at + ivec2(k % kSide, k / kSide) - kSide / 2;
-    const bool inside = q.x >= 0 && q.y >= 0 && q.x < size.x && q.y < size.y;
-    const int tap = inside ? q.y * size.x + q.x : index;
-    const vec2 new_stats = texelFetch(variance, tap).xy;
-    const float w = inside && new_stats.y > 0.0 && texelFetch(warped_stats, tap).y > 0.0 ? new_stats.y : 0.0;
-    squares += w * squared(texelFetch(color, tap).rgb - texelFetch(warped_color, tap).rgb);
-    noise += w * w * new_stats.x;
-    weight += w;
-    count += w > 0.0 ? 1.0 : 0.0;
-  }
-  weight = max(weight, kFewest);
-  const float of_frame = noise / weight;
-  const float of_history = 1.0 / max(n, kFewest);
-  const float expected = kExplained * of_frame * ((sparse != 0 ? count / weight : 1.0) + of_history);
-  const float expected_own =
-      sparse != 0 ? kExplained * of_frame * (1.0 / texelFetch(variance, index).y + of_history) : expected;
-  const float own = squared(texelFetch(color, index).rgb - texelFetch(warped_color, index).rgb);
-  return vec2(of_frame, max(max(squares / weight - expected, own - kCertain * expected_own), 0.0));
-}
-
+#include "lib/rectify_history.glsl"
 #include "lib/reject_history.glsl"
-
-/// Alpha has no part in what the rules compare: it stays within that of the pixels around, or black things would
-/// leave opaque trails.
-float within_alpha_around(ivec2 at, float alpha) {
-  float least = texelFetch(color, at.y * size.x + at.x).a;
-  float most = least;
-  [[unroll]] for (int k = 0; k < kSide * kSide; ++k) {
-    const ivec2 q = clamp(at + ivec2(k % kSide, k / kSide) - kSide / 2, ivec2(0), size - 1);
-    const float a = texelFetch(color, q.y * size.x + q.x).a;
-    least = min(least, a);
-    most = max(most, a);
-  }
-  return clamp(alpha, least, most);
-}
 
 /// The weight `alpha` of the new sample after both sample and history are also weighted by 1/(1 + luminance)
 /// (survey of Yang et al., eq. 4).
@@ -127,14 +65,6 @@ float luminance_weighted(float alpha, float luminance_new, float luminance_histo
   float weight_new = alpha / (1.0f + luminance_new);
   float weight_history = (1.0f - alpha) / (1.0f + luminance_history);
   return weight_new / (weight_new + weight_history);
-}
-
-/// Of a colour in the space of the bounds.
-float brightness_of(vec3 c) { return in_ycocg != 0 ? c.x : luminance(c.r, c.g, c.b); }
-
-/// 1 where x lies on one of the bounds, 0 from a quarter of their distance on.
-float nearness(float x, float low, float high) {
-  return 1.0 - clamp(4.0 * min(x - low, high - x) / max(high - low, 1e-30), 0.0, 1.0);
 }
 
 void main() {
@@ -153,14 +83,7 @@ void main() {
   Around around;
   const float speed_px = sparse != 0 ? length(texelFetch(offset, index).xy) : 0.0;
   if (rectify != 0 || rule == kGain) around = look_around(at, found.rgb, speed_px);
-  if (rectify != 0) {
-    const vec3 in_space = in_ycocg != 0 ? to_ycocg(h.rgb) : h.rgb;
-    const vec3 within = rectify == 1 ? clamp(in_space, around.low, around.high)
-                                     : clip_towards(in_space, around.middle, around.low, around.high);
-    if (within != in_space) h.rgb = in_ycocg != 0 ? from_ycocg(within) : within;
-    near_bounds = nearness(brightness_of(in_space), brightness_of(around.low), brightness_of(around.high));
-  }
-
+  if (rectify != 0) h.rgb = within_bounds(found.rgb, around, near_bounds);
   if (rectify != 0 || rule == kVariance) h.a = within_alpha_around(at, h.a);
 
   const float worth = has_sample ? x_stats.y : 1.0;  // of the new frame's pixel
