@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cstdio>
 #include <memory>
 #include <new>
@@ -82,15 +83,15 @@ std::string usage_message(const CLI::ParseError& error, const CLI::App& parser,
   return fmt::format("{}{}; see {}", prefix, message, help);
 }
 
-/// Numbers are decimal, as those of frames are padded: CLI11 takes a leading zero for octal.
-void take_leading_zeros(CLI::App& parser) {
+/// Padded numbers, as those of frames are, stay decimal: CLI11 takes a leading zero for octal.
+void allow_padded_numbers(CLI::App& parser) {
   for (CLI::Option* option : parser.get_options()) {
     if (option->get_type_name() != "INT" && option->get_type_name() != "UINT") continue;
     option->transform([](const std::string& text) {
       const std::size_t sign = text.starts_with('-') || text.starts_with('+') ? 1 : 0;
-      const std::size_t digits = std::min(text.find_first_not_of('0', sign), text.size() - 1);
-      const bool is_padded = digits > sign && text[digits] >= '0' && text[digits] <= '9';
-      return is_padded ? text.substr(0, sign) + text.substr(digits) : text;
+      std::size_t first = sign;  // digit that counts
+      while (first + 1 < text.size() && text[first] == '0' && std::isdigit(text[first + 1]) != 0) ++first;
+      return text.substr(0, sign) + text.substr(first);
     });
   }
 }
@@ -110,7 +111,7 @@ int run(int argc, char** argv) {
                             becalm::app::add_test(parser)};
   for (const auto& command : commands) {
     becalm::app::add_help_all(*command.parser);
-    take_leading_zeros(*command.parser);
+    allow_padded_numbers(*command.parser);
   }
   try {
     parser.parse(argc, argv);

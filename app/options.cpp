@@ -50,7 +50,7 @@ CLI::Option* add_output_options(CLI::App& command, OutputOptions& options,
       ->group("Output");
   command
       .add_flag("--overwrite", options.overwrite,
-                "Replace files that becalm did not write, too; those that it wrote are replaced anyway")
+                "Replace files that this command did not write, too; those that it wrote are replaced anyway")
       ->group(more("Output"));
   return output;
 }

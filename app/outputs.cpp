@@ -176,17 +176,13 @@ void Outputs::refuse_foreign_file(const std::string& path) const {
       fmt::format("{} {}: is there, and becalm did not write it; --overwrite replaces it", option_, path));
 }
 
-void Outputs::keep_folders() const {
+void Outputs::check_places() const {
   for (const std::string& path : all_paths()) {
+    check_place(option_, patterns_.front().text(), path);
     std::error_code error;
     if (fs::is_directory(path, error))
       refuse_place(option_, path, std::make_error_code(std::errc::is_a_directory));
   }
-}
-
-void Outputs::check_places() const {
-  keep_folders();
-  for (const std::string& path : all_paths()) check_place(option_, patterns_.front().text(), path);
 }
 
 void Outputs::prepare() {

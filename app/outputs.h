@@ -41,9 +41,7 @@ class Outputs {
   /// `attribute` is what becalm's own files of this kind record.
   void keep_foreign_files(const std::string& attribute = "becalm:version") const;
 
-  /// Throws Error(resource) where an output is a folder.
-  void keep_folders() const;
-  /// check_place of all.
+  /// check_place of all, and that none of them is a folder.
   void check_places() const;
 
   /// Makes the folder, locks the frames against other processes as long as this lives, and removes what

@@ -64,8 +64,8 @@ struct AntialiasChain {
   gpu::History color;
   gpu::History stats;
   WarpedHistory warped;
-  gpu::ImageId
-      decision;  ///< f32x4: rejected share; squared bias; weight of the new frame; its worth in frames
+  /// f32x4: rejected share; squared bias; weight of the new frame; what it is worth in frames.
+  gpu::ImageId decision;
   std::optional<gpu::ImageId> rectified;  ///< f32x4: the warped history, if it is rectified and predicts
   gpu::ImageId offset;                    ///< f32x2: of the history
   gpu::ImageId prediction() const { return rectified ? *rectified : warped.color; }

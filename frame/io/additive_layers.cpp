@@ -307,8 +307,8 @@ std::vector<std::string> choose_additive(std::string_view text, const std::vecto
 std::string describe_lack(const std::vector<std::string>& layers, int frame) {
   return fmt::format(
       "{} are passed on noisy, since frame {} on disk lacks them; --additive NAME,... --context none "
-      "denoises them in "
-      "--frames that have them",
+      "denoises "
+      "them in --frames that have them",
       printable(fmt::format("{}", fmt::join(layers, ", ")), 1500), frame);
 }
 

@@ -21,8 +21,8 @@ bool names_a_summand(std::string_view layer);
 /// Layers whose sum should be the beauty, such as diffuse and specular light, or the light groups.
 struct AdditiveSet {
   std::vector<std::string> layers;
-  std::vector<std::string> cropped =
-      {};  ///< those of another data window than the beauty's: nothing is known then
+  /// Those of another data window than the beauty's: nothing is known then.
+  std::vector<std::string> cropped = {};
   /// Share of the values but black ones whose sum is farther from the beauty than rounding to half explains.
   double share_off = 0.0;
   bool is_certain = true;  ///< the frame is not black, and no layer cropped
