@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <system_error>
@@ -131,6 +132,12 @@ void check_source(const JsonValue& json, const CaseSource& source) {
   }
 }
 
+void check_reference(const JsonValue& json, const TestCase& test) {
+  const auto preset = json.find("denoise");
+  if (!preset || (test.source.command.empty() && test.reference.command.empty())) return;
+  preset->fail("is for references that a scene makes, and a command makes these");
+}
+
 void read_reference(const JsonValue& json, ReferenceSettings& reference) {
   json.allow_keys({"command", "spp", "seed", "count", "denoise"});
   if (const auto command = json.find("command")) reference.command = read_command(*command);
@@ -167,13 +174,13 @@ void read_members(const JsonValue& json, const std::string& suite_file, TestCase
   if (const auto judges = json.find("judged_by")) read_judges(*judges, test.judges);
 }
 
-std::vector<TestCase> load_suite(const std::string& file) {
+std::vector<TestCase> load_suite(const std::string& file, const std::string& name_of_suite) {
   if (!is_file(file)) throw Error(ExitStatus::bad_input, file + ": no such suite file");
   const nlohmann::json document = tracer::parse_json_file(file);
   const JsonValue root(document, file, "");
   root.allow_keys({"defaults", "cases"});
   TestCase defaults;
-  defaults.suite = fs::path(file).stem().string();
+  defaults.suite = name_of_suite;
   defaults.suite_file = file;
   if (const auto json = root.find("defaults")) read_members(*json, file, defaults);
   std::vector<TestCase> cases;
@@ -184,6 +191,7 @@ std::vector<TestCase> load_suite(const std::string& file) {
     test.reference_folder = from_suite(file, "references/" + name);
     read_members(json, file, test);
     check_source(json.has("source") ? json.at("source") : json, test.source);
+    if (const auto reference = json.find("reference")) check_reference(*reference, test);
     check_judges(json, test);
     cases.push_back(std::move(test));
   }
@@ -203,21 +211,53 @@ std::vector<std::string> suite_files(const std::string& path) {
   return files;
 }
 
+/// The last `count` names of a path without its ending, joined by dots; all of them if it has fewer.
+std::string name_of_end(const fs::path& file, std::ptrdiff_t count) {
+  const fs::path names = file.parent_path().relative_path() / file.stem();
+  std::string joined;
+  for (auto name = std::prev(names.end(), std::min(count, std::distance(names.begin(), names.end())));
+       name != names.end(); ++name) {
+    joined += (joined.empty() ? "" : ".") + name->string();
+  }
+  return joined;
+}
+
+/// A suite's name is its file's without the ending. Files of one name have their folders before it, as many
+/// as tell them apart.
+std::vector<std::string> suite_names(const std::vector<std::string>& files) {
+  std::vector<fs::path> places;
+  for (const std::string& file : files) places.push_back(fs::absolute(file).lexically_normal());
+  const std::set<fs::path> distinct(places.begin(), places.end());
+  std::vector<std::string> names;
+  for (const fs::path& place : places) {
+    const auto is_shared = [&](std::ptrdiff_t count) {
+      return std::ranges::any_of(distinct, [&](const fs::path& other) {
+        return other != place && name_of_end(other, count) == name_of_end(place, count);
+      });
+    };
+    std::ptrdiff_t count = 1;
+    while (is_shared(count) && name_of_end(place, count) != name_of_end(place, count + 1)) ++count;
+    names.push_back(name_of_end(place, count));
+  }
+  return names;
+}
+
 }  // namespace
 
 std::vector<TestCase> load_suites(const std::vector<std::string>& paths) {
+  std::vector<std::string> files;
+  for (const std::string& path : paths) std::ranges::move(suite_files(path), std::back_inserter(files));
+  const std::vector<std::string> names = suite_names(files);
   std::vector<TestCase> cases;
   std::set<std::string> folders;
-  for (const std::string& path : paths) {
-    for (const std::string& file : suite_files(path)) {
-      for (TestCase& test : load_suite(file)) {
-        if (!folders.insert(fs::weakly_canonical(test.reference_folder).string()).second) {
-          throw Error(ExitStatus::bad_input,
-                      fmt::format("{}: /cases/{}: another case has the same references, {}", file, test.name,
-                                  test.reference_folder));
-        }
-        cases.push_back(std::move(test));
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    for (TestCase& test : load_suite(files[i], names[i])) {
+      if (!folders.insert(fs::weakly_canonical(test.reference_folder).string()).second) {
+        throw Error(ExitStatus::bad_input,
+                    fmt::format("{}: /cases/{}: another case has the same references, {}", files[i],
+                                test.name, test.reference_folder));
       }
+      cases.push_back(std::move(test));
     }
   }
   return cases;

@@ -46,16 +46,16 @@ void round_below_noise(Frame& frame) {
 /// `exact` keeps the file as it is; other judges need the beauty, and the guides where they denoise it.
 void write_reference(const TestCase& test, int spp, const std::string& from, int number,
                      const std::string& to) {
-  if (test.judges.exact) {
-    fs::copy_file(from, to, fs::copy_options::overwrite_existing);
-    return;
-  }
   auto [frame, first] = read_layer_as_beauty(from, number, test.layer);
   const Image& beauty = frame.image(Aov::beauty);
   if (std::ranges::any_of(beauty.data(), [](float value) { return !std::isfinite(value); })) {
     throw Error(ExitStatus::bad_input,
                 fmt::format("{}: frame {} has pixels that are not finite, and would be a bad reference",
                             test.full_name(), number));
+  }
+  if (test.judges.exact) {
+    fs::copy_file(from, to, fs::copy_options::overwrite_existing);
+    return;
   }
   if (test.judges.statistical && !frame.has(Aov::variance)) {
     throw Error(ExitStatus::bad_input,

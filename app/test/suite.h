@@ -72,7 +72,7 @@ struct Judges {
 };
 
 struct TestCase {
-  std::string suite;             ///< the suite file's name without its ending
+  std::string suite;             ///< its file's name without the ending; see load_suites
   std::string suite_file;        ///< as the user named it, or below the folder that the user named
   std::string name;              ///< letters, digits and . _ -
   std::string reference_folder;  ///< references/NAME beside the suite file
@@ -92,8 +92,9 @@ struct TestCase {
   }
 };
 
-/// The cases of suite files, or of all `*.json` of a folder, in the order of files and names. Throws
-/// Error(bad_input), one line `FILE: /json/pointer: message`.
+/// The cases of suite files, or of all `*.json` of a folder, in the order of files and names. Suites of one
+/// file name are told apart by their folders: `glass.suite` and `metal.suite`. Throws Error(bad_input), one
+/// line `FILE: /json/pointer: message`.
 std::vector<TestCase> load_suites(const std::vector<std::string>& paths);
 
 }  // namespace becalm::app

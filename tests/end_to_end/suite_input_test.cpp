@@ -58,6 +58,8 @@ TEST_F(SuiteTest, MistakesAreToldWithTheirPlace) {
        {"/cases/a", "frames that follow each other"}},
       {R"({"cases": {"a": {"source": {"scene": "scene.json", "denoise": "draft"}, "judged_by": {"statistical": true}}}})",
        {"/cases/a", "not denoised"}},
+      {R"({"cases": {"a": {"source": {"command": ["x", "{output}"]}, "reference": {"denoise": "draft"}}}})",
+       {"/cases/a/reference/denoise", "a command makes these"}},
       {R"({"cases": {"a": {"reference": {"count": 3}}}})", {"/cases/a/reference/count", "from 1 to 2"}},
       {R"({"cases": {"a": {"false_alarm_rate": 2}}})", {"/cases/a/false_alarm_rate", "2"}},
       {R"({"defaults": {"source": {"sppp": 2}}, "cases": {}})", {"/defaults/source/sppp: unknown key"}},
@@ -92,6 +94,30 @@ TEST_F(SuiteTest, CasesOfTwoSuitesMayNotShareReferences) {
   fs::remove(folder_ / "scene.json");
   expect_error(becalm({"test", folder_.path().string()}), 3,
                {"suite2.json", "/cases/same", "references/same"});
+}
+
+TEST_F(SuiteTest, SuitesOfOneNameAreToldApartByTheirFolders) {
+  const std::string kept = folder_ / "kept";
+  std::vector<std::string> command{"test", "--jobs", "2", "--keep", kept};
+  for (const char* name : {"glass", "metal"}) {
+    const fs::path place = folder_.path() / name;
+    fs::create_directories(place);
+    write_text(
+        (place / "suite.json").string(),
+        fmt::format("{{\"cases\": {{{}}}}}", shell_case("same", fmt::format("cp ../{}.exr $0", name))));
+    write_image(fmt::format("{}.exr", name), name[0]);
+    fs::create_directories(place / "references/same");
+    fs::copy_file(folder_ / fmt::format("{}.exr", name), place / "references/same/a.0001.exr");
+    command.push_back((place / "suite.json").string());
+  }
+  const Outcome outcome = becalm(command);
+  EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+  for (const char* name : {"glass", "metal"}) {
+    EXPECT_NE(outcome.out.find(fmt::format(" {}.suite/same", name)), std::string::npos) << outcome.out;
+    EXPECT_TRUE(fs::exists(fmt::format("{}/{}.suite/same/test/frame.0001.exr", kept, name)));
+  }
+  command.insert(command.end(), {"--list", "--filter", "metal*"});
+  EXPECT_EQ(becalm(command).out, "metal.suite/same\n");
 }
 
 TEST_F(SuiteTest, DefaultsHoldForAllCasesUnlessTheyChangeThem) {

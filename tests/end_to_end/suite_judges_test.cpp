@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "tests/end_to_end/suite_fixture.h"
 
 namespace becalm::test {
@@ -117,6 +119,24 @@ TEST_F(SuiteJudges, AReferenceThatCannotBeMadeIsTold) {
   expect_error(run({"--update", "--yes"}), 3, {"/cases/noise/source/command", "{seed}"});
   write_suite(shell_case("noise", "cp image.exr $0; # {seed}", "", R"("statistical": true)"));
   expect_error(run({"--update", "--yes"}), 3, {"suite/noise", "frame 1 has no layer variance"});
+  write_suite(shell_case("text", "echo no picture >$0"));
+  expect_error(run({"--update", "--yes"}), 3, {"frame.0001.exr"});
+  Frame broken = noise_frame(1, kSize, kSize);
+  broken.image(Aov::beauty).at(3, 4, 1) = std::numeric_limits<float>::quiet_NaN();
+  io::write_exr(folder_ / "broken.exr", broken, {}, io::PixelType::float32);
+  write_suite(shell_case("broken", "cp broken.exr $0"));
+  expect_error(run({"--update", "--yes"}), 3, {"suite/broken", "frame 1 has pixels that are not finite"});
+  EXPECT_FALSE(fs::exists(folder_ / "references"));
+}
+
+TEST_F(SuiteJudges, ReferencesRecordTheSamplesThatTheyWereAskedFor) {
+  const auto recorded = [&](const std::string& script) {
+    write_suite(shell_case("a", script, ", \"spp\": 4", R"("error": {"max_rel_mse": 1})"));
+    update();
+    return io::read_attribute(folder_ / "references/a/a.0001.exr", "becalm:reference_spp");
+  };
+  EXPECT_EQ(recorded("cp image.exr $0; # {seed}"), "4");
+  EXPECT_EQ(recorded("cp image.exr $0; # {seed} {spp}"), "64");
 }
 
 TEST_F(SuiteJudges, CalibrateProposesLimitsThatOtherSeedsPass) {
