@@ -8,14 +8,18 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <system_error>
 
 #include "app/command.h"
 #include "app/compare_report.h"
 #include "app/console.h"
+#include "app/counted.h"
 #include "app/eye_names.h"
 #include "app/frame_figures.h"
 #include "app/input_frames.h"
@@ -111,6 +115,7 @@ class CompareJob {
     Imath::V2i first;
   };
 
+  void require_all_frames() const;
   ComparedFrame read(int frame);
   Placed read_view(const io::SequencePattern& pattern, int frame);
   Image read_like(const io::SequencePattern& pattern, int frame, const Placed& reference);
@@ -158,6 +163,25 @@ CompareJob::CompareJob(const CompareCommand& command)
     if (pattern == nullptr || pattern->has_frame_field() || frames_.size() == 1) continue;
     throw Error(ExitStatus::usage, fmt::format("{}: {} frames need a frame field, such as ####.exr",
                                                pattern->text(), frames_.size()));
+  }
+  require_all_frames();
+}
+
+/// Before anything is measured: figures of frames before a missing one would be lost.
+void CompareJob::require_all_frames() const {
+  const io::SequencePattern* second = reference_b_ ? &*reference_b_ : nullptr;
+  for (const io::SequencePattern* pattern : {&reference_, &test_, second}) {
+    if (pattern == nullptr) continue;
+    std::vector<int> missing;
+    std::ranges::copy_if(frames_, std::back_inserter(missing), [&](int frame) {
+      std::error_code error;
+      return !std::filesystem::exists(pattern->path(frame), error);
+    });
+    if (missing.empty()) continue;
+    throw Error(ExitStatus::bad_input,
+                fmt::format("{}: no file for frame {} of {}{}", pattern->path(missing.front()),
+                            io::format_frame_range(missing), counted(frames_.size(), "frame", "frames"),
+                            pattern->hint_of_other_padding()));
   }
 }
 

@@ -213,7 +213,7 @@ std::string Outputs::recorded(const std::string& attribute) const {
   return {};
 }
 
-Outputs::Existing Outputs::find_existing(const io::Attributes& attributes) const {
+Outputs::Existing Outputs::find_existing(const io::Attributes& attributes, bool overwrite) const {
   const std::vector<std::string> all = all_paths();
   std::vector<char> is_usable(all.size(), 0);
   tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t i) {
@@ -227,14 +227,13 @@ Outputs::Existing Outputs::find_existing(const io::Attributes& attributes) const
     bool all_there = true;
     for (const std::string& path : paths(frame)) {
       std::error_code error;
-      const bool is_there = fs::exists(path, error);
-      if (*usable != 0) check_attributes(path, attributes);
-      if (is_there && *usable == 0) {
-        if (fs::is_regular_file(path, error) && !fs::is_empty(path, error) && !is_of_becalm(path))
-          refuse_foreign_file(path);
-        existing.unusable.push_back(path);
-      }
-      all_there = all_there && *usable != 0;
+      const bool is_foreign =
+          fs::is_regular_file(path, error) && !fs::is_empty(path, error) && !is_of_becalm(path);
+      if (is_foreign && !overwrite) refuse_foreign_file(path);
+      const bool is_kept = *usable != 0 && !is_foreign;
+      if (is_kept) check_attributes(path, attributes);
+      if (fs::exists(path, error) && !is_kept && !is_foreign) existing.unusable.push_back(path);
+      all_there = all_there && is_kept;
       ++usable;
     }
     if (all_there) existing.frames.insert(frame);

@@ -57,8 +57,8 @@ class Outputs {
     std::vector<std::string> unusable;  ///< there, but no longer readable: to be written again
   };
   /// What --resume keeps. Throws Error(usage) for a file that was written with other attributes, naming what
-  /// differs, and for one that becalm did not write.
-  Existing find_existing(const io::Attributes& attributes) const;
+  /// differs, and without `overwrite` for one that becalm did not write.
+  Existing find_existing(const io::Attributes& attributes, bool overwrite) const;
 
  private:
   std::vector<std::string> all_paths() const;

@@ -66,12 +66,13 @@ AovSet filter_input(const FilterStage& filter, int spp) {
 
 /// Where noisy frames wait for the filter without --keep-noisy: beside the outputs, under a name that nobody
 /// gives to frames that are kept. The name has a frame field even if the output, being one frame, has none:
-/// the filter reads its neighbours, too.
-std::string scratch_pattern(std::string output, Eye first) {
+/// the filter reads its neighbours, too. It tells the frames asked for, so that jobs that share a scene's
+/// frames have files of their own.
+std::string scratch_pattern(std::string output, Eye first, const std::vector<int>& asked) {
   if (has_eye_field(output)) output = pattern_of_eye(output, first == Eye::right ? 1 : 0);
   const bool has_field = io::SequencePattern(output).has_frame_field();
-  return output.substr(0, output.rfind('.')) +
-         (has_field ? ".becalm-scratch.exr" : ".becalm-scratch.####.exr");
+  return fmt::format("{}.becalm-scratch-{}-{}{}.exr", output.substr(0, output.rfind('.')),
+                     std::ranges::min(asked), std::ranges::max(asked), has_field ? "" : ".####");
 }
 
 /// The frames that can be rendered for a filter with segments: the scene's, at the distance of those asked
@@ -126,6 +127,7 @@ class RenderJob {
   std::optional<FilterStage> filter_;
   const AovSet rendered_;  ///< what was asked for and what the filter wants
   tracer::Scene scene_;
+  const std::vector<std::string> scene_files_;
   const std::string scene_hash_;
   const Size size_;
   const std::vector<Eye> eyes_;
@@ -143,17 +145,19 @@ class RenderJob {
 RenderJob::RenderJob(const RenderCommand& command, tracer::Scene scene)
     : command_(command),
       threads_(command.running.threads),
-      asked_(parse_aovs(command.aovs)),
+      asked_(asked_aovs(command)),
       filter_(command.preset.empty()
                   ? std::nullopt
                   : std::make_optional<FilterStage>(command.preset, options_of_frames(command))),
       rendered_(asked_.aovs | (filter_ ? filter_input(*filter_, command.spp) : AovSet())),
       scene_(std::move(scene)),
-      scene_hash_(scene_hash(command.scene)),
+      scene_files_(files_of_scene(command.scene)),
+      scene_hash_(scene_hash(scene_files_)),
       size_(size_of(command, scene_.description())),
       eyes_(eyes_of(command, scene_.description())) {
   const std::vector<int> frames = frames_of(command, scene_.description());
   outputs_.emplace("-o", patterns_of(command.output.pattern, eyes_), frames);
+  outputs_->keep_apart_from(scene_files_);
   attributes_ = render_attributes(asked_, command.float_colors);
   if (filter_) {
     readable_ = filter_->readable(frames, existing_frames(frames, scene_.description(), *filter_));
@@ -172,10 +176,12 @@ void RenderJob::choose_noisy_files() {
   }
   if (!kept && !has_segments()) return;
   const std::string pattern =
-      kept ? command_.keep_noisy : scratch_pattern(command_.output.pattern, eyes_.front());
+      kept ? command_.keep_noisy
+           : scratch_pattern(command_.output.pattern, eyes_.front(), outputs_->frames());
   noisy_files_.emplace(
       NoisyFiles{.outputs = Outputs(kept ? "--keep-noisy" : "-o", {io::SequencePattern(pattern)}, readable_),
                  .attributes = render_attributes({rendered_, asked_.light_groups}, /*float_colors=*/true)});
+  noisy_files_->outputs.keep_apart_from(scene_files_);
   std::vector<std::string> written;
   for (const int frame : outputs_->frames()) {
     for (std::size_t file = 0; file < outputs_->files(); ++file)
@@ -199,8 +205,8 @@ io::Attributes RenderJob::render_attributes(const AskedAovs& aovs, bool float_co
 }
 
 void RenderJob::find_existing() {
-  const auto find = [](const Outputs& outputs, const io::Attributes& attributes) {
-    Outputs::Existing found = outputs.find_existing(attributes);
+  const auto find = [this](const Outputs& outputs, const io::Attributes& attributes) {
+    Outputs::Existing found = outputs.find_existing(attributes, command_.output.overwrite);
     warn_unusable(found.unusable);
     return std::move(found.frames);
   };

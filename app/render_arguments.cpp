@@ -36,6 +36,17 @@ bool parse_numbers(std::string_view text, char separator, std::span<Integer> num
   return position == end;
 }
 
+/// CLI::Range takes NaN.
+CLI::Validator number_from(double low, double high) {
+  return CLI::Validator(
+      [low, high](const std::string& text) {
+        double value = 0.0;
+        const bool fits = CLI::detail::lexical_cast(text, value) && value >= low && value <= high;
+        return fits ? std::string() : fmt::format("expected a number from {} to {}", low, high);
+      },
+      "");
+}
+
 bool made_by_tracer(const AovInfo& entry) {
   return !entry.diagnostic && entry.aov != Aov::beauty;
 }
@@ -51,7 +62,7 @@ void add_render_options(CLI::App& parser, RenderCommand& command) {
           "--aovs", command.aovs,
           "Layers besides the beauty: albedo, normal, depth, motion, variance, half_a, half_b, direct, "
           "indirect, object_id, material_id, light_groups (light.NAME for each group of the scene) joined by "
-          "commas, all (but light groups) or none (default: none)")
+          "commas, all (but light groups, and of one sample no halves) or none (default: none)")
       ->option_text("LIST")
       ->group("Output");
   parser.add_flag("--float,!--half-float", command.float_colors, "Colours as 32-bit float (default: half)")
@@ -80,7 +91,7 @@ void add_render_options(CLI::App& parser, RenderCommand& command) {
           "--noise-target", command.noise_target,
           "With --denoise: as many samples as bring the relative error that the filter expects of its "
           "result to X, such as 0.1 (the root of relMSE)")
-      ->check(CLI::Range(1e-4, 10.0))
+      ->check(number_from(1e-4, 10.0))
       ->option_text("X")
       ->group("Rendering");
   parser
@@ -194,6 +205,21 @@ AskedAovs parse_aovs(const std::string& text) {
     chosen.aovs.set(static_cast<std::size_t>(*aov), *aov != Aov::beauty);
   }
   return chosen;
+}
+
+AskedAovs asked_aovs(const RenderCommand& command) {
+  AskedAovs asked = parse_aovs(command.aovs);
+  if (command.spp > 1) return asked;
+  for (const Aov half : {Aov::half_a, Aov::half_b}) {
+    if (!contains(asked.aovs, half)) continue;
+    if (command.aovs != "all") {
+      throw Error(ExitStatus::usage,
+                  fmt::format("--aovs {}: expected at least 2 samples per pixel for {}, found 1",
+                              command.aovs, info(half).name));
+    }
+    asked.aovs.reset(static_cast<std::size_t>(half));
+  }
+  return asked;
 }
 
 tracer::PixelSample parse_pixel_sample(const std::string& text) {

@@ -57,6 +57,8 @@ struct AskedAovs {
   bool light_groups = false;
 };
 AskedAovs parse_aovs(const std::string& text);
+/// parse_aovs of the command, after set_defaults. A single sample has no halves: `all` leaves them out.
+AskedAovs asked_aovs(const RenderCommand& command);
 tracer::PixelSample parse_pixel_sample(const std::string& text);
 /// The eyes that are rendered: one, or of a camera with two those of --eye.
 std::vector<Eye> eyes_of(const RenderCommand& command, const tracer::SceneDescription& scene);

@@ -14,25 +14,27 @@ namespace fs = std::filesystem;
 
 namespace {
 
+using Files = std::vector<std::string>;
+
 /// Returns whether there is such a file.
-bool add_file(const fs::path& file, ContentHash& hash) {
+bool add_file(const fs::path& file, Files& files) {
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return false;
-  hash.add_file(file);
+  files.push_back(file.string());
   return true;
 }
 
 /// Adds the file that the longest end of the text names which begins at a word.
-void add_file_at_end(const fs::path& folder, std::string text, ContentHash& hash) {
+void add_file_at_end(const fs::path& folder, std::string text, Files& files) {
   while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.pop_back();
   for (std::size_t word = text.find_first_not_of(" \t"); word != std::string::npos;) {
-    if (add_file(folder / text.substr(word), hash)) return;
+    if (add_file(folder / text.substr(word), files)) return;
     word = text.find_first_not_of(" \t", std::min(text.find_first_of(" \t", word), text.size()));
   }
 }
 
 /// The images of a material file: whatever names a file at the end of a line, alone or after options.
-void add_images(const fs::path& library, ContentHash& hash) {
+void add_images(const fs::path& library, Files& files) {
   std::ifstream lines(library);
   for (std::string line; std::getline(lines, line);) {
     std::ranges::replace(line, '\\', '/');
@@ -41,19 +43,19 @@ void add_images(const fs::path& library, ContentHash& hash) {
     words >> word;
     std::string rest;
     std::getline(words, rest);
-    add_file_at_end(library.parent_path(), rest, hash);
+    add_file_at_end(library.parent_path(), rest, files);
   }
 }
 
 /// Returns whether there is such a file.
-bool add_library(const fs::path& library, ContentHash& hash) {
-  if (!add_file(library, hash)) return false;
-  add_images(library, hash);
+bool add_library(const fs::path& library, Files& files) {
+  if (!add_file(library, files)) return false;
+  add_images(library, files);
   return true;
 }
 
 /// The material files that an OBJ names, one with blanks in its name or several, and their images.
-void add_materials(const fs::path& obj, ContentHash& hash) {
+void add_materials(const fs::path& obj, Files& files) {
   std::ifstream lines(obj);
   for (std::string line; std::getline(lines, line);) {
     std::istringstream words(line);
@@ -62,35 +64,40 @@ void add_materials(const fs::path& obj, ContentHash& hash) {
     std::string names;
     std::getline(words >> std::ws, names);
     while (!names.empty() && std::isspace(static_cast<unsigned char>(names.back()))) names.pop_back();
-    if (add_library(obj.parent_path() / names, hash)) continue;
+    if (add_library(obj.parent_path() / names, files)) continue;
     std::istringstream several(names);
-    while (several >> word) add_library(obj.parent_path() / word, hash);
+    while (several >> word) add_library(obj.parent_path() / word, files);
   }
 }
 
 /// The files of every string in the scene that names one: meshes and images, under whichever key. Of meshes
 /// that bring their materials those, too.
-void add_named_files(const nlohmann::json& node, const fs::path& folder, ContentHash& hash) {
+void add_named_files(const nlohmann::json& node, const fs::path& folder, Files& files) {
   if (node.is_structured()) {
-    for (const nlohmann::json& child : node) add_named_files(child, folder, hash);
+    for (const nlohmann::json& child : node) add_named_files(child, folder, files);
     if (node.is_object() && node.contains("materials") && node["materials"] == "mtl" &&
         node.contains("obj") && node["obj"].is_string()) {
-      add_materials(folder / node["obj"].get<std::string>(), hash);
+      add_materials(folder / node["obj"].get<std::string>(), files);
     }
   } else if (node.is_string()) {
-    add_file(folder / node.get<std::string>(), hash);
+    add_file(folder / node.get<std::string>(), files);
   }
 }
 
 }  // namespace
 
-std::string scene_hash(const std::string& scene_file) {
-  ContentHash hash;
-  hash.add_file(scene_file);
+std::vector<std::string> files_of_scene(const std::string& scene_file) {
+  Files files{scene_file};
   std::ifstream file(scene_file);
   const auto json =
       nlohmann::json::parse(file, nullptr, /*allow_exceptions=*/false, /*ignore_comments=*/true);
-  add_named_files(json, fs::path(scene_file).parent_path(), hash);
+  add_named_files(json, fs::path(scene_file).parent_path(), files);
+  return files;
+}
+
+std::string scene_hash(const std::vector<std::string>& files) {
+  ContentHash hash;
+  for (const std::string& file : files) hash.add_file(file);
   return hash.text();
 }
 

@@ -271,10 +271,14 @@ TEST_F(Compare, NamesFilesThatDoNotFit) {
   EXPECT_EQ(sizes.status, 3);
   for (const char* word : {"test.0001.exr", "40x32", "48x32"})
     EXPECT_NE(sizes.err.find(word), std::string::npos);
-  fs::remove(frame_path(test_, 1));
-  const Outcome missing = becalm({"compare", reference_, test_});
-  EXPECT_EQ(missing.status, 3);
-  EXPECT_NE(missing.err.find("test.0001.exr"), std::string::npos) << missing.err;
+}
+
+TEST_F(Compare, FramesThatAreNotThereAreToldBeforeAnythingIsMeasured) {
+  for (int frame = 1; frame <= 4; ++frame) write_frames(frame, 1.0f);
+  for (const int frame : {2, 4}) fs::remove(frame_path(test_, frame));
+  const Outcome outcome = becalm({"compare", reference_, test_});
+  expect_error(outcome, 3, {"test.0002.exr", "no file for frame 2,4 of 4 frames"});
+  EXPECT_TRUE(outcome.out.empty()) << outcome.out;
 }
 
 TEST(Info, DescribesScenesFilesSequencesAndDevices) {

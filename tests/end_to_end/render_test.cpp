@@ -99,7 +99,7 @@ TEST_F(Render, NoisyFramesThatAStoppedRunLeftAreGoneWhenAllIsThere) {
     return all;
   };
   std::vector<std::string> keeps = options;
-  keeps.insert(keeps.end(), {"--keep-noisy", folder_ / "out/a.####.becalm-scratch.exr"});
+  keeps.insert(keeps.end(), {"--keep-noisy", folder_ / "out/a.####.becalm-scratch-1-2.exr"});
   render("out/a.####.exr", keeps);
   EXPECT_EQ(files_in(folder_.path() / "out").size(), 4u);
   render("out/a.####.exr", with("--resume"));
@@ -249,6 +249,66 @@ TEST_F(Render, ResumeNoticesAnEditedMaterialOfAMeshAndItsImage) {
   io::write_exr(folder_ / "my image.exr", noise_frame(1, 4, 4), {});
   write_text(folder_ / "my mesh.mtl", "newmtl m\nKd 0 1 0\nmap_Kd -s 2 2 1 my image.exr\n");
   expect_error(becalm(command("a.####.exr", {"--resume"})), 2, {"a.0001.exr", "scene"});
+}
+
+TEST_F(Render, WhatTheSceneReadsIsNotReplaced) {
+  write_text(folder_ / "mesh.obj",
+             "mtllib mesh.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n");
+  write_text(folder_ / "mesh.mtl", "newmtl m\nKd 1 0 0\nmap_Kd image.0001.exr\n");
+  // Of becalm, so that nothing else protects it.
+  io::write_exr(folder_ / "image.0001.exr", noise_frame(1, 4, 4), {{"becalm:version", "1"}});
+  write_text(
+      scene_,
+      R"({"film": {"width": 16, "height": 16}, "camera": {"look_at": {"eye": [0, 0, 4], "target": [0, 0, 0]}}, "environment": {"radiance": [1, 1, 1]},
+    "frames": {"first": 1, "last": 2}, "materials": {},
+    "meshes": {"t": {"obj": "mesh.obj", "materials": "mtl"}}, "objects": [{"name": "o", "mesh": "t"}]})");
+  expect_error(becalm(command("image.####.exr", {"--overwrite"})), 2,
+               {"image.0001.exr", "would overwrite the input"});
+  expect_error(becalm(command("a.####.exr", {"--denoise", "--keep-noisy", folder_ / "image.####.exr"})), 2,
+               {"--keep-noisy", "image.0001.exr", "would overwrite the input"});
+}
+
+TEST_F(Render, ASingleSampleHasNoHalves) {
+  render("a.####.exr", {"--frames", "1", "--spp", "1", "--aovs", "all"});
+  const Frame frame = read_frame(folder_ / "a.0001.exr", all_aovs());
+  EXPECT_TRUE(frame.has(Aov::variance));
+  EXPECT_FALSE(frame.has(Aov::half_a));
+  expect_error(becalm(command("b.####.exr", {"--spp", "1", "--aovs", "albedo,half_b"})), 2,
+               {"--aovs", "at least 2 samples", "half_b"});
+}
+
+TEST_F(Render, ANoiseTargetIsANumber) {
+  for (const char* target : {"nan", "0", "11", "much"}) {
+    expect_error(becalm(command("a.####.exr", {"--denoise", "--noise-target", target})), 2,
+                 {"--noise-target", "a number from 0.0001 to 10"});
+  }
+}
+
+TEST_F(Render, ResumeReplacesFilesOfOthersIfTold) {
+  render("a.####.exr", {"--frames", "1"});
+  io::write_exr(folder_ / "a.0002.exr", noise_frame(1, 4, 4), {});
+  write_text(folder_ / "a.0003.exr", "notes");
+  expect_error(becalm(command("a.####.exr", {"--resume"})), 2, {"a.0002.exr", "--overwrite replaces it"});
+  const Outcome outcome =
+      becalm_done({"render", scene_, "-o", folder_ / "a.####.exr", "--spp", "2", "--resume", "--overwrite"});
+  EXPECT_NE(outcome.err.find("frame 2"), std::string::npos) << outcome.err;
+  EXPECT_EQ(outcome.err.find("frame 1:"), std::string::npos) << outcome.err;
+  EXPECT_EQ(read_frame(folder_ / "a.0002.exr").width(), read_frame(folder_ / "a.0001.exr").width());
+}
+
+/// Two machines of a farm: the frames that one reads for those before and after are the other's.
+TEST_F(Render, JobsThatReadEachOthersFramesRunSideBySide) {
+  const auto job = [&](const std::string& frames) {
+    return command("out/a.####.exr", {"--spp", "1", "--denoise", "--frames", frames});
+  };
+  Process first(job("1-2"));
+  Process second(job("3-4"));
+  for (Process* process : {&first, &second}) {
+    const Outcome outcome = process->wait();
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+  }
+  EXPECT_EQ(files_in(folder_.path() / "out"),
+            (std::vector<std::string>{"a.0001.exr", "a.0002.exr", "a.0003.exr", "a.0004.exr"}));
 }
 
 TEST_F(Render, DenoiseWhileRenderingIsRenderThenDenoise) {
