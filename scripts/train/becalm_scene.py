@@ -8,11 +8,16 @@ from becalm_materials import Materials
 LAST_FRAME = 8
 
 
+def layout_of(seed, attempt):
+    """Every layout in ten seeds, and among every tenth seed, which batches.is_held_out keeps from training."""
+    names = list(LAYOUTS)
+    return names[(seed + seed // len(names) + attempt * 3) % len(names)]
+
+
 def make_scene(seed, attempt, assets, width, height):
     """The scene, and what shot.json tells of it. Another attempt is another scene for the same seed."""
     rng = np.random.default_rng([seed, attempt, 0x53484F54])
-    names = list(LAYOUTS)
-    layout = names[(seed + attempt * 3) % len(names)]
+    layout = layout_of(seed, attempt)
     materials = Materials(rng, assets["textures"], textured_share=rng.choice([0.2, 0.6, 0.9, 0.9]))
     stage = Stage(rng, materials, assets["meshes"])
     view = LAYOUTS[layout](stage)

@@ -13,6 +13,8 @@ import torch
 import albedo_noise
 import backgrounds
 import batches
+import becalm_layouts
+import becalm_scene
 import export
 import idle_channels
 import losses
@@ -432,6 +434,15 @@ class AlbedoNoise(unittest.TestCase):
         with torch.no_grad():
             found = losses.smoothed(network, [torch.cat([albedo, albedo], 1), -torch.ones(1, 1, SIZE, SIZE), features, None])[0]
         self.assertLess((found - albedo).abs().mean().item(), 0.25 * (albedo - albedo.mean()).abs().mean().item())
+
+
+class Layouts(unittest.TestCase):
+    def test_trained_and_held_out_shots_have_all_of_them(self):
+        seeds = range(200)
+        held_out = {becalm_scene.layout_of(seed, 0) for seed in seeds if batches.is_held_out(f"becalm-{seed:06}")}
+        trained = {becalm_scene.layout_of(seed, 0) for seed in seeds if not batches.is_held_out(f"becalm-{seed:06}")}
+        self.assertEqual(held_out, set(becalm_layouts.LAYOUTS))
+        self.assertEqual(trained, set(becalm_layouts.LAYOUTS))
 
 
 class NoiseLevels(unittest.TestCase):
