@@ -61,6 +61,8 @@ class Stage:
         return self.obj(entry), 0.0, 1.0
 
     def put(self, mesh, material, translate=(0, 0, 0), scale=1.0, rotate=(0, 0, 0), **more):
+        if "procedural" in self.meshes[mesh]:
+            material = self.materials.without_relief(material)
         scale = [round(float(s), 4) for s in np.broadcast_to(scale, 3)]
         self.objects.append({"name": f"object {len(self.objects)}", "mesh": mesh, "material": material, **more,
                              "transform": {"scale": scale, "rotate_deg": [round(float(r), 3) for r in rotate],

@@ -113,6 +113,15 @@ class Materials:
         kind = self.rng.choice(kinds if allow_mix else kinds[:3], p=weights if allow_mix else np.array(weights[:3]) / 0.9)
         return getattr(self, kind)(coarse)
 
+    def without_relief(self, name):
+        """The same material, for surfaces without texture coordinates."""
+        entry = self.entries[name]
+        for key in ("bump", "normal_map"):
+            entry.pop(key, None)
+        for part in entry.get("materials", []):
+            self.without_relief(part)
+        return name
+
     def any(self, coarse=1.0, glass_share=0.1):
         if self.rng.random() < glass_share:
             return self.dielectric()

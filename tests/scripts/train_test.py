@@ -14,6 +14,7 @@ import albedo_noise
 import backgrounds
 import batches
 import becalm_layouts
+import becalm_materials
 import becalm_scene
 import export
 import idle_channels
@@ -443,6 +444,17 @@ class Layouts(unittest.TestCase):
         trained = {becalm_scene.layout_of(seed, 0) for seed in seeds if not batches.is_held_out(f"becalm-{seed:06}")}
         self.assertEqual(held_out, set(becalm_layouts.LAYOUTS))
         self.assertEqual(trained, set(becalm_layouts.LAYOUTS))
+
+
+class Relief(unittest.TestCase):
+    def test_procedural_surfaces_have_none_of_it_however_it_is_mixed(self):
+        materials = becalm_materials.Materials(np.random.default_rng(1), {}, textured_share=0)
+        materials.entries = {"bumpy": {"type": "diffuse", "bump": {}}, "carved": {"type": "conductor", "normal_map": {}},
+                             "both": {"type": "mix", "materials": ["bumpy", "carved"], "factor": 0.5}}
+        stage = becalm_layouts.Stage(np.random.default_rng(1), materials, [{"kind": f"kind {i}"} for i in range(9)])
+        stage.put(stage.mesh("waves", procedural="ocean"), "both")
+        self.assertEqual(materials.entries["bumpy"], {"type": "diffuse"})
+        self.assertEqual(materials.entries["carved"], {"type": "conductor"})
 
 
 class NoiseLevels(unittest.TestCase):
