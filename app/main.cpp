@@ -11,7 +11,9 @@
 #include <memory>
 #include <new>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
+#include <string_view>
 
 #include "app/command.h"
 #include "app/console.h"
@@ -96,6 +98,19 @@ void allow_padded_numbers(CLI::App& parser) {
   }
 }
 
+/// What --progress says, known before anything can be wrong with the other options.
+becalm::app::MessageFormat asked_format(std::span<char* const> arguments) {
+  constexpr std::string_view option = "--progress";
+  std::string_view value;
+  for (std::size_t i = 1; i < arguments.size(); ++i) {
+    const std::string_view word = arguments[i];
+    if (word == option && i + 1 < arguments.size()) value = arguments[i + 1];
+    if (word.starts_with(option) && word.substr(option.size()).starts_with('='))
+      value = word.substr(option.size() + 1);
+  }
+  return value == "json" ? becalm::app::MessageFormat::json : becalm::app::MessageFormat::text;
+}
+
 int run(int argc, char** argv) {
   CLI::App parser(kDescription, "becalm");
   parser.footer(kFooter);
@@ -129,6 +144,7 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   becalm::app::occupy_closed_streams();
+  becalm::app::set_message_format(asked_format({argv, static_cast<std::size_t>(argc)}));
   try {
     return run(argc, argv);
   } catch (const becalm::Error& error) {

@@ -14,7 +14,6 @@
 #include <string_view>
 
 #include "app/byte_size.h"
-#include "app/console.h"
 #include "app/help.h"
 #include "filter/antialias/antialias_settings.h"
 #include "frame/error.h"
@@ -75,8 +74,8 @@ void add_running_options(CLI::App& command, RunningOptions& options) {
       ->excludes(quiet)
       ->group("Running");
   command
-      .add_option(
-          "--progress", options.progress,
+      .add_option_function<std::string>(
+          "--progress", [](const std::string&) {},  // main has read it before all others
           "json: one object a line on standard error, for farm managers; its events are frame, progress, "
           "message, end and error (default: text)")
       ->check(CLI::IsMember({"text", "json"}))
@@ -98,7 +97,6 @@ void pin_instruction_sets() {
 }  // namespace
 
 void apply(const RunningOptions& running, FilterOptions& filter) {
-  set_message_format(running.progress == "json" ? MessageFormat::json : MessageFormat::text);
   if (!running.reproducible) return;
   pin_instruction_sets();
   if (filter.device.empty()) filter.device = "llvmpipe";

@@ -39,7 +39,6 @@ struct RunningOptions {
   bool profile = false;
   bool quiet = false;
   bool verbose = false;
-  std::string progress = "text";
 };
 void add_running_options(CLI::App& command, RunningOptions& options);
 

@@ -67,6 +67,15 @@ TEST_F(Denoise, ProgressAsJson) {
   const Outcome failed = becalm(command("out.png", {"--progress", "json"}));
   EXPECT_EQ(failed.status, 2);
   EXPECT_EQ(failed.err.rfind(R"({"event":"error","status":2,"text":"-o )", 0), 0u) << failed.err;
+  // Also of options, wherever they stand.
+  for (const std::vector<std::string>& more :
+       {std::vector<std::string>{"--progress", "json", "--threads", "many"},
+        {"--threads", "many", "--progress=json"},
+        {"--no-such", "--progress", "text", "--progress", "json"}}) {
+    const Outcome refused = becalm(command("out.####.exr", more));
+    EXPECT_EQ(refused.status, 2);
+    EXPECT_EQ(refused.err.rfind(R"({"event":"error","status":2,"text":"denoise: )", 0), 0u) << refused.err;
+  }
 }
 
 TEST_F(Denoise, ProfileTellsWhereTimeAndMemoryWent) {
