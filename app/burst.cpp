@@ -312,14 +312,12 @@ void add_burst_options(CLI::App& parser, BurstCommand& command) {
   parser.add_option("RAW", command.inputs, "The frames: DNG or a camera's raw files, two or more")
       ->required()
       ->take_all()
-      ->check(not_empty())
       ->option_text("RAW...");
   parser
       .add_option("-o,--output", command.output,
                   ".exr: demosaiced, linear Rec. 709, white balance as shot; .dng or .tif: the merged mosaic "
                   "as a 16-bit DNG file")
       ->required()
-      ->check(not_empty())
       ->option_text("FILE")
       ->group("Output");
   parser

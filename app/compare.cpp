@@ -320,11 +320,9 @@ Command add_compare(CLI::App& becalm) {
   auto command = std::make_shared<CompareCommand>();
   parser.add_option("reference", command->reference, "The reference: a pattern or one file")
       ->required()
-      ->check(not_empty())
       ->option_text("REFERENCE");
   parser.add_option("test", command->test, "What is measured: a pattern or one file")
       ->required()
-      ->check(not_empty())
       ->option_text("TEST");
   parser
       .add_option(
@@ -335,7 +333,6 @@ Command add_compare(CLI::App& becalm) {
       ->group("Input");
   parser
       .add_option("--frames", command->frames, "Frames to compare (default: those of the reference on disk)")
-      ->check(not_empty())
       ->option_text("RANGE")
       ->group("Input");
   parser

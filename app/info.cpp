@@ -352,7 +352,6 @@ Command add_info(CLI::App& becalm) {
   auto command = std::make_shared<InfoCommand>();
   parser.add_option("subject", command->subject, "A scene, an EXR file or pattern, or the word device")
       ->required()
-      ->check(not_empty())
       ->option_text("SCENE.json|EXR|device");
   add_layer_options(parser, command->layers);
   parser.add_flag(

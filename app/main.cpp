@@ -98,6 +98,14 @@ void allow_padded_numbers(CLI::App& parser) {
   }
 }
 
+/// An empty value, as of a script's variable that is not set, is a mistake and not the default.
+void refuse_empty_values(CLI::App& parser) {
+  const auto check = [](const std::string& text) { return std::string(text.empty() ? "is empty" : ""); };
+  for (CLI::Option* option : parser.get_options()) {
+    if (option->get_type_name() == "TEXT") option->check(check);
+  }
+}
+
 /// What --progress says, known before anything can be wrong with the other options.
 becalm::app::MessageFormat asked_format(std::span<char* const> arguments) {
   constexpr std::string_view option = "--progress";
@@ -127,6 +135,7 @@ int run(int argc, char** argv) {
   for (const auto& command : commands) {
     becalm::app::add_help_all(*command.parser);
     allow_padded_numbers(*command.parser);
+    refuse_empty_values(*command.parser);
   }
   try {
     parser.parse(argc, argv);

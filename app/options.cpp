@@ -22,18 +22,12 @@
 
 namespace becalm::app {
 
-CLI::Validator not_empty() {
-  return CLI::Validator(
-      [](const std::string& text) { return text.empty() ? std::string("is empty") : std::string(); }, "");
-}
-
 CLI::Option* add_output_options(CLI::App& command, OutputOptions& options,
                                 const std::string& frames_default) {
   CLI::Option* output = command
                             .add_option("-o,--output", options.pattern,
                                         "Where to write: an EXR name with a frame field such as ####")
                             ->required()
-                            ->check(not_empty())
                             ->option_text("PATTERN")
                             ->group("Output");
   command
@@ -41,7 +35,6 @@ CLI::Option* add_output_options(CLI::App& command, OutputOptions& options,
                   fmt::format("Frames to write: 1-24, 1-100x2, 5, 1-10,20-30; negative ones as --frames=-3-4 "
                               "(default: {})",
                               frames_default))
-      ->check(not_empty())
       ->option_text("RANGE")
       ->group("Output");
   command

@@ -15,13 +15,9 @@
 namespace CLI {  // NOLINT(readability-identifier-naming): the library's
 class App;
 class Option;
-class Validator;
 }  // namespace CLI
 
 namespace becalm::app {
-
-/// Refuses an empty text: most likely a variable that the calling script did not set.
-CLI::Validator not_empty();
 
 /// Options that more than one subcommand has, with one name and one meaning.
 struct OutputOptions {

@@ -20,7 +20,6 @@ void add_sequence_options(CLI::App& parser, SequenceCommand& command, const std:
           "as shot.b0.####.exr and shot.b1.####.exr, of which the second is found beside the first")
       ->required()
       ->expected(1, 2)
-      ->check(not_empty())
       ->option_text("INPUT [OTHER_HALF]");
   parser
       .add_option("--frame", command.frame,
@@ -70,7 +69,6 @@ void add_sequence_options(CLI::App& parser, SequenceCommand& command, const std:
                   "Leave out every channel but these: channels, layers, parts, PART/LAYER, or beauty, joined "
                   "by commas")
       ->delimiter(',')
-      ->check(not_empty())
       ->excludes(only)
       ->option_text("NAME,...")
       ->group(more("Output"));

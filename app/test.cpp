@@ -199,10 +199,8 @@ void add_test_options(CLI::App& parser, TestCommand& command) {
   parser.add_option("suites", command.suites, "Suite files, or folders of them")
       ->required()
       ->take_all()
-      ->check(not_empty())
       ->option_text("SUITE.json|DIR...");
   parser.add_option("--filter", command.filter, "Only cases whose name, or SUITE/NAME, matches")
-      ->check(not_empty())
       ->option_text("GLOB")
       ->group("Cases");
   parser.add_option("--shard", command.shard, "Every Nth case from the Ith on, for N machines")

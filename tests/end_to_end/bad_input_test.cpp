@@ -134,6 +134,11 @@ TEST_F(BadInput, EmptyTexts) {
   expect_error(render({"--frames", ""}), kUsage, {"--frames", "empty"});
   expect_error(becalm({"info", ""}), kUsage, {"empty"});
   expect_error(becalm({"compare", in, ""}), kUsage, {"empty"});
+  for (const char* option : {"--layers", "--device", "--set", "--memory", "--cuts", "--channels"}) {
+    expect_error(becalm({"denoise", in, "-o", folder_ / "out.exr", option, ""}), kUsage, {option, "empty"});
+  }
+  expect_error(becalm({"compare", in, in, "--json", ""}), kUsage, {"--json", "empty"});
+  expect_error(render({"--size", ""}), kUsage, {"--size", "empty"});
 }
 
 TEST_F(BadInput, WhatIsWrongWithAllFramesIsToldOnce) {
