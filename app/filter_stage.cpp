@@ -110,7 +110,7 @@ void FilterStage::build(int width, int height, const std::vector<FilteredView>& 
                 "the eyes have other light groups, or direct and indirect light in one of them alone; "
                 "--no-stereo filters each by itself");
   }
-  device_.emplace(device_options_);
+  open_device();
   const std::uint64_t memory = std::min(memory_limit_, filter::usable_bytes(*device_));
   AovSet common = AovSet().set();
   for (const FilteredView& view : views) common &= view.available;
@@ -134,6 +134,11 @@ void FilterStage::build(int width, int height, const std::vector<FilteredView>& 
     }
   }
   matched_ = recipe_.describe_matching(pairs ? common : views.front().available);
+}
+
+const std::string& FilterStage::open_device() {
+  if (!device_) device_.emplace(device_options_);
+  return device_->info().name;
 }
 
 std::string FilterStage::views_text() const {

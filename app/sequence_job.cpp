@@ -176,6 +176,7 @@ std::string SequenceJob::settings() const {
 
 /// --dry-run: what would be read, as what, and written, on standard output.
 void SequenceJob::print_plan(const std::set<int>& needed) {
+  const std::string& device = filter_.open_device();
   std::vector<int> written;
   std::ranges::set_difference(outputs_.frames(), existing_, std::back_inserter(written));
   const auto print = [](const char* verb, const std::string& pattern, const std::vector<int>& frames) {
@@ -191,7 +192,7 @@ void SequenceJob::print_plan(const std::set<int>& needed) {
   if (!lights_.empty()) fmt::print("denoises the lights {} with it\n", fmt::join(lights_, ", "));
   if (inputs_.other_half()) fmt::print("{}\n", halves_text());
   for (const std::string& note : additive_notes_) fmt::print("{}\n", note);
-  fmt::print("filters with preset {}: {}\n", command_.preset, settings());
+  fmt::print("filters with preset {} on {}: {}\n", command_.preset, device, settings());
   if (!existing_.empty()) print("keeps", command_.output.pattern, {existing_.begin(), existing_.end()});
   print("writes", command_.output.pattern, written);
   std::erase_if(written, [&](int frame) {

@@ -17,7 +17,7 @@ TEST_F(Denoise, ADryRunTellsWhatWouldBeReadAndWrittenAndWritesNothing) {
   EXPECT_EQ(outcome.err, "");
   for (const std::string& words :
        {"reads " + input_ + ": 3 frames, 1-3\n", std::string("takes 48x32 px of beauty=R,G,B,A albedo="),
-        std::string("filters with preset balanced: "), std::string(" type=half\n"),
+        std::string("filters with preset balanced on llvmpipe"), std::string(" type=half\n"),
         "writes " + folder_ / "out/a.####.exr" + ": 2 frames, 2,3\n"}) {
     EXPECT_NE(outcome.out.find(words), std::string::npos) << words << "\n" << outcome.out;
   }
@@ -27,6 +27,8 @@ TEST_F(Denoise, ADryRunTellsWhatWouldBeReadAndWrittenAndWritesNothing) {
   EXPECT_NE(becalm_done(command("out/a.####.exr", {"--dry-run", "--frames", "2-3"}))
                 .out.find("replaces " + folder_ / "out/a.####.exr" + ": 1 frame, 2\n"),
             std::string::npos);
+  expect_error(becalm(command("out/a.####.exr", {"--dry-run", "--device", "no such device"})), 4,
+               {"no such device"});
   fs::remove(folder_ / "in.0002.exr");
   EXPECT_EQ(becalm(command("out/a.####.exr", {"--dry-run", "--frames", "2-3"})).status, 3);
 }
