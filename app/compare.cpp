@@ -115,6 +115,7 @@ class CompareJob {
     Imath::V2i first;
   };
 
+  std::vector<const io::SequencePattern*> patterns() const;
   void require_all_frames() const;
   ComparedFrame read(int frame);
   Placed read_view(const io::SequencePattern& pattern, int frame);
@@ -158,9 +159,8 @@ CompareJob::CompareJob(const CompareCommand& command)
     throw Error(ExitStatus::bad_input, fmt::format("{}: no frame of this sequence is on disk{}",
                                                    command.reference, reference_.hint_of_other_padding()));
   }
-  const io::SequencePattern* second = reference_b_ ? &*reference_b_ : nullptr;
-  for (const io::SequencePattern* pattern : {&reference_, &test_, second}) {
-    if (pattern == nullptr || pattern->has_frame_field() || frames_.size() == 1) continue;
+  for (const io::SequencePattern* pattern : patterns()) {
+    if (pattern->has_frame_field() || frames_.size() == 1) continue;
     throw Error(ExitStatus::usage, fmt::format("{}: {} frames need a frame field, such as ####.exr",
                                                pattern->text(), frames_.size()));
   }
@@ -169,13 +169,12 @@ CompareJob::CompareJob(const CompareCommand& command)
 
 /// Before anything is measured: figures of frames before a missing one would be lost.
 void CompareJob::require_all_frames() const {
-  const io::SequencePattern* second = reference_b_ ? &*reference_b_ : nullptr;
-  for (const io::SequencePattern* pattern : {&reference_, &test_, second}) {
-    if (pattern == nullptr) continue;
+  if (frames_.size() == 1) return;  // reading it tells
+  for (const io::SequencePattern* pattern : patterns()) {
     std::vector<int> missing;
     std::ranges::copy_if(frames_, std::back_inserter(missing), [&](int frame) {
       std::error_code error;
-      return !std::filesystem::exists(pattern->path(frame), error);
+      return !std::filesystem::exists(pattern->path(frame), error) && !error;
     });
     if (missing.empty()) continue;
     throw Error(ExitStatus::bad_input,
@@ -183,6 +182,12 @@ void CompareJob::require_all_frames() const {
                             io::format_frame_range(missing), counted(frames_.size(), "frame", "frames"),
                             pattern->hint_of_other_padding()));
   }
+}
+
+std::vector<const io::SequencePattern*> CompareJob::patterns() const {
+  std::vector<const io::SequencePattern*> all{&reference_, &test_};
+  if (reference_b_) all.push_back(&*reference_b_);
+  return all;
 }
 
 ComparedFrame CompareJob::read(int frame) {

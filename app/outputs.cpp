@@ -99,6 +99,12 @@ bool is_whole(const std::string& path) {
   }
 }
 
+/// A file that another program wrote, or another command of becalm, which leaves no such attribute.
+bool is_foreign(const std::string& path, const std::string& mark) {
+  std::error_code error;
+  return fs::is_regular_file(path, error) && (!is_of_becalm(path) || io::read_attribute(path, mark).empty());
+}
+
 [[noreturn]] void refuse_place(std::string_view option, std::string_view name, const std::error_code& why) {
   throw Error(ExitStatus::resource,
               fmt::format("{} {}: cannot write there: {}", option, name, why.message()));
@@ -159,21 +165,16 @@ void Outputs::keep_apart_from(const std::vector<std::string>& inputs) const {
   }
 }
 
-void Outputs::keep_foreign_files(const std::string& attribute) const {
+void Outputs::keep_foreign_files(const std::string& mark) const {
   for (const std::string& path : all_paths()) {
-    std::error_code error;
-    if (!fs::is_regular_file(path, error)) continue;
-    if (!is_of_becalm(path)) refuse_foreign_file(path);
-    if (!io::read_attribute(path, attribute).empty()) continue;
-    throw Error(ExitStatus::usage,
-                fmt::format("{} {}: is there, and was rendered; --overwrite replaces it", option_, path));
+    if (is_foreign(path, mark)) refuse_foreign_file(path);
   }
 }
 
 void Outputs::refuse_foreign_file(const std::string& path) const {
-  throw Error(
-      ExitStatus::usage,
-      fmt::format("{} {}: is there, and becalm did not write it; --overwrite replaces it", option_, path));
+  throw Error(ExitStatus::usage,
+              fmt::format("{} {}: is there, and {}; --overwrite replaces it", option_, path,
+                          is_of_becalm(path) ? "was rendered" : "becalm did not write it"));
 }
 
 void Outputs::check_places() const {
@@ -213,7 +214,8 @@ std::string Outputs::recorded(const std::string& attribute) const {
   return {};
 }
 
-Outputs::Existing Outputs::find_existing(const io::Attributes& attributes, bool overwrite) const {
+Outputs::Existing Outputs::find_existing(const io::Attributes& attributes, const std::string& mark,
+                                         bool overwrite) const {
   const std::vector<std::string> all = all_paths();
   std::vector<char> is_usable(all.size(), 0);
   tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t i) {
@@ -227,12 +229,11 @@ Outputs::Existing Outputs::find_existing(const io::Attributes& attributes, bool 
     bool all_there = true;
     for (const std::string& path : paths(frame)) {
       std::error_code error;
-      const bool is_foreign =
-          fs::is_regular_file(path, error) && !fs::is_empty(path, error) && !is_of_becalm(path);
-      if (is_foreign && !overwrite) refuse_foreign_file(path);
-      const bool is_kept = *usable != 0 && !is_foreign;
+      const bool foreign = is_foreign(path, mark) && !fs::is_empty(path, error);
+      if (foreign && !overwrite) refuse_foreign_file(path);
+      const bool is_kept = *usable != 0 && !foreign;
       if (is_kept) check_attributes(path, attributes);
-      if (fs::exists(path, error) && !is_kept && !is_foreign) existing.unusable.push_back(path);
+      if (fs::exists(path, error) && !is_kept && !foreign) existing.unusable.push_back(path);
       all_there = all_there && is_kept;
       ++usable;
     }

@@ -37,9 +37,9 @@ class Outputs {
   /// Throws Error(usage) if one of the outputs is one of the inputs, also through links.
   void keep_apart_from(const std::vector<std::string>& inputs) const;
 
-  /// Throws Error(usage) if there is a file in an output's place that becalm did not write.
-  /// `attribute` is what becalm's own files of this kind record.
-  void keep_foreign_files(const std::string& attribute = "becalm:version") const;
+  /// Throws Error(usage) if there is a foreign file in an output's place: one without the attribute `mark`,
+  /// which becalm's own files of this kind record.
+  void keep_foreign_files(const std::string& mark) const;
 
   /// check_place of all, and that none of them is a folder.
   void check_places() const;
@@ -57,8 +57,8 @@ class Outputs {
     std::vector<std::string> unusable;  ///< there, but no longer readable: to be written again
   };
   /// What --resume keeps. Throws Error(usage) for a file that was written with other attributes, naming what
-  /// differs, and without `overwrite` for one that becalm did not write.
-  Existing find_existing(const io::Attributes& attributes, bool overwrite) const;
+  /// differs, and without `overwrite` for a foreign one.
+  Existing find_existing(const io::Attributes& attributes, const std::string& mark, bool overwrite) const;
 
  private:
   std::vector<std::string> all_paths() const;

@@ -32,6 +32,7 @@
 #include "app/render_arguments.h"
 #include "app/rendered_frames.h"
 #include "app/scene_hash.h"
+#include "app/scratch_files.h"
 #include "app/time_budget.h"
 #include "filter/input/host_images.h"
 #include "filter/merge/additive.h"
@@ -42,6 +43,9 @@
 
 namespace becalm::app {
 namespace {
+
+/// What all of becalm's files have.
+constexpr const char* kMark = "becalm:version";
 
 /// Share of --memory for the filters of all eyes' pilots, which have a quarter of a frame's pixels.
 constexpr double kPilotsMemory = 0.2;
@@ -62,17 +66,6 @@ AovSet filter_input(const FilterStage& filter, int spp) {
   if (spp == 1)
     wanted.reset(static_cast<std::size_t>(Aov::half_a)).reset(static_cast<std::size_t>(Aov::half_b));
   return wanted;
-}
-
-/// Where noisy frames wait for the filter without --keep-noisy: beside the outputs, under a name that nobody
-/// gives to frames that are kept. The name has a frame field even if the output, being one frame, has none:
-/// the filter reads its neighbours, too. It tells the frames asked for, so that jobs that share a scene's
-/// frames have files of their own.
-std::string scratch_pattern(std::string output, Eye first, const std::vector<int>& asked) {
-  if (has_eye_field(output)) output = pattern_of_eye(output, first == Eye::right ? 1 : 0);
-  const bool has_field = io::SequencePattern(output).has_frame_field();
-  return fmt::format("{}.becalm-scratch-{}-{}{}.exr", output.substr(0, output.rfind('.')),
-                     std::ranges::min(asked), std::ranges::max(asked), has_field ? "" : ".####");
 }
 
 /// The frames that can be rendered for a filter with segments: the scene's, at the distance of those asked
@@ -206,7 +199,7 @@ io::Attributes RenderJob::render_attributes(const AskedAovs& aovs, bool float_co
 
 void RenderJob::find_existing() {
   const auto find = [this](const Outputs& outputs, const io::Attributes& attributes) {
-    Outputs::Existing found = outputs.find_existing(attributes, command_.output.overwrite);
+    Outputs::Existing found = outputs.find_existing(attributes, kMark, command_.output.overwrite);
     warn_unusable(found.unusable);
     return std::move(found.frames);
   };
@@ -216,11 +209,12 @@ void RenderJob::find_existing() {
 
 ExitStatus RenderJob::run() {
   if (!command_.output.overwrite && !command_.output.resume) {
-    outputs_->keep_foreign_files();
-    if (noisy_files_) noisy_files_->outputs.keep_foreign_files();
+    outputs_->keep_foreign_files(kMark);
+    if (noisy_files_) noisy_files_->outputs.keep_foreign_files(kMark);
   }
   outputs_->prepare();
   if (noisy_files_) noisy_files_->outputs.prepare();
+  if (has_segments()) remove_abandoned_scratch(command_.output.pattern, eyes_.front(), *outputs_, readable_);
   if (command_.output.resume) find_existing();
   const std::vector<int>& asked = outputs_->frames();
 

@@ -70,11 +70,13 @@ void add_materials(const fs::path& obj, Files& files) {
   }
 }
 
-/// The files of every string in the scene that names one: meshes and images, under whichever key. Of meshes
-/// that bring their materials those, too.
+/// The files of every string in the scene that names one: meshes and images, under whichever key but those
+/// of names. Of meshes that bring their materials those, too.
 void add_named_files(const nlohmann::json& node, const fs::path& folder, Files& files) {
   if (node.is_structured()) {
-    for (const nlohmann::json& child : node) add_named_files(child, folder, files);
+    for (const auto& [key, child] : node.items()) {
+      if (key != "name" && key != "material") add_named_files(child, folder, files);
+    }
     if (node.is_object() && node.contains("materials") && node["materials"] == "mtl" &&
         node.contains("obj") && node["obj"].is_string()) {
       add_materials(folder / node["obj"].get<std::string>(), files);

@@ -25,6 +25,9 @@ namespace becalm::app {
 
 namespace {
 
+/// What denoised frames have, and rendered ones have not.
+constexpr const char* kMark = "becalm:inputs";
+
 /// One pattern, or one of each eye.
 std::vector<io::SequencePattern> output_patterns(const SequenceCommand& command, const InputFrames& inputs) {
   const std::string& text = command.output.pattern;
@@ -95,7 +98,7 @@ ExitStatus SequenceJob::run() {
     attributes_.emplace_back(io::kCheckerboardAttribute, "none");
   choose_additive();
 
-  if (!command_.output.overwrite && !command_.output.resume) outputs_.keep_foreign_files("becalm:inputs");
+  if (!command_.output.overwrite && !command_.output.resume) outputs_.keep_foreign_files(kMark);
   command_.dry_run ? outputs_.check_places() : outputs_.prepare();
   if (command_.output.resume) find_existing();
   // Without segments every frame depends on all before it.
@@ -208,7 +211,7 @@ void SequenceJob::find_existing() {
   constexpr std::size_t most_untold = 50;
   if (outputs_.frames().size() > most_untold && !command_.running.quiet)
     say(fmt::format("--resume: checking which of {} frames are there", outputs_.frames().size()));
-  Outputs::Existing found = outputs_.find_existing(attributes_, command_.output.overwrite);
+  Outputs::Existing found = outputs_.find_existing(attributes_, kMark, command_.output.overwrite);
   warn_unusable(found.unusable);
   existing_ = fingerprints_.up_to_date(found.frames, [this](int frame) { return outputs_.paths(frame); });
   std::vector<int> outdated;

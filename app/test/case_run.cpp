@@ -38,7 +38,7 @@ class CaseRunner {
   void run(std::uint32_t seed_offset) {
     if (const std::vector<std::string> missing = missing_references(test_); !missing.empty()) {
       end(CaseOutcome::error,
-          fmt::format("no reference {}; make it with --update={}", missing.front(), test_.name));
+          fmt::format("no reference {}; make it with --update={}", missing.front(), test_.full_name()));
       return;
     }
     check_references(test_);

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <filesystem>
 #include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <system_error>
@@ -132,10 +133,24 @@ void check_source(const JsonValue& json, const CaseSource& source) {
   }
 }
 
+/// Members that would be ignored, and one that cannot be guessed.
 void check_reference(const JsonValue& json, const TestCase& test) {
-  const auto preset = json.find("denoise");
-  if (!preset || (test.source.command.empty() && test.reference.command.empty())) return;
-  preset->fail("is for references that a scene makes, and a command makes these");
+  const ReferenceSettings& settings = test.reference;
+  const auto reference = json.find("reference");
+  const auto fail_at = [&](const char* key, const std::string& message) {
+    const auto member = reference ? reference->find(key) : std::nullopt;
+    (member ? *member : json).fail(message);
+  };
+  const bool by_command = !test.source.command.empty() || !settings.command.empty();
+  if (by_command && !settings.preset.value_or("").empty()) {
+    fail_at("denoise", "'denoise' is for references that a scene makes, and a command makes these");
+  }
+  const bool has_command = !settings.command.empty();
+  if (test.judges.statistical && has_command && !settings.spp &&
+      !has_placeholder(settings.command, "{spp}")) {
+    fail_at("command",
+            "statistical needs the samples per pixel of this command: 'spp' beside it, or {spp} in it");
+  }
 }
 
 void read_reference(const JsonValue& json, ReferenceSettings& reference) {
@@ -191,8 +206,8 @@ std::vector<TestCase> load_suite(const std::string& file, const std::string& nam
     test.reference_folder = from_suite(file, "references/" + name);
     read_members(json, file, test);
     check_source(json.has("source") ? json.at("source") : json, test.source);
-    if (const auto reference = json.find("reference")) check_reference(*reference, test);
     check_judges(json, test);
+    check_reference(json, test);
     cases.push_back(std::move(test));
   }
   if (cases.empty()) root.at("cases").fail("expected at least one case");
@@ -211,33 +226,40 @@ std::vector<std::string> suite_files(const std::string& path) {
   return files;
 }
 
-/// The last `count` names of a path without its ending, joined by dots; all of them if it has fewer.
-std::string name_of_end(const fs::path& file, std::ptrdiff_t count) {
-  const fs::path names = file.parent_path().relative_path() / file.stem();
-  std::string joined;
-  for (auto name = std::prev(names.end(), std::min(count, std::distance(names.begin(), names.end())));
-       name != names.end(); ++name) {
-    joined += (joined.empty() ? "" : ".") + name->string();
-  }
-  return joined;
+/// The deepest folder that holds all of them.
+fs::path common_folder(const std::vector<fs::path>& files) {
+  fs::path common = files.front().parent_path();
+  const auto holds = [&](const fs::path& file) { return *file.lexically_relative(common).begin() != ".."; };
+  while (!std::ranges::all_of(files, holds)) common = common.parent_path();
+  return common;
 }
 
-/// A suite's name is its file's without the ending. Files of one name have their folders before it, as many
-/// as tell them apart.
+/// A path's names joined by dots, the last one without its ending.
+std::string dotted(const fs::path& file) {
+  std::string joined;
+  for (const fs::path& name : file.parent_path()) joined += name.string() + '.';
+  return joined + file.stem().string();
+}
+
+/// A suite's name is its file's without the ending. Files of one name have the folders before it that their
+/// common folder has not. Throws Error(bad_input) where that is the name of another suite.
 std::vector<std::string> suite_names(const std::vector<std::string>& files) {
-  std::vector<fs::path> places;
-  for (const std::string& file : files) places.push_back(fs::absolute(file).lexically_normal());
-  const std::set<fs::path> distinct(places.begin(), places.end());
+  std::map<std::string, std::vector<fs::path>> by_stem;
+  for (const std::string& file : files) {
+    const fs::path place = fs::absolute(file).lexically_normal();
+    by_stem[place.stem().string()].push_back(place);
+  }
   std::vector<std::string> names;
-  for (const fs::path& place : places) {
-    const auto is_shared = [&](std::ptrdiff_t count) {
-      return std::ranges::any_of(distinct, [&](const fs::path& other) {
-        return other != place && name_of_end(other, count) == name_of_end(place, count);
-      });
-    };
-    std::ptrdiff_t count = 1;
-    while (is_shared(count) && name_of_end(place, count) != name_of_end(place, count + 1)) ++count;
-    names.push_back(name_of_end(place, count));
+  std::map<std::string, fs::path> places;
+  for (const std::string& file : files) {
+    const fs::path place = fs::absolute(file).lexically_normal();
+    const std::vector<fs::path>& namesakes = by_stem.at(place.stem().string());
+    names.push_back(dotted(place.lexically_relative(common_folder(namesakes))));
+    const auto [other, is_new] = places.emplace(names.back(), place);
+    if (is_new || other->second == place) continue;
+    throw Error(ExitStatus::bad_input,
+                fmt::format("{}: its suite would be called {}, and so is that of {}; rename one", file,
+                            names.back(), other->second.string()));
   }
   return names;
 }

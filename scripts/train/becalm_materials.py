@@ -114,7 +114,7 @@ class Materials:
         return getattr(self, kind)(coarse)
 
     def without_relief(self, name):
-        """The same material, for surfaces without texture coordinates."""
+        """Takes its bumps and normal maps from a material, for surfaces without texture coordinates. Returns the name."""
         entry = self.entries[name]
         for key in ("bump", "normal_map"):
             entry.pop(key, None)

@@ -9,7 +9,7 @@ LAST_FRAME = 8
 
 
 def layout_of(seed, attempt):
-    """Every layout in ten seeds, and among every tenth seed, which batches.is_held_out keeps from training."""
+    """Each decade of seeds has every layout, and so have the seeds of one last digit, by which shots are held out."""
     names = list(LAYOUTS)
     return names[(seed + seed // len(names) + attempt * 3) % len(names)]
 

@@ -279,6 +279,9 @@ TEST_F(Compare, FramesThatAreNotThereAreToldBeforeAnythingIsMeasured) {
   const Outcome outcome = becalm({"compare", reference_, test_});
   expect_error(outcome, 3, {"test.0002.exr", "no file for frame 2,4 of 4 frames"});
   EXPECT_TRUE(outcome.out.empty()) << outcome.out;
+  const Outcome single = becalm({"compare", frame_path(reference_, 1), frame_path(test_, 2)});
+  EXPECT_EQ(single.status, 3);
+  EXPECT_NE(single.err.find("test.0002.exr: no such file"), std::string::npos) << single.err;
 }
 
 TEST(Info, DescribesScenesFilesSequencesAndDevices) {

@@ -106,6 +106,18 @@ TEST_F(Render, NoisyFramesThatAStoppedRunLeftAreGoneWhenAllIsThere) {
   EXPECT_EQ(files_in(folder_.path() / "out"), (std::vector<std::string>{"a.0001.exr", "a.0002.exr"}));
 }
 
+TEST_F(Render, NoisyFramesThatRunsOfOtherFramesLeftAreGoneOnceTheirFramesAreRenderedAgain) {
+  fs::create_directories(folder_ / "out");
+  for (const char* name :
+       {"a.0001.becalm-scratch-1-4.exr", "a.0002.becalm-scratch-3-4.exr", "b.0001.becalm-scratch-1-4.exr"})
+    write_text((folder_.path() / "out" / name).string(), "noise");
+  render("out/a.####.exr", {"--spp", "1", "--denoise", "--frames", "1", "--context", "none"});
+  EXPECT_EQ(files_in(folder_.path() / "out"),
+            (std::vector<std::string>{"a.0001.exr", "a.0002.becalm-scratch-3-4.exr",
+                                      "b.0001.becalm-scratch-1-4.exr"}))
+      << "one that a run still has, and one of other outputs";
+}
+
 TEST_F(Render, NoisyFramesThatAreKeptOutliveLaterRuns) {
   const std::vector<std::string> options{"--spp", "1", "--denoise", "--frames", "1-2", "--context", "none"};
   std::vector<std::string> keeps = options;
@@ -261,7 +273,9 @@ TEST_F(Render, WhatTheSceneReadsIsNotReplaced) {
       scene_,
       R"({"film": {"width": 16, "height": 16}, "camera": {"look_at": {"eye": [0, 0, 4], "target": [0, 0, 0]}}, "environment": {"radiance": [1, 1, 1]},
     "frames": {"first": 1, "last": 2}, "materials": {},
-    "meshes": {"t": {"obj": "mesh.obj", "materials": "mtl"}}, "objects": [{"name": "o", "mesh": "t"}]})");
+    "meshes": {"t": {"obj": "mesh.obj", "materials": "mtl"}}, "objects": [{"name": "a.0001.exr", "mesh": "t"}]})");
+  render("a.####.exr", {"--frames", "1"});
+  render("a.####.exr", {"--frames", "1"});
   expect_error(becalm(command("image.####.exr", {"--overwrite"})), 2,
                {"image.0001.exr", "would overwrite the input"});
   expect_error(becalm(command("a.####.exr", {"--denoise", "--keep-noisy", folder_ / "image.####.exr"})), 2,

@@ -58,8 +58,12 @@ TEST_F(SuiteTest, MistakesAreToldWithTheirPlace) {
        {"/cases/a", "frames that follow each other"}},
       {R"({"cases": {"a": {"source": {"scene": "scene.json", "denoise": "draft"}, "judged_by": {"statistical": true}}}})",
        {"/cases/a", "not denoised"}},
-      {R"({"cases": {"a": {"source": {"command": ["x", "{output}"]}, "reference": {"denoise": "draft"}}}})",
+      {R"({"cases": {"a": {"source": {"command": ["x", "{output}"]}, "reference": {"denoise": "draft"}, "judged_by": {"exact": true}}}})",
        {"/cases/a/reference/denoise", "a command makes these"}},
+      {R"({"defaults": {"reference": {"denoise": "draft"}}, "cases": {"a": {"source": {"command": ["x", "{output}"]}, "judged_by": {"exact": true}}}})",
+       {"/cases/a", "'denoise'", "a command makes these"}},
+      {R"({"cases": {"a": {"source": {"scene": "scene.json"}, "reference": {"command": ["x", "{output}"]}, "judged_by": {"statistical": true}}}})",
+       {"/cases/a/reference/command", "'spp' beside it", "{spp}"}},
       {R"({"cases": {"a": {"reference": {"count": 3}}}})", {"/cases/a/reference/count", "from 1 to 2"}},
       {R"({"cases": {"a": {"false_alarm_rate": 2}}})", {"/cases/a/false_alarm_rate", "2"}},
       {R"({"defaults": {"source": {"sppp": 2}}, "cases": {}})", {"/defaults/source/sppp: unknown key"}},
@@ -118,6 +122,19 @@ TEST_F(SuiteTest, SuitesOfOneNameAreToldApartByTheirFolders) {
   }
   command.insert(command.end(), {"--list", "--filter", "metal*"});
   EXPECT_EQ(becalm(command).out, "metal.suite/same\n");
+}
+
+TEST_F(SuiteTest, NamesOfSuitesDoNotTellWhereTheirCommonFolderLies) {
+  fs::create_directories(folder_ / "inner/deep");
+  const std::vector<std::string> files{suite_, folder_ / "inner/deep/suite.json",
+                                       folder_ / "inner/other.json"};
+  for (const std::string& file : files)
+    write_text(file, fmt::format("{{\"cases\": {{{}}}}}", shell_case(fs::path(file).stem())));
+  EXPECT_EQ(becalm({"test", "--list", files[0], files[1], files[2]}).out,
+            "suite/suite\ninner.deep.suite/suite\nother/other\n");
+  const std::string same = folder_ / "inner/inner.deep.suite.json";
+  fs::copy_file(files[2], same);
+  expect_error(becalm({"test", "--list", files[0], files[1], same}), 3, {"inner.deep.suite", "rename one"});
 }
 
 TEST_F(SuiteTest, DefaultsHoldForAllCasesUnlessTheyChangeThem) {

@@ -113,7 +113,7 @@ TEST_F(SuiteTest, ACaseWithoutReferenceIsAnError) {
   write_reference("good");
   const Outcome outcome = run();
   EXPECT_EQ(outcome.status, 3);
-  expect_words(line_of(outcome, "none"), {"error", "references/none/a.0001.exr", "--update=none"});
+  expect_words(line_of(outcome, "none"), {"error", "references/none/a.0001.exr", "--update=suite/none"});
   expect_words(line_of(outcome, "good"), {"passed"});
 }
 

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/outputs.h"
+#include "frame/stereo.h"
+
+namespace becalm::app {
+
+/// Where noisy frames wait for the filter without --keep-noisy: beside the outputs, under a name that nobody
+/// gives to frames that are kept. The name has a frame field even if the output, being one frame, has none:
+/// the filter reads its neighbours, too. It tells the frames asked for, so that jobs that read each other's
+/// frames have files of their own. `first` is the first eye of a pattern with a field for it.
+std::string scratch_pattern(const std::string& output, Eye first, const std::vector<int>& asked);
+
+/// Removes what runs that asked for other frames have left under such names, if this run has locked one of
+/// their outputs: they do not live any more. `readable` are the frames that may have such files.
+void remove_abandoned_scratch(const std::string& output, Eye first, const Outputs& locked,
+                              const std::vector<int>& readable);
+
+}  // namespace becalm::app
