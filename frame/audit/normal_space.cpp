@@ -35,9 +35,10 @@ std::optional<Finding> check_normal_space(const Subject& subject) {
   }
   return Finding{
       "normal_space",
-      fmt::format("{:.1f} % of the normals face one way along Z, as in view space, where they change when "
-                  "the camera turns: write normals in world space",
-                  100.0 * facing)};
+      fmt::format(
+          "{:.1f} % of the normals face one way along Z, as in view space, where they change when "
+          "the camera turns: write normals in world space, or --layers normal=NAME takes a layer that is",
+          100.0 * facing)};
 }
 
 }  // namespace becalm::audit

@@ -58,6 +58,13 @@ std::optional<Finding> check_variance(const Subject& subject) {
   const Frame& frame = subject.frame;
   if (!frame.has(Aov::variance)) return std::nullopt;
   const Image& variance = frame.image(Aov::variance);
+  const auto is_zero = [](float value) { return value == 0.0f; };
+  if (std::ranges::all_of(variance.data(), is_zero) &&
+      !std::ranges::all_of(frame.image(Aov::beauty).data(), is_zero)) {
+    return Finding{"variance",
+                   "the layer is 0 everywhere, so nothing counts as noise: --layers variance=none has it "
+                   "estimated"};
+  }
   if (frame.has(Aov::half_a) && frame.has(Aov::half_b)) {
     const std::vector<double> ratios = block_ratios(
         variance, [&](int x, int y, int c) { return variance.at(x, y, c); },

@@ -49,10 +49,13 @@ constexpr std::string_view kRenderManLobes[] = {"diffuse", "specular", "subsurfa
                                                 "emissive"};
 constexpr std::string_view kBlender[] = {"diffdir",  "diffind",   "glossdir",  "glossind", "transdir",
                                          "transind", "volumedir", "volumeind", "emit",     "env"};
+/// A transparent film keeps the environment out of the beauty, but not out of its layer.
+constexpr std::string_view kBlenderFilm[] = {"diffdir",  "diffind",   "glossdir",  "glossind", "transdir",
+                                             "transind", "volumedir", "volumeind", "emit"};
 
-constexpr std::span<const std::string_view> kSets[] = {kBlender,        kArnoldLobes,       kArnoldPaths,
-                                                       kArnoldOldPaths, kDirectAndIndirect, kVray,
-                                                       kRenderMan,      kRenderManLobes};
+constexpr std::span<const std::string_view> kSets[] = {kBlender,     kBlenderFilm,    kArnoldLobes,
+                                                       kArnoldPaths, kArnoldOldPaths, kDirectAndIndirect,
+                                                       kVray,        kRenderMan,      kRenderManLobes};
 
 /// What the names of Arnold's and of Cycles' light groups begin with; the scene gives the rest.
 constexpr std::string_view kLightGroups[] = {"rgba_", "combined_"};
@@ -206,6 +209,24 @@ struct Compared {
   bool is_certain = false;  ///< of any candidate, also of those that are left out
 };
 
+/// Of sets of which one holds the other only one stays: the larger that adds up, else the smaller that does,
+/// else the larger.
+void leave_one_of_nested(std::vector<AdditiveSet>& sets) {
+  const auto holds = [](const AdditiveSet& outer, const AdditiveSet& inner) {
+    return outer.layers.size() > inner.layers.size() &&
+           std::ranges::all_of(inner.layers, [&](const std::string& name) {
+             return std::ranges::find(outer.layers, name) != outer.layers.end();
+           });
+  };
+  const std::vector<AdditiveSet> all = sets;
+  std::erase_if(sets, [&](const AdditiveSet& set) {
+    return std::ranges::any_of(all, [&](const AdditiveSet& other) {
+      return (holds(other, set) && (other.adds_up() || !set.adds_up())) ||
+             (holds(set, other) && other.adds_up() && !set.adds_up());
+    });
+  });
+}
+
 Compared compare(const std::string& path, std::vector<AdditiveSet> candidates, const LayerOptions& options) {
   Compared result;
   for (AdditiveSet& candidate : candidates) {
@@ -228,6 +249,7 @@ Compared compare(const std::string& path, std::vector<AdditiveSet> candidates, c
     set.layers = std::move(layers);
     if (!set.layers.empty()) result.sets.push_back(std::move(set));
   }
+  leave_one_of_nested(result.sets);
   return result;
 }
 

@@ -21,6 +21,7 @@ constexpr Alias kAliases[] = {
     {.aov = Aov::beauty, .layer = "<root>"},
     {.aov = Aov::beauty, .layer = "rgb_color"},
     {.aov = Aov::beauty, .layer = "rgb"},
+    {.aov = Aov::beauty, .layer = "image"},  // of Blender's File Output node
     {.aov = Aov::variance, .layer = "variance"},
     {.aov = Aov::variance, .layer = "mse"},
     {.aov = Aov::variance, .layer = "noiselevel", .standard_deviation = true},

@@ -11,6 +11,7 @@
 #include <set>
 
 #include "frame/error.h"
+#include "frame/io/coloured_light.h"
 #include "frame/io/exr_file.h"
 #include "frame/io/exr_parts.h"
 #include "frame/io/printable.h"
@@ -93,15 +94,6 @@ std::set<std::string> motion_channels_of(const std::vector<const ViewLayers*>& v
   return names;
 }
 
-/// The light whose product with the surface's colour is the radiance; 0 where the colour is 0.
-Image divided(const Image& radiance, const Image& colour) {
-  Image light(radiance.width(), radiance.height(), radiance.channels());
-  std::ranges::transform(
-      radiance.data(), colour.data(), light.data().begin(),
-      [](float product, float factor) { return factor == 0.0f ? 0.0f : product / factor; });
-  return light;
-}
-
 void replace(const LayerSource& layer, const Image& image, const Imath::V2i& origin, Rewritten& file) {
   for (std::size_t c = 0; c < layer.channels.size(); ++c) {
     const std::string& name = layer.channels[c];
@@ -141,9 +133,12 @@ void replace_view(const std::string& path, const LoadedView& view, const Frame& 
   }
   for (const LightGroup& group : frame.light_groups()) {
     const auto colour = view.colours.find(group.name);
-    const Image& light = colour == view.colours.end()
-                             ? group.radiance
-                             : file.light.emplace_back(divided(group.radiance, colour->second));
+    const Image& light =
+        colour == view.colours.end()
+            ? group.radiance
+            : file.light.emplace_back(light_without_colour(
+                  group.radiance, colour->second,
+                  std::ranges::find(view.frame.light_groups(), group.name, &LightGroup::name)->radiance));
     replace(view.lights.at(group.name).layer, light, origin, file);
   }
 }

@@ -191,6 +191,17 @@ TEST(Audit, MotionOfAnotherConvention) {
   EXPECT_NE(text_with(0.0f, -3.0f).find("--motion swap"), std::string::npos);
 }
 
+TEST(Audit, AVarianceThatNobodyWrote) {
+  Frame frame = frame_of(1, 2);
+  frame.image(Aov::variance) = Image(frame.width(), frame.height(), frame.image(Aov::variance).channels());
+  EXPECT_TRUE(check_variance({frame}));
+  frame.image(Aov::variance).at(3, 3, 1) = kNoise;
+  EXPECT_FALSE(check_variance({frame}));
+  frame.image(Aov::variance).at(3, 3, 1) = 0.0f;
+  std::ranges::fill(frame.image(Aov::beauty).data(), 0.0f);
+  EXPECT_FALSE(check_variance({frame})) << "black frames have no noise";
+}
+
 TEST(Audit, VarianceThatTheFramesContradict) {
   for (const float factor : {0.1f, 10.0f}) {
     Frame frame = frame_of(1, 2);

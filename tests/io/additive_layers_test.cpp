@@ -12,6 +12,7 @@
 #include <filesystem>
 
 #include "frame/error.h"
+#include "frame/io/coloured_light.h"
 #include "frame/io/exr.h"
 #include "tests/io/exr_files.h"
 #include "tests/io/temporary_folder.h"
@@ -227,6 +228,38 @@ TEST_F(AdditiveLayers, BlendersWithTheirColours) {
                       result("V.Emit.R", i);
     EXPECT_NEAR(sum, result("V.Combined.R", i), 2e-3f * sum + 1e-6f) << i;
   }
+}
+
+TEST_F(AdditiveLayers, BlendersEnvironmentBehindATransparentFilmIsNoSummand) {
+  write({{"V.Combined", [](int i) { return first(i) + second(i); }},
+         {"V.DiffDir", first},
+         {"V.Emit", second},
+         {"V.Env", first}});
+  EXPECT_EQ(choose_additive("auto", sets()), (Names{"V.DiffDir", "V.Emit"}));
+  EXPECT_EQ(describe(sets()).size(), 1u) << "nothing is told of the set with the environment";
+  write({{"V.Combined", [](int i) { return 3.0f * first(i); }},
+         {"V.DiffDir", first},
+         {"V.Emit", first},
+         {"V.Env", first}});
+  EXPECT_EQ(choose_additive("auto", sets()), (Names{"V.DiffDir", "V.Emit", "V.Env"}));
+}
+
+TEST(ColouredLight, LeaksOntoDarkSurfacesAreNotDividedByNextToNothing) {
+  Image colour(40, 40, 3, 0.5f);
+  Image came(40, 40, 3, 1.0f);  // light of 2
+  for (int c = 0; c < 3; ++c) {
+    colour.at(3, 3, c) = 1e-4f;
+    came.at(3, 3, c) = 1e-4f;
+    colour.at(38, 38, c) = 0.0f;
+    came.at(20, 3, c) = -2.5f;  // in the next block
+  }
+  Image product = came;
+  for (int c = 0; c < 3; ++c) product.at(3, 3, c) = 0.02f;
+  const Image light = light_without_colour(product, colour, came);
+  EXPECT_EQ(light.at(0, 0, 0), 2.0f);
+  EXPECT_EQ(light.at(20, 3, 1), -5.0f);
+  EXPECT_EQ(light.at(3, 3, 2), 5.0f) << "not 200";
+  EXPECT_EQ(light.at(38, 38, 0), 0.0f);
 }
 
 TEST_F(AdditiveLayers, DirectAndIndirectLightAreDenoisedAnyway) {
