@@ -5,6 +5,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 
 #include "app/cancel.h"
@@ -37,6 +38,25 @@ std::optional<int> frame_that_lacks(const io::LayerOptions& layers, const std::v
   return files[static_cast<std::size_t>(found - lacks.begin())].frame;
 }
 
+/// What `auto` takes. Sets that stay noisy are told unless the user has named layers besides, perhaps theirs.
+void find_sets(const std::vector<NumberedFile>& files, const io::LayerOptions& layers, bool tell_others,
+               AdditiveChoice& choice) {
+  std::vector<std::string> paths;
+  for (const NumberedFile& file : files) paths.push_back(file.path);
+  choice.sets = io::find_additive_sets(paths, layers);
+  std::vector<io::AdditiveSet> told = choice.sets;
+  if (!tell_others) std::erase_if(told, [](const io::AdditiveSet& set) { return !set.adds_up(); });
+  choice.notes = io::describe(told);
+  io::LayerOptions chosen = layers;
+  chosen.additive = io::choose_additive("auto", choice.sets);
+  if (chosen.additive.empty()) return;
+  if (const std::optional<int> frame = frame_that_lacks(chosen, files)) {
+    choice.notes = {io::describe_lack(chosen.additive, *frame)};
+  } else {
+    choice.layers = std::move(chosen.additive);
+  }
+}
+
 }  // namespace
 
 std::vector<NumberedFile> files_on_disk(const io::SequencePattern& pattern) {
@@ -48,24 +68,15 @@ std::vector<NumberedFile> files_on_disk(const io::SequencePattern& pattern) {
 AdditiveChoice choose_additive(const std::string& asked, const std::vector<NumberedFile>& files,
                                const io::LayerOptions& layers) {
   AdditiveChoice choice;
-  if (asked != "auto") {
-    choice.layers = io::choose_additive(asked, {});
-    if (!choice.layers.empty())
-      choice.notes = {fmt::format("{} are denoised with the beauty", fmt::join(choice.layers, ", "))};
-    return choice;
-  }
-  std::vector<std::string> paths;
-  for (const NumberedFile& file : files) paths.push_back(file.path);
-  choice.sets = io::find_additive_sets(paths, layers);
-  choice.notes = io::describe(choice.sets);
-  io::LayerOptions chosen = layers;
-  chosen.additive = io::choose_additive(asked, choice.sets);
-  if (chosen.additive.empty()) return choice;
-  if (const std::optional<int> frame = frame_that_lacks(chosen, files)) {
-    choice.notes = {io::describe_lack(chosen.additive, *frame)};
-  } else {
-    choice.layers = std::move(chosen.additive);
-  }
+  const std::vector<std::string> words = io::additive_words(asked);
+  const std::vector<std::string> named = io::choose_additive(asked, {});
+  if (std::ranges::find(words, "auto") != words.end()) find_sets(files, layers, named.empty(), choice);
+  if (named.empty()) return choice;
+  choice.notes.push_back(fmt::format("{} {} denoised with the beauty", fmt::join(named, ", "),
+                                     named.size() == 1 ? "is" : "are"));
+  std::ranges::copy_if(named, std::back_inserter(choice.layers), [&](const std::string& layer) {
+    return std::ranges::find(choice.layers, layer) == choice.layers.end();
+  });
   return choice;
 }
 

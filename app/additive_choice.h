@@ -25,9 +25,9 @@ struct AdditiveChoice {
   std::vector<io::AdditiveSet> sets;  ///< that were found
 };
 
-/// `asked` is `--additive auto|none|NAME,NAME`. Auto chooses by all files of a sequence, so that all jobs of
-/// it choose alike: what adds up in the first frame that tells, if every file has it. A damaged file says
-/// nothing.
+/// `asked` is `--additive auto|none|NAME,NAME|auto,NAME`. Auto chooses by all files of a sequence, so that
+/// all jobs of it choose alike: what adds up in the first frame that tells, if every file has it. A damaged
+/// file says nothing.
 AdditiveChoice choose_additive(const std::string& asked, const std::vector<NumberedFile>& files,
                                const io::LayerOptions& layers);
 

@@ -27,7 +27,7 @@ void add_additive_option(CLI::App& command, LayerArguments& arguments) {
       .add_option(
           "--additive", arguments.additive,
           "Layers that are denoised with the beauty so that they still add up to it: auto takes those "
-          "whose names say so and whose sum is the beauty (default: auto)")
+          "whose names say so and whose sum is the beauty; auto,NAME takes others, too (default: auto)")
       ->option_text("auto|NAME,...|none")
       ->group(more("Input"));
 }

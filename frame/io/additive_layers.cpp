@@ -306,21 +306,29 @@ std::vector<AdditiveSet> find_additive_sets(std::span<const std::string> paths, 
   return of_black;
 }
 
+std::vector<std::string> additive_words(std::string_view text) {
+  std::vector<std::string> words;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', begin), text.size());
+    if (comma > begin) words.emplace_back(text.substr(begin, comma - begin));
+    begin = comma + 1;
+  }
+  return words;
+}
+
 std::vector<std::string> choose_additive(std::string_view text, const std::vector<AdditiveSet>& sets) {
   std::vector<std::string> chosen;
   if (text == "none") return chosen;
-  if (text != "auto" && !text.empty()) {
-    for (std::size_t begin = 0; begin <= text.size();) {
-      const std::size_t comma = std::min(text.find(',', begin), text.size());
-      if (comma > begin) chosen.emplace_back(text.substr(begin, comma - begin));
-      begin = comma + 1;
+  const auto choose = [&](const std::string& layer) {
+    if (std::ranges::find(chosen, layer) == chosen.end()) chosen.push_back(layer);
+  };
+  for (const std::string& word : additive_words(text)) {
+    if (word != "auto") {
+      choose(word);
+      continue;
     }
-    return chosen;
-  }
-  for (const AdditiveSet& set : sets) {
-    if (!set.adds_up()) continue;
-    for (const std::string& layer : set.layers) {
-      if (std::ranges::find(chosen, layer) == chosen.end()) chosen.push_back(layer);
+    for (const AdditiveSet& set : sets) {
+      if (set.adds_up()) std::ranges::for_each(set.layers, choose);
     }
   }
   return chosen;
@@ -347,7 +355,7 @@ std::vector<std::string> describe(const std::vector<AdditiveSet>& sets) {
     lines.push_back(set.adds_up()
                         ? fmt::format("{} add up to the beauty and are denoised with it", names)
                         : fmt::format("{} do not add up to the beauty in {:.1f}% of the values and are "
-                                      "passed on noisy; --additive NAME,... denoises them all the same",
+                                      "passed on noisy; --additive auto,NAME,... denoises them, too",
                                       names, 100.0 * set.share_off));
   }
   return lines;

@@ -38,8 +38,11 @@ std::vector<AdditiveSet> find_additive_sets(const std::string& path, const Layer
 /// layers there are none.
 std::vector<AdditiveSet> find_additive_sets(std::span<const std::string> paths, const LayerOptions& options);
 
-/// `--additive auto|NAME,NAME|none`: the layers that are denoised with the beauty; for auto those of the sets
-/// that add up.
+/// The words between commas.
+std::vector<std::string> additive_words(std::string_view text);
+
+/// `--additive auto|NAME,NAME|auto,NAME|none`: the layers that are denoised with the beauty; for auto those
+/// of the sets that add up.
 std::vector<std::string> choose_additive(std::string_view text, const std::vector<AdditiveSet>& sets);
 
 /// One line for layers that add up, and that a frame of the sequence lacks.

@@ -71,7 +71,8 @@ std::set<std::string> channels_of(const std::string& path) {
 void write_lobes(const std::string& path, const Frame& frame) {
   Imf::Header header(kWidth, kHeight);
   Imf::FrameBuffer buffer;
-  const std::map<std::string, float> shares{{"", 1.0f}, {"diffuse.", 0.25f}, {"specular.", 0.75f}};
+  const std::map<std::string, float> shares{
+      {"", 1.0f}, {"diffuse.", 0.25f}, {"specular.", 0.75f}, {"rim.", 0.1f}};
   std::map<std::string, std::vector<float>> layers;
   for (const auto& [layer, share] : shares) {
     std::vector<float>& pixels = layers[layer];
@@ -140,6 +141,10 @@ TEST_F(Denoise, LayersThatAddUpToTheBeautyStillDo) {
   EXPECT_NE(json.find("\"adds_up\": true"), std::string::npos) << json;
   const std::string plan = becalm_done(command("out.####.exr", {"--dry-run"})).out;
   EXPECT_NE(plan.find(said), std::string::npos) << plan;
+  const std::string more = becalm_done(command("out.####.exr", {"--dry-run", "--additive", "auto,rim"})).out;
+  EXPECT_NE(more.find(said), std::string::npos) << more;
+  EXPECT_NE(more.find("denoises the lights diffuse, rim, specular"), std::string::npos) << more;
+  EXPECT_NE(more.find("rim is denoised with the beauty\n"), std::string::npos) << more;
   becalm_done(command("out.####.exr", {"--preset", "draft"}));
   EXPECT_EQ(io::read_attribute(folder_ / "out.0002.exr", "becalm:additive"), "diffuse,specular");
   const Frame denoised = io::read_exr(folder_ / "out.0002.exr", 2, {}, {.additive = {"diffuse", "specular"}},

@@ -132,6 +132,8 @@ TEST_F(AdditiveLayers, ThoseThatDoNotAreLeft) {
   EXPECT_TRUE(choose_additive("auto", sets()).empty());
   EXPECT_EQ(choose_additive("specular,diffuse", sets()), (Names{"specular", "diffuse"}));
   EXPECT_TRUE(choose_additive("none", sets()).empty());
+  const std::vector<AdditiveSet> found{{.layers = {"a", "b"}}, {.layers = {"c", "d"}, .share_off = 0.5}};
+  EXPECT_EQ(choose_additive("auto,c,a", found), (Names{"a", "b", "c"}));
   EXPECT_NE(describe(sets())[0].find("do not add up to the beauty in 100.0% of the values"),
             std::string::npos)
       << describe(sets())[0];
