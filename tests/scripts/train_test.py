@@ -13,14 +13,10 @@ import torch
 import albedo_noise
 import backgrounds
 import batches
-import becalm_layouts
-import becalm_materials
-import becalm_scene
 import export
 import idle_channels
 import losses
 import merged_shots
-import noise_levels
 import own_share
 import patterns
 import rare_crops
@@ -435,36 +431,6 @@ class AlbedoNoise(unittest.TestCase):
         with torch.no_grad():
             found = losses.smoothed(network, [torch.cat([albedo, albedo], 1), -torch.ones(1, 1, SIZE, SIZE), features, None])[0]
         self.assertLess((found - albedo).abs().mean().item(), 0.25 * (albedo - albedo.mean()).abs().mean().item())
-
-
-class Layouts(unittest.TestCase):
-    def test_trained_and_held_out_shots_have_all_of_them(self):
-        seeds = range(200)
-        held_out = {becalm_scene.layout_of(seed, 0) for seed in seeds if batches.is_held_out(f"becalm-{seed:06}")}
-        trained = {becalm_scene.layout_of(seed, 0) for seed in seeds if not batches.is_held_out(f"becalm-{seed:06}")}
-        self.assertEqual(held_out, set(becalm_layouts.LAYOUTS))
-        self.assertEqual(trained, set(becalm_layouts.LAYOUTS))
-
-
-class Relief(unittest.TestCase):
-    def test_procedural_surfaces_have_none_of_it_however_it_is_mixed(self):
-        materials = becalm_materials.Materials(np.random.default_rng(1), {}, textured_share=0)
-        materials.entries = {"bumpy": {"type": "diffuse", "bump": {}}, "carved": {"type": "conductor", "normal_map": {}},
-                             "both": {"type": "mix", "materials": ["bumpy", "carved"], "factor": 0.5}}
-        stage = becalm_layouts.Stage(np.random.default_rng(1), materials, [{"kind": f"kind {i}"} for i in range(9)])
-        stage.put(stage.mesh("waves", procedural="ocean"), "both")
-        self.assertEqual(materials.entries["bumpy"], {"type": "diffuse"})
-        self.assertEqual(materials.entries["carved"], {"type": "conductor"})
-
-
-class NoiseLevels(unittest.TestCase):
-    def test_samples_follow_the_noise_and_are_two_different_counts(self):
-        draws = iter([0.5, 0.5, 0.0, 0.0, 1.0, 1.0])
-        random = lambda: next(draws)
-        self.assertEqual(noise_levels.noise_levels(0.4, random), [4, 8])  # of 0.095, twice the same
-        self.assertEqual(noise_levels.noise_levels(0.4, random), [32, 64])  # of 0.003, beyond the most
-        self.assertEqual(noise_levels.noise_levels(0.4, random), [1, 2])
-        self.assertEqual(noise_levels.sample_count(0.0, 0.1), 1)
 
 
 if __name__ == "__main__":
