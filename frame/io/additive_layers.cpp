@@ -72,6 +72,8 @@ constexpr ColouredBy kColours[] = {{"diffdir", "diffcol"},   {"diffind", "diffco
 /// Relative error by rounding to half: of each summand, of the colour that it is multiplied by, and of the
 /// sum.
 constexpr double kHalfRounding = 2.0 / 1024.0;
+/// The same by lossy compression: frames of Blender by DWAA and DWAB have up to 0.05.
+constexpr double kLossyRounding = 0.1;
 /// Absolute error by rounding to half near 0: its smallest step, 6e-8, for many summands.
 constexpr double kSmallest = 1e-6;
 /// Share of the values that may be farther off, such as clamped fireflies.
@@ -165,8 +167,21 @@ std::vector<AdditiveSet> candidates_of(const std::string& path, const LayerOptio
   return sets;
 }
 
+/// Relative error of the sum that the file's part explains.
+double rounding_of(const Imf::Header& header) {
+  switch (header.compression()) {
+    case Imf::B44_COMPRESSION:
+    case Imf::B44A_COMPRESSION:
+    case Imf::DWAA_COMPRESSION:
+    case Imf::DWAB_COMPRESSION:
+      return kLossyRounding;
+    default:
+      return kHalfRounding;
+  }
+}
+
 /// What a frame tells of layers: AdditiveSet without them.
-AdditiveSet compared(const Frame& frame) {
+AdditiveSet compared(const Frame& frame, double rounding) {
   const Image& beauty = frame.image(Aov::beauty);
   std::size_t off = 0;
   std::size_t lit = 0;
@@ -180,7 +195,7 @@ AdditiveSet compared(const Frame& frame) {
         sum += part;
         size += std::abs(part);
       }
-      if (std::abs(sum - wanted) > kHalfRounding * size + kSmallest) ++off;
+      if (std::abs(sum - wanted) > rounding * size + kSmallest) ++off;
       if (size > 0.0) ++lit;
     }
   }
@@ -243,7 +258,8 @@ Compared compare(const std::string& path, std::vector<AdditiveSet> candidates, c
     std::erase_if(loaded.frame.light_groups(), [&](const LightGroup& group) {
       return std::ranges::find(layers, group.name) == layers.end();
     });
-    AdditiveSet set = compared(loaded.frame);
+    const int part = loaded.layers[static_cast<std::size_t>(Aov::beauty)]->part;
+    AdditiveSet set = compared(loaded.frame, rounding_of(open_exr(path)->header(part)));
     result.is_certain |= set.is_certain;
     std::erase_if(layers, [&](const std::string& name) { return is_denoised_aov(loaded, name); });
     set.layers = std::move(layers);

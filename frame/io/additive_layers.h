@@ -23,7 +23,8 @@ struct AdditiveSet {
   std::vector<std::string> layers;
   /// Those of another data window than the beauty's: nothing is known then.
   std::vector<std::string> cropped = {};
-  /// Share of the values but black ones whose sum is farther from the beauty than rounding to half explains.
+  /// Share of the values but black ones whose sum is farther from the beauty than rounding to half explains,
+  /// or the file's lossy compression.
   double share_off = 0.0;
   bool is_certain = true;  ///< the frame is not black, and no layer cropped
   bool adds_up() const;

@@ -28,8 +28,10 @@ using Names = std::vector<std::string>;
 class AdditiveLayers : public ::testing::Test {
  protected:
   /// Half channels R, G and B of each layer, of one value a pixel.
-  void write(const std::map<std::string, std::function<float(int)>>& layers) const {
+  void write(const std::map<std::string, std::function<float(int)>>& layers,
+             Imf::Compression compression = Imf::ZIP_COMPRESSION) const {
     Imf::Header header(kWidth, kHeight);
+    header.compression() = compression;
     Imf::FrameBuffer buffer;
     std::map<std::string, std::vector<Imath::half>> planes;
     for (const auto& [layer, value] : layers) {
@@ -244,6 +246,18 @@ TEST_F(AdditiveLayers, BlendersEnvironmentBehindATransparentFilmIsNoSummand) {
          {"V.Emit", first},
          {"V.Env", first}});
   EXPECT_EQ(choose_additive("auto", sets()), (Names{"V.DiffDir", "V.Emit", "V.Env"}));
+}
+
+TEST_F(AdditiveLayers, LossyCompressionMayLeaveASumApart) {
+  const auto apart = [](int i) { return 1.08f * (first(i) + second(i)); };
+  write({{"", apart}, {"diffuse", first}, {"specular", second}});
+  EXPECT_TRUE(choose_additive("auto", sets()).empty());
+  for (const Imf::Compression lossy : {Imf::B44_COMPRESSION, Imf::DWAB_COMPRESSION}) {
+    write({{"", apart}, {"diffuse", first}, {"specular", second}}, lossy);
+    EXPECT_EQ(choose_additive("auto", sets()), (Names{"diffuse", "specular"})) << lossy;
+    write({{"", first}, {"diffuse", first}, {"specular", second}}, lossy);
+    EXPECT_TRUE(choose_additive("auto", sets()).empty()) << lossy;
+  }
 }
 
 TEST(ColouredLight, LeaksOntoDarkSurfacesAreNotDividedByNextToNothing) {
