@@ -87,7 +87,7 @@ class FilterStage {
   std::vector<filter::Segment> schedule(const std::vector<int>& readable, const std::set<int>& wanted,
                                         int step) const;
 
-  /// Returns its name. Throws DeviceError if there is no such device.
+  /// Opens the device, if it is not open yet, and returns its name. Throws DeviceError if there is none such.
   const std::string& open_device();
   /// Opens the device and builds the chains; called before the first frame. All views share the memory. A
   /// left and a right eye are filtered together, unless the options say otherwise. Throws Error(bad_input)

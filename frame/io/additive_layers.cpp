@@ -49,9 +49,8 @@ constexpr std::string_view kRenderManLobes[] = {"diffuse", "specular", "subsurfa
                                                 "emissive"};
 constexpr std::string_view kBlender[] = {"diffdir",  "diffind",   "glossdir",  "glossind", "transdir",
                                          "transind", "volumedir", "volumeind", "emit",     "env"};
-/// A transparent film keeps the environment out of the beauty, but not out of its layer.
-constexpr std::string_view kBlenderFilm[] = {"diffdir",  "diffind",   "glossdir",  "glossind", "transdir",
-                                             "transind", "volumedir", "volumeind", "emit"};
+/// A transparent film keeps the environment, the last of them, out of the beauty, but not out of its layer.
+constexpr auto kBlenderFilm = std::span(kBlender).first(std::size(kBlender) - 1);
 
 constexpr std::span<const std::string_view> kSets[] = {kBlender,     kBlenderFilm,    kArnoldLobes,
                                                        kArnoldPaths, kArnoldOldPaths, kDirectAndIndirect,

@@ -1,5 +1,6 @@
 // becalm render: what it writes, and how it goes on.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,6 +21,16 @@ class Render : public testing::Test {
   }
   Outcome render(const std::string& pattern, const std::vector<std::string>& more = {}) const {
     return becalm_done(command(pattern, more));
+  }
+  /// A scene of one object, of mesh.obj with its own materials.
+  void write_mesh_scene(const std::string& object) const {
+    write_text(
+        scene_,
+        fmt::format(
+            R"({{"film": {{"width": 16, "height": 16}}, "camera": {{"look_at": {{"eye": [0, 0, 4], "target": [0, 0, 0]}}}},
+    "environment": {{"radiance": [1, 1, 1]}}, "frames": {{"first": 1, "last": 2}}, "materials": {{}},
+    "meshes": {{"t": {{"obj": "mesh.obj", "materials": "mtl"}}}}, "objects": [{{"name": "{}", "mesh": "t"}}]}})",
+            object));
   }
 
   TempFolder folder_;
@@ -249,11 +260,7 @@ TEST_F(Render, ResumeNoticesAnEditedMaterialOfAMeshAndItsImage) {
              "mtllib my mesh.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n");
   write_text(folder_ / "my mesh.mtl", "newmtl m\nKd 1 0 0\nmap_Kd -s 2 2 1 my image.exr\n");
   io::write_exr(folder_ / "my image.exr", noise_frame(1, 4, 4), {});
-  write_text(
-      scene_,
-      R"({"film": {"width": 16, "height": 16}, "camera": {"look_at": {"eye": [0, 0, 4], "target": [0, 0, 0]}}, "environment": {"radiance": [1, 1, 1]},
-    "frames": {"first": 1, "last": 2}, "materials": {},
-    "meshes": {"t": {"obj": "mesh.obj", "materials": "mtl"}}, "objects": [{"name": "o", "mesh": "t"}]})");
+  write_mesh_scene("o");
   render("a.####.exr", {"--frames", "1"});
   render("a.####.exr", {"--frames", "1", "--resume"});
   io::write_exr(folder_ / "my image.exr", noise_frame(2, 4, 4), {});
@@ -269,11 +276,7 @@ TEST_F(Render, WhatTheSceneReadsIsNotReplaced) {
   write_text(folder_ / "mesh.mtl", "newmtl m\nKd 1 0 0\nmap_Kd image.0001.exr\n");
   // Of becalm, so that nothing else protects it.
   io::write_exr(folder_ / "image.0001.exr", noise_frame(1, 4, 4), {{"becalm:version", "1"}});
-  write_text(
-      scene_,
-      R"({"film": {"width": 16, "height": 16}, "camera": {"look_at": {"eye": [0, 0, 4], "target": [0, 0, 0]}}, "environment": {"radiance": [1, 1, 1]},
-    "frames": {"first": 1, "last": 2}, "materials": {},
-    "meshes": {"t": {"obj": "mesh.obj", "materials": "mtl"}}, "objects": [{"name": "a.0001.exr", "mesh": "t"}]})");
+  write_mesh_scene("a.0001.exr");
   render("a.####.exr", {"--frames", "1"});
   render("a.####.exr", {"--frames", "1"});
   expect_error(becalm(command("image.####.exr", {"--overwrite"})), 2,
