@@ -36,6 +36,12 @@ std::vector<float> pack_head(const std::vector<const Layer*>& layers) {
   return values;
 }
 
+/// Rows of pixels that one invocation of smooth/mix and smooth/finish computes, whose windows share reads.
+/// Hardware needs many invocations.
+int window_strip(const gpu::DeviceInfo& device) {
+  return device.is_processor ? 2 : 1;
+}
+
 int padded_px(int size) {
   return ceil_div(size, kNetworkGridPx) * kNetworkGridPx;
 }
@@ -201,6 +207,7 @@ void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, con
         .specialize("planes", planes(i))
         .dispatch(extent(i));
   }
+  const int strip = window_strip(chain.device());
   std::optional<ImageId> coarse;
   for (std::size_t i = kScales; i-- > 0;) {
     const ImageId result = chain.image(fmt::format("{}.windows.L{}", name, i), Format::f32x4, extent(i));
@@ -215,7 +222,8 @@ void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, con
         .specialize("planes", planes(i))
         .specialize("has_coarse", coarse ? 1 : 0)
         .specialize("has_own", i == 0 ? 1 : 0)
-        .dispatch(extent(i));
+        .specialize("strip", strip)
+        .dispatch({extent(i).width, ceil_div(extent(i).height, strip)});
     coarse = result;
   }
   const gpu::Footprint window = gpu::reach(frame.has_albedo ? kWindowRadius : 0);
@@ -235,7 +243,8 @@ void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, con
       .specialize("albedos", !frame.has_albedo                      ? 0
                              : frame.own_features == frame.features ? 1
                                                                     : 2)
-      .dispatch(full_);
+      .specialize("strip", strip)
+      .dispatch({full_.width, ceil_div(full_.height, strip)});
 }
 
 ImageId NetworkPasses::add_restore(Chain& chain, const std::string& name, ImageId color, ImageId smoothed,

@@ -1,6 +1,6 @@
-// A 1x1 layer on the features of a pixel. The including kernel defines the constant `planes` (of four
-// features each), the texel buffers `features` and `weights`, and kMostOutputs, the largest number of
-// outputs. `weights` holds for each output one vector per plane, then all biases, four in a vector. They are
+// A 1x1 layer on the features of the `strip` pixels, below one another, that an invocation computes. The
+// including kernel defines the constants `planes` (of four features each) and `strip`, the texel buffers
+// `features` and `weights`, and kMostOutputs, the largest number of outputs. `weights` holds for each output one vector per plane, then all biases, four in a vector. They are
 // copied to shared memory and read there at literal offsets, outside of all branches
 // (lib/convolution_weights.glsl says why).
 
@@ -14,11 +14,34 @@ void load_head(int outputs) {
   barrier();
 }
 
-/// The outputs for pixel `index` of an image of `pixels` pixels.
-void apply_head(int outputs, int index, int pixels, out float values[kMostOutputs]) {
-  [[unroll]] for (int o = 0; o < outputs; ++o) values[o] = head_weights[outputs * planes + o / 4][o % 4];
-  [[unroll]] for (int g = 0; g < planes; ++g) {
-    const vec4 f = texelFetch(features, g * pixels + index);
-    [[unroll]] for (int o = 0; o < outputs; ++o) values[o] += dot(head_weights[o * planes + g], f);
+/// Output o of pixel s is head[s * kMostOutputs + o]. A global, since an array of specialized size cannot be a
+/// parameter.
+float head[strip * kMostOutputs];
+
+/// Sets `head` for the strip that begins at `first`, of an image of this size.
+void apply_head(int outputs, ivec2 first, ivec2 image_size) {
+  vec4 f[strip * planes];
+  [[unroll]] for (int s = 0; s < strip; ++s) {
+    const int row = min(first.y + s, image_size.y - 1);
+    [[unroll]] for (int g = 0; g < planes; ++g) {
+      f[s * planes + g] = texelFetch(features, (g * image_size.y + row) * image_size.x + first.x);
+    }
+  }
+  [[unroll]] for (int o = 0; o < outputs; ++o) {
+    [[unroll]] for (int s = 0; s < strip; ++s) head[s * kMostOutputs + o] = head_weights[outputs * planes + o / 4][o % 4];
+    [[unroll]] for (int g = 0; g < planes; ++g) {
+      const vec4 w = head_weights[o * planes + g];
+      [[unroll]] for (int s = 0; s < strip; ++s) head[s * kMostOutputs + o] += dot(w, f[s * planes + g]);
+    }
+  }
+}
+
+/// Turns the first `logits` outputs of each pixel into weights of a softmax, but for their sum: the largest is 1.
+void apply_softmax(int logits) {
+  [[unroll]] for (int s = 0; s < strip; ++s) {
+    const int from = s * kMostOutputs;
+    float largest = head[from];
+    [[unroll]] for (int t = 1; t < logits; ++t) largest = max(largest, head[from + t]);
+    [[unroll]] for (int t = 0; t < logits; ++t) head[from + t] = exp(head[from + t] - largest);
   }
 }

@@ -20,6 +20,7 @@ layout(std430, set = 0, binding = 5) writeonly buffer OwnCountedBuffer { vec4 da
 layout(std430, set = 0, binding = 6) writeonly buffer AffinitiesBuffer { vec4 data[]; } affinities;
 
 const int kMostOutputs = 6;  // the confidence, the affinities, the confidence in the frame's own radiance
+const int strip = 1;
 #include "lib/head.glsl"
 
 void main() {
@@ -27,8 +28,7 @@ void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   const bool inside = at.x < size.x && at.y < size.y;
   const int index = inside ? at.y * size.x + at.x : 0;
-  float head[kMostOutputs];
-  apply_head(kMostOutputs, index, size.x * size.y, head);
+  apply_head(kMostOutputs, inside ? at : ivec2(0), size);
   const vec4 value = texelFetch(irradiance, index);
   const vec4 own = texelFetch(own_irradiance, index);
   if (!inside) return;

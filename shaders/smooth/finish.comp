@@ -12,9 +12,10 @@
 layout(constant_id = 0) const int planes = 4;  // of four features each
 // 0: all albedos are 1; 1: the albedo of the frame itself is `albedo_depth`; 2: it is `own_albedo_depth`
 layout(constant_id = 1) const int albedos = 2;
+layout(constant_id = 2) const int strip = 1;  // rows of pixels that one invocation computes
 
 layout(local_size_x = 128, local_size_y = 1) in;
-layout(push_constant) uniform Sizes { ivec2 size; ivec2 affinities_size; };
+layout(push_constant) uniform Sizes { ivec2 color_size; ivec2 affinities_size; };
 layout(set = 0, binding = 0) uniform samplerBuffer features;
 layout(set = 0, binding = 1) uniform samplerBuffer weights;
 layout(set = 0, binding = 2) uniform samplerBuffer affinities;
@@ -32,46 +33,75 @@ layout(std430, set = 0, binding = 10) writeonly buffer StatsBuffer { vec2 data[]
 const int kMostOutputs = 2 * kTaps + 1;  // the last one is the log of the squared relative error
 #include "lib/head.glsl"
 
-/// What the albedos of the windows multiply by: their mean, by a softmax over the logits of `head`.
-vec3 mean_divisor(ivec2 at, float head[kMostOutputs]) {
-  const vec4 own_affinities = texelFetch(affinities, at.y * affinities_size.x + at.x);
-  [[unroll]] for (int t = 0; t < kTaps; ++t) {
-    const ivec2 tap = clamp(at + window_offset(t), ivec2(0), affinities_size - 1);
-    const vec4 d = texelFetch(affinities, tap.y * affinities_size.x + tap.x) - own_affinities;
-    head[t] -= dot(d, d);
-    head[kTaps + t] -= dot(d, d);
+void subtract_distances(ivec2 first) {
+  vec4 middle[strip];
+  [[unroll]] for (int s = 0; s < strip; ++s) middle[s] = texelFetch(affinities, (first.y + s) * affinities_size.x + first.x);
+  [[unroll]] for (int j = 0; j < kWindowRows; ++j) {
+    [[unroll]] for (int i = 0; i < kWindowColumns; ++i) {
+      const ivec2 at = clamp(first + ivec2(i, j) - 2, ivec2(0), affinities_size - 1);
+      const vec4 tap = texelFetch(affinities, at.y * affinities_size.x + at.x);
+      [[unroll]] for (int s = 0; s < strip; ++s) {
+        if (!is_in_window(j, s)) continue;
+        const vec4 d = tap - middle[s];
+        const int t = s * kMostOutputs + window_tap(j, i, s);
+        head[t] -= dot(d, d);
+        head[kTaps + t] -= dot(d, d);
+      }
+    }
   }
-  float largest = head[0];
-  [[unroll]] for (int t = 1; t < 2 * kTaps; ++t) largest = max(largest, head[t]);
-  vec3 sum = vec3(0.0);
-  float total = 0.0;
-  [[unroll]] for (int t = 0; t < kTaps; ++t) {
-    const ivec2 tap = clamp(at + window_offset(t), ivec2(0), size - 1);
-    const int from = tap.y * size.x + tap.x;
-    const float weight = exp(head[t] - largest);
-    const float own_weight = exp(head[kTaps + t] - largest);
-    const vec3 divisor = divisor_of(texelFetch(albedo_depth, from).rgb);
-    const vec3 own_divisor = albedos == 2 ? divisor_of(texelFetch(own_albedo_depth, from).rgb) : divisor;
-    sum += weight * divisor + own_weight * own_divisor;
-    total += weight + own_weight;
+}
+
+/// What the albedos of each pixel's windows multiply by.
+vec3 mean_divisor[strip];
+
+/// Sets `mean_divisor`: the means of both albedos, by a softmax over the logits of `head`.
+void average_divisors(ivec2 first) {
+  subtract_distances(first);
+  apply_softmax(2 * kTaps);
+  float total[strip];
+  [[unroll]] for (int s = 0; s < strip; ++s) {
+    mean_divisor[s] = vec3(0.0);
+    total[s] = 0.0;
   }
-  return sum / total;
+  [[unroll]] for (int j = 0; j < kWindowRows; ++j) {
+    [[unroll]] for (int i = 0; i < kWindowColumns; ++i) {
+      const ivec2 tap = clamp(first + ivec2(i, j) - 2, ivec2(0), color_size - 1);
+      const int from = tap.y * color_size.x + tap.x;
+      const vec3 divisor = divisor_of(texelFetch(albedo_depth, from).rgb);
+      const vec3 own_divisor = albedos == 2 ? divisor_of(texelFetch(own_albedo_depth, from).rgb) : divisor;
+      [[unroll]] for (int s = 0; s < strip; ++s) {
+        if (!is_in_window(j, s)) continue;
+        const int t = s * kMostOutputs + window_tap(j, i, s);
+        mean_divisor[s] += head[t] * divisor + head[kTaps + t] * own_divisor;
+        total[s] += head[t] + head[kTaps + t];
+      }
+    }
+  }
+  [[unroll]] for (int s = 0; s < strip; ++s) mean_divisor[s] /= total[s];
+}
+
+void write_result(ivec2 at, vec3 divisor, float log_error) {
+  const int index = at.y * color_size.x + at.x;
+  const float exposed_to = texelFetch(exposure, 0).x;
+  const vec4 own = texelFetch(color, index);
+  const vec2 own_stats = texelFetch(variance, index).xy;
+  const vec3 exposed = texelFetch(irradiance, at.y * affinities_size.x + at.x).rgb * divisor;
+  const float left = variance_of_error(log_error, dot(exposed, exposed) / 3.0) / exposed_to / exposed_to;
+  smoothed.data[index] = own_stats.y > 0.0 ? vec4(exposed / exposed_to, own.a) : own;
+  stats.data[index] = own_stats.y > 0.0 ? vec2(min(left, kLargestVariance), 1.0) : own_stats;
 }
 
 void main() {
   load_head(kMostOutputs);
-  const ivec2 at = min(ivec2(gl_GlobalInvocationID.xy), size - 1);
-  const int padded = at.y * affinities_size.x + at.x;
-  float head[kMostOutputs];
-  apply_head(kMostOutputs, padded, affinities_size.x * affinities_size.y, head);
-  const vec3 divisor = albedos != 0 ? mean_divisor(at, head) : vec3(1.0);
-  const int index = at.y * size.x + at.x;
-  const float exposed_to = texelFetch(exposure, 0).x;
-  const vec4 own = texelFetch(color, index);
-  const vec2 own_stats = texelFetch(variance, index).xy;
-  const vec3 exposed = texelFetch(irradiance, padded).rgb * divisor;
-  const float left = variance_of_error(head[2 * kTaps], dot(exposed, exposed) / 3.0) / exposed_to / exposed_to;
-  if (at != ivec2(gl_GlobalInvocationID.xy)) return;
-  smoothed.data[index] = own_stats.y > 0.0 ? vec4(exposed / exposed_to, own.a) : own;
-  stats.data[index] = own_stats.y > 0.0 ? vec2(min(left, kLargestVariance), 1.0) : own_stats;
+  const ivec2 invocation = ivec2(gl_GlobalInvocationID.xy);
+  const ivec2 first = ivec2(min(invocation.x, color_size.x - 1), invocation.y * strip);
+  apply_head(kMostOutputs, first, affinities_size);
+  [[unroll]] for (int s = 0; s < strip; ++s) mean_divisor[s] = vec3(1.0);
+  if (albedos != 0) average_divisors(first);
+  [[unroll]] for (int s = 0; s < strip; ++s) {
+    const ivec2 at = ivec2(invocation.x, first.y + s);
+    if (at.x < color_size.x && at.y < color_size.y) {
+      write_result(at, mean_divisor[s], head[s * kMostOutputs + 2 * kTaps]);
+    }
+  }
 }

@@ -6,13 +6,15 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-#include "lib/dispatch_size.glsl"
 
 layout(constant_id = 0) const int planes = 4;      // of four features each
 layout(constant_id = 1) const int has_coarse = 1;  // 0: this is the coarsest scale
 layout(constant_id = 2) const int has_own = 1;     // 1: this is the finest scale
 
+layout(constant_id = 3) const int strip = 1;       // rows of pixels that one invocation computes
+
 layout(local_size_x = 128, local_size_y = 1) in;
+layout(push_constant) uniform Sizes { ivec2 counted_size; };
 layout(set = 0, binding = 0) uniform samplerBuffer features;
 layout(set = 0, binding = 1) uniform samplerBuffer weights;
 layout(set = 0, binding = 2) uniform samplerBuffer counted;
@@ -29,54 +31,85 @@ const int kFirstOwn = kTaps + kCoarseTaps;
 const int kMostOutputs = kFirstOwn + kOwnTaps;
 #include "lib/head.glsl"
 
-/// Index of the weight of the frame's own pixel at `offset` from this one.
-int own_tap(ivec2 offset) { return kFirstOwn + 3 * (offset.y + 1) + offset.x + 1; }
+/// Whether the window's tap is one of the frame's own 3x3 pixels, and the index of its weight there.
+bool is_own(int row, int column, int pixel) { return has_own != 0 && abs(row - pixel - 2) <= 1 && abs(column - 2) <= 1; }
+int own_tap(int row, int column, int pixel) { return kFirstOwn + 3 * (row - pixel - 1) + column - 1; }
+
+int index_of(ivec2 at) {
+  const ivec2 inside = clamp(at, ivec2(0), counted_size - 1);
+  return inside.y * counted_size.x + inside.x;
+}
+
+void subtract_distances(ivec2 first) {
+  vec4 middle[strip];
+  [[unroll]] for (int s = 0; s < strip; ++s) middle[s] = texelFetch(affinities, index_of(first + ivec2(0, s)));
+  [[unroll]] for (int j = 0; j < kWindowRows; ++j) {
+    [[unroll]] for (int i = 0; i < kWindowColumns; ++i) {
+      const vec4 tap = texelFetch(affinities, index_of(first + ivec2(i, j) - 2));
+      [[unroll]] for (int s = 0; s < strip; ++s) {
+        if (!is_in_window(j, s)) continue;
+        const vec4 d = tap - middle[s];
+        head[s * kMostOutputs + window_tap(j, i, s)] -= dot(d, d);
+        if (is_own(j, i, s)) head[s * kMostOutputs + own_tap(j, i, s)] -= dot(d, d);
+      }
+    }
+  }
+}
+
+// Of weighted radiance, and of weights; of each pixel of the strip.
+vec3 sum[strip];
+float total[strip];
+
+void add(int pixel, float weight, vec3 value) {
+  sum[pixel] += weight * value;
+  total[pixel] += weight;
+}
+
+void add_windows(ivec2 first) {
+  [[unroll]] for (int j = 0; j < kWindowRows; ++j) {
+    [[unroll]] for (int i = 0; i < kWindowColumns; ++i) {
+      const int tap = index_of(first + ivec2(i, j) - 2);
+      const vec4 value = texelFetch(counted, tap);
+      const bool any_own = has_own != 0 && j > 0 && j < kWindowRows - 1 && i > 0 && i < kWindowColumns - 1;
+      vec4 own_value = vec4(0.0);
+      if (any_own) own_value = texelFetch(own_counted, tap);
+      [[unroll]] for (int s = 0; s < strip; ++s) {
+        if (!is_in_window(j, s)) continue;
+        add(s, head[s * kMostOutputs + window_tap(j, i, s)] * value.a, value.rgb);
+        if (is_own(j, i, s)) add(s, head[s * kMostOutputs + own_tap(j, i, s)] * own_value.a, own_value.rgb);
+      }
+    }
+  }
+}
+
+/// The coarse pixel that covers the pixel, the two beside it on the pixel's side, and the one across the corner.
+void add_coarse(ivec2 at, int pixel) {
+  const ivec2 covering = at / 2;
+  const ivec2 other = clamp(covering + 2 * (at % 2) - 1, ivec2(0), counted_size / 2 - 1);
+  [[unroll]] for (int t = 0; t < kCoarseTaps; ++t) {
+    const ivec2 tap = ivec2(t % 2 == 0 ? covering.x : other.x, t / 2 == 0 ? covering.y : other.y);
+    add(pixel, head[pixel * kMostOutputs + kTaps + t], texelFetch(coarse, tap.y * (counted_size.x / 2) + tap.x).rgb);
+  }
+}
 
 void main() {
   const int taps = has_own != 0 ? kMostOutputs : has_coarse != 0 ? kFirstOwn : kTaps;
   load_head(taps);
-  const ivec2 at = min(ivec2(gl_GlobalInvocationID.xy), size - 1);
-  const int index = at.y * size.x + at.x;
-  float weight[kMostOutputs];
-  apply_head(taps, index, size.x * size.y, weight);
-  int tap_index[kTaps];
-  const vec4 own_affinities = texelFetch(affinities, index);
-  [[unroll]] for (int t = 0; t < kTaps; ++t) {
-    const ivec2 tap = clamp(at + window_offset(t), ivec2(0), size - 1);
-    tap_index[t] = tap.y * size.x + tap.x;
-    const vec4 d = texelFetch(affinities, tap_index[t]) - own_affinities;
-    weight[t] -= dot(d, d);
-    const ivec2 offset = window_offset(t);
-    if (has_own != 0 && max(abs(offset.x), abs(offset.y)) <= 1) weight[own_tap(offset)] -= dot(d, d);
+  const ivec2 invocation = ivec2(gl_GlobalInvocationID.xy);
+  const ivec2 first = ivec2(min(invocation.x, counted_size.x - 1), invocation.y * strip);
+  apply_head(taps, first, counted_size);
+  subtract_distances(first);
+  apply_softmax(taps);
+  [[unroll]] for (int s = 0; s < strip; ++s) {
+    sum[s] = vec3(0.0);
+    total[s] = 0.0;
   }
-  float largest = weight[0];
-  [[unroll]] for (int t = 1; t < taps; ++t) largest = max(largest, weight[t]);
-  [[unroll]] for (int t = 0; t < taps; ++t) weight[t] = exp(weight[t] - largest);
-  vec3 sum = vec3(0.0);
-  float total = 0.0;
-  [[unroll]] for (int t = 0; t < kTaps; ++t) {
-    const vec4 value = texelFetch(counted, tap_index[t]);
-    const float w = weight[t] * value.a;
-    sum += w * value.rgb;
-    total += w;
-    const ivec2 offset = window_offset(t);
-    if (has_own != 0 && max(abs(offset.x), abs(offset.y)) <= 1) {
-      const vec4 own_value = texelFetch(own_counted, tap_index[t]);
-      const float own_weight = weight[own_tap(offset)] * own_value.a;
-      sum += own_weight * own_value.rgb;
-      total += own_weight;
+  add_windows(first);
+  [[unroll]] for (int s = 0; s < strip; ++s) {
+    const ivec2 at = ivec2(invocation.x, first.y + s);
+    if (has_coarse != 0) add_coarse(min(at, counted_size - 1), s);
+    if (at.x < counted_size.x && at.y < counted_size.y) {
+      result.data[at.y * counted_size.x + at.x] = vec4(sum[s] / max(total[s], 1e-30), 0.0);
     }
   }
-  if (has_coarse != 0) {
-    // The coarse pixel that covers this one, the two beside it on this pixel's side, and the one across the
-    // corner.
-    const ivec2 own = at / 2;
-    const ivec2 other = clamp(own + 2 * (at % 2) - 1, ivec2(0), size / 2 - 1);
-    [[unroll]] for (int t = 0; t < kCoarseTaps; ++t) {
-      const ivec2 tap = ivec2(t % 2 == 0 ? own.x : other.x, t / 2 == 0 ? own.y : other.y);
-      sum += weight[kTaps + t] * texelFetch(coarse, tap.y * (size.x / 2) + tap.x).rgb;
-      total += weight[kTaps + t];
-    }
-  }
-  if (at == ivec2(gl_GlobalInvocationID.xy)) result.data[index] = vec4(sum / max(total, 1e-30), 0.0);
 }

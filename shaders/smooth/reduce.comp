@@ -17,14 +17,14 @@ layout(std430, set = 0, binding = 3) writeonly buffer CountedBuffer { vec4 data[
 layout(std430, set = 0, binding = 4) writeonly buffer AffinitiesBuffer { vec4 data[]; } affinities;
 
 const int kMostOutputs = 5;  // the confidence, then the affinities
+const int strip = 1;
 #include "lib/head.glsl"
 
 void main() {
   load_head(kMostOutputs);
   const ivec2 at = min(ivec2(gl_GlobalInvocationID.xy), size - 1);
   const int index = at.y * size.x + at.x;
-  float head[kMostOutputs];
-  apply_head(kMostOutputs, index, size.x * size.y, head);
+  apply_head(kMostOutputs, at, size);
   vec3 sum = vec3(0.0);
   float count = 0.0;
   [[unroll]] for (int i = 0; i < 4; ++i) {
