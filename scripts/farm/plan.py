@@ -1,5 +1,6 @@
 """The plan of a shot on a farm: its chunks of frames, the frames that each needs, and the files that tasks share."""
 
+import argparse
 import json
 import re
 import sys
@@ -8,8 +9,9 @@ from pathlib import Path
 sys.path.append(str(Path(__file__).resolve().parents[1]))
 from whole_file import write_whole  # noqa: E402, F401: for the tasks, too
 
-SEGMENT = 32  # frames that becalm filters together; segments begin at multiples of it
-WARMUP = 8  # further frames that it reads on either side of a segment
+SEGMENT = 32  # frames that becalm filters together by default; segments begin at multiples of it
+WARMUP = 8  # further frames that it reads by default on either side of a segment
+FORWARD_PRESETS = ("draft", "paper")  # whose history begins with the shot, unless --segment bounds it
 
 
 def parse_frames(text):
@@ -35,16 +37,35 @@ def chunks(first, last, size):
     return result
 
 
-def context(chunk):
+def segments(denoise_options):
+    """The frames of a segment and of its warm-up under these words of `becalm denoise`. Raises ValueError where a chunk would
+    depend on all frames before it."""
+    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False, exit_on_error=False)
+    parser.add_argument("--preset", default="balanced")
+    parser.add_argument("--segment", type=int)
+    parser.add_argument("--warmup", type=int, default=WARMUP)
+    parser.add_argument("--set", action="append", default=[])
+    try:
+        asked = parser.parse_known_args(denoise_options)[0]
+    except argparse.ArgumentError as error:
+        raise ValueError(f"--denoise-options: {error}") from None
+    directions = [text.removeprefix("directions=") for text in asked.set if text.startswith("directions=")]
+    forward = directions[-1] == "forward" if directions else asked.preset in FORWARD_PRESETS
+    if asked.segment == 0 or (forward and asked.segment is None):
+        raise ValueError(f"--denoise-options: {' '.join(denoise_options)}: a chunk depends on all frames before it; expected --segment N")
+    return asked.segment or SEGMENT, asked.warmup
+
+
+def context(chunk, segment=SEGMENT, warmup=WARMUP):
     """The range of all frames that denoising a chunk reads: whole segments and the warm-up."""
-    begin = chunk[0] // SEGMENT * SEGMENT - WARMUP
-    end = (chunk[1] // SEGMENT + 1) * SEGMENT - 1 + WARMUP
+    begin = chunk[0] // segment * segment - warmup
+    end = (chunk[1] // segment + 1) * segment - 1 + warmup
     return begin, end
 
 
-def chunks_read(chunk, all_chunks):
+def chunks_read(chunk, all_chunks, segment=SEGMENT, warmup=WARMUP):
     """Numbers of the chunks that contain a frame of the chunk's context."""
-    begin, end = context(chunk)
+    begin, end = context(chunk, segment, warmup)
     return [i for i, (first, last) in enumerate(all_chunks) if first <= end and last >= begin]
 
 

@@ -2,6 +2,7 @@
 """scripts/farm/: how shots are cut, what is submitted, and what a task does, with a stand-in for Slurm."""
 
 import os
+import re
 import stat
 import subprocess
 import sys
@@ -47,6 +48,19 @@ class Plan(unittest.TestCase):
         self.assertEqual(farm.chunks_read(chunks[3], chunks), [2, 3, 4])
         small = farm.chunks(0, 79, 4)
         self.assertEqual(farm.chunks_read(small[8], small), list(range(6, 18)))
+
+    def test_segments_are_those_of_the_program_and_of_its_options(self):
+        constants = (FARM.parents[1] / "app/filter_stage.cpp").read_text()
+        self.assertEqual(re.findall(r"constexpr int k(?:Segment|Warmup) = (\d+);", constants), [str(farm.SEGMENT), str(farm.WARMUP)])
+        presets = (FARM.parents[1] / "filter/settings.cpp").read_text()
+        of_presets = re.findall(r'name == "(\w+)"\) \{([^{}]*(?:\{[^{}]*\}[^{}]*)*)\}', presets)
+        self.assertEqual({name for name, text in of_presets if "Directions::forward" in text}, set(farm.FORWARD_PRESETS))
+        self.assertEqual(farm.segments(["--preset", "final", "-q"]), (32, 8))
+        self.assertEqual(farm.segments(["--preset=draft", "--segment", "16", "--warmup=4"]), (16, 4))
+        for whole in (["--preset", "draft"], ["--set", "directions=forward"], ["--segment", "0"], ["--segment", "x"]):
+            self.assertRaises(ValueError, farm.segments, whole)
+        chunks = farm.chunks(0, 79, 16)
+        self.assertEqual(farm.chunks_read(chunks[2], chunks, 16, 4), [1, 2, 3])
 
     def test_names(self):
         self.assertEqual(farm.frame_paths("out/a.####.exr", 7), ["out/a.0007.exr"])
@@ -99,6 +113,21 @@ class Submitted(unittest.TestCase):
         self.assertIn("--array=0-2", denoise)
         self.assertNotIn("--dependency", denoise)
         self.assertIn("--dependency=afterany:1", check)
+
+    def test_what_cannot_be_queued_leaves_nothing_queued(self):
+        for name, text in (("sbatch", "[ $(wc -l <$CALLS) -gt 2 ] && exit 1; echo sbatch >>$CALLS; wc -l <$CALLS"), ("scancel", "echo scancel $@ >>$CALLS")):
+            program = self.path / name
+            program.write_text(f"#!/bin/sh\n{text}\n")
+            program.chmod(program.stat().st_mode | stat.S_IXUSR)
+        output = self.path / "out/a.####.exr"
+        done = self.run_script("submit", self.path / "shot.json", "-o", output, "--frames", "1-70", "--becalm", self.path / "becalm")
+        self.assertEqual(done.returncode, 1)
+        self.assertEqual(self.calls.read_text().splitlines()[-1], "scancel 1 2 3")
+        status = self.run_script("status", output)
+        self.assertEqual((status.returncode, status.stderr.count("\n")), (1, 1), status.stderr)
+        for option, value in (("-o", self.path / "out/a.#.exr"), ("--denoise-options", "--preset draft")):
+            refused = self.run_script("submit", self.path / "shot.json", "-o", output, "--frames", "1-70", option, value)
+            self.assertEqual(refused.returncode, 2, refused.stderr)
 
     def task(self, stage, number, **variables):
         done = self.run_script("task", FARM, self.path / "out/farm.a", stage, SLURM_ARRAY_TASK_ID=str(number),
