@@ -14,12 +14,21 @@
 namespace becalm::app {
 namespace {
 
-/// The worst frame's value of one run.
-double worst_of(const FigureLimit& limit, const Measurements& measured) {
+void require_measured(const TestCase& test, bool is_measured, const std::string& judge,
+                      const std::string& key) {
+  if (is_measured) return;
+  throw Error(ExitStatus::bad_input,
+              fmt::format("{}: {} {}: cannot be measured in these frames", test.full_name(), judge, key));
+}
+
+/// The worst frame's value of one run. Throws Error(bad_input) if no frame has one.
+double worst_of(const TestCase& test, const FigureLimit& limit, const Measurements& measured) {
   const std::vector<FrameFigures>& frames =
       limit.judge == "denoised" ? measured.denoised_frames : measured.frames;
   const Figure& figure = *limit.figure;
-  return find_beyond(figure, limit.limit, frames).worst->*figure.value;
+  const FrameFigures* worst = find_beyond(figure, limit.limit, frames).worst;
+  require_measured(test, worst != nullptr, limit.judge, limit.key);
+  return worst->*figure.value;
 }
 
 /// Rounded away from the values, to three digits.
@@ -123,14 +132,17 @@ class Calibration {
     std::vector<Series> all;
     for (const FigureLimit& limit : limits) {
       Series series{limit.judge, limit.key, {}, limit.limit, 0.0};
-      for (const Measurements& run : runs_) series.values.push_back(worst_of(limit, run));
+      for (const Measurements& run : runs_) series.values.push_back(worst_of(test_, limit, run));
       series.proposed = propose(limit, series.values, rate);
       all.push_back(std::move(series));
     }
     const auto add_sequence = [&](const char* key, std::optional<double> now, double Measurements::*value) {
       if (!now) return;
       Series series{"sequence", key, {}, *now, 0.0};
-      for (const Measurements& run : runs_) series.values.push_back(run.*value);
+      for (const Measurements& run : runs_) {
+        require_measured(test_, !std::isnan(run.*value), series.judge, key);
+        series.values.push_back(run.*value);
+      }
       series.proposed = rounded_up(upper_limit(series.values, rate));
       all.push_back(std::move(series));
     };
@@ -158,7 +170,7 @@ std::vector<std::string> calibrate(const TestCase& test, int seeds, const WorkFo
                                .reproducible = reproducible};
     const CaseRun run = run_case(test, settings, static_cast<std::uint32_t>(i));
     if (run.interrupted) throw Error(ExitStatus::interrupted, "interrupted");
-    if (run.measured.frames.size() != test.source.frames.size()) {
+    if (!run.judged) {
       throw Error(ExitStatus::bad_input, fmt::format("{}: seed {}: {}", test.full_name(),
                                                      test.source.seed + i, run.result.messages.front()));
     }

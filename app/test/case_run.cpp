@@ -97,6 +97,7 @@ class CaseRunner {
 
   void judge() {
     Verdict verdict = judge_frames(test_, result_.frames);
+    run_.judged = verdict.problems.empty();
     result_.messages = std::move(verdict.problems);
     result_.checks = std::move(verdict.checks);
     run_.measured = std::move(verdict.measured);

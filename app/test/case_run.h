@@ -9,7 +9,8 @@ namespace becalm::app {
 
 struct CaseRun {
   CaseResult result;
-  Measurements measured;
+  bool judged = false;    ///< every frame could be measured; else `result` says why not
+  Measurements measured;  ///< if judged
   bool interrupted = false;
 };
 

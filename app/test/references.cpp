@@ -164,8 +164,11 @@ void ReferenceUpdate::accept() const {
     const std::string partial = place + ".partial";
     if (!error) fs::copy_file(made, partial, fs::copy_options::overwrite_existing, error);
     if (!error) fs::rename(partial, place, error);
-    if (error)
+    if (error) {
+      std::error_code ignored;
+      fs::remove(partial, ignored);
       throw Error(ExitStatus::resource, fmt::format("{}: cannot write it: {}", place, error.message()));
+    }
   }
   for (const std::string& path : outdated_) {
     if (!fs::remove(path, error) && error)
