@@ -129,6 +129,9 @@ TEST(Load, LimitsWhatHostileFilesNest) {
            "'objects': [{'mesh': 'b', 'material': 'm00'}]}";
   };
   EXPECT_TRUE(load_text(scene(mixes)).needs().mix);
+  std::string procedural = scene(mixes);
+  procedural.replace(procedural.find("'shape': 'cube'"), 15, "'procedural': 'terrain'");
+  EXPECT_TRUE(load_text(procedural).needs().mix);
   std::string chain;
   for (int i = 0; i < 70; ++i) {
     chain += fmt::format("'a{0:02}': {{'type': 'mix', 'materials': ['{1}', 'm60']}}, ", i,
@@ -177,7 +180,7 @@ TEST(Load, NamesMissingThings) {
     load_scene("nowhere/x.json");
     FAIL();
   } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "nowhere/x.json: cannot read the scene file");
+    EXPECT_STREQ(error.what(), "nowhere/x.json: cannot read it");
   }
 }
 

@@ -19,9 +19,6 @@ struct SplinePatch {
     for (std::size_t j = 0; j < 3; ++j) std::copy_n(first + j * stride, 3, c + 3 * j);
   }
 
-  float low() const { return *std::min_element(c, c + 9); }
-  float high() const { return *std::max_element(c, c + 9); }
-
   /// Slopes are by u and v.
   HeightSlope at(float u, float v) const {
     const float u0 = 0.5f * (1.0f - u) * (1.0f - u), u2 = 0.5f * u * u, u1 = 1.0f - u0 - u2;

@@ -49,7 +49,7 @@ void Terrain::bake() {
   }
 }
 
-/// Stores ranges of blocks of two by two cells; that of a single cell follows from its controls.
+/// Stores ranges of blocks of two by two cells and more.
 void Terrain::bake_ranges() {
   const Level& finest = levels_[0];
   pyramid_.resize(finest.resolution, 1);

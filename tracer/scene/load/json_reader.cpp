@@ -144,7 +144,7 @@ std::array<double, 3> JsonValue::triple(double low, double high) const {
   return {value, value, value};
 }
 
-std::size_t JsonValue::choice(std::initializer_list<std::string_view> choices) const {
+std::size_t JsonValue::choice(std::span<const std::string_view> choices) const {
   const auto found = value_->is_string()
                          ? std::find(choices.begin(), choices.end(), value_->get<std::string>())
                          : choices.end();
@@ -156,7 +156,7 @@ std::size_t JsonValue::choice(std::initializer_list<std::string_view> choices) c
 
 json parse_json_file(const std::string& file) {
   const std::optional<std::string> contents = read_text_file(file);
-  if (!contents) throw Error(ExitStatus::bad_input, file + ": cannot read the scene file");
+  if (!contents) throw Error(ExitStatus::bad_input, file + ": cannot read it");
   const std::string& text = *contents;
 
   // The library keeps the last of equal keys and drops the others silently.

@@ -5,6 +5,7 @@
 #include <limits>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -54,7 +55,10 @@ class JsonValue {
   std::array<double, 3> triple(double low, double high) const;
 
   /// The index of the string among the choices.
-  std::size_t choice(std::initializer_list<std::string_view> choices) const;
+  std::size_t choice(std::span<const std::string_view> choices) const;
+  std::size_t choice(std::initializer_list<std::string_view> choices) const {
+    return choice(std::span(choices.begin(), choices.size()));
+  }
 
  private:
   std::vector<JsonValue> numbers_of_length(std::size_t count) const;

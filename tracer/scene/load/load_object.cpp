@@ -65,15 +65,10 @@ void check_material_fits(const JsonValue& json, const Object& object, const Scen
   // What an MTL file says of a mesh without uvs is ignored, as other renderers do.
   if (!is_procedural && !(mesh && mesh->uvs.empty() && json.has("material"))) return;
   if (mesh && material.opacity_mask) json.at("material").fail("the mesh has no uvs for an opacity image");
-  std::vector<const Material*> parts{&material};
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (has_relief(*parts[i]))
-      json.at("material")
-          .fail(is_procedural ? "a procedural surface has no uvs for bump and normal maps"
-                              : "the mesh has no uvs for bump and normal maps");
-    if (const auto* mix = std::get_if<MixMaterial>(&parts[i]->model)) {
-      for (const std::uint32_t part : {mix->first, mix->second}) parts.push_back(&scene.materials[part]);
-    }
+  if (material_needs(scene.materials, material).relief) {
+    json.at("material")
+        .fail(is_procedural ? "a procedural surface has no uvs for bump and normal maps"
+                            : "the mesh has no uvs for bump and normal maps");
   }
 }
 
