@@ -57,7 +57,7 @@ AdaptiveSampling::AdaptiveSampling(tracer::Scene& scene, tracer::RenderOptions r
       height_(render.height),
       pilot_options_(pilot_of(std::move(render))),
       options_(options),
-      memory_limit_(memory_limit(filter)),
+      memory_limit_(filter),
       device_options_(device_options(filter)) {}
 
 std::optional<Image> AdaptiveSampling::counts(int frame) {
@@ -66,7 +66,7 @@ std::optional<Image> AdaptiveSampling::counts(int frame) {
   if (!filter_) {
     device_.emplace(device_options_);
     filter_.emplace(*device_, pilot_settings(), noisy->width(), noisy->height(), pilot_options_.aovs,
-                    filter::SequenceOptions{.memory_limit = memory_limit_});
+                    filter::SequenceOptions{.memory_limit = memory_limit_.bytes_of(*device_)});
   }
   filter::FrameReport report;
   const std::optional<Frame> filtered = filter_->run({.frame = frame, .new_history = true}, *noisy, report);

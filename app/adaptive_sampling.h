@@ -45,7 +45,7 @@ class AdaptiveSampling {
   const int width_, height_;
   tracer::RenderOptions pilot_options_;
   const Options options_;
-  const std::uint64_t memory_limit_;
+  const MemoryLimit memory_limit_;
   const gpu::DeviceOptions device_options_;
   std::optional<gpu::Device> device_;
   std::optional<filter::SequenceFilter> filter_;

@@ -90,9 +90,9 @@ class BurstJob {
       : command_(command),
         aligner_(aligner_settings(command.filter.assignments)),
         given_noise_(given_noise(command.noise)),
-        kind_(output_kind()) {
+        kind_(output_kind()),
+        memory_limit_(command.filter) {
     check_reference_text();
-    memory_limit(command.filter);
   }
 
   ExitStatus run() {
@@ -107,9 +107,8 @@ class BurstJob {
     tell_inputs(info);
 
     std::optional<gpu::Device> device(std::in_place, device_options(command_.filter));
-    std::optional<filter::BurstMerger> merger(
-        std::in_place, *device, aligner_, info.cfa, info.width, info.height,
-        std::min(memory_limit(command_.filter), filter::usable_bytes(*device)));
+    std::optional<filter::BurstMerger> merger(std::in_place, *device, aligner_, info.cfa, info.width,
+                                              info.height, memory_limit_.bytes_of(*device));
     const filter::FilterMemory memory = merger->memory();
     profile_.set_device(device->info().name, memory);
     progress_->detail(fmt::format("device {}, {}, {:.0f} MiB, blocks of {} px", device->info().name,
@@ -299,6 +298,7 @@ class BurstJob {
   const filter::Settings aligner_;
   const std::optional<NoiseModel> given_noise_;
   const Kind kind_;
+  MemoryLimit memory_limit_;
   std::size_t given_reference_ = 0;  ///< from 1
   std::optional<BurstFrames> frames_;
   std::optional<Progress> progress_;

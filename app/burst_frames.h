@@ -13,7 +13,7 @@ namespace becalm::app {
 /// The frames of a burst as files. Their headers are read and compared at once, their samples when asked for.
 class BurstFrames {
  public:
-  /// Throws Error(usage) for fewer than two files or one given twice, Error(bad_input) naming the file that
+  /// Throws Error(usage) for a file given twice, Error(bad_input) for a single one, and naming the file that
   /// cannot be read, or whose camera, size, pattern or exposure does not go with the first's.
   explicit BurstFrames(std::vector<std::string> paths);
 

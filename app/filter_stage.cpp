@@ -19,8 +19,8 @@ namespace becalm::app {
 
 namespace {
 
-/// Longer segments take more memory, shorter ones repeat more frames; seams then have the temporal error of
-/// other frames (filter/README.md).
+/// Longer segments take more memory, shorter ones repeat more frames. With this warm-up seams have the
+/// temporal error of other frames (`scripts/bench quality`).
 constexpr int kSegment = 32;
 constexpr int kWarmup = 8;
 
@@ -32,7 +32,7 @@ FilterStage::FilterStage(FilterRecipe recipe, const FilterOptions& options)
       alpha_(options.alpha == "denoise" ? filter::Alpha::denoise : filter::Alpha::keep),
       denoises_additive_(recipe_.takes_additive && options.additive != "none"),
       device_options_(device_options(options)),
-      memory_limit_(memory_limit(options)),
+      memory_limit_(options),
       segment_(options.segment.value_or(recipe_.directions == filter::Directions::both ? kSegment : 0)),
       context_(options.context),
       cuts_(options.cuts),
@@ -111,7 +111,7 @@ void FilterStage::build(int width, int height, const std::vector<FilteredView>& 
                 "--no-stereo filters each by itself");
   }
   open_device();
-  const std::uint64_t memory = std::min(memory_limit_, filter::usable_bytes(*device_));
+  const std::uint64_t memory = memory_limit_.bytes_of(*device_);
   AovSet common = AovSet().set();
   for (const FilteredView& view : views) common &= view.available;
   const auto make = [&](const auto& maker, AovSet available, const std::vector<std::string>& light_groups,

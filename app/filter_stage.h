@@ -121,7 +121,7 @@ class FilterStage {
   filter::Alpha alpha_;
   bool denoises_additive_;
   gpu::DeviceOptions device_options_;
-  std::uint64_t memory_limit_;
+  MemoryLimit memory_limit_;
   int segment_ = 0;  ///< 0: none
   int warmup_ = 0;
   std::string context_;

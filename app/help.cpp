@@ -12,24 +12,6 @@ namespace {
 
 constexpr std::size_t kColumns = 100;
 
-std::string wrap(const std::string& text, std::size_t width) {
-  std::string wrapped;
-  std::size_t line = 0;
-  std::istringstream words(text);
-  for (std::string word; words >> word;) {
-    if (line > 0 && line + 1 + word.size() > width) {
-      wrapped += '\n';
-      line = 0;
-    } else if (line > 0) {
-      wrapped += ' ';
-      ++line;
-    }
-    wrapped += word;
-    line += word.size();
-  }
-  return wrapped;
-}
-
 std::vector<const CLI::Option*> options_of(const CLI::App* app, const std::string& group, bool positional) {
   return app->get_options([&](const CLI::Option* option) {
     return option->get_positional() == positional && (positional || option->get_group() == group);
@@ -55,6 +37,24 @@ std::vector<std::string> headings_of(const CLI::App* app) {
 }
 
 }  // namespace
+
+std::string wrap(const std::string& text, std::size_t width) {
+  std::string wrapped;
+  std::size_t line = 0;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    if (line > 0 && line + 1 + word.size() > width) {
+      wrapped += '\n';
+      line = 0;
+    } else if (line > 0) {
+      wrapped += ' ';
+      ++line;
+    }
+    wrapped += word;
+    line += word.size();
+  }
+  return wrapped;
+}
 
 std::string more(const std::string& group) {
   return group + std::string(kMore);

@@ -5,6 +5,9 @@
 
 namespace becalm::app {
 
+/// The words of a text in lines of at most `width` characters.
+std::string wrap(const std::string& text, std::size_t width);
+
 /// The group of the options that belong to `group` and that --help leaves out, so that it fits a screen.
 std::string more(const std::string& group);
 

@@ -4,9 +4,11 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <iterator>
 #include <limits>
+#include <span>
 #include <system_error>
 
 #include "app/cancel.h"
@@ -24,19 +26,30 @@ Missing parse_missing(const std::string& name) {
 }
 
 int usual_step(const std::vector<int>& frames) {
-  int step = std::numeric_limits<int>::max();
-  for (std::size_t i = 1; i < frames.size(); ++i) step = std::min(step, frames[i] - frames[i - 1]);
-  return frames.size() < 2 ? 1 : step;
+  std::int64_t step = std::numeric_limits<int>::max();
+  for (std::size_t i = 1; i < frames.size(); ++i)
+    step = std::min(step, std::int64_t{frames[i]} - frames[i - 1]);
+  return frames.size() < 2 ? 1 : static_cast<int>(step);
 }
 
 namespace {
 
-/// The frames with those between them, in their usual step.
-std::vector<int> every_step(const std::vector<int>& frames) {
-  const int step = usual_step(frames);
-  std::vector<int> all;
-  for (const int frame : frames) {
-    while (!all.empty() && all.back() + step < frame) all.push_back(all.back() + step);
+/// The frames with those between them, in their usual step. Throws Error(bad_input) if they are too many.
+std::vector<int> every_step(const std::vector<int>& frames, const std::string& pattern) {
+  const std::int64_t step = usual_step(frames);
+  std::vector<int> all{frames.front()};
+  for (const int frame : std::span(frames).subspan(1)) {
+    const std::int64_t before = all.back();
+    const auto held = static_cast<std::size_t>((frame - before - 1) / step);
+    if (all.size() + held >= io::kMaxFrames) {
+      throw Error(
+          ExitStatus::bad_input,
+          fmt::format("{}: between frames {} and {} are {} that would be held, expected fewer than {} "
+                      "frames in all; --frames names those wanted",
+                      pattern, before, frame, held, io::kMaxFrames));
+    }
+    for (std::int64_t between = before + step; between < frame; between += step)
+      all.push_back(static_cast<int>(between));
     all.push_back(frame);
   }
   return all;
@@ -82,7 +95,7 @@ InputFrames::InputFrames(const std::vector<std::string>& patterns, Pair pair, co
                                                    pattern_.hint_of_other_padding()));
   }
   const bool all = asked.empty();
-  if (all) asked = missing == Missing::hold ? every_step(present) : present;
+  if (all) asked = missing == Missing::hold ? every_step(present, pattern) : present;
   // A frame that is held is read whether or not it was asked for itself. Without damaged frames others may
   // be.
   do {

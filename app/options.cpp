@@ -10,11 +10,11 @@
 #include <limits>
 #include <map>
 #include <span>
-#include <sstream>
 #include <string_view>
 
 #include "app/byte_size.h"
 #include "app/help.h"
+#include "app/setting_text.h"
 #include "filter/antialias/antialias_settings.h"
 #include "frame/error.h"
 #include "frame/io/exr.h"
@@ -174,13 +174,21 @@ gpu::DeviceOptions device_options(const FilterOptions& options) {
   return {.select = options.device, .validation = options.validate};
 }
 
-std::uint64_t memory_limit(const FilterOptions& options) {
-  if (options.memory.empty()) return std::numeric_limits<std::uint64_t>::max();
+MemoryLimit::MemoryLimit(const FilterOptions& options)
+    : most_(std::numeric_limits<std::uint64_t>::max()), share_(options.memory_share) {
+  if (options.memory.empty()) return;
   const std::optional<std::uint64_t> bytes = parse_bytes(options.memory);
-  if (bytes) return static_cast<std::uint64_t>(options.memory_share * static_cast<double>(*bytes));
-  throw Error(
-      ExitStatus::usage,
-      fmt::format("--memory {}: expected a size with its unit, such as 512M or 1.5G", options.memory));
+  if (!bytes) {
+    throw Error(
+        ExitStatus::usage,
+        fmt::format("--memory {}: expected a size with its unit, such as 512M or 1.5G", options.memory));
+  }
+  most_ = *bytes;
+}
+
+std::uint64_t MemoryLimit::bytes_of(const gpu::Device& device) const {
+  const std::uint64_t bytes = std::min(most_, filter::usable_bytes(device));
+  return static_cast<std::uint64_t>(share_ * static_cast<double>(bytes));
 }
 
 AovSet diagnostics_of(const FilterOptions& options) {
@@ -193,32 +201,12 @@ AovSet diagnostics_of(const FilterOptions& options) {
 
 namespace {
 
-/// The words of a text in lines of at most `width` characters, each behind `indent` blanks.
-std::string wrapped(std::string_view text, std::size_t indent, std::size_t width) {
-  std::string lines;
-  std::size_t column = width;
-  while (!text.empty()) {
-    const std::string_view word = text.substr(0, text.find(' '));
-    text.remove_prefix(std::min(word.size() + 1, text.size()));
-    const bool starts_line = column + 1 + word.size() > width;
-    if (starts_line) lines += (lines.empty() ? "" : "\n") + std::string(indent, ' ');
-    column = starts_line ? word.size() : column + 1 + word.size();
-    lines += (starts_line ? "" : " ") + std::string(word);
-  }
+/// In lines of at most 80 characters, each behind `indent` blanks.
+std::string indented(const std::string& text, std::size_t indent) {
+  const std::string blanks(indent, ' ');
+  std::string lines = blanks;
+  for (const char c : wrap(text, 80)) lines += c == '\n' ? c + blanks : std::string(1, c);
   return lines;
-}
-
-using SettingValues = std::map<std::string, std::string>;
-
-/// Of a text of `key=value` pairs.
-SettingValues values_of(const std::string& text) {
-  SettingValues values;
-  std::istringstream words(text);
-  for (std::string word; words >> word;) {
-    const auto equals = word.find('=');
-    values[word.substr(0, equals)] = word.substr(equals + 1);
-  }
-  return values;
 }
 
 /// `text_of` names the settings of a preset.
@@ -226,14 +214,15 @@ std::string settings_help(std::span<const filter::SettingInfo> table,
                           std::span<const std::string_view> presets,
                           const std::function<std::string(std::string_view)>& text_of) {
   constexpr std::size_t indent = 25;
-  constexpr std::size_t width = 80;
-  std::map<std::string_view, SettingValues> values;
-  for (const std::string_view name : presets) values.emplace(name, values_of(text_of(name)));
+  std::map<std::string_view, std::string> settings;
+  for (const std::string_view name : presets) settings.emplace(name, text_of(name));
   std::string text = "Settings that --set changes, and what the presets have:\n";
   for (const filter::SettingInfo& setting : table) {
     text += fmt::format("  {:<20} {}\n{}\n{}", setting.key, setting.type,
-                        wrapped(setting.help, indent, width), std::string(indent, ' '));
-    const auto value_in = [&](std::string_view name) { return values.at(name).at(std::string(setting.key)); };
+                        indented(std::string(setting.help), indent), std::string(indent, ' '));
+    const auto value_in = [&](std::string_view name) {
+      return setting_value(settings.at(name), std::string(setting.key));
+    };
     const std::string first = value_in(presets.front());
     if (std::ranges::all_of(presets, [&](std::string_view name) { return value_in(name) == first; })) {
       text += fmt::format("all: {}", first);
@@ -250,8 +239,7 @@ std::string settings_help(std::span<const filter::SettingInfo> table,
 }  // namespace
 
 std::string denoise_settings_help() {
-  constexpr std::array<std::string_view, 4> presets{"draft", "balanced", "final", "paper"};
-  return settings_help(filter::settings_table(), presets,
+  return settings_help(filter::settings_table(), filter::kPresets,
                        [](std::string_view name) { return filter::to_string(filter::preset(name)); });
 }
 

@@ -53,7 +53,7 @@ struct FilterOptions {
   bool validate = false;
   bool diagnostics = false;
 };
-/// Sets what holds for the whole process: the format of messages, and with --reproducible the instruction
+/// Sets what holds for the whole process with --reproducible: the instruction
 /// sets of libraries and, unless --device names one, the software device. Called before the command runs.
 void apply(const RunningOptions& running, FilterOptions& filter);
 /// Of commands that may pass alpha on as it came.
@@ -64,8 +64,18 @@ void add_filter_options(CLI::App& command, FilterOptions& options);
 /// The preset with every --set applied. Throws Error(usage).
 filter::Settings resolve_settings(const std::string& preset, const FilterOptions& options);
 gpu::DeviceOptions device_options(const FilterOptions& options);
-/// Bytes that --memory allows the filter, or its share. Throws Error(usage).
-std::uint64_t memory_limit(const FilterOptions& options);
+/// What --memory allows a filter.
+class MemoryLimit {
+ public:
+  /// Throws Error(usage) for a text that is no size.
+  explicit MemoryLimit(const FilterOptions& options);
+  /// The filter's share of what --memory allows or the device has, whichever is less.
+  std::uint64_t bytes_of(const gpu::Device& device) const;
+
+ private:
+  std::uint64_t most_;
+  double share_;
+};
 /// Every diagnostic AOV, or none.
 AovSet diagnostics_of(const FilterOptions& options);
 /// The settings tables of the denoiser and of antialiasing as lines of help.

@@ -11,10 +11,10 @@
 #include <filesystem>
 #include <iterator>
 #include <map>
-#include <sstream>
 #include <system_error>
 
 #include "app/cancel.h"
+#include "app/setting_text.h"
 #include "frame/error.h"
 #include "frame/io/exr_channels.h"
 
@@ -55,17 +55,6 @@ int partial_owner(const std::string& file, const std::set<std::string>& outputs)
 
 bool process_runs(int process) {
   return ::kill(process, 0) == 0 || errno != ESRCH;
-}
-
-/// Keys and values in the order of the text.
-std::vector<std::pair<std::string, std::string>> parse_settings(const std::string& text) {
-  std::vector<std::pair<std::string, std::string>> settings;
-  std::istringstream words(text);
-  for (std::string word; words >> word;) {
-    const auto equals = word.find('=');
-    settings.emplace_back(word.substr(0, equals), equals == std::string::npos ? "" : word.substr(equals + 1));
-  }
-  return settings;
 }
 
 /// The first setting that differs, as `spp=4, and this run has spp=8`.
@@ -201,7 +190,9 @@ void Outputs::prepare() {
         std::make_unique<FolderLock>(place, std::vector<std::string>(files.begin(), files.end())));
     for (const fs::directory_entry& entry : fs::directory_iterator(place, error)) {
       const int owner = partial_owner(entry.path().filename().string(), files);
-      if (owner > 0 && !process_runs(owner)) fs::remove(entry.path(), error);
+      // Nothing of this process is half written yet: a file of its number is a dead process's, as a container
+      // gives each run the same number.
+      if (owner == ::getpid() || (owner > 0 && !process_runs(owner))) fs::remove(entry.path(), error);
     }
   }
 }

@@ -79,7 +79,7 @@ std::vector<PresetTime> measure_presets(const FilterOptions& options, const Fram
       {.name = "draft", .error = 1.3}, {.name = "balanced", .error = 1.06}, {.name = "final", .error = 1.0}};
   for (PresetTime& preset : presets) {
     preset.seconds = scale * seconds_per_frame(device, resolve_settings(preset.name, options),
-                                               memory_limit(options), part);
+                                               MemoryLimit(options).bytes_of(device), part);
   }
   return presets;
 }

@@ -383,6 +383,7 @@ ExitStatus debug_pixel(const RenderCommand& command, tracer::Scene& scene) {
   const int frame = frames_of(command, scene.description()).front();
   tracer::RenderOptions options = render_options(command, size_of(command, scene.description()));
   options.eye = eyes_of(command, scene.description()).front();
+  options.aovs.set(static_cast<std::size_t>(Aov::albedo));  // a sample may be not finite in its guides alone
   for (const std::string& line : tracer::describe_sample(scene, frame, options, pixel))
     fmt::print("{}\n", line);
   return ExitStatus::done;

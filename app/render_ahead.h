@@ -16,7 +16,7 @@ namespace becalm::app {
 
 /// The source of a filter with segments, which reads frames more than once and in both directions of time:
 /// the tracer writes the frames of the next segments to files, in ascending order, while the pipeline reads
-/// those of one segment. At most one segment waits between them.
+/// those of one segment. At most two segments wait between them.
 class RenderAhead {
  public:
   /// Starts the tracer, on a thread of its own. `files` are those of `frames`; unless `keep_files`, those

@@ -87,8 +87,9 @@ std::optional<Frame> RenderedFrames::render_eye(int frame, std::size_t eye) {
     const ProfileScope scope(profile_, "render");
     noisy = tracer::render_frame(scene_, frame, options, &report);
   }
-  progress_.detail(fmt::format("frame {}: {:.3g} samples per pixel", frame,
-                               static_cast<double>(report.samples) / (options.width * options.height)));
+  progress_.detail(fmt::format(
+      "frame {}: {:.3g} samples per pixel", frame,
+      static_cast<double>(report.samples) / (static_cast<double>(options.width) * options.height)));
   if (report.non_finite_samples > 0) {
     const tracer::PixelSample first = report.first_non_finite.value_or(tracer::PixelSample{});
     progress_.warn(

@@ -14,8 +14,9 @@ namespace becalm::app {
 /// frames have files of their own. `first` is the first eye of a pattern with a field for it.
 std::string scratch_pattern(const std::string& output, Eye first, const std::vector<int>& asked);
 
-/// Removes what runs that asked for other frames have left under such names, if this run has locked one of
-/// their outputs: they do not live any more. `readable` are the frames that may have such files.
+/// Removes what runs that asked for other frames have left under such names, if this run has locked the first
+/// or the last of their outputs: they do not live any more. Of the others the name does not tell which they
+/// were. `readable` are the frames that may have such files.
 void remove_abandoned_scratch(const std::string& output, Eye first, const Outputs& locked,
                               const std::vector<int>& readable);
 

@@ -248,6 +248,9 @@ io::LoadedFrame SequenceJob::read(const filter::Step& step) {
       const bool left_first = is_eye(loaded.view, Eye::left);
       give_stereo(given, left_first ? Eye::left : Eye::right, loaded);
       give_stereo(given, left_first ? Eye::right : Eye::left, loaded.other_views.front());
+    } else {
+      throw Error(ExitStatus::usage, fmt::format("--stereo-camera {}: {} has one view, expected two eyes",
+                                                 command_.stereo_camera, inputs_.path(frame)));
     }
   }
   if (filter_.checkerboards() == Checkerboards::as_told) {

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -13,19 +13,20 @@
 #include "app/eye_names.h"
 #include "app/outputs.h"
 #include "app/preset_choice.h"
+#include "app/setting_text.h"
 #include "frame/error.h"
 
 namespace becalm::app {
 
 namespace {
 
-/// The value of a key of `becalm:settings`; empty if it has none.
-std::string setting(const std::string& settings, const std::string& key) {
-  std::istringstream words(settings);
-  for (std::string word; words >> word;) {
-    if (word.starts_with(key + '=')) return word.substr(key.size() + 1);
-  }
-  return {};
+int recorded_spp(const std::string& pattern, const std::string& text) {
+  int spp = 0;
+  const char* end = text.data() + text.size();
+  const auto [parsed_to, error] = std::from_chars(text.data(), end, spp);
+  if (error == std::errc() && parsed_to == end && spp > 0) return spp;
+  throw Error(ExitStatus::bad_input,
+              fmt::format("{}: becalm:settings: spp={}, expected a number of samples", pattern, text));
 }
 
 }  // namespace
@@ -40,9 +41,9 @@ void choose_by_time(RenderCommand& command, tracer::Scene& scene) {
   if (command.output.resume) {
     const std::size_t eye = eyes.front() == Eye::right ? 1 : 0;
     const Outputs outputs("-o", {io::SequencePattern(pattern_of_eye(command.output.pattern, eye))}, frames);
-    const std::string spp = setting(outputs.recorded("becalm:settings"), "spp");
+    const std::string spp = setting_value(outputs.recorded("becalm:settings"), "spp");
     if (!spp.empty()) {
-      command.asked_spp = std::stoi(spp);
+      command.asked_spp = recorded_spp(command.output.pattern, spp);
       if (chooses_preset) command.preset = outputs.recorded("becalm:preset");
       command.choice =
           fmt::format("{} samples per pixel and {}, as in the frames that are there", spp, command.preset);

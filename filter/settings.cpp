@@ -161,7 +161,7 @@ Settings preset(std::string_view name) {
     settings.merge = MergeMode::mask;
   } else if (name != "balanced") {
     throw Error(ExitStatus::usage,
-                fmt::format("preset '{}': expected draft, balanced, final or paper", name));
+                fmt::format("preset '{}': expected one of {}", name, fmt::join(kPresets, ", ")));
   }
   return settings;
 }

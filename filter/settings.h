@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <span>
 #include <string>
 #include <string_view>
@@ -72,7 +73,10 @@ struct SettingInfo {
 };
 std::span<const SettingInfo> settings_table();
 
-/// The named preset (draft, balanced, final, paper). Throws Error(usage) for another name.
+/// Names of the presets, from the fastest; `paper` is the method as published.
+inline constexpr std::array<std::string_view, 4> kPresets{"draft", "balanced", "final", "paper"};
+
+/// The preset of this name. Throws Error(usage) for another.
 Settings preset(std::string_view name);
 
 /// Applies one `KEY=VALUE`. Throws Error(usage) naming the key, the value and the range.

@@ -16,7 +16,8 @@ enum class ExitStatus {
 };
 
 /// The one exception type at the boundaries (command line, files, scenes). `what()` is a single line that
-/// names the file, the field and the offending value, and what was expected instead. Caught in `main` alone.
+/// names the file, the field and the offending value, and what was expected instead. Ends the program
+/// in `main`, unless the command can do without the file.
 class Error : public std::runtime_error {
  public:
   Error(ExitStatus status, const std::string& message) : std::runtime_error(message), status_(status) {}

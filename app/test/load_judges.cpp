@@ -6,6 +6,8 @@
 #include <array>
 #include <string_view>
 
+#include "filter/settings.h"
+
 namespace becalm::app {
 namespace {
 
@@ -70,7 +72,7 @@ void read_exact(const JsonValue& json, ExactJudge& exact) {
 void read_denoised(const JsonValue& json, DenoisedJudge& denoised) {
   json.allow_keys({"preset", "max_flip", "min_ssim", "max_rel_mse", "max_temporal_error", "max_energy"});
   if (const auto preset = json.find("preset")) {
-    preset->choice({"draft", "balanced", "final", "paper"});
+    preset->choice(filter::kPresets);
     denoised.preset = preset->string();
   }
   denoised.limits = read_limits(json, "");

@@ -12,6 +12,7 @@
 #include "app/byte_size.h"
 #include "app/test/load_judges.h"
 #include "app/test/suite.h"
+#include "filter/settings.h"
 #include "frame/error.h"
 #include "frame/io/sequence.h"
 #include "tracer/scene/load/json_reader.h"
@@ -46,7 +47,9 @@ std::vector<int> read_frames(const JsonValue& json, const std::string& text) {
 std::string read_preset(const JsonValue& json) {
   if (!json.is_object() && !json.is_array()) {
     const std::string text = json.string();
-    json.choice({"none", "draft", "balanced", "final", "paper"});
+    std::vector<std::string_view> choices{"none"};
+    choices.insert(choices.end(), filter::kPresets.begin(), filter::kPresets.end());
+    json.choice(choices);
     return text == "none" ? "" : text;
   }
   return json.string();

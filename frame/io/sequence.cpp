@@ -16,7 +16,6 @@ namespace {
 
 /// More frames than any shot has: a longer range is taken for a typing error and refused before it takes
 /// memory.
-constexpr std::int64_t kMaxFrames = 1'000'000;
 
 bool is_digit(char c) {
   return c >= '0' && c <= '9';

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -7,9 +8,12 @@
 
 namespace becalm::io {
 
+/// Of a range, and of a sequence with the frames that are held.
+inline constexpr std::int64_t kMaxFrames = 1'000'000;
+
 /// Frame numbers of a range such as `1-100`, `1-100x2`, `5`, `-3-4` or `1-10,20-30`, ascending and without
 /// duplicates. Throws Error(usage) naming the text and what is wrong: a descending range, a step below 1, no
-/// number.
+/// number, more than kMaxFrames.
 std::vector<int> parse_frame_range(std::string_view text);
 
 /// Range text that parse_frame_range turns into `frames` again, equal steps joined; `frames` ascends.

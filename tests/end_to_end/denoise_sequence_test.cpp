@@ -161,6 +161,12 @@ TEST_F(Denoise, WithoutARangeGapsAreHeldToo) {
   EXPECT_EQ(io::read_attribute(folder_ / "hold.0003.exr", "becalm:held_from"), "2");
 }
 
+TEST_F(Denoise, AStrayFrameFarAwayIsNotHeldUpTo) {
+  write_frames({1, 2, 2'000'000'000});
+  expect_error(becalm(command("hold.####.exr", {"--missing", "hold", "--quiet"})), 3,
+               {"between frames 2 and 2000000000", "--frames"});
+}
+
 TEST_F(Denoise, HeldFramesMayComeFromTheContext) {
   write_frames({1, 2, 4});
   becalm_done(command("whole.####.exr", {"--frames", "1-4", "--missing", "hold", "--quiet"}));

@@ -196,6 +196,8 @@ TEST_F(Stereo, TakesTheCamerasFromTheUserOrSearches) {
     expect_error(becalm(command("in.%V.####.exr", "x.%V.####.exr", {"--stereo-camera", wrong})), 2,
                  {"--stereo-camera", wrong, "FOCAL_PX"});
   }
+  expect_error(becalm(command("in.left.####.exr", "x.####.exr", {"--stereo-camera", "1200,0.1,2"})), 2,
+               {"--stereo-camera 1200,0.1,2", "one view"});
 }
 
 TEST_F(Stereo, CamerasFromTheUserAreOfTheWholePicture) {
