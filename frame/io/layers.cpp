@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <functional>
+#include <iterator>
+#include <span>
 #include <utility>
 
 #include "frame/error.h"
@@ -21,16 +23,36 @@ namespace {
 constexpr std::string_view kCompositeScope = "composite";
 
 /// Names of parts whose bare channels look like colours and are none; and of those that are seldom a beauty.
-constexpr std::string_view kNoColours[] = {"position", "p", "uv"};
-constexpr std::string_view kSeldomBeauties[] = {"ao", "occlusion"};
+/// Only the letters of the last of a name's parts between dots count.
+constexpr std::string_view kNoColours[] = {"position", "worldposition", "p",      "pworld", "pref",
+                                           "uv",       "indexob",       "indexma"};
+constexpr std::string_view kBearersOfIds[] = {"",         "object", "obj",   "material", "mat",
+                                              "instance", "node",   "shape", "primitive"};
+constexpr std::string_view kSeldomBeauties[] = {"ao",   "occlusion", "shadow", "shadows",
+                                                "mask", "matte",     "mist"};
+
+/// Of a name in lower case.
+std::string letters_of(std::string_view part) {
+  if (const auto dot = part.rfind('.'); dot != std::string_view::npos) part.remove_prefix(dot + 1);
+  std::string letters;
+  std::ranges::copy_if(part, std::back_inserter(letters), [](char c) { return c >= 'a' && c <= 'z'; });
+  return letters;
+}
+
+bool is_among(std::string_view name, std::span<const std::string_view> names) {
+  return std::ranges::find(names, name) != names.end();
+}
 
 bool is_seldom_beauty(std::string_view part) {
-  return names_a_summand(part) || std::ranges::find(kSeldomBeauties, part) != std::end(kSeldomBeauties);
+  return names_a_summand(part) || is_among(letters_of(part), kSeldomBeauties);
 }
 
 bool is_no_colour(std::string_view part) {
-  return part.find("crypto") != std::string_view::npos ||
-         std::ranges::find(kNoColours, part) != std::end(kNoColours);
+  const std::string name = letters_of(part);
+  const bool is_id =
+      name.ends_with("id") && is_among(std::string_view(name).substr(0, name.size() - 2), kBearersOfIds);
+  const bool is_matte = name.starts_with("puzzlematte") || name.starts_with("multimatte");
+  return is_id || is_matte || name.find("crypto") != std::string::npos || is_among(name, kNoColours);
 }
 
 struct Found {

@@ -306,6 +306,12 @@ TEST_F(AdditiveLayers, APartOfASummandIsNotTheBeauty) {
   EXPECT_EQ(choose_additive("auto", sets()), (Names{"diffuse", "specular"}));
   write_parts({{"CryptoMaterial00", first}, {"position", first}});
   EXPECT_THROW(read_exr(path_, 1, {}, {}), Error) << "no colour";
+  for (const char* ids : {"ObjectID", "id", "Material_Id", "matid", "objectId2", "ViewLayer.IndexOB",
+                          "PuzzleMatte1", "WorldPosition", "Pworld"}) {
+    write_parts({{ids, first}, {"main", second}});
+    EXPECT_EQ(read_exr(path_, 1, {}, {}).frame.image(Aov::beauty).at(1, 0, 0), float(Imath::half(second(1))))
+        << ids;
+  }
   write_parts({{"AO", first}, {"position", second}});
   EXPECT_EQ(read_exr(path_, 1, {}, {}).frame.image(Aov::beauty).at(1, 0, 0), float(Imath::half(first(1))));
 }
