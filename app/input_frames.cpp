@@ -95,6 +95,7 @@ InputFrames::InputFrames(const std::vector<std::string>& patterns, Pair pair, co
                                                    pattern_.hint_of_other_padding()));
   }
   const bool all = asked.empty();
+  const std::vector<int> on_disk = present;
   if (all) asked = missing == Missing::hold ? every_step(present, pattern) : present;
   // A frame that is held is read whether or not it was asked for itself. Without damaged frames others may
   // be.
@@ -110,6 +111,12 @@ InputFrames::InputFrames(const std::vector<std::string>& patterns, Pair pair, co
   if (all && gaps) {
     note_ = fmt::format("{}: only frames {} are on disk; the filter starts anew after each gap", pattern,
                         io::format_frame_range(present));
+  }
+  std::vector<int> absent;
+  std::ranges::set_difference(asked, on_disk, std::back_inserter(absent));
+  if (!absent.empty()) {
+    note_ = fmt::format("{}: frames {} are not on disk and {}", pattern, io::format_frame_range(absent),
+                        missing == Missing::hold ? "hold those before them" : "are left out");
   }
 }
 

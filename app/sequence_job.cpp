@@ -107,9 +107,15 @@ ExitStatus SequenceJob::run() {
   const std::size_t asked = outputs_.frames().size();
   if (wanted.empty()) return all_there(asked, command_.running.quiet);
 
+  std::size_t work = 0;  // a frame that is held for others is written for each of them
+  for (const int frame : wanted) {
+    const auto missing = std::ranges::count_if(inputs_.outputs_of(frame),
+                                               [&](int number) { return !existing_.contains(number); });
+    work += static_cast<std::size_t>(std::max<std::ptrdiff_t>(missing, 1));
+  }
   progress_.emplace(ProgressOptions{.total = asked,
                                     .existing = existing_.size(),
-                                    .work = wanted.size(),
+                                    .work = work,
                                     .quiet = command_.running.quiet,
                                     .verbose = command_.running.verbose});
   std::vector<filter::Step> steps;

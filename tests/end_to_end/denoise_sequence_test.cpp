@@ -145,7 +145,12 @@ TEST_F(Denoise, DamagedFramesCountAsMissingWhereThatGoesOn) {
 TEST_F(Denoise, MissingHoldWritesOneOutputForEachInput) {
   write_frames({1, 2, 5});
   const Outcome outcome = becalm_done(command("hold.####.exr", {"--frames", "1-6", "--missing", "hold"}));
-  EXPECT_NE(outcome.err.find("6 frames written"), std::string::npos) << outcome.err;
+  for (const char* words : {"6 frames written", "frames 3,4,6 are not on disk and hold those before them"}) {
+    EXPECT_NE(outcome.err.find(words), std::string::npos) << outcome.err;
+  }
+  const Outcome events =
+      becalm_done(command("events.####.exr", {"--frames", "1-6", "--missing", "hold", "--progress", "json"}));
+  EXPECT_NE(events.err.find(R"("work_done":6.0,"work_total":6)"), std::string::npos) << events.err;
   EXPECT_TRUE(same_frame("hold.0003.exr", "hold.0002.exr"));
   EXPECT_TRUE(same_frame("hold.0004.exr", "hold.0002.exr"));
   EXPECT_TRUE(same_frame("hold.0006.exr", "hold.0005.exr"));
