@@ -38,7 +38,7 @@ FilterStage::FilterStage(FilterRecipe recipe, const FilterOptions& options)
       cuts_(options.cuts),
       stereo_(options.stereo) {
   if (cuts_ != "auto" && cuts_ != "none") {
-    const std::vector<int> cuts = io::parse_frame_range(cuts_);
+    const std::vector<int> cuts = io::parse_frame_range(cuts_, "--cuts");
     given_cuts_ = {cuts.begin(), cuts.end()};
   }
   if (options.warmup && !has_segments()) {
@@ -79,7 +79,7 @@ std::vector<int> FilterStage::readable(const std::vector<int>& asked,
 
 std::vector<int> FilterStage::context_frames() const {
   if (context_.empty() || context_ == "none") return {};
-  return io::parse_frame_range(context_);
+  return io::parse_frame_range(context_, "--context");
 }
 
 std::vector<filter::Segment> FilterStage::schedule(const std::vector<int>& readable,

@@ -1,6 +1,9 @@
 #include "app/layer_arguments.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <algorithm>
 
 #include "app/help.h"
 
@@ -39,9 +42,14 @@ io::LayerOptions layer_options(const LayerArguments& arguments) {
 
 std::string describe(const LayerArguments& arguments) {
   std::string text;
-  if (!arguments.layers.empty()) text += " layers=" + arguments.layers;
-  if (!arguments.motion.empty()) text += " motion=" + arguments.motion;
-  if (arguments.additive != "auto") text += " additive_layers=" + arguments.additive;
+  const auto add = [&](const char* key, std::string value) {
+    std::ranges::replace(value, ' ', '_');  // a blank ends a value
+    text += fmt::format(" {}={}", key, value);
+  };
+  if (!arguments.layers.empty()) add("layers", arguments.layers);
+  if (!arguments.motion.empty())
+    add("motion_change", arguments.motion);  // `motion` is a setting of the filter
+  if (arguments.additive != "auto") add("additive_layers", arguments.additive);
   return text;
 }
 

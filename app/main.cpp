@@ -88,7 +88,8 @@ std::string usage_message(const CLI::ParseError& error, const CLI::App& parser,
 /// Padded numbers, as those of frames are, stay decimal: CLI11 takes a leading zero for octal.
 void allow_padded_numbers(CLI::App& parser) {
   for (CLI::Option* option : parser.get_options()) {
-    if (option->get_type_name() != "INT" && option->get_type_name() != "UINT") continue;
+    const std::string type = option->get_type_name();  // and the range of those that have one
+    if (!type.starts_with("INT") && !type.starts_with("UINT")) continue;
     option->transform([](const std::string& text) {
       const std::size_t sign = text.starts_with('-') || text.starts_with('+') ? 1 : 0;
       std::size_t first = sign;  // digit that counts

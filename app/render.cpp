@@ -317,9 +317,12 @@ void RenderJob::run_segments(const std::vector<int>& work) {
     for (const filter::Step& step : segment) needed.insert(step.frame);
   }
   start_progress(needed.size());
-  if (const std::size_t more = needed.size() - work.size(); more > 0) {
+  for (const int frame : work) needed.erase(frame);
+  std::erase_if(needed, [&](int frame) { return noisy_files_->existing.contains(frame); });
+  if (!needed.empty()) {
     progress_->note(fmt::format(
-        "{} frames more are rendered for those before and after them; --context none does without", more));
+        "{} frames more are rendered for those before and after them; --context none does without",
+        needed.size()));
   }
   RenderedFrames frames = rendered_frames();
   RenderAhead ahead(frames, *noisy_files_, std::move(segments), !command_.keep_noisy.empty());

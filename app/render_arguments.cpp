@@ -184,17 +184,15 @@ AskedAovs parse_aovs(const std::string& text) {
     all.set(static_cast<std::size_t>(entry.aov));
     names += fmt::format("{}, ", entry.name);
   }
-  if (text == "all") return {all, false};
   AskedAovs chosen;
   if (text == "none") return chosen;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t comma = std::min(text.find(',', begin), text.size());
     const std::string name = text.substr(begin, comma - begin);
     begin = comma + 1;
-    if (name == kLightGroups) {
-      chosen.light_groups = true;
-      continue;
-    }
+    chosen.light_groups |= name == kLightGroups;
+    chosen.all |= name == "all";
+    if (name == kLightGroups || name == "all") continue;
     const std::optional<Aov> aov = find_aov(name);
     if (!aov || info(*aov).diagnostic) {
       throw Error(ExitStatus::usage,
@@ -204,6 +202,7 @@ AskedAovs parse_aovs(const std::string& text) {
     }
     chosen.aovs.set(static_cast<std::size_t>(*aov), *aov != Aov::beauty);
   }
+  if (chosen.all) chosen.aovs |= all;
   return chosen;
 }
 
@@ -212,7 +211,7 @@ AskedAovs asked_aovs(const RenderCommand& command) {
   if (command.spp > 1) return asked;
   for (const Aov half : {Aov::half_a, Aov::half_b}) {
     if (!contains(asked.aovs, half)) continue;
-    if (command.aovs != "all") {
+    if (!asked.all) {
       throw Error(ExitStatus::usage,
                   fmt::format("--aovs {}: expected at least 2 samples per pixel for {}, found 1",
                               command.aovs, info(half).name));

@@ -55,6 +55,7 @@ std::vector<int> frames_of(const RenderCommand& command, const tracer::SceneDesc
 struct AskedAovs {
   AovSet aovs;
   bool light_groups = false;
+  bool all = false;  ///< the AOVs were not named one by one
 };
 AskedAovs parse_aovs(const std::string& text);
 /// parse_aovs of the command, after set_defaults. A single sample has no halves: `all` leaves them out.

@@ -42,7 +42,7 @@ bool take(std::string_view& text, char c) {
 
 class RangeParser {
  public:
-  explicit RangeParser(std::string_view text) : text_(text) {}
+  RangeParser(std::string_view text, std::string_view what) : text_(text), what_(what) {}
 
   std::vector<int> parse() {
     std::string_view rest = text_;
@@ -59,7 +59,7 @@ class RangeParser {
   [[noreturn]] void fail(const std::string& why) const {
     throw Error(
         ExitStatus::usage,
-        fmt::format("frame range '{}': {}; expected such as 1-100, 1-100x2, 5 or 1-10,20-30", text_, why));
+        fmt::format("{} '{}': {}; expected such as 1-100, 1-100x2, 5 or 1-10,20-30", what_, text_, why));
   }
 
   int take_number(std::string_view& rest, std::string_view what) const {
@@ -87,6 +87,7 @@ class RangeParser {
   }
 
   std::string_view text_;
+  std::string_view what_;
   std::vector<int> frames_;
 };
 
@@ -189,8 +190,8 @@ int padding_of(const std::vector<std::string>& numbers) {
 
 }  // namespace
 
-std::vector<int> parse_frame_range(std::string_view text) {
-  return RangeParser(text).parse();
+std::vector<int> parse_frame_range(std::string_view text, std::string_view what) {
+  return RangeParser(text, what).parse();
 }
 
 std::string format_frame_range(const std::vector<int>& frames) {

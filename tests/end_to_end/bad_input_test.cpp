@@ -269,6 +269,7 @@ TEST_F(BadInput, Memory) {
     expect_error(render({"--denoise", "--memory", size}), kUsage, {"--memory", size, "512M"});
   }
   expect_error(render({"--memory", "1G"}), kUsage, {"--memory", "--denoise"});
+  expect_error(render({"--denoise", "--cuts", "foo"}), kUsage, {"--cuts 'foo'"});
   expect_error(render({"--denoise", "--memory", "100K"}), kResource, {"48x32", "MiB"});
 }
 

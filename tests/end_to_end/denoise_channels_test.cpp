@@ -284,7 +284,7 @@ TEST_F(Denoise, LayersMayBeLeftOutAndMotionTurned) {
   fast.insert(fast.end(), {"--preset", "draft", "--set", "motion=override", "--diagnostics"});
   becalm_done(command("out.####.exr", fast));
   EXPECT_NE(io::read_attribute(folder_ / "out.0002.exr", "becalm:settings")
-                .find(" layers=albedo=none motion=flip-x,scale=0.5"),
+                .find(" layers=albedo=none motion_change=flip-x,scale=0.5"),
             std::string::npos);
   const AovSet flow = AovSet().set(static_cast<std::size_t>(Aov::flow));
   const Image motion = read_frame(folder_ / "out.0002.exr", flow).image(Aov::flow);

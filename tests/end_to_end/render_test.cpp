@@ -208,6 +208,21 @@ TEST_F(Render, DebugPixelPrintsAPathAndWritesNothing) {
   EXPECT_EQ(files_in(folder_.path()), std::vector<std::string>{"scene.json"});
 }
 
+TEST_F(Render, PaddedNumbersAreDecimal) {
+  becalm_done({"render", scene_, "-o", folder_ / "a.exr", "--frames", "2", "--spp", "010"});
+  const std::string settings = io::read_attribute(folder_ / "a.exr", "becalm:settings");
+  EXPECT_NE(settings.find("spp=10 "), std::string::npos) << settings;
+}
+
+TEST_F(Render, AllAovsMayHaveLightGroupsBesides) {
+  becalm_done({"render", scene_, "-o", folder_ / "a.exr", "--frames", "2", "--spp", "1", "--aovs",
+               "all,light_groups"});
+  const std::string settings = io::read_attribute(folder_ / "a.exr", "becalm:settings");
+  for (const char* name : {"material_id", "light_groups"}) {
+    EXPECT_NE(settings.find(name), std::string::npos) << settings;
+  }
+}
+
 TEST_F(Render, ResumeWritesOnlyWhatIsMissing) {
   render("whole.####.exr");
   render("a.####.exr");
