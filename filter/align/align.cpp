@@ -107,15 +107,17 @@ struct Strip {
   int rows;
 };
 
-/// On a software device with eight lanes reads are the main cost, so strips are large. Hardware needs many
+/// On a software device with eight lanes reads are the main cost, so strips are large; in small images the
+/// kernel's compilation is, which columns multiply. Results do not depend on columns. Hardware needs many
 /// invocations: of 1, 2 and 4 columns, 4 are the fastest on an NVIDIA H100 with patches of 13x13.
-Strip match_strip(const gpu::DeviceInfo& device) {
-  return device.type == "software" ? Strip{16, 32} : Strip{4, 16};
+Strip match_strip(const gpu::DeviceInfo& device, Extent finest) {
+  constexpr std::size_t small_px = 256 * 256;
+  if (device.type != "software") return {4, 16};
+  return {finest.elements() <= small_px ? 2 : 16, 32};
 }
 
 /// Searches the level in one pass that stores no distances in memory.
-void add_match(Chain& chain, const Settings& settings, const Level& level) {
-  const Strip strip = match_strip(chain.device());
+void add_match(Chain& chain, const Settings& settings, const Level& level, const Strip& strip) {
   // Sums slide down each strip: a pixel has the rounding errors of all rows above it in the strip.
   const auto patch = [&](int shift) { return gpu::in_runs_of(strip.rows, gpu::reach(level.radius + shift)); };
   chain.pass("align/match")
@@ -163,6 +165,7 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
     coarse = {chain.image(search.name + "offset.none", Format::f32x2, {1, 1}), 1};
     chain.fill(coarse.image, 0.0f);
   }
+  const Strip strip = match_strip(chain.device(), level_extent(settings, search.full, finest));
   for (std::size_t l = end; l-- > finest;) {
     const Extent extent = level_extent(settings, search.full, l);
     const ImageId residual = chain.image(search.name + fmt::format("residual.L{}", l), Format::f32, extent);
@@ -184,7 +187,7 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
         .coarse = coarse,
         .offset = chain.image(search.name + fmt::format("offset_noisy.L{}", l), Format::f32x2, extent),
         .residual = residual};
-    add_match(chain, settings, level);
+    add_match(chain, settings, level, strip);
     const ImageId offset = chain.image(search.name + fmt::format("offset.L{}", l), Format::f32x2, extent);
     chain.pass("align/median_offset")
         .read("offset_noisy", level.offset, gpu::reach(1))

@@ -37,9 +37,11 @@ std::vector<float> pack_head(const std::vector<const Layer*>& layers) {
 }
 
 /// Rows of pixels that one invocation of smooth/mix and smooth/finish computes, whose windows share reads.
-/// Hardware needs many invocations.
-int window_strip(const gpu::DeviceInfo& device) {
-  return device.is_processor ? 2 : 1;
+/// Hardware needs many invocations; for small images the longer kernel takes more time to compile than it
+/// saves.
+int window_strip(const gpu::DeviceInfo& device, Extent image) {
+  constexpr std::size_t small_px = 512 * 512;
+  return device.is_processor && image.elements() > small_px ? 2 : 1;
 }
 
 int padded_px(int size) {
@@ -207,10 +209,10 @@ void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, con
         .specialize("planes", planes(i))
         .dispatch(extent(i));
   }
-  const int strip = window_strip(chain.device());
   std::optional<ImageId> coarse;
   for (std::size_t i = kScales; i-- > 0;) {
     const ImageId result = chain.image(fmt::format("{}.windows.L{}", name, i), Format::f32x4, extent(i));
+    const int strip = window_strip(chain.device(), extent(i));
     chain.pass("smooth/mix")
         .read("features", features_[i])
         .read("weights", window_weights_[i])
@@ -227,6 +229,7 @@ void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, con
     coarse = result;
   }
   const gpu::Footprint window = gpu::reach(frame.has_albedo ? kWindowRadius : 0);
+  const int strip = window_strip(chain.device(), full_);
   chain.pass("smooth/finish")
       .read("features", features_[0])
       .read("weights", finish_weights_)
