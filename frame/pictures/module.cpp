@@ -21,7 +21,8 @@ class OpenPicture : public Picture {
     header_ = {.width = spec.width,
                .height = spec.height,
                .channels = spec.nchannels,
-               .alpha_channel = spec.alpha_channel};
+               .alpha_channel = spec.alpha_channel,
+               .float_samples = spec.format.is_floating_point()};
   }
 
   const Header& header() const override { return header_; }

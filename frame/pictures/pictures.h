@@ -14,7 +14,8 @@ struct Header {
   int width = 0;
   int height = 0;
   int channels = 0;
-  int alpha_channel = -1;  ///< -1: none
+  int alpha_channel = -1;      ///< -1: none
+  bool float_samples = false;  ///< half, float or double; the others are integers
 };
 
 /// Whether colours come multiplied by their alpha.

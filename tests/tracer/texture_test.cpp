@@ -47,6 +47,40 @@ TEST(Texture, LinearFilesAreTakenAsTheyAre) {
   expect_near(lookup(settings, {0.75f, 0.25f}), V3f(0.5f, 0.25f, 1.0f));
 }
 
+TEST(Texture, FloatSamplesAreLinearUnlessToldOtherwise) {
+  const std::vector<float> half_grey(3, 0.5f);
+  const float decoded = std::pow((0.5f + 0.055f) / 1.055f, 2.4f);
+  const auto value = [](const std::string& path, std::optional<ColorSpace> space = std::nullopt) {
+    return lookup({.path = path, .space = space}, {0.5f, 0.5f}).x;
+  };
+  for (const char* name : {"float.exr", "float.hdr", "float.tif"}) {
+    const std::string path = write_image(name, 1, 1, 3, half_grey);
+    EXPECT_NEAR(value(path), 0.5f, 2e-3f) << name;
+    EXPECT_NEAR(value(path, ColorSpace::srgb), decoded, 2e-3f) << name;
+  }
+  const std::string half = write_image("half.exr", 1, 1, 3, half_grey, OIIO::TypeHalf);
+  EXPECT_NEAR(value(half), 0.5f, 2e-3f);
+  for (const auto& [name, type] :
+       {std::pair("bytes.tif", OIIO::TypeUInt8), {"words.png", OIIO::TypeUInt16}}) {
+    const std::string path = write_image(name, 1, 1, 3, half_grey, type);
+    EXPECT_NEAR(value(path), decoded, 3e-3f) << name;
+    EXPECT_NEAR(value(path, ColorSpace::linear), 0.5f, 3e-3f) << name;
+  }
+}
+
+TEST(Texture, FloatImagesOfScenesAreLinear) {
+  write_image("grey.exr", 1, 1, 3, {0.5f, 0.5f, 0.5f});
+  const auto reflectance = [](const std::string& more) {
+    const Scene scene = load_text(R"({'camera': {'look_at': {'eye': [0,2,1], 'target': [0,0,0]}},
+      'materials': {'m': {'type': 'diffuse', 'reflectance': {'image': 'grey.exr')" +
+                                  more + "}}}, 'meshes': {}, 'objects': []}");
+    const Textures& textures = scene.description().textures;
+    return Textures::Reader(textures).color(0, {V2f(0.5f)}).x;
+  };
+  EXPECT_NEAR(reflectance(""), 0.5f, 1e-3f);
+  EXPECT_NEAR(reflectance(", 'space': 'srgb'"), 0.214f, 1e-3f);
+}
+
 TEST(Texture, Repeats) {
   const TextureSettings settings{write_image("four.png", 2, 2, 3, kFour), ColorSpace::srgb, {2, 3}, V3f(1)};
   expect_near(lookup(settings, {0.125f, 1.0f - 0.25f / 3.0f}), V3f(1, 0, 0));

@@ -28,9 +28,11 @@ constexpr float kWidestRange = 16.0f;
 constexpr float kWholePicture = 1.0f;
 
 /// The USE of pictures::TextureFiles: one file may be used in several ways.
-std::string_view use_of(const TextureSettings& settings) {
+std::string_view use_of(const TextureSettings& settings, const pictures::Header& header) {
   constexpr std::string_view of_content[] = {"linear", "data", "r", "g", "b", "a"};
-  const bool coded = settings.content == TextureContent::color && settings.space == ColorSpace::srgb;
+  const ColorSpace usual_space = header.float_samples ? ColorSpace::linear : ColorSpace::srgb;
+  const bool coded =
+      settings.content == TextureContent::color && settings.space.value_or(usual_space) == ColorSpace::srgb;
   return coded ? "srgb" : of_content[static_cast<std::size_t>(settings.content)];
 }
 
@@ -75,7 +77,7 @@ std::uint32_t Textures::add(const TextureSettings& settings) {
   const std::unique_ptr<pictures::Picture> file =
       pictures::library().open(settings.path, pictures::Alpha::separate);
   const pictures::Header& header = file->header();
-  const std::string_view use = use_of(settings);
+  const std::string_view use = use_of(settings, header);
   if (use.size() == 1) require_channel(header, use);
   if (!state_) state_ = std::make_unique<State>();
   const std::string name = std::string(use) + ":" + settings.path;

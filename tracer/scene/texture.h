@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "tracer/math/vec.h"
@@ -17,9 +18,9 @@ enum class TextureContent { color, data, r, g, b, a };
 
 struct TextureSettings {
   std::string path;
-  ColorSpace space = ColorSpace::srgb;  ///< of colours
-  V2f repeat{1.0f, 1.0f};               ///< copies over the unit square of uv
-  V3f scale{1.0f};                      ///< of what is read; its x for one channel
+  std::optional<ColorSpace> space = std::nullopt;  ///< of colours; unset: linear for float samples, else srgb
+  V2f repeat{1.0f, 1.0f};                          ///< copies over the unit square of uv
+  V3f scale{1.0f};                                 ///< of what is read; its x for one channel
   TextureContent content = TextureContent::color;
 };
 

@@ -210,11 +210,8 @@ class Translator {
 
   std::uint32_t add(const std::string& name, const tinyobj::texture_option_t& options, TextureContent content,
                     const V3f& scale) const {
-    const TextureSettings settings{.path = image_path(name),
-                                   .space = ColorSpace::srgb,
-                                   .repeat = repeat(options),
-                                   .scale = scale,
-                                   .content = content};
+    const TextureSettings settings{
+        .path = image_path(name), .repeat = repeat(options), .scale = scale, .content = content};
     try {
       return textures_.add(settings);
     } catch (const std::runtime_error& error) {
