@@ -5,9 +5,11 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
+#include <string_view>
 
 #include "app/content_hash.h"
+#include "tracer/scene/load/text_words.h"
+#include "tracer/scene/load/wavefront_text.h"
 
 namespace becalm::app {
 namespace fs = std::filesystem;
@@ -35,15 +37,12 @@ void add_file_at_end(const fs::path& folder, std::string text, Files& files) {
 
 /// The images of a material file: whatever names a file at the end of a line, alone or after options.
 void add_images(const fs::path& library, Files& files) {
-  std::ifstream lines(library);
-  for (std::string line; std::getline(lines, line);) {
-    std::ranges::replace(line, '\\', '/');
-    std::istringstream words(line);
-    std::string word;
-    words >> word;
-    std::string rest;
-    std::getline(words, rest);
-    add_file_at_end(library.parent_path(), rest, files);
+  std::string text = tracer::read_wavefront_text(library.string()).value_or("");
+  std::ranges::replace(text, '\\', '/');
+  for (std::string_view lines = text; !lines.empty();) {
+    std::string_view line = tracer::take_line(lines);
+    tracer::take_word(line);
+    add_file_at_end(library.parent_path(), std::string(line), files);
   }
 }
 
@@ -56,17 +55,13 @@ bool add_library(const fs::path& library, Files& files) {
 
 /// The material files that an OBJ names, one with blanks in its name or several, and their images.
 void add_materials(const fs::path& obj, Files& files) {
-  std::ifstream lines(obj);
-  for (std::string line; std::getline(lines, line);) {
-    std::istringstream words(line);
-    std::string word;
-    if (!(words >> word) || word != "mtllib") continue;
-    std::string names;
-    std::getline(words >> std::ws, names);
-    while (!names.empty() && std::isspace(static_cast<unsigned char>(names.back()))) names.pop_back();
+  const std::string text = tracer::read_wavefront_text(obj.string()).value_or("");
+  for (std::string_view lines = text; !lines.empty();) {
+    std::string_view line = tracer::take_line(lines);
+    if (tracer::take_word(line) != "mtllib") continue;
+    std::string_view names = tracer::trimmed(line);
     if (add_library(obj.parent_path() / names, files)) continue;
-    std::istringstream several(names);
-    while (several >> word) add_library(obj.parent_path() / word, files);
+    while (!names.empty()) add_library(obj.parent_path() / tracer::take_word(names), files);
   }
 }
 

@@ -287,6 +287,16 @@ TEST_F(Render, ResumeNoticesAnEditedMaterialOfAMeshAndItsImage) {
   expect_error(becalm(command("a.####.exr", {"--resume"})), 2, {"a.0001.exr", "scene"});
 }
 
+TEST_F(Render, ResumeNoticesAnEditedMaterialBehindAByteOrderMarkAndAContinuedLine) {
+  write_text(folder_ / "mesh.obj",
+             "\xef\xbb\xbfmtllib \\\nmesh.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n");
+  write_text(folder_ / "mesh.mtl", "newmtl m\nKd 1 0 0\n");
+  write_mesh_scene("o");
+  render("a.####.exr", {"--frames", "1"});
+  write_text(folder_ / "mesh.mtl", "newmtl m\nKd 0 1 0\n");
+  expect_error(becalm(command("a.####.exr", {"--resume"})), 2, {"a.0001.exr", "scene"});
+}
+
 TEST_F(Render, WhatTheSceneReadsIsNotReplaced) {
   write_text(folder_ / "mesh.obj",
              "mtllib mesh.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n");

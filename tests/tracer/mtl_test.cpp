@@ -125,6 +125,18 @@ TEST(Mtl, Images) {
   EXPECT_GT(load("newmtl m\nmap_Ke bright.exr\n").materials.at(0).emission.x, 15.0f);
 }
 
+TEST(Mtl, ByteOrderMarksContinuedLinesAndComments) {
+  const Loaded loaded = load("\xef\xbb\xbfnewmtl paint\nKd 0.1 \\\n0.2 0.3# grey\nNi 1.6 # C:\\\nPr 0.25\n");
+  ASSERT_EQ(loaded.materials.size(), 1u);
+  EXPECT_EQ(loaded.materials[0].material.name, "paint");
+  const auto& m = std::get<PrincipledMaterial>(loaded.materials[0].material.model);
+  EXPECT_EQ(m.base_color.value, V3f(0.1f, 0.2f, 0.3f));
+  EXPECT_EQ(m.ior, 1.6f);
+  EXPECT_EQ(m.roughness.value, 0.25f);
+  EXPECT_EQ(mtl_error("newmtl a\nKd 0.1 \\\n0.2 0.3\nPr x\n"),
+            "m.mtl: line 4: 'Pr' needs 1 finite numbers, found 'x'");
+}
+
 TEST(Mtl, Errors) {
   EXPECT_EQ(mtl_error("newmtl a\nKd 0.1 nan 0.3\n"),
             "m.mtl: line 2: 'Kd' needs 3 finite numbers, found 'nan'");

@@ -12,6 +12,7 @@
 #include "frame/error.h"
 #include "tracer/scene/load/text_file.h"
 #include "tracer/scene/load/text_words.h"
+#include "tracer/scene/load/wavefront_text.h"
 
 namespace becalm::tracer {
 
@@ -37,6 +38,7 @@ std::map<std::string, Keywords> scan(const std::string& path, std::string_view t
     }
     if (current != nullptr) current->emplace(keyword);
     const auto needed = numbers.find(keyword);
+    if (needed != numbers.end()) line = without_comment(line);
     for (int i = 0; needed != numbers.end() && i < needed->second; ++i) {
       const std::string_view word = take_word(line);
       if (!parse_float(word)) {
@@ -228,7 +230,7 @@ class Translator {
 }  // namespace
 
 std::vector<MtlMaterial> load_mtl(const std::string& path, Textures& textures) {
-  const std::optional<std::string> text = read_text_file(path);
+  const std::optional<std::string> text = read_wavefront_text(path);
   if (!text) fail_in_file(path, "cannot read the material file");
   const std::map<std::string, Keywords> keywords = scan(path, *text);
   std::map<std::string, int> numbers;

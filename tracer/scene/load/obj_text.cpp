@@ -9,6 +9,7 @@
 
 #include "tracer/scene/load/text_file.h"
 #include "tracer/scene/load/text_words.h"
+#include "tracer/scene/load/wavefront_text.h"
 
 namespace becalm::tracer {
 
@@ -54,15 +55,16 @@ class BlockReader {
  private:
   void read_line(std::string_view line) {
     const std::string_view keyword = take_word(line);
+    const std::string_view values = without_comment(line);
     ObjText& text = block_.text;
     if (keyword == "v") {
-      text.positions.push_back(read_coordinates<V3f>(keyword, line));
+      text.positions.push_back(read_coordinates<V3f>(keyword, values));
     } else if (keyword == "vn") {
-      text.normals.push_back(read_coordinates<V3f>(keyword, line));
+      text.normals.push_back(read_coordinates<V3f>(keyword, values));
     } else if (keyword == "vt") {
-      text.uvs.push_back(read_coordinates<V2f>(keyword, line));
+      text.uvs.push_back(read_coordinates<V2f>(keyword, values));
     } else if (keyword == "f") {
-      read_face(line);
+      read_face(values);
     } else if (keyword == "usemtl") {
       text.materials.push_back(
           {static_cast<std::uint32_t>(text.face_ends.size()), std::string(trimmed(line))});
@@ -237,7 +239,7 @@ ObjText join(const std::string& path, const std::vector<Block>& blocks) {
 }  // namespace
 
 ObjText read_obj(const std::string& path) {
-  const std::optional<std::string> contents = read_text_file(path);
+  const std::optional<std::string> contents = read_wavefront_text(path);
   if (!contents) fail_in_file(path, "cannot read the mesh file");
   const std::vector<std::string_view> pieces = split(*contents);
   std::vector<Block> blocks(pieces.size());

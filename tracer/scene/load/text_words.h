@@ -41,6 +41,11 @@ inline std::string_view trimmed(std::string_view line) {
   return line;
 }
 
+/// What stands before a comment. For lines of numbers: a name may hold any character.
+inline std::string_view without_comment(std::string_view line) {
+  return line.substr(0, line.find('#'));
+}
+
 /// The word as a number; nothing if it is none, or beyond what float can hold. Denormals are numbers.
 inline std::optional<float> parse_float(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);
