@@ -269,9 +269,22 @@ TEST(Load, NamesLineAndColumnOfBadSyntax) {
   EXPECT_EQ(message.substr(0, message.find(" - ")),
             "scene.json:2:20: syntax error while parsing object separator");
   EXPECT_EQ(load_error("").substr(0, 15), "scene.json:1:1:");
-  EXPECT_EQ(load_error(with_more("'film': 1, 'film': 2")),
-            "scene.json: the key \"film\" is given twice in one object");
-  EXPECT_NE(load_error(with_more("'film': 1e999")), "");
+  EXPECT_EQ(load_error(with_more("'film': 1, 'film': 2")), "scene.json: /: the key \"film\" is given twice");
+}
+
+TEST(Load, NamesThePlaceOfAKeyGivenTwice) {
+  EXPECT_EQ(load_error("{'objects': [{'a': [1, {}], 'b': {'b': 0}}, 2, {'x/y': {'name': 1, 'name': 2}}]}"),
+            "scene.json: /objects/2/x~1y: the key \"name\" is given twice");
+}
+
+TEST(Load, NamesThePlaceOfANumberBeyondDouble) {
+  const std::string expected = ": expected a number of at most 1.8e308 in size, found ";
+  EXPECT_EQ(load_error(with_more("'film': {'width': 3, 'height': 1e400}")),
+            "scene.json: /film/height" + expected + "1e400");
+  EXPECT_EQ(load_error("{'a': [[0, 'x', true, null], {}, [-1e999]]}"),
+            "scene.json: /a/2/0" + expected + "-1e999");
+  EXPECT_EQ(load_error("1" + std::string(400, '0') + ".0"),
+            "scene.json: /" + expected + "1" + std::string(39, '0') + "...");
 }
 
 TEST(Load, RefusesGeometryBeyondFloats) {

@@ -32,18 +32,103 @@ std::string escape(std::string_view key) {
   return escaped;
 }
 
-/// The value as it stands in the file, cut to a length that leaves a message readable.
-std::string brief(const json& value) {
-  std::string text = value.dump(-1, ' ', false, json::error_handler_t::replace);
+/// Cut to a length that leaves a message readable.
+std::string shortened(std::string text) {
   constexpr std::size_t longest = 40;
   if (text.size() > longest) text = text.substr(0, longest) + "...";
   return text;
 }
 
+/// The value as it stands in the file, shortened.
+std::string brief(const json& value) {
+  return shortened(value.dump(-1, ' ', false, json::error_handler_t::replace));
+}
+
+[[noreturn]] void fail_at(const std::string& file, const std::string& pointer, const std::string& message) {
+  throw Error(ExitStatus::bad_input, file + ": " + (pointer.empty() ? "/" : pointer) + ": " + message);
+}
+
+/// Follows the library's parser, which keeps the last of equal keys and drops the others silently, and does
+/// not tell the place of a number that it cannot hold.
+class ParserWatch {
+ public:
+  explicit ParserWatch(const std::string& file) : file_(file) {}
+
+  /// Throws for a key that its object already has, and for what is nested too deep.
+  void see(int depth, json::parse_event_t event, const json& parsed) {
+    using Event = json::parse_event_t;
+    // Later readers recurse into the document.
+    constexpr int deepest = 100;
+    if (depth > deepest)
+      throw Error(ExitStatus::bad_input,
+                  fmt::format("{}: values are nested more than {} deep", file_, deepest));
+    if (event == Event::object_start || event == Event::array_start)
+      open_.push_back({.is_array = event == Event::array_start});
+    if (event == Event::object_end || event == Event::array_end) open_.pop_back();
+    if (event == Event::key) see_key(parsed);
+    const bool ends_value = event == Event::value || event == Event::object_end || event == Event::array_end;
+    if (ends_value && !open_.empty()) ++open_.back().values;
+  }
+
+  /// JSON pointer of the value that is being read.
+  std::string pointer() const { return pointer(open_.size()); }
+
+ private:
+  struct Container {
+    bool is_array;
+    std::size_t values = 0;           ///< read so far
+    std::string key = {};             ///< of an object: the last one
+    std::set<std::string> keys = {};  ///< of an object
+  };
+
+  void see_key(const json& parsed) {
+    Container& object = open_.back();
+    object.key = parsed.get<std::string>();
+    if (!object.keys.insert(object.key).second)
+      fail_at(file_, pointer(open_.size() - 1), fmt::format("the key {} is given twice", brief(parsed)));
+  }
+
+  /// Of what is read in the `depth`-th open container.
+  std::string pointer(std::size_t depth) const {
+    std::string steps;
+    for (std::size_t i = 0; i < depth; ++i)
+      steps += escape(open_[i].is_array ? std::to_string(open_[i].values) : open_[i].key);
+    return steps;
+  }
+
+  const std::string& file_;
+  std::vector<Container> open_;
+};
+
+/// The part of the library's message that follows `words`; all of it if they are not there.
+std::string after(std::string_view words, const std::string& message) {
+  const std::size_t at = message.find(words);
+  return at == std::string::npos ? message : message.substr(at + words.size());
+}
+
+[[noreturn]] void fail_syntax(const std::string& file, const std::string& text,
+                              const json::parse_error& error) {
+  const std::size_t at = std::min(error.byte > 0 ? error.byte - 1 : 0, text.size());
+  const auto begin = text.begin(), end = text.begin() + static_cast<std::ptrdiff_t>(at);
+  const std::size_t line_start = text.rfind('\n', at == 0 ? 0 : at - 1);
+  const std::size_t column = at == 0 || line_start == std::string::npos ? at + 1 : at - line_start;
+  // what() is "[json.exception...] parse error at line L, column C: what happened".
+  throw Error(ExitStatus::bad_input, fmt::format("{}:{}:{}: {}", file, std::count(begin, end, '\n') + 1,
+                                                 column, after(": ", error.what())));
+}
+
+[[noreturn]] void fail_number(const std::string& file, const std::string& pointer,
+                              const json::out_of_range& error) {
+  // what() is "[json.exception...] number overflow parsing 'NUMBER'".
+  std::string number = after("parsing '", error.what());
+  number.pop_back();
+  fail_at(file, pointer, "expected a number of at most 1.8e308 in size, found " + shortened(number));
+}
+
 }  // namespace
 
 void JsonValue::fail(const std::string& message) const {
-  throw Error(ExitStatus::bad_input, *file_ + ": " + (pointer_.empty() ? "/" : pointer_) + ": " + message);
+  fail_at(*file_, pointer_, message);
 }
 
 bool JsonValue::is_object() const {
@@ -157,39 +242,16 @@ std::size_t JsonValue::choice(std::span<const std::string_view> choices) const {
 json parse_json_file(const std::string& file) {
   const std::optional<std::string> contents = read_text_file(file);
   if (!contents) throw Error(ExitStatus::bad_input, file + ": cannot read it");
-  const std::string& text = *contents;
-
-  // The library keeps the last of equal keys and drops the others silently.
-  std::vector<std::set<std::string>> open_objects;
-  const auto reject = [&](int depth, json::parse_event_t event, json& parsed) {
-    // Later readers recurse into the document.
-    constexpr int deepest = 100;
-    if (depth > deepest)
-      throw Error(ExitStatus::bad_input,
-                  fmt::format("{}: values are nested more than {} deep", file, deepest));
-    if (event == json::parse_event_t::object_start) open_objects.emplace_back();
-    if (event == json::parse_event_t::object_end) open_objects.pop_back();
-    if (event == json::parse_event_t::key && !open_objects.back().insert(parsed.get<std::string>()).second) {
-      throw Error(ExitStatus::bad_input,
-                  fmt::format("{}: the key {} is given twice in one object", file, brief(parsed)));
-    }
-    return true;
-  };
+  ParserWatch watch(file);
   try {
-    return json::parse(text, reject);
+    return json::parse(*contents, [&](int depth, json::parse_event_t event, const json& parsed) {
+      watch.see(depth, event, parsed);
+      return true;
+    });
   } catch (const json::parse_error& error) {
-    const std::size_t at = std::min(error.byte > 0 ? error.byte - 1 : 0, text.size());
-    const auto begin = text.begin(), end = text.begin() + static_cast<std::ptrdiff_t>(at);
-    const std::size_t line_start = text.rfind('\n', at == 0 ? 0 : at - 1);
-    const std::size_t column = at == 0 || line_start == std::string::npos ? at + 1 : at - line_start;
-    // what() is "[json.exception...] parse error at line L, column C: what happened".
-    const std::string what = error.what();
-    const std::size_t colon = what.find(": ");
-    throw Error(ExitStatus::bad_input,
-                fmt::format("{}:{}:{}: {}", file, std::count(begin, end, '\n') + 1, column,
-                            colon == std::string::npos ? what : what.substr(colon + 2)));
-  } catch (const json::exception& error) {  // a number beyond double's range
-    throw Error(ExitStatus::bad_input, file + ": " + error.what());
+    fail_syntax(file, *contents, error);
+  } catch (const json::out_of_range& error) {
+    fail_number(file, watch.pointer(), error);
   }
 }
 

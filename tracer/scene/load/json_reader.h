@@ -68,8 +68,8 @@ class JsonValue {
   std::string pointer_;
 };
 
-/// Parses a JSON file. Throws Error(bad_input): a file that cannot be read, `FILE:LINE:COLUMN: message` for a
-/// syntax error, and for a key given twice.
+/// Parses a JSON file. Throws Error(bad_input): for a file that cannot be read, `FILE:LINE:COLUMN: message`
+/// for a syntax error, and `FILE: /json/pointer: message` for a key given twice and a number beyond double.
 nlohmann::json parse_json_file(const std::string& file);
 
 }  // namespace becalm::tracer
