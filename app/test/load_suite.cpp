@@ -193,7 +193,8 @@ void read_members(const JsonValue& json, const std::string& suite_file, TestCase
 }
 
 std::vector<TestCase> load_suite(const std::string& file, const std::string& name_of_suite) {
-  if (!is_file(file)) throw Error(ExitStatus::bad_input, file + ": no such suite file");
+  std::error_code error;
+  if (!fs::exists(file, error)) throw Error(ExitStatus::bad_input, file + ": no such suite file");
   const nlohmann::json document = tracer::parse_json_file(file);
   const JsonValue root(document, file, "");
   root.allow_keys({"defaults", "cases"});

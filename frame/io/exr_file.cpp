@@ -18,6 +18,7 @@
 
 #include "frame/error.h"
 #include "frame/io/exr_bytes.h"
+#include "frame/regular_file.h"
 
 namespace becalm::io {
 namespace fs = std::filesystem;
@@ -50,9 +51,7 @@ void prepare_library() {
   });
 }
 
-[[noreturn]] void refuse_no_file(const std::string& path) {
-  throw Error(ExitStatus::bad_input, fmt::format("{}: not a file, expected an EXR file", path));
-}
+constexpr const char* kExpected = "an EXR file";
 
 }  // namespace
 
@@ -81,7 +80,7 @@ FileStamp stamp_of(const std::string& path) {
     throw Error(ExitStatus::bad_input, fmt::format("{}: no such file", path));
   }
   if (error) throw Error(ExitStatus::bad_input, fmt::format("{}: cannot be read: {}", path, error.message()));
-  if (!fs::is_regular_file(status)) refuse_no_file(path);
+  refuse_other_than_file(path, kExpected);
   FileStamp stamp{fs::file_size(path, error), fs::last_write_time(path, error)};
   if (error) throw Error(ExitStatus::bad_input, fmt::format("{}: cannot be read: {}", path, error.message()));
   return stamp;
@@ -89,9 +88,7 @@ FileStamp stamp_of(const std::string& path) {
 
 std::unique_ptr<Imf::MultiPartInputFile> open_exr(const std::string& path) {
   prepare_library();
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (fs::exists(status) && !fs::is_regular_file(status)) refuse_no_file(path);  // a FIFO would wait for ever
+  refuse_other_than_file(path, kExpected);
   if (std::FILE* file = std::fopen(path.c_str(), "rbe")) {
     std::fclose(file);
   } else {

@@ -260,6 +260,14 @@ TEST_F(Render, ResumeRefusesOtherSettingsAndNamesThem) {
   expect_error(resume({"--denoise"}), 2, {"a.0001.exr"});
 }
 
+TEST_F(Render, ResumeRefusesAScenePipedIn) {
+  const Outcome outcome =
+      becalm_redirected({"render", "/dev/stdin", "-o", folder_ / "a.####.exr", "--frames", "1", "--resume"},
+                        "< <(cat '" + scene_ + "')");
+  expect_error(outcome, 3, {"/dev/stdin: not a file, expected a JSON file"});
+  EXPECT_FALSE(fs::exists(folder_ / "a.0001.exr"));
+}
+
 TEST_F(Render, ResumeNoticesAnEditedMesh) {
   write_text(folder_ / "mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   write_text(

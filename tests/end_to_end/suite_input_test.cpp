@@ -92,6 +92,12 @@ TEST_F(SuiteTest, SuitesThatAreNotThereAreTold) {
   expect_error(becalm({"test", folder_ / "empty"}), 3, {"empty", "no suite"});
 }
 
+TEST_F(SuiteTest, SuitesArePlainFiles) {
+  write_suite(shell_case("a"));
+  expect_error(becalm_redirected({"test", "/dev/stdin"}, "< <(cat '" + suite_ + "')"), 3,
+               {"/dev/stdin: not a file, expected a JSON file"});
+}
+
 TEST_F(SuiteTest, CasesOfTwoSuitesMayNotShareReferences) {
   write_suite(shell_case("same"));
   fs::copy_file(suite_, folder_ / "suite2.json");

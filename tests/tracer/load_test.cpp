@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 
@@ -182,6 +183,24 @@ TEST(Load, NamesMissingThings) {
   } catch (const Error& error) {
     EXPECT_STREQ(error.what(), "nowhere/x.json: cannot read it");
   }
+}
+
+TEST(Load, RefusesWhatIsNoFile) {
+  const std::string path = file_path("pipe.json");
+  const auto error = [&] {
+    try {
+      load_scene(path);
+    } catch (const Error& refused) {
+      EXPECT_EQ(refused.status(), ExitStatus::bad_input);
+      return std::string(refused.what());
+    }
+    return std::string();
+  };
+  std::filesystem::create_directory(path);
+  EXPECT_EQ(error(), path + ": not a file, expected a JSON file");
+  std::filesystem::remove(path);
+  ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
+  EXPECT_EQ(error(), path + ": not a file, expected a JSON file");
 }
 
 TEST(Load, NamesBadValues) {

@@ -2,6 +2,7 @@
 #include "tracer/scene/load/mtl.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <thread>
 
@@ -217,6 +218,13 @@ TEST(Mtl, FoldersAreNoLibraries) {
   const std::string obj = write_file("f.obj", "mtllib .\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n");
   EXPECT_THROW(load_part_materials(obj, load_obj_parts(obj), textures), Error);
   EXPECT_THROW(load_obj(file_path("")), Error);
+}
+
+TEST(Mtl, PipesAreNoLibraries) {
+  Textures textures;
+  const std::string pipe = file_path("pipe.mtl");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(error_of([&] { load_mtl(pipe, textures); }), "pipe.mtl: not a file, expected an OBJ or MTL file");
 }
 
 TEST(Mtl, FilesLoadInParallel) {

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "frame/error.h"
+#include "frame/regular_file.h"
 #include "tracer/scene/load/text_file.h"
 
 namespace becalm::tracer {
@@ -240,6 +241,8 @@ std::size_t JsonValue::choice(std::span<const std::string_view> choices) const {
 }
 
 json parse_json_file(const std::string& file) {
+  // Of a pipe nothing would be left for the hash of a scene, so that --resume took frames of another one.
+  refuse_other_than_file(file, "a JSON file");
   const std::optional<std::string> contents = read_text_file(file);
   if (!contents) throw Error(ExitStatus::bad_input, file + ": cannot read it");
   ParserWatch watch(file);

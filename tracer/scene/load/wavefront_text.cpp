@@ -1,5 +1,6 @@
 #include "tracer/scene/load/wavefront_text.h"
 
+#include "frame/regular_file.h"
 #include "tracer/scene/load/text_file.h"
 #include "tracer/scene/load/text_words.h"
 
@@ -30,6 +31,7 @@ std::string with_joined_lines(std::string_view text) {
 }  // namespace
 
 std::optional<std::string> read_wavefront_text(const std::string& path) {
+  refuse_other_than_file(path, "an OBJ or MTL file");
   std::optional<std::string> text = read_text_file(path);
   if (!text) return text;
   constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
