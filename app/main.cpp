@@ -14,6 +14,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "app/command.h"
 #include "app/console.h"
@@ -64,25 +65,26 @@ int finish_output(int status) {
   return fail(ExitStatus::resource, "standard output cannot be written to");
 }
 
+/// The command that the user typed; null: none.
+const becalm::app::Command* find_chosen(std::span<const becalm::app::Command> commands) {
+  const auto chosen = std::ranges::find_if(
+      commands, [](const becalm::app::Command& command) { return command.parser->parsed(); });
+  return chosen == commands.end() ? nullptr : &*chosen;
+}
+
 /// CLI11's message, with the command that it is about and where its help is. What is not known comes before
 /// what is missing.
 std::string usage_message(const CLI::ParseError& error, const CLI::App& parser,
-                          const std::array<becalm::app::Command, 7>& commands) {
-  std::string command;
-  for (const auto& entry : commands) {
-    if (entry.parser->parsed()) command = entry.parser->get_name();
-  }
-  const std::string message = error.what();
+                          const becalm::app::Command* chosen) {
+  const std::string command = chosen == nullptr ? "" : chosen->parser->get_name();
   const std::string help = command.empty() ? "becalm --help" : fmt::format("becalm {} --help", command);
   const std::string prefix = command.empty() ? "" : command + ": ";
-  std::string unknown;
-  if (const auto at = message.find("not expected: "); at != std::string::npos) {
-    unknown = message.substr(message.find(": ", at) + 2);
-  } else if (error.get_name() == "RequiredError") {
-    unknown = fmt::format("{}", fmt::join(parser.remaining(/*recurse=*/true), " "));
+  const auto kind = static_cast<CLI::ExitCodes>(error.get_exit_code());
+  const std::vector<std::string> unknown = parser.remaining(/*recurse=*/true);
+  if (!unknown.empty() && (kind == CLI::ExitCodes::ExtrasError || kind == CLI::ExitCodes::RequiredError)) {
+    return fmt::format("{}unknown option or argument: {}; see {}", prefix, fmt::join(unknown, " "), help);
   }
-  if (!unknown.empty()) return fmt::format("{}unknown option or argument: {}; see {}", prefix, unknown, help);
-  return fmt::format("{}{}; see {}", prefix, message, help);
+  return fmt::format("{}{}; see {}", prefix, error.what(), help);
 }
 
 /// Padded numbers, as those of frames are, stay decimal: CLI11 takes a leading zero for octal.
@@ -142,12 +144,9 @@ int run(int argc, char** argv) {
     parser.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return finish_output(parser.exit(error));  // --help, --version
-    return fail(ExitStatus::usage, usage_message(error, parser, commands));
+    return fail(ExitStatus::usage, usage_message(error, parser, find_chosen(commands)));
   }
-  const auto chosen = std::find_if(commands.begin(), commands.end(), [](const becalm::app::Command& command) {
-    return command.parser->parsed();
-  });
-  return finish_output(static_cast<int>(chosen->run()));
+  return finish_output(static_cast<int>(find_chosen(commands)->run()));
 }
 
 }  // namespace

@@ -41,6 +41,11 @@ TEST_F(BadInput, WhatIsNotKnownIsToldBeforeWhatIsMissing) {
   expect_error(becalm({"denoise", "in.####.exr"}), kUsage, {"denoise: --output is required"});
 }
 
+TEST_F(BadInput, WhatIsNotKnownIsToldInItsOrder) {
+  expect_error(render({"--frame", "1"}), kUsage, {"render: unknown option or argument: --frame 1;"});
+  expect_error(becalm({"info", "a.exr", "b.exr", "c.exr"}), kUsage, {"argument: b.exr c.exr;"});
+}
+
 TEST_F(BadInput, MissingScene) {
   expect_error(becalm({"render", folder_ / "none.json", "-o", folder_ / "out.####.exr"}), kBadInput,
                {"none.json"});
