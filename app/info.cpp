@@ -350,9 +350,10 @@ Command add_info(CLI::App& becalm) {
   CLI::App& parser =
       *becalm.add_subcommand("info", "Describe a scene, an EXR file or sequence, or the devices");
   auto command = std::make_shared<InfoCommand>();
-  parser.add_option("subject", command->subject, "A scene, an EXR file or pattern, or the word device")
+  constexpr const char* subject = "SCENE.json|EXR|device";
+  parser.add_option(subject, command->subject, "A scene, an EXR file or pattern, or the word device")
       ->required()
-      ->option_text("SCENE.json|EXR|device");
+      ->option_text(subject);
   add_layer_options(parser, command->layers);
   parser.add_flag(
       "--audit", command->audit,

@@ -196,10 +196,11 @@ class TestJob {
 };
 
 void add_test_options(CLI::App& parser, TestCommand& command) {
-  parser.add_option("suites", command.suites, "Suite files, or folders of them")
+  constexpr const char* suites = "SUITE.json|DIR...";
+  parser.add_option(suites, command.suites, "Suite files, or folders of them")
       ->required()
       ->take_all()
-      ->option_text("SUITE.json|DIR...");
+      ->option_text(suites);
   parser.add_option("--filter", command.filter, "Only cases whose name, or SUITE/NAME, matches")
       ->option_text("GLOB")
       ->group("Cases");

@@ -46,6 +46,12 @@ TEST_F(BadInput, WhatIsNotKnownIsToldInItsOrder) {
   expect_error(becalm({"info", "a.exr", "b.exr", "c.exr"}), kUsage, {"argument: b.exr c.exr;"});
 }
 
+TEST_F(BadInput, WhatIsMissingHasTheNameOfTheHelp) {
+  expect_error(becalm({"info"}), kUsage, {"info: SCENE.json|EXR|device is required"});
+  expect_error(becalm({"test"}), kUsage, {"test: SUITE.json|DIR... is required"});
+  expect_error(becalm({"info", ""}), kUsage, {"info: SCENE.json|EXR|device: is empty"});
+}
+
 TEST_F(BadInput, MissingScene) {
   expect_error(becalm({"render", folder_ / "none.json", "-o", folder_ / "out.####.exr"}), kBadInput,
                {"none.json"});
