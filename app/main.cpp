@@ -109,6 +109,17 @@ void refuse_empty_values(CLI::App& parser) {
   }
 }
 
+/// The same behind an equals sign: CLI11 takes the default of a flag for the value of `--update=`, and the
+/// next word for that of `--filter=`.
+void refuse_empty_assignments(const CLI::App& command, std::span<char* const> arguments) {
+  for (const std::string_view word : arguments) {
+    if (word == "--") return;  // no options follow
+    if (!word.ends_with('=')) continue;
+    const std::string name(word.substr(0, word.size() - 1));
+    if (command.get_option_no_throw(name) != nullptr) throw CLI::ValidationError(name, "is empty");
+  }
+}
+
 /// What --progress says, known before anything can be wrong with the other options.
 becalm::app::MessageFormat asked_format(std::span<char* const> arguments) {
   constexpr std::string_view option = "--progress";
@@ -142,6 +153,7 @@ int run(int argc, char** argv) {
   }
   try {
     parser.parse(argc, argv);
+    refuse_empty_assignments(*find_chosen(commands)->parser, {argv, static_cast<std::size_t>(argc)});
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return finish_output(parser.exit(error));  // --help, --version
     return fail(ExitStatus::usage, usage_message(error, parser, find_chosen(commands)));

@@ -152,6 +152,16 @@ TEST_F(BadInput, EmptyTexts) {
   expect_error(render({"--size", ""}), kUsage, {"--size", "empty"});
 }
 
+TEST_F(BadInput, EmptyValuesOfOptionsThatNeedNone) {
+  expect_error(render({"--denoise="}), kUsage, {"render: --denoise: is empty"});
+  expect_error(render({"--quiet="}), kUsage, {"--quiet: is empty"});
+  write_noise("in.0001.exr", 1);
+  const std::vector<std::string> antialias{"antialias", folder_ / "in.####.exr", "-o",
+                                           folder_ / "out.####.exr", "--checkerboard="};
+  expect_error(becalm(antialias), kUsage, {"antialias: --checkerboard: is empty"});
+  EXPECT_FALSE(fs::exists(folder_ / "out.0001.exr"));
+}
+
 TEST_F(BadInput, WhatIsWrongWithAllFramesIsToldOnce) {
   for (const int number : {1, 2, 3}) {
     Frame frame(number, 8, 8);

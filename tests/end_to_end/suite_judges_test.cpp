@@ -110,6 +110,14 @@ TEST_F(SuiteJudges, UpdateIsNeverSilent) {
   EXPECT_TRUE(fs::exists(notes));
 }
 
+TEST_F(SuiteJudges, AnEmptyValueUpdatesAndCalibratesNothing) {
+  write_suite(shell_case("a"));
+  expect_error(run({"--update=", "--yes"}), 2, {"test: --update: is empty"});
+  EXPECT_FALSE(fs::exists(folder_ / "references"));
+  expect_error(run({"--calibrate="}), 2, {"test: --calibrate: is empty"});
+  expect_error(run({"--keep=", folder_ / "image.exr"}), 2, {"test: --keep: is empty"});
+}
+
 TEST_F(SuiteJudges, AReferenceThatCannotBeMadeIsTold) {
   write_suite(shell_case("crash", "kill -SEGV $$"));
   const Outcome outcome = run({"--update", "--yes"});
