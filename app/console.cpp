@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -46,6 +47,16 @@ void say_event(const nlohmann::ordered_json& event) {
 
 void warn(std::string_view line) {
   say_behind("becalm: ", line);
+}
+
+void say_error(ExitStatus status, std::string line) {
+  std::ranges::replace_if(
+      line, [](unsigned char c) { return c < ' ' || c == 0x7f; }, ' ');
+  if (chosen_format == MessageFormat::json) {
+    say_event({{"event", "error"}, {"status", static_cast<int>(status)}, {"text", line}});
+  } else {
+    warn("error: " + line);
+  }
 }
 
 void occupy_closed_streams() {

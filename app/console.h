@@ -1,7 +1,10 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <string>
 #include <string_view>
+
+#include "frame/error.h"
 
 namespace becalm::app {
 
@@ -20,6 +23,10 @@ void say(std::string_view line);
 void say_event(const nlohmann::ordered_json& event);
 /// A line behind `becalm: `, or the same object as `say`.
 void warn(std::string_view line);
+
+/// One line of what went wrong, with control characters as blanks, behind `becalm: error: `; or {"event":
+/// "error", "status": STATUS, "text": LINE}.
+void say_error(ExitStatus status, std::string line);
 
 /// Opens /dev/null in place of standard streams that the process was started without. Otherwise the next file
 /// that is opened would take the number of such a stream, and messages would be written into a frame.

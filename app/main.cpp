@@ -10,7 +10,6 @@
 #include <cstdio>
 #include <memory>
 #include <new>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <string_view>
@@ -48,14 +47,8 @@ constexpr const char* kFooter =
     "130 interrupted.\n"
     "becalm COMMAND --help tells a command's options.\n";
 
-int fail(ExitStatus status, std::string message) {
-  std::replace_if(
-      message.begin(), message.end(), [](unsigned char c) { return c < ' ' || c == 0x7f; }, ' ');
-  if (becalm::app::message_format() == becalm::app::MessageFormat::json) {
-    becalm::app::say_event({{"event", "error"}, {"status", static_cast<int>(status)}, {"text", message}});
-  } else {
-    becalm::app::warn("error: " + message);
-  }
+int fail(ExitStatus status, const std::string& message) {
+  becalm::app::say_error(status, message);
   return static_cast<int>(status);
 }
 

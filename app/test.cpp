@@ -18,6 +18,7 @@
 
 #include "app/cancel.h"
 #include "app/command.h"
+#include "app/console.h"
 #include "app/counted.h"
 #include "app/options.h"
 #include "app/report_file.h"
@@ -165,23 +166,50 @@ class TestJob {
                   "answers");
     }
     const WorkFolder folder(command_.keep);
-    std::uint64_t bytes = 0;
-    for (const TestCase& test : cases_) bytes += update_case(test, folder);
-    fmt::print("{:.1f} KiB of references in {}\n", static_cast<double>(bytes) / 1024.0,
-               counted(cases_.size(), "case", "cases"));
-    return ExitStatus::done;
+    UpdateCounts counts;
+    for (const TestCase& test : cases_) {
+      try {
+        update_case(test, folder, counts);
+      } catch (const Error& error) {
+        if (error.status() != ExitStatus::bad_input) throw;  // what ends every other case, too
+        say_error(error.status(), error.what());
+        ++counts.failed;
+      }
+    }
+    const bool all_is_said = cases_.size() == 1 && counts.failed == 1;
+    if (!all_is_said) print_counts(counts);
+    return counts.failed > 0 ? ExitStatus::bad_input : ExitStatus::done;
   }
 
-  std::uint64_t update_case(const TestCase& test, const WorkFolder& folder) const {
+  /// Cases of --update, and the size of the new references.
+  struct UpdateCounts {
+    std::size_t updated = 0;
+    std::size_t declined = 0;
+    std::size_t failed = 0;
+    std::uint64_t bytes = 0;
+  };
+
+  static void print_counts(const UpdateCounts& counts) {
+    fmt::print("{:.1f} KiB of references in {}{}{}\n", static_cast<double>(counts.bytes) / 1024.0,
+               counted(counts.updated, "case", "cases"),
+               counts.declined > 0 ? fmt::format(", {} left as before", counts.declined) : "",
+               counts.failed > 0 ? fmt::format(", {} failed", counts.failed) : "");
+  }
+
+  void update_case(const TestCase& test, const WorkFolder& folder, UpdateCounts& counts) const {
     const RunSettings settings{
         .work_folder = folder.folder_of(test), .threads = threads(), .reproducible = command_.reproducible};
     ReferenceUpdate update(test, settings);
     update.make();
     for (const std::string& change : update.changes()) fmt::print("{}\n", change);
     std::fflush(stdout);
-    if (!command_.yes && !asked("Keep the new references?")) return 0;
+    if (!command_.yes && !asked("Keep the new references?")) {
+      ++counts.declined;
+      return;
+    }
     update.accept();
-    return update.bytes();
+    ++counts.updated;
+    counts.bytes += update.bytes();
   }
 
   static bool asked(const std::string& question) {

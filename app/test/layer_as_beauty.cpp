@@ -1,16 +1,30 @@
 #include "app/test/layer_as_beauty.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "frame/error.h"
 #include "frame/io/exr.h"
 
 namespace becalm::app {
+namespace {
+
+[[noreturn]] void fail_without(const std::string& layer, const std::string& path) {
+  std::vector<std::string> channels;
+  for (const io::ExrDescription::Part& part : io::describe_exr(path).parts) {
+    for (const io::ExrDescription::Channel& channel : part.channels) channels.push_back(channel.name);
+  }
+  throw Error(ExitStatus::bad_input,
+              fmt::format("{}: no layer {}; channels found: {}", path, layer, fmt::join(channels, ", ")));
+}
+
+}  // namespace
 
 PlacedFrame read_layer_as_beauty(const std::string& path, int number, const std::string& layer) {
   const std::optional<Aov> aov = layer.empty() ? Aov::beauty : find_aov(layer);
@@ -20,7 +34,7 @@ PlacedFrame read_layer_as_beauty(const std::string& path, int number, const std:
   Frame& frame = file.frame;
   const auto placed = [&] { return PlacedFrame{std::move(frame), file.window.min}; };
   if (!aov || *aov == Aov::beauty) return placed();
-  if (!frame.has(*aov)) throw Error(ExitStatus::bad_input, fmt::format("{}: no layer {}", path, layer));
+  if (!frame.has(*aov)) fail_without(layer, path);
   const Image& image = frame.image(*aov);
   Image& beauty = frame.add(Aov::beauty, 1.0f);
   for (int y = 0; y < frame.height(); ++y) {

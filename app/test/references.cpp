@@ -50,8 +50,7 @@ void write_reference(const TestCase& test, int spp, const std::string& from, int
   const Image& beauty = frame.image(Aov::beauty);
   if (std::ranges::any_of(beauty.data(), [](float value) { return !std::isfinite(value); })) {
     throw Error(ExitStatus::bad_input,
-                fmt::format("{}: frame {} has pixels that are not finite, and would be a bad reference",
-                            test.full_name(), number));
+                fmt::format("frame {} has pixels that are not finite, and would be a bad reference", number));
   }
   if (test.judges.exact) {
     fs::copy_file(from, to, fs::copy_options::overwrite_existing);
@@ -59,8 +58,7 @@ void write_reference(const TestCase& test, int spp, const std::string& from, int
   }
   if (test.judges.statistical && !frame.has(Aov::variance)) {
     throw Error(ExitStatus::bad_input,
-                fmt::format("{}: frame {} has no layer variance, which statistical needs of references",
-                            test.full_name(), number));
+                fmt::format("frame {} has no layer variance, which statistical needs of references", number));
   }
   for (const AovInfo& entry : kAovTable) {
     const bool guide = test.judges.denoised &&
@@ -110,13 +108,26 @@ double samples_of_reference(const std::string& path) {
 }
 
 ReferenceUpdate::ReferenceUpdate(const TestCase& test, const RunSettings& settings)
-    : test_(test), settings_(settings) {
-  if (!test.judges.exact && !test.judges.denoised) require_seed(test);
-}
+    : test_(test), settings_(settings) {}
 
 void ReferenceUpdate::make() {
-  for (int which = 0; which < reference_count(test_); ++which) make_one(which);
+  try {
+    if (!test_.judges.exact && !test_.judges.denoised) require_seed(test_);
+    for (int which = 0; which < reference_count(test_); ++which) make_one(which);
+  } catch (const Error& error) {
+    throw Error(error.status(), message_of(error));
+  }
   find_outdated();
+}
+
+/// Files of the work folder, which may be gone when the message is read, have their place in it.
+std::string ReferenceUpdate::message_of(const Error& error) const {
+  std::string message = error.what();
+  const std::string folder = settings_.work_folder + "/";
+  for (std::size_t at = message.find(folder); at != std::string::npos; at = message.find(folder, at)) {
+    message.erase(at, folder.size());
+  }
+  return fmt::format("{}: {}", test_.full_name(), message);
 }
 
 void ReferenceUpdate::make_one(int which) {
@@ -124,9 +135,7 @@ void ReferenceUpdate::make_one(int which) {
   order.pattern = fmt::format("{}/reference_{}/frame.####.exr", settings_.work_folder, which);
   const MadeFrames made = make_frames(test_, order, settings_);
   if (made.interrupted) throw Error(ExitStatus::interrupted, "interrupted");
-  if (!made.failure.empty()) {
-    throw Error(ExitStatus::bad_input, fmt::format("{}: {}", test_.full_name(), made.failure));
-  }
+  if (!made.failure.empty()) throw Error(ExitStatus::bad_input, made.failure);
   const io::SequencePattern rendered(order.pattern);
   const io::SequencePattern place(test_.reference_pattern(which));
   for (const int frame : test_.source.frames) {

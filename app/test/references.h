@@ -6,6 +6,7 @@
 
 #include "app/test/make_frames.h"
 #include "app/test/suite.h"
+#include "frame/error.h"
 
 namespace becalm::app {
 
@@ -24,7 +25,7 @@ class ReferenceUpdate {
  public:
   ReferenceUpdate(const TestCase& test, const RunSettings& settings);
 
-  /// Makes the new ones. Throws Error(bad_input) if that fails, and Error(interrupted).
+  /// Makes the new ones. Throws Error(bad_input) if that fails, and Error(interrupted); both name the case.
   void make();
   /// One line a frame: its size, and how far it is from the one before; and one for each file to remove.
   const std::vector<std::string>& changes() const { return changes_; }
@@ -36,6 +37,7 @@ class ReferenceUpdate {
  private:
   void make_one(int which);
   void find_outdated();
+  std::string message_of(const Error& error) const;
   std::string change_of(int frame, const std::string& old_file, const std::string& new_file) const;
 
   const TestCase& test_;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "tests/end_to_end/suite_fixture.h"
@@ -116,6 +117,27 @@ TEST_F(SuiteJudges, AnEmptyValueUpdatesAndCalibratesNothing) {
   EXPECT_FALSE(fs::exists(folder_ / "references"));
   expect_error(run({"--calibrate="}), 2, {"test: --calibrate: is empty"});
   expect_error(run({"--keep=", folder_ / "image.exr"}), 2, {"test: --keep: is empty"});
+}
+
+TEST_F(SuiteJudges, UpdateGoesOnAfterACaseThatCannotBeMade) {
+  write_suite(shell_case("a_crash", "kill -SEGV $$") + "," + shell_case("b_good") + "," +
+              shell_case("c_layer", "cp image.exr $0; # {seed}", "", R"("error": {"max_rel_mse": 1})") + "," +
+              shell_case("d_good"));
+  std::string text = read_text(suite_);
+  const std::string judged = R"("judged_by": {"error")";
+  text.replace(text.find(judged), judged.size(), R"("layer": "depth", )" + judged);
+  write_text(suite_, text);
+  const Outcome outcome = run({"--update", "--yes"});
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  EXPECT_NE(outcome.out.find("KiB of references in 2 cases, 2 failed\n"), std::string::npos) << outcome.out;
+  for (const char* words :
+       {"becalm: error: suite/a_crash: sh crashed",
+        "becalm: error: suite/c_layer: reference_0/frame.0001.exr: no layer depth; channels found: ",
+        "albedo.R"}) {
+    EXPECT_NE(outcome.err.find(words), std::string::npos) << words << "\nin: " << outcome.err;
+  }
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 2) << outcome.err;
+  EXPECT_EQ(files_in(folder_.path() / "references"), (std::vector<std::string>{"b_good", "d_good"}));
 }
 
 TEST_F(SuiteJudges, AReferenceThatCannotBeMadeIsTold) {
