@@ -284,12 +284,25 @@ void add_test_options(CLI::App& parser, TestCommand& command) {
       ->group("Running");
 }
 
+/// Only a run of the cases has what reports tell.
+void exclude_what_would_be_ignored(CLI::App& parser) {
+  CLI::Option* list = parser.get_option("--list");
+  CLI::Option* update = parser.get_option("--update");
+  CLI::Option* calibrate = parser.get_option("--calibrate");
+  update->excludes(calibrate, list);
+  calibrate->excludes(list);
+  for (const char* report : {"--junit", "--json", "--report"}) {
+    parser.get_option(report)->excludes(list, update, calibrate);
+  }
+}
+
 }  // namespace
 
 Command add_test(CLI::App& becalm) {
   CLI::App& parser = *becalm.add_subcommand("test", "Run the regression suites of a renderer");
   auto command = std::make_shared<TestCommand>();
   add_test_options(parser, *command);
+  exclude_what_would_be_ignored(parser);
   parser.footer(
       "Examples:\n"
       "  becalm test tests/regression --jobs 2 --junit results.xml\n"

@@ -140,6 +140,20 @@ TEST_F(SuiteJudges, UpdateGoesOnAfterACaseThatCannotBeMade) {
   EXPECT_EQ(files_in(folder_.path() / "references"), (std::vector<std::string>{"b_good", "d_good"}));
 }
 
+TEST_F(SuiteJudges, ReportsAndOtherWorkAreRefusedWhereTheyWouldBeIgnored) {
+  write_suite(shell_case("a"));
+  for (const char* work : {"--update=a", "--calibrate=3", "--list"}) {
+    for (const char* report : {"--junit", "--json", "--report"}) {
+      expect_error(run({work, report, folder_ / "report"}), 2, {report, "excludes"});
+    }
+  }
+  expect_error(run({"--calibrate=3", "--update=a"}), 2, {"--calibrate", "excludes", "--update"});
+  expect_error(run({"--list", "--update=a"}), 2, {"--list", "excludes", "--update"});
+  expect_error(run({"--list", "--calibrate=3"}), 2, {"--list", "excludes", "--calibrate"});
+  EXPECT_FALSE(fs::exists(folder_ / "references"));
+  EXPECT_FALSE(fs::exists(folder_ / "report"));
+}
+
 TEST_F(SuiteJudges, AReferenceThatCannotBeMadeIsTold) {
   write_suite(shell_case("crash", "kill -SEGV $$"));
   const Outcome outcome = run({"--update", "--yes"});
