@@ -157,16 +157,20 @@ void add_render_options(CLI::App& parser, RenderCommand& command) {
       "What --set takes is listed by becalm denoise --help-settings.\n");
 }
 
-Size size_of(const RenderCommand& command, const tracer::SceneDescription& scene) {
-  if (command.size.empty()) return {scene.film.width, scene.film.height};
+Size parse_size(const std::string& text) {
   std::array<int, 2> sides{};
   const auto fits = [](int side) { return side >= 1 && side <= kLargestSide; };
-  if (!parse_numbers(command.size, 'x', std::span<int>(sides)) || !fits(sides[0]) || !fits(sides[1])) {
-    throw Error(ExitStatus::usage,
-                fmt::format("--size {}: expected WIDTHxHEIGHT, such as 640x360, each 1 to {}", command.size,
-                            kLargestSide));
+  if (!parse_numbers(text, 'x', std::span<int>(sides)) || !fits(sides[0]) || !fits(sides[1])) {
+    throw Error(
+        ExitStatus::usage,
+        fmt::format("--size {}: expected WIDTHxHEIGHT, such as 640x360, each 1 to {}", text, kLargestSide));
   }
   return {sides[0], sides[1]};
+}
+
+Size size_of(const RenderCommand& command, const tracer::SceneDescription& scene) {
+  if (command.size.empty()) return {scene.film.width, scene.film.height};
+  return parse_size(command.size);
 }
 
 std::vector<int> frames_of(const RenderCommand& command, const tracer::SceneDescription& scene) {

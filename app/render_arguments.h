@@ -49,6 +49,7 @@ struct Size {
 };
 
 /// All of these throw Error(usage) naming the option, the value and what was expected.
+Size parse_size(const std::string& text);
 Size size_of(const RenderCommand& command, const tracer::SceneDescription& scene);
 std::vector<int> frames_of(const RenderCommand& command, const tracer::SceneDescription& scene);
 /// What --aovs names: AOVs of the tracer, and whether the radiance of each light group.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <string_view>
 
 #include "filter/settings.h"
@@ -18,11 +19,12 @@ struct LimitKey {
   std::string_view judge;
   std::string_view key;
   double FrameFigures::*value;
+  double most = std::numeric_limits<float>::max();  ///< that the figure can be
 };
 
 constexpr std::array kLimitKeys{
-    LimitKey{"perceptual", "max_flip", &FrameFigures::flip},
-    LimitKey{"perceptual", "min_ssim", &FrameFigures::ssim},
+    LimitKey{"perceptual", "max_flip", &FrameFigures::flip, 1.0},
+    LimitKey{"perceptual", "min_ssim", &FrameFigures::ssim, 1.0},
     LimitKey{"error", "max_rel_mse", &FrameFigures::rel_mse},
     LimitKey{"error", "max_temporal_error", &FrameFigures::temporal},
     LimitKey{"error", "max_energy", &FrameFigures::energy},
@@ -32,6 +34,12 @@ const Figure& figure_of(double FrameFigures::*value) {
   return *std::ranges::find(kFigures, value, &Figure::value);
 }
 
+double read_limit(const JsonValue& json, double most) {
+  const double limit = json.number(0.0);
+  if (limit > most) json.fail(fmt::format("expected a number of at most {}, found {}", most, limit));
+  return limit;
+}
+
 /// The limits among the members of a judge; `judge` empty: those of perceptual and error alike.
 std::vector<FigureLimit> read_limits(const JsonValue& json, std::string_view judge) {
   std::vector<FigureLimit> limits;
@@ -39,7 +47,7 @@ std::vector<FigureLimit> read_limits(const JsonValue& json, std::string_view jud
     if (!judge.empty() && entry.judge != judge) continue;
     if (const auto limit = json.find(entry.key)) {
       limits.push_back({&figure_of(entry.value), std::string(judge.empty() ? "denoised" : judge),
-                        std::string(entry.key), limit->number(0.0)});
+                        std::string(entry.key), read_limit(*limit, entry.most)});
     }
   }
   if (limits.empty()) json.fail("expected at least one limit");

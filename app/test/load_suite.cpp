@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
@@ -10,6 +11,7 @@
 #include <system_error>
 
 #include "app/byte_size.h"
+#include "app/render_arguments.h"
 #include "app/test/load_judges.h"
 #include "app/test/suite.h"
 #include "filter/settings.h"
@@ -36,12 +38,20 @@ bool is_file(const std::string& path) {
   return fs::is_regular_file(path, error);
 }
 
-std::vector<int> read_frames(const JsonValue& json, const std::string& text) {
+/// What `parse` makes of the text of an option of becalm, which fails at the text's place.
+template <class Parse>
+auto parsed(const JsonValue& json, const std::string& text, const Parse& parse) {
   try {
-    return io::parse_frame_range(text);
+    return parse(text);
   } catch (const Error& error) {
     json.fail(error.what());
   }
+}
+
+std::string read_size(const JsonValue& json) {
+  std::string size = json.string();
+  parsed(json, size, parse_size);
+  return size;
 }
 
 std::string read_preset(const JsonValue& json) {
@@ -59,6 +69,12 @@ std::vector<std::string> read_strings(const JsonValue& json) {
   std::vector<std::string> strings;
   for (const JsonValue& element : json.elements()) strings.push_back(element.string());
   return strings;
+}
+
+std::vector<std::string> read_aovs(const JsonValue& json) {
+  std::vector<std::string> aovs = read_strings(json);
+  if (!aovs.empty()) parsed(json, fmt::format("{}", fmt::join(aovs, ",")), parse_aovs);
+  return aovs;
 }
 
 CommandTemplate read_words(const JsonValue& json) {
@@ -104,13 +120,14 @@ void read_source(const JsonValue& json, const std::string& suite_file, CaseSourc
     source.scene.clear();
   }
   if (const auto prepare = json.find("prepare")) source.prepare = read_prepare(*prepare);
-  if (const auto frames = json.find("frames")) source.frames = read_frames(*frames, frames->string());
+  if (const auto frames = json.find("frames"))
+    source.frames = parsed(*frames, frames->string(), io::parse_frame_range);
   if (const auto spp = json.find("spp")) source.spp = spp->integer(1, kMostSamplesPerPixel);
   if (const auto seed = json.find("seed")) {
     source.seed = static_cast<std::uint32_t>(seed->integer(0, kLargestSeed));
   }
-  if (const auto size = json.find("size")) source.size = size->string();
-  if (const auto aovs = json.find("aovs")) source.aovs = read_strings(*aovs);
+  if (const auto size = json.find("size")) source.size = read_size(*size);
+  if (const auto aovs = json.find("aovs")) source.aovs = read_aovs(*aovs);
   if (const auto preset = json.find("denoise")) source.preset = read_preset(*preset);
   if (const auto timeout = json.find("timeout_s")) source.timeout_s = timeout->number(0.001, 1e6);
   if (const auto memory = json.find("memory")) {
