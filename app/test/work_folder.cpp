@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include <cerrno>
-#include <cstring>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <system_error>
@@ -20,19 +20,34 @@ namespace {
 /// In the folder of a kept case: what is beside it is becalm's, and may be replaced.
 constexpr const char* kMarker = ".becalm-test";
 
+[[noreturn]] void fail_to_make(const std::string& folder, const std::error_code& error,
+                               const std::string& advice = "") {
+  throw Error(ExitStatus::resource,
+              fmt::format("{}: cannot make the folder: {}{}", folder, error.message(), advice));
+}
+
+std::string make_temporary_folder() {
+  std::error_code error;
+  // temp_directory_path would not tell the name of a folder that is not there.
+  const char* given = std::getenv("TMPDIR");
+  const fs::path parent = given != nullptr ? fs::path(given) : fs::temp_directory_path(error);
+  std::string path = fs::absolute(parent / "becalm_test_XXXXXX").string();
+  if (!error && mkdtemp(path.data()) == nullptr) error.assign(errno, std::generic_category());
+  if (error) fail_to_make(path, error, "; TMPDIR names the folder to make it in");
+  return path;
+}
+
 }  // namespace
 
 WorkFolder::WorkFolder(const std::string& kept) : is_temporary_(kept.empty()) {
-  std::error_code error;
   if (is_temporary_) {
-    path_ = (fs::temp_directory_path(error) / "becalm_test_XXXXXX").string();
-    if (!error && mkdtemp(path_.data()) == nullptr) error.assign(errno, std::generic_category());
-  } else {
-    path_ = fs::absolute(kept).lexically_normal().string();
-    fs::create_directories(path_, error);
+    path_ = make_temporary_folder();
+    return;
   }
-  if (error)
-    throw Error(ExitStatus::resource, fmt::format("{}: cannot make the folder: {}", path_, error.message()));
+  path_ = fs::absolute(kept).lexically_normal().string();
+  std::error_code error;
+  fs::create_directories(path_, error);
+  if (error) fail_to_make(path_, error);
 }
 
 WorkFolder::~WorkFolder() {
@@ -55,8 +70,7 @@ std::string WorkFolder::folder_of(const TestCase& test, const std::string& part)
   fs::remove_all(folder, error);
   if (!error) fs::create_directories(folder, error);
   if (!error && !is_temporary_) std::ofstream(marker) << "Made by becalm test, and replaced by it.\n";
-  if (error)
-    throw Error(ExitStatus::resource, fmt::format("{}: cannot make the folder: {}", folder, error.message()));
+  if (error) fail_to_make(folder, error);
   return folder;
 }
 

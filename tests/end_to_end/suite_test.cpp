@@ -269,6 +269,13 @@ TEST_F(SuiteTest, WorkingFilesAreRemoved) {
   EXPECT_TRUE(files_in(folder_.path() / "tmp").empty());
 }
 
+TEST_F(SuiteTest, AWorkFolderThatCannotBeMadeIsNamedWhole) {
+  write_suite(shell_case("good"));
+  const std::string missing = folder_ / "missing";
+  const Outcome outcome = Process({"test", suite_}, "TMPDIR='" + missing + "' exec \"$0\" \"$@\"").wait();
+  expect_error(outcome, 4, {missing + "/becalm_test_", ": cannot make the folder", "TMPDIR"});
+}
+
 TEST_F(SuiteTest, AnInterruptEndsTheChildren) {
   write_suite(shell_case("long", "echo $$ >pid.part; mv pid.part pid; sleep 60 & wait") + "," +
               shell_case("next"));
