@@ -93,10 +93,16 @@ void print_header() {
   fmt::print("\n");
 }
 
+/// JSON has no infinity, which the PSNR of equal images is: it is the text "inf". NaN, of what was not
+/// measured, becomes null.
+nlohmann::ordered_json to_json(double value) {
+  if (std::isinf(value)) return value > 0.0 ? "inf" : "-inf";
+  return value;
+}
+
 nlohmann::ordered_json to_json(const FrameFigures& figures) {
   nlohmann::ordered_json json;
-  for (const Figure& figure : kFigures)
-    json[figure.key] = figures.*figure.value;  // NaN and infinity become null
+  for (const Figure& figure : kFigures) json[figure.key] = to_json(figures.*figure.value);
   json["skipped_pixels"] = figures.skipped;
   return json;
 }
@@ -351,7 +357,10 @@ Command add_compare(CLI::App& becalm) {
           "The view of stereo files that is compared, such as right (default: the files' default view)")
       ->option_text("NAME")
       ->group("Input");
-  parser.add_option("--json", command->json, "Write the figures to this file too")
+  parser
+      .add_option("--json", command->json,
+                  "Write the figures to this file too: null where one was not measured, \"inf\" for the PSNR "
+                  "of equal images")
       ->option_text("FILE")
       ->group("Output");
   parser

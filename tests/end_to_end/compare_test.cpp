@@ -183,6 +183,17 @@ TEST_F(Compare, FramesOfAStepHaveATemporalError) {
   EXPECT_TRUE(nlohmann::json::parse(std::ifstream(json))["frames"][1]["temporal"].is_null());
 }
 
+TEST_F(Compare, JsonTellsWhatIsInfiniteFromWhatWasNotMeasured) {
+  write_frames(1, 1.0f);
+  const std::string json = folder_ / "figures.json";
+  becalm_done({"compare", reference_, test_, "--json", json});
+  const auto figures = nlohmann::json::parse(std::ifstream(json));
+  for (const nlohmann::json& row : {figures["frames"][0], figures["mean"]}) {
+    EXPECT_EQ(row["psnr"], "inf");
+    EXPECT_TRUE(row["temporal"].is_null());
+  }
+}
+
 TEST_F(Compare, NamesThatAreNoTextAreWritten) {
   write_frames(1, 2.0f);
   const std::string odd = folder_ /
