@@ -121,7 +121,8 @@ void read_source(const JsonValue& json, const std::string& suite_file, CaseSourc
   }
   if (const auto prepare = json.find("prepare")) source.prepare = read_prepare(*prepare);
   if (const auto frames = json.find("frames"))
-    source.frames = parsed(*frames, frames->string(), io::parse_frame_range);
+    source.frames = parsed(*frames, frames->string(),
+                           [](const std::string& text) { return io::parse_frame_range(text); });
   if (const auto spp = json.find("spp")) source.spp = spp->integer(1, kMostSamplesPerPixel);
   if (const auto seed = json.find("seed")) {
     source.seed = static_cast<std::uint32_t>(seed->integer(0, kLargestSeed));
