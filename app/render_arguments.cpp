@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
-#include <charconv>
 #include <numeric>
 #include <optional>
 #include <span>
@@ -12,29 +11,12 @@
 
 #include "app/eye_names.h"
 #include "app/help.h"
+#include "app/parse_numbers.h"
 #include "frame/error.h"
 #include "frame/io/sequence.h"
 
 namespace becalm::app {
 namespace {
-
-constexpr int kLargestSide = 65536;
-/// The word of --aovs for one layer a light group.
-constexpr std::string_view kLightGroups = "light_groups";
-
-/// Reads exactly `numbers.size()` integers with `separator` between them.
-template <class Integer>
-bool parse_numbers(std::string_view text, char separator, std::span<Integer> numbers) {
-  const char* position = text.data();
-  const char* end = text.data() + text.size();
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    if (i > 0 && (position == end || *position++ != separator)) return false;
-    const auto parsed = std::from_chars(position, end, numbers[i]);
-    if (parsed.ec != std::errc()) return false;
-    position = parsed.ptr;
-  }
-  return position == end;
-}
 
 /// CLI::Range takes NaN.
 CLI::Validator number_from(double low, double high) {
@@ -45,10 +27,6 @@ CLI::Validator number_from(double low, double high) {
         return fits ? std::string() : fmt::format("expected a number from {} to {}", low, high);
       },
       "");
-}
-
-bool made_by_tracer(const AovInfo& entry) {
-  return !entry.diagnostic && entry.aov != Aov::beauty;
 }
 
 }  // namespace
@@ -157,17 +135,6 @@ void add_render_options(CLI::App& parser, RenderCommand& command) {
       "What --set takes is listed by becalm denoise --help-settings.\n");
 }
 
-Size parse_size(const std::string& text) {
-  std::array<int, 2> sides{};
-  const auto fits = [](int side) { return side >= 1 && side <= kLargestSide; };
-  if (!parse_numbers(text, 'x', std::span<int>(sides)) || !fits(sides[0]) || !fits(sides[1])) {
-    throw Error(
-        ExitStatus::usage,
-        fmt::format("--size {}: expected WIDTHxHEIGHT, such as 640x360, each 1 to {}", text, kLargestSide));
-  }
-  return {sides[0], sides[1]};
-}
-
 Size size_of(const RenderCommand& command, const tracer::SceneDescription& scene) {
   if (command.size.empty()) return {scene.film.width, scene.film.height};
   return parse_size(command.size);
@@ -178,36 +145,6 @@ std::vector<int> frames_of(const RenderCommand& command, const tracer::SceneDesc
   std::vector<int> frames(static_cast<std::size_t>(scene.frames.last - scene.frames.first + 1));
   std::iota(frames.begin(), frames.end(), scene.frames.first);
   return frames;
-}
-
-AskedAovs parse_aovs(const std::string& text) {
-  AovSet all;
-  std::string names;
-  for (const AovInfo& entry : kAovTable) {
-    if (!made_by_tracer(entry)) continue;
-    all.set(static_cast<std::size_t>(entry.aov));
-    names += fmt::format("{}, ", entry.name);
-  }
-  AskedAovs chosen;
-  if (text == "none") return chosen;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t comma = std::min(text.find(',', begin), text.size());
-    const std::string name = text.substr(begin, comma - begin);
-    begin = comma + 1;
-    chosen.light_groups |= name == kLightGroups;
-    chosen.all |= name == "all";
-    if (name == kLightGroups || name == "all") continue;
-    const std::optional<Aov> aov = find_aov(name);
-    if (!aov || info(*aov).diagnostic) {
-      throw Error(ExitStatus::usage,
-                  fmt::format("--aovs: no AOV '{}'{}; expected some of {}{}, all or none", name,
-                              aov ? " of the tracer (the filter's come with --diagnostics)" : "", names,
-                              kLightGroups));
-    }
-    chosen.aovs.set(static_cast<std::size_t>(*aov), *aov != Aov::beauty);
-  }
-  if (chosen.all) chosen.aovs |= all;
-  return chosen;
 }
 
 AskedAovs asked_aovs(const RenderCommand& command) {
@@ -303,16 +240,6 @@ void set_defaults(RenderCommand& command, const tracer::SceneDescription& scene)
   command.aov_spp =
       command.asked_aov_spp.value_or(scene.film.jitter.cycle > 0 ? command.spp : command.aov_spp);
   if (command.preset == kAutoPreset) command.preset = "balanced";
-}
-
-std::string format_aovs(const AskedAovs& asked) {
-  std::string text;
-  for (const AovInfo& entry : kAovTable) {
-    if (!contains(asked.aovs, entry.aov)) continue;
-    text += fmt::format("{}{}", text.empty() ? "" : ",", entry.name);
-  }
-  if (asked.light_groups) text += fmt::format("{}{}", text.empty() ? "" : ",", kLightGroups);
-  return text.empty() ? "none" : text;
 }
 
 tracer::RenderOptions render_options(const RenderCommand& command, const Size& size) {

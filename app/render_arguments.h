@@ -5,8 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "app/asked_aovs.h"
+#include "app/frame_size.h"
 #include "app/options.h"
-#include "frame/aov.h"
 #include "tracer/render.h"
 #include "tracer/snapshot/scene.h"
 
@@ -43,22 +44,9 @@ void add_render_options(CLI::App& parser, RenderCommand& command);
 /// time, else `balanced`.
 inline constexpr const char* kAutoPreset = "auto";
 
-struct Size {
-  int width = 0;
-  int height = 0;
-};
-
 /// All of these throw Error(usage) naming the option, the value and what was expected.
-Size parse_size(const std::string& text);
 Size size_of(const RenderCommand& command, const tracer::SceneDescription& scene);
 std::vector<int> frames_of(const RenderCommand& command, const tracer::SceneDescription& scene);
-/// What --aovs names: AOVs of the tracer, and whether the radiance of each light group.
-struct AskedAovs {
-  AovSet aovs;
-  bool light_groups = false;
-  bool all = false;  ///< the AOVs were not named one by one
-};
-AskedAovs parse_aovs(const std::string& text);
 /// parse_aovs of the command, after set_defaults. A single sample has no halves: `all` leaves them out.
 AskedAovs asked_aovs(const RenderCommand& command);
 tracer::PixelSample parse_pixel_sample(const std::string& text);
@@ -68,9 +56,6 @@ std::vector<Eye> eyes_of(const RenderCommand& command, const tracer::SceneDescri
 void check_options_fit(const RenderCommand& command);
 /// What the samples and the preset are where the user does not say.
 void set_defaults(RenderCommand& command, const tracer::SceneDescription& scene);
-
-/// The inverse of parse_aovs.
-std::string format_aovs(const AskedAovs& asked);
 
 /// Everything that decides the value of a sample.
 tracer::RenderOptions render_options(const RenderCommand& command, const Size& size);

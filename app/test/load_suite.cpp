@@ -10,8 +10,9 @@
 #include <set>
 #include <system_error>
 
+#include "app/asked_aovs.h"
 #include "app/byte_size.h"
-#include "app/render_arguments.h"
+#include "app/frame_size.h"
 #include "app/test/load_judges.h"
 #include "app/test/suite.h"
 #include "filter/settings.h"

@@ -1,0 +1,63 @@
+#include "app/asked_aovs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <string_view>
+
+#include "frame/error.h"
+
+namespace becalm::app {
+namespace {
+
+/// The word of --aovs for one layer a light group.
+constexpr std::string_view kLightGroups = "light_groups";
+
+bool made_by_tracer(const AovInfo& entry) {
+  return !entry.diagnostic && entry.aov != Aov::beauty;
+}
+
+}  // namespace
+
+AskedAovs parse_aovs(const std::string& text) {
+  AovSet all;
+  std::string names;
+  for (const AovInfo& entry : kAovTable) {
+    if (!made_by_tracer(entry)) continue;
+    all.set(static_cast<std::size_t>(entry.aov));
+    names += fmt::format("{}, ", entry.name);
+  }
+  AskedAovs chosen;
+  if (text == "none") return chosen;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', begin), text.size());
+    const std::string name = text.substr(begin, comma - begin);
+    begin = comma + 1;
+    chosen.light_groups |= name == kLightGroups;
+    chosen.all |= name == "all";
+    if (name == kLightGroups || name == "all") continue;
+    const std::optional<Aov> aov = find_aov(name);
+    if (!aov || info(*aov).diagnostic) {
+      throw Error(ExitStatus::usage,
+                  fmt::format("--aovs: no AOV '{}'{}; expected some of {}{}, all or none", name,
+                              aov ? " of the tracer (the filter's come with --diagnostics)" : "", names,
+                              kLightGroups));
+    }
+    chosen.aovs.set(static_cast<std::size_t>(*aov), *aov != Aov::beauty);
+  }
+  if (chosen.all) chosen.aovs |= all;
+  return chosen;
+}
+
+std::string format_aovs(const AskedAovs& asked) {
+  std::string text;
+  for (const AovInfo& entry : kAovTable) {
+    if (!contains(asked.aovs, entry.aov)) continue;
+    text += fmt::format("{}{}", text.empty() ? "" : ",", entry.name);
+  }
+  if (asked.light_groups) text += fmt::format("{}{}", text.empty() ? "" : ",", kLightGroups);
+  return text.empty() ? "none" : text;
+}
+
+}  // namespace becalm::app

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+
+#include "frame/aov.h"
+
+namespace becalm::app {
+
+/// What --aovs names: AOVs of the tracer, and whether the radiance of each light group.
+struct AskedAovs {
+  AovSet aovs;
+  bool light_groups = false;
+  bool all = false;  ///< the AOVs were not named one by one
+};
+/// Throws Error(usage) naming what is no AOV, and what was expected.
+AskedAovs parse_aovs(const std::string& text);
+
+/// The inverse of parse_aovs.
+std::string format_aovs(const AskedAovs& asked);
+
+}  // namespace becalm::app
