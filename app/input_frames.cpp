@@ -63,6 +63,10 @@ InputFrames::InputFrames(const std::vector<std::string>& patterns, Pair pair, co
   const std::string& pattern = pattern_.text();
   for (const std::string& text : patterns) refuse_eye_field(text);
   if (patterns.size() > 1) {
+    if (pair == Pair::none) {
+      throw Error(ExitStatus::usage,
+                  fmt::format("--no-halves: expected one input, found {} and {}", pattern, patterns[1]));
+    }
     std::optional<io::SequencePattern>& other = pair == Pair::eyes ? other_eye_ : other_half_;
     other.emplace(patterns[1]);
     refuse_no_pair(pattern, other->text(), pair);
@@ -74,7 +78,7 @@ InputFrames::InputFrames(const std::vector<std::string>& patterns, Pair pair, co
       throw Error(ExitStatus::usage,
                   fmt::format("{}: holds a half of the samples, expected eyes of all samples", pattern));
     }
-  } else {
+  } else if (pair != Pair::none) {
     other_half_ = find_other_half(pattern_);
   }
   if (!pattern_.has_frame_field()) {

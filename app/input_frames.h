@@ -25,12 +25,12 @@ class InputFrames {
   using Readable =
       std::function<std::vector<int>(const std::vector<int>& asked, const std::vector<int>& on_disk)>;
 
-  /// `patterns` are one sequence, or two that hold a half of the samples each, or as `pair` says the left and
-  /// the right eye. `range` empty: all on disk.
+  /// `patterns` are two sequences that hold a half of the samples each, or as `pair` says the left and the
+  /// right eye; or one, whose other half is found unless `pair` is none. `range` empty: all on disk.
   /// `frame` is the number of a single file, whatever its name says. Throws Error(usage) for a bad range, a
   /// number for a sequence, or a sequence beside a single file, Error(bad_input) naming the frames that are
   /// not there.
-  enum class Pair { halves, eyes };
+  enum class Pair { none, halves, eyes };
   InputFrames(const std::vector<std::string>& patterns, Pair pair, const std::string& range,
               std::optional<int> frame, Missing missing, const Readable& readable);
 

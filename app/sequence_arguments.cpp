@@ -22,6 +22,11 @@ void add_sequence_options(CLI::App& parser, SequenceCommand& command, const std:
       ->expected(1, 2)
       ->option_text("INPUT [OTHER_HALF]");
   parser
+      .add_flag_callback(
+          "--no-halves", [&command] { command.finds_halves = false; },
+          "A sequence that is named as the other half of the input is none")
+      ->group(more("Input"));
+  parser
       .add_option("--frame", command.frame,
                   "The frame number of a single file (default: the one in its name, or 1)")
       ->option_text("N")
@@ -97,6 +102,7 @@ io::DenoisedFormat format_of(const SequenceCommand& command) {
 
 std::string describe_output(const SequenceCommand& command) {
   std::string text;
+  if (!command.finds_halves) text += " halves=no";
   if (!command.stereo_camera.empty()) text += " stereo_camera=" + command.stereo_camera;
   if (command.jitter != "auto") text += " jitter=" + command.jitter;
   if (!command.scale.is_one()) {

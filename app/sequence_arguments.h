@@ -16,6 +16,7 @@ struct SequenceCommand {
   std::vector<std::string> inputs;
   std::string stereo_camera;  ///< of eyes whose files do not say it; empty: not known
   bool eyes = false;          ///< the inputs are the left and the right eye
+  bool finds_halves = true;   ///< of a single input, by its name
   OutputOptions output;
   FilterOptions filter;
   RunningOptions running;

@@ -42,6 +42,11 @@ std::vector<io::SequencePattern> output_patterns(const SequenceCommand& command,
   return {inputs.output_pattern(pattern_of_eye(text, 0)), inputs.output_pattern(pattern_of_eye(text, 1))};
 }
 
+InputFrames::Pair pair_of(const SequenceCommand& command) {
+  if (command.eyes) return InputFrames::Pair::eyes;
+  return command.finds_halves ? InputFrames::Pair::halves : InputFrames::Pair::none;
+}
+
 }  // namespace
 
 SequenceJob::SequenceJob(const SequenceCommand& command, FilterRecipe recipe)
@@ -50,8 +55,8 @@ SequenceJob::SequenceJob(const SequenceCommand& command, FilterRecipe recipe)
       layers_(layer_options(command.layers)),
       format_(format_of(command)),
       filter_(std::move(recipe), command.filter),
-      inputs_(command.inputs, command.eyes ? InputFrames::Pair::eyes : InputFrames::Pair::halves,
-              command.output.frames, command.frame, parse_missing(command.missing),
+      inputs_(command.inputs, pair_of(command), command.output.frames, command.frame,
+              parse_missing(command.missing),
               [this](const auto& asked, const auto& on_disk) { return filter_.readable(asked, on_disk); }),
       outputs_("-o", output_patterns(command, inputs_), inputs_.outputs()),
       window_(find_window(inputs_, layers_)),
@@ -279,7 +284,7 @@ void SequenceJob::require_sound_input(const std::vector<int>& frames) const {
 }
 
 std::string SequenceJob::halves_text() const {
-  return fmt::format("{} and {} hold a half of the samples each; their mean is denoised",
+  return fmt::format("{} and {} hold a half of the samples each; their mean is denoised (else --no-halves)",
                      inputs_.pattern().text(), inputs_.other_half()->text());
 }
 

@@ -81,6 +81,11 @@ TEST_F(Denoise, HalvesBesideEachOtherAreOneSequence) {
   EXPECT_NE(becalm_done({"info", first}).out.find("is the other half of the samples"), std::string::npos);
   fs::remove(frame_path(second, 2));
   expect_error(becalm({"denoise", first, "-o", folder_ / "gap.####.exr"}), 3, {"shot.b1.0002.exr"});
+  const Outcome alone = becalm_done({"denoise", first, "-o", folder_ / "alone.####.exr", "--no-halves"});
+  EXPECT_EQ(alone.err.find("a half of the samples"), std::string::npos) << alone.err;
+  EXPECT_FALSE(same_frame("alone.0002.exr", "found.0002.exr"));
+  expect_error(becalm({"denoise", first, second, "-o", folder_ / "x.####.exr", "--no-halves"}), 2,
+               {"--no-halves"});
 }
 
 TEST_F(Denoise, HalvesOfOneSeedAreToldOnce) {
