@@ -166,21 +166,16 @@ void Outputs::refuse_foreign_file(const std::string& path) const {
                           is_of_becalm(path) ? "was rendered" : "becalm did not write it"));
 }
 
-void Outputs::refuse_folders() const {
+void Outputs::check_places() const {
   for (const std::string& path : all_paths()) {
+    check_place(option_, patterns_.front().text(), path);
     std::error_code error;
     if (fs::is_directory(path, error))
       refuse_place(option_, path, std::make_error_code(std::errc::is_a_directory));
   }
 }
 
-void Outputs::check_places() const {
-  for (const std::string& path : all_paths()) check_place(option_, patterns_.front().text(), path);
-  refuse_folders();
-}
-
 void Outputs::prepare() {
-  refuse_folders();
   std::map<fs::path, std::set<std::string>> names;  // by folder
   for (const std::string& path : all_paths())
     names[fs::path(path).parent_path()].insert(fs::path(path).filename().string());

@@ -46,7 +46,7 @@ class Outputs {
 
   /// Makes the folder, locks the frames against other processes as long as this lives, and removes what
   /// killed runs left half-written of them. Throws Error(resource), before hours of work whose result could
-  /// not be written, also where a folder stands in a file's place.
+  /// not be written.
   void prepare();
 
   /// An attribute of the first output that is there; empty if there is none.
@@ -62,8 +62,6 @@ class Outputs {
 
  private:
   std::vector<std::string> all_paths() const;
-  /// Throws if a folder stands in a file's place.
-  void refuse_folders() const;
   [[noreturn]] void refuse_foreign_file(const std::string& path) const;
   void check_attributes(const std::string& path, const io::Attributes& attributes) const;
 

@@ -106,13 +106,6 @@ TEST_F(Denoise, RenderedFramesAreNotReplacedUnlessAsked) {
   expect_error(becalm(command("folder.####.exr", {"--dry-run"})), 4, {"folder.0001.exr"});
 }
 
-TEST_F(Denoise, AFolderInAnOutputsPlaceIsToldBeforeTheFirstFrame) {
-  write_frames({1, 2});
-  fs::create_directories(folder_ / "folder.0002.exr");
-  expect_error(becalm(command("folder.####.exr")), 4, {"folder.0002.exr"});
-  EXPECT_FALSE(fs::exists(folder_ / "folder.0001.exr"));
-}
-
 TEST_F(Denoise, NumbersMayHaveLeadingZeros) {
   write_frames({1});
   becalm_done(
