@@ -29,13 +29,14 @@ AskedAovs parse_aovs(const std::string& text) {
     names += fmt::format("{}, ", entry.name);
   }
   AskedAovs chosen;
+  bool takes_all = false;
   if (text == "none") return chosen;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t comma = std::min(text.find(',', begin), text.size());
     const std::string name = text.substr(begin, comma - begin);
     begin = comma + 1;
     chosen.light_groups |= name == kLightGroups;
-    chosen.all |= name == "all";
+    takes_all |= name == "all";
     if (name == kLightGroups || name == "all") continue;
     const std::optional<Aov> aov = find_aov(name);
     if (!aov || info(*aov).diagnostic) {
@@ -44,9 +45,9 @@ AskedAovs parse_aovs(const std::string& text) {
                               aov ? " of the tracer (the filter's come with --diagnostics)" : "", names,
                               kLightGroups));
     }
-    chosen.aovs.set(static_cast<std::size_t>(*aov), *aov != Aov::beauty);
+    chosen.named.set(static_cast<std::size_t>(*aov), *aov != Aov::beauty);
   }
-  if (chosen.all) chosen.aovs |= all;
+  chosen.aovs = takes_all ? all : chosen.named;
   return chosen;
 }
 

@@ -10,7 +10,7 @@ namespace becalm::app {
 struct AskedAovs {
   AovSet aovs;
   bool light_groups = false;
-  bool all = false;  ///< the AOVs were not named one by one
+  AovSet named = {};  ///< those of them that were named, not meant by `all`
 };
 /// Throws Error(usage) naming what is no AOV, and what was expected.
 AskedAovs parse_aovs(const std::string& text);

@@ -9,6 +9,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -16,6 +17,7 @@
 #include "app/help.h"
 #include "app/setting_text.h"
 #include "filter/antialias/antialias_settings.h"
+#include "filter/sequence/frame_filter.h"
 #include "frame/error.h"
 #include "frame/io/exr.h"
 #include "tracer/snapshot/intersect.h"

@@ -5,9 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <numeric>
-#include <optional>
 #include <span>
-#include <string_view>
 
 #include "app/eye_names.h"
 #include "app/help.h"
@@ -152,7 +150,7 @@ AskedAovs asked_aovs(const RenderCommand& command) {
   if (command.spp > 1) return asked;
   for (const Aov half : {Aov::half_a, Aov::half_b}) {
     if (!contains(asked.aovs, half)) continue;
-    if (!asked.all) {
+    if (contains(asked.named, half)) {
       throw Error(ExitStatus::usage,
                   fmt::format("--aovs {}: expected at least 2 samples per pixel for {}, found 1",
                               command.aovs, info(half).name));

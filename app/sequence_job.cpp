@@ -113,11 +113,7 @@ ExitStatus SequenceJob::run() {
   if (wanted.empty()) return all_there(asked, command_.running.quiet);
 
   std::size_t work = 0;  // a frame that is held for others is written for each of them
-  for (const int frame : wanted) {
-    const auto missing = std::ranges::count_if(inputs_.outputs_of(frame),
-                                               [&](int number) { return !existing_.contains(number); });
-    work += static_cast<std::size_t>(std::max<std::ptrdiff_t>(missing, 1));
-  }
+  for (const int frame : wanted) work += std::max<std::size_t>(inputs_.outputs_of(frame).size(), 1);
   progress_.emplace(ProgressOptions{.total = asked,
                                     .existing = existing_.size(),
                                     .work = work,
@@ -131,6 +127,11 @@ ExitStatus SequenceJob::run() {
   for (const filter::Step& step : steps) needed.insert(step.frame);
   const std::vector<InputLayout> views = check_inputs(inputs_, needed, filter_, layers_);
   lights_ = views.front().light_groups;
+  if (!command_.stereo_camera.empty() && !inputs_.other_eye() && views.size() != 2) {
+    throw Error(ExitStatus::usage,
+                fmt::format("--stereo-camera {}: {} has {}, expected two eyes", command_.stereo_camera,
+                            inputs_.path(*needed.begin()), counted(views.size(), "view", "views")));
+  }
   if (command_.strict) require_sound_input({needed.begin(), needed.end()});
   io::check_selection(inputs_.path(*needed.begin()), layers_, format_.channels, "--channels");
   if (command_.dry_run) {
@@ -154,7 +155,7 @@ ExitStatus SequenceJob::run() {
         fmt::format("{}: no frame number in the name, so this is frame 1; --frame N says otherwise",
                     inputs_.pattern().text()));
   }
-  const double work_per_step = static_cast<double>(wanted.size()) / static_cast<double>(steps.size());
+  const double work_per_step = static_cast<double>(work) / static_cast<double>(steps.size());
   FrameSink sink(outputs_, existing_, "--type float keeps them", *progress_, profile_);
   run_pipeline(steps.size(), {.source = [&](std::size_t step) { return std::optional(read(steps[step])); },
                               .filter =
@@ -259,9 +260,6 @@ io::LoadedFrame SequenceJob::read(const filter::Step& step) {
       const bool left_first = is_eye(loaded.view, Eye::left);
       give_stereo(given, left_first ? Eye::left : Eye::right, loaded);
       give_stereo(given, left_first ? Eye::right : Eye::left, loaded.other_views.front());
-    } else {
-      throw Error(ExitStatus::usage, fmt::format("--stereo-camera {}: {} has one view, expected two eyes",
-                                                 command_.stereo_camera, inputs_.path(frame)));
     }
   }
   if (filter_.checkerboards() == Checkerboards::as_told) {

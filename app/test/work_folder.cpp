@@ -30,10 +30,12 @@ std::string make_temporary_folder() {
   std::error_code error;
   // temp_directory_path would not tell the name of a folder that is not there.
   const char* given = std::getenv("TMPDIR");
-  const fs::path parent = given != nullptr ? fs::path(given) : fs::temp_directory_path(error);
+  const bool is_given = given != nullptr && *given != '\0';
+  const fs::path parent = is_given ? fs::path(given) : fs::temp_directory_path(error);
+  const char* advice = "; TMPDIR names the folder to make it in";
+  if (error) fail_to_make("a temporary folder", error, advice);
   std::string path = fs::absolute(parent / "becalm_test_XXXXXX").string();
-  if (!error && mkdtemp(path.data()) == nullptr) error.assign(errno, std::generic_category());
-  if (error) fail_to_make(path, error, "; TMPDIR names the folder to make it in");
+  if (mkdtemp(path.data()) == nullptr) fail_to_make(path, {errno, std::generic_category()}, advice);
   return path;
 }
 

@@ -66,8 +66,9 @@ void NetworkPasses::upload_weights(Chain& chain) const {
 }
 
 NetworkPasses::NetworkPasses(Chain& chain, const Weights& trained, Extent full, const NoisyInputs& frame,
-                             bool variance_known, const std::vector<Layered>& additive, Convolver convolver)
-    : full_(full), padded_{padded_px(full.width), padded_px(full.height)} {
+                             bool variance_known, const std::vector<Layered>& additive, Convolver convolver,
+                             std::optional<int> strip)
+    : full_(full), padded_{padded_px(full.width), padded_px(full.height)}, strip_(strip) {
   const NetworkWeights& weights = trained.network;
   const Demodulated beauty = add_demodulate(chain, frame, "beauty", {frame.color, frame.own_color});
   const ImageId inputs = add_inputs(chain, frame, beauty, variance_known);
@@ -212,7 +213,7 @@ void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, con
   std::optional<ImageId> coarse;
   for (std::size_t i = kScales; i-- > 0;) {
     const ImageId result = chain.image(fmt::format("{}.windows.L{}", name, i), Format::f32x4, extent(i));
-    const int strip = window_strip(chain.device(), extent(i));
+    const int strip = strip_.value_or(window_strip(chain.device(), extent(i)));
     chain.pass("smooth/mix")
         .read("features", features_[i])
         .read("weights", window_weights_[i])
@@ -229,7 +230,7 @@ void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, con
     coarse = result;
   }
   const gpu::Footprint window = gpu::reach(frame.has_albedo ? kWindowRadius : 0);
-  const int strip = window_strip(chain.device(), full_);
+  const int strip = strip_.value_or(window_strip(chain.device(), full_));
   chain.pass("smooth/finish")
       .read("features", features_[0])
       .read("weights", finish_weights_)

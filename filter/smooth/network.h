@@ -45,9 +45,12 @@ constexpr Convolver convolver_of(const gpu::DeviceInfo& device) {
 /// frame itself (filter/smooth/own_share.h).
 class NetworkPasses {
  public:
-  /// Declares the passes. Additive AOVs are averaged by the beauty's windows.
+  /// Declares the passes. Additive AOVs are averaged by the beauty's windows. `strip`: rows of pixels that
+  /// one invocation of the windows' kernels makes, which changes no result; by default as device and image
+  /// ask for.
   NetworkPasses(gpu::Chain& chain, const Weights& weights, gpu::Extent full, const NoisyInputs& frame,
-                bool variance_known, const std::vector<Layered>& additive, Convolver convolver);
+                bool variance_known, const std::vector<Layered>& additive, Convolver convolver,
+                std::optional<int> strip = std::nullopt);
   /// Uploads the weights; call it after the chain is built.
   void upload_weights(gpu::Chain& chain) const;
 
@@ -85,6 +88,7 @@ class NetworkPasses {
 
   gpu::Extent full_;
   gpu::Extent padded_;
+  std::optional<int> strip_;
   std::vector<std::pair<gpu::ImageId, std::vector<float>>> weights_;
   Scales features_;
   Scales confidence_weights_;

@@ -14,9 +14,6 @@
 namespace becalm::io {
 namespace {
 
-/// More frames than any shot has: a longer range is taken for a typing error and refused before it takes
-/// memory.
-
 bool is_digit(char c) {
   return c >= '0' && c <= '9';
 }

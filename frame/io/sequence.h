@@ -8,7 +8,8 @@
 
 namespace becalm::io {
 
-/// Of a range, and of a sequence with the frames that are held.
+/// More frames than any shot has: a longer range, or sequence with held frames, is taken for a typing error
+/// and refused before it takes memory.
 inline constexpr std::int64_t kMaxFrames = 1'000'000;
 
 /// Frame numbers of a range such as `1-100`, `1-100x2`, `5`, `-3-4` or `1-10,20-30`, ascending and without

@@ -1,8 +1,8 @@
 // A 1x1 layer on the features of the `strip` pixels, below one another, that an invocation computes. The
 // including kernel defines the constants `planes` (of four features each) and `strip`, the texel buffers
-// `features` and `weights`, and kMostOutputs, the largest number of outputs. `weights` holds for each output one vector per plane, then all biases, four in a vector. They are
-// copied to shared memory and read there at literal offsets, outside of all branches
-// (lib/convolution_weights.glsl says why).
+// `features` and `weights`, and kMostOutputs, the largest number of outputs. `weights` holds for each output
+// one vector per plane, then all biases, four in a vector. They are copied to shared memory and read there at
+// literal offsets, outside of all branches (lib/convolution_weights.glsl says why).
 
 shared vec4 head_weights[planes * kMostOutputs + (kMostOutputs + 3) / 4];
 

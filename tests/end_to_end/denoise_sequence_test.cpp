@@ -156,6 +156,10 @@ TEST_F(Denoise, MissingHoldWritesOneOutputForEachInput) {
   const Outcome events =
       becalm_done(command("events.####.exr", {"--frames", "1-6", "--missing", "hold", "--progress", "json"}));
   EXPECT_NE(events.err.find(R"("work_done":6.0,"work_total":6)"), std::string::npos) << events.err;
+  fs::remove(folder_ / "events.0004.exr");
+  const Outcome resumed = becalm_done(
+      command("events.####.exr", {"--frames", "1-6", "--missing", "hold", "--progress", "json", "--resume"}));
+  EXPECT_NE(resumed.err.find(R"("work_done":3.0,"work_total":3)"), std::string::npos) << resumed.err;
   EXPECT_TRUE(same_frame("hold.0003.exr", "hold.0002.exr"));
   EXPECT_TRUE(same_frame("hold.0004.exr", "hold.0002.exr"));
   EXPECT_TRUE(same_frame("hold.0006.exr", "hold.0005.exr"));

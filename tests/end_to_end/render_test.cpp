@@ -221,6 +221,9 @@ TEST_F(Render, AllAovsMayHaveLightGroupsBesides) {
   for (const char* name : {"material_id", "light_groups"}) {
     EXPECT_NE(settings.find(name), std::string::npos) << settings;
   }
+  expect_error(becalm({"render", scene_, "-o", folder_ / "b.exr", "--frames", "2", "--spp", "1", "--aovs",
+                       "all,half_a"}),
+               2, {"half_a", "2 samples"});
 }
 
 TEST_F(Render, ResumeWritesOnlyWhatIsMissing) {

@@ -197,7 +197,7 @@ TEST_F(Stereo, TakesTheCamerasFromTheUserOrSearches) {
                  {"--stereo-camera", wrong, "FOCAL_PX"});
   }
   expect_error(becalm(command("in.left.####.exr", "x.####.exr", {"--stereo-camera", "1200,0.1,2"})), 2,
-               {"--stereo-camera 1200,0.1,2", "one view"});
+               {"--stereo-camera 1200,0.1,2", "1 view"});
 }
 
 TEST_F(Stereo, CamerasFromTheUserAreOfTheWholePicture) {

@@ -75,7 +75,8 @@ enum class Kind { merged, single, without_albedo };
 
 Grid<Estimate> smooth_on(gpu::Device& device, const Sample& sample, const NetworkWeights& weights,
                          bool variance_known = true, std::optional<Convolver> convolver = std::nullopt,
-                         Kind kind = Kind::merged, const OwnShareWeights* own_share = &embedded_own_share()) {
+                         Kind kind = Kind::merged, const OwnShareWeights* own_share = &embedded_own_share(),
+                         std::optional<int> strip = std::nullopt) {
   const gpu::Extent extent = sample.extent();
   gpu::Chain chain(device, "network test");
   FilterTask task = task_with_variance(preset("balanced"), extent);
@@ -84,7 +85,7 @@ Grid<Estimate> smooth_on(gpu::Device& device, const Sample& sample, const Networ
   for (const Aov aov : {Aov::normal, Aov::depth}) task.used.set(static_cast<std::size_t>(aov));
   const NoisyInputs noisy(chain, task, extent, NoisyUse::smooth);
   const NetworkPasses network(chain, {weights, own_share}, extent, noisy, variance_known, {},
-                              convolver.value_or(convolver_of(device.info())));
+                              convolver.value_or(convolver_of(device.info())), strip);
   const Smoothed& smoothed = network.smoothed();
   chain.output(smoothed.color);
   chain.output(smoothed.stats);
@@ -246,6 +247,25 @@ TEST_F(NetworkTest, ImagesOfOnePixelAndOfOneRowComeOut) {
     for (Estimate& e : sample.pixels.data) e.count = 1.0;
     for (const Estimate& e : smooth_on(device(), sample, random_weights()).data) {
       for (const double c : e.color) ASSERT_TRUE(std::isfinite(c));
+    }
+  }
+}
+
+TEST_F(NetworkTest, StripsChangeNothing) {
+  for (const gpu::Extent extent : {gpu::Extent{1, 1}, {200, 1}, {1, 70}, {27, 21}}) {
+    SCOPED_TRACE(fmt::format("{}x{}", extent.width, extent.height));
+    const Sample sample = noisy_sample(extent.width, extent.height);
+    const auto with_strips_of = [&](int rows) {
+      return smooth_on(device(), sample, random_weights(), true, std::nullopt, Kind::merged,
+                       &embedded_own_share(), rows);
+    };
+    const Grid<Estimate> one = with_strips_of(1);
+    for (const int rows : {2, 3}) {
+      const Grid<Estimate> result = with_strips_of(rows);
+      for (std::size_t i = 0; i < one.data.size(); ++i) {
+        ASSERT_EQ(result.data[i].color, one.data[i].color) << rows << " rows, pixel " << i;
+        ASSERT_EQ(result.data[i].variance, one.data[i].variance) << rows << " rows, pixel " << i;
+      }
     }
   }
 }
