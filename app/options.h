@@ -53,8 +53,8 @@ struct FilterOptions {
   bool validate = false;
   bool diagnostics = false;
 };
-/// Sets what holds for the whole process with --reproducible: the instruction
-/// sets of libraries and, unless --device names one, the software device. Called before the command runs.
+/// With --reproducible sets what holds for the whole process: the instruction sets of libraries and, unless
+/// --device names one, the software device. Called before the command runs.
 void apply(const RunningOptions& running, FilterOptions& filter);
 /// Of commands that may pass alpha on as it came.
 void add_alpha_option(CLI::App& command, FilterOptions& options);

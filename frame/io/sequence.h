@@ -13,7 +13,7 @@ namespace becalm::io {
 inline constexpr std::int64_t kMaxFrames = 1'000'000;
 
 /// Frame numbers of a range such as `1-100`, `1-100x2`, `5`, `-3-4` or `1-10,20-30`, ascending and without
-/// duplicates. Throws Error(usage) naming `what` has the text, the text and what is wrong: a descending
+/// duplicates. Throws Error(usage) of `what`, such as an option, the text and what is wrong: a descending
 /// range, a step below 1, no number, more than kMaxFrames.
 std::vector<int> parse_frame_range(std::string_view text, std::string_view what = "frame range");
 

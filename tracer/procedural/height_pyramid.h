@@ -11,8 +11,8 @@ struct HeightRange {
 };
 
 /// Height ranges of square cells, halved in number along each side from level to level: level 0 has
-/// `resolution` cells a side, the last level one. Levels below `first_level` are not stored: rays
-/// visit all of their cells.
+/// `resolution` cells a side, the last level one. Levels below `first_level` are not stored: rays visit
+/// all of their cells.
 class HeightPyramid {
  public:
   /// `resolution` is a power of two and at least 2^first_level.
