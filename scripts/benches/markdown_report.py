@@ -22,6 +22,10 @@ def wrapped(text):
     return "\n\n".join(textwrap.fill(part, COLUMNS, break_on_hyphens=False) for part in text.split("\n\n")) + "\n"
 
 
+def items(lines):
+    return "".join(textwrap.fill(line, COLUMNS, break_on_hyphens=False, initial_indent="- ", subsequent_indent="  ") + "\n" for line in lines)
+
+
 def figure(value, digits=4):
     """A number as a cell; None, which was not measured, is a dash."""
     return "-" if value is None else f"{value:.{digits}f}"

@@ -11,6 +11,7 @@ import numpy as np
 from benches.front.adaptive import at_time
 from benches.front.dominance import dominator, dominates, front
 from benches.front.exponent import exponent, local_exponents
+from benches.front.gaps import Gap, told
 from benches.front.joint_bilateral import joint_bilateral
 from benches.front.methods import PRESETS, changed_presets
 from benches.front.motion_average import motion_average
@@ -159,6 +160,13 @@ class Points(unittest.TestCase):
         self.assertAlmostEqual(final.denoise_s, 2.0)
         self.assertAlmostEqual(mean_worth([one, two], final, "relmse").samples, 100.0)
         self.assertFalse(mean_worth([one, two], final, "relmse").is_measured)
+
+
+class Gaps(unittest.TestCase):
+    def test_gaps_of_one_reason_are_one_line(self):
+        gaps = [Gap("mean", scene, spp, "no motion") for scene in ("car", "skin") for spp in (1, 4)]
+        self.assertEqual(told([*gaps, Gap("mean", "crowd", 4, "no motion"), Gap("", "cloth", 8, "n8/f.0001.exr is not there")]),
+                         ["mean of car, skin at 1, 4 spp; crowd at 4 spp: no motion", "cloth at 8 spp: n8/f.0001.exr is not there"])
 
 
 class RenderTimes(unittest.TestCase):

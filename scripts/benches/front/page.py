@@ -6,7 +6,7 @@ from pathlib import Path
 
 from benches.front import plots, scaling, tables
 from benches.front.points import mean_trade, mean_worth
-from benches.markdown_report import Report, wrapped
+from benches.markdown_report import Report, items, wrapped
 from pictures.files import file_uri
 from pictures.page import write_page
 
@@ -84,9 +84,9 @@ def write(folder, sets, missing, clock):
         _draw(folder, one)
         report.add(one.key, one.title, _set_text(one), [trade.figures() for trade in (*one.trades, mean_trade(one.trades))])
     if missing:
-        report.add("missing", "Not measured", "".join(f"- {line}\n" for line in missing), missing)
+        report.add("missing", "Not measured", items(missing), missing)
     means = {one.key: mean_trade(one.trades) for one in sets}
-    report.add("trade", "The trade", "\n".join([_trade_text(sets, clock), *([wrapped("Not measured: " + "; ".join(missing))] if missing else [])]),
+    report.add("trade", "The trade", "\n".join([_trade_text(sets, clock), *(["Not measured:\n\n" + items(missing)] if missing else [])]),
                {key: [{"preset": point.label, "metric": metric, "dominated_by": better.label}
                       for point, metric, better in tables.dominated(mean)] for key, mean in means.items()})
     _write_index(folder, SUBTITLE)

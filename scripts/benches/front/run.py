@@ -9,6 +9,7 @@ from pathlib import Path
 
 from benches.front import adaptive, page, scaling
 from benches.front.cells import FrontCells, MissingLayer
+from benches.front.gaps import Gap, told
 from benches.front.methods import PAPER, PLAIN, PRESETS, RECIPES, kind, settings_of
 from benches.front.points import METRICS, Point, Trade, mean_trade
 from benches.quality import options
@@ -78,7 +79,7 @@ class Set:
         self.trades, self.missing = [], []
 
     def measure(self, cells, clock):
-        """Measures every point. What lacks frames or layers is told in `missing`."""
+        """Measures every point. What lacks frames or layers is a Gap in `missing`."""
         for scene in self.scenes:
             points = [point for spp in self.data.spps for point in self._points(cells, scene, spp, clock)]
             if any(point.kind != "plain" for point in points):
@@ -88,7 +89,7 @@ class Set:
         try:
             render_s = self._render_seconds(scene, spp, clock)
         except MissingFrames as error:
-            self.missing.append(f"{scene} at {spp} spp: {error}")
+            self.missing.append(Gap("", scene, spp, str(error)))
             return
         for method in self.methods:
             if kind(method) == "setting" and spp not in self.settings_spp:
@@ -96,10 +97,10 @@ class Set:
             try:
                 cell = cells.measure(scene, spp, method, False)
             except MissingFrames as error:
-                self.missing.append(f"{scene} at {spp} spp: {error}")
+                self.missing.append(Gap("", scene, spp, str(error)))
                 return
             except MissingLayer as error:
-                self.missing.append(f"{method.title} of {scene} at {spp} spp: {error}")
+                self.missing.append(Gap(method.title, scene, spp, str(error)))
                 continue
             error = {metric: value if (value := cell["mean"][metric]) is not None and value > 0.0 else None for metric in METRICS}
             point = Point(spp, method.name, method.title, kind(method), render_s, cell["times"].get(PROCESS_TIME[clock], 0.0), **error)
@@ -142,7 +143,7 @@ def measure(asked):
     sets, missing = find_sets(asked, program)
     for one in sets:
         one.measure(FrontCells(program, one.data, asked.output / one.key, asked.reference_spp, asked.resume), asked.clock)
-        missing += one.missing
+        missing += told(one.missing)
     measured = [one for one in sets if one.trades]
     if not measured:
         sys.exit("bench front: nothing to measure:\n" + "\n".join(missing or ["neither scenes nor shots"]))

@@ -6,7 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from benches.markdown_report import Report
+from benches.markdown_report import Report, items
 from benches.quality import tables
 from benches.quality.cells import Cells
 from benches.quality.data import Data, MissingFrames, Renderer
@@ -150,7 +150,7 @@ def write_report(asked, results, missing):
     if len(spps) > 1:
         add("samples", "All sample counts", "\n".join(tables.samples_table(results, metric) for metric in ("relmse", "temporal")), spps)
     add("variants", "Variants", tables.variant_table(results), results.refusals)
-    lines = goal_table(found) + ("\nNot measured, since frames are missing:\n\n" + "".join(f"- {line}\n" for line in missing) if missing else "")
+    lines = goal_table(found) + ("\nNot measured, since frames are missing:\n\n" + items(missing) if missing else "")
     add("goals", "Goals", lines, [vars(goal) | {"verdict": goal.verdict} for goal in found])
     return sections
 
