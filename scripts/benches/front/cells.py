@@ -38,7 +38,7 @@ class FrontCells(Cells):
             layers = {plain_name(name): layer for name, layer in read_layers(path).items()} if needs else {}
             for name in needs:
                 if name not in layers:
-                    raise MissingLayer(f"its frames have no layer '{name}'")
+                    raise MissingLayer(f"the frames have no layer '{name}'")
             yield radiance(path), layers
 
 
