@@ -4,7 +4,9 @@
 #include <utility>
 
 #include "app/cancel.h"
+#include "app/expected_error.h"
 #include "filter/input/host_images.h"
+#include "filter/input/radiance_scale.h"
 
 namespace becalm::app {
 
@@ -36,20 +38,6 @@ tracer::RenderOptions pilot_of(tracer::RenderOptions render) {
 
 }  // namespace
 
-Image expected_error(const Frame& filtered, float exposure) {
-  constexpr double added_square = 0.01;  // below a tenth of the typical brightness, errors count as they are
-  Image error(filtered.width(), filtered.height(), 1);
-  const std::span<const float> beauty = filtered.image(Aov::beauty).data();
-  const std::span<const float> variance = filtered.image(Aov::variance).data();
-  const double square = double(exposure) * exposure;
-  for (std::size_t i = 0; i < error.pixel_count(); ++i) {
-    const double brightness = (double(beauty[4 * i]) + beauty[4 * i + 1] + beauty[4 * i + 2]) / 3.0;
-    error.data()[i] =
-        static_cast<float>(square * variance[3 * i] / (square * brightness * brightness + added_square));
-  }
-  return error;
-}
-
 AdaptiveSampling::AdaptiveSampling(tracer::Scene& scene, tracer::RenderOptions render,
                                    const FilterOptions& filter, const Options& options)
     : scene_(scene),
@@ -61,8 +49,10 @@ AdaptiveSampling::AdaptiveSampling(tracer::Scene& scene, tracer::RenderOptions r
       device_options_(device_options(filter)) {}
 
 std::optional<Image> AdaptiveSampling::counts(int frame) {
-  const std::optional<Frame> noisy = render_pilot(frame);
+  std::optional<Frame> noisy = render_pilot(frame);
   if (!noisy) return std::nullopt;
+  if (const float scale = filter::radiance_scale(*noisy); scale != 1.0f)
+    filter::scale_radiance(*noisy, scale);
   if (!filter_) {
     device_.emplace(device_options_);
     filter_.emplace(*device_, pilot_settings(), noisy->width(), noisy->height(), pilot_options_.aovs,

@@ -11,10 +11,6 @@
 
 namespace becalm::app {
 
-/// The squared error that the filter expects of each pixel of its result, relative to the squared brightness:
-/// one channel. As in relMSE, 0.01 at usual exposure is added to the square.
-Image expected_error(const Frame& filtered, float exposure);
-
 /// Adaptive sampling: a pilot of each frame, of half the size and of two samples a pixel, is filtered by
 /// itself, and its pixels' expected errors say where the frame needs samples. The pilot has another seed and
 /// its samples are not used again, so that the frame stays unbiased; no frame's counts depend on other

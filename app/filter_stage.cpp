@@ -8,7 +8,9 @@
 #include <iterator>
 #include <utility>
 
+#include "app/expected_error.h"
 #include "app/eye_names.h"
+#include "filter/input/host_images.h"
 #include "filter/input/radiance_scale.h"
 #include "filter/merge/additive.h"
 #include "frame/error.h"
@@ -152,7 +154,8 @@ std::optional<FinishedFrame> FilterStage::run(const filter::Step& step, io::Load
   for (const io::LoadedView& view : noisy.other_views) frames.push_back(&view.frame);
   if (noisy.other_eye) frames.push_back(&noisy.other_eye->frame);
   std::vector<filter::FrameReport> reports(frames.size());
-  std::vector<Frame> made = run_scaled(step, frames, reports, profile);
+  std::vector<double> expected_errors;
+  std::vector<Frame> made = run_scaled(step, frames, reports, expected_errors, profile);
   if (!matched_.empty()) {
     progress.detail(fmt::format("device {}", device_->info().name));
     progress.detail(fmt::format("tiles {}", tiles()));
@@ -166,22 +169,30 @@ std::optional<FinishedFrame> FilterStage::run(const filter::Step& step, io::Load
   }
   Frame first = std::move(made.front());
   made.erase(made.begin());
-  return FinishedFrame{std::move(first), std::move(made), std::move(noisy)};
+  return FinishedFrame{std::move(first), std::move(made), std::move(noisy), std::move(expected_errors)};
 }
 
 std::vector<Frame> FilterStage::run_scaled(const filter::Step& step, const std::vector<const Frame*>& frames,
-                                           std::vector<filter::FrameReport>& reports, Profile& profile) {
+                                           std::vector<filter::FrameReport>& reports,
+                                           std::vector<double>& expected_errors, Profile& profile) {
   const float scale = filter::radiance_scale(*frames.front());
   filter::Step scaled_step = step;
   scaled_step.new_history |= scale != radiance_scale_;
   radiance_scale_ = scale;
-  if (scale == 1.0f) return run_views(scaled_step, frames, reports, profile);
   std::vector<Frame> scaled;
-  for (const Frame* frame : frames) filter::scale_radiance(scaled.emplace_back(*frame), scale);
-  std::vector<const Frame*> pointers;
-  for (const Frame& frame : scaled) pointers.push_back(&frame);
+  std::vector<const Frame*> pointers = frames;
+  if (scale != 1.0f) {
+    for (const Frame* frame : frames) filter::scale_radiance(scaled.emplace_back(*frame), scale);
+    std::ranges::transform(scaled, pointers.begin(), [](const Frame& frame) { return &frame; });
+  }
   std::vector<Frame> made = run_views(scaled_step, pointers, reports, profile);
-  for (Frame& frame : made) filter::scale_radiance(frame, 1.0f / scale);
+  for (std::size_t view = 0; view < made.size(); ++view) {
+    if (measures_errors_) {
+      expected_errors.push_back(
+          mean_expected_error(made[view], filter::exposure(pointers[view]->image(Aov::beauty))));
+    }
+    if (scale != 1.0f) filter::scale_radiance(made[view], 1.0f / scale);
+  }
   return made;
 }
 

@@ -94,6 +94,8 @@ class FilterStage {
   /// where they must be and are not a pair. `origin`: as SequenceOptions has it.
   void build(int width, int height, const std::vector<FilteredView>& views,
              const Imath::V2i& origin = Imath::V2i(0));
+  /// FinishedFrame::expected_errors are wanted.
+  void measure_expected_errors() { measures_errors_ = true; }
   /// What is done with several views, for the user to read; empty for one.
   std::string views_text() const;
   /// How frames are cut into tiles (of a stereo sequence: those of the first view), as files record it in
@@ -111,9 +113,10 @@ class FilterStage {
   /// The filtered frames of all views; none if the step makes none.
   std::vector<Frame> run_views(const filter::Step& step, const std::vector<const Frame*>& frames,
                                std::vector<filter::FrameReport>& reports, Profile& profile);
-  /// The same of frames whose radiance may be of any size.
+  /// The same of frames whose radiance may be of any size. Appends to `expected_errors` if they are wanted.
   std::vector<Frame> run_scaled(const filter::Step& step, const std::vector<const Frame*>& frames,
-                                std::vector<filter::FrameReport>& reports, Profile& profile);
+                                std::vector<filter::FrameReport>& reports,
+                                std::vector<double>& expected_errors, Profile& profile);
   void tell(const filter::FrameReport& report, const std::string& name, Progress& progress) const;
 
   FilterRecipe recipe_;
@@ -128,6 +131,7 @@ class FilterStage {
   std::string cuts_;  ///< as typed
   std::set<int> given_cuts_;
   float radiance_scale_ = 1.0f;  ///< of the history
+  bool measures_errors_ = false;
   std::optional<gpu::Device> device_;
   struct View {
     std::string name;                             ///< with a space before it; empty where there is but one

@@ -16,6 +16,8 @@ struct FinishedFrame {
   /// Of a stereo file, in the order of the source's; then that of the other eye's file.
   std::vector<Frame> other_views;
   io::LoadedFrame source;
+  /// Of each view: the mean relative squared error that the filter expects; empty unless asked for.
+  std::vector<double> expected_errors = {};
 };
 
 /// What `render` and `denoise` do with frames. Each stage is called in the order of the steps.

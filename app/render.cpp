@@ -10,7 +10,6 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <numeric>
 #include <optional>
 #include <set>
 #include <utility>
@@ -34,7 +33,6 @@
 #include "app/scene_hash.h"
 #include "app/scratch_files.h"
 #include "app/time_budget.h"
-#include "filter/input/host_images.h"
 #include "filter/merge/additive.h"
 #include "frame/io/exr.h"
 #include "frame/io/sequence.h"
@@ -156,6 +154,7 @@ RenderJob::RenderJob(const RenderCommand& command, tracer::Scene scene)
     readable_ = filter_->readable(frames, existing_frames(frames, scene_.description(), *filter_));
     attributes_.back().second += ' ' + filter_->describe(readable_);
     attributes_.emplace_back("becalm:preset", command.preset);
+    if (command.noise_target) filter_->measure_expected_errors();
   }
   choose_noisy_files();
 }
@@ -345,6 +344,8 @@ void RenderJob::run_steps(const std::vector<filter::Step>& steps,
 void RenderJob::write(FinishedFrame& finished, FrameSink& sink) {
   if (!sink.wants(finished.frame.number())) return;
   io::Attributes attributes = attributes_;
+  expected_errors_.insert(expected_errors_.end(), finished.expected_errors.begin(),
+                          finished.expected_errors.end());
   if (filter_) {
     attributes.emplace_back("becalm:tiles", filter_->tiles());
     attributes.emplace_back("becalm:alpha",
@@ -365,11 +366,6 @@ void RenderJob::write(FinishedFrame& finished, FrameSink& sink) {
 
 /// Gives a frame to be written what was asked for and not denoised, as `becalm denoise` passes it on.
 void RenderJob::complete(Frame& result, Frame& noisy) {
-  if (command_.noise_target) {
-    const Image error = expected_error(result, filter::exposure(noisy.image(Aov::beauty)));
-    const double sum = std::accumulate(error.data().begin(), error.data().end(), 0.0);
-    expected_errors_.push_back(sum / static_cast<double>(error.pixel_count()));
-  }
   const bool has_additive = filter_ && filter_->denoises_additive();
   for (const AovInfo& entry : kAovTable) {
     if (entry.diagnostic || entry.aov == Aov::beauty) continue;

@@ -23,13 +23,36 @@ constexpr double kEnough = 5e-4;
 
 constexpr std::array kRadiance{Aov::half_a,   Aov::half_b, Aov::direct,
                                Aov::indirect, Aov::bias,   Aov::accumulated};
-constexpr std::array kSquaredRadiance{Aov::variance, Aov::remaining_variance, Aov::accumulated_variance};
+constexpr std::array kSquaredRadiance{Aov::remaining_variance, Aov::accumulated_variance};
 
 void multiply(std::span<float> values, float factor) {
   for (float& value : values) {
     const float product = value * factor;
     constexpr float largest = std::numeric_limits<float>::max();
     value = std::isfinite(value) ? std::clamp(product, -largest, largest) : value;
+  }
+}
+
+/// Whether a square of radiance left the range of floats, or nearly did.
+bool is_lost(float squared) {
+  using Limits = std::numeric_limits<float>;
+  return squared >= 0.0f && (squared < Limits::min() || squared == Limits::max());
+}
+
+/// Scales the variance. What of it is lost comes from the half-buffers, which are scaled already.
+void scale_variance(Frame& frame, float scale) {
+  const std::span<float> variance = frame.image(Aov::variance).data();
+  const std::span<const float> a = frame.image(Aov::half_a).data();
+  const std::span<const float> b = frame.image(Aov::half_b).data();
+  const bool has_halves = !a.empty() && !b.empty();
+  for (std::size_t i = 0; i < variance.size(); ++i) {
+    const float difference = has_halves ? a[i] - b[i] : 0.0f;
+    if (has_halves && std::isfinite(difference) && is_lost(variance[i])) {
+      variance[i] = 0.25f * difference * difference;
+    } else {
+      multiply(variance.subspan(i, 1), scale);
+      multiply(variance.subspan(i, 1), scale);
+    }
   }
 }
 
@@ -54,6 +77,7 @@ void scale_radiance(Frame& frame, float scale) {
   for (std::size_t i = 0; i < beauty.pixel_count(); ++i) multiply(beauty.data().subspan(4 * i, 3), scale);
   for (const Aov aov : kRadiance) multiply(frame.image(aov).data(), scale);
   for (LightGroup& group : frame.light_groups()) multiply(group.radiance.data(), scale);
+  scale_variance(frame, scale);
   for (const Aov aov : kSquaredRadiance) {
     multiply(frame.image(aov).data(), scale);
     multiply(frame.image(aov).data(), scale);

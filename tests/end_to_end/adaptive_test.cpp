@@ -1,10 +1,15 @@
 // Samples where the filter needs them, and presets and samples by the time that there is.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "tests/end_to_end/harness.h"
@@ -121,6 +126,31 @@ TEST_F(Adaptive, ATargetTakesAsManySamplesAsItNeeds) {
     EXPECT_NE(outcome.err.find("noise expected in the frames: "), std::string::npos) << outcome.err;
   }
   EXPECT_NE(settings_of("a.exr").find("spp=64 noise_target=0.01"), std::string::npos) << settings_of("a.exr");
+}
+
+TEST_F(Adaptive, RadianceMayBeOfAnySize) {
+  std::ifstream file(scene_);
+  const std::string usual{std::istreambuf_iterator<char>(file), {}};
+  const auto lit_by = [&](int exponent) {
+    std::string text = usual;
+    const auto replace = [&](std::string_view before, const std::string& after) {
+      text.replace(text.find(before), before.size(), after);
+    };
+    replace("[8, 8, 7]", fmt::format("[8e{0}, 8e{0}, 7e{0}]", exponent));
+    replace("[0.1, 0.1, 0.2]", fmt::format("[1e{0}, 1e{0}, 2e{0}]", exponent - 1));
+    write_text(scene_, text);
+    const Outcome outcome = render("a.exr", {"--frames", "2", "--denoise=draft", "--noise-target", "0.03",
+                                             "-v", "--spp", "64", "--float"});
+    constexpr std::string_view words = "noise expected in the frames: ";
+    const double noise = std::stod(outcome.err.substr(outcome.err.find(words) + words.size()));
+    return std::pair(samples_told(outcome.err).at(0), noise);
+  };
+  const auto [samples, noise] = lit_by(0);
+  for (const int exponent : {-25, 25}) {
+    const auto [found_samples, found_noise] = lit_by(exponent);
+    EXPECT_NEAR(found_samples, samples, 0.1 * samples) << exponent;
+    EXPECT_NEAR(found_noise, noise, 0.1 * noise) << exponent;
+  }
 }
 
 TEST_F(Adaptive, ATimeBudgetDecidesOnceForAllFrames) {

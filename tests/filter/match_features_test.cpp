@@ -156,6 +156,28 @@ TEST(RadianceScale, IsThatOfTheLuminancesThatCount) {
   EXPECT_EQ(scale(1e25f, 1.0f, 10), 0x1p-80f) << "what is usual beside it is a trace";
 }
 
+TEST(RadianceScale, VarianceBeyondTheRangeComesFromTheHalves) {
+  const auto scaled = [](float radiance, float variance, bool has_halves) {
+    Frame frame(1, 1, 1);
+    frame.add(Aov::beauty, radiance);
+    frame.add(Aov::variance, variance);
+    if (has_halves) {
+      frame.add(Aov::half_a, radiance);
+      frame.add(Aov::half_b, 3.0f * radiance);
+    }
+    scale_radiance(frame, radiance < 1.0f ? 0x1p80f : 0x1p-80f);
+    return frame.image(Aov::variance).at(0, 0, 1);
+  };
+  constexpr float largest = std::numeric_limits<float>::max();
+  EXPECT_EQ(scaled(0x1p-80f, 0.0f, true), 1.0f);
+  EXPECT_EQ(scaled(0x1p-80f, 1e-44f, true), 1.0f) << "denormal";
+  EXPECT_EQ(scaled(0x1p80f, largest, true), 1.0f);
+  EXPECT_EQ(scaled(0x1p-62f, 0x1p-124f, true), 0x1p36f) << "in the range";
+  EXPECT_EQ(scaled(0x1p-80f, 0.0f, false), 0.0f);
+  EXPECT_LT(scaled(0x1p-80f, -1.0f, true), 0.0f) << "is counted as replaced";
+  EXPECT_TRUE(std::isnan(scaled(0x1p-80f, std::nanf(""), true)));
+}
+
 TEST(HostImages, HolesAreFilledFromTheirNeighbours) {
   Image image(3, 1, 4, 2.0f);
   image.at(1, 0, 0) = std::nanf("");
