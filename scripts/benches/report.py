@@ -13,6 +13,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+from benches.markdown_report import wrapped
 from benches.timed import timed
 from whole_file import write_whole
 
@@ -59,6 +60,15 @@ def section(folder, title):
     return found[1].strip() if found else sys.exit(f"report: {folder}/report.md: no section '{title}'")
 
 
+def preset_means(overview):
+    """A sentence of the means that a table of all variants begins with."""
+    means = []
+    for preset in PRESETS[::-1]:
+        cells = re.search(rf"^\| preset {preset} +\|(.*)\|$", overview, re.MULTILINE)[1].split("|")
+        means.append(f"`{preset}` leaves {cells[2].strip()} of noisy's relMSE and {cells[4].strip()} of its temporal error")
+    return wrapped("Geometric means: " + "; ".join(means) + ".").strip()
+
+
 def run_quality(becalm, folder, *options):
     subprocess.run([sys.executable, "-m", "benches.quality.run", "--becalm", becalm, "--variants", ",".join(VARIANTS), "--ablation-spp", "8",
                     "--pictured", "final", "--pictured-spp", "8", "-o", str(folder), "--resume", *options], check=True)
@@ -67,18 +77,23 @@ def run_quality(becalm, folder, *options):
 def quality_part(becalm):
     folder = Path("out/report")
     run_quality(becalm, folder, "--shots", "cycles")
+    text = section(folder, "8 samples per pixel")
     return f"""## Cycles shots, 8 samples a pixel
 
 {measured_at()}
 
+{preset_means(text)}
+
 480x270, with albedo, normal and depth, without variance;
 `scripts/benches/quality/cycles/render.py` renders them, two references each. relMSE and temporal
-error are those of `becalm compare`, as a share of noisy's. The network did not learn from them, but
-was extended after looks at `cloth`, `foliage`, `car` and `bottles`, and the light's blocks after one
-at `candles` (`scripts/train/README.md`). That only `draft` takes all of a difference for bias was
-decided with these shots in view. The last five rows change one thing of `final`.
+error are those of `becalm compare`; 1/15 of noisy's is an error 15 times smaller. `paper` is the
+method as published, which smooths nothing. The last five rows change one thing of `final`.
 
-{section(folder, "8 samples per pixel")}
+The network did not learn from these shots, but they are not fully held out: it was extended after
+looks at `cloth`, `foliage`, `car` and `bottles`; how light is restored, after a look at `candles`;
+and that `draft` takes all of a difference for bias, after looks at all (`scripts/train/README.md`).
+
+{text}
 
 ### Other sample counts
 
@@ -96,9 +111,11 @@ def scenes_part(becalm):
 
 {measured_at()}
 
+{preset_means(overview)}
+
 384x216, with every feature, variance and half-buffers; two references of 64 samples, whose noise is
-taken out. The network did not learn from these scenes, but affinities were added, and single pixels
-restored from 16 deviations on, after looks at `penumbra`.
+taken out. The network did not learn from these scenes, but two things were decided after looks at
+`penumbra`: affinities, and that single pixels are restored from 16 deviations on.
 
 {overview}
 
@@ -130,8 +147,9 @@ def antialias_part(becalm):
 
 One jittered sample a pixel at 320x180, 24 frames, direct light of a sun without penumbra and an
 ambient term (`scripts/benches/antialias/shots.py`), against 128 samples. `clamping`, `gain` and
-`paper` are the methods as published; the last row of a scene is the table of Philippi et al. 2022 on
-scenes of their own, with the gain's share of clamping.
+`paper` are the methods as published; `forward` and `best` are presets of `becalm antialias`. RMSE of
+changes: that of the differences between successive frames, which shows flicker. Published: the table
+of Philippi et al. 2022, on scenes of their own with the same names.
 
 {said(sys.executable, "-m", "benches.antialias.run", "--becalm", becalm)}
 
@@ -182,8 +200,8 @@ def upsample_part(becalm):
 
 The same kind of frames at 192x108, 16 frames, rendered at full size, as a checkerboard, at 2/3 and at
 half of the sides, and brought to full size by `becalm antialias`. Processor seconds a frame without
-starting up; half size and 1 sample cost a quarter of full size and 1. Samples of smaller frames are
-one: without noise, more of one place would change nothing.
+starting up. Smaller frames have one sample a pixel: without noise, more samples of the same place
+would change nothing.
 
 {said(sys.executable, "-m", "benches.antialias.run", "--becalm", becalm, "--upsample")}
 
@@ -260,6 +278,12 @@ def parts_of(text):
     return {name: part for part in sections for name, title in TITLES.items() if part.startswith(title)}
 
 
+def contents(text):
+    """Links to the sections, as GitHub and others name their anchors."""
+    titles = re.findall(r"^## (.*)$", text, re.MULTILINE)
+    return "".join(f"- [{title}](#{re.sub(r'[^a-z0-9 -]', '', title.lower()).replace(' ', '-')})\n" for title in titles)
+
+
 def main():
     parser = argparse.ArgumentParser(prog="scripts/bench report", description=__doc__)
     parser.add_argument("parts", nargs="*", choices=[*PARTS, []], metavar="PART", help=f"{', '.join(PARTS)}: the others are kept (default: all but training, which wants its shots)")
@@ -277,7 +301,7 @@ def main():
             continue
         parts = parts_of(results.read_text() if results.exists() else "") | {name: part}
         text = "".join(parts[name].strip() + "\n\n" for name in PARTS if name in parts)
-        write_whole(results, f"# Results\n\nWritten by `scripts/bench report`.\n\n{text.strip()}\n")
+        write_whole(results, f"# Results\n\nWritten by `scripts/bench report`.\n\n{contents(text)}\n{text.strip()}\n")
         print(f"RESULTS.md: {name}")
     if failed:
         sys.exit(f"report: not measured, and kept as they were: {', '.join(failed)}")

@@ -2,6 +2,7 @@
 table of Philippi, Frisvad and Jensen, section 5.1. Called by `scripts/bench antialias`."""
 
 import argparse
+import sys
 from pathlib import Path
 
 import cv2
@@ -9,6 +10,7 @@ import numpy as np
 
 from benches.antialias import noisy, stutter, upsample, zone_plate
 from benches.antialias.shots import CHOOSING, CYCLE, REPORTED, antialias, read, render
+from benches.markdown_report import markdown
 
 METHODS = {  # the options of becalm antialias
     "1 spp": None,
@@ -18,7 +20,8 @@ METHODS = {  # the options of becalm antialias
     "forward": ["--preset", "forward"],
     "best": ["--preset", "best"],
 }
-PUBLISHED = {"fence": (0.015, 0.009, 0.006), "classroom": (0.074, 0.048, 0.037), "blocks": (0.050, 0.032, 0.029)}
+PUBLISHED = {"fence": {"1 spp": 0.015, "clamping": 0.009, "gain": 0.006}, "classroom": {"1 spp": 0.074, "clamping": 0.048, "gain": 0.037},
+             "blocks": {"1 spp": 0.050, "clamping": 0.032, "gain": 0.029}}
 REFERENCE_SPP = 128
 
 
@@ -73,7 +76,7 @@ def main():
         name, _, options = text.partition(":")
         methods[name] = options.split() if options else METHODS[name]
     methods = methods or METHODS
-    print("| scene | method | RMSE | of clamping's | SSIM | RMSE of changes |\n| --- | --- | --- | --- | --- | --- |")
+    rows = []
     for scene in asked.scenes or (CHOOSING if asked.choosing else REPORTED):
         root = asked.output / asked.size / scene
         render(asked.becalm, scene, root / "jittered", frames, size, 1, CYCLE)
@@ -88,10 +91,11 @@ def main():
             rmse, similarity, changes = measure(reference, [read(folder, frame) for frame in frames])
             clamping = rmse if name == "clamping" else clamping
             ratio = f"{rmse / clamping:.2f}" if clamping else "-"
-            print(f"| {scene} | {name} | {rmse:.4f} | {ratio} | {similarity:.4f} | {changes:.4f} |", flush=True)
-        if scene in PUBLISHED:
-            one, clamp, gain = PUBLISHED[scene]
-            print(f"| {scene} | published: 1 spp {one}, clamping {clamp}, gain {gain} | | {gain / clamp:.2f} | | |")
+            rows.append((scene, name, f"{rmse:.4f}", ratio, f"{similarity:.4f}", f"{changes:.4f}"))
+            print(*rows[-1], file=sys.stderr, flush=True)
+        for name, published in PUBLISHED.get(scene, {}).items():
+            rows.append((scene, f"{name}, published", f"{published:.3f}", f"{published / PUBLISHED[scene]['clamping']:.2f}", "-", "-"))
+    print(markdown(("scene", "method", "RMSE", "of clamping's", "SSIM", "RMSE of changes"), rows), end="")
 
 
 if __name__ == "__main__":

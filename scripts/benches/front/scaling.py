@@ -18,6 +18,7 @@ SPP = 1
 PIXEL_FRAMES = list(range(9, 13))  # of each size
 SMALL = "96x54"                    # size of the frames that are counted
 CYCLE = list(range(1, 25))         # frames of the scene, which are shown forwards and backwards in turn
+START = 2                          # frames of the run that stands for the start of the program: the second is the first that is aligned
 TAIL = 100                         # frames from which on memory and the time of a frame are expected to be constant: segments are filled by then
 AOVS = "albedo,normal,depth,variance"
 
@@ -44,7 +45,7 @@ def _available_mib():
 
 
 def _less_start(run, start, frames):
-    """A run's seconds a frame, of so many, without the start, which is the run of one small frame. At least a hundredth of them is left."""
+    """A run's seconds a frame, of so many, without the start, which is the run of START small frames. At least a hundredth of them is left."""
     def left(clock):
         total = getattr(run, clock)
         return max(total - getattr(start, clock), 0.01 * total) / frames
@@ -70,11 +71,11 @@ class Scaling:
                 found.append(Measured(size, pixels_of(size), refused=f"would need about {needed / 1024:.0f} GiB"))
                 continue
             run = self._run("pixels", size, pixels_of(size), PIXEL_FRAMES, lambda size=size: self._rendered(size, PIXEL_FRAMES))
-            found.append(_less_start(run, self._small(1), len(PIXEL_FRAMES)))
+            found.append(_less_start(run, self._small(START), len(PIXEL_FRAMES)))
         return found
 
     def frames(self, counts):
-        return [_less_start(self._small(count), self._small(1), max(count - 1, 1)) for count in counts]
+        return [_less_start(self._small(count), self._small(START), max(count - START, 1)) for count in counts]
 
     def _small(self, count):
         return self._run("frames", str(count), count, list(range(1, count + 1)), lambda: self._repeated(count))
@@ -149,7 +150,7 @@ def report(preset, by_pixels, by_frames, clock):
                                                            summary(by_pixels, by_frames, clock).items()])
     what = wrapped(
         f"`becalm denoise --preset {preset}` of `scenes/{SCENE}.json` at {SPP} sample per pixel, with files, without the start of the program "
-        f"(a run of one frame of {SMALL}). An exponent in a row is that from the row before. Frames are counted at {SMALL}; each size has "
+        f"(a run of {START} frames of {SMALL}). An exponent in a row is that from the row before. Frames are counted at {SMALL}; each size has "
         f"{len(PIXEL_FRAMES)} frames.")
     return f"{what}\n{claims}\n{_table('pixels', by_pixels, clock)}\n{_table('frames', by_frames, clock)}"
 

@@ -34,8 +34,10 @@ class Results:
 
 
 def share(ratio):
-    """A ratio as text: 0.05 is 1/20."""
-    return f"1/{1.0 / ratio:.3g}" if 0.0 < ratio < 0.5 else f"{ratio:.3f}"
+    """A ratio as text: 0.05 is 1/20, 1.5 is 1.50."""
+    def digits(value):
+        return f"{value:.0f}" if value >= 1000.0 else f"{value:.3g}"
+    return f"1/{digits(1.0 / ratio)}" if 0.0 < ratio < 1.0 else digits(ratio)
 
 
 def geometric_mean(ratios):
@@ -59,7 +61,7 @@ def largest(by_scene):
 
 
 def overview_table(results, spp):
-    """A row for each variant: means over the scenes."""
+    """A row for each variant: arithmetic means over the scenes, but geometric ones of the shares of noisy's errors."""
     rows = []
     for variant in results.variants:
         cells = results.of(spp, variant.name)
@@ -68,11 +70,11 @@ def overview_table(results, spp):
                 rows.append((variant.title, NOT_AVAILABLE, *[""] * 8))
             continue
         mean = {metric: np.mean([cell["mean"][metric] for cell in cells.values()]) for metric in ("relmse", "temporal", "ssim")}
-        ratio = {metric: np.mean(list(results.ratios(spp, variant.name, metric).values())) for metric in ("relmse", "temporal")}
+        of_noisy = {metric: geometric_share(results, spp, variant.name, metric) for metric in ("relmse", "temporal")}
         scene, energy = largest({scene: cell["mean"]["energy"] for scene, cell in cells.items()})
         seconds = [[cell["times"][part] for cell in cells.values() if part in cell["times"]] for part in ("filter", "process")]
-        rows.append((variant.title, len(cells), figure(mean["relmse"], 5), share(ratio["relmse"]), figure(mean["temporal"], 5),
-                     share(ratio["temporal"]), f"{percent(energy)} {scene}", figure(mean["ssim"], 3),
+        rows.append((variant.title, len(cells), figure(mean["relmse"], 5), of_noisy["relmse"], figure(mean["temporal"], 5),
+                     of_noisy["temporal"], f"{percent(energy)} {scene}", figure(mean["ssim"], 3),
                      *(figure(np.mean(of) if of else None, 2) for of in seconds)))
     return markdown(("variant", "scenes", "relMSE", "of noisy", "temporal error", "of noisy", "energy, the worst", "SSIM",
                      "filter s a frame", "with files"), rows)
