@@ -119,6 +119,10 @@ AovSet wanted_aovs(const Settings& settings) {
 }
 
 struct SequenceFilter::State {
+  /// Builds all chains within `memory_limit` bytes. Throws DeviceLimitError.
+  void build(gpu::Device& device, std::uint64_t memory_limit);
+  /// The same with a merger that takes at most `of_merger` of them.
+  void build_with(gpu::Device& device, std::uint64_t memory_limit, std::uint64_t of_merger);
   /// The smoothed albedo and the smoothed frame: kept from an earlier step, or computed now.
   Image smoothed_albedo(const Step& step, const NewFrame& frame, FrameReport& report);
   Estimate smoothed(const Step& step, const NewFrame& frame, FrameReport& report);
@@ -158,24 +162,37 @@ SequenceFilter::SequenceFilter(gpu::Device& device, const Settings& settings, in
           .guides = guides_of(settings, used),
           .additive = (used & additive_aovs()).count() + options.light_groups,
           .denoises_alpha = options.alpha == Alpha::denoise};
-  std::uint64_t left = std::min(options.memory_limit, usable_bytes(device));
-  state_->merger.emplace(device, task, left);
-  left -= state_->merger->memory().device.own;  // the others keep nothing between runs
-  if (task.smooths_albedo()) state_->albedo_smoother.emplace(device, task, left);
-  if (task.smooths()) {
-    FilterTask task_of_frame = task;
-    if (task.smooths_merged()) task_of_frame.additive = 0;
-    state_->smoother.emplace(device, task_of_frame, left);
-  }
-  if (task.smooths_merged()) {
-    state_->merged_smoother.emplace(device, task, left);
-  }
-  if (settings.directions == Directions::both) {
-    state_->combiner.emplace(device, task, left);
-  }
+  state_->build(device, std::min(options.memory_limit, usable_bytes(device)));
 }
 SequenceFilter::~SequenceFilter() = default;
 SequenceFilter::SequenceFilter(SequenceFilter&&) noexcept = default;
+
+void SequenceFilter::State::build(gpu::Device& device, std::uint64_t memory_limit) {
+  try {
+    build_with(device, memory_limit, memory_limit);
+  } catch (const gpu::DeviceLimitError&) {
+    // A history that the merger keeps on the device may leave the others too little; a merger that is cut
+    // keeps it on the host.
+    const std::uint64_t whole = merger ? merger->memory().device.total() : 0;
+    if (!merger || merger->memory().tiles > 1) throw;
+    build_with(device, memory_limit, whole - 1);
+  }
+}
+
+void SequenceFilter::State::build_with(gpu::Device& device, std::uint64_t memory_limit,
+                                       std::uint64_t of_merger) {
+  merger.emplace(device, task, of_merger);
+  const std::uint64_t left =
+      memory_limit - merger->memory().device.own;  // the others keep nothing between runs
+  if (task.smooths_albedo()) albedo_smoother.emplace(device, task, left);
+  if (task.smooths()) {
+    FilterTask task_of_frame = task;
+    if (task.smooths_merged()) task_of_frame.additive = 0;
+    smoother.emplace(device, task_of_frame, left);
+  }
+  if (task.smooths_merged()) merged_smoother.emplace(device, task, left);
+  if (task.settings.directions == Directions::both) combiner.emplace(device, task, left);
+}
 
 std::optional<Frame> SequenceFilter::run(const Step& step, const Frame& frame, FrameReport& report) {
   std::optional<Merged> merged = begin(step, frame, report);

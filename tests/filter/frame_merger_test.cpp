@@ -239,6 +239,14 @@ TEST_F(FrameMergerTest, ShowsNoSeamsWithoutVarianceAndGuides) {
                   2, 2);
 }
 
+TEST_F(FrameMergerTest, LeavesTheSmoothersEnoughMemory) {
+  const Scene scene{.width = 300, .height = 200};
+  const std::uint64_t whole = make(preset("balanced"), scene, kUnlimited).memory().device.total();
+  for (const int percent : {70, 80, 90}) {
+    EXPECT_NO_THROW(make(preset("balanced"), scene, whole / 100 * percent)) << percent << " % of " << whole;
+  }
+}
+
 TEST_F(FrameMergerTest, ShowsNoSeamsWhereMotionIsKnown) {
   for (const std::vector<const char*>& assignments :
        {std::vector<const char*>{"motion=override"}, {"motion=guide"}}) {
