@@ -14,13 +14,17 @@ namespace {
 
 constexpr const char* kInputs = "becalm:inputs";
 
-/// `beauty=R,G,B,A albedo=albedo.R,...`
-std::string text_of(const io::LayerMap& layers, AovSet used) {
+/// `beauty=R,G,B,A albedo=albedo.R,...`; of a file with parts that have names, `albedo=PART/R,...`.
+std::string text_of(const io::ExrView& view, AovSet used) {
   std::string text;
   for (const AovInfo& entry : kAovTable) {
     if (!contains(used, entry.aov)) continue;
-    text += fmt::format("{}{}={}", text.empty() ? "" : " ", entry.name.empty() ? "beauty" : entry.name,
-                        fmt::join(layers[static_cast<std::size_t>(entry.aov)]->channels, ","));
+    const io::LayerSource& source = *view.layers[static_cast<std::size_t>(entry.aov)];
+    std::vector<std::string> channels = source.channels;
+    std::erase(channels, std::string());  // no alpha
+    const std::string& part = view.part_names[static_cast<std::size_t>(source.part)];
+    text += fmt::format("{}{}={}{}{}", text.empty() ? "" : " ", entry.name.empty() ? "beauty" : entry.name,
+                        part, part.empty() ? "" : "/", fmt::join(channels, ","));
   }
   return text;
 }
@@ -85,7 +89,7 @@ const Fingerprints::Taken& Fingerprints::taken(int frame) {
   Taken taken;
   taken.settings = io::read_attribute(path, "becalm:settings");
   for (const io::ExrView& view : io::read_exr_header(path, layers_, io::CheckChunks::no)) {
-    const std::string layers = text_of(view.layers, layout_of(view, filter_).aovs);
+    const std::string layers = text_of(view, layout_of(view, filter_).aovs);
     taken.layers += fmt::format("{}{}{}{}", taken.layers.empty() ? "" : " ", view.view,
                                 view.view.empty() ? "" : ": ", layers);
   }

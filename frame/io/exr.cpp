@@ -17,6 +17,7 @@
 #include "frame/io/exr_file.h"
 #include "frame/io/exr_parts.h"
 #include "frame/io/jitter_text.h"
+#include "frame/io/printable.h"
 #include "frame/io/stereo_text.h"
 #include "frame/io/stripe.h"
 
@@ -219,12 +220,17 @@ std::string text_attribute(const Imf::Header& header, const char* name) {
 std::vector<ExrView> views_of(const std::string& path, const Imf::MultiPartInputFile& file,
                               const LayerOptions& options) {
   require_flat(path, file);
+  std::vector<std::string> names(static_cast<std::size_t>(file.parts()));
+  for (int part = 0; file.parts() > 1 && part < file.parts(); ++part) {
+    if (file.header(part).hasName())
+      names[static_cast<std::size_t>(part)] = printable(file.header(part).name());
+  }
   std::vector<ExrView> views;
   for (ViewLayers& found : find_view_layers(path, part_channels(file), options)) {
     const Imf::Header& header = file.header(found.layers[static_cast<std::size_t>(Aov::beauty)]->part);
     const bool is_checkerboard =
         parse_checkerboard(text_attribute(file.header(0), kCheckerboardAttribute), {}).has_value();
-    views.push_back({std::move(found), header.dataWindow(), header.displayWindow(), is_checkerboard});
+    views.push_back({std::move(found), header.dataWindow(), header.displayWindow(), names, is_checkerboard});
   }
   return views;
 }

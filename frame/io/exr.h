@@ -48,7 +48,8 @@ enum class LightGroups { leave, read };
 struct ExrView : ViewLayers {
   Imath::Box2i data_window;  ///< of the beauty's part
   Imath::Box2i display_window;
-  bool is_checkerboard = false;  ///< the file tells which pixels of a checkerboard it holds
+  std::vector<std::string> part_names;  ///< of every part; empty ones for a file of one part
+  bool is_checkerboard = false;         ///< the file tells which pixels of a checkerboard it holds
 };
 
 /// Whether read_exr keeps the channels that write_denoised_exr passes on, so that they are decompressed once.
@@ -98,6 +99,8 @@ struct ExrDescription {
   };
   std::vector<Part> parts;
   std::vector<std::string> other_beauties;  ///< of view layers that stay noisy
+  /// What Blender denoised itself, beside the noisy image that is the beauty.
+  std::vector<std::string> denoised_beauties;
   std::string problem;  ///< why it could not be denoised, such as that it has no colour; or empty
 
   /// One line for each part, for each channel and for each other beauty.
