@@ -44,14 +44,14 @@ void find_sets(const std::vector<NumberedFile>& files, const io::LayerOptions& l
   std::vector<std::string> paths;
   for (const NumberedFile& file : files) paths.push_back(file.path);
   choice.sets = io::find_additive_sets(paths, layers);
-  std::vector<io::AdditiveSet> told = choice.sets;
-  if (!tell_others) std::erase_if(told, [](const io::AdditiveSet& set) { return !set.adds_up(); });
-  choice.notes = io::describe(told);
+  for (const io::AdditiveSet& set : choice.sets) {
+    if (tell_others || set.adds_up()) choice.notes.push_back({io::describe(set), !set.adds_up()});
+  }
   io::LayerOptions chosen = layers;
   chosen.additive = io::choose_additive("auto", choice.sets);
   if (chosen.additive.empty()) return;
   if (const std::optional<int> frame = frame_that_lacks(chosen, files)) {
-    choice.notes = {io::describe_lack(chosen.additive, *frame)};
+    choice.notes = {{io::describe_lack(chosen.additive, *frame), /*is_warning=*/true}};
   } else {
     choice.layers = std::move(chosen.additive);
   }
@@ -72,8 +72,9 @@ AdditiveChoice choose_additive(const std::string& asked, const std::vector<Numbe
   const std::vector<std::string> named = io::choose_additive(asked, {});
   if (std::ranges::find(words, "auto") != words.end()) find_sets(files, layers, named.empty(), choice);
   if (named.empty()) return choice;
-  choice.notes.push_back(fmt::format("{} {} denoised with the beauty", fmt::join(named, ", "),
-                                     named.size() == 1 ? "is" : "are"));
+  choice.notes.push_back({fmt::format("{} {} denoised with the beauty", fmt::join(named, ", "),
+                                      named.size() == 1 ? "is" : "are"),
+                          /*is_warning=*/false});
   std::ranges::copy_if(named, std::back_inserter(choice.layers), [&](const std::string& layer) {
     return std::ranges::find(choice.layers, layer) == choice.layers.end();
   });

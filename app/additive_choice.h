@@ -18,10 +18,16 @@ struct NumberedFile {
 /// The files of all frames on disk.
 std::vector<NumberedFile> files_on_disk(const io::SequencePattern& pattern);
 
+/// What a user is told of layers that may be summands of the beauty.
+struct AdditiveNote {
+  std::string text;
+  bool is_warning;  ///< they stay noisy
+};
+
 /// Which layers are denoised with the beauty.
 struct AdditiveChoice {
   std::vector<std::string> layers;
-  std::vector<std::string> notes;     ///< what a user is told of them
+  std::vector<AdditiveNote> notes;
   std::vector<io::AdditiveSet> sets;  ///< that were found
 };
 

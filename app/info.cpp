@@ -193,7 +193,7 @@ void describe_file(const InfoCommand& command, const io::LayerOptions& layers) {
   } else {
     fmt::print("{}: EXR with {}\n", path, counted(file.parts.size(), "part", "parts"));
     print_lines(file.lines());
-    print_lines(additive.notes);
+    for (const AdditiveNote& note : additive.notes) fmt::print("{}\n", note.text);
     if (!alpha.empty()) fmt::print("{}\n", alpha);
     print_origin(origin_of(path));
     if (audits) print_audit(findings);
@@ -320,7 +320,7 @@ void describe_sequence(const io::SequencePattern& pattern, const io::LayerOption
       fmt::print("{} is the other half of the samples; denoise takes the mean of both\n", other->text());
     }
     print_kinds(kinds);
-    print_lines(additive.notes);
+    for (const AdditiveNote& note : additive.notes) fmt::print("{}\n", note.text);
     if (!alpha.empty()) fmt::print("{}\n", alpha);
     print_origin(origin_of(pattern.path(frames.front())));
     if (audits) print_audit(findings);

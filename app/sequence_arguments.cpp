@@ -34,7 +34,7 @@ void add_sequence_options(CLI::App& parser, SequenceCommand& command, const std:
   parser
       .add_option(
           "--missing", command.missing,
-          "A frame of --frames that is not there, or (but for error) damaged: error stops before the first "
+          "A frame of --frames that is not there, or (but for error) not whole: error stops before the first "
           "frame, skip writes nothing for it, hold writes the result of the frame before it again (default: "
           "error)")
       ->check(CLI::IsMember({"error", "skip", "hold"}))

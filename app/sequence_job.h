@@ -53,7 +53,7 @@ class SequenceJob {
   const InputWindow window_;
   Fingerprints fingerprints_;
   io::Attributes attributes_;
-  std::vector<std::string> additive_notes_;
+  std::vector<AdditiveNote> additive_notes_;
   std::vector<std::string> lights_;  ///< light groups and additive layers that are denoised
   bool told_of_same_halves_ = false;
   std::set<int> existing_;

@@ -39,9 +39,10 @@ constexpr std::string_view kArnoldOldPaths[] = {"direct_diffuse",
                                                 "background"};
 constexpr std::string_view kDirectAndIndirect[] = {"direct", "indirect", "emission", "background"};
 constexpr std::string_view kVray[] = {
-    "lighting",   "gi",         "globalillumination", "reflection", "reflect",
-    "refraction", "refract",    "specular",           "sss",        "caustics",
-    "background", "atmosphere", "selfillum",          "sheen",      "selfillumination"};
+    "lighting",        "gi",         "globalillumination", "reflection", "reflect",
+    "refraction",      "refract",    "specular",           "sss",        "sss2",
+    "caustics",        "background", "atmosphere",         "selfillum",  "sheen",
+    "selfillumination"};
 constexpr std::string_view kRenderMan[] = {"directdiffuse",    "indirectdiffuse", "directspecular",
                                            "indirectspecular", "subsurface",      "transmissive",
                                            "emissive",         "background"};
@@ -58,6 +59,8 @@ constexpr std::span<const std::string_view> kSets[] = {kBlender,     kBlenderFil
 
 /// What the names of Arnold's and of Cycles' light groups begin with; the scene gives the rest.
 constexpr std::string_view kLightGroups[] = {"rgba_", "combined_"};
+/// What the names of Arnold's own denoised layers begin with.
+constexpr std::string_view kArnoldsDenoised = "rgba_denoise";
 
 /// Blender's light of these layers is multiplied by the surface's colour in another layer.
 struct ColouredBy {
@@ -100,7 +103,7 @@ std::string_view end_of(std::string_view name) {
 }
 
 bool is_of_group(std::string_view name, std::string_view group) {
-  return name.starts_with(group) && !names_an_aov(name);
+  return name.starts_with(group) && !name.starts_with(kArnoldsDenoised) && !names_an_aov(name);
 }
 
 /// The scopes whose layers may be summands of the beauty: its own, or any where it has none.
@@ -357,23 +360,18 @@ std::string describe_lack(const std::vector<std::string>& layers, int frame) {
       printable(fmt::format("{}", fmt::join(layers, ", ")), 1500), frame);
 }
 
-std::vector<std::string> describe(const std::vector<AdditiveSet>& sets) {
-  std::vector<std::string> lines;
-  for (const AdditiveSet& set : sets) {
-    const std::string names = printable(fmt::format("{}", fmt::join(set.layers, ", ")), 1500);
-    if (!set.cropped.empty()) {
-      lines.push_back(fmt::format("{} are passed on noisy, since {} {} another data window than the beauty",
-                                  names, printable(fmt::format("{}", fmt::join(set.cropped, ", ")), 1500),
-                                  set.cropped.size() == 1 ? "has" : "have"));
-      continue;
-    }
-    lines.push_back(set.adds_up()
-                        ? fmt::format("{} add up to the beauty and are denoised with it", names)
-                        : fmt::format("{} do not add up to the beauty in {:.1f}% of the values and are "
-                                      "passed on noisy; --additive auto,NAME,... denoises them, too",
-                                      names, 100.0 * set.share_off));
+std::string describe(const AdditiveSet& set) {
+  const std::string names = printable(fmt::format("{}", fmt::join(set.layers, ", ")), 1500);
+  if (!set.cropped.empty()) {
+    return fmt::format("{} are passed on noisy, since {} {} another data window than the beauty", names,
+                       printable(fmt::format("{}", fmt::join(set.cropped, ", ")), 1500),
+                       set.cropped.size() == 1 ? "has" : "have");
   }
-  return lines;
+  if (set.adds_up()) return fmt::format("{} add up to the beauty and are denoised with it", names);
+  return fmt::format(
+      "{} do not add up to the beauty in {:.1f}% of the values and are passed on noisy; --additive "
+      "auto,NAME,... denoises them, too",
+      names, 100.0 * set.share_off);
 }
 
 }  // namespace becalm::io

@@ -49,7 +49,7 @@ std::vector<std::string> choose_additive(std::string_view text, const std::vecto
 /// One line for layers that add up, and that a frame of the sequence lacks.
 std::string describe_lack(const std::vector<std::string>& layers, int frame);
 
-/// One line for each set, for people.
-std::vector<std::string> describe(const std::vector<AdditiveSet>& sets);
+/// One line, for people.
+std::string describe(const AdditiveSet& set);
 
 }  // namespace becalm::io

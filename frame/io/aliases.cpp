@@ -18,6 +18,7 @@ constexpr Alias kAliases[] = {
     {.aov = Aov::beauty, .layer = "rgba"},
     {.aov = Aov::beauty, .layer = "beauty"},
     {.aov = Aov::beauty, .layer = "ci"},
+    {.aov = Aov::beauty, .layer = "c"},  // Karma's
     {.aov = Aov::beauty, .layer = "<root>"},
     {.aov = Aov::beauty, .layer = "rgb_color"},
     {.aov = Aov::beauty, .layer = "rgb"},

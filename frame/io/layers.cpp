@@ -22,14 +22,31 @@ namespace {
 /// choice for the beauty.
 constexpr std::string_view kCompositeScope = "composite";
 
+/// Where Blender denoises a view layer itself, this is what it rendered, and the layer with the beauty's
+/// usual name is denoised.
+constexpr std::string_view kBlendersNoisy = "noisy image";
+
 /// Names of parts whose bare channels look like colours and are none; and of those that are seldom a beauty.
 /// Only the letters of the last of a name's parts between dots count.
 constexpr std::string_view kNoColours[] = {"position", "worldposition", "p",      "pworld", "pref",
                                            "uv",       "indexob",       "indexma"};
 constexpr std::string_view kBearersOfIds[] = {"",         "object", "obj",   "material", "mat",
                                               "instance", "node",   "shape", "primitive"};
-constexpr std::string_view kSeldomBeauties[] = {"ao",   "occlusion", "shadow", "shadows",
-                                                "mask", "matte",     "mist"};
+constexpr std::string_view kSeldomBeauties[] = {"ao",
+                                                "occlusion",
+                                                "shadow",
+                                                "shadows",
+                                                "mask",
+                                                "matte",
+                                                "mist",
+                                                "denoised",
+                                                "vraydenoiser",
+                                                "rgbadenoise",
+                                                "effectsresult",
+                                                "glossyreflection",
+                                                "beautyunshadowed"};
+/// What the names of Karma's lobes begin with.
+constexpr std::string_view kKarmasLobes[] = {"combined", "direct", "indirect"};
 
 /// Of a name in lower case.
 std::string letters_of(std::string_view part) {
@@ -39,12 +56,15 @@ std::string letters_of(std::string_view part) {
   return letters;
 }
 
-bool is_among(std::string_view name, std::span<const std::string_view> names) {
-  return std::ranges::find(names, name) != names.end();
+bool is_among(std::string_view name, const auto& names) {
+  return std::ranges::find(names, name) != std::ranges::end(names);
 }
 
 bool is_seldom_beauty(std::string_view part) {
-  return names_a_summand(part) || is_among(letters_of(part), kSeldomBeauties);
+  const std::string name = letters_of(part);
+  const bool is_lobe = std::ranges::any_of(
+      kKarmasLobes, [&](std::string_view lobe) { return name.starts_with(lobe) && name != lobe; });
+  return is_lobe || names_a_summand(part) || is_among(name, kSeldomBeauties);
 }
 
 bool is_no_colour(std::string_view part) {
@@ -77,13 +97,24 @@ class LayerFinder {
   LayerFinder(const std::vector<PartChannels>& parts, const std::string& view)
       : layers_(collect_layers(parts, view)) {
     std::map<std::string_view, int> evidence;  // by name: two parts may have one
-    for (const ChannelLayer& layer : layers_) {
-      evidence[layer.name()] = evidence_of_vray(layer.name());
-      is_vrays_ |= layer.spells_colours_out;
-    }
     int sum = 0;
+    for (const ChannelLayer& layer : layers_) evidence[layer.name()] = evidence_of_vray(layer.name());
+    // Nuke spells them out, too.
+    if (std::ranges::any_of(layers_, &ChannelLayer::spells_colours_out)) sum = kVraysEvidence / 2;
     for (const auto& [name, of_name] : evidence) sum += of_name;
-    is_vrays_ |= sum >= kVraysEvidence;
+    is_vrays_ = sum >= kVraysEvidence;
+  }
+
+  /// The beauty as it was rendered: Blender's noisy image, where there is one beside it.
+  std::optional<Found> find_noisy_beauty() const {
+    std::optional<Found> beauty = find_beauty();
+    if (!beauty) return beauty;
+    for (const ChannelLayer& layer : layers_) {
+      if (scope_before(layer.name(), kBlendersNoisy) != beauty->scope) continue;
+      if (std::optional<LayerSource> source = channels_as(layer, Aov::beauty))
+        beauty->source = std::move(*source);
+    }
+    return beauty;
   }
 
   /// In this order: bare channels of a part without a name, layers with a beauty's name, bare channels of a
@@ -187,6 +218,11 @@ class LayerFinder {
   bool is_vrays_ = false;
 };
 
+/// Whether a part has luminance for its colour, with or without chroma.
+bool has_luminance(const std::vector<PartChannels>& parts) {
+  return std::ranges::any_of(parts, [](const PartChannels& part) { return is_among("Y", part.channels); });
+}
+
 /// The channels in one line, cut short where there are very many.
 std::string list_channels(const std::vector<PartChannels>& parts) {
   constexpr std::size_t most_listed = 60;
@@ -229,6 +265,11 @@ std::map<std::string, LightSource> find_light_groups(const std::vector<PartChann
   return lights;
 }
 
+/// A layer's name as the file has it.
+std::string title_of(const ChannelLayer& layer, const std::vector<PartChannels>& parts) {
+  return layer.title.empty() ? parts[layer.part].name : layer.title;
+}
+
 }  // namespace
 
 std::vector<std::string> find_views(const std::vector<PartChannels>& parts) {
@@ -255,13 +296,27 @@ std::vector<std::string> find_other_beauties(const std::vector<PartChannels>& pa
       const std::optional<LayerSource> source = channels_as(layer, Aov::beauty);
       if (!scope || scope->empty() || *scope == kCompositeScope || !source) continue;
       if (source->part == beauty.part && source->channels.front() == beauty.channels.front()) taken = *scope;
-      titles.emplace(*scope, layer.title.empty() ? layer.name() : layer.title);
+      titles.emplace(*scope, title_of(layer, parts));
     }
   }
   titles.erase(taken);
   std::vector<std::string> others;
   for (auto& [scope, title] : titles) others.push_back(std::move(title));
   return taken.empty() ? std::vector<std::string>() : others;
+}
+
+std::optional<std::string> find_denoised_beauty(const std::vector<PartChannels>& parts,
+                                                const LayerSource& beauty, const std::string& view) {
+  const std::vector<ChannelLayer> layers = collect_layers(parts, view);
+  for (const ChannelLayer& noisy : layers) {
+    const std::optional<std::string_view> scope = scope_before(noisy.name(), kBlendersNoisy);
+    const std::optional<LayerSource> source = channels_as(noisy, Aov::beauty);
+    if (!scope || !source || source->part != beauty.part || source->channels != beauty.channels) continue;
+    for (const ChannelLayer& layer : layers) {
+      if (scope_before(layer.name(), "combined") == scope) return title_of(layer, parts);
+    }
+  }
+  return std::nullopt;
 }
 
 LayerMap find_layers(const std::string& file, const std::vector<PartChannels>& parts,
@@ -291,14 +346,15 @@ LayerMap find_layers(const std::string& file, const std::vector<PartChannels>& p
     set(aov, std::move(found->source));
   }
   if (!beauty_scope) {
-    std::optional<Found> beauty = finder.find_beauty();
+    std::optional<Found> beauty = finder.find_noisy_beauty();
     if (!beauty) {
       throw Error(
           ExitStatus::bad_input,
           fmt::format(
               "{}: no colour: expected channels R G B or LAYER.Combined.R G B, or --layers beauty=NAME; "
-              "channels found: {}",
-              place, list_channels(parts)));
+              "channels found: {}{}",
+              place, list_channels(parts),
+              has_luminance(parts) ? "; luminance and chroma must be converted first" : ""));
     }
     beauty_scope = beauty->scope;
     set(Aov::beauty, std::move(beauty->source));

@@ -120,6 +120,19 @@ TEST(Layers, BeautiesOfOtherViewLayersAreFound) {
   EXPECT_TRUE(find_other_beauties({{.channels = {"R", "G", "B"}}}, {.channels = {"R"}}, "").empty());
 }
 
+TEST(Layers, LuminanceIsToldFromMissingColour) {
+  const auto error_of = [](const Names& channels) {
+    try {
+      find(channels);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(error_of({"BY", "RY", "Y"}).find("luminance and chroma must be converted"), std::string::npos);
+  EXPECT_EQ(error_of({"X"}).find("luminance"), std::string::npos) << error_of({"X"});
+}
+
 TEST(Layers, TheCompositeIsTheLastChoice) {
   const LayerMap map =
       find({"Composite.Combined.A", "Composite.Combined.B", "Composite.Combined.G", "Composite.Combined.R"});
@@ -129,6 +142,31 @@ TEST(Layers, TheCompositeIsTheLastChoice) {
 TEST(Layers, NoisyImageIsABeautyToo) {
   EXPECT_EQ(channels_of(find({"V.Noisy Image.B", "V.Noisy Image.G", "V.Noisy Image.R"}), Aov::beauty),
             (Names{"V.Noisy Image.R", "V.Noisy Image.G", "V.Noisy Image.B", ""}));
+}
+
+TEST(Layers, WhatBlenderDenoisedIsNotDenoisedAgain) {
+  std::vector<PartChannels> parts(1);
+  for (const char* layer : {"A.Combined", "B.Combined", "B.Noisy Image"}) {
+    for (const char* letter : {".B", ".G", ".R"}) parts[0].channels.push_back(std::string(layer) + letter);
+  }
+  const auto beauty = [&] { return *source(find_layers("f", parts, {}), Aov::beauty); };
+  EXPECT_EQ(beauty().channels[0], "A.Combined.R") << "of another view layer";
+  EXPECT_FALSE(find_denoised_beauty(parts, beauty(), ""));
+  for (const char* letter : {".B", ".G", ".R"})
+    parts[0].channels.push_back(std::string("A.Noisy Image") + letter);
+  EXPECT_EQ(beauty().channels[0], "A.Noisy Image.R");
+  EXPECT_EQ(find_denoised_beauty(parts, beauty(), ""), "A.Combined");
+  EXPECT_EQ(find_other_beauties(parts, beauty(), ""), Names{"B.Combined"});
+}
+
+TEST(Layers, KarmasColourIsCAndItsLobesAreNone) {
+  EXPECT_EQ(channels_of(find({"C.A", "C.B", "C.G", "C.R"}), Aov::beauty)[0], "C.R");
+  for (const char* other :
+       {"combineddiffuse", "glossyreflection", "beautyunshadowed", "denoised", "VRayDenoiser"}) {
+    const std::vector<PartChannels> parts{{.name = other, .channels = {"B", "G", "R"}},
+                                          {.name = "noisy", .channels = {"B", "G", "R"}}};
+    EXPECT_EQ(source(find_layers("f", parts, {}), Aov::beauty)->part, 1) << other;
+  }
 }
 
 TEST(Layers, NamesAreParsedFromTheRight) {
