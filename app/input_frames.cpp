@@ -34,6 +34,11 @@ int usual_step(const std::vector<int>& frames) {
 
 namespace {
 
+/// `frame 9`, `frames 9-11`.
+std::string frames_text(const std::vector<int>& frames) {
+  return fmt::format("{} {}", frames.size() == 1 ? "frame" : "frames", io::format_frame_range(frames));
+}
+
 /// The frames with those between them, in their usual step. Throws Error(bad_input) if they are too many.
 std::vector<int> every_step(const std::vector<int>& frames, const std::string& pattern) {
   const std::int64_t step = usual_step(frames);
@@ -119,8 +124,12 @@ InputFrames::InputFrames(const std::vector<std::string>& patterns, Pair pair, co
   std::vector<int> absent;
   std::ranges::set_difference(asked, on_disk, std::back_inserter(absent));
   if (!absent.empty()) {
-    note_ = fmt::format("{}: frames {} are not on disk and {}", pattern, io::format_frame_range(absent),
-                        missing == Missing::hold ? "hold those before them" : "are left out");
+    const bool is_one = absent.size() == 1;
+    const char* what_becomes = missing == Missing::hold
+                                   ? (is_one ? "holds the one before it" : "hold those before them")
+                                   : (is_one ? "is left out" : "are left out");
+    note_ = fmt::format("{}: {} {} not on disk and {}", pattern, frames_text(absent), is_one ? "is" : "are",
+                        what_becomes);
   }
 }
 
@@ -137,8 +146,9 @@ bool InputFrames::leave_damaged(std::vector<int>& present) {
     if (is_damaged[i] != 0) damaged.push_back(readable_[i]);
   }
   if (damaged.empty()) return false;
-  warn(fmt::format("{}: frames {} are damaged or not whole yet, and count as missing", pattern_.text(),
-                   io::format_frame_range(damaged)));
+  const bool is_one = damaged.size() == 1;
+  warn(fmt::format("{}: {} {} damaged or not whole yet, and {} as missing", pattern_.text(),
+                   frames_text(damaged), is_one ? "is" : "are", is_one ? "counts" : "count"));
   std::erase_if(present, [&](int frame) { return std::ranges::binary_search(damaged, frame); });
   return true;
 }
