@@ -128,6 +128,13 @@ TEST(SampleCounts, ThatCannotBeAreRefused) {
   refused(Image(24, 16, 1, 0.0f), {});
   refused(Image(24, 16, 1, 65537.0f), {});
   refused(Image(24, 15, 1, 2.0f), {});
+  refused(Image(), {});
+  for (const float count :
+       {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    Image counts(24, 16, 1, 2.0f);
+    counts.at(5, 3, 0) = count;
+    refused(counts, {});
+  }
   refused(Image(24, 16, 1, 1.0f), {Aov::half_a});
 }
 
