@@ -53,8 +53,8 @@ struct PixelSample {
 struct RenderReport {
   double seconds = 0.0;
   std::uint64_t samples = 0;
-  std::size_t non_finite_samples =
-      0;  ///< samples with NaN or Inf: dropped, counted, replayable by the printed flag
+  /// Samples with NaN or Inf: dropped, counted, replayable by the printed flag.
+  std::size_t non_finite_samples = 0;
   std::optional<PixelSample> first_non_finite;  ///< the least of them by x, y, sample
 };
 
