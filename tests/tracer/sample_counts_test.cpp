@@ -72,6 +72,19 @@ TEST(SampleCounts, FitFramesOfAnySize) {
   }
 }
 
+TEST(SampleCounts, FollowTheErrorToTheEndOfLargeFrames) {
+  constexpr int kSide = 70000;  // its product with the pilot's pixels is beyond 2^31
+  Pilot pilot = two_halves(0.01f, 0.16f, kSide / 2, 1);
+  const Image wide = counts_of_mean(pilot, kSide, 1, 10.0, {.least = 1, .most = 100});
+  pilot.error = Image(1, kSide / 2, 1, 0.01f);
+  std::ranges::fill(pilot.error.data().subspan(kSide / 4), 0.16f);
+  const Image high = counts_of_mean(pilot, 1, kSide, 10.0, {.least = 1, .most = 100});
+  for (const Image* counts : {&wide, &high}) {
+    EXPECT_EQ(counts->data().front(), 4.0f);
+    EXPECT_EQ(counts->data().back(), 16.0f);
+  }
+}
+
 TEST(SampleCounts, OfATargetGrowAsItFalls) {
   const Pilot pilot = two_halves(0.04f, 0.04f);
   const SampleLimits limits{.least = 1, .most = 4096};
