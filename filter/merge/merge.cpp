@@ -201,9 +201,14 @@ std::vector<CarriedInput> add_noisy_layers(Chain& chain, Extent full, const Nois
       .read("variance", noisy.variance)
       .write("carried", carried)
       .dispatch(full);
-  return {{.color = carried, .history = history[0], .kind = Carried::radiance},
-          {.color = noisy.features->albedo_depth, .history = history[1], .kind = Carried::features},
-          {.color = noisy.features->normal, .history = history[2], .kind = Carried::features}};
+  std::vector<CarriedInput> layers(FilterTask::kNoisyLayers);
+  const auto set = [&](std::size_t layer, ImageId color, Carried kind) {
+    layers[layer] = {.color = color, .history = history[layer], .kind = kind};
+  };
+  set(FilterTask::kNoisyRadiance, carried, Carried::radiance);
+  set(FilterTask::kNoisyAlbedoDepth, noisy.features->albedo_depth, Carried::features);
+  set(FilterTask::kNoisyNormal, noisy.features->normal, Carried::features);
+  return layers;
 }
 
 MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,

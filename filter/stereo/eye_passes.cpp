@@ -33,11 +33,12 @@ EyePasses::EyePasses(gpu::Device& device, const FilterTask& task, int limit_px, 
                     .window = window,
                     .offset_limit_px = limit_px,
                     .name = "other."};
+  const std::size_t radiance = task.additive + FilterTask::kNoisyRadiance;
   for (std::size_t i = 0; i < other.carried.size(); ++i) {
     // The additive AOVs, then the noisy layers: radiance, and two of features.
-    inputs.additive.push_back({other.carried[i], i < task.additive    ? Carried::additive
-                                                 : i == task.additive ? Carried::radiance
-                                                                      : Carried::features});
+    inputs.additive.push_back({other.carried[i], i < task.additive ? Carried::additive
+                                                 : i == radiance   ? Carried::radiance
+                                                                   : Carried::features});
   }
   add_blend(task, add_warp_passes(chain, task.settings, target, inputs, add_depth_check(limit_px)));
 }
