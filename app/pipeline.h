@@ -20,7 +20,7 @@ struct FinishedFrame {
   std::vector<double> expected_errors = {};
 };
 
-/// What `render` and `denoise` do with frames. Each stage is called in the order of the steps.
+/// What a command does with frames. Each stage is called in the order of the steps.
 struct Stages {
   /// The noisy frame of a step, rendered or read; nothing if a stop was requested. On threads of its own.
   std::function<std::optional<io::LoadedFrame>(std::size_t step)> source;

@@ -1,6 +1,7 @@
 #include "app/render_ahead.h"
 
 #include <filesystem>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -12,13 +13,16 @@ namespace becalm::app {
 RenderAhead::RenderAhead(RenderedFrames& frames, const NoisyFiles& files,
                          std::vector<filter::Segment> segments, bool keep_files)
     : frames_(frames), files_(files), segments_(std::move(segments)), keep_files_(keep_files) {
+  std::map<int, std::size_t> last_use;
   for (std::size_t segment = 0; segment < segments_.size(); ++segment) {
     for (const filter::Step& step : segments_[segment]) {
       steps_.push_back(step);
-      last_use_[step.frame] = segment;
+      last_use[step.frame] = segment;
     }
     ends_.push_back(steps_.size());
   }
+  read_last_in_.resize(segments_.size());
+  for (const auto& [frame, segment] : last_use) read_last_in_[segment].push_back(frame);
   tracer_ = std::async(std::launch::async, [this] {
     try {
       trace();
@@ -92,9 +96,7 @@ void RenderAhead::close() {
 
 void RenderAhead::remove_files(std::size_t segment) const {
   if (keep_files_) return;
-  for (const auto& [frame, last] : last_use_) {
-    if (last == segment) std::filesystem::remove(files_.outputs.path(frame));
-  }
+  for (const int frame : read_last_in_[segment]) std::filesystem::remove(files_.outputs.path(frame));
 }
 
 }  // namespace becalm::app

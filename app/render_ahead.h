@@ -3,7 +3,6 @@
 #include <condition_variable>
 #include <cstddef>
 #include <future>
-#include <map>
 #include <mutex>
 #include <optional>
 #include <vector>
@@ -47,10 +46,10 @@ class RenderAhead {
   const std::vector<filter::Segment> segments_;
   const bool keep_files_;
   std::vector<filter::Step> steps_;
-  std::vector<std::size_t> ends_;        ///< of each segment, the step behind its last one
-  std::map<int, std::size_t> last_use_;  ///< of a frame: the last segment that reads it
-  std::size_t removed_ = 0;              ///< segments whose files are gone
-  std::mutex mutex_;                     ///< of what follows
+  std::vector<std::size_t> ends_;               ///< of each segment, the step behind its last one
+  std::vector<std::vector<int>> read_last_in_;  ///< of each segment, the frames that no later one reads
+  std::size_t removed_ = 0;                     ///< segments whose files are gone
+  std::mutex mutex_;                            ///< of what follows
   std::condition_variable changed_;
   std::size_t made_ = 0;     ///< segments whose files are there
   std::size_t reading_ = 0;  ///< the segment that the pipeline reads

@@ -34,7 +34,11 @@ struct FilterTask {
   /// smoothed after the merge.
   std::size_t carried() const { return additive + (smooths_merged() ? kNoisyLayers : 0); }
 
-  /// The noisy layers: radiance with its variance; albedo with depth; normal.
+  /// The noisy layers, in the order in which estimates carry them: radiance with its variance; albedo with
+  /// depth; normal.
+  static constexpr std::size_t kNoisyRadiance = 0;
+  static constexpr std::size_t kNoisyAlbedoDepth = 1;
+  static constexpr std::size_t kNoisyNormal = 2;
   static constexpr std::size_t kNoisyLayers = 3;
 };
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <chrono>
 #include <mutex>
 
@@ -168,12 +169,14 @@ void check(const RenderOptions& options) {
   }
   float least = static_cast<float>(options.spp);
   if (options.sample_counts != nullptr) {
-    const auto [low, high] = std::ranges::minmax(options.sample_counts->data());
-    if (!(low >= 1.0f && high <= kMostSamples)) {
-      throw Error(ExitStatus::usage,
-                  fmt::format("sample_counts: {} to {}: expected 1 to {}", low, high, kMostSamples));
+    least = kMostSamples;
+    for (const float count : options.sample_counts->data()) {
+      if (!(count >= 1.0f && count <= kMostSamples)) {  // or NaN
+        throw Error(ExitStatus::usage,
+                    fmt::format("sample_counts: {}: expected 1 to {}", count, kMostSamples));
+      }
+      least = std::min(least, count);
     }
-    least = low;
   }
   const bool halves = contains(options.aovs, Aov::half_a) || contains(options.aovs, Aov::half_b);
   if (halves && least < 2)

@@ -53,21 +53,21 @@ struct PixelSample {
 struct RenderReport {
   double seconds = 0.0;
   std::uint64_t samples = 0;
-  std::size_t non_finite_samples =
-      0;  ///< samples with NaN or Inf: dropped, counted, replayable by the printed flag
+  /// Samples with NaN or Inf: dropped, counted, replayable by the printed flag.
+  std::size_t non_finite_samples = 0;
   std::optional<PixelSample> first_non_finite;  ///< the least of them by x, y, sample
 };
 
 /// Renders one frame of the scene; nothing if cancelled. The image is a pure function of (scene, frame, size,
-/// spp or sample_counts, seed): it does not depend on threads, tiles or what was rendered before. Threads
-/// follow the caller's tbb::global_control.
+/// spp or sample_counts, aov_spp, checkerboard, seed, eye): it does not depend on threads, tiles, which other
+/// AOVs are asked for or what was rendered before. Threads follow the caller's tbb::global_control.
 ///
 /// The variance is that of the pixel's mean, from the samples themselves; of a single sample, its square.
 /// Radiance, albedo, normal and motion are means over the samples, depth over those that hit something.
 /// AOVs of what is seen have the beauty's samples and, up to aov_spp, more of the same sequence.
 /// Samples that are not finite are left out of all of them. Throws Error(usage) for numbers of samples out of
-/// range, or halves of a single sample; Error(bad_input) as Scene::at_frame does and for textures whose
-/// pixels cannot be read.
+/// range, sample_counts of another size, or halves of a single sample; Error(bad_input) as Scene::at_frame
+/// does and for textures whose pixels cannot be read.
 std::optional<Frame> render_frame(Scene& scene, int frame, const RenderOptions& options,
                                   RenderReport* report = nullptr);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numeric>
 #include <tuple>
 #include <vector>
@@ -38,10 +39,13 @@ class Blocks {
 /// Means of the pilot's errors over each block and its neighbours: filters spread an error that far.
 Blocks errors_of_blocks(const Image& error, int width, int height) {
   Blocks sums(width, height), counts(width, height);
+  const auto block_of = [](std::int64_t pixel, int pixels_of_error, int pixels_of_frame) {
+    return static_cast<int>(pixel * pixels_of_frame / pixels_of_error / kBlockPx);
+  };
   for (int y = 0; y < error.height(); ++y) {
+    const int row = block_of(y, error.height(), height);
     for (int x = 0; x < error.width(); ++x) {
-      const int column = x * width / error.width() / kBlockPx;
-      const int row = y * height / error.height() / kBlockPx;
+      const int column = block_of(x, error.width(), width);
       const double value = error.at(x, y, 0);
       sums.at(column, row) += std::isfinite(value) ? std::max(value, 0.0) : 0.0;
       counts.at(column, row) += 1.0;

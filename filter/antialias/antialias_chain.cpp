@@ -5,6 +5,7 @@
 #include <string>
 
 #include "filter/merge/patch_sums.h"
+#include "filter/merge/statistics.h"
 #include "shaders/shared/antialias_params.h"
 
 namespace becalm::filter {
@@ -225,16 +226,7 @@ void AntialiasChain::add_accumulation(const AntialiasTask& task, ImageId reconst
   std::optional<ImageId> difference;
   std::optional<ImageId> sums;
   if (task.validates_color()) {
-    difference = chain.image("difference", Format::f32x4, task.full);
-    chain.pass("merge/statistics")
-        .read("color", reconstructed)
-        .read("variance", variance_)
-        .read("warped_color", warped.color)
-        .read("warped_stats", warped.stats)
-        .read("exposure", exposure)
-        .write("difference", *difference)
-        .write("noise", chain.image("noise", Format::f32x4, task.full))
-        .dispatch(task.full);
+    difference = add_statistics(chain, task.full, reconstructed, variance_, warped, exposure).difference;
     sums = add_patch_sums(chain, kRejectionRadius, task.full, *difference, "difference");
   }
   const bool masked = settings.mask == Switch::yes;

@@ -85,7 +85,7 @@ BurstChoosePasses::BurstChoosePasses(gpu::Device& device, const BurstTask& task)
       .read("whole", whole)
       .write("difference", differences)
       .dispatch(blocks);
-  chain.pass("burst/sum_column")
+  chain.pass("burst/sum_match_column")
       .read("difference", differences, gpu::reach(0, kChoicePatchRadius))
       .write("sums", sums)
       .specialize("radius", kChoicePatchRadius)
@@ -145,7 +145,7 @@ BurstMergePasses::BurstMergePasses(gpu::Device& device, const BurstTask& task, i
       .specialize("period", task.cfa.period)
       .dispatch(target);
   const ImageId sums = chain.image("difference.columns", Format::f32x4, target.with_planes(2));
-  chain.pass("burst/column_sums")
+  chain.pass("burst/sum_noise_column")
       .read("difference", difference, gpu::reach(0, kMergePatchRadius))
       .write("sums", sums)
       .specialize("radius", kMergePatchRadius)

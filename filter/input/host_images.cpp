@@ -76,6 +76,13 @@ bool is_within(std::span<const float> values, float limit) {
   return std::ranges::all_of(values, [&](float value) { return std::abs(value) <= limit; });
 }
 
+/// The mean of three values. It does not overflow where their sum would; a power of two scales them without
+/// rounding.
+float mean_of_channels(std::span<const float> values) {
+  constexpr float scale = 0.25f;
+  return (scale * values[0] + scale * values[1] + scale * values[2]) / (3.0f * scale);
+}
+
 /// The mean of the neighbouring pixels for which `is_finite` is true; `otherwise` in each channel if there
 /// are none.
 template <std::size_t channels, class IsFinite>
@@ -148,8 +155,7 @@ std::size_t pack_variance(const Frame& frame, const AovSet& used, std::span<cons
   for_each_pixel(tile.target, frame.width(), [&](std::size_t in, std::size_t out) {
     float variance = 0.0f;
     if (given) {
-      const auto v = frame.image(Aov::variance).data().subspan(in * 3, 3);
-      variance = (v[0] + v[1] + v[2]) / 3.0f;
+      variance = mean_of_channels(frame.image(Aov::variance).data().subspan(in * 3, 3));
     } else if (halves) {
       const auto a = frame.image(Aov::half_a).data().subspan(in * 3, 3);
       const auto b = frame.image(Aov::half_b).data().subspan(in * 3, 3);

@@ -8,6 +8,7 @@
 
 #include "filter/input/noisy_inputs.h"
 #include "filter/merge/patch_sums.h"
+#include "filter/merge/statistics.h"
 #include "shaders/shared/merge_params.h"
 
 namespace becalm::filter {
@@ -44,17 +45,8 @@ ImageId add_spline_passes(Chain& chain, Extent extent, const WarpInputs& history
 
 ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
                           const WarpedHistory& warped) {
-  const ImageId difference = chain.image("difference", Format::f32x4, full);
-  const ImageId noise = chain.image("noise", Format::f32x4, full);
-  chain.pass("merge/statistics")
-      .read("color", inputs.color)
-      .read("variance", inputs.variance)
-      .read("warped_color", warped.color)
-      .read("warped_stats", warped.stats)
-      .read("exposure", inputs.noisy.exposure)
-      .write("difference", difference)
-      .write("noise", noise)
-      .dispatch(full);
+  const auto [difference, noise] =
+      add_statistics(chain, full, inputs.color, inputs.variance, warped, inputs.noisy.exposure);
   const ImageId difference_sums =
       add_patch_sums(chain, settings.patch_radius, full, difference, "difference");
   const ImageId noise_sums = add_patch_sums(chain, settings.patch_radius, full, noise, "noise");
@@ -209,9 +201,14 @@ std::vector<CarriedInput> add_noisy_layers(Chain& chain, Extent full, const Nois
       .read("variance", noisy.variance)
       .write("carried", carried)
       .dispatch(full);
-  return {{.color = carried, .history = history[0], .kind = Carried::radiance},
-          {.color = noisy.features->albedo_depth, .history = history[1], .kind = Carried::features},
-          {.color = noisy.features->normal, .history = history[2], .kind = Carried::features}};
+  std::vector<CarriedInput> layers(FilterTask::kNoisyLayers);
+  const auto set = [&](std::size_t layer, ImageId color, Carried kind) {
+    layers[layer] = {.color = color, .history = history[layer], .kind = kind};
+  };
+  set(FilterTask::kNoisyRadiance, carried, Carried::radiance);
+  set(FilterTask::kNoisyAlbedoDepth, noisy.features->albedo_depth, Carried::features);
+  set(FilterTask::kNoisyNormal, noisy.features->normal, Carried::features);
+  return layers;
 }
 
 MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,

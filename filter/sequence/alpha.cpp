@@ -14,8 +14,9 @@ namespace {
 constexpr float kStep = 1.0f / 64.0f;
 /// Radius of the window in which rough pixels are counted.
 constexpr int kNoiseReach = 7;
-/// Under noise of 4 samples or more, at least a tenth of the pixels that differ from a neighbour are rough;
-/// edges have rough pixels only where they cross.
+/// Under noise of 4 samples or more, about a tenth of the pixels that differ from a neighbour are rough (5 %
+/// to 16 %, by coverage and samples). Windows vary, so half of that is enough: at least one in kShareOfRough.
+/// Edges have rough pixels only where they cross.
 constexpr int kFewestRough = 6;
 constexpr int kShareOfRough = 20;
 /// Transparent pixels within this distance of an empty pixel must be black. It is farther than a colour's own

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <mutex>
 
+#include "filter/task.h"
+
 namespace becalm::filter {
 namespace {
 
@@ -94,14 +96,15 @@ PackedEstimate::PackedEstimate(Estimate estimate, float exposure, std::size_t no
   apply_to_channel(estimate.stats, 0, deviation);
   stats_ = HalfImage(estimate.stats, {exposure, 1.0f});
   const std::size_t additive = images.size() - noisy_layers;
+  const std::size_t radiance = additive + FilterTask::kNoisyRadiance;
   for (std::size_t i = additive; i < images.size(); ++i) {
-    const bool is_radiance = i == additive;
+    const bool is_radiance = i == radiance;
     if (is_radiance) apply_to_channel(images[i], 3, deviation);
     noisy_layers_.emplace_back(images[i], std::vector<float>(4, is_radiance ? exposure : 1.0f));
   }
   if (additive == 0) return;
-  const Image& whole = noisy_layers > 0 ? images[additive] : estimate.color;
-  const Image rounded = (noisy_layers > 0 ? noisy_layers_.front() : color_).image();
+  const Image& whole = noisy_layers > 0 ? images[radiance] : estimate.color;
+  const Image rounded = (noisy_layers > 0 ? noisy_layers_[FilterTask::kNoisyRadiance] : color_).image();
   for (std::size_t i = 0; i < additive; ++i) {
     scale_as(whole, rounded, images[i]);
     additive_.push_back(std::move(images[i]));
@@ -115,7 +118,8 @@ Estimate PackedEstimate::estimate() const {
   apply_to_channel(estimate.stats, 0, squared);
   estimate.additive = additive_;
   for (const HalfImage& layer : noisy_layers_) estimate.additive.push_back(layer.image());
-  if (!noisy_layers_.empty()) apply_to_channel(estimate.additive[additive_.size()], 3, squared);
+  const std::size_t radiance = additive_.size() + FilterTask::kNoisyRadiance;
+  if (!noisy_layers_.empty()) apply_to_channel(estimate.additive[radiance], 3, squared);
   return estimate;
 }
 

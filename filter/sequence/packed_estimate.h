@@ -30,8 +30,8 @@ class HalfImage {
 class PackedEstimate {
  public:
   PackedEstimate() = default;
-  /// `exposure` is the frame's; the last `noisy_layers` (0 or 3) of the carried images are the noisy layers
-  /// of FilterTask.
+  /// `exposure` is the frame's. The last `noisy_layers` of the carried images are the noisy layers of
+  /// FilterTask: 0 or FilterTask::kNoisyLayers.
   PackedEstimate(Estimate estimate, float exposure, std::size_t noisy_layers);
   Estimate estimate() const;
 

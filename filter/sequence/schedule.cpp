@@ -60,9 +60,8 @@ std::vector<Segment> schedule(std::span<const int> present, const std::set<int>&
     for (; next != wanted.end() && span.contains(*next); ++next) of_segment.insert(*next);
     FrameSpan read = span;
     if (options.segment != 0) read = {span.first - options.warmup, span.last + options.warmup};
-    std::vector<int> frames;
-    std::ranges::copy_if(present, std::back_inserter(frames),
-                         [&](int frame) { return read.contains(frame); });
+    const auto first = std::ranges::lower_bound(present, read.first);
+    const std::vector<int> frames(first, std::ranges::upper_bound(first, present.end(), read.last));
 
     Segment& segment = segments.emplace_back();
     if (options.directions == Directions::both) {

@@ -9,6 +9,7 @@
 
 #include "filter/ceil_div.h"
 #include "filter/for_rows.h"
+#include "filter/smooth/restorable.h"
 
 namespace becalm::filter {
 namespace {
@@ -21,16 +22,6 @@ constexpr int kSteadyBlock = 128;
 constexpr double kSignificance = 4.0;
 /// Limit of the factor by which one level changes a block.
 constexpr double kLargestFactor = 2.0;
-/// Relative noise of the frame's mean below which the difference is restored regardless of noise, and limit
-/// of the final change of the whole frame. Such a change is hardly visible between two frames, but a bias of
-/// that size darkens a shot.
-constexpr double kUnseen = 0.01;
-/// Relative brightness, above that around them, of samples that smoothing removes.
-constexpr double kLeastOutlier = 0.25;
-/// Limit of the relative change of a pixel at one time.
-constexpr double kLargestChange = 1.0;
-/// Size of the cells that `Restorable` tells clean from noisy.
-constexpr int kCell = 16;
 
 using Channels = std::array<double, 3>;
 
@@ -57,36 +48,10 @@ struct BlockGrid {
   std::vector<Block> blocks;
 };
 
-/// std::lerp without its branches.
-double mix(double a, double b, double share) {
-  return a + share * (b - a);
-}
-
-/// The two blocks whose centres enclose a position. The position is in blocks, relative to the centre of the
-/// first block.
-struct Between {
-  Between(double position, int count) {
-    const double inside = std::clamp(position, 0.0, count - 1.0);
-    low = static_cast<int>(inside);
-    high = std::min(low + 1, count - 1);
-    share = inside - low;
-  }
-  int low;
-  int high;
-  double share;  ///< weight of `high`
-};
-
 double factor_between(const BlockGrid& grid, const Between& x, const Between& y, std::size_t channel) {
   const auto value = [&](int u, int v) { return grid.at(u, v).factor[channel]; };
   return mix(mix(value(x.low, y.low), value(x.high, y.low), x.share),
              mix(value(x.low, y.high), value(x.high, y.high), x.share), y.share);
-}
-
-/// Squared difference between the frame and the estimate in channel c of pixel i.
-double residual_square(const NewFrame& frame, const Estimate& estimate, std::size_t i, std::size_t c) {
-  const double x = frame.frame.image(Aov::beauty).data()[4 * i + c];
-  const double e = x - estimate.color.data()[4 * i + c];
-  return e * e;
 }
 
 /// Variance of the mean of a pixel's channel according to the frame's AOVs; negative or not finite if
@@ -109,90 +74,6 @@ double pixel_noise(const NewFrame& frame, const FilterTask& task, const Estimate
   return sum;
 }
 
-/// Whether both the frame and the estimate have data in a pixel.
-bool counts(const NewFrame& frame, const Estimate& estimate, std::size_t i) {
-  return frame.finite[i] && estimate.stats.data()[2 * i + 1] > 0.0f;
-}
-
-/// How far the factors of blocks apply to a pixel.
-struct Allowance {
-  double share = 0.0;     ///< of the pixel that they apply to
-  double darker = 0.0;    ///< largest relative change
-  double brighter = 0.0;  ///< likewise
-
-  double factor(double of_block) const {
-    return 1.0 + std::clamp(share * (of_block - 1.0), -darker, brighter);
-  }
-};
-
-/// What smoothing may have changed of each pixel, from the mean squares R of the difference from the frame
-/// and L of the estimate around it. The share is R / (R + (kUnseen L)^2): where there is no noise, smoothing
-/// removed no light, and light that it removed beside does not belong there. No change exceeds r = sqrt(R) /
-/// L, since none of an even cell's mean is larger. Light is lost with samples brighter than L by
-/// kLeastOutlier and more, whose mean is r^2 / kLeastOutlier at most. So a sun whose disc has lost light
-/// hardly brightens the land below it. Light that these limits keep back is not restored elsewhere.
-class Restorable {
- public:
-  Restorable(const NewFrame& frame, const Estimate& estimate)
-      : width_(ceil_div(estimate.color.width(), kCell)),
-        height_(ceil_div(estimate.color.height(), kCell)),
-        cells_(static_cast<std::size_t>(width_) * height_) {
-    for_each_in_parallel(height_, [&](int row) {
-      for (int column = 0; column < width_; ++column) {
-        cells_[static_cast<std::size_t>(row) * width_ + column] = of_cell(frame, estimate, column, row);
-      }
-    });
-    for (int x = 0; x < estimate.color.width(); ++x) columns_.emplace_back((x + 0.5) / kCell - 0.5, width_);
-  }
-
-  /// Calls set(x, allowed) for the pixels of a row.
-  template <class Set>
-  void for_row(int y, const Set& set) const {
-    const Between row((y + 0.5) / kCell - 0.5, height_);
-    const Allowance* low = &cells_[static_cast<std::size_t>(row.low) * width_];
-    const Allowance* high = &cells_[static_cast<std::size_t>(row.high) * width_];
-    std::vector<Allowance> along(static_cast<std::size_t>(width_));
-    for (std::size_t i = 0; i < along.size(); ++i) along[i] = between(low[i], high[i], row.share);
-    for (std::size_t x = 0; x < columns_.size(); ++x) {
-      const Between& c = columns_[x];
-      set(x, between(along[c.low], along[c.high], c.share));
-    }
-  }
-
- private:
-  static Allowance between(const Allowance& a, const Allowance& b, double share) {
-    return {mix(a.share, b.share, share), mix(a.darker, b.darker, share), mix(a.brighter, b.brighter, share)};
-  }
-
-  static Allowance of_cell(const NewFrame& frame, const Estimate& estimate, int column, int row) {
-    const double exposure = frame.exposure;
-    const int width = estimate.color.width();
-    double residual = 0.0;
-    double power = 0.0;
-    for (int y = row * kCell; y < std::min((row + 1) * kCell, estimate.color.height()); ++y) {
-      for (int x = column * kCell; x < std::min((column + 1) * kCell, width); ++x) {
-        const std::size_t i = static_cast<std::size_t>(y) * width + x;
-        if (!counts(frame, estimate, i)) continue;
-        for (std::size_t c = 0; c < 3; ++c) {
-          const double e = exposure * estimate.color.data()[4 * i + c];
-          residual += exposure * exposure * residual_square(frame, estimate, i, c);
-          power += e * e;
-        }
-      }
-    }
-    if (!(residual > 0.0)) return {};
-    const double share = residual / (residual + kUnseen * kUnseen * power);
-    if (!(power > 0.0)) return {share, kLargestChange, kLargestChange};
-    const double change = std::min(std::sqrt(residual / power), kLargestChange);
-    return {share, change, std::min(change, residual / power / kLeastOutlier)};
-  }
-
-  int width_;
-  int height_;
-  std::vector<Allowance> cells_;  ///< row by row
-  std::vector<Between> columns_;  ///< of pixels
-};
-
 BlockGrid finest_level(const NewFrame& frame, const FilterTask& task, const Estimate& estimate,
                        const Restorable& restorable) {
   const int width = estimate.color.width();
@@ -204,7 +85,7 @@ BlockGrid finest_level(const NewFrame& frame, const FilterTask& task, const Esti
   const auto add_row = [&](int y) {
     restorable.for_row(y, [&](std::size_t x, const Allowance& allowed) {
       const std::size_t i = static_cast<std::size_t>(y) * width + x;
-      if (!counts(frame, estimate, i)) return;
+      if (!both_have_data(frame, estimate, i)) return;
       Block& block = level.at(static_cast<int>(x) / kFinestBlock, y / kFinestBlock);
       for (std::size_t c = 0; c < 3; ++c) {
         const double e = exposure * color[4 * i + c];
@@ -332,7 +213,7 @@ void leave_channels_without_light(std::vector<BlockGrid>& levels) {
   }
 }
 
-/// Exposed sums over a row or the whole frame: the estimate, and its squared difference from the frame.
+/// Exposed sums over a row or the whole frame, once the blocks' factors are applied.
 struct Remainder {
   Remainder& operator+=(const Remainder& other) {
     for (std::size_t c = 0; c < 3; ++c) {
@@ -344,8 +225,8 @@ struct Remainder {
   }
 
   Channels estimate{};
-  Channels restorable{};
-  double residual = 0.0;  ///< averaged over channels
+  Channels restorable{};  ///< of the part of the estimate that a factor applies to
+  double residual = 0.0;  ///< squared difference from the frame, averaged over channels
 };
 
 Remainder remainder_of_row(const NewFrame& frame, const Estimate& estimate, const Restorable& restorable,
@@ -355,7 +236,7 @@ Remainder remainder_of_row(const NewFrame& frame, const Estimate& estimate, cons
   Remainder sum;
   restorable.for_row(y, [&](std::size_t x, const Allowance& allowed) {
     const std::size_t i = first + x;
-    if (!counts(frame, estimate, i)) return;
+    if (!both_have_data(frame, estimate, i)) return;
     for (std::size_t c = 0; c < 3; ++c) {
       const double e = exposure * estimate.color.data()[4 * i + c];
       sum.estimate[c] += e;
@@ -369,7 +250,8 @@ Remainder remainder_of_row(const NewFrame& frame, const Estimate& estimate, cons
 /// Changes the mean of the estimate towards that of the noisy frame. `whole` is the coarsest block, with the
 /// sums from before the finer levels changed the estimate, `left` has those after it. A frame may state more
 /// noise than it has (the variance of one sample may be given as its square), so the residual bounds it. V^2
-/// / (V + kUnseen^2) replaces the relative variance V.
+/// / (V + kUnseen^2) replaces the relative variance V: noise well below kUnseen keeps little back. The
+/// change is kUnseen at most.
 void restore_whole(Block whole, const Remainder& left, const Restorable& restorable, Estimate& estimate) {
   whole.factor = {1.0, 1.0, 1.0};
   for (std::size_t c = 0; c < 3; ++c) {

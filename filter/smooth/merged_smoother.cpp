@@ -1,6 +1,7 @@
 #include "filter/smooth/merged_smoother.h"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include "filter/for_rows.h"
@@ -27,10 +28,10 @@ FilterTask task_of_merged(FilterTask task) {
 }  // namespace
 
 Accumulated accumulated(const Estimate& merged) {
-  const std::size_t count = merged.additive.size();
-  const Image& radiance = merged.additive[count - 3];
-  const Image& albedo_depth = merged.additive[count - 2];
-  const Image& normal = merged.additive[count - 1];
+  const auto layers = std::span(merged.additive).last<FilterTask::kNoisyLayers>();
+  const Image& radiance = layers[FilterTask::kNoisyRadiance];
+  const Image& albedo_depth = layers[FilterTask::kNoisyAlbedoDepth];
+  const Image& normal = layers[FilterTask::kNoisyNormal];
   const int width = radiance.width();
   const int height = radiance.height();
   Accumulated result{.color = Image(width, height, 3),

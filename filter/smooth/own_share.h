@@ -19,13 +19,14 @@ struct OwnShare {
 struct SmoothedMerged {
   gpu::ImageId color;
   gpu::ImageId stats;  ///< as OwnShare::stats
-  gpu::ImageId
-      detail;  ///< f32x2; the second is the mean relative variance of the patch around (smooth/share)
+  /// f32x2; the second is the mean relative variance of the patch around (smooth/share).
+  gpu::ImageId detail;
 };
 
-/// How much of the frame itself the output takes. Merging and smoothing blur detail that the frame has; where
-/// much of it is noise, it has little. Trained layers tell the share from the error that the network expects,
-/// the noise of the merged frame and the difference of both. `weights` are packed by pack_own_share.
+/// How much of the frame itself the output takes. Merging and smoothing blur detail that the frame has.
+/// Where the frame is mostly noise, its share is small. Trained layers tell the share from the error that the
+/// network expects, the noise of the merged frame and the difference of both. `weights` are packed by
+/// pack_own_share.
 OwnShare add_own_share(gpu::Chain& chain, gpu::Extent full, const NoisyInputs& frame,
                        const SmoothedMerged& merged, gpu::ImageId weights);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -45,18 +46,19 @@ class Matches {
       : offsets_(offsets), best_(offsets.pixel_count(), kNone) {
     for (int y = 0; y < offsets.height(); ++y) {
       for (int x = 0; x < offsets.width(); ++x) {
-        int* best = best_of(x, y);
-        if (best == nullptr) continue;
+        const std::optional<std::size_t> target = target_of(x, y);
+        if (!target) continue;
+        int& best = best_[*target];
         const int index = y * offsets.width() + x;
-        if (*best == kNone || residual.data()[index] < residual.data()[*best]) *best = index;
+        if (best == kNone || residual.data()[index] < residual.data()[best]) best = index;
       }
     }
   }
 
   /// Of the pixel that leads with the least residual to where (x, y) leads; empty if that is outside.
-  std::span<const float> best_offset_beside(int x, int y) {
-    const int* best = best_of(x, y);
-    return best == nullptr ? std::span<const float>() : offset_of(*best);
+  std::span<const float> best_offset_to_target_of(int x, int y) const {
+    const std::optional<std::size_t> target = target_of(x, y);
+    return target ? offset_of(best_[*target]) : std::span<const float>();
   }
 
   /// Of the pixel that leads to (x, y) of the other image, or to its left or right, with the least residual;
@@ -73,12 +75,13 @@ class Matches {
  private:
   static constexpr int kNone = -1;
 
-  int* best_of(int x, int y) {
+  /// The index of the pixel of the other image that (x, y) leads to; nothing if that is outside.
+  std::optional<std::size_t> target_of(int x, int y) const {
     const std::span<const float> there = offsets_.pixel(x, y);
     const long u = std::lround(static_cast<float>(x) + there[0]);
     const long v = std::lround(static_cast<float>(y) + there[1]);
-    if (u < 0 || v < 0 || u >= offsets_.width() || v >= offsets_.height()) return nullptr;
-    return &best_[static_cast<std::size_t>(v) * offsets_.width() + u];
+    if (u < 0 || v < 0 || u >= offsets_.width() || v >= offsets_.height()) return std::nullopt;
+    return static_cast<std::size_t>(v) * offsets_.width() + u;
   }
   std::span<const float> offset_of(int index) const {
     return offsets_.data().subspan(2 * static_cast<std::size_t>(index), 2);
@@ -92,14 +95,14 @@ class Matches {
 
 std::array<Image, 2> unique_offsets(const Image& offsets, const Image& residual) {
   constexpr float kTolerancePx = 1.0f;  // what one surface's offsets may differ by
-  Matches matches(offsets, residual);
+  const Matches matches(offsets, residual);
   const Image nowhere(offsets.width(), offsets.height(), 2, kNowhere);
   std::array<Image, 2> unique{nowhere, nowhere};
   for_rows(offsets.height(), [&](int begin, int end) {
     for (int y = begin; y < end; ++y) {
       for (int x = 0; x < offsets.width(); ++x) {
         const std::span<const float> own = offsets.pixel(x, y);
-        if (const std::span<const float> best = matches.best_offset_beside(x, y);
+        if (const std::span<const float> best = matches.best_offset_to_target_of(x, y);
             !best.empty() && std::hypot(own[0] - best[0], own[1] - best[1]) <= kTolerancePx) {
           std::ranges::copy(own, unique[0].pixel(x, y).begin());
         }

@@ -7,6 +7,7 @@
 #include "filter/input/host_images.h"
 #include "filter/merge/additive.h"
 #include "filter/merge/patch_sums.h"
+#include "filter/merge/statistics.h"
 #include "filter/tiles/pixel_view.h"
 
 namespace becalm::filter {
@@ -32,11 +33,12 @@ EyePasses::EyePasses(gpu::Device& device, const FilterTask& task, int limit_px, 
                     .window = window,
                     .offset_limit_px = limit_px,
                     .name = "other."};
+  const std::size_t radiance = task.additive + FilterTask::kNoisyRadiance;
   for (std::size_t i = 0; i < other.carried.size(); ++i) {
     // The additive AOVs, then the noisy layers: radiance, and two of features.
-    inputs.additive.push_back({other.carried[i], i < task.additive    ? Carried::additive
-                                                 : i == task.additive ? Carried::radiance
-                                                                      : Carried::features});
+    inputs.additive.push_back({other.carried[i], i < task.additive ? Carried::additive
+                                                 : i == radiance   ? Carried::radiance
+                                                                   : Carried::features});
   }
   add_blend(task, add_warp_passes(chain, task.settings, target, inputs, add_depth_check(limit_px)));
 }
@@ -62,17 +64,7 @@ ImageId EyePasses::add_depth_check(int limit_px) {
 void EyePasses::add_blend(const FilterTask& task, const WarpedHistory& warped) {
   const Extent target = extent;
   const int radius = task.settings.patch_radius;
-  const ImageId difference = chain.image("difference", Format::f32x4, target);
-  const ImageId noise = chain.image("noise", Format::f32x4, target);
-  chain.pass("merge/statistics")
-      .read("color", own.color)
-      .read("variance", own.stats)
-      .read("warped_color", warped.color)
-      .read("warped_stats", warped.stats)
-      .read("exposure", exposure)
-      .write("difference", difference)
-      .write("noise", noise)
-      .dispatch(target);
+  const auto [difference, noise] = add_statistics(chain, target, own.color, own.stats, warped, exposure);
   const ImageId difference_sums = add_patch_sums(chain, radius, target, difference, "difference");
   const ImageId noise_sums = add_patch_sums(chain, radius, target, noise, "noise");
   color = chain.image("combined.color", Format::f32x4, target);

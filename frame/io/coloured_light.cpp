@@ -61,8 +61,8 @@ Image light_without_colour(const Image& product, const Image& colour, const Imag
       for (int c = 0; c < light.channels(); ++c) {
         const float limit = limits.at(x / kBlock, y / kBlock, c);
         float& value = light.at(x, y, c);
-        // What is not finite came so, and is passed on.
-        if (std::isfinite(value)) value = std::clamp(value, -limit, limit);
+        // What came not finite is passed on; any other quotient may overflow by a tiny colour.
+        if (std::isfinite(came.at(x, y, c)) || std::isfinite(value)) value = std::clamp(value, -limit, limit);
       }
     }
   }

@@ -26,8 +26,8 @@ struct Difference {
 struct ExactResult {
   std::size_t differing_pixels = 0;
   std::optional<Difference> first;  ///< in the order of rows, then columns, then channels
-  std::optional<Difference>
-      largest;  ///< of most ulps, the first of equal ones; NaN against a number counts most
+  /// Of most ulps, the first of equal ones; NaN against a number counts most.
+  std::optional<Difference> largest;
 
   bool passed() const { return differing_pixels == 0; }
 };

@@ -1,8 +1,8 @@
 // The filters by which the history is read between its pixels (survey of Yang et al., section 6.1).
 #include "lib/language.glsl"
 
+// The values of filter::Resample that kernels compare with; any other is Catmull-Rom.
 const int kResampleBilinear = 0;
-const int kResampleCatmullRom = 1;
 const int kResampleSpline = 2;  // of coefficients, which merge/spline_coefficients makes
 
 /// Catmull-Rom weights of the four taps at -1, 0, 1, 2 for a position `t` in [0,1) between taps 0 and 1. They add up to

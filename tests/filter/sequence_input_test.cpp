@@ -125,6 +125,7 @@ TEST_F(SequenceInputTest, ExtremesStayFinite) {
         if (number == 2) std::ranges::fill(frame.image(Aov::beauty).pixel(40, 30), 1e30f);
         const Denoised denoised = filter.denoise(frame);
         EXPECT_EQ(denoised.report.non_finite_pixels, 0u);
+        EXPECT_EQ(denoised.report.replaced_variances, 0u) << factor;
         for (const Aov aov : {Aov::beauty, Aov::variance}) {
           for (const float v : denoised.frame.image(aov).data()) {
             ASSERT_TRUE(std::isfinite(v))

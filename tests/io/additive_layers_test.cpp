@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <limits>
 
 #include "frame/error.h"
 #include "frame/io/coloured_light.h"
@@ -301,6 +302,26 @@ TEST(ColouredLight, LeaksOntoDarkSurfacesAreNotDividedByNextToNothing) {
   EXPECT_EQ(light.at(20, 3, 1), -5.0f);
   EXPECT_EQ(light.at(3, 3, 2), 5.0f) << "not 200";
   EXPECT_EQ(light.at(38, 38, 0), 0.0f);
+}
+
+TEST(ColouredLight, QuotientsThatOverflowAreLimitedAndOnlyInfinityThatCameIsPassedOn) {
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  Image colour(8, 1, 3, 0.5f);
+  Image came(8, 1, 3, 1.0f);  // light of 2
+  Image product = came;
+  colour.at(1, 0, 0) = came.at(1, 0, 0) = 1e-9f;
+  product.at(1, 0, 0) = 1e30f;
+  colour.at(2, 0, 0) = came.at(2, 0, 0) = 1e-39f;
+  came.at(3, 0, 0) = product.at(3, 0, 0) = infinity;
+  came.at(4, 0, 0) = infinity;
+  product.at(4, 0, 0) = 10.0f;
+  product.at(5, 0, 0) = -infinity;
+  const Image light = light_without_colour(product, colour, came);
+  EXPECT_EQ(light.at(1, 0, 0), 2.0f) << "1e30 / 1e-9";
+  EXPECT_EQ(light.at(2, 0, 0), 2.0f) << "1 / 1e-39";
+  EXPECT_EQ(light.at(3, 0, 0), infinity) << "came so";
+  EXPECT_EQ(light.at(4, 0, 0), 2.0f) << "made finite by the filter";
+  EXPECT_EQ(light.at(5, 0, 0), -2.0f) << "came finite";
 }
 
 TEST_F(AdditiveLayers, DirectAndIndirectLightAreDenoisedAnyway) {

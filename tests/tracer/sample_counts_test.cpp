@@ -72,6 +72,19 @@ TEST(SampleCounts, FitFramesOfAnySize) {
   }
 }
 
+TEST(SampleCounts, FollowTheErrorToTheEndOfLargeFrames) {
+  constexpr int kSide = 70000;  // its product with the pilot's pixels is beyond 2^31
+  Pilot pilot = two_halves(0.01f, 0.16f, kSide / 2, 1);
+  const Image wide = counts_of_mean(pilot, kSide, 1, 10.0, {.least = 1, .most = 100});
+  pilot.error = Image(1, kSide / 2, 1, 0.01f);
+  std::ranges::fill(pilot.error.data().subspan(kSide / 4), 0.16f);
+  const Image high = counts_of_mean(pilot, 1, kSide, 10.0, {.least = 1, .most = 100});
+  for (const Image* counts : {&wide, &high}) {
+    EXPECT_EQ(counts->data().front(), 4.0f);
+    EXPECT_EQ(counts->data().back(), 16.0f);
+  }
+}
+
 TEST(SampleCounts, OfATargetGrowAsItFalls) {
   const Pilot pilot = two_halves(0.04f, 0.04f);
   const SampleLimits limits{.least = 1, .most = 4096};
@@ -128,6 +141,13 @@ TEST(SampleCounts, ThatCannotBeAreRefused) {
   refused(Image(24, 16, 1, 0.0f), {});
   refused(Image(24, 16, 1, 65537.0f), {});
   refused(Image(24, 15, 1, 2.0f), {});
+  refused(Image(), {});
+  for (const float count :
+       {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    Image counts(24, 16, 1, 2.0f);
+    counts.at(5, 3, 0) = count;
+    refused(counts, {});
+  }
   refused(Image(24, 16, 1, 1.0f), {Aov::half_a});
 }
 

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include "filter/estimate.h"
+#include "filter/smooth/between.h"
+
+namespace becalm::filter {
+
+/// A relative change of the mean that is hardly visible between two frames, though a bias of that size
+/// darkens a shot.
+inline constexpr double kUnseen = 0.01;
+
+/// Squared difference between the frame and the estimate in channel c of pixel i.
+inline double residual_square(const NewFrame& frame, const Estimate& estimate, std::size_t i, std::size_t c) {
+  const double x = frame.frame.image(Aov::beauty).data()[4 * i + c];
+  const double e = x - estimate.color.data()[4 * i + c];
+  return e * e;
+}
+
+/// Whether both the frame and the estimate have data in pixel i.
+inline bool both_have_data(const NewFrame& frame, const Estimate& estimate, std::size_t i) {
+  return frame.finite[i] && estimate.stats.data()[2 * i + 1] > 0.0f;
+}
+
+/// How far the factors of blocks apply to a pixel.
+struct Allowance {
+  double share = 0.0;     ///< of the pixel that they apply to
+  double darker = 0.0;    ///< largest relative change
+  double brighter = 0.0;  ///< likewise
+
+  double factor(double of_block) const {
+    return 1.0 + std::clamp(share * (of_block - 1.0), -darker, brighter);
+  }
+};
+
+/// What smoothing may have changed of each pixel, from the mean squares R of the difference from the frame
+/// and L of the estimate around it. The share is R / (R + (kUnseen L)^2): where there is no noise, smoothing
+/// removed no light, and light that it removed beside does not belong there. No change exceeds r = sqrt(R) /
+/// L, since none of an even cell's mean is larger. Light is lost with samples brighter than L by
+/// kLeastOutlier and more, whose mean is r^2 / kLeastOutlier at most. So a sun whose disc has lost light
+/// hardly brightens the land below it. Light that these limits keep back is not restored elsewhere.
+class Restorable {
+ public:
+  Restorable(const NewFrame& frame, const Estimate& estimate);
+
+  /// Calls set(x, allowed) for the pixels of a row.
+  template <class Set>
+  void for_row(int y, const Set& set) const {
+    const Between row(in_cells(y), height_);
+    const Allowance* low = &cells_[static_cast<std::size_t>(row.low) * width_];
+    const Allowance* high = &cells_[static_cast<std::size_t>(row.high) * width_];
+    std::vector<Allowance> along(static_cast<std::size_t>(width_));
+    for (std::size_t i = 0; i < along.size(); ++i) along[i] = between(low[i], high[i], row.share);
+    for (std::size_t x = 0; x < columns_.size(); ++x) {
+      const Between& c = columns_[x];
+      set(x, between(along[c.low], along[c.high], c.share));
+    }
+  }
+
+ private:
+  /// Side of the cells that clean and noisy are told apart by, in px.
+  static constexpr int kCell = 16;
+
+  /// A pixel's position between the centres of cells.
+  static double in_cells(int pixel) { return (pixel + 0.5) / kCell - 0.5; }
+  static Allowance between(const Allowance& a, const Allowance& b, double share) {
+    return {mix(a.share, b.share, share), mix(a.darker, b.darker, share), mix(a.brighter, b.brighter, share)};
+  }
+  static Allowance of_cell(const NewFrame& frame, const Estimate& estimate, int column, int row);
+
+  int width_;
+  int height_;
+  std::vector<Allowance> cells_;  ///< row by row
+  std::vector<Between> columns_;  ///< of pixels
+};
+
+}  // namespace becalm::filter
