@@ -100,6 +100,10 @@ and that `draft` takes all of a difference for bias, after looks at all (`script
 Geometric means over the shots.
 
 {section(folder, "All sample counts")}
+
+### 64 samples a pixel, by shot
+
+{section(folder, "64 samples per pixel").split(chr(10) * 2)[1]}
 """
 
 
