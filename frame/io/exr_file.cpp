@@ -77,7 +77,9 @@ FileStamp stamp_of(const std::string& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (status.type() == fs::file_type::not_found) {
-    throw Error(ExitStatus::bad_input, fmt::format("{}: no such file", path));
+    const bool is_glob = path.find('*') != std::string::npos;
+    throw Error(ExitStatus::bad_input, fmt::format("{}: no such file{}", path,
+                                                   is_glob ? "; the frame number is written as ####" : ""));
   }
   if (error) throw Error(ExitStatus::bad_input, fmt::format("{}: cannot be read: {}", path, error.message()));
   refuse_other_than_file(path, kExpected);

@@ -65,6 +65,8 @@ class BadFile : public ::testing::Test {
 TEST_F(BadFile, Missing) {
   EXPECT_EQ(read_error(), path_ + ": no such file");
   EXPECT_EQ(error_of(ExitStatus::bad_input, [&] { describe_exr(path_); }), path_ + ": no such file");
+  EXPECT_EQ(error_of(ExitStatus::bad_input, [] { describe_exr("in.*.exr"); }),
+            "in.*.exr: no such file; the frame number is written as ####");
   EXPECT_EQ(error_of(ExitStatus::bad_input, [&] { read_attribute(path_, "x"); }), path_ + ": no such file");
 }
 
