@@ -270,6 +270,12 @@ TEST_F(BadInput, ValuesOutOfRange) {
   expect_error(render({"--size", "640by360"}), kUsage, {"--size", "640by360", "WIDTHxHEIGHT"});
   expect_error(render({"--size", "0x360"}), kUsage, {"--size", "0x360"});
   expect_error(becalm({"render", scene_, "-o", folder_ / "o.####.exr", "--spp", "0"}), kUsage, {"--spp"});
+  for (const char* seed : {"-1", "1.5", "4294967296", "x"})
+    expect_error(render({"--seed", seed}), kUsage, {"--seed", seed, "range 0 to 4294967295"});
+  for (const char* frame : {"1.5", "2147483648", "x"}) {
+    expect_error(becalm({"denoise", folder_ / "in.exr", "-o", folder_ / "out.exr", "--frame", frame}), kUsage,
+                 {"--frame", frame, "range -2147483648 to 2147483647"});
+  }
   expect_error(render({"--aovs", "albedo,colour"}), kUsage, {"--aovs", "colour", "albedo"});
   expect_error(render({"--denoise=best"}), kUsage, {"best"});
   expect_error(render({"--denoise", "--set", "motion=far"}), kUsage, {"motion", "far"});
