@@ -231,6 +231,10 @@ TEST(Load, NamesBadValues) {
   EXPECT_EQ(
       load_error(with_more("'lights': {'far': {'type': 'point', 'position': [0, 1e19, 0], 'intensity': 1}}")),
       "scene.json: /lights/far/position/1: expected a number from -1e+17 to 1e+17, found 1e+19");
+  EXPECT_EQ(load_error(with_objects(
+                "[{'name': 'a', 'mesh': 'box', 'material': 'white'}, {'mesh': 'box', 'material': "
+                "'white', 'scatter': {'count': 5, 'area': [-2, -2, 1e19, 2], 'on': 'a'}}]")),
+            "scene.json: /objects/1/scatter/area/2: expected a number from -1e+17 to 1e+17, found 1e+19");
   EXPECT_EQ(load_error(with_meshes("{'box': {'shape': 'cube', 'segments': 4}}")),
             "scene.json: /meshes/box/segments: only a disc and a sphere have segments");
 }
