@@ -185,6 +185,17 @@ TEST(Load, NamesMissingThings) {
   }
 }
 
+TEST(Load, NeedsNoMaterialsBesideThoseOfMeshes) {
+  write_file("own.obj", "mtllib own.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n");
+  write_file("own.mtl", "newmtl red\nKd 1 0 0\n");
+  const Scene scene = load_text("{'camera': " + kCamera +
+                                ", 'meshes': {'own': {'obj': 'own.obj', 'materials': 'mtl'}}, 'objects': "
+                                "[{'mesh': 'own'}]}");
+  EXPECT_EQ(scene.description().materials.size(), 1u);
+  EXPECT_EQ(load_error("{'camera': " + kCamera + ", 'meshes': " + kMeshes + ", 'objects': " + kObjects + "}"),
+            "scene.json: /objects/0/material: no material 'white'");
+}
+
 TEST(Load, RefusesWhatIsNoFile) {
   const std::string path = file_path("pipe.json");
   const auto error = [&] {
