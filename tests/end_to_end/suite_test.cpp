@@ -299,14 +299,5 @@ TEST_F(SuiteTest, AnInterruptEndsTheChildren) {
   EXPECT_TRUE(wait_until([&] { return kill(-group, 0) != 0; })) << "the child's children run on";
 }
 
-TEST_F(SuiteTest, AReportThatCannotBeWrittenIsTold) {
-  write_suite(shell_case("good"));
-  write_reference("good");
-  std::ofstream(folder_ / "none") << "a file, no folder";
-  const Outcome outcome = run({"--junit", folder_ / "none/junit.xml"});
-  EXPECT_EQ(outcome.status, 4);
-  expect_words(outcome.err, {"--junit", "none/junit.xml"});
-}
-
 }  // namespace
 }  // namespace becalm::test
