@@ -117,7 +117,7 @@ class TestJob {
 
   ExitStatus test() const {
     check_report_files(report_files(), inputs());
-    const WorkFolder folder(command_.keep);
+    const WorkFolder folder(command_.keep, cases_);
     const TestResults results =
         run_cases(cases_, folder, {command_.jobs, threads(), command_.fail_fast, command_.reproducible},
                   [](const CaseResult& result) {
@@ -159,7 +159,7 @@ class TestJob {
   }
 
   ExitStatus calibrate_cases() const {
-    const WorkFolder folder(command_.keep);
+    const WorkFolder folder(command_.keep, cases_);
     for (const TestCase& test : cases_) {
       for (const std::string& line :
            calibrate(test, command_.calibrate, folder, threads(), command_.reproducible)) {
@@ -176,7 +176,7 @@ class TestJob {
                   "--update replaces references and asks first, and standard input is no terminal; --yes "
                   "answers");
     }
-    const WorkFolder folder(command_.keep);
+    const WorkFolder folder(command_.keep, cases_);
     UpdateCounts counts;
     for (const TestCase& test : cases_) {
       try {

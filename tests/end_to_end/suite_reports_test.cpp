@@ -104,5 +104,17 @@ TEST_F(SuiteReports, AReportThatFailsLeavesTheOthers) {
   EXPECT_NE(read_text(json).find("\"passed\": 1"), std::string::npos);
 }
 
+TEST_F(SuiteReports, KeptFoldersOfOthersAreToldBeforeTheRun) {
+  write_suite(shell_case("good", "cp image.exr $0; touch ran") + "," + shell_case("late"));
+  write_reference("late");
+  const std::string place = folder_ / "k/suite/late";
+  fs::create_directories(place);
+  write_text(place + "/precious.txt", "precious");
+  expect_refused({"--keep", folder_ / "k"}, 2, {"--keep", place, "files of others"});
+  fs::remove_all(folder_ / "k/suite");
+  write_text(folder_ / "k/suite", "");
+  expect_refused({"--keep", folder_ / "k"}, 4, {"--keep", "k/suite", "Not a directory"});
+}
+
 }  // namespace
 }  // namespace becalm::test
