@@ -126,6 +126,24 @@ TEST(Mtl, Images) {
   EXPECT_GT(load("newmtl m\nmap_Ke bright.exr\n").materials.at(0).emission.x, 15.0f);
 }
 
+TEST(Mtl, ImagesAreOffset) {
+  // Dark on the left, and bright on the right.
+  write_image("halves.exr", 2, 1, 3, {0.25f, 0.25f, 0.25f, 0.75f, 0.75f, 0.75f});
+  write_image("mask.exr", 2, 1, 1, {0.25f, 0.75f});
+  const auto red_at = [](const std::string& options, const V2f& uv) {
+    const Loaded loaded = load("newmtl m\nmap_Kd " + options + " halves.exr\n");
+    const Textures::Reader reader(loaded.textures);
+    return std::get<PrincipledBsdf>(evaluate_material(loaded.materials.at(0).material, reader, {uv}))
+        .base_color.x;
+  };
+  const V2f left(0.25f, 0.5f);
+  EXPECT_NEAR(red_at("", left), 0.25f, 1e-3f);
+  EXPECT_NEAR(red_at("-o 0.5 0 0", left), 0.75f, 1e-3f);
+  EXPECT_NEAR(red_at("-s 2 2 1 -o 0.25 0.5 0", left), 0.75f, 1e-3f) << "after the scale";
+  const Material masked = only("newmtl m\nmap_d -o 0.5 0 0 mask.exr\n");
+  EXPECT_NEAR(opacity(masked, left), 0.75f, 0.5f / 255.0f);
+}
+
 TEST(Mtl, ByteOrderMarksContinuedLinesAndComments) {
   const Loaded loaded = load("\xef\xbb\xbfnewmtl paint\nKd 0.1 \\\n0.2 0.3# grey\nNi 1.6 # C:\\\nPr 0.25\n");
   ASSERT_EQ(loaded.materials.size(), 1u);

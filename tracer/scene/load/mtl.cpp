@@ -158,8 +158,8 @@ class Translator {
     if (mtl_.alpha_texname.empty()) return;
     const std::string file = image_path(mtl_.alpha_texname);
     try {
-      material.opacity_mask =
-          AlphaMask::read(file, channel(mtl_.alpha_texopt, TextureContent::color), repeat(mtl_.alpha_texopt));
+      material.opacity_mask = AlphaMask::read(file, channel(mtl_.alpha_texopt, TextureContent::color),
+                                              placement(mtl_.alpha_texopt));
     } catch (const std::runtime_error& error) {
       fail_unreadable(mtl_.alpha_texname, error);
     }
@@ -178,7 +178,10 @@ class Translator {
     result.emission = is_black(result.emission) ? mean : result.emission * mean;
   }
 
-  static V2f repeat(const tinyobj::texture_option_t& options) { return {options.scale[0], options.scale[1]}; }
+  static PicturePlacement placement(const tinyobj::texture_option_t& options) {
+    return {.repeat = {options.scale[0], options.scale[1]},
+            .offset = {options.origin_offset[0], options.origin_offset[1]}};
+  }
 
   static TextureContent channel(const tinyobj::texture_option_t& options, TextureContent otherwise) {
     switch (options.imfchan) {
@@ -213,7 +216,7 @@ class Translator {
   std::uint32_t add(const std::string& name, const tinyobj::texture_option_t& options, TextureContent content,
                     const V3f& scale) const {
     const TextureSettings settings{
-        .path = image_path(name), .repeat = repeat(options), .scale = scale, .content = content};
+        .path = image_path(name), .placement = placement(options), .scale = scale, .content = content};
     try {
       return textures_.add(settings);
     } catch (const std::runtime_error& error) {

@@ -23,8 +23,8 @@ struct MtlMaterial {
 /// slope: alpha = sqrt(2 / (Ns + 2)) (Walter et al. 2007, eq. 20); Ns absent: 1. What is not metal has the
 /// index Ni if it is above 1, or the one of the reflectance Ks, or 1.5. map_Kd is multiplied by Kd where that
 /// is not black. d, Tr and map_d are the opacity, except of dielectrics. map_bump and bump are heights, their
-/// -bm in scene units; norm is a normal map. -s is the repeat and -imfchan the channel; other options, Ka,
-/// map_Ks, map_Ns, disp and refl are ignored.
+/// -bm in scene units; norm is a normal map. -s is the repeat, -o the offset and -imfchan the channel; other
+/// options, Ka, map_Ks, map_Ns, disp and refl are ignored.
 ///
 /// Throws Error(bad_input), one line: a file that cannot be read; `FILE: line N: ...` for what should be
 /// numbers and is not; `FILE: material 'M': ...` for an image that is not there or not readable.
