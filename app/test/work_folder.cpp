@@ -81,7 +81,7 @@ std::string WorkFolder::path_of(const TestCase& test) const {
 std::string WorkFolder::folder_of(const TestCase& test, const std::string& part) const {
   const std::string of_case = path_of(test);
   if (!is_temporary_) keep_foreign_files(of_case);
-  const std::string folder = part.empty() ? of_case : of_case + "/" + part;
+  std::string folder = part.empty() ? of_case : of_case + "/" + part;
   std::error_code error;
   fs::remove_all(folder, error);
   if (!error) fs::create_directories(folder, error);
