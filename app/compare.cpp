@@ -127,7 +127,9 @@ class CompareJob {
   Placed read_view(const io::SequencePattern& pattern, int frame);
   Image read_like(const io::SequencePattern& pattern, int frame, const Placed& reference);
   std::vector<std::string> find_failures(const std::vector<FrameFigures>& figures) const;
-  void write_json(const std::vector<FrameFigures>& figures, const std::vector<std::string>& failures) const;
+  std::vector<ReportFile> report_files() const;
+  std::string json_text(const std::vector<FrameFigures>& figures,
+                        const std::vector<std::string>& failures) const;
 
   const CompareCommand& command_;
   const io::SequencePattern reference_;
@@ -246,7 +248,15 @@ Image CompareJob::read_like(const io::SequencePattern& pattern, int frame, const
                                                  reference.path, place(reference)));
 }
 
+std::vector<ReportFile> CompareJob::report_files() const {
+  std::vector<ReportFile> files;
+  if (!command_.report.empty()) files.push_back(page_in(command_.report, ReportKind::compare_page));
+  if (!command_.json.empty()) files.push_back({"--json", command_.json, ReportKind::compare_json});
+  return files;
+}
+
 ExitStatus CompareJob::run() {
+  check_report_files(report_files());
   std::optional<CompareReport> report;
   if (!command_.report.empty()) report.emplace(command_.report);
   std::vector<FrameFigures> figures;
@@ -266,11 +276,14 @@ ExitStatus CompareJob::run() {
   }
   print_row("mean", mean_of(figures));
   std::fflush(stdout);
-  if (report) report->finish(fmt::format("{} against {}", command_.test, command_.reference), figures);
 
   const std::vector<std::string> failures = find_failures(figures);
   for (const std::string& failure : failures) warn(failure);
-  if (!command_.json.empty()) write_json(figures, failures);
+  write_report_files(report_files(), [&](ReportKind kind) {
+    return kind == ReportKind::compare_json
+               ? json_text(figures, failures)
+               : report->page(fmt::format("{} against {}", command_.test, command_.reference), figures);
+  });
   return failures.empty() ? ExitStatus::done : ExitStatus::comparison_failed;
 }
 
@@ -305,8 +318,8 @@ std::vector<std::string> CompareJob::find_failures(const std::vector<FrameFigure
   return failures;
 }
 
-void CompareJob::write_json(const std::vector<FrameFigures>& figures,
-                            const std::vector<std::string>& failures) const {
+std::string CompareJob::json_text(const std::vector<FrameFigures>& figures,
+                                  const std::vector<std::string>& failures) const {
   nlohmann::ordered_json json;
   json["reference"] = command_.reference;
   if (reference_b_) json["reference_b"] = command_.reference_b;
@@ -320,8 +333,7 @@ void CompareJob::write_json(const std::vector<FrameFigures>& figures,
   }
   json["mean"] = to_json(mean_of(figures));
   json["failures"] = failures;
-  write_report_file("--json", command_.json,
-                    json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n');
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
 }
 
 }  // namespace

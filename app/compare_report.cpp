@@ -6,7 +6,6 @@
 #include <system_error>
 
 #include "app/pictures.h"
-#include "app/report_file.h"
 #include "frame/error.h"
 
 namespace becalm::app {
@@ -65,7 +64,7 @@ void CompareReport::add(int frame, const Image& test, const Image& reference) {
   write_png((folder / picture(frame, "error")).string(), error_picture(test, reference));
 }
 
-void CompareReport::finish(const std::string& title, const std::vector<FrameFigures>& figures) const {
+std::string CompareReport::page(const std::string& title, const std::vector<FrameFigures>& figures) const {
   std::string html = kHead;
   html += fmt::format(
       "<h1>{}</h1>\n<div class=\"scale\" style=\"background: linear-gradient(to right, {})\"></div>\n"
@@ -85,8 +84,7 @@ void CompareReport::finish(const std::string& title, const std::vector<FrameFigu
     }
     html += "</div></section>\n";
   }
-  html += "</html>\n";
-  write_report_file("--report", (std::filesystem::path(folder_) / "index.html").string(), html);
+  return html + "</html>\n";
 }
 
 }  // namespace becalm::app

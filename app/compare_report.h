@@ -8,15 +8,15 @@
 
 namespace becalm::app {
 
-/// A folder with index.html and, for each frame, the reference, the test and the relative error as PNG files.
+/// A folder for index.html with, for each frame, the reference, the test and the relative error as PNG files.
 class CompareReport {
  public:
   /// Makes the folder. Throws Error(resource).
   explicit CompareReport(std::string folder);
 
   void add(int frame, const Image& test, const Image& reference);
-  /// Writes index.html: `title` and a row for each frame that was added.
-  void finish(const std::string& title, const std::vector<FrameFigures>& figures) const;
+  /// The text of index.html: `title` and a row for each frame that was added.
+  std::string page(const std::string& title, const std::vector<FrameFigures>& figures) const;
 
  private:
   std::string picture(int frame, const std::string& what) const;

@@ -9,6 +9,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "frame/io/printable.h"
+
 namespace becalm::app {
 
 namespace {
@@ -47,6 +49,13 @@ void say_event(const nlohmann::ordered_json& event) {
 
 void warn(std::string_view line) {
   say_behind("becalm: ", line);
+}
+
+void warn_each(std::span<const std::string> lines) {
+  constexpr std::size_t most = 20, longest = 1000;
+  for (const std::string& line : lines.first(std::min(most, lines.size())))
+    warn(io::printable(line, longest));
+  if (lines.size() > most) warn(fmt::format("{} more such lines are left out", lines.size() - most));
 }
 
 void say_error(ExitStatus status, std::string line) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -23,6 +24,8 @@ void say(std::string_view line);
 void say_event(const nlohmann::ordered_json& event);
 /// A line behind `becalm: `, or the same object as `say`.
 void warn(std::string_view line);
+/// What files gave cause to: each made safe for a terminal; of many the first ones, and how many more.
+void warn_each(std::span<const std::string> lines);
 
 /// One line of what went wrong, with control characters as blanks, behind `becalm: error: `; or {"event":
 /// "error", "status": STATUS, "text": LINE}.

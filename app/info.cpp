@@ -16,6 +16,7 @@
 #include "app/alpha_report.h"
 #include "app/audit_run.h"
 #include "app/command.h"
+#include "app/console.h"
 #include "app/counted.h"
 #include "app/eye_names.h"
 #include "app/frame_problems.h"
@@ -98,6 +99,7 @@ void describe_devices(bool json) {
 
 void describe_scene(const std::string& path, bool json) {
   tracer::Scene scene = tracer::load_scene(path);
+  warn_each(scene.description().warnings);
   const std::vector<std::string> lines = tracer::describe_scene(scene);
   json ? print_json({{"scene", path}, {"lines", lines}}) : print_lines(lines);
 }

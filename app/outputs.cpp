@@ -30,13 +30,6 @@ bool is_exr_name(const std::string& name) {
   return extension == ".exr";
 }
 
-/// The path with links resolved as far as it exists, so that equal text means the same file.
-std::string resolved(const std::string& path) {
-  std::error_code error;
-  const fs::path canonical = fs::weakly_canonical(fs::absolute(path), error);
-  return error ? path : canonical.string();
-}
-
 constexpr std::string_view kMark = ".partial.";
 
 /// `NAME.partial.PID.N`, as frame/io writes before it renames: the process, or 0 if the name is another one.
@@ -100,6 +93,12 @@ bool is_foreign(const std::string& path, const std::string& mark) {
 }
 
 }  // namespace
+
+std::string resolved(const std::string& path) {
+  std::error_code error;
+  const fs::path canonical = fs::weakly_canonical(fs::absolute(path), error);
+  return error ? path : canonical.string();
+}
 
 void check_place(std::string_view option, std::string_view name, const std::string& path) {
   fs::path place = fs::absolute(path).parent_path();

@@ -16,6 +16,9 @@ namespace becalm::app {
 /// Whether it is an EXR file that becalm wrote.
 bool is_of_becalm(const std::string& path);
 
+/// The path with links resolved as far as it exists, so that equal text means the same file.
+std::string resolved(const std::string& path);
+
 /// Throws Error(resource) if the path's folder cannot be written to or made. Changes nothing. `option` and
 /// `name` stand in the message.
 void check_place(std::string_view option, std::string_view name, const std::string& path);

@@ -18,6 +18,7 @@
 #include "app/alpha_report.h"
 #include "app/cancel.h"
 #include "app/command.h"
+#include "app/console.h"
 #include "app/eye_names.h"
 #include "app/filter_stage.h"
 #include "app/frame_sink.h"
@@ -399,6 +400,7 @@ Command add_render(CLI::App& becalm) {
             apply(command->running, command->filter);
             catch_signals();
             tracer::Scene scene = tracer::load_scene(command->scene);
+            warn_each(scene.description().warnings);
             if (!command->time_budget.empty()) {
               const ThreadLimit threads(command->running.threads);
               choose_by_time(*command, scene);

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
+#include <limits>
 #include <numeric>
 #include <span>
 
@@ -96,6 +97,7 @@ void add_render_options(CLI::App& parser, RenderCommand& command) {
   parser
       .add_option("--seed", command.seed,
                   "Seed of the noise; different seeds give independent noise (default: 0)")
+      ->check(CLI::Range(std::numeric_limits<std::uint32_t>::max()))
       ->option_text("N")
       ->group("Rendering");
   parser

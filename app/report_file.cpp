@@ -1,46 +1,161 @@
 #include "app/report_file.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
-#include <array>
+#include <algorithm>
+#include <exception>
 #include <filesystem>
 #include <fstream>
+#include <initializer_list>
+#include <nlohmann/json.hpp>
+#include <set>
 #include <system_error>
 
+#include "app/outputs.h"
 #include "frame/error.h"
 #include "frame/io/atomic_file.h"
+#include "tracer/scene/load/text_file.h"
 
 namespace becalm::app {
 namespace fs = std::filesystem;
 
-void write_report_file(const std::string& option, const std::string& path, const std::string& text) {
-  if (path == "/dev/stdout") {  // even where that is a file: it holds what was said before
+namespace {
+
+bool has_members(const std::string& text, std::initializer_list<const char*> keys) {
+  const nlohmann::json json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
+  return json.is_object() && std::ranges::all_of(keys, [&](const char* key) { return json.contains(key); });
+}
+
+bool is_report(ReportKind kind, const std::string& text) {
+  switch (kind) {
+    case ReportKind::test_junit:
+      return text.find("<testsuites name=\"becalm test\"") != std::string::npos;
+    case ReportKind::test_json:
+      return has_members(text, {"seconds", "passed", "failed", "error", "skipped", "cases"});
+    case ReportKind::test_page:
+      return text.find("<title>becalm: regression tests</title>") != std::string::npos;
+    case ReportKind::compare_json:
+      return has_members(text, {"reference", "test", "frames", "mean", "failures"});
+    case ReportKind::compare_page:
+      return text.find("<title>becalm compare</title>") != std::string::npos;
+  }
+  return false;
+}
+
+constexpr const char* description_of(ReportKind kind) {
+  switch (kind) {
+    case ReportKind::test_junit:
+      return "JUnit report of becalm test";
+    case ReportKind::test_json:
+      return "JSON report of becalm test";
+    case ReportKind::test_page:
+      return "page of becalm test";
+    case ReportKind::compare_json:
+      return "JSON report of becalm compare";
+    case ReportKind::compare_page:
+      return "page of becalm compare";
+  }
+  return "";
+}
+
+[[noreturn]] void fail(ExitStatus status, const ReportFile& report, const std::string& message) {
+  throw Error(status, fmt::format("{} {}: {}", report.option, report.path, message));
+}
+
+/// Also where that is a file: it holds what was said before.
+bool is_standard_output(const std::string& path) {
+  std::error_code error;
+  return path == "/dev/stdout" || fs::equivalent(path, "/dev/stdout", error);
+}
+
+/// Standard output, another device or a pipe.
+bool is_stream(const std::string& path) {
+  std::error_code ignored;
+  return is_standard_output(path) || fs::is_other(path, ignored);
+}
+
+void keep_foreign_file(const ReportFile& report) {
+  std::error_code error;
+  if (!fs::is_regular_file(report.path, error) || fs::file_size(report.path, error) == 0) return;
+  const std::optional<std::string> text = tracer::read_text_file(report.path);
+  if (text && is_report(report.kind, *text)) return;
+  fail(ExitStatus::usage, report,
+       fmt::format("is there, and is no {}; choose another name", description_of(report.kind)));
+}
+
+/// Puts the text in place of the report's file, which is the one behind links. Without a text only tries
+/// whether the file can be made: to root, access(2) allows everything.
+void write_file(const ReportFile& report, const std::string* text) {
+  try {
+    io::AtomicFile file(resolved(report.path));
+    if (text == nullptr) return;
+    file.write(text->data(), text->size());
+    file.commit();
+  } catch (const Error& error) {
+    throw Error(error.status(), fmt::format("{} {}", report.option, error.what()));
+  }
+}
+
+void write_stream(const ReportFile& report, const std::string& text) {
+  if (is_standard_output(report.path)) {
     fmt::print("{}", text);
     return;
   }
-  std::error_code ignored;
-  if (fs::is_other(path, ignored)) {
-    std::ofstream file(path);
-    if (!(file << text) || !file.flush()) {
-      throw Error(ExitStatus::resource, fmt::format("{} {}: cannot write it", option, path));
-    }
+  std::ofstream file(report.path);
+  if (!(file << text) || !file.flush()) fail(ExitStatus::resource, report, "cannot write it");
+}
+
+void write_report_file(const ReportFile& report, const std::string& text) {
+  if (is_stream(report.path)) {
+    write_stream(report, text);
     return;
   }
-  if (std::ifstream present(path, std::ios::binary); present) {
-    std::array<char, 4> magic{};
-    present.read(magic.data(), magic.size());
-    if (magic == std::array<char, 4>{0x76, 0x2f, 0x31, 0x01})
-      throw Error(ExitStatus::usage,
-                  fmt::format("{} {}: is an EXR file there; choose another name", option, path));
+  keep_foreign_file(report);
+  write_file(report, &text);
+}
+
+void check_place_of(const ReportFile& report) {
+  if (!is_stream(report.path)) {
+    write_file(report, nullptr);
+  } else if (!is_standard_output(report.path) && ::access(report.path.c_str(), W_OK) != 0) {
+    fail(ExitStatus::resource, report, "cannot write it");
   }
-  try {
-    const fs::path behind_links = fs::weakly_canonical(path, ignored);
-    io::AtomicFile file(behind_links.empty() ? path : behind_links.string());
-    file.write(text.data(), text.size());
-    file.commit();
-  } catch (const Error& error) {
-    throw Error(error.status(), fmt::format("{} {}", option, error.what()));
+}
+
+}  // namespace
+
+ReportFile page_in(const std::string& folder, ReportKind kind) {
+  return {"--report", (fs::path(folder) / "index.html").string(), kind};
+}
+
+void check_report_files(const std::vector<ReportFile>& reports, const std::vector<std::string>& inputs) {
+  std::set<std::string> read;
+  for (const std::string& input : inputs) read.insert(resolved(input));
+  std::set<std::string> written;
+  for (const ReportFile& report : reports) {
+    if (is_stream(report.path)) continue;
+    const std::string place = resolved(report.path);
+    if (read.contains(place))
+      fail(ExitStatus::usage, report, "would overwrite the input; choose another name");
+    if (!written.insert(place).second)
+      fail(ExitStatus::usage, report, "is another report's, too; choose another name");
+    keep_foreign_file(report);
   }
+  for (const ReportFile& report : reports) check_place_of(report);
+}
+
+void write_report_files(const std::vector<ReportFile>& reports,
+                        const std::function<std::string(ReportKind)>& text_of) {
+  std::exception_ptr first;
+  for (const ReportFile& report : reports) {
+    try {
+      write_report_file(report, text_of(report.kind));
+    } catch (const Error&) {
+      if (!first) first = std::current_exception();
+    }
+  }
+  if (first) std::rethrow_exception(first);
 }
 
 }  // namespace becalm::app

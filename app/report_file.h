@@ -1,12 +1,34 @@
 #pragma once
 
+#include <functional>
 #include <string>
+#include <vector>
 
 namespace becalm::app {
 
-/// Writes a report that an option asked for. A regular file appears or is replaced whole (io::AtomicFile),
-/// and its folder is made; `/dev/stdout` is standard output, and other devices and pipes are written to.
-/// Throws Error(resource) naming the option.
-void write_report_file(const std::string& option, const std::string& path, const std::string& text);
+/// By what a file is recognised that the same kind of report may replace.
+enum class ReportKind { test_junit, test_json, test_page, compare_json, compare_page };
+
+/// A report that an option asked for. `/dev/stdout` and other names of the file behind it are standard
+/// output; other devices and pipes are written to.
+struct ReportFile {
+  std::string option;
+  std::string path;
+  ReportKind kind;
+};
+
+/// The page of --report: `folder`/index.html.
+ReportFile page_in(const std::string& folder, ReportKind kind);
+
+/// Before the work whose results the reports tell. Throws Error(usage) where a report is one of the inputs or
+/// another report, or where there is a file that is neither empty nor a report of that kind, and
+/// Error(resource) where no file can be made. Makes the reports' folders.
+void check_report_files(const std::vector<ReportFile>& reports, const std::vector<std::string>& inputs = {});
+
+/// Writes all of them, each with its text. A regular file appears or is replaced whole (io::AtomicFile), and
+/// its folder is made. Throws the first Error after all were tried: Error(resource) naming the option, or
+/// Error(usage) as check_report_files.
+void write_report_files(const std::vector<ReportFile>& reports,
+                        const std::function<std::string(ReportKind)>& text_of);
 
 }  // namespace becalm::app

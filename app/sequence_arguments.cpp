@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <limits>
 #include <set>
 #include <span>
 #include <string_view>
@@ -29,6 +30,7 @@ void add_sequence_options(CLI::App& parser, SequenceCommand& command, const std:
   parser
       .add_option("--frame", command.frame,
                   "The frame number of a single file (default: the one in its name, or 1)")
+      ->check(CLI::Range(std::numeric_limits<int>::min(), std::numeric_limits<int>::max()))
       ->option_text("N")
       ->group(more("Input"));
   parser

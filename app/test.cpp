@@ -9,11 +9,10 @@
 #include <array>
 #include <charconv>
 #include <cstdio>
-#include <filesystem>
 #include <iostream>
+#include <iterator>
 #include <memory>
 #include <string>
-#include <system_error>
 #include <thread>
 
 #include "app/cancel.h"
@@ -117,7 +116,8 @@ class TestJob {
   }
 
   ExitStatus test() const {
-    const WorkFolder folder(command_.keep);
+    check_report_files(report_files(), inputs());
+    const WorkFolder folder(command_.keep, cases_);
     const TestResults results =
         run_cases(cases_, folder, {command_.jobs, threads(), command_.fail_fast, command_.reproducible},
                   [](const CaseResult& result) {
@@ -129,26 +129,37 @@ class TestJob {
     fmt::print("{} passed, {} failed, {}, {} skipped in {:.1f} s\n", count_of(results, CaseOutcome::passed),
                failed, counted(errors, "error", "errors"), count_of(results, CaseOutcome::skipped),
                results.seconds);
-    write_reports(results);
+    write_report_files(report_files(), [&](ReportKind kind) { return report_text(kind, results); });
     if (interrupted()) return ExitStatus::interrupted;
     return errors > 0 ? ExitStatus::bad_input : failed > 0 ? ExitStatus::comparison_failed : ExitStatus::done;
   }
 
-  void write_reports(const TestResults& results) const {
-    if (!command_.junit.empty()) write_report_file("--junit", command_.junit, junit_xml(results));
-    if (!command_.json.empty()) write_report_file("--json", command_.json, results_json(results));
-    if (!command_.report.empty()) write_page(results);
+  std::vector<ReportFile> report_files() const {
+    std::vector<ReportFile> files;
+    if (!command_.junit.empty()) files.push_back({"--junit", command_.junit, ReportKind::test_junit});
+    if (!command_.json.empty()) files.push_back({"--json", command_.json, ReportKind::test_json});
+    if (!command_.report.empty()) files.push_back(page_in(command_.report, ReportKind::test_page));
+    return files;
   }
 
-  void write_page(const TestResults& results) const {
-    const std::filesystem::path folder(command_.report);
-    std::error_code error;
-    std::filesystem::create_directories(folder, error);
-    write_report_file("--report", (folder / "index.html").string(), test_page(results));
+  static std::string report_text(ReportKind kind, const TestResults& results) {
+    if (kind == ReportKind::test_junit) return junit_xml(results);
+    return kind == ReportKind::test_json ? results_json(results) : test_page(results);
+  }
+
+  /// Suites, scenes and references, also those that are not there yet.
+  std::vector<std::string> inputs() const {
+    std::vector<std::string> files;
+    for (const TestCase& test : cases_) {
+      files.push_back(test.suite_file);
+      if (!test.source.scene.empty()) files.push_back(test.source.scene);
+      std::ranges::move(reference_files(test), std::back_inserter(files));
+    }
+    return files;
   }
 
   ExitStatus calibrate_cases() const {
-    const WorkFolder folder(command_.keep);
+    const WorkFolder folder(command_.keep, cases_);
     for (const TestCase& test : cases_) {
       for (const std::string& line :
            calibrate(test, command_.calibrate, folder, threads(), command_.reproducible)) {
@@ -165,7 +176,7 @@ class TestJob {
                   "--update replaces references and asks first, and standard input is no terminal; --yes "
                   "answers");
     }
-    const WorkFolder folder(command_.keep);
+    const WorkFolder folder(command_.keep, cases_);
     UpdateCounts counts;
     for (const TestCase& test : cases_) {
       try {

@@ -12,6 +12,7 @@
 #include "app/test/shell_words.h"
 #include "frame/aov.h"
 #include "frame/error.h"
+#include "frame/io/printable.h"
 #include "frame/io/sequence.h"
 
 namespace becalm::app {
@@ -99,15 +100,16 @@ std::vector<Step> steps_of(const TestCase& test, const FrameOrder& order) {
   return steps;
 }
 
-/// Behind how a command ended: the last line that it printed.
+/// Behind how a command ended: the last line that it printed, safe for a terminal.
 std::string last_line(const std::string& file) {
   std::ifstream stream(file);
   std::string last;
   for (std::string line; std::getline(stream, line);) {
-    if (line.find_first_not_of(" \t\r") != std::string::npos) last = line;
+    const std::size_t end = line.find_last_not_of(" \t\r");
+    if (end != std::string::npos) last = line.substr(0, end + 1);
   }
   constexpr std::size_t longest = 300;
-  return last.empty() ? "" : ": " + last.substr(0, longest);
+  return last.empty() ? "" : ": " + io::printable(last, longest);
 }
 
 MadeFrames run_all(const TestCase& test, const std::vector<Step>& steps, const std::string& working_folder,

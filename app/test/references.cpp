@@ -82,24 +82,23 @@ ComparedFrame read_pair(int number, const std::string& test, const std::string& 
 
 }  // namespace
 
-std::vector<std::string> missing_references(const TestCase& test) {
-  std::vector<std::string> missing;
+std::vector<std::string> reference_files(const TestCase& test) {
+  std::vector<std::string> files;
   for (int which = 0; which < reference_count(test); ++which) {
     const io::SequencePattern pattern(test.reference_pattern(which));
-    for (const int frame : test.source.frames) {
-      if (!fs::is_regular_file(pattern.path(frame))) missing.push_back(pattern.path(frame));
-    }
+    for (const int frame : test.source.frames) files.push_back(pattern.path(frame));
   }
-  return missing;
+  return files;
+}
+
+std::vector<std::string> missing_references(const TestCase& test) {
+  std::vector<std::string> files = reference_files(test);
+  std::erase_if(files, [](const std::string& file) { return fs::is_regular_file(file); });
+  return files;
 }
 
 void check_references(const TestCase& test) {
-  for (int which = 0; which < reference_count(test); ++which) {
-    const io::SequencePattern pattern(test.reference_pattern(which));
-    for (const int frame : test.source.frames) {
-      io::read_exr_header(pattern.path(frame), {}, io::CheckChunks::yes);
-    }
-  }
+  for (const std::string& file : reference_files(test)) io::read_exr_header(file, {}, io::CheckChunks::yes);
 }
 
 double samples_of_reference(const std::string& path) {

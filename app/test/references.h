@@ -10,7 +10,10 @@
 
 namespace becalm::app {
 
-/// The case's reference files that are not there.
+/// The case's reference files, whether they are there or not.
+std::vector<std::string> reference_files(const TestCase& test);
+
+/// Those that are not there.
 std::vector<std::string> missing_references(const TestCase& test);
 
 /// Throws Error(bad_input) for a reference file that is no EXR or is not whole.

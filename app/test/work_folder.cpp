@@ -9,6 +9,7 @@
 #include <fstream>
 #include <system_error>
 
+#include "app/outputs.h"
 #include "frame/error.h"
 
 namespace becalm::app {
@@ -39,9 +40,20 @@ std::string make_temporary_folder() {
   return path;
 }
 
+/// Throws for a folder that is not empty and that becalm did not make.
+void keep_foreign_files(const std::string& folder) {
+  std::error_code error;
+  const bool is_ours = !fs::exists(folder, error) || fs::is_empty(folder, error) ||
+                       fs::exists(fs::path(folder) / kMarker, error);
+  if (is_ours) return;
+  throw Error(ExitStatus::usage,
+              fmt::format("--keep: {} holds files of others; choose another folder", folder));
+}
+
 }  // namespace
 
-WorkFolder::WorkFolder(const std::string& kept) : is_temporary_(kept.empty()) {
+WorkFolder::WorkFolder(const std::string& kept, const std::vector<TestCase>& cases)
+    : is_temporary_(kept.empty()) {
   if (is_temporary_) {
     path_ = make_temporary_folder();
     return;
@@ -50,6 +62,11 @@ WorkFolder::WorkFolder(const std::string& kept) : is_temporary_(kept.empty()) {
   std::error_code error;
   fs::create_directories(path_, error);
   if (error) fail_to_make(path_, error);
+  for (const TestCase& test : cases) {
+    const std::string folder = path_of(test);
+    keep_foreign_files(folder);
+    check_place("--keep", folder, folder + "/" + kMarker);
+  }
 }
 
 WorkFolder::~WorkFolder() {
@@ -57,21 +74,19 @@ WorkFolder::~WorkFolder() {
   if (is_temporary_) fs::remove_all(path_, ignored);
 }
 
+std::string WorkFolder::path_of(const TestCase& test) const {
+  return (fs::path(path_) / test.suite / test.name).string();
+}
+
 std::string WorkFolder::folder_of(const TestCase& test, const std::string& part) const {
-  fs::path path = fs::path(path_) / test.suite / test.name;
-  if (!part.empty()) path /= part;
-  const std::string folder = path.string();
-  const fs::path of_case = fs::path(path_) / test.suite / test.name;
-  const fs::path marker = of_case / kMarker;
+  const std::string of_case = path_of(test);
+  if (!is_temporary_) keep_foreign_files(of_case);
+  std::string folder = part.empty() ? of_case : of_case + "/" + part;
   std::error_code error;
-  if (!is_temporary_ && fs::exists(of_case, error) && !fs::is_empty(of_case, error) &&
-      !fs::exists(marker, error)) {
-    throw Error(ExitStatus::usage,
-                fmt::format("--keep: {} holds files of others; choose another folder", of_case.string()));
-  }
   fs::remove_all(folder, error);
   if (!error) fs::create_directories(folder, error);
-  if (!error && !is_temporary_) std::ofstream(marker) << "Made by becalm test, and replaced by it.\n";
+  if (!error && !is_temporary_)
+    std::ofstream(fs::path(of_case) / kMarker) << "Made by becalm test, and replaced by it.\n";
   if (error) fail_to_make(folder, error);
   return folder;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "app/test/suite.h"
 
@@ -9,8 +10,9 @@ namespace becalm::app {
 /// Where cases put their frames: a temporary folder that is removed at the end, or one that is kept.
 class WorkFolder {
  public:
-  /// `kept` empty: a temporary folder. Throws Error(resource).
-  explicit WorkFolder(const std::string& kept);
+  /// `kept` empty: a temporary folder. Throws Error(resource) where it or the folder of a case cannot be
+  /// made, and Error(usage) where that holds files of others.
+  WorkFolder(const std::string& kept, const std::vector<TestCase>& cases);
   ~WorkFolder();
   WorkFolder(const WorkFolder&) = delete;
   WorkFolder& operator=(const WorkFolder&) = delete;
@@ -19,6 +21,8 @@ class WorkFolder {
   std::string folder_of(const TestCase& test, const std::string& part = "") const;
 
  private:
+  std::string path_of(const TestCase& test) const;
+
   std::string path_;
   bool is_temporary_;
 };

@@ -188,6 +188,22 @@ TEST_F(BadInput, MeshWithIndexOutOfRange) {
   expect_error(render({}), kBadInput, {"broken.obj", "7"});
 }
 
+TEST_F(BadInput, MaterialFilesAreCorrectedWithAWarning) {
+  write_text(folder_ / "own.obj", "mtllib own.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl r\x1b\nf 1 2 3\n");
+  write_text(folder_ / "own.mtl", "newmtl r\x1b\nKd 2 0 0\n");
+  write_text(scene_, R"({"camera": {"look_at": {"eye": [0, 0, 5], "target": [0, 0, 0]}}, "meshes": {
+    "a": {"obj": "own.obj", "materials": "mtl"}, "b": {"obj": "own.obj", "materials": "mtl"}},
+    "objects": [{"mesh": "a"}, {"mesh": "b"}]})");
+  const std::string warning =
+      "becalm: " + (folder_ / "own.mtl") +
+      R"(: line 2: material 'r\x1b': Kd 2: expected a number from 0 to 1; taken as 1)" + "\n";
+  EXPECT_EQ(becalm_done({"info", scene_}).err, warning) << "once";
+  EXPECT_EQ(becalm_done(
+                {"render", scene_, "-o", folder_ / "out.####.exr", "--spp", "1", "--size", "4x4", "--quiet"})
+                .err,
+            warning);
+}
+
 TEST_F(BadInput, DescendingRange) {
   expect_error(render({"--frames", "9-1"}), kUsage, {"9-1"});
 }
@@ -270,6 +286,12 @@ TEST_F(BadInput, ValuesOutOfRange) {
   expect_error(render({"--size", "640by360"}), kUsage, {"--size", "640by360", "WIDTHxHEIGHT"});
   expect_error(render({"--size", "0x360"}), kUsage, {"--size", "0x360"});
   expect_error(becalm({"render", scene_, "-o", folder_ / "o.####.exr", "--spp", "0"}), kUsage, {"--spp"});
+  for (const char* seed : {"-1", "1.5", "4294967296", "x"})
+    expect_error(render({"--seed", seed}), kUsage, {"--seed", seed, "range 0 to 4294967295"});
+  for (const char* frame : {"1.5", "2147483648", "x"}) {
+    expect_error(becalm({"denoise", folder_ / "in.exr", "-o", folder_ / "out.exr", "--frame", frame}), kUsage,
+                 {"--frame", frame, "range -2147483648 to 2147483647"});
+  }
   expect_error(render({"--aovs", "albedo,colour"}), kUsage, {"--aovs", "colour", "albedo"});
   expect_error(render({"--denoise=best"}), kUsage, {"best"});
   expect_error(render({"--denoise", "--set", "motion=far"}), kUsage, {"motion", "far"});

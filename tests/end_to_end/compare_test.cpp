@@ -217,18 +217,36 @@ TEST_F(Compare, ReportsReplaceFilesWhole) {
   const fs::path link = folder_ / "link.json";
   const fs::path before = folder_ / "before.json";
   fs::create_symlink(json, link);
-  std::ofstream(json) << "before";
   fs::create_hard_link(json, before);
   ASSERT_EQ(compare_to(link).status, 0);
-  std::string kept;
-  std::ifstream(before) >> kept;
-  EXPECT_EQ(kept, "before") << "not written over, but replaced";
+  EXPECT_FALSE(fs::equivalent(json, before)) << "not written over, but replaced";
   EXPECT_TRUE(nlohmann::json::parse(std::ifstream(json)).contains("mean")) << "behind the link";
   EXPECT_NE(compare_to("/dev/stdout").out.find("\"mean\""), std::string::npos);
   EXPECT_EQ(compare_to(frame_path(test_, 1)).status, 2) << "frames are not replaced";
   const Outcome of_folder = compare_to(json.parent_path());
   EXPECT_EQ(of_folder.status, 4);
   EXPECT_NE(of_folder.err.find("--json"), std::string::npos) << of_folder.err;
+}
+
+TEST_F(Compare, ReportsReplaceNothingElse) {
+  write_frames(1, 1.0f);
+  const std::string report = folder_ / "site", page = report + "/index.html", json = folder_ / "own.json";
+  const std::vector<std::string> both{"compare", reference_, test_, "--report", report, "--json", json};
+  fs::create_directories(report);
+  write_text(page, "<!doctype html><title>mine</title>");
+  const auto size = fs::file_size(page);
+  const Outcome outcome = becalm(both);
+  expect_error(outcome, 2, {"--report", page, "is no page of becalm compare"});
+  EXPECT_EQ(outcome.out, "") << "before anything is measured";
+  EXPECT_EQ(fs::file_size(page), size);
+  EXPECT_EQ(files_in(report).size(), 1u);
+  fs::remove(page);
+  write_text(json, R"({"mean": 1, "frames": []})");
+  expect_error(becalm(both), 2, {"--json", json, "is no JSON report of becalm compare"});
+  write_text(json, "");
+  for (int run = 0; run < 2; ++run) EXPECT_EQ(becalm(both).status, 0) << "what is empty, and its own";
+  expect_error(becalm({"compare", reference_, test_, "--report", report, "--json", page}), 2,
+               {"--json", page, "another report's"});
 }
 
 TEST_F(Compare, LimitsAreNumbersThatCanBeMet) {

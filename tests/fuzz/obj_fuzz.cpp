@@ -2,6 +2,8 @@
 // returns sound meshes or throws Error.
 #include <cmath>
 #include <cstdlib>
+#include <string>
+#include <vector>
 
 #include "frame/error.h"
 #include "tests/fuzz/fuzz_folder.h"
@@ -42,7 +44,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const becalm::tracer::ObjParts parts = becalm::tracer::load_obj_parts(path);
     for (const auto& part : parts.parts) check(part.mesh);
     becalm::tracer::Textures textures;
-    becalm::tracer::load_part_materials(path, parts, textures);
+    std::vector<std::string> warnings;
+    becalm::tracer::load_part_materials(path, parts, textures, warnings);
   } catch (const becalm::Error&) {
   }
   return 0;

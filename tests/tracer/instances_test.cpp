@@ -106,6 +106,14 @@ TEST(Scatter, IsTheSameForTheSameSettingsAndAPrefixOfMore) {
   EXPECT_EQ(equal, 0);
 }
 
+TEST(Scatter, RefusesGroundsThatRaysCannotReach) {
+  for (const char* transform : {"{'scale': [4,1e30,4]}", "{'translate': [0,-1e19,0]}"}) {
+    const std::string error =
+        load_error(scattered("", "'area': [-3,-3,3,3], 'count': 5, 'on': 'ground'", transform));
+    EXPECT_EQ(error.find("scene.json: /objects: the ground 'ground' may reach to a height of "), 0u) << error;
+  }
+}
+
 TEST(Scatter, StandsOnAllPartsOfAGround) {
   // The left half is 1 high, the right half 2.
   write_file(

@@ -185,6 +185,17 @@ TEST(Load, NamesMissingThings) {
   }
 }
 
+TEST(Load, NeedsNoMaterialsBesideThoseOfMeshes) {
+  write_file("own.obj", "mtllib own.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n");
+  write_file("own.mtl", "newmtl red\nKd 1 0 0\n");
+  const Scene scene = load_text("{'camera': " + kCamera +
+                                ", 'meshes': {'own': {'obj': 'own.obj', 'materials': 'mtl'}}, 'objects': "
+                                "[{'mesh': 'own'}]}");
+  EXPECT_EQ(scene.description().materials.size(), 1u);
+  EXPECT_EQ(load_error("{'camera': " + kCamera + ", 'meshes': " + kMeshes + ", 'objects': " + kObjects + "}"),
+            "scene.json: /objects/0/material: no material 'white'");
+}
+
 TEST(Load, RefusesWhatIsNoFile) {
   const std::string path = file_path("pipe.json");
   const auto error = [&] {
@@ -231,6 +242,10 @@ TEST(Load, NamesBadValues) {
   EXPECT_EQ(
       load_error(with_more("'lights': {'far': {'type': 'point', 'position': [0, 1e19, 0], 'intensity': 1}}")),
       "scene.json: /lights/far/position/1: expected a number from -1e+17 to 1e+17, found 1e+19");
+  EXPECT_EQ(load_error(with_objects(
+                "[{'name': 'a', 'mesh': 'box', 'material': 'white'}, {'mesh': 'box', 'material': "
+                "'white', 'scatter': {'count': 5, 'area': [-2, -2, 1e19, 2], 'on': 'a'}}]")),
+            "scene.json: /objects/1/scatter/area/2: expected a number from -1e+17 to 1e+17, found 1e+19");
   EXPECT_EQ(load_error(with_meshes("{'box': {'shape': 'cube', 'segments': 4}}")),
             "scene.json: /meshes/box/segments: only a disc and a sphere have segments");
 }

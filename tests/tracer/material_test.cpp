@@ -174,7 +174,7 @@ TEST(Material, OpacityIsTheAlphaChannelOrTheLuminance) {
 
 TEST(Material, VRunsUpInOpacityMasks) {
   write_image("v.exr", 1, 2, 1, {1.0f, 0.0f});
-  const AlphaMask mask = AlphaMask::read(file_path("v.exr"), TextureContent::color, V2f(1.0f));
+  const AlphaMask mask = AlphaMask::read(file_path("v.exr"), TextureContent::color, {});
   EXPECT_EQ(mask.opacity({0.5f, 0.75f}), 1.0f);
   EXPECT_EQ(mask.opacity({0.5f, 0.25f}), 0.0f);
   EXPECT_EQ(mask.bytes(), 2u);

@@ -16,10 +16,11 @@ namespace {
 struct Loaded {
   Textures textures;
   std::vector<MtlMaterial> materials;
+  std::vector<std::string> warnings;
 };
 Loaded load(const std::string& text) {
   Loaded loaded;
-  loaded.materials = load_mtl(write_file("m.mtl", text), loaded.textures);
+  loaded.materials = load_mtl(write_file("m.mtl", text), loaded.textures, loaded.warnings);
   return loaded;
 }
 Material only(const std::string& text) {
@@ -28,17 +29,20 @@ Material only(const std::string& text) {
   return loaded.materials.at(0).material;
 }
 
+std::string without_folder(std::string message) {
+  const std::string folder = file_path("");
+  for (std::size_t at; (at = message.find(folder)) != std::string::npos;) message.erase(at, folder.size());
+  return message;
+}
+
 template <class Function>
 std::string error_of(const Function& function) {
   try {
     function();
   } catch (const Error& error) {
     EXPECT_EQ(error.status(), ExitStatus::bad_input);
-    std::string message = error.what();
-    EXPECT_EQ(message.find('\n'), std::string::npos) << "one line";
-    const std::string folder = file_path("");
-    for (std::size_t at; (at = message.find(folder)) != std::string::npos;) message.erase(at, folder.size());
-    return message;
+    EXPECT_EQ(std::string_view(error.what()).find('\n'), std::string::npos) << "one line";
+    return without_folder(error.what());
   }
   return "";
 }
@@ -126,6 +130,48 @@ TEST(Mtl, Images) {
   EXPECT_GT(load("newmtl m\nmap_Ke bright.exr\n").materials.at(0).emission.x, 15.0f);
 }
 
+TEST(Mtl, ImagesAreOffset) {
+  // Dark on the left, and bright on the right.
+  write_image("halves.exr", 2, 1, 3, {0.25f, 0.25f, 0.25f, 0.75f, 0.75f, 0.75f});
+  write_image("mask.exr", 2, 1, 1, {0.25f, 0.75f});
+  const auto red_at = [](const std::string& options, const V2f& uv) {
+    const Loaded loaded = load("newmtl m\nmap_Kd " + options + " halves.exr\n");
+    EXPECT_TRUE(loaded.warnings.empty()) << loaded.warnings.front();
+    const Textures::Reader reader(loaded.textures);
+    return std::get<PrincipledBsdf>(evaluate_material(loaded.materials.at(0).material, reader, {uv}))
+        .base_color.x;
+  };
+  const V2f left(0.25f, 0.5f);
+  EXPECT_NEAR(red_at("", left), 0.25f, 1e-3f);
+  EXPECT_NEAR(red_at("-o 0.5 0 0", left), 0.75f, 1e-3f);
+  EXPECT_NEAR(red_at("-o 0.5", left), 0.75f, 1e-3f) << "others are 0";
+  EXPECT_NEAR(red_at("-s 2 2 -o 0.25 0.5", left), 0.75f, 1e-3f) << "after the scale";
+  EXPECT_NEAR(red_at("-clamp off -s 3", left), 0.75f, 1e-3f);
+  const Material masked = only("newmtl m\nmap_d -o 0.5 0 mask.exr\n");
+  EXPECT_NEAR(opacity(masked, left), 0.75f, 0.5f / 255.0f);
+}
+
+TEST(Mtl, WarnsOfNumbersOutOfRange) {
+  const auto warnings = [](const std::string& line) {
+    const std::vector<std::string> found = load("newmtl a\n" + line + "\nnewmtl b\n").warnings;
+    return found.size() == 1 ? without_folder(found.front()) : std::to_string(found.size());
+  };
+  const std::string place = "m.mtl: line 2: material 'a': ";
+  EXPECT_EQ(warnings("Kd 0.5 2 3"), place + "Kd 2: expected a number from 0 to 1; taken as 1");
+  EXPECT_EQ(warnings("d 2"), place + "d 2: expected a number from 0 to 1; taken as 1");
+  EXPECT_EQ(warnings("Ns -5"), place + "Ns -5: expected a number of at least 0; taken as 0");
+  EXPECT_EQ(warnings("Ke -1 0 0"), place + "Ke -1: expected a number of at least 0; taken as 0");
+  EXPECT_EQ(warnings("Ni 0"), place + "Ni 0: expected a number from 1 to 10; left out");
+  EXPECT_EQ(warnings("Ni 20"), place + "Ni 20: expected a number from 1 to 10; taken as 10");
+  EXPECT_EQ(warnings("Pr 5"), place + "Pr 5: expected a number from 0 to 1; taken as 1");
+  EXPECT_EQ(warnings("map_Kd"), place + "map_Kd: expected an image file, found none; left out");
+  EXPECT_EQ(warnings("map_Kd -s 2 2"), place + "map_Kd: expected an image file, found none; left out");
+  write_image("grey.exr", 1, 1, 1, {0.5f});
+  EXPECT_EQ(warnings("map_Pr -clamp on grey.exr"),
+            place + "map_Pr: '-clamp on' is not supported; the image repeats");
+  EXPECT_EQ(warnings("Kd 1 1 0\nKe 20 0 0\nNi 1\nNs 900\nillum 2\nd 0"), "0");
+}
+
 TEST(Mtl, ByteOrderMarksContinuedLinesAndComments) {
   const Loaded loaded = load("\xef\xbb\xbfnewmtl paint\nKd 0.1 \\\n0.2 0.3# grey\nNi 1.6 # C:\\\nPr 0.25\n");
   ASSERT_EQ(loaded.materials.size(), 1u);
@@ -148,8 +194,8 @@ TEST(Mtl, Errors) {
             0u);
   EXPECT_EQ(mtl_error("newmtl a\nmap_Pr text.png\n").find("m.mtl: material 'a': cannot read 'text.png': "),
             0u);
-  Textures textures;
-  EXPECT_EQ(error_of([&] { load_mtl(file_path("nowhere.mtl"), textures); }),
+  Loaded loaded;
+  EXPECT_EQ(error_of([&] { load_mtl(file_path("nowhere.mtl"), loaded.textures, loaded.warnings); }),
             "nowhere.mtl: cannot read the material file");
   EXPECT_TRUE(load("").materials.empty());
   EXPECT_TRUE(load("Kd 1 1 1\n").materials.empty());
@@ -176,8 +222,8 @@ TEST(Mtl, PartsByMaterial) {
   EXPECT_TRUE(obj.parts[2].mesh.uvs.empty());
   EXPECT_EQ(load_obj(path).triangles.size(), 5u);
 
-  Textures textures;
-  const std::vector<MtlMaterial> materials = load_part_materials(path, obj, textures);
+  Loaded loaded;
+  const std::vector<MtlMaterial> materials = load_part_materials(path, obj, loaded.textures, loaded.warnings);
   ASSERT_EQ(materials.size(), 3u);
   EXPECT_EQ(std::get<DiffuseBsdf>(materials[0].material.bsdf).reflectance, V3f(0.8f));
   EXPECT_EQ(std::get<PrincipledBsdf>(materials[1].material.bsdf).base_color, V3f(1, 0, 0));
@@ -185,24 +231,25 @@ TEST(Mtl, PartsByMaterial) {
 }
 
 TEST(Mtl, NamesMayHoldBlanks) {
-  Textures textures;
+  Loaded loaded;
   const std::string path = write_file(
       "m.obj",
       "mtllib one.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl wood dark \nf 1 2 3\nusemtl  red\nf 2 1 3\n");
   write_file("one.mtl", "newmtl wood\nKd 0 1 0\nnewmtl wood dark\nKd 0 0 1\nnewmtl  red\nKd 1 0 0\n");
-  const std::vector<MtlMaterial> materials = load_part_materials(path, load_obj_parts(path), textures);
+  const std::vector<MtlMaterial> materials =
+      load_part_materials(path, load_obj_parts(path), loaded.textures, loaded.warnings);
   ASSERT_EQ(materials.size(), 2u);
   EXPECT_EQ(std::get<PrincipledBsdf>(materials[0].material.bsdf).base_color, V3f(0, 0, 1));
   EXPECT_EQ(std::get<PrincipledBsdf>(materials[1].material.bsdf).base_color, V3f(1, 0, 0));
 }
 
 TEST(Mtl, UnknownMaterialsAreNamed) {
-  Textures textures;
+  Loaded loaded;
   const std::string path = write_file("m.obj", kObj);
   write_file("one.mtl", "newmtl red\nKd 1 0 0\n");
   write_file("two.mtl", "newmtl green\nKd 1 0 0\n");
   const auto error = [&](const std::string& obj) {
-    return error_of([&] { load_part_materials(obj, load_obj_parts(obj), textures); });
+    return error_of([&] { load_part_materials(obj, load_obj_parts(obj), loaded.textures, loaded.warnings); });
   };
   EXPECT_EQ(error(path), "m.obj: no material 'blue' in 'one.mtl two.mtl'");
   EXPECT_EQ(error(write_file("n.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl x\nf 1 2 3\n")),
@@ -214,17 +261,18 @@ TEST(Mtl, UnknownMaterialsAreNamed) {
 }
 
 TEST(Mtl, FoldersAreNoLibraries) {
-  Textures textures;
+  Loaded loaded;
   const std::string obj = write_file("f.obj", "mtllib .\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n");
-  EXPECT_THROW(load_part_materials(obj, load_obj_parts(obj), textures), Error);
+  EXPECT_THROW(load_part_materials(obj, load_obj_parts(obj), loaded.textures, loaded.warnings), Error);
   EXPECT_THROW(load_obj(file_path("")), Error);
 }
 
 TEST(Mtl, PipesAreNoLibraries) {
-  Textures textures;
+  Loaded loaded;
   const std::string pipe = file_path("pipe.mtl");
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-  EXPECT_EQ(error_of([&] { load_mtl(pipe, textures); }), "pipe.mtl: not a file, expected an OBJ or MTL file");
+  EXPECT_EQ(error_of([&] { load_mtl(pipe, loaded.textures, loaded.warnings); }),
+            "pipe.mtl: not a file, expected an OBJ or MTL file");
 }
 
 TEST(Mtl, FilesLoadInParallel) {

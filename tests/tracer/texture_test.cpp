@@ -33,7 +33,7 @@ void expect_near(const V3f& value, const V3f& truth, float tolerance = 2e-3f) {
 }
 
 TEST(Texture, VPointsUpAndSrgbIsDecoded) {
-  const TextureSettings settings{write_image("four.png", 2, 2, 3, kFour), ColorSpace::srgb, {1, 1}, V3f(1)};
+  const TextureSettings settings{write_image("four.png", 2, 2, 3, kFour), ColorSpace::srgb, {{1, 1}}, V3f(1)};
   expect_near(lookup(settings, {0.25f, 0.75f}), V3f(1, 0, 0));
   expect_near(lookup(settings, {0.75f, 0.75f}), V3f(0, 1, 0));
   expect_near(lookup(settings, {0.25f, 0.25f}), V3f(0, 0, 1));
@@ -43,7 +43,7 @@ TEST(Texture, VPointsUpAndSrgbIsDecoded) {
 
 TEST(Texture, LinearFilesAreTakenAsTheyAre) {
   const TextureSettings settings{
-      write_image("four.exr", 2, 2, 3, kFour), ColorSpace::linear, {1, 1}, V3f(1, 0.5f, 4)};
+      write_image("four.exr", 2, 2, 3, kFour), ColorSpace::linear, {{1, 1}}, V3f(1, 0.5f, 4)};
   expect_near(lookup(settings, {0.75f, 0.25f}), V3f(0.5f, 0.25f, 1.0f));
 }
 
@@ -82,7 +82,7 @@ TEST(Texture, FloatImagesOfScenesAreLinear) {
 }
 
 TEST(Texture, Repeats) {
-  const TextureSettings settings{write_image("four.png", 2, 2, 3, kFour), ColorSpace::srgb, {2, 3}, V3f(1)};
+  const TextureSettings settings{write_image("four.png", 2, 2, 3, kFour), ColorSpace::srgb, {{2, 3}}, V3f(1)};
   expect_near(lookup(settings, {0.125f, 1.0f - 0.25f / 3.0f}), V3f(1, 0, 0));
   expect_near(lookup(settings, {0.625f, 1.0f - 1.25f / 3.0f}), V3f(1, 0, 0));
   expect_near(lookup(settings, {-0.875f, 3.0f - 2.25f / 3.0f}), V3f(1, 0, 0));
@@ -90,9 +90,9 @@ TEST(Texture, Repeats) {
 
 TEST(Texture, GreyAndAlphaFiles) {
   expect_near(
-      lookup({write_image("grey.png", 1, 1, 1, {1.0f}), ColorSpace::srgb, {1, 1}, V3f(1)}, {0.5f, 0.5f}),
+      lookup({write_image("grey.png", 1, 1, 1, {1.0f}), ColorSpace::srgb, {{1, 1}}, V3f(1)}, {0.5f, 0.5f}),
       V3f(1));
-  expect_near(lookup({write_image("alpha.png", 1, 1, 4, {1, 1, 0, 1}), ColorSpace::srgb, {1, 1}, V3f(1)},
+  expect_near(lookup({write_image("alpha.png", 1, 1, 4, {1, 1, 0, 1}), ColorSpace::srgb, {{1, 1}}, V3f(1)},
                      {0.5f, 0.5f}),
               V3f(1, 1, 0));
 }
@@ -105,7 +105,7 @@ TEST(Texture, DistantDetailAveragesLightAndNotCodes) {
     for (int c = 0; c < 3; ++c) pixels[3 * i + c] = static_cast<float>((i + i / 64) % 2);
   }
   const TextureSettings settings{
-      write_image("checks.png", 64, 64, 3, pixels), ColorSpace::srgb, {1, 1}, V3f(1)};
+      write_image("checks.png", 64, 64, 3, pixels), ColorSpace::srgb, {{1, 1}}, V3f(1)};
   expect_near(lookup(settings, {0.51f, 0.52f}, 0.5f), V3f(0.5f), 5e-3f);
   const V3f sharp = lookup(settings, {0.5f / 64, 0.5f / 64}, 0.0f);
   EXPECT_TRUE(sharp.x < 0.01f || sharp.x > 0.99f);
@@ -123,8 +123,8 @@ TEST(Texture, TiledFilesReadAsScanlineOnes) {
   file->close();
   const std::string scanlines = write_image("scanlines.exr", 40, 50, 3, pixels);
   for (const V2f& uv : {V2f(0.0125f, 0.99f), V2f(0.9875f, 0.01f), V2f(0.5f, 0.35f)}) {
-    const TextureSettings a{path, ColorSpace::linear, {1, 1}, V3f(1)},
-        b{scanlines, ColorSpace::linear, {1, 1}, V3f(1)};
+    const TextureSettings a{path, ColorSpace::linear, {{1, 1}}, V3f(1)},
+        b{scanlines, ColorSpace::linear, {{1, 1}}, V3f(1)};
     EXPECT_EQ(lookup(a, uv), lookup(b, uv));
     const int x = static_cast<int>(uv.x * 40), y = static_cast<int>((1 - uv.y) * 50);
     if (uv.x != 0.5f) {  // a texel's centre

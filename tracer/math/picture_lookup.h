@@ -15,10 +15,18 @@ inline float fraction_of(float v) {
   return std::isfinite(fraction) ? fraction : 0.0f;
 }
 
-/// Where uv, whose v runs up, stands on a picture of which `repeat` copies lie over the unit square: (s, t)
-/// in [0,1] from the top left corner.
-inline V2f picture_point(const V2f& uv, const V2f& repeat) {
-  return {fraction_of(uv.x * repeat.x), 1.0f - fraction_of(uv.y * repeat.y)};
+/// How copies of a picture lie over uv: it is read at uv * repeat + offset, less the whole parts.
+struct PicturePlacement {
+  V2f repeat{1.0f};  ///< copies over the unit square
+  V2f offset{0.0f};  ///< in pictures
+
+  V2f operator()(const V2f& uv) const { return uv * repeat + offset; }
+};
+
+/// Where a place among copies, whose y runs up, stands on the picture: (s, t) in [0,1] from the top left
+/// corner.
+inline V2f picture_point(const V2f& place) {
+  return {fraction_of(place.x), 1.0f - fraction_of(place.y)};
 }
 
 /// What stands above the top row and below the bottom one.

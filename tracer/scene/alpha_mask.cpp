@@ -18,7 +18,8 @@ std::uint8_t to_byte(float v) {
 
 }  // namespace
 
-AlphaMask AlphaMask::read(const std::string& path, TextureContent content, const V2f& repeat) {
+AlphaMask AlphaMask::read(const std::string& path, TextureContent content,
+                          const PicturePlacement& placement) {
   const std::unique_ptr<pictures::Picture> file = pictures::library().open(path, pictures::Alpha::separate);
   const pictures::Header& header = file->header();
   constexpr std::string_view names[] = {"a", "", "r", "g", "b", "a"};
@@ -29,7 +30,7 @@ AlphaMask AlphaMask::read(const std::string& path, TextureContent content, const
   AlphaMask mask;
   mask.width_ = header.width;
   mask.height_ = header.height;
-  mask.repeat_ = repeat;
+  mask.placement_ = placement;
   const std::size_t count = static_cast<std::size_t>(header.width) * header.height;
   std::vector<float> pixels(count * header.channels);
   file->read(pixels);
@@ -46,8 +47,9 @@ AlphaMask AlphaMask::read(const std::string& path, TextureContent content, const
 }
 
 float AlphaMask::opacity(const V2f& uv) const {
-  if (!std::isfinite(uv.x * repeat_.x) || !std::isfinite(uv.y * repeat_.y)) return 0.0f;
-  const V2f st = picture_point(uv, repeat_);
+  const V2f place = placement_(uv);
+  if (!std::isfinite(place.x) || !std::isfinite(place.y)) return 0.0f;
+  const V2f st = picture_point(place);
   const V2f position(st.x * static_cast<float>(width_), st.y * static_cast<float>(height_));
   return std::min(1.0f, bilinear<1>(texels_.data(), width_, height_, position)[0] / 255.0f);
 }

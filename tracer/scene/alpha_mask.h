@@ -16,7 +16,7 @@ class AlphaMask {
   /// Reads one channel of the image: `content` r, g, b or a; `color` stands for the alpha channel, or the
   /// luminance where there is none. Numbers count as they are in the file, clamped to [0,1]; NaN is 0. Throws
   /// std::runtime_error with the reason if it cannot be read or has no such channel.
-  static AlphaMask read(const std::string& path, TextureContent content, const V2f& repeat);
+  static AlphaMask read(const std::string& path, TextureContent content, const PicturePlacement& placement);
 
   /// In [0,1], between the four texels around uv; the picture repeats. 0 where uv is not finite. May be
   /// called by any number of threads.
@@ -27,7 +27,7 @@ class AlphaMask {
  private:
   int width_ = 0;
   int height_ = 0;
-  V2f repeat_{1.0f};
+  PicturePlacement placement_;
   std::vector<std::uint8_t> texels_;  ///< rows from the top
 };
 

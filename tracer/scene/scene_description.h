@@ -90,6 +90,7 @@ struct SceneDescription {
   std::vector<Geometry> meshes;
   std::vector<Object> objects;
   Textures textures;
+  std::vector<std::string> warnings;  ///< what its files say and is taken otherwise; a line each, not twice
 };
 
 }  // namespace becalm::tracer

@@ -86,7 +86,7 @@ std::uint32_t Textures::add(const TextureSettings& settings) {
   // Read anew even if another scene of this process knows the file, which may have changed since.
   void* handle = state_->files->open(name, /*anew=*/!known);
   const V2f texel = V2f(1.0f) / (V2f(static_cast<float>(header.width), static_cast<float>(header.height)) *
-                                 settings.repeat);
+                                 settings.placement.repeat);
   state_->entries.push_back(
       {handle, settings, name, V2f(std::abs(texel.x), std::abs(texel.y)), header.width, header.height});
   return count() - 1;
@@ -151,11 +151,12 @@ void Textures::Reader::read(std::uint32_t texture, const TexturePoint& point, in
                             float* values) const {
   State& state = *textures_->state_;
   const State::Entry& entry = state.entries[texture];
-  const V2f& repeat = entry.settings.repeat;
+  const PicturePlacement& placement = entry.settings.placement;
+  const V2f& repeat = placement.repeat;
   const auto limit = [](float v) {
     return std::isnan(v) ? kWholePicture : std::clamp(v, -kWholePicture, kWholePicture);
   };
-  const V2f st = picture_point(point.uv, repeat);
+  const V2f st = picture_point(placement(point.uv));
   const V2f st_dx(limit(point.duv_dx.x * repeat.x), limit(-point.duv_dx.y * repeat.y));
   const V2f st_dy(limit(point.duv_dy.x * repeat.x), limit(-point.duv_dy.y * repeat.y));
   if (entry.resident) {

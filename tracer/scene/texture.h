@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "tracer/math/picture_lookup.h"
 #include "tracer/math/vec.h"
 
 namespace becalm::tracer {
@@ -19,8 +20,8 @@ enum class TextureContent { color, data, r, g, b, a };
 struct TextureSettings {
   std::string path;
   std::optional<ColorSpace> space = std::nullopt;  ///< of colours; unset: linear for float samples, else srgb
-  V2f repeat{1.0f, 1.0f};                          ///< copies over the unit square of uv
-  V3f scale{1.0f};                                 ///< of what is read; its x for one channel
+  PicturePlacement placement{};
+  V3f scale{1.0f};  ///< of what is read; its x for one channel
   TextureContent content = TextureContent::color;
 };
 

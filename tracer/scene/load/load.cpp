@@ -30,7 +30,7 @@ Scene load_scene(const std::string& file) {
   if (const auto v = json.find("lights")) read_lights(*v, scene);
 
   SceneNames names;
-  names.materials = read_materials(json.at("materials"), scene);
+  if (const auto v = json.find("materials")) names.materials = read_materials(*v, scene);
   if (const auto media = json.find("media")) {
     for (const auto& [name, value] : media->members()) {
       names.media.emplace(name, static_cast<std::uint32_t>(scene.media.size()));

@@ -14,9 +14,10 @@ std::string image_path(const JsonValue& json, const SceneDescription& scene) {
   return path;
 }
 
-V2f read_repeat(const JsonValue& json) {
-  const auto v = json.find("repeat");
-  return v ? V2f(V2d(v->numbers<2>()[0], v->numbers<2>()[1])) : V2f(1.0f);
+PicturePlacement read_placement(const JsonValue& json) {
+  PicturePlacement placement;
+  if (const auto v = json.find("repeat")) placement.repeat = V2f(V2d(v->numbers<2>()[0], v->numbers<2>()[1]));
+  return placement;
 }
 
 TextureContent read_channel(const JsonValue& json, TextureContent otherwise) {
@@ -42,7 +43,7 @@ std::uint32_t add_texture(const JsonValue& json, const TextureSettings& settings
 
 std::uint32_t read_color_texture(const JsonValue& json, SceneDescription& scene) {
   json.allow_keys({"image", "space", "repeat", "scale"});
-  TextureSettings settings{.path = image_path(json, scene), .repeat = read_repeat(json)};
+  TextureSettings settings{.path = image_path(json, scene), .placement = read_placement(json)};
   if (const auto v = json.find("space"))
     settings.space = v->choice({"srgb", "linear"}) == 0 ? ColorSpace::srgb : ColorSpace::linear;
   if (const auto v = json.find("scale")) settings.scale = read_color(*v, kLargestNumber);
@@ -52,7 +53,7 @@ std::uint32_t read_color_texture(const JsonValue& json, SceneDescription& scene)
 std::uint32_t read_scalar_texture(const JsonValue& json, SceneDescription& scene) {
   json.allow_keys({"image", "channel", "repeat", "scale"});
   TextureSettings settings{.path = image_path(json, scene),
-                           .repeat = read_repeat(json),
+                           .placement = read_placement(json),
                            .content = read_channel(json, TextureContent::r)};
   if (const auto v = json.find("scale"))
     settings.scale = V3f(static_cast<float>(v->number(0.0, kLargestNumber)));
@@ -159,7 +160,8 @@ void read_opacity(const Reader& reader, Material& material) {
   v->allow_keys({"image", "channel", "repeat"});
   const std::string path = image_path(*v, reader.scene);
   try {
-    material.opacity_mask = AlphaMask::read(path, read_channel(*v, TextureContent::color), read_repeat(*v));
+    material.opacity_mask =
+        AlphaMask::read(path, read_channel(*v, TextureContent::color), read_placement(*v));
   } catch (const std::runtime_error& error) {
     fail_unreadable(*v, path, error);
   }
@@ -169,15 +171,16 @@ void read_relief(const Reader& reader, Material& material) {
   if (const auto v = reader.json.find("bump")) {
     v->allow_keys({"image", "channel", "repeat", "scale"});
     const TextureSettings settings{.path = image_path(*v, reader.scene),
-                                   .repeat = read_repeat(*v),
+                                   .placement = read_placement(*v),
                                    .content = read_channel(*v, TextureContent::r)};
     material.bump = BumpMap{add_texture(*v, settings, reader.scene)};
     if (const auto scale = v->find("scale")) material.bump->scale = static_cast<float>(scale->number());
   }
   if (const auto v = reader.json.find("normal_map")) {
     v->allow_keys({"image", "repeat", "strength"});
-    const TextureSettings settings{
-        .path = image_path(*v, reader.scene), .repeat = read_repeat(*v), .content = TextureContent::data};
+    const TextureSettings settings{.path = image_path(*v, reader.scene),
+                                   .placement = read_placement(*v),
+                                   .content = TextureContent::data};
     material.normal_map = NormalMap{add_texture(*v, settings, reader.scene)};
     if (const auto strength = v->find("strength"))
       material.normal_map->strength = static_cast<float>(strength->number(0.0, kLargestNumber));

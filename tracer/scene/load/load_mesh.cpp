@@ -1,6 +1,8 @@
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <exception>
+#include <iterator>
 
 #include "tracer/scene/load/load_procedural.h"
 #include "tracer/scene/load/load_sections.h"
@@ -85,7 +87,13 @@ void read_meshes(const JsonValue& json, SceneNames& names, SceneDescription& sce
       continue;
     }
     std::vector<MeshPart>& parts = names.parts[static_cast<std::uint32_t>(scene.meshes.size())];
-    std::vector<MtlMaterial> materials = load_part_materials(mesh.path, *mesh.parts, scene.textures);
+    std::vector<std::string> warnings;
+    std::vector<MtlMaterial> materials =
+        load_part_materials(mesh.path, *mesh.parts, scene.textures, warnings);
+    // Meshes may name one library.
+    std::ranges::copy_if(warnings, std::back_inserter(scene.warnings), [&](const std::string& warning) {
+      return std::ranges::find(scene.warnings, warning) == scene.warnings.end();
+    });
     for (std::size_t part = 0; part < materials.size(); ++part) {
       parts.push_back({static_cast<std::uint32_t>(scene.meshes.size()),
                        static_cast<std::uint32_t>(scene.materials.size()), materials[part].emission});

@@ -156,7 +156,7 @@ Scatter read_scatter(const JsonValue& json) {
   scatter.count = static_cast<std::uint32_t>(json.at("count").integer(1, most_copies));
   if (const auto v = json.find("seed"))
     scatter.seed = static_cast<std::uint32_t>(v->integer(0, 1'000'000'000));
-  const auto area = json.at("area").numbers<4>();
+  const auto area = json.at("area").numbers<4>(-kLargestCoordinate, kLargestCoordinate);
   if (!(area[0] < area[2] && area[1] < area[3]))
     json.at("area").fail("expected [x0, z0, x1, z1] with x0 < x1 and z0 < z1");
   scatter.x0 = area[0];

@@ -3,52 +3,21 @@
 #include <fmt/format.h>
 #include <tiny_obj_loader.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <map>
-#include <set>
 #include <sstream>
 #include <stdexcept>
 
 #include "frame/error.h"
+#include "tracer/scene/load/mtl_text.h"
 #include "tracer/scene/load/text_file.h"
 #include "tracer/scene/load/text_words.h"
-#include "tracer/scene/load/wavefront_text.h"
 
 namespace becalm::tracer {
 
 namespace {
-
-/// Which statements a material has: tinyobjloader does not tell what is absent from what is 0.
-using Keywords = std::set<std::string, std::less<>>;
-
-/// Checks that there are numbers where tinyobjloader would read anything else as 0. Returns the keywords of
-/// each material.
-std::map<std::string, Keywords> scan(const std::string& path, std::string_view text) {
-  static const std::map<std::string_view, int> numbers = {
-      {"Kd", 3}, {"Ks", 3}, {"Ke", 3}, {"Tf", 3}, {"Ns", 1},  {"Ni", 1},    {"d", 1},      {"Tr", 1},
-      {"Pr", 1}, {"Pm", 1}, {"Ps", 1}, {"Pc", 1}, {"Pcr", 1}, {"aniso", 1}, {"anisor", 1}, {"illum", 1}};
-  std::map<std::string, Keywords> materials;
-  Keywords* current = nullptr;
-  for (int line_number = 1; !text.empty(); ++line_number) {
-    std::string_view line = take_line(text);
-    const std::string_view keyword = take_word(line);
-    if (keyword == "newmtl") {
-      current = &materials[std::string(trimmed(line))];
-      continue;
-    }
-    if (current != nullptr) current->emplace(keyword);
-    const auto needed = numbers.find(keyword);
-    if (needed != numbers.end()) line = without_comment(line);
-    for (int i = 0; needed != numbers.end() && i < needed->second; ++i) {
-      const std::string_view word = take_word(line);
-      if (!parse_float(word)) {
-        fail_in_file(path, fmt::format("line {}: '{}' needs {} finite numbers, found '{}'", line_number,
-                                       keyword, needed->second, word));
-      }
-    }
-  }
-  return materials;
-}
 
 float unit(float v) {
   return std::clamp(v, 0.0f, 1.0f);
@@ -66,9 +35,9 @@ float ior_of_reflectance(float f0) {
 /// Turns one parsed material into ours.
 class Translator {
  public:
-  Translator(const std::string& path, const tinyobj::material_t& mtl, const Keywords& keywords,
+  Translator(const std::string& path, const tinyobj::material_t& mtl, const MtlStatements& statements,
              Textures& textures)
-      : path_(path), mtl_(mtl), keywords_(keywords), textures_(textures) {}
+      : path_(path), mtl_(mtl), statements_(statements), textures_(textures) {}
 
   MtlMaterial translate() const {
     MtlMaterial result;
@@ -105,7 +74,7 @@ class Translator {
   }
 
  private:
-  bool has(std::string_view keyword) const { return keywords_.contains(keyword); }
+  bool has(std::string_view keyword) const { return statements_.contains(keyword); }
 
   bool is_physically_based() const {
     for (const char* keyword :
@@ -158,8 +127,8 @@ class Translator {
     if (mtl_.alpha_texname.empty()) return;
     const std::string file = image_path(mtl_.alpha_texname);
     try {
-      material.opacity_mask =
-          AlphaMask::read(file, channel(mtl_.alpha_texopt, TextureContent::color), repeat(mtl_.alpha_texopt));
+      material.opacity_mask = AlphaMask::read(file, channel(mtl_.alpha_texopt, TextureContent::color),
+                                              placement(mtl_.alpha_texopt));
     } catch (const std::runtime_error& error) {
       fail_unreadable(mtl_.alpha_texname, error);
     }
@@ -178,7 +147,10 @@ class Translator {
     result.emission = is_black(result.emission) ? mean : result.emission * mean;
   }
 
-  static V2f repeat(const tinyobj::texture_option_t& options) { return {options.scale[0], options.scale[1]}; }
+  static PicturePlacement placement(const tinyobj::texture_option_t& options) {
+    return {.repeat = {options.scale[0], options.scale[1]},
+            .offset = {options.origin_offset[0], options.origin_offset[1]}};
+  }
 
   static TextureContent channel(const tinyobj::texture_option_t& options, TextureContent otherwise) {
     switch (options.imfchan) {
@@ -213,7 +185,7 @@ class Translator {
   std::uint32_t add(const std::string& name, const tinyobj::texture_option_t& options, TextureContent content,
                     const V3f& scale) const {
     const TextureSettings settings{
-        .path = image_path(name), .repeat = repeat(options), .scale = scale, .content = content};
+        .path = image_path(name), .placement = placement(options), .scale = scale, .content = content};
     try {
       return textures_.add(settings);
     } catch (const std::runtime_error& error) {
@@ -223,38 +195,68 @@ class Translator {
 
   const std::string& path_;
   const tinyobj::material_t& mtl_;
-  const Keywords& keywords_;
+  const MtlStatements& statements_;
   Textures& textures_;
 };
 
+/// Of images that are left out or used otherwise than the file says.
+void warn_of_images(const std::string& path, const tinyobj::material_t& mtl, const MtlStatements& statements,
+                    std::vector<std::string>& warnings) {
+  const struct {
+    const char* keyword;
+    const std::string& name;
+    const tinyobj::texture_option_t& options;
+  } images[] = {
+      {"map_Kd", mtl.diffuse_texname, mtl.diffuse_texopt},
+      {"map_Pr", mtl.roughness_texname, mtl.roughness_texopt},
+      {"map_Pm", mtl.metallic_texname, mtl.metallic_texopt},
+      {"map_Ps", mtl.sheen_texname, mtl.sheen_texopt},
+      {"map_Ke", mtl.emissive_texname, mtl.emissive_texopt},
+      {"map_d", mtl.alpha_texname, mtl.alpha_texopt},
+      {"map_bump", mtl.bump_texname, mtl.bump_texopt},
+      {"map_Bump", mtl.bump_texname, mtl.bump_texopt},
+      {"bump", mtl.bump_texname, mtl.bump_texopt},
+      {"norm", mtl.normal_texname, mtl.normal_texopt},
+  };
+  for (const auto& image : images) {
+    const auto statement = statements.find(image.keyword);
+    if (statement == statements.end()) continue;
+    const char* problem = image.name.empty()    ? "expected an image file, found none; left out"
+                          : image.options.clamp ? "'-clamp on' is not supported; the image repeats"
+                                                : nullptr;
+    if (problem == nullptr) continue;
+    warnings.push_back(
+        mtl_warning(path, statement->second, trimmed(mtl.name), std::string(image.keyword) + ": " + problem));
+  }
+}
+
 }  // namespace
 
-std::vector<MtlMaterial> load_mtl(const std::string& path, Textures& textures) {
-  const std::optional<std::string> text = read_wavefront_text(path);
-  if (!text) fail_in_file(path, "cannot read the material file");
-  const std::map<std::string, Keywords> keywords = scan(path, *text);
+std::vector<MtlMaterial> load_mtl(const std::string& path, Textures& textures,
+                                  std::vector<std::string>& warnings) {
+  MtlText mtl_text = read_mtl(path);
+  std::ranges::move(mtl_text.warnings, std::back_inserter(warnings));
   std::map<std::string, int> numbers;
   std::vector<tinyobj::material_t> parsed;
-  std::istringstream stream(*text);
-  std::string warning, error;
-  tinyobj::LoadMtl(&numbers, &parsed, &stream, &warning, &error);
+  std::istringstream stream(mtl_text.text);
+  std::string ignored_warning, ignored_error;
+  tinyobj::LoadMtl(&numbers, &parsed, &stream, &ignored_warning, &ignored_error);
   std::vector<MtlMaterial> materials;
-  static const Keywords none;
   for (const tinyobj::material_t& mtl : parsed) {
     if (mtl.name.empty()) continue;  // what tinyobjloader makes of a file without any
-    const auto known = keywords.find(std::string(trimmed(mtl.name)));
-    materials.push_back(
-        Translator(path, mtl, known == keywords.end() ? none : known->second, textures).translate());
+    const MtlStatements& statements = mtl_text.materials[std::string(trimmed(mtl.name))];
+    warn_of_images(path, mtl, statements, warnings);
+    materials.push_back(Translator(path, mtl, statements, textures).translate());
   }
   return materials;
 }
 
 std::vector<MtlMaterial> load_part_materials(const std::string& obj_path, const ObjParts& obj,
-                                             Textures& textures) {
+                                             Textures& textures, std::vector<std::string>& warnings) {
   const std::filesystem::path folder = std::filesystem::path(obj_path).parent_path();
   std::vector<MtlMaterial> library;
   const auto read = [&](std::string_view name) {
-    std::vector<MtlMaterial> more = load_mtl((folder / name).string(), textures);
+    std::vector<MtlMaterial> more = load_mtl((folder / name).string(), textures, warnings);
     std::move(more.begin(), more.end(), std::back_inserter(library));
   };
   for (const std::string& names : obj.material_libraries) {

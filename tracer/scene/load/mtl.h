@@ -23,17 +23,21 @@ struct MtlMaterial {
 /// slope: alpha = sqrt(2 / (Ns + 2)) (Walter et al. 2007, eq. 20); Ns absent: 1. What is not metal has the
 /// index Ni if it is above 1, or the one of the reflectance Ks, or 1.5. map_Kd is multiplied by Kd where that
 /// is not black. d, Tr and map_d are the opacity, except of dielectrics. map_bump and bump are heights, their
-/// -bm in scene units; norm is a normal map. -s is the repeat and -imfchan the channel; other options, Ka,
-/// map_Ks, map_Ns, disp and refl are ignored.
+/// -bm in scene units; norm is a normal map. -s is the repeat, -o the offset and -imfchan the channel; other
+/// options, Ka, map_Ks, map_Ns, disp and refl are ignored.
+///
+/// Adds to `warnings`, one line each as mtl_warning: numbers out of range, which are taken as the nearest in
+/// it (an Ni below 1: as none), images without a file, and -clamp on.
 ///
 /// Throws Error(bad_input), one line: a file that cannot be read; `FILE: line N: ...` for what should be
 /// numbers and is not; `FILE: material 'M': ...` for an image that is not there or not readable.
-std::vector<MtlMaterial> load_mtl(const std::string& path, Textures& textures);
+std::vector<MtlMaterial> load_mtl(const std::string& path, Textures& textures,
+                                  std::vector<std::string>& warnings);
 
 /// The material of each part, in their order: from the material files that the OBJ names, relative to it.
 /// Faces before any usemtl are white (0.8) and diffuse. Throws as load_mtl, and `OBJ: no material 'M' in ...`
 /// for a part whose material no file has.
 std::vector<MtlMaterial> load_part_materials(const std::string& obj_path, const ObjParts& obj,
-                                             Textures& textures);
+                                             Textures& textures, std::vector<std::string>& warnings);
 
 }  // namespace becalm::tracer

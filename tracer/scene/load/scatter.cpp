@@ -6,7 +6,9 @@
 #include <deque>
 #include <optional>
 
+#include "frame/error.h"
 #include "tracer/sampling/sobol.h"
+#include "tracer/scene/load/load_values.h"
 #include "tracer/snapshot/frame_shapes.h"
 #include "tracer/snapshot/intersect.h"
 
@@ -39,6 +41,11 @@ class Ground {
     for (int row = 0; row < 3; ++row)
       scale += V3f(to_world_[row][0], to_world_[row][1], to_world_[row][2]).length();
     top_ = to_world_[3][1] + 1.001 * reach * scale;
+    if (std::abs(top_) <= kLargestCoordinate) return;
+    throw Error(
+        ExitStatus::bad_input,
+        fmt::format("{}: /objects: the ground '{}' may reach to a height of {:g}, expected at most {:g}",
+                    scene.file, object.name, top_, kLargestCoordinate));
   }
 
   std::optional<double> height(double x, double z) const {

@@ -21,7 +21,7 @@ struct Scatter {
 /// The copies stand evenly spread (a low-discrepancy sequence), and so do the first n of more copies. Each
 /// one's own transform acts before the scatter's. With a `ground`, the parts of one object, they are moved up
 /// or down onto its topmost point; those that miss it are left out. The object and the ground must stand
-/// still.
+/// still. Throws Error(bad_input) for a ground whose place and scale are beyond kLargestCoordinate.
 std::vector<Object> scattered_copies(const Object& object, const Scatter& scatter,
                                      const SceneDescription& scene, std::span<const Object> ground);
 
