@@ -25,34 +25,21 @@ void sync_folder(const fs::path& folder) {
   ::close(descriptor);
 }
 
-/// Where links lead that stand at `path`, if the last of them leads anywhere or nowhere yet.
-std::string behind_links(const std::string& path) {
-  constexpr int most_links = 40;  // as Linux has it
-  fs::path target = path;
-  for (int i = 0; i < most_links; ++i) {
-    std::error_code error;
-    const fs::path next = fs::read_symlink(target, error);
-    if (error) return target.string();
-    target = target.parent_path() / next;
-  }
-  return path;
-}
-
 }  // namespace
 
-AtomicFile::AtomicFile(std::string path) : path_(std::move(path)), target_path_(behind_links(path_)) {
-  const fs::path folder = fs::path(target_path_).parent_path();
+AtomicFile::AtomicFile(std::string path) : path_(std::move(path)) {
+  const fs::path folder = fs::path(path_).parent_path();
   std::error_code error;
   if (!folder.empty()) fs::create_directories(folder, error);
   if (error) fail("make its folder", error.value());
-  if (fs::is_directory(target_path_, error)) fail("write it", EISDIR);
+  if (fs::is_directory(path_, error)) fail("write it", EISDIR);
 
   // Several threads may write one path, and a killed process of the same number may have left its partial
   // file.
   static std::atomic<unsigned> counter{0};
   constexpr int max_attempts = 1000;
   for (int attempt = 0; attempt < max_attempts && file_ == nullptr; ++attempt) {
-    partial_path_ = fmt::format("{}.partial.{}.{}", target_path_, ::getpid(), counter++);
+    partial_path_ = fmt::format("{}.partial.{}.{}", path_, ::getpid(), counter++);
     file_ = std::fopen(partial_path_.c_str(), "wbxe");
     if (file_ == nullptr && errno != EEXIST) break;
   }
@@ -95,9 +82,9 @@ void AtomicFile::commit() {
   const int closed = std::fclose(file_);
   file_ = nullptr;
   if (closed != 0) fail("write it", errno);
-  if (std::rename(partial_path_.c_str(), target_path_.c_str()) != 0) fail("rename its partial file", errno);
+  if (std::rename(partial_path_.c_str(), path_.c_str()) != 0) fail("rename its partial file", errno);
   partial_path_.clear();
-  sync_folder(fs::path(target_path_).parent_path());
+  sync_folder(fs::path(path_).parent_path());
 }
 
 }  // namespace becalm::io

@@ -8,8 +8,8 @@ namespace becalm::io {
 
 /// A file that appears at its place whole or not at all. It is written as `PATH.partial.PID.N` beside its
 /// place, where no pattern for `.exr` files finds it, and commit() flushes it to the disk and renames it.
-/// Until then, and after any failure, whatever was at `path` before stays there. A symbolic link stays one:
-/// the file behind it is replaced. Every failure throws Error(resource) naming `path`.
+/// Until then, and after any failure, whatever was at `path` before stays there. Every failure throws
+/// Error(resource) naming `path`.
 class AtomicFile {
  public:
   /// Makes the parent folders and the partial file.
@@ -31,7 +31,6 @@ class AtomicFile {
   void fail_if_failed() const;
 
   std::string path_;
-  std::string target_path_;  ///< behind links
   std::string partial_path_;
   std::FILE* file_ = nullptr;
   std::uint64_t position_ = 0;

@@ -334,20 +334,6 @@ TEST(AtomicFile, AppearsWhenCommitted) {
   EXPECT_EQ(folder.file_count(), 1u);
 }
 
-TEST(AtomicFile, ALinkStaysOne) {
-  namespace fs = std::filesystem;
-  const TemporaryFolder folder;
-  fs::create_directories(folder.path("volume"));
-  fs::create_symlink("volume/target", folder.path("link"));
-  for (const std::string text : {"new", "again"}) {  // the link leads nowhere at first
-    AtomicFile file(folder.path("link"));
-    file.write(text.data(), text.size());
-    file.commit();
-    EXPECT_EQ(read_bytes(folder.path("volume/target")), text);
-    EXPECT_TRUE(fs::is_symlink(folder.path("link")));
-  }
-}
-
 TEST(AtomicFile, IsRemovedUnlessCommitted) {
   const TemporaryFolder folder;
   { AtomicFile(folder.path("file")).write("x", 1); }
