@@ -18,6 +18,13 @@ bool has_placeholder(const CommandTemplate& command, std::string_view name) {
                              [&](const std::string& word) { return word.find(name) != std::string::npos; });
 }
 
+bool any_has_placeholder(const CommandTemplate& command, const std::vector<CommandTemplate>& prepare,
+                         std::string_view name) {
+  return has_placeholder(command, name) || std::ranges::any_of(prepare, [&](const CommandTemplate& step) {
+           return has_placeholder(step, name);
+         });
+}
+
 std::vector<std::string> substituted(CommandTemplate command,
                                      const std::vector<std::pair<std::string_view, std::string>>& values) {
   for (std::string& word : command) {

@@ -11,6 +11,9 @@ namespace becalm::app {
 using CommandTemplate = std::vector<std::string>;
 
 bool has_placeholder(const CommandTemplate& command, std::string_view name);
+/// The same of a command or one of those that run before it.
+bool any_has_placeholder(const CommandTemplate& command, const std::vector<CommandTemplate>& prepare,
+                         std::string_view name);
 
 /// Every placeholder of a list of (name in braces, value) replaced, wherever it stands in a word.
 std::vector<std::string> substituted(CommandTemplate command,

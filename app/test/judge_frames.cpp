@@ -51,19 +51,22 @@ void require_finite(const Image& image, int number) {
       fmt::format("frame {}: {} pixels are not finite, the first is {}", number, count, first));
 }
 
-Frame read_test(const std::string& path, int number, const std::string& layer, const PlacedFrame& reference) {
+PlacedFrame read_test(const std::string& path, int number, const std::string& layer,
+                      const PlacedFrame& reference) {
   try {
-    auto [frame, first] = read_layer_as_beauty(path, number, layer);
+    PlacedFrame placed = read_layer_as_beauty(path, number, layer);
+    const Frame& frame = placed.frame;
     if (frame.width() != reference.frame.width() || frame.height() != reference.frame.height()) {
       throw FrameProblem(fmt::format("frame {} is {}x{}, and its reference {}x{}", number, frame.width(),
                                      frame.height(), reference.frame.width(), reference.frame.height()));
     }
-    if (first != reference.first) {
+    if (placed.first != reference.first) {
       throw FrameProblem(fmt::format("frame {} begins at pixel ({}, {}), and its reference at ({}, {})",
-                                     number, first.x, first.y, reference.first.x, reference.first.y));
+                                     number, placed.first.x, placed.first.y, reference.first.x,
+                                     reference.first.y));
     }
     require_finite(frame.image(Aov::beauty), number);
-    return std::move(frame);
+    return placed;
   } catch (const Error& error) {
     throw FrameProblem(error.what());
   }
@@ -138,24 +141,25 @@ class CaseJudge {
 
   void add(const JudgedFrame& files) {
     const PlacedFrame reference = read_reference(files.reference, files.number);
-    std::optional<Frame> reference_b;
+    std::optional<PlacedFrame> reference_b;
     if (!files.reference_b.empty()) {
-      reference_b = read_reference(files.reference_b, files.number).frame;
-      if (reference_b->width() != reference.frame.width() ||
-          reference_b->height() != reference.frame.height()) {
+      reference_b = read_reference(files.reference_b, files.number);
+      if (reference_b->frame.width() != reference.frame.width() ||
+          reference_b->frame.height() != reference.frame.height()) {
         throw Error(ExitStatus::bad_input,
                     fmt::format("{}: is not of the size of {}", files.reference_b, files.reference));
       }
     }
-    const Frame fresh = read_test(files.test, files.number, test_.layer, reference);
+    const PlacedFrame fresh = read_test(files.test, files.number, test_.layer, reference);
     if (test_.judges.exact) {
       verdict_.checks.push_back(judge_exactly(*test_.judges.exact, files));
     }
     if (test_.judges.statistical) {
       verdict_.checks.push_back(
-          judge_statistically(test_, files, fresh, reference.frame, reference_b ? &*reference_b : nullptr));
+          judge_statistically(test_, files, fresh, reference, reference_b ? &*reference_b : nullptr));
     }
-    ComparedFrame now = compared(files.number, fresh, reference, reference_b ? &*reference_b : nullptr);
+    ComparedFrame now =
+        compared(files.number, fresh.frame, reference, reference_b ? &reference_b->frame : nullptr);
     verdict_.measured.frames.push_back(measure(now, before_ ? &*before_ : nullptr));
     has_one_place_ = has_one_place_ && (!before_ || now.is_where(*before_));
     if (has_one_place_) flicker_.add(now.test, now.reference, reference_b ? now.reference_b : now.reference);
@@ -189,7 +193,7 @@ class CaseJudge {
  private:
   void add_denoised(const JudgedFrame& files) {
     const PlacedFrame reference = read_reference(files.denoised_reference, files.number);
-    const Frame fresh = read_test(files.denoised_test, files.number, "", reference);
+    const Frame fresh = read_test(files.denoised_test, files.number, "", reference).frame;
     ComparedFrame now = compared(files.number, fresh, reference, nullptr);
     verdict_.measured.denoised_frames.push_back(
         measure(now, denoised_before_ ? &*denoised_before_ : nullptr));

@@ -32,7 +32,10 @@ PlacedFrame read_layer_as_beauty(const std::string& path, int number, const std:
   if (!aov) options.layers[Aov::beauty] = layer;  // one of another renderer
   io::LoadedFrame file = io::read_exr(path, number, AovSet().set(), options);
   Frame& frame = file.frame;
-  const auto placed = [&] { return PlacedFrame{std::move(frame), file.window.min}; };
+  const auto placed = [&] {
+    const auto rounding = [&](Aov of) { return file.rounding[static_cast<std::size_t>(of)]; };
+    return PlacedFrame{std::move(frame), file.window.min, rounding(Aov::beauty), rounding(Aov::variance)};
+  };
   if (!aov || *aov == Aov::beauty) return placed();
   if (!frame.has(*aov)) fail_without(layer, path);
   const Image& image = frame.image(*aov);

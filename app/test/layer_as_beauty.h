@@ -8,10 +8,13 @@
 
 namespace becalm::app {
 
-/// A frame, and where its first pixel lies in the file's coordinates.
+/// A frame, where its first pixel lies in the file's coordinates, and how the file rounds.
 struct PlacedFrame {
   Frame frame;
   Imath::V2i first;
+  /// As LoadedView::rounding has it, of the file's beauty and variance.
+  float beauty_rounding = 0.0f;
+  float variance_rounding = 0.0f;
 };
 
 /// Reads a file for a case that is judged by a layer: the frame's beauty is that layer, of becalm's layers

@@ -173,6 +173,9 @@ void check_reference(const JsonValue& json, const TestCase& test) {
     fail_at("command",
             "statistical needs the samples per pixel of this command: 'spp' beside it, or {spp} in it");
   }
+  if (test.judges.statistical && reference_count(test) * reference_spp(test) < 2) {
+    fail_at("spp", "statistical needs references of two samples per pixel or more, found 1");
+  }
 }
 
 void read_reference(const JsonValue& json, ReferenceSettings& reference) {

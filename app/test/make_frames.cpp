@@ -53,6 +53,7 @@ Arguments render_command(const TestCase& test, const FrameOrder& order) {
                     std::to_string(order.threads),
                     "--quiet"};
   if (order.reproducible) command.emplace_back("--reproducible");
+  if (test.judges.statistical) command.emplace_back("--float");  // half rounds dark pixels by more than noise
   if (!source.size.empty()) command.insert(command.end(), {"--size", source.size});
   if (const std::string aovs = asked_aovs(test, order); !aovs.empty()) {
     command.insert(command.end(), {"--aovs", aovs});
@@ -138,20 +139,6 @@ MadeFrames run_all(const TestCase& test, const std::vector<Step>& steps, const s
   return made;
 }
 
-/// Whether one of the commands has the placeholder.
-bool takes(const CommandTemplate& command, const std::vector<CommandTemplate>& prepare,
-           std::string_view placeholder) {
-  return has_placeholder(command, placeholder) ||
-         std::ranges::any_of(prepare,
-                             [&](const CommandTemplate& step) { return has_placeholder(step, placeholder); });
-}
-
-/// Whether more samples can be asked of what makes the references.
-bool takes_spp(const TestCase& test) {
-  if (!test.reference.command.empty()) return takes(test.reference.command, {}, "{spp}");
-  return test.source.command.empty() || takes(test.source.command, test.source.prepare, "{spp}");
-}
-
 }  // namespace
 
 FrameOrder order_of_test(const TestCase& test) {
@@ -164,14 +151,11 @@ FrameOrder order_of_test(const TestCase& test) {
 }
 
 FrameOrder order_of_reference(const TestCase& test, int which) {
-  constexpr int times = 16;
   const bool exact = test.judges.exact.has_value();
   const CaseSource& source = test.source;
-  const bool as_source = exact || test.judges.denoised || !takes_spp(test);
-  const int spp = as_source ? source.spp : std::min(kMostSamplesPerPixel, times * source.spp);
   const bool is_other = !test.reference.command.empty();
   const std::uint32_t seed = exact ? source.seed : source.seed + kReferenceSeeds;
-  return {.spp = test.reference.spp.value_or(spp),
+  return {.spp = reference_spp(test),
           .seed = test.reference.seed.value_or(seed) + static_cast<std::uint32_t>(which),
           .command = is_other ? test.reference.command : source.command,
           .prepare = is_other ? std::vector<CommandTemplate>{} : source.prepare,
@@ -180,14 +164,10 @@ FrameOrder order_of_reference(const TestCase& test, int which) {
           .pattern = {}};
 }
 
-int reference_count(const TestCase& test) {
-  return test.reference.count.value_or(1);
-}
-
 void require_seed(const TestCase& test) {
   const CaseSource& source = test.source;
   if (source.command.empty() || !test.reference.command.empty() ||
-      takes(source.command, source.prepare, "{seed}")) {
+      any_has_placeholder(source.command, source.prepare, "{seed}")) {
     return;
   }
   throw Error(ExitStatus::bad_input,

@@ -25,11 +25,9 @@ struct FrameOrder {
 /// What is judged.
 FrameOrder order_of_test(const TestCase& test);
 /// The first (0) or the second (1) reference, by the case's "reference". What that leaves open: the source's
-/// commands; with `exact` all is as the source has it; otherwise another seed, 16 times the samples (as many
-/// for `denoised`, whose filter would else see two kinds of noise, and for a command without {spp}), and no
-/// filter.
+/// commands; with `exact` all is as the source has it; otherwise another seed, reference_spp() samples, and
+/// no filter.
 FrameOrder order_of_reference(const TestCase& test, int which);
-int reference_count(const TestCase& test);
 
 /// Throws Error(bad_input) if references are made by the case's own commands and another seed does not change
 /// what these are asked.

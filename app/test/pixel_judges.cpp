@@ -33,16 +33,29 @@ struct Reference {
   Image mean;
   Image variance;
   double samples;
+  double rounding;
+  double variance_rounding;
+
+  judge::Estimate estimate() const { return {mean, &variance, samples, rounding, variance_rounding}; }
 };
 
-Reference both(const JudgedFrame& files, const Frame& a, const Frame* b) {
-  Reference reference{a.image(Aov::beauty), a.image(Aov::variance), samples_of_reference(files.reference)};
+Reference both(const JudgedFrame& files, const PlacedFrame& a, const PlacedFrame* b) {
+  Reference reference{a.frame.image(Aov::beauty), a.frame.image(Aov::variance),
+                      samples_of_reference(files.reference), a.beauty_rounding, a.variance_rounding};
   if (b == nullptr) return reference;
-  reference.mean = mean_image(a.image(Aov::beauty), b->image(Aov::beauty));
-  reference.variance = mean_image(a.image(Aov::variance), b->image(Aov::variance));
+  reference.mean = mean_image(reference.mean, b->frame.image(Aov::beauty));
+  reference.variance = mean_image(reference.variance, b->frame.image(Aov::variance));
   for (float& value : reference.variance.data()) value *= 0.5f;
   reference.samples += samples_of_reference(files.reference_b);
+  reference.rounding = std::max(a.beauty_rounding, b->beauty_rounding);
+  reference.variance_rounding = 0.5 * std::max(a.variance_rounding, b->variance_rounding);
   return reference;
+}
+
+/// What a file of halves would hold of radiance beyond its range.
+void limit_to_half(Image& image) {
+  constexpr float largest = 65504.0f;
+  for (float& value : image.data()) value = std::min(value, largest);
 }
 
 }  // namespace
@@ -97,30 +110,36 @@ CheckResult judge_exactly(const ExactJudge& judge, const JudgedFrame& files) {
   return check;
 }
 
-CheckResult judge_statistically(const TestCase& test, const JudgedFrame& files, const Frame& fresh,
-                                const Frame& reference, const Frame* reference_b) {
-  for (const Frame* frame : {&reference, reference_b}) {
-    if (frame == nullptr || frame->has(Aov::variance)) continue;
+CheckResult judge_statistically(const TestCase& test, const JudgedFrame& files, const PlacedFrame& fresh,
+                                const PlacedFrame& reference, const PlacedFrame* reference_b) {
+  for (const PlacedFrame* placed : {&reference, reference_b}) {
+    if (placed == nullptr || placed->frame.has(Aov::variance)) continue;
     throw Error(ExitStatus::bad_input,
                 fmt::format("{}: the reference has no variance; make it again with --update={}",
-                            frame == &reference ? files.reference : files.reference_b, test.name));
+                            placed == &reference ? files.reference : files.reference_b, test.name));
   }
-  const Reference expected = both(files, reference, reference_b);
+  Reference expected = both(files, reference, reference_b);
   if (expected.samples < 2.0) {
     throw Error(ExitStatus::bad_input,
                 fmt::format("{}: expected a reference of two samples or more", files.reference));
   }
   const double frames = static_cast<double>(test.source.frames.size());
-  constexpr double half_rounding = 0x1p-11;  // references are files of half
+  // Of files of half; more than what sums of floats are rounded by here and on other machines.
+  constexpr double relative_rounding = 0x1p-11;
   const judge::StatisticalOptions options{
       .false_alarm_rate = -std::expm1(std::log1p(-test.false_alarm_rate) / frames),
-      .rounding = half_rounding};
-  const Image& variance = fresh.image(Aov::variance);
-  const judge::StatisticalResult result = judge::compare_statistically(
-      {.mean = fresh.image(Aov::beauty),
-       .variance = variance.empty() ? nullptr : &variance,
-       .samples = static_cast<double>(test.source.spp)},
-      {.mean = expected.mean, .variance = &expected.variance, .samples = expected.samples}, options);
+      .rounding = relative_rounding};
+  Image mean = fresh.frame.image(Aov::beauty);
+  if (expected.rounding > 0.0) limit_to_half(mean);
+  if (fresh.beauty_rounding > 0.0f) limit_to_half(expected.mean);
+  const Image& variance = fresh.frame.image(Aov::variance);
+  const judge::StatisticalResult result =
+      judge::compare_statistically({.mean = mean,
+                                    .variance = variance.empty() ? nullptr : &variance,
+                                    .samples = static_cast<double>(test.source.spp),
+                                    .rounding = fresh.beauty_rounding,
+                                    .variance_rounding = fresh.variance_rounding},
+                                   expected.estimate(), options);
   return {.judge = "statistical",
           .figure = "z",
           .frame = files.number,

@@ -46,7 +46,8 @@ void round_below_noise(Frame& frame) {
 /// `exact` keeps the file as it is; other judges need the beauty, and the guides where they denoise it.
 void write_reference(const TestCase& test, int spp, const std::string& from, int number,
                      const std::string& to) {
-  auto [frame, first] = read_layer_as_beauty(from, number, test.layer);
+  PlacedFrame placed = read_layer_as_beauty(from, number, test.layer);
+  Frame& frame = placed.frame;
   const Image& beauty = frame.image(Aov::beauty);
   if (std::ranges::any_of(beauty.data(), [](float value) { return !std::isfinite(value); })) {
     throw Error(ExitStatus::bad_input,
@@ -68,8 +69,9 @@ void write_reference(const TestCase& test, int spp, const std::string& from, int
   // What is denoised must keep the noise as the renderer makes it, and other layers have another.
   if (!test.judges.denoised && test.layer.empty()) round_below_noise(frame);
   if (!test.judges.denoised && !test.judges.statistical) frame.remove(Aov::variance);
-  io::write_compact_exr(
-      to, frame, {{"becalm:version", BECALM_VERSION}, {kSamplesAttribute, std::to_string(spp)}}, first);
+  io::write_compact_exr(to, frame,
+                        {{"becalm:version", BECALM_VERSION}, {kSamplesAttribute, std::to_string(spp)}},
+                        placed.first);
 }
 
 ComparedFrame read_pair(int number, const std::string& test, const std::string& reference) {

@@ -92,6 +92,13 @@ struct TestCase {
   }
 };
 
+/// References of each frame.
+int reference_count(const TestCase& test);
+
+/// Samples per pixel of each: if the case does not say, 16 times the source's; as many as the source's with
+/// `exact`, with `denoised`, whose filter would else see two kinds of noise, and of a command without {spp}.
+int reference_spp(const TestCase& test);
+
 /// The cases of suite files, or of all `*.json` of a folder, in the order of files and names. Suites of one
 /// file name are told apart by their folders: `glass.suite` and `metal.suite`. Throws Error(bad_input), one
 /// line `FILE: /json/pointer: message`.

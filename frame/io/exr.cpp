@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <functional>
@@ -138,6 +139,19 @@ void read_part(Imf::MultiPartInputFile& file, int part_number, const TargetsByCh
     copy_to_targets(stripe, first, last, targets);
     copy_to_targets(kept, first, last, targets);
   });
+}
+
+/// As LoadedView::rounding has it.
+float rounding_of(const Imf::MultiPartInputFile& file, const LayerSource& source) {
+  constexpr float half_step = 0x1p-25f;
+  float largest = 0.0f;
+  for (std::size_t c = 0; c < source.channels.size(); ++c) {
+    const Imf::Channel* channel = file.header(source.part).channels().findChannel(source.channels[c]);
+    if (channel == nullptr || channel->type != Imf::HALF) continue;
+    largest =
+        std::max(largest, std::abs(source.scale[c]) * (source.squared ? half_step * half_step : half_step));
+  }
+  return largest;
 }
 
 /// Makes the images of a view, and notes for each part what is to be read into them. `parts` points into the
@@ -279,6 +293,8 @@ LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted, c
       LoadedView& view = i == 0 ? loaded : loaded.other_views[i - 1];
       static_cast<ViewLayers&>(view) = views[i];
       view.window = window.value_or(views[i].data_window);
+      std::ranges::transform(view.layers, view.rounding.begin(),
+                             [&](const auto& source) { return source ? rounding_of(*file, *source) : 0.0f; });
       view.frame = Frame(frame_number, width_of(view.window), height_of(view.window));
       // As the file records them; nothing where it does not, or in words that becalm does not know.
       view.frame.set_jitter(parse_jitter(text_attribute(file->header(0), kJitterAttribute)));

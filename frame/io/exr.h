@@ -21,6 +21,9 @@ class ExrContents;
 /// What was read of one view: all of a usual file, an eye of a stereo file.
 struct LoadedView : ViewLayers {
   Frame frame;
+  /// By how much values near 0 may have been rounded, by index of kAovTable: half a step of half in the AOV's
+  /// unit; 0 where the file has floats.
+  std::array<float, kAovCount> rounding{};
   Imath::Box2i window;  ///< that the frame covers, in the file's coordinates
   /// As StereoView has it, of any frame: not zero where the window is not the display window.
   Imath::V2d middle_px{0.0, 0.0};
@@ -143,8 +146,10 @@ WriteReport write_exr(const std::string& path, const std::vector<WrittenView>& v
 void write_plane_exr(const std::string& path, const Image& plane, const Attributes& attributes);
 
 /// Writes a frame, which has a beauty, small: all layers as half with ZIP compression, no alpha where it is 1
-/// everywhere, and the variance by its root, to 12 % (`noiselevel`, which read_exr squares). `first`: where
-/// its first pixel lies. Atomic and failing as write_exr.
+/// everywhere, and the variance by its root, to 12 % (`noiselevel`, which read_exr squares). Colours are
+/// float where half would change one of them by more than 2^-11 of it and a sixteenth of its deviation
+/// (without variance: 2^-11 of the mean colour), and so are deviations. `first`: where its first pixel lies.
+/// Atomic and failing as write_exr.
 void write_compact_exr(const std::string& path, const Frame& frame, const Attributes& attributes,
                        const Imath::V2i& first = Imath::V2i(0));
 

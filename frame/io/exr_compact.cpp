@@ -32,6 +32,31 @@ bool is_opaque(const Image& beauty) {
   return true;
 }
 
+/// Half if it holds every colour to its relative precision of 2^-11, or to a small part of the pixel's
+/// deviation or of the mean colour.
+Imf::PixelType smallest_type(const Image& image, const Image& deviation) {
+  constexpr float precision = 0x1p-11f;
+  constexpr float share_of_deviation = 0.0625f;
+  double sum = 0.0;
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      for (int c = 0; c < 3; ++c) sum += std::abs(image.at(x, y, c));
+    }
+  }
+  const auto mean = static_cast<float>(sum / (3.0 * static_cast<double>(image.pixel_count())));
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      for (int c = 0; c < 3; ++c) {
+        const float value = image.at(x, y, c);
+        const float noise = deviation.empty() ? precision * mean : share_of_deviation * deviation.at(x, y, c);
+        const float error = std::abs(static_cast<float>(Imath::half(value)) - value);
+        if (error > std::max(precision * std::abs(value), noise)) return Imf::FLOAT;
+      }
+    }
+  }
+  return Imf::HALF;
+}
+
 }  // namespace
 
 void write_compact_exr(const std::string& path, const Frame& frame, const Attributes& attributes,
@@ -42,21 +67,23 @@ void write_compact_exr(const std::string& path, const Frame& frame, const Attrib
   header.compression() = Imf::ZIP_COMPRESSION;
   insert_attributes(header, attributes);
   FrameChannels channels;
-  const auto add = [&](const std::string& name, const Image& image, int channel) {
-    header.channels().insert(name, Imf::Channel(Imf::HALF));
+  const auto add = [&](const std::string& name, Imf::PixelType type, const Image& image, int channel) {
+    header.channels().insert(name, Imf::Channel(type));
     channels[name] = {&image, channel, first};
   };
-  const Image& beauty = frame.image(Aov::beauty);
-  const int colours = is_opaque(beauty) ? 3 : 4;
-  for (int c = 0; c < colours; ++c) add(std::string(1, "RGBA"[c]), beauty, c);
-  for (const AovInfo& entry : kAovTable) {
-    if (!frame.has(entry.aov) || entry.aov == Aov::beauty || entry.aov == Aov::variance) continue;
-    add_layer(frame, entry.aov, "", Imf::HALF, first, header, channels);
-  }
   Image deviation;
   if (frame.has(Aov::variance)) {
     deviation = standard_deviation(frame.image(Aov::variance));
-    for (int c = 0; c < 3; ++c) add(std::string("noiselevel.") + "RGB"[c], deviation, c);
+    const Imf::PixelType type = smallest_type(deviation, Image());
+    for (int c = 0; c < 3; ++c) add(std::string("noiselevel.") + "RGB"[c], type, deviation, c);
+  }
+  const Image& beauty = frame.image(Aov::beauty);
+  const Imf::PixelType type = smallest_type(beauty, deviation);
+  for (int c = 0; c < 3; ++c) add(std::string(1, "RGB"[c]), type, beauty, c);
+  if (!is_opaque(beauty)) add("A", Imf::HALF, beauty, 3);
+  for (const AovInfo& entry : kAovTable) {
+    if (!frame.has(entry.aov) || entry.aov == Aov::beauty || entry.aov == Aov::variance) continue;
+    add_layer(frame, entry.aov, "", Imf::HALF, first, header, channels);
   }
   WriteReport report;
   writing(path, {header},

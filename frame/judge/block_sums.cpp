@@ -22,6 +22,14 @@ double normal_score(double z, double skewness) {
   return 6.0 / skewness * (std::cbrt(1.0 + 0.5 * skewness * z) - 1.0 + skewness * skewness / 36.0);
 }
 
+/// Not less than a file of halves can tell, unless the mean's own rounding is larger.
+double stored_variance(const Estimate& estimate, double rounding, int x, int y, int c) {
+  const double stored = variance_at(*estimate.variance, x, y, c);
+  const double mean_rounding = rounding * std::abs(estimate.mean.at(x, y, c));
+  const bool is_hidden = mean_rounding >= std::sqrt(estimate.variance_rounding);
+  return is_hidden ? stored : std::max(stored, estimate.variance_rounding);
+}
+
 }  // namespace
 
 Sums Cells::block(int x, int y) const {
@@ -56,12 +64,13 @@ Sums sums_of(const Estimate& test, const Estimate& reference, double rounding, i
   const double m = reference.samples;
   const double value = test.mean.at(x, y, c);
   const double expected = reference.mean.at(x, y, c);
-  const double variance_m = variance_at(*reference.variance, x, y, c);
+  const double variance_m = stored_variance(reference, rounding, x, y, c);
   const double variance_n =
-      test.variance != nullptr ? variance_at(*test.variance, x, y, c) : variance_m * m / n;
+      test.variance != nullptr ? stored_variance(test, rounding, x, y, c) : variance_m * m / n;
   Sums sums;
   sums.darker = sums.brighter = value - expected;
-  sums.rounding = rounding * (std::abs(value) + std::abs(expected)) + kSmallestDifference;
+  sums.rounding = rounding * (std::abs(value) + std::abs(expected)) + test.rounding + reference.rounding +
+                  kSmallestDifference;
   sums.shown_variance = variance_n + variance_m;
   // Without the test's variance a black pixel may be one whose samples all missed what the test's samples
   // hit.
@@ -87,7 +96,7 @@ double z_of(const Sums& sums, double noise_factor) {
   const double brighter = std::max(0.0, sums.brighter - sums.rounding);
   const double darker = std::max(0.0, -sums.darker - sums.rounding);
   if (brighter == 0.0 && darker == 0.0) return 0.0;
-  const double variance = std::max(sums.variance * noise_factor, sums.shown_variance);
+  const double variance = std::max({sums.variance * noise_factor, sums.shown_variance, sums.local_variance});
   if (darker > 0.0) return -darker / std::sqrt(variance);
   if (variance == 0.0) return std::numeric_limits<double>::infinity();
   const double skewness = std::min(kLargestSkewness, sums.third / (variance * std::sqrt(variance)));

@@ -14,6 +14,7 @@ struct Sums {
   double variance = 0.0;  ///< of the difference, from the samples of both images as if they were one set
   double third = 0.0;     ///< third central moment of the difference
   double shown_variance = 0.0;  ///< of the difference, as both images tell it
+  double local_variance = 0.0;  ///< mean of that over the pixel and its neighbours
 
   Sums& operator+=(const Sums& other) {
     brighter += other.brighter;
@@ -22,6 +23,7 @@ struct Sums {
     variance += other.variance;
     third += other.third;
     shown_variance += other.shown_variance;
+    local_variance += other.local_variance;
     return *this;
   }
 };

@@ -46,6 +46,8 @@ class Comparison {
   void find_not_finite();
   bool is_finite(int x, int y) const { return finite_[static_cast<std::size_t>(y) * width_ + x]; }
   Cells pixels(int c);
+  /// Of the pixel's 3x3, as Sums has it.
+  double local_variance(const Cells& pixels, int x, int y) const;
   /// Blocks of 2x2 cells, or of one cell, at every cell.
   void test_blocks(BlockLevel& level, const Cells& cells, int c, int cells_an_edge);
   void test_block(BlockLevel& level, const Sums& sums, const BlockTest& block);
@@ -117,6 +119,19 @@ void Comparison::find_not_finite() {
   }
 }
 
+double Comparison::local_variance(const Cells& pixels, int x, int y) const {
+  double sum = 0.0;
+  int count = 0;
+  for (int v = std::max(0, y - 1); v <= std::min(height_ - 1, y + 1); ++v) {
+    for (int u = std::max(0, x - 1); u <= std::min(width_ - 1, x + 1); ++u) {
+      if (!is_finite(u, v)) continue;
+      sum += pixels.at(u, v).shown_variance;
+      ++count;
+    }
+  }
+  return sum / count;
+}
+
 Cells Comparison::pixels(int c) {
   Cells cells{.edge_px = 1, .columns = width_, .rows = height_, .sums = {}};
   cells.sums.resize(finite_.size());
@@ -124,6 +139,12 @@ Cells Comparison::pixels(int c) {
     for (int x = 0; x < width_; ++x) {
       if (!is_finite(x, y)) continue;
       cells.at(x, y) = sums_of(test_, reference_, options_.rounding, x, y, c);
+    }
+  }
+  for (int y = 0; y < height_; ++y) {
+    for (int x = 0; x < width_; ++x) {
+      if (!is_finite(x, y)) continue;
+      cells.at(x, y).local_variance = local_variance(cells, x, y);
       result_.scores.at(x, y, c) = static_cast<float>(z_of(cells.at(x, y), noise_factor_));
     }
   }

@@ -15,6 +15,9 @@ struct Estimate {
   const Image& mean;
   const Image* variance = nullptr;  ///< of the mean, as the `variance` layer has it
   double samples = 1.0;             ///< per pixel
+  /// By how much a stored mean and a stored variance near 0 may be wrong: of floats 0.
+  double rounding = 0.0;
+  double variance_rounding = 0.0;
 };
 
 struct StatisticalOptions {

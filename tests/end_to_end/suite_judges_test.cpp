@@ -23,6 +23,12 @@ class SuiteJudges : public SuiteTest {
     text.replace(text.find(from), from.size(), to);
     write_text(folder_ / "scene.json", text);
   }
+  /// All light of the fixture's scene times `factor`.
+  void scale_light(double factor) const {
+    write_scene(folder_);
+    replace_in_scene("[0.1, 0.1, 0.2]", fmt::format("[{0}, {0}, {1}]", 0.1 * factor, 0.2 * factor));
+    replace_in_scene("[8, 8, 7]", fmt::format("[{0}, {0}, {1}]", 8.0 * factor, 7.0 * factor));
+  }
 };
 
 TEST_F(SuiteJudges, StatisticsTellNoiseFromAnotherExpectation) {
@@ -37,6 +43,50 @@ TEST_F(SuiteJudges, StatisticsTellNoiseFromAnotherExpectation) {
   const Outcome outcome = run();
   EXPECT_EQ(outcome.status, 1) << outcome.out;
   EXPECT_NE(line_of(outcome, "noise").find("statistical: frame 1"), std::string::npos) << outcome.out;
+}
+
+TEST_F(SuiteJudges, StatisticsJudgeRadianceOfAnySize) {
+  for (const double factor : {1e-7, 1e-3, 1e5}) {
+    scale_light(factor);
+    write_suite(scene_case("scaled", R"("statistical": true)"));
+    update();
+    for (const int seed : {2, 3, 4, 5}) {
+      write_suite(scene_case("scaled", R"("statistical": true)", fmt::format(R"(, "seed": {})", seed)));
+      const Outcome outcome = run();
+      EXPECT_EQ(outcome.status, 0) << factor << outcome.out;
+    }
+    replace_in_scene("[0.7, 0.6, 0.5]", "[0.6, 0.5, 0.4]");
+    EXPECT_EQ(run().status, 1) << factor;
+  }
+}
+
+/// Halves round dark pixels by more than their noise and end at 65504: those that a command writes, and
+/// references of earlier versions.
+TEST_F(SuiteJudges, StatisticsAllowForTheRoundingAndTheRangeOfHalves) {
+  const std::string halves =
+      R"("a": {"source": {"command": ["{becalm}", "render", "scene.json", "-o", "{output}", "--frames", "1",
+      "--size", "16x16", "--spp", "{spp}", "--seed", "{seed}", "--aovs", "variance", "-q"]},
+      "judged_by": {"statistical": true}})";
+  const std::string floats = scene_case("a", R"("statistical": true)");
+  const std::string reference = folder_ / "references/a/a.0001.exr";
+  for (const double factor : {1e-6, 1e6}) {
+    scale_light(factor);
+    write_suite(floats);
+    update();
+    write_suite(halves);
+    const Outcome command = run();
+    EXPECT_EQ(command.status, 0) << factor << command.out;
+    io::write_exr(reference, read_frame(reference, all_aovs()), {{"becalm:reference_spp", "256"}});
+    write_suite(floats);
+    const Outcome scene = run();
+    EXPECT_EQ(scene.status, 0) << factor << scene.out;
+  }
+  scale_light(1e-6);
+  replace_in_scene("[0.7, 0.6, 0.5]", "[0.2, 0.15, 0.1]");
+  for (const std::string& frames : {halves, floats}) {
+    write_suite(frames);
+    EXPECT_EQ(run().status, 1);
+  }
 }
 
 TEST_F(SuiteJudges, ExactKeepsEveryLayer) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -197,6 +198,38 @@ TEST(Statistical, PixelsWithoutVarianceAreJudgedExactly) {
   const SimulatedImage half = constant(8, 8, 0.7f + 0x1p-12f, 0.0f, 16.0);
   EXPECT_FALSE(compare_statistically(half.estimate(), reference.estimate()).passed());
   EXPECT_TRUE(compare_statistically(half.estimate(), reference.estimate(), {.rounding = 0x1p-11}).passed());
+}
+
+/// Half stores 3e-8 +- 2e-8 as 6e-8 without variance, of which a frame may see nothing.
+TEST(Statistical, RoundingOfSmallHalvesIsNoChange) {
+  constexpr float step = 0x1p-24f;
+  const SimulatedImage reference = constant(8, 8, step, 0.0f, 256.0);
+  SimulatedImage test = constant(8, 8, 0.0f, 0.0f, 16.0);
+  EXPECT_FALSE(compare_statistically(test.estimate(), reference.estimate()).passed());
+  Estimate half = reference.estimate();
+  half.rounding = 0x1p-25;
+  half.variance_rounding = 0x1p-50;
+  test = constant(8, 8, step, 0.0f, 16.0);
+  test.mean.at(3, 4, 1) = 0.0f;
+  EXPECT_TRUE(compare_statistically(test.estimate(), half).passed());
+  test.mean.at(3, 4, 1) = 1e-4f;
+  EXPECT_FALSE(compare_statistically(test.estimate(), half).passed());
+}
+
+/// The variance of stratified samples comes from a few blocks, which by chance may all be alike.
+TEST(Statistical, VarianceFarBelowTheNeighboursIsChance) {
+  SimulatedImage reference = constant(8, 8, 0.01f, 1.5e-6f, 256.0);
+  SimulatedImage test = constant(8, 8, 0.01f, 1e-4f, 16.0);
+  for (int c = 0; c < 3; ++c) {
+    reference.variance.at(4, 4, c) = 1e-8f;
+    test.variance.at(4, 4, c) = 0.0f;
+    test.mean.at(4, 4, c) = 0.0f;
+  }
+  const StatisticalResult result = compare_statistically(test.estimate(), reference.estimate());
+  EXPECT_TRUE(result.passed()) << describe(result);
+  std::ranges::fill(test.variance.data(), 0.0f);
+  std::ranges::fill(reference.variance.data(), 1e-8f);
+  EXPECT_FALSE(compare_statistically(test.estimate(), reference.estimate()).passed());
 }
 
 TEST(Statistical, LightInBlackIsFoundButOneSampleOfItIsNot) {
