@@ -24,7 +24,7 @@ void say(std::string_view line);
 void say_event(const nlohmann::ordered_json& event);
 /// A line behind `becalm: `, or the same object as `say`.
 void warn(std::string_view line);
-/// What files gave cause to: each made safe for a terminal; of many the first ones, and how many more.
+/// Warnings about files: each made safe for a terminal; of many the first ones, and how many more.
 void warn_each(std::span<const std::string> lines);
 
 /// One line of what went wrong, with control characters as blanks, behind `becalm: error: `; or {"event":

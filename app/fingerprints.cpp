@@ -20,11 +20,9 @@ std::string text_of(const io::ExrView& view, AovSet used) {
   for (const AovInfo& entry : kAovTable) {
     if (!contains(used, entry.aov)) continue;
     const io::LayerSource& source = *view.layers[static_cast<std::size_t>(entry.aov)];
-    std::vector<std::string> channels = source.channels;
-    std::erase(channels, std::string());  // no alpha
     const std::string& part = view.part_names[static_cast<std::size_t>(source.part)];
     text += fmt::format("{}{}={}{}{}", text.empty() ? "" : " ", entry.name.empty() ? "beauty" : entry.name,
-                        part, part.empty() ? "" : "/", fmt::join(channels, ","));
+                        part, part.empty() ? "" : "/", fmt::join(source.channels, ","));
   }
   return text;
 }

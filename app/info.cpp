@@ -23,6 +23,7 @@
 #include "app/half_buffers.h"
 #include "app/layer_arguments.h"
 #include "app/mebibytes.h"
+#include "app/noisy_image.h"
 #include "app/options.h"
 #include "filter/gpu/device.h"
 #include "frame/io/additive_layers.h"
@@ -177,10 +178,11 @@ void print_origin(const Json& origin) {
   fmt::print("{}\n", text);
 }
 
-void describe_file(const InfoCommand& command, const io::LayerOptions& layers) {
+void describe_file(const InfoCommand& command, io::LayerOptions layers) {
   const std::string& path = command.subject;
   const io::SequencePattern pattern(path);
   const std::vector<int> frames{io::number_in_name(path)};
+  const std::optional<NoisyImage> noisy = take_noisy_image({{frames.front(), path}}, layers);
   const AdditiveChoice additive = choose_additive("auto", {{frames.front(), path}}, layers);
   const io::ExrDescription file = io::describe_exr(path, with(additive, layers));
   const std::string alpha = alpha_outlook(path, layers);
@@ -195,6 +197,7 @@ void describe_file(const InfoCommand& command, const io::LayerOptions& layers) {
   } else {
     fmt::print("{}: EXR with {}\n", path, counted(file.parts.size(), "part", "parts"));
     print_lines(file.lines());
+    if (noisy) fmt::print("{}\n", noisy->text());
     for (const AdditiveNote& note : additive.notes) fmt::print("{}\n", note.text);
     if (!alpha.empty()) fmt::print("{}\n", alpha);
     print_origin(origin_of(path));
@@ -281,7 +284,7 @@ Json to_json(const std::vector<Kind>& kinds) {
 
 /// The description that most frames have, and how others differ from it; the additive layers; of the first
 /// frame, what becomes of alpha, and how becalm made it.
-void describe_sequence(const io::SequencePattern& pattern, const io::LayerOptions& layers,
+void describe_sequence(const io::SequencePattern& pattern, io::LayerOptions layers,
                        const InfoCommand& command) {
   const std::vector<int> frames = pattern.frames_on_disk();
   if (frames.empty()) {
@@ -291,6 +294,7 @@ void describe_sequence(const io::SequencePattern& pattern, const io::LayerOption
   std::vector<NumberedFile> files = files_on_disk(pattern);
   if (const auto other = find_other_half(pattern))
     std::ranges::move(files_on_disk(*other), std::back_inserter(files));
+  const std::optional<NoisyImage> noisy = take_noisy_image(files, layers);
   const AdditiveChoice additive = choose_additive("auto", files, layers);
   const std::vector<Described> described = describe_frames(pattern, frames, with(additive, layers));
   const std::vector<Kind> kinds = kinds_of(described);
@@ -322,6 +326,7 @@ void describe_sequence(const io::SequencePattern& pattern, const io::LayerOption
       fmt::print("{} is the other half of the samples; denoise takes the mean of both\n", other->text());
     }
     print_kinds(kinds);
+    if (noisy) fmt::print("{}\n", noisy->text());
     for (const AdditiveNote& note : additive.notes) fmt::print("{}\n", note.text);
     if (!alpha.empty()) fmt::print("{}\n", alpha);
     print_origin(origin_of(pattern.path(frames.front())));

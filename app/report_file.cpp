@@ -69,16 +69,18 @@ bool is_standard_output(const std::string& path) {
   return path == "/dev/stdout" || fs::equivalent(path, "/dev/stdout", error);
 }
 
-/// Standard output, another device or a pipe.
+/// Standard output or error, another device or a pipe.
 bool is_stream(const std::string& path) {
   std::error_code ignored;
-  return is_standard_output(path) || fs::is_other(path, ignored);
+  return is_standard_output(path) || path == "/dev/stderr" || fs::is_other(path, ignored);
 }
 
 void keep_foreign_file(const ReportFile& report) {
   std::error_code error;
   if (!fs::is_regular_file(report.path, error) || fs::file_size(report.path, error) == 0) return;
-  const std::optional<std::string> text = tracer::read_text_file(report.path);
+  constexpr std::uintmax_t largest_report = 1u << 28;
+  std::optional<std::string> text;
+  if (fs::file_size(report.path, error) <= largest_report) text = tracer::read_text_file(report.path);
   if (text && is_report(report.kind, *text)) return;
   fail(ExitStatus::usage, report,
        fmt::format("is there, and is no {}; choose another name", description_of(report.kind)));

@@ -65,6 +65,7 @@ SequenceJob::SequenceJob(const SequenceCommand& command, FilterRecipe recipe)
   for (const int frame : inputs_.readable())
     std::ranges::copy(inputs_.paths(frame), std::back_inserter(paths));
   outputs_.keep_apart_from(paths);
+  noisy_image_ = take_noisy_image(all_files(), layers_);
 }
 
 /// Of all frames of the sequence on disk, or of the single frame.
@@ -151,6 +152,7 @@ ExitStatus SequenceJob::run() {
   for (const AdditiveNote& note : additive_notes_) {
     note.is_warning ? progress_->warn(note.text) : progress_->note(note.text);
   }
+  if (noisy_image_) progress_->warn(noisy_image_->text());
   tell_other_beauties(inputs_.path(*needed.begin()));
   if (!inputs_.has_numbers()) {
     progress_->note(
@@ -173,20 +175,11 @@ ExitStatus SequenceJob::run() {
 
 /// View layers that stay noisy, unless the user chose the one that is denoised.
 void SequenceJob::tell_other_beauties(const std::string& path) {
-  if (layers_.layers.contains(Aov::beauty)) return;
-  const io::ExrDescription file = io::describe_exr(path, layers_);
-  const auto are = [](const std::vector<std::string>& titles) {
-    return fmt::format("{} {}", fmt::join(titles, ", "), titles.size() == 1 ? "is" : "are");
-  };
-  if (const auto& denoised = file.denoised_beauties; !denoised.empty()) {
-    progress_->warn(fmt::format(
-        "{} denoised by Blender and passed on; the noisy image beside it is denoised in its own place",
-        are(denoised)));
-  }
-  if (const auto& others = file.other_beauties; !others.empty()) {
-    progress_->warn(
-        fmt::format("{} passed on noisy; --layers beauty=NAME denoises another view layer", are(others)));
-  }
+  if (layers_.layers.contains(Aov::beauty) && !noisy_image_) return;
+  const std::vector<std::string> others = io::describe_exr(path, layers_).other_beauties;
+  if (others.empty()) return;
+  progress_->warn(fmt::format("{} {} passed on noisy; --layers beauty=NAME denoises another view layer",
+                              fmt::join(others, ", "), others.size() == 1 ? "is" : "are"));
 }
 
 io::LoadedFrame SequenceJob::first_frame() const {
@@ -217,6 +210,7 @@ void SequenceJob::print_plan(const std::set<int>& needed) {
       format_.channels.selects_all() ? "passes on every other channel" : "leaves channels out as told");
   if (!lights_.empty()) fmt::print("denoises the lights {} with it\n", fmt::join(lights_, ", "));
   if (inputs_.other_half()) fmt::print("{}\n", halves_text());
+  if (noisy_image_) fmt::print("{}\n", noisy_image_->text());
   for (const AdditiveNote& note : additive_notes_) fmt::print("{}\n", note.text);
   fmt::print("filters with preset {} on {}: {}\n", command_.preset, device, settings());
   if (!existing_.empty()) print("keeps", command_.output.pattern, {existing_.begin(), existing_.end()});

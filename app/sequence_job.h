@@ -11,6 +11,7 @@
 #include "app/frame_sink.h"
 #include "app/input_check.h"
 #include "app/input_frames.h"
+#include "app/noisy_image.h"
 #include "app/outputs.h"
 #include "app/pipeline.h"
 #include "app/profile.h"
@@ -53,6 +54,7 @@ class SequenceJob {
   const InputWindow window_;
   Fingerprints fingerprints_;
   io::Attributes attributes_;
+  std::optional<NoisyImage> noisy_image_;  ///< if it is the beauty
   std::vector<AdditiveNote> additive_notes_;
   std::vector<std::string> lights_;  ///< light groups and additive layers that are denoised
   bool told_of_same_halves_ = false;

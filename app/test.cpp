@@ -265,10 +265,12 @@ void add_test_options(CLI::App& parser, TestCommand& command) {
       ->check(CLI::Range(3, 10000))
       ->option_text("[=N]")
       ->group("References");
-  parser.add_option("--junit", command.junit, "Write JUnit's XML, for CI systems")
+  parser.add_option("--junit", command.junit, "Write JUnit's XML, for CI systems, over that of the last run")
       ->option_text("FILE")
       ->group("Reports");
-  parser.add_option("--json", command.json, "Write all figures")->option_text("FILE")->group("Reports");
+  parser.add_option("--json", command.json, "Write all figures, over those of the last run")
+      ->option_text("FILE")
+      ->group("Reports");
   parser
       .add_option("--report", command.report,
                   "Write a page with pictures of the cases that did not pass, index.html in this folder")

@@ -16,8 +16,8 @@ enum class Distance { l2 = 0, l1 = 1, log_l1 = 2, log_l1_centered = 3 };
 /// in pixels that have motion.
 enum class MotionUse { none, guide, override_offset };
 
-/// The filter that reads the history between its pixels; the spline is for temporal antialiasing.
-/// shaders/lib/resample.glsl has the same values.
+/// The filter that reads the history between its pixels; the spline is for temporal antialiasing. Kernels
+/// read the values (shaders/lib/resample.glsl).
 enum class Resample { bilinear = 0, catmull_rom = 1, spline = 2 };
 
 /// The frames that contribute to an output: the frames up to it, with unbounded history; or also the frames

@@ -18,11 +18,11 @@ constexpr Alias kAliases[] = {
     {.aov = Aov::beauty, .layer = "rgba"},
     {.aov = Aov::beauty, .layer = "beauty"},
     {.aov = Aov::beauty, .layer = "ci"},
-    {.aov = Aov::beauty, .layer = "c"},  // Karma's
     {.aov = Aov::beauty, .layer = "<root>"},
     {.aov = Aov::beauty, .layer = "rgb_color"},
     {.aov = Aov::beauty, .layer = "rgb"},
     {.aov = Aov::beauty, .layer = "image"},  // of Blender's File Output node
+    {.aov = Aov::beauty, .layer = "c"},      // Karma's
     {.aov = Aov::variance, .layer = "variance"},
     {.aov = Aov::variance, .layer = "mse"},
     {.aov = Aov::variance, .layer = "noiselevel", .standard_deviation = true},
@@ -81,7 +81,7 @@ constexpr Alias kAliases[] = {
 constexpr std::string_view kVrayPrefix = "vray";
 constexpr std::string_view kVraysNames[] = {"noiselevel", "bump_normals",  "rawlight",  "rawgi",
                                             "matteid",    "defocusamount", "rawshadow", "reflectionfilter"};
-constexpr std::string_view kNamesOfVrayAndOthers[] = {"zdepth", "normals"};
+constexpr std::string_view kNamesOfVrayAndOthers[] = {"zdepth", "normals", "gi", "lighting", "selfillum"};
 
 }  // namespace
 

@@ -102,8 +102,6 @@ struct ExrDescription {
   };
   std::vector<Part> parts;
   std::vector<std::string> other_beauties;  ///< of view layers that stay noisy
-  /// What Blender denoised itself, beside the noisy image that is the beauty.
-  std::vector<std::string> denoised_beauties;
   std::string problem;  ///< why it could not be denoised, such as that it has no colour; or empty
 
   /// One line for each part, for each channel and for each other beauty.

@@ -116,10 +116,6 @@ std::vector<std::string> ExrDescription::lines() const {
       lines.push_back(fmt::format("  {:<{}}  {:<5}  {}", channel.name, width, channel.type, channel.use));
     }
   }
-  for (const std::string& denoised : denoised_beauties) {
-    lines.push_back(fmt::format(
-        "{} is denoised by Blender and is passed on; the noisy image beside it is the beauty", denoised));
-  }
   for (const std::string& other : other_beauties) {
     lines.push_back(
         fmt::format("{0} is passed on as it is; --layers 'beauty={0}' denoises it instead", other));
@@ -144,8 +140,6 @@ ExrDescription describe_exr(const std::string& path, const LayerOptions& options
       const LayerSource& beauty = *view.layers[static_cast<std::size_t>(Aov::beauty)];
       for (const std::string& other : find_other_beauties(parts, beauty, view.view))
         description.other_beauties.push_back(printable(other));
-      if (const auto denoised = find_denoised_beauty(parts, beauty, view.view))
-        description.denoised_beauties.push_back(printable(*denoised));
     }
     for (int number = 0; number < file->parts(); ++number) {
       const Imf::Header& header = file->header(number);

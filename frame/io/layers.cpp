@@ -22,10 +22,6 @@ namespace {
 /// choice for the beauty.
 constexpr std::string_view kCompositeScope = "composite";
 
-/// Where Blender denoises a view layer itself, this is what it rendered, and the layer with the beauty's
-/// usual name is denoised.
-constexpr std::string_view kBlendersNoisy = "noisy image";
-
 /// Names of parts whose bare channels look like colours and are none; and of those that are seldom a beauty.
 /// Only the letters of the last of a name's parts between dots count.
 constexpr std::string_view kNoColours[] = {"position", "worldposition", "p",      "pworld", "pref",
@@ -45,8 +41,10 @@ constexpr std::string_view kSeldomBeauties[] = {"ao",
                                                 "effectsresult",
                                                 "glossyreflection",
                                                 "beautyunshadowed"};
-/// What the names of Karma's lobes begin with.
-constexpr std::string_view kKarmasLobes[] = {"combined", "direct", "indirect"};
+/// Karma's lobes are one of the first before one of the second.
+constexpr std::string_view kKarmasPaths[] = {"combined", "direct", "indirect"};
+constexpr std::string_view kKarmasLobes[] = {
+    "diffuse", "glossyreflection", "glossytransmission", "coat", "emission", "volume", "sss", "lighting"};
 
 /// Of a name in lower case.
 std::string letters_of(std::string_view part) {
@@ -62,8 +60,9 @@ bool is_among(std::string_view name, const auto& names) {
 
 bool is_seldom_beauty(std::string_view part) {
   const std::string name = letters_of(part);
-  const bool is_lobe = std::ranges::any_of(
-      kKarmasLobes, [&](std::string_view lobe) { return name.starts_with(lobe) && name != lobe; });
+  const bool is_lobe = std::ranges::any_of(kKarmasPaths, [&](std::string_view path) {
+    return name.starts_with(path) && is_among(std::string_view(name).substr(path.size()), kKarmasLobes);
+  });
   return is_lobe || names_a_summand(part) || is_among(name, kSeldomBeauties);
 }
 
@@ -103,18 +102,6 @@ class LayerFinder {
     if (std::ranges::any_of(layers_, &ChannelLayer::spells_colours_out)) sum = kVraysEvidence / 2;
     for (const auto& [name, of_name] : evidence) sum += of_name;
     is_vrays_ = sum >= kVraysEvidence;
-  }
-
-  /// The beauty as it was rendered: Blender's noisy image, where there is one beside it.
-  std::optional<Found> find_noisy_beauty() const {
-    std::optional<Found> beauty = find_beauty();
-    if (!beauty) return beauty;
-    for (const ChannelLayer& layer : layers_) {
-      if (scope_before(layer.name(), kBlendersNoisy) != beauty->scope) continue;
-      if (std::optional<LayerSource> source = channels_as(layer, Aov::beauty))
-        beauty->source = std::move(*source);
-    }
-    return beauty;
   }
 
   /// In this order: bare channels of a part without a name, layers with a beauty's name, bare channels of a
@@ -305,20 +292,6 @@ std::vector<std::string> find_other_beauties(const std::vector<PartChannels>& pa
   return taken.empty() ? std::vector<std::string>() : others;
 }
 
-std::optional<std::string> find_denoised_beauty(const std::vector<PartChannels>& parts,
-                                                const LayerSource& beauty, const std::string& view) {
-  const std::vector<ChannelLayer> layers = collect_layers(parts, view);
-  for (const ChannelLayer& noisy : layers) {
-    const std::optional<std::string_view> scope = scope_before(noisy.name(), kBlendersNoisy);
-    const std::optional<LayerSource> source = channels_as(noisy, Aov::beauty);
-    if (!scope || !source || source->part != beauty.part || source->channels != beauty.channels) continue;
-    for (const ChannelLayer& layer : layers) {
-      if (scope_before(layer.name(), "combined") == scope) return title_of(layer, parts);
-    }
-  }
-  return std::nullopt;
-}
-
 LayerMap find_layers(const std::string& file, const std::vector<PartChannels>& parts,
                      const LayerOptions& options, const std::string& view) {
   LayerFinder finder(parts, view);
@@ -346,7 +319,7 @@ LayerMap find_layers(const std::string& file, const std::vector<PartChannels>& p
     set(aov, std::move(found->source));
   }
   if (!beauty_scope) {
-    std::optional<Found> beauty = finder.find_noisy_beauty();
+    std::optional<Found> beauty = finder.find_beauty();
     if (!beauty) {
       throw Error(
           ExitStatus::bad_input,

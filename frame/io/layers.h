@@ -82,10 +82,6 @@ LayerMap find_layers(const std::string& file, const std::vector<PartChannels>& p
 std::vector<std::string> find_other_beauties(const std::vector<PartChannels>& parts,
                                              const LayerSource& beauty, const std::string& view);
 
-/// The title of the layer that Blender denoised itself, if `beauty` is the noisy image that it kept.
-std::optional<std::string> find_denoised_beauty(const std::vector<PartChannels>& parts,
-                                                const LayerSource& beauty, const std::string& view);
-
 /// A layer of radiance that is part of the beauty: alone, or times the surface's colour, as Blender has it.
 struct LightSource {
   LayerSource layer;

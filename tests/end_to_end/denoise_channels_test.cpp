@@ -67,12 +67,10 @@ std::set<std::string> channels_of(const std::string& path) {
   return names;
 }
 
-/// A beauty and two layers that share it out, as Arnold names them.
-void write_lobes(const std::string& path, const Frame& frame) {
+/// Layers that are each a share of the frame's beauty.
+void write_shares(const std::string& path, const Frame& frame, const std::map<std::string, float>& shares) {
   Imf::Header header(kWidth, kHeight);
   Imf::FrameBuffer buffer;
-  const std::map<std::string, float> shares{
-      {"", 1.0f}, {"diffuse.", 0.25f}, {"specular.", 0.75f}, {"rim.", 0.1f}};
   std::map<std::string, std::vector<float>> layers;
   for (const auto& [layer, share] : shares) {
     std::vector<float>& pixels = layers[layer];
@@ -87,6 +85,43 @@ void write_lobes(const std::string& path, const Frame& frame) {
   Imf::OutputFile file(path.c_str(), header);
   file.setFrameBuffer(buffer);
   file.writePixels(kHeight);
+}
+
+/// A beauty and two layers that share it out, as Arnold names them.
+void write_lobes(const std::string& path, const Frame& frame) {
+  write_shares(path, frame, {{"", 1.0f}, {"diffuse.", 0.25f}, {"specular.", 0.75f}, {"rim.", 0.1f}});
+}
+
+TEST_F(Denoise, WhatBlenderDenoisedIsNotDenoisedAgain) {
+  const auto denoise = [&](float noisy, float combined, const std::vector<std::string>& more) {
+    for (const int number : {1, 2}) {
+      write_shares(
+          frame_path(input_, number), noise_frame(number),
+          {{"V.Combined.", number == 1 ? 0.0f : combined}, {"V.Noisy Image.", number == 1 ? 0.0f : noisy}});
+    }
+    std::vector<std::string> options{"--overwrite"};
+    options.insert(options.end(), more.begin(), more.end());
+    return becalm_done(command("out.####.exr", options)).err;
+  };
+  const auto is_changed = [&](const std::string& layer) {
+    const auto beauty = [&](const std::string& path) {
+      return io::read_exr(path, 2, {}, {.layers = {{Aov::beauty, layer}}}).frame.image(Aov::beauty);
+    };
+    return !same_pixels(beauty(frame_path(input_, 2)), beauty(folder_ / "out.0002.exr"));
+  };
+  const std::string told = "V.Combined is denoised by Blender and passed on";
+  // The first frame is black and decides nothing.
+  EXPECT_NE(denoise(1.0f, 0.5f, {"-q"}).find(told), std::string::npos);
+  EXPECT_TRUE(is_changed("V.Noisy Image"));
+  EXPECT_FALSE(is_changed("V.Combined"));
+  EXPECT_NE(becalm_done({"info", input_}).out.find(told), std::string::npos);
+
+  EXPECT_EQ(denoise(1.0f, 1.0f, {}).find(told), std::string::npos) << "both are noisy";
+  EXPECT_FALSE(is_changed("V.Noisy Image"));
+  EXPECT_TRUE(is_changed("V.Combined"));
+
+  EXPECT_EQ(denoise(1.0f, 0.5f, {"--layers", "beauty=V.Combined"}).find(told), std::string::npos);
+  EXPECT_TRUE(is_changed("V.Combined"));
 }
 
 TEST_F(Denoise, AdditiveLayersStillAddUpToTheBeauty) {

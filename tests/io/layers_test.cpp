@@ -144,21 +144,6 @@ TEST(Layers, NoisyImageIsABeautyToo) {
             (Names{"V.Noisy Image.R", "V.Noisy Image.G", "V.Noisy Image.B", ""}));
 }
 
-TEST(Layers, WhatBlenderDenoisedIsNotDenoisedAgain) {
-  std::vector<PartChannels> parts(1);
-  for (const char* layer : {"A.Combined", "B.Combined", "B.Noisy Image"}) {
-    for (const char* letter : {".B", ".G", ".R"}) parts[0].channels.push_back(std::string(layer) + letter);
-  }
-  const auto beauty = [&] { return *source(find_layers("f", parts, {}), Aov::beauty); };
-  EXPECT_EQ(beauty().channels[0], "A.Combined.R") << "of another view layer";
-  EXPECT_FALSE(find_denoised_beauty(parts, beauty(), ""));
-  for (const char* letter : {".B", ".G", ".R"})
-    parts[0].channels.push_back(std::string("A.Noisy Image") + letter);
-  EXPECT_EQ(beauty().channels[0], "A.Noisy Image.R");
-  EXPECT_EQ(find_denoised_beauty(parts, beauty(), ""), "A.Combined");
-  EXPECT_EQ(find_other_beauties(parts, beauty(), ""), Names{"B.Combined"});
-}
-
 TEST(Layers, KarmasColourIsCAndItsLobesAreNone) {
   EXPECT_EQ(channels_of(find({"C.A", "C.B", "C.G", "C.R"}), Aov::beauty)[0], "C.R");
   for (const char* other :

@@ -66,6 +66,8 @@ def arguments():
     for scene in asked.scenes:
         if [scene] != NONE and not (SCENES / f"{scene}.json").exists():
             parser.error(f"no scene '{scene}' in scenes/")
+    if min(asked.counts) <= scaling.START:
+        parser.error(f"--counts: expected more than {scaling.START} frames, which stand for the start of the program")
     if not set(asked.measured) <= set(asked.frames):
         parser.error("the measured frames are not all among those of --frames")
     return asked

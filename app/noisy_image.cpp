@@ -1,0 +1,76 @@
+#include "app/noisy_image.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+#include <string_view>
+
+#include "app/cancel.h"
+#include "frame/error.h"
+#include "frame/io/exr.h"
+
+namespace becalm::app {
+namespace {
+
+/// Frames that are looked at; black ones may be a slate or a fade.
+constexpr std::size_t kMostFrames = 8;
+
+/// `ViewLayer.Noisy Image` beside the beauty `ViewLayer.Combined`, by layer or by part.
+std::optional<NoisyImage> beside(const io::ExrView& view) {
+  constexpr std::string_view denoised = "Combined";
+  const io::LayerSource& beauty = *view.layers[static_cast<std::size_t>(Aov::beauty)];
+  const std::string& channel = beauty.channels.front();
+  const std::size_t dot = channel.rfind('.');
+  const std::string title = dot == std::string::npos ? view.part_names[static_cast<std::size_t>(beauty.part)]
+                                                     : channel.substr(0, dot);
+  if (!title.ends_with(denoised)) return std::nullopt;
+  return NoisyImage{title.substr(0, title.size() - denoised.size()) + "Noisy Image", title};
+}
+
+/// Whether both layers of a file are different pictures; nothing if they are black.
+std::optional<bool> differ(const std::string& path, const NoisyImage& noisy, const io::LayerOptions& layers) {
+  io::LayerOptions with_noisy = layers;
+  with_noisy.layers[Aov::beauty] = noisy.layer;
+  const Frame a = io::read_exr(path, 1, {}, layers).frame;
+  const Frame b = io::read_exr(path, 1, {}, with_noisy).frame;
+  const std::span<const float> combined = a.image(Aov::beauty).data();
+  const std::span<const float> rendered = b.image(Aov::beauty).data();
+  bool is_black = true;
+  bool is_same = true;
+  for (std::size_t i = 0; i < combined.size(); ++i) {
+    if (i % 4 == 3) continue;  // alpha
+    is_black = is_black && combined[i] == 0.0f && rendered[i] == 0.0f;
+    is_same = is_same && !(combined[i] != rendered[i]);
+  }
+  return is_black ? std::nullopt : std::optional(!is_same);
+}
+
+}  // namespace
+
+std::string NoisyImage::text() const {
+  return fmt::format(
+      "{} is denoised by Blender and passed on: {} is the beauty; --layers 'beauty={}' overrules", denoised,
+      layer, denoised);
+}
+
+std::optional<NoisyImage> take_noisy_image(const std::vector<NumberedFile>& files, io::LayerOptions& layers) {
+  if (layers.layers.contains(Aov::beauty)) return std::nullopt;
+  for (const NumberedFile& file : std::span(files).first(std::min(files.size(), kMostFrames))) {
+    stop_if_asked();
+    try {
+      const auto noisy = beside(io::read_exr_header(file.path, layers, io::CheckChunks::no).front());
+      if (!noisy) return std::nullopt;
+      if (const std::optional<bool> is_other = differ(file.path, *noisy, layers)) {
+        if (!*is_other) return std::nullopt;
+        layers.layers[Aov::beauty] = noisy->layer;
+        return noisy;
+      }
+    } catch (const Error&) {
+      continue;  // without such a layer, or damaged
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace becalm::app
