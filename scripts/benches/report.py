@@ -268,8 +268,9 @@ TITLES = {"quality": "## Cycles shots, 8 samples a pixel", "scenes": "## Our sce
 
 @functools.cache
 def commit():
-    """Of the sources, asked before the first part: RESULTS.md changes with each."""
-    return said("git", "describe", "--always", "--dirty")
+    """Of the sources, asked before the first part; RESULTS.md, which changes with each, does not count."""
+    changed = said("git", "status", "--porcelain", "--untracked-files=no", "--", ":!RESULTS.md")
+    return said("git", "describe", "--always") + ("-dirty" if changed else "")
 
 
 def measured_at():
