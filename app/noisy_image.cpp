@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <string_view>
 
@@ -40,8 +41,9 @@ std::optional<bool> differ(const std::string& path, const NoisyImage& noisy, con
   bool is_same = true;
   for (std::size_t i = 0; i < combined.size(); ++i) {
     if (i % 4 == 3) continue;  // alpha
+    if (std::isnan(combined[i]) || std::isnan(rendered[i])) continue;
     is_black = is_black && combined[i] == 0.0f && rendered[i] == 0.0f;
-    is_same = is_same && !(combined[i] != rendered[i]);
+    is_same = is_same && combined[i] == rendered[i];
   }
   return is_black ? std::nullopt : std::optional(!is_same);
 }
