@@ -31,13 +31,25 @@ float excess_over_noise(float measured, float noise, float count, float standard
 /// would reject history. Residuals of smoothed frames are no random samples: any excess counts.
 const float kSignificanceInNoise = 3.0f;
 
+/// Share of a smoother's expected squared error that differs from frame to frame as noise does. The rest is blur,
+/// which both frames have alike. Held-out shots gain as much from any value between a quarter and one.
+const float kNoiseOfSmoothed = 0.5f;
+
+/// Squared bias in a squared difference of smoothed frames: what a Wiener filter would take for signal. Some of
+/// each difference counts, since the error that is expected of smoothed frames hides most that are misaligned.
+float smoothed_bias(float squared_difference, float expected_error) {
+  float total = squared_difference + kNoiseOfSmoothed * expected_error;
+  return total > 0.0f ? squared_difference * (squared_difference / total) : 0.0f;
+}
+
 /// Squared bias of a patch of `count` pixels, whose differences have the expected square `noise`. What all pixels
 /// share shows in the mean difference (`mean_squared`), whose noise averages out; misaligned detail shows in the
 /// mean squared difference (`squared_mean`) alone. Noise is taken as grey: the squared mean then has one degree of
-/// freedom, whatever the number of channels.
-float patch_bias(float mean_squared, float squared_mean, float noise, float count, float standard_errors) {
-  return max(excess_over_noise(mean_squared, noise / count, 1.0f, standard_errors),
-             excess_over_noise(squared_mean, noise, count, standard_errors));
+/// freedom, whatever the number of channels. `smoothed`: the new frame is.
+float patch_bias(float mean_squared, float squared_mean, float noise, float count, bool smoothed) {
+  float significance = smoothed ? 0.0f : kSignificanceInNoise;
+  float of_detail = smoothed ? smoothed_bias(squared_mean, noise) : excess_over_noise(squared_mean, noise, count, significance);
+  return max(excess_over_noise(mean_squared, noise / count, 1.0f, significance), of_detail);
 }
 
 /// Weight of the new sample that minimises the expected squared error, eq. 4. `variance_new` is that of the

@@ -70,8 +70,7 @@ void main() {
     const float variance_history = noise_sum.y / count;
     const float expected = noise_explains != 0 ? variance_of_patch + variance_history : 0.0;
     const vec3 mean = difference_sum.rgb / count;
-    const float of_patch =
-        patch_bias(dot(mean, mean) / 3.0, difference_sum.a / count, expected, count, smoothed != 0 ? 0.0 : kSignificanceInNoise);
+    const float of_patch = patch_bias(dot(mean, mean) / 3.0, difference_sum.a / count, expected, count, smoothed != 0);
     const float relative_bias = max(of_patch, smoothed != 0 ? bias_of_dark_pixel(index, x, h) : 0.0);
     alpha = max(gain(variance_new, variance_history, relative_bias), 1.0 / kMostFrames);
     // The share by which the bias lowers the history's weight: 1 - (1 - alpha) / (1 - alpha without bias).

@@ -146,6 +146,26 @@ TEST(Gain, KeepsToItsLimits) {
   EXPECT_FLOAT_EQ(excess_over_noise(3.0f, 1.0f, 8.0f, 2.0f), 1.0f);
 }
 
+TEST(Bias, OfSmoothedFramesGrowsWithTheDifference) {
+  constexpr float kNoise = 2.0f;
+  EXPECT_EQ(smoothed_bias(0.0f, 0.0f), 0.0f);
+  EXPECT_EQ(smoothed_bias(0.0f, kNoise), 0.0f);
+  EXPECT_EQ(smoothed_bias(3.0f, 0.0f), 3.0f);
+  EXPECT_FLOAT_EQ(smoothed_bias(kNoiseOfSmoothed * kNoise, kNoise), 0.5f * kNoiseOfSmoothed * kNoise);
+  for (float square = 1e-9f; square < 1e18f; square *= 10.0f) {
+    EXPECT_GT(smoothed_bias(square, kNoise), 0.0f) << square;
+    EXPECT_LE(smoothed_bias(square, kNoise), square);
+    EXPECT_GT(smoothed_bias(2.0f * square, kNoise), smoothed_bias(square, kNoise));
+  }
+}
+
+TEST(Bias, OfNoisyFramesIsWhatNoiseLeaves) {
+  EXPECT_EQ(patch_bias(0.1f, 1.5f, 1.0f, 48.0f, false), 0.0f);
+  EXPECT_GT(patch_bias(0.1f, 1.5f, 1.0f, 48.0f, true), 0.5f);
+  EXPECT_GT(patch_bias(0.1f, 2.0f, 1.0f, 48.0f, false), 0.0f);
+  EXPECT_GT(patch_bias(0.2f, 1.0f, 1.0f, 48.0f, false), 0.0f);
+}
+
 TEST(Compress, LiesInUnitRangeWhateverTheRadiance) {
   EXPECT_EQ(compress(exposed(-1.0f, 1.0f)), 0.0f);
   EXPECT_EQ(compress(exposed(0.0f, 1e15f)), 0.0f);

@@ -111,11 +111,17 @@ Grid<Estimate> warp(const Grid<Estimate>& history, const Grid<Vec2>& offset, fil
   return warped;
 }
 
+double patch_bias(double mean_square, double square, double noise, double count, bool smoothed) {
+  if (!smoothed) return std::max(excess(mean_square, noise / count, 1, 3), excess(square, noise, count, 3));
+  const double signal_and_noise = square + 0.5 * noise;
+  const double of_detail = signal_and_noise > 0 ? square * square / signal_and_noise : 0.0;
+  return std::max(excess(mean_square, noise / count, 1, 0), of_detail);
+}
+
 Merged merge_by_variance(const Grid<Estimate>& sample, const Grid<Estimate>& warped, double exposure,
                          const filter::Settings& settings) {
   const int radius = settings.patch_radius;
   const bool smoothed = settings.smooth != filter::Smooth::none;
-  const double significance = smoothed ? 0.0 : 3.0;
   Merged merged{Grid<Estimate>(sample.width, sample.height), Grid<double>(sample.width, sample.height)};
   for (int y = 0; y < sample.height; ++y) {
     for (int x = 0; x < sample.width; ++x) {
@@ -153,8 +159,7 @@ Merged merge_by_variance(const Grid<Estimate>& sample, const Grid<Estimate>& war
         variance_new = std::min(variance_new, own_variance + borrowed);
         double mean_square = 0;
         for (int c = 0; c < 3; ++c) mean_square += mean[c] * mean[c] / (3.0 * count * count);
-        double relative_bias = std::max(excess(mean_square, noise / count, 1, significance),
-                                        excess(squares / count, noise, count, significance));
+        double relative_bias = patch_bias(mean_square, squares / count, noise, count, smoothed);
         if (smoothed && counts && luminance(own.color) < luminance(warped.at(x, y).color)) {
           double own_square = 0;
           for (int c = 0; c < 3; ++c)

@@ -28,6 +28,10 @@ Rgba read_sharp(const Grid<Rgba>& taps, double x, double y);
 /// filter, limited to the range of the four nearest pixels by one share for all channels.
 Grid<Estimate> warp(const Grid<Estimate>& history, const Grid<Vec2>& offset, filter::Resample resample);
 
+/// The squared bias of a patch of `count` pixels: the square of its mean difference and its mean square, less
+/// what noise explains. A smoothed frame's square counts by the gain of a Wiener filter, with half the noise.
+double patch_bias(double mean_square, double square, double noise, double count, bool smoothed);
+
 /// Variance gain (Philippi et al., eq. 4) with the bias estimated from the residuals of leave-one-out
 /// patches; a smoothed sample's own variance is used if it is less than its patch's. The sample's count is 1,
 /// or 0 for a non-finite pixel.

@@ -15,11 +15,6 @@ double brightness(const Rgba& c, double exposure) {
   return std::max(luminance(c), 0.0) + 0.1 / exposure;
 }
 
-/// What noise does not explain of a square, beyond so many standard errors.
-double excess(double measured, double noise, double count, double errors) {
-  return std::max(0.0, measured - noise * (1 + errors * std::sqrt(2 / count)));
-}
-
 bool is_expected(double depth, double expected) {
   return depth == expected || std::abs(depth - expected) <= 0.05 * expected;
 }
@@ -59,9 +54,7 @@ Grid<Estimate> blend_eyes(const Grid<Estimate>& own, const Grid<Estimate>& other
         const double noise = own_variance + other_variance;
         double mean_square = 0;
         for (int c = 0; c < 3; ++c) mean_square += mean[c] * mean[c] / (3.0 * count * count);
-        const double errors = smoothed ? 0 : 3;
-        const double relative = std::max(excess(mean_square, noise / count, 1, errors),
-                                         excess(squares / count, noise, count, errors));
+        const double relative = patch_bias(mean_square, squares / count, noise, count, smoothed);
         const double bright = brightness(o.color, exposure);
         const double total = own_variance + other_variance + relative;
         alpha = total > 0 ? 1 - own_variance / total : 1;
