@@ -13,6 +13,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+from benches.at_a_glance import at_a_glance
 from benches.markdown_report import wrapped
 from benches.timed import timed
 from whole_file import write_whole
@@ -74,9 +75,9 @@ def run_quality(becalm, folder, *options):
                     "--pictured", "final", "--pictured-spp", "8", "-o", str(folder), "--resume", *options], check=True)
 
 
-def quality_part(becalm):
+def quality_part(becalm, *comparison):
     folder = Path("out/report")
-    run_quality(becalm, folder, "--shots", "cycles")
+    run_quality(becalm, folder, "--shots", "cycles", *comparison)
     text = section(folder, "8 samples per pixel")
     return f"""## Cycles shots, 8 samples a pixel
 
@@ -87,7 +88,8 @@ def quality_part(becalm):
 480x270, with albedo, normal and depth, without variance;
 `scripts/benches/quality/cycles/render.py` renders them, two references each. relMSE and temporal
 error are those of `becalm compare`; 1/15 of noisy's is an error 15 times smaller. `paper` is the
-method as published, which smooths nothing. The last five rows change one thing of `final`.
+method as published, which smooths nothing. Five rows change one thing of `final`. OIDN: the networks
+of Open Image Denoise 2 with their published weights, evaluated by `scripts/benches/quality/oidn.py`.
 
 The network did not learn from these shots, but they are not fully held out: it was extended after
 looks at `cloth`, `foliage`, `car` and `bottles`; how light is restored, after a look at `candles`;
@@ -107,9 +109,9 @@ Geometric means over the shots.
 """
 
 
-def scenes_part(becalm):
+def scenes_part(becalm, *comparison):
     folder = Path("out/report_scenes")
-    run_quality(becalm, folder, "--spp", "8", "--frames", "4-13", "--measured", "7-9", "--reference-spp", "64")
+    run_quality(becalm, folder, "--spp", "8", "--frames", "4-13", "--measured", "7-9", "--reference-spp", "64", *comparison)
     overview, relmse, temporal, energy = section(folder, "8 samples per pixel").split("\n\n")[:4]
     return f"""## Our scenes, 8 samples a pixel
 
@@ -264,6 +266,7 @@ PARTS = {"quality": quality_part, "scenes": scenes_part, "trade": trade_part, "a
 TITLES = {"quality": "## Cycles shots, 8 samples a pixel", "scenes": "## Our scenes, 8 samples a pixel", "trade": "## The trade",
           "adaptive": "## Adaptive sampling", "antialias": "## Temporal antialiasing", "upsample": "## Temporal upsampling",
           "stereo": "## Stereo", "burst": "## Bursts", "training": "## Training", "time": "## Time\n", "scaling": "## Time and memory against pixels and frames\n"}
+COMPARED = ("quality", "scenes")
 
 
 @functools.cache
@@ -293,20 +296,22 @@ def main():
     parser = argparse.ArgumentParser(prog="scripts/bench report", description=__doc__)
     parser.add_argument("parts", nargs="*", choices=[*PARTS, []], metavar="PART", help=f"{', '.join(PARTS)}: the others are kept (default: all but training, which wants its shots)")
     parser.add_argument("--becalm", default="build/release/becalm")
+    parser.add_argument("--oidn", metavar="DIR", help="weights of Open Image Denoise (github.com/RenderKit/oidn-weights), which quality and scenes are compared with")
     asked = parser.parse_args()
     results = Path("RESULTS.md")
+    comparison = ("--oidn", asked.oidn) if asked.oidn else ()
     commit()
     failed = []
     for name in asked.parts or [name for name in PARTS if name != "training"]:
         try:
-            part = PARTS[name](asked.becalm)  # takes minutes: the file is read anew after it
+            part = PARTS[name](asked.becalm, *(comparison if name in COMPARED else ()))  # takes minutes: the file is read anew after it
         except (subprocess.CalledProcessError, OSError, SystemExit) as error:
             print(f"report: {name}: {error}", file=sys.stderr, flush=True)
             failed.append(name)
             continue
         parts = parts_of(results.read_text() if results.exists() else "") | {name: part}
         text = "".join(parts[name].strip() + "\n\n" for name in PARTS if name in parts)
-        write_whole(results, f"# Results\n\nWritten by `scripts/bench report`.\n\n{contents(text)}\n{text.strip()}\n")
+        write_whole(results, f"# Results\n\nWritten by `scripts/bench report`.\n\n{at_a_glance(parts)}\n{contents(text)}\n{text.strip()}\n")
         print(f"RESULTS.md: {name}")
     if failed:
         sys.exit(f"report: not measured, and kept as they were: {', '.join(failed)}")

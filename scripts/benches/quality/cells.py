@@ -123,6 +123,8 @@ class Cells:
         filter_ms = re.findall(r"^  filter(?: backward)? +([\d.]+) ms$", run.stderr, re.MULTILINE)
         count = len(self.data.frames)
         times = {"process": cost.wall_s / count, "processor": cost.processor_s / count}
+        if not variant.timed:
+            return {}
         return times if variant.command else times | {"filter": sum(map(float, filter_ms)) / 1e3}
 
     def _compare(self, references, test, file):

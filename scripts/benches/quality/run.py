@@ -15,7 +15,7 @@ from benches.quality.options import counts, frames, words
 from benches.quality.page import write_quality_page
 from benches.quality.plots import write_plots
 from benches.quality.shots import KNOWN, Shots
-from benches.quality.variants import NOISY, VARIANTS, Program, Variant
+from benches.quality.variants import NOISY, VARIANTS, Program, Variant, oidn
 
 SCENES = ["penumbra", "crossing", "spheres", "fence", "courtyard", "dining", "ocean", "meadow", "mountains", "slab"]
 PICTURED = ["noisy", "paper", "draft", "balanced", "final"]
@@ -55,6 +55,7 @@ def arguments():
     parser.add_argument("--other", action="append", default=[], type=_other, metavar="'NAME COMMAND ...'",
                         help="also measure another denoiser; of the command's words {noisy} and {denoised} become patterns of EXR files, {frames} "
                              "a range such as 4-13")
+    parser.add_argument("--oidn", metavar="DIR", help="also evaluate Open Image Denoise's networks (oidn.py), whose weights are in this folder")
     parser.add_argument("--pictured", type=words, metavar="LIST", default=PICTURED, help=f"variants on the page (default: {','.join(PICTURED)})")
     parser.add_argument("--pictured-spp", type=counts, metavar="LIST", help="sample counts on the page (default: 4, with --shots: all)")
     parser.add_argument("--frames", type=frames, metavar="RANGE", help="of the noisy sequences (default: 1-16)")
@@ -66,7 +67,7 @@ def arguments():
     asked = parser.parse_args()
     if asked.shots and asked.data:
         parser.error("--shots and --data exclude each other")
-    added = asked.variant + asked.other
+    added = asked.variant + asked.other + (oidn(asked.oidn) if asked.oidn else [])
     names = [variant.name for variant in VARIANTS]
     for name in (asked.variants or []) + asked.pictured:
         if name not in names + [variant.name for variant in added]:

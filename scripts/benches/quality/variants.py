@@ -2,6 +2,7 @@
 
 import re
 import subprocess
+import sys
 from dataclasses import dataclass
 
 
@@ -15,6 +16,7 @@ class Variant:
     history: str = ""       # frames that an ideal merge of still pixels has: "before", up to the current one, or "all"
     segment: int = 0        # frames per segment, if temporal error at seams is measured
     command: tuple = ()     # of another denoiser, in place of becalm; its words may name {noisy}, {denoised} and {frames}
+    timed: bool = True      # False: the command's time is not that of the denoiser
 
 
 def settings(*assignments, preset="final"):
@@ -47,6 +49,18 @@ VARIANTS = [
     ("motion_vectors", "final, motion vectors in place of the search", ("motion=override",), ()),
     ("bilinear", "final, bilinear resampling", ("resample=bilinear",), ()),
 ]]
+
+
+def oidn(folder):
+    """Open Image Denoise's networks of a folder of weights: the usual one, and the best that is published."""
+    def evaluated(weights, *prefilters):
+        options = ("--prefilter", *(f"{folder}/{name}" for name in prefilters)) if prefilters else ()
+        return (sys.executable, "-m", "benches.quality.oidn", f"{folder}/{weights}", "{noisy}", "{denoised}", "{frames}", *options)
+
+    return [Variant("oidn", "OIDN, each frame alone", ablation=True, timed=False, command=evaluated("rt_hdr_alb_nrm.tza")),
+            Variant("oidn_large", "OIDN, large, features prefiltered", ablation=True, timed=False,
+                    command=evaluated("rt_hdr_calb_cnrm_large.tza", "rt_alb_large.tza", "rt_nrm_large.tza"))]
+
 
 # A program that does not have one of these settings behaves as with this value.
 PLAIN = {"directions": "forward", "smooth": "none", "smooth_albedo": "0", "resample": "catmull_rom"}
