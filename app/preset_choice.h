@@ -17,7 +17,8 @@ struct PresetTime {
 };
 
 /// Times draft, balanced and final with the command's settings on a part of a frame, at most 384x216 pixels,
-/// and scales them to frames of `pixels`: time is nearly linear in pixels (RESULTS.md, scaling). Takes about
+/// and scales them to frames of `pixels`: time is nearly linear in pixels (RESULTS.md, "Time and memory
+/// against pixels and frames"). Takes about
 /// as long as half a frame of 1920x1080. From the fastest to the most accurate.
 std::vector<PresetTime> measure_presets(const FilterOptions& options, const Frame& frame, double pixels);
 

@@ -120,7 +120,9 @@ class Trainer:
         print(line, flush=True)
         with open(self.path("curve.csv"), "a") as file:
             file.write(line + "\n")
-        if not error >= self.best:
+        if pairs and not math.isfinite(error):
+            raise SystemExit(f"train: step {self.step}: the held-out error is {error}; best.pt and the checkpoint stay as they were")
+        if not pairs or error < self.best:
             self.best = error
             self.save_whole({"network": self.average.state_dict(), "channels": self.network.channels}, "best.pt")
         self.save()
