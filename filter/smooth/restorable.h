@@ -27,18 +27,20 @@ inline bool both_have_data(const NewFrame& frame, const Estimate& estimate, std:
 
 /// How far the factors of blocks apply to a pixel.
 struct Allowance {
-  double share = 0.0;     ///< of the pixel that they apply to
+  double share = 0.0;     ///< of the pixels around it that they apply to, interpolated between cells
+  double of_pixel = 1.0;  ///< the same of its 3x3 pixels: what it keeps back is not restored elsewhere
   double darker = 0.0;    ///< largest relative change
   double brighter = 0.0;  ///< likewise
 
   double factor(double of_block) const {
-    return 1.0 + std::clamp(share * (of_block - 1.0), -darker, brighter);
+    return 1.0 + std::clamp(std::min(share, of_pixel) * (of_block - 1.0), -darker, brighter);
   }
 };
 
 /// What smoothing may have changed of each pixel, from the mean squares R of the difference from the frame
 /// and L of the estimate around it. The share is R / (R + (kUnseen L)^2): where there is no noise, smoothing
-/// removed no light, and light that it removed beside does not belong there. No change exceeds r = sqrt(R) /
+/// removed no light, and light that it removed beside does not belong there. It is that of a cell, or that of
+/// the pixel's 3x3 pixels where they have less: clean sky beside an object. No change exceeds r = sqrt(R) /
 /// L, since none of an even cell's mean is larger. Light is lost with samples brighter than L by
 /// kLeastOutlier and more, whose mean is r^2 / kLeastOutlier at most. So a sun whose disc has lost light
 /// hardly brightens the land below it. Light that these limits keep back is not restored elsewhere.
@@ -54,9 +56,12 @@ class Restorable {
     const Allowance* high = &cells_[static_cast<std::size_t>(row.high) * width_];
     std::vector<Allowance> along(static_cast<std::size_t>(width_));
     for (std::size_t i = 0; i < along.size(); ++i) along[i] = between(low[i], high[i], row.share);
+    const float* of_pixels = &share_of_pixel_[static_cast<std::size_t>(y) * columns_.size()];
     for (std::size_t x = 0; x < columns_.size(); ++x) {
       const Between& c = columns_[x];
-      set(x, between(along[c.low], along[c.high], c.share));
+      Allowance allowed = between(along[c.low], along[c.high], c.share);
+      allowed.of_pixel = of_pixels[x];
+      set(x, allowed);
     }
   }
 
@@ -67,14 +72,17 @@ class Restorable {
   /// A pixel's position between the centres of cells.
   static double in_cells(int pixel) { return (pixel + 0.5) / kCell - 0.5; }
   static Allowance between(const Allowance& a, const Allowance& b, double share) {
-    return {mix(a.share, b.share, share), mix(a.darker, b.darker, share), mix(a.brighter, b.brighter, share)};
+    return {mix(a.share, b.share, share), 1.0, mix(a.darker, b.darker, share),
+            mix(a.brighter, b.brighter, share)};
   }
   static Allowance of_cell(const NewFrame& frame, const Estimate& estimate, int column, int row);
+  void find_shares_of_row(const NewFrame& frame, const Estimate& estimate, int y);
 
   int width_;
   int height_;
   std::vector<Allowance> cells_;  ///< row by row
   std::vector<Between> columns_;  ///< of pixels
+  std::vector<float> share_of_pixel_;
 };
 
 }  // namespace becalm::filter
