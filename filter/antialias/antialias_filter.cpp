@@ -71,16 +71,25 @@ void scaled(const Image& image, const NearestSample& nearest, gpu::Extent full, 
 
 /// Limit of scaled colours, whose squares stay within the range of floats.
 constexpr float kLargestScaled = 0x1p60f;
+/// The scale never brings the usual colours below 2 to the power of this: variances down to 1e-12 of their
+/// square stay within the range of floats.
+constexpr int kLeastScaledExponent = -40;
+/// Scales grow from frame to frame by this at most: a dim frame leaves the history, fireflies included, below
+/// kLargestScaled.
+constexpr float kLargestRatio = 0x1p30f;
 
-/// The power of two that brings the largest colour of an image (RGBA, finite), but for fireflies, to 0.5 to
-/// 1, or 1 for a black one: scaling back is exact.
-float scale_of(const Image& color) {
+/// The power of two by which an image's colours (RGBA, finite) are scaled: scaling back is exact. It brings
+/// the largest, but for fireflies, to 0.5 to 1, or lower if fireflies would be limited else. None for black.
+std::optional<float> scale_of(const Image& color) {
   Exponents exponents;
   for (std::size_t i = 0; i < color.data().size(); ++i) {
     if (i % 4 != 3) exponents.add(std::abs(color.data()[i]));
   }
-  if (exponents.count() == 0) return 1.0f;
-  return std::ldexp(1.0f, std::clamp(-1 - exponents.largest_usual(), -120, 120));
+  if (exponents.count() == 0) return std::nullopt;
+  const int usual = exponents.largest_usual();
+  const int unlimited = std::ilogb(kLargestScaled) - 1 - exponents.largest();
+  const int exponent = std::min(-1 - usual, std::max(unlimited, kLeastScaledExponent - usual));
+  return std::ldexp(1.0f, std::clamp(exponent, -120, 120));
 }
 
 /// Colours are limited, alpha is not.
@@ -89,6 +98,15 @@ void scale_colors(Image& color, float scale) {
     float& value = color.data()[i];
     value = i % 4 == 3 ? scale * value : std::clamp(scale * value, -kLargestScaled, kLargestScaled);
   }
+}
+
+/// Brings an estimate to another scale.
+void rescale(Estimate& estimate, float ratio) {
+  if (ratio == 1.0f) return;
+  scale_colors(estimate.color, ratio);
+  const std::span<float> stats = estimate.stats.data();
+  for (std::size_t i = 0; i < stats.size(); i += 2)
+    stats[i] = std::min(stats[i] * ratio * ratio, kLargestVariance);
 }
 
 /// A depth as kernels take it: what is not known is far.
@@ -134,6 +152,8 @@ struct AntialiasFilter::State {
     scaled(image, nearest, task.full, to, channels,
            [&](std::span<const float> from, std::span<float> at) { convert(from, at, true); });
   }
+  /// Chooses the scale for a frame's colours, finite ones; returns its ratio to the history's.
+  float choose_scale(const Image& color);
   /// `color` is the frame's, finite and scaled.
   void upload(const Step& step, const Frame& frame, const Image& color,
               const std::vector<std::uint8_t>& finite);
@@ -151,12 +171,17 @@ struct AntialiasFilter::State {
 
   FindCuts find_cuts = FindCuts::no;
   std::optional<ShotSignature> before;  ///< of the last frame in the history
-  std::map<int, PackedEstimate> predictions;
-  std::optional<float> scale;  ///< of the radiance on the device: a power of two, the same for all frames
-  Imath::Box2i window;         ///< of the frames, in the image plane
-  SampleGrid grid;             ///< of the frame at work
-  SparseGrid sparse;           ///< the same, if the task is
-  Frame next;                  ///< motion and depth of the last frame of a backward pass
+  struct Prediction {
+    PackedEstimate estimate;
+    float scale;  ///< of its radiance
+  };
+  std::map<int, Prediction> predictions;
+  bool has_history = false;
+  float scale = 1.0f;   ///< of the radiance on the device: a power of two, chosen anew for each frame
+  Imath::Box2i window;  ///< of the frames, in the image plane
+  SampleGrid grid;      ///< of the frame at work
+  SparseGrid sparse;    ///< the same, if the task is
+  Frame next;           ///< motion and depth of the last frame of a backward pass
 };
 
 AntialiasFilter::AntialiasFilter(gpu::Device& device, const AntialiasSettings& settings, int width,
@@ -214,11 +239,9 @@ std::optional<Frame> AntialiasFilter::run(const Step& step, const Frame& given, 
   report.non_finite_pixels = count_non_finite(finite, frame);
   Image color(sampled.width, sampled.height, 4);
   pack_color(beauty, counts, bounds(sampled), color.data());
-  if (!s.scale) s.scale = scale_of(color);
-  scale_colors(color, *s.scale);
-  const float exposed = exposure(color);
   const auto reset = [&] {
     s.passes->chain.reset_history();
+    s.has_history = false;
     s.next = {};
     s.before.reset();
   };
@@ -229,6 +252,9 @@ std::optional<Frame> AntialiasFilter::run(const Step& step, const Frame& given, 
     if (report.new_shot) reset();
     s.before = std::move(signature);
   }
+  const float ratio = s.choose_scale(color);
+  scale_colors(color, s.scale);
+  const float exposed = exposure(color);
   const auto& jitter = task.uses_places() ? frame.jitter() : std::nullopt;
   if (task.is_sparse()) {
     s.sparse = sparse_grid(jitter, task.settings.scale, s.window, task.settings.checkerboard);
@@ -237,7 +263,10 @@ std::optional<Frame> AntialiasFilter::run(const Step& step, const Frame& given, 
   }
   s.upload(step, frame, color, counts);
   s.passes->chain.upload<float>(s.passes->exposure)[0] = exposed;
+  s.passes->chain.upload<float>(s.passes->history_exposure)[0] = ratio * exposed;
+  s.passes->chain.upload<float>(s.passes->ratio)[0] = ratio;
   s.passes->chain.run();
+  s.has_history = true;
   add_times(report, s.passes->chain);
   if (step.direction == Direction::forward) {
     if (!step.wanted) return std::nullopt;
@@ -258,9 +287,17 @@ std::optional<Frame> AntialiasFilter::run(const Step& step, const Frame& given, 
       if (task.settings.accumulate == Accumulate::gain)
         stats[i + 1] = std::min(stats[i + 1], worth * (1.0f - weight) / std::max(weight, 1e-6f));
     }
-    s.predictions.insert_or_assign(step.frame, PackedEstimate(std::move(prediction), exposed, 0));
+    s.predictions.insert_or_assign(
+        step.frame, State::Prediction{PackedEstimate(std::move(prediction), exposed, 0), s.scale});
   }
   return std::nullopt;
+}
+
+float AntialiasFilter::State::choose_scale(const Image& color) {
+  const float of_frame = scale_of(color).value_or(scale);
+  const float before = has_history ? scale : of_frame;
+  scale = std::min(of_frame, kLargestRatio * before);
+  return scale / before;
 }
 
 void AntialiasFilter::State::upload(const Step& step, const Frame& frame, const Image& color,
@@ -362,12 +399,14 @@ Frame AntialiasFilter::State::forward(const Step& step, const Frame& frame,
   made.color = download(passes->chain, passes->color.next, full, 4);
   made.stats = download(passes->chain, passes->stats.next, full, 2);
   if (const auto prediction = predictions.find(step.frame); prediction != predictions.end()) {
-    made = combiner->run(exposure, made, prediction->second.estimate(), report);
+    Estimate predicted = prediction->second.estimate.estimate();
+    rescale(predicted, scale / prediction->second.scale);
+    made = combiner->run(exposure, made, predicted, report);
     predictions.erase(prediction);
   }
   if (sharpener) made.color = sharpener->run(made.color, report);
   Frame result(frame.number(), full.width, full.height);
-  const float back = 1.0f / *scale;
+  const float back = 1.0f / scale;
   const NearestSample nearest{.scale = task.settings.scale, .window = window};
   for (int y = 0; y < full.height; ++y) {
     for (int x = 0; x < full.width; ++x) {
@@ -400,7 +439,7 @@ void AntialiasFilter::State::add_diagnostics(std::span<const float> decided, Fra
     for (std::size_t i = 0; i < layer.size(); ++i) layer[i] = convert(decided[4 * i + value]);
   };
   add(Aov::error_mask, 0, [](float x) { return x; });
-  add(Aov::bias, 1, [&](float x) { return std::sqrt(x) / *scale; });
+  add(Aov::bias, 1, [&](float x) { return std::sqrt(x) / scale; });
   add(Aov::gain, 2, [](float x) { return x; });
   if (contains(task.diagnostics, Aov::flow)) {
     result.image(Aov::flow) = download(passes->chain, passes->offset, task.full, 2);
