@@ -147,11 +147,15 @@ void Chain::Impl::plan_memory() {
     owners.push_back(i);
   }
 
+  const auto aligned = [&](std::uint64_t size) { return (size + alignment - 1) / alignment * alignment; };
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    require_bytes(images[i], aligned(buffers[i].bytes), device.max_allocation_bytes, device.info.name,
+                  label() + ": ", "hold in one piece");
+  }
   std::uint64_t largest = 0;
   for (const MemoryRequest& request : requests) largest = std::max(largest, request.bytes);
-  const std::uint64_t largest_bytes = (largest + alignment - 1) / alignment * alignment;
   const std::uint64_t limit =
-      std::min(device.max_allocation_bytes, std::max(options.max_arena_bytes, largest_bytes));
+      std::min(device.max_allocation_bytes, std::max(options.max_arena_bytes, aligned(largest)));
   const MemoryPlan plan = gpu::plan_memory(requests, alignment, options.alias_memory, limit);
   for (std::size_t i = 0; i < owners.size(); ++i) {
     buffers[owners[i]].arena = plan.arenas[i];

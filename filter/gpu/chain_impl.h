@@ -42,6 +42,11 @@ struct ImageDeclaration {
   bool is_history() const { return role == Role::history_previous || role == Role::history_next; }
 };
 
+/// Throws DeviceLimitError if `bytes`, which the image takes, are more than a limit: those that the device
+/// can `verb`.
+void require_bytes(const ImageDeclaration& image, std::uint64_t bytes, std::uint64_t limit,
+                   const std::string& device_name, const std::string& where, const char* verb);
+
 struct Use {
   std::string binding;
   int image;
