@@ -21,6 +21,7 @@
 #include "filter/merge/combine.h"
 #include "filter/sequence/cuts.h"
 #include "filter/sequence/packed_estimate.h"
+#include "filter/tiles/build_within.h"
 #include "filter/tiles/pixel_view.h"
 
 namespace becalm::filter {
@@ -208,11 +209,14 @@ AntialiasFilter::AntialiasFilter(gpu::Device& device, const AntialiasSettings& s
   const std::uint64_t allowed = std::min(options.memory_limit, usable_bytes(device));
   const gpu::DeviceBytes bytes = s.passes->chain.device_bytes();
   if (bytes.total() > allowed) {
-    throw gpu::DeviceLimitError(tiles_too_large(uncut(s.task.full), bytes.total(), allowed));
+    throw gpu::DeviceLimitError(frame_too_large(s.task.full, bytes.total(), allowed));
   }
   s.passes->chain.build();
-  if (settings.directions == Directions::both) s.combiner.emplace(device, s.whole, allowed - bytes.own);
-  if (settings.sharpen > 0.0f) s.sharpener.emplace(device, s.whole, settings.sharpen, allowed - bytes.own);
+  build_within(allowed - bytes.own, [&](std::uint64_t limit) {
+    s.combiner.reset();  // an attempt before this one must not take the memory
+    if (settings.directions == Directions::both) s.combiner.emplace(device, s.whole, limit);
+    if (settings.sharpen > 0.0f) s.sharpener.emplace(device, s.whole, settings.sharpen, limit);
+  });
 }
 AntialiasFilter::~AntialiasFilter() = default;
 AntialiasFilter::AntialiasFilter(AntialiasFilter&&) noexcept = default;
