@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdio>
 #include <deque>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>

@@ -161,6 +161,11 @@ void check_dispatch(const Kernel& kernel, const PassDeclaration& pass, const vk:
                              ", the device's limit is " +
                              std::to_string(limits.maxComputeWorkGroupCount[axis]));
     }
+    if (kernel.local_size[axis] > limits.maxComputeWorkGroupSize[axis]) {
+      throw DeviceError(where + "a workgroup has " + std::to_string(kernel.local_size[axis]) +
+                        " invocations along axis " + std::to_string(axis) + ", the device's limit is " +
+                        std::to_string(limits.maxComputeWorkGroupSize[axis]));
+    }
     invocations *= kernel.local_size[axis];
   }
   if (invocations > limits.maxComputeWorkGroupInvocations) {

@@ -234,6 +234,20 @@ TEST_F(ChainErrors, NameAnImageThatIsTooLargeOnlyOnceItIsAligned) {
   EXPECT_THROW(chain.plan(), DeviceLimitError);
 }
 
+TEST_F(ChainErrors, NameAWorkgroupBeyondTheDevicesLimit) {
+  Device device;
+  device.impl().limits.maxComputeWorkGroupSize[0] = 1;
+  Chain chain(device, "wide", test_options());
+  const ImageId fine = chain.input("fine", Format::f32, kExtent);
+  const ImageId scaled = chain.image("scaled", Format::f32, kExtent);
+  chain.pass("kernels/scale")
+      .read("fine", fine)
+      .write("scaled", scaled)
+      .constants(ScaleParams{16, 16})
+      .dispatch(kExtent);
+  EXPECT_THAT(error_of([&] { chain.plan(); }), HasSubstr("along axis 0, the device's limit is 1"));
+}
+
 TEST_F(ChainErrors, TellMissingMemoryFromOthers) {
   EXPECT_THROW(guarded("it", [] { throw vk::OutOfDeviceMemoryError("refused"); }), DeviceMemoryError);
   EXPECT_EQ(error_of([] { guarded("it", [] { throw vk::OutOfHostMemoryError("refused"); }); }),
