@@ -11,10 +11,10 @@
 
 #include "filter/antialias/antialias_chain.h"
 #include "filter/antialias/checkerboard.h"
+#include "filter/antialias/radiance_range.h"
 #include "filter/antialias/sample_grid.h"
 #include "filter/antialias/sharpener.h"
 #include "filter/for_rows.h"
-#include "filter/input/exponents.h"
 #include "filter/input/frame_check.h"
 #include "filter/input/host_images.h"
 #include "filter/input/motion_to_next.h"
@@ -70,45 +70,9 @@ void scaled(const Image& image, const NearestSample& nearest, gpu::Extent full, 
   });
 }
 
-/// Limit of scaled colours, whose squares stay within the range of floats.
-constexpr float kLargestScaled = 0x1p60f;
-/// The scale never brings the usual colours below 2 to the power of this: variances down to 1e-12 of their
-/// square stay within the range of floats.
-constexpr int kLeastScaledExponent = -40;
 /// Scales grow from frame to frame by this at most: a dim frame leaves the history, fireflies included, below
-/// kLargestScaled.
+/// the limit of scaled colours.
 constexpr float kLargestRatio = 0x1p30f;
-
-/// The power of two by which an image's colours (RGBA, finite) are scaled: scaling back is exact. It brings
-/// the largest, but for fireflies, to 0.5 to 1, or lower if fireflies would be limited else. None for black.
-std::optional<float> scale_of(const Image& color) {
-  Exponents exponents;
-  for (std::size_t i = 0; i < color.data().size(); ++i) {
-    if (i % 4 != 3) exponents.add(std::abs(color.data()[i]));
-  }
-  if (exponents.count() == 0) return std::nullopt;
-  const int usual = exponents.largest_usual();
-  const int unlimited = std::ilogb(kLargestScaled) - 1 - exponents.largest();
-  const int exponent = std::min(-1 - usual, std::max(unlimited, kLeastScaledExponent - usual));
-  return std::ldexp(1.0f, std::clamp(exponent, -120, 120));
-}
-
-/// Colours are limited, alpha is not.
-void scale_colors(Image& color, float scale) {
-  for (std::size_t i = 0; i < color.data().size(); ++i) {
-    float& value = color.data()[i];
-    value = i % 4 == 3 ? scale * value : std::clamp(scale * value, -kLargestScaled, kLargestScaled);
-  }
-}
-
-/// Brings an estimate to another scale.
-void rescale(Estimate& estimate, float ratio) {
-  if (ratio == 1.0f) return;
-  scale_colors(estimate.color, ratio);
-  const std::span<float> stats = estimate.stats.data();
-  for (std::size_t i = 0; i < stats.size(); i += 2)
-    stats[i] = std::min(stats[i] * ratio * ratio, kLargestVariance);
-}
 
 /// A depth as kernels take it: what is not known is far.
 float known_depth(float depth) {
