@@ -14,6 +14,7 @@ FilterRecipe denoiser(const std::string& preset, const FilterOptions& options) {
           .directions = settings.directions,
           .takes_additive = true,
           .averages_alpha = false,
+          .scales_radiance = false,
           .make =
               [settings](gpu::Device& device, int width, int height, AovSet available,
                          const filter::SequenceOptions& sequence) {
@@ -48,6 +49,7 @@ FilterRecipe antialiaser(const std::string& preset, const FilterOptions& options
           .directions = settings.directions,
           .takes_additive = false,
           .averages_alpha = true,
+          .scales_radiance = true,
           .checkerboards = checkerboards,
           .make =
               [settings](gpu::Device& device, int width, int height, AovSet available,

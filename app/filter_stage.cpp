@@ -175,7 +175,7 @@ std::optional<FinishedFrame> FilterStage::run(const filter::Step& step, io::Load
 std::vector<Frame> FilterStage::run_scaled(const filter::Step& step, const std::vector<const Frame*>& frames,
                                            std::vector<filter::FrameReport>& reports,
                                            std::vector<double>& expected_errors, Profile& profile) {
-  const float scale = filter::radiance_scale(*frames.front());
+  const float scale = recipe_.scales_radiance ? 1.0f : filter::radiance_scale(*frames.front());
   filter::Step scaled_step = step;
   scaled_step.new_history |= scale != radiance_scale_;
   radiance_scale_ = scale;

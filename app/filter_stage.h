@@ -29,8 +29,9 @@ struct FilterRecipe {
   std::string settings;  ///< as files record them
   AovSet wanted;         ///< AOVs that it uses if frames have them
   filter::Directions directions;
-  bool takes_additive;  ///< whether it can filter additive AOVs and light groups
-  bool averages_alpha;  ///< whether alpha is always filtered with the beauty
+  bool takes_additive;   ///< whether it can filter additive AOVs and light groups
+  bool averages_alpha;   ///< whether alpha is always filtered with the beauty
+  bool scales_radiance;  ///< whether it brings radiance of any size into the range of floats itself
   Checkerboards checkerboards = Checkerboards::refused;
   std::function<std::unique_ptr<filter::FrameFilter>(
       gpu::Device& device, int width, int height, AovSet available, const filter::SequenceOptions& options)>
@@ -113,7 +114,8 @@ class FilterStage {
   /// The filtered frames of all views; none if the step makes none.
   std::vector<Frame> run_views(const filter::Step& step, const std::vector<const Frame*>& frames,
                                std::vector<filter::FrameReport>& reports, Profile& profile);
-  /// The same of frames whose radiance may be of any size. Appends to `expected_errors` if they are wanted.
+  /// The same of frames whose radiance may be of any size, whatever the filter takes. Appends to
+  /// `expected_errors` if they are wanted.
   std::vector<Frame> run_scaled(const filter::Step& step, const std::vector<const Frame*>& frames,
                                 std::vector<filter::FrameReport>& reports,
                                 std::vector<double>& expected_errors, Profile& profile);

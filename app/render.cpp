@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdio>
 #include <deque>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -249,7 +248,9 @@ ExitStatus RenderJob::run() {
 /// What a run that was stopped at its very end has left.
 void RenderJob::remove_scratch_files() const {
   if (!noisy_files_ || !command_.keep_noisy.empty()) return;
-  for (const int frame : noisy_files_->existing) std::filesystem::remove(noisy_files_->outputs.path(frame));
+  for (const int frame : noisy_files_->existing) {
+    if (const auto warning = remove_scratch_file(noisy_files_->outputs.path(frame))) warn(*warning);
+  }
 }
 
 void RenderJob::start_progress(std::size_t frames_to_make) {
@@ -325,7 +326,7 @@ void RenderJob::run_segments(const std::vector<int>& work) {
         needed.size()));
   }
   RenderedFrames frames = rendered_frames();
-  RenderAhead ahead(frames, *noisy_files_, std::move(segments), !command_.keep_noisy.empty());
+  RenderAhead ahead(frames, *noisy_files_, std::move(segments), !command_.keep_noisy.empty(), *progress_);
   run_steps(ahead.steps(), [&](std::size_t step) { return ahead.next(step); });
   ahead.finish(progress_->written() == outputs_->frames().size());
 }

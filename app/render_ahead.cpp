@@ -1,18 +1,22 @@
 #include "app/render_ahead.h"
 
-#include <filesystem>
 #include <map>
 #include <set>
 #include <utility>
 
 #include "app/cancel.h"
 #include "app/pipeline.h"
+#include "app/scratch_files.h"
 
 namespace becalm::app {
 
 RenderAhead::RenderAhead(RenderedFrames& frames, const NoisyFiles& files,
-                         std::vector<filter::Segment> segments, bool keep_files)
-    : frames_(frames), files_(files), segments_(std::move(segments)), keep_files_(keep_files) {
+                         std::vector<filter::Segment> segments, bool keep_files, Progress& progress)
+    : frames_(frames),
+      files_(files),
+      segments_(std::move(segments)),
+      keep_files_(keep_files),
+      progress_(progress) {
   std::map<int, std::size_t> last_use;
   for (std::size_t segment = 0; segment < segments_.size(); ++segment) {
     for (const filter::Step& step : segments_[segment]) {
@@ -96,7 +100,9 @@ void RenderAhead::close() {
 
 void RenderAhead::remove_files(std::size_t segment) const {
   if (keep_files_) return;
-  for (const int frame : read_last_in_[segment]) std::filesystem::remove(files_.outputs.path(frame));
+  for (const int frame : read_last_in_[segment]) {
+    if (const auto warning = remove_scratch_file(files_.outputs.path(frame))) progress_.warn(*warning);
+  }
 }
 
 }  // namespace becalm::app

@@ -21,7 +21,7 @@ class RenderAhead {
   /// Starts the tracer, on a thread of its own. `files` are those of `frames`; unless `keep_files`, those
   /// that no segment needs any more are removed.
   RenderAhead(RenderedFrames& frames, const NoisyFiles& files, std::vector<filter::Segment> segments,
-              bool keep_files);
+              bool keep_files, Progress& progress);
   /// Waits for the frame at work, which a requested stop cuts short.
   ~RenderAhead();
   RenderAhead(const RenderAhead&) = delete;
@@ -45,6 +45,7 @@ class RenderAhead {
   const NoisyFiles& files_;
   const std::vector<filter::Segment> segments_;
   const bool keep_files_;
+  Progress& progress_;
   std::vector<filter::Step> steps_;
   std::vector<std::size_t> ends_;               ///< of each segment, the step behind its last one
   std::vector<std::vector<int>> read_last_in_;  ///< of each segment, the frames that no later one reads

@@ -46,6 +46,13 @@ std::string scratch_pattern(const std::string& output, Eye first, const std::vec
                      has_field ? "" : ".####");
 }
 
+std::optional<std::string> remove_scratch_file(const std::string& path) {
+  std::error_code error;
+  fs::remove(path, error);
+  if (!error) return std::nullopt;
+  return fmt::format("{}: cannot be removed, and is not needed any more: {}", path, error.message());
+}
+
 void remove_abandoned_scratch(const std::string& output, Eye first, const Outputs& locked,
                               const std::vector<int>& readable) {
   const io::SequencePattern base(base_of(output, first));

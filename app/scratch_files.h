@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,9 @@ namespace becalm::app {
 /// the filter reads its neighbours, too. It tells the frames asked for, so that jobs that read each other's
 /// frames have files of their own. `first` is the first eye of a pattern with a field for it.
 std::string scratch_pattern(const std::string& output, Eye first, const std::vector<int>& asked);
+
+/// Removes a file that nothing reads any more. If that fails, a warning for the user.
+std::optional<std::string> remove_scratch_file(const std::string& path);
 
 /// Removes what runs that asked for other frames have left under such names, if this run has locked the first
 /// or the last of their outputs: they do not live any more. Of the others the name does not tell which they

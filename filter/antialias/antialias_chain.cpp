@@ -55,6 +55,8 @@ AntialiasChain::AntialiasChain(gpu::Device& device, const AntialiasTask& task) :
     weights = chain.table("weights", Format::f32, {10, 1});
   }
   exposure = chain.table("exposure", Format::f32, {1, 1});
+  history_exposure = chain.table("history.exposure", Format::f32, {1, 1});
+  ratio = chain.table("ratio", Format::f32, {1, 1});
   color = chain.history("history.color", Format::f32x4, task.full);
   stats = chain.history("history.stats", Format::f32x2, task.full);
   const Reconstructed reconstructed = add_reconstruction(task.full, grid, "");
@@ -124,14 +126,14 @@ Alignment AntialiasChain::add_search(const AntialiasTask& task, ImageId reconstr
     target = add_reconstruction(extent, search_grid, "search.", searched.next).color;
     source = searched.previous;
   }
-  const auto features = [&](const std::string& name, ImageId image) {
+  const auto features = [&](const std::string& name, ImageId image, ImageId exposure_of_image) {
     return add_feature_passes(
         chain, settings, extent, name,
-        {.color = image, .exposure = exposure, .guide_features = {}, .guide_planes = 0});
+        {.color = image, .exposure = exposure_of_image, .guide_features = {}, .guide_planes = 0});
   };
-  Alignment found =
-      add_align_passes(chain, settings, extent, features("target", target), features("source", source),
-                       {.name = {}, .motion = is_scaled ? std::nullopt : motion});
+  Alignment found = add_align_passes(chain, settings, extent, features("target", target, exposure),
+                                     features("source", source, history_exposure),
+                                     {.name = {}, .motion = is_scaled ? std::nullopt : motion});
   if (!is_scaled) return found;
   const ImageId scaled = chain.image("search.offset", Format::f32x2, task.full);
   const auto scale = static_cast<float>(task.settings.scale.value());
@@ -147,9 +149,15 @@ Alignment AntialiasChain::add_search(const AntialiasTask& task, ImageId reconstr
 
 WarpedHistory AntialiasChain::add_warp(const AntialiasTask& task, ImageId at, int limit_px,
                                        const char* name) {
-  return add_warp_passes(
+  const WarpedHistory made = add_warp_passes(
       chain, aligner_settings(task), task.full,
       {.color = color.previous, .stats = stats.previous, .offset_limit_px = limit_px, .name = name}, at);
+  chain.pass("antialias/rescale")
+      .read("ratio", ratio)
+      .read_write("color", made.color)
+      .read_write("stats", made.stats)
+      .dispatch(task.full);
+  return made;
 }
 
 void AntialiasChain::add_reprojection(const AntialiasTask& task, ImageId reconstructed) {

@@ -56,6 +56,8 @@ struct AntialiasChain {
   std::optional<SparseTables> grid;         ///< of the results' pixels
   std::optional<SparseTables> search_grid;  ///< of the samples' pixels, if the search has them
   gpu::ImageId exposure;                    ///< f32, 1x1
+  gpu::ImageId history_exposure;            ///< the same for the history, which is in the last frame's scale
+  gpu::ImageId ratio;                       ///< f32, 1x1: of the frame's scale to the history's
   std::optional<gpu::ImageId> motion;       ///< f32x2: from pack_motion
   std::optional<gpu::ImageId> depth;        ///< f32: finite everywhere
   std::optional<gpu::ImageId> surface;      ///< f32x4: normal, depth; 0 for what frames do not have

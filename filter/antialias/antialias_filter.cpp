@@ -11,16 +11,17 @@
 
 #include "filter/antialias/antialias_chain.h"
 #include "filter/antialias/checkerboard.h"
+#include "filter/antialias/radiance_range.h"
 #include "filter/antialias/sample_grid.h"
 #include "filter/antialias/sharpener.h"
 #include "filter/for_rows.h"
-#include "filter/input/exponents.h"
 #include "filter/input/frame_check.h"
 #include "filter/input/host_images.h"
 #include "filter/input/motion_to_next.h"
 #include "filter/merge/combine.h"
 #include "filter/sequence/cuts.h"
 #include "filter/sequence/packed_estimate.h"
+#include "filter/tiles/build_within.h"
 #include "filter/tiles/pixel_view.h"
 
 namespace becalm::filter {
@@ -69,27 +70,9 @@ void scaled(const Image& image, const NearestSample& nearest, gpu::Extent full, 
   });
 }
 
-/// Limit of scaled colours, whose squares stay within the range of floats.
-constexpr float kLargestScaled = 0x1p60f;
-
-/// The power of two that brings the largest colour of an image (RGBA, finite), but for fireflies, to 0.5 to
-/// 1, or 1 for a black one: scaling back is exact.
-float scale_of(const Image& color) {
-  Exponents exponents;
-  for (std::size_t i = 0; i < color.data().size(); ++i) {
-    if (i % 4 != 3) exponents.add(std::abs(color.data()[i]));
-  }
-  if (exponents.count() == 0) return 1.0f;
-  return std::ldexp(1.0f, std::clamp(-1 - exponents.largest_usual(), -120, 120));
-}
-
-/// Colours are limited, alpha is not.
-void scale_colors(Image& color, float scale) {
-  for (std::size_t i = 0; i < color.data().size(); ++i) {
-    float& value = color.data()[i];
-    value = i % 4 == 3 ? scale * value : std::clamp(scale * value, -kLargestScaled, kLargestScaled);
-  }
-}
+/// Scales grow from frame to frame by this at most: a dim frame leaves the history, fireflies included, below
+/// the limit of scaled colours.
+constexpr float kLargestRatio = 0x1p30f;
 
 /// A depth as kernels take it: what is not known is far.
 float known_depth(float depth) {
@@ -134,6 +117,8 @@ struct AntialiasFilter::State {
     scaled(image, nearest, task.full, to, channels,
            [&](std::span<const float> from, std::span<float> at) { convert(from, at, true); });
   }
+  /// Chooses the scale for a frame's colours, finite ones; returns its ratio to the history's.
+  float choose_scale(const Image& color);
   /// `color` is the frame's, finite and scaled.
   void upload(const Step& step, const Frame& frame, const Image& color,
               const std::vector<std::uint8_t>& finite);
@@ -151,12 +136,17 @@ struct AntialiasFilter::State {
 
   FindCuts find_cuts = FindCuts::no;
   std::optional<ShotSignature> before;  ///< of the last frame in the history
-  std::map<int, PackedEstimate> predictions;
-  std::optional<float> scale;  ///< of the radiance on the device: a power of two, the same for all frames
-  Imath::Box2i window;         ///< of the frames, in the image plane
-  SampleGrid grid;             ///< of the frame at work
-  SparseGrid sparse;           ///< the same, if the task is
-  Frame next;                  ///< motion and depth of the last frame of a backward pass
+  struct Prediction {
+    PackedEstimate estimate;
+    float scale;  ///< of its radiance
+  };
+  std::map<int, Prediction> predictions;
+  bool has_history = false;
+  float scale = 1.0f;   ///< of the radiance on the device: a power of two, chosen anew for each frame
+  Imath::Box2i window;  ///< of the frames, in the image plane
+  SampleGrid grid;      ///< of the frame at work
+  SparseGrid sparse;    ///< the same, if the task is
+  Frame next;           ///< motion and depth of the last frame of a backward pass
 };
 
 AntialiasFilter::AntialiasFilter(gpu::Device& device, const AntialiasSettings& settings, int width,
@@ -183,11 +173,14 @@ AntialiasFilter::AntialiasFilter(gpu::Device& device, const AntialiasSettings& s
   const std::uint64_t allowed = std::min(options.memory_limit, usable_bytes(device));
   const gpu::DeviceBytes bytes = s.passes->chain.device_bytes();
   if (bytes.total() > allowed) {
-    throw gpu::DeviceLimitError(tiles_too_large(uncut(s.task.full), bytes.total(), allowed));
+    throw gpu::DeviceLimitError(frame_too_large(s.task.full, bytes.total(), allowed));
   }
   s.passes->chain.build();
-  if (settings.directions == Directions::both) s.combiner.emplace(device, s.whole, allowed - bytes.own);
-  if (settings.sharpen > 0.0f) s.sharpener.emplace(device, s.whole, settings.sharpen, allowed - bytes.own);
+  build_within(allowed - bytes.own, [&](std::uint64_t limit) {
+    s.combiner.reset();  // an attempt before this one must not take the memory
+    if (settings.directions == Directions::both) s.combiner.emplace(device, s.whole, limit);
+    if (settings.sharpen > 0.0f) s.sharpener.emplace(device, s.whole, settings.sharpen, limit);
+  });
 }
 AntialiasFilter::~AntialiasFilter() = default;
 AntialiasFilter::AntialiasFilter(AntialiasFilter&&) noexcept = default;
@@ -214,11 +207,9 @@ std::optional<Frame> AntialiasFilter::run(const Step& step, const Frame& given, 
   report.non_finite_pixels = count_non_finite(finite, frame);
   Image color(sampled.width, sampled.height, 4);
   pack_color(beauty, counts, bounds(sampled), color.data());
-  if (!s.scale) s.scale = scale_of(color);
-  scale_colors(color, *s.scale);
-  const float exposed = exposure(color);
   const auto reset = [&] {
     s.passes->chain.reset_history();
+    s.has_history = false;
     s.next = {};
     s.before.reset();
   };
@@ -229,6 +220,9 @@ std::optional<Frame> AntialiasFilter::run(const Step& step, const Frame& given, 
     if (report.new_shot) reset();
     s.before = std::move(signature);
   }
+  const float ratio = s.choose_scale(color);
+  scale_colors(color, s.scale);
+  const float exposed = exposure(color);
   const auto& jitter = task.uses_places() ? frame.jitter() : std::nullopt;
   if (task.is_sparse()) {
     s.sparse = sparse_grid(jitter, task.settings.scale, s.window, task.settings.checkerboard);
@@ -237,7 +231,10 @@ std::optional<Frame> AntialiasFilter::run(const Step& step, const Frame& given, 
   }
   s.upload(step, frame, color, counts);
   s.passes->chain.upload<float>(s.passes->exposure)[0] = exposed;
+  s.passes->chain.upload<float>(s.passes->history_exposure)[0] = ratio * exposed;
+  s.passes->chain.upload<float>(s.passes->ratio)[0] = ratio;
   s.passes->chain.run();
+  s.has_history = true;
   add_times(report, s.passes->chain);
   if (step.direction == Direction::forward) {
     if (!step.wanted) return std::nullopt;
@@ -258,9 +255,17 @@ std::optional<Frame> AntialiasFilter::run(const Step& step, const Frame& given, 
       if (task.settings.accumulate == Accumulate::gain)
         stats[i + 1] = std::min(stats[i + 1], worth * (1.0f - weight) / std::max(weight, 1e-6f));
     }
-    s.predictions.insert_or_assign(step.frame, PackedEstimate(std::move(prediction), exposed, 0));
+    s.predictions.insert_or_assign(
+        step.frame, State::Prediction{PackedEstimate(std::move(prediction), exposed, 0), s.scale});
   }
   return std::nullopt;
+}
+
+float AntialiasFilter::State::choose_scale(const Image& color) {
+  const float of_frame = scale_of(color).value_or(scale);
+  const float before = has_history ? scale : of_frame;
+  scale = std::min(of_frame, kLargestRatio * before);
+  return scale / before;
 }
 
 void AntialiasFilter::State::upload(const Step& step, const Frame& frame, const Image& color,
@@ -362,12 +367,14 @@ Frame AntialiasFilter::State::forward(const Step& step, const Frame& frame,
   made.color = download(passes->chain, passes->color.next, full, 4);
   made.stats = download(passes->chain, passes->stats.next, full, 2);
   if (const auto prediction = predictions.find(step.frame); prediction != predictions.end()) {
-    made = combiner->run(exposure, made, prediction->second.estimate(), report);
+    Estimate predicted = prediction->second.estimate.estimate();
+    rescale(predicted, scale / prediction->second.scale);
+    made = combiner->run(exposure, made, predicted, report);
     predictions.erase(prediction);
   }
   if (sharpener) made.color = sharpener->run(made.color, report);
   Frame result(frame.number(), full.width, full.height);
-  const float back = 1.0f / *scale;
+  const float back = 1.0f / scale;
   const NearestSample nearest{.scale = task.settings.scale, .window = window};
   for (int y = 0; y < full.height; ++y) {
     for (int x = 0; x < full.width; ++x) {
@@ -400,7 +407,7 @@ void AntialiasFilter::State::add_diagnostics(std::span<const float> decided, Fra
     for (std::size_t i = 0; i < layer.size(); ++i) layer[i] = convert(decided[4 * i + value]);
   };
   add(Aov::error_mask, 0, [](float x) { return x; });
-  add(Aov::bias, 1, [&](float x) { return std::sqrt(x) / *scale; });
+  add(Aov::bias, 1, [&](float x) { return std::sqrt(x) / scale; });
   add(Aov::gain, 2, [](float x) { return x; });
   if (contains(task.diagnostics, Aov::flow)) {
     result.image(Aov::flow) = download(passes->chain, passes->offset, task.full, 2);

@@ -13,6 +13,7 @@
 #include "filter/burst/global_motion.h"
 #include "filter/ceil_div.h"
 #include "filter/for_rows.h"
+#include "filter/tiles/build_within.h"
 #include "filter/tiles/pixel_view.h"
 
 namespace becalm::filter {
@@ -64,16 +65,22 @@ Settings burst_aligner_settings() {
 struct BurstMerger::State {
   State(gpu::Device& device, const Settings& aligner, const CfaPattern& cfa, Extent full,
         std::uint64_t memory_limit)
-      : task{.aligner = aligner, .cfa = cfa, .full = full, .block = cfa.block()} {
+      : task{.aligner = aligner, .cfa = cfa, .full = full} {
+    build_within(memory_limit, [&](std::uint64_t limit) { build(device, limit); });
+    set_tables();
+  }
+
+  void build(gpu::Device& device, std::uint64_t memory_limit) {
+    merge.reset();
+    task.block = task.cfa.block();
     plan_search(device, memory_limit);
-    limit_px =
-        std::min(align->limit_px, std::max(kFarthestPx, std::max(full.width, full.height) / kFarthestShare));
+    limit_px = std::min(align->limit_px,
+                        std::max(kFarthestPx, std::max(task.full.width, task.full.height) / kFarthestShare));
     const std::uint64_t left = memory_limit - std::min(search_bytes().own, memory_limit);
     plan_tiles_of_frame(device, left);
     align->chain.build();
     choose->chain.build();
     merge->chain.build();
-    set_tables();
   }
 
   /// Blocks are doubled until the search fits.
@@ -87,8 +94,7 @@ struct BurstMerger::State {
         choose->chain.plan();
         if (search_bytes().total() <= memory_limit) return;
         if (is_last)
-          throw cannot_be_cut(task.full,
-                              tiles_too_large(uncut(task.full), search_bytes().total(), memory_limit));
+          throw gpu::DeviceLimitError(frame_too_large(task.full, search_bytes().total(), memory_limit));
       } catch (const gpu::DeviceLimitError&) {
         if (is_last) throw;
       }

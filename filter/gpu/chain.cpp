@@ -269,7 +269,7 @@ void Chain::run() {
     }
   }
   try {
-    s.bind_scratch();
+    guarded(s.label(), [&] { s.bind_scratch(); });
     s.run_segments();
   } catch (const vk::DeviceLostError&) {
     throw DeviceError(s.label() + ": device '" + s.device.info.name + "' was lost while it ran");

@@ -147,11 +147,15 @@ void Chain::Impl::plan_memory() {
     owners.push_back(i);
   }
 
+  const auto aligned = [&](std::uint64_t size) { return (size + alignment - 1) / alignment * alignment; };
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    require_bytes(images[i], aligned(buffers[i].bytes), device.max_allocation_bytes, device.info.name,
+                  label() + ": ", "hold in one piece");
+  }
   std::uint64_t largest = 0;
   for (const MemoryRequest& request : requests) largest = std::max(largest, request.bytes);
-  const std::uint64_t largest_bytes = (largest + alignment - 1) / alignment * alignment;
   const std::uint64_t limit =
-      std::min(device.max_allocation_bytes, std::max(options.max_arena_bytes, largest_bytes));
+      std::min(device.max_allocation_bytes, std::max(options.max_arena_bytes, aligned(largest)));
   const MemoryPlan plan = gpu::plan_memory(requests, alignment, options.alias_memory, limit);
   for (std::size_t i = 0; i < owners.size(); ++i) {
     buffers[owners[i]].arena = plan.arenas[i];
@@ -176,7 +180,7 @@ void Chain::Impl::allocate() {
   guarded(
       label() + ": " + format_mib(bytes.total() + (is_in_place() ? staging_bytes : 0)) + " of device memory",
       [&] {
-        device.scratch.reserve(device.device, memory_type, is_mapped(), scratch_bytes);
+        reservation = device.scratch.reserve(device.device, memory_type, is_mapped(), scratch_bytes);
         for (std::size_t i = 0; i < own_bytes.size(); ++i) {
           own.emplace_back(device.device, vk::MemoryAllocateInfo(own_bytes[i], memory_type));
           if (is_mapped()) mapped[i] = static_cast<std::byte*>(own[i].mapMemory(0, VK_WHOLE_SIZE));
@@ -204,19 +208,19 @@ void Chain::Impl::bind_image(std::size_t image, const vk::raii::DeviceMemory& me
 }
 
 void Chain::Impl::bind_scratch() {
-  const std::shared_ptr<const Scratch::Arenas> present = device.scratch.arenas(memory_type, is_mapped());
-  if (scratch == present) return;
+  const Scratch::Arenas& present = device.scratch.arenas(device.device, memory_type, is_mapped());
+  if (scratch_version == present.version) return;
   for (Segment& segment : segments) segment.commands = {nullptr, nullptr};
   reset_commands = nullptr;
   for (auto& sets : descriptor_sets) sets.clear();
   for (std::size_t i = 0; i < images.size(); ++i) {
     if (buffers[i].bytes == 0 || !is_scratch(buffers[i])) continue;
-    const auto arena = static_cast<std::size_t>(buffers[i].arena);
-    bind_image(i, present->memory[arena], present->mapped[arena]);
+    const Scratch::Arena& arena = present.list[static_cast<std::size_t>(buffers[i].arena)];
+    bind_image(i, arena.memory, arena.mapped);
   }
-  scratch = present;
   create_descriptor_sets();
   record_all();
+  scratch_version = present.version;  // last: what threw before is done again by the next run
 }
 
 void Chain::Impl::create_staging() {

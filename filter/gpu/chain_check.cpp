@@ -40,15 +40,6 @@ const Kernel& find_kernel(std::span<const Kernel> kernels, const PassDeclaration
   return *found;
 }
 
-void require_bytes(const ImageDeclaration& image, std::uint64_t limit, const std::string& device_name,
-                   const char* verb, const std::string& where) {
-  if (image.bytes() <= limit) return;
-  throw DeviceLimitError(where + "image '" + image.name + "' of " + to_string(image.extent) + " " +
-                         std::string(element_of(image.format)) + " takes " + format_mib(image.bytes()) +
-                         ", more than the " + format_mib(limit) + " that device '" + device_name + "' can " +
-                         verb);
-}
-
 void check_binding(const Kernel& kernel, const ImageDeclaration& image, const Use& use,
                    const Device::Impl& device, const std::string& where) {
   const auto found = std::ranges::find(kernel.bindings, use.binding, &BindingInfo::name);
@@ -74,7 +65,7 @@ void check_binding(const Kernel& kernel, const ImageDeclaration& image, const Us
     throw DeviceError(where + "the kernel's elements are " + std::string(found->element) +
                       ", those of image '" + image.name + "' " + std::string(element_of(image.format)));
   } else {
-    require_bytes(image, limits.maxStorageBufferRange, device.info.name, "bind", where);
+    require_bytes(image, image.bytes(), limits.maxStorageBufferRange, device.info.name, where, "bind");
   }
   if (found->reads != use.reads() || found->writes != use.writes()) {
     throw DeviceError(where + "the kernel's access is " +
@@ -170,6 +161,11 @@ void check_dispatch(const Kernel& kernel, const PassDeclaration& pass, const vk:
                              ", the device's limit is " +
                              std::to_string(limits.maxComputeWorkGroupCount[axis]));
     }
+    if (kernel.local_size[axis] > limits.maxComputeWorkGroupSize[axis]) {
+      throw DeviceError(where + "a workgroup has " + std::to_string(kernel.local_size[axis]) +
+                        " invocations along axis " + std::to_string(axis) + ", the device's limit is " +
+                        std::to_string(limits.maxComputeWorkGroupSize[axis]));
+    }
     invocations *= kernel.local_size[axis];
   }
   if (invocations > limits.maxComputeWorkGroupInvocations) {
@@ -207,11 +203,20 @@ void check_host_pass(const PassDeclaration& pass, std::span<const ImageDeclarati
 
 }  // namespace
 
+void require_bytes(const ImageDeclaration& image, std::uint64_t bytes, std::uint64_t limit,
+                   const std::string& device_name, const std::string& where, const char* verb) {
+  if (bytes <= limit) return;
+  throw DeviceLimitError(where + "image '" + image.name + "' of " + to_string(image.extent) + " " +
+                         std::string(element_of(image.format)) + " takes " + format_mib(bytes) +
+                         ", more than the " + format_mib(limit) + " that device '" + device_name + "' can " +
+                         verb);
+}
+
 void Chain::Impl::check() {
   if (passes.empty()) throw DeviceError(label() + ": has no passes");
   for (const ImageDeclaration& image : images) {
     const std::uint64_t limit = std::min(device.max_buffer_bytes, device.max_allocation_bytes);
-    require_bytes(image, limit, device.info.name, "hold in one piece", label() + ": ");
+    require_bytes(image, image.bytes(), limit, device.info.name, label() + ": ", "hold in one piece");
   }
 
   std::vector<bool> has_content(images.size());

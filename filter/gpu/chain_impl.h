@@ -42,6 +42,11 @@ struct ImageDeclaration {
   bool is_history() const { return role == Role::history_previous || role == Role::history_next; }
 };
 
+/// Throws DeviceLimitError if `bytes`, which the image takes, are more than a limit: those that the device
+/// can `verb`.
+void require_bytes(const ImageDeclaration& image, std::uint64_t bytes, std::uint64_t limit,
+                   const std::string& device_name, const std::string& where, const char* verb);
+
 struct Use {
   std::string binding;
   int image;
@@ -127,7 +132,7 @@ struct Chain::Impl {
   void plan_memory();
   void allocate();
   void bind_image(std::size_t image, const vk::raii::DeviceMemory& memory, std::byte* mapped);
-  /// Takes the device's present scratch memory and records what depends on it; nothing if it has it.
+  /// Records what depends on the device's scratch memory, unless that is done for the present one.
   void bind_scratch();
   void create_staging();
   void create_pipelines();
@@ -177,7 +182,8 @@ struct Chain::Impl {
   std::vector<std::uint64_t> scratch_bytes;
   std::vector<std::uint64_t> own_bytes;  // of each history image and each image of the host's
   std::uint32_t memory_type = 0;
-  std::shared_ptr<const Scratch::Arenas> scratch;  // null before the first run
+  std::shared_ptr<const Scratch::Sizes> reservation;  // of the scratch memory; null before `build`
+  std::uint64_t scratch_version = 0;                  // of what is recorded; 0 before the first run
   std::vector<vk::raii::DeviceMemory> own;
   std::vector<DeviceBuffer> buffers;  // one per image
   std::vector<HostBuffer> staging;    // one per image; null except for staged inputs and outputs

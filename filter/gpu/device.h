@@ -22,6 +22,12 @@ class DeviceLimitError : public DeviceError {
   using DeviceError::DeviceError;
 };
 
+/// Memory could not be allocated although the device should have it: other programs may hold it.
+class DeviceMemoryError : public DeviceLimitError {
+ public:
+  using DeviceLimitError::DeviceLimitError;
+};
+
 struct DeviceInfo {
   int index = 0;
   std::string name;

@@ -16,11 +16,19 @@
 
 namespace becalm::gpu {
 
-/// Runs `action`; a Vulkan error becomes a DeviceError whose line starts with `what`.
+/// Runs `action`; a Vulkan error becomes a DeviceError, or DeviceMemoryError, whose line starts with `what`.
 template <class Action>
 decltype(auto) guarded(std::string_view what, Action&& action) {
+  const auto memory_error = [&](const char* whose) {
+    return DeviceMemoryError(std::string(what) + ": " + whose +
+                             " memory is used up; other programs may hold it");
+  };
   try {
     return std::forward<Action>(action)();
+  } catch (const vk::OutOfDeviceMemoryError&) {
+    throw memory_error("the device's");
+  } catch (const vk::OutOfHostMemoryError&) {
+    throw memory_error("the host's");
   } catch (const vk::SystemError& error) {
     throw DeviceError(std::string(what) + ": " + error.what());
   }

@@ -4,28 +4,39 @@
 
 namespace becalm::gpu {
 
-void Scratch::reserve(const vk::raii::Device& device, std::uint32_t memory_type, bool is_mapped,
-                      std::span<const std::uint64_t> bytes) {
-  std::shared_ptr<const Arenas>& present = arenas_[{memory_type, is_mapped}];
-  std::vector<std::uint64_t> needed(bytes.begin(), bytes.end());
-  if (present) {
-    needed.resize(std::max(needed.size(), present->bytes.size()));
-    for (std::size_t i = 0; i < present->bytes.size(); ++i)
-      needed[i] = std::max(needed[i], present->bytes[i]);
-    if (needed == present->bytes) return;
-  }
-  auto grown = std::make_shared<Arenas>();
-  grown->bytes = std::move(needed);
-  for (const std::uint64_t arena_bytes : grown->bytes) {
-    grown->memory.emplace_back(device, vk::MemoryAllocateInfo(arena_bytes, memory_type));
-    grown->mapped.push_back(
-        is_mapped ? static_cast<std::byte*>(grown->memory.back().mapMemory(0, VK_WHOLE_SIZE)) : nullptr);
-  }
-  present = std::move(grown);
+std::shared_ptr<const Scratch::Sizes> Scratch::reserve(const vk::raii::Device& device,
+                                                       std::uint32_t memory_type, bool is_mapped,
+                                                       Sizes bytes) {
+  auto reservation = std::make_shared<const Sizes>(std::move(bytes));
+  pools_[{memory_type, is_mapped}].reservations.emplace_back(reservation);
+  arenas(device, memory_type, is_mapped);
+  return reservation;
 }
 
-std::shared_ptr<const Scratch::Arenas> Scratch::arenas(std::uint32_t memory_type, bool is_mapped) const {
-  return arenas_.at({memory_type, is_mapped});
+const Scratch::Arenas& Scratch::arenas(const vk::raii::Device& device, std::uint32_t memory_type,
+                                       bool is_mapped) {
+  Pool& pool = pools_[{memory_type, is_mapped}];
+  std::erase_if(pool.reservations, [](const auto& reservation) { return reservation.expired(); });
+  Sizes needed;
+  for (const auto& reservation : pool.reservations) {
+    const std::shared_ptr<const Sizes> sizes = reservation.lock();
+    needed.resize(std::max(needed.size(), sizes->size()));
+    for (std::size_t i = 0; i < sizes->size(); ++i) needed[i] = std::max(needed[i], (*sizes)[i]);
+  }
+  std::vector<Arena>& list = pool.arenas.list;
+  needed.resize(std::max(needed.size(), list.size()));
+  list.resize(needed.size());
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (list[i].bytes != needed[i]) list[i] = {};
+  }
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (list[i].bytes == needed[i]) continue;
+    ++pool.arenas.version;
+    list[i].memory = {device, vk::MemoryAllocateInfo(needed[i], memory_type)};
+    if (is_mapped) list[i].mapped = static_cast<std::byte*>(list[i].memory.mapMemory(0, VK_WHOLE_SIZE));
+    list[i].bytes = needed[i];
+  }
+  return pool.arenas;
 }
 
 }  // namespace becalm::gpu

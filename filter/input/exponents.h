@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -28,6 +29,11 @@ class Exponents {
     for (int exponent = first; exponent < end; ++exponent)
       count += counts_[static_cast<std::size_t>(exponent - kLeast)];
     return count;
+  }
+  /// There must be a value.
+  int largest() const {
+    const auto last = std::find_if(counts_.rbegin(), counts_.rend(), [](auto count) { return count > 0; });
+    return static_cast<int>(counts_.rend() - last) - 1 + kLeast;
   }
   /// The largest that more than a thousandth of the values have or exceed: fireflies are fewer. There must be
   /// a value.

@@ -91,17 +91,19 @@ std::array<float, channels> mean_of_neighbours(const Image& image, std::size_t p
   const int width = image.width();
   const int x = static_cast<int>(pixel % width);
   const int y = static_cast<int>(pixel / width);
-  std::array<float, channels> mean{};
+  std::array<double, channels> sums{};  // of floats that may be the largest
   int count = 0;
   for (int v = std::max(y - 1, 0); v <= std::min(y + 1, image.height() - 1); ++v) {
     for (int u = std::max(x - 1, 0); u <= std::min(x + 1, width - 1); ++u) {
       const std::size_t neighbour = static_cast<std::size_t>(v) * width + u;
       if (neighbour == pixel || !is_finite(neighbour)) continue;
-      for (std::size_t c = 0; c < channels; ++c) mean[c] += image.data()[channels * neighbour + c];
+      for (std::size_t c = 0; c < channels; ++c) sums[c] += image.data()[channels * neighbour + c];
       ++count;
     }
   }
-  for (float& value : mean) value = count > 0 ? value / static_cast<float>(count) : otherwise;
+  std::array<float, channels> mean;
+  mean.fill(otherwise);
+  for (std::size_t c = 0; c < channels && count > 0; ++c) mean[c] = static_cast<float>(sums[c] / count);
   return mean;
 }
 

@@ -27,6 +27,7 @@
 #include "filter/smooth/energy.h"
 #include "filter/smooth/frame_smoother.h"
 #include "filter/smooth/merged_smoother.h"
+#include "filter/tiles/build_within.h"
 #include "frame/error.h"
 
 namespace becalm::filter {
@@ -162,7 +163,8 @@ SequenceFilter::SequenceFilter(gpu::Device& device, const Settings& settings, in
           .guides = guides_of(settings, used),
           .additive = (used & additive_aovs()).count() + options.light_groups,
           .denoises_alpha = options.alpha == Alpha::denoise};
-  state_->build(device, std::min(options.memory_limit, usable_bytes(device)));
+  build_within(std::min(options.memory_limit, usable_bytes(device)),
+               [&](std::uint64_t limit) { state_->build(device, limit); });
 }
 SequenceFilter::~SequenceFilter() = default;
 SequenceFilter::SequenceFilter(SequenceFilter&&) noexcept = default;
@@ -181,6 +183,11 @@ void SequenceFilter::State::build(gpu::Device& device, std::uint64_t memory_limi
 
 void SequenceFilter::State::build_with(gpu::Device& device, std::uint64_t memory_limit,
                                        std::uint64_t of_merger) {
+  // What an attempt before this one built must not take the memory.
+  albedo_smoother.reset();
+  smoother.reset();
+  merged_smoother.reset();
+  combiner.reset();
   merger.emplace(device, task, of_merger);
   const std::uint64_t left =
       memory_limit - merger->memory().device.own;  // the others keep nothing between runs

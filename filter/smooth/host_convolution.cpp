@@ -15,6 +15,7 @@
 // From libgomp, which Debian's oneDNN uses for its threads. Not included from omp.h, since each compiler has
 // its own.
 extern "C" void omp_set_num_threads(int threads);
+extern "C" int omp_get_max_threads();
 
 namespace becalm::filter {
 namespace {
@@ -128,6 +129,28 @@ std::vector<float> upsampled_weights(const Layer& layer, int inputs, int odd_row
   return values;
 }
 
+/// Runs `action` on one thread of oneDNN's, the calling one: this program's threads compute the rows. The
+/// caller's number of threads is its own again afterwards. Errors become gpu::DeviceError.
+template <class Action>
+void on_one_thread(const Action& action) {
+  class OneThread {
+   public:
+    OneThread() { omp_set_num_threads(1); }
+    ~OneThread() { omp_set_num_threads(before_); }
+    OneThread(const OneThread&) = delete;
+    OneThread& operator=(const OneThread&) = delete;
+
+   private:
+    const int before_ = omp_get_max_threads();
+  };
+  const OneThread one_thread;
+  try {
+    action();
+  } catch (const dnnl::error& error) {
+    throw gpu::DeviceError(std::string("oneDNN: ") + error.what());
+  }
+}
+
 }  // namespace
 
 struct HostConvolution::Impl {
@@ -155,24 +178,19 @@ struct HostConvolution::Impl {
 };
 
 HostConvolution::HostConvolution(const Layer& layer, int upsampled_inputs, int width) {
-  // This program's threads compute the rows, one thread per row.
-  omp_set_num_threads(1);
-  try {
-    impl_ = std::make_unique<Impl>(layer, upsampled_inputs, width);
-  } catch (const dnnl::error& error) {
-    throw gpu::DeviceError(std::string("oneDNN: ") + error.what());
-  }
+  on_one_thread([&] { impl_ = std::make_unique<Impl>(layer, upsampled_inputs, width); });
 }
 
 HostConvolution::~HostConvolution() = default;
 
 void HostConvolution::make_row(int y, const float* source, const float* coarse, float* result) const {
-  omp_set_num_threads(1);  // applies to the calling thread only
   const int framed_row = y + 1;
-  if (impl_->upsampled[0]) {
-    impl_->upsampled[framed_row % 2]->run(coarse + framed_row / 2 * impl_->coarse_row, result);
-  }
-  impl_->direct.run(source + y * impl_->source_row, result + impl_->outputs);
+  on_one_thread([&] {
+    if (impl_->upsampled[0]) {
+      impl_->upsampled[framed_row % 2]->run(coarse + framed_row / 2 * impl_->coarse_row, result);
+    }
+    impl_->direct.run(source + y * impl_->source_row, result + impl_->outputs);
+  });
 }
 
 }  // namespace becalm::filter

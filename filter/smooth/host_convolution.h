@@ -20,7 +20,7 @@ class HostConvolution {
 
   /// Computes row `y`, counted from 0. `source` and `coarse` begin with the framed row above row 0; `coarse`
   /// is the image of half the size. `result` is a framed row; its first and last pixel are undefined. May be
-  /// called by several threads at once.
+  /// called by several threads at once. Throws gpu::DeviceError if oneDNN fails.
   void make_row(int y, const float* source, const float* coarse, float* result) const;
 
  private:

@@ -12,6 +12,7 @@
 #include "filter/sequence/sequence_filter.h"
 #include "filter/stereo/disparity.h"
 #include "filter/stereo/eye_combiner.h"
+#include "filter/tiles/build_within.h"
 #include "frame/error.h"
 
 namespace becalm::filter {
@@ -72,8 +73,10 @@ StereoFilter::StereoFilter(gpu::Device& device, const Settings& settings, int wi
   known.motion = MotionUse::guide;
   s.depth_limit_px = motion_limit_px(known, {width, height});
   const int of_search = offset_limit_px(search, {0, pyramid_extents(search, width, height).size()});
-  s.combiner.emplace(device, s.eyes.front().task(),
-                     std::max(static_cast<int>(std::ceil(s.depth_limit_px)), of_search), s.scratch_limit);
+  const int limit_px = std::max(static_cast<int>(std::ceil(s.depth_limit_px)), of_search);
+  build_within(s.scratch_limit, [&](std::uint64_t limit) {
+    s.combiner.emplace(device, s.eyes.front().task(), limit_px, limit);
+  });
   if (!contains(s.eyes.front().task().used, Aov::depth)) s.make_aligner();
 }
 StereoFilter::~StereoFilter() = default;
@@ -81,8 +84,10 @@ StereoFilter::StereoFilter(StereoFilter&&) noexcept = default;
 
 void StereoFilter::State::make_aligner() {
   const FilterTask& task = eyes.front().task();
-  aligner.emplace(device, search_settings(task.settings), task.full.width, task.full.height, task.used,
-                  scratch_limit);
+  build_within(scratch_limit, [&](std::uint64_t limit) {
+    aligner.emplace(device, search_settings(task.settings), task.full.width, task.full.height, task.used,
+                    limit);
+  });
 }
 
 StereoFilter::Pair<Correspondence> StereoFilter::State::find(const Pair<const Frame*>& frames,

@@ -93,6 +93,13 @@ int largest_margin(const Rect& inner, const Rect& outer) {
                    outer.y + outer.height - inner.y - inner.height});
 }
 
+std::string too_large(const char* what, Extent extent, std::uint64_t bytes, std::uint64_t allowed) {
+  constexpr double mib = 1024.0 * 1024.0;
+  return fmt::format("{} of {}x{} px take {:.1f} MiB of device memory, more than the {:.1f} MiB allowed",
+                     what, extent.width, extent.height, static_cast<double>(bytes) / mib,
+                     static_cast<double>(allowed) / mib);
+}
+
 }  // namespace
 
 Tile uncut(Extent frame) {
@@ -127,11 +134,11 @@ std::string describe(const std::vector<Tile>& tiles) {
 }
 
 std::string tiles_too_large(const Tile& tile, std::uint64_t bytes, std::uint64_t allowed) {
-  constexpr double mib = 1024.0 * 1024.0;
-  return fmt::format(
-      "even tiles of {}x{} px take {:.1f} MiB of device memory, more than the {:.1f} MiB allowed",
-      tile.target.width, tile.target.height, static_cast<double>(bytes) / mib,
-      static_cast<double>(allowed) / mib);
+  return "even " + too_large("tiles", tile.target.extent(), bytes, allowed);
+}
+
+std::string frame_too_large(Extent frame, std::uint64_t bytes, std::uint64_t allowed) {
+  return too_large("whole frames", frame, bytes, allowed);
 }
 
 gpu::DeviceLimitError cannot_be_cut(Extent frame, const std::string& reason) {

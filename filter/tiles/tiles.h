@@ -56,6 +56,8 @@ std::string describe(const std::vector<Tile>& tiles);
 
 /// Error texts for tiles that do not fit.
 std::string tiles_too_large(const Tile& tile, std::uint64_t bytes, std::uint64_t allowed);
+/// The same for what takes whole frames.
+std::string frame_too_large(gpu::Extent frame, std::uint64_t bytes, std::uint64_t allowed);
 gpu::DeviceLimitError cannot_be_cut(gpu::Extent frame, const std::string& reason);
 
 /// The largest tiles that `fits` accepts; it is given the first tile, whose size all tiles have. Starts with

@@ -167,6 +167,7 @@ TEST_F(Antialias, RefusesWhatIsWrong) {
   expect_error(becalm(command("out.####.exr", {"--checkerboard"})), 3, {"becalm:checkerboard"});
   expect_error(becalm(command("out.####.exr", {"--preset", "balanced"})), 2, {"preset 'balanced'", "best"});
   expect_error(becalm(command("out.####.exr", {"--set", "newest=2"})), 2, {"newest", "0.001..1"});
+  expect_error(becalm(command("out.####.exr", {"--memory", "64K"})), 4, {"whole frames of"});
   expect_error(becalm({"antialias", input_, "-o", input_}), 2, {"would overwrite the input"});
   std::ofstream(frame_path(input_, 2)) << "no image";
   expect_error(becalm(command("out.####.exr")), 3, {"in.0002.exr"});

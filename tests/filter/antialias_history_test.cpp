@@ -167,6 +167,50 @@ TEST_F(AntialiasHistoryTest, SteadyTakesLessOfTheFrameWhereTheHistoryIsAtItsBoun
 
 /// Alpha of the second row of a black square that moves by 8 pixels a frame over empty ground, with its
 /// vectors.
+TEST_F(AntialiasHistoryTest, FadesOfAnySizeAreAveragedWithoutLimit) {
+  for (const char* reproject : {"reproject=vectors", "reproject=search"}) {
+    for (const auto& levels :
+         {std::vector{2e-12f, 1.0f, 1e7f, 1e7f}, {2e12f, 9e11f}, {1e18f, 0.0f, 1e-18f}}) {
+      AntialiasFilter filter(device(), forward_settings({reproject, "accumulate=mean", "rectify=none"}),
+                             kWidth, kHeight, even(0, 1.0f).aovs(), {});
+      double sum = 0.0;
+      for (int number = 0; number < static_cast<int>(levels.size()); ++number) {
+        sum += levels[number];
+        const float mean = static_cast<float>(sum / (number + 1));
+        EXPECT_NEAR(run(filter, even(number, levels[number])).image(Aov::beauty).at(20, 20, 0), mean,
+                    1e-5f * mean)
+            << reproject << ' ' << levels.front() << ' ' << number;
+      }
+    }
+  }
+}
+
+TEST_F(AntialiasHistoryTest, BrightPixelsOverFaintOnesAreNotLimited) {
+  Frame frame = even(0, 1e-20f);
+  frame.image(Aov::beauty).at(20, 20, 0) = 100.0f;
+  AntialiasFilter filter(device(), forward_settings({"reconstruct=no"}), kWidth, kHeight, frame.aovs(), {});
+  EXPECT_EQ(run(filter, frame).image(Aov::beauty).at(20, 20, 0), 100.0f);
+}
+
+TEST_F(AntialiasHistoryTest, PredictionsAreBroughtToTheFramesScale) {
+  AntialiasFilter filter(device(),
+                         forward_settings({"directions=both", "reproject=vectors", "validate=surface"}),
+                         kWidth, kHeight, even(0, 1.0f).aovs().set(static_cast<std::size_t>(Aov::depth)), {});
+  std::vector<Frame> frames;
+  for (int number = 0; number < 3; ++number) {
+    frames.push_back(even(number, number == 0 ? 1.0f : 1e-20f));
+    frames.back().add(Aov::depth, number == 0 ? 1.0f : 2.0f);
+  }
+  FrameReport report;
+  for (int i = 2; i >= 0; --i)
+    filter.run({.frame = i, .direction = Direction::backward, .new_history = i == 2}, frames[i], report);
+  for (int i = 0; i < 3; ++i) {
+    const Frame result = *filter.run({.frame = i, .new_history = i == 0}, frames[i], report);
+    const float truth = i == 0 ? 1.0f : 1e-20f;
+    EXPECT_NEAR(result.image(Aov::beauty).at(20, 20, 0), truth, 1e-3f * truth) << i;
+  }
+}
+
 TEST_F(AntialiasHistoryTest, BlackThingsLeaveNoOpaqueTrail) {
   const auto with_square = [](int number) {
     Frame frame = even(number, 0.0f);

@@ -13,6 +13,9 @@
 
 #include "tests/filter/layer_shapes.h"
 
+extern "C" void omp_set_num_threads(int threads);
+extern "C" int omp_get_max_threads();
+
 namespace becalm::filter {
 namespace {
 
@@ -99,6 +102,16 @@ TEST(HostConvolution, MatchesALoopForImagesOfAnySize) {
   for (const auto& [width, height] : {std::pair{2, 2}, {4, 2}, {2, 4}, {66, 6}}) {
     expect_matches(8, 8, 8, width, height);
   }
+}
+
+TEST(HostConvolution, LeavesTheCallersNumberOfThreads) {
+  omp_set_num_threads(3);
+  const HostConvolution convolution(random_layer(8, 8), 0, 5);
+  EXPECT_EQ(omp_get_max_threads(), 3);
+  const FramedImage source(8, 5, 1, 3);
+  std::vector<float> row(7 * 8);
+  convolution.make_row(0, source.values.data(), nullptr, row.data());
+  EXPECT_EQ(omp_get_max_threads(), 3);
 }
 
 TEST(HostConvolution, MakesTheSameRowsByManyThreads) {

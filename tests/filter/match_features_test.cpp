@@ -190,6 +190,15 @@ TEST(HostImages, HolesAreFilledFromTheirNeighbours) {
   EXPECT_EQ(packed[7], 3.0f);
 }
 
+TEST(HostImages, HolesBetweenTheBrightestPixelsAreFinite) {
+  constexpr float largest = std::numeric_limits<float>::max();
+  Image image(3, 1, 4, largest);
+  image.at(1, 0, 0) = std::nanf("");
+  std::vector<float> packed(12);
+  pack_color(image, finite_pixels(image), {0, 0, 3, 1}, packed);
+  EXPECT_EQ(packed, std::vector<float>(12, largest));
+}
+
 TEST(HostImages, GuidesTellTheSixAxesApart) {
   Frame frame(1, 6, 1);
   Image& normal = frame.add(Aov::normal);

@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "filter/align/pyramid.h"
 #include "filter/merge/merge_chains.h"
+#include "filter/tiles/build_within.h"
 #include "tests/filter/device_fixture.h"
 
 namespace becalm::filter {
@@ -137,6 +139,24 @@ TEST_F(TilesOfChainsTest, DoNotDependOnTheSize) {
     EXPECT_EQ(rules_at(extent).margin, rules.margin);
     EXPECT_EQ(rules_at(extent).reach, rules.reach);
   }
+}
+
+/// The limits that `build_within` tries on a device with `free` bytes, for chains that need 1000 at least.
+std::vector<std::uint64_t> tried(std::uint64_t limit, std::uint64_t free) {
+  std::vector<std::uint64_t> limits;
+  build_within(limit, [&](std::uint64_t of_try) {
+    limits.push_back(of_try);
+    if (of_try < 1000) throw gpu::DeviceLimitError("cannot be cut");
+    if (of_try > free) throw gpu::DeviceMemoryError("used up");
+  });
+  return limits;
+}
+
+TEST(BuildWithin, TakesLessWhereMemoryIsMissing) {
+  EXPECT_EQ(tried(8000, 9000), std::vector<std::uint64_t>{8000});
+  EXPECT_EQ(tried(8000, 3000), (std::vector<std::uint64_t>{8000, 4000, 2000}));
+  EXPECT_THROW(tried(8000, 10), gpu::DeviceMemoryError) << "what was missing, not what cannot be cut";
+  EXPECT_THROW(tried(500, 10), gpu::DeviceLimitError);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "filter/gpu/chain.h"
+#include "filter/gpu/device_impl.h"
 #include "tests/gpu/support.h"
 
 namespace becalm::gpu {
@@ -214,6 +215,45 @@ TEST_F(ChainErrors, NameAnImageThatIsTooLargeForAStorageBuffer) {
   EXPECT_THAT(
       error_of([&] { chain_.plan(); }),
       StartsWith("chain 'wrong': pass 1 'kernels/scale': binding 'scaled': image 'written' of 1024x"));
+}
+
+TEST_F(ChainErrors, NameAnImageThatIsTooLargeOnlyOnceItIsAligned) {
+  Device device;
+  device.impl().max_allocation_bytes = 17 * sizeof(float);
+  ChainOptions options = test_options();
+  options.transfers = Transfers::staged;
+  Chain chain(device, "narrow", options);
+  const ImageId fine = chain.input("fine", Format::f32, {17, 1});
+  const ImageId scaled = chain.image("scaled", Format::f32, {17, 1});
+  chain.pass("kernels/scale")
+      .read("fine", fine)
+      .write("scaled", scaled)
+      .constants(ScaleParams{17, 1})
+      .dispatch({17, 1});
+  chain.output(scaled);
+  EXPECT_THROW(chain.plan(), DeviceLimitError);
+}
+
+TEST_F(ChainErrors, NameAWorkgroupBeyondTheDevicesLimit) {
+  Device device;
+  device.impl().limits.maxComputeWorkGroupSize[0] = 1;
+  Chain chain(device, "wide", test_options());
+  const ImageId fine = chain.input("fine", Format::f32, kExtent);
+  const ImageId scaled = chain.image("scaled", Format::f32, kExtent);
+  chain.pass("kernels/scale")
+      .read("fine", fine)
+      .write("scaled", scaled)
+      .constants(ScaleParams{16, 16})
+      .dispatch(kExtent);
+  EXPECT_THAT(error_of([&] { chain.plan(); }), HasSubstr("along axis 0, the device's limit is 1"));
+}
+
+TEST_F(ChainErrors, TellMissingMemoryFromOthers) {
+  EXPECT_THROW(guarded("it", [] { throw vk::OutOfDeviceMemoryError("refused"); }), DeviceMemoryError);
+  EXPECT_EQ(error_of([] { guarded("it", [] { throw vk::OutOfHostMemoryError("refused"); }); }),
+            "it: the host's memory is used up; other programs may hold it");
+  EXPECT_EQ(error_of([] { guarded("it", [] { throw vk::InitializationFailedError("no"); }); }).substr(0, 6),
+            "it: no");
 }
 
 TEST_F(ChainErrors, NameAnImageOfAnotherChain) {

@@ -1,10 +1,13 @@
-// Chains of a device use the same memory in turn, and it grows while they live.
+// Chains of a device use the same memory in turn, which grows and shrinks while they live.
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "filter/gpu/device_impl.h"
 #include "tests/gpu/history_chain.h"
 #include "tests/gpu/support.h"
 
@@ -55,6 +58,31 @@ TEST(Scratch, EveryArenaIsAsLargeAsAnyChainNeedsIt) {
   bytes += {.own = 1, .scratch = {20, 15, 20}};
   bytes += {.own = 0, .scratch = {30}};
   EXPECT_EQ(bytes.total(), 6u + 30u + 20u + 20u);
+}
+
+std::vector<std::uint64_t> sizes_of(const Scratch::Arenas& arenas) {
+  std::vector<std::uint64_t> sizes;
+  for (const Scratch::Arena& arena : arenas.list) sizes.push_back(arena.bytes);
+  return sizes;
+}
+
+TEST(Scratch, IsAsLargeAsThoseWhoLiveNeedIt) {
+  const Device device;
+  Device::Impl& impl = device.impl();
+  Scratch scratch;
+  const auto sizes = [&] { return sizes_of(scratch.arenas(impl.device, 0, false)); };
+  const auto reserve = [&](const Scratch::Sizes& bytes) {
+    return scratch.reserve(impl.device, 0, false, bytes);
+  };
+  const auto small = reserve({1000, 500});
+  const std::uint64_t before = scratch.arenas(impl.device, 0, false).version;
+  auto large = reserve({3000, 200});
+  EXPECT_EQ(sizes(), (std::vector<std::uint64_t>{3000, 500}));
+  EXPECT_GT(scratch.arenas(impl.device, 0, false).version, before);
+  EXPECT_THROW(reserve({2000, 1ull << 60}), vk::SystemError);
+  EXPECT_EQ(sizes(), (std::vector<std::uint64_t>{3000, 500})) << "what could not be had is not needed";
+  large.reset();
+  EXPECT_EQ(sizes(), (std::vector<std::uint64_t>{1000, 500}));
 }
 
 TEST(Scratch, GrowsUnderChainsThatHaveRun) {

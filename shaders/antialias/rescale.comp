@@ -1,0 +1,23 @@
+// Reads the ratio of the frame's scale to the history's, a power of two; brings the warped history to the
+// frame's scale, in place. Colours and variances are limited as those of frames, alpha is not.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "lib/dispatch_size.glsl"
+#include "lib/gain.glsl"
+
+layout(local_size_x = 64, local_size_y = 1) in;
+layout(set = 0, binding = 0) uniform samplerBuffer ratio;
+layout(std430, set = 0, binding = 1) buffer ColorBuffer { vec4 data[]; } color;
+layout(std430, set = 0, binding = 2) buffer StatsBuffer { vec2 data[]; } stats;
+
+const float kLargestScaled = 1.1529215e18;  // 2^60, as the host limits frames
+
+void main() {
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  const float r = texelFetch(ratio, 0).x;
+  if (at.x >= size.x || at.y >= size.y || r == 1.0) return;
+  const int index = at.y * size.x + at.x;
+  const vec4 scaled = r * color.data[index];
+  color.data[index] = vec4(clamp(scaled.rgb, -kLargestScaled, kLargestScaled), scaled.a);
+  stats.data[index].x = min(stats.data[index].x * r * r, kLargestVariance);
+}
