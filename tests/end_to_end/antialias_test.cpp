@@ -65,6 +65,18 @@ TEST_F(Antialias, AveragesTheTracersJitteredFrames) {
   }
 }
 
+TEST_F(Antialias, FeaturesOfJitteredFramesHaveTheBeautysSamples) {
+  const std::string scene = write_jittered_scene(folder_);
+  const auto normal = [&](const std::string& file, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"render", scene, "-o",     folder_ / file, "--frames", "1",
+                                       "--spp",  "1",   "--aovs", "normal",       "--quiet"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    becalm_done(arguments);
+    return read_frame(folder_ / file, AovSet().set()).image(Aov::normal);
+  };
+  EXPECT_TRUE(same_pixels(normal("a.exr", {}), normal("b.exr", {"--aov-spp", "1"})));
+}
+
 TEST_F(Antialias, ResumesToTheSamePixels) {
   render();
   becalm_done(command("whole.####.exr", {"--quiet"}));

@@ -182,7 +182,7 @@ TEST_F(Denoise, LayersThatAddUpToTheBeautyStillDo) {
   EXPECT_NE(more.find(said), std::string::npos) << more;
   EXPECT_NE(more.find("denoises the lights diffuse, rim, specular"), std::string::npos) << more;
   EXPECT_NE(more.find("rim is denoised with the beauty\n"), std::string::npos) << more;
-  becalm_done(command("out.####.exr", {"--preset", "draft"}));
+  becalm_done(command("out.####.exr", {"--set", "smooth=none"}));
   EXPECT_EQ(io::read_attribute(folder_ / "out.0002.exr", "becalm:additive"), "diffuse,specular");
   const Frame denoised = io::read_exr(folder_ / "out.0002.exr", 2, {}, {.additive = {"diffuse", "specular"}},
                                       io::LightGroups::read)
@@ -291,10 +291,14 @@ TEST_F(Denoise, ChannelsToWriteAreSelected) {
   const std::set<std::string> direct{"direct.B", "direct.G", "direct.R"};
   std::set<std::string> denoised = beauty;
   denoised.insert(direct.begin(), direct.end());
-  becalm_done(command("all.####.exr"));
-  becalm_done(command("beauty.####.exr", {"--only", "beauty"}));
-  becalm_done(command("denoised.####.exr", {"--only", "denoised"}));
-  becalm_done(command("named.####.exr", {"--channels", "direct,depth.Z"}));
+  const auto write = [&](const std::string& pattern, std::vector<std::string> selection) {
+    selection.insert(selection.end(), {"--preset", "draft"});
+    becalm_done(command(pattern, selection));
+  };
+  write("all.####.exr", {});
+  write("beauty.####.exr", {"--only", "beauty"});
+  write("denoised.####.exr", {"--only", "denoised"});
+  write("named.####.exr", {"--channels", "direct,depth.Z"});
   EXPECT_EQ(channels_of(folder_ / "beauty.0002.exr"), beauty);
   EXPECT_EQ(channels_of(folder_ / "denoised.0002.exr"), denoised);
   EXPECT_EQ(channels_of(folder_ / "named.0002.exr"),

@@ -34,6 +34,27 @@ TEST_F(Denoise, ResumeGivesTheSamePixels) {
                {"a.0002.exr", "context=2-4"});
 }
 
+TEST_F(Denoise, ResumeRefusesOtherOptionsAndNamesThem) {
+  io::write_exr(frame_path(input_, 1), noise_frame(1, 16, 16), {}, io::PixelType::float32);
+  becalm_done(command("a.####.exr", {"--quiet"}));
+  using Words = std::vector<std::string>;
+  for (const auto& [options, told] : {std::pair{Words{"--diagnostics"}, "diagnostics=yes"},
+                                      {Words{"--alpha", "denoise"}, "alpha=denoise"},
+                                      {Words{"--additive", "none"}, "additive=no"},
+                                      {Words{"--cuts", "3"}, "cuts=3"},
+                                      {Words{"--only", "beauty"}, "only=beauty"},
+                                      {Words{"--channels", "beauty,albedo"}, "channels=beauty,albedo"},
+                                      {Words{"--type", "half"}, "type=half"},
+                                      {Words{"--compression", "piz"}, "compression=piz"},
+                                      {Words{"--no-halves"}, "halves=no"},
+                                      {Words{"--no-stereo"}, "stereo=no"},
+                                      {Words{"--warmup", "4"}, "warmup=4"}}) {
+    Words more{"--resume"};
+    more.insert(more.end(), options.begin(), options.end());
+    expect_error(becalm(command("a.####.exr", more)), 2, {"a.0001.exr", told});
+  }
+}
+
 TEST_F(Denoise, ResumeMakesAgainWhatWasMadeFromOtherFrames) {
   write_frames({1, 2, 3, 4});
   const std::vector<std::string> options{"--segment", "2", "--warmup", "0", "--resume", "--frames", "1-4"};

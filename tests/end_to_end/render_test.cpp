@@ -1,41 +1,14 @@
-// becalm render: what it writes, and how it goes on.
+// becalm render: what it writes.
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <fstream>
 
-#include "tests/end_to_end/harness.h"
+#include "tests/end_to_end/render_fixture.h"
 
 namespace becalm::test {
 namespace {
-
-class Render : public testing::Test {
- protected:
-  std::vector<std::string> command(const std::string& pattern,
-                                   const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> arguments{"render", scene_, "-o", folder_ / pattern, "--spp", "2", "--quiet"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return arguments;
-  }
-  Outcome render(const std::string& pattern, const std::vector<std::string>& more = {}) const {
-    return becalm_done(command(pattern, more));
-  }
-  /// A scene of one object, of mesh.obj with its own materials.
-  void write_mesh_scene(const std::string& object) const {
-    write_text(
-        scene_,
-        fmt::format(
-            R"({{"film": {{"width": 16, "height": 16}}, "camera": {{"look_at": {{"eye": [0, 0, 4], "target": [0, 0, 0]}}}},
-    "environment": {{"radiance": [1, 1, 1]}}, "frames": {{"first": 1, "last": 2}}, "materials": {{}},
-    "meshes": {{"t": {{"obj": "mesh.obj", "materials": "mtl"}}}}, "objects": [{{"name": "{}", "mesh": "t"}}]}})",
-            object));
-  }
-
-  TempFolder folder_;
-  std::string scene_ = write_scene(folder_);
-};
 
 TEST_F(Render, WritesTheScenesFramesWithTheLayersAskedFor) {
   const Outcome outcome = render("new/folder/a.####.exr", {"--aovs", "albedo,depth"});
@@ -170,6 +143,18 @@ TEST_F(Render, OneFrameNeedsNoFieldAndSizeIsAChoice) {
   EXPECT_EQ(frame.height(), 7);
 }
 
+TEST_F(Render, FeaturesOfMoreSamplesLeaveTheBeautyAsItIs) {
+  const std::vector<std::string> options{"--frames", "1", "--spp", "1", "--aovs", "albedo"};
+  render("a.exr", options);
+  std::vector<std::string> one_sample = options;
+  one_sample.insert(one_sample.end(), {"--aov-spp", "1"});
+  render("b.exr", one_sample);
+  const Frame a = read_frame(folder_ / "a.exr", all_aovs());
+  const Frame b = read_frame(folder_ / "b.exr", all_aovs());
+  EXPECT_TRUE(same_pixels(a.image(Aov::beauty), b.image(Aov::beauty)));
+  EXPECT_FALSE(same_pixels(a.image(Aov::albedo), b.image(Aov::albedo))) << "edges have more samples";
+}
+
 TEST_F(Render, SeedChangesTheNoiseAndThreadsDoNot) {
   render("a.####.exr", {"--frames", "1", "--threads", "1"});
   render("b.####.exr", {"--frames", "1", "--threads", "2"});
@@ -177,6 +162,21 @@ TEST_F(Render, SeedChangesTheNoiseAndThreadsDoNot) {
   const Frame a = read_frame(folder_ / "a.0001.exr");
   EXPECT_TRUE(same_pixels(a.image(Aov::beauty), read_frame(folder_ / "b.0001.exr").image(Aov::beauty)));
   EXPECT_FALSE(same_pixels(a.image(Aov::beauty), read_frame(folder_ / "c.0001.exr").image(Aov::beauty)));
+}
+
+/// Whether `--threads` reaches a graphics card's driver does not matter.
+TEST_F(Render, TheSoftwareDeviceHasTheThreadsAskedFor) {
+  const std::vector<std::string> arguments =
+      command("a.exr", {"--frames", "1", "--denoise=draft", "--device", "llvmpipe", "--threads", "3"});
+  const Outcome outcome =
+      Process(
+          arguments,
+          R"("$0" "$@" & while kill -0 $!; do cat /proc/$!/task/*/comm; sleep 0.02; done 2>/dev/null; wait $!)")
+          .wait();
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("llvmpipe-2\n"), std::string::npos)
+      << "or the driver names its threads otherwise";
+  EXPECT_EQ(outcome.out.find("llvmpipe-3\n"), std::string::npos);
 }
 
 TEST_F(Render, ProgressIsOneLineAFrameOffTheTerminal) {
@@ -226,88 +226,6 @@ TEST_F(Render, AllAovsMayHaveLightGroupsBesides) {
                2, {"half_a", "2 samples"});
 }
 
-TEST_F(Render, ResumeWritesOnlyWhatIsMissing) {
-  render("whole.####.exr");
-  render("a.####.exr");
-  fs::remove(folder_ / "a.0003.exr");
-  const auto written_before = fs::last_write_time(folder_ / "a.0002.exr");
-  const Outcome outcome =
-      becalm_done({"render", scene_, "-o", folder_ / "a.####.exr", "--spp", "2", "--resume"});
-  EXPECT_NE(outcome.err.find("3 were there already"), std::string::npos) << outcome.err;
-  EXPECT_EQ(fs::last_write_time(folder_ / "a.0002.exr"), written_before);
-  expect_same_beauty(folder_ / "whole.####.exr", folder_ / "a.####.exr", 1, 4);
-  const Outcome again =
-      becalm_done({"render", scene_, "-o", folder_ / "a.####.exr", "--spp", "2", "--resume"});
-  EXPECT_NE(again.err.find("all 4 frames are there"), std::string::npos) << again.err;
-}
-
-TEST_F(Render, ResumeRendersDamagedFramesAgain) {
-  render("whole.####.exr", {"--frames", "1-2"});
-  render("a.####.exr", {"--frames", "1-2"});
-  fs::resize_file(folder_ / "a.0001.exr", fs::file_size(folder_ / "a.0001.exr") - 200);
-  const Outcome outcome = render("a.####.exr", {"--frames", "1-2", "--resume"});
-  EXPECT_NE(outcome.err.find("a.0001.exr is damaged"), std::string::npos) << outcome.err;
-  expect_same_beauty(folder_ / "whole.####.exr", folder_ / "a.####.exr", 1, 2);
-}
-
-TEST_F(Render, ResumeRefusesOtherSettingsAndNamesThem) {
-  render("a.####.exr", {"--frames", "1-2"});
-  const auto resume = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> arguments = command("a.####.exr", {"--resume"});
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return becalm(arguments);
-  };
-  expect_error(resume({"--seed", "5"}), 2, {"a.0001.exr", "seed=0", "seed=5"});
-  expect_error(resume({"--size", "24x16"}), 2, {"a.0001.exr", "size=48x32", "size=24x16"});
-  expect_error(resume({"--aovs", "normal"}), 2, {"a.0001.exr", "aovs=none", "aovs=normal"});
-  expect_error(resume({"--denoise"}), 2, {"a.0001.exr"});
-}
-
-TEST_F(Render, ResumeRefusesAScenePipedIn) {
-  const Outcome outcome =
-      becalm_redirected({"render", "/dev/stdin", "-o", folder_ / "a.####.exr", "--frames", "1", "--resume"},
-                        "< <(cat '" + scene_ + "')");
-  expect_error(outcome, 3, {"/dev/stdin: not a file, expected a JSON file"});
-  EXPECT_FALSE(fs::exists(folder_ / "a.0001.exr"));
-}
-
-TEST_F(Render, ResumeNoticesAnEditedMesh) {
-  write_text(folder_ / "mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-  write_text(
-      scene_,
-      R"({"film": {"width": 16, "height": 16}, "camera": {"look_at": {"eye": [0, 0, 4], "target": [0, 0, 0]}}, "environment": {"radiance": [1, 1, 1]},
-    "frames": {"first": 1, "last": 2}, "materials": {"m": {"type": "diffuse", "reflectance": 0.5}},
-    "meshes": {"t": {"obj": "mesh.obj"}}, "objects": [{"name": "o", "mesh": "t", "material": "m"}]})");
-  render("a.####.exr", {"--frames", "1"});
-  write_text(folder_ / "mesh.obj", "v 0 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\n");
-  expect_error(becalm(command("a.####.exr", {"--resume"})), 2, {"a.0001.exr", "scene"});
-}
-
-TEST_F(Render, ResumeNoticesAnEditedMaterialOfAMeshAndItsImage) {
-  write_text(folder_ / "mesh.obj",
-             "mtllib my mesh.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n");
-  write_text(folder_ / "my mesh.mtl", "newmtl m\nKd 1 0 0\nmap_Kd -s 2 2 1 my image.exr\n");
-  io::write_exr(folder_ / "my image.exr", noise_frame(1, 4, 4), {});
-  write_mesh_scene("o");
-  render("a.####.exr", {"--frames", "1"});
-  render("a.####.exr", {"--frames", "1", "--resume"});
-  io::write_exr(folder_ / "my image.exr", noise_frame(2, 4, 4), {});
-  expect_error(becalm(command("a.####.exr", {"--resume"})), 2, {"a.0001.exr", "scene"});
-  io::write_exr(folder_ / "my image.exr", noise_frame(1, 4, 4), {});
-  write_text(folder_ / "my mesh.mtl", "newmtl m\nKd 0 1 0\nmap_Kd -s 2 2 1 my image.exr\n");
-  expect_error(becalm(command("a.####.exr", {"--resume"})), 2, {"a.0001.exr", "scene"});
-}
-
-TEST_F(Render, ResumeNoticesAnEditedMaterialBehindAByteOrderMarkAndAContinuedLine) {
-  write_text(folder_ / "mesh.obj",
-             "\xef\xbb\xbfmtllib \\\nmesh.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n");
-  write_text(folder_ / "mesh.mtl", "newmtl m\nKd 1 0 0\n");
-  write_mesh_scene("o");
-  render("a.####.exr", {"--frames", "1"});
-  write_text(folder_ / "mesh.mtl", "newmtl m\nKd 0 1 0\n");
-  expect_error(becalm(command("a.####.exr", {"--resume"})), 2, {"a.0001.exr", "scene"});
-}
-
 TEST_F(Render, WhatTheSceneReadsIsNotReplaced) {
   write_text(folder_ / "mesh.obj",
              "mtllib mesh.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n");
@@ -337,18 +255,6 @@ TEST_F(Render, ANoiseTargetIsANumber) {
     expect_error(becalm(command("a.####.exr", {"--denoise", "--noise-target", target})), 2,
                  {"--noise-target", "a number from 0.0001 to 10"});
   }
-}
-
-TEST_F(Render, ResumeReplacesFilesOfOthersIfTold) {
-  render("a.####.exr", {"--frames", "1"});
-  io::write_exr(folder_ / "a.0002.exr", noise_frame(1, 4, 4), {});
-  write_text(folder_ / "a.0003.exr", "notes");
-  expect_error(becalm(command("a.####.exr", {"--resume"})), 2, {"a.0002.exr", "--overwrite replaces it"});
-  const Outcome outcome =
-      becalm_done({"render", scene_, "-o", folder_ / "a.####.exr", "--spp", "2", "--resume", "--overwrite"});
-  EXPECT_NE(outcome.err.find("frame 2"), std::string::npos) << outcome.err;
-  EXPECT_EQ(outcome.err.find("frame 1:"), std::string::npos) << outcome.err;
-  EXPECT_EQ(read_frame(folder_ / "a.0002.exr").width(), read_frame(folder_ / "a.0001.exr").width());
 }
 
 /// Two machines of a farm: the frames that one reads for those before and after are the other's.
@@ -403,27 +309,11 @@ TEST_F(Render, AForwardFilterSeesCutsGapsAndContextAsDenoiseDoes) {
   expect_same({"--cuts", "none", "--frames", "3-4", "--context", "1-4"}, 3, 4);
 }
 
-TEST_F(Render, ResumedDenoiseWhileRenderingIsTheSame) {
-  const std::vector<std::string> options{"--denoise=draft", "--spp", "1", "--keep-noisy",
-                                         folder_ / "kept.####.exr"};
-  const auto go = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> arguments{"render", scene_, "-o", folder_ / "a.####.exr", "--profile"};
-    arguments.insert(arguments.end(), options.begin(), options.end());
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return becalm_done(arguments);
-  };
-  go({});
-  for (int frame = 1; frame <= 4; ++frame) {
-    fs::copy_file(frame_path(folder_ / "a.####.exr", frame), frame_path(folder_ / "whole.####.exr", frame));
-  }
-  fs::remove(folder_ / "a.0002.exr");
-  fs::remove(folder_ / "a.0003.exr");
-  fs::remove(folder_ / "kept.0003.exr");
-  const auto fourth = fs::last_write_time(folder_ / "a.0004.exr");
-  const Outcome outcome = go({"--resume"});
-  EXPECT_NE(outcome.err.find("frame 1: exists"), std::string::npos) << outcome.err;
-  expect_same_beauty(folder_ / "whole.####.exr", folder_ / "a.####.exr", 1, 4);
-  EXPECT_EQ(fs::last_write_time(folder_ / "a.0004.exr"), fourth);
+TEST_F(Render, ValidationNeedsItsLayer) {
+  const std::vector<std::string> arguments =
+      command("a.####.exr", {"--denoise", "--validate", "--frames", "1"});
+  expect_error(Process(arguments, R"(VK_LAYER_PATH=/nonexistent exec "$0" "$@")").wait(), 4,
+               {"vulkan-validationlayers"});
 }
 
 TEST_F(Render, ValidationIsSilent) {

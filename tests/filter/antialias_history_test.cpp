@@ -2,6 +2,7 @@
 // blends tell how much of them is left.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -90,6 +91,21 @@ TEST_F(AntialiasHistoryTest, ATurnedNormalRejects) {
   expect_halves(
       of_changed_surface(device(), Aov::normal, 0.5f, [](std::span<float> normal) { normal[0] = 0.4f; }),
       0.5f, 0.5f);
+}
+
+TEST_F(AntialiasHistoryTest, ANormalTurnedBy45DegreesRejects) {
+  // From the diagonal towards a direction across it.
+  const auto turned_by = [&](double degrees) {
+    const double angle = degrees * std::numbers::pi / 180.0;
+    const double along = std::cos(angle) / std::sqrt(3.0);
+    const double across = std::sin(angle) / std::sqrt(2.0);
+    return of_changed_surface(device(), Aov::normal, std::sqrt(1.0f / 3.0f), [&](std::span<float> normal) {
+      normal[0] = static_cast<float>(along + across);
+      normal[1] = static_cast<float>(along - across);
+    });
+  };
+  expect_halves(turned_by(40.0), 0.5f, 0.5f);
+  expect_halves(turned_by(50.0), 0.5f, 0.75f);
 }
 
 TEST_F(AntialiasHistoryTest, AnotherColorRejectsByTheFilteredDifference) {

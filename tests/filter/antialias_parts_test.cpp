@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "filter/antialias/antialias_settings.h"
@@ -35,6 +36,38 @@ TEST(MotionToNextTest, TurnsVectorsAroundAndKeepsTheClosest) {
   EXPECT_EQ(result.at(5, 0, 0), -2.0f);
   EXPECT_EQ(result.at(4, 0, 0), 0.0f);
   EXPECT_TRUE(std::isnan(result.at(3, 0, 0))) << "what was there is hidden";
+}
+
+TEST(MotionToNextTest, CountsFromWhereTheSampleLies) {
+  Frame next(2, 3, 3);
+  next.set_jitter(FrameJitter{.positions_px = {{0.4f, -0.4f}}});
+  Image& motion = next.add(Aov::motion, std::numeric_limits<float>::quiet_NaN());
+  motion.at(1, 1, 0) = 0.3f;  // from 0.4 px to the right of the centre: into the next pixel
+  motion.at(1, 1, 1) = -0.3f;
+  const Image result = motion_to_next(next);
+  EXPECT_EQ(result.at(2, 0, 0), -0.3f);
+  EXPECT_EQ(result.at(2, 0, 1), 0.3f);
+  EXPECT_TRUE(std::isnan(result.at(1, 1, 0)));
+}
+
+TEST(SparseGridTest, WeightsOfAPixelSumToOneOnAverage) {
+  constexpr int positions = 64;
+  constexpr int side = 4;
+  for (const FilterShape filter : {FilterShape::blackman_harris, FilterShape::box, FilterShape::tent}) {
+    for (const float radius_px : {0.5f, 1.0f, 1.5f}) {
+      double sum = 0.0;
+      for (int i = 0; i < positions; ++i) {
+        const float at = (static_cast<float>(i) + 0.5f) / positions - 0.5f;
+        const SparseGrid grid =
+            sparse_grid(FrameJitter{.positions_px = {{at, 0.0f}}, .filter = filter, .radius_px = radius_px},
+                        {}, {{0, 0}, {side - 1, side - 1}}, /*is_checkerboard=*/false);
+        for (int x = 0; x < side; ++x) {
+          for (int k = 1; k <= 3; ++k) sum += grid.columns.at(static_cast<std::size_t>(4 * x + k));
+        }
+      }
+      EXPECT_NEAR(sum / (positions * side), 1.0, 0.01) << static_cast<int>(filter) << ' ' << radius_px;
+    }
+  }
 }
 
 TEST(AntialiasSettingsTest, AreToldByKeyAndRange) {

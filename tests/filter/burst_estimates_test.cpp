@@ -97,5 +97,15 @@ TEST(Sharpness, FallsWithBlur) {
   EXPECT_GT(sharpness({sharp, cfa}, kNoise), 1.02 * sharpness({blurred, cfa}, kNoise));
 }
 
+TEST(Sharpness, OwesNothingToTheNoise) {
+  for (const CfaPattern& cfa : {bayer(0), x_trans()}) {
+    const auto of_noise = [&](double noise) {
+      const Image picture = photographed(cfa, 192, 192, {.shift = {}, .noise = noise, .seed = 1});
+      return sharpness({picture, cfa}, {.a = noise * noise * kNoise.a, .b = noise * noise * kNoise.b});
+    };
+    EXPECT_NEAR(of_noise(3.0) / of_noise(1.0), 1.0, 0.03) << cfa.period;
+  }
+}
+
 }  // namespace
 }  // namespace becalm::filter

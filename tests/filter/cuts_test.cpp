@@ -70,6 +70,21 @@ TEST(Cuts, AnotherSceneIsOne) {
   }
 }
 
+TEST(Cuts, WhatAppearsCountsAsWhatVanishes) {
+  // A quarter of the cells is new; what was there before is still seen beside each of them.
+  Frame plain(1, 192, 192);
+  plain.add(Aov::beauty, 1.0f);
+  plain.add(Aov::albedo, 0.2f);
+  Frame with_more = plain;
+  for (int y = 0; y < 192; ++y) {
+    for (int x = 0; x < 192; ++x) {
+      if (x / 8 % 2 == 0 && y / 8 % 2 == 0) std::ranges::fill(with_more.image(Aov::albedo).pixel(x, y), 0.8f);
+    }
+  }
+  EXPECT_TRUE(cut_between(plain, with_more));
+  EXPECT_TRUE(cut_between(with_more, plain));
+}
+
 TEST(Cuts, WithoutGuidesTheLuminanceShowsThem) {
   Frame dark_above = make_frame(0, 3, 1.0, 2);
   for (int y = 0; y < dark_above.height(); ++y) {

@@ -192,6 +192,17 @@ TEST(RestoreEnergy, NoiseThatIsToldButNotThereIsNotWaitedFor) {
   }
 }
 
+TEST(RestoreEnergy, TheWholeFramesMeanIsKeptBeyondItsNoise) {
+  // The frame's mean has a standard error of 0.12 %, and so small a change is not seen.
+  for (const Told told : {Told::variance, Told::halves}) {
+    const Frame frame = noisy_frame(200, 150, told);
+    const double mean = mean_green(frame.image(Aov::beauty));
+    Estimate estimate = even_estimate(frame, static_cast<float>(mean - 0.002));
+    restore(frame, estimate);
+    EXPECT_NEAR(mean_green(estimate.color), mean, 3e-4);
+  }
+}
+
 TEST(RestoreEnergy, WhatIsRightIsHardlyBrightenedForWhatIsMissingElsewhere) {
   // A sun has most of the light, and a fifth of it is missing. It lies in the corner of a block, where the
   // factors of four blocks meet, so the missing light cannot all be restored there.

@@ -220,7 +220,7 @@ TEST_F(FrameMergerTest, ShowsNoSeamsBetweenManySmallTiles) {
 }
 
 TEST_F(FrameMergerTest, ShowsNoSeamsUnderOtherSettings) {
-  const Scene scene{.width = 357, .height = 325};
+  const Scene scene{.width = 229, .height = 229};
   const std::vector<std::vector<const char*>> all{{"merge=mask", "resample=bilinear"},
                                                   {"pyramid=4"},
                                                   {"blur_radius=10,3"},

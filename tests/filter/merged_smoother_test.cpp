@@ -114,6 +114,38 @@ TEST_F(MergedSmootherTest, NoiseFallsWithTheFramesThatAreMergedAndIsKnown) {
   }
 }
 
+TEST(AccumulatedTest, VarianceIsThatOfTheMeanOfAllFrames) {
+  Estimate merged({2, 1}, FilterTask::kNoisyLayers);
+  for (Image& layer : merged.additive) layer = Image(2, 1, 4, 0.5f);
+  for (const float frames : {1.0f, 8.0f, 40.0f}) {
+    merged.stats.data()[1] = merged.stats.data()[3] = frames;
+    const Image variance = accumulated(merged).variance;
+    for (const float value : variance.data()) EXPECT_EQ(value, 0.5f / frames);
+  }
+}
+
+TEST_F(MergedSmootherTest, TheUnitOfDepthDoesNotMatter) {
+  const auto beauty = [](float unit) {
+    Frame frame = noisy_frame(1);
+    frame.add(Aov::depth);
+    SequenceFilter filter(device(), settings(Directions::forward), kWidth, kHeight, frame.aovs());
+    Denoised result;
+    for (int number = 1; number <= 2; ++number) {
+      frame = noisy_frame(number);
+      Image& depth = frame.add(Aov::depth);
+      for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) depth.at(x, y, 0) = unit * (x < kWidth / 2 ? 1.0f + 0.1f * y : 4.0f);
+      }
+      result = filter.denoise(frame);
+    }
+    return result.frame.image(Aov::beauty);
+  };
+  const Image metres = beauty(1.0f);
+  const Image centimetres = beauty(100.0f);
+  for (std::size_t i = 0; i < metres.data().size(); ++i)
+    ASSERT_NEAR(metres.data()[i], centimetres.data()[i], 1e-5f) << i;
+}
+
 TEST_F(MergedSmootherTest, FramesAfterItAddToWhatIsKnown) {
   EXPECT_LT(squared_error(denoised(Directions::both, 4, 8).image(Aov::accumulated)),
             0.8 * squared_error(denoised(Directions::forward, 4, 8).image(Aov::accumulated)));

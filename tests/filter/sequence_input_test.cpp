@@ -53,6 +53,22 @@ TEST_F(SequenceInputTest, NonFinitePixelsStayWhereTheyAre) {
   }
 }
 
+TEST_F(SequenceInputTest, NegativeVariancesAreReplacedAsNaNIs) {
+  const auto denoised = [](float variance) {
+    SequenceFilter filter(device(), preset("balanced"), kWidth, kHeight, noisy_frame(1).aovs());
+    Frame frame = noisy_frame(1);
+    for (int i = 0; i < 5; ++i) {
+      std::ranges::fill(frame.image(Aov::variance).pixel(10 + 15 * i, 20 + i), variance);
+    }
+    return filter.denoise(frame);
+  };
+  const Denoised negative = denoised(-0.01f);
+  EXPECT_EQ(negative.report.replaced_variances, 5u);
+  const Denoised nan = denoised(std::numeric_limits<float>::quiet_NaN());
+  EXPECT_TRUE(
+      std::ranges::equal(negative.frame.image(Aov::beauty).data(), nan.frame.image(Aov::beauty).data()));
+}
+
 TEST_F(SequenceInputTest, NoAovsValuesReachFurtherThanTheirPixel) {
   // Every AOV that the filter may use, with non-finite values in the second frame.
   const auto full_frame = [](int number) {

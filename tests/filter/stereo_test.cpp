@@ -205,6 +205,19 @@ TEST_F(StereoTest, FollowsTheDisparityByDepthOrBySearch) {
   }
 }
 
+TEST_F(StereoTest, ASearchedPairComparesTheDepthsOfOneSurface) {
+  // At the card's right edge the other eye's pixel at the same place shows the wall.
+  const Shot shot{.card = true, .camera = false, .noise = 0.1};
+  const auto results =
+      filter_pair(device(), unsmoothed(), frame_of(shot, Eye::left), frame_of(shot, Eye::right),
+                  {.diagnostics = AovSet().set(static_cast<std::size_t>(Aov::stereo_weight))});
+  double on = 0;
+  for (int y = 22; y < 42; ++y) {
+    for (int x = 45; x < 49; ++x) on += results[0].image(Aov::stereo_weight).at(x, y, 0) / (20 * 4);
+  }
+  EXPECT_GT(on, 0.25);
+}
+
 TEST_F(StereoTest, WhatTheOtherEyeDoesNotSeeStaysAsItIs) {
   // The card hides columns 25 to 29 of the wall from the right eye; the left eye sees them.
   const Shot shot{.card = true, .noise = 0.05, .contrast = 0.0};
@@ -362,6 +375,9 @@ TEST(Disparity, IsThatOfTheCamera) {
   EXPECT_NEAR(where.offset.at(11, 5, 0), -5.0f, 1e-4f) << "nearer points lie further left in the right eye";
   EXPECT_NEAR(where.offset.at(0, 0, 0), 100.0f * 0.2f / 4.0f, 1e-4f) << "those infinitely far further right";
   EXPECT_EQ(where.depth.at(0, 0, 0), std::numeric_limits<float>::infinity());
+  const StereoView other{kCamera, Eye::right};
+  EXPECT_NEAR(where.depth.at(11, 5, 0), kCardZ / other.cosine(6.5, 5.5, 64, 32), 1e-5)
+      << "along its ray there";
   EXPECT_EQ(where.offset.at(12, 5, 0), kNowhere);
   EXPECT_EQ(where.depth.at(12, 5, 0), 0.0f);
   EXPECT_EQ(where.offset.at(13, 5, 0), kNowhere) << "further than the limit";

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "frame/io/exr.h"
+#include "frame/io/exr_channels.h"
 #include "tests/io/exr_files.h"
 #include "tests/io/temporary_folder.h"
 
@@ -152,6 +153,30 @@ TEST_F(ExrRead, RadianceBeyondOpaqueEdgesIsUnknown) {
   }
   EXPECT_GT(seen[0], 0);
   EXPECT_GT(seen[1], 0);
+}
+
+TEST_F(ExrRead, ChannelsOfWindowsThatBeginAnywhere) {
+  for (const Imath::Box2i& covered : {window(5, 7, 16, 9), window(-5, -7, 16, 9), window(6, -4, 16, 10)}) {
+    for (const int sampling : {1, 2}) {
+      if (sampling == 2 && covered.min.x % 2 != 0) continue;  // OpenEXR refuses such files
+      SCOPED_TRACE(std::to_string(covered.min.x) + " sampled every " + std::to_string(sampling));
+      write_test_file(path_,
+                      {scanline_part(covered, {{"R"}, {"x.U", Imf::UINT}, {"x.V", Imf::FLOAT, sampling}})});
+      const ExrChannels file(path_);
+      const Image sampled = file.read(0, "x.V");
+      ASSERT_EQ(sampled.width(), 16 / sampling);
+      for (int y = 0; y < sampled.height(); ++y) {
+        for (int x = 0; x < sampled.width(); ++x) {
+          ASSERT_EQ(sampled.at(x, y, 0),
+                    test_value("x.V", covered.min.x + x * sampling, covered.min.y + y * sampling));
+        }
+      }
+      const Image integers = file.read(0, "x.U");
+      EXPECT_EQ(integers.at(15, 8, 1),
+                std::floor(test_value("x.U", covered.min.x + 15, covered.min.y + 8) * 1000.0f));
+      require_whole_exr(path_);
+    }
+  }
 }
 
 TEST_F(ExrRead, Attributes) {

@@ -29,5 +29,23 @@ TEST_P(FalseAlarmsOf, AreNoMoreThanStated) {
 INSTANTIATE_TEST_SUITE_P(Noises, FalseAlarmsOf, testing::ValuesIn(kNoises),
                          [](const auto& info) { return std::string(name(info.param)); });
 
+/// A worse sampler, whose 32 samples have the noise of 4, is no change of the mean.
+TEST(FalseAlarms, OfMoreNoiseEverywhereAreNoMoreThanStated) {
+  constexpr int runs = 400;
+  constexpr int most = 36;  // 20 are expected; in one of 2,000 counts there are this many or more
+  SampleSource source(Noise::lognormal, 2);
+  int alarms = 0;
+  SimulatedImage reference;
+  for (int run = 0; run < runs; ++run) {
+    if (run % 20 == 0) reference = simulate(source, 16, 512);
+    SimulatedImage frame = simulate(source, 16, 4);
+    frame.samples = 32.0;
+    const StatisticalResult result =
+        compare_statistically(frame.estimate(), reference.estimate(), {.false_alarm_rate = kRate});
+    alarms += result.passed() ? 0 : 1;
+  }
+  EXPECT_LT(alarms, most);
+}
+
 }  // namespace
 }  // namespace becalm::judge

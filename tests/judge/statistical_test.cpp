@@ -7,6 +7,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "frame/judge/block_sums.h"
 #include "tests/judge/simulated.h"
 
 namespace becalm::judge {
@@ -126,6 +127,20 @@ TEST(Statistical, MoreNoiseOfTheSameMeanPassesAndShows) {
   EXPECT_GT(result.noise_ratio, 6.0);
   const StatisticalResult expected = simulated_pair(Noise::gaussian, 32, 16).compare();
   EXPECT_NEAR(expected.noise_ratio, 1.0, 0.1);
+}
+
+/// Of the difference of two means: s^2 / n + s^2 / m, however many samples the reference has.
+TEST(Statistical, TheReferencesNoiseCounts) {
+  for (const double reference_samples : {16.0, 32.0, 1024.0}) {
+    const SimulatedImage test = constant(1, 1, 1.0f, 0.25f / 16.0f, 16.0);
+    const SimulatedImage reference =
+        constant(1, 1, 1.0f, static_cast<float>(0.25 / reference_samples), reference_samples);
+    const Sums sums = sums_of(test.estimate(), reference.estimate(), 0.0, 0, 0, 0);
+    const double degrees = 16.0 + reference_samples;  // of freedom, one for each mean less
+    EXPECT_NEAR(sums.variance,
+                0.25 * (degrees - 2.0) / (degrees - 1.0) * (1.0 / 16.0 + 1.0 / reference_samples), 1e-6)
+        << reference_samples;
+  }
 }
 
 TEST(Statistical, ScalingBothByAPowerOfTwoChangesNothing) {

@@ -1,4 +1,5 @@
 // AOVs of configurations whose values follow from geometry. Samples lie at the pixel centres.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -199,6 +200,36 @@ TEST(Aov, MotionOfAPanningCameraAtInfinityAndOfATravellingOne) {
     EXPECT_NEAR(travelling.image(Aov::motion).at(x, y, 0), 0.5 / 4.0 * kFocal, 1e-3);
     EXPECT_NEAR(travelling.image(Aov::motion).at(x, y, 1), 0.0, 1e-3);
   });
+}
+
+TEST(Aov, MotionOfATravellingCameraWhoseShutterIsOpen) {
+  // Each sample is compared with where the camera was a frame before its own time. With steps of 0.2 and 0.4
+  // those at the shutter's opening have moved by 0.2, those at its end by 0.4.
+  const auto travelling = [](double second, double third, int spp) {
+    const auto key = [](int frame, double x) {
+      return fmt::format("{{'frame': {}, 'eye': [{},0,0], 'target': [{},0,-1]}}", frame, x, x);
+    };
+    std::string json = scene(fmt::format("{{'interpolation': 'linear', 'keys': [{}, {}, {}]}}", key(1, 0.0),
+                                         key(2, second), key(3, third)),
+                             kWall);
+    const std::string camera = "'camera': {";
+    json.replace(json.find(camera), camera.size(), camera + "'shutter': [0,1], ");
+    return render(json, 2, spp);
+  };
+  const Frame even = travelling(0.3, 0.6, 2);
+  for_each_pixel([&](int x, int y) {
+    EXPECT_NEAR(even.image(Aov::motion).at(x, y, 0), 0.3 / 4.0 * kFocal, 1e-3);
+    EXPECT_NEAR(even.image(Aov::motion).at(x, y, 1), 0.0, 1e-3);
+  });
+  const Frame faster = travelling(0.2, 0.6, 1);
+  double sum = 0.0;
+  for_each_pixel([&](int x, int y) {
+    const double moved = faster.image(Aov::motion).at(x, y, 0) * 4.0 / kFocal;
+    EXPECT_GT(moved, 0.2 - 1e-4);
+    EXPECT_LT(moved, 0.4 + 1e-4);
+    sum += moved / (kWidth * kHeight);
+  });
+  EXPECT_NEAR(sum, 0.3, 0.01);
 }
 
 TEST(Aov, WhatWasBehindThePreviousCameraCountsAsUnmoved) {

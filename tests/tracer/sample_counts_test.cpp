@@ -98,6 +98,17 @@ TEST(SampleCounts, OfATargetGrowAsItFalls) {
   EXPECT_EQ(mean_of(counts_of_target(pilot, 128, 64, 1e-4, limits)), 4096.0);
 }
 
+TEST(SampleCounts, OfATargetAreThoseOfTheErrorsDecay) {
+  Pilot pilot = two_halves(0.04f, 0.04f);
+  pilot.spp = 2.0;
+  for (const double target : {0.02, 0.05, 0.1}) {
+    // A filtered frame has half the squared error of a pilot of as many samples.
+    const double expected = 2.0 * std::pow(0.5 * 0.04 / (target * target), 1.0 / kFilteredErrorDecay);
+    const Image counts = counts_of_target(pilot, 128, 64, target, {.least = 1, .most = 65536});
+    for (const float count : counts.data()) ASSERT_NEAR(count, expected, 1.0) << target;
+  }
+}
+
 constexpr const char* kLitFloor = R"({'film': {'width': 24, 'height': 16}, 'integrator': {'max_depth': 3},
   'camera': {'look_at': {'eye': [0,2,4], 'target': [0,0,0]}}, 'materials': {'white': {'type': 'diffuse', 'reflectance': 0.7}},
   'meshes': {'plane': {'shape': 'rectangle'}, 'ball': {'shape': 'sphere', 'segments': 16}},

@@ -230,5 +230,21 @@ TEST(Jitter, IsSharedByAllPixels) {
   }
 }
 
+TEST(Jitter, OfACheckerboardIsWholeInTheFramesOfEachParity) {
+  Scene scene = load_text(
+      R"({'frames': {'first': 0, 'last': 7}, 'film': {'width': 2, 'height': 2, 'jitter_cycle': 4},
+    'camera': {'look_at': {'eye': [0,0,9], 'target': [0,0,0]}}, 'materials': {}, 'meshes': {}, 'objects': []})");
+  RenderOptions o = options(1);
+  o.checkerboard = true;
+  for (const int parity : {0, 1}) {
+    std::set<std::pair<float, float>> positions_px;
+    for (int number = parity; number < 8; number += 2) {
+      const V2f at = render_frame(scene, number, o).value().jitter()->positions_px.at(0);
+      positions_px.emplace(at.x, at.y);
+    }
+    EXPECT_EQ(positions_px.size(), 4u) << parity;
+  }
+}
+
 }  // namespace
 }  // namespace becalm::tracer::test

@@ -292,5 +292,51 @@ TEST(Texture, ShowsOnSurfaces) {
       << "a plane under a sky of 1 shows its reflectance";
 }
 
+constexpr const char* kBoxFilter = "'filter': {'type': 'box', 'radius_px': 0.5}";
+
+/// How far the albedo of columns of black and white is from grey, on average. They stand at `distance` before
+/// the camera; at a distance of 1 a pixel is as wide as 1.6 of them. Pixels whose only ray was reflected and
+/// met nothing do not count.
+double contrast_of_columns(double distance, const std::string& film, const std::string& glass = "") {
+  std::vector<float> pixels(64 * 64 * 3);
+  for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<float>(i / 3 % 2);
+  write_image("columns.exr", 64, 64, 3, pixels);
+  Scene scene = load_text("{'film': {'width': 48, 'height': 32, " + film +
+                          R"(}, 'camera': {'fov_y_deg': 10, 'look_at': {'eye': [0,0,0], 'target': [0,0,-1]}},
+    'materials': {'glass': {'type': 'dielectric', 'ior': 1.5},
+      'm': {'type': 'diffuse', 'reflectance': {'image': 'columns.exr', 'space': 'linear', 'repeat': [37.5,37.5]}}},
+    'meshes': {'plane': {'shape': 'rectangle'}}, 'objects': [)" +
+                          glass +
+                          "{'mesh': 'plane', 'material': 'm', 'transform': {'rotate_deg': [90,0,0], 'scale': "
+                          "4, 'translate': [0,0," +
+                          std::to_string(-distance) + "]}}]}");
+  const Frame frame = render_frame(scene, 1, options(1, {Aov::albedo, Aov::normal})).value();
+  double sum = 0.0;
+  int count = 0;
+  for (std::size_t i = 0; i < frame.image(Aov::albedo).pixel_count(); ++i) {
+    if (frame.image(Aov::normal).data()[3 * i + 2] == 0.0f) continue;
+    sum += std::abs(frame.image(Aov::albedo).data()[3 * i] - 0.5);
+    ++count;
+  }
+  EXPECT_GT(count, 1000);
+  return sum / count;
+}
+
+TEST(Texture, FootprintsOfJitteredFramesAreThoseOfAWholeCycle) {
+  const double blurred = contrast_of_columns(1.0, kBoxFilter);
+  const double sharp = contrast_of_columns(1.0, std::string("'jitter_cycle': 64, ") + kBoxFilter);
+  EXPECT_LT(blurred, 0.15);
+  EXPECT_GT(sharp, 0.2);
+}
+
+TEST(Texture, FootprintsBehindGlassAreNarrowerByItsIndex) {
+  // What stands in glass 1.5 times as far looks as it does without.
+  const double bare = contrast_of_columns(1.0, kBoxFilter);
+  const double behind = contrast_of_columns(1.5, kBoxFilter,
+                                            "{'mesh': 'plane', 'material': 'glass', 'transform': "
+                                            "{'rotate_deg': [90,0,0], 'translate': [0,0,-1e-3]}}, ");
+  EXPECT_NEAR(behind / bare, 1.0, 0.05) << bare;
+}
+
 }  // namespace
 }  // namespace becalm::tracer::test

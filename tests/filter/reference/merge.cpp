@@ -1,6 +1,7 @@
 #include "tests/filter/reference/merge.h"
 
 #include <limits>
+#include <optional>
 
 namespace becalm::reference {
 namespace {
@@ -182,6 +183,43 @@ Merged merge_by_variance(const Grid<Estimate>& sample, const Grid<Estimate>& war
     }
   }
   return merged;
+}
+
+Grid<Estimate> known_noise(const Grid<Estimate>& noisy, const Grid<Estimate>& warped, double exposure) {
+  constexpr int radius = 3;
+  struct Noise {
+    double seen = 0, told = 0;
+  };
+  // Nothing where there is no history, or no finite pixel.
+  const auto noise_at = [&](int x, int y) -> std::optional<Noise> {
+    const Estimate& n = noisy.at(x, y);
+    const Estimate& h = warped.at(x, y);
+    if (n.count <= 0 || h.count <= 0) return std::nullopt;
+    const double scale = 1 / brightness(h.color, exposure);
+    Noise noise{.seen = 0, .told = n.variance * scale * scale};
+    for (int c = 0; c < 3; ++c) {
+      noise.seen += std::pow((n.color[c] - h.color[c]) * scale, 2) / 3 * h.count / (h.count + 1);
+    }
+    return noise;
+  };
+  Grid<Estimate> known = noisy;
+  for (int y = 0; y < noisy.height; ++y) {
+    for (int x = 0; x < noisy.width; ++x) {
+      Noise around;
+      for (int v = std::max(y - radius, 0); v <= std::min(y + radius, noisy.height - 1); ++v) {
+        for (int u = std::max(x - radius, 0); u <= std::min(x + radius, noisy.width - 1); ++u) {
+          const std::optional<Noise> tap = noise_at(u, v);
+          if ((u == x && v == y) || !tap) continue;
+          around.seen += tap->seen;
+          around.told += tap->told;
+        }
+      }
+      const std::optional<Noise> own = noise_at(x, y);
+      if (!own || own->seen >= own->told || around.seen >= around.told) continue;
+      known.at(x, y).variance *= std::max(around.seen / around.told, own->seen / own->told);
+    }
+  }
+  return known;
 }
 
 Merged merge_by_mask(const Grid<Estimate>& sample, const Grid<Estimate>& warped, const Grid<double>& residual,

@@ -38,6 +38,11 @@ double patch_bias(double mean_square, double square, double noise, double count,
 Merged merge_by_variance(const Grid<Estimate>& sample, const Grid<Estimate>& warped, double exposure,
                          const filter::Settings& settings);
 
+/// A noisy layer whose variance is lowered to what differs from the warped history: a squared difference,
+/// scaled to one frame's noise, over the variance; that of the pixel or of those within 3 px around it,
+/// whichever is more, and at most 1.
+Grid<Estimate> known_noise(const Grid<Estimate>& noisy, const Grid<Estimate>& warped, double exposure);
+
 /// The paper's rejection by the patch distance at full resolution.
 Merged merge_by_mask(const Grid<Estimate>& sample, const Grid<Estimate>& warped, const Grid<double>& residual,
                      const filter::Settings& settings);

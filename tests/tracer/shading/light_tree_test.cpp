@@ -113,12 +113,17 @@ TEST(LightTree, passes_over_nothing_that_shines) {
   for (int i = 0; i < 300; ++i) {
     const V3f p = random_vector(random);
     const V3f point(30.0f * p.x, 10.0f * p.y, 30.0f * p.z);
+    const Receiver surface(point, random_vector(random).normalized());
     for (std::size_t k = 0; k < list.triangles.size(); ++k) {
       const auto drawn = AreaLight(list.triangles[k]).sample(point, random.next_2d());
       if (!drawn) continue;
       ++shining;
       ASSERT_GT(lights.pdf_triangle(k, lights.received(point, 0.0f), drawn->dir_world, drawn->distance), 0.0f)
           << k << point;
+      if (drawn->dir_world.dot(surface.normal) < 1e-3f) continue;
+      ASSERT_GT(lights.pdf_triangle(k, lights.received(surface, 0.0f), drawn->dir_world, drawn->distance),
+                0.0f)
+          << k << point << surface.normal;
     }
     for (std::size_t k = 0; k < list.spheres.size(); ++k) {
       if (list.spheres[k].radiant_intensity() > 0.0 && list.spheres[k].pdf_solid_angle(point) > 0.0f) {

@@ -314,6 +314,29 @@ TEST(Lights, no_kind_is_starved) {
   EXPECT_EQ(shares(1, 0, 1).y, 0.0);
 }
 
+TEST(Lights, each_of_several_suns_is_chosen_by_its_irradiance) {
+  LightList list;
+  for (int i = 0; i < 4; ++i) {
+    list.suns.push_back({V3f(0.3f * i, 1, 0), 0.0f, V3f(1.0f + i), static_cast<std::uint16_t>(i)});
+  }
+  const Lights lights{list};
+  const Lights::Received received = lights.received(V3f(0), 0.0f);
+  TestRandom random(32);
+  constexpr int samples = 100000;
+  std::vector<int> seen(4, 0);
+  for (int i = 0; i < samples; ++i) {
+    const auto drawn = lights.sample(received, random.next(), V2f(0.5f));
+    ASSERT_TRUE(drawn);
+    ++seen.at(drawn->group);
+    ASSERT_NEAR(drawn->pdf_solid_angle, (1.0 + drawn->group) / 10.0, 1e-6);
+  }
+  for (int i = 0; i < 4; ++i) {
+    const double share = (1.0 + i) / 10.0;
+    EXPECT_NEAR(seen[i], samples * share, 5.0 * std::sqrt(samples * share * (1.0 - share)))
+        << "seed 32 " << i;
+  }
+}
+
 TEST(Lights, broken_emitters_are_never_chosen) {
   LightList list;
   list.spheres = {{V3f(0, 3, 0), 0.0f, V3f(1.0f), true, 0, {}},

@@ -1,0 +1,132 @@
+// becalm render: --resume.
+
+#include <gtest/gtest.h>
+
+#include "tests/end_to_end/render_fixture.h"
+
+namespace becalm::test {
+namespace {
+
+TEST_F(Render, ResumeWritesOnlyWhatIsMissing) {
+  render("whole.####.exr");
+  render("a.####.exr");
+  fs::remove(folder_ / "a.0003.exr");
+  const auto written_before = fs::last_write_time(folder_ / "a.0002.exr");
+  const Outcome outcome =
+      becalm_done({"render", scene_, "-o", folder_ / "a.####.exr", "--spp", "2", "--resume"});
+  EXPECT_NE(outcome.err.find("3 were there already"), std::string::npos) << outcome.err;
+  EXPECT_EQ(fs::last_write_time(folder_ / "a.0002.exr"), written_before);
+  expect_same_beauty(folder_ / "whole.####.exr", folder_ / "a.####.exr", 1, 4);
+  const Outcome again =
+      becalm_done({"render", scene_, "-o", folder_ / "a.####.exr", "--spp", "2", "--resume"});
+  EXPECT_NE(again.err.find("all 4 frames are there"), std::string::npos) << again.err;
+}
+
+TEST_F(Render, ResumeRendersDamagedFramesAgain) {
+  render("whole.####.exr", {"--frames", "1-2"});
+  render("a.####.exr", {"--frames", "1-2"});
+  fs::resize_file(folder_ / "a.0001.exr", fs::file_size(folder_ / "a.0001.exr") - 200);
+  const Outcome outcome = render("a.####.exr", {"--frames", "1-2", "--resume"});
+  EXPECT_NE(outcome.err.find("a.0001.exr is damaged"), std::string::npos) << outcome.err;
+  expect_same_beauty(folder_ / "whole.####.exr", folder_ / "a.####.exr", 1, 2);
+}
+
+TEST_F(Render, ResumeRefusesOtherSettingsAndNamesThem) {
+  render("a.####.exr", {"--frames", "1-2"});
+  const auto resume = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = command("a.####.exr", {"--resume"});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return becalm(arguments);
+  };
+  expect_error(resume({"--seed", "5"}), 2, {"a.0001.exr", "seed=0", "seed=5"});
+  expect_error(resume({"--size", "24x16"}), 2, {"a.0001.exr", "size=48x32", "size=24x16"});
+  expect_error(resume({"--aovs", "normal"}), 2, {"a.0001.exr", "aovs=none", "aovs=normal"});
+  expect_error(resume({"--denoise"}), 2, {"a.0001.exr"});
+  expect_error(resume({"--aov-spp", "32"}), 2, {"a.0001.exr", "aov_spp=16", "aov_spp=32"});
+  expect_error(resume({"--float"}), 2, {"a.0001.exr", "color=half", "color=float"});
+  expect_error(resume({"--spp", "3"}), 2, {"a.0001.exr", "spp=2", "spp=3"});
+  expect_error(resume({"--reproducible"}), 2, {"a.0001.exr", "reproducible=yes"});
+}
+
+TEST_F(Render, ResumeRefusesAScenePipedIn) {
+  const Outcome outcome =
+      becalm_redirected({"render", "/dev/stdin", "-o", folder_ / "a.####.exr", "--frames", "1", "--resume"},
+                        "< <(cat '" + scene_ + "')");
+  expect_error(outcome, 3, {"/dev/stdin: not a file, expected a JSON file"});
+  EXPECT_FALSE(fs::exists(folder_ / "a.0001.exr"));
+}
+
+TEST_F(Render, ResumeNoticesAnEditedMesh) {
+  write_text(folder_ / "mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  write_text(
+      scene_,
+      R"({"film": {"width": 16, "height": 16}, "camera": {"look_at": {"eye": [0, 0, 4], "target": [0, 0, 0]}}, "environment": {"radiance": [1, 1, 1]},
+    "frames": {"first": 1, "last": 2}, "materials": {"m": {"type": "diffuse", "reflectance": 0.5}},
+    "meshes": {"t": {"obj": "mesh.obj"}}, "objects": [{"name": "o", "mesh": "t", "material": "m"}]})");
+  render("a.####.exr", {"--frames", "1"});
+  write_text(folder_ / "mesh.obj", "v 0 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\n");
+  expect_error(becalm(command("a.####.exr", {"--resume"})), 2, {"a.0001.exr", "scene"});
+}
+
+TEST_F(Render, ResumeNoticesAnEditedMaterialOfAMeshAndItsImage) {
+  write_text(folder_ / "mesh.obj",
+             "mtllib my mesh.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n");
+  write_text(folder_ / "my mesh.mtl", "newmtl m\nKd 1 0 0\nmap_Kd -s 2 2 1 my image.exr\n");
+  io::write_exr(folder_ / "my image.exr", noise_frame(1, 4, 4), {});
+  write_mesh_scene("o");
+  render("a.####.exr", {"--frames", "1"});
+  render("a.####.exr", {"--frames", "1", "--resume"});
+  io::write_exr(folder_ / "my image.exr", noise_frame(2, 4, 4), {});
+  expect_error(becalm(command("a.####.exr", {"--resume"})), 2, {"a.0001.exr", "scene"});
+  io::write_exr(folder_ / "my image.exr", noise_frame(1, 4, 4), {});
+  write_text(folder_ / "my mesh.mtl", "newmtl m\nKd 0 1 0\nmap_Kd -s 2 2 1 my image.exr\n");
+  expect_error(becalm(command("a.####.exr", {"--resume"})), 2, {"a.0001.exr", "scene"});
+}
+
+TEST_F(Render, ResumeNoticesAnEditedMaterialBehindAByteOrderMarkAndAContinuedLine) {
+  write_text(folder_ / "mesh.obj",
+             "\xef\xbb\xbfmtllib \\\nmesh.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n");
+  write_text(folder_ / "mesh.mtl", "newmtl m\nKd 1 0 0\n");
+  write_mesh_scene("o");
+  render("a.####.exr", {"--frames", "1"});
+  write_text(folder_ / "mesh.mtl", "newmtl m\nKd 0 1 0\n");
+  expect_error(becalm(command("a.####.exr", {"--resume"})), 2, {"a.0001.exr", "scene"});
+}
+
+TEST_F(Render, ResumeReplacesFilesOfOthersIfTold) {
+  render("a.####.exr", {"--frames", "1"});
+  io::write_exr(folder_ / "a.0002.exr", noise_frame(1, 4, 4), {});
+  write_text(folder_ / "a.0003.exr", "notes");
+  expect_error(becalm(command("a.####.exr", {"--resume"})), 2, {"a.0002.exr", "--overwrite replaces it"});
+  const Outcome outcome =
+      becalm_done({"render", scene_, "-o", folder_ / "a.####.exr", "--spp", "2", "--resume", "--overwrite"});
+  EXPECT_NE(outcome.err.find("frame 2"), std::string::npos) << outcome.err;
+  EXPECT_EQ(outcome.err.find("frame 1:"), std::string::npos) << outcome.err;
+  EXPECT_EQ(read_frame(folder_ / "a.0002.exr").width(), read_frame(folder_ / "a.0001.exr").width());
+}
+
+TEST_F(Render, ResumedDenoiseWhileRenderingIsTheSame) {
+  const std::vector<std::string> options{"--denoise=draft", "--spp", "1", "--keep-noisy",
+                                         folder_ / "kept.####.exr"};
+  const auto go = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"render", scene_, "-o", folder_ / "a.####.exr", "--profile"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return becalm_done(arguments);
+  };
+  go({});
+  for (int frame = 1; frame <= 4; ++frame) {
+    fs::copy_file(frame_path(folder_ / "a.####.exr", frame), frame_path(folder_ / "whole.####.exr", frame));
+  }
+  fs::remove(folder_ / "a.0002.exr");
+  fs::remove(folder_ / "a.0003.exr");
+  fs::remove(folder_ / "kept.0003.exr");
+  const auto fourth = fs::last_write_time(folder_ / "a.0004.exr");
+  const Outcome outcome = go({"--resume"});
+  EXPECT_NE(outcome.err.find("frame 1: exists"), std::string::npos) << outcome.err;
+  expect_same_beauty(folder_ / "whole.####.exr", folder_ / "a.####.exr", 1, 4);
+  EXPECT_EQ(fs::last_write_time(folder_ / "a.0004.exr"), fourth);
+}
+
+}  // namespace
+}  // namespace becalm::test
