@@ -30,13 +30,13 @@ bool is_exr_name(const std::string& name) {
   return extension == ".exr";
 }
 
-constexpr std::string_view kMark = ".partial.";
+constexpr std::string_view kPartialMark = ".partial.";
 
 /// `NAME.partial.PID.N`, as frame/io writes before it renames: the process, or 0 if the name is another one.
 int partial_owner(const std::string& file, const std::set<std::string>& outputs) {
-  const auto mark = file.rfind(kMark);
+  const auto mark = file.rfind(kPartialMark);
   if (mark == std::string::npos || !outputs.contains(file.substr(0, mark))) return 0;
-  const char* begin = file.data() + mark + kMark.size();
+  const char* begin = file.data() + mark + kPartialMark.size();
   const char* end = file.data() + file.size();
   int process = 0;
   unsigned counter = 0;
