@@ -79,7 +79,7 @@ ExitStatus conclude(Progress& progress, std::size_t frames_asked, const Profile*
   const std::string line =
       fmt::format("interrupted: {} of {} frames written; go on with --resume", written, frames_asked);
   if (message_format() == MessageFormat::json) {
-    say_event({{"event", "error"}, {"status", static_cast<int>(ExitStatus::interrupted)}, {"text", line}});
+    say_event({{"event", "error"}, {"status", process_status(ExitStatus::interrupted)}, {"text", line}});
   } else {
     say(line);
   }

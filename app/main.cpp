@@ -15,6 +15,7 @@
 #include <string_view>
 #include <vector>
 
+#include "app/cancel.h"
 #include "app/command.h"
 #include "app/console.h"
 #include "app/help.h"
@@ -44,12 +45,12 @@ constexpr const char* kFooter =
     "messages to standard error.\n"
     "Exit status: 0 done; 1 a comparison or a test failed; 2 wrong usage; 3 bad input; 4 device or resource "
     "trouble;\n"
-    "130 interrupted.\n"
+    "130 interrupted, 129 by a hang-up.\n"
     "becalm COMMAND --help tells a command's options.\n";
 
 int fail(ExitStatus status, const std::string& message) {
   becalm::app::say_error(status, message);
-  return static_cast<int>(status);
+  return becalm::app::process_status(status);
 }
 
 /// Flushes standard output. The status tells if it could not be written.
@@ -151,7 +152,7 @@ int run(int argc, char** argv) {
     if (error.get_exit_code() == 0) return finish_output(parser.exit(error));  // --help, --version
     return fail(ExitStatus::usage, usage_message(error, parser, find_chosen(commands)));
   }
-  return finish_output(static_cast<int>(find_chosen(commands)->run()));
+  return finish_output(becalm::app::process_status(find_chosen(commands)->run()));
 }
 
 }  // namespace
