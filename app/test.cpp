@@ -19,6 +19,7 @@
 #include "app/command.h"
 #include "app/console.h"
 #include "app/counted.h"
+#include "app/number_checks.h"
 #include "app/options.h"
 #include "app/report_file.h"
 #include "app/test/calibrate.h"
@@ -262,7 +263,7 @@ void add_test_options(CLI::App& parser, TestCommand& command) {
   parser
       .add_flag("--calibrate{16}", command.calibrate,
                 "Run each case with so many seeds (default: 16) and propose limits for its false-alarm rate")
-      ->check(CLI::Range(3, 10000))
+      ->check(whole_number_from(3, 10000))
       ->option_text("[=N]")
       ->group("References");
   parser.add_option("--junit", command.junit, "Write JUnit's XML, for CI systems, over that of the last run")
@@ -280,13 +281,13 @@ void add_test_options(CLI::App& parser, TestCommand& command) {
       ->option_text("DIR")
       ->group("Reports");
   parser.add_option("--jobs", command.jobs, "Cases that run side by side (default: 1)")
-      ->check(CLI::Range(1, 1024))
+      ->check(whole_number_from(1, 1024))
       ->option_text("N")
       ->group("Running");
   parser
       .add_option("--threads", command.threads,
                   "Processor threads of each case (default: all, shared by the jobs)")
-      ->check(CLI::Range(1, 4096))
+      ->check(whole_number_from(1, 4096))
       ->option_text("N")
       ->group("Running");
   parser
