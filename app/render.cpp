@@ -111,7 +111,7 @@ class RenderJob {
   void write(FinishedFrame& finished, FrameSink& sink);
   void complete(Frame& result, Frame& noisy);
 
-  io::Attributes render_attributes(const AskedAovs& aovs, bool float_colors) const;
+  io::Attributes render_attributes(const AskedAovs& aovs, const std::string& color) const;
 
   const RenderCommand& command_;
   const ThreadLimit threads_;
@@ -150,7 +150,7 @@ RenderJob::RenderJob(const RenderCommand& command, tracer::Scene scene)
   const std::vector<int> frames = frames_of(command, scene_.description());
   outputs_.emplace("-o", patterns_of(command.output.pattern, eyes_), frames);
   outputs_->keep_apart_from(scene_files_);
-  attributes_ = render_attributes(asked_, command.float_colors);
+  attributes_ = render_attributes(asked_, command.type);
   if (filter_) {
     readable_ = filter_->readable(frames, existing_frames(frames, scene_.description(), *filter_));
     attributes_.back().second += ' ' + filter_->describe(readable_);
@@ -173,7 +173,7 @@ void RenderJob::choose_noisy_files() {
            : scratch_pattern(command_.output.pattern, eyes_.front(), outputs_->frames());
   noisy_files_.emplace(
       NoisyFiles{.outputs = Outputs(kept ? "--keep-noisy" : "-o", {io::SequencePattern(pattern)}, readable_),
-                 .attributes = render_attributes({rendered_, asked_.light_groups}, /*float_colors=*/true)});
+                 .attributes = render_attributes({rendered_, asked_.light_groups}, /*color=*/"float")});
   noisy_files_->outputs.keep_apart_from(scene_files_);
   std::vector<std::string> written;
   for (const int frame : outputs_->frames()) {
@@ -183,7 +183,7 @@ void RenderJob::choose_noisy_files() {
   noisy_files_->outputs.keep_apart_from(written);
 }
 
-io::Attributes RenderJob::render_attributes(const AskedAovs& aovs, bool float_colors) const {
+io::Attributes RenderJob::render_attributes(const AskedAovs& aovs, const std::string& color) const {
   const std::string eye = command_.eye == "both" ? "" : " eye=" + command_.eye;
   const std::string sampling = command_.noise_target ? fmt::format(" noise_target={}", *command_.noise_target)
                                : command_.adaptive   ? " adaptive=yes"
@@ -194,7 +194,7 @@ io::Attributes RenderJob::render_attributes(const AskedAovs& aovs, bool float_co
                        scene_hash_, size_.width, size_.height, command_.spp, sampling,
                        command_.checkerboard ? " checkerboard=yes" : "",
                        std::max(command_.spp, command_.aov_spp), command_.seed, format_aovs(aovs),
-                       float_colors ? "float" : "half", command_.running.reproducible ? "yes" : "no", eye)}};
+                       color, command_.running.reproducible ? "yes" : "no", eye)}};
 }
 
 void RenderJob::find_existing() {
@@ -332,7 +332,7 @@ void RenderJob::run_segments(const std::vector<int>& work) {
 
 void RenderJob::run_steps(const std::vector<filter::Step>& steps,
                           const std::function<std::optional<io::LoadedFrame>(std::size_t)>& source) {
-  FrameSink sink(*outputs_, existing_, "--float keeps them", *progress_, profile_);
+  FrameSink sink(*outputs_, existing_, *progress_, profile_);
   run_pipeline(steps.size(),
                {.source = source,
                 .filter = [&](std::size_t step, io::LoadedFrame noisy) -> std::optional<FinishedFrame> {
@@ -358,7 +358,7 @@ void RenderJob::write(FinishedFrame& finished, FrameSink& sink) {
     complete(result, eye == 0 ? finished.source.frame : finished.source.other_views[eye - 1].frame);
     views.push_back({name_of_eye(eyes_[eye]), &result});
   }
-  const io::PixelType type = command_.float_colors ? io::PixelType::float32 : io::PixelType::half;
+  const io::PixelType type = command_.type == "float" ? io::PixelType::float32 : io::PixelType::half;
   sink.write(finished.frame.number(), [&](const std::string& path, std::size_t file) {
     const bool one_each = outputs_->files() > 1;
     return io::write_exr(path, one_each ? std::vector{views[file]} : views, attributes, type);

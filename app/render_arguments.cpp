@@ -28,8 +28,12 @@ void add_render_options(CLI::App& parser, RenderCommand& command) {
           "commas, all (but light groups, and of one sample no halves) or none (default: none)")
       ->option_text("LIST")
       ->group("Output");
-  parser.add_flag("--float,!--half-float", command.float_colors, "Colours as 32-bit float (default: half)")
+  parser.add_option("--type", command.type, "Type of the colours (default: half)")
+      ->check(CLI::IsMember({"half", "float"}))
+      ->option_text("half|float")
       ->group("Output");
+  // The former name of --type float, which scripts have.
+  parser.add_flag_callback("--float", [&command] { command.type = "float"; })->group("");
   parser
       .add_option("--spp", command.asked_spp,
                   "Samples per pixel (default: 8; the most with --noise-target: 256)")

@@ -160,7 +160,7 @@ ExitStatus SequenceJob::run() {
                     inputs_.pattern().text()));
   }
   const double work_per_step = static_cast<double>(work) / static_cast<double>(steps.size());
-  FrameSink sink(outputs_, existing_, "--type float keeps them", *progress_, profile_);
+  FrameSink sink(outputs_, existing_, *progress_, profile_);
   run_pipeline(steps.size(), {.source = [&](std::size_t step) { return std::optional(read(steps[step])); },
                               .filter =
                                   [&](std::size_t step, io::LoadedFrame noisy) {
