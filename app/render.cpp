@@ -23,6 +23,7 @@
 #include "app/filter_stage.h"
 #include "app/frame_sink.h"
 #include "app/input_frames.h"
+#include "app/noise_report.h"
 #include "app/options.h"
 #include "app/outputs.h"
 #include "app/pipeline.h"
@@ -193,8 +194,8 @@ io::Attributes RenderJob::render_attributes(const AskedAovs& aovs, const std::st
            fmt::format("scene={} size={}x{} spp={}{}{} aov_spp={} seed={} aovs={} color={} reproducible={}{}",
                        scene_hash_, size_.width, size_.height, command_.spp, sampling,
                        command_.checkerboard ? " checkerboard=yes" : "",
-                       std::max(command_.spp, command_.aov_spp), command_.seed, format_aovs(aovs),
-                       color, command_.running.reproducible ? "yes" : "no", eye)}};
+                       std::max(command_.spp, command_.aov_spp), command_.seed, format_aovs(aovs), color,
+                       command_.running.reproducible ? "yes" : "no", eye)}};
 }
 
 void RenderJob::find_existing() {
@@ -271,9 +272,8 @@ void RenderJob::tell_expected_noise() {
   if (expected_errors_.empty()) return;
   double sum = 0.0;
   for (const double error : expected_errors_) sum += error;
-  progress_->note(fmt::format("noise expected in the frames: {:.3g} (--noise-target {})",
-                              std::sqrt(sum / static_cast<double>(expected_errors_.size())),
-                              *command_.noise_target));
+  progress_->note(noise_text(std::sqrt(sum / static_cast<double>(expected_errors_.size())),
+                             *command_.noise_target, sampling_));
 }
 
 RenderedFrames RenderJob::rendered_frames() {
