@@ -320,9 +320,7 @@ void RenderJob::run_segments(const std::vector<int>& work) {
   for (const int frame : work) needed.erase(frame);
   std::erase_if(needed, [&](int frame) { return noisy_files_->existing.contains(frame); });
   if (!needed.empty()) {
-    progress_->note(fmt::format(
-        "{} frames more are rendered for those before and after them; --context none does without",
-        needed.size()));
+    progress_->note(context_note(needed.size(), "rendered"));
   }
   RenderedFrames frames = rendered_frames();
   RenderAhead ahead(frames, *noisy_files_, std::move(segments), !command_.keep_noisy.empty());
