@@ -181,7 +181,7 @@ void RenderJob::choose_noisy_files() {
     for (std::size_t file = 0; file < outputs_->files(); ++file)
       written.push_back(outputs_->path(frame, file));
   }
-  noisy_files_->outputs.keep_apart_from(written);
+  noisy_files_->outputs.keep_apart_from(written, "a frame of -o");
 }
 
 io::Attributes RenderJob::render_attributes(const AskedAovs& aovs, const std::string& color) const {
