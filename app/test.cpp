@@ -119,17 +119,18 @@ class TestJob {
   ExitStatus test() const {
     check_report_files(report_files(), inputs());
     const WorkFolder folder(command_.keep, cases_);
+    std::FILE* const lines = stream_beside(report_files());
     const TestResults results =
         run_cases(cases_, folder, {command_.jobs, threads(), command_.fail_fast, command_.reproducible},
-                  [](const CaseResult& result) {
-                    fmt::print("{}\n", line_of(result));
-                    std::fflush(stdout);
+                  [lines](const CaseResult& result) {
+                    fmt::print(lines, "{}\n", line_of(result));
+                    std::fflush(lines);
                   });
     const std::size_t failed = count_of(results, CaseOutcome::failed);
     const std::size_t errors = count_of(results, CaseOutcome::error);
-    fmt::print("{} passed, {} failed, {}, {} skipped in {:.1f} s\n", count_of(results, CaseOutcome::passed),
-               failed, counted(errors, "error", "errors"), count_of(results, CaseOutcome::skipped),
-               results.seconds);
+    fmt::print(lines, "{} passed, {} failed, {}, {} skipped in {:.1f} s\n",
+               count_of(results, CaseOutcome::passed), failed, counted(errors, "error", "errors"),
+               count_of(results, CaseOutcome::skipped), results.seconds);
     write_report_files(report_files(), [&](ReportKind kind) { return report_text(kind, results); });
     if (interrupted()) return ExitStatus::interrupted;
     return errors > 0 ? ExitStatus::bad_input : failed > 0 ? ExitStatus::comparison_failed : ExitStatus::done;
@@ -269,7 +270,9 @@ void add_test_options(CLI::App& parser, TestCommand& command) {
   parser.add_option("--junit", command.junit, "Write JUnit's XML, for CI systems, over that of the last run")
       ->option_text("FILE")
       ->group("Reports");
-  parser.add_option("--json", command.json, "Write all figures, over those of the last run")
+  parser
+      .add_option("--json", command.json,
+                  "Write all figures, over those of the last run; - is standard output")
       ->option_text("FILE")
       ->group("Reports");
   parser
