@@ -348,7 +348,7 @@ void add_burst_options(CLI::App& parser, BurstCommand& command) {
       .add_option(
           "--set", command.filter.assignments,
           "Change one setting of the aligner: pyramid, blur_radius, distance or refine_levels; may be "
-          "repeated")
+          "repeated, and the last of a key holds")
       ->option_text("KEY=VALUE")
       ->take_all()
       ->allow_extra_args(false)

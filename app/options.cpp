@@ -110,7 +110,9 @@ void add_alpha_option(CLI::App& command, FilterOptions& options) {
 }
 
 void add_filter_options(CLI::App& command, FilterOptions& options) {
-  command.add_option("--set", options.assignments, "Change one setting of the preset; may be repeated")
+  command
+      .add_option("--set", options.assignments,
+                  "Change a setting of the preset; repeatable, the last of a key holds")
       ->option_text("KEY=VALUE")
       ->take_all()
       ->allow_extra_args(false)
