@@ -123,16 +123,17 @@ becalm::app::MessageFormat asked_format(std::span<const std::string> arguments) 
 }
 
 /// `becalm help`, as other programs of many commands have it, asks for --help, and `becalm help COMMAND` for
-/// that command's.
-std::vector<std::string> without_help_command(std::vector<std::string> arguments) {
-  if (arguments.empty() || arguments.front() != "help") return arguments;
-  arguments.erase(arguments.begin());
-  arguments.resize(std::min<std::size_t>(arguments.size(), 1));
-  arguments.emplace_back("--help");
-  return arguments;
+/// that command's. An unknown COMMAND stays alone, so that it is told.
+std::vector<std::string> without_help_command(const std::vector<std::string>& typed,
+                                              std::span<const becalm::app::Command> commands) {
+  if (typed.empty() || typed.front() != "help") return typed;
+  if (typed.size() == 1) return {"--help"};
+  const bool is_known = std::ranges::any_of(
+      commands, [&](const becalm::app::Command& command) { return command.parser->get_name() == typed[1]; });
+  return is_known ? std::vector<std::string>{typed[1], "--help"} : std::vector<std::string>{typed[1]};
 }
 
-int run(const std::vector<std::string>& arguments) {
+int run(const std::vector<std::string>& typed) {
   constexpr const char* version = "becalm " BECALM_VERSION;
   CLI::App parser(kDescription, "becalm");
   parser.footer(kFooter);
@@ -155,6 +156,7 @@ int run(const std::vector<std::string>& arguments) {
     allow_padded_numbers(*command.parser);
     refuse_empty_values(*command.parser);
   }
+  const std::vector<std::string> arguments = without_help_command(typed, commands);
   try {
     parser.parse(std::vector(arguments.rbegin(), arguments.rend()));  // CLI11 takes them from the end
     refuse_empty_assignments(*find_chosen(commands)->parser, arguments);
@@ -174,7 +176,7 @@ int run(const std::vector<std::string>& arguments) {
 int main(int argc, char** argv) {
   becalm::app::occupy_closed_streams();
   try {
-    const std::vector<std::string> arguments = without_help_command({argv + std::min(argc, 1), argv + argc});
+    const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
     becalm::app::set_message_format(asked_format(arguments));
     return run(arguments);
   } catch (const becalm::Error& error) {

@@ -36,6 +36,7 @@ TEST_F(CommandLine, HelpAndVersionAreFoundWhereverTheyAreAskedFor) {
     EXPECT_EQ(becalm_done({"help", command}).out, becalm_done({command, "--help"}).out);
     EXPECT_EQ(becalm_done({command, "--version"}).out, becalm_done({"--version"}).out);
   }
+  expect_error(becalm({"help", "compar"}), kUsage, {"did you mean compare?"});
   EXPECT_EQ(becalm_done({"help"}).out, becalm_done({"--help"}).out);
   EXPECT_NE(becalm_done({"--help-all"}).out.find("Usage: becalm burst "), std::string::npos);
 }
