@@ -1,6 +1,7 @@
 #include "app/adaptive_sampling.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "app/cancel.h"
@@ -64,14 +65,24 @@ std::optional<Image> AdaptiveSampling::counts(int frame) {
                             pilot_spp()};
   const int least = options_.halves ? 2 : 1;
   if (options_.noise_target) {
-    return tracer::counts_of_target(pilot, width_, height_, *options_.noise_target,
-                                    {.least = least, .most = std::max(least, options_.spp)});
+    const int most = std::max(least, options_.spp);
+    Image counts = tracer::counts_of_target(pilot, width_, height_, *options_.noise_target,
+                                            {.least = least, .most = most});
+    add_spent(counts, most);
+    return counts;
   }
   const auto limit = [&](double factor) {
     return std::clamp(static_cast<int>(factor * options_.spp), least, 65536);
   };
   return tracer::counts_of_mean(pilot, width_, height_, std::max(options_.spp, least),
                                 {.least = limit(kFewest), .most = limit(kMost)});
+}
+
+void AdaptiveSampling::add_spent(const Image& counts, int most) {
+  const auto pixels = static_cast<double>(counts.pixel_count());
+  spent_.frames += 1.0;
+  spent_.spp += std::accumulate(counts.data().begin(), counts.data().end(), 0.0) / pixels;
+  spent_.capped += static_cast<double>(std::ranges::count(counts.data(), static_cast<float>(most))) / pixels;
 }
 
 std::optional<Frame> AdaptiveSampling::render_pilot(int frame, tracer::RenderReport* report) {

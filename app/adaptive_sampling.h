@@ -33,10 +33,20 @@ class AdaptiveSampling {
   /// The pilot of a frame as it was rendered, for those who want to know what samples cost.
   std::optional<Frame> render_pilot(int frame, tracer::RenderReport* report = nullptr);
 
+  /// What a noise target took, summed over the frames.
+  struct Spent {
+    double frames = 0.0;
+    double spp = 0.0;     ///< their means
+    double capped = 0.0;  ///< the shares of their pixels that have the most samples
+  };
+  const Spent& spent() const { return spent_; }
+
   /// Samples that a pilot takes per pixel of the frame.
   static double pilot_spp();
 
  private:
+  void add_spent(const Image& counts, int most);
+
   tracer::Scene& scene_;
   const int width_, height_;
   tracer::RenderOptions pilot_options_;
@@ -45,6 +55,7 @@ class AdaptiveSampling {
   const gpu::DeviceOptions device_options_;
   std::optional<gpu::Device> device_;
   std::optional<filter::SequenceFilter> filter_;
+  Spent spent_;
 };
 
 }  // namespace becalm::app

@@ -18,6 +18,12 @@ bool made_by_tracer(const AovInfo& entry) {
   return !entry.diagnostic && entry.aov != Aov::beauty;
 }
 
+/// Without those around it, as in `albedo, normal`.
+std::string without_blanks(const std::string& text) {
+  const std::size_t first = std::min(text.find_first_not_of(' '), text.size());
+  return text.substr(first, text.find_last_not_of(' ') + 1 - first);
+}
+
 }  // namespace
 
 AskedAovs parse_aovs(const std::string& text) {
@@ -33,7 +39,7 @@ AskedAovs parse_aovs(const std::string& text) {
   if (text == "none") return chosen;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t comma = std::min(text.find(',', begin), text.size());
-    const std::string name = text.substr(begin, comma - begin);
+    const std::string name = without_blanks(text.substr(begin, comma - begin));
     begin = comma + 1;
     chosen.light_groups |= name == kLightGroups;
     takes_all |= name == "all";

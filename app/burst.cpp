@@ -142,7 +142,13 @@ class BurstJob {
   Kind output_kind() const {
     const std::string type = extension(command_.output);
     if (type == ".exr") return command_.mosaic ? Kind::mosaic_exr : Kind::picture;
-    if (type == ".dng" || type == ".tif" || type == ".tiff") return Kind::dng;
+    const bool is_dng = type == ".dng" || type == ".tif" || type == ".tiff";
+    if (is_dng && command_.mosaic) {
+      throw Error(ExitStatus::usage, fmt::format("--mosaic is for .exr: -o {} is a DNG file, which holds the "
+                                                 "mosaic anyway",
+                                                 command_.output));
+    }
+    if (is_dng) return Kind::dng;
     throw Error(ExitStatus::usage,
                 fmt::format("-o {}: expected a name that ends in .exr, .dng or .tif", command_.output));
   }
@@ -342,7 +348,7 @@ void add_burst_options(CLI::App& parser, BurstCommand& command) {
       .add_option(
           "--set", command.filter.assignments,
           "Change one setting of the aligner: pyramid, blur_radius, distance or refine_levels; may be "
-          "repeated")
+          "repeated, and the last of a key holds")
       ->option_text("KEY=VALUE")
       ->take_all()
       ->allow_extra_args(false)

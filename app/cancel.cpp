@@ -4,17 +4,24 @@
 
 #include <csignal>
 
-#include "frame/error.h"
-
 namespace becalm::app {
 namespace {
 
 std::atomic<bool> stop{false};
-std::atomic<bool> signalled{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "the signal handler may only touch lock-free atomics");
+std::atomic<int> first_signal{0};
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
+              "the signal handler may only touch lock-free atomics");
 
-extern "C" void on_signal(int) {
-  if (signalled.exchange(true)) _exit(static_cast<int>(ExitStatus::interrupted));
+/// A terminal that is closed often sends two of them, its shell's and the kernel's: the second is no sign of
+/// impatience.
+bool is_hang_up(int signal) {
+  return signal == SIGHUP;
+}
+
+extern "C" void on_signal(int signal) {
+  int none = 0;
+  const bool is_first = first_signal.compare_exchange_strong(none, signal);
+  if (!is_first && !is_hang_up(signal)) _exit(process_status(ExitStatus::interrupted));
   stop = true;
 }
 
@@ -27,6 +34,10 @@ void catch_signals() {
   action.sa_flags = SA_RESTART;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  struct sigaction of_hang_up = {};
+  sigaction(SIGHUP, nullptr, &of_hang_up);
+  const bool goes_on_without_terminal = of_hang_up.sa_handler == SIG_IGN;  // nohup
+  if (!goes_on_without_terminal) sigaction(SIGHUP, &action, nullptr);
   action.sa_handler = SIG_IGN;
   sigaction(SIGPIPE, &action, nullptr);
   sigaction(SIGXFSZ, &action, nullptr);  // a limit of files' sizes is an error of writing
@@ -39,7 +50,11 @@ void request_stop() {
   stop = true;
 }
 bool interrupted() {
-  return signalled;
+  return first_signal != 0;
+}
+int process_status(ExitStatus status) {
+  if (status == ExitStatus::interrupted && is_hang_up(first_signal)) return 128 + SIGHUP;
+  return static_cast<int>(status);
 }
 void stop_if_asked() {
   if (interrupted()) throw Error(ExitStatus::interrupted, "interrupted; nothing was written");

@@ -2,11 +2,13 @@
 
 #include <atomic>
 
+#include "frame/error.h"
+
 namespace becalm::app {
 
-/// From now on SIGINT and SIGTERM ask the command to stop and leave whole files only; a second one ends the
-/// process at once with status 130. SIGPIPE is ignored: whoever reads the progress may leave before the last
-/// frame.
+/// From now on SIGINT, SIGTERM and SIGHUP ask the command to stop and leave whole files only; a second SIGINT
+/// or SIGTERM ends the process at once. SIGHUP stays ignored if it was, as under nohup. SIGPIPE is ignored:
+/// whoever reads the progress may leave before the last frame.
 void catch_signals();
 
 /// True once a signal came or `request_stop` was called; what the tracer and the loops over frames look at.
@@ -17,6 +19,9 @@ void request_stop();
 
 /// Whether a signal was the reason.
 bool interrupted();
+
+/// The number with which the process ends: that of the status, but 129 if it was interrupted by SIGHUP.
+int process_status(ExitStatus status);
 
 /// For loops before anything is written: throws Error(interrupted) once a signal came.
 void stop_if_asked();

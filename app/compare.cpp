@@ -15,12 +15,14 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <system_error>
+#include <utility>
 
 #include "app/command.h"
 #include "app/compare_report.h"
 #include "app/console.h"
 #include "app/counted.h"
 #include "app/eye_names.h"
+#include "app/folder_input.h"
 #include "app/frame_figures.h"
 #include "app/input_frames.h"
 #include "app/options.h"
@@ -59,6 +61,7 @@ struct CompareCommand {
   std::string view;
   std::string report;
   std::string json;
+  bool quiet = false;
   std::array<std::optional<double>, kFigures.size()> limits;  ///< in the order of kFigures
 };
 
@@ -79,19 +82,32 @@ FrameFigures mean_of(const std::vector<FrameFigures>& frames) {
   return mean;
 }
 
-void print_row(const std::string& name, const FrameFigures& figures) {
-  fmt::print("{:>6}", name);
-  for (const Figure& figure : kFigures) {
-    fmt::print("  {:>11}", has_value(figure, figures) ? figure.format(figures.*figure.value) : "-");
-  }
-  fmt::print("\n");
-}
+/// The figures as lines of text, from the first frame on that could be read.
+class Table {
+ public:
+  /// `to` null: nowhere.
+  explicit Table(std::FILE* to) : to_(to) {}
 
-void print_header() {
-  fmt::print("{:>6}", "frame");
-  for (const Figure& figure : kFigures) fmt::print("  {:>11}", figure.title);
-  fmt::print("\n");
-}
+  void print_row(const std::string& name, const FrameFigures& figures) {
+    if (to_ == nullptr) return;
+    if (!std::exchange(has_header_, true)) print_header();
+    fmt::print(to_, "{:>6}", name);
+    for (const Figure& figure : kFigures) {
+      fmt::print(to_, "  {:>11}", has_value(figure, figures) ? figure.format(figures.*figure.value) : "-");
+    }
+    fmt::print(to_, "\n");
+  }
+
+ private:
+  void print_header() {
+    fmt::print(to_, "{:>6}", "frame");
+    for (const Figure& figure : kFigures) fmt::print(to_, "  {:>11}", figure.title);
+    fmt::print(to_, "\n");
+  }
+
+  std::FILE* to_;
+  bool has_header_ = false;
+};
 
 /// JSON has no infinity, which the PSNR of equal images is: it is the text "inf". NaN, of what was not
 /// measured, becomes null.
@@ -157,8 +173,10 @@ CompareJob::CompareJob(const CompareCommand& command)
       reference_(command.reference),
       test_(command.test),
       layers_{.layers = io::parse_layer_overrides(command.layers)} {
-  for (const std::string& text : {command.reference, command.test, command.reference_b})
+  for (const std::string& text : {command.reference, command.test, command.reference_b}) {
     refuse_eye_field(text);
+    refuse_folder(text);
+  }
   if (!command.reference_b.empty()) reference_b_.emplace(command.reference_b);
   frames_ = !command.frames.empty()        ? io::parse_frame_range(command.frames)
             : reference_.has_frame_field() ? reference_.frames_on_disk()
@@ -185,10 +203,15 @@ void CompareJob::require_all_frames() const {
       return !std::filesystem::exists(pattern->path(frame), error) && !error;
     });
     if (missing.empty()) continue;
+    std::vector<int> present;
+    std::ranges::set_difference(frames_, missing, std::back_inserter(present));
     throw Error(ExitStatus::bad_input,
-                fmt::format("{}: no file for frame {} of {}{}", pattern->path(missing.front()),
+                fmt::format("{}: no file for frame {} of {}{}{}", pattern->path(missing.front()),
                             io::format_frame_range(missing), counted(frames_.size(), "frame", "frames"),
-                            pattern->hint_of_other_padding()));
+                            pattern->hint_of_other_padding(),
+                            present.empty() ? ""
+                                            : "; --frames " + io::format_frame_range(present) +
+                                                  " compares those that are there"));
   }
 }
 
@@ -261,12 +284,12 @@ ExitStatus CompareJob::run() {
   if (!command_.report.empty()) report.emplace(command_.report);
   std::vector<FrameFigures> figures;
   std::optional<ComparedFrame> before;
-  print_header();
+  Table table(command_.quiet ? nullptr : stream_beside(report_files()));
   const int step = usual_step(reference_.has_frame_field() ? reference_.frames_on_disk() : frames_);
   for (const int frame : frames_) {
     ComparedFrame now = read(frame);
     figures.push_back(measure(now, before ? &*before : nullptr, step));
-    print_row(std::to_string(frame), figures.back());
+    table.print_row(std::to_string(frame), figures.back());
     if (figures.back().skipped > 0) {
       warn(
           fmt::format("frame {}: {} pixels are not finite and were left out", frame, figures.back().skipped));
@@ -274,7 +297,7 @@ ExitStatus CompareJob::run() {
     if (report) report->add(frame, now.test, now.best_reference());
     before = std::move(now);
   }
-  print_row("mean", mean_of(figures));
+  table.print_row("mean", mean_of(figures));
   std::fflush(stdout);
 
   const std::vector<std::string> failures = find_failures(figures);
@@ -372,7 +395,7 @@ Command add_compare(CLI::App& becalm) {
   parser
       .add_option("--json", command->json,
                   "Write the figures to this file too: null where one was not measured, \"inf\" for the PSNR "
-                  "of equal images")
+                  "of equal images; - is standard output, and the table then goes to standard error")
       ->option_text("FILE")
       ->group("Output");
   parser
@@ -380,6 +403,7 @@ Command add_compare(CLI::App& becalm) {
                   "Write pictures of the errors and an index.html into this folder")
       ->option_text("DIR")
       ->group("Output");
+  parser.add_flag("-q,--quiet", command->quiet, "No table; warnings and failures stay")->group("Output");
   for (std::size_t i = 0; i < kFigures.size(); ++i) {
     parser.add_option(kLimitOptions[i].name, command->limits[i], kLimitOptions[i].help)
         ->check(limit_of(kFigures[i].limit))

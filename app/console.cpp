@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "app/cancel.h"
 #include "frame/io/printable.h"
 
 namespace becalm::app {
@@ -62,7 +63,7 @@ void say_error(ExitStatus status, std::string line) {
   std::ranges::replace_if(
       line, [](unsigned char c) { return c < ' ' || c == 0x7f; }, ' ');
   if (chosen_format == MessageFormat::json) {
-    say_event({{"event", "error"}, {"status", static_cast<int>(status)}, {"text", line}});
+    say_event({{"event", "error"}, {"status", process_status(status)}, {"text", line}});
   } else {
     warn("error: " + line);
   }

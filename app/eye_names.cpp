@@ -32,9 +32,8 @@ bool has_eye_field(std::string_view pattern) {
 void refuse_eye_field(std::string_view pattern) {
   if (!has_eye_field(pattern)) return;
   throw Error(ExitStatus::usage,
-              fmt::format("{}: has a field for the eye, which only denoise and render take; "
-                          "name one eye, such as {}",
-                          pattern, pattern_of_eye(pattern, 0)));
+              fmt::format("{}: has a field for the eye, expected the files of one eye, such as {}", pattern,
+                          pattern_of_eye(pattern, 0)));
 }
 
 std::string pattern_of_eye(std::string_view pattern, std::size_t eye) {

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <utility>
 
+#include "app/counted.h"
 #include "app/expected_error.h"
 #include "app/eye_names.h"
 #include "filter/input/host_images.h"
@@ -254,6 +255,11 @@ void FilterStage::finish(Profile& profile) const {
   }
   profile.set_device(device_->info().name, memory);
   check_validation(*device_);
+}
+
+std::string context_note(std::size_t frames, std::string_view work) {
+  return fmt::format("{} {} for those before and after them; --context none does without",
+                     counted(frames, "frame more is", "frames more are"), work);
 }
 
 }  // namespace becalm::app

@@ -145,4 +145,7 @@ class FilterStage {
   std::string matched_;         ///< what frames are matched by; empty once it has been printed
 };
 
+/// What to tell of frames that are worked on besides those asked for; `work` is what is done to them.
+std::string context_note(std::size_t frames, std::string_view work);
+
 }  // namespace becalm::app

@@ -3,20 +3,15 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
-#include <utility>
 
 #include "app/cancel.h"
 #include "app/console.h"
 
 namespace becalm::app {
 
-FrameSink::FrameSink(const Outputs& outputs, const std::set<int>& existing, std::string remedy,
-                     Progress& progress, Profile& profile)
-    : outputs_(outputs),
-      existing_(existing),
-      remedy_(std::move(remedy)),
-      progress_(progress),
-      profile_(profile) {}
+FrameSink::FrameSink(const Outputs& outputs, const std::set<int>& existing, Progress& progress,
+                     Profile& profile)
+    : outputs_(outputs), existing_(existing), progress_(progress), profile_(profile) {}
 
 bool FrameSink::wants(int number) {
   if (!existing_.contains(number)) return true;
@@ -41,8 +36,9 @@ void FrameSink::write_file(int number, const std::string& path,
     report = write();
   }
   if (report.half_overflows > 0) {
-    progress_.warn(fmt::format("frame {}: {} values beyond half's range were written as its largest; {}",
-                               number, report.half_overflows, remedy_));
+    progress_.warn(fmt::format(
+        "frame {}: {} values beyond half's range were written as its largest; --type float keeps them",
+        number, report.half_overflows));
   }
   if (report.lossless_instead) {
     warn_once("ZIP instead of the lossy compression, which would alter the channels passed on");
@@ -79,7 +75,7 @@ ExitStatus conclude(Progress& progress, std::size_t frames_asked, const Profile*
   const std::string line =
       fmt::format("interrupted: {} of {} frames written; go on with --resume", written, frames_asked);
   if (message_format() == MessageFormat::json) {
-    say_event({{"event", "error"}, {"status", static_cast<int>(ExitStatus::interrupted)}, {"text", line}});
+    say_event({{"event", "error"}, {"status", process_status(ExitStatus::interrupted)}, {"text", line}});
   } else {
     say(line);
   }

@@ -17,9 +17,8 @@ namespace becalm::app {
 /// The end of the pipeline: frames become files, and the user hears of it.
 class FrameSink {
  public:
-  /// `existing` are outputs that stay; `remedy` tells what would keep values beyond half's range.
-  FrameSink(const Outputs& outputs, const std::set<int>& existing, std::string remedy, Progress& progress,
-            Profile& profile);
+  /// `existing` are outputs that stay.
+  FrameSink(const Outputs& outputs, const std::set<int>& existing, Progress& progress, Profile& profile);
 
   /// Whether this output is to be written. One that exists counts as done.
   bool wants(int number);
@@ -34,7 +33,6 @@ class FrameSink {
 
   const Outputs& outputs_;
   const std::set<int>& existing_;
-  const std::string remedy_;
   Progress& progress_;
   Profile& profile_;
   std::set<std::string> said_;

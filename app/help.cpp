@@ -61,12 +61,11 @@ std::string more(const std::string& group) {
 }
 
 void add_help_all(CLI::App& command) {
-  if (std::ranges::any_of(command.get_groups(), is_more)) {
-    command.set_help_all_flag("--help-all", "Print every option and exit");
-  }
+  command.set_help_all_flag("--help-all", "Print every option and exit");
 }
 
 std::string HelpFormatter::make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const {
+  if (mode == CLI::AppFormatMode::Sub) name = "becalm " + app->get_name();  // CLI11 says the name twice
   std::string help = make_description(app) + "\n" + make_usage(app, std::move(name));
   if (const auto positionals = options_of(app, "", true); !positionals.empty()) {
     help += make_group("", true, positionals);
@@ -74,7 +73,7 @@ std::string HelpFormatter::make_help(const CLI::App* app, std::string name, CLI:
   help += make_subcommands(app, mode);
   for (const std::string& heading : headings_of(app)) {
     std::vector<const CLI::Option*> options = options_of(app, heading, false);
-    if (mode == CLI::AppFormatMode::All) {
+    if (mode != CLI::AppFormatMode::Normal) {
       std::ranges::copy(options_of(app, more(heading), false), std::back_inserter(options));
     }
     if (!heading.empty() && !options.empty()) help += make_group(heading, false, options);

@@ -11,7 +11,7 @@ std::string wrap(const std::string& text, std::size_t width);
 /// The group of the options that belong to `group` and that --help leaves out, so that it fits a screen.
 std::string more(const std::string& group);
 
-/// Adds --help-all, which prints the options of every group, if the command has such options.
+/// Adds --help-all, which prints the options of every group.
 void add_help_all(CLI::App& command);
 
 /// Help that fits 100 columns: a usage line with what is required, then the options by group. What an option

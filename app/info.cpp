@@ -19,6 +19,7 @@
 #include "app/console.h"
 #include "app/counted.h"
 #include "app/eye_names.h"
+#include "app/folder_input.h"
 #include "app/frame_problems.h"
 #include "app/half_buffers.h"
 #include "app/layer_arguments.h"
@@ -336,17 +337,32 @@ void describe_sequence(const io::SequencePattern& pattern, io::LayerOptions laye
   if (!problems.empty()) problems.fail(frames.size(), "");
 }
 
-ExitStatus describe(const InfoCommand& command) {
+void describe_subject(const InfoCommand& command) {
   const io::LayerOptions layers = layer_options(command.layers);
-  refuse_eye_field(command.subject);
+  refuse_folder(command.subject);
+  const bool is_scene = std::filesystem::path(command.subject).extension() == ".json";
+  if (command.audit && (is_scene || command.subject == "device")) {
+    throw Error(ExitStatus::usage, fmt::format("--audit looks at EXR files, and {} is {}", command.subject,
+                                               is_scene ? "a scene" : "none"));
+  }
   if (command.subject == "device") {
     describe_devices(command.json);
-  } else if (std::filesystem::path(command.subject).extension() == ".json") {
+  } else if (is_scene) {
     describe_scene(command.subject, command.json);
   } else if (const io::SequencePattern pattern(command.subject); pattern.has_frame_field()) {
     describe_sequence(pattern, layers, command);
   } else {
     describe_file(command, layers);
+  }
+}
+
+ExitStatus describe(const InfoCommand& command) {
+  if (command.json) refuse_eye_field(command.subject);  // it is one object
+  const std::size_t eyes = has_eye_field(command.subject) ? kEyeNames.size() : 1;
+  for (std::size_t eye = 0; eye < eyes; ++eye) {
+    InfoCommand of_eye = command;
+    of_eye.subject = pattern_of_eye(command.subject, eye);
+    describe_subject(of_eye);
   }
   return ExitStatus::done;
 }

@@ -14,6 +14,7 @@
 #include "app/cancel.h"
 #include "app/console.h"
 #include "app/eye_names.h"
+#include "app/folder_input.h"
 #include "app/half_buffers.h"
 #include "frame/error.h"
 #include "frame/io/exr.h"
@@ -66,7 +67,10 @@ InputFrames::InputFrames(const std::vector<std::string>& patterns, Pair pair, co
                          std::optional<int> frame, Missing missing, const Readable& readable)
     : pattern_(patterns.front()), padding_(pattern_.padding()) {
   const std::string& pattern = pattern_.text();
-  for (const std::string& text : patterns) refuse_eye_field(text);
+  for (const std::string& text : patterns) {
+    refuse_eye_field(text);
+    refuse_folder(text);
+  }
   if (patterns.size() > 1) {
     if (pair == Pair::none) {
       throw Error(ExitStatus::usage,
@@ -166,8 +170,8 @@ void InputFrames::refuse_no_pair(const std::string& first, const std::string& se
   if (!a || !b || a->number == b->number || std::min(a->padding, b->padding) < least_padding) return;
   throw Error(ExitStatus::usage,
               fmt::format("{} and {}: are frames {} and {}, expected two {}; a sequence is one argument in "
-                          "quotes, such as 'shot.####.exr'",
-                          first, second, a->number, b->number, what));
+                          "quotes: '{}'",
+                          first, second, a->number, b->number, what, *io::pattern_of_frame(first)));
 }
 
 std::vector<int> InputFrames::present_in_both(const std::vector<int>& asked, Missing missing) const {

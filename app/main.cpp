@@ -1,12 +1,10 @@
 // The command line: parses, runs one subcommand and turns every failure into one line and an exit status.
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstdio>
 #include <memory>
 #include <new>
@@ -15,10 +13,11 @@
 #include <string_view>
 #include <vector>
 
+#include "app/cancel.h"
 #include "app/command.h"
 #include "app/console.h"
 #include "app/help.h"
-#include "app/options.h"
+#include "app/usage_error.h"
 #include "filter/gpu/device.h"
 #include "frame/error.h"
 
@@ -44,12 +43,12 @@ constexpr const char* kFooter =
     "messages to standard error.\n"
     "Exit status: 0 done; 1 a comparison or a test failed; 2 wrong usage; 3 bad input; 4 device or resource "
     "trouble;\n"
-    "130 interrupted.\n"
-    "becalm COMMAND --help tells a command's options.\n";
+    "130 interrupted, 129 by a hang-up.\n"
+    "becalm COMMAND --help tells a command's options, and --help-all all of them.\n";
 
 int fail(ExitStatus status, const std::string& message) {
   becalm::app::say_error(status, message);
-  return static_cast<int>(status);
+  return becalm::app::process_status(status);
 }
 
 /// Flushes standard output. The status tells if it could not be written.
@@ -65,21 +64,6 @@ const becalm::app::Command* find_chosen(std::span<const becalm::app::Command> co
   return chosen == commands.end() ? nullptr : &*chosen;
 }
 
-/// CLI11's message, with the command that it is about and where its help is. What is not known comes before
-/// what is missing.
-std::string usage_message(const CLI::ParseError& error, const CLI::App& parser,
-                          const becalm::app::Command* chosen) {
-  const std::string command = chosen == nullptr ? "" : chosen->parser->get_name();
-  const std::string help = command.empty() ? "becalm --help" : fmt::format("becalm {} --help", command);
-  const std::string prefix = command.empty() ? "" : command + ": ";
-  const auto kind = static_cast<CLI::ExitCodes>(error.get_exit_code());
-  const std::vector<std::string> unknown = parser.remaining(/*recurse=*/true);
-  if (!unknown.empty() && (kind == CLI::ExitCodes::ExtrasError || kind == CLI::ExitCodes::RequiredError)) {
-    return fmt::format("{}unknown option or argument: {}; see {}", prefix, fmt::join(unknown, " "), help);
-  }
-  return fmt::format("{}{}; see {}", prefix, error.what(), help);
-}
-
 /// Padded numbers, as those of frames are, stay decimal: CLI11 takes a leading zero for octal.
 void allow_padded_numbers(CLI::App& parser) {
   for (CLI::Option* option : parser.get_options()) {
@@ -88,7 +72,8 @@ void allow_padded_numbers(CLI::App& parser) {
     option->transform([](const std::string& text) {
       const std::size_t sign = text.starts_with('-') || text.starts_with('+') ? 1 : 0;
       std::size_t first = sign;  // digit that counts
-      while (first + 1 < text.size() && text[first] == '0' && std::isdigit(text[first + 1]) != 0) ++first;
+      const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+      while (first + 1 < text.size() && text[first] == '0' && is_digit(text[first + 1])) ++first;
       return text.substr(0, sign) + text.substr(first);
     });
   }
@@ -104,20 +89,31 @@ void refuse_empty_values(CLI::App& parser) {
 
 /// The same behind an equals sign: CLI11 takes the default of a flag for the value of `--update=`, and the
 /// next word for that of `--filter=`.
-void refuse_empty_assignments(const CLI::App& command, std::span<char* const> arguments) {
-  for (const std::string_view word : arguments) {
+void refuse_empty_assignments(const CLI::App& command, std::span<const std::string> arguments) {
+  for (const std::string& word : arguments) {
     if (word == "--") return;  // no options follow
     if (!word.ends_with('=')) continue;
-    const std::string name(word.substr(0, word.size() - 1));
+    const std::string name = word.substr(0, word.size() - 1);
     if (command.get_option_no_throw(name) != nullptr) throw CLI::ValidationError(name, "is empty");
   }
 }
 
+/// Of two values of an option one is a mistake. Flags may be repeated, and options that say so.
+void refuse_repeated_options(const CLI::App& command) {
+  for (const CLI::Option* option : command.get_options()) {
+    const bool takes_one_value = option->nonpositional() && !option->get_option_text().empty() &&
+                                 option->get_items_expected_max() <= 1;
+    if (!takes_one_value || option->count() <= 1) continue;
+    throw CLI::ValidationError(option->get_name(),
+                               fmt::format("is given {} times, expected once", option->count()));
+  }
+}
+
 /// What --progress says, known before anything can be wrong with the other options.
-becalm::app::MessageFormat asked_format(std::span<char* const> arguments) {
+becalm::app::MessageFormat asked_format(std::span<const std::string> arguments) {
   constexpr std::string_view option = "--progress";
   std::string_view value;
-  for (std::size_t i = 1; i < arguments.size(); ++i) {
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
     const std::string_view word = arguments[i];
     if (word == option && i + 1 < arguments.size()) value = arguments[i + 1];
     if (word.starts_with(option) && word.substr(option.size()).starts_with('='))
@@ -126,47 +122,69 @@ becalm::app::MessageFormat asked_format(std::span<char* const> arguments) {
   return value == "json" ? becalm::app::MessageFormat::json : becalm::app::MessageFormat::text;
 }
 
-int run(int argc, char** argv) {
+/// `becalm help`, as other programs of many commands have it, asks for --help, and `becalm help COMMAND` for
+/// that command's. An unknown COMMAND stays alone, so that it is told.
+std::vector<std::string> without_help_command(const std::vector<std::string>& typed,
+                                              std::span<const becalm::app::Command> commands) {
+  if (typed.empty() || typed.front() != "help") return typed;
+  if (typed.size() == 1) return {"--help"};
+  const bool is_known = std::ranges::any_of(
+      commands, [&](const becalm::app::Command& command) { return command.parser->get_name() == typed[1]; });
+  return is_known ? std::vector<std::string>{typed[1], "--help"} : std::vector<std::string>{typed[1]};
+}
+
+int run(const std::vector<std::string>& typed) {
+  constexpr const char* version = "becalm " BECALM_VERSION;
   CLI::App parser(kDescription, "becalm");
   parser.footer(kFooter);
-  parser.set_version_flag("--version", "becalm " BECALM_VERSION, "Print the version and exit");
+  parser.set_version_flag("--version", version, "Print the version and exit");
   parser.set_help_flag("-h,--help", "Print this help and exit");
   parser.formatter(std::make_shared<becalm::app::HelpFormatter>());
   parser.get_formatter()->column_width(30);
   parser.require_subcommand(1);
-  parser.option_defaults()->take_last();  // so that scripts may append to a command
+  // Another policy would be one of flags, too, which may be repeated: refuse_repeated_options refuses the
+  // rest.
+  parser.option_defaults()->take_last();
   const std::array commands{becalm::app::add_render(parser),    becalm::app::add_denoise(parser),
                             becalm::app::add_antialias(parser), becalm::app::add_burst(parser),
                             becalm::app::add_compare(parser),   becalm::app::add_info(parser),
                             becalm::app::add_test(parser)};
+  becalm::app::add_help_all(parser);
   for (const auto& command : commands) {
     becalm::app::add_help_all(*command.parser);
+    command.parser->set_version_flag("--version", version)->group("");
     allow_padded_numbers(*command.parser);
     refuse_empty_values(*command.parser);
   }
+  const std::vector<std::string> arguments = without_help_command(typed, commands);
   try {
-    parser.parse(argc, argv);
-    refuse_empty_assignments(*find_chosen(commands)->parser, {argv, static_cast<std::size_t>(argc)});
+    parser.parse(std::vector(arguments.rbegin(), arguments.rend()));  // CLI11 takes them from the end
+    refuse_empty_assignments(*find_chosen(commands)->parser, arguments);
+    refuse_repeated_options(*find_chosen(commands)->parser);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return finish_output(parser.exit(error));  // --help, --version
-    return fail(ExitStatus::usage, usage_message(error, parser, find_chosen(commands)));
+    const becalm::app::Command* chosen = find_chosen(commands);
+    return fail(
+        ExitStatus::usage,
+        becalm::app::usage_message(error, parser, chosen == nullptr ? nullptr : chosen->parser, arguments));
   }
-  return finish_output(static_cast<int>(find_chosen(commands)->run()));
+  return finish_output(becalm::app::process_status(find_chosen(commands)->run()));
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   becalm::app::occupy_closed_streams();
-  becalm::app::set_message_format(asked_format({argv, static_cast<std::size_t>(argc)}));
   try {
-    return run(argc, argv);
+    const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
+    becalm::app::set_message_format(asked_format(arguments));
+    return run(arguments);
   } catch (const becalm::Error& error) {
     return fail(error.status(), error.what());
   } catch (const becalm::gpu::DeviceError& error) {
     return fail(ExitStatus::resource, error.what());
   } catch (const std::bad_alloc&) {
-    return fail(ExitStatus::resource, "not enough memory; use a smaller --size or fewer --aovs");
+    return fail(ExitStatus::resource, "not enough memory; smaller pictures and fewer layers need less");
   } catch (const std::exception& error) {
     return fail(ExitStatus::resource, fmt::format("unexpected: {}", error.what()));
   }

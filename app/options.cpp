@@ -15,6 +15,7 @@
 
 #include "app/byte_size.h"
 #include "app/help.h"
+#include "app/number_checks.h"
 #include "app/setting_text.h"
 #include "filter/antialias/antialias_settings.h"
 #include "filter/sequence/frame_filter.h"
@@ -51,7 +52,7 @@ CLI::Option* add_output_options(CLI::App& command, OutputOptions& options,
 
 void add_running_options(CLI::App& command, RunningOptions& options) {
   command.add_option("--threads", options.threads, "Processor threads to use (default: all)")
-      ->check(CLI::Range(1, 4096))
+      ->check(whole_number_from(1, 4096))
       ->option_text("N")
       ->group("Running");
   command
@@ -109,7 +110,9 @@ void add_alpha_option(CLI::App& command, FilterOptions& options) {
 }
 
 void add_filter_options(CLI::App& command, FilterOptions& options) {
-  command.add_option("--set", options.assignments, "Change one setting of the preset; may be repeated")
+  command
+      .add_option("--set", options.assignments,
+                  "Change a setting of the preset; repeatable, the last of a key holds")
       ->option_text("KEY=VALUE")
       ->take_all()
       ->allow_extra_args(false)
@@ -119,13 +122,13 @@ void add_filter_options(CLI::App& command, FilterOptions& options) {
           "--segment", options.segment,
           "Frame numbers that are filtered together, forward and backward in time; a forward filter has no "
           "segments unless asked (default: 32)")
-      ->check(CLI::Range(1, 100000))
+      ->check(whole_number_from(1, 100000))
       ->option_text("B")
       ->group(more("Filter"));
   command
       .add_option("--warmup", options.warmup,
                   "Frame numbers before and after a segment that its history begins with (default: 8)")
-      ->check(CLI::Range(0, 100000))
+      ->check(whole_number_from(0, 100000))
       ->option_text("W")
       ->group(more("Filter"));
   command

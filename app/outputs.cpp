@@ -23,20 +23,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
-bool is_exr_name(const std::string& name) {
-  std::string extension = fs::path(name).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  return extension == ".exr";
-}
-
-constexpr std::string_view kMark = ".partial.";
+constexpr std::string_view kPartialMark = ".partial.";
 
 /// `NAME.partial.PID.N`, as frame/io writes before it renames: the process, or 0 if the name is another one.
 int partial_owner(const std::string& file, const std::set<std::string>& outputs) {
-  const auto mark = file.rfind(kMark);
+  const auto mark = file.rfind(kPartialMark);
   if (mark == std::string::npos || !outputs.contains(file.substr(0, mark))) return 0;
-  const char* begin = file.data() + mark + kMark.size();
+  const char* begin = file.data() + mark + kPartialMark.size();
   const char* end = file.data() + file.size();
   int process = 0;
   unsigned counter = 0;
@@ -94,6 +87,13 @@ bool is_foreign(const std::string& path, const std::string& mark) {
 
 }  // namespace
 
+bool is_exr_name(const std::string& name) {
+  std::string extension = fs::path(name).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return extension == ".exr";
+}
+
 std::string resolved(const std::string& path) {
   std::error_code error;
   const fs::path canonical = fs::weakly_canonical(fs::absolute(path), error);
@@ -124,6 +124,11 @@ Outputs::Outputs(std::string_view option, std::vector<io::SequencePattern> patte
       throw Error(ExitStatus::usage,
                   fmt::format("{} {}: expected a file name that ends in .exr", option_, pattern.text()));
     }
+    if (const std::string field = io::field_of_folder(pattern.text()); !field.empty()) {
+      throw Error(ExitStatus::usage,
+                  fmt::format("{} {}: the frame field '{}' is in a folder's name, expected it in the file's",
+                              option_, pattern.text(), field));
+    }
     if (frames_.size() > 1 && !pattern.has_frame_field()) {
       throw Error(ExitStatus::usage, fmt::format("{} {}: {} frames need a frame field, such as ####.exr",
                                                  option_, pattern.text(), frames_.size()));
@@ -143,13 +148,13 @@ std::vector<std::string> Outputs::all_paths() const {
   return all;
 }
 
-void Outputs::keep_apart_from(const std::vector<std::string>& inputs) const {
+void Outputs::keep_apart_from(const std::vector<std::string>& files, std::string_view what) const {
   std::set<std::string> taken;
-  for (const std::string& input : inputs) taken.insert(resolved(input));
+  for (const std::string& file : files) taken.insert(resolved(file));
   for (const std::string& path : all_paths()) {
     if (!taken.contains(resolved(path))) continue;
     throw Error(ExitStatus::usage,
-                fmt::format("{} {}: would overwrite the input; choose another name", option_, path));
+                fmt::format("{} {}: would overwrite {}; choose another name", option_, path, what));
   }
 }
 

@@ -13,6 +13,9 @@
 
 namespace becalm::app {
 
+/// Whether the name ends in `.exr`, whatever the case.
+bool is_exr_name(const std::string& name);
+
 /// Whether it is an EXR file that becalm wrote.
 bool is_of_becalm(const std::string& path);
 
@@ -26,8 +29,8 @@ void check_place(std::string_view option, std::string_view name, const std::stri
 /// The files that a command writes: one a frame, or one for each eye.
 class Outputs {
  public:
-  /// Throws Error(usage) unless the patterns are EXR names, with a frame field if there are several frames.
-  /// `option` is the patterns' name in messages.
+  /// Throws Error(usage) unless the patterns are EXR names, with a frame field if there are several frames
+  /// and none in a folder that is not there. `option` is the patterns' name in messages.
   Outputs(std::string_view option, std::vector<io::SequencePattern> patterns, std::vector<int> frames);
 
   const std::vector<int>& frames() const { return frames_; }
@@ -37,8 +40,8 @@ class Outputs {
   /// Of all files of a frame.
   std::vector<std::string> paths(int frame) const;
 
-  /// Throws Error(usage) if one of the outputs is one of the inputs, also through links.
-  void keep_apart_from(const std::vector<std::string>& inputs) const;
+  /// Throws Error(usage) if one of the outputs is one of the files, also through links; `what` they are.
+  void keep_apart_from(const std::vector<std::string>& files, std::string_view what = "the input") const;
 
   /// Throws Error(usage) if there is a foreign file in an output's place: one without the attribute `mark`,
   /// which becalm's own files of this kind record.

@@ -65,6 +65,8 @@ void Progress::update(int frame, double frames_done) {
     drawn_ = Clock::now();
   }
   if (terminal_ && Clock::now() - drawn_ >= kRedrawEvery) draw();
+  const bool is_plain = !terminal_ && message_format() == MessageFormat::text;
+  if (is_plain && Clock::now() - said_ >= options_.say_every) say_figures(frame, "at work");
 }
 
 void Progress::frame_kept(int frame) {
@@ -92,9 +94,13 @@ void Progress::frame_done(int frame, std::string_view state) {
     say_event(event);
     return;
   }
-  say(fmt::format("frame {}: {}, {} of {} done, {}{}", frame,
-                  state == "written" ? state : "exists, gone through for the history",
-                  options_.existing + written_, options_.total, rate(), time_left()));
+  say_figures(frame, state == "written" ? state : "exists, gone through for the history");
+}
+
+void Progress::say_figures(int frame, std::string_view state) {
+  say(fmt::format("frame {}: {}, {} of {} done, {}{}", frame, state, options_.existing + written_,
+                  options_.total, rate(), time_left()));
+  said_ = Clock::now();
 }
 
 void Progress::warn(std::string_view line) {

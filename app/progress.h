@@ -17,11 +17,14 @@ struct ProgressOptions {
   double units_per_frame = 1.0;
   bool quiet = false;    ///< warnings only
   bool verbose = false;  ///< details, too
+  /// Where no terminal shows a moving line: the longest silence of a command that works on a frame. Farms
+  /// take a longer one for a process that hangs.
+  std::chrono::milliseconds say_every = std::chrono::seconds(30);
 };
 
-/// Progress on standard error: frames done, time left and a rate, as one moving line on a terminal and as one
-/// line a frame elsewhere; or as JSON, whose events are `frame`, `progress` (at most one a second), `message`
-/// and `end`. May be called from any thread.
+/// Progress on standard error: frames done, time left and a rate, as one moving line on a terminal, and
+/// elsewhere as one line a frame and one in between every ProgressOptions::say_every; or as JSON, whose
+/// events are `frame`, `progress` (at most one a second), `message` and `end`. May be called from any thread.
 class Progress {
  public:
   explicit Progress(const ProgressOptions& options);
@@ -55,6 +58,7 @@ class Progress {
   double seconds_left() const;
   std::string time_left() const;
   void frame_done(int frame, std::string_view state);
+  void say_figures(int frame, std::string_view state);
   /// How far it is and how long it takes, for JSON.
   nlohmann::ordered_json figures() const;
   void draw();
@@ -65,8 +69,9 @@ class Progress {
   const Clock::time_point start_ = Clock::now();
   mutable std::mutex mutex_;
   Clock::time_point drawn_{};
-  std::size_t written_ = 0;  ///< by this run
-  std::size_t worked_ = 0;   ///< by this run, written or kept
+  Clock::time_point said_ = start_;  ///< a line of a frame, where there is no terminal
+  std::size_t written_ = 0;          ///< by this run
+  std::size_t worked_ = 0;           ///< by this run, written or kept
   int frame_ = 0;
   double frames_done_ = 0.0;
   bool line_shown_ = false;

@@ -22,6 +22,7 @@
 #include "app/filter_stage.h"
 #include "app/frame_sink.h"
 #include "app/input_frames.h"
+#include "app/noise_report.h"
 #include "app/options.h"
 #include "app/outputs.h"
 #include "app/pipeline.h"
@@ -110,7 +111,7 @@ class RenderJob {
   void write(FinishedFrame& finished, FrameSink& sink);
   void complete(Frame& result, Frame& noisy);
 
-  io::Attributes render_attributes(const AskedAovs& aovs, bool float_colors) const;
+  io::Attributes render_attributes(const AskedAovs& aovs, const std::string& color) const;
 
   const RenderCommand& command_;
   const ThreadLimit threads_;
@@ -149,7 +150,7 @@ RenderJob::RenderJob(const RenderCommand& command, tracer::Scene scene)
   const std::vector<int> frames = frames_of(command, scene_.description());
   outputs_.emplace("-o", patterns_of(command.output.pattern, eyes_), frames);
   outputs_->keep_apart_from(scene_files_);
-  attributes_ = render_attributes(asked_, command.float_colors);
+  attributes_ = render_attributes(asked_, command.type);
   if (filter_) {
     readable_ = filter_->readable(frames, existing_frames(frames, scene_.description(), *filter_));
     attributes_.back().second += ' ' + filter_->describe(readable_);
@@ -172,17 +173,17 @@ void RenderJob::choose_noisy_files() {
            : scratch_pattern(command_.output.pattern, eyes_.front(), outputs_->frames());
   noisy_files_.emplace(
       NoisyFiles{.outputs = Outputs(kept ? "--keep-noisy" : "-o", {io::SequencePattern(pattern)}, readable_),
-                 .attributes = render_attributes({rendered_, asked_.light_groups}, /*float_colors=*/true)});
+                 .attributes = render_attributes({rendered_, asked_.light_groups}, /*color=*/"float")});
   noisy_files_->outputs.keep_apart_from(scene_files_);
   std::vector<std::string> written;
   for (const int frame : outputs_->frames()) {
     for (std::size_t file = 0; file < outputs_->files(); ++file)
       written.push_back(outputs_->path(frame, file));
   }
-  noisy_files_->outputs.keep_apart_from(written);
+  noisy_files_->outputs.keep_apart_from(written, "a frame of -o");
 }
 
-io::Attributes RenderJob::render_attributes(const AskedAovs& aovs, bool float_colors) const {
+io::Attributes RenderJob::render_attributes(const AskedAovs& aovs, const std::string& color) const {
   const std::string eye = command_.eye == "both" ? "" : " eye=" + command_.eye;
   const std::string sampling = command_.noise_target ? fmt::format(" noise_target={}", *command_.noise_target)
                                : command_.adaptive   ? " adaptive=yes"
@@ -192,8 +193,8 @@ io::Attributes RenderJob::render_attributes(const AskedAovs& aovs, bool float_co
            fmt::format("scene={} size={}x{} spp={}{}{} aov_spp={} seed={} aovs={} color={} reproducible={}{}",
                        scene_hash_, size_.width, size_.height, command_.spp, sampling,
                        command_.checkerboard ? " checkerboard=yes" : "",
-                       std::max(command_.spp, command_.aov_spp), command_.seed, format_aovs(aovs),
-                       float_colors ? "float" : "half", command_.running.reproducible ? "yes" : "no", eye)}};
+                       std::max(command_.spp, command_.aov_spp), command_.seed, format_aovs(aovs), color,
+                       command_.running.reproducible ? "yes" : "no", eye)}};
 }
 
 void RenderJob::find_existing() {
@@ -272,9 +273,8 @@ void RenderJob::tell_expected_noise() {
   if (expected_errors_.empty()) return;
   double sum = 0.0;
   for (const double error : expected_errors_) sum += error;
-  progress_->note(fmt::format("noise expected in the frames: {:.3g} (--noise-target {})",
-                              std::sqrt(sum / static_cast<double>(expected_errors_.size())),
-                              *command_.noise_target));
+  progress_->note(noise_text(std::sqrt(sum / static_cast<double>(expected_errors_.size())),
+                             *command_.noise_target, sampling_));
 }
 
 RenderedFrames RenderJob::rendered_frames() {
@@ -321,9 +321,7 @@ void RenderJob::run_segments(const std::vector<int>& work) {
   for (const int frame : work) needed.erase(frame);
   std::erase_if(needed, [&](int frame) { return noisy_files_->existing.contains(frame); });
   if (!needed.empty()) {
-    progress_->note(fmt::format(
-        "{} frames more are rendered for those before and after them; --context none does without",
-        needed.size()));
+    progress_->note(context_note(needed.size(), "rendered"));
   }
   RenderedFrames frames = rendered_frames();
   RenderAhead ahead(frames, *noisy_files_, std::move(segments), !command_.keep_noisy.empty(), *progress_);
@@ -333,7 +331,7 @@ void RenderJob::run_segments(const std::vector<int>& work) {
 
 void RenderJob::run_steps(const std::vector<filter::Step>& steps,
                           const std::function<std::optional<io::LoadedFrame>(std::size_t)>& source) {
-  FrameSink sink(*outputs_, existing_, "--float keeps them", *progress_, profile_);
+  FrameSink sink(*outputs_, existing_, *progress_, profile_);
   run_pipeline(steps.size(),
                {.source = source,
                 .filter = [&](std::size_t step, io::LoadedFrame noisy) -> std::optional<FinishedFrame> {
@@ -359,7 +357,7 @@ void RenderJob::write(FinishedFrame& finished, FrameSink& sink) {
     complete(result, eye == 0 ? finished.source.frame : finished.source.other_views[eye - 1].frame);
     views.push_back({name_of_eye(eyes_[eye]), &result});
   }
-  const io::PixelType type = command_.float_colors ? io::PixelType::float32 : io::PixelType::half;
+  const io::PixelType type = command_.type == "float" ? io::PixelType::float32 : io::PixelType::half;
   sink.write(finished.frame.number(), [&](const std::string& path, std::size_t file) {
     const bool one_each = outputs_->files() > 1;
     return io::write_exr(path, one_each ? std::vector{views[file]} : views, attributes, type);

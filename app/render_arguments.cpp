@@ -10,26 +10,12 @@
 
 #include "app/eye_names.h"
 #include "app/help.h"
+#include "app/number_checks.h"
 #include "app/parse_numbers.h"
 #include "frame/error.h"
 #include "frame/io/sequence.h"
 
 namespace becalm::app {
-namespace {
-
-/// CLI::Range takes NaN.
-CLI::Validator number_from(double low, double high) {
-  return CLI::Validator(
-      [low, high](const std::string& text) {
-        double value = 0.0;
-        const bool fits = CLI::detail::lexical_cast(text, value) && value >= low && value <= high;
-        return fits ? std::string() : fmt::format("expected a number from {} to {}", low, high);
-      },
-      "");
-}
-
-}  // namespace
-
 void add_render_options(CLI::App& parser, RenderCommand& command) {
   parser.add_option("scene", command.scene, "The scene, a JSON file")->required()->option_text("SCENE.json");
   CLI::Option* output = add_output_options(parser, command.output, "the scene's");
@@ -42,12 +28,16 @@ void add_render_options(CLI::App& parser, RenderCommand& command) {
           "commas, all (but light groups, and of one sample no halves) or none (default: none)")
       ->option_text("LIST")
       ->group("Output");
-  parser.add_flag("--float,!--half-float", command.float_colors, "Colours as 32-bit float (default: half)")
+  parser.add_option("--type", command.type, "Type of the colours (default: half)")
+      ->check(CLI::IsMember({"half", "float"}))
+      ->option_text("half|float")
       ->group("Output");
+  // The former name of --type float, which scripts have.
+  parser.add_flag_callback("--float", [&command] { command.type = "float"; })->group("");
   parser
       .add_option("--spp", command.asked_spp,
                   "Samples per pixel (default: 8; the most with --noise-target: 256)")
-      ->check(CLI::Range(1, 65536))
+      ->check(whole_number_from(1, 65536))
       ->option_text("N")
       ->group("Rendering");
   parser
@@ -56,7 +46,7 @@ void add_render_options(CLI::App& parser, RenderCommand& command) {
           "Samples per pixel of albedo, normal, depth, motion and ids where that is more than --spp; they "
           "cost little, since they trace no light, and edges denoise better (default: 16; --spp where the "
           "scene has a jitter_cycle)")
-      ->check(CLI::Range(1, 65536))
+      ->check(whole_number_from(1, 65536))
       ->option_text("N")
       ->group(more("Rendering"));
   parser
@@ -97,7 +87,7 @@ void add_render_options(CLI::App& parser, RenderCommand& command) {
   parser
       .add_option("--seed", command.seed,
                   "Seed of the noise; different seeds give independent noise (default: 0)")
-      ->check(CLI::Range(std::numeric_limits<std::uint32_t>::max()))
+      ->check(whole_number_from(0, std::numeric_limits<std::uint32_t>::max()))
       ->option_text("N")
       ->group("Rendering");
   parser

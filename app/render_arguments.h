@@ -30,7 +30,7 @@ struct RenderCommand {
   std::string size;
   std::uint32_t seed = 0;
   std::string aovs = "none";
-  bool float_colors = false;
+  std::string type = "half";  ///< of the colours
   bool checkerboard = false;
   std::string preset;  ///< of --denoise, or kAutoPreset; empty: no filter
   std::string keep_noisy;

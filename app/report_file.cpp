@@ -10,6 +10,7 @@
 #include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <string_view>
 #include <system_error>
 
 #include "app/outputs.h"
@@ -63,10 +64,12 @@ constexpr const char* description_of(ReportKind kind) {
   throw Error(status, fmt::format("{} {}: {}", report.option, report.path, message));
 }
 
+constexpr std::string_view kDash = "-";
+
 /// Also where that is a file: it holds what was said before.
 bool is_standard_output(const std::string& path) {
   std::error_code error;
-  return path == "/dev/stdout" || fs::equivalent(path, "/dev/stdout", error);
+  return path == kDash || path == "/dev/stdout" || fs::equivalent(path, "/dev/stdout", error);
 }
 
 /// Standard output or error, another device or a pipe.
@@ -127,6 +130,11 @@ void check_place_of(const ReportFile& report) {
 
 }  // namespace
 
+std::FILE* stream_beside(const std::vector<ReportFile>& reports) {
+  const bool taken = std::ranges::find(reports, kDash, &ReportFile::path) != reports.end();
+  return taken ? stderr : stdout;
+}
+
 ReportFile page_in(const std::string& folder, ReportKind kind) {
   return {"--report", (fs::path(folder) / "index.html").string(), kind};
 }
@@ -136,13 +144,14 @@ void check_report_files(const std::vector<ReportFile>& reports, const std::vecto
   for (const std::string& input : inputs) read.insert(resolved(input));
   std::set<std::string> written;
   for (const ReportFile& report : reports) {
-    if (is_stream(report.path)) continue;
-    const std::string place = resolved(report.path);
+    const bool is_dash = report.path == kDash;
+    if (is_stream(report.path) && !is_dash) continue;
+    const std::string place = is_dash ? report.path : resolved(report.path);
     if (read.contains(place))
       fail(ExitStatus::usage, report, "would overwrite the input; choose another name");
     if (!written.insert(place).second)
       fail(ExitStatus::usage, report, "is another report's, too; choose another name");
-    keep_foreign_file(report);
+    if (!is_dash) keep_foreign_file(report);
   }
   for (const ReportFile& report : reports) check_place_of(report);
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdio>
 #include <functional>
 #include <string>
 #include <vector>
@@ -9,13 +10,17 @@ namespace becalm::app {
 /// By what a file is recognised that the same kind of report may replace.
 enum class ReportKind { test_junit, test_json, test_page, compare_json, compare_page };
 
-/// A report that an option asked for. `/dev/stdout` and other names of the file behind it are standard
+/// A report that an option asked for. `-`, `/dev/stdout` and other names of the file behind it are standard
 /// output; other devices and pipes are written to.
 struct ReportFile {
   std::string option;
   std::string path;
   ReportKind kind;
 };
+
+/// Where a command's own lines go: standard output, unless `-` gives that to a report, for a program that
+/// reads it.
+std::FILE* stream_beside(const std::vector<ReportFile>& reports);
 
 /// The page of --report: `folder`/index.html.
 ReportFile page_in(const std::string& folder, ReportKind kind);

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "app/help.h"
+#include "app/number_checks.h"
 
 namespace becalm::app {
 
@@ -30,7 +31,7 @@ void add_sequence_options(CLI::App& parser, SequenceCommand& command, const std:
   parser
       .add_option("--frame", command.frame,
                   "The frame number of a single file (default: the one in its name, or 1)")
-      ->check(CLI::Range(std::numeric_limits<int>::min(), std::numeric_limits<int>::max()))
+      ->check(whole_number_from(std::numeric_limits<int>::min(), std::numeric_limits<int>::max()))
       ->option_text("N")
       ->group(more("Input"));
   parser

@@ -153,6 +153,9 @@ ExitStatus SequenceJob::run() {
     note.is_warning ? progress_->warn(note.text) : progress_->note(note.text);
   }
   if (noisy_image_) progress_->warn(noisy_image_->text());
+  const auto asked_for = [&](int frame) { return wanted.contains(frame); };
+  if (const auto more = needed.size() - std::ranges::count_if(needed, asked_for); more > 0)
+    progress_->note(context_note(more, "read and filtered"));
   tell_other_beauties(inputs_.path(*needed.begin()));
   if (!inputs_.has_numbers()) {
     progress_->note(
@@ -160,7 +163,7 @@ ExitStatus SequenceJob::run() {
                     inputs_.pattern().text()));
   }
   const double work_per_step = static_cast<double>(work) / static_cast<double>(steps.size());
-  FrameSink sink(outputs_, existing_, "--type float keeps them", *progress_, profile_);
+  FrameSink sink(outputs_, existing_, *progress_, profile_);
   run_pipeline(steps.size(), {.source = [&](std::size_t step) { return std::optional(read(steps[step])); },
                               .filter =
                                   [&](std::size_t step, io::LoadedFrame noisy) {

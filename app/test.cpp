@@ -19,6 +19,7 @@
 #include "app/command.h"
 #include "app/console.h"
 #include "app/counted.h"
+#include "app/number_checks.h"
 #include "app/options.h"
 #include "app/report_file.h"
 #include "app/test/calibrate.h"
@@ -118,17 +119,18 @@ class TestJob {
   ExitStatus test() const {
     check_report_files(report_files(), inputs());
     const WorkFolder folder(command_.keep, cases_);
+    std::FILE* const lines = stream_beside(report_files());
     const TestResults results =
         run_cases(cases_, folder, {command_.jobs, threads(), command_.fail_fast, command_.reproducible},
-                  [](const CaseResult& result) {
-                    fmt::print("{}\n", line_of(result));
-                    std::fflush(stdout);
+                  [lines](const CaseResult& result) {
+                    fmt::print(lines, "{}\n", line_of(result));
+                    std::fflush(lines);
                   });
     const std::size_t failed = count_of(results, CaseOutcome::failed);
     const std::size_t errors = count_of(results, CaseOutcome::error);
-    fmt::print("{} passed, {} failed, {}, {} skipped in {:.1f} s\n", count_of(results, CaseOutcome::passed),
-               failed, counted(errors, "error", "errors"), count_of(results, CaseOutcome::skipped),
-               results.seconds);
+    fmt::print(lines, "{} passed, {} failed, {}, {} skipped in {:.1f} s\n",
+               count_of(results, CaseOutcome::passed), failed, counted(errors, "error", "errors"),
+               count_of(results, CaseOutcome::skipped), results.seconds);
     write_report_files(report_files(), [&](ReportKind kind) { return report_text(kind, results); });
     if (interrupted()) return ExitStatus::interrupted;
     return errors > 0 ? ExitStatus::bad_input : failed > 0 ? ExitStatus::comparison_failed : ExitStatus::done;
@@ -262,13 +264,15 @@ void add_test_options(CLI::App& parser, TestCommand& command) {
   parser
       .add_flag("--calibrate{16}", command.calibrate,
                 "Run each case with so many seeds (default: 16) and propose limits for its false-alarm rate")
-      ->check(CLI::Range(3, 10000))
+      ->check(whole_number_from(3, 10000))
       ->option_text("[=N]")
       ->group("References");
   parser.add_option("--junit", command.junit, "Write JUnit's XML, for CI systems, over that of the last run")
       ->option_text("FILE")
       ->group("Reports");
-  parser.add_option("--json", command.json, "Write all figures, over those of the last run")
+  parser
+      .add_option("--json", command.json,
+                  "Write all figures, over those of the last run; - is standard output")
       ->option_text("FILE")
       ->group("Reports");
   parser
@@ -280,13 +284,13 @@ void add_test_options(CLI::App& parser, TestCommand& command) {
       ->option_text("DIR")
       ->group("Reports");
   parser.add_option("--jobs", command.jobs, "Cases that run side by side (default: 1)")
-      ->check(CLI::Range(1, 1024))
+      ->check(whole_number_from(1, 1024))
       ->option_text("N")
       ->group("Running");
   parser
       .add_option("--threads", command.threads,
                   "Processor threads of each case (default: all, shared by the jobs)")
-      ->check(CLI::Range(1, 4096))
+      ->check(whole_number_from(1, 4096))
       ->option_text("N")
       ->group("Running");
   parser

@@ -53,7 +53,8 @@ Arguments render_command(const TestCase& test, const FrameOrder& order) {
                     std::to_string(order.threads),
                     "--quiet"};
   if (order.reproducible) command.emplace_back("--reproducible");
-  if (test.judges.statistical) command.emplace_back("--float");  // half rounds dark pixels by more than noise
+  if (test.judges.statistical)
+    command.emplace_back("--type=float");  // half rounds dark pixels by more than noise
   if (!source.size.empty()) command.insert(command.end(), {"--size", source.size});
   if (const std::string aovs = asked_aovs(test, order); !aovs.empty()) {
     command.insert(command.end(), {"--aovs", aovs});

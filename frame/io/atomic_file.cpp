@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -23,6 +24,15 @@ void sync_folder(const fs::path& folder) {
   if (descriptor < 0) return;
   ::fsync(descriptor);
   ::close(descriptor);
+}
+
+/// Gives the file the mode of the one whose place it takes, which may be shared more or less than new files
+/// are. Who may not set it leaves the new file's.
+void take_mode_of(const std::string& path, int descriptor) {
+  constexpr mode_t permissions = 0777;
+  struct stat there {};
+  if (::stat(path.c_str(), &there) != 0 || !S_ISREG(there.st_mode)) return;
+  [[maybe_unused]] const int refused = ::fchmod(descriptor, there.st_mode & permissions);
 }
 
 }  // namespace
@@ -78,6 +88,7 @@ void AtomicFile::seek(std::uint64_t position) {
 
 void AtomicFile::commit() {
   fail_if_failed();
+  take_mode_of(path_, ::fileno(file_));
   if (std::fflush(file_) != 0 || ::fsync(::fileno(file_)) != 0) fail("write it", errno);
   const int closed = std::fclose(file_);
   file_ = nullptr;

@@ -7,9 +7,9 @@
 namespace becalm::io {
 
 /// A file that appears at its place whole or not at all. It is written as `PATH.partial.PID.N` beside its
-/// place, where no pattern for `.exr` files finds it, and commit() flushes it to the disk and renames it.
-/// Until then, and after any failure, whatever was at `path` before stays there. Every failure throws
-/// Error(resource) naming `path`.
+/// place, where no pattern for `.exr` files finds it, and commit() flushes it to the disk and renames it,
+/// with the mode of the file that it replaces. Until then, and after any failure, whatever was at `path`
+/// before stays there. Every failure throws Error(resource) naming `path`.
 class AtomicFile {
  public:
   /// Makes the parent folders and the partial file.

@@ -217,13 +217,6 @@ void forget_outside(const Imath::Box2i& data_window, LoadedView& view) {
   if (unknown > 0) view.frame.set_cut(Cut{inside, unknown});
 }
 
-void require_flat(const std::string& path, const Imf::MultiPartInputFile& file) {
-  for (int part = 0; part < file.parts(); ++part) {
-    if (!is_deep(file.header(part))) return;
-  }
-  throw Error(ExitStatus::bad_input, fmt::format("{}: a deep image, expected flat pixels", path));
-}
-
 /// Empty where there is none.
 std::string text_attribute(const Imf::Header& header, const char* name) {
   const auto* attribute = header.findTypedAttribute<Imf::StringAttribute>(name);

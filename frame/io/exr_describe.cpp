@@ -131,6 +131,7 @@ ExrDescription describe_exr(const std::string& path, const LayerOptions& options
     const std::vector<PartChannels> parts = part_channels(*file);
     std::vector<ViewLayers> views;
     try {
+      require_flat(path, *file);
       views = find_view_layers(path, parts, options);
       require_all_chunks(path, *file);
     } catch (const Error& error) {

@@ -127,6 +127,13 @@ bool is_deep(const Imf::Header& header) {
   return header.hasType() && Imf::isDeepData(header.type());
 }
 
+void require_flat(const std::string& path, const Imf::MultiPartInputFile& file) {
+  for (int part = 0; part < file.parts(); ++part) {
+    if (!is_deep(file.header(part))) return;
+  }
+  throw Error(ExitStatus::bad_input, fmt::format("{}: a deep image, expected flat pixels", path));
+}
+
 bool is_tiled(const Imf::Header& header) {
   return header.hasType() ? Imf::isTiled(header.type()) : header.hasTileDescription();
 }

@@ -61,6 +61,8 @@ std::unique_ptr<Imf::MultiPartInputFile> open_exr(const std::string& path);
 std::vector<PartChannels> part_channels(const Imf::MultiPartInputFile& file);
 
 bool is_deep(const Imf::Header& header);
+/// Throws Error(bad_input) where all parts are deep.
+void require_flat(const std::string& path, const Imf::MultiPartInputFile& file);
 bool is_tiled(const Imf::Header& header);
 
 /// The number of chunks (runs of lines, or tiles) that a part of this header has.

@@ -205,9 +205,15 @@ class LayerFinder {
   bool is_vrays_ = false;
 };
 
-/// Whether a part has luminance for its colour, with or without chroma.
-bool has_luminance(const std::vector<PartChannels>& parts) {
-  return std::ranges::any_of(parts, [](const PartChannels& part) { return is_among("Y", part.channels); });
+/// What pictures without R G B have in their place: luminance with chroma, or one channel for all.
+std::string_view other_colour(const std::vector<PartChannels>& parts) {
+  const auto have = [&](std::string_view channel) {
+    return std::ranges::any_of(parts,
+                               [&](const PartChannels& part) { return is_among(channel, part.channels); });
+  };
+  if (!have("Y")) return "";
+  return have("RY") || have("BY") ? "; luminance and chroma must be converted first"
+                                  : "; Y alone is one channel, which must be copied to R G B first";
 }
 
 /// The channels in one line, cut short where there are very many.
@@ -326,8 +332,7 @@ LayerMap find_layers(const std::string& file, const std::vector<PartChannels>& p
           fmt::format(
               "{}: no colour: expected channels R G B or LAYER.Combined.R G B, or --layers beauty=NAME; "
               "channels found: {}{}",
-              place, list_channels(parts),
-              has_luminance(parts) ? "; luminance and chroma must be converted first" : ""));
+              place, list_channels(parts), other_colour(parts)));
     }
     beauty_scope = beauty->scope;
     set(Aov::beauty, std::move(beauty->source));

@@ -185,6 +185,31 @@ int padding_of(const std::vector<std::string>& numbers) {
       ->first;
 }
 
+/// Where the frame number stands in a path that has one, as frame_in_name finds it; empty without one.
+std::string_view number_digits(std::string_view path) {
+  const std::string_view name = path.substr(path.rfind('/') + 1);
+  const std::string_view stem = name.substr(0, name.rfind('.'));
+  std::string_view digits;
+  for (std::string_view rest = stem; digits.empty() && !rest.empty();) {
+    const std::size_t dot = rest.rfind('.');
+    const std::string_view part = dot == std::string_view::npos ? rest : rest.substr(dot + 1);
+    if (is_frame_number(part)) digits = part;
+    rest = dot == std::string_view::npos ? std::string_view() : rest.substr(0, dot);
+  }
+  if (digits.empty()) {
+    std::size_t begin = stem.size();
+    while (begin > 0 && is_digit(stem[begin - 1])) --begin;
+    const auto letter_before = [&](char letter) {
+      return begin > 0 && (stem[begin - 1] == letter || stem[begin - 1] == letter - 'a' + 'A');
+    };
+    const bool follows_letter = begin > 1 && is_letter(stem[begin - 2]);
+    const bool follows_digit = begin > 1 && is_digit(stem[begin - 2]);
+    if ((letter_before('v') && !follows_letter) || (letter_before('x') && follows_digit)) return {};
+    digits = stem.substr(begin);
+  }
+  return digits;
+}
+
 }  // namespace
 
 std::vector<int> parse_frame_range(std::string_view text, std::string_view what) {
@@ -212,30 +237,32 @@ std::string format_frame_range(const std::vector<int>& frames) {
 }
 
 std::optional<NamedFrame> frame_in_name(const std::string& path) {
-  const std::string name = path.substr(path.rfind('/') + 1);
-  const std::string_view stem = std::string_view(name).substr(0, name.rfind('.'));
-  std::string_view digits;
-  for (std::string_view rest = stem; digits.empty() && !rest.empty();) {
-    const std::size_t dot = rest.rfind('.');
-    const std::string_view part = dot == std::string_view::npos ? rest : rest.substr(dot + 1);
-    if (is_frame_number(part)) digits = part;
-    rest = dot == std::string_view::npos ? std::string_view() : rest.substr(0, dot);
-  }
-  if (digits.empty()) {
-    std::size_t begin = stem.size();
-    while (begin > 0 && is_digit(stem[begin - 1])) --begin;
-    const auto letter_before = [&](char letter) {
-      return begin > 0 && (stem[begin - 1] == letter || stem[begin - 1] == letter - 'a' + 'A');
-    };
-    const bool follows_letter = begin > 1 && is_letter(stem[begin - 2]);
-    const bool follows_digit = begin > 1 && is_digit(stem[begin - 2]);
-    if ((letter_before('v') && !follows_letter) || (letter_before('x') && follows_digit)) return std::nullopt;
-    digits = stem.substr(begin);
-  }
+  const std::string_view digits = number_digits(path);
   std::string_view rest = digits;
   const std::optional<int> number = take_int(rest);
   if (!number || !rest.empty()) return std::nullopt;
   return NamedFrame{*number, static_cast<int>(digits.size())};
+}
+
+std::optional<std::string> pattern_of_frame(const std::string& path) {
+  const std::string_view digits = number_digits(path);
+  if (digits.empty()) return std::nullopt;
+  std::string pattern = path;
+  std::fill_n(pattern.begin() + (digits.data() - path.data()), digits.size(), '#');
+  return pattern;
+}
+
+std::string field_of_folder(const std::string& path) {
+  const std::string_view folders = std::string_view(path).substr(0, path.rfind('/') + 1);
+  for (std::size_t at = 0; at < folders.size(); ++at) {
+    const std::optional<Field> field = field_at(folders, at);
+    if (!field || field->end - field->begin < 2) continue;  // a lone '#' or '@' is a name's more often
+    std::error_code error;
+    const std::string_view folder = folders.substr(0, folders.find('/', at));
+    if (std::filesystem::exists(folder, error)) return "";
+    return std::string(folders.substr(at, field->end - field->begin));
+  }
+  return "";
 }
 
 int number_in_name(const std::string& path) {

@@ -31,8 +31,16 @@ struct NamedFrame {
 /// versions (`shot_v02.exr`) nor sizes (`room_640x360.exr`) are frames. None of these: nothing.
 std::optional<NamedFrame> frame_in_name(const std::string& path);
 
+/// The pattern that has the file as a frame: `shot.####.exr` for `shot.0052.exr`. Nothing where the name has
+/// no frame number.
+std::optional<std::string> pattern_of_frame(const std::string& path);
+
 /// The number that a single file's name has, else 1.
 int number_in_name(const std::string& path);
+
+/// A frame field of two characters or more in the path's folders, of which the first that has one is not
+/// there; empty without one. SequencePattern takes it literally.
+std::string field_of_folder(const std::string& path);
 
 /// A file name with at most one frame field: `####`, `@@@@` (digits = characters), `%04d`, `%d`, `$F4` or
 /// `$F`; a lone `#` takes its padding from the files on disk, and 1 digit where there are none. Folders hold

@@ -11,6 +11,7 @@
 #include "frame/error.h"
 #include "frame/pictures/embedded_library.h"
 #include "frame/raw/dng.h"
+#include "frame/regular_file.h"
 
 extern "C" {
 // NOLINTBEGIN(readability-identifier-naming): symbols of becalm_embed_module
@@ -31,12 +32,13 @@ std::unique_ptr<File> open(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error))
     throw Error(ExitStatus::bad_input, fmt::format("{}: no such file", path));
+  constexpr const char* expected = "a camera's raw file or a DNG file";
+  refuse_other_than_file(path, expected);
   Library& opens = library();
   try {
     return opens.open(path);
   } catch (const std::exception& error) {
-    throw Error(ExitStatus::bad_input,
-                fmt::format("{}: {}; expected a camera's raw file or a DNG file", path, error.what()));
+    throw Error(ExitStatus::bad_input, fmt::format("{}: {}; expected {}", path, error.what(), expected));
   }
 }
 

@@ -54,7 +54,7 @@ class Demo:
     def render(self, name, title, frames, spp, seed, *options):
         return self.run(title, f"{len(frames)} frames, {WIDTH}x{HEIGHT}, {spp} spp", "render", self.scene, "-o",
                         self.pattern(name), "--frames", f"{frames[0]}-{frames[-1]}", "--size", f"{WIDTH}x{HEIGHT}",
-                        "--spp", spp, "--seed", seed, "--float", *options)
+                        "--spp", spp, "--seed", seed, "--type=float", *options)
 
     def reference_spp(self):
         """Samples per pixel of each of the two references that the remaining time allows."""

@@ -19,7 +19,7 @@ def rendered(runs):
     """Denoised, so that its own noise is not taken for the camera's."""
     path = runs.folder / "scene.exr"
     subprocess.run([runs.becalm, "render", f"scenes/{SCENE}.json", "-o", path, "--frames", str(FRAME), "--context", "none", "--spp", str(SPP),
-                    "--size", SIZE, "--denoise=final", "--float", "--overwrite", "--quiet"], check=True)
+                    "--size", SIZE, "--denoise=final", "--type=float", "--overwrite", "--quiet"], check=True)
     return camera.scene(path)
 
 

@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import os
 import re
 import sys
 from pathlib import Path
@@ -76,7 +77,8 @@ def has_eye_field(pattern):
 
 def frame_paths(pattern, frame):
     """The file of a frame in a `####` pattern, or one for each eye. As in becalm, a minus sign counts as a digit of the padding."""
-    path = re.sub(r"#+", lambda field: f"{frame:0{len(field[0])}d}", pattern, count=1)
+    folder, name = os.path.split(pattern)  # folders hold no field
+    path = os.path.join(folder, re.sub(r"#+", lambda field: f"{frame:0{len(field[0])}d}", name, count=1))
     if not has_eye_field(path):
         return [path]
     return [path.replace("%V", eye).replace("%v", eye[0]) for eye in ("left", "right")]

@@ -133,7 +133,7 @@ def choose_scene(arguments, folder, seed, assets, exposure):
         path.write_text(json.dumps(scene))
         frames = sorted({1, arguments.numbers[-1]})
         render(arguments, path, folder / "probe.####.exr", frame_list(frames), PROBE_SPP, 1, "albedo,normal,depth,variance",
-               PROBE_SIZE, "--float")
+               PROBE_SIZE, "--type=float")
         probes = [read_layers(folder / f"probe.{frame:04d}.exr") for frame in frames]
         for frame in frames:
             (folder / f"probe.{frame:04d}.exr").unlink()
@@ -164,7 +164,7 @@ def make_shot(arguments, seed, assets):
         aovs = "albedo,normal,depth,variance" + (",half_a,half_b" if samples >= 2 else "")
         frames = referenced if level > 0 else arguments.numbers
         render(arguments, scene, folder / f"n{samples:03d}.####.exr", frame_list(frames), samples, 1000 * seed + level + 1, aovs,
-               arguments.size, "--aov-spp", aov_style or samples, "--float")
+               arguments.size, "--aov-spp", aov_style or samples, "--type=float")
     if referenced:
         for level, name in enumerate(("r_a", "r_b")):
             render(arguments, scene, folder / f"{name}.####.exr", frame_list(referenced), reference_spp,

@@ -114,6 +114,12 @@ TEST_F(Adaptive, ATargetTakesAsManySamplesAsItNeeds) {
     EXPECT_LE(samples[0], 64.0);
     before = samples[0];
     EXPECT_NE(outcome.err.find("noise expected in the frames: "), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find(fmt::format("of {:.3g} samples per pixel on average", samples[0])),
+              std::string::npos)
+        << outcome.err;
+    EXPECT_EQ(outcome.err.find("% of the pixels have the most that --spp allows") != std::string::npos,
+              target == std::string_view("0.01"))
+        << outcome.err;
   }
   EXPECT_NE(settings_of("a.exr").find("spp=64 noise_target=0.01"), std::string::npos) << settings_of("a.exr");
 }

@@ -45,6 +45,18 @@ TEST_F(Denoise, VerboseTellsLayersDeviceHistoryAndFiles) {
   }
 }
 
+TEST_F(Denoise, FramesThatAreFilteredBesidesThoseAskedForAreTold) {
+  write_frames({1, 2, 3, 4});
+  const std::string words = "3 frames more are read and filtered for those before and after them; --context";
+  const auto told = [&](const std::vector<std::string>& more) {
+    return becalm_done(command("out.####.exr", more)).err.find(words) != std::string::npos;
+  };
+  EXPECT_TRUE(told({"--frames", "1"}));
+  EXPECT_FALSE(told({"--frames", "1", "--quiet"}));
+  EXPECT_FALSE(told({"--frames", "1", "--context", "none"}));
+  EXPECT_FALSE(told({}));
+}
+
 TEST_F(Denoise, ProgressAsJson) {
   write_frames({1, 2});
   const Outcome outcome = becalm_done(command("out.####.exr", {"--progress", "json", "-v", "--profile"}));

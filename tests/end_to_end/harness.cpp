@@ -108,6 +108,10 @@ Outcome becalm_done(const std::vector<std::string>& arguments) {
   return outcome;
 }
 
+bool has_option(const std::vector<std::string>& arguments, const std::string& name) {
+  return std::find(arguments.begin(), arguments.end(), name) != arguments.end();
+}
+
 bool wait_until(const std::function<bool()>& condition) {
   using Clock = std::chrono::steady_clock;
   for (const auto end = Clock::now() + std::chrono::seconds(60); Clock::now() < end;) {

@@ -63,6 +63,9 @@ Outcome becalm_redirected(const std::vector<std::string>& arguments, const std::
 /// Runs `becalm ARGUMENTS...`, expecting status 0.
 Outcome becalm_done(const std::vector<std::string>& arguments);
 
+/// Whether an option is among the arguments, so that a test's own default would be its second value.
+bool has_option(const std::vector<std::string>& arguments, const std::string& name);
+
 /// Waits until `condition` holds, for a minute at most.
 bool wait_until(const std::function<bool()>& condition);
 

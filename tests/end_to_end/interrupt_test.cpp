@@ -17,8 +17,8 @@ class Interrupt : public testing::Test {
  protected:
   std::vector<std::string> render(const std::string& pattern, const std::string& frames,
                                   const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> arguments{"render",   scene_, "-o",    folder_ / pattern,
-                                       "--frames", frames, "--spp", "16"};
+    std::vector<std::string> arguments{"render", scene_, "-o", folder_ / pattern, "--frames", frames};
+    if (!has_option(more, "--spp")) arguments.insert(arguments.end(), {"--spp", "16"});
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
   }
@@ -79,10 +79,10 @@ TEST_F(Interrupt, StalePartialFilesAreCleanedAndOthersAreNot) {
 }
 
 TEST_F(Interrupt, SignalsEndARenderWithOneLineAndResumeGoesOn) {
-  for (const int signal : {SIGINT, SIGTERM}) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     const std::string pattern = fmt::format("signal{}/a.####.exr", signal);
     const Outcome outcome = stop_after(render(pattern, "1-400", {"--quiet"}), pattern, 2, signal);
-    EXPECT_EQ(outcome.status, 130);
+    EXPECT_EQ(outcome.status, signal == SIGHUP ? 129 : 130);
     const int count = count_whole((folder_.path() / pattern).parent_path());
     EXPECT_EQ(outcome.err,
               fmt::format("interrupted: {} of 400 frames written; go on with --resume\n", count));
@@ -93,6 +93,23 @@ TEST_F(Interrupt, SignalsEndARenderWithOneLineAndResumeGoesOn) {
       EXPECT_EQ(name.find("partial"), std::string::npos) << name;
     }
   }
+}
+
+TEST_F(Interrupt, ASecondHangUpLeavesNoLockAndNohupIsKeptTo) {
+  const std::vector<std::string> arguments =
+      render("out/a.####.exr", "1-2", {"--spp", "65536", "--size", "640x480", "--quiet"});
+  {
+    Process process(arguments);
+    ASSERT_TRUE(wait_until([&] { return fs::exists(folder_ / "out/.becalm.lock"); }));
+    for (int count = 0; count < 2; ++count) process.signal(SIGHUP);
+    EXPECT_EQ(process.wait().status, 129);
+    EXPECT_FALSE(fs::exists(folder_ / "out/.becalm.lock"));
+  }
+  Process process(arguments, "trap '' HUP; exec \"$0\" \"$@\"");
+  ASSERT_TRUE(wait_until([&] { return fs::exists(folder_ / "out/.becalm.lock"); }));
+  process.signal(SIGHUP);
+  process.signal(SIGTERM);
+  EXPECT_EQ(process.wait().status, 130) << "SIGHUP was not ignored";
 }
 
 TEST_F(Interrupt, TwoWritersOfOneFrameAreToldApart) {

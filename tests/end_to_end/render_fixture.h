@@ -15,7 +15,8 @@ class Render : public testing::Test {
  protected:
   std::vector<std::string> command(const std::string& pattern,
                                    const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> arguments{"render", scene_, "-o", folder_ / pattern, "--spp", "2", "--quiet"};
+    std::vector<std::string> arguments{"render", scene_, "-o", folder_ / pattern, "--quiet"};
+    if (!has_option(more, "--spp")) arguments.insert(arguments.end(), {"--spp", "2"});
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
   }

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/end_to_end/suite_fixture.h"
 
 namespace becalm::test {
@@ -37,6 +39,13 @@ class SuiteReports : public SuiteTest {
   static constexpr const char* kScene =
       R"("scene": {"source": {"scene": "scene.json"}, "judged_by": {"exact": true}})";
 };
+
+TEST_F(SuiteReports, OnStandardOutputAreAloneThere) {
+  const Outcome outcome = run({"--json", "-", "--filter", "good"});
+  EXPECT_TRUE(nlohmann::json::parse(outcome.out).contains("cases")) << outcome.out;
+  EXPECT_NE(outcome.err.find("1 passed"), std::string::npos) << outcome.err;
+  expect_error(run({"--json", "-", "--junit", "-"}), 2, {"is another report's, too"});
+}
 
 TEST_F(SuiteReports, ReplaceNoInput) {
   const std::string input = "would overwrite the input";

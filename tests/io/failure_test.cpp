@@ -334,6 +334,21 @@ TEST(AtomicFile, AppearsWhenCommitted) {
   EXPECT_EQ(folder.file_count(), 1u);
 }
 
+TEST(AtomicFile, KeepsTheModeOfTheFileThatItReplaces) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("file");
+  using std::filesystem::perms;
+  std::ofstream(path) << 'x';
+  for (const perms mode :
+       {perms::owner_read | perms::owner_write | perms::group_read, perms::owner_read | perms::owner_write}) {
+    std::filesystem::permissions(path, mode);
+    AtomicFile file(path);
+    file.write("y", 1);
+    file.commit();
+    EXPECT_EQ(std::filesystem::status(path).permissions(), mode);
+  }
+}
+
 TEST(AtomicFile, IsRemovedUnlessCommitted) {
   const TemporaryFolder folder;
   { AtomicFile(folder.path("file")).write("x", 1); }

@@ -130,6 +130,7 @@ TEST(Layers, LuminanceIsToldFromMissingColour) {
     return std::string();
   };
   EXPECT_NE(error_of({"BY", "RY", "Y"}).find("luminance and chroma must be converted"), std::string::npos);
+  EXPECT_NE(error_of({"Y"}).find("Y alone is one channel"), std::string::npos) << error_of({"Y"});
   EXPECT_EQ(error_of({"X"}).find("luminance"), std::string::npos) << error_of({"X"});
 }
 

@@ -75,6 +75,27 @@ TEST_F(PassedOn, PartsKeepTheirChunks) {
   EXPECT_EQ(std::string(bytes_before, size_before), std::string(bytes_after, size_after));
 }
 
+TEST_F(PassedOn, AFileOfADeepPartAloneIsToldAsOne) {
+  Imf::Header deep(window(0, 0, 2, 2), window(0, 0, 2, 2));
+  deep.setType(Imf::DEEPSCANLINE);
+  deep.compression() = Imf::ZIPS_COMPRESSION;
+  deep.channels().insert("Z", Imf::Channel(Imf::FLOAT));
+  std::vector<unsigned> counts(4, 0);
+  std::vector<float*> pointers(4, nullptr);
+  Imf::DeepFrameBuffer buffer;
+  buffer.insertSampleCountSlice(
+      Imf::Slice(Imf::UINT, reinterpret_cast<char*>(counts.data()), sizeof(unsigned), 2 * sizeof(unsigned)));
+  buffer.insert("Z", Imf::DeepSlice(Imf::FLOAT, reinterpret_cast<char*>(pointers.data()), sizeof(float*),
+                                    2 * sizeof(float*), sizeof(float)));
+  {
+    Imf::MultiPartOutputFile file(source_.c_str(), &deep, 1);
+    Imf::DeepScanLineOutputPart out(file, 0);
+    out.setFrameBuffer(buffer);
+    out.writePixels(2);
+  }
+  EXPECT_EQ(describe_exr(source_, {}).problem, source_ + ": a deep image, expected flat pixels");
+}
+
 TEST_F(PassedOn, DeepParts) {
   constexpr int width = 6;
   constexpr int height = 40;

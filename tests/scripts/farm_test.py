@@ -65,6 +65,7 @@ class Plan(unittest.TestCase):
     def test_names(self):
         self.assertEqual(farm.frame_paths("out/a.####.exr", 7), ["out/a.0007.exr"])
         self.assertEqual(farm.frame_paths("a.####.exr", -1), ["a.-001.exr"])
+        self.assertEqual(farm.frame_paths("/shows/take#2/a.##.exr", 7), ["/shows/take#2/a.07.exr"])
         self.assertEqual(farm.frame_paths("%v/a.%V.##.exr", 7), ["l/a.left.07.exr", "r/a.right.07.exr"])
         self.assertEqual(farm.folder_of("out/a.####.exr"), Path("out/farm.a"))
         self.assertEqual(farm.folder_of("/out/%V/x/a.%v.####.exr"), Path("/out/farm.a"))

@@ -35,7 +35,7 @@ class Renders:
             paths[0].parent.mkdir(parents=True, exist_ok=True)
             subprocess.run([self.becalm, "render", scene_file, "-o", self.folder / scene / f"{name}.####.exr",
                             "--frames", f"{SOURCE}-{TARGET}", "--size", self.size, "--spp", str(spp), "--seed", str(seed),
-                            "--float", "--quiet", "--aovs", ",".join(AOVS)], check=True)
+                            "--type=float", "--quiet", "--aovs", ",".join(AOVS)], check=True)
         return [_named(read_layers(path)) for path in paths]
 
     @functools.lru_cache(maxsize=1)  # callers take all pairs of one scene before the next scene

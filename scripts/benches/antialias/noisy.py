@@ -38,7 +38,7 @@ def render(becalm, scene, folder, frames, size, spp, cycle, aovs, seed):
     keep_if_same(folder, becalm, scene=text, frames=frames, spp=spp, seed=seed, aovs=aovs)
     path = folder / "scene.json"
     path.write_text(json.dumps(text))
-    command = [becalm, "render", path, "-o", folder / "f.####.exr", "--spp", str(spp), "--seed", str(seed), "--float", "--aovs", aovs]
+    command = [becalm, "render", path, "-o", folder / "f.####.exr", "--spp", str(spp), "--seed", str(seed), "--type=float", "--aovs", aovs]
     if not (folder / f"f.{frames:04}.exr").exists():
         subprocess.run([*command, "--frames", f"1-{frames}", "--overwrite", "--quiet"], check=True)
     return command

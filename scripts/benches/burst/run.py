@@ -24,7 +24,7 @@ def render(becalm, scene, root):
     """A frame of a scene, denoised, so that its own noise is not taken for texture or the camera's."""
     pattern = root / f"{scene}.####.exr"
     subprocess.run([becalm, "render", f"scenes/{scene}.json", "-o", pattern, "--frames", str(FRAME), "--context", "none", "--spp", str(SPP),
-                    "--size", SIZE, "--denoise=final", "--float", "--resume", "--quiet"], check=True)
+                    "--size", SIZE, "--denoise=final", "--type=float", "--resume", "--quiet"], check=True)
     return root / f"{scene}.{FRAME:04}.exr"
 
 

@@ -29,7 +29,7 @@ class Runs:
         self.output.mkdir(parents=True, exist_ok=True)
         pattern, figures = self.output / "f.####.exr", self.output / "figures.json"
         _, cost = timed([self.becalm, "render", SCENES / f"{scene}.json", "-o", pattern, "--frames", frame_range(self.data.frames), "--context", "none",
-                         "--size", self.size, "--spp", spp, "--seed", spp, "--denoise=final", "--float", "--quiet", "--overwrite", *options])
+                         "--size", self.size, "--spp", spp, "--seed", spp, "--denoise=final", "--type=float", "--quiet", "--overwrite", *options])
         first, second = self.data.references(scene, self.reference_spp)
         subprocess.run([self.becalm, "compare", first, pattern, "--reference-b", second, "--frames", frame_range(self.data.measured),
                         "--json", figures], check=True, stdout=subprocess.DEVNULL)

@@ -48,7 +48,7 @@ def render_becalms(programs, scene_file, folder, frame, asked):
             cost, path = {}, folder / f"becalm{number}.{seed}.exr"
             for spp in (1, asked.spp):
                 _, cost[spp] = timed([program, "render", scene_file, "-o", path, "--frames", frame, "--size", asked.size, "--spp", spp,
-                                      "--seed", seed, "--float", "--quiet", "--overwrite"])
+                                      "--seed", seed, "--type=float", "--quiet", "--overwrite"])
             seconds[number].append((cost[asked.spp].processor_s - cost[1].processor_s) * asked.spp / (asked.spp - 1))
             frames[number].append(radiance(path))
     return [(np.stack(of_program), statistics.median(spent)) for of_program, spent in zip(frames, seconds)]

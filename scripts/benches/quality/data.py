@@ -96,5 +96,5 @@ class Renderer:
 
     def _render(self, scene_file, pattern, frames, spp, seed, aovs):
         _, cost = timed([self.becalm, "render", scene_file, "-o", pattern, "--frames", frame_range(frames), "--size", self.size,
-                         "--spp", spp, "--seed", seed, "--float", "--quiet", "--resume", *(["--aovs", ",".join(aovs)] if aovs else [])])
+                         "--spp", spp, "--seed", seed, "--type=float", "--quiet", "--resume", *(["--aovs", ",".join(aovs)] if aovs else [])])
         return cost

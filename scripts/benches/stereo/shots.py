@@ -55,7 +55,7 @@ def render(becalm, scene, folder, frames, size, options):
     path.write_text(json.dumps(text))
     missing = [frame for frame in frames if not (folder / f"f.{frame:04}.exr").exists()]
     if missing:
-        subprocess.run([becalm, "render", path, "-o", folder / "f.####.exr", "--frames", ",".join(map(str, missing)), "--float", "--overwrite", "--quiet",
+        subprocess.run([becalm, "render", path, "-o", folder / "f.####.exr", "--frames", ",".join(map(str, missing)), "--type=float", "--overwrite", "--quiet",
                         *options], check=True)
 
 

@@ -25,7 +25,7 @@ def scene(becalm):
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "scene.exr"
         subprocess.run([becalm, "render", HERE.parent / "scenes/moving.json", "-o", path, "--frames", str(FRAME), "--size", SIZE,
-                        "--spp", str(SPP), "--float", "--quiet"], check=True)
+                        "--spp", str(SPP), "--type=float", "--quiet"], check=True)
         return read_layers(path)[""][..., :3].clip(0, None) * EXPOSURE
 
 

@@ -245,6 +245,10 @@ json parse_json_file(const std::string& file) {
   refuse_other_than_file(file, "a JSON file");
   const std::optional<std::string> contents = read_text_file(file);
   if (!contents) throw Error(ExitStatus::bad_input, file + ": cannot read it");
+  if (contents->starts_with("\x76\x2f\x31\x01")) {
+    throw Error(ExitStatus::bad_input,
+                file + ": an EXR file, expected a JSON file; becalm denoise takes EXR files");
+  }
   ParserWatch watch(file);
   try {
     return json::parse(*contents, [&](int depth, json::parse_event_t event, const json& parsed) {
