@@ -33,17 +33,16 @@ TEST_F(Render, ResumeRendersDamagedFramesAgain) {
 
 TEST_F(Render, ResumeRefusesOtherSettingsAndNamesThem) {
   render("a.####.exr", {"--frames", "1-2"});
-  const auto resume = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> arguments = command("a.####.exr", {"--resume"});
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return becalm(arguments);
+  const auto resume = [&](std::vector<std::string> more) {
+    more.push_back("--resume");
+    return becalm(command("a.####.exr", more));
   };
   expect_error(resume({"--seed", "5"}), 2, {"a.0001.exr", "seed=0", "seed=5"});
   expect_error(resume({"--size", "24x16"}), 2, {"a.0001.exr", "size=48x32", "size=24x16"});
   expect_error(resume({"--aovs", "normal"}), 2, {"a.0001.exr", "aovs=none", "aovs=normal"});
   expect_error(resume({"--denoise"}), 2, {"a.0001.exr"});
   expect_error(resume({"--aov-spp", "32"}), 2, {"a.0001.exr", "aov_spp=16", "aov_spp=32"});
-  expect_error(resume({"--float"}), 2, {"a.0001.exr", "color=half", "color=float"});
+  expect_error(resume({"--type", "float"}), 2, {"a.0001.exr", "color=half", "color=float"});
   expect_error(resume({"--spp", "3"}), 2, {"a.0001.exr", "spp=2", "spp=3"});
   expect_error(resume({"--reproducible"}), 2, {"a.0001.exr", "reproducible=yes"});
 }
