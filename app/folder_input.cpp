@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <set>
 #include <system_error>
 #include <vector>
 
@@ -20,13 +19,16 @@ namespace {
 
 /// Patterns and single files, each in quotes.
 std::vector<std::string> sequences_in(const std::string& folder) {
-  std::set<std::string> sequences;
+  std::vector<std::string> paths;
   std::error_code unreadable;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, unreadable)) {
-    const std::string path = (fs::path(folder) / entry.path().filename()).string();
-    if (is_exr_name(path)) sequences.insert('\'' + io::pattern_of_frame(path).value_or(path) + '\'');
+  for (fs::directory_iterator it(folder, unreadable), end; !unreadable && it != end;
+       it.increment(unreadable)) {
+    const std::string path = (fs::path(folder) / it->path().filename()).string();
+    if (is_exr_name(path)) paths.push_back(path);
   }
-  return {sequences.begin(), sequences.end()};
+  std::vector<std::string> sequences = io::patterns_of_files(paths);
+  for (std::string& sequence : sequences) sequence = '\'' + sequence + '\'';
+  return sequences;
 }
 
 }  // namespace

@@ -339,7 +339,6 @@ void describe_sequence(const io::SequencePattern& pattern, io::LayerOptions laye
 
 void describe_subject(const InfoCommand& command) {
   const io::LayerOptions layers = layer_options(command.layers);
-  refuse_folder(command.subject);
   const bool is_scene = std::filesystem::path(command.subject).extension() == ".json";
   if (command.audit && (is_scene || command.subject == "device")) {
     throw Error(ExitStatus::usage, fmt::format("--audit looks at EXR files, and {} is {}", command.subject,
@@ -347,7 +346,10 @@ void describe_subject(const InfoCommand& command) {
   }
   if (command.subject == "device") {
     describe_devices(command.json);
-  } else if (is_scene) {
+    return;
+  }
+  refuse_folder(command.subject);
+  if (is_scene) {
     describe_scene(command.subject, command.json);
   } else if (const io::SequencePattern pattern(command.subject); pattern.has_frame_field()) {
     describe_sequence(pattern, layers, command);

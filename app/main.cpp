@@ -98,17 +98,6 @@ void refuse_empty_assignments(const CLI::App& command, std::span<const std::stri
   }
 }
 
-/// Of two values of an option one is a mistake. Flags may be repeated, and options that say so.
-void refuse_repeated_options(const CLI::App& command) {
-  for (const CLI::Option* option : command.get_options()) {
-    const bool takes_one_value = option->nonpositional() && !option->get_option_text().empty() &&
-                                 option->get_items_expected_max() <= 1;
-    if (!takes_one_value || option->count() <= 1) continue;
-    throw CLI::ValidationError(option->get_name(),
-                               fmt::format("is given {} times, expected once", option->count()));
-  }
-}
-
 /// What --progress says, known before anything can be wrong with the other options.
 becalm::app::MessageFormat asked_format(std::span<const std::string> arguments) {
   constexpr std::string_view option = "--progress";
@@ -127,7 +116,7 @@ becalm::app::MessageFormat asked_format(std::span<const std::string> arguments) 
 std::vector<std::string> without_help_command(const std::vector<std::string>& typed,
                                               std::span<const becalm::app::Command> commands) {
   if (typed.empty() || typed.front() != "help") return typed;
-  if (typed.size() == 1) return {"--help"};
+  if (typed.size() == 1 || typed[1] == "help") return {"--help"};
   const bool is_known = std::ranges::any_of(
       commands, [&](const becalm::app::Command& command) { return command.parser->get_name() == typed[1]; });
   return is_known ? std::vector<std::string>{typed[1], "--help"} : std::vector<std::string>{typed[1]};
@@ -142,8 +131,7 @@ int run(const std::vector<std::string>& typed) {
   parser.formatter(std::make_shared<becalm::app::HelpFormatter>());
   parser.get_formatter()->column_width(30);
   parser.require_subcommand(1);
-  // Another policy would be one of flags, too, which may be repeated: refuse_repeated_options refuses the
-  // rest.
+  // Another policy would be one of flags, too, which may be repeated: refuse_too_many_values has the rest.
   parser.option_defaults()->take_last();
   const std::array commands{becalm::app::add_render(parser),    becalm::app::add_denoise(parser),
                             becalm::app::add_antialias(parser), becalm::app::add_burst(parser),
@@ -160,7 +148,7 @@ int run(const std::vector<std::string>& typed) {
   try {
     parser.parse(std::vector(arguments.rbegin(), arguments.rend()));  // CLI11 takes them from the end
     refuse_empty_assignments(*find_chosen(commands)->parser, arguments);
-    refuse_repeated_options(*find_chosen(commands)->parser);
+    becalm::app::refuse_too_many_values(*find_chosen(commands)->parser);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return finish_output(parser.exit(error));  // --help, --version
     const becalm::app::Command* chosen = find_chosen(commands);

@@ -29,11 +29,14 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 std::string nearest_name(std::string_view typed, std::span<const std::string> names) {
   constexpr std::size_t longest = 40;  // characters of a name
-  if (typed.size() > longest) return "";
-  std::size_t least = 1 + typed.size() / 4;  // what more letters differ in is another name
+  const std::size_t letters = typed.size() - std::min(typed.size(), typed.find_first_not_of('-'));
+  if (typed.size() > longest || letters < 2) return "";
+  const auto begins = [typed](const std::string& name) { return name.starts_with(typed); };
+  const bool is_short = std::ranges::count_if(names, begins) == 1;  // for one name alone
+  std::size_t least = 1 + letters / 5;  // what more letters differ in is another name
   std::string nearest;
   for (const std::string& name : names) {
-    const std::size_t distance = name.starts_with(typed) ? 1 : edit_distance(typed, name);
+    const std::size_t distance = is_short && begins(name) ? 1 : edit_distance(typed, name);
     if (distance > least || (distance == least && !nearest.empty())) continue;
     least = distance;
     nearest = name;

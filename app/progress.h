@@ -17,8 +17,9 @@ struct ProgressOptions {
   double units_per_frame = 1.0;
   bool quiet = false;    ///< warnings only
   bool verbose = false;  ///< details, too
-  /// Where no terminal shows a moving line: the longest silence of a command that works on a frame. Farms
-  /// take a longer one for a process that hangs.
+  /// Where no terminal shows a moving line: how long a command is silent before the next step of its work
+  /// (some samples, one frame through the filter) is told. Farms take a long silence for a process that
+  /// hangs.
   std::chrono::milliseconds say_every = std::chrono::seconds(30);
 };
 

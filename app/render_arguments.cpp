@@ -28,12 +28,20 @@ void add_render_options(CLI::App& parser, RenderCommand& command) {
           "commas, all (but light groups, and of one sample no halves) or none (default: none)")
       ->option_text("LIST")
       ->group("Output");
-  parser.add_option("--type", command.type, "Type of the colours (default: half)")
-      ->check(CLI::IsMember({"half", "float"}))
-      ->option_text("half|float")
-      ->group("Output");
-  // The former name of --type float, which scripts have.
-  parser.add_flag_callback("--float", [&command] { command.type = "float"; })->group("");
+  CLI::Option* type = parser.add_option("--type", command.type, "Type of the colours (default: half)")
+                          ->check(CLI::IsMember({"half", "float"}))
+                          ->option_text("half|float")
+                          ->group("Output");
+  // Former names, which scripts have.
+  for (const std::string name : {"half", "float"}) {
+    const std::string former = name == "half" ? "--half-float" : "--float";
+    const auto take = [&command, type, name, former] {
+      if (type->count() > 0)
+        throw CLI::ValidationError(former, "is --type " + name + ", expected one of the two");
+      command.type = name;
+    };
+    parser.add_flag_callback(former, take)->group("");
+  }
   parser
       .add_option("--spp", command.asked_spp,
                   "Samples per pixel (default: 8; the most with --noise-target: 256)")

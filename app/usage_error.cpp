@@ -18,6 +18,7 @@ namespace {
 std::vector<std::string> names_of_options(const CLI::App& command) {
   std::vector<std::string> names;
   for (const CLI::Option* option : command.get_options()) {
+    if (option->get_group().empty()) continue;  // hidden
     for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
   }
   return names;
@@ -44,20 +45,6 @@ std::string value_of_flag(const CLI::App& command, std::span<const std::string> 
   return "";
 }
 
-/// The sequence that all of the words are frames of, as the shell makes them of `shot.*.exr`; empty if they
-/// are none.
-std::string sequence_of_all(std::span<const std::string> words) {
-  std::string sequence;
-  for (const std::string& word : words) {
-    std::error_code error;
-    const std::string pattern = io::pattern_of_frame(word).value_or("");
-    if (pattern.empty() || !std::filesystem::exists(word, error)) return "";
-    if (!sequence.empty() && pattern != sequence) return "";
-    sequence = pattern;
-  }
-  return sequence;
-}
-
 /// What was probably meant, in words that follow the unknown ones; empty where nothing is near.
 std::string guess(const std::vector<std::string>& unknown, const CLI::App& becalm, const CLI::App* command,
                   std::span<const std::string> arguments) {
@@ -73,7 +60,42 @@ std::string guess(const std::vector<std::string>& unknown, const CLI::App& becal
   return meant.empty() ? "" : fmt::format(" (did you mean {}?)", meant);
 }
 
+/// What to type in place of the frames of a sequence.
+std::string several_frames(const std::string& sequence) {
+  return fmt::format("several frames of one sequence, which is one argument in quotes: '{}'", sequence);
+}
+
+/// The sequence that all of the words are frames of, as the shell makes them of `shot.*.exr`; empty if they
+/// are none.
+std::string sequence_of_all(std::span<const std::string> words) {
+  const auto is_frame = [](const std::string& word) {
+    std::error_code error;
+    return io::frame_in_name(word) && std::filesystem::exists(word, error);
+  };
+  if (!std::ranges::all_of(words, is_frame)) return "";
+  const std::vector<std::string> patterns = io::patterns_of_files(words);
+  return patterns.size() == 1 ? patterns.front() : "";
+}
+
 }  // namespace
+
+void refuse_too_many_values(const CLI::App& command) {
+  for (const CLI::Option* option : command.get_options()) {
+    const auto most = static_cast<std::size_t>(option->get_items_expected_max());
+    if (option->get_positional()) {
+      if (option->count() <= most) continue;
+      const std::string sequence = sequence_of_all(option->results());
+      throw CLI::ValidationError(option->get_option_text(),
+                                 sequence.empty()
+                                     ? fmt::format("are {} words, expected {} at most", option->count(), most)
+                                     : several_frames(sequence));
+    }
+    const bool takes_one_value = !option->get_option_text().empty() && most <= 1;
+    if (!takes_one_value || option->count() <= 1) continue;
+    throw CLI::ValidationError(option->get_name(),
+                               fmt::format("is given {} times, expected once", option->count()));
+  }
+}
 
 std::string usage_message(const CLI::ParseError& error, const CLI::App& becalm, const CLI::App* command,
                           std::span<const std::string> arguments) {
@@ -85,8 +107,7 @@ std::string usage_message(const CLI::ParseError& error, const CLI::App& becalm, 
   const bool is_unknown = kind == CLI::ExitCodes::ExtrasError || kind == CLI::ExitCodes::RequiredError;
   if (unknown.empty() || !is_unknown) return fmt::format("{}{}; see {}", prefix, error.what(), help);
   if (const std::string sequence = sequence_of_all(unknown); !sequence.empty()) {
-    return fmt::format("{}several frames of one sequence, which is one argument in quotes: '{}'", prefix,
-                       sequence);
+    return prefix + several_frames(sequence);
   }
   return fmt::format("{}unknown option or argument: {}{}; see {}", prefix, fmt::join(unknown, " "),
                      guess(unknown, becalm, command, arguments), help);

@@ -12,4 +12,9 @@ namespace becalm::app {
 std::string usage_message(const CLI::ParseError& error, const CLI::App& becalm, const CLI::App* command,
                           std::span<const std::string> arguments);
 
+/// Throws CLI::ValidationError if a parsed command has more words than its positional arguments take, of
+/// which CLI11 would drop the first, or two values of one option, of which one is a mistake. Flags may be
+/// repeated, and options that say so.
+void refuse_too_many_values(const CLI::App& command);
+
 }  // namespace becalm::app

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cstdint>
 #include <filesystem>
@@ -120,6 +121,14 @@ std::optional<Field> field_at(std::string_view text, std::size_t at) {
   std::from_chars(digits.data(), digits.data() + digits.size(), padding);
   if (padding < 1) return std::nullopt;
   return Field{at, digits_end + (printf_style ? 1 : 0), padding, false};
+}
+
+/// Whether nothing but a frame field would be written so: `##`, `%04d` and `$F4`, not `100%done` and `$FOO`.
+bool is_surely_a_field(std::string_view text, const Field& field) {
+  const std::string_view written = text.substr(field.begin, field.end - field.begin);
+  if (written.starts_with('%')) return written != "%d";
+  if (!written.starts_with('$')) return written.size() > 1;
+  return field.end == text.size() || std::isalpha(static_cast<unsigned char>(text[field.end])) == 0;
 }
 
 /// `-?digits` and nothing else.
@@ -252,11 +261,26 @@ std::optional<std::string> pattern_of_frame(const std::string& path) {
   return pattern;
 }
 
+std::vector<std::string> patterns_of_files(std::span<const std::string> paths) {
+  std::map<std::string, std::string> patterns;  // by the pattern with a lone '#'
+  for (const std::string& path : paths) {
+    const std::string pattern = pattern_of_frame(path).value_or(path);
+    const std::string_view digits = number_digits(path);
+    std::string alone = pattern;
+    if (!digits.empty()) alone.replace(digits.data() - path.data(), digits.size(), "#");
+    const auto [found, added] = patterns.emplace(alone, pattern);
+    if (!added && found->second != pattern) found->second = alone;
+  }
+  std::vector<std::string> all;
+  for (const auto& [alone, pattern] : patterns) all.push_back(pattern);
+  return all;
+}
+
 std::string field_of_folder(const std::string& path) {
   const std::string_view folders = std::string_view(path).substr(0, path.rfind('/') + 1);
   for (std::size_t at = 0; at < folders.size(); ++at) {
     const std::optional<Field> field = field_at(folders, at);
-    if (!field || field->end - field->begin < 2) continue;  // a lone '#' or '@' is a name's more often
+    if (!field || !is_surely_a_field(folders, *field)) continue;
     std::error_code error;
     const std::string_view folder = folders.substr(0, folders.find('/', at));
     if (std::filesystem::exists(folder, error)) return "";

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -34,6 +35,10 @@ std::optional<NamedFrame> frame_in_name(const std::string& path);
 /// The pattern that has the file as a frame: `shot.####.exr` for `shot.0052.exr`. Nothing where the name has
 /// no frame number.
 std::optional<std::string> pattern_of_frame(const std::string& path);
+
+/// The patterns that have these files as frames, each once, and the files without a number as they are; in
+/// alphabetical order. Names that differ in the number's digits alone are one pattern, with a lone `#`.
+std::vector<std::string> patterns_of_files(std::span<const std::string> paths);
 
 /// The number that a single file's name has, else 1.
 int number_in_name(const std::string& path);

@@ -38,6 +38,7 @@ TEST_F(CommandLine, HelpAndVersionAreFoundWhereverTheyAreAskedFor) {
   }
   expect_error(becalm({"help", "compar"}), kUsage, {"did you mean compare?"});
   EXPECT_EQ(becalm_done({"help"}).out, becalm_done({"--help"}).out);
+  EXPECT_EQ(becalm_done({"help", "help"}).out, becalm_done({"--help"}).out);
   EXPECT_NE(becalm_done({"--help-all"}).out.find("Usage: becalm burst "), std::string::npos);
 }
 
@@ -47,7 +48,9 @@ TEST_F(CommandLine, ANameThatIsNearIsSuggested) {
   expect_error(render({"--adapt"}), kUsage, {"did you mean --adaptive?"});
   expect_error(render({"--farmes=1"}), kUsage, {"did you mean --frames?"});
   expect_error(render({"--denoise", "final"}), kUsage, {"final (did you mean --denoise=final?)"});
-  EXPECT_EQ(render({"--nothing-like-it"}).err.find("did you mean"), std::string::npos);
+  for (const char* unlike : {"--nothing-like-it", "--", "--de"})
+    EXPECT_EQ(render({unlike, "x"}).err.find("did you mean"), std::string::npos) << unlike;
+  EXPECT_EQ(becalm({""}).err.find("did you mean"), std::string::npos);
 }
 
 TEST_F(CommandLine, NumbersAreWholeAndGivenOnce) {
@@ -67,6 +70,8 @@ TEST_F(CommandLine, TheTypeOfColoursHasOneName) {
     EXPECT_NE(io::read_attribute(folder_ / "a.exr", "becalm:settings").find(std::string("color=") + type),
               std::string::npos);
   }
+  EXPECT_EQ(render({"--frames", "1", "--spp", "1", "-q", "--overwrite", "--half-float"}).status, 0);
+  expect_error(render({"--float", "--type", "half"}), kUsage, {"--float: is --type float"});
 }
 
 TEST_F(CommandLine, PatternsThatTheShellExpandedAndFoldersNameTheSequence) {
@@ -75,6 +80,10 @@ TEST_F(CommandLine, PatternsThatTheShellExpandedAndFoldersNameTheSequence) {
   const std::vector<std::string> files{frame_path(input_, 1), frame_path(input_, 2), frame_path(input_, 3)};
   expect_error(becalm({"info", files[0], files[1], files[2]}), kUsage, {"one argument in quotes", quoted});
   expect_error(becalm({"denoise", files[0], files[1], "-o", folder_ / "o.####.exr"}), kUsage, {quoted});
+  const std::string result = folder_ / "o.####.exr";
+  expect_error(becalm({"denoise", files[0], files[1], files[2], "-o", result}), kUsage, {quoted});
+  expect_error(becalm({"antialias", files[0], files[1], files[2], "-o", result}), kUsage, {quoted});
+  EXPECT_FALSE(fs::exists(frame_path(result, 1)));
   expect_error(becalm({"info", folder_ / "in"}), kUsage, {"a folder; name a sequence in it: ", quoted});
   expect_error(becalm({"denoise", folder_ / "in", "-o", folder_ / "o.####.exr"}), kUsage, {quoted});
   expect_error(becalm({"compare", folder_ / "in", folder_ / "in"}), kUsage, {quoted});
@@ -88,6 +97,8 @@ TEST_F(CommandLine, WhatCannotBeMeantIsRefused) {
     expect_error(becalm({"denoise", input_, "-o", folder_ / field + "/a.exr"}), kUsage,
                  {field, "in a folder's name"});
   }
+  for (const char* name : {"100%done", "$FOO", "take#2"})
+    becalm_done({"denoise", input_, "-o", folder_ / name + "/a.exr", "--dry-run"});
   fs::create_directories(folder_ / "##");
   becalm_done({"denoise", input_, "-o", folder_ / "##/a.exr", "--dry-run"});
   expect_error(becalm({"render", file, "-o", folder_ / "a.exr"}), 3, {"an EXR file", "becalm denoise"});

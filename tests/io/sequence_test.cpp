@@ -131,6 +131,13 @@ TEST(SequencePattern, FoldersHoldNoField) {
   EXPECT_EQ(SequencePattern("me@home/v%02d/shot.##.exr").path(3), "me@home/v%02d/shot.03.exr");
 }
 
+TEST(SequencePattern, IsOfFilesWithNumbersOfAnyWidth) {
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(patterns_of_files(Names{"in/s.0009.exr", "in/s.0010.exr"}), (Names{"in/s.####.exr"}));
+  EXPECT_EQ(patterns_of_files(Names{"s.9.exr", "s.10.exr", "s.11.exr"}), (Names{"s.#.exr"}));
+  EXPECT_EQ(patterns_of_files(Names{"b.exr", "a.1.exr", "a.2.exr"}), (Names{"a.#.exr", "b.exr"}));
+}
+
 TEST(SequencePattern, TwoFieldsAreAnError) {
   EXPECT_EQ(error_of([] { SequencePattern("shot.####.%d.exr"); }),
             "file pattern 'shot.####.%d.exr': two frame fields, '####' and '%d'; expected one at most");

@@ -120,11 +120,11 @@ class Cells:
         if run.returncode != 0:
             sys.stderr.write(run.stderr)
         run.check_returncode()
+        if not variant.timed:
+            return {}
         filter_ms = re.findall(r"^  filter(?: backward)? +([\d.]+) ms$", run.stderr, re.MULTILINE)
         count = len(self.data.frames)
         times = {"process": cost.wall_s / count, "processor": cost.processor_s / count}
-        if not variant.timed:
-            return {}
         return times if variant.command else times | {"filter": sum(map(float, filter_ms)) / 1e3}
 
     def _compare(self, references, test, file):
