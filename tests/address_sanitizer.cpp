@@ -1,4 +1,4 @@
-// Part of every test executable that is built with the address sanitizer: what LeakSanitizer may not report.
+// Part of every test executable that is built with the address sanitizer: what it may not report.
 
 /// Nothing is unloaded: the Vulkan loader closes drivers and layers with the last instance, and what they
 /// still held would then be reported as leaks of an unknown module.
@@ -11,4 +11,10 @@ extern "C" int dlclose(void*) noexcept {
 // NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming): the name is the interface
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:libVkLayer_khronos_validation.so\n";
+}
+
+/// Tests ask software devices for more memory than there is, which is refused without the sanitizer, too.
+// NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming): the name is the interface
+extern "C" const char* __asan_default_options() {
+  return "allocator_may_return_null=1";
 }
