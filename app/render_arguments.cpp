@@ -16,10 +16,9 @@
 #include "frame/io/sequence.h"
 
 namespace becalm::app {
-void add_render_options(CLI::App& parser, RenderCommand& command) {
-  parser.add_option("scene", command.scene, "The scene, a JSON file")->required()->option_text("SCENE.json");
-  CLI::Option* output = add_output_options(parser, command.output, "the scene's");
-  output->required(false);  // not with --debug-pixel; check_options_fit asks for it otherwise
+namespace {
+
+void add_layers(CLI::App& parser, RenderCommand& command) {
   parser
       .add_option(
           "--aovs", command.aovs,
@@ -42,6 +41,9 @@ void add_render_options(CLI::App& parser, RenderCommand& command) {
     };
     parser.add_flag_callback(former, take)->group("");
   }
+}
+
+void add_sampling(CLI::App& parser, RenderCommand& command) {
   parser
       .add_option("--spp", command.asked_spp,
                   "Samples per pixel (default: 8; the most with --noise-target: 256)")
@@ -75,6 +77,9 @@ void add_render_options(CLI::App& parser, RenderCommand& command) {
                   "error in so much time a frame: 20s, 1.5m")
       ->option_text("TIME")
       ->group("Rendering");
+}
+
+void add_images(CLI::App& parser, RenderCommand& command) {
   parser
       .add_flag(
           "--checkerboard", command.checkerboard,
@@ -98,12 +103,9 @@ void add_render_options(CLI::App& parser, RenderCommand& command) {
       ->check(whole_number_from(0, std::numeric_limits<std::uint32_t>::max()))
       ->option_text("N")
       ->group("Rendering");
-  parser
-      .add_option("--debug-pixel", command.debug_pixel,
-                  "Print the path of one sample of the first frame, and write nothing; in place of -o")
-      ->option_text("X,Y,SAMPLE")
-      ->group(more("Rendering"))
-      ->excludes(output);
+}
+
+void add_denoising(CLI::App& parser, RenderCommand& command) {
   parser
       .add_flag("--denoise{auto}", command.preset,
                 "Denoise while rendering: draft, balanced (default) or final, speed against accuracy")
@@ -125,6 +127,24 @@ void add_render_options(CLI::App& parser, RenderCommand& command) {
       ->group(more("Filter"));
   add_alpha_option(parser, command.filter);
   add_filter_options(parser, command.filter);
+}
+
+}  // namespace
+
+void add_render_options(CLI::App& parser, RenderCommand& command) {
+  parser.add_option("scene", command.scene, "The scene, a JSON file")->required()->option_text("SCENE.json");
+  CLI::Option* output = add_output_options(parser, command.output, "the scene's");
+  output->required(false);  // not with --debug-pixel; check_options_fit asks for it otherwise
+  add_layers(parser, command);
+  add_sampling(parser, command);
+  add_images(parser, command);
+  parser
+      .add_option("--debug-pixel", command.debug_pixel,
+                  "Print the path of one sample of the first frame, and write nothing; in place of -o")
+      ->option_text("X,Y,SAMPLE")
+      ->group(more("Rendering"))
+      ->excludes(output);
+  add_denoising(parser, command);
   add_running_options(parser, command.running);
   parser.footer(
       "Examples:\n"

@@ -94,7 +94,7 @@ void SequenceJob::choose_additive() {
                                                   : fmt::format("{}", fmt::join(layers_.additive, ",")));
 }
 
-ExitStatus SequenceJob::run() {
+void SequenceJob::set_attributes() {
   attributes_ = {{"becalm:version", BECALM_VERSION},
                  {"becalm:settings", settings()},
                  {"becalm:preset", command_.preset}};
@@ -103,7 +103,10 @@ ExitStatus SequenceJob::run() {
   if (filter_.checkerboards() != Checkerboards::refused)
     attributes_.emplace_back(io::kCheckerboardAttribute, "none");
   choose_additive();
+}
 
+ExitStatus SequenceJob::run() {
+  set_attributes();
   if (!command_.output.overwrite && !command_.output.resume) outputs_.keep_foreign_files(kMark);
   command_.dry_run ? outputs_.check_places() : outputs_.prepare();
   if (command_.output.resume) find_existing();
@@ -126,15 +129,7 @@ ExitStatus SequenceJob::run() {
   }
   std::set<int> needed;
   for (const filter::Step& step : steps) needed.insert(step.frame);
-  const std::vector<InputLayout> views = check_inputs(inputs_, needed, filter_, layers_);
-  lights_ = views.front().light_groups;
-  if (!command_.stereo_camera.empty() && !inputs_.other_eye() && views.size() != 2) {
-    throw Error(ExitStatus::usage,
-                fmt::format("--stereo-camera {}: {} has {}, expected two eyes", command_.stereo_camera,
-                            inputs_.path(*needed.begin()), counted(views.size(), "view", "views")));
-  }
-  if (command_.strict) require_sound_input({needed.begin(), needed.end()});
-  io::check_selection(inputs_.path(*needed.begin()), layers_, format_.channels, "--channels");
+  const std::vector<InputLayout> views = checked_inputs(needed);
   if (command_.dry_run) {
     print_plan(needed);
     return ExitStatus::done;
@@ -146,6 +141,26 @@ ExitStatus SequenceJob::run() {
     filtered.push_back({.name = view.view, .available = view.aovs, .light_groups = view.light_groups});
   }
   filter_.build(window_.width(), window_.height(), filtered, window_.window.min);
+  tell_what_is_taken(needed, wanted);
+  filter_all(steps, static_cast<double>(work) / static_cast<double>(steps.size()));
+  return conclude(*progress_, asked, command_.running.profile ? &profile_ : nullptr);
+}
+
+std::vector<InputLayout> SequenceJob::checked_inputs(const std::set<int>& needed) {
+  std::vector<InputLayout> views = check_inputs(inputs_, needed, filter_, layers_);
+  lights_ = views.front().light_groups;
+  if (!command_.stereo_camera.empty() && !inputs_.other_eye() && views.size() != 2) {
+    throw Error(ExitStatus::usage,
+                fmt::format("--stereo-camera {}: {} has {}, expected two eyes", command_.stereo_camera,
+                            inputs_.path(*needed.begin()), counted(views.size(), "view", "views")));
+  }
+  if (command_.strict) require_sound_input({needed.begin(), needed.end()});
+  io::check_selection(inputs_.path(*needed.begin()), layers_, format_.channels, "--channels");
+  return views;
+}
+
+/// Notes and warnings on the frames that are read, `needed`, for those that are written, `wanted`.
+void SequenceJob::tell_what_is_taken(const std::set<int>& needed, const std::set<int>& wanted) {
   if (!command_.choice.empty()) progress_->note(command_.choice);
   if (!inputs_.note().empty()) progress_->warn(inputs_.note());
   if (inputs_.other_half()) progress_->note(halves_text());
@@ -162,7 +177,9 @@ ExitStatus SequenceJob::run() {
         fmt::format("{}: no frame number in the name, so this is frame 1; --frame N says otherwise",
                     inputs_.pattern().text()));
   }
-  const double work_per_step = static_cast<double>(work) / static_cast<double>(steps.size());
+}
+
+void SequenceJob::filter_all(const std::vector<filter::Step>& steps, double work_per_step) {
   FrameSink sink(outputs_, existing_, *progress_, profile_);
   run_pipeline(steps.size(), {.source = [&](std::size_t step) { return std::optional(read(steps[step])); },
                               .filter =
@@ -173,7 +190,6 @@ ExitStatus SequenceJob::run() {
                                   },
                               .sink = [&](const FinishedFrame& finished) { write(finished, sink); }});
   filter_.finish(profile_);
-  return conclude(*progress_, asked, command_.running.profile ? &profile_ : nullptr);
 }
 
 /// View layers that stay noisy, unless the user chose the one that is denoised.

@@ -35,10 +35,14 @@ class SequenceJob {
  private:
   std::vector<NumberedFile> all_files() const;
   void choose_additive();
+  void set_attributes();
   std::string settings() const;
   void find_existing();
   void print_plan(const std::set<int>& needed);
+  std::vector<InputLayout> checked_inputs(const std::set<int>& needed);
+  void tell_what_is_taken(const std::set<int>& needed, const std::set<int>& wanted);
   void tell_other_beauties(const std::string& path);
+  void filter_all(const std::vector<filter::Step>& steps, double work_per_step);
   io::LoadedFrame read(const filter::Step& step);
   void require_sound_input(const std::vector<int>& frames) const;
   std::string halves_text() const;

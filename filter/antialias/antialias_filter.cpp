@@ -117,6 +117,12 @@ struct AntialiasFilter::State {
     scaled(image, nearest, task.full, to, channels,
            [&](std::span<const float> from, std::span<float> at) { convert(from, at, true); });
   }
+  void reset_history();
+  /// Resets the history where a new shot begins; returns whether one does.
+  bool reset_at_cut(const Frame& frame, float exposure);
+  void place_samples(const Frame& frame);
+  /// Keeps what the frames after this one predict for the forward step.
+  void keep_prediction(int frame, float exposure);
   /// Chooses the scale for a frame's colours, finite ones; returns its ratio to the history's.
   float choose_scale(const Image& color);
   /// `color` is the frame's, finite and scaled.
@@ -207,28 +213,12 @@ std::optional<Frame> AntialiasFilter::run(const Step& step, const Frame& given, 
   report.non_finite_pixels = count_non_finite(finite, frame);
   Image color(sampled.width, sampled.height, 4);
   pack_color(beauty, counts, bounds(sampled), color.data());
-  const auto reset = [&] {
-    s.passes->chain.reset_history();
-    s.has_history = false;
-    s.next = {};
-    s.before.reset();
-  };
-  if (step.new_history) reset();
-  if (s.find_cuts == FindCuts::yes) {
-    ShotSignature signature = shot_signature(frame, task.used, exposure(beauty));
-    report.new_shot = s.before && is_cut(*s.before, signature);
-    if (report.new_shot) reset();
-    s.before = std::move(signature);
-  }
+  if (step.new_history) s.reset_history();
+  if (s.find_cuts == FindCuts::yes) report.new_shot = s.reset_at_cut(frame, exposure(beauty));
   const float ratio = s.choose_scale(color);
   scale_colors(color, s.scale);
   const float exposed = exposure(color);
-  const auto& jitter = task.uses_places() ? frame.jitter() : std::nullopt;
-  if (task.is_sparse()) {
-    s.sparse = sparse_grid(jitter, task.settings.scale, s.window, task.settings.checkerboard);
-  } else {
-    s.grid = sample_grid(jitter);
-  }
+  s.place_samples(frame);
   s.upload(step, frame, color, counts);
   s.passes->chain.upload<float>(s.passes->exposure)[0] = exposed;
   s.passes->chain.upload<float>(s.passes->history_exposure)[0] = ratio * exposed;
@@ -240,25 +230,50 @@ std::optional<Frame> AntialiasFilter::run(const Step& step, const Frame& given, 
     if (!step.wanted) return std::nullopt;
     return s.forward(step, frame, finite, exposed, report);
   }
-  if (step.wanted) {
-    Estimate prediction(task.full, 0);
-    prediction.color = download(s.passes->chain, s.passes->prediction(), task.full, 4);
-    prediction.stats = download(s.passes->chain, s.passes->warped.stats, task.full, 2);
-    const auto decided = s.passes->chain.download<float>(s.passes->decision);
-    const std::span<float> stats = prediction.stats.data();
-    for (std::size_t i = 0; i < stats.size(); i += 2) {
-      // What rejects the history of the frames after rejects the prediction.
-      const std::span<const float> here = std::span(decided).subspan(2 * i, 4);
-      const auto [rejected, bias, weight, worth] = std::array{here[0], here[1], here[2], here[3]};
-      stats[i] = std::min(stats[i] + bias, kLargestVariance);
-      stats[i + 1] *= 1.0f - rejected;
-      if (task.settings.accumulate == Accumulate::gain)
-        stats[i + 1] = std::min(stats[i + 1], worth * (1.0f - weight) / std::max(weight, 1e-6f));
-    }
-    s.predictions.insert_or_assign(
-        step.frame, State::Prediction{PackedEstimate(std::move(prediction), exposed, 0), s.scale});
-  }
+  if (step.wanted) s.keep_prediction(step.frame, exposed);
   return std::nullopt;
+}
+
+void AntialiasFilter::State::reset_history() {
+  passes->chain.reset_history();
+  has_history = false;
+  next = {};
+  before.reset();
+}
+
+bool AntialiasFilter::State::reset_at_cut(const Frame& frame, float exposure) {
+  ShotSignature signature = shot_signature(frame, task.used, exposure);
+  const bool new_shot = before && is_cut(*before, signature);
+  if (new_shot) reset_history();
+  before = std::move(signature);
+  return new_shot;
+}
+
+void AntialiasFilter::State::place_samples(const Frame& frame) {
+  const auto& jitter = task.uses_places() ? frame.jitter() : std::nullopt;
+  if (task.is_sparse()) {
+    sparse = sparse_grid(jitter, task.settings.scale, window, task.settings.checkerboard);
+  } else {
+    grid = sample_grid(jitter);
+  }
+}
+
+void AntialiasFilter::State::keep_prediction(int frame, float exposure) {
+  Estimate prediction(task.full, 0);
+  prediction.color = download(passes->chain, passes->prediction(), task.full, 4);
+  prediction.stats = download(passes->chain, passes->warped.stats, task.full, 2);
+  const auto decided = passes->chain.download<float>(passes->decision);
+  const std::span<float> stats = prediction.stats.data();
+  for (std::size_t i = 0; i < stats.size(); i += 2) {
+    // What rejects the history of the frames after rejects the prediction.
+    const std::span<const float> here = std::span(decided).subspan(2 * i, 4);
+    const auto [rejected, bias, weight, worth] = std::array{here[0], here[1], here[2], here[3]};
+    stats[i] = std::min(stats[i] + bias, kLargestVariance);
+    stats[i + 1] *= 1.0f - rejected;
+    if (task.settings.accumulate == Accumulate::gain)
+      stats[i + 1] = std::min(stats[i + 1], worth * (1.0f - weight) / std::max(weight, 1e-6f));
+  }
+  predictions.insert_or_assign(frame, Prediction{PackedEstimate(std::move(prediction), exposure, 0), scale});
 }
 
 float AntialiasFilter::State::choose_scale(const Image& color) {
