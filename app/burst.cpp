@@ -10,6 +10,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "app/burst_frames.h"
@@ -132,6 +133,9 @@ class BurstJob {
     if (!command_.running.quiet)
       say(fmt::format("{} written: {} merged, expected noise {:.2f} of a single frame's", command_.output,
                       counted(frames_->count(), "frame", "frames"), 1.0 / std::sqrt(mean)));
+    if (!command_.running.quiet && message_format() == MessageFormat::json) {
+      say_event({{"event", "end"}, {"written", 1}, {"done", 1}, {"total", 1}});
+    }
     if (command_.running.profile) profile_.print();
     return ExitStatus::done;
   }
@@ -296,7 +300,7 @@ class BurstJob {
 
   ExitStatus stopped() {
     progress_->finish(/*done=*/false);
-    say(fmt::format("interrupted: {} was not written", command_.output));
+    say_interrupted(fmt::format("interrupted: {} was not written", command_.output));
     return ExitStatus::interrupted;
   }
 

@@ -69,6 +69,14 @@ void say_error(ExitStatus status, std::string line) {
   }
 }
 
+void say_interrupted(const std::string& line) {
+  if (chosen_format == MessageFormat::json) {
+    say_error(ExitStatus::interrupted, line);
+  } else {
+    say(line);
+  }
+}
+
 void occupy_closed_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     // open() takes the lowest free number, which is the stream's. Read-only: what is printed to a closed

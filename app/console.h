@@ -31,6 +31,9 @@ void warn_each(std::span<const std::string> lines);
 /// "error", "status": STATUS, "text": LINE}.
 void say_error(ExitStatus status, std::string line);
 
+/// The last line of a run that a signal ended: text, or the event of an error.
+void say_interrupted(const std::string& line);
+
 /// Opens /dev/null in place of standard streams that the process was started without. Otherwise the next file
 /// that is opened would take the number of such a stream, and messages would be written into a frame.
 void occupy_closed_streams();

@@ -72,13 +72,8 @@ ExitStatus conclude(Progress& progress, std::size_t frames_asked, const Profile*
   progress.finish(!cut_short);
   if (profile != nullptr) profile->print();
   if (!cut_short) return ExitStatus::done;
-  const std::string line =
-      fmt::format("interrupted: {} of {} frames written; go on with --resume", written, frames_asked);
-  if (message_format() == MessageFormat::json) {
-    say_event({{"event", "error"}, {"status", process_status(ExitStatus::interrupted)}, {"text", line}});
-  } else {
-    say(line);
-  }
+  say_interrupted(
+      fmt::format("interrupted: {} of {} frames written; go on with --resume", written, frames_asked));
   return ExitStatus::interrupted;
 }
 

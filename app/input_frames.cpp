@@ -72,21 +72,7 @@ InputFrames::InputFrames(const std::vector<std::string>& patterns, Pair pair, co
     refuse_folder(text);
   }
   if (patterns.size() > 1) {
-    if (pair == Pair::none) {
-      throw Error(ExitStatus::usage,
-                  fmt::format("--no-halves: expected one input, found {} and {}", pattern, patterns[1]));
-    }
-    std::optional<io::SequencePattern>& other = pair == Pair::eyes ? other_eye_ : other_half_;
-    other.emplace(patterns[1]);
-    refuse_no_pair(pattern, other->text(), pair);
-    if (other->has_frame_field() != pattern_.has_frame_field()) {
-      throw Error(ExitStatus::usage, fmt::format("{}: {} of one sequence must both have a frame field",
-                                                 other->text(), pair == Pair::eyes ? "eyes" : "halves"));
-    }
-    if (pair == Pair::eyes && find_other_half(pattern_)) {
-      throw Error(ExitStatus::usage,
-                  fmt::format("{}: holds a half of the samples, expected eyes of all samples", pattern));
-    }
+    take_other(patterns[1], pair);
   } else if (pair != Pair::none) {
     other_half_ = find_other_half(pattern_);
   }
@@ -125,16 +111,40 @@ InputFrames::InputFrames(const std::vector<std::string>& patterns, Pair pair, co
     note_ = fmt::format("{}: only frames {} are on disk; the filter starts anew after each gap", pattern,
                         io::format_frame_range(present));
   }
+  note_absent(asked, on_disk, missing);
+}
+
+/// The second pattern: the other half of the samples, or the other eye.
+void InputFrames::take_other(const std::string& other_pattern, Pair pair) {
+  const std::string& pattern = pattern_.text();
+  if (pair == Pair::none) {
+    throw Error(ExitStatus::usage,
+                fmt::format("--no-halves: expected one input, found {} and {}", pattern, other_pattern));
+  }
+  std::optional<io::SequencePattern>& other = pair == Pair::eyes ? other_eye_ : other_half_;
+  other.emplace(other_pattern);
+  refuse_no_pair(pattern, other->text(), pair);
+  if (other->has_frame_field() != pattern_.has_frame_field()) {
+    throw Error(ExitStatus::usage, fmt::format("{}: {} of one sequence must both have a frame field",
+                                               other->text(), pair == Pair::eyes ? "eyes" : "halves"));
+  }
+  if (pair == Pair::eyes && find_other_half(pattern_)) {
+    throw Error(ExitStatus::usage,
+                fmt::format("{}: holds a half of the samples, expected eyes of all samples", pattern));
+  }
+}
+
+void InputFrames::note_absent(const std::vector<int>& asked, const std::vector<int>& on_disk,
+                              Missing missing) {
   std::vector<int> absent;
   std::ranges::set_difference(asked, on_disk, std::back_inserter(absent));
-  if (!absent.empty()) {
-    const bool is_one = absent.size() == 1;
-    const char* what_becomes = missing == Missing::hold
-                                   ? (is_one ? "holds the one before it" : "hold those before them")
-                                   : (is_one ? "is left out" : "are left out");
-    note_ = fmt::format("{}: {} {} not on disk and {}", pattern, frames_text(absent), is_one ? "is" : "are",
-                        what_becomes);
-  }
+  if (absent.empty()) return;
+  const bool is_one = absent.size() == 1;
+  const char* what_becomes = missing == Missing::hold
+                                 ? (is_one ? "holds the one before it" : "hold those before them")
+                                 : (is_one ? "is left out" : "are left out");
+  note_ = fmt::format("{}: {} {} not on disk and {}", pattern_.text(), frames_text(absent),
+                      is_one ? "is" : "are", what_becomes);
 }
 
 /// Takes damaged frames, or such as a renderer still writes, out of those that are present: they count as

@@ -67,11 +67,13 @@ class InputFrames {
  private:
   /// Throws Error(usage) for two patterns that cannot be a pair.
   static void refuse_no_pair(const std::string& first, const std::string& second, Pair pair);
+  void take_other(const std::string& other_pattern, Pair pair);
   void take_single_file(const std::string& range, std::optional<int> frame);
   /// The frames of both eyes on disk. Throws Error(bad_input) for one of `asked` (all if there are none) that
   /// one eye lacks, unless missing frames are dealt with.
   std::vector<int> present_in_both(const std::vector<int>& asked, Missing missing) const;
   bool leave_damaged(std::vector<int>& present);
+  void note_absent(const std::vector<int>& asked, const std::vector<int>& on_disk, Missing missing);
   void assign_outputs(const std::vector<int>& asked, const std::vector<int>& present, Missing missing);
 
   io::SequencePattern pattern_;

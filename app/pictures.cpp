@@ -11,6 +11,7 @@
 #include "frame/compared_pixels.h"
 #include "frame/error.h"
 #include "frame/pictures/pictures.h"
+#include "frame/srgb.h"
 
 namespace becalm::app {
 namespace {
@@ -28,10 +29,6 @@ constexpr Color kNoScore{0.2, 0.9, 0.2};
 
 std::uint8_t to_byte(double value) {
   return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 1.0) * 255.0));
-}
-
-double srgb(double linear) {
-  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
 }
 
 /// `share` in [0,1] of the way along the colours.
@@ -94,7 +91,7 @@ Picture display_picture(const Image& image, double exposure) {
     Color color;
     for (int c = 0; c < 3; ++c) {
       const double value = image.at(x, y, std::min(c, compared_channels(image) - 1));
-      color[c] = std::isfinite(value) ? srgb(std::clamp(value * exposure, 0.0, 1.0)) : kNotFinite[c];
+      color[c] = std::isfinite(value) ? srgb_encoded(value * exposure) : kNotFinite[c];
     }
     return color;
   });

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "frame/compared_pixels.h"
+#include "frame/srgb.h"
 
 namespace becalm {
 namespace {
@@ -67,11 +68,6 @@ Measured ratio_minus_one(const Sums<2>& sums) {
 Measured decibels(const Measured& squared_error, double peak) {
   if (squared_error.value <= 0.0) return {std::numeric_limits<double>::infinity(), squared_error.skipped};
   return {10.0 * std::log10(peak * peak / squared_error.value), squared_error.skipped};
-}
-
-double srgb_encoded(double linear) {
-  const double v = std::clamp(linear, 0.0, 1.0);
-  return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055;
 }
 
 /// Luma of the display image: Rec.709 weights on the encoded channels.

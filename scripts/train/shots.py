@@ -15,6 +15,7 @@ import OpenImageIO as oiio
 PACKED = "pairs.npz"
 MERGED = "merged.npz"  # what merged_shots.py writes
 REMERGED = "remerged.npz"  # the same by the program with the network that MERGED has trained
+NOTHING_HIT = 1e9  # depths from this on mean that, as in filter/input/host_images.cpp
 FIREFLY = 1e4  # largest radiance over the frame's typical one that a reference may have: half-float range
 
 NAMES = {
@@ -78,7 +79,7 @@ def read_layers(path, renderer):
 
 
 def exposure_of(color):
-    """1 over the geometric mean of the luminance, as filter/input/host_images.cpp has it."""
+    """1 over the geometric mean of the luminance (filter/input/host_images.cpp, without fireflies); 0 where all is black."""
     light = np.tensordot(np.array([0.2126, 0.7152, 0.0722]), color.astype(np.float64), 1)
     lit = light[np.isfinite(light) & (light > 0)]
     if lit.size == 0:
@@ -88,14 +89,14 @@ def exposure_of(color):
 
 
 def packed_features(layers):
-    """Albedo, normal and depth as the filter packs them (pack_features): 7 channels."""
+    """Albedo, normal and depth as the filter packs them (pack_features), where they are finite: 7 channels."""
     albedo = np.nan_to_num(layers["albedo"], nan=1.0).clip(0, 1)
     normal = np.nan_to_num(layers["normal"]).clip(-1, 1)
     depth = layers["depth"].astype(np.float64)
-    hit = np.isfinite(depth) & (depth > 0) & (depth < 6e4)
+    hit = (depth > 0) & (depth < NOTHING_HIT)
     usual = np.exp(np.log(depth[hit]).mean()) if hit.any() else 1.0
     with np.errstate(divide="ignore", invalid="ignore"):
-        relative = np.where(hit, 2.0 / (1.0 + usual / depth), np.where(depth > 0, 2.0, 0.0))
+        relative = np.where(depth > 0, 2.0 / (1.0 + usual / depth), 0.0)
     return np.concatenate([albedo, normal, relative]).astype(np.float16)
 
 

@@ -6,6 +6,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "lib/dispatch_size.glsl"
+#include "lib/squared.glsl"
 
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(set = 0, binding = 0) uniform samplerBuffer color;
@@ -24,12 +25,6 @@ layout(std430, set = 0, binding = 10) writeonly buffer OffsetBuffer { vec2 data[
 const float kClearly = 0.25;
 /// Variances of the frame that the vectors' squared difference must exceed.
 const float kBeyond = 3.0;
-const float kLargest = 1e16;
-
-float squared(vec3 d) {
-  d = clamp(d, -kLargest, kLargest);
-  return dot(d, d);
-}
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
@@ -46,7 +41,7 @@ void main() {
     const bool both = texelFetch(vectors_stats, tap).y > 0.0 && texelFetch(search_stats, tap).y > 0.0;
     of_vectors += both ? squared(x - texelFetch(vectors_color, tap).rgb) : 0.0;
     of_search += both ? squared(x - texelFetch(search_color, tap).rgb) : 0.0;
-    noise += both ? 3.0 * texelFetch(variance, tap).x : 0.0;
+    noise += both ? texelFetch(variance, tap).x : 0.0;
   }
   const vec2 stats_v = texelFetch(vectors_stats, index).xy;
   const vec2 stats_s = texelFetch(search_stats, index).xy;

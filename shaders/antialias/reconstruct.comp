@@ -26,12 +26,11 @@ layout(std430, set = 0, binding = 6) writeonly buffer VarianceBuffer { vec2 data
 
 /// Effective samples of a pixel below which their spread says little of its variance.
 const float kFewSamples = 1.5;
-/// Limits differences, so that sums of their squares stay within the range of floats.
-const float kLargest = 1e16;
 /// Share of the wide filter in a pixel's weights.
 const float kWideShare = 0.3;
 
 #include "lib/sparse_grid.glsl"
+#include "lib/squared.glsl"
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
@@ -69,7 +68,7 @@ void main() {
   float squares_around = 0.0;
   float count = 0.0;
   [[unroll]] for (int k = 0; k < 9; ++k) {
-    const vec3 d = clamp(x[k].rgb - mean.rgb, -kLargest, kLargest);
+    const vec3 d = limited(x[k].rgb - mean.rgb);
     spread += w[k] * dot(d, d);
     around += counts[k] * d;
     squares_around += counts[k] * dot(d, d);

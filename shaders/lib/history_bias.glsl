@@ -1,8 +1,7 @@
 // How far the history is off, beyond what noise explains. Not pure functions: the including kernel declares the texel
 // buffers color, variance, warped_color and warped_stats, and the constant `sparse`.
+#include "lib/squared.glsl"
 
-/// Limits differences, so that sums of their squares stay within the range of floats.
-const float kLargest = 1e16;
 /// Share of the expected noise that counts against a difference: less follows motion sooner, more averages
 /// longer. Chosen on the shots of scripts/benches/antialias: from 0.4 to 1 still and moving ones trade 3 %.
 const float kExplained = 0.5;
@@ -16,11 +15,6 @@ const int kSide = sparse != 0 ? 5 : 3;
 
 /// By the confidence of a pixel, which is 1 in whole frames. Some devices round even that.
 float divided(float x, float confidence) { return sparse != 0 ? x / confidence : x; }
-
-float squared(vec3 d) {
-  d = clamp(d, -kLargest, kLargest);
-  return dot(d, d) / 3.0;
-}
 
 /// The variance of a whole frame's pixel and the squared bias of the history, over the pixels around, which count by
 /// their confidence: the bias is what noise does not explain of their mean squared difference, or of the pixel's own.

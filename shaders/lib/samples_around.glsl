@@ -48,7 +48,7 @@ Around look_around(ivec2 at, vec3 history, float speed_px) {
   [[unroll]] for (int k = 0; k < 9; ++k) {
     const float w = weight[k] > least ? 1.0 : 0.0;
     const vec3 x = texelFetch(samples, tap[k]).rgb;
-    const vec3 d = clamp(x - own, -kLargest, kLargest);
+    const vec3 d = limited(x - own);
     const vec3 in_space = in_ycocg != 0 ? to_ycocg(d) : d;
     sum += w * in_space;
     squares += w * in_space * in_space;

@@ -5,7 +5,9 @@
 
 #include <cmath>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <random>
+#include <sstream>
 
 #include "frame/raw/dng.h"
 #include "tests/end_to_end/harness.h"
@@ -83,6 +85,18 @@ double error_of(const Image& image, int number) {
     }
   }
   return std::sqrt(sum / count);
+}
+
+TEST_F(Burst, SpeaksToFarmManagers) {
+  const Outcome outcome = becalm_done(command(write_burst(), folder_ / "out.exr", {"--progress", "json"}));
+  std::istringstream lines(outcome.err);
+  nlohmann::json event;
+  for (std::string line; std::getline(lines, line);) {
+    event = nlohmann::json::parse(line, nullptr, /*allow_exceptions=*/false);
+    ASSERT_TRUE(event.is_object()) << line;
+  }
+  EXPECT_EQ(event.at("event"), "end");
+  EXPECT_EQ(event.at("written"), 1);
 }
 
 TEST_F(Burst, WritesADemosaicedPicture) {

@@ -1,10 +1,13 @@
 """The training of scripts/train/ on shots so small that it takes seconds."""
 
 import json
+import math
 import os
+import re
 import tempfile
 import unittest
 import unittest.mock
+from pathlib import Path
 
 import numpy as np
 import OpenImageIO as oiio
@@ -17,6 +20,7 @@ import export
 import idle_channels
 import losses
 import merged_shots
+import network as network_module
 import own_share
 import patterns
 import rare_crops
@@ -25,6 +29,7 @@ import train
 from network import CHANNELS, Network, parameter_count
 
 SIZE = 32
+PROJECT = Path(__file__).resolve().parents[2]
 
 
 def write_exr(path, channels):
@@ -77,6 +82,41 @@ class Shots(unittest.TestCase):
             write_shot(f"{self.folder.name}/{renderer}-000000", renderer, 1)
             write_shot(f"{self.folder.name}/{renderer}-000009", renderer, 2)
         os.makedirs(f"{self.folder.name}/cycles-000001")  # not rendered to its end
+
+    def test_constants_are_those_of_the_program(self):
+        for value, file, name in (
+            (own_share.OUTLIER, "shaders/smooth/own_share.comp", "kOutlier"),
+            (own_share.LARGEST_PATCH, "shaders/smooth/own_share.comp", "kLargestPatch"),
+            (own_share.LARGEST_INPUT, "shaders/smooth/own_share.comp", "kLargestInput"),
+            (own_share.LEAST_INPUT, "shaders/smooth/own_share.comp", "kLeastInput"),
+            (own_share.LEAST_OF_PATCH, "shaders/smooth/difference.comp", "kLeastOfPatch"),
+            (own_share.LARGEST_LEAST, "shaders/smooth/difference.comp", "kLargestLeast"),
+            (own_share.SIGNIFICANCE, "shaders/smooth/share.comp", "kSignificance"),
+            (own_share.CERTAIN, "shaders/smooth/share.comp", "kCertain"),
+            (own_share.FARTHEST_SURFACE, "shaders/lib/surface.glsl", "kFarthestSurface"),
+            (own_share.RADIUS, "filter/smooth/own_share.cpp", "kRadius"),
+            (own_share.LOST_RADIUS, "filter/smooth/detail_share.cpp", "kLostRadius"),
+            (own_share.INPUTS, "filter/smooth/weights.h", "kOwnShareInputs"),
+            (own_share.HIDDEN, "filter/smooth/weights.h", "kOwnShareHidden"),
+            (network_module.LOSS_SCALE, "shaders/lib/network.glsl", "kErrorScale"),
+            (network_module.LOSS_FLOOR, "shaders/lib/network.glsl", "kErrorFloor"),
+            (network_module.LEAST_CONFIDENCE, "shaders/lib/network.glsl", "kLeastConfidence"),
+            (network_module.INPUTS, "filter/smooth/weights.h", "kNetworkInputs"),
+            (network_module.TAPS, "filter/smooth/weights.h", "kWindowTaps"),
+            (network_module.COARSE_TAPS, "filter/smooth/weights.h", "kCoarseTaps"),
+            (network_module.OWN_TAPS, "filter/smooth/weights.h", "kOwnTaps"),
+            (network_module.AFFINITIES, "filter/smooth/weights.h", "kAffinities"),
+            (shots.NOTHING_HIT, "filter/input/host_images.cpp", "kNothingHit"),
+        ):
+            found = re.search(rf"\b{name} = ([-+.\de]+)f?;", (PROJECT / file).read_text())
+            self.assertIsNotNone(found, f"{file}: {name}")
+            self.assertEqual(float(found[1]), value, f"{file}: {name}")
+
+    def test_depth_is_packed_as_the_filter_does(self):
+        depth = np.float32([[1e5, 4e5, 1e10, math.inf, 0.0, -1.0, math.nan]])[None]
+        layers = {"albedo": np.ones((3, 1, 7), np.float32), "normal": np.zeros((3, 1, 7), np.float32), "depth": depth}
+        packed = shots.packed_features(layers)[6, 0]
+        np.testing.assert_allclose(packed, [2 / 3, 4 / 3, 2, 2, 0, 0, 0], atol=2e-3)
 
     def test_pairs_of_both_renderers_are_read(self):
         learn, choose = batches.load(self.folder.name)
