@@ -56,6 +56,38 @@ def colors_of(pair):
 
 def crop(rng, pair, size):
     """One crop as float32 arrays: radiance, variance, features, references."""
+    kind = rng.random()
+    if pair.of_albedo or kind >= WITH_BACKGROUND + (1 - WITH_BACKGROUND) * TEXTURED:
+        return varied(rng, pair, *cut_out(rng, pair, size))
+    return with_background(rng, pair, size) if kind < WITH_BACKGROUND else textured(rng, pair, size)
+
+
+def made_crop(rng, pair, size):
+    """One of those crops that are made, in part or all."""
+    of_background = WITH_BACKGROUND / (WITH_BACKGROUND + (1 - WITH_BACKGROUND) * TEXTURED)
+    return with_background(rng, pair, size) if rng.random() < of_background else textured(rng, pair, size)
+
+
+def random_history(rng, pair):
+    return rng.integers(2, 13) if pair.merged else 1
+
+
+def with_background(rng, pair, size):
+    colors, variance, features, references = cut_out(rng, pair, size)
+    background = backgrounds.random_background(rng, size)
+    colors, variance, features, references = backgrounds.put_behind(
+        rng, background, colors, variance, features, references, random_history(rng, pair))
+    if not pair.independent:
+        references[1] = references[0]
+    return varied(rng, pair, colors, variance, features, references)
+
+
+def textured(rng, pair, size):
+    return varied(rng, pair, *rare_crops.textured_crop(rng, size, random_history(rng, pair)))
+
+
+def cut_out(rng, pair, size):
+    """A random place of the pair: radiance, variance, features, references."""
     height, width = pair.color.shape[1:]
     y = rng.integers(height - size + 1)
     x = rng.integers(width - size + 1)
@@ -69,15 +101,11 @@ def crop(rng, pair, size):
     if pair.of_albedo and rng.random() < albedo_noise.SHARE:
         noisy, truth = albedo_noise.with_noise(rng, references[0])
         colors, references = np.concatenate([noisy, noisy]), np.stack([truth, truth])
-    elif not pair.of_albedo and rng.random() < WITH_BACKGROUND:
-        history = rng.integers(2, 13) if pair.merged else 1
-        background = backgrounds.random_background(rng, size)
-        colors, variance, features, references = backgrounds.put_behind(
-            rng, background, colors, variance, features, references, history)
-        if not pair.independent:
-            references[1] = references[0]
-    elif not pair.of_albedo and rng.random() < TEXTURED:
-        colors, variance, features, references = rare_crops.textured_crop(rng, size, rng.integers(2, 13) if pair.merged else 1)
+    return colors, variance, features, references
+
+
+def varied(rng, pair, colors, variance, features, references):
+    """With random exposure, channels, axes and orientation, fireflies, and without some features."""
     if pair.merged and rng.random() < WITH_FIREFLIES:
         colors[3:] = rare_crops.with_fireflies(rng, colors[3:])
     features = with_features_dropped(rng, features)
@@ -104,27 +132,27 @@ def crop(rng, pair, size):
     return [np.ascontiguousarray(a, np.float32) for a in arrays]
 
 
-def batch(rng, pairs, count, size=CROP):
-    crops = [crop(rng, pairs[rng.integers(len(pairs))], size) for _ in range(count)]
+def batch(rng, pairs, count, size=CROP, make=crop):
+    crops = [make(rng, pairs[rng.integers(len(pairs))], size) for _ in range(count)]
     return [torch.from_numpy(np.stack(column)) for column in zip(*crops)]
 
 
 class Stream(torch.utils.data.IterableDataset):
     """Batches without end. Each process that makes some has its own random numbers."""
 
-    def __init__(self, pairs, count, size, seed):
-        self.pairs, self.count, self.size, self.seed = pairs, count, size, seed
+    def __init__(self, pairs, count, size, seed, make):
+        self.pairs, self.count, self.size, self.seed, self.make = pairs, count, size, seed, make
 
     def __iter__(self):
         worker = torch.utils.data.get_worker_info()
         rng = np.random.default_rng([*self.seed, worker.id if worker else 0])
         while True:
-            yield batch(rng, self.pairs, self.count, self.size)
+            yield batch(rng, self.pairs, self.count, self.size, self.make)
 
 
-def stream(pairs, count, size, seed, workers):
+def stream(pairs, count, size, seed, workers, make=crop):
     """An iterator over batches of `count` crops, made by `workers` processes, or by this one if there are none."""
-    return iter(torch.utils.data.DataLoader(Stream(pairs, count, size, seed), batch_size=None, num_workers=workers))
+    return iter(torch.utils.data.DataLoader(Stream(pairs, count, size, seed, make), batch_size=None, num_workers=workers))
 
 
 def whole_frame(pair):

@@ -16,6 +16,7 @@ import numpy as np
 import torch
 
 import batches
+import device_batches
 import export
 import idle_channels
 import losses
@@ -127,6 +128,12 @@ class Trainer:
             self.save_whole({"network": self.average.state_dict(), "channels": self.network.channels}, "best.pt")
         self.save()
 
+    def stream(self, pairs):
+        asked = pairs, self.args.batch, self.args.crop, [self.args.seed, self.step], self.args.workers
+        if self.args.device == "cpu" or self.albedo:
+            return batches.stream(*asked)
+        return device_batches.stream(*asked, self.args.device)
+
     def run(self):
         learn, choose = batches.load(self.args.data, self.args.renderer, self.albedo)
         if self.args.albedo:
@@ -135,7 +142,7 @@ class Trainer:
         if self.args.start and self.step == 0:
             print(f"{idle_channels.restart(self.network, choose)} channels were zero on all held-out frames")
             self.average = copy.deepcopy(self.network)
-        stream = batches.stream(learn, self.args.batch, self.args.crop, [self.args.seed, self.step], self.args.workers)
+        stream = self.stream(learn)
         last_evaluation = time.monotonic()
         errors = []
         while self.share_done() < 1.0:
@@ -173,6 +180,7 @@ def parse(words):
 def main():
     args = parse(sys.argv[1:])
     torch.set_num_threads(args.threads)
+    torch.backends.cudnn.benchmark = True  # all batches are of one size
     Trainer(args).run()
 
 

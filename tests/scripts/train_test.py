@@ -16,6 +16,7 @@ import torch
 import albedo_noise
 import backgrounds
 import batches
+import device_batches
 import export
 import idle_channels
 import losses
@@ -276,6 +277,32 @@ class Shots(unittest.TestCase):
         alive = idle_channels.largest_outputs(network, pairs)
         revived = sum(int(((idle[layer] <= 0) & (alive[layer] > 0)).sum()) for layer in layers)
         self.assertGreater(revived, 0.5 * count)
+
+    def test_crops_of_the_device_are_as_those_of_the_processor(self):
+        folder = f"{self.folder.name}/becalm-000000"
+        frame = batches.load(self.folder.name)[0][0]
+        merged = shots.packed_pair(frame.color, [frame.variances[0]], [*frame.features, frame.features[0]], frame.references, frame.color)
+        shots.save(f"{folder}/{shots.MERGED}", {f"both.0001.{name}": array for name, array in merged.items()})
+        pairs = batches.load(self.folder.name)[0]
+        torch.manual_seed(1)
+        rng = np.random.default_rng(1)
+        of_device = device_batches.RenderedCrops(pairs, "cpu").batch(3000, 16)
+        with unittest.mock.patch.multiple(batches, WITH_BACKGROUND=0.0, TEXTURED=0.0):
+            of_processor = batches.batch(rng, pairs, 3000, 16)
+        for a, b, name in zip(of_device, of_processor, ("colors", "variance", "features", "references")):
+            self.assertEqual(a.shape, b.shape, name)
+            figures = lambda x: [(x.clamp(max=2) ** power).mean(0).mean((-2, -1)) for power in (1, 2)]
+            for of_a, of_b in zip(figures(a), figures(b)):
+                np.testing.assert_allclose(of_a, of_b, rtol=0.1, atol=0.03, err_msg=name)
+        # A crop is a piece of its pair, whatever its orientation: radiance over the references does not depend on them.
+        noise = lambda batch: (batch[0][:, :3] / batch[3][:, 0]).log().clamp(-5, 5).std()
+        self.assertAlmostEqual(noise(of_device).item(), noise(of_processor).item(), delta=0.03)
+
+    def test_made_crops_are_a_part_of_a_batch_on_the_device(self):
+        pairs = batches.load(self.folder.name)[0]
+        stream = device_batches.stream(pairs, 10, 16, [1, 0], 0, "cpu")
+        shapes = [tuple(x.shape) for x in next(stream)]
+        self.assertEqual(shapes, [(10, 6, 16, 16), (10, 1, 16, 16), (10, 14, 16, 16), (10, 2, 3, 16, 16)])
 
     def test_batches_come_from_other_processes_too(self):
         pairs, _ = batches.load(self.folder.name)
