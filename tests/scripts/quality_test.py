@@ -5,6 +5,7 @@ import os
 import subprocess
 import tempfile
 import unittest
+import unittest.mock
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from benches.made_of import keep_if_same
 from benches.quality.cells import Cells, radiance
 from benches.quality.data import MissingFrames, frame_path
 from benches.quality.goals import seam_ratio
+from benches.quality.run import arguments, find_data
 from benches.quality.shots import Shots
 from benches.quality.still import over_ideal, relative_error, still_pixels
 from benches.quality.tables import Results, geometric_mean, scene_table
@@ -182,6 +184,13 @@ class ShotsOfOthers(unittest.TestCase):
         self.assertEqual(len(shots.references("cellar", None)), 2)
         with self.assertRaisesRegex(MissingFrames, "garden/b/f.0007.exr"):
             shots.references("garden", None)
+
+    def test_all_variants_are_measured_where_no_shot_has_4_samples(self):
+        with unittest.mock.patch("sys.argv", ["quality", "--shots", str(self.folder), "--oidn", "weights"]):
+            asked = arguments()
+        find_data(asked)
+        self.assertEqual(asked.ablation_spp, [8])
+        self.assertEqual({v.name: v.ablation for v in asked.variants if v.name.startswith("oidn")}, {"oidn": False, "oidn_large": False})
 
     def measured(self, command):
         """The garden's cell by another denoiser."""

@@ -57,8 +57,8 @@ def oidn(folder):
         options = ("--prefilter", *(f"{folder}/{name}" for name in prefilters)) if prefilters else ()
         return (sys.executable, "-m", "benches.quality.oidn", f"{folder}/{weights}", "{noisy}", "{denoised}", "{frames}", *options)
 
-    return [Variant("oidn", "OIDN, each frame alone", ablation=True, timed=False, command=evaluated("rt_hdr_alb_nrm.tza")),
-            Variant("oidn_large", "OIDN, large, features prefiltered", ablation=True, timed=False,
+    return [Variant("oidn", "OIDN, each frame alone", timed=False, command=evaluated("rt_hdr_alb_nrm.tza")),
+            Variant("oidn_large", "OIDN, large, features prefiltered", timed=False,
                     command=evaluated("rt_hdr_calb_cnrm_large.tza", "rt_alb_large.tza", "rt_nrm_large.tza"))]
 
 
