@@ -1,9 +1,13 @@
 """What `scripts/bench antialias` does itself, with stand-ins for the program."""
 
+import contextlib
+import io
 import tempfile
 import unittest
+import unittest.mock
 from pathlib import Path
 
+from benches.antialias import run as antialias
 from benches.antialias.upsample import per_frame
 
 
@@ -18,6 +22,28 @@ class InFolder(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = Path(folder.name)
+
+
+def refusal(main, *arguments):
+    """What a command says to arguments that it refuses."""
+    said = io.StringIO()
+    with unittest.mock.patch("sys.argv", ["bench", *arguments]), contextlib.redirect_stderr(said):
+        try:
+            main()
+        except SystemExit as end:
+            return said.getvalue() if end.code == 2 else None
+
+
+class Antialiasing(unittest.TestCase):
+    def test_every_method_has_its_ratio_to_clamping(self):
+        rows = antialias.rows_of("spheres", {"1 spp": (0.4, 0.5, 0.1), "clamping": (0.2, 0.7, 0.1)})
+        self.assertEqual([row[1:4] for row in rows], [("1 spp", "0.4000", "2.00"), ("clamping", "0.2000", "1.00")])
+        self.assertEqual(antialias.rows_of("spheres", {"best": (0.1, 0.9, 0.1)})[0][3], "-")
+
+    def test_methods_that_do_not_exist_or_would_replace_the_input_are_refused(self):
+        self.assertIn("no method 'nosuch'; there are 1 spp, clamping", refusal(antialias.main, "--method", "nosuch"))
+        for name in ("reference", "jittered"):
+            self.assertIn(f"--method {name}: ", refusal(antialias.main, "--method", f"{name}:--preset best"))
 
 
 class Upsampling(InFolder):
