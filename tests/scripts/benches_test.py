@@ -2,6 +2,8 @@
 
 import contextlib
 import io
+import shutil
+import subprocess
 import tempfile
 import unittest
 import unittest.mock
@@ -9,6 +11,8 @@ from pathlib import Path
 
 from benches.antialias import run as antialias
 from benches.antialias.upsample import per_frame
+
+SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 
 
 def executable(path, text):
@@ -32,6 +36,25 @@ def refusal(main, *arguments):
             main()
         except SystemExit as end:
             return said.getvalue() if end.code == 2 else None
+
+
+class Setup(InFolder):
+    """What scripts/ installs, told by a stand-in for scripts/setup that ends the command."""
+
+    def setUp(self):
+        super().setUp()
+        self.scripts = self.folder / "scripts"
+        shutil.copytree(SCRIPTS, self.scripts, ignore=shutil.ignore_patterns("benches", "demo_parts"))
+        executable(self.scripts / "setup", 'echo "$@" >&2; exit 9')
+
+    def installed(self, script, *arguments):
+        return subprocess.run([self.scripts / script, *arguments], stderr=subprocess.PIPE, text=True).stderr.split()
+
+    def test_open_image_denoise_comes_with_pytorch(self):
+        for bench in ("quality", "report"):
+            plain = self.installed("bench", bench)
+            for option in (("--oidn", "weights"), ("--oidn=weights",)):
+                self.assertEqual(set(self.installed("bench", bench, *option)) - set(plain), {"libopenblas0-pthread", "python3-torch"})
 
 
 class Antialiasing(unittest.TestCase):
