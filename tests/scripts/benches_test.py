@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import os
 import shutil
 import subprocess
 import tempfile
@@ -38,23 +39,29 @@ def refusal(main, *arguments):
             return said.getvalue() if end.code == 2 else None
 
 
-class Setup(InFolder):
-    """What scripts/ installs, told by a stand-in for scripts/setup that ends the command."""
+class Commands(InFolder):
+    """bench and check with stand-ins for what they call."""
 
     def setUp(self):
         super().setUp()
         self.scripts = self.folder / "scripts"
         shutil.copytree(SCRIPTS, self.scripts, ignore=shutil.ignore_patterns("benches", "demo_parts"))
-        executable(self.scripts / "setup", 'echo "$@" >&2; exit 9')
 
-    def installed(self, script, *arguments):
-        return subprocess.run([self.scripts / script, *arguments], stderr=subprocess.PIPE, text=True).stderr.split()
+    def said(self, script, *arguments):
+        environment = os.environ | {"PATH": f"{self.folder}:{os.environ['PATH']}"}
+        return subprocess.run([self.scripts / script, *arguments], env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True).stderr
 
     def test_open_image_denoise_comes_with_pytorch(self):
+        executable(self.scripts / "setup", 'echo "$@" >&2; exit 9')
         for bench in ("quality", "report"):
-            plain = self.installed("bench", bench)
+            plain = self.said("bench", bench).split()
             for option in (("--oidn", "weights"), ("--oidn=weights",)):
-                self.assertEqual(set(self.installed("bench", bench, *option)) - set(plain), {"libopenblas0-pthread", "python3-torch"})
+                self.assertEqual(set(self.said("bench", bench, *option).split()) - set(plain), {"libopenblas0-pthread", "python3-torch"})
+
+    def test_check_tells_why_it_cannot_configure(self):
+        executable(self.scripts / "setup", "")
+        executable(self.folder / "cmake", "echo CMake Error >&2; exit 1")
+        self.assertEqual(self.said("check", "a.cpp"), "CMake Error\n")
 
 
 class Antialiasing(unittest.TestCase):
