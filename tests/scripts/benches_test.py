@@ -12,6 +12,7 @@ from pathlib import Path
 
 from benches.antialias import run as antialias
 from benches.antialias.upsample import per_frame
+from benches.peer import run as peer
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 
@@ -74,6 +75,11 @@ class Antialiasing(unittest.TestCase):
         self.assertIn("no method 'nosuch'; there are 1 spp, clamping", refusal(antialias.main, "--method", "nosuch"))
         for name in ("reference", "jittered"):
             self.assertIn(f"--method {name}: ", refusal(antialias.main, "--method", f"{name}:--preset best"))
+
+
+class Peer(unittest.TestCase):
+    def test_frames_of_one_sample_which_tell_the_start_are_refused(self):
+        self.assertIn("--spp: expected at least 2", refusal(peer.main, "--spp", "1"))
 
 
 class Upsampling(InFolder):

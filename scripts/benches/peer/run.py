@@ -27,15 +27,16 @@ def arguments():
                         help=f"default: {','.join(SCENES)}; with --other also scene files, such as scenes/slab.json")
     parser.add_argument("--frame", type=int, default=5, metavar="N", help="of scene files (default: 5)")
     parser.add_argument("--size", default="480x270", metavar="WxH", help="default: 480x270")
-    parser.add_argument("--spp", type=int, default=64, metavar="N", help="default: 64")
+    parser.add_argument("--spp", type=int, default=64, metavar="N", help="at least 2 (default: 64)")
     parser.add_argument("--seeds", type=int, default=4, metavar="N", help="frames of each, at least 2 (default: 4)")
     parser.add_argument("--becalm", type=Path, default=Path("build/release/becalm"), metavar="PATH")
     parser.add_argument("--other", type=Path, metavar="PATH", help="another becalm in place of Cycles")
     asked = parser.parse_args()
     if unknown := [name for name in asked.scenes if name not in SCENES and not (asked.other and Path(name).is_file())]:
         parser.error(f"no scene '{unknown[0]}'; there are {', '.join(SCENES)}{' and files' if asked.other else ''}")
-    if asked.seeds < 2:
-        parser.error("--seeds: expected at least 2")
+    for option in ("spp", "seeds"):
+        if getattr(asked, option) < 2:
+            parser.error(f"--{option}: expected at least 2")
     return asked
 
 
