@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from benches.front.adaptive import at_time
+from benches.front.cells import sources_of
 from benches.front.dominance import dominator, dominates, front
 from benches.front.exponent import exponent, local_exponents
 from benches.front.gaps import Gap, told
@@ -216,6 +217,10 @@ class Recipes(unittest.TestCase):
             frames = list(recipe((image, self.layers) for image in self.noisy))
             self.assertEqual(len(frames), 5)
             self.assertLess(self.error(frames[-1]), share * self.error(self.noisy[-1]), recipe.__name__)
+
+    def test_kept_figures_are_those_of_what_a_recipe_imports_too(self):
+        for recipe, imported in ((motion_average, "warp.py"), (non_local_means, "exposure.py")):
+            self.assertEqual({Path(path).name for path in sources_of(recipe)}, {f"{recipe.__name__}.py", imported})
 
     def test_the_mean_follows_the_motion_and_begins_anew_outside(self):
         first = np.tile(np.arange(SHAPE[1], dtype=np.float32)[None, :, None], (SHAPE[0], 1, 3))
