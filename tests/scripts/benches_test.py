@@ -10,6 +10,9 @@ import unittest
 import unittest.mock
 from pathlib import Path
 
+import OpenImageIO as oiio
+
+from benches.align.renders import Renders
 from benches.antialias import run as antialias
 from benches.antialias.upsample import per_frame
 from benches.peer import run as peer
@@ -75,6 +78,19 @@ class Antialiasing(unittest.TestCase):
         self.assertIn("no method 'nosuch'; there are 1 spp, clamping", refusal(antialias.main, "--method", "nosuch"))
         for name in ("reference", "jittered"):
             self.assertIn(f"--method {name}: ", refusal(antialias.main, "--method", f"{name}:--preset best"))
+
+
+class RenderedPairs(InFolder):
+    def test_another_program_renders_them_again(self):
+        frame = oiio.ImageBuf(oiio.ImageSpec(4, 3, 3, "half"))
+        self.assertTrue(frame.write(str(self.folder / "frame.exr")))
+        calls = self.folder / "calls"
+        for version, expected in ((1, 1), (1, 1), (2, 2)):
+            becalm = executable(self.folder / "becalm", f"""# {version}
+                echo "$@" >>{calls}
+                for number in 0010 0011; do cp {self.folder}/frame.exr "$(echo "$4" | sed s/####/$number/)"; done""")
+            Renders(becalm, self.folder / "renders", "4x3").frames("spheres", 1, 0)
+            self.assertEqual(len(calls.read_text().splitlines()), expected)
 
 
 class Peer(unittest.TestCase):
