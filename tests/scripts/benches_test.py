@@ -16,6 +16,7 @@ from benches.align.renders import Renders
 from benches.antialias import run as antialias
 from benches.antialias.upsample import per_frame
 from benches.peer import run as peer
+from benches.stereo.run import Shot
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 
@@ -96,6 +97,14 @@ class RenderedPairs(InFolder):
 class Peer(unittest.TestCase):
     def test_frames_of_one_sample_which_tell_the_start_are_refused(self):
         self.assertIn("--spp: expected at least 2", refusal(peer.main, "--spp", "1"))
+
+
+class Stereo(unittest.TestCase):
+    def test_a_difference_of_references_that_is_noise_alone_is_none(self):
+        shot = Shot.__new__(Shot)
+        shot.measured, shot.halves = [1], {1: ("a", "b")}
+        shot.reprojection = {1: unittest.mock.Mock(difference=lambda a, b: -1e-6)}
+        self.assertEqual(shot.reference_difference(), 0)
 
 
 class Upsampling(InFolder):

@@ -55,7 +55,7 @@ class Shot:
         return folder
 
     def reference_difference(self):
-        return float(np.sqrt(np.mean([self.reprojection[f].difference(*self.halves[f]) for f in self.measured])))
+        return float(np.sqrt(max(np.mean([self.reprojection[f].difference(*self.halves[f]) for f in self.measured]), 0)))
 
     def measure(self, images):
         """RMSE, SSIM and root mean square stereo difference of {frame: both eyes}."""
