@@ -12,7 +12,9 @@ from pathlib import Path
 
 import OpenImageIO as oiio
 
+from benches.align import speed
 from benches.align.renders import Renders
+from benches.align.service import AlignError
 from benches.antialias import run as antialias
 from benches.antialias.upsample import per_frame
 from benches.peer import run as peer
@@ -81,6 +83,34 @@ class Antialiasing(unittest.TestCase):
             self.assertIn(f"--method {name}: ", refusal(antialias.main, "--method", f"{name}:--preset best"))
 
 
+class Aligners(InFolder):
+    def failed(self, script):
+        """The processes that `bench align` has started with this aligner, and what it fails with."""
+        started = []
+
+        class Recorded(subprocess.Popen):
+            def __init__(self, *arguments, **options):
+                super().__init__(*arguments, **options)
+                started.append(self)
+
+        aligner = executable(self.folder / "bench_align", script)
+        with (unittest.mock.patch("subprocess.Popen", Recorded), unittest.mock.patch.object(speed, "SIZE", (16, 9)),
+              unittest.mock.patch("sys.argv", ["bench", "--bench-align", str(aligner)]), self.assertRaises(AlignError) as raised):
+            speed.main()
+        return started, str(raised.exception)
+
+    def test_that_fail_are_waited_for(self):
+        for refused in ("device", "build", "load"):
+            answer = """while read -r line; do case "$line" in *REFUSED*) echo '{"error": "no"}' ;; *) echo '{}' ;; esac; done"""
+            started, said = self.failed(answer.replace("REFUSED", refused))
+            self.assertEqual(said, f"bench_align: {refused}: no")
+            self.assertEqual([process.returncode for process in started], [0] * len(started))
+            self.assertTrue(started)
+
+    def test_that_end_say_how(self):
+        self.assertEqual(self.failed("exit 3")[1], "bench_align ended with status 3")
+
+
 class RenderedPairs(InFolder):
     def test_another_program_renders_them_again(self):
         frame = oiio.ImageBuf(oiio.ImageSpec(4, 3, 3, "half"))
@@ -90,7 +120,8 @@ class RenderedPairs(InFolder):
             becalm = executable(self.folder / "becalm", f"""# {version}
                 echo "$@" >>{calls}
                 for number in 0010 0011; do cp {self.folder}/frame.exr "$(echo "$4" | sed s/####/$number/)"; done""")
-            Renders(becalm, self.folder / "renders", "4x3").frames("spheres", 1, 0)
+            with contextlib.redirect_stdout(None):
+                Renders(becalm, self.folder / "renders", "4x3").frames("spheres", 1, 0)
             self.assertEqual(len(calls.read_text().splitlines()), expected)
 
 
@@ -100,7 +131,7 @@ class Peer(unittest.TestCase):
 
 
 class Stereo(unittest.TestCase):
-    def test_a_difference_of_references_that_is_noise_alone_is_none(self):
+    def test_a_difference_of_references_below_zero_is_zero(self):
         shot = Shot.__new__(Shot)
         shot.measured, shot.halves = [1], {1: ("a", "b")}
         shot.reprojection = {1: unittest.mock.Mock(difference=lambda a, b: -1e-6)}
