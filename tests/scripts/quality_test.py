@@ -12,6 +12,7 @@ import numpy as np
 import OpenImageIO as oiio
 
 from benches.frame_errors import rel_mse, temporal_error
+from benches.geometric_mean import geometric_mean
 from benches.made_of import keep_if_same
 from benches.quality.cells import Cells, files_of, radiance
 from benches.quality.data import MissingFrames, frame_path
@@ -19,7 +20,7 @@ from benches.quality.goals import seam_ratio
 from benches.quality.run import arguments, find_data
 from benches.quality.shots import Shots
 from benches.quality.still import over_ideal, relative_error, still_pixels
-from benches.quality.tables import Results, geometric_mean, scene_table
+from benches.quality.tables import Results, scene_table
 from benches.quality.variants import NOISY, VARIANTS, Program, Variant, oidn
 from whole_file import write_whole
 
@@ -242,6 +243,7 @@ class GeometricMean(unittest.TestCase):
     def test_without_positive_shares_there_is_none(self):
         self.assertIsNone(geometric_mean([]))
         self.assertIsNone(geometric_mean([0.5, -0.1]))
+        self.assertIsNone(geometric_mean([0.5, None]))
 
 
 class Variants(unittest.TestCase):

@@ -4,7 +4,7 @@ from dataclasses import asdict, dataclass
 
 from benches.front.dominance import dominator, front
 from benches.front.plain_curve import PlainCurve
-from benches.quality.tables import geometric_mean
+from benches.geometric_mean import geometric_mean
 
 METRICS = {"relmse": "relMSE", "temporal": "temporal error"}
 MEAN = "geometric mean"
@@ -110,8 +110,7 @@ def mean_trade(trades):
 
 
 def _mean(points, field):
-    values = [getattr(point, field) for point in points]
-    return None if None in values else geometric_mean(values)
+    return geometric_mean([getattr(point, field) for point in points])
 
 
 def mean_worth(trades, point, metric):

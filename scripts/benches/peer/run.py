@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from benches.markdown_report import markdown
+from benches.geometric_mean import geometric_mean
+from benches.markdown_report import figure, markdown
 from benches.peer.becalm_scene import write_scene
 from benches.peer.scenes import SCENES
 from benches.quality.cells import radiance
@@ -90,7 +91,7 @@ def main():
         print(rows[-1], flush=True)
     columns = ("mean", "variance", "seconds", "equal", "equal_kept")
     lines = [[r["scene"], *(f"{r[c]:.4f}" if c == "mean" else f"{r[c]:.2f}" for c in columns)] for r in rows]
-    lines.append(["geometric mean", "", *(f"{math.exp(statistics.fmean(math.log(r[c]) for r in rows)):.2f}" for c in columns[1:])])
+    lines.append(["geometric mean", "", *(figure(geometric_mean([r[c] for r in rows]), 2) for c in columns[1:])])
     peer = asked.other or "Cycles"
     text = markdown(("scene", f"mean radiance, becalm / {peer}", f"variance, {peer} / becalm", "processor time of a frame", "time to equal variance",
                      "the same without the worst 1 % of pixels"), lines)
