@@ -10,6 +10,11 @@ METRICS = {"relmse": "relMSE", "temporal": "temporal error"}
 MEAN = "geometric mean"
 
 
+def positive_errors(mean):
+    """Of the means of `becalm compare`; None: not above zero, as an estimate from noisy references may be, or not known."""
+    return {metric: value if (value := mean[metric]) is not None and value > 0.0 else None for metric in METRICS}
+
+
 @dataclass(frozen=True)
 class Point:
     spp: int
