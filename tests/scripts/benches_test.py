@@ -1,4 +1,4 @@
-"""What `scripts/bench antialias` does itself, with stand-ins for the program."""
+"""What the benches of antialiasing, alignment, stereo and the tracer do themselves, and `bench` and `check`, with stand-ins for the programs."""
 
 import contextlib
 import io
