@@ -21,7 +21,7 @@ import batches
 import export
 import losses
 import shots
-from network import FEATURES, LOSS_FLOOR, LOSS_SCALE, luminance
+from network import FEATURES, LOSS_FLOOR, LOSS_SCALE, luminance, parameter_count
 
 MAGIC = b"becalmOS"
 INPUTS = 5
@@ -169,7 +169,12 @@ def to_bytes(share):
 
 
 def from_bytes(data):
+    if not data.startswith(MAGIC):
+        raise ValueError(f"own share: expected the magic {MAGIC.decode()}")
     share = OwnShare()
+    expected = len(MAGIC) + 2 * parameter_count(share)
+    if len(data) != expected:
+        raise ValueError(f"own share: {len(data)} bytes, expected {expected}")
     halves = torch.from_numpy(np.frombuffer(data, "<f2", offset=len(MAGIC)).astype(np.float32))
     with torch.no_grad():
         for layer in share.layers:

@@ -165,6 +165,15 @@ class Submitted(unittest.TestCase):
             program.chmod(program.stat().st_mode | stat.S_IXUSR)
             self.assertEqual(status().returncode, expected, squeue)
 
+    def test_partial_states_are_of_no_task(self):
+        self.submit(self.path / "shot.json")
+        program = self.path / "squeue"
+        program.write_text("#!/bin/sh\necho becalm-check 0 PENDING\n")
+        program.chmod(program.stat().st_mode | stat.S_IXUSR)
+        (self.path / "out/farm.a/states/denoise.0.4711").write_text("running on a node")
+        status = self.run_script("status", self.path / "out/a.####.exr")
+        self.assertEqual((status.returncode, "denoise.0" in status.stdout), (3, False), status.stdout)
+
     def test_each_eye_may_have_a_file(self):
         output = self.path / "out/a.%V.####.exr"
         self.submit(self.path / "shot.json", output="out/a.%V.####.exr")

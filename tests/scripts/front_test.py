@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from benches.front.adaptive import at_time
+from benches.front.adaptive import at_time, table, target_table
+from benches.front.cells import sources_of
 from benches.front.dominance import dominator, dominates, front
 from benches.front.exponent import exponent, local_exponents
 from benches.front.gaps import Gap, told
@@ -17,7 +18,7 @@ from benches.front.methods import PRESETS, changed_presets
 from benches.front.motion_average import motion_average
 from benches.front.non_local_means import non_local_means
 from benches.front.plain_curve import PlainCurve
-from benches.front.points import Point, Trade, mean_trade, mean_worth
+from benches.front.points import Point, Trade, mean_trade, mean_worth, positive_errors
 from benches.front.tables import dominated, statement
 from benches.peer.run import row
 from benches.quality.render_time import note, seconds_a_frame
@@ -31,6 +32,20 @@ class AdaptiveSampling(unittest.TestCase):
         curve = [{"seconds": s, "relmse": 1.0 / s} for s in (4.0, 1.0, 2.0)]
         for seconds in (1.0, 1.5, 3.0, 5.0):
             self.assertAlmostEqual(at_time(curve, seconds, "relmse"), 1.0 / seconds)
+
+    def test_errors_that_are_not_above_zero_are_not_compared(self):
+        def points(*errors):
+            return [{"seconds": float(spp)} | positive_errors({"relmse": error, "temporal": 1.0 / spp}) for spp, error in zip((4, 8, 16), errors)]
+
+        def ratios(adaptive, *uniform):
+            return [cell.strip() for cell in table([("a", dict(zip((4, 8, 16), points(*uniform))), adaptive)]).splitlines()[2].split("|")[4:-1]]
+
+        good, bad = points(0.25, -0.001)[:2]
+        self.assertEqual(ratios(good, 0.25, 0.125, 0.0625), ["2.000", "1.000", "2.000", "1.000"])
+        self.assertEqual(ratios(bad, 0.25, 0.125, 0.0625), ["-", "-", "1.000", "1.000"])
+        self.assertEqual(ratios(good, -0.001, 0.125, 0.0625), ["2.000", "-", "2.000", "1.000"])
+        self.assertEqual(ratios(good, 0.25, 0.0, 0.0625), ["-", "-", "2.000", "1.000"])
+        self.assertIn(" - in 8 s |", target_table([("a", {0.3: good, 0.2: bad})]))
 
 
 class Peer(unittest.TestCase):
@@ -216,6 +231,10 @@ class Recipes(unittest.TestCase):
             frames = list(recipe((image, self.layers) for image in self.noisy))
             self.assertEqual(len(frames), 5)
             self.assertLess(self.error(frames[-1]), share * self.error(self.noisy[-1]), recipe.__name__)
+
+    def test_kept_figures_are_those_of_what_a_recipe_imports_too(self):
+        for recipe, imported in ((motion_average, "warp.py"), (non_local_means, "exposure.py")):
+            self.assertEqual({Path(path).name for path in sources_of(recipe)}, {f"{recipe.__name__}.py", imported})
 
     def test_the_mean_follows_the_motion_and_begins_anew_outside(self):
         first = np.tile(np.arange(SHAPE[1], dtype=np.float32)[None, :, None], (SHAPE[0], 1, 3))

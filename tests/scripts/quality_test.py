@@ -5,20 +5,23 @@ import os
 import subprocess
 import tempfile
 import unittest
+import unittest.mock
 from pathlib import Path
 
 import numpy as np
 import OpenImageIO as oiio
 
 from benches.frame_errors import rel_mse, temporal_error
+from benches.geometric_mean import geometric_mean
 from benches.made_of import keep_if_same
-from benches.quality.cells import Cells, radiance
+from benches.quality.cells import Cells, files_of, radiance
 from benches.quality.data import MissingFrames, frame_path
 from benches.quality.goals import seam_ratio
+from benches.quality.run import arguments, find_data
 from benches.quality.shots import Shots
 from benches.quality.still import over_ideal, relative_error, still_pixels
-from benches.quality.tables import Results, geometric_mean, scene_table
-from benches.quality.variants import NOISY, VARIANTS, Program, Variant
+from benches.quality.tables import Results, scene_table
+from benches.quality.variants import NOISY, VARIANTS, Program, Variant, oidn
 from whole_file import write_whole
 
 BECALM = os.environ["BECALM"]
@@ -183,10 +186,17 @@ class ShotsOfOthers(unittest.TestCase):
         with self.assertRaisesRegex(MissingFrames, "garden/b/f.0007.exr"):
             shots.references("garden", None)
 
-    def measured(self, command):
+    def test_all_variants_are_measured_where_no_shot_has_4_samples(self):
+        with unittest.mock.patch("sys.argv", ["quality", "--shots", str(self.folder), "--oidn", "weights"]):
+            asked = arguments()
+        find_data(asked)
+        self.assertEqual(asked.ablation_spp, [8])
+        self.assertEqual({v.name: v.ablation for v in asked.variants if v.name.startswith("oidn")}, {"oidn": False, "oidn_large": False})
+
+    def measured(self, command, resume=False):
         """The garden's cell by another denoiser."""
         shots = Shots(self.folder)
-        cells = Cells(Program(BECALM), shots, self.folder / "out", None, False)
+        cells = Cells(Program(BECALM), shots, self.folder / "out", None, resume)
         return cells.measure("garden", 8, Variant("other", "other", command=command), False)
 
     def test_another_denoiser_is_measured_on_what_it_writes(self):
@@ -194,6 +204,18 @@ class ShotsOfOthers(unittest.TestCase):
         cell = self.measured(("sh", "-c", brighter, "-", "{noisy}", "{denoised}", "{frames}"))
         self.assertAlmostEqual(cell["mean"]["energy"], 0.1, delta=1e-3)
         self.assertEqual(cell["times"].keys(), {"process", "processor"})
+
+    def test_kept_figures_of_another_denoiser_are_those_of_its_files(self):
+        script, calls = self.folder / "denoise.sh", self.folder / "calls"
+        command = ("sh", str(script), "{noisy}", "{denoised}")
+        for factor, expected in ((1.1, 1), (1.1, 1), (1.2, 2)):
+            script.write_text(f'for file in "$(dirname "$1")"/*.exr; do oiiotool "$file" --mulc {factor} -o "$(dirname "$2")/$(basename "$file")"; done\necho x >>{calls}\n')
+            self.assertAlmostEqual(self.measured(command, resume=True)["mean"]["energy"], factor - 1, delta=1e-3)
+            self.assertEqual(calls.read_text().count("x"), expected)
+
+    def test_the_evaluation_of_open_image_denoise_is_one_of_its_files(self):
+        for variant in oidn("weights"):
+            self.assertIn("oidn.py", [Path(path).name for path in files_of(variant)])
 
     def test_another_denoiser_that_fails_is_no_cell(self):
         with self.assertRaises(subprocess.CalledProcessError):
@@ -221,6 +243,7 @@ class GeometricMean(unittest.TestCase):
     def test_without_positive_shares_there_is_none(self):
         self.assertIsNone(geometric_mean([]))
         self.assertIsNone(geometric_mean([0.5, -0.1]))
+        self.assertIsNone(geometric_mean([0.5, None]))
 
 
 class Variants(unittest.TestCase):

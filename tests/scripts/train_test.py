@@ -212,6 +212,12 @@ class Shots(unittest.TestCase):
         self.assertLess(error, 0.3)
         self.assertAlmostEqual(own_share.gain(own_share.from_bytes(own_share.to_bytes(trained)), prepared), error, delta=0.01)
 
+    def test_an_own_share_of_another_file_is_refused(self):
+        data = own_share.to_bytes(own_share.OwnShare())
+        for wrong, said in ((b"becalmNW" + data[8:], "magic becalmOS"), (data[:-2], f"{len(data) - 2} bytes, expected {len(data)}"), (data + b"\0\0", "bytes")):
+            with self.assertRaisesRegex(ValueError, said):
+                own_share.from_bytes(wrong)
+
     def test_detail_beyond_the_noise_is_put_back(self):
         noisy = torch.rand(1, 3, SIZE, SIZE) + 0.5
         smoothed = noisy.mean((2, 3), keepdim=True).expand_as(noisy)

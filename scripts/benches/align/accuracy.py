@@ -2,6 +2,7 @@
 of Hanika et al. 2021. Called by `scripts/bench align_accuracy`."""
 
 import argparse
+import contextlib
 import subprocess
 import sys
 from pathlib import Path
@@ -86,10 +87,9 @@ def compare(asked, aligners, renders, report):
 
 def main():
     asked = arguments()
-    aligners = Aligners(asked.bench_align, asked.device)
     renders = Renders(asked.becalm, asked.output / "renders", asked.size)
-    compare(asked, aligners, renders, Report(asked.folder, SECTIONS, "Accuracy of the aligner"))
-    aligners.close()
+    with contextlib.closing(Aligners(asked.bench_align, asked.device)) as aligners:
+        compare(asked, aligners, renders, Report(asked.folder, SECTIONS, "Accuracy of the aligner"))
     print(asked.folder / "report.md")
 
 

@@ -6,6 +6,7 @@ from benches.align.measure import measure, reference_floor
 from benches.align.peers import PEERS, eight_bit_pair, timed
 from benches.align.pictures import DIFFERENCE_GAIN, difference, halved
 from benches.align.warp import warp
+from benches.geometric_mean import geometric_mean
 from benches.markdown_report import figure, markdown
 from pictures.colours import display_like, map_colours, offset_colours
 from pictures.files import write_picture
@@ -106,10 +107,6 @@ def verdict_table(found):
                      f"noise corr. (goal {CORRELATION_GOAL})", "50/50 (goal below 1)", "clean diff. by noise alone"), cells)
 
 
-def _geometric_mean(values):
-    return float(np.exp(np.mean(np.log(values))))
-
-
 def overview_table(rows, measured):
     """The measure over the best peer's of the same pair and noise, as geometric means by pair and by noise."""
     def of(row):
@@ -125,8 +122,8 @@ def overview_table(rows, measured):
         mine = [row for row in rows if row["method"] == method]
         ratios = {of(row): row[measured] / best[of(row)] for row in mine}
         by_group = [[ratio for key, ratio in ratios.items() if group in key] for group in groups]
-        cells.append((method, *(figure(_geometric_mean(r) if r else None, 3) for r in by_group),
-                      figure(_geometric_mean(list(ratios.values())), 3), figure(max(abs(row["correlation"]) for row in mine), 3),
+        cells.append((method, *(figure(geometric_mean(r), 3) for r in by_group),
+                      figure(geometric_mean(list(ratios.values())), 3), figure(max(abs(row["correlation"]) for row in mine), 3),
                       figure(max(row["average"] for row in mine), 3)))
     return markdown((f"{COMPARED[measured]} over the best peer's", *groups, "all", "largest noise corr.", "worst 50/50"), cells)
 

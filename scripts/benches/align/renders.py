@@ -8,6 +8,7 @@ import numpy as np
 
 from benches.align.pair import Pair
 from benches.align.warp import nearest
+from benches.made_of import keep_if_same
 from pictures.files import read_layers
 
 SCENES = Path(__file__).resolve().parents[3] / "scenes"
@@ -26,14 +27,14 @@ class Renders:
         self.folder = Path(folder) / size
 
     def frames(self, scene, spp, seed):
-        """Layers of source and target. Renders them unless files newer than the scene are there."""
-        scene_file = SCENES / f"{scene}.json"
+        """Layers of source and target. Renders them unless this program has rendered them of this scene."""
+        scene_file, folder = SCENES / f"{scene}.json", self.folder / scene
         name = f"{spp}spp.seed{seed}"
-        paths = [self.folder / scene / f"{name}.{number:04d}.exr" for number in (SOURCE, TARGET)]
-        if not all(path.exists() and path.stat().st_mtime > scene_file.stat().st_mtime for path in paths):
+        paths = [folder / f"{name}.{number:04d}.exr" for number in (SOURCE, TARGET)]
+        keep_if_same(folder, self.becalm, scene=scene_file.read_text(), aovs=AOVS)
+        if not all(path.exists() for path in paths):
             print(f"render {scene} {self.size}, {spp} spp, seed {seed}", flush=True)
-            paths[0].parent.mkdir(parents=True, exist_ok=True)
-            subprocess.run([self.becalm, "render", scene_file, "-o", self.folder / scene / f"{name}.####.exr",
+            subprocess.run([self.becalm, "render", scene_file, "-o", folder / f"{name}.####.exr",
                             "--frames", f"{SOURCE}-{TARGET}", "--size", self.size, "--spp", str(spp), "--seed", str(seed),
                             "--type=float", "--quiet", "--aovs", ",".join(AOVS)], check=True)
         return [_named(read_layers(path)) for path in paths]

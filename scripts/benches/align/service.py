@@ -1,5 +1,6 @@
 """becalm's aligner: a bench_align process that takes commands and raw files, and stays alive between runs."""
 
+import contextlib
 import json
 import os
 import subprocess
@@ -24,9 +25,13 @@ class Aligner:
                                         env={"LP_NUM_THREADS": str(THREADS)} | os.environ)
         self.folder = tempfile.TemporaryDirectory()
         self.size, self.aovs, self.input = size, list(aovs), input
-        self.device = self.command(do="device")
-        self.built = self.command(do="build", input=input, width=size[0], height=size[1], preset=preset,
-                                  set=list(settings), aovs=self.aovs, alias=alias)
+        try:
+            self.device = self.command(do="device")
+            self.built = self.command(do="build", input=input, width=size[0], height=size[1], preset=preset,
+                                      set=list(settings), aovs=self.aovs, alias=alias)
+        except AlignError:
+            self.close()
+            raise
 
     def command(self, **command):
         try:
@@ -68,7 +73,8 @@ class Aligner:
                 np.fromfile(paths["residual"], "<f4").reshape(rows, columns))
 
     def close(self):
-        self.process.stdin.close()
+        with contextlib.suppress(BrokenPipeError):  # the process ended and left a command unread
+            self.process.stdin.close()
         self.process.wait()
         self.process.stdout.close()
         self.folder.cleanup()

@@ -1,6 +1,7 @@
 """Time and memory of the aligner beside OpenCV's optical flow, in alternating runs. Called by `scripts/bench align`."""
 
 import argparse
+import contextlib
 import statistics
 import sys
 
@@ -33,8 +34,9 @@ def arguments():
 
 
 def build(asked, size, downsample, **options):
-    return Aligner(asked.bench_align, size, [*SETTINGS, f"match_downsample={downsample}", *asked.set], input="plane",
-                   device=asked.device, **options)
+    """An aligner, as a context at whose end it is closed."""
+    return contextlib.closing(Aligner(asked.bench_align, size, [*SETTINGS, f"match_downsample={downsample}", *asked.set], input="plane",
+                                      device=asked.device, **options))
 
 
 def take_turns(aligners, planes, rounds, is_software):
@@ -89,18 +91,15 @@ def print_times(aligners, times, passes, is_software):
 def print_memory(asked):
     held = {}
     for alias in (True, False):
-        aligner = build(asked, MEMORY_SIZE, 1, alias=alias)
-        held[alias] = aligner.built["device_bytes"] / 1e6
-        aligner.close()
+        with build(asked, MEMORY_SIZE, 1, alias=alias) as aligner:
+            held[alias] = aligner.built["device_bytes"] / 1e6
     print(f"device memory, {MEMORY_SIZE[0]}x{MEMORY_SIZE[1]} at full resolution: {held[True]:.1f} MB ({held[False]:.1f} MB if no images shared "
           f"memory); goal {MEMORY_GOAL_MB} MB: {'met' if held[True] <= MEMORY_GOAL_MB else 'MISSED'}")
 
 
-def main():
-    asked = arguments()
+def measure(asked, aligners):
     pair = shift_pair(SIZE[::-1], NOISE)
     planes = [side["beauty"][..., 0] for side in (pair.target, pair.source)]
-    aligners = {mode: build(asked, SIZE, downsample) for mode, downsample in MODES.items()}
     for aligner in aligners.values():
         aligner.load({"plane": planes[0]}, {"plane": planes[1]})
     device = aligners["full"].device
@@ -113,8 +112,12 @@ def main():
     for mode in aligners:
         print(f"{mode}: milliseconds by level and stage\n\n{stage_table(passes[mode])}")
     print_memory(asked)
-    for aligner in aligners.values():
-        aligner.close()
+
+
+def main():
+    asked = arguments()
+    with contextlib.ExitStack() as stack:
+        measure(asked, {mode: stack.enter_context(build(asked, SIZE, downsample)) for mode, downsample in MODES.items()})
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ import numpy as np
 
 from benches.antialias import noisy, stutter, upsample, zone_plate
 from benches.antialias.shots import CHOOSING, CYCLE, REPORTED, antialias, read, render
-from benches.markdown_report import markdown
+from benches.markdown_report import figure, markdown
 
 METHODS = {  # the options of becalm antialias
     "1 spp": None,
@@ -23,6 +23,7 @@ METHODS = {  # the options of becalm antialias
 PUBLISHED = {"fence": {"1 spp": 0.015, "clamping": 0.009, "gain": 0.006}, "classroom": {"1 spp": 0.074, "clamping": 0.048, "gain": 0.037},
              "blocks": {"1 spp": 0.050, "clamping": 0.032, "gain": 0.029}}
 REFERENCE_SPP = 128
+INPUTS = ("jittered", "reference")  # folders beside those of the methods
 
 
 def ssim(a, b):
@@ -45,6 +46,28 @@ def measure(reference, test):
     return np.sqrt(np.mean(error)), np.mean([ssim(r, t) for r, t in zip(reference, test)]), np.sqrt(np.mean(change))
 
 
+def chosen(texts, parser):
+    """Options by name of the methods that --method asks for; all methods without any."""
+    methods = {}
+    for text in texts:
+        name, _, options = text.partition(":")
+        if name in INPUTS:
+            parser.error(f"--method {name}: is the folder of the input")
+        if not options and name not in METHODS:
+            parser.error(f"no method '{name}'; there are {', '.join(METHODS)}")
+        methods[name] = options.split() if options else METHODS[name]
+    return methods or METHODS
+
+
+def rows_of(scene, figures):
+    """Rows by method of (RMSE, SSIM, RMSE of changes), and the published ones below."""
+    clamping = figures["clamping"][0] if "clamping" in figures else 0
+    rows = [(scene, name, f"{rmse:.4f}", figure(rmse / clamping if clamping else None, 2), f"{similarity:.4f}", f"{changes:.4f}")
+            for name, (rmse, similarity, changes) in figures.items()]
+    published = PUBLISHED.get(scene, {})
+    return rows + [(scene, f"{name}, published", f"{rmse:.3f}", f"{rmse / published['clamping']:.2f}", "-", "-") for name, rmse in published.items()]
+
+
 def main():
     parser = argparse.ArgumentParser(prog="scripts/bench antialias", description=__doc__)
     parser.add_argument("scenes", nargs="*", metavar="SCENE", help=f"default: {', '.join(REPORTED)}")
@@ -60,6 +83,7 @@ def main():
     parser.add_argument("--noisy", action="store_true", help="noisy frames of half the size made full-size and calm instead, at 192x108")
     parser.add_argument("--zone-plate", action="store_true", help="the transfer function of a panned zone plate instead")
     asked = parser.parse_args()
+    methods = chosen(asked.method, parser)
     if asked.upsample:
         return print(upsample.curves(asked.becalm, asked.output / "upsample", (192, 108), 16))
     if asked.noisy:
@@ -71,30 +95,22 @@ def main():
     if asked.stutter:
         print("\n".join(stutter.table(asked.becalm, asked.output, size, frames)))
         return
-    methods = {}
-    for text in asked.method:
-        name, _, options = text.partition(":")
-        methods[name] = options.split() if options else METHODS[name]
-    methods = methods or METHODS
     rows = []
     for scene in asked.scenes or (CHOOSING if asked.choosing else REPORTED):
         root = asked.output / asked.size / scene
-        render(asked.becalm, scene, root / "jittered", frames, size, 1, CYCLE)
-        render(asked.becalm, scene, root / "reference", frames, size, REFERENCE_SPP, 0)
-        reference = [read(root / "reference", frame) for frame in frames]
-        clamping = None
+        jittered, clean = (root / name for name in INPUTS)
+        render(asked.becalm, scene, jittered, frames, size, 1, CYCLE)
+        render(asked.becalm, scene, clean, frames, size, REFERENCE_SPP, 0)
+        reference = [read(clean, frame) for frame in frames]
+        figures = {}
         for name, options in methods.items():
-            folder = root / "jittered"
+            folder = jittered
             if options is not None:
                 folder = root / name
-                antialias(asked.becalm, root / "jittered", folder, options)
-            rmse, similarity, changes = measure(reference, [read(folder, frame) for frame in frames])
-            clamping = rmse if name == "clamping" else clamping
-            ratio = f"{rmse / clamping:.2f}" if clamping else "-"
-            rows.append((scene, name, f"{rmse:.4f}", ratio, f"{similarity:.4f}", f"{changes:.4f}"))
-            print(*rows[-1], file=sys.stderr, flush=True)
-        for name, published in PUBLISHED.get(scene, {}).items():
-            rows.append((scene, f"{name}, published", f"{published:.3f}", f"{published / PUBLISHED[scene]['clamping']:.2f}", "-", "-"))
+                antialias(asked.becalm, jittered, folder, options)
+            figures[name] = measure(reference, [read(folder, frame) for frame in frames])
+            print(scene, name, *(f"{error:.4f}" for error in figures[name]), file=sys.stderr, flush=True)
+        rows += rows_of(scene, figures)
     print(markdown(("scene", "method", "RMSE", "of clamping's", "SSIM", "RMSE of changes"), rows), end="")
 
 

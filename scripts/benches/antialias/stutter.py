@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 from benches.antialias.shots import antialias, read, render
+from pictures.exposure import luminance
 
 SPP = 32  # no aliasing, as little noise as the paper's frames: what is left is what averaging does
 WARM_UP = 8  # frames until the history has its length
@@ -20,8 +21,7 @@ VARIANTS = {  # the options of becalm antialias
 
 def grey(image):
     """8 bits, as the optical flow takes them; the root spends them on the dark."""
-    luminance = np.clip(image @ np.array([0.2126, 0.7152, 0.0722], np.float32), 0, 1)
-    return (255 * np.sqrt(luminance) + 0.5).astype(np.uint8)
+    return (255 * np.sqrt(np.clip(luminance(image), 0, 1)) + 0.5).astype(np.uint8)
 
 
 def flow(a, b):

@@ -25,11 +25,13 @@ MODES = {
 
 
 def per_frame(command, frames, *one):
-    """Processor seconds of a frame: those of all frames less those of the first, so that starting up is not counted."""
+    """Processor seconds of a frame: those of all frames less those of the first, so that starting up is not counted. The first,
+    which lacks its context, is made before all, so that those of the whole run stay."""
     def spent(options):
         return timed([*command, *options, "--overwrite", "--quiet"])[1].processor_s
 
-    return (spent(["--frames", f"1-{frames}"]) - spent(["--frames", "1", *one])) / (frames - 1)
+    first_s = spent(["--frames", "1", *one])
+    return (spent(["--frames", f"1-{frames}"]) - first_s) / (frames - 1)
 
 
 def measure(becalm, root, size, frames):

@@ -10,6 +10,7 @@ import numpy as np
 import OpenImageIO as oiio
 
 from benches.burst import camera
+from benches.geometric_mean import geometric_mean
 from benches.timed import timed
 
 REPORTED = ("dining", "penumbra", "meadow")
@@ -68,10 +69,6 @@ class Shot:
         truth = self.burst.mosaics[0]
         results = {"single": frames[0], "average": np.mean(frames, axis=0), "merged": ours}
         return {name: [rms(result - truth, where) for where in (self.burst.outside, self.burst.swept)] for name, result in results.items()}
-
-
-def geometric_mean(values):
-    return float(np.exp(np.mean(np.log(values))))
 
 
 def noise_table(shots):

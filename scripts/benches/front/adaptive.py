@@ -8,13 +8,14 @@ from pathlib import Path
 import numpy as np
 
 from benches.front import page
-from benches.markdown_report import markdown
+from benches.front.points import METRICS, positive_errors
+from benches.geometric_mean import geometric_mean
+from benches.markdown_report import figure, markdown
 from benches.quality.data import SCENES, frame_range
 from benches.timed import timed
 
 SPP = 8
 UNIFORM = (SPP // 2, SPP, 2 * SPP)  # the curve that adaptive sampling is compared with
-METRICS = ("relmse", "temporal")
 TARGETS = (0.3, 0.2)  # of --noise-target
 MOST = 256            # samples with a target
 
@@ -33,16 +34,21 @@ class Runs:
         first, second = self.data.references(scene, self.reference_spp)
         subprocess.run([self.becalm, "compare", first, pattern, "--reference-b", second, "--frames", frame_range(self.data.measured),
                         "--json", figures], check=True, stdout=subprocess.DEVNULL)
-        mean = json.loads(figures.read_text())["mean"]
-        return {"seconds": cost.processor_s / len(self.data.frames)} | {metric: mean[metric] for metric in METRICS}
+        return {"seconds": cost.processor_s / len(self.data.frames)} | positive_errors(json.loads(figures.read_text())["mean"])
 
 
 def at_time(curve, seconds, metric):
-    """The error of uniform sampling in so many seconds a frame, by the points of `curve`: linear in logarithms."""
+    """The error of uniform sampling in so many seconds a frame, by the points of `curve`: linear in logarithms. None if a point has none."""
+    if any(point[metric] is None for point in curve):
+        return None
     times, errors = zip(*sorted((math.log(point["seconds"]), math.log(point[metric])) for point in curve))
     low = int(np.clip(np.searchsorted(times, math.log(seconds)) - 1, 0, len(times) - 2))
     slope = (errors[low + 1] - errors[low]) / (times[low + 1] - times[low])
     return math.exp(errors[low] + slope * (math.log(seconds) - times[low]))
+
+
+def ratio(error, other):
+    return None if None in (error, other) else error / other
 
 
 def table(found):
@@ -50,17 +56,20 @@ def table(found):
     rows = []
     for scene, uniform, adaptive in found:
         rows.append([scene, f"{uniform[SPP]['seconds']:.3g}", f"{adaptive['seconds']:.3g}"] + [
-            ratio for metric in METRICS for ratio in (adaptive[metric] / uniform[SPP][metric],
-                                                      adaptive[metric] / at_time(uniform.values(), adaptive["seconds"], metric))])
-    mean = ["geometric mean", "", ""] + [math.exp(np.mean([math.log(row[i]) for row in rows])) for i in range(3, 7)]
-    text = [[cell if isinstance(cell, str) else f"{cell:.3f}" for cell in row] for row in (*rows, mean)]
+            ratio(adaptive[metric], other) for metric in METRICS
+            for other in (uniform[SPP][metric], at_time(uniform.values(), adaptive["seconds"], metric))])
+    mean = ["geometric mean", "", ""] + [geometric_mean(column) for column in list(zip(*rows))[3:]]
+    text = [[cell if isinstance(cell, str) else figure(cell, 3) for cell in row] for row in (*rows, mean)]
     return markdown(("scene", "uniform, s a frame", "adaptive, s a frame", "relMSE, equal samples", "equal time", "temporal error, equal samples",
                      "equal time"), text)
 
 
 def target_table(found):
     """found: (scene, points by target) of each scene."""
-    rows = [[scene, *(f"{math.sqrt(point['relmse']):.3f} in {point['seconds']:.3g} s" for point in points.values())] for scene, points in found]
+    def cell(point):
+        return f"{figure(point['relmse'] and math.sqrt(point['relmse']), 3)} in {point['seconds']:.3g} s"
+
+    rows = [[scene, *map(cell, points.values())] for scene, points in found]
     return markdown(("root of relMSE, and time of a frame", *(f"--noise-target {target}" for target in TARGETS)), rows)
 
 

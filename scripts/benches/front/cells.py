@@ -16,11 +16,16 @@ class MissingLayer(Exception):
     pass
 
 
+def sources_of(function):
+    """The files of all functions that the function's module has or imports."""
+    return sorted({inspect.getsourcefile(value) for value in vars(inspect.getmodule(function)).values() if inspect.isfunction(value)})
+
+
 class FrontCells(Cells):
     def _options(self, variant):
         if not isinstance(variant, Recipe):
             return super()._options(variant)
-        return [content_hash(inspect.getsourcefile(variant.filter))]
+        return [content_hash(path) for path in sources_of(variant.filter)]
 
     def _denoise(self, variant, noisy, denoised):
         if not isinstance(variant, Recipe):

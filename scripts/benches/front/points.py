@@ -4,10 +4,15 @@ from dataclasses import asdict, dataclass
 
 from benches.front.dominance import dominator, front
 from benches.front.plain_curve import PlainCurve
-from benches.quality.tables import geometric_mean
+from benches.geometric_mean import geometric_mean
 
 METRICS = {"relmse": "relMSE", "temporal": "temporal error"}
 MEAN = "geometric mean"
+
+
+def positive_errors(mean):
+    """Of the means of `becalm compare`; None: not above zero, as an estimate from noisy references may be, or not known."""
+    return {metric: value if (value := mean[metric]) is not None and value > 0.0 else None for metric in METRICS}
 
 
 @dataclass(frozen=True)
@@ -110,8 +115,7 @@ def mean_trade(trades):
 
 
 def _mean(points, field):
-    values = [getattr(point, field) for point in points]
-    return None if None in values else geometric_mean(values)
+    return geometric_mean([getattr(point, field) for point in points])
 
 
 def mean_worth(trades, point, metric):

@@ -11,7 +11,7 @@ from benches.front import adaptive, page, scaling
 from benches.front.cells import FrontCells, MissingLayer
 from benches.front.gaps import Gap, told
 from benches.front.methods import PAPER, PLAIN, PRESETS, RECIPES, kind, settings_of
-from benches.front.points import METRICS, Point, Trade, mean_trade
+from benches.front.points import METRICS, Point, Trade, mean_trade, positive_errors
 from benches.quality import options
 from benches.quality.data import SCENES, Data, MissingFrames, Renderer, noisy_aovs
 from benches.quality.render_time import CLOCKS, seconds_a_frame
@@ -104,7 +104,7 @@ class Set:
             except MissingLayer as error:
                 self.missing.append(Gap(method.title, scene, spp, str(error)))
                 continue
-            error = {metric: value if (value := cell["mean"][metric]) is not None and value > 0.0 else None for metric in METRICS}
+            error = positive_errors(cell["mean"])
             point = Point(spp, method.name, method.title, kind(method), render_s, cell["times"].get(PROCESS_TIME[clock], 0.0), **error)
             print(f"{scene:>10} {spp:>3} spp  {method.name:<28} {point.seconds:8.3f} s  " +
                   "  ".join(f"{title} {error[metric] or float('nan'):.5f}" for metric, title in METRICS.items()), flush=True)

@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from benches.markdown_report import markdown
+from benches.geometric_mean import geometric_mean
+from benches.markdown_report import figure, markdown
 from benches.peer.becalm_scene import write_scene
 from benches.peer.scenes import SCENES
 from benches.quality.cells import radiance
@@ -27,15 +28,16 @@ def arguments():
                         help=f"default: {','.join(SCENES)}; with --other also scene files, such as scenes/slab.json")
     parser.add_argument("--frame", type=int, default=5, metavar="N", help="of scene files (default: 5)")
     parser.add_argument("--size", default="480x270", metavar="WxH", help="default: 480x270")
-    parser.add_argument("--spp", type=int, default=64, metavar="N", help="default: 64")
+    parser.add_argument("--spp", type=int, default=64, metavar="N", help="at least 2 (default: 64)")
     parser.add_argument("--seeds", type=int, default=4, metavar="N", help="frames of each, at least 2 (default: 4)")
     parser.add_argument("--becalm", type=Path, default=Path("build/release/becalm"), metavar="PATH")
     parser.add_argument("--other", type=Path, metavar="PATH", help="another becalm in place of Cycles")
     asked = parser.parse_args()
     if unknown := [name for name in asked.scenes if name not in SCENES and not (asked.other and Path(name).is_file())]:
         parser.error(f"no scene '{unknown[0]}'; there are {', '.join(SCENES)}{' and files' if asked.other else ''}")
-    if asked.seeds < 2:
-        parser.error("--seeds: expected at least 2")
+    for option in ("spp", "seeds"):
+        if getattr(asked, option) < 2:
+            parser.error(f"--{option}: expected at least 2")
     return asked
 
 
@@ -89,7 +91,7 @@ def main():
         print(rows[-1], flush=True)
     columns = ("mean", "variance", "seconds", "equal", "equal_kept")
     lines = [[r["scene"], *(f"{r[c]:.4f}" if c == "mean" else f"{r[c]:.2f}" for c in columns)] for r in rows]
-    lines.append(["geometric mean", "", *(f"{math.exp(statistics.fmean(math.log(r[c]) for r in rows)):.2f}" for c in columns[1:])])
+    lines.append(["geometric mean", "", *(figure(geometric_mean([r[c] for r in rows]), 2) for c in columns[1:])])
     peer = asked.other or "Cycles"
     text = markdown(("scene", f"mean radiance, becalm / {peer}", f"variance, {peer} / becalm", "processor time of a frame", "time to equal variance",
                      "the same without the worst 1 % of pixels"), lines)

@@ -2,7 +2,9 @@
 
 import functools
 import json
+import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -48,6 +50,12 @@ def copy_without(pattern, frames, layers, folder):
         if not copy.write(str(frame_path(copies, frame))):
             raise OSError(f"{frame_path(copies, frame)}: {copy.geterror()}")
     return copies
+
+
+def files_of(variant):
+    """The files that the result of a command depends on besides the frames."""
+    program, *words = variant.command
+    return [path for path in (shutil.which(program) or "", *words, *variant.sources) if os.path.isfile(path)]
 
 
 class Cells:
@@ -100,7 +108,9 @@ class Cells:
 
     def _options(self, variant):
         """What the cell depends on besides the program and its input."""
-        return list(variant.command) or self.program.options(variant)
+        if not variant.command:
+            return self.program.options(variant)
+        return [*variant.command, *map(content_hash, files_of(variant))]
 
     def _denoise(self, variant, noisy, denoised):
         """Writes the denoised frames. Returns seconds per frame: the median of becalm's filter, the mean of the whole process, and by all its threads."""

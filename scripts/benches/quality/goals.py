@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from benches.geometric_mean import geometric_mean
 from benches.markdown_report import markdown
-from benches.quality.tables import geometric_mean, largest, percent, share
+from benches.quality.tables import largest, percent, share
 from benches.quality.variants import NOISY
 
 JUDGED_SPP = 8

@@ -48,7 +48,7 @@ def arguments():
     parser.add_argument("--scenes", type=words, metavar="LIST", help=f"default: {','.join(SCENES)}")
     parser.add_argument("--spp", type=counts, metavar="LIST", help="of the noisy frames (default: 1,4,8,16,64)")
     parser.add_argument("--ablation-spp", type=counts, metavar="LIST",
-                        help="the part of them at which ablations are measured (default: 4; with --shots and --variants: all)")
+                        help="the part of them at which ablations are measured (default: 4, or all if 4 is none of them; with --shots and --variants: all)")
     parser.add_argument("--variants", type=words, metavar="LIST", help="names of variants (default: all)")
     parser.add_argument("--variant", action="append", default=[], type=_variant, metavar="'NAME OPTION ...'",
                         help="also measure becalm denoise with these options")
@@ -87,16 +87,16 @@ def find_data(asked):
     """The frames to measure on. Sets the options in `asked` that were not given to their defaults."""
     if asked.shots:
         data = Shots(asked.shots, asked.frames, asked.measured, asked.spp)
-        _or_default(asked, scenes=list(data.roots), spp=data.spps, frames=data.frames, measured=data.measured,
-                    ablation_spp=data.spps if asked.named else [4], pictured_spp=data.spps,
+        _or_default(asked, scenes=list(data.roots), spp=data.spps, frames=data.frames, measured=data.measured, pictured_spp=data.spps,
                     output=Path(f"out/quality_{Path(asked.shots).name}"))
         for scene in set(asked.scenes) - data.roots.keys():
             raise OSError(f"no shot '{scene}'; there are {', '.join(data.roots)}")
     else:
         _or_default(asked, scenes=SCENES, spp=[1, 4, 8, 16, 64], frames=frames("1-16"), measured=frames("7-10"), reference_spp=64,
-                    ablation_spp=[4], pictured_spp=[4], output=Path("out/quality"))
+                    pictured_spp=[4], output=Path("out/quality"))
         data = Data(asked.data or Path("build/quality"), asked.frames, asked.measured, asked.spp,
                     None if asked.data else Renderer(asked.becalm, asked.size))
+    _or_default(asked, ablation_spp=data.spps if 4 not in data.spps or (asked.shots and asked.named) else [4])
     if not asked.measured or not set(asked.measured) <= set(asked.frames):
         raise OSError("the measured frames are not all among the noisy ones")
     return data

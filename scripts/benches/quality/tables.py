@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from benches.geometric_mean import geometric_mean
 from benches.markdown_report import figure, markdown
 from benches.quality.variants import NOISY
 
@@ -38,11 +39,6 @@ def share(ratio):
     def digits(value):
         return f"{value:.0f}" if value >= 1000.0 else f"{value:.3g}"
     return f"1/{digits(1.0 / ratio)}" if 0.0 < ratio < 1.0 else digits(ratio)
-
-
-def geometric_mean(ratios):
-    """None without ratios, or if one is not positive: the estimate of an error from noisy references can be negative."""
-    return float(np.exp(np.mean(np.log(ratios)))) if ratios and min(ratios) > 0.0 else None
 
 
 def geometric_share(results, spp, name, metric):

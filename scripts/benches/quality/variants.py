@@ -4,6 +4,7 @@ import re
 import subprocess
 import sys
 from dataclasses import dataclass
+from pathlib import Path
 
 
 @dataclass(frozen=True)
@@ -16,6 +17,7 @@ class Variant:
     history: str = ""       # frames that an ideal merge of still pixels has: "before", up to the current one, or "all"
     segment: int = 0        # frames per segment, if temporal error at seams is measured
     command: tuple = ()     # of another denoiser, in place of becalm; its words may name {noisy}, {denoised} and {frames}
+    sources: tuple = ()     # files that the command's result depends on besides those among its words
     timed: bool = True      # False: the command's time is not that of the denoiser
 
 
@@ -57,8 +59,9 @@ def oidn(folder):
         options = ("--prefilter", *(f"{folder}/{name}" for name in prefilters)) if prefilters else ()
         return (sys.executable, "-m", "benches.quality.oidn", f"{folder}/{weights}", "{noisy}", "{denoised}", "{frames}", *options)
 
-    return [Variant("oidn", "OIDN, each frame alone", ablation=True, timed=False, command=evaluated("rt_hdr_alb_nrm.tza")),
-            Variant("oidn_large", "OIDN, large, features prefiltered", ablation=True, timed=False,
+    evaluation = (str(Path(__file__).with_name("oidn.py")),)
+    return [Variant("oidn", "OIDN, each frame alone", sources=evaluation, timed=False, command=evaluated("rt_hdr_alb_nrm.tza")),
+            Variant("oidn_large", "OIDN, large, features prefiltered", sources=evaluation, timed=False,
                     command=evaluated("rt_hdr_calb_cnrm_large.tza", "rt_alb_large.tza", "rt_nrm_large.tza"))]
 
 

@@ -4,9 +4,7 @@ Frisvad and Jensen, section 5.3; and the other eye's weight as estimated, beside
 
 import argparse
 import os
-import resource
 import statistics
-import subprocess
 from pathlib import Path
 
 import cv2
@@ -15,6 +13,7 @@ import numpy as np
 from benches.antialias.run import ssim
 from benches.stereo.measures import Reprojection, squared_error
 from benches.stereo.shots import CHOOSING, EYES, REPORTED, attribute, read, render
+from benches.timed import timed
 
 TEMPORAL = ["--set", "smooth=none"]  # as the paper has it: no smoothing
 METHODS = {  # the options of becalm denoise
@@ -55,7 +54,7 @@ class Shot:
         return folder
 
     def reference_difference(self):
-        return float(np.sqrt(np.mean([self.reprojection[f].difference(*self.halves[f]) for f in self.measured])))
+        return float(np.sqrt(max(np.mean([self.reprojection[f].difference(*self.halves[f]) for f in self.measured]), 0)))
 
     def measure(self, images):
         """RMSE, SSIM and root mean square stereo difference of {frame: both eyes}."""
@@ -75,10 +74,7 @@ class Shot:
 
 def denoise(becalm, source, target, options):
     """Processor seconds."""
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run([becalm, "denoise", source / "f.####.exr", "-o", target / "f.####.exr", *options, "--overwrite", "--quiet"], check=True)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
+    return timed([becalm, "denoise", source / "f.####.exr", "-o", target / "f.####.exr", *options, "--overwrite", "--quiet"])[1].processor_s
 
 
 def table(shot, spp, methods):
