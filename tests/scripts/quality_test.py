@@ -191,7 +191,6 @@ class ShotsOfOthers(unittest.TestCase):
             asked = arguments()
         find_data(asked)
         self.assertEqual(asked.ablation_spp, [8])
-        self.assertEqual({v.name: v.ablation for v in asked.variants if v.name.startswith("oidn")}, {"oidn": False, "oidn_large": False})
 
     def measured(self, command, resume=False):
         """The garden's cell by another denoiser."""

@@ -60,8 +60,8 @@ def oidn(folder):
         return (sys.executable, "-m", "benches.quality.oidn", f"{folder}/{weights}", "{noisy}", "{denoised}", "{frames}", *options)
 
     evaluation = (str(Path(__file__).with_name("oidn.py")),)
-    return [Variant("oidn", "OIDN, each frame alone", sources=evaluation, timed=False, command=evaluated("rt_hdr_alb_nrm.tza")),
-            Variant("oidn_large", "OIDN, large, features prefiltered", sources=evaluation, timed=False,
+    return [Variant("oidn", "OIDN, each frame alone", ablation=True, sources=evaluation, timed=False, command=evaluated("rt_hdr_alb_nrm.tza")),
+            Variant("oidn_large", "OIDN, large, features prefiltered", ablation=True, sources=evaluation, timed=False,
                     command=evaluated("rt_hdr_calb_cnrm_large.tza", "rt_alb_large.tza", "rt_nrm_large.tza"))]
 
 
