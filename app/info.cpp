@@ -157,7 +157,7 @@ Json to_json(const std::vector<FrameFinding>& findings) {
 /// What becalm recorded about how it made a file: nothing for other files and damaged ones.
 Json origin_of(const std::string& path) {
   Json origin = Json::object();
-  for (const char* name : {"version", "preset", "tiles", "settings"}) {
+  for (const char* name : {"version", "command", "preset", "tiles", "settings"}) {
     try {
       const std::string value = io::read_attribute(path, fmt::format("becalm:{}", name));
       if (!value.empty()) origin[name] = value;

@@ -15,6 +15,7 @@
 namespace becalm::app {
 
 void add_sequence_options(CLI::App& parser, SequenceCommand& command, const std::string& result) {
+  command.name = parser.get_name();
   parser
       .add_option(
           "input", command.inputs,

@@ -13,6 +13,7 @@ namespace becalm::app {
 
 /// What the user typed after `becalm denoise` or `becalm antialias`.
 struct SequenceCommand {
+  std::string name;
   std::vector<std::string> inputs;
   std::string stereo_camera;  ///< of eyes whose files do not say it; empty: not known
   bool eyes = false;          ///< the inputs are the left and the right eye

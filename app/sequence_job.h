@@ -49,6 +49,7 @@ class SequenceJob {
   void write(const FinishedFrame& result, FrameSink& sink);
 
   const SequenceCommand& command_;
+  const FileMark mark_;
   const ThreadLimit threads_;
   io::LayerOptions layers_;
   const io::DenoisedFormat format_;
