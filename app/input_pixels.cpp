@@ -30,8 +30,9 @@ void check_eye(const Frame& frame, Eye eye, const std::string& path) {
                           name_of_eye(frame.stereo()->eye), name_of_eye(eye)));
 }
 
-io::LoadedFrame read_file(const std::string& path, int frame, const FilterStage& filter,
-                          const io::LayerOptions& layers, const InputWindow& window, io::KeepPassedOn keep) {
+io::LoadedFrame read_layers(const std::string& path, int frame, const FilterStage& filter,
+                            const io::LayerOptions& layers, const InputWindow& window,
+                            io::KeepPassedOn keep) {
   if (!filter.denoises_additive()) {
     return io::read_exr(path, frame, filter.wanted(), layers, io::LightGroups::leave, window.window, keep);
   }
@@ -42,20 +43,35 @@ io::LoadedFrame read_file(const std::string& path, int frame, const FilterStage&
   return loaded;
 }
 
+/// Headers have been checked: what is wrong now is damage within pixels, which show it when they are read.
+io::LoadedFrame read_file(const InputFrames& inputs, const std::string& path, int frame,
+                          const FilterStage& filter, const io::LayerOptions& layers,
+                          const InputWindow& window, io::KeepPassedOn keep) {
+  try {
+    return read_layers(path, frame, filter, layers, window, keep);
+  } catch (const Error& error) {
+    if (error.status() != ExitStatus::bad_input || !inputs.pattern().has_frame_field()) throw;
+    throw Error(
+        error.status(),
+        fmt::format("{}; move the file away, and --missing hold or skip with --resume goes on without",
+                    error.what()));
+  }
+}
+
 }  // namespace
 
 io::LoadedFrame read_pixels(const InputFrames& inputs, int frame, const FilterStage& filter,
                             const io::LayerOptions& layers, const InputWindow& window,
                             io::KeepPassedOn keep) {
-  io::LoadedFrame loaded = read_file(inputs.path(frame), frame, filter, layers, window, keep);
+  io::LoadedFrame loaded = read_file(inputs, inputs.path(frame), frame, filter, layers, window, keep);
   if (inputs.other_half()) {
     const std::string other = inputs.other_half()->path(frame);
-    join_halves(loaded, read_file(other, frame, filter, layers, window, io::KeepPassedOn::no), other);
+    join_halves(loaded, read_file(inputs, other, frame, filter, layers, window, io::KeepPassedOn::no), other);
   }
   if (inputs.other_eye()) {
     const std::string other = inputs.other_eye()->path(frame);
     loaded.other_eye =
-        std::make_shared<io::LoadedFrame>(read_file(other, frame, filter, layers, window, keep));
+        std::make_shared<io::LoadedFrame>(read_file(inputs, other, frame, filter, layers, window, keep));
     check_eye(loaded.frame, Eye::left, inputs.path(frame));
     check_eye(loaded.other_eye->frame, Eye::right, other);
   }

@@ -173,6 +173,22 @@ TEST_F(Denoise, ADamagedFrameBetweenOthersIsNoStep) {
   EXPECT_TRUE(same_frame("skip.0003.exr", "in.0003.exr")) << "without history the frame stays as it is";
 }
 
+TEST_F(Denoise, HowToGoOnWithoutAFrameOfDamagedPixelsIsTold) {
+  write_frames({1, 2, 3, 4});
+  const std::string damaged = frame_path(input_, 2);
+  {
+    std::fstream file(damaged, std::ios::binary | std::ios::in | std::ios::out);
+    file.seekp(static_cast<std::streamoff>(fs::file_size(damaged) / 4 * 3));
+    file << std::string(400, 'U');
+  }
+  const std::vector<std::string> options{"--preset", "draft", "--missing", "hold", "--resume", "--quiet"};
+  expect_error(becalm(command("out.####.exr", options)), 3,
+               {damaged, "unsupported EXR", "move the file away", "--missing hold", "--resume"});
+  fs::rename(damaged, folder_ / "damaged.exr");
+  becalm_done(command("out.####.exr", options));
+  EXPECT_EQ(io::read_attribute(folder_ / "out.0002.exr", "becalm:held_from"), "1");
+}
+
 TEST_F(Denoise, MissingHoldWritesOneOutputForEachInput) {
   write_frames({1, 2, 5});
   const Outcome outcome = becalm_done(command("hold.####.exr", {"--frames", "1-6", "--missing", "hold"}));
