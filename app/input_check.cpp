@@ -170,15 +170,11 @@ InputLayout layout_of(const io::ExrView& header, const FilterStage& filter) {
   InputLayout layout;
   layout.view = header.view;
   layout.display_window = header.display_window;
-  const auto source = [&](Aov aov) -> const auto& {
-    return header.layers[static_cast<std::size_t>(aov)];
-  };
   const AovSet additive = filter.denoises_additive() ? filter::additive_aovs() : AovSet();
   for (const AovInfo& entry : kAovTable) {
-    const bool used = entry.aov == Aov::beauty || contains(filter.wanted(), entry.aov) ||
-                      (contains(additive, entry.aov) && source(entry.aov) &&
-                       source(entry.aov)->part == source(Aov::beauty)->part);
-    layout.aovs.set(static_cast<std::size_t>(entry.aov), used && source(entry.aov));
+    const bool used = entry.aov == Aov::beauty || contains(filter.wanted() | additive, entry.aov);
+    const auto index = static_cast<std::size_t>(entry.aov);
+    layout.aovs.set(index, used && header.layers[index]);
   }
   if (filter.denoises_additive()) {
     for (const auto& [name, source] : header.lights) layout.light_groups.push_back(name);

@@ -25,8 +25,7 @@ struct InputLayout {
   bool operator==(const InputLayout&) const = default;
 };
 
-/// What the filter takes of a view with this header: AOVs that are denoised with the beauty must be of its
-/// part, since other parts are passed on.
+/// What the filter takes of a view with this header.
 InputLayout layout_of(const io::ExrView& header, const FilterStage& filter);
 
 /// The window that the filter sees of every frame: the data window if all frames have the same. If they

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <memory>
 
 #include "app/eye_names.h"
@@ -13,15 +12,6 @@
 namespace becalm::app {
 namespace {
 
-/// Removes additive layers that are not of the beauty's part: they are passed on, not denoised.
-void leave_other_parts(io::LoadedView& view) {
-  for (const AovInfo& entry : kAovTable) {
-    if (!contains(filter::additive_aovs(), entry.aov) || !view.frame.has(entry.aov)) continue;
-    const auto part_of = [&](Aov aov) { return view.layers[static_cast<std::size_t>(aov)]->part; };
-    if (part_of(entry.aov) != part_of(Aov::beauty)) view.frame.remove(entry.aov);
-  }
-}
-
 /// Finds eyes that were exchanged, where the files say which they are.
 void check_eye(const Frame& frame, Eye eye, const std::string& path) {
   if (!frame.stereo() || frame.stereo()->eye == eye) return;
@@ -30,25 +20,15 @@ void check_eye(const Frame& frame, Eye eye, const std::string& path) {
                           name_of_eye(frame.stereo()->eye), name_of_eye(eye)));
 }
 
-io::LoadedFrame read_layers(const std::string& path, int frame, const FilterStage& filter,
-                            const io::LayerOptions& layers, const InputWindow& window,
-                            io::KeepPassedOn keep) {
-  if (!filter.denoises_additive()) {
-    return io::read_exr(path, frame, filter.wanted(), layers, io::LightGroups::leave, window.window, keep);
-  }
-  io::LoadedFrame loaded = io::read_exr(path, frame, filter.wanted() | filter::additive_aovs(), layers,
-                                        io::LightGroups::read, window.window, keep);
-  leave_other_parts(loaded);
-  std::ranges::for_each(loaded.other_views, leave_other_parts);
-  return loaded;
-}
-
 /// Headers have been checked: what is wrong now is damage within pixels, which show it when they are read.
 io::LoadedFrame read_file(const InputFrames& inputs, const std::string& path, int frame,
                           const FilterStage& filter, const io::LayerOptions& layers,
                           const InputWindow& window, io::KeepPassedOn keep) {
+  const bool additive = filter.denoises_additive();
+  const AovSet wanted = additive ? filter.wanted() | filter::additive_aovs() : filter.wanted();
   try {
-    return read_layers(path, frame, filter, layers, window, keep);
+    return io::read_exr(path, frame, wanted, layers,
+                        additive ? io::LightGroups::read : io::LightGroups::leave, window.window, keep);
   } catch (const Error& error) {
     if (error.status() != ExitStatus::bad_input || !inputs.pattern().has_frame_field()) throw;
     throw Error(

@@ -44,7 +44,7 @@ using Attributes = std::vector<std::pair<std::string, std::string>>;
 
 enum class PixelType { half, float32 };
 
-/// Whether read_exr reads the layers `light.NAME` of a beauty's part into the frame's light groups.
+/// Whether read_exr reads ViewLayers::lights into the frame's light groups.
 enum class LightGroups { leave, read };
 
 /// What read_exr would find of one view.
@@ -178,12 +178,12 @@ struct DenoisedFormat {
 std::span<const std::string_view> compression_names();
 
 /// Writes `source` again with the channels of the beauty, and of direct, indirect and light groups as far as
-/// the frame has them (all of the beauty's part), replaced by the frame's, in the same parts, types,
-/// compression, windows and attributes, every other channel bit for bit; the frame is cut to the file's
-/// window; diagnostics of the frame are added as layers to the beauty's part, and of its mipmap levels only
-/// the full size is written. If the frame has another scale, or its source is a checkerboard, each pixel of
-/// another channel is the nearest sample's, bit for bit, but for motion, which is multiplied by the scale;
-/// deep parts throw Error(bad_input). `other_views` are the frames of the source's other views, in their
+/// the frame has them, replaced by the frame's, in the same parts, types, compression, windows and
+/// attributes, every other channel bit for bit; the frame is cut to the file's window; diagnostics of the
+/// frame are added as layers to the beauty's part, and of its mipmap levels only the full size is written.
+/// If the frame has another scale, or its source is a checkerboard, each pixel of another channel is the
+/// nearest sample's, bit for bit, but for motion, which is multiplied by the scale; deep parts throw
+/// Error(bad_input). `other_views` are the frames of the source's other views, in their
 /// order. What was not kept of the source's file is read again: throws Error(bad_input) naming it if it has
 /// changed since, or if its window is not inside the frame's. Atomic as write_exr is.
 WriteReport write_denoised_exr(const std::string& path, const Frame& frame,

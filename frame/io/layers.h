@@ -91,11 +91,13 @@ struct LightSource {
 struct ViewLayers {
   std::string view;  ///< empty in a file without named views
   LayerMap layers;
-  /// The beauty's part's layers `light.NAME`, by NAME, and those of LayerOptions::additive.
+  /// Layers and parts `light.NAME`, by NAME, and those of LayerOptions::additive.
   std::map<std::string, LightSource> lights;
 };
 
-/// find_layers() for every view that has a beauty, and for the default one, which comes first.
+/// find_layers() for every view that has a beauty, and for the default one, which comes first. Direct and
+/// indirect light and light groups are those of the beauty's part, or of others of its data window that hold
+/// no other picture.
 std::vector<ViewLayers> find_view_layers(const std::string& file, const std::vector<PartChannels>& parts,
                                          const LayerOptions& options);
 
