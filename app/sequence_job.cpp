@@ -85,6 +85,7 @@ void SequenceJob::choose_additive() {
   if (!filter_.denoises_additive()) return;
   AdditiveChoice choice = app::choose_additive(command_.layers.additive, all_files(), layers_);
   layers_.additive = std::move(choice.layers);
+  layers_.with_usual_lights = choice.with_usual_lights;
   additive_notes_ = std::move(choice.notes);
   // Also where there are none: files that were written with some must not be kept beside others.
   attributes_.emplace_back("becalm:additive", layers_.additive.empty()

@@ -391,9 +391,11 @@ std::vector<ViewLayers> find_view_layers(const std::string& file, const std::vec
     const std::vector<ChannelLayer> all = collect_layers(parts, view);
     for (const Aov aov : {Aov::direct, Aov::indirect}) {
       std::optional<LayerSource>& source = layers.layers[static_cast<std::size_t>(aov)];
-      if (source && !may_hold_summands(parts, all, part, source->part)) source.reset();
+      const bool is_summand =
+          options.with_usual_lights && source && may_hold_summands(parts, all, part, source->part);
+      if (!is_summand) source.reset();
     }
-    layers.lights = find_light_groups(parts, all, part);
+    if (options.with_usual_lights) layers.lights = find_light_groups(parts, all, part);
     for (const std::string& name : options.additive) {
       std::optional<LightSource> light = find_additive_layer(parts, part, view, name);
       if (!light && view != views.front()) continue;

@@ -52,8 +52,10 @@ MotionChange parse_motion_change(std::string_view text);
 struct LayerOptions {
   LayerOverrides layers = {};
   MotionChange motion = {};
-  /// Layers that are light groups besides `light.NAME`, by name as for LayerOverrides.
+  /// Layers that are light groups, by name as for LayerOverrides.
   std::vector<std::string> additive = {};
+  /// Whether direct and indirect light and `light.NAME` count besides.
+  bool with_usual_lights = true;
 };
 
 /// What is known of a part before its pixels are read.

@@ -168,6 +168,11 @@ TEST_F(Denoise, AdditiveLayersStillAddUpToTheBeauty) {
   const Frame passed = read("passed.0002.exr");
   EXPECT_TRUE(same_pixels(noisy.image(Aov::direct), passed.image(Aov::direct)));
   EXPECT_TRUE(same_pixels(noisy.light_groups()[1].radiance, passed.light_groups()[1].radiance));
+  becalm_done(command("named.####.exr", {"--additive", "light.sun"}));
+  const Frame named = read("named.0002.exr");
+  EXPECT_TRUE(same_pixels(noisy.image(Aov::direct), named.image(Aov::direct)));
+  EXPECT_TRUE(same_pixels(noisy.light_groups()[0].radiance, named.light_groups()[0].radiance)) << "lamp";
+  EXPECT_FALSE(same_pixels(noisy.light_groups()[1].radiance, named.light_groups()[1].radiance)) << "sun";
 }
 
 TEST_F(Denoise, LayersThatAddUpToTheBeautyStillDo) {
