@@ -48,6 +48,8 @@ std::vector<InputLayout> read_layout(const std::string& path, const FilterStage&
   for (const io::ExrView& view : io::read_exr_header(path, layers, io::CheckChunks::yes)) {
     check_checkerboard(path, view.is_checkerboard, filter.checkerboards());
     layout.push_back(layout_of(view, filter));
+    io::require_all_samples(path, view, layout.back().aovs,
+                            filter.denoises_additive() ? io::LightGroups::read : io::LightGroups::leave);
   }
   return layout;
 }

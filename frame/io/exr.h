@@ -66,6 +66,10 @@ enum class CheckChunks { no, yes };
 std::vector<ExrView> read_exr_header(const std::string& path, const LayerOptions& options,
                                      CheckChunks check_chunks);
 
+/// Throws Error(bad_input) naming the file if one of the AOVs, or of the lights if they are read, has fewer
+/// samples than pixels.
+void require_all_samples(const std::string& path, const ViewLayers& view, AovSet aovs, LightGroups lights);
+
 /// Whether the file is an EXR with all of its chunks. Reads no pixels. Throws Error(resource) where it cannot
 /// be read.
 bool has_all_chunks(const std::string& path);
@@ -74,8 +78,8 @@ bool has_all_chunks(const std::string& path);
 /// everything else as contents. Each view's Frame covers `window`, or by default the data window of its
 /// beauty's part; outside its own part's window an AOV has the value for pixels that hit nothing, and the
 /// beauty is 0, or NaN where it is cut off in the middle of what is opaque (Frame::cut). Throws
-/// Error(bad_input) naming the file for: no such file, not an EXR, truncated or corrupt pixels, no colour, a
-/// deep file, more than 65536 pixels a side.
+/// Error(bad_input) naming the file for: no such file, not an EXR, truncated or corrupt pixels, no colour,
+/// subsampled layers, a deep file, more than 65536 pixels a side.
 LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted,
                      const LayerOptions& options = {}, LightGroups light_groups = LightGroups::leave,
                      const std::optional<Imath::Box2i>& window = std::nullopt,
@@ -108,8 +112,9 @@ struct ExrDescription {
   std::vector<std::string> lines() const;
 };
 
-/// Reads no pixels. Throws as read_exr does, but describes a file without colour and deep ones.
-ExrDescription describe_exr(const std::string& path, const LayerOptions& options = {});
+/// Reads no pixels. Throws as read_exr does, but describes a file without colour and deep ones, and those
+/// whose beauty, lights or `taken` AOVs are subsampled.
+ExrDescription describe_exr(const std::string& path, const LayerOptions& options = {}, AovSet taken = {});
 
 /// The value of a text attribute of the first part, or empty. Throws as read_exr does.
 std::string read_attribute(const std::string& path, const std::string& name);

@@ -207,12 +207,14 @@ class LayerFinder {
   bool is_vrays_ = false;
 };
 
-/// What pictures without R G B have in their place: luminance with chroma, or one channel for all.
+/// What pictures without R G B have in their place: R, G and B in parts of their own, luminance with chroma,
+/// or one channel for all.
 std::string_view other_colour(const std::vector<PartChannels>& parts) {
   const auto have = [&](std::string_view channel) {
     return std::ranges::any_of(parts,
                                [&](const PartChannels& part) { return is_among(channel, part.channels); });
   };
+  if (have("R") && have("G") && have("B")) return "; R, G and B must lie in one part";
   if (!have("Y")) return "";
   return have("RY") || have("BY") ? "; luminance and chroma must be converted first"
                                   : "; Y alone is one channel, which must be copied to R G B first";
@@ -273,6 +275,21 @@ std::map<std::string, LightSource> find_light_groups(const std::vector<PartChann
     }
   }
   return lights;
+}
+
+void mark_subsampled(const std::vector<PartChannels>& parts, ViewLayers& view) {
+  const auto mark = [&](LayerSource& source) {
+    source.subsampled = std::ranges::any_of(source.channels, [&](const std::string& channel) {
+      return parts[source.part].subsampled.contains(channel);
+    });
+  };
+  for (std::optional<LayerSource>& source : view.layers) {
+    if (source) mark(*source);
+  }
+  for (auto& [name, light] : view.lights) {
+    mark(light.layer);
+    if (light.colour) mark(*light.colour);
+  }
 }
 
 /// A layer's name as the file has it.
@@ -407,6 +424,7 @@ std::vector<ViewLayers> find_view_layers(const std::string& file, const std::vec
       }
       layers.lights.insert_or_assign(name, std::move(*light));
     }
+    mark_subsampled(parts, layers);
   }
   return found;
 }

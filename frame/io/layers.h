@@ -5,6 +5,7 @@
 #include <array>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,6 +23,8 @@ struct LayerSource {
   std::array<float, 4> scale{1.0f, 1.0f, 1.0f, 1.0f};
   /// Each value is squared before that: a standard deviation that is read as a variance.
   bool squared = false;
+  /// Some channel has fewer samples than pixels, so that the layer can only be passed on.
+  bool subsampled = false;
 };
 
 /// Which channels of a file were taken for which AOV, by index of kAovTable.
@@ -66,6 +69,7 @@ struct PartChannels {
       {};                     ///< views whose names are in channel names; the first may be left out
   int samples_per_pixel = 0;  ///< as pbrt writes it; 0: not known
   std::vector<std::string> channels = {};
+  std::set<std::string> subsampled = {};  ///< those of the channels that have fewer samples than pixels
   Imath::Box2i data_window = {};
 };
 

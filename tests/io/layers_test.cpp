@@ -212,7 +212,10 @@ TEST(Layers, PartsAreTold) {
 }
 
 TEST(Layers, ALayerIsNotPutTogetherFromTwoParts) {
-  EXPECT_THROW(find_layers("file.exr", {{.channels = {"R", "G"}}, {.channels = {"B"}}}, {}), Error);
+  const std::string told = error_of(ExitStatus::bad_input, [] {
+    find_layers("file.exr", {{.channels = {"R", "G"}}, {.channels = {"B"}}}, {});
+  });
+  EXPECT_TRUE(told.ends_with("channels found: R, G, B; R, G and B must lie in one part")) << told;
 }
 
 TEST(Layers, SummandsMayLieInPartsOfTheBeautysSizeThatHoldNoOtherPicture) {
