@@ -41,9 +41,10 @@ struct InputWindow {
 InputWindow find_window(const InputFrames& inputs, const io::LayerOptions& layers);
 
 /// Reads the headers of `frames`, in parallel, before any pixel is read. Throws Error(bad_input) as
-/// FrameProblems does unless every file is there, whole, and of the layout that most frames have. Returns the
-/// views of that layout.
+/// FrameProblems does unless every file is there, whole, of the layout that most frames have, and can be
+/// written in that format. Returns the views of that layout.
 std::vector<InputLayout> check_inputs(const InputFrames& inputs, const std::set<int>& frames,
-                                      const FilterStage& filter, const io::LayerOptions& layers);
+                                      const FilterStage& filter, const io::LayerOptions& layers,
+                                      const io::DenoisedFormat& format);
 
 }  // namespace becalm::app

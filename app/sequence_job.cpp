@@ -147,7 +147,7 @@ ExitStatus SequenceJob::run() {
 }
 
 std::vector<InputLayout> SequenceJob::checked_inputs(const std::set<int>& needed) {
-  std::vector<InputLayout> views = check_inputs(inputs_, needed, filter_, layers_);
+  std::vector<InputLayout> views = check_inputs(inputs_, needed, filter_, layers_, format_);
   lights_ = views.front().light_groups;
   if (!command_.stereo_camera.empty() && !inputs_.other_eye() && views.size() != 2) {
     throw Error(ExitStatus::usage,

@@ -159,6 +159,7 @@ void write_compact_exr(const std::string& path, const Frame& frame, const Attrib
 /// Which channels are written: by default all.
 struct ChannelSelection {
   /// Channels, layers (`diffuse` for `diffuse.R`), parts, PART/LAYER, or `beauty`; all where there are none.
+  /// A deep part is selected where all of its channels are.
   std::vector<std::string> names = {};
   bool denoised = false;  ///< those that were denoised, and diagnostics, whatever their names
 
@@ -175,9 +176,13 @@ struct DenoisedFormat {
   Scale scale = {};
   std::optional<PixelType> type;             ///< of the denoised channels
   std::optional<std::string> compression{};  ///< one of compression_names()
-  /// Parts without a channel that is selected are left out, and deep ones unless all of theirs are.
+  /// Parts without a channel that is selected are left out.
   ChannelSelection channels = {};
 };
+
+/// Throws Error(bad_input) if the file has a deep part that is selected, which write_denoised_exr cannot
+/// scale.
+void check_scaling(const std::string& path, const ChannelSelection& selection);
 
 /// none, rle, zips, zip, piz, pxr24, b44, b44a, dwaa and dwab.
 std::span<const std::string_view> compression_names();
