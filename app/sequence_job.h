@@ -52,8 +52,8 @@ class SequenceJob {
   const FileMark mark_;
   const ThreadLimit threads_;
   io::LayerOptions layers_;
-  const io::DenoisedFormat format_;
   FilterStage filter_;
+  const io::DenoisedFormat format_;
   const InputFrames inputs_;
   Outputs outputs_;
   const InputWindow window_;

@@ -178,6 +178,8 @@ struct DenoisedFormat {
   std::optional<std::string> compression{};  ///< one of compression_names()
   /// Parts without a channel that is selected are left out.
   ChannelSelection channels = {};
+  /// The frame's alpha is the source's: it keeps its type, and no compression may alter it.
+  bool keeps_alpha = false;
 };
 
 /// Throws Error(bad_input) if the file has a deep part that is selected, which write_denoised_exr cannot

@@ -49,6 +49,7 @@ struct Rewritten {
   std::map<int, FrameChannels> channels;  ///< of the parts that are not copied
   std::list<Image> light;                 ///< radiance without the surfaces' colours
   std::optional<PixelType> type;          ///< of replaced channels; the source's if empty
+  bool keeps_alpha = false;               ///< as DenoisedFormat has it
   Scale scale;                            ///< of the headers' windows, over the source's
 };
 
@@ -94,8 +95,9 @@ void replace(const LayerSource& layer, const Image& image, const Imath::V2i& ori
   for (std::size_t c = 0; c < layer.channels.size(); ++c) {
     const std::string& name = layer.channels[c];
     if (name.empty()) continue;
-    file.channels[layer.part][name] = {&image, static_cast<int>(c), origin};
-    if (file.type) {
+    const bool passed_on = file.keeps_alpha && c == 3;
+    file.channels[layer.part][name] = {&image, static_cast<int>(c), origin, passed_on};
+    if (file.type && !passed_on) {
       file.headers[layer.part].channels()[name].type = *file.type == PixelType::half ? Imf::HALF : Imf::FLOAT;
     }
   }
@@ -229,7 +231,8 @@ void prepare_header(const FrameChannels& channels, const std::optional<std::stri
   const bool rounds_floats =
       header.compression() == Imf::PXR24_COMPRESSION && source_compression != Imf::PXR24_COMPRESSION;
   for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
-    if (channels.contains(it.name())) continue;
+    const auto of_frame = channels.find(it.name());
+    if (of_frame != channels.end() && !of_frame->second.passed_on) continue;
     const Imf::PixelType type = it.channel().type;
     if (!may_alter(header.compression(), it.name(), type) && !(rounds_floats && type == Imf::FLOAT)) continue;
     header.compression() = Imf::ZIP_COMPRESSION;
@@ -297,6 +300,7 @@ WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
 
   Rewritten rewritten;
   rewritten.type = format.type;
+  rewritten.keeps_alpha = format.keeps_alpha;
   rewritten.headers.reserve(from->parts());
   rewritten.scale = format.scale;
   const bool resamples = !format.scale.is_one() || source.frame.checkerboard().has_value();
