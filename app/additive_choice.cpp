@@ -70,7 +70,8 @@ AdditiveChoice choose_additive(const std::string& asked, const std::vector<Numbe
   AdditiveChoice choice;
   const std::vector<std::string> words = io::additive_words(asked);
   const std::vector<std::string> named = io::choose_additive(asked, {});
-  if (std::ranges::find(words, "auto") != words.end()) find_sets(files, layers, named.empty(), choice);
+  choice.with_usual_lights = std::ranges::find(words, "auto") != words.end();
+  if (choice.with_usual_lights) find_sets(files, layers, named.empty(), choice);
   if (named.empty()) return choice;
   choice.notes.push_back({fmt::format("{} {} denoised with the beauty", fmt::join(named, ", "),
                                       named.size() == 1 ? "is" : "are"),

@@ -27,13 +27,14 @@ struct AdditiveNote {
 /// Which layers are denoised with the beauty.
 struct AdditiveChoice {
   std::vector<std::string> layers;
+  bool with_usual_lights = true;  ///< as io::LayerOptions has it
   std::vector<AdditiveNote> notes;
   std::vector<io::AdditiveSet> sets;  ///< that were found
 };
 
 /// `asked` is `--additive auto|none|NAME,NAME|auto,NAME`. Auto chooses by all files of a sequence, so that
 /// all jobs of it choose alike: what adds up in the first frame that tells, if every file has it. A damaged
-/// file says nothing.
+/// file says nothing. Without the word auto only the named layers are taken.
 AdditiveChoice choose_additive(const std::string& asked, const std::vector<NumberedFile>& files,
                                const io::LayerOptions& layers);
 

@@ -39,6 +39,8 @@ namespace fs = std::filesystem;
 /// Sensors end a little below the white level that files tell, and not all pixels at the same value.
 constexpr float kSaturated = 0.98f;
 
+constexpr FileMark kMark{.command = "burst", .attribute = "becalm:burst"};
+
 struct BurstCommand {
   std::vector<std::string> inputs;
   std::string output;
@@ -179,11 +181,11 @@ class BurstJob {
       if (fs::equivalent(command_.output, frames_->path(i), error))
         throw Error(ExitStatus::usage, fmt::format("-o {}: would overwrite an input", command_.output));
     }
-    if (command_.overwrite || is_of_becalm(command_.output)) return;
-    throw Error(
-        ExitStatus::usage,
-        fmt::format("-o {}: is there already, and {}; --overwrite replaces it", command_.output,
-                    kind_ == Kind::dng ? "a DNG does not tell who made it" : "becalm did not write it"));
+    if (command_.overwrite || !is_foreign(command_.output, kMark)) return;
+    throw Error(ExitStatus::usage,
+                fmt::format("-o {}: is there already, and {}; --overwrite replaces it", command_.output,
+                            kind_ == Kind::dng ? "a DNG does not tell who made it"
+                                               : "becalm burst did not write it"));
   }
 
   /// Reads the reference, and its noise. False if the run is to stop.
@@ -262,6 +264,7 @@ class BurstJob {
   void write(double mean_weight) {
     const raw::Info& info = frames_->info(reference_);
     io::Attributes attributes{
+        {kCommandAttribute, std::string(kMark.command)},
         {"becalm:version", BECALM_VERSION},
         {"becalm:settings", filter::to_string(aligner_)},
         {"becalm:burst",
@@ -334,7 +337,7 @@ void add_burst_options(CLI::App& parser, BurstCommand& command) {
       .add_flag("--mosaic", command.mosaic,
                 "With .exr, write the merged mosaic as one channel, black 0 and white 1")
       ->group("Output");
-  parser.add_flag("--overwrite", command.overwrite, "Replace a file that becalm did not write")
+  parser.add_flag("--overwrite", command.overwrite, "Replace a file that this command did not write")
       ->group("Output");
   parser
       .add_option("--reference", command.reference,

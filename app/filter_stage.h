@@ -70,6 +70,8 @@ class FilterStage {
   AovSet wanted() const { return recipe_.wanted; }
   /// Whether alpha is filtered with the beauty, rather than passed on or denoised where it is noisy.
   bool averages_alpha() const { return recipe_.averages_alpha; }
+  /// Whether alpha stays as it came.
+  bool keeps_alpha() const { return !recipe_.averages_alpha && alpha_ == filter::Alpha::keep; }
   Checkerboards checkerboards() const { return recipe_.checkerboards; }
   /// Whether light groups and the AOVs of filter::additive_aovs() are denoised, too, where frames have them.
   bool denoises_additive() const { return denoises_additive_; }

@@ -44,7 +44,7 @@ void FrameSink::write_file(int number, const std::string& path,
     warn_once("ZIP instead of the lossy compression, which would alter the channels passed on");
   }
   if (report.full_size_only) {
-    warn_once("only the full size of mipmaps is written; the smaller levels show the noisy picture");
+    warn_once("only the full size of mipmaps is written");
   }
   progress_.detail(fmt::format("frame {}: wrote {}", number, path));
 }

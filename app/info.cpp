@@ -19,6 +19,7 @@
 #include "app/console.h"
 #include "app/counted.h"
 #include "app/eye_names.h"
+#include "app/filter_stage.h"
 #include "app/folder_input.h"
 #include "app/frame_problems.h"
 #include "app/half_buffers.h"
@@ -26,7 +27,9 @@
 #include "app/mebibytes.h"
 #include "app/noisy_image.h"
 #include "app/options.h"
+#include "app/sequence_arguments.h"
 #include "filter/gpu/device.h"
+#include "filter/merge/additive.h"
 #include "frame/io/additive_layers.h"
 #include "frame/io/exr.h"
 #include "frame/io/printable.h"
@@ -106,6 +109,11 @@ void describe_scene(const std::string& path, bool json) {
   json ? print_json({{"scene", path}, {"lines", lines}}) : print_lines(lines);
 }
 
+/// What becalm denoise takes of frames, unless told otherwise.
+AovSet taken_by_default() {
+  return denoiser(SequenceCommand().preset, {}).wanted | filter::additive_aovs();
+}
+
 /// The options with the layers that are denoised with the beauty.
 io::LayerOptions with(const AdditiveChoice& choice, io::LayerOptions layers) {
   layers.additive = choice.layers;
@@ -157,7 +165,7 @@ Json to_json(const std::vector<FrameFinding>& findings) {
 /// What becalm recorded about how it made a file: nothing for other files and damaged ones.
 Json origin_of(const std::string& path) {
   Json origin = Json::object();
-  for (const char* name : {"version", "preset", "tiles", "settings"}) {
+  for (const char* name : {"version", "command", "preset", "tiles", "settings"}) {
     try {
       const std::string value = io::read_attribute(path, fmt::format("becalm:{}", name));
       if (!value.empty()) origin[name] = value;
@@ -185,7 +193,7 @@ void describe_file(const InfoCommand& command, io::LayerOptions layers) {
   const std::vector<int> frames{io::number_in_name(path)};
   const std::optional<NoisyImage> noisy = take_noisy_image({{frames.front(), path}}, layers);
   const AdditiveChoice additive = choose_additive("auto", {{frames.front(), path}}, layers);
-  const io::ExrDescription file = io::describe_exr(path, with(additive, layers));
+  const io::ExrDescription file = io::describe_exr(path, with(additive, layers), taken_by_default());
   const std::string alpha = alpha_outlook(path, layers);
   std::vector<FrameFinding> findings;
   const bool audits = command.audit && file.problem.empty();
@@ -223,11 +231,12 @@ struct Kind {
 
 std::vector<Described> describe_frames(const io::SequencePattern& pattern, const std::vector<int>& frames,
                                        const io::LayerOptions& layers) {
+  const AovSet taken = taken_by_default();
   std::vector<Described> described(frames.size());
   tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t i) {
     described[i].frame = frames[i];
     try {
-      described[i].file = io::describe_exr(pattern.path(frames[i]), layers);
+      described[i].file = io::describe_exr(pattern.path(frames[i]), layers, taken);
       described[i].lines = described[i].file.lines();
       described[i].problem = described[i].file.problem;
     } catch (const Error& error) {

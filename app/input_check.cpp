@@ -43,12 +43,16 @@ void check_checkerboard(const std::string& path, bool is_checkerboard, Checkerbo
 
 /// Of the views of one file.
 std::vector<InputLayout> read_layout(const std::string& path, const FilterStage& filter,
-                                     const io::LayerOptions& layers) {
+                                     const io::LayerOptions& layers, const io::DenoisedFormat& format) {
   std::vector<InputLayout> layout;
   for (const io::ExrView& view : io::read_exr_header(path, layers, io::CheckChunks::yes)) {
     check_checkerboard(path, view.is_checkerboard, filter.checkerboards());
     layout.push_back(layout_of(view, filter));
+    io::require_all_samples(path, view, layout.back().aovs,
+                            filter.denoises_additive() ? io::LightGroups::read : io::LightGroups::leave);
   }
+  if (!format.scale.is_one() || filter.checkerboards() != Checkerboards::refused)
+    io::check_scaling(path, format.channels);
   return layout;
 }
 
@@ -84,17 +88,15 @@ void add_other_eye(const InputFrames& inputs, int frame, const std::vector<Input
   for (std::size_t eye = 0; eye < 2; ++eye) layout[eye].view = kEyeNames[eye];
 }
 
-Checked check(const InputFrames& inputs, int frame, const FilterStage& filter,
-              const io::LayerOptions& layers) {
+Checked check(const InputFrames& inputs, int frame, const FilterStage& filter, const io::LayerOptions& layers,
+              const io::DenoisedFormat& format) {
+  const auto read = [&](const std::string& path) { return read_layout(path, filter, layers, format); };
   try {
-    std::vector<InputLayout> layout = read_layout(inputs.path(frame), filter, layers);
-    if (inputs.other_eye()) {
-      add_other_eye(inputs, frame, read_layout(inputs.other_eye()->path(frame), filter, layers), layout);
-    }
+    std::vector<InputLayout> layout = read(inputs.path(frame));
+    if (inputs.other_eye()) add_other_eye(inputs, frame, read(inputs.other_eye()->path(frame)), layout);
     if (!inputs.other_half()) return {frame, std::move(layout), ""};
     const std::string other = inputs.other_half()->path(frame);
-    if (read_layout(other, filter, layers) != layout ||
-        data_windows(other, layers) != data_windows(inputs.path(frame), layers)) {
+    if (read(other) != layout || data_windows(other, layers) != data_windows(inputs.path(frame), layers)) {
       throw Error(
           ExitStatus::bad_input,
           fmt::format("{}: has not the size, windows and layers of the other half of its samples", other));
@@ -170,15 +172,11 @@ InputLayout layout_of(const io::ExrView& header, const FilterStage& filter) {
   InputLayout layout;
   layout.view = header.view;
   layout.display_window = header.display_window;
-  const auto source = [&](Aov aov) -> const auto& {
-    return header.layers[static_cast<std::size_t>(aov)];
-  };
   const AovSet additive = filter.denoises_additive() ? filter::additive_aovs() : AovSet();
   for (const AovInfo& entry : kAovTable) {
-    const bool used = entry.aov == Aov::beauty || contains(filter.wanted(), entry.aov) ||
-                      (contains(additive, entry.aov) && source(entry.aov) &&
-                       source(entry.aov)->part == source(Aov::beauty)->part);
-    layout.aovs.set(static_cast<std::size_t>(entry.aov), used && source(entry.aov));
+    const bool used = entry.aov == Aov::beauty || contains(filter.wanted() | additive, entry.aov);
+    const auto index = static_cast<std::size_t>(entry.aov);
+    layout.aovs.set(index, used && header.layers[index]);
   }
   if (filter.denoises_additive()) {
     for (const auto& [name, source] : header.lights) layout.light_groups.push_back(name);
@@ -216,12 +214,13 @@ InputWindow find_window(const InputFrames& inputs, const io::LayerOptions& layer
 }
 
 std::vector<InputLayout> check_inputs(const InputFrames& inputs, const std::set<int>& frames,
-                                      const FilterStage& filter, const io::LayerOptions& layers) {
+                                      const FilterStage& filter, const io::LayerOptions& layers,
+                                      const io::DenoisedFormat& format) {
   std::vector<Checked> checked;
   for (const int frame : frames) checked.push_back({frame, std::nullopt, ""});
   tbb::parallel_for(std::size_t{0}, checked.size(), [&](std::size_t i) {
     stop_if_asked();
-    checked[i] = check(inputs, checked[i].frame, filter, layers);
+    checked[i] = check(inputs, checked[i].frame, filter, layers, format);
   });
 
   const Checked* usual = most_common(checked);

@@ -25,8 +25,7 @@ struct InputLayout {
   bool operator==(const InputLayout&) const = default;
 };
 
-/// What the filter takes of a view with this header: AOVs that are denoised with the beauty must be of its
-/// part, since other parts are passed on.
+/// What the filter takes of a view with this header.
 InputLayout layout_of(const io::ExrView& header, const FilterStage& filter);
 
 /// The window that the filter sees of every frame: the data window if all frames have the same. If they
@@ -42,9 +41,10 @@ struct InputWindow {
 InputWindow find_window(const InputFrames& inputs, const io::LayerOptions& layers);
 
 /// Reads the headers of `frames`, in parallel, before any pixel is read. Throws Error(bad_input) as
-/// FrameProblems does unless every file is there, whole, and of the layout that most frames have. Returns the
-/// views of that layout.
+/// FrameProblems does unless every file is there, whole, of the layout that most frames have, and can be
+/// written in that format. Returns the views of that layout.
 std::vector<InputLayout> check_inputs(const InputFrames& inputs, const std::set<int>& frames,
-                                      const FilterStage& filter, const io::LayerOptions& layers);
+                                      const FilterStage& filter, const io::LayerOptions& layers,
+                                      const io::DenoisedFormat& format);
 
 }  // namespace becalm::app

@@ -40,6 +40,25 @@ std::string frames_text(const std::vector<int>& frames) {
   return fmt::format("{} {}", frames.size() == 1 ? "frame" : "frames", io::format_frame_range(frames));
 }
 
+/// Frames that have a file of some pattern, and those that have one of each.
+struct FramesOnDisk {
+  std::vector<int> any;
+  std::vector<int> complete;
+};
+
+FramesOnDisk frames_on_disk(const std::vector<const io::SequencePattern*>& sequences) {
+  FramesOnDisk frames{.any = sequences.front()->frames_on_disk(), .complete = {}};
+  frames.complete = frames.any;
+  for (const io::SequencePattern* pattern : std::span(sequences).subspan(1)) {
+    const std::vector<int> others = pattern->frames_on_disk();
+    FramesOnDisk both;
+    std::ranges::set_union(frames.any, others, std::back_inserter(both.any));
+    std::ranges::set_intersection(frames.complete, others, std::back_inserter(both.complete));
+    frames = std::move(both);
+  }
+  return frames;
+}
+
 /// The frames with those between them, in their usual step. Throws Error(bad_input) if they are too many.
 std::vector<int> every_step(const std::vector<int>& frames, const std::string& pattern) {
   const std::int64_t step = usual_step(frames);
@@ -88,14 +107,18 @@ InputFrames::InputFrames(const std::vector<std::string>& patterns, Pair pair, co
   }
   std::vector<int> asked;
   if (!range.empty()) asked = io::parse_frame_range(range);
-  std::vector<int> present = other_eye_ ? present_in_both(asked, missing) : pattern_.frames_on_disk();
-  if (present.empty()) {
+  if (missing == Missing::error) refuse_incomplete(asked);
+  const FramesOnDisk on_disk = frames_on_disk(sequences());
+  if (on_disk.any.empty()) {
     throw Error(ExitStatus::bad_input, fmt::format("{}: no frame of this sequence is on disk{}", pattern,
                                                    pattern_.hint_of_other_padding()));
   }
   const bool all = asked.empty();
-  const std::vector<int> on_disk = present;
-  if (all) asked = missing == Missing::hold ? every_step(present, pattern) : present;
+  if (all) asked = missing == Missing::hold ? every_step(on_disk.any, pattern) : on_disk.any;
+  // Frames that are left below make gaps, and no larger steps.
+  assign_outputs(asked, on_disk.any, missing);
+  step_ = usual_step(readable(sources(), on_disk.any));
+  std::vector<int> present = on_disk.complete;
   // A frame that is held is read whether or not it was asked for itself. Without damaged frames others may
   // be.
   do {
@@ -103,7 +126,6 @@ InputFrames::InputFrames(const std::vector<std::string>& patterns, Pair pair, co
     assign_outputs(asked, present, missing);
     readable_ = readable(sources(), present);
   } while (missing != Missing::error && leave_damaged(present));
-  step_ = usual_step(readable_);
   const bool gaps = missing != Missing::hold && std::ranges::adjacent_find(readable_, [&](int a, int b) {
                                                   return b - a > step_;
                                                 }) != readable_.end();
@@ -111,7 +133,7 @@ InputFrames::InputFrames(const std::vector<std::string>& patterns, Pair pair, co
     note_ = fmt::format("{}: only frames {} are on disk; the filter starts anew after each gap", pattern,
                         io::format_frame_range(present));
   }
-  note_absent(asked, on_disk, missing);
+  note_absent(asked, on_disk.complete, missing);
 }
 
 /// The second pattern: the other half of the samples, or the other eye.
@@ -134,37 +156,40 @@ void InputFrames::take_other(const std::string& other_pattern, Pair pair) {
   }
 }
 
-void InputFrames::note_absent(const std::vector<int>& asked, const std::vector<int>& on_disk,
+void InputFrames::note_absent(const std::vector<int>& asked, const std::vector<int>& complete,
                               Missing missing) {
   std::vector<int> absent;
-  std::ranges::set_difference(asked, on_disk, std::back_inserter(absent));
+  std::ranges::set_difference(asked, complete, std::back_inserter(absent));
   if (absent.empty()) return;
   const bool is_one = absent.size() == 1;
   const char* what_becomes = missing == Missing::hold
                                  ? (is_one ? "holds the one before it" : "hold those before them")
                                  : (is_one ? "is left out" : "are left out");
-  note_ = fmt::format("{}: {} {} not on disk and {}", pattern_.text(), frames_text(absent),
-                      is_one ? "is" : "are", what_becomes);
+  note_ = fmt::format("{}: {} {} not on disk{} and {}", names(), frames_text(absent), is_one ? "is" : "are",
+                      other() ? " in both" : "", what_becomes);
 }
 
 /// Takes damaged frames, or such as a renderer still writes, out of those that are present: they count as
 /// missing. False if none of those to read is.
 bool InputFrames::leave_damaged(std::vector<int>& present) {
-  std::vector<char> is_damaged(readable_.size(), 0);
-  tbb::parallel_for(std::size_t{0}, readable_.size(), [&](std::size_t i) {
-    stop_if_asked();
-    is_damaged[i] = std::ranges::all_of(paths(readable_[i]), io::has_all_chunks) ? 0 : 1;
-  });
-  std::vector<int> damaged;
-  for (std::size_t i = 0; i < readable_.size(); ++i) {
-    if (is_damaged[i] != 0) damaged.push_back(readable_[i]);
+  const std::size_t before = present.size();
+  for (const io::SequencePattern* pattern : sequences()) {
+    std::vector<char> is_damaged(readable_.size(), 0);
+    tbb::parallel_for(std::size_t{0}, readable_.size(), [&](std::size_t i) {
+      stop_if_asked();
+      is_damaged[i] = io::has_all_chunks(pattern->path(readable_[i])) ? 0 : 1;
+    });
+    std::vector<int> damaged;
+    for (std::size_t i = 0; i < readable_.size(); ++i) {
+      if (is_damaged[i] != 0) damaged.push_back(readable_[i]);
+    }
+    if (damaged.empty()) continue;
+    const bool is_one = damaged.size() == 1;
+    warn(fmt::format("{}: {} {} damaged or not whole yet, and {} as missing", pattern->text(),
+                     frames_text(damaged), is_one ? "is" : "are", is_one ? "counts" : "count"));
+    std::erase_if(present, [&](int frame) { return std::ranges::binary_search(damaged, frame); });
   }
-  if (damaged.empty()) return false;
-  const bool is_one = damaged.size() == 1;
-  warn(fmt::format("{}: {} {} damaged or not whole yet, and {} as missing", pattern_.text(),
-                   frames_text(damaged), is_one ? "is" : "are", is_one ? "counts" : "count"));
-  std::erase_if(present, [&](int frame) { return std::ranges::binary_search(damaged, frame); });
-  return true;
+  return present.size() < before;
 }
 
 /// Halves that are one file would show no noise at all, and two frames of a sequence are not one.
@@ -184,26 +209,24 @@ void InputFrames::refuse_no_pair(const std::string& first, const std::string& se
                           first, second, a->number, b->number, what, *io::pattern_of_frame(first)));
 }
 
-std::vector<int> InputFrames::present_in_both(const std::vector<int>& asked, Missing missing) const {
-  const std::vector<int> left = pattern_.frames_on_disk();
-  const std::vector<int> right = other_eye_->frames_on_disk();
+void InputFrames::refuse_incomplete(const std::vector<int>& asked) const {
+  if (!other()) return;
+  const std::vector<int> first = pattern_.frames_on_disk();
+  const std::vector<int> second = other()->frames_on_disk();
   const auto refuse = [&](const std::vector<int>& there, const std::vector<int>& here,
                           const io::SequencePattern& has, const io::SequencePattern& lacks) {
     std::vector<int> alone;
     std::ranges::set_difference(there, here, std::back_inserter(alone));
     if (!asked.empty())
       std::erase_if(alone, [&](int frame) { return !std::ranges::binary_search(asked, frame); });
-    if (alone.empty() || missing != Missing::error) return;
+    if (alone.empty()) return;
     throw Error(
         ExitStatus::bad_input,
         fmt::format("{}: no file for frame {}, which {} has{}; --missing skip or hold goes on without",
                     lacks.text(), io::format_frame_range(alone), has.text(), lacks.hint_of_other_padding()));
   };
-  refuse(left, right, pattern_, *other_eye_);
-  refuse(right, left, *other_eye_, pattern_);
-  std::vector<int> both;
-  std::ranges::set_intersection(left, right, std::back_inserter(both));
-  return both;
+  refuse(first, second, pattern_, *other());
+  refuse(second, first, *other(), pattern_);
 }
 
 void InputFrames::take_single_file(const std::string& range, std::optional<int> frame) {
@@ -247,7 +270,7 @@ void InputFrames::assign_outputs(const std::vector<int>& asked, const std::vecto
     if (!has_earlier) without_earlier.push_back(number);
     if (missing == Missing::hold && has_earlier) outputs_[after[-1]].push_back(number);
   }
-  const std::string& pattern = pattern_.text();
+  const std::string pattern = names();
   if (!absent.empty() && missing == Missing::error) {
     throw Error(ExitStatus::bad_input,
                 fmt::format("{}: no file for frame {} of {}{}; --missing skip or hold goes on without",
@@ -266,10 +289,19 @@ void InputFrames::assign_outputs(const std::vector<int>& asked, const std::vecto
   }
 }
 
+std::vector<const io::SequencePattern*> InputFrames::sequences() const {
+  std::vector<const io::SequencePattern*> sequences{&pattern_};
+  if (other()) sequences.push_back(&*other());
+  return sequences;
+}
+
+std::string InputFrames::names() const {
+  return other() ? fmt::format("{} and {}", pattern_.text(), other()->text()) : pattern_.text();
+}
+
 std::vector<std::string> InputFrames::paths(int frame) const {
-  std::vector<std::string> paths{pattern_.path(frame)};
-  if (other_half_) paths.push_back(other_half_->path(frame));
-  if (other_eye_) paths.push_back(other_eye_->path(frame));
+  std::vector<std::string> paths;
+  for (const io::SequencePattern* pattern : sequences()) paths.push_back(pattern->path(frame));
   return paths;
 }
 

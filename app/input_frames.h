@@ -69,11 +69,15 @@ class InputFrames {
   static void refuse_no_pair(const std::string& first, const std::string& second, Pair pair);
   void take_other(const std::string& other_pattern, Pair pair);
   void take_single_file(const std::string& range, std::optional<int> frame);
-  /// The frames of both eyes on disk. Throws Error(bad_input) for one of `asked` (all if there are none) that
-  /// one eye lacks, unless missing frames are dealt with.
-  std::vector<int> present_in_both(const std::vector<int>& asked, Missing missing) const;
+  /// The other sequence of a pair.
+  const std::optional<io::SequencePattern>& other() const { return other_eye_ ? other_eye_ : other_half_; }
+  std::vector<const io::SequencePattern*> sequences() const;
+  /// Their patterns, for messages.
+  std::string names() const;
+  /// Throws Error(bad_input) for a frame of `asked` (of all if there are none) that one of a pair lacks.
+  void refuse_incomplete(const std::vector<int>& asked) const;
   bool leave_damaged(std::vector<int>& present);
-  void note_absent(const std::vector<int>& asked, const std::vector<int>& on_disk, Missing missing);
+  void note_absent(const std::vector<int>& asked, const std::vector<int>& complete, Missing missing);
   void assign_outputs(const std::vector<int>& asked, const std::vector<int>& present, Missing missing);
 
   io::SequencePattern pattern_;

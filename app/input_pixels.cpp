@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <memory>
 
 #include "app/eye_names.h"
@@ -13,15 +12,6 @@
 namespace becalm::app {
 namespace {
 
-/// Removes additive layers that are not of the beauty's part: they are passed on, not denoised.
-void leave_other_parts(io::LoadedView& view) {
-  for (const AovInfo& entry : kAovTable) {
-    if (!contains(filter::additive_aovs(), entry.aov) || !view.frame.has(entry.aov)) continue;
-    const auto part_of = [&](Aov aov) { return view.layers[static_cast<std::size_t>(aov)]->part; };
-    if (part_of(entry.aov) != part_of(Aov::beauty)) view.frame.remove(entry.aov);
-  }
-}
-
 /// Finds eyes that were exchanged, where the files say which they are.
 void check_eye(const Frame& frame, Eye eye, const std::string& path) {
   if (!frame.stereo() || frame.stereo()->eye == eye) return;
@@ -30,16 +20,22 @@ void check_eye(const Frame& frame, Eye eye, const std::string& path) {
                           name_of_eye(frame.stereo()->eye), name_of_eye(eye)));
 }
 
-io::LoadedFrame read_file(const std::string& path, int frame, const FilterStage& filter,
-                          const io::LayerOptions& layers, const InputWindow& window, io::KeepPassedOn keep) {
-  if (!filter.denoises_additive()) {
-    return io::read_exr(path, frame, filter.wanted(), layers, io::LightGroups::leave, window.window, keep);
+/// Headers have been checked: what is wrong now is damage within pixels, which show it when they are read.
+io::LoadedFrame read_file(const InputFrames& inputs, const std::string& path, int frame,
+                          const FilterStage& filter, const io::LayerOptions& layers,
+                          const InputWindow& window, io::KeepPassedOn keep) {
+  const bool additive = filter.denoises_additive();
+  const AovSet wanted = additive ? filter.wanted() | filter::additive_aovs() : filter.wanted();
+  try {
+    return io::read_exr(path, frame, wanted, layers,
+                        additive ? io::LightGroups::read : io::LightGroups::leave, window.window, keep);
+  } catch (const Error& error) {
+    if (error.status() != ExitStatus::bad_input || !inputs.pattern().has_frame_field()) throw;
+    throw Error(
+        error.status(),
+        fmt::format("{}; move the file away, and --missing hold or skip with --resume goes on without",
+                    error.what()));
   }
-  io::LoadedFrame loaded = io::read_exr(path, frame, filter.wanted() | filter::additive_aovs(), layers,
-                                        io::LightGroups::read, window.window, keep);
-  leave_other_parts(loaded);
-  std::ranges::for_each(loaded.other_views, leave_other_parts);
-  return loaded;
 }
 
 }  // namespace
@@ -47,15 +43,15 @@ io::LoadedFrame read_file(const std::string& path, int frame, const FilterStage&
 io::LoadedFrame read_pixels(const InputFrames& inputs, int frame, const FilterStage& filter,
                             const io::LayerOptions& layers, const InputWindow& window,
                             io::KeepPassedOn keep) {
-  io::LoadedFrame loaded = read_file(inputs.path(frame), frame, filter, layers, window, keep);
+  io::LoadedFrame loaded = read_file(inputs, inputs.path(frame), frame, filter, layers, window, keep);
   if (inputs.other_half()) {
     const std::string other = inputs.other_half()->path(frame);
-    join_halves(loaded, read_file(other, frame, filter, layers, window, io::KeepPassedOn::no), other);
+    join_halves(loaded, read_file(inputs, other, frame, filter, layers, window, io::KeepPassedOn::no), other);
   }
   if (inputs.other_eye()) {
     const std::string other = inputs.other_eye()->path(frame);
     loaded.other_eye =
-        std::make_shared<io::LoadedFrame>(read_file(other, frame, filter, layers, window, keep));
+        std::make_shared<io::LoadedFrame>(read_file(inputs, other, frame, filter, layers, window, keep));
     check_eye(loaded.frame, Eye::left, inputs.path(frame));
     check_eye(loaded.other_eye->frame, Eye::right, other);
   }

@@ -30,7 +30,8 @@ void add_additive_option(CLI::App& command, LayerArguments& arguments) {
       .add_option(
           "--additive", arguments.additive,
           "Layers that are denoised with the beauty so that they still add up to it: auto takes those "
-          "whose names say so and whose sum is the beauty; auto,NAME takes others, too (default: auto)")
+          "whose names say so and whose sum is the beauty; auto,NAME takes others, too, and NAME these alone "
+          "(default: auto)")
       ->option_text("auto|NAME,...|none")
       ->group(more("Input"));
 }

@@ -74,10 +74,13 @@ bool is_whole(const std::string& path) {
   }
 }
 
-/// A file that another program wrote, or another command of becalm, which leaves no such attribute.
-bool is_foreign(const std::string& path, const std::string& mark) {
-  std::error_code error;
-  return fs::is_regular_file(path, error) && (!is_of_becalm(path) || io::read_attribute(path, mark).empty());
+/// Whether it is an EXR file that becalm wrote.
+bool is_of_becalm(const std::string& path) {
+  try {
+    return !io::read_attribute(path, "becalm:version").empty();
+  } catch (const Error&) {
+    return false;
+  }
 }
 
 [[noreturn]] void refuse_place(std::string_view option, std::string_view name, const std::error_code& why) {
@@ -109,12 +112,13 @@ void check_place(std::string_view option, std::string_view name, const std::stri
   if (::access(place.c_str(), W_OK | X_OK) != 0) refuse_place(option, name, {errno, std::generic_category()});
 }
 
-bool is_of_becalm(const std::string& path) {
-  try {
-    return !io::read_attribute(path, "becalm:version").empty();
-  } catch (const Error&) {
-    return false;
-  }
+bool is_foreign(const std::string& path, const FileMark& mark) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return false;
+  if (!is_of_becalm(path)) return true;
+  const std::string command = io::read_attribute(path, kCommandAttribute);
+  return command.empty() ? io::read_attribute(path, std::string(mark.attribute)).empty()
+                         : command != mark.command;
 }
 
 Outputs::Outputs(std::string_view option, std::vector<io::SequencePattern> patterns, std::vector<int> frames)
@@ -158,16 +162,16 @@ void Outputs::keep_apart_from(const std::vector<std::string>& files, std::string
   }
 }
 
-void Outputs::keep_foreign_files(const std::string& mark) const {
+void Outputs::keep_foreign_files(const FileMark& mark) const {
   for (const std::string& path : all_paths()) {
-    if (is_foreign(path, mark)) refuse_foreign_file(path);
+    if (is_foreign(path, mark)) refuse_foreign_file(path, mark);
   }
 }
 
-void Outputs::refuse_foreign_file(const std::string& path) const {
+void Outputs::refuse_foreign_file(const std::string& path, const FileMark& mark) const {
   throw Error(ExitStatus::usage,
-              fmt::format("{} {}: is there, and {}; --overwrite replaces it", option_, path,
-                          is_of_becalm(path) ? "was rendered" : "becalm did not write it"));
+              fmt::format("{} {}: is there, and becalm {} did not write it; --overwrite replaces it", option_,
+                          path, mark.command));
 }
 
 void Outputs::check_places() const {
@@ -209,7 +213,7 @@ std::string Outputs::recorded(const std::string& attribute) const {
   return {};
 }
 
-Outputs::Existing Outputs::find_existing(const io::Attributes& attributes, const std::string& mark,
+Outputs::Existing Outputs::find_existing(const io::Attributes& attributes, const FileMark& mark,
                                          bool overwrite) const {
   const std::vector<std::string> all = all_paths();
   std::vector<char> is_usable(all.size(), 0);
@@ -225,7 +229,7 @@ Outputs::Existing Outputs::find_existing(const io::Attributes& attributes, const
     for (const std::string& path : paths(frame)) {
       std::error_code error;
       const bool foreign = is_foreign(path, mark) && !fs::is_empty(path, error);
-      if (foreign && !overwrite) refuse_foreign_file(path);
+      if (foreign && !overwrite) refuse_foreign_file(path, mark);
       const bool is_kept = *usable != 0 && !foreign;
       if (is_kept) check_attributes(path, attributes);
       if (fs::exists(path, error) && !is_kept && !foreign) existing.unusable.push_back(path);
@@ -239,6 +243,7 @@ Outputs::Existing Outputs::find_existing(const io::Attributes& attributes, const
 
 void Outputs::check_attributes(const std::string& path, const io::Attributes& attributes) const {
   for (const auto& [name, value] : attributes) {
+    if (name == kCommandAttribute) continue;  // is_foreign has looked at it
     const std::string found = io::read_attribute(path, name);
     if (found == value) continue;
     const std::string difference =

@@ -16,8 +16,17 @@ namespace becalm::app {
 /// Whether the name ends in `.exr`, whatever the case.
 bool is_exr_name(const std::string& name);
 
-/// Whether it is an EXR file that becalm wrote.
-bool is_of_becalm(const std::string& path);
+/// The attribute by which a file tells the command that wrote it.
+inline constexpr const char* kCommandAttribute = "becalm:command";
+
+/// What tells the files of one command from others.
+struct FileMark {
+  std::string_view command;    ///< as files record it
+  std::string_view attribute;  ///< that files of earlier versions have, which do not record the command
+};
+
+/// A file that the command did not write.
+bool is_foreign(const std::string& path, const FileMark& mark);
 
 /// The path with links resolved as far as it exists, so that equal text means the same file.
 std::string resolved(const std::string& path);
@@ -43,9 +52,8 @@ class Outputs {
   /// Throws Error(usage) if one of the outputs is one of the files, also through links; `what` they are.
   void keep_apart_from(const std::vector<std::string>& files, std::string_view what = "the input") const;
 
-  /// Throws Error(usage) if there is a foreign file in an output's place: one without the attribute `mark`,
-  /// which becalm's own files of this kind record.
-  void keep_foreign_files(const std::string& mark) const;
+  /// Throws Error(usage) if there is a foreign file in an output's place.
+  void keep_foreign_files(const FileMark& mark) const;
 
   /// check_place of all, and that none of them is a folder.
   void check_places() const;
@@ -64,11 +72,11 @@ class Outputs {
   };
   /// What --resume keeps. Throws Error(usage) for a file that was written with other attributes, naming what
   /// differs, and without `overwrite` for a foreign one.
-  Existing find_existing(const io::Attributes& attributes, const std::string& mark, bool overwrite) const;
+  Existing find_existing(const io::Attributes& attributes, const FileMark& mark, bool overwrite) const;
 
  private:
   std::vector<std::string> all_paths() const;
-  [[noreturn]] void refuse_foreign_file(const std::string& path) const;
+  [[noreturn]] void refuse_foreign_file(const std::string& path, const FileMark& mark) const;
   void check_attributes(const std::string& path, const io::Attributes& attributes) const;
 
   std::string option_;

@@ -43,8 +43,8 @@
 namespace becalm::app {
 namespace {
 
-/// What all of becalm's files have.
-constexpr const char* kMark = "becalm:version";
+constexpr FileMark kMark{.command = "render", .attribute = "becalm:version"};
+constexpr FileMark kNoisyMark{.command = "render --keep-noisy", .attribute = "becalm:version"};
 
 /// Share of --memory for the filters of all eyes' pilots, which have a quarter of a frame's pixels.
 constexpr double kPilotsMemory = 0.2;
@@ -111,7 +111,8 @@ class RenderJob {
   void write(FinishedFrame& finished, FrameSink& sink);
   void complete(Frame& result, Frame& noisy);
 
-  io::Attributes render_attributes(const AskedAovs& aovs, const std::string& color) const;
+  io::Attributes render_attributes(const FileMark& mark, const AskedAovs& aovs,
+                                   const std::string& color) const;
 
   const RenderCommand& command_;
   const ThreadLimit threads_;
@@ -150,7 +151,7 @@ RenderJob::RenderJob(const RenderCommand& command, tracer::Scene scene)
   const std::vector<int> frames = frames_of(command, scene_.description());
   outputs_.emplace("-o", patterns_of(command.output.pattern, eyes_), frames);
   outputs_->keep_apart_from(scene_files_);
-  attributes_ = render_attributes(asked_, command.type);
+  attributes_ = render_attributes(kMark, asked_, command.type);
   if (filter_) {
     readable_ = filter_->readable(frames, existing_frames(frames, scene_.description(), *filter_));
     attributes_.back().second += ' ' + filter_->describe(readable_);
@@ -173,7 +174,8 @@ void RenderJob::choose_noisy_files() {
            : scratch_pattern(command_.output.pattern, eyes_.front(), outputs_->frames());
   noisy_files_.emplace(
       NoisyFiles{.outputs = Outputs(kept ? "--keep-noisy" : "-o", {io::SequencePattern(pattern)}, readable_),
-                 .attributes = render_attributes({rendered_, asked_.light_groups}, /*color=*/"float")});
+                 .attributes = render_attributes(kNoisyMark, {rendered_, asked_.light_groups},
+                                                 /*color=*/"float")});
   noisy_files_->outputs.keep_apart_from(scene_files_);
   std::vector<std::string> written;
   for (const int frame : outputs_->frames()) {
@@ -183,12 +185,14 @@ void RenderJob::choose_noisy_files() {
   noisy_files_->outputs.keep_apart_from(written, "a frame of -o");
 }
 
-io::Attributes RenderJob::render_attributes(const AskedAovs& aovs, const std::string& color) const {
+io::Attributes RenderJob::render_attributes(const FileMark& mark, const AskedAovs& aovs,
+                                            const std::string& color) const {
   const std::string eye = command_.eye == "both" ? "" : " eye=" + command_.eye;
   const std::string sampling = command_.noise_target ? fmt::format(" noise_target={}", *command_.noise_target)
                                : command_.adaptive   ? " adaptive=yes"
                                                      : "";
-  return {{"becalm:version", BECALM_VERSION},
+  return {{kCommandAttribute, std::string(mark.command)},
+          {"becalm:version", BECALM_VERSION},
           {"becalm:settings",
            fmt::format("scene={} size={}x{} spp={}{}{} aov_spp={} seed={} aovs={} color={} reproducible={}{}",
                        scene_hash_, size_.width, size_.height, command_.spp, sampling,
@@ -198,19 +202,20 @@ io::Attributes RenderJob::render_attributes(const AskedAovs& aovs, const std::st
 }
 
 void RenderJob::find_existing() {
-  const auto find = [this](const Outputs& outputs, const io::Attributes& attributes) {
-    Outputs::Existing found = outputs.find_existing(attributes, kMark, command_.output.overwrite);
+  const auto find = [this](const Outputs& outputs, const io::Attributes& attributes, const FileMark& mark) {
+    Outputs::Existing found = outputs.find_existing(attributes, mark, command_.output.overwrite);
     warn_unusable(found.unusable);
     return std::move(found.frames);
   };
-  existing_ = find(*outputs_, attributes_);
-  if (noisy_files_) noisy_files_->existing = find(noisy_files_->outputs, noisy_files_->attributes);
+  existing_ = find(*outputs_, attributes_, kMark);
+  if (noisy_files_)
+    noisy_files_->existing = find(noisy_files_->outputs, noisy_files_->attributes, kNoisyMark);
 }
 
 ExitStatus RenderJob::run() {
   if (!command_.output.overwrite && !command_.output.resume) {
     outputs_->keep_foreign_files(kMark);
-    if (noisy_files_) noisy_files_->outputs.keep_foreign_files(kMark);
+    if (noisy_files_) noisy_files_->outputs.keep_foreign_files(kNoisyMark);
   }
   outputs_->prepare();
   if (noisy_files_) noisy_files_->outputs.prepare();

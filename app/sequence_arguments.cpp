@@ -15,6 +15,7 @@
 namespace becalm::app {
 
 void add_sequence_options(CLI::App& parser, SequenceCommand& command, const std::string& result) {
+  command.name = parser.get_name();
   parser
       .add_option(
           "input", command.inputs,
@@ -46,8 +47,11 @@ void add_sequence_options(CLI::App& parser, SequenceCommand& command, const std:
   add_layer_options(parser, command.layers);
   add_output_options(parser, command.output, "all on disk");
   parser
-      .add_option("--type", command.type,
-                  fmt::format("Type of the {} channels (default: keep, that of the input)", result))
+      .add_option(
+          "--type", command.type,
+          fmt::format("Type of the {} channels, not of alpha that is passed on (default: keep, that of "
+                      "the input)",
+                      result))
       ->check(CLI::IsMember({"half", "float", "keep"}))
       ->option_text("half|float|keep")
       ->group(more("Output"));
@@ -90,8 +94,9 @@ void add_sequence_options(CLI::App& parser, SequenceCommand& command, const std:
       ->group(more("Input"));
 }
 
-io::DenoisedFormat format_of(const SequenceCommand& command) {
+io::DenoisedFormat format_of(const SequenceCommand& command, bool keeps_alpha) {
   io::DenoisedFormat format;
+  format.keeps_alpha = keeps_alpha;
   if (command.type != "keep") {
     format.type = command.type == "half" ? io::PixelType::half : io::PixelType::float32;
   }

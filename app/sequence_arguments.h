@@ -13,6 +13,7 @@ namespace becalm::app {
 
 /// What the user typed after `becalm denoise` or `becalm antialias`.
 struct SequenceCommand {
+  std::string name;
   std::vector<std::string> inputs;
   std::string stereo_camera;  ///< of eyes whose files do not say it; empty: not known
   bool eyes = false;          ///< the inputs are the left and the right eye
@@ -42,8 +43,8 @@ struct SequenceCommand {
 /// are filtered become, such as `denoised`.
 void add_sequence_options(CLI::App& parser, SequenceCommand& command, const std::string& result);
 
-/// How the outputs are written.
-io::DenoisedFormat format_of(const SequenceCommand& command);
+/// How the outputs are written. `keeps_alpha` as DenoisedFormat has it.
+io::DenoisedFormat format_of(const SequenceCommand& command, bool keeps_alpha);
 /// What decides the bytes of an output besides the filter and the inputs, as files record it: each after a
 /// space, and nothing for a default.
 std::string describe_output(const SequenceCommand& command);

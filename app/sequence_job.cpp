@@ -25,9 +25,6 @@ namespace becalm::app {
 
 namespace {
 
-/// What denoised frames have, and rendered ones have not.
-constexpr const char* kMark = "becalm:inputs";
-
 /// One pattern, or one of each eye.
 std::vector<io::SequencePattern> output_patterns(const SequenceCommand& command, const InputFrames& inputs) {
   const std::string& text = command.output.pattern;
@@ -51,10 +48,11 @@ InputFrames::Pair pair_of(const SequenceCommand& command) {
 
 SequenceJob::SequenceJob(const SequenceCommand& command, FilterRecipe recipe)
     : command_(command),
+      mark_{.command = command.name, .attribute = "becalm:inputs"},
       threads_(command.running.threads),
       layers_(layer_options(command.layers)),
-      format_(format_of(command)),
       filter_(std::move(recipe), command.filter),
+      format_(format_of(command, filter_.keeps_alpha())),
       inputs_(command.inputs, pair_of(command), command.output.frames, command.frame,
               parse_missing(command.missing),
               [this](const auto& asked, const auto& on_disk) { return filter_.readable(asked, on_disk); }),
@@ -87,6 +85,7 @@ void SequenceJob::choose_additive() {
   if (!filter_.denoises_additive()) return;
   AdditiveChoice choice = app::choose_additive(command_.layers.additive, all_files(), layers_);
   layers_.additive = std::move(choice.layers);
+  layers_.with_usual_lights = choice.with_usual_lights;
   additive_notes_ = std::move(choice.notes);
   // Also where there are none: files that were written with some must not be kept beside others.
   attributes_.emplace_back("becalm:additive", layers_.additive.empty()
@@ -95,7 +94,8 @@ void SequenceJob::choose_additive() {
 }
 
 void SequenceJob::set_attributes() {
-  attributes_ = {{"becalm:version", BECALM_VERSION},
+  attributes_ = {{kCommandAttribute, command_.name},
+                 {"becalm:version", BECALM_VERSION},
                  {"becalm:settings", settings()},
                  {"becalm:preset", command_.preset}};
   // The results have no one place in their pixels, whatever the input's samples had.
@@ -107,7 +107,7 @@ void SequenceJob::set_attributes() {
 
 ExitStatus SequenceJob::run() {
   set_attributes();
-  if (!command_.output.overwrite && !command_.output.resume) outputs_.keep_foreign_files(kMark);
+  if (!command_.output.overwrite && !command_.output.resume) outputs_.keep_foreign_files(mark_);
   command_.dry_run ? outputs_.check_places() : outputs_.prepare();
   if (command_.output.resume) find_existing();
   // Without segments every frame depends on all before it.
@@ -147,7 +147,7 @@ ExitStatus SequenceJob::run() {
 }
 
 std::vector<InputLayout> SequenceJob::checked_inputs(const std::set<int>& needed) {
-  std::vector<InputLayout> views = check_inputs(inputs_, needed, filter_, layers_);
+  std::vector<InputLayout> views = check_inputs(inputs_, needed, filter_, layers_, format_);
   lights_ = views.front().light_groups;
   if (!command_.stereo_camera.empty() && !inputs_.other_eye() && views.size() != 2) {
     throw Error(ExitStatus::usage,
@@ -247,7 +247,7 @@ void SequenceJob::find_existing() {
   constexpr std::size_t most_untold = 50;
   if (outputs_.frames().size() > most_untold && !command_.running.quiet)
     say(fmt::format("--resume: checking which of {} frames are there", outputs_.frames().size()));
-  Outputs::Existing found = outputs_.find_existing(attributes_, kMark, command_.output.overwrite);
+  Outputs::Existing found = outputs_.find_existing(attributes_, mark_, command_.output.overwrite);
   warn_unusable(found.unusable);
   existing_ = fingerprints_.up_to_date(found.frames, [this](int frame) { return outputs_.paths(frame); });
   std::vector<int> outdated;

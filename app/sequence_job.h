@@ -49,10 +49,11 @@ class SequenceJob {
   void write(const FinishedFrame& result, FrameSink& sink);
 
   const SequenceCommand& command_;
+  const FileMark mark_;
   const ThreadLimit threads_;
   io::LayerOptions layers_;
-  const io::DenoisedFormat format_;
   FilterStage filter_;
+  const io::DenoisedFormat format_;
   const InputFrames inputs_;
   Outputs outputs_;
   const InputWindow window_;

@@ -31,7 +31,8 @@ std::optional<Finding> check_fixed_noise(const Subject& subject) {
   const Image& now = subject.frame.image(Aov::beauty);
   if (rough_share(now).value_or(0.0) < kNoisyShare) return std::nullopt;
   const double alike = correlation(fine_detail(now), fine_detail(subject.before->image(Aov::beauty)));
-  if (alike < kLargestCorrelation) return std::nullopt;
+  // Not a number where radiance is so large that sums overflow.
+  if (!(alike >= kLargestCorrelation)) return std::nullopt;
   return Finding{
       "fixed_noise",
       fmt::format("{:.0f} % of the noise is that of the frame before, as with one seed for all frames, "

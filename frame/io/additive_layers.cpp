@@ -207,15 +207,14 @@ AdditiveSet compared(const Frame& frame, double rounding) {
           .is_certain = static_cast<double>(lit) > kLeastLit * static_cast<double>(3 * beauty.pixel_count())};
 }
 
-/// Whether the light group is also read as direct or indirect light of the beauty's part.
+/// Whether the light group is also read as direct or indirect light.
 bool is_denoised_aov(const ViewLayers& view, const std::string& light) {
   const LayerSource& layer = view.lights.at(light).layer;
   const auto source = [&](Aov aov) -> const auto& {
     return view.layers[static_cast<std::size_t>(aov)];
   };
   return std::ranges::any_of(std::array{Aov::direct, Aov::indirect}, [&](Aov aov) {
-    return source(aov) && source(aov)->part == source(Aov::beauty)->part && source(aov)->part == layer.part &&
-           source(aov)->channels == layer.channels;
+    return source(aov) && source(aov)->part == layer.part && source(aov)->channels == layer.channels;
   });
 }
 

@@ -4,6 +4,7 @@
 #include <OpenEXR/ImfInputPart.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -93,15 +94,12 @@ void copy_to_targets(const Stripe& stripe, int first, int last, const TargetsByC
   }
 }
 
-/// The channels of a part that are passed on, with room for all of its lines. Those that are read besides
-/// must have a sample in each pixel.
+/// The channels of a part that are passed on, with room for all of its lines.
 Stripe passed_on_channels(const Imf::Header& header, const PartTargets& targets) {
   Stripe stripe(header.dataWindow());
   for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
     const Imf::Channel& channel = it.channel();
-    const bool is_sparse = channel.xSampling != 1 || channel.ySampling != 1;
     if (targets.denoised.contains(it.name())) continue;
-    if (is_sparse && targets.channels.contains(it.name())) continue;
     stripe.add(it.name(), channel.type, channel.xSampling, channel.ySampling);
   }
   return stripe;
@@ -256,6 +254,32 @@ std::vector<ExrView> read_exr_header(const std::string& path, const LayerOptions
   return views;
 }
 
+void require_all_samples(const std::string& path, const ViewLayers& view, AovSet aovs, LightGroups lights) {
+  const auto require = [&](const LayerSource& source, std::string_view what, const std::string& remedy) {
+    if (!source.subsampled) return;
+    std::vector<std::string> channels = source.channels;
+    std::erase(channels, "");
+    throw Error(ExitStatus::bad_input,
+                fmt::format("{}: {} of {} has fewer samples than pixels, expected one in each{}", path,
+                            printable(what), printable(fmt::format("{}", fmt::join(channels, ","))), remedy));
+  };
+  for (const AovInfo& entry : kAovTable) {
+    const std::optional<LayerSource>& source = view.layers[static_cast<std::size_t>(entry.aov)];
+    if (!source) continue;
+    if (entry.aov == Aov::beauty) {
+      require(*source, "beauty", "");
+    } else if (contains(aovs, entry.aov)) {
+      require(*source, entry.name, fmt::format("; --layers {}=none leaves it out", entry.name));
+    }
+  }
+  if (lights == LightGroups::leave) return;
+  for (const auto& [name, light] : view.lights) {
+    const std::string remedy = "; --additive none passes light groups on";
+    require(light.layer, name, remedy);
+    if (light.colour) require(*light.colour, name, remedy);
+  }
+}
+
 bool has_all_chunks(const std::string& path) {
   try {
     reading(path, [&] {
@@ -279,6 +303,7 @@ LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted, c
     const std::vector<ExrView> views = views_of(path, *file, options);
     require_all_chunks(path, *file);
 
+    for (const ExrView& view : views) require_all_samples(path, view, wanted, light_groups);
     wanted.set(static_cast<std::size_t>(Aov::beauty));
     loaded.other_views.resize(views.size() - 1);
     std::map<int, PartTargets> parts;

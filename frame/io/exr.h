@@ -44,7 +44,7 @@ using Attributes = std::vector<std::pair<std::string, std::string>>;
 
 enum class PixelType { half, float32 };
 
-/// Whether read_exr reads the layers `light.NAME` of a beauty's part into the frame's light groups.
+/// Whether read_exr reads ViewLayers::lights into the frame's light groups.
 enum class LightGroups { leave, read };
 
 /// What read_exr would find of one view.
@@ -66,6 +66,10 @@ enum class CheckChunks { no, yes };
 std::vector<ExrView> read_exr_header(const std::string& path, const LayerOptions& options,
                                      CheckChunks check_chunks);
 
+/// Throws Error(bad_input) naming the file if one of the AOVs, or of the lights if they are read, has fewer
+/// samples than pixels.
+void require_all_samples(const std::string& path, const ViewLayers& view, AovSet aovs, LightGroups lights);
+
 /// Whether the file is an EXR with all of its chunks. Reads no pixels. Throws Error(resource) where it cannot
 /// be read.
 bool has_all_chunks(const std::string& path);
@@ -74,8 +78,8 @@ bool has_all_chunks(const std::string& path);
 /// everything else as contents. Each view's Frame covers `window`, or by default the data window of its
 /// beauty's part; outside its own part's window an AOV has the value for pixels that hit nothing, and the
 /// beauty is 0, or NaN where it is cut off in the middle of what is opaque (Frame::cut). Throws
-/// Error(bad_input) naming the file for: no such file, not an EXR, truncated or corrupt pixels, no colour, a
-/// deep file, more than 65536 pixels a side.
+/// Error(bad_input) naming the file for: no such file, not an EXR, truncated or corrupt pixels, no colour,
+/// subsampled layers, a deep file, more than 65536 pixels a side.
 LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted,
                      const LayerOptions& options = {}, LightGroups light_groups = LightGroups::leave,
                      const std::optional<Imath::Box2i>& window = std::nullopt,
@@ -108,8 +112,9 @@ struct ExrDescription {
   std::vector<std::string> lines() const;
 };
 
-/// Reads no pixels. Throws as read_exr does, but describes a file without colour and deep ones.
-ExrDescription describe_exr(const std::string& path, const LayerOptions& options = {});
+/// Reads no pixels. Throws as read_exr does, but describes a file without colour and deep ones, and those
+/// whose beauty, lights or `taken` AOVs are subsampled.
+ExrDescription describe_exr(const std::string& path, const LayerOptions& options = {}, AovSet taken = {});
 
 /// The value of a text attribute of the first part, or empty. Throws as read_exr does.
 std::string read_attribute(const std::string& path, const std::string& name);
@@ -154,6 +159,7 @@ void write_compact_exr(const std::string& path, const Frame& frame, const Attrib
 /// Which channels are written: by default all.
 struct ChannelSelection {
   /// Channels, layers (`diffuse` for `diffuse.R`), parts, PART/LAYER, or `beauty`; all where there are none.
+  /// A deep part is selected where all of its channels are.
   std::vector<std::string> names = {};
   bool denoised = false;  ///< those that were denoised, and diagnostics, whatever their names
 
@@ -170,20 +176,26 @@ struct DenoisedFormat {
   Scale scale = {};
   std::optional<PixelType> type;             ///< of the denoised channels
   std::optional<std::string> compression{};  ///< one of compression_names()
-  /// Parts without a channel that is selected are left out, and deep ones unless all of theirs are.
+  /// Parts without a channel that is selected are left out.
   ChannelSelection channels = {};
+  /// The frame's alpha is the source's: it keeps its type, and no compression may alter it.
+  bool keeps_alpha = false;
 };
+
+/// Throws Error(bad_input) if the file has a deep part that is selected, which write_denoised_exr cannot
+/// scale.
+void check_scaling(const std::string& path, const ChannelSelection& selection);
 
 /// none, rle, zips, zip, piz, pxr24, b44, b44a, dwaa and dwab.
 std::span<const std::string_view> compression_names();
 
 /// Writes `source` again with the channels of the beauty, and of direct, indirect and light groups as far as
-/// the frame has them (all of the beauty's part), replaced by the frame's, in the same parts, types,
-/// compression, windows and attributes, every other channel bit for bit; the frame is cut to the file's
-/// window; diagnostics of the frame are added as layers to the beauty's part, and of its mipmap levels only
-/// the full size is written. If the frame has another scale, or its source is a checkerboard, each pixel of
-/// another channel is the nearest sample's, bit for bit, but for motion, which is multiplied by the scale;
-/// deep parts throw Error(bad_input). `other_views` are the frames of the source's other views, in their
+/// the frame has them, replaced by the frame's, in the same parts, types, compression, windows and
+/// attributes, every other channel bit for bit; the frame is cut to the file's window; diagnostics of the
+/// frame are added as layers to the beauty's part, and of its mipmap levels only the full size is written.
+/// If the frame has another scale, or its source is a checkerboard, each pixel of another channel is the
+/// nearest sample's, bit for bit, but for motion, which is multiplied by the scale; deep parts throw
+/// Error(bad_input). `other_views` are the frames of the source's other views, in their
 /// order. What was not kept of the source's file is read again: throws Error(bad_input) naming it if it has
 /// changed since, or if its window is not inside the frame's. Atomic as write_exr is.
 WriteReport write_denoised_exr(const std::string& path, const Frame& frame,

@@ -123,7 +123,7 @@ std::vector<std::string> ExrDescription::lines() const {
   return lines;
 }
 
-ExrDescription describe_exr(const std::string& path, const LayerOptions& options) {
+ExrDescription describe_exr(const std::string& path, const LayerOptions& options, AovSet taken) {
   ExrDescription description;
   reading(path, [&] {
     stamp_of(path);
@@ -134,6 +134,7 @@ ExrDescription describe_exr(const std::string& path, const LayerOptions& options
       require_flat(path, *file);
       views = find_view_layers(path, parts, options);
       require_all_chunks(path, *file);
+      for (const ViewLayers& view : views) require_all_samples(path, view, taken, LightGroups::read);
     } catch (const Error& error) {
       description.problem = error.what();
     }

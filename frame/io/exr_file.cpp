@@ -118,6 +118,8 @@ std::vector<PartChannels> part_channels(const Imf::MultiPartInputFile& file) {
     if (samples != nullptr) part.samples_per_pixel = samples->value();
     for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
       part.channels.emplace_back(channel.name());
+      if (channel.channel().xSampling != 1 || channel.channel().ySampling != 1)
+        part.subsampled.insert(channel.name());
     }
   }
   return parts;

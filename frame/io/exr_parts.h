@@ -24,6 +24,7 @@ struct FrameChannel {
   const Image* image;
   int channel;
   Imath::V2i origin = Imath::V2i(0);  ///< of the image in the file
+  bool passed_on = false;             ///< the values are the source's, and must not be altered
 };
 
 using FrameChannels = std::map<std::string, FrameChannel>;

@@ -49,15 +49,12 @@ struct Rewritten {
   std::map<int, FrameChannels> channels;  ///< of the parts that are not copied
   std::list<Image> light;                 ///< radiance without the surfaces' colours
   std::optional<PixelType> type;          ///< of replaced channels; the source's if empty
+  bool keeps_alpha = false;               ///< as DenoisedFormat has it
   Scale scale;                            ///< of the headers' windows, over the source's
 };
 
-/// Scales the windows of a part's header. Channels at a part of the resolution get all of it.
-void scale_windows(const std::string& path, const Scale& scale, Imf::Header& header) {
-  if (is_deep(header)) {
-    throw Error(ExitStatus::bad_input,
-                fmt::format("{}: has a deep part, which cannot be scaled: --channels leaves it out", path));
-  }
+/// Scales the windows of a flat part's header. Channels at a part of the resolution get all of it.
+void scale_windows(const Scale& scale, Imf::Header& header) {
   header.dataWindow() = scale.window(header.dataWindow());
   header.displayWindow() = scale.window(header.displayWindow());
   if (const auto* text = header.findTypedAttribute<Imf::StringAttribute>(kStereoAttribute)) {
@@ -98,8 +95,9 @@ void replace(const LayerSource& layer, const Image& image, const Imath::V2i& ori
   for (std::size_t c = 0; c < layer.channels.size(); ++c) {
     const std::string& name = layer.channels[c];
     if (name.empty()) continue;
-    file.channels[layer.part][name] = {&image, static_cast<int>(c), origin};
-    if (file.type) {
+    const bool passed_on = file.keeps_alpha && c == 3;
+    file.channels[layer.part][name] = {&image, static_cast<int>(c), origin, passed_on};
+    if (file.type && !passed_on) {
       file.headers[layer.part].channels()[name].type = *file.type == PixelType::half ? Imf::HALF : Imf::FLOAT;
     }
   }
@@ -155,6 +153,29 @@ bool is_named(const ChannelSelection& selection, const std::string& part, const 
   });
 }
 
+std::string name_of_part(const Imf::MultiPartInputFile& file, int part) {
+  return file.parts() > 1 && file.header(part).hasName() ? file.header(part).name() : "";
+}
+
+/// Whether all channels of a deep part are selected: it is written whole or not at all.
+bool is_selected(const ChannelSelection& selection, const Imf::MultiPartInputFile& file, int deep_part) {
+  if (selection.selects_all()) return true;
+  const Imf::ChannelList& channels = file.header(deep_part).channels();
+  for (auto it = channels.begin(); it != channels.end(); ++it) {
+    if (!is_named(selection, name_of_part(file, deep_part), it.name(), {})) return false;
+  }
+  return true;
+}
+
+void refuse_deep_parts(const std::string& path, const Imf::MultiPartInputFile& file,
+                       const ChannelSelection& selection) {
+  for (int part = 0; part < file.parts(); ++part) {
+    if (!is_deep(file.header(part)) || !is_selected(selection, file, part)) continue;
+    throw Error(ExitStatus::bad_input,
+                fmt::format("{}: has a deep part, which cannot be scaled: --channels leaves it out", path));
+  }
+}
+
 /// The beauties' channels of a part, in all views.
 std::vector<std::string> beauty_channels(const std::vector<const ViewLayers*>& views, int part) {
   std::vector<std::string> names;
@@ -166,12 +187,13 @@ std::vector<std::string> beauty_channels(const std::vector<const ViewLayers*>& v
 }
 
 /// Leaves channels out that are not selected. Returns whether the part is left with any.
-bool select_channels(const ChannelSelection& selection, const std::vector<std::string>& beauty, int part,
-                     Rewritten& file) {
+bool select_channels(const ChannelSelection& selection, const std::vector<std::string>& beauty,
+                     const Imf::MultiPartInputFile& from, int part, Rewritten& file) {
+  if (is_deep(from.header(part))) return is_selected(selection, from, part);
   if (selection.selects_all()) return true;
   Imf::Header& header = file.headers[part];
   const auto replaced = file.channels.find(part);
-  const std::string name = file.headers.size() > 1 && header.hasName() ? header.name() : "";
+  const std::string name = name_of_part(from, part);
   Imf::ChannelList kept;
   bool all = true;
   for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
@@ -183,7 +205,7 @@ bool select_channels(const ChannelSelection& selection, const std::vector<std::s
     }
   }
   if (all) return true;
-  if (kept.begin() == kept.end() || is_deep(header)) return false;
+  if (kept.begin() == kept.end()) return false;
   header.channels() = kept;
   file.channels[part];  // its chunks hold channels that are left out
   return true;
@@ -209,7 +231,8 @@ void prepare_header(const FrameChannels& channels, const std::optional<std::stri
   const bool rounds_floats =
       header.compression() == Imf::PXR24_COMPRESSION && source_compression != Imf::PXR24_COMPRESSION;
   for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
-    if (channels.contains(it.name())) continue;
+    const auto of_frame = channels.find(it.name());
+    if (of_frame != channels.end() && !of_frame->second.passed_on) continue;
     const Imf::PixelType type = it.channel().type;
     if (!may_alter(header.compression(), it.name(), type) && !(rounds_floats && type == Imf::FLOAT)) continue;
     header.compression() = Imf::ZIP_COMPRESSION;
@@ -236,17 +259,18 @@ void check_selection(const std::string& path, const LayerOptions& options, const
   if (selection.selects_all()) return;
   reading(path, [&] {
     const std::unique_ptr<Imf::MultiPartInputFile> file = open_exr(path);
-    const std::vector<PartChannels> parts = part_channels(*file);
-    const std::vector<ViewLayers> found = find_view_layers(path, parts, options);
+    const std::vector<ViewLayers> found = find_view_layers(path, part_channels(*file), options);
     std::vector<const ViewLayers*> views;
     for (const ViewLayers& view : found) views.push_back(&view);
     for (const std::string& name : selection.names) {
       bool is_there = false;
-      for (std::size_t part = 0; part < parts.size(); ++part) {
-        const std::vector<std::string> beauty = beauty_channels(views, static_cast<int>(part));
-        is_there = is_there || std::ranges::any_of(parts[part].channels, [&](const std::string& channel) {
-                     return is_named({.names = {name}}, parts[part].name, channel, beauty);
-                   });
+      for (int part = 0; part < file->parts(); ++part) {
+        const Imf::Header& header = file->header(part);
+        if (is_deep(header) && !is_selected(selection, *file, part)) continue;
+        const std::vector<std::string> beauty = beauty_channels(views, part);
+        for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
+          is_there |= is_named({.names = {name}}, name_of_part(*file, part), it.name(), beauty);
+        }
       }
       if (is_there) continue;
       throw Error(ExitStatus::usage,
@@ -254,6 +278,10 @@ void check_selection(const std::string& path, const LayerOptions& options, const
                               printable(name), path));
     }
   });
+}
+
+void check_scaling(const std::string& path, const ChannelSelection& selection) {
+  reading(path, [&] { refuse_deep_parts(path, *open_exr(path), selection); });
 }
 
 WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
@@ -272,13 +300,15 @@ WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
 
   Rewritten rewritten;
   rewritten.type = format.type;
+  rewritten.keeps_alpha = format.keeps_alpha;
   rewritten.headers.reserve(from->parts());
   rewritten.scale = format.scale;
   const bool resamples = !format.scale.is_one() || source.frame.checkerboard().has_value();
   for (int part = 0; part < from->parts(); ++part) rewritten.headers.push_back(from->header(part));
   if (resamples) {
+    refuse_deep_parts(source_path, *from, format.channels);
     for (Imf::Header& header : rewritten.headers) {
-      if (format.channels.selects_all() || !is_deep(header)) scale_windows(source_path, format.scale, header);
+      if (!is_deep(header)) scale_windows(format.scale, header);
     }
   }
   replace_view(source_path, source, frame, "", rewritten);
@@ -293,7 +323,8 @@ WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
   for (const auto& [part, channels] : rewritten.channels) with_denoised.insert(part);
   std::vector<int> kept;
   for (int part = 0; part < from->parts(); ++part) {
-    if (select_channels(format.channels, beauty_channels(views, part), part, rewritten)) kept.push_back(part);
+    if (select_channels(format.channels, beauty_channels(views, part), *from, part, rewritten))
+      kept.push_back(part);
   }
   if (kept.empty()) {
     throw Error(ExitStatus::bad_input, fmt::format("{}: holds none of the channels to write", source_path));

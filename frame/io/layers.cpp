@@ -41,6 +41,8 @@ constexpr std::string_view kSeldomBeauties[] = {"ao",
                                                 "effectsresult",
                                                 "glossyreflection",
                                                 "beautyunshadowed"};
+/// What the names of light groups begin with.
+constexpr std::string_view kLightScope = "light.";
 /// Karma's lobes are one of the first before one of the second.
 constexpr std::string_view kKarmasPaths[] = {"combined", "direct", "indirect"};
 constexpr std::string_view kKarmasLobes[] = {
@@ -63,7 +65,7 @@ bool is_seldom_beauty(std::string_view part) {
   const bool is_lobe = std::ranges::any_of(kKarmasPaths, [&](std::string_view path) {
     return name.starts_with(path) && is_among(std::string_view(name).substr(path.size()), kKarmasLobes);
   });
-  return is_lobe || names_a_summand(part) || is_among(name, kSeldomBeauties);
+  return is_lobe || names_a_summand(part) || part.starts_with(kLightScope) || is_among(name, kSeldomBeauties);
 }
 
 bool is_no_colour(std::string_view part) {
@@ -205,12 +207,14 @@ class LayerFinder {
   bool is_vrays_ = false;
 };
 
-/// What pictures without R G B have in their place: luminance with chroma, or one channel for all.
+/// What pictures without R G B have in their place: R, G and B in parts of their own, luminance with chroma,
+/// or one channel for all.
 std::string_view other_colour(const std::vector<PartChannels>& parts) {
   const auto have = [&](std::string_view channel) {
     return std::ranges::any_of(parts,
                                [&](const PartChannels& part) { return is_among(channel, part.channels); });
   };
+  if (have("R") && have("G") && have("B")) return "; R, G and B must lie in one part";
   if (!have("Y")) return "";
   return have("RY") || have("BY") ? "; luminance and chroma must be converted first"
                                   : "; Y alone is one channel, which must be copied to R G B first";
@@ -244,18 +248,48 @@ void divide_by_samples(int samples, LayerSource& variance) {
   for (float& scale : variance.scale) scale /= static_cast<float>(samples);
 }
 
-/// The layers `light.NAME` of the beauty's part, by NAME.
-std::map<std::string, LightSource> find_light_groups(const std::vector<PartChannels>& parts, int part,
-                                                     const std::string& view) {
-  constexpr std::string_view scope = "light.";
+/// Whether summands of the beauty, which lies in `beauty_part`, may lie in `part`.
+bool may_hold_summands(const std::vector<PartChannels>& parts, const std::vector<ChannelLayer>& layers,
+                       int beauty_part, int part) {
+  if (part == beauty_part) return true;
+  if (parts[part].data_window != parts[beauty_part].data_window) return false;
+  return std::ranges::none_of(layers, [&](const ChannelLayer& layer) {
+    return layer.part == part && layer.is_bare() && !layer.part_name.starts_with(kLightScope) &&
+           channels_as(layer, Aov::beauty);
+  });
+}
+
+/// The layers and parts `light.NAME`, by NAME. Of two of one name, that of the beauty's part is taken.
+std::map<std::string, LightSource> find_light_groups(const std::vector<PartChannels>& parts,
+                                                     std::vector<ChannelLayer> layers, int beauty_part) {
+  std::stable_partition(layers.begin(), layers.end(),
+                        [&](const ChannelLayer& layer) { return layer.part == beauty_part; });
   std::map<std::string, LightSource> lights;
-  for (const ChannelLayer& layer : collect_layers(parts, view)) {
-    if (layer.part != part || !layer.own_name.starts_with(scope)) continue;
+  for (const ChannelLayer& layer : layers) {
+    const bool is_beauty = layer.part == beauty_part && layer.own_name.empty();
+    if (is_beauty || !layer.name().starts_with(kLightScope)) continue;
+    if (!may_hold_summands(parts, layers, beauty_part, layer.part)) continue;
     if (std::optional<LayerSource> source = channels_as(layer, Aov::direct)) {
-      lights.emplace(layer.title.substr(scope.size()), LightSource{std::move(*source)});
+      const std::string& title = layer.title.empty() ? layer.part_name : layer.title;
+      lights.emplace(title.substr(kLightScope.size()), LightSource{std::move(*source)});
     }
   }
   return lights;
+}
+
+void mark_subsampled(const std::vector<PartChannels>& parts, ViewLayers& view) {
+  const auto mark = [&](LayerSource& source) {
+    source.subsampled = std::ranges::any_of(source.channels, [&](const std::string& channel) {
+      return parts[source.part].subsampled.contains(channel);
+    });
+  };
+  for (std::optional<LayerSource>& source : view.layers) {
+    if (source) mark(*source);
+  }
+  for (auto& [name, light] : view.lights) {
+    mark(light.layer);
+    if (light.colour) mark(*light.colour);
+  }
 }
 
 /// A layer's name as the file has it.
@@ -371,7 +405,14 @@ std::vector<ViewLayers> find_view_layers(const std::string& file, const std::vec
   for (const std::string& view : views) {
     ViewLayers& layers = found.emplace_back(ViewLayers{view, find_layers(file, parts, options, view), {}});
     const int part = layers.layers[static_cast<std::size_t>(Aov::beauty)]->part;
-    layers.lights = find_light_groups(parts, part, view);
+    const std::vector<ChannelLayer> all = collect_layers(parts, view);
+    for (const Aov aov : {Aov::direct, Aov::indirect}) {
+      std::optional<LayerSource>& source = layers.layers[static_cast<std::size_t>(aov)];
+      const bool is_summand =
+          options.with_usual_lights && source && may_hold_summands(parts, all, part, source->part);
+      if (!is_summand) source.reset();
+    }
+    if (options.with_usual_lights) layers.lights = find_light_groups(parts, all, part);
     for (const std::string& name : options.additive) {
       std::optional<LightSource> light = find_additive_layer(parts, part, view, name);
       if (!light && view != views.front()) continue;
@@ -383,6 +424,7 @@ std::vector<ViewLayers> find_view_layers(const std::string& file, const std::vec
       }
       layers.lights.insert_or_assign(name, std::move(*light));
     }
+    mark_subsampled(parts, layers);
   }
   return found;
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,6 +23,8 @@ struct LayerSource {
   std::array<float, 4> scale{1.0f, 1.0f, 1.0f, 1.0f};
   /// Each value is squared before that: a standard deviation that is read as a variance.
   bool squared = false;
+  /// Some channel has fewer samples than pixels, so that the layer can only be passed on.
+  bool subsampled = false;
 };
 
 /// Which channels of a file were taken for which AOV, by index of kAovTable.
@@ -52,8 +55,10 @@ MotionChange parse_motion_change(std::string_view text);
 struct LayerOptions {
   LayerOverrides layers = {};
   MotionChange motion = {};
-  /// Layers that are light groups besides `light.NAME`, by name as for LayerOverrides.
+  /// Layers that are light groups, by name as for LayerOverrides.
   std::vector<std::string> additive = {};
+  /// Whether direct and indirect light and `light.NAME` count besides.
+  bool with_usual_lights = true;
 };
 
 /// What is known of a part before its pixels are read.
@@ -64,6 +69,7 @@ struct PartChannels {
       {};                     ///< views whose names are in channel names; the first may be left out
   int samples_per_pixel = 0;  ///< as pbrt writes it; 0: not known
   std::vector<std::string> channels = {};
+  std::set<std::string> subsampled = {};  ///< those of the channels that have fewer samples than pixels
   Imath::Box2i data_window = {};
 };
 
@@ -91,11 +97,13 @@ struct LightSource {
 struct ViewLayers {
   std::string view;  ///< empty in a file without named views
   LayerMap layers;
-  /// The beauty's part's layers `light.NAME`, by NAME, and those of LayerOptions::additive.
+  /// Layers and parts `light.NAME`, by NAME, and those of LayerOptions::additive.
   std::map<std::string, LightSource> lights;
 };
 
-/// find_layers() for every view that has a beauty, and for the default one, which comes first.
+/// find_layers() for every view that has a beauty, and for the default one, which comes first. Direct and
+/// indirect light and light groups are those of the beauty's part, or of others of its data window that hold
+/// no other picture.
 std::vector<ViewLayers> find_view_layers(const std::string& file, const std::vector<PartChannels>& parts,
                                          const LayerOptions& options);
 

@@ -26,6 +26,7 @@ LEAST_CONFIDENCE = 1e-8
 LOSS_SCALE = 0.3
 LOSS_FLOOR = 0.01
 LARGEST_LOG_ERROR = 8.0
+LARGEST_NOISE = 10.0  # as an input
 IDENTITY = 5.0  # added to the logit of a window's own pixel
 ALBEDO_CENTRE = 3.0  # added to the logit of the albedo window's own pixel
 # Logits of a bilinear upsampling, from which the weights of the coarser scale's pixels start.
@@ -63,7 +64,7 @@ def network_inputs(irradiance, variance, features, own_irradiance, own_features)
     deviation = (F.avg_pool2d(padded * padded, 5, 1) - mean * mean).clamp(min=0.0).sqrt()
     light = luminance(irradiance).clamp(min=0.0)
     known = variance >= 0.0
-    relative = torch.log1p(variance.clamp(min=0.0).sqrt() / (light + 0.1))
+    relative = torch.log1p(variance.clamp(min=0.0).sqrt() / (light + 0.1)).clamp(max=LARGEST_NOISE)
     noise = torch.where(known, relative, -torch.ones_like(relative))
     own_grey = compressed(own_irradiance).mean(1, keepdim=True)
     return torch.cat([t, features, noise, deviation, own_features, own_grey], 1)

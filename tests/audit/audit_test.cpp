@@ -111,6 +111,16 @@ TEST(Audit, FramesThatRepeat) {
   EXPECT_EQ(found(frame_of(2, 1), &before), "fixed_noise");
 }
 
+TEST(Audit, NoiseOfHugeRadianceIsNotThatOfTheFrameBefore) {
+  Frame before = frame_of(1, 1);
+  Frame frame = frame_of(2, 2);
+  for (Frame* huge : {&before, &frame}) {
+    huge->remove(Aov::variance);
+    for (float& value : huge->image(Aov::beauty).data()) value *= 1e38f;
+  }
+  EXPECT_EQ(found(frame, &before).find("fixed_noise"), std::string::npos);
+}
+
 TEST(Audit, PicturesThatAreNoLongerTheRenderers) {
   Frame clean = frame_of(1, 1);
   Frame clamped = frame_of(1, 1);

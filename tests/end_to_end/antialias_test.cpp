@@ -1,5 +1,13 @@
 // becalm antialias: from the tracer's jittered frames to files, resumed, and what it refuses.
 
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfDeepFrameBuffer.h>
+#include <OpenEXR/ImfDeepScanLineOutputPart.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfMultiPartOutputFile.h>
+#include <OpenEXR/ImfOutputPart.h>
+#include <OpenEXR/ImfPartType.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,6 +30,39 @@ std::string write_jittered_scene(const TempFolder& folder, const std::string& mo
   scene.insert(scene.find(film) + film.size(), "\"jitter_cycle\": 4, " + more);
   write_text(path, scene);
   return path;
+}
+
+/// A beauty of 8x8 pixels beside a deep part without samples.
+void write_with_deep_part(const std::string& path) {
+  Imf::Header flat(8, 8);
+  flat.setName("flat");
+  flat.setType(Imf::SCANLINEIMAGE);
+  Imf::Header deep(8, 8);
+  deep.setName("deep");
+  deep.setType(Imf::DEEPSCANLINE);
+  deep.compression() = Imf::ZIPS_COMPRESSION;
+  deep.channels().insert("Z", Imf::Channel(Imf::FLOAT));
+  std::vector<float> plane(64, 0.5f);
+  Imf::FrameBuffer pixels;
+  for (const char* name : {"R", "G", "B"}) {
+    flat.channels().insert(name, Imf::Channel(Imf::FLOAT));
+    pixels.insert(name, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(plane.data()), 4, 32));
+  }
+  std::vector<unsigned> counts(64, 0);
+  std::vector<float*> samples(64, nullptr);
+  Imf::DeepFrameBuffer deep_pixels;
+  deep_pixels.insertSampleCountSlice(
+      Imf::Slice(Imf::UINT, reinterpret_cast<char*>(counts.data()), sizeof(unsigned), 8 * sizeof(unsigned)));
+  deep_pixels.insert("Z", Imf::DeepSlice(Imf::FLOAT, reinterpret_cast<char*>(samples.data()), sizeof(float*),
+                                         8 * sizeof(float*), sizeof(float)));
+  const Imf::Header headers[] = {flat, deep};
+  Imf::MultiPartOutputFile file(path.c_str(), headers, 2);
+  Imf::OutputPart flat_part(file, 0);
+  flat_part.setFrameBuffer(pixels);
+  flat_part.writePixels(8);
+  Imf::DeepScanLineOutputPart deep_part(file, 1);
+  deep_part.setFrameBuffer(deep_pixels);
+  deep_part.writePixels(8);
 }
 
 class Antialias : public testing::Test {
@@ -63,6 +104,15 @@ TEST_F(Antialias, AveragesTheTracersJitteredFrames) {
     EXPECT_FALSE(
         same_pixels(result.image(Aov::beauty), read_frame(frame_path(input_, number)).image(Aov::beauty)));
   }
+}
+
+TEST_F(Antialias, ADeepPartIsNotScaledAndThatIsToldAtOnce) {
+  write_with_deep_part(frame_path(input_, 1));
+  expect_error(becalm(command("out/a.####.exr", {"--scale", "2", "--dry-run"})), 3,
+               {frame_path(input_, 1), "has a deep part", "--channels"});
+  becalm_done(command("out/a.####.exr", {"--scale", "2", "--channels", "beauty", "--quiet"}));
+  EXPECT_EQ(read_frame(folder_ / "out/a.0001.exr").width(), 16);
+  becalm_done(command("whole.####.exr", {"--channels", "deep,beauty", "--quiet"}));
 }
 
 TEST_F(Antialias, FeaturesOfJitteredFramesHaveTheBeautysSamples) {

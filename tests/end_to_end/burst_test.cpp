@@ -259,6 +259,9 @@ TEST_F(Burst, RefusesWhatIsNoBurst) {
   fails(inputs, {"--set", "smooth=none"}, 2, {"smooth", "blur_radius"});
   expect_error(becalm(command(inputs, folder_ / "out.jpg")), 2, {"out.jpg", ".dng"});
   expect_error(becalm(command(inputs, inputs[1])), 2, {"overwrite an input"});
+  const std::string frame = folder_ / "frame.0001.exr";
+  io::write_exr(frame, noise_frame(1, 4, 4), {{"becalm:version", "1"}});
+  expect_error(becalm(command(inputs, frame)), 2, {frame, "becalm burst did not write it", "--overwrite"});
   expect_error(becalm(command(inputs, inputs[1] + "/out.dng")), 4, {"cannot write there"});
   fs::create_directory(folder_ / "folder.dng");
   expect_error(becalm(command(inputs, folder_ / "folder.dng")), 2, {"is a folder"});

@@ -168,6 +168,11 @@ TEST_F(Denoise, AdditiveLayersStillAddUpToTheBeauty) {
   const Frame passed = read("passed.0002.exr");
   EXPECT_TRUE(same_pixels(noisy.image(Aov::direct), passed.image(Aov::direct)));
   EXPECT_TRUE(same_pixels(noisy.light_groups()[1].radiance, passed.light_groups()[1].radiance));
+  becalm_done(command("named.####.exr", {"--additive", "light.sun"}));
+  const Frame named = read("named.0002.exr");
+  EXPECT_TRUE(same_pixels(noisy.image(Aov::direct), named.image(Aov::direct)));
+  EXPECT_TRUE(same_pixels(noisy.light_groups()[0].radiance, named.light_groups()[0].radiance)) << "lamp";
+  EXPECT_FALSE(same_pixels(noisy.light_groups()[1].radiance, named.light_groups()[1].radiance)) << "sun";
 }
 
 TEST_F(Denoise, LayersThatAddUpToTheBeautyStillDo) {
@@ -332,6 +337,32 @@ TEST_F(Denoise, LayersMayBeLeftOutAndMotionTurned) {
   EXPECT_EQ(motion.at(20, 10, 0), -0.25f);
   EXPECT_EQ(motion.at(20, 10, 1), 0.25f);
   expect_error(becalm(command("out.####.exr", {"--motion", "flip"})), 2, {"motion 'flip'", "flip-x"});
+}
+
+TEST_F(Denoise, SubsampledGuidesAreRefusedBeforeAnythingIsWritten) {
+  Imf::Header header(8, 8);
+  Imf::FrameBuffer buffer;
+  std::vector<float> plane(64, 0.5f);
+  for (const auto& [layer, sampling] : {std::pair{"", 1}, {"albedo.", 2}}) {
+    for (const char letter : std::string("RGB")) {
+      header.channels().insert(layer + std::string(1, letter), Imf::Channel(Imf::FLOAT, sampling, sampling));
+      buffer.insert(layer + std::string(1, letter),
+                    Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(plane.data()), 4, 32, sampling, sampling));
+    }
+  }
+  {
+    Imf::OutputFile file(frame_path(input_, 1).c_str(), header);
+    file.setFrameBuffer(buffer);
+    file.writePixels(8);
+  }
+  const std::string remedy = "--layers albedo=none leaves it out";
+  expect_error(becalm(command("out/a.####.exr", {"--dry-run"})), 3, {frame_path(input_, 1), remedy});
+  const Outcome info = becalm({"info", input_});
+  EXPECT_EQ(info.status, 3);
+  EXPECT_NE(info.err.find(remedy), std::string::npos) << info.err;
+  becalm_done(command("out/a.####.exr", {"--layers", "albedo=none", "--quiet"}));
+  Imf::InputFile result((folder_ / "out/a.0001.exr").c_str());
+  EXPECT_EQ(result.header().channels()["albedo.R"].xSampling, 2);
 }
 
 TEST_F(Denoise, HugeDepthsMeanThatNothingIsHit) {

@@ -122,9 +122,52 @@ TEST_F(Denoise, FilesThatBecalmDidNotWriteAreNotReplacedUnlessAsked) {
 TEST_F(Denoise, RenderedFramesAreNotReplacedUnlessAsked) {
   write_frames({1});
   io::write_exr(folder_ / "out.0001.exr", noise_frame(9), {{"becalm:version", "1"}});
-  expect_error(becalm(command("out.####.exr")), 2, {"out.0001.exr", "rendered", "--overwrite"});
+  expect_error(becalm(command("out.####.exr")), 2,
+               {"out.0001.exr", "becalm denoise did not write it", "--overwrite"});
   fs::create_directories(folder_ / "folder.0001.exr");
   expect_error(becalm(command("folder.####.exr", {"--dry-run"})), 4, {"folder.0001.exr"});
+}
+
+TEST_F(Denoise, CommandsDoNotReplaceEachOthersFilesUnlessAsked) {
+  io::write_exr(frame_path(input_, 1), noise_frame(1, 16, 16), {});
+  const std::string denoised = folder_ / "d.####.exr";
+  const std::string antialiased = folder_ / "a.####.exr";
+  const std::vector<std::string> antialias{"antialias", input_, "-o"};
+  const auto with = [](std::vector<std::string> arguments, const std::vector<std::string>& more) {
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  };
+  becalm_done(command("d.####.exr", {"-q"}));
+  becalm_done(with(antialias, {antialiased, "-q"}));
+  EXPECT_EQ(io::read_attribute(folder_ / "a.0001.exr", "becalm:command"), "antialias");
+  const std::vector<std::string> render{"render", write_scene(folder_), "--frames", "1", "-o"};
+  const std::vector<std::string> noisy =
+      with(render, {folder_ / "r.####.exr", "--denoise=draft", "--context", "none", "--keep-noisy"});
+  for (const auto& [arguments, told] :
+       {std::pair{command("a.####.exr"), "-o " + folder_ / "a.0001.exr: is there, and becalm denoise did"},
+        {command("a.####.exr", {"--resume"}), "becalm denoise did not write it"},
+        {with(antialias, {denoised}), "becalm antialias did not write it"},
+        {with(render, {denoised}), "becalm render did not write it"},
+        {with(noisy, {denoised}), "becalm render --keep-noisy did not write it"}}) {
+    expect_error(becalm(arguments), 2, {told, "--overwrite replaces it"});
+  }
+  becalm_done(command("a.####.exr", {"-q", "--overwrite"}));
+}
+
+TEST_F(Denoise, FilesOfEarlierVersionsAreKnownByWhatTheyRecord) {
+  io::write_exr(frame_path(input_, 1), noise_frame(1, 16, 16), {});
+  becalm_done(command("out.####.exr", {"-q"}));
+  const std::string path = folder_ / "out.0001.exr";
+  io::Attributes recorded;
+  for (const char* name : {"version", "settings", "preset", "additive", "inputs"}) {
+    const std::string attribute = "becalm:" + std::string(name);
+    recorded.emplace_back(attribute, io::read_attribute(path, attribute));
+  }
+  io::write_exr(path, noise_frame(1, 16, 16), recorded);
+  EXPECT_NE(becalm_done(command("out.####.exr", {"--resume"})).err.find("the frame is there already"),
+            std::string::npos);
+  becalm_done(command("out.####.exr", {"-q"}));
+  EXPECT_EQ(io::read_attribute(path, "becalm:command"), "denoise");
 }
 
 TEST_F(Denoise, NumbersMayHaveLeadingZeros) {

@@ -1,6 +1,9 @@
 // becalm denoise: which frames are read and written: file names, gaps, cuts, and jobs of parts of a sequence.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include <fstream>
 
 #include "tests/end_to_end/denoise_fixture.h"
 
@@ -89,7 +92,14 @@ TEST_F(Denoise, HalvesBesideEachOtherAreOneSequence) {
   EXPECT_NE(info.find("is the other half of the samples"), std::string::npos) << info;
   EXPECT_EQ(info.find("times the variance"), std::string::npos) << "the layer is left out: " << info;
   fs::remove(frame_path(second, 2));
-  expect_error(becalm({"denoise", first, "-o", folder_ / "gap.####.exr"}), 3, {"shot.b1.0002.exr"});
+  expect_error(becalm({"denoise", first, "-o", folder_ / "gap.####.exr"}), 3,
+               {"shot.b1.####.exr: no file for frame 2"});
+  const Outcome left_out =
+      becalm_done({"denoise", first, "-o", folder_ / "skip.####.exr", "--missing", "skip", "--quiet"});
+  EXPECT_EQ(left_out.err.find("damaged"), std::string::npos) << left_out.err;
+  EXPECT_NE(left_out.err.find(fmt::format("{} and {}: frame 2 is not on disk in both", first, second)),
+            std::string::npos)
+      << left_out.err;
   const Outcome alone = becalm_done({"denoise", first, "-o", folder_ / "alone.####.exr", "--no-halves"});
   EXPECT_EQ(alone.err.find("a half of the samples"), std::string::npos) << alone.err;
   EXPECT_FALSE(same_frame("alone.0002.exr", "found.0002.exr"));
@@ -154,6 +164,29 @@ TEST_F(Denoise, DamagedFramesCountAsMissingWhereThatGoesOn) {
   const Outcome none = becalm(command("b.####.exr", {"--frames", "2", "--missing", "skip"}));
   EXPECT_EQ(none.status, 3);
   EXPECT_NE(none.err.find("none of frames 2 is on disk"), std::string::npos) << none.err;
+}
+
+TEST_F(Denoise, ADamagedFrameBetweenOthersIsNoStep) {
+  write_frames({1, 2, 3});
+  fs::resize_file(frame_path(input_, 2), fs::file_size(frame_path(input_, 2)) / 2);
+  becalm_done(command("skip.####.exr", {"--missing", "skip", "--quiet", "--set", "smooth=none"}));
+  EXPECT_TRUE(same_frame("skip.0003.exr", "in.0003.exr")) << "without history the frame stays as it is";
+}
+
+TEST_F(Denoise, HowToGoOnWithoutAFrameOfDamagedPixelsIsTold) {
+  write_frames({1, 2, 3, 4});
+  const std::string damaged = frame_path(input_, 2);
+  {
+    std::fstream file(damaged, std::ios::binary | std::ios::in | std::ios::out);
+    file.seekp(static_cast<std::streamoff>(fs::file_size(damaged) / 4 * 3));
+    file << std::string(400, 'U');
+  }
+  const std::vector<std::string> options{"--preset", "draft", "--missing", "hold", "--resume", "--quiet"};
+  expect_error(becalm(command("out.####.exr", options)), 3,
+               {damaged, "unsupported EXR", "move the file away", "--missing hold", "--resume"});
+  fs::rename(damaged, folder_ / "damaged.exr");
+  becalm_done(command("out.####.exr", options));
+  EXPECT_EQ(io::read_attribute(folder_ / "out.0002.exr", "becalm:held_from"), "1");
 }
 
 TEST_F(Denoise, MissingHoldWritesOneOutputForEachInput) {

@@ -235,12 +235,31 @@ TEST_F(Stereo, RefusesWhatIsWrong) {
                {"--eye left", "eye_separation"});
   fs::remove(folder_ / "in.right.0003.exr");
   expect_error(becalm(command("in.%V.####.exr", "out.%V.####.exr")), 3, {"in.right.####.exr", "frame 3"});
-  becalm_done(command("in.%V.####.exr", "out.%V.####.exr", {"--missing", "skip", "--quiet"}));
+  const Outcome skipped =
+      becalm_done(command("in.%V.####.exr", "out.%V.####.exr", {"--missing", "skip", "--quiet"}));
+  EXPECT_NE(skipped.err.find("frame 3 is not on disk in both and is left out"), std::string::npos)
+      << skipped.err;
   EXPECT_FALSE(fs::exists(folder_ / "out.left.0003.exr"));
   EXPECT_TRUE(fs::exists(folder_ / "out.right.0004.exr"));
   io::write_exr(folder_ / "in.right.0003.exr", noise_frame(3, 40, 32), {});
   expect_error(becalm(command("in.%V.####.exr", "bad.%V.####.exr")), 3,
                {"in.left.0003.exr", "in.right.0003.exr", "40x32", "48x32"});
+}
+
+TEST_F(Stereo, AFrameOfOneEyeAloneCountsAsMissing) {
+  for (const int number : {1, 2, 3}) {
+    for (const char* eye : {"left", "right"}) {
+      io::write_exr(frame_path(folder_ / fmt::format("in.{}.####.exr", eye), number),
+                    noise_frame(number, 16, 16), {}, io::PixelType::float32);
+    }
+  }
+  fs::remove(folder_ / "in.right.0002.exr");
+  const Outcome held = becalm_done(command("in.%V.####.exr", "out.%V.####.exr", {"--missing", "hold"}));
+  EXPECT_NE(held.err.find("frame 2 is not on disk in both and holds the one before it"), std::string::npos)
+      << held.err;
+  for (const char* eye : {"left", "right"}) {
+    EXPECT_EQ(io::read_attribute(folder_ / fmt::format("out.{}.0002.exr", eye), "becalm:held_from"), "1");
+  }
 }
 
 TEST(StereoText, IsReadAsItIsWritten) {

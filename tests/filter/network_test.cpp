@@ -370,6 +370,21 @@ TEST_F(NetworkTest, AFireflyOfTheFrameItselfHasHardlyAShare) {
   EXPECT_LT(color_with_share(0.0f) - color_with_share(kNever), 1e-4 * firefly);
 }
 
+TEST_F(NetworkTest, NoiseBeyondAllThatItHasLearnedCountsAsSomeThatItHas) {
+  const OwnShareWeights layers = constant_share(kNever);
+  const auto result_with = [&](double variance) {
+    Sample sample = noisy_sample(40, 24);
+    for (int y = 0; y < sample.pixels.height; ++y) {
+      for (int x = y % 3; x < sample.pixels.width; x += 3) sample.pixels.at(x, y).variance = variance;
+    }
+    return smooth_on(device(), sample, embedded_weights(), true, std::nullopt, Kind::merged, &layers);
+  };
+  const Grid<Estimate> noisy = result_with(1e18);
+  const Grid<Estimate> noisier = result_with(1e26);
+  for (std::size_t i = 0; i < noisy.data.size(); ++i)
+    EXPECT_NEAR(noisier.data[i].color[1], noisy.data[i].color[1], 1e-3 * noisy.data[i].color[1]) << i;
+}
+
 TEST_F(NetworkTest, RadianceAtTheEndsOfFloatComesOutFinite) {
   for (const float scale : {1e-30f, 1e30f}) {
     Sample sample = noisy_sample(40, 24);

@@ -346,6 +346,15 @@ TEST_F(AdditiveLayers, BarePartsCount) {
   EXPECT_FLOAT_EQ(read_value(read_planes(result_, 2), "B", 9), 2.0f * Imath::half(second(9)));
 }
 
+TEST_F(AdditiveLayers, LightGroupsMayBePartsOfTheirOwn) {
+  write_parts({{"light.fill", first}, {"rgba", both}, {"light.key", second}});
+  const std::vector<std::string> lines = describe_exr(path_, {}).lines();
+  EXPECT_NE(std::ranges::find(lines, "  G  half   light fill.G"), lines.end());
+  denoise();
+  EXPECT_FLOAT_EQ(read_value(read_planes(result_, 0), "G", 9), 2.0f * Imath::half(first(9)));
+  EXPECT_FLOAT_EQ(read_value(read_planes(result_, 2), "B", 9), 2.0f * Imath::half(second(9)));
+}
+
 TEST_F(AdditiveLayers, APartOfASummandIsNotTheBeauty) {
   write_parts(
       {{"AO", first}, {"CryptoMaterial00", first}, {"diffuse", first}, {"main", both}, {"specular", second}});

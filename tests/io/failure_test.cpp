@@ -94,6 +94,22 @@ TEST_F(BadFile, NoColour) {
   EXPECT_NE(read_error().find(path_ + ": no colour"), std::string::npos);
 }
 
+TEST_F(BadFile, SubsampledLayersThatAreTaken) {
+  const AovSet albedo = AovSet().set(static_cast<std::size_t>(Aov::albedo));
+  const std::vector<TestChannel> sparse{
+      {"albedo.R", Imf::HALF, 2}, {"albedo.G", Imf::HALF, 2}, {"albedo.B", Imf::HALF, 2}};
+  write_test_file(path_, {scanline_part(window(0, 0, 4, 4), joined({kColour, sparse}))});
+  EXPECT_EQ(describe_exr(path_, {}, albedo).problem,
+            path_ +
+                ": albedo of albedo.R,albedo.G,albedo.B has fewer samples than pixels, expected one in "
+                "each; --layers albedo=none leaves it out");
+  EXPECT_THROW(read_exr(path_, 1, albedo), Error);
+  EXPECT_NO_THROW(read_exr(path_, 1, {})) << "where it is passed on";
+  EXPECT_EQ(describe_exr(path_, {.layers = {{Aov::albedo, "none"}}}, albedo).problem, "");
+  write_test_file(path_, {scanline_part(window(0, 0, 4, 4), {{"R", Imf::HALF, 2}, {"G"}, {"B"}})});
+  EXPECT_TRUE(read_error().starts_with(path_ + ": beauty of R,G,B has fewer samples")) << read_error();
+}
+
 TEST_F(BadFile, TruncatedScanlines) {
   for (const Imf::Compression compression :
        {Imf::NO_COMPRESSION, Imf::ZIP_COMPRESSION, Imf::PIZ_COMPRESSION}) {

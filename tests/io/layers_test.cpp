@@ -212,7 +212,40 @@ TEST(Layers, PartsAreTold) {
 }
 
 TEST(Layers, ALayerIsNotPutTogetherFromTwoParts) {
-  EXPECT_THROW(find_layers("file.exr", {{.channels = {"R", "G"}}, {.channels = {"B"}}}, {}), Error);
+  const std::string told = error_of(ExitStatus::bad_input, [] {
+    find_layers("file.exr", {{.channels = {"R", "G"}}, {.channels = {"B"}}}, {});
+  });
+  EXPECT_TRUE(told.ends_with("channels found: R, G, B; R, G and B must lie in one part")) << told;
+}
+
+TEST(Layers, SummandsMayLieInPartsOfTheBeautysSizeThatHoldNoOtherPicture) {
+  const Names rgb{"R", "G", "B"};
+  const Names key{"light.key.R", "light.key.G", "light.key.B"};
+  std::vector<PartChannels> parts = {{.name = "light.fill", .channels = {"R", "G", "B", "A"}},
+                                     {.name = "rgba", .channels = rgb},
+                                     {.name = "lights", .channels = key},
+                                     {.name = "direct", .channels = rgb},
+                                     {.name = "indirect", .channels = rgb}};
+  const auto find_all = [&] { return find_view_layers("file.exr", parts, {}).front(); };
+  const auto names_of = [](const ViewLayers& view) {
+    Names names;
+    for (const auto& [name, light] : view.lights) names.push_back(name);
+    return names;
+  };
+  ViewLayers view = find_all();
+  EXPECT_EQ(source(view.layers, Aov::beauty)->part, 1);
+  EXPECT_EQ(names_of(view), (Names{"fill", "key"}));
+  EXPECT_EQ(view.lights.at("fill").layer.part, 0);
+  EXPECT_EQ(source(view.layers, Aov::direct)->part, 3);
+  parts[1].name = "main";
+  EXPECT_EQ(source(find_all().layers, Aov::beauty)->part, 1) << "no light group";
+  parts[0].data_window.max.x = parts[4].data_window.max.x = 7;
+  view = find_all();
+  EXPECT_EQ(names_of(view), Names{"key"});
+  EXPECT_TRUE(source(view.layers, Aov::direct));
+  EXPECT_FALSE(source(view.layers, Aov::indirect));
+  parts[2].channels.insert(parts[2].channels.end(), rgb.begin(), rgb.end());
+  EXPECT_EQ(names_of(find_all()), Names()) << "of another picture";
 }
 
 TEST(Layers, DepthIsNeverTheZOfAPositionOrNormal) {

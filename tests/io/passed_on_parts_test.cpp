@@ -138,7 +138,13 @@ TEST_F(PassedOn, DeepParts) {
     flat_out.setFrameBuffer(pixels);
     flat_out.writePixels(height);
   }
-  denoise();
+  for (const char* name : {"deep", "deep/Z", "beauty"})
+    EXPECT_NO_THROW(check_selection(source_, {}, {.names = {name}}, "--channels")) << name;
+  EXPECT_THROW(check_selection(source_, {}, {.names = {"deep/A"}}, "--channels"), Error);
+  EXPECT_THROW(check_scaling(source_, {}), Error);
+  EXPECT_THROW(check_scaling(source_, {.names = {"deep", "beauty"}}), Error);
+  EXPECT_NO_THROW(check_scaling(source_, {.names = {"beauty"}}));
+  denoise({}, {}, {.type = {}, .channels = {.names = {"deep", "beauty"}}});
   const std::vector<float> expected = samples;
   std::fill(samples.begin(), samples.end(), -1.0f);
   std::fill(counts.begin(), counts.end(), 9u);

@@ -83,6 +83,23 @@ TEST_F(PassedOn, TypesOfTheDenoisedChannelsOnRequest) {
   }
 }
 
+TEST_F(PassedOn, AlphaThatIsKeptHasItsTypeAndItsBits) {
+  for (const Imf::PixelType alpha : {Imf::HALF, Imf::FLOAT}) {
+    write_test_file(source_, {scanline_part(window(0, 0, 37, 70), {{"R"}, {"G"}, {"B"}, {"A", alpha}})});
+    LoadedFrame loaded = read_exr(source_, 1, {});
+    for (std::size_t i = 0; i < loaded.frame.image(Aov::beauty).data().size(); ++i)
+      if (i % 4 != 3) loaded.frame.image(Aov::beauty).data()[i] *= 0.5f;
+    for (const std::string name : {"pxr24", "b44", "dwaa"}) {
+      const DenoisedFormat format{.type = PixelType::half, .compression = name, .keeps_alpha = true};
+      const WriteReport report = write_denoised_exr(result_, loaded.frame, {}, loaded, {}, format);
+      const bool alters = alpha == Imf::HALF ? name == "b44" : name == "pxr24";
+      EXPECT_EQ(report.lossless_instead, alters) << name;
+      expect_same_but_for({"R", "G", "B"});
+      EXPECT_EQ(read_header(result_).channels()["A"].type, alpha) << name;
+    }
+  }
+}
+
 TEST_F(PassedOn, CompressionOnRequestUnlessItWouldAlterOtherChannels) {
   for (const std::string_view name : compression_names()) {
     write_test_file(source_, {scanline_part(window(0, 0, 37, 70), kMixed)});

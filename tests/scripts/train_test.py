@@ -101,6 +101,7 @@ class Shots(unittest.TestCase):
             (own_share.HIDDEN, "filter/smooth/weights.h", "kOwnShareHidden"),
             (network_module.LOSS_SCALE, "shaders/lib/network.glsl", "kErrorScale"),
             (network_module.LOSS_FLOOR, "shaders/lib/network.glsl", "kErrorFloor"),
+            (network_module.LARGEST_NOISE, "shaders/lib/network.glsl", "kLargestNoise"),
             (network_module.LEAST_CONFIDENCE, "shaders/lib/network.glsl", "kLeastConfidence"),
             (network_module.INPUTS, "filter/smooth/weights.h", "kNetworkInputs"),
             (network_module.TAPS, "filter/smooth/weights.h", "kWindowTaps"),

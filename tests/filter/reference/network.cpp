@@ -147,7 +147,7 @@ Inputs inputs_of(const TwoSamples& samples, const TwoFeatures& both, double expo
         for (int c = 0; c < 3; ++c) of_divisor += std::pow(divisor(f[c]), 2) / 3;
         const double deviation = std::sqrt(sample.at(x, y).variance / of_divisor) * exposure;
         const double light = 0.2126 * v[0] + 0.7152 * v[1] + 0.0722 * v[2];
-        noise = std::log(1.0 + deviation / (std::max(light, 0.0) + 0.1));
+        noise = std::min(std::log(1.0 + deviation / (std::max(light, 0.0) + 0.1)), 10.0);
       }
       inputs.channels.at(x, y) = {compressed(v[0]),
                                   compressed(v[1]),
