@@ -6,12 +6,11 @@ import torch
 
 import batches
 import rare_crops
+from network import FEATURES
 
-FEATURES = 7  # of a set: albedo, normal, depth
 
-
-def as_channels(flags, x):
-    """Flags of the samples of a batch, in the shape of images."""
+def as_images(flags, x):
+    """One value of each crop, in a shape that goes with the images `x`."""
     return flags.view(-1, *[1] * (x.dim() - 1))
 
 
@@ -53,10 +52,10 @@ class RenderedCrops:
         colors, references = cut(self.colors), cut(self.references)
         told, merged = self.told[chosen], self.merged[chosen]
         of_file = (self.random(count) * told.clamp(min=1)).long()
-        deviation = cut(self.deviations).gather(1, as_channels(of_file, colors).expand(-1, 1, size, size))
+        deviation = cut(self.deviations).gather(1, as_images(of_file, colors).expand(-1, 1, size, size))
         is_told = (told > 0) & (merged | (self.random(count) >= batches.WITHOUT_VARIANCE))
-        variance = torch.where(as_channels(is_told, deviation), deviation**2, -torch.ones_like(deviation))
-        fireflies = as_channels(merged & self.chance(count, batches.WITH_FIREFLIES), colors) & (
+        variance = torch.where(as_images(is_told, deviation), deviation**2, -torch.ones_like(deviation))
+        fireflies = as_images(merged & self.chance(count, batches.WITH_FIREFLIES), colors) & (
             self.random(count, 1, size, size) < rare_crops.FIREFLIES)
         own = torch.where(fireflies, 10 ** (1 + 5 * self.random(count, 1, 1, 1)), colors[:, 3:])
         features = self.features_of(cut, merged)
@@ -83,10 +82,10 @@ class RenderedCrops:
     def features_of(self, cut, merged):
         own, clean = cut(self.own_features), cut(self.clean_features)
         count = len(own)
-        smoothed = as_channels(self.chance(count, batches.SMOOTHED_ALBEDO), own)
+        smoothed = as_images(self.chance(count, batches.SMOOTHED_ALBEDO), own)
         own = torch.cat([torch.where(smoothed, cut(self.albedo), own[:, :3]), own[:, 3:]], 1)
-        first = torch.where(as_channels(merged, own), cut(self.merged_features), own)
-        is_clean = as_channels(self.chance(count, batches.CLEAN_FEATURES), own)
+        first = torch.where(as_images(merged, own), cut(self.merged_features), own)
+        is_clean = as_images(self.chance(count, batches.CLEAN_FEATURES), own)
         return torch.where(is_clean, torch.cat([clean, clean], 1), torch.cat([first, own], 1))
 
     def varied(self, colors, variance, features, references):
@@ -95,7 +94,7 @@ class RenderedCrops:
         nothing = self.chance(count, batches.BEAUTY_ALONE)
         features = features.unflatten(1, (2, FEATURES))
         without = lambda share, part, value: torch.where(
-            as_channels(nothing | self.chance(count, share), part), torch.full_like(part, value), part)
+            as_images(nothing | self.chance(count, share), part), torch.full_like(part, value), part)
         albedo = without(batches.WITHOUT_ALBEDO, features[:, :, :3], 1.0)
         normal = without(batches.WITHOUT_NORMAL, features[:, :, 3:6], 0.0)
         depth = without(batches.WITHOUT_DEPTH, features[:, :, 6:], 0.0)

@@ -5,8 +5,8 @@
 /// Input for a radiance in units of the frame's typical luminance: close to the logarithm where it is bright.
 float compressed_radiance(float radiance) { return 0.5f * log(1.0f + 10.0f * max(radiance, 0.0f)); }
 
-/// More than in any frame that the network has learned from. Beyond that its answers are no good: a firefly of 1e8 in
-/// one frame, of which the merge gives others a trace with its noise, left blobs in them.
+/// More noise than training shows. What the network makes of more is undefined: beside fireflies of 1e8, it let
+/// traces of them through in the frames that had merged them.
 const float kLargestNoise = 10.0f;
 
 /// Input for a pixel's noise: its standard deviation relative to its luminance, compressed.
