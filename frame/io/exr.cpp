@@ -215,6 +215,10 @@ void forget_outside(const Imath::Box2i& data_window, LoadedView& view) {
   if (unknown > 0) view.frame.set_cut(Cut{inside, unknown});
 }
 
+std::string text_of(const Imath::Box2i& window) {
+  return fmt::format("({}, {}) to ({}, {})", window.min.x, window.min.y, window.max.x, window.max.y);
+}
+
 /// Empty where there is none.
 std::string text_attribute(const Imf::Header& header, const char* name) {
   const auto* attribute = header.findTypedAttribute<Imf::StringAttribute>(name);
@@ -311,6 +315,11 @@ LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted, c
       LoadedView& view = i == 0 ? loaded : loaded.other_views[i - 1];
       static_cast<ViewLayers&>(view) = views[i];
       view.window = window.value_or(views[i].data_window);
+      if (!view.window.intersects(views[i].data_window)) {
+        throw Error(ExitStatus::bad_input,
+                    fmt::format("{}: data window {}: expected one that overlaps the sequence's, {}", path,
+                                text_of(views[i].data_window), text_of(view.window)));
+      }
       std::ranges::transform(view.layers, view.rounding.begin(),
                              [&](const auto& source) { return source ? rounding_of(*file, *source) : 0.0f; });
       view.frame = Frame(frame_number, width_of(view.window), height_of(view.window));

@@ -79,7 +79,7 @@ bool has_all_chunks(const std::string& path);
 /// beauty's part; outside its own part's window an AOV has the value for pixels that hit nothing, and the
 /// beauty is 0, or NaN where it is cut off in the middle of what is opaque (Frame::cut). Throws
 /// Error(bad_input) naming the file for: no such file, not an EXR, truncated or corrupt pixels, no colour,
-/// subsampled layers, a deep file, more than 65536 pixels a side.
+/// subsampled layers, a deep file, more than 65536 pixels a side, no pixel within `window`.
 LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted,
                      const LayerOptions& options = {}, LightGroups light_groups = LightGroups::leave,
                      const std::optional<Imath::Box2i>& window = std::nullopt,

@@ -48,6 +48,18 @@ TEST_F(ExrRead, FrameCoversTheDataWindow) {
   expect_colour(loaded.frame, -3, 5);
 }
 
+TEST_F(ExrRead, RefusesADataWindowBesideTheSequences) {
+  write_test_file(path_, {scanline_part(window(0, 0, 8, 4), kColour)});
+  EXPECT_EQ(read_exr(path_, 1, {}, {}, LightGroups::leave, window(7, 3, 8, 4)).frame.width(), 8);
+  try {
+    read_exr(path_, 1, {}, {}, LightGroups::leave, window(20, 0, 8, 4));
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.status(), ExitStatus::bad_input);
+    EXPECT_NE(std::string(error.what()).find("(0, 0) to (7, 3)"), std::string::npos) << error.what();
+  }
+}
+
 TEST_F(ExrRead, TiledMippedAndDecreasingLines) {
   write_test_file(path_, {tiled_part(window(-7, -9, 45, 300), kColour, 16, 24)});
   expect_colour(read_exr(path_, 1, {}).frame, -7, -9);
