@@ -195,7 +195,6 @@ struct Chain::Impl {
   std::vector<PassPipeline> pipelines;  // one per pass; null for passes without a kernel
   HostBuffer nothing;                   // bound to absent bindings; null if there are none
   vk::raii::BufferView nothing_texels = nullptr;
-  vk::raii::BufferView nothing_unsigned_texels = nullptr;
   vk::raii::DescriptorPool descriptor_pool = nullptr;
   std::array<std::vector<vk::raii::DescriptorSet>, 2> descriptor_sets;  // by parity, then pass
   std::optional<PassTimer> timer;
