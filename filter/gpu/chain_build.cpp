@@ -85,17 +85,14 @@ void Chain::Impl::plan_segments() {
   }
 }
 
-void Chain::Impl::plan_memory() {
-  constexpr int never = -1;
-  const int last_step = static_cast<int>(steps.size()) - 1;
-  std::vector<int> first(images.size(), never);
-  std::vector<int> last(images.size(), never);
+std::vector<std::optional<Lifetime>> Chain::Impl::lifetimes() const {
+  std::vector<std::optional<Lifetime>> result(images.size());
   const auto touch = [&](int image, int step) {
-    const auto i = static_cast<std::size_t>(image);
-    if (first[i] == never) first[i] = step;
-    last[i] = step;
+    std::optional<Lifetime>& lifetime = result[static_cast<std::size_t>(image)];
+    if (!lifetime) lifetime = Lifetime{.first = step, .last = step};
+    lifetime->last = step;
   };
-  for (int step = 0; step <= last_step; ++step) {
+  for (int step = 0; step < static_cast<int>(steps.size()); ++step) {
     const auto [kind, index] = steps[static_cast<std::size_t>(step)];
     if (kind != Step::Kind::pass) {
       touch(index, step);
@@ -103,7 +100,11 @@ void Chain::Impl::plan_memory() {
     }
     for (const Use& use : passes[static_cast<std::size_t>(index)].uses) touch(use.image, step);
   }
+  return result;
+}
 
+void Chain::Impl::plan_memory() {
+  const std::vector<std::optional<Lifetime>> lived = lifetimes();
   buffers.resize(images.size());
   std::vector<MemoryRequest> requests;  // of what no run leaves to the next
   std::vector<std::size_t> owners;
@@ -116,7 +117,7 @@ void Chain::Impl::plan_memory() {
       staging_bytes += images[i].bytes();
     }
     const bool is_kept = is_hosts || images[i].is_history();
-    if (first[i] == never && !is_kept) continue;
+    if (!lived[i] && !is_kept) continue;
     const vk::BufferCreateInfo create = buffer_of(images[i]);
     const vk::MemoryRequirements needs =
         device.device.getBufferMemoryRequirements(vk::DeviceBufferMemoryRequirements(&create))
@@ -129,7 +130,7 @@ void Chain::Impl::plan_memory() {
       if (!is_hosts) bytes.own += needs.size;
       continue;
     }
-    requests.push_back({needs.size, first[i], last[i]});
+    requests.push_back({needs.size, lived[i]->first, lived[i]->last});
     owners.push_back(i);
   }
 
