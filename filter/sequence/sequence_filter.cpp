@@ -33,9 +33,6 @@
 namespace becalm::filter {
 namespace {
 
-/// Share of the device's memory that the filter may take; the driver and other programs need the rest.
-constexpr double kShareOfDevice = 0.9;
-
 /// 1 for each pixel that is output unchanged: non-finite pixels, and empty ones, into which smoothing would
 /// spread light without alpha.
 std::vector<std::uint8_t> unfiltered_pixels(const NewFrame& frame) {
@@ -102,10 +99,6 @@ Frame output_frame(const NewFrame& frame, const FilterTask& task, MergedFrame ma
 }
 
 }  // namespace
-
-std::uint64_t usable_bytes(const gpu::Device& device) {
-  return static_cast<std::uint64_t>(kShareOfDevice * static_cast<double>(device.info().memory_bytes));
-}
 
 AovSet wanted_aovs(const Settings& settings) {
   AovSet wanted;
