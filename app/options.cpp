@@ -18,7 +18,7 @@
 #include "app/number_checks.h"
 #include "app/setting_text.h"
 #include "filter/antialias/antialias_settings.h"
-#include "filter/sequence/frame_filter.h"
+#include "filter/tiles/build_within.h"
 #include "frame/error.h"
 #include "frame/io/exr.h"
 #include "tracer/snapshot/intersect.h"

@@ -32,7 +32,6 @@ struct Binding {
 struct SpecConstant {
   std::string name;
   std::uint32_t id = 0;
-  std::string type;
 };
 
 /// Width and height that the chain supplies.
@@ -87,7 +86,6 @@ std::string element_name(const SPIRType& type) {
   if (plain && type.basetype == SPIRType::Float && type.vecsize == 1) return "float";
   if (plain && type.basetype == SPIRType::Float && type.vecsize == 2) return "vec2";
   if (plain && type.basetype == SPIRType::Float && type.vecsize == 4) return "vec4";
-  if (plain && type.basetype == SPIRType::UInt && type.vecsize == 1) return "uint";
   return "";
 }
 
@@ -108,7 +106,7 @@ Binding reflect_binding(const Compiler& compiler, const spirv_cross::Resource& r
   require(member.array.size() == 1 && member.array[0] == 0,
           where + "must hold one array `data[]` without a size");
   result.element = element_name(member);
-  require(!result.element.empty(), where + "elements must be float, vec2, vec4 or uint");
+  require(!result.element.empty(), where + "elements must be float, vec2 or vec4");
 
   const spirv_cross::Bitset flags = compiler.get_buffer_block_flags(resource.id);
   result.reads = !flags.get(spv::DecorationNonReadable);
@@ -141,19 +139,18 @@ std::string binding_of_size(const std::string& member, const std::vector<Binding
   throw std::runtime_error("push constant '" + member + "' must be `size` or `NAME_size` of a buffer NAME");
 }
 
-/// `uniform samplerBuffer name` or `usamplerBuffer`: read as texels of any float or uint format.
+/// `uniform samplerBuffer name`: read as texels of any float format.
 Binding reflect_texel_buffer(const Compiler& compiler, const spirv_cross::Resource& resource) {
   Binding result;
   result.name = compiler.get_name(resource.id);
   const std::string where = "texel buffer '" + result.name + "': ";
   const SPIRType& type = compiler.get_type(resource.type_id);
   const SPIRType::BaseType kind = compiler.get_type(type.image.type).basetype;
-  require(type.image.dim == spv::DimBuffer && type.array.empty() &&
-              (kind == SPIRType::Float || kind == SPIRType::UInt),
-          where + "of images and samplers only samplerBuffer and usamplerBuffer are supported");
+  require(type.image.dim == spv::DimBuffer && type.array.empty() && kind == SPIRType::Float,
+          where + "of images and samplers only samplerBuffer is supported");
   require_binding(compiler, resource, where);
   result.binding = compiler.get_decoration(resource.id, spv::DecorationBinding);
-  result.element = kind == SPIRType::Float ? "texel" : "utexel";
+  result.element = "texel";
   result.reads = true;
   return result;
 }
@@ -190,24 +187,8 @@ SpecConstant reflect_spec_constant(const Compiler& compiler,
   result.id = constant.constant_id;
   require(!result.name.empty(), "specialization constant " + std::to_string(result.id) + " needs a name");
   const SPIRType& type = compiler.get_type(compiler.get_constant(constant.id).constant_type);
-  switch (type.basetype) {
-    case SPIRType::Int:
-      result.type = "int";
-      break;
-    case SPIRType::UInt:
-      result.type = "uint";
-      break;
-    case SPIRType::Float:
-      result.type = "float";
-      break;
-    case SPIRType::Boolean:
-      result.type = "bool";
-      break;
-    default:
-      break;
-  }
-  require(!result.type.empty() && (type.width == 32 || type.basetype == SPIRType::Boolean),
-          "specialization constant '" + result.name + "' must be int, uint, float or bool");
+  require(type.basetype == SPIRType::Int && type.width == 32,
+          "specialization constant '" + result.name + "' must be int");
   return result;
 }
 
@@ -284,7 +265,7 @@ void write_kernel(std::ostream& out, const Kernel& kernel, std::size_t index) {
   if (kernel.spec_constants.empty()) return;
   out << "constexpr SpecConstantInfo kSpecConstants" << index << "[] = {\n";
   for (const SpecConstant& s : kernel.spec_constants) {
-    out << "  {" << std::quoted(s.name) << ", " << s.id << ", " << std::quoted(s.type) << "},\n";
+    out << "  {" << std::quoted(s.name) << ", " << s.id << "},\n";
   }
   out << "};\n";
 }

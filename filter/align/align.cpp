@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <vector>
 
 #include "filter/ceil_div.h"
 #include "shaders/shared/align_params.h"
@@ -41,8 +42,8 @@ gpu::Footprint gather_source(const Settings& settings, std::size_t level, int li
 /// Warps the source's features to the target's pixels by the level's start offsets.
 ImageId add_warp(Chain& chain, const Settings& settings, const Search& search, std::size_t level,
                  Extent extent, const Features& source, const CoarseOffset& coarse, int limit_px) {
-  const ImageId warped = chain.image(fmt::format("{}features.warped.L{}", search.name, level), Format::f32,
-                                     extent.with_planes(source.planes));
+  const ImageId warped =
+      chain.image(fmt::format("features.warped.L{}", level), Format::f32, extent.with_planes(source.planes));
   chain.pass("align/warp_source")
       .read("source", source.image, gather_source(settings, level, limit_px))
       .read("offset_coarse", coarse.image, gpu::bilinear(coarse.factor))
@@ -62,7 +63,7 @@ CoarseOffset add_motion_guide(Chain& chain, const Settings& settings, const Sear
                               int limit_px) {
   constexpr int patch_radius = 2;  // of both starts that are compared
   const Extent extent = level_extent(settings, search.full, level);
-  const ImageId start = chain.image(search.name + "offset.guided", Format::f32x2, extent);
+  const ImageId start = chain.image("offset.guided", Format::f32x2, extent);
   chain.pass("align/choose_start")
       .read("target", target.image, gpu::reach(patch_radius))
       .read("source", source.image, gather_source(settings, level, limit_px, patch_radius))
@@ -112,7 +113,7 @@ struct Strip {
 /// invocations: of 1, 2 and 4 columns, 4 are the fastest on an NVIDIA H100 with patches of 13x13.
 Strip match_strip(const gpu::DeviceInfo& device, Extent finest) {
   constexpr std::size_t small_px = 256 * 256;
-  if (device.type != "software") return {4, 16};
+  if (!device.is_processor) return {4, 16};
   return {finest.elements() <= small_px ? 2 : 16, 32};
 }
 
@@ -149,9 +150,9 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
   assert(search.target.planes == search.source.planes && search.levels.finest < search.levels.end);
   const auto [finest, end] = search.levels;
   const std::vector<Features> targets =
-      add_pyramid(chain, settings, search.levels, search.full, search.target, search.name + "target");
+      add_pyramid(chain, settings, search.levels, search.full, search.target, "target");
   const std::vector<Features> sources =
-      add_pyramid(chain, settings, search.levels, search.window.full, search.source, search.name + "source");
+      add_pyramid(chain, settings, search.levels, search.window.full, search.source, "source");
 
   const int motion_limit_px = search.motion ? search.motion_limit_px : 0;
   const auto limit_after = [&, end = end](std::size_t level) {
@@ -162,13 +163,13 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
   if (search.start) {
     coarse = {*search.start, settings.pyramid.factor};
   } else {
-    coarse = {chain.image(search.name + "offset.none", Format::f32x2, {1, 1}), 1};
+    coarse = {chain.image("offset.none", Format::f32x2, {1, 1}), 1};
     chain.fill(coarse.image, 0.0f);
   }
   const Strip strip = match_strip(chain.device(), level_extent(settings, search.full, finest));
   for (std::size_t l = end; l-- > finest;) {
     const Extent extent = level_extent(settings, search.full, l);
-    const ImageId residual = chain.image(search.name + fmt::format("residual.L{}", l), Format::f32, extent);
+    const ImageId residual = chain.image(fmt::format("residual.L{}", l), Format::f32, extent);
     result.residual = residual;
     const Features& target = targets[l - finest];
     const Features& source = sources[l - finest];
@@ -177,18 +178,17 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
       limit_px = std::max(limit_px, motion_limit_px);
       coarse = add_motion_guide(chain, settings, search, l, target, source, coarse, limit_px);
     }
-    const Level level{
-        .index = l,
-        .extent = extent,
-        .radius = blur_radius(settings, l),
-        .channels = search.target.planes,
-        .target = target.image,
-        .warped = add_warp(chain, settings, search, l, extent, source, coarse, limit_px),
-        .coarse = coarse,
-        .offset = chain.image(search.name + fmt::format("offset_noisy.L{}", l), Format::f32x2, extent),
-        .residual = residual};
+    const Level level{.index = l,
+                      .extent = extent,
+                      .radius = blur_radius(settings, l),
+                      .channels = search.target.planes,
+                      .target = target.image,
+                      .warped = add_warp(chain, settings, search, l, extent, source, coarse, limit_px),
+                      .coarse = coarse,
+                      .offset = chain.image(fmt::format("offset_noisy.L{}", l), Format::f32x2, extent),
+                      .residual = residual};
     add_match(chain, settings, level, strip);
-    const ImageId offset = chain.image(search.name + fmt::format("offset.L{}", l), Format::f32x2, extent);
+    const ImageId offset = chain.image(fmt::format("offset.L{}", l), Format::f32x2, extent);
     chain.pass("align/median_offset")
         .read("offset_noisy", level.offset, gpu::reach(1))
         .write("offset", offset)
@@ -199,11 +199,10 @@ SearchResult add_search_passes(Chain& chain, const Settings& settings, const Sea
   return result;
 }
 
-ImageId add_upsample_pass(Chain& chain, const Settings& settings, Extent full, ImageId offset,
-                          const std::string& name) {
+ImageId add_upsample_pass(Chain& chain, const Settings& settings, Extent full, ImageId offset) {
   if (settings.match_downsample == 1) return offset;
   const Extent extent = level_extent(settings, full, 0);
-  const ImageId upsampled = chain.image(name + "offset.full", Format::f32x2, full);
+  const ImageId upsampled = chain.image("offset.full", Format::f32x2, full);
   chain.pass("align/upsample_offset")
       .read("offset_coarse", offset, gpu::bilinear(settings.match_downsample))
       .write("offset", upsampled)
@@ -212,9 +211,8 @@ ImageId add_upsample_pass(Chain& chain, const Settings& settings, Extent full, I
   return upsampled;
 }
 
-ImageId add_override_pass(Chain& chain, Extent full, ImageId offset, ImageId motion,
-                          const std::string& name) {
-  const ImageId overridden = chain.image(name + "offset.overridden", Format::f32x2, full);
+ImageId add_override_pass(Chain& chain, Extent full, ImageId offset, ImageId motion) {
+  const ImageId overridden = chain.image("offset.overridden", Format::f32x2, full);
   chain.pass("align/override_offset")
       .read("found", offset)
       .read("motion", motion)
@@ -223,28 +221,32 @@ ImageId add_override_pass(Chain& chain, Extent full, ImageId offset, ImageId mot
   return overridden;
 }
 
-Alignment add_align_passes(Chain& chain, const Settings& settings, Extent full, const Features& target,
-                           const Features& source, const AlignOptions& options) {
-  const bool guides = options.motion && settings.motion == MotionUse::guide;
-  const SearchResult found =
-      add_search_passes(chain, settings,
-                        {.name = options.name,
-                         .levels = {0, pyramid_extents(settings, full.width, full.height).size()},
-                         .full = full,
-                         .window = add_same_window(chain, full, options.name + "origin.align"),
-                         .target = target,
-                         .source = source,
-                         .start = {},
-                         .motion = guides ? options.motion : std::nullopt,
-                         .motion_limit_px = largest_motion_px(settings, full)});
-  Alignment alignment{.offset = add_upsample_pass(chain, settings, full, found.offset, options.name),
+Alignment add_alignment(Chain& chain, const Settings& settings, const Search& search) {
+  assert(search.levels.finest == 0);
+  Search guided = search;
+  if (settings.motion != MotionUse::guide) guided.motion.reset();
+  const SearchResult found = add_search_passes(chain, settings, guided);
+  Alignment alignment{.offset = add_upsample_pass(chain, settings, search.full, found.offset),
                       .residual = found.residual,
                       .limit_px = found.limit_px};
-  if (options.motion && settings.motion == MotionUse::override_offset) {
-    alignment.offset = add_override_pass(chain, full, alignment.offset, *options.motion, options.name);
-    alignment.limit_px = largest_motion_px(settings, full);
+  if (search.motion && settings.motion == MotionUse::override_offset) {
+    alignment.offset = add_override_pass(chain, search.full, alignment.offset, *search.motion);
+    alignment.limit_px = search.motion_limit_px;
   }
   return alignment;
+}
+
+Alignment add_align_passes(Chain& chain, const Settings& settings, Extent full, const Features& target,
+                           const Features& source, std::optional<ImageId> motion) {
+  return add_alignment(chain, settings,
+                       {.levels = {0, pyramid_extents(settings, full.width, full.height).size()},
+                        .full = full,
+                        .window = add_same_window(chain, full, "origin.align"),
+                        .target = target,
+                        .source = source,
+                        .start = {},
+                        .motion = motion,
+                        .motion_limit_px = largest_motion_px(settings, full)});
 }
 
 }  // namespace becalm::filter

@@ -2,7 +2,6 @@
 
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "filter/align/match_features.h"
 #include "filter/align/pyramid.h"
@@ -23,7 +22,6 @@ SourceWindow add_same_window(gpu::Chain& chain, gpu::Extent full, const std::str
 
 /// A search over a range of levels, from coarse to fine.
 struct Search {
-  std::string name;  ///< prefix of its images' names
   LevelRange levels;
   gpu::Extent full;  ///< size of the target's images at full resolution
   SourceWindow window;
@@ -46,11 +44,10 @@ SearchResult add_search_passes(gpu::Chain& chain, const Settings& settings, cons
 
 /// Upsamples offsets of level 0 to full resolution, in full-resolution pixels.
 gpu::ImageId add_upsample_pass(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
-                               gpu::ImageId offset, const std::string& name = "");
+                               gpu::ImageId offset);
 
 /// Replaces full-resolution offsets by `motion` in pixels that have motion.
-gpu::ImageId add_override_pass(gpu::Chain& chain, gpu::Extent full, gpu::ImageId offset, gpu::ImageId motion,
-                               const std::string& name = "");
+gpu::ImageId add_override_pass(gpu::Chain& chain, gpu::Extent full, gpu::ImageId offset, gpu::ImageId motion);
 
 struct Alignment {
   /// f32x2, full resolution: source(p + offset) looks like target(p), in full-resolution pixels.
@@ -61,15 +58,15 @@ struct Alignment {
   int limit_px = 0;  ///< largest component of the offsets
 };
 
-struct AlignOptions {
-  std::string name;  ///< prefix of the images' names, for chains that align more than once
-  /// f32x2, full resolution: motion from pack_motion; `settings.motion` selects its use.
-  std::optional<gpu::ImageId> motion;
-};
+/// Searches down to level 0 and upsamples the offsets to full resolution. `settings.motion` selects whether
+/// `search.motion` is a candidate of the search or replaces its offsets.
+Alignment add_alignment(gpu::Chain& chain, const Settings& settings, const Search& search);
 
 /// Aligns the source's features with the target's by hierarchical patch matching (Hanika et al. 2021,
-/// section 3.1).
+/// section 3.1), at all levels. `motion`: f32x2, full resolution, from pack_motion; `settings.motion` selects
+/// its use.
 Alignment add_align_passes(gpu::Chain& chain, const Settings& settings, gpu::Extent full,
-                           const Features& target, const Features& source, const AlignOptions& options = {});
+                           const Features& target, const Features& source,
+                           std::optional<gpu::ImageId> motion = std::nullopt);
 
 }  // namespace becalm::filter

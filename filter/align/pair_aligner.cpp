@@ -91,10 +91,6 @@ struct PairAligner::State {
         std::uint64_t memory_limit);
 
   void check(const Frame& target, const Frame& source) const;
-  void upload_motion(gpu::Chain& chain, gpu::ImageId image, const Frame& target, const Rect& rect) const {
-    pack_motion(target.image(Aov::motion), rect, motion_limit_px(task.settings, task.full),
-                chain.upload<float>(image));
-  }
   void find_coarse_offsets(const MatchedPair& pair, FrameReport& report);
   /// Makes the coarse features of one tile of a frame, and copies them into an input of the coarse chain.
   void find_coarse_features(const MatchedFrame& frame, const Tile& tile, float exposure, ImageId coarse_input,
@@ -102,7 +98,6 @@ struct PairAligner::State {
   void search_tile(const Tile& tile, const MatchedPair& pair, PairAlignment& result, FrameReport& report);
 
   FilterTask task;
-  bool takes_motion = false;
   SplitPlan<Chains> plan;
 };
 
@@ -112,8 +107,8 @@ PairAligner::State::State(gpu::Device& device, const Settings& settings, Extent 
            .full = full,
            .used = available,
            .diagnostics = {},
-           .guides = guides_of(settings, available)},
-      takes_motion(settings.motion != MotionUse::none && contains(available, Aov::motion)) {
+           .guides = guides_of(settings, available)} {
+  task.used.reset(static_cast<std::size_t>(Aov::motion));
   plan.tiles = {uncut(task.full)};
   plan.chains = plan_whole_frame(task, memory_limit, [&](const PyramidSplit& split) {
     return std::make_unique<Chains>(device, task, split, plan.tiles.front());
@@ -130,9 +125,6 @@ void PairAligner::State::check(const Frame& target, const Frame& source) const {
   for (const Frame* frame : {&target, &source}) {
     check_frame(*frame, task.full.width, task.full.height, matched, "the aligner's frames");
   }
-  if (!takes_motion) return;
-  check_frame(target, task.full.width, task.full.height, AovSet().set(static_cast<std::size_t>(Aov::motion)),
-              "the aligner's target");
 }
 
 void PairAligner::State::find_coarse_features(const MatchedFrame& frame, const Tile& tile, float exposure,
@@ -159,7 +151,6 @@ void PairAligner::State::find_coarse_offsets(const MatchedPair& pair, FrameRepor
     find_coarse_features(pair.target, tile, pair.exposure, coarse.target.image, report);
     find_coarse_features(pair.source, tile, pair.exposure, coarse.source.image, report);
   }
-  if (coarse.motion) upload_motion(coarse.chain, *coarse.motion, pair.target.frame, bounds(task.full));
   coarse.chain.run();
   add_times(report, coarse.chain);
 }
@@ -169,18 +160,11 @@ void PairAligner::State::search_tile(const Tile& tile, const MatchedPair& pair, 
   PairSearch& search = plan.chains->search;
   gpu::Chain& chain = search.chain;
   chain.upload<float>(search.exposure)[0] = pair.exposure;
-  const std::span<float> origin = chain.upload<float>(search.target_origin);
-  origin[0] = static_cast<float>(tile.target.x - tile.source.x);
-  origin[1] = static_cast<float>(tile.target.y - tile.source.y);
+  upload_origin(chain, search.target_origin, tile.target, tile.source);
   pair.target.upload(chain, task.guides, search.target, tile.target);
   pair.source.upload(chain, task.guides, search.source, tile.source);
-  if (search.motion) upload_motion(chain, *search.motion, pair.target.frame, tile.target);
   if (search.start) {
-    const CoarseChain& coarse = *plan.chains->coarse;
-    const std::size_t level = plan.chains->split.coarse;
-    upload(chain, *search.start,
-           {coarse.chain.download<float>(coarse.offset), level_extent(task.settings, task.full, level), 2},
-           at_level(tile.target, level_px(task.settings, level)));
+    upload_start(chain, *search.start, *plan.chains->coarse, task, plan.chains->split, tile.target);
   }
   chain.run();
   add_times(report, chain);

@@ -20,8 +20,8 @@ struct PairAlignment {
 
 /// Aligns one frame with another by the search that SequenceFilter uses for its history, without merging. The
 /// frames are matched by radiance, scaled by the target's exposure, and, if `settings.guides` is 1, by albedo
-/// and normal where available. A frame that the device cannot hold is cut, as FrameMerger does it: the
-/// results do not depend on the cut.
+/// and normal where available; known motion is not used. A frame that the device cannot hold is cut, as
+/// FrameMerger does it: the results do not depend on the cut.
 class PairAligner {
  public:
   /// Chooses the largest tiles whose chains hold at most `memory_limit` bytes on the device. Throws
@@ -32,7 +32,7 @@ class PairAligner {
   PairAligner(PairAligner&&) noexcept;
 
   /// Adds the device times to the report. Throws Error(bad_input) if a frame has another size or lacks an AOV
-  /// that is matched, or if the target lacks the motion that is used.
+  /// that is matched.
   PairAlignment align(const Frame& target, const Frame& source, FrameReport& report);
   FilterMemory memory() const;
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
 
 #include "filter/align/search_chains.h"
 #include "filter/gpu/chain.h"
@@ -16,24 +15,14 @@ struct PairSearch {
   PairSearch(gpu::Device& device, const FilterTask& task, const PyramidSplit& split, gpu::Extent target,
              gpu::Extent source);
 
-  /// Inputs of one of the two frames, at full resolution.
-  struct Inputs {
-    gpu::ImageId color;
-    std::optional<gpu::ImageId> guide;
-  };
-
   gpu::Chain chain;
   gpu::ImageId exposure;       ///< of the target
   gpu::ImageId target_origin;  ///< position of the target rectangle in the source rectangle
-  Inputs target;
-  Inputs source;
-  std::optional<gpu::ImageId> start;   ///< offsets at level `coarse` of the split
-  std::optional<gpu::ImageId> motion;  ///< candidate or offset, if the tile uses it
-  gpu::ImageId offset;                 ///< outputs
+  FrameInputs target;
+  FrameInputs source;
+  std::optional<gpu::ImageId> start;  ///< offsets at level `coarse` of the split
+  gpu::ImageId offset;                ///< outputs
   gpu::ImageId residual;
-
- private:
-  Features add_features(const FilterTask& task, gpu::Extent extent, const std::string& name, Inputs& inputs);
 };
 
 }  // namespace becalm::filter

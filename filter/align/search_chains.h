@@ -51,6 +51,22 @@ struct CoarseChain {
   gpu::ImageId offset;
 };
 
+/// What the features of a new frame are made from, at full resolution.
+struct FrameInputs {
+  gpu::ImageId color;
+  std::optional<gpu::ImageId> guide;  ///< if the task has guides
+};
+
+/// An input for a frame's guides at full resolution; none if the task has no guides.
+std::optional<gpu::ImageId> guide_input(gpu::Chain& chain, const FilterTask& task, const std::string& name,
+                                        gpu::Extent part);
+
+/// Makes the features of a new frame. `guide_features`, at matching resolution, receives those of its guides;
+/// without it they get an image of their own.
+Features add_frame_features(gpu::Chain& chain, const FilterTask& task, gpu::Extent part,
+                            const std::string& name, const FrameInputs& inputs, gpu::ImageId exposure,
+                            std::optional<gpu::ImageId> guide_features = std::nullopt);
+
 /// Matching features as an input, at level 0 or at a coarser one.
 Features feature_input(gpu::Chain& chain, const std::string& name, gpu::Extent extent, int planes);
 
@@ -59,6 +75,10 @@ bool coarse_takes_motion(const FilterTask& task, const PyramidSplit& split);
 
 /// Largest component of the offsets at which the tiles' search starts, in full-resolution pixels.
 int start_limit_px(const FilterTask& task, const PyramidSplit& split);
+
+/// Uploads the coarse chain's offsets, from which the search in a tile starts.
+void upload_start(gpu::Chain& chain, gpu::ImageId start, const CoarseChain& coarse, const FilterTask& task,
+                  const PyramidSplit& split, const Rect& target);
 
 /// A rectangle in pixels of a level. `px` is the side of such a pixel; `rect` begins at multiples of it.
 Rect at_level(const Rect& rect, int px);

@@ -131,9 +131,9 @@ Alignment AntialiasChain::add_search(const AntialiasTask& task, ImageId reconstr
         chain, settings, extent, name,
         {.color = image, .exposure = exposure_of_image, .guide_features = {}, .guide_planes = 0});
   };
-  Alignment found = add_align_passes(chain, settings, extent, features("target", target, exposure),
-                                     features("source", source, history_exposure),
-                                     {.name = {}, .motion = is_scaled ? std::nullopt : motion});
+  Alignment found =
+      add_align_passes(chain, settings, extent, features("target", target, exposure),
+                       features("source", source, history_exposure), is_scaled ? std::nullopt : motion);
   if (!is_scaled) return found;
   const ImageId scaled = chain.image("search.offset", Format::f32x2, task.full);
   const auto scale = static_cast<float>(task.settings.scale.value());

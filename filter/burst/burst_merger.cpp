@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -218,7 +217,7 @@ struct BurstMerger::State {
     copy_to(passes.chain.upload<float>(passes.levels), levels);
     place(passes.target_place, tile.target.x % period, tile.target.y % period);
     place(passes.source_place, source.x % period, source.y % period);
-    place(passes.target_origin, tile.target.x - source.x, tile.target.y - source.y);
+    upload_origin(passes.chain, passes.target_origin, tile.target, source);
     passes.chain.run();
     add_times(report, passes.chain);
     copy_core(passes.chain.download<float>(passes.after), tile, next);

@@ -177,7 +177,7 @@ class Chain {
   void output(ImageId image, int pixel_px = 1);
 
   Pass pass(std::string_view kernel);
-  /// Fills an image with one value (a u32 image with the value's bits).
+  /// Fills an image with one value.
   void fill(ImageId image, float value);
   /// A pass that runs the program's own code on the images' memory. Only for devices whose is_processor is
   /// set.

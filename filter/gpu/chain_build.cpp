@@ -1,7 +1,6 @@
 // Steps, memory, pipelines and descriptors of a chain whose declarations have been checked.
 
 #include <algorithm>
-#include <cstring>
 
 #include "filter/gpu/chain_impl.h"
 #include "filter/gpu/memory_plan.h"
@@ -23,21 +22,8 @@ vk::Format texel_format(Format format) {
       return vk::Format::eR32G32Sfloat;
     case Format::f32x4:
       return vk::Format::eR32G32B32A32Sfloat;
-    case Format::u32:
-      return vk::Format::eR32Uint;
   }
   return vk::Format::eUndefined;
-}
-
-std::uint32_t bits_of(std::int32_t value, std::string_view type) {
-  if (type == "bool") return value != 0 ? VK_TRUE : VK_FALSE;
-  if (type == "float") {
-    const auto number = static_cast<float>(value);
-    std::uint32_t bits = 0;
-    std::memcpy(&bits, &number, sizeof(bits));
-    return bits;
-  }
-  return static_cast<std::uint32_t>(value);
 }
 
 vk::BufferCreateInfo buffer_of(const ImageDeclaration& image) {
@@ -52,7 +38,7 @@ SpecValues spec_values(const PassDeclaration& pass) {
   for (const auto& [name, value] : pass.specializations) {
     const SpecConstantInfo& info =
         *std::ranges::find(pass.kernel->spec_constants, name, &SpecConstantInfo::name);
-    values.emplace_back(info.id, bits_of(value, info.type));
+    values.emplace_back(info.id, value);
   }
   std::ranges::sort(values);
   return values;
@@ -99,17 +85,14 @@ void Chain::Impl::plan_segments() {
   }
 }
 
-void Chain::Impl::plan_memory() {
-  constexpr int never = -1;
-  const int last_step = static_cast<int>(steps.size()) - 1;
-  std::vector<int> first(images.size(), never);
-  std::vector<int> last(images.size(), never);
+std::vector<std::optional<Lifetime>> Chain::Impl::lifetimes() const {
+  std::vector<std::optional<Lifetime>> result(images.size());
   const auto touch = [&](int image, int step) {
-    const auto i = static_cast<std::size_t>(image);
-    if (first[i] == never) first[i] = step;
-    last[i] = step;
+    std::optional<Lifetime>& lifetime = result[static_cast<std::size_t>(image)];
+    if (!lifetime) lifetime = Lifetime{.first = step, .last = step};
+    lifetime->last = step;
   };
-  for (int step = 0; step <= last_step; ++step) {
+  for (int step = 0; step < static_cast<int>(steps.size()); ++step) {
     const auto [kind, index] = steps[static_cast<std::size_t>(step)];
     if (kind != Step::Kind::pass) {
       touch(index, step);
@@ -117,7 +100,11 @@ void Chain::Impl::plan_memory() {
     }
     for (const Use& use : passes[static_cast<std::size_t>(index)].uses) touch(use.image, step);
   }
+  return result;
+}
 
+void Chain::Impl::plan_memory() {
+  const std::vector<std::optional<Lifetime>> lived = lifetimes();
   buffers.resize(images.size());
   std::vector<MemoryRequest> requests;  // of what no run leaves to the next
   std::vector<std::size_t> owners;
@@ -130,7 +117,7 @@ void Chain::Impl::plan_memory() {
       staging_bytes += images[i].bytes();
     }
     const bool is_kept = is_hosts || images[i].is_history();
-    if (first[i] == never && !is_kept) continue;
+    if (!lived[i] && !is_kept) continue;
     const vk::BufferCreateInfo create = buffer_of(images[i]);
     const vk::MemoryRequirements needs =
         device.device.getBufferMemoryRequirements(vk::DeviceBufferMemoryRequirements(&create))
@@ -143,7 +130,7 @@ void Chain::Impl::plan_memory() {
       if (!is_hosts) bytes.own += needs.size;
       continue;
     }
-    requests.push_back({needs.size, first[i], last[i]});
+    requests.push_back({needs.size, lived[i]->first, lived[i]->last});
     owners.push_back(i);
   }
 
@@ -255,11 +242,7 @@ void Chain::Impl::create_nothing() {
   using Usage = vk::BufferUsageFlagBits;
   nothing = device.create_host_buffer((absent + 1) * kNothingBytes,
                                       Usage::eStorageBuffer | Usage::eUniformTexelBuffer, name + " nothing");
-  const auto view_as = [&](Format format) {
-    return vk::raii::BufferView(device.device, {{}, *nothing.buffer, texel_format(format), 0, kNothingBytes});
-  };
-  nothing_texels = view_as(Format::f32x4);
-  nothing_unsigned_texels = view_as(Format::u32);
+  nothing_texels = {device.device, {{}, *nothing.buffer, texel_format(Format::f32x4), 0, kNothingBytes}};
 }
 
 void Chain::Impl::create_descriptor_sets() {
@@ -304,8 +287,7 @@ void Chain::Impl::create_descriptor_sets() {
       for (const std::string& absent : passes[i].absent) {
         const BindingInfo& binding = binding_of(absent);
         const std::uint64_t offset = binding.writes ? kNothingBytes * next_nothing++ : 0;
-        bind(set, binding, {*nothing.buffer, offset, kNothingBytes},
-             binding.element == "utexel" ? *nothing_unsigned_texels : *nothing_texels);
+        bind(set, binding, {*nothing.buffer, offset, kNothingBytes}, *nothing_texels);
       }
     }
   }

@@ -17,8 +17,6 @@ std::string_view element_of(Format format) {
       return "vec2";
     case Format::f32x4:
       return "vec4";
-    case Format::u32:
-      return "uint";
   }
   return "";
 }
@@ -51,10 +49,6 @@ void check_binding(const Kernel& kernel, const ImageDeclaration& image, const Us
   }
   const vk::PhysicalDeviceLimits& limits = device.limits;
   if (found->is_texel_buffer()) {
-    if ((found->element == "utexel") != (image.format == Format::u32)) {
-      throw DeviceError(where + "the kernel reads texels of another kind than image '" + image.name +
-                        "' of " + std::string(element_of(image.format)) + " has");
-    }
     if (image.extent.elements() > limits.maxTexelBufferElements) {
       throw DeviceLimitError(where + "image '" + image.name + "' has " +
                              std::to_string(image.extent.elements()) +

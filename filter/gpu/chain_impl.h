@@ -81,6 +81,12 @@ struct Step {
   int index;  ///< of the image or of the pass
 };
 
+/// The first and the last step that use an image.
+struct Lifetime {
+  int first;
+  int last;
+};
+
 /// A run is a list of segments: commands for the device, then at most one host pass.
 struct Segment {
   std::size_t first_step = 0;
@@ -129,6 +135,8 @@ struct Chain::Impl {
 
   void plan_steps();
   void plan_segments();
+  /// By image; none of images that no step uses.
+  std::vector<std::optional<Lifetime>> lifetimes() const;
   void plan_memory();
   void allocate();
   void bind_image(std::size_t image, const vk::raii::DeviceMemory& memory, std::byte* mapped);
@@ -195,7 +203,6 @@ struct Chain::Impl {
   std::vector<PassPipeline> pipelines;  // one per pass; null for passes without a kernel
   HostBuffer nothing;                   // bound to absent bindings; null if there are none
   vk::raii::BufferView nothing_texels = nullptr;
-  vk::raii::BufferView nothing_unsigned_texels = nullptr;
   vk::raii::DescriptorPool descriptor_pool = nullptr;
   std::array<std::vector<vk::raii::DescriptorSet>, 2> descriptor_sets;  // by parity, then pass
   std::optional<PassTimer> timer;

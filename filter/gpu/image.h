@@ -4,9 +4,8 @@
 
 namespace becalm::gpu {
 
-/// Element of a GPU image, as the kernels declare it: `float data[]`, `vec2 data[]`, `vec4 data[]`, `uint
-/// data[]`.
-enum class Format { f32, f32x2, f32x4, u32 };
+/// Element of a GPU image, as the kernels declare it: `float data[]`, `vec2 data[]`, `vec4 data[]`.
+enum class Format { f32, f32x2, f32x4 };
 
 constexpr std::uint64_t bytes_per_element(Format format) {
   switch (format) {
@@ -16,8 +15,6 @@ constexpr std::uint64_t bytes_per_element(Format format) {
       return 8;
     case Format::f32x4:
       return 16;
-    case Format::u32:
-      return 4;
   }
   return 0;
 }

@@ -3,7 +3,6 @@
 // Private to filter/gpu/: timestamps around the passes of a command buffer.
 
 #include <cstdint>
-#include <vector>
 
 #include <vulkan/vulkan_raii.hpp>
 

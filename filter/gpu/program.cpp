@@ -29,12 +29,12 @@ vk::Pipeline Programs::pipeline(const Kernel& kernel, const SpecValues& values) 
   if (const auto found = pipelines_.find(key); found != pipelines_.end()) return *found->second;
 
   std::vector<vk::SpecializationMapEntry> entries;
-  std::vector<std::uint32_t> data;
+  std::vector<std::int32_t> data;
   std::string label(kernel.name);
-  for (const auto& [id, bits] : values) {
-    entries.emplace_back(id, static_cast<std::uint32_t>(data.size() * sizeof(bits)), sizeof(bits));
-    data.push_back(bits);
-    label += ' ' + std::to_string(bits);
+  for (const auto& [id, value] : values) {
+    entries.emplace_back(id, static_cast<std::uint32_t>(data.size() * sizeof(value)), sizeof(value));
+    data.push_back(value);
+    label += ' ' + std::to_string(value);
   }
   const vk::SpecializationInfo specialization(static_cast<std::uint32_t>(entries.size()), entries.data(),
                                               data.size() * sizeof(data[0]), data.data());

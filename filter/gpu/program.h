@@ -10,19 +10,18 @@ namespace becalm::gpu {
 struct BindingInfo {
   std::string_view name;  ///< the role: the GLSL instance name, such as `offset_coarse`
   std::uint32_t binding;  ///< in descriptor set 0
-  /// "float", "vec2", "vec4" or "uint" for a storage buffer; "texel" or "utexel" for a texel
-  /// buffer of any float or uint format.
+  /// "float", "vec2" or "vec4" for a storage buffer; "texel" for a texel buffer of any of these.
   std::string_view element;
   bool reads;
   bool writes;
 
-  constexpr bool is_texel_buffer() const { return element == "texel" || element == "utexel"; }
+  constexpr bool is_texel_buffer() const { return element == "texel"; }
 };
 
+/// A specialization constant, of type int.
 struct SpecConstantInfo {
   std::string_view name;
   std::uint32_t id;
-  std::string_view type;  ///< "int", "uint", "float" or "bool"
 };
 
 /// Push constants that the chain supplies: width and height of an image, or of the dispatch.

@@ -14,8 +14,8 @@
 
 namespace becalm::gpu {
 
-/// Constant ids and their 32-bit values, sorted by id.
-using SpecValues = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+/// Constant ids and their values, sorted by id.
+using SpecValues = std::vector<std::pair<std::uint32_t, std::int32_t>>;
 
 constexpr vk::DescriptorType descriptor_type(const BindingInfo& binding) {
   return binding.is_texel_buffer() ? vk::DescriptorType::eUniformTexelBuffer

@@ -27,7 +27,8 @@ NoisyInputs::NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent 
     own_features = {.albedo_depth = chain.input("own.albedo_depth", Format::f32x4, extent),
                     .normal = chain.input("own.normal", Format::f32x4, extent)};
   }
-  if (task.variance_known() || task.of_albedo) {  // an albedo's network is not told the noise
+  // The albedo network is given no noise: of its variance only the valid flag is read.
+  if (task.variance_known() || task.of_albedo) {
     variance = given_variance_;
   } else if (fits_albedo) {
     variance = add_variance_estimate(chain, extent, color, given_variance_, *features);

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <string>
+#include <optional>
 
 #include "filter/merge/estimate_inputs.h"
 #include "filter/merge/patch_sums.h"

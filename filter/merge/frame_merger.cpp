@@ -226,21 +226,13 @@ void FrameMerger::upload_cut(const Tile& tile) {
   MergeChain& merge = chains_->merge;
   gpu::Chain& chain = merge.chain;
   const MergeChain::Cut& cut = *merge.cut;
-  const auto origin = chain.upload<float>(cut.target_origin);
-  origin[0] = static_cast<float>(tile.target.x - tile.source.x);
-  origin[1] = static_cast<float>(tile.target.y - tile.source.y);
+  upload_origin(chain, cut.target_origin, tile.target, tile.source);
   const int finest_px = level_px(task_.settings, 0);
   upload(chain, cut.target.image, std::as_const(host_->features.finest).view(),
          at_level(tile.target, finest_px));
   upload(chain, cut.source.image, std::as_const(host_->history_features.finest).view(),
          at_level(tile.source, finest_px));
-  if (cut.start) {
-    const CoarseChain& coarse = *chains_->coarse;
-    const std::size_t level = chains_->split.coarse;
-    upload(chain, *cut.start,
-           {coarse.chain.download<float>(coarse.offset), level_extent(task_.settings, task_.full, level), 2},
-           at_level(tile.target, level_px(task_.settings, level)));
-  }
+  if (cut.start) upload_start(chain, *cut.start, *chains_->coarse, task_, chains_->split, tile.target);
   upload(chain, merge.color.previous, view(std::as_const(host_->history.color)), tile.source);
   upload(chain, merge.stats.previous, view(std::as_const(host_->history.stats)), tile.source);
   for (std::size_t i = 0; i < merge.carried.size(); ++i) {

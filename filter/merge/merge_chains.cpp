@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "filter/merge/additive.h"
@@ -20,21 +19,23 @@ gpu::History MergeChain::history(const std::string& name, Format format, bool is
 }
 
 MergeChain::Matched MergeChain::features_of_frame(const FilterTask& task, gpu::ImageId target_color) {
-  FeatureSources target{
-      .color = target_color, .exposure = noisy.exposure, .guide_features = {}, .guide_planes = 0};
-  FeatureSources source{
-      .color = color.previous, .exposure = noisy.exposure, .guide_features = {}, .guide_planes = 0};
-  if (const int planes = task.guides.planes(); planes > 0) {
-    guide = chain.input("guide.cur", Format::f32, task.full.with_planes(planes));
-    const gpu::History features = chain.history(
-        "guide.features", Format::f32, level_extent(task.settings, task.full, 0).with_planes(planes));
-    add_guide_passes(chain, task.settings, task.full, *guide, task.guides.weights, features.next);
-    target.guide_features = features.next;
-    source.guide_features = features.previous;
-    target.guide_planes = source.guide_planes = planes;
+  const int planes = task.guides.planes();
+  std::optional<gpu::ImageId> features;
+  std::optional<gpu::ImageId> previous_features;
+  guide = guide_input(chain, task, "guide.cur", task.full);
+  if (guide) {
+    const gpu::History kept = chain.history("guide.features", Format::f32,
+                                            level_extent(task.settings, task.full, 0).with_planes(planes));
+    features = kept.next;
+    previous_features = kept.previous;
   }
-  return {.target = add_feature_passes(chain, task.settings, task.full, "target", target),
-          .source = add_feature_passes(chain, task.settings, task.full, "source", source),
+  return {.target = add_frame_features(chain, task, task.full, "target",
+                                       {.color = target_color, .guide = guide}, noisy.exposure, features),
+          .source = add_feature_passes(chain, task.settings, task.full, "source",
+                                       {.color = color.previous,
+                                        .exposure = noisy.exposure,
+                                        .guide_features = previous_features,
+                                        .guide_planes = planes}),
           .window = add_same_window(chain, task.full, "origin")};
 }
 
@@ -70,24 +71,17 @@ MergeChain::MergeChain(gpu::Device& device, const FilterTask& task, const Pyrami
   }
   const Matched matched =
       is_whole_frame ? features_of_frame(task, new_color) : features_of_tile(task, split, target, source);
-  const bool guides = motion && settings.motion == MotionUse::guide;
-  const SearchResult found = add_search_passes(chain, settings,
-                                               {.name = {},
-                                                .levels = {.finest = 0, .end = split.coarse},
-                                                .full = target,
-                                                .window = matched.window,
-                                                .target = matched.target,
-                                                .source = matched.source,
-                                                .start = cut ? cut->start : std::nullopt,
-                                                .start_limit_px = start_limit_px(task, split),
-                                                .motion = guides ? motion : std::nullopt,
-                                                .motion_limit_px = largest_motion_px(settings, task.full)});
-  int limit_px = found.limit_px;
-  offset_ = add_upsample_pass(chain, settings, target, found.offset);
-  if (motion && settings.motion == MotionUse::override_offset) {
-    offset_ = add_override_pass(chain, target, offset_, *motion);
-    limit_px = largest_motion_px(settings, task.full);
-  }
+  const Alignment found = add_alignment(chain, settings,
+                                        {.levels = {.finest = 0, .end = split.coarse},
+                                         .full = target,
+                                         .window = matched.window,
+                                         .target = matched.target,
+                                         .source = matched.source,
+                                         .start = cut ? cut->start : std::nullopt,
+                                         .start_limit_px = start_limit_px(task, split),
+                                         .motion = motion,
+                                         .motion_limit_px = largest_motion_px(settings, task.full)});
+  offset_ = found.offset;
   residual_ = found.residual;
 
   additive = additive_inputs(chain, task.additive, target, "additive.cur");
@@ -109,7 +103,7 @@ MergeChain::MergeChain(gpu::Device& device, const FilterTask& task, const Pyrami
                                .history_stats = stats,
                                .history_window = matched.window,
                                .additive = inputs},
-                              {offset_, found.residual, limit_px});
+                              found);
   add_outputs(task);
 }
 

@@ -2,7 +2,6 @@
 
 // The chains that merge a frame with its history; frame_merger.cpp runs them in order.
 
-#include <cstddef>
 #include <optional>
 #include <span>
 #include <vector>

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 #include "filter/ceil_div.h"
 #include "filter/for_rows.h"

@@ -6,7 +6,6 @@
 #include <limits>
 #include <optional>
 
-#include "filter/gpu/device.h"
 #include "filter/report.h"
 #include "filter/sequence/schedule.h"
 #include "frame/frame.h"
@@ -42,8 +41,5 @@ struct SequenceOptions {
   /// Of the frames' first pixel in the image plane, to which results of another size are aligned.
   Imath::V2i origin{0, 0};
 };
-
-/// Device memory that all filters together may take, in bytes.
-std::uint64_t usable_bytes(const gpu::Device& device);
 
 }  // namespace becalm::filter

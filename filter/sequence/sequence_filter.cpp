@@ -33,9 +33,6 @@
 namespace becalm::filter {
 namespace {
 
-/// Share of the device's memory that the filter may take; the driver and other programs need the rest.
-constexpr double kShareOfDevice = 0.9;
-
 /// 1 for each pixel that is output unchanged: non-finite pixels, and empty ones, into which smoothing would
 /// spread light without alpha.
 std::vector<std::uint8_t> unfiltered_pixels(const NewFrame& frame) {
@@ -103,10 +100,6 @@ Frame output_frame(const NewFrame& frame, const FilterTask& task, MergedFrame ma
 
 }  // namespace
 
-std::uint64_t usable_bytes(const gpu::Device& device) {
-  return static_cast<std::uint64_t>(kShareOfDevice * static_cast<double>(device.info().memory_bytes));
-}
-
 AovSet wanted_aovs(const Settings& settings) {
   AovSet wanted;
   const auto want = [&](Aov aov, bool needed) { wanted.set(static_cast<std::size_t>(aov), needed); };
@@ -133,6 +126,8 @@ struct SequenceFilter::State {
   Image motion(const Step& step, const Frame& frame);
   /// Merges a frame with the history before it and the prediction kept for it.
   void forward(const Step& step, Merged& made, FrameReport& report);
+  /// Drops the history: the next frame starts a new one, as after a cut or a missing frame.
+  void reset();
 
   FilterTask task;
   std::optional<AlbedoSmoother> albedo_smoother;
@@ -224,11 +219,11 @@ std::optional<SequenceFilter::Merged> SequenceFilter::begin(const Step& step, co
     report.far_motions =
         count_far_motions(frame.image(Aov::motion), motion_limit_px(task.settings, task.full));
   }
-  if (step.new_history) reset();
+  if (step.new_history) state_->reset();
   if (state_->find_cuts == FindCuts::yes) {
     ShotSignature signature = shot_signature(frame, task.used, new_frame.exposure);
     report.new_shot = state_->before && is_cut(*state_->before, signature);
-    if (report.new_shot) reset();
+    if (report.new_shot) state_->reset();
     state_->before = std::move(signature);
   }
   if (contains(task.used, Aov::motion)) new_frame.motion = state_->motion(step, frame);
@@ -328,16 +323,10 @@ Frame SequenceFilter::finish(Merged& made, FrameReport& report) {
   return output_frame(frame, task, std::move(merged), std::move(noisy), report);
 }
 
-Denoised SequenceFilter::denoise(const Frame& frame) {
-  Denoised denoised;
-  denoised.frame = *run({.frame = frame.number()}, frame, denoised.report);
-  return denoised;
-}
-
-void SequenceFilter::reset() {
-  state_->merger->reset();
-  state_->before.reset();
-  state_->next.reset();
+void SequenceFilter::State::reset() {
+  merger->reset();
+  before.reset();
+  next.reset();
 }
 
 FilterMemory SequenceFilter::memory() const {

@@ -14,11 +14,6 @@
 
 namespace becalm::filter {
 
-struct Denoised {
-  Frame frame;  ///< beauty, remaining variance, additive AOVs, and the requested diagnostics
-  FrameReport report;
-};
-
 /// AOVs that the filter uses if a frame has them, besides the additive ones (merge/additive.h), which it
 /// denoises where it is told that they are available. Other AOVs are ignored.
 AovSet wanted_aovs(const Settings& settings);
@@ -34,6 +29,7 @@ class SequenceFilter : public FrameFilter {
   ~SequenceFilter() override;
   SequenceFilter(SequenceFilter&&) noexcept;
 
+  /// Wanted forward steps return beauty, remaining variance, additive AOVs, and the diagnostics.
   /// A smoothed frame is kept until its last step and takes some 12 bytes per pixel, with its albedo 6 more,
   /// with smooth=frames 16 more for each additive AOV. A prediction is kept from the backward step to the
   /// forward step of its frame and takes 12, with smooth=merged 24 more, and 16 for each additive AOV.
@@ -51,12 +47,6 @@ class SequenceFilter : public FrameFilter {
   Frame finish(Merged& merged, FrameReport& report);
   /// What the frame's chains are built for.
   const FilterTask& task() const;
-
-  /// Runs a wanted forward step.
-  Denoised denoise(const Frame& frame);
-
-  /// Drops the history: the next frame starts a new one, as after a cut or a missing frame.
-  void reset();
 
   /// The merge's tiles, and the device memory held by all chains. The tile plan is `1` if no chain cuts the
   /// frame; else it names each chain that does.

@@ -49,7 +49,10 @@ struct FrameSmoother::Passes {
 };
 
 FrameSmoother::FrameSmoother(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit)
-    : task_(task), chain_(device, task, memory_limit) {}
+    : task_(task), chain_(device, task, memory_limit) {
+  Passes& passes = chain_.passes();
+  passes.network.upload_weights(passes.chain);
+}
 
 FrameSmoother::~FrameSmoother() = default;
 
@@ -59,7 +62,6 @@ Estimate FrameSmoother::smooth(const NewFrame& frame, FrameReport& report) {
   const auto upload = [&](Passes& passes, const Tile& tile) {
     gpu::Chain& chain = passes.chain;
     passes.noisy.upload(chain, task_, frame, tile, ignored);
-    passes.network.upload_weights(chain);
     upload_additive(chain, passes.additive, frame.additive, tile.target);
     if (task_.merged) upload_additive(chain, passes.own_additive, frame.own->additive, tile.target);
   };

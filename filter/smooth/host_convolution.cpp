@@ -1,5 +1,6 @@
 #include "filter/smooth/host_convolution.h"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <cstddef>

@@ -51,7 +51,7 @@ class NetworkPasses {
   NetworkPasses(gpu::Chain& chain, const Weights& weights, gpu::Extent full, const NoisyInputs& frame,
                 bool variance_known, const std::vector<Layered>& additive, Convolver convolver,
                 std::optional<int> strip = std::nullopt);
-  /// Uploads the weights; call it after the chain is built.
+  /// Uploads the weights; call it once, after the chain is built.
   void upload_weights(gpu::Chain& chain) const;
 
   const Smoothed& smoothed() const { return smoothed_; }

@@ -37,13 +37,16 @@ struct Allowance {
   }
 };
 
-/// What smoothing may have changed of each pixel, from the mean squares R of the difference from the frame
-/// and L of the estimate around it. The share is R / (R + (kUnseen L)^2): where there is no noise, smoothing
-/// removed no light, and light that it removed beside does not belong there. It is that of a cell, or that of
-/// the pixel's 3x3 pixels where they have less: clean sky beside an object. No change exceeds r = sqrt(R) /
-/// L, since none of an even cell's mean is larger. Light is lost with samples brighter than L by
-/// kLeastOutlier and more, whose mean is r^2 / kLeastOutlier at most. So a sun whose disc has lost light
-/// hardly brightens the land below it. Light that these limits keep back is not restored elsewhere.
+/// What restoring may change in each pixel. With the mean square R of the difference between frame and
+/// estimate, the root mean square L of the estimate, and r = sqrt(R) / L:
+///
+///     share    = R / (R + (kUnseen L)^2)        where there is no noise, smoothing removed no light
+///     darker   = r                              no change of an even cell's mean is larger
+///     brighter = min(r, r^2 / kLeastOutlier)    smoothing removes samples brighter than L by kLeastOutlier
+///                                               and more, whose mean is no larger
+///
+/// R and L are those of cells, interpolated. The share is also limited by that of the pixel's 3x3 pixels, for
+/// clean sky beside an object. Light that these limits keep back is not restored elsewhere.
 class Restorable {
  public:
   Restorable(const NewFrame& frame, const Estimate& estimate);

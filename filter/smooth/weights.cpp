@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <cstring>
+#include <span>
 #include <stdexcept>
 #include <string_view>
 
@@ -60,8 +61,7 @@ class Reader {
   std::span<const std::byte> rest_;
 };
 
-}  // namespace
-
+/// A file of export.py. Throws std::invalid_argument if it is not one or has another size.
 NetworkWeights parse_weights(std::span<const std::byte> file) {
   Reader reader(file, kNetworkMagic);
   if (reader.take<std::uint32_t>() != kNetworkInputs) {
@@ -96,6 +96,7 @@ NetworkWeights parse_weights(std::span<const std::byte> file) {
   return weights;
 }
 
+/// A file of own_share.py. Throws as parse_weights does.
 OwnShareWeights parse_own_share(std::span<const std::byte> file) {
   Reader reader(file, kOwnShareMagic);
   OwnShareWeights layers{reader.take_layer(kOwnShareInputs, kOwnShareHidden, 1),
@@ -104,6 +105,8 @@ OwnShareWeights parse_own_share(std::span<const std::byte> file) {
   reader.expect_end();
   return layers;
 }
+
+}  // namespace
 
 const NetworkWeights& embedded_weights() {
   static const NetworkWeights weights = parse_weights({becalm_standard_weights, becalm_standard_weights_end});

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstddef>
-#include <span>
 #include <vector>
 
 namespace becalm::filter {
@@ -55,11 +54,6 @@ struct NetworkWeights {
 constexpr int kOwnShareInputs = 5;
 constexpr int kOwnShareHidden = 16;
 using OwnShareWeights = std::array<Layer, 3>;
-
-/// Parse a file of export.py and one of own_share.py. Throw std::invalid_argument if it is not one or has
-/// another size.
-NetworkWeights parse_weights(std::span<const std::byte> file);
-OwnShareWeights parse_own_share(std::span<const std::byte> file);
 
 /// What is embedded in the program.
 const NetworkWeights& embedded_weights();

@@ -17,9 +17,7 @@ Estimate EyeCombiner::run(const EyeFrame& own, const EyeFrame& other, const Corr
   const auto upload_tile = [&](EyePasses& passes, const Tile& tile) {
     gpu::Chain& chain = passes.chain;
     chain.upload<float>(passes.exposure)[0] = own.frame.exposure;
-    const auto origin = chain.upload<float>(passes.window.target_origin);
-    origin[0] = static_cast<float>(tile.target.x - tile.source.x);
-    origin[1] = static_cast<float>(tile.target.y - tile.source.y);
+    upload_origin(chain, passes.window.target_origin, tile.target, tile.source);
     passes.own.upload(chain, own.estimate, tile.target);
     passes.upload_other(other, tile.source);
     upload(chain, passes.offset, view(where.offset), tile.target);

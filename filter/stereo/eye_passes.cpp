@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <utility>
-
 #include "filter/input/host_images.h"
 #include "filter/merge/additive.h"
 #include "filter/merge/patch_sums.h"

@@ -7,6 +7,9 @@
 
 namespace becalm::filter {
 
+/// Device memory that all filters together may take, in bytes.
+std::uint64_t usable_bytes(const gpu::Device& device);
+
 /// Calls `build(limit)`, which plans chains for `limit` bytes and builds them. If memory is used up before
 /// that, as other programs hold some, again for half of the bytes, so that tiles get smaller. Passes on
 /// DeviceLimitError: of the memory that was missing, if smaller tiles cannot be planned.

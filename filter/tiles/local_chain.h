@@ -60,6 +60,9 @@ class LocalChain {
     }
   }
 
+  /// For uploading what is the same in every run; the chain keeps it.
+  Passes& passes() { return *passes_; }
+
   FilterMemory memory() const {
     FilterMemory memory{
         .tiles = tiles_.size(), .tile = tiles_.front().target.extent(), .tile_plan = describe(tiles_)};

@@ -54,6 +54,12 @@ void upload(gpu::Chain& chain, gpu::ImageId image, const PixelView<const float>&
             {chain.upload<float>(image), rect.extent().with_planes(from.extent.planes), from.channels}, 0, 0);
 }
 
+void upload_origin(gpu::Chain& chain, gpu::ImageId image, const Rect& target, const Rect& source) {
+  const std::span<float> origin = chain.upload<float>(image);
+  origin[0] = static_cast<float>(target.x - source.x);
+  origin[1] = static_cast<float>(target.y - source.y);
+}
+
 Image download(const gpu::Chain& chain, gpu::ImageId image, gpu::Extent extent, int channels) {
   Image result(extent.width, extent.height, channels);
   std::ranges::copy(chain.download<float>(image), result.data().begin());

@@ -33,6 +33,9 @@ void copy_core(const std::vector<std::span<const float>>& pixels, const Tile& ti
 /// Uploads a rectangle of `from` to an input of a chain.
 void upload(gpu::Chain& chain, gpu::ImageId image, const PixelView<const float>& from, const Rect& rect);
 
+/// Uploads the position of a tile's target rectangle in its source rectangle (f32x2, 1x1).
+void upload_origin(gpu::Chain& chain, gpu::ImageId image, const Rect& target, const Rect& source);
+
 /// An output of a chain: one plane of `extent` with `channels` floats a pixel.
 Image download(const gpu::Chain& chain, gpu::ImageId image, gpu::Extent extent, int channels);
 

@@ -2,6 +2,8 @@
 
 #include <Imath/ImathBox.h>
 
+#include <array>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>

@@ -51,6 +51,7 @@ struct Rewritten {
   std::optional<PixelType> type;          ///< of replaced channels; the source's if empty
   bool keeps_alpha = false;               ///< as DenoisedFormat has it
   Scale scale;                            ///< of the headers' windows, over the source's
+  bool resamples = false;                 ///< whether pixels are others than the source's
 };
 
 /// Scales the windows of a flat part's header. Channels at a part of the resolution get all of it.
@@ -248,6 +249,47 @@ void prepare_header(const FrameChannels& channels, const std::optional<std::stri
   if (header.hasChunkCount()) header.setChunkCount(static_cast<int>(chunk_count(header)));
 }
 
+/// Opens the file that the frame was loaded from. Throws Error(bad_input) if it has changed since.
+std::unique_ptr<Imf::MultiPartInputFile> open_unchanged(const LoadedFrame& source) {
+  const std::string& path = source.contents->path();
+  std::unique_ptr<Imf::MultiPartInputFile> file;
+  reading(path, [&] {
+    if (stamp_of(path) != source.contents->stamp()) {
+      throw Error(ExitStatus::bad_input,
+                  fmt::format("{}: changed after it was read; its other channels cannot be passed on", path));
+    }
+    file = open_exr(path);
+  });
+  return file;
+}
+
+/// The parts of `from` with the denoised frames in place of the views they were made from.
+Rewritten replace_views(const Imf::MultiPartInputFile& from, const Frame& frame,
+                        const std::vector<Frame>& other_views, const LoadedFrame& source,
+                        const DenoisedFormat& format) {
+  const std::string& path = source.contents->path();
+  Rewritten rewritten;
+  rewritten.type = format.type;
+  rewritten.keeps_alpha = format.keeps_alpha;
+  rewritten.headers.reserve(from.parts());
+  rewritten.scale = format.scale;
+  rewritten.resamples = !format.scale.is_one() || source.frame.checkerboard().has_value();
+  for (int part = 0; part < from.parts(); ++part) rewritten.headers.push_back(from.header(part));
+  if (rewritten.resamples) {
+    refuse_deep_parts(path, from, format.channels);
+    for (Imf::Header& header : rewritten.headers) {
+      if (!is_deep(header)) scale_windows(format.scale, header);
+    }
+  }
+  replace_view(path, source, frame, "", rewritten);
+  for (std::size_t i = 0; i < other_views.size(); ++i) {
+    const LoadedView& view = source.other_views.at(i);
+    const bool has_own_part = beauty_of(view).part != beauty_of(source).part;
+    replace_view(path, view, other_views[i], has_own_part ? "" : view.view, rewritten);
+  }
+  return rewritten;
+}
+
 }  // namespace
 
 std::span<const std::string_view> compression_names() {
@@ -287,36 +329,8 @@ void check_scaling(const std::string& path, const ChannelSelection& selection) {
 WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
                                const std::vector<Frame>& other_views, const LoadedFrame& source,
                                const Attributes& attributes, const DenoisedFormat& format) {
-  const std::string& source_path = source.contents->path();
-  std::unique_ptr<Imf::MultiPartInputFile> from;
-  reading(source_path, [&] {
-    if (stamp_of(source_path) != source.contents->stamp()) {
-      throw Error(
-          ExitStatus::bad_input,
-          fmt::format("{}: changed after it was read; its other channels cannot be passed on", source_path));
-    }
-    from = open_exr(source_path);
-  });
-
-  Rewritten rewritten;
-  rewritten.type = format.type;
-  rewritten.keeps_alpha = format.keeps_alpha;
-  rewritten.headers.reserve(from->parts());
-  rewritten.scale = format.scale;
-  const bool resamples = !format.scale.is_one() || source.frame.checkerboard().has_value();
-  for (int part = 0; part < from->parts(); ++part) rewritten.headers.push_back(from->header(part));
-  if (resamples) {
-    refuse_deep_parts(source_path, *from, format.channels);
-    for (Imf::Header& header : rewritten.headers) {
-      if (!is_deep(header)) scale_windows(format.scale, header);
-    }
-  }
-  replace_view(source_path, source, frame, "", rewritten);
-  for (std::size_t i = 0; i < other_views.size(); ++i) {
-    const LoadedView& view = source.other_views.at(i);
-    const bool has_own_part = beauty_of(view).part != beauty_of(source).part;
-    replace_view(source_path, view, other_views[i], has_own_part ? "" : view.view, rewritten);
-  }
+  const std::unique_ptr<Imf::MultiPartInputFile> from = open_unchanged(source);
+  Rewritten rewritten = replace_views(*from, frame, other_views, source, format);
   std::vector<const ViewLayers*> views{&source};
   for (const LoadedView& view : source.other_views) views.push_back(&view);
   std::set<int> with_denoised;
@@ -327,13 +341,14 @@ WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
       kept.push_back(part);
   }
   if (kept.empty()) {
-    throw Error(ExitStatus::bad_input, fmt::format("{}: holds none of the channels to write", source_path));
+    throw Error(ExitStatus::bad_input,
+                fmt::format("{}: holds none of the channels to write", source.contents->path()));
   }
   WriteReport report;
   std::vector<Imf::Header> headers;
   for (const int part : kept) {
     Imf::Header& header = headers.emplace_back(rewritten.headers[part]);
-    if (resamples) rewritten.channels[part];  // no part is copied
+    if (rewritten.resamples) rewritten.channels[part];  // no part is copied
     const auto channels = rewritten.channels.find(part);
     const bool is_denoised = with_denoised.contains(part);
     if (channels != rewritten.channels.end()) {
@@ -345,7 +360,7 @@ WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
   writing(path, headers, [&](Imf::MultiPartOutputFile& file) {
     for (std::size_t number = 0; number < kept.size(); ++number) {
       const auto channels = rewritten.channels.find(kept[number]);
-      if (resamples) {
+      if (rewritten.resamples) {
         Imf::InputPart in(*from, kept[number]);
         write_scaled_part(file, static_cast<int>(number), channels->second, in,
                           nearest_in(in.header(), source, format.scale), motion_channels_of(views), report);

@@ -1,12 +1,10 @@
 #include "frame/io/layers.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <functional>
 #include <iterator>
-#include <span>
 #include <utility>
 
 #include "frame/error.h"

@@ -157,6 +157,20 @@ Directory directory(const Info& info, const DngSamples& samples, std::size_t exi
   return d;
 }
 
+/// So that noise below black is kept.
+constexpr std::uint16_t kDngBlack = 4096;
+
+/// Samples of 16 bits: black is kDngBlack and white 65535, to which values above it are cut.
+std::vector<std::uint16_t> quantized(const Mosaic& mosaic) {
+  std::vector<std::uint16_t> values(mosaic.samples.pixel_count());
+  const auto samples = mosaic.samples.data();
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const float value = static_cast<float>(kDngBlack) + samples[i] * static_cast<float>(65535 - kDngBlack);
+    values[i] = static_cast<std::uint16_t>(std::lround(std::clamp(value, 0.0f, 65535.0f)));
+  }
+  return values;
+}
+
 }  // namespace
 
 std::vector<std::byte> dng_bytes(const Info& info, const DngSamples& samples) {
@@ -173,16 +187,6 @@ std::vector<std::byte> dng_bytes(const Info& info, const DngSamples& samples) {
   bytes.resize(pixels_at + samples.values.size_bytes());
   std::memcpy(bytes.data() + pixels_at, samples.values.data(), samples.values.size_bytes());
   return bytes;
-}
-
-std::vector<std::uint16_t> quantized(const Mosaic& mosaic) {
-  std::vector<std::uint16_t> values(mosaic.samples.pixel_count());
-  const auto samples = mosaic.samples.data();
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const float value = static_cast<float>(kDngBlack) + samples[i] * static_cast<float>(65535 - kDngBlack);
-    values[i] = static_cast<std::uint16_t>(std::lround(std::clamp(value, 0.0f, 65535.0f)));
-  }
-  return values;
 }
 
 void write_dng(const std::string& path, const Mosaic& mosaic, const Info& info) {

@@ -55,6 +55,9 @@ Mosaic read(File& file, const std::string& path) {
   }
 }
 
+namespace {
+
+/// Turns an image upright.
 Image upright(const Image& image, int flip) {
   if (flip == 0) return image;
   const bool transposed = (flip & 4) != 0;
@@ -71,8 +74,6 @@ Image upright(const Image& image, int flip) {
   }
   return result;
 }
-
-namespace {
 
 /// LibRaw demosaics no X-Trans pictures that are smaller.
 constexpr int kLeastDemosaiced = 516;

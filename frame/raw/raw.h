@@ -68,7 +68,4 @@ Mosaic read(File& file, const std::string& path);
 /// colour. Three channels.
 Image develop(const Mosaic& mosaic, const Info& info);
 
-/// Turns an image upright.
-Image upright(const Image& image, int flip);
-
 }  // namespace becalm::raw

@@ -1,7 +1,7 @@
 // Reads the reference's samples, a frame's at their places, their differences and the column sums of these, and
-// what was accumulated before; adds the frame's samples with their weights: (weighted sum, sum of weights). The
-// differences of green samples decide on those, of others on others: red and blue have fewer samples, so that
-// what is read of them errs more. A sample that is saturated in the reference stays as it is.
+// what was accumulated before; adds the frame's samples with their weights: (weighted sum, sum of weights).
+// Green samples are weighed by green differences, red and blue by theirs: these have fewer samples and err more.
+// A sample that is saturated in the reference stays as it is.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

@@ -11,6 +11,7 @@
 
 #include "filter/sequence/sequence_filter.h"
 #include "frame/error.h"
+#include "tests/filter/denoised.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/guided_frame.h"
 #include "tests/filter/pattern.h"
@@ -235,7 +236,7 @@ TEST_F(AdditiveTest, MayBeLeftOut) {
   const Frame frame = frame_of_usual_size(1);
   SequenceFilter filter(device(), preset("draft"), frame.width(), frame.height(),
                         frame.aovs() & ~additive_aovs());
-  const Frame denoised = filter.denoise(frame).frame;
+  const Frame denoised = denoise_frame(filter, frame).frame;
   EXPECT_FALSE(denoised.has(Aov::direct));
   EXPECT_TRUE(denoised.light_groups().empty());
 }

@@ -11,6 +11,7 @@
 #include "filter/input/host_images.h"
 #include "filter/sequence/sequence_filter.h"
 #include "filter/smooth/albedo_smoother.h"
+#include "tests/filter/denoised.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/guided_frame.h"
 #include "tests/filter/pattern.h"
@@ -87,7 +88,7 @@ TEST_F(AlbedoTest, NoiseOfTheAlbedoMakesNothingWorse) {
   settings.directions = Directions::forward;
   SequenceFilter filter(device(), settings, kWidth, kHeight, noisy_frame(1).aovs());
   Denoised denoised;
-  for (int number = 1; number <= kFrames; ++number) denoised = filter.denoise(noisy_frame(number));
+  for (int number = 1; number <= kFrames; ++number) denoised = denoise_frame(filter, noisy_frame(number));
   EXPECT_LT(squared_error(denoised.frame, truth_at), squared_error(noisy_frame(kFrames), truth_at));
 }
 
@@ -191,7 +192,7 @@ TEST_F(AlbedoTest, EmittersAndBlackSurfacesKeepTheirBrightness) {
     set(settings, "directions=forward");
     SequenceFilter filter(device(), settings, kWidth, kHeight, striped(1).aovs());
     for (int number = 1; number <= 5; ++number) {
-      const Denoised denoised = filter.denoise(striped(number));
+      const Denoised denoised = denoise_frame(filter, striped(number));
       const Image& beauty = denoised.frame.image(Aov::beauty);
       for (const float v : beauty.data()) {
         // The albedo's windows may include neighbours.
@@ -228,7 +229,7 @@ TEST_F(AlbedoTest, AlbedoThatIsNotFiniteDarkensAndBrightensNothing) {
       frame.image(Aov::albedo).at(20, 20, 1) = std::numeric_limits<float>::quiet_NaN();
       frame.image(Aov::albedo).at(40, 30, 0) = std::numeric_limits<float>::infinity();
     }
-    const Image beauty = filter.denoise(frame).frame.image(Aov::beauty);
+    const Image beauty = denoise_frame(filter, frame).frame.image(Aov::beauty);
     for (int i = 0; i < kWidth * kHeight; ++i) {
       for (int c = 0; c < 3; ++c)
         ASSERT_NEAR(beauty.data()[4 * i + c], radiance, 1e-5f) << "frame " << number;

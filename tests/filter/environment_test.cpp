@@ -6,6 +6,7 @@
 #include <string>
 
 #include "filter/sequence/sequence_filter.h"
+#include "tests/filter/denoised.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/guided_frame.h"
 #include "tests/filter/pattern.h"
@@ -99,7 +100,7 @@ TEST_F(EnvironmentTest, LeavesBeforeItLeaveNothingBehindWhateverItsAlbedoIsCalle
     double least = 1e9;
     for (int number = 1; number <= 4; ++number) {
       const Frame noisy = leaves_before_sky(number, convention);
-      const Errors after = errors(filter.denoise(noisy).frame, number);
+      const Errors after = errors(denoise_frame(filter, noisy).frame, number);
       // A trail that leaves leave in the next frame has an error of 30 % and more.
       EXPECT_LT(after.sky, 0.08) << "albedo " << name << ", frame " << number;
       least = std::min(least, after.leaf);
@@ -113,7 +114,7 @@ TEST_F(EnvironmentTest, StaysCleanBetweenLeavesWhetherDepthOrNormalTellsIt) {
     Frame noisy = leaves_before_sky(1, Sky::one);
     noisy.remove(missing);
     SequenceFilter filter(device(), preset("draft"), kWidth, kHeight, noisy.aovs());
-    EXPECT_LT(errors(filter.denoise(noisy).frame, 1).sky, 0.08)
+    EXPECT_LT(errors(denoise_frame(filter, noisy).frame, 1).sky, 0.08)
         << "missing AOV " << static_cast<int>(missing);
   }
 }
@@ -152,7 +153,7 @@ TEST_F(EnvironmentTest, TheSunLeavesNothingOfItBesideIt) {
   settings.patch_radius = 3;
   SequenceFilter filter(device(), settings, kWidth, kHeight, rising_sun(1).aovs());
   for (int number = 1; number <= 6; ++number) {
-    const Frame denoised = filter.denoise(rising_sun(number)).frame;
+    const Frame denoised = denoise_frame(filter, rising_sun(number)).frame;
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) {
         if (from_sun(x, y, number) < 3.5) continue;

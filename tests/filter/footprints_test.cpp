@@ -189,8 +189,7 @@ class FootprintsTest : public DeviceTest {
     const ImageId source = chain.input("source", Format::f32, level_extent(task.settings, {side, side}, 0));
     const SearchResult found = add_search_passes(
         chain, task.settings,
-        {.name = {},
-         .levels = {.finest = 0, .end = 2},
+        {.levels = {.finest = 0, .end = 2},
          .full = kFull,
          .window = {.full = {side, side}, .target_origin = chain.table("origin", Format::f32x2, {1, 1})},
          .target = {.image = target, .planes = 1},

@@ -10,6 +10,7 @@
 
 #include "filter/sequence/sequence_filter.h"
 #include "frame/error.h"
+#include "tests/filter/denoised.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/pattern.h"
 
@@ -139,7 +140,7 @@ class FrameMergerTest : public DeviceTest {
     EXPECT_NEAR(tiled.report.mean_sample_count, whole.report.mean_sample_count, 1e-9);
   }
 
-  /// Merges frames in tiles, within a share of the whole frame's memory, with a reset before frame 4.
+  /// Merges frames in tiles, within a share of the whole frame's memory; frame 4 starts a new history.
   static void expect_no_seams(const Settings& settings, const Scene& scene, double share, std::size_t tiles,
                               int frames = 3) {
     SequenceFilter whole = make(settings, scene, kUnlimited);
@@ -150,12 +151,9 @@ class FrameMergerTest : public DeviceTest {
     EXPECT_LE(tiled.memory().device.total(), limit);
     for (int number = 1; number <= frames; ++number) {
       SCOPED_TRACE("frame " + std::to_string(number));
-      if (number == 4) {
-        whole.reset();
-        tiled.reset();
-      }
       const Frame frame = moving_frame(scene, number);
-      expect_same(tiled.denoise(frame), whole.denoise(frame));
+      const bool new_history = number == 4;
+      expect_same(denoise_frame(tiled, frame, new_history), denoise_frame(whole, frame, new_history));
     }
   }
 
@@ -270,9 +268,8 @@ TEST_F(FrameMergerTest, FollowsKnownMotionUpToTheSameLimitAsWholeFrames) {
   ASSERT_EQ(whole.memory().tiles, 1u);
   ASSERT_GE(tiled.memory().tiles, 2u);
   const auto second_of = [](SequenceFilter& filter, int shift_px, bool known) {
-    filter.reset();
-    filter.denoise(fast_frame(1, shift_px, known));
-    return filter.denoise(fast_frame(2, shift_px, known));
+    denoise_frame(filter, fast_frame(1, shift_px, known), /*new_history=*/true);
+    return denoise_frame(filter, fast_frame(2, shift_px, known));
   };
   const auto share_followed = [](const Denoised& denoised, int shift_px) {
     const Image& flow = denoised.frame.image(Aov::flow);

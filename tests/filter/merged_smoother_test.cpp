@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "filter/sequence/sequence_filter.h"
+#include "tests/filter/denoised.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/pattern.h"
 
@@ -136,7 +137,7 @@ TEST_F(MergedSmootherTest, TheUnitOfDepthDoesNotMatter) {
       for (int y = 0; y < kHeight; ++y) {
         for (int x = 0; x < kWidth; ++x) depth.at(x, y, 0) = unit * (x < kWidth / 2 ? 1.0f + 0.1f * y : 4.0f);
       }
-      result = filter.denoise(frame);
+      result = denoise_frame(filter, frame);
     }
     return result.frame.image(Aov::beauty);
   };
@@ -156,7 +157,7 @@ TEST_F(MergedSmootherTest, AnEvenSequenceStaysAsItIs) {
   Frame even(1, 40, 24);
   even.add(Aov::beauty, 0.75f);
   for (int number = 1; number <= 3; ++number) {
-    const Denoised result = filter.denoise(even);
+    const Denoised result = denoise_frame(filter, even);
     for (const float value : result.frame.image(Aov::beauty).data()) EXPECT_NEAR(value, 0.75f, 1e-5f);
   }
 }
@@ -166,7 +167,7 @@ TEST_F(MergedSmootherTest, PixelsThatAreNotFiniteComeOutAsTheyCameAndReachNoOthe
   for (int number = 1; number <= 3; ++number) {
     Frame frame = noisy_frame(number);
     frame.image(Aov::beauty).at(10, 20, 1) = std::numeric_limits<float>::infinity();
-    const Image result = filter.denoise(frame).frame.image(Aov::beauty);
+    const Image result = denoise_frame(filter, frame).frame.image(Aov::beauty);
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) {
         if (x == 10 && y == 20) continue;

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "frame/error.h"
+#include "tests/filter/denoised.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/moving_pattern.h"
 
@@ -24,7 +25,7 @@ TEST_F(SequenceFilterTest, CalmsAMovingPatternAndKeepsItsEnergy) {
     double noisy_error = 0, error = 0, energy = 0, clean_energy = 0;
     for (int number = 1; number <= 12; ++number) {
       const Frame noisy = noisy_frame(number);
-      const Denoised denoised = filter.denoise(noisy);
+      const Denoised denoised = denoise_frame(filter, noisy);
       EXPECT_EQ(denoised.frame.number(), number);
       if (number < 8) continue;
       noisy_error += squared_error(noisy);
@@ -77,7 +78,7 @@ TEST_F(SequenceFilterTest, ThePublishedMethodLowersTheNoise) {
   double noisy_error = 0, error = 0;
   for (int number = 1; number <= 8; ++number) {
     const Frame noisy = noisy_frame(number);
-    const Frame denoised = filter.denoise(noisy).frame;
+    const Frame denoised = denoise_frame(filter, noisy).frame;
     if (number == 1) continue;
     noisy_error += squared_error(noisy);
     error += squared_error(denoised);
@@ -153,7 +154,7 @@ TEST_F(SequenceFilterTest, NothingIsKnownOfALastFrameFromTheFuture) {
       FrameReport report;
       const std::optional<Frame> of_both = both.run(step, noisy_frame(step.frame), report);
       if (step.direction == Direction::backward) continue;
-      const Frame of_forward = forward.denoise(noisy_frame(step.frame)).frame;
+      const Frame of_forward = denoise_frame(forward, noisy_frame(step.frame)).frame;
       if (of_both) {
         EXPECT_TRUE(
             std::ranges::equal(of_both->image(Aov::beauty).data(), of_forward.image(Aov::beauty).data()));
@@ -162,13 +163,13 @@ TEST_F(SequenceFilterTest, NothingIsKnownOfALastFrameFromTheFuture) {
   }
 }
 
-TEST_F(SequenceFilterTest, TheFirstFrameAndTheFrameAfterAResetAreTheInput) {
+TEST_F(SequenceFilterTest, TheFirstFrameOfAHistoryIsTheInput) {
   SequenceFilter filter(
       device(), unsmoothed(), kWidth, kHeight, noisy_frame(1).aovs(),
       {.diagnostics = aov_set({Aov::sample_count, Aov::error_mask, Aov::flow, Aov::bias, Aov::gain})});
   for (const int number : {1, 5}) {
     const Frame noisy = noisy_frame(number);
-    const Denoised denoised = filter.denoise(noisy);
+    const Denoised denoised = denoise_frame(filter, noisy, /*new_history=*/number == 5);
     EXPECT_TRUE(
         std::ranges::equal(denoised.frame.image(Aov::beauty).data(), noisy.image(Aov::beauty).data()));
     EXPECT_EQ(denoised.report.mean_sample_count, 1.0);
@@ -176,8 +177,7 @@ TEST_F(SequenceFilterTest, TheFirstFrameAndTheFrameAfterAResetAreTheInput) {
     for (const auto& [aov, value] : {std::pair{Aov::bias, 0.0f}, {Aov::gain, 1.0f}}) {
       for (const float v : denoised.frame.image(aov).data()) ASSERT_EQ(v, value) << info(aov).name;
     }
-    filter.denoise(noisy_frame(number + 1));
-    filter.reset();
+    denoise_frame(filter, noisy_frame(number + 1));
   }
 }
 
@@ -202,7 +202,7 @@ TEST_F(SequenceFilterTest, EqualRunsGiveEqualBytes) {
   for (int run = 0; run < 2; ++run) {
     SequenceFilter filter(device(), preset("balanced"), kWidth, kHeight, noisy_frame(1).aovs());
     Denoised denoised;
-    for (int number = 1; number <= 3; ++number) denoised = filter.denoise(noisy_frame(number));
+    for (int number = 1; number <= 3; ++number) denoised = denoise_frame(filter, noisy_frame(number));
     const auto data = denoised.frame.image(Aov::beauty).data();
     if (run == 0) first.assign(data.begin(), data.end());
     EXPECT_TRUE(std::ranges::equal(first, data));
@@ -235,7 +235,7 @@ TEST_F(SequenceFilterTest, NothingDriftsOverThousandsOfFrames) {
         beauty.data()[4 * i + c] = 0.3f + 0.01f * static_cast<float>(i) + noise(random);
       }
     }
-    denoised = filter.denoise(frame);
+    denoised = denoise_frame(filter, frame);
     if (number < first_counted) continue;
     of_inputs += mean(frame);
     of_outputs += mean(denoised.frame);

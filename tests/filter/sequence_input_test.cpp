@@ -9,6 +9,7 @@
 #include <random>
 
 #include "frame/error.h"
+#include "tests/filter/denoised.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/moving_pattern.h"
 
@@ -26,17 +27,17 @@ TEST_F(SequenceInputTest, NonFinitePixelsStayWhereTheyAre) {
     Settings settings = preset("balanced");
     set(settings, merge);
     SequenceFilter filter(device(), settings, kWidth, kHeight, noisy_frame(1).aovs());
-    filter.denoise(noisy_frame(1));
+    denoise_frame(filter, noisy_frame(1));
     Frame bad = noisy_frame(2);
     bad.image(Aov::beauty).at(10, 10, 0) = nan;
     bad.image(Aov::beauty).at(50, 40, 2) = -inf;
     bad.image(Aov::beauty).at(0, 0, 1) = inf;
     bad.image(Aov::variance).at(20, 20, 1) = nan;
     bad.image(Aov::albedo).at(30, 30, 0) = nan;
-    const Denoised denoised = filter.denoise(bad);
+    const Denoised denoised = denoise_frame(filter, bad);
     EXPECT_EQ(denoised.report.non_finite_pixels, 3u) << merge;
     for (int frame = 2; frame <= 4; ++frame) {
-      const Denoised result = frame == 2 ? denoised : filter.denoise(noisy_frame(frame));
+      const Denoised result = frame == 2 ? denoised : denoise_frame(filter, noisy_frame(frame));
       for (int y = 0; y < kHeight; ++y) {
         for (int x = 0; x < kWidth; ++x) {
           for (int c = 0; c < 4; ++c) {
@@ -60,7 +61,7 @@ TEST_F(SequenceInputTest, NegativeVariancesAreReplacedAsNaNIs) {
     for (int i = 0; i < 5; ++i) {
       std::ranges::fill(frame.image(Aov::variance).pixel(10 + 15 * i, 20 + i), variance);
     }
-    return filter.denoise(frame);
+    return denoise_frame(filter, frame);
   };
   const Denoised negative = denoised(-0.01f);
   EXPECT_EQ(negative.report.replaced_variances, 5u);
@@ -89,7 +90,6 @@ TEST_F(SequenceInputTest, NoAovsValuesReachFurtherThanTheirPixel) {
     SequenceFilter filter(device(), settings, 24, 20, full_frame(1).aovs() & ~additive_aovs());
     for (const AovInfo& entry : kAovTable) {
       if (!contains(wanted_aovs(settings), entry.aov)) continue;
-      filter.reset();
       for (int number = 1; number <= 2; ++number) {
         Frame frame = full_frame(number);
         for (int i = 0; number == 2 && i < 6; ++i) {
@@ -97,7 +97,7 @@ TEST_F(SequenceInputTest, NoAovsValuesReachFurtherThanTheirPixel) {
               std::array{std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
                          -std::numeric_limits<float>::infinity()}[static_cast<std::size_t>(i % 3)];
         }
-        const Denoised denoised = filter.denoise(frame);
+        const Denoised denoised = denoise_frame(filter, frame, /*new_history=*/number == 1);
         EXPECT_EQ(denoised.report.non_finite_pixels, 0u);
         for (const float v : denoised.frame.image(Aov::beauty).data()) {
           ASSERT_TRUE(v > 0.45f && v < 0.65f) << merge << ", " << entry.name << ": " << v;
@@ -115,13 +115,13 @@ TEST_F(SequenceInputTest, BlackFramesStayBlackAndHoldNothingBack) {
   Frame black(1, kWidth, kHeight);
   for (const Aov aov : {Aov::beauty, Aov::variance, Aov::albedo}) black.add(aov);
   for (int number = 1; number <= 3; ++number) {
-    const Denoised denoised = filter.denoise(black);
+    const Denoised denoised = denoise_frame(filter, black);
     for (const Aov aov : {Aov::beauty, Aov::variance}) {
       for (const float v : denoised.frame.image(aov).data()) ASSERT_EQ(v, 0.0f) << info(aov).name;
     }
   }
   const Frame lit = noisy_frame(4);
-  EXPECT_NEAR(mean(filter.denoise(lit).frame) / mean(lit), 1.0, 0.01);
+  EXPECT_NEAR(mean(denoise_frame(filter, lit).frame) / mean(lit), 1.0, 0.01);
 }
 
 TEST_F(SequenceInputTest, ExtremesStayFinite) {
@@ -139,7 +139,7 @@ TEST_F(SequenceInputTest, ExtremesStayFinite) {
       for (int number = 1; number <= 4; ++number) {
         Frame frame = scaled(number, factor);
         if (number == 2) std::ranges::fill(frame.image(Aov::beauty).pixel(40, 30), 1e30f);
-        const Denoised denoised = filter.denoise(frame);
+        const Denoised denoised = denoise_frame(filter, frame);
         EXPECT_EQ(denoised.report.non_finite_pixels, 0u);
         EXPECT_EQ(denoised.report.replaced_variances, 0u) << factor;
         for (const Aov aov : {Aov::beauty, Aov::variance}) {
@@ -163,7 +163,7 @@ TEST_F(SequenceInputTest, FramesWithoutVarianceOrGuidesAreDenoisedToo) {
     Frame frame = noisy_frame(number);
     frame.remove(Aov::variance);
     frame.remove(Aov::albedo);
-    const Denoised denoised = filter.denoise(frame);
+    const Denoised denoised = denoise_frame(filter, frame);
     if (number < 6) continue;
     noisy_error += squared_error(frame);
     error += squared_error(denoised.frame);
@@ -185,7 +185,7 @@ TEST_F(SequenceInputTest, HalfBuffersServeInPlaceOfVariance) {
     b.data()[i] = 1.0f + noise(random);
     beauty.data()[i / 3 * 4 + i % 3] = 0.5f * (a.data()[i] + b.data()[i]);
   }
-  const Denoised denoised = filter.denoise(frame);
+  const Denoised denoised = denoise_frame(filter, frame);
   for (const float v : denoised.frame.image(Aov::variance).data()) variance += v / (3.0 * kWidth * kHeight);
   // Two halves with a standard deviation of 0.1 each: their mean has a variance of 0.005.
   EXPECT_NEAR(variance, 0.005, 0.0005);
@@ -197,7 +197,7 @@ TEST_F(SequenceInputTest, FramesThatDifferAreRefused) {
   other.add(Aov::beauty);
   const auto message = [&](const Frame& frame) -> std::string {
     try {
-      filter.denoise(frame);
+      denoise_frame(filter, frame);
     } catch (const Error& error) {
       return error.what();
     }
@@ -215,7 +215,7 @@ TEST_F(SequenceInputTest, SizesFromOnePixelUp) {
     for (int number = 1; number <= 2; ++number) {
       Frame frame(number, width, height);
       frame.add(Aov::beauty, 0.5f);
-      const Denoised denoised = filter.denoise(frame);
+      const Denoised denoised = denoise_frame(filter, frame);
       for (const float v : denoised.frame.image(Aov::beauty).data())
         ASSERT_EQ(v, 0.5f) << width << "x" << height;
     }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "filter/sequence/sequence_filter.h"
+#include "tests/filter/denoised.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/guided_frame.h"
 
@@ -63,7 +64,7 @@ void expect_no_holes(gpu::Device& device, const SurfacePixel& surface) {
     settings.directions = Directions::forward;
     SequenceFilter filter(device, settings, kWidth, kHeight, sparsely_lit(1, surface).aovs());
     for (int number = 1; number <= 4; ++number) {
-      const Frame denoised = filter.denoise(sparsely_lit(number, surface)).frame;
+      const Frame denoised = denoise_frame(filter, sparsely_lit(number, surface)).frame;
       EXPECT_LT(count_dark(denoised.image(Aov::beauty)), 10) << name << ", frame " << number;
     }
   }

@@ -201,9 +201,9 @@ TEST_F(ChainErrors, NameAnImageThatIsTooLargeForAStorageBuffer) {
     GTEST_SKIP() << "a storage buffer may hold " << limit
                  << " bytes: a larger image exceeds other limits first";
   const Extent large{1024, static_cast<int>(limit / 4096) + 1};
-  const ImageId a = chain_.input("a", Format::u32, kExtent);
-  const ImageId texels = chain_.input("texels", Format::u32, large);
-  const ImageId result = chain_.image("result", Format::u32, kExtent);
+  const ImageId a = chain_.input("a", Format::f32, kExtent);
+  const ImageId texels = chain_.input("texels", Format::f32, large);
+  const ImageId result = chain_.image("result", Format::f32, kExtent);
   chain_.pass("kernels/mix")
       .read("a", a)
       .read("b", texels)

@@ -92,8 +92,8 @@ TEST_F(Conventions, WantBuffersOfOneArrayOfKnownElements) {
   const auto buffer = [](const std::string& members) {
     return kSize + "layout(binding = 0) buffer B { " + members + " } b;";
   };
-  for (const char* element : {"vec3", "int", "uvec2", "mat4"}) {
-    expect_rejected("buffer 'b': elements must be float, vec2, vec4 or uint",
+  for (const char* element : {"vec3", "int", "uint", "uvec2", "mat4"}) {
+    expect_rejected("buffer 'b': elements must be float, vec2 or vec4",
                     buffer(std::string(element) + " data[];"));
   }
   expect_rejected("buffer 'b': must hold one array `data[]` and nothing else",
@@ -110,12 +110,13 @@ TEST_F(Conventions, WantNothingButBuffersAndPushConstants) {
       "push constants";
   expect_rejected(message, kGood + "layout(binding = 1, r32f) uniform image2D image;",
                   "imageStore(image, ivec2(0), vec4(1.0));");
-  const std::string sampler =
-      "texel buffer 'image': of images and samplers only samplerBuffer and usamplerBuffer are supported";
+  const std::string sampler = "texel buffer 'image': of images and samplers only samplerBuffer is supported";
   expect_rejected(sampler, kGood + "layout(binding = 1) uniform sampler2D image;",
                   "made.data[0] = textureLod(image, vec2(0.0), 0.0).x;");
-  expect_rejected(sampler, kGood + "layout(binding = 1) uniform isamplerBuffer image;",
-                  "made.data[0] = float(texelFetch(image, 0).x);");
+  for (const char* type : {"isamplerBuffer", "usamplerBuffer"}) {
+    expect_rejected(sampler, kGood + "layout(binding = 1) uniform " + type + " image;",
+                    "made.data[0] = float(texelFetch(image, 0).x);");
+  }
   expect_rejected("texel buffer 'texels': must be in set 0",
                   kGood + "layout(set = 1, binding = 1) uniform samplerBuffer texels;",
                   "made.data[0] = texelFetch(texels, 0).x;");
@@ -150,6 +151,13 @@ TEST_F(Conventions, WantLiteralWorkgroupSizes) {
   expect_rejected("local_size must be a literal, not a constant_id",
                   "layout(local_size_x_id = 0) in;\nlayout(binding = 0) buffer B { float data[]; } b;",
                   "b.data[0] = 1.0;");
+}
+
+TEST_F(Conventions, WantSpecializationConstantsOfTypeInt) {
+  for (const char* constant : {"uint c = 1u", "float c = 1.0", "bool c = true"}) {
+    expect_rejected("specialization constant 'c' must be int",
+                    kGood + "layout(constant_id = 0) const " + constant + ";", "made.data[0] = float(c);");
+  }
 }
 
 TEST_F(Conventions, WantCapabilitiesTheDeviceEnables) {

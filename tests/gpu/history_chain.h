@@ -12,8 +12,8 @@ namespace becalm::gpu {
 struct HistoryChain {
   explicit HistoryChain(bool alias_memory = true)
       : chain(validated_device(), "history", test_options(alias_memory)) {
-    frame = chain.input("frame", Format::u32, {kCount, 1});
-    total = chain.history("total", Format::u32, {kCount, 1});
+    frame = chain.input("frame", Format::f32, {kCount, 1});
+    total = chain.history("total", Format::f32, {kCount, 1});
     chain.pass("kernels/mix")
         .read("a", total.previous)
         .read("b", frame)
@@ -23,11 +23,11 @@ struct HistoryChain {
     chain.output(total.next);
     chain.build();
   }
-  std::uint32_t run(std::uint32_t value) {
-    std::ranges::fill(chain.upload<std::uint32_t>(frame), value);
+  float run(int value) {
+    std::ranges::fill(chain.upload<float>(frame), static_cast<float>(value));
     chain.run();
-    const auto result = chain.download<std::uint32_t>(total.next);
-    EXPECT_TRUE(std::ranges::all_of(result, [&](std::uint32_t r) { return r == result[0]; }));
+    const auto result = chain.download<float>(total.next);
+    EXPECT_TRUE(std::ranges::all_of(result, [&](float r) { return r == result[0]; }));
     return result[0];
   }
   static constexpr int kCount = 100;

@@ -18,7 +18,7 @@ struct MixPass {
   std::size_t a;
   std::size_t b;
   std::size_t result;
-  std::uint32_t salt;
+  std::int32_t salt;
 };
 
 /// Image numbers: inputs first, then the histories' `previous`, then the images that passes write. The last
@@ -34,6 +34,7 @@ struct Program {
 Program random_program(unsigned seed) {
   std::mt19937 random(seed);
   const auto below = [&](std::size_t n) { return random() % n; };
+  const auto salt = [&] { return static_cast<std::int32_t>(below(kMixModulus)); };
   const auto extent = [&] {
     return Extent{1 + static_cast<int>(below(60)), 1 + static_cast<int>(below(40)),
                   1 + static_cast<int>(below(3))};
@@ -53,33 +54,35 @@ Program random_program(unsigned seed) {
     const std::size_t a = known - 1 - below(recent);
     const std::size_t b = below(3) == 0 ? below(known) : known - 1 - below(recent);
     program.extents.push_back(is_next ? program.extents[program.inputs + history] : extent());
-    program.passes.push_back({a, b, known, static_cast<std::uint32_t>(random())});
+    program.passes.push_back({a, b, known, salt()});
     // Half of an image may be written again later in the chain: written after it was read.
-    if (below(4) == 0) program.passes.push_back({b, a, known, static_cast<std::uint32_t>(random())});
+    if (below(4) == 0) program.passes.push_back({b, a, known, salt()});
     if (below(5) == 0 || i + 1 == written) program.outputs.push_back(known);
   }
   return program;
 }
 
-using Values = std::vector<std::vector<std::uint32_t>>;
+/// Whole numbers below kMixModulus.
+using Values = std::vector<std::vector<float>>;
 
-void mix(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b, std::uint32_t salt,
-         std::span<std::uint32_t> result) {
+void mix(std::span<const float> a, std::span<const float> b, std::int32_t salt, std::span<float> result) {
   for (std::size_t i = 0; i < result.size(); ++i) {
-    result[i] = 3 * a[(i + 7) % a.size()] + 5 * b[(i + 31) % b.size()] + salt;
+    const int of_a = static_cast<int>(a[(i + 7) % a.size()]);
+    const int of_b = static_cast<int>(b[(i + 31) % b.size()]);
+    result[i] = static_cast<float>((3 * of_a + 5 * of_b + salt) % kMixModulus);
   }
 }
 
-std::uint32_t input_value(std::size_t image, std::size_t element, int frame) {
-  return static_cast<std::uint32_t>(image * 1'000'003 + element * 17 +
-                                    static_cast<std::size_t>(frame) * 7919 + 1);
+float input_value(std::size_t image, std::size_t element, int frame) {
+  const std::size_t value = image * 1'000'003 + element * 17 + static_cast<std::size_t>(frame) * 7919 + 1;
+  return static_cast<float>(value % kMixModulus);
 }
 
 /// The outputs of three frames, computed on the CPU.
 Values expected_outputs(const Program& program) {
   Values results;
   Values images;
-  for (const Extent& extent : program.extents) images.emplace_back(extent.elements(), 0u);
+  for (const Extent& extent : program.extents) images.emplace_back(extent.elements(), 0.0f);
   for (int frame = 0; frame < 3; ++frame) {
     for (std::size_t i = 0; i < program.inputs; ++i) {
       for (std::size_t e = 0; e < images[i].size(); ++e) images[i][e] = input_value(i, e, frame);
@@ -105,25 +108,24 @@ Values chain_outputs(const Program& program, const ChainOptions& options, unsign
     const std::string name = "image " + std::to_string(i);
     const Extent extent = program.extents[i];
     if (i < program.inputs) {
-      images.push_back(chain.input(name, Format::u32, extent));
+      images.push_back(chain.input(name, Format::f32, extent));
     } else if (i < first_written) {
-      const History history = chain.history(name, Format::u32, extent);
+      const History history = chain.history(name, Format::f32, extent);
       images.push_back(history.previous);
       next.push_back(history.next);
     } else if (i + program.histories >= program.extents.size()) {
       images.push_back(next[i + program.histories - program.extents.size()]);
     } else {
-      images.push_back(chain.image(name, Format::u32, extent));
+      images.push_back(chain.image(name, Format::f32, extent));
     }
   }
   for (const MixPass& pass : program.passes) {
     const Extent extent = program.extents[pass.result];
-    if (host_share > 0 && pass.salt % host_share == 0) {
+    if (host_share > 0 && static_cast<unsigned>(pass.salt) % host_share == 0) {
       const std::array<ImageId, 3> used{images[pass.a], images[pass.b], images[pass.result]};
       chain.host_pass("mix").read(used[0]).read(used[1]).write(used[2]).run(
           [used, salt = pass.salt](const Chain::HostImages& host) {
-            mix(host.read<std::uint32_t>(used[0]), host.read<std::uint32_t>(used[1]), salt,
-                host.write<std::uint32_t>(used[2]));
+            mix(host.read<float>(used[0]), host.read<float>(used[1]), salt, host.write<float>(used[2]));
           });
       continue;
     }
@@ -143,12 +145,12 @@ Values chain_outputs(const Program& program, const ChainOptions& options, unsign
   Values results;
   for (int frame = 0; frame < 3; ++frame) {
     for (std::size_t i = 0; i < program.inputs; ++i) {
-      const auto values = chain.upload<std::uint32_t>(images[i]);
+      const auto values = chain.upload<float>(images[i]);
       for (std::size_t e = 0; e < values.size(); ++e) values[e] = input_value(i, e, frame);
     }
     chain.run();
     for (const std::size_t output : program.outputs) {
-      const auto values = chain.download<std::uint32_t>(images[output]);
+      const auto values = chain.download<float>(images[output]);
       results.emplace_back(values.begin(), values.end());
     }
   }

@@ -48,7 +48,7 @@ TEST(Scratch, IsCountedOnceForAllChains) {
   EXPECT_GE(large.chain.device_bytes().total(), 64u * 400u * sizeof(float));
   EXPECT_EQ(bytes.scratch, large.chain.device_bytes().scratch);
   const HistoryChain history;
-  EXPECT_GE(history.chain.device_bytes().own, 2u * HistoryChain::kCount * sizeof(std::uint32_t));
+  EXPECT_GE(history.chain.device_bytes().own, 2u * HistoryChain::kCount * sizeof(float));
   bytes += history.chain.device_bytes();
   EXPECT_EQ(bytes.total(), large.chain.device_bytes().total() + history.chain.device_bytes().own);
 }
@@ -89,14 +89,15 @@ TEST(Scratch, GrowsUnderChainsThatHaveRun) {
   TwiceChain small({33, 5});
   HistoryChain history;
   small.expect_right(1.0f);
-  std::uint32_t total = 0;
-  for (std::uint32_t i = 1; i <= 3; ++i) {
+  int total = 0;
+  for (int i = 1; i <= 3; ++i) {
     // More than any chain of this process before.
-    TwiceChain large({1024, static_cast<int>(1500 * i)});
+    TwiceChain large({1024, 1500 * i});
     if (i != 2) large.expect_right(2.0f);
     small.expect_right(static_cast<float>(i));
     total = 3 * total + 5 * i;
-    EXPECT_EQ(history.run(i), total) << "what is kept between runs is not in scratch memory";
+    EXPECT_EQ(history.run(i), static_cast<float>(total))
+        << "what is kept between runs is not in scratch memory";
     large.expect_right(3.0f);
   }
   small.expect_right(4.0f);

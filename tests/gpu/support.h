@@ -20,9 +20,11 @@ inline ChainOptions test_options(bool alias_memory = true) {
   return options;
 }
 
+/// Values of kernels/mix are less, so that floats hold their sums exactly.
+constexpr std::int32_t kMixModulus = 65521;
+
 struct MixParams {
-  std::int32_t width, height, planes, a_count, b_count;
-  std::uint32_t salt;
+  std::int32_t width, height, planes, a_count, b_count, salt;
 };
 
 struct ScaleParams {

@@ -2,8 +2,8 @@
 #version 460
 layout(local_size_x = 64) in;
 layout(push_constant) uniform Params { int count; } p;
-layout(std430, set = 0, binding = 0) readonly buffer TermBuffer { uint data[]; } term;
-layout(std430, set = 0, binding = 1) restrict buffer SumBuffer { uint data[]; } sum;
+layout(std430, set = 0, binding = 0) readonly buffer TermBuffer { float data[]; } term;
+layout(std430, set = 0, binding = 1) restrict buffer SumBuffer { float data[]; } sum;
 
 void main() {
   const int i = int(gl_GlobalInvocationID.x);
