@@ -13,7 +13,6 @@
 #include "filter/antialias/checkerboard.h"
 #include "filter/antialias/radiance_range.h"
 #include "filter/antialias/sample_grid.h"
-#include "filter/antialias/sharpener.h"
 #include "filter/for_rows.h"
 #include "filter/input/frame_check.h"
 #include "filter/input/host_images.h"
@@ -138,7 +137,6 @@ struct AntialiasFilter::State {
   FilterTask whole;  ///< for the chains that are shared with the denoiser
   std::optional<AntialiasChain> passes;
   std::optional<Combiner> combiner;
-  std::optional<Sharpener> sharpener;
 
   FindCuts find_cuts = FindCuts::no;
   std::optional<ShotSignature> before;  ///< of the last frame in the history
@@ -185,7 +183,6 @@ AntialiasFilter::AntialiasFilter(gpu::Device& device, const AntialiasSettings& s
   build_within(allowed - bytes.own, [&](std::uint64_t limit) {
     s.combiner.reset();  // an attempt before this one must not take the memory
     if (settings.directions == Directions::both) s.combiner.emplace(device, s.whole, limit);
-    if (settings.sharpen > 0.0f) s.sharpener.emplace(device, s.whole, settings.sharpen, limit);
   });
 }
 AntialiasFilter::~AntialiasFilter() = default;
@@ -387,7 +384,6 @@ Frame AntialiasFilter::State::forward(const Step& step, const Frame& frame,
     made = combiner->run(exposure, made, predicted, report);
     predictions.erase(prediction);
   }
-  if (sharpener) made.color = sharpener->run(made.color, report);
   Frame result(frame.number(), full.width, full.height);
   const float back = 1.0f / scale;
   const NearestSample nearest{.scale = task.settings.scale, .window = window};
@@ -432,10 +428,7 @@ void AntialiasFilter::State::add_diagnostics(std::span<const float> decided, Fra
 FilterMemory AntialiasFilter::memory() const {
   FilterMemory memory{.tiles = 1, .tile = state_->task.full, .tile_plan = "1"};
   add_memory(memory, state_->passes->chain);
-  for (const FilterMemory& part : {state_->combiner ? state_->combiner->memory() : FilterMemory{},
-                                   state_->sharpener ? state_->sharpener->memory() : FilterMemory{}}) {
-    memory += part;
-  }
+  if (state_->combiner) memory += state_->combiner->memory();
   return memory;
 }
 

@@ -62,8 +62,6 @@ const SettingRow<AntialiasSettings> kAntialiasTable[] = {
     {{"steady", "no or yes",
       "lowers the weight of new samples where the history is near its bounds; needs rectify"},
      name_field(&AntialiasSettings::steady, kSwitchNames)},
-    {{"sharpen", "number 0..1", "sharpens the result, not the history, within its neighbours' range"},
-     number_field(&AntialiasSettings::sharpen, 0.0f, 1.0f)},
 };
 
 }  // namespace

@@ -49,7 +49,6 @@ struct AntialiasSettings {
   Switch reconstruct = Switch::yes;
   Switch outliers = Switch::no;
   Switch steady = Switch::no;
-  float sharpen = 0.0f;
 
   // Not in the table: properties of the frames and the results rather than of the method.
   Scale scale;                ///< of the results' sides to those of the frames

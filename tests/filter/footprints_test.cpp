@@ -8,7 +8,6 @@
 
 #include "filter/align/align.h"
 #include "filter/antialias/antialias_chain.h"
-#include "filter/antialias/sharpener.h"
 #include "filter/burst/burst_chains.h"
 #include "filter/burst/burst_merger.h"
 #include "filter/gpu/program.h"
@@ -102,8 +101,6 @@ class FootprintsTest : public DeviceTest {
       const AntialiasChain sparse(device(), task);
       use(sparse.chain, {kSide});
     }
-    const SharpenPasses sharpens(device(), task_of("final"), kFull);
-    use(sharpens.chain, {kSide});
   }
 
   static void combination(const Use& use) {
