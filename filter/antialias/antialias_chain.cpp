@@ -4,8 +4,6 @@
 #include <cmath>
 #include <string>
 
-#include "filter/merge/patch_sums.h"
-#include "filter/merge/statistics.h"
 #include "shaders/shared/antialias_params.h"
 
 namespace becalm::filter {
@@ -15,24 +13,11 @@ using gpu::ImageId;
 
 namespace {
 
-/// Radius of the patches over which colour rejects; that of shaders/lib/reject_history.glsl.
-constexpr int kRejectionRadius = 3;
-
 int number(Switch value) {
   return value == Switch::yes ? 1 : 0;
 }
 
 }  // namespace
-
-bool AntialiasTask::validates_surface() const {
-  const bool asked = settings.validate == Validate::surface || settings.validate == Validate::both;
-  return asked &&
-         (contains(used, Aov::depth) || contains(used, Aov::normal) || contains(used, Aov::object_id));
-}
-
-bool AntialiasTask::validates_color() const {
-  return settings.validate == Validate::color || settings.validate == Validate::both;
-}
 
 Settings aligner_settings(const AntialiasTask& task) {
   Settings settings = preset("final");
@@ -204,39 +189,8 @@ void AntialiasChain::add_reprojection(const AntialiasTask& task, ImageId reconst
       .dispatch(task.full);
 }
 
-ImageId AntialiasChain::add_validation(const AntialiasTask& task) {
-  const int reach = static_cast<int>(std::ceil(task.settings.scale.value()));  // of the jitter, at most
-  const int neighbours_px = reach + 1;  // around the pixel at the offset, rounding included
-  surface = chain.input("surface", Format::f32x4, task.full);
-  object = chain.input("object", Format::f32, task.full);
-  const gpu::History last_surface = chain.history("surface", Format::f32x4, task.full);
-  const gpu::History last_object = chain.history("object", Format::f32, task.full);
-  const ImageId valid = chain.image("valid", Format::f32, task.full);
-  const gpu::Footprint around = gpu::gather(std::max(task.full.width, task.full.height) + neighbours_px);
-  chain.pass("antialias/validate")
-      .read("offset", offset)
-      .read("surface", *surface)
-      .read("object", *object)
-      .read("last_surface", last_surface.previous, around)
-      .read("last_object", last_object.previous, around)
-      .write("valid", valid)
-      .write("next_surface", last_surface.next)
-      .write("next_object", last_object.next)
-      .specialize("reach", reach)
-      .dispatch(task.full);
-  return valid;
-}
-
 void AntialiasChain::add_accumulation(const AntialiasTask& task, ImageId reconstructed) {
   const AntialiasSettings& settings = task.settings;
-  std::optional<ImageId> valid;
-  if (task.validates_surface()) valid = add_validation(task);
-  std::optional<ImageId> difference;
-  std::optional<ImageId> sums;
-  if (task.validates_color()) {
-    difference = add_statistics(chain, task.full, reconstructed, variance_, warped, exposure).difference;
-    sums = add_patch_sums(chain, kRejectionRadius, task.full, *difference, "difference");
-  }
   const bool masked = settings.mask == Switch::yes;
   if (settings.directions == Directions::both && settings.rectify != Rectify::none)
     rectified = chain.image("rectified", Format::f32x4, task.full);
@@ -253,9 +207,6 @@ void AntialiasChain::add_accumulation(const AntialiasTask& task, ImageId reconst
       .read("exposure", exposure)
       .read("residual", masked ? residual_ : std::nullopt,
             task.samples() == task.full ? gpu::bilinear(1) : gpu::anywhere())
-      .read("valid", valid)
-      .read("difference", difference, gpu::reach(kRejectionRadius, 0))
-      .read("difference_sums", sums)
       .read("columns", grid ? std::optional(grid->columns) : std::nullopt)
       .read("rows", grid ? std::optional(grid->rows) : std::nullopt)
       .read("offset", grid ? std::optional(offset) : std::nullopt)
@@ -268,8 +219,6 @@ void AntialiasChain::add_accumulation(const AntialiasTask& task, ImageId reconst
       .specialize("by_deviation", settings.bounds == Bounds::deviation ? 1 : 0)
       .specialize("in_ycocg", settings.space == ColorSpace::ycocg ? 1 : 0)
       .specialize("masked", number(settings.mask))
-      .specialize("by_surface", valid ? 1 : 0)
-      .specialize("by_color", difference ? 1 : 0)
       .specialize("against_outliers", number(settings.outliers))
       .specialize("steady", number(settings.steady))
       .specialize("sparse", grid ? 1 : 0)

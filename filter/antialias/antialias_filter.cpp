@@ -83,11 +83,8 @@ float known_depth(float depth) {
 AovSet wanted_aovs(const AntialiasSettings& settings) {
   AovSet wanted;
   const auto want = [&](Aov aov, bool needed) { wanted.set(static_cast<std::size_t>(aov), needed); };
-  const bool surface = settings.validate == Validate::surface || settings.validate == Validate::both;
   want(Aov::motion, settings.uses_vectors());
-  want(Aov::depth, settings.uses_vectors() || surface);
-  want(Aov::normal, surface);
-  want(Aov::object_id, surface);
+  want(Aov::depth, settings.uses_vectors());
   return wanted;
 }
 
@@ -128,7 +125,6 @@ struct AntialiasFilter::State {
   void upload(const Step& step, const Frame& frame, const Image& color,
               const std::vector<std::uint8_t>& finite);
   void upload_motion(const Step& step, const Frame& frame);
-  void upload_surface(const Frame& frame);
   Frame forward(const Step& step, const Frame& frame, const std::vector<std::uint8_t>& finite, float exposure,
                 FrameReport& report);
   void add_diagnostics(std::span<const float> decided, Frame& result);
@@ -309,7 +305,6 @@ void AntialiasFilter::State::upload(const Step& step, const Frame& frame, const 
     std::ranges::copy(grid.weights, chain.upload<float>(*passes->weights).begin());
   }
   if (passes->motion) upload_motion(step, frame);
-  if (passes->surface) upload_surface(frame);
 }
 
 void AntialiasFilter::State::upload_motion(const Step& step, const Frame& frame) {
@@ -344,31 +339,6 @@ void AntialiasFilter::State::upload_motion(const Step& step, const Frame& frame)
   next.image(Aov::motion) = frame.image(Aov::motion);
   next.image(Aov::depth) = frame.image(Aov::depth);
   if (task.uses_places()) next.set_jitter(frame.jitter());
-}
-
-void AntialiasFilter::State::upload_surface(const Frame& frame) {
-  gpu::Chain& chain = passes->chain;
-  Image surface(frame.width(), frame.height(), 4);
-  const Image& normal = frame.image(Aov::normal);
-  const Image& depth = frame.image(Aov::depth);
-  const auto finite_or_zero = [](float x) { return std::isfinite(x) ? x : 0.0f; };
-  for (std::size_t i = 0; i < surface.pixel_count(); ++i) {
-    float* to = surface.data().data() + 4 * i;
-    for (std::size_t c = 0; c < 3 && contains(task.used, Aov::normal); ++c) {
-      to[c] = finite_or_zero(normal.data()[3 * i + c]);
-    }
-    if (contains(task.used, Aov::depth)) to[3] = known_depth(depth.data()[i]);
-  }
-  const auto copy = [](std::span<const float> from, std::span<float> to, bool) {
-    std::ranges::copy(from, to.begin());
-  };
-  place(surface, chain.upload<float>(*passes->surface), 4, copy);
-  const std::span<float> object = chain.upload<float>(*passes->object);
-  if (contains(task.used, Aov::object_id)) {
-    place(frame.image(Aov::object_id), object, 1, copy);
-  } else {
-    std::ranges::fill(object, 0.0f);
-  }
 }
 
 Frame AntialiasFilter::State::forward(const Step& step, const Frame& frame,

@@ -14,7 +14,6 @@ constexpr std::array<std::string_view, 4> kAccumulateNames{"exponential", "mean"
 constexpr std::array<std::string_view, 3> kRectifyNames{"none", "clamp", "clip"};
 constexpr std::array<std::string_view, 2> kBoundsNames{"extremes", "deviation"};
 constexpr std::array<std::string_view, 2> kSpaceNames{"rgb", "ycocg"};
-constexpr std::array<std::string_view, 4> kValidateNames{"none", "surface", "color", "both"};
 constexpr std::array<std::string_view, 2> kSwitchNames{"no", "yes"};
 
 const SettingRow<AntialiasSettings> kAntialiasTable[] = {
@@ -47,10 +46,6 @@ const SettingRow<AntialiasSettings> kAntialiasTable[] = {
      number_field(&AntialiasSettings::gamma, 0.1f, 16.0f)},
     {{"space", "rgb or ycocg", "colour space of the bounds"},
      name_field(&AntialiasSettings::space, kSpaceNames)},
-    {{"validate", "none, surface, color or both",
-      "rejects history of another depth, normal or object, where frames have them, or (not with --scale or "
-      "--checkerboard) whose colour differs over 7x7 pixels"},
-     name_field(&AntialiasSettings::validate, kValidateNames)},
     {{"mask", "no or yes", "averages only where the aligner's patches differ (needs a search)"},
      name_field(&AntialiasSettings::mask, kSwitchNames)},
     {{"reconstruct", "no or yes",

@@ -24,10 +24,6 @@ enum class Rectify { none = 0, clamp = 1, clip = 2 };
 enum class Bounds { extremes = 0, deviation = 1 };
 enum class ColorSpace { rgb = 0, ycocg = 1 };
 
-/// What rejects history: surfaces that differ by depth, normal or object number; or a difference of colour
-/// in a patch (survey of Yang et al., eq. 5).
-enum class Validate { none, surface, color, both };
-
 enum class Switch { no, yes };
 
 /// The settings of temporal antialiasing. One table (antialias_settings.cpp) holds their names, ranges and
@@ -44,7 +40,6 @@ struct AntialiasSettings {
   Bounds bounds = Bounds::deviation;
   float gamma = 1.0f;
   ColorSpace space = ColorSpace::ycocg;
-  Validate validate = Validate::none;
   Switch mask = Switch::no;
   Switch reconstruct = Switch::yes;
   Switch outliers = Switch::no;

@@ -1,8 +1,8 @@
 // Reads the new frame (its samples, and the pixels made of them with their variance) and the history at its
 // pixels; writes their blend, which is the next history: colour, (variance, effective frames), the decision:
 // (rejected share; squared bias; weight of the new frame; what it is worth in frames), and if asked the
-// rectified history. A history is validated and rectified (survey of Yang et al. 2020, sections 4.1 and 4.2),
-// then weighed by one of four rules.
+// rectified history. A history is rectified (survey of Yang et al. 2020, section 4.2), then weighed by one
+// of four rules.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -22,12 +22,10 @@ layout(constant_id = 1) const int rectify = 0;         // 1: clamps, 2: clips
 layout(constant_id = 2) const int by_deviation = 1;    // bounds of the 3x3 samples; else least and most
 layout(constant_id = 3) const int in_ycocg = 1;        // bounds in YCoCg
 layout(constant_id = 4) const int masked = 0;          // averages only where patches differ
-layout(constant_id = 5) const int by_surface = 0;      // `valid` rejects
-layout(constant_id = 6) const int by_color = 0;        // the filtered difference rejects
-layout(constant_id = 7) const int against_outliers = 0;
-layout(constant_id = 8) const int steady = 0;
-layout(constant_id = 9) const int sparse = 0;          // samples and pixels are not of one grid
-layout(constant_id = 10) const int keeps_rectified = 0;
+layout(constant_id = 5) const int against_outliers = 0;
+layout(constant_id = 6) const int steady = 0;
+layout(constant_id = 7) const int sparse = 0;          // samples and pixels are not of one grid
+layout(constant_id = 8) const int keeps_rectified = 0;
 
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Params { ivec2 size; ivec2 samples_size; ivec2 residual_size; AccumulateParams p; };
@@ -39,16 +37,13 @@ layout(set = 0, binding = 4) uniform samplerBuffer warped_color;
 layout(set = 0, binding = 5) uniform samplerBuffer warped_stats;
 layout(set = 0, binding = 6) uniform samplerBuffer exposure;
 layout(set = 0, binding = 7) uniform samplerBuffer residual;
-layout(set = 0, binding = 8) uniform samplerBuffer valid;
-layout(set = 0, binding = 9) uniform samplerBuffer difference;
-layout(set = 0, binding = 10) uniform samplerBuffer difference_sums;
-layout(set = 0, binding = 11) uniform samplerBuffer columns;
-layout(set = 0, binding = 12) uniform samplerBuffer rows;
-layout(set = 0, binding = 13) uniform samplerBuffer offset;  // of the history, read where samples are sparse
-layout(std430, set = 0, binding = 14) writeonly buffer MergedColorBuffer { vec4 data[]; } merged_color;
-layout(std430, set = 0, binding = 15) writeonly buffer MergedStatsBuffer { vec2 data[]; } merged_stats;
-layout(std430, set = 0, binding = 16) writeonly buffer DecisionBuffer { vec4 data[]; } decision;
-layout(std430, set = 0, binding = 17) writeonly buffer RectifiedBuffer { vec4 data[]; } rectified;
+layout(set = 0, binding = 8) uniform samplerBuffer columns;
+layout(set = 0, binding = 9) uniform samplerBuffer rows;
+layout(set = 0, binding = 10) uniform samplerBuffer offset;  // of the history, read where samples are sparse
+layout(std430, set = 0, binding = 11) writeonly buffer MergedColorBuffer { vec4 data[]; } merged_color;
+layout(std430, set = 0, binding = 12) writeonly buffer MergedStatsBuffer { vec2 data[]; } merged_stats;
+layout(std430, set = 0, binding = 13) writeonly buffer DecisionBuffer { vec4 data[]; } decision;
+layout(std430, set = 0, binding = 14) writeonly buffer RectifiedBuffer { vec4 data[]; } rectified;
 
 /// Share of its weight that a new sample keeps where the history lies on its bounds.
 const float kSteady = 0.25;
@@ -57,7 +52,7 @@ const float kSteady = 0.25;
 #include "lib/history_bias.glsl"
 #include "lib/samples_around.glsl"
 #include "lib/rectify_history.glsl"
-#include "lib/reject_history.glsl"
+#include "lib/inverted_mask.glsl"
 
 /// The weight `alpha` of the new sample after both sample and history are also weighted by 1/(1 + luminance)
 /// (survey of Yang et al., eq. 4).
@@ -108,8 +103,6 @@ void main() {
   }
   if (steady != 0) alpha *= mix(1.0, kSteady, near_bounds);
   if (masked != 0) alpha = 1.0 - (1.0 - alpha) * mask_of(at);
-  if (by_color != 0) alpha = max(alpha, least_by_color(at, index));
-  if (by_surface != 0 && texelFetch(valid, index).x <= 0.0) alpha = 1.0;
 
   vec4 blended = alpha >= 1.0 ? x : h + alpha * (x - h);
   const float rest = 1.0 - alpha;

@@ -285,7 +285,7 @@ Frame moving_square(int number) {
 
 TEST_F(AntialiasTest, DisocclusionLeavesNoGhost) {
   for (const std::vector<const char*>& changes :
-       {std::vector<const char*>{}, {"validate=surface", "accumulate=mean", "rectify=clamp"}}) {
+       {std::vector<const char*>{}, {"accumulate=exponential", "rectify=clamp"}}) {
     AntialiasFilter filter = make(settings_of("forward", changes), moving_square(0));
     double ghost = 0.0;
     for (int number = 0; number < 10; ++number) {
@@ -408,8 +408,7 @@ TEST_F(AntialiasTest, TakesEveryKindOfFrame) {
   Frame bare(0, kWidth, kHeight);
   bare.add(Aov::beauty, 0.5f);
   for (const std::vector<const char*>& changes :
-       {std::vector<const char*>{},
-        {"validate=both", "rectify=clip", "steady=yes", "outliers=yes", "mask=yes"}}) {
+       {std::vector<const char*>{}, {"rectify=clip", "steady=yes", "outliers=yes", "mask=yes"}}) {
     AntialiasFilter filter = make(settings_of("best", changes), bare);
     run(filter, bare);
     const Frame result = run(filter, bare);
