@@ -132,60 +132,28 @@ Alignment AntialiasChain::add_search(const AntialiasTask& task, ImageId reconstr
   return found;
 }
 
-WarpedHistory AntialiasChain::add_warp(const AntialiasTask& task, ImageId at, int limit_px,
-                                       const char* name) {
-  const WarpedHistory made = add_warp_passes(
-      chain, aligner_settings(task), task.full,
-      {.color = color.previous, .stats = stats.previous, .offset_limit_px = limit_px, .name = name}, at);
-  chain.pass("antialias/rescale")
-      .read("ratio", ratio)
-      .read_write("color", made.color)
-      .read_write("stats", made.stats)
-      .dispatch(task.full);
-  return made;
-}
-
 void AntialiasChain::add_reprojection(const AntialiasTask& task, ImageId reconstructed) {
   std::optional<ImageId> vectors;
   if (task.has_motion()) vectors = add_motion(task);
-  const int vector_limit_px = std::max(task.full.width, task.full.height);
-  const bool searches = task.settings.searches() || task.settings.mask == Switch::yes || !vectors;
-  if (!searches) {
-    offset = *vectors;
-    warped = add_warp(task, offset, vector_limit_px, "");
-    return;
+  int limit_px = std::max(task.full.width, task.full.height);  // of vectors
+  if (vectors) offset = *vectors;
+  if (!vectors || task.settings.searches() || task.settings.mask == Switch::yes) {
+    const Alignment found = add_search(task, reconstructed);
+    residual_ = found.residual;
+    if (!vectors) {
+      offset = found.offset;
+      limit_px = found.limit_px;
+    } else if (task.settings.searches()) {
+      offset = add_override_pass(chain, task.full, found.offset, *vectors);
+    }
   }
-  const Alignment found = add_search(task, reconstructed);
-  residual_ = found.residual;
-  if (!vectors) {
-    offset = found.offset;
-    warped = add_warp(task, offset, found.limit_px, "");
-    return;
-  }
-  if (task.settings.reproject != Reproject::best) {
-    offset = task.settings.reproject == Reproject::vectors
-                 ? *vectors
-                 : add_override_pass(chain, task.full, found.offset, *vectors);
-    warped = add_warp(task, offset, vector_limit_px, "");
-    return;
-  }
-  offset = chain.image("chosen.offset", Format::f32x2, task.full);
-  const WarpedHistory by_vectors = add_warp(task, *vectors, vector_limit_px, "vectors.");
-  const WarpedHistory by_search = add_warp(task, found.offset, found.limit_px, "search.");
-  warped = {.color = chain.image("chosen.color", Format::f32x4, task.full),
-            .stats = chain.image("chosen.stats", Format::f32x2, task.full)};
-  chain.pass("antialias/choose_history")
-      .read("color", reconstructed, gpu::reach(1))
-      .read("vectors_color", by_vectors.color, gpu::reach(1))
-      .read("vectors_stats", by_vectors.stats, gpu::reach(1))
-      .read("search_color", by_search.color, gpu::reach(1))
-      .read("search_stats", by_search.stats, gpu::reach(1))
-      .read("variance", variance_, gpu::reach(1))
-      .read("vectors_offset", *vectors)
-      .read("search_offset", found.offset)
-      .write("warped_color", warped.color)
-      .write("warped_stats", warped.stats)
-      .write("offset", offset)
+  warped = add_warp_passes(chain, aligner_settings(task), task.full,
+                           {.color = color.previous, .stats = stats.previous, .offset_limit_px = limit_px},
+                           offset);
+  chain.pass("antialias/rescale")
+      .read("ratio", ratio)
+      .read_write("color", warped.color)
+      .read_write("stats", warped.stats)
       .dispatch(task.full);
 }
 

@@ -78,7 +78,6 @@ struct AntialiasChain {
                                    const std::string& name, std::optional<gpu::ImageId> into = {});
   gpu::ImageId add_motion(const AntialiasTask& task);
   Alignment add_search(const AntialiasTask& task, gpu::ImageId reconstructed);
-  WarpedHistory add_warp(const AntialiasTask& task, gpu::ImageId offset, int limit_px, const char* name);
   void add_reprojection(const AntialiasTask& task, gpu::ImageId reconstructed);
   void add_accumulation(const AntialiasTask& task, gpu::ImageId reconstructed);
 

@@ -90,15 +90,9 @@ AovSet wanted_aovs(const AntialiasSettings& settings) {
 
 std::string reprojected_text(const AntialiasSettings& settings, const AovSet& available) {
   const bool motion = contains(available, Aov::motion);
-  if (!motion || settings.reproject == Reproject::search) return "frames are reprojected by the search";
-  switch (settings.reproject) {
-    case Reproject::vectors:
-      return "frames are reprojected by motion vectors";
-    case Reproject::known:
-      return "frames are reprojected by motion vectors where known, else by the search";
-    default:
-      return "frames are reprojected by motion vectors or the search, whichever matches better";
-  }
+  if (!motion || !settings.uses_vectors()) return "frames are reprojected by the search";
+  return settings.searches() ? "frames are reprojected by motion vectors where known, else by the search"
+                             : "frames are reprojected by motion vectors";
 }
 
 struct AntialiasFilter::State {

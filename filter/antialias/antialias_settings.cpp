@@ -9,7 +9,7 @@ namespace becalm::filter {
 namespace {
 
 constexpr std::array<std::string_view, 3> kAntialiasResampleNames{"bilinear", "catmull_rom", "spline"};
-constexpr std::array<std::string_view, 4> kReprojectNames{"search", "vectors", "known", "best"};
+constexpr std::array<std::string_view, 3> kReprojectNames{"search", "vectors", "known"};
 constexpr std::array<std::string_view, 4> kAccumulateNames{"exponential", "mean", "gain", "variance"};
 constexpr std::array<std::string_view, 3> kRectifyNames{"none", "clamp", "clip"};
 constexpr std::array<std::string_view, 2> kBoundsNames{"extremes", "deviation"};
@@ -17,9 +17,9 @@ constexpr std::array<std::string_view, 2> kSpaceNames{"rgb", "ycocg"};
 constexpr std::array<std::string_view, 2> kSwitchNames{"no", "yes"};
 
 const SettingRow<AntialiasSettings> kAntialiasTable[] = {
-    {{"reproject", "search, vectors, known or best",
-      "what brings the history to a frame: the aligner's search; motion vectors; vectors where known, else "
-      "the search; or whichever of the two matches better"},
+    {{"reproject", "search, vectors or known",
+      "what brings the history to a frame: the aligner's search; motion vectors; or vectors where known, "
+      "else the search"},
      name_field(&AntialiasSettings::reproject, kReprojectNames)},
     {{"refine_levels", "integer 0..12",
       "subpixel refinement of the search on so many of its finest levels; without it slow motion stutters"},

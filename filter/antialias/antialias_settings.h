@@ -10,8 +10,8 @@
 namespace becalm::filter {
 
 /// By what the history is brought to the new frame: the aligner's search; motion vectors, and no history
-/// where they are unknown; vectors where known, else the search; or, of both, what matches better.
-enum class Reproject { search, vectors, known, best };
+/// where they are unknown; or vectors where known, else the search.
+enum class Reproject { search, vectors, known };
 
 /// The weight of the new sample: constant; 1/N; the gain of Philippi et al. 2022 (eq. 4, 10 and 11); or that
 /// gain with the variance of the pixels around it, 1/n of it for a history of n frames. The values are those
