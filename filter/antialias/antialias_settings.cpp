@@ -8,12 +8,11 @@
 namespace becalm::filter {
 namespace {
 
-constexpr std::array<std::string_view, 3> kAntialiasResampleNames{"bilinear", "catmull_rom", "spline"};
+constexpr std::array<std::string_view, 2> kAntialiasResampleNames{"catmull_rom", "spline"};
 constexpr std::array<std::string_view, 3> kReprojectNames{"search", "vectors", "known"};
 constexpr std::array<std::string_view, 4> kAccumulateNames{"exponential", "mean", "gain", "variance"};
-constexpr std::array<std::string_view, 3> kRectifyNames{"none", "clamp", "clip"};
+constexpr std::array<std::string_view, 2> kRectifyNames{"none", "clamp"};
 constexpr std::array<std::string_view, 2> kBoundsNames{"extremes", "deviation"};
-constexpr std::array<std::string_view, 2> kSpaceNames{"rgb", "ycocg"};
 constexpr std::array<std::string_view, 2> kSwitchNames{"no", "yes"};
 
 const SettingRow<AntialiasSettings> kAntialiasTable[] = {
@@ -26,9 +25,8 @@ const SettingRow<AntialiasSettings> kAntialiasTable[] = {
      number_field(&AntialiasSettings::refine_levels, 0, 12)},
     {{"directions", "forward or both", "history of the frames before alone, or of those after as well"},
      name_field(&AntialiasSettings::directions, kDirectionsNames)},
-    {{"resample", "bilinear, catmull_rom or spline",
-      "filter by which the history is read between its pixels"},
-     name_field(&AntialiasSettings::resample, kAntialiasResampleNames)},
+    {{"resample", "catmull_rom or spline", "filter by which the history is read between its pixels"},
+     name_field(&AntialiasSettings::resample, kAntialiasResampleNames, Resample::catmull_rom)},
     {{"accumulate", "exponential, mean, gain or variance",
       "weight of a new sample: `newest`; 1/N; by the 3x3 pixels around it (Philippi et al. 2022); or by "
       "their variance, 1/n of it for a history of n frames"},
@@ -37,15 +35,12 @@ const SettingRow<AntialiasSettings> kAntialiasTable[] = {
      number_field(&AntialiasSettings::newest, 0.001f, 1.0f)},
     {{"frames", "integer 1..1024", "most frames that a history counts as"},
      number_field(&AntialiasSettings::frames, 1, 1024)},
-    {{"rectify", "none, clamp or clip",
-      "brings the history within the bounds of the frame's 3x3 pixels: by channel, or towards their middle"},
+    {{"rectify", "none or clamp", "clamps the history to the bounds of the frame's 3x3 pixels"},
      name_field(&AntialiasSettings::rectify, kRectifyNames)},
     {{"bounds", "extremes or deviation", "of those pixels: least and most, or `gamma` standard deviations"},
      name_field(&AntialiasSettings::bounds, kBoundsNames)},
     {{"gamma", "number 0.1..16", "standard deviations of bounds=deviation"},
      number_field(&AntialiasSettings::gamma, 0.1f, 16.0f)},
-    {{"space", "rgb or ycocg", "colour space of the bounds"},
-     name_field(&AntialiasSettings::space, kSpaceNames)},
     {{"mask", "no or yes", "averages only where the aligner's patches differ (needs a search)"},
      name_field(&AntialiasSettings::mask, kSwitchNames)},
     {{"reconstruct", "no or yes",
@@ -79,7 +74,6 @@ AntialiasSettings antialias_preset(std::string_view name) {
     settings.accumulate = Accumulate::exponential;
     settings.rectify = Rectify::clamp;
     settings.bounds = Bounds::extremes;
-    settings.space = ColorSpace::rgb;
   } else if (name == "gain") {
     // Philippi et al. 2022, section 4.2, which rectifies nothing.
     settings.accumulate = Accumulate::gain;
@@ -89,7 +83,6 @@ AntialiasSettings antialias_preset(std::string_view name) {
     settings.refine_levels = 2;
     settings.accumulate = Accumulate::exponential;
     settings.rectify = Rectify::clamp;
-    settings.space = ColorSpace::rgb;
     settings.mask = Switch::yes;
   } else {
     throw Error(ExitStatus::usage,

@@ -18,11 +18,10 @@ enum class Reproject { search, vectors, known };
 /// of shaders/antialias/accumulate.comp.
 enum class Accumulate { exponential = 0, mean = 1, gain = 2, variance = 3 };
 
-/// How the history is brought within the bounds of the new frame's 3x3 pixels: not at all; channel by
-/// channel; or along the line to their middle.
-enum class Rectify { none = 0, clamp = 1, clip = 2 };
-enum class Bounds { extremes = 0, deviation = 1 };
-enum class ColorSpace { rgb = 0, ycocg = 1 };
+/// How the history is brought within the bounds of the new frame's 3x3 pixels: not at all; or channel by
+/// channel.
+enum class Rectify { none, clamp };
+enum class Bounds { extremes, deviation };
 
 enum class Switch { no, yes };
 
@@ -39,7 +38,6 @@ struct AntialiasSettings {
   Rectify rectify = Rectify::none;
   Bounds bounds = Bounds::deviation;
   float gamma = 1.0f;
-  ColorSpace space = ColorSpace::ycocg;
   Switch mask = Switch::no;
   Switch reconstruct = Switch::yes;
   Switch outliers = Switch::no;

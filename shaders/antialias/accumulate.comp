@@ -9,7 +9,6 @@
 #include "lib/bilinear.glsl"
 #include "lib/color.glsl"
 #include "lib/gain.glsl"
-#include "lib/rectify.glsl"
 #include "shared/antialias_params.h"
 
 const int kExponential = 0;
@@ -18,14 +17,13 @@ const int kGain = 2;
 const int kVariance = 3;
 
 layout(constant_id = 0) const int rule = kVariance;
-layout(constant_id = 1) const int rectify = 0;         // 1: clamps, 2: clips
+layout(constant_id = 1) const int rectify = 0;
 layout(constant_id = 2) const int by_deviation = 1;    // bounds of the 3x3 samples; else least and most
-layout(constant_id = 3) const int in_ycocg = 1;        // bounds in YCoCg
-layout(constant_id = 4) const int masked = 0;          // averages only where patches differ
-layout(constant_id = 5) const int against_outliers = 0;
-layout(constant_id = 6) const int steady = 0;
-layout(constant_id = 7) const int sparse = 0;          // samples and pixels are not of one grid
-layout(constant_id = 8) const int keeps_rectified = 0;
+layout(constant_id = 3) const int masked = 0;          // averages only where patches differ
+layout(constant_id = 4) const int against_outliers = 0;
+layout(constant_id = 5) const int steady = 0;
+layout(constant_id = 6) const int sparse = 0;          // samples and pixels are not of one grid
+layout(constant_id = 7) const int keeps_rectified = 0;
 
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Params { ivec2 size; ivec2 samples_size; ivec2 residual_size; AccumulateParams p; };

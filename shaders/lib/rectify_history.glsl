@@ -1,9 +1,7 @@
 // The history brought within the bounds of the frame's samples. Not pure functions: the including kernel declares the
-// texel buffer color, the constants `rectify` and `in_ycocg`, and includes lib/rectify.glsl, lib/history_bias.glsl
-// and lib/samples_around.glsl.
+// texel buffer color and includes lib/history_bias.glsl and lib/samples_around.glsl.
 
-/// Of a colour in the space of the bounds.
-float brightness_of(vec3 c) { return in_ycocg != 0 ? c.x : luminance(c.r, c.g, c.b); }
+float brightness_of(vec3 c) { return luminance(c.r, c.g, c.b); }
 
 /// 1 where x lies on one of the bounds, 0 from a quarter of their distance on.
 float nearness(float x, float low, float high) {
@@ -26,10 +24,6 @@ float within_alpha_around(ivec2 at, float alpha) {
 
 /// The history's colour within the bounds, and how near they are: 1 where it lay on one of them or beyond.
 vec3 within_bounds(vec3 history, Around around, out float near_bounds) {
-  const vec3 in_space = in_ycocg != 0 ? to_ycocg(history) : history;
-  const vec3 within = rectify == 1 ? clamp(in_space, around.low, around.high)
-                                   : clip_towards(in_space, around.middle, around.low, around.high);
-  near_bounds = nearness(brightness_of(in_space), brightness_of(around.low), brightness_of(around.high));
-  if (within == in_space) return history;
-  return in_ycocg != 0 ? from_ycocg(within) : within;
+  near_bounds = nearness(brightness_of(history), brightness_of(around.low), brightness_of(around.high));
+  return clamp(history, around.low, around.high);
 }

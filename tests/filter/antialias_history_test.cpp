@@ -99,7 +99,7 @@ TEST_F(AntialiasHistoryTest, SteadyTakesLessOfTheFrameWhereTheHistoryIsAtItsBoun
       }
       return second_result(device(),
                            {"reproject=vectors", "accumulate=mean", "reconstruct=no", "rectify=clamp",
-                            "bounds=extremes", "space=rgb", steady},
+                            "bounds=extremes", steady},
                            first, second);
     };
     // 22 + 21 is odd, 23 + 21 even.

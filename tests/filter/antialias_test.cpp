@@ -151,10 +151,10 @@ TEST_F(AntialiasTest, AgreesWithTheReference) {
       {"accumulate=gain", "reconstruct=no"},
       {"accumulate=variance"},
       {"accumulate=variance", "reconstruct=no"},
-      {"accumulate=exponential", "rectify=clamp", "bounds=extremes", "space=rgb", "reconstruct=no"},
-      {"accumulate=mean", "rectify=clamp", "bounds=deviation", "gamma=0.75", "space=ycocg"},
-      {"accumulate=gain", "rectify=clip", "bounds=deviation", "space=ycocg"},
-      {"accumulate=exponential", "rectify=clip", "bounds=extremes", "space=rgb", "newest=0.3"}};
+      {"accumulate=exponential", "rectify=clamp", "bounds=extremes", "reconstruct=no"},
+      {"accumulate=mean", "rectify=clamp", "bounds=deviation", "gamma=0.75"},
+      {"accumulate=gain", "rectify=clamp", "bounds=deviation"},
+      {"accumulate=exponential", "rectify=clamp", "bounds=extremes", "newest=0.3"}};
   // A light that changes makes bias; the vectors are zero, so the history is read where it lies.
   const auto scene = [](int number) {
     Frame frame = jittered(number, discs);
@@ -408,7 +408,7 @@ TEST_F(AntialiasTest, TakesEveryKindOfFrame) {
   Frame bare(0, kWidth, kHeight);
   bare.add(Aov::beauty, 0.5f);
   for (const std::vector<const char*>& changes :
-       {std::vector<const char*>{}, {"rectify=clip", "steady=yes", "outliers=yes", "mask=yes"}}) {
+       {std::vector<const char*>{}, {"rectify=clamp", "steady=yes", "outliers=yes", "mask=yes"}}) {
     AntialiasFilter filter = make(settings_of("best", changes), bare);
     run(filter, bare);
     const Frame result = run(filter, bare);

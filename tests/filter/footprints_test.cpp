@@ -86,7 +86,7 @@ class FootprintsTest : public DeviceTest {
   /// The history of antialiasing is never cut, so only passes that read around their pixels matter.
   static void antialiasing(const Use& use) {
     AntialiasTask task{.settings = antialias_preset("best"), .full = kFull, .used = {}, .diagnostics = {}};
-    for (const char* change : {"rectify=clip", "mask=yes", "resample=spline"}) set(task.settings, change);
+    for (const char* change : {"rectify=clamp", "mask=yes", "resample=spline"}) set(task.settings, change);
     for (const Aov aov : {Aov::motion, Aov::depth}) {
       task.used.set(static_cast<std::size_t>(aov));
     }

@@ -229,7 +229,7 @@ TEST_F(UpsampleTest, ConstantsStayConstantInBothDirections) {
     }
     for (const char* preset : {"best", "clamping", "gain", "paper"}) {
       AntialiasFilter filter =
-          make(settings_of(shot, {"rectify=clip", "directions=both"}, preset), frames[0]);
+          make(settings_of(shot, {"rectify=clamp", "directions=both"}, preset), frames[0]);
       FrameReport report;
       for (int i = 3; i >= 0; --i) {
         filter.run({.frame = i, .direction = Direction::backward, .new_history = i == 3}, frames[i], report);

@@ -12,7 +12,6 @@ namespace {
 using filter::Accumulate;
 using filter::AntialiasSettings;
 using filter::Bounds;
-using filter::ColorSpace;
 using filter::Rectify;
 
 Rgb operator-(const Rgb& a, const Rgb& b) {
@@ -21,17 +20,6 @@ Rgb operator-(const Rgb& a, const Rgb& b) {
 
 double mean_square(const Rgb& d) {
   return (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) / 3.0;
-}
-
-Rgb in_space(const Rgb& c, ColorSpace space) {
-  if (space == ColorSpace::rgb) return c;
-  return {0.25 * c[0] + 0.5 * c[1] + 0.25 * c[2], 0.5 * c[0] - 0.5 * c[2],
-          -0.25 * c[0] + 0.5 * c[1] - 0.25 * c[2]};
-}
-
-Rgb in_rgb(const Rgb& c, ColorSpace space) {
-  if (space == ColorSpace::rgb) return c;
-  return {c[0] + c[1] - c[2], c[0] + c[2], c[0] - c[1] - c[2]};
 }
 
 /// The pixels of the 3x3 around one that lie inside, as tap and value.
@@ -158,35 +146,22 @@ Rgb rectified(const Grid<Rgb>& samples, int x, int y, const Rgb& history, const 
   if (settings.rectify == Rectify::none) return history;
   const auto taps = around(samples, x, y);
   const double n = static_cast<double>(taps.size());
-  Rgb low{}, high{}, middle{};
+  Rgb h = history;
   for (int c = 0; c < 3; ++c) {
     double least = INFINITY, most = -INFINITY, sum = 0.0, squares = 0.0;
     for (const auto& [k, value] : taps) {
-      const double v = in_space(value, settings.space)[c];
-      least = std::min(least, v);
-      most = std::max(most, v);
-      sum += v;
-      squares += v * v;
+      least = std::min(least, value[c]);
+      most = std::max(most, value[c]);
+      sum += value[c];
+      squares += value[c] * value[c];
     }
-    middle[c] = sum / n;
-    const double deviation = std::sqrt(std::max(squares / n - middle[c] * middle[c], 0.0));
+    const double mean = sum / n;
+    const double deviation = std::sqrt(std::max(squares / n - mean * mean, 0.0));
     const bool by_deviation = settings.bounds == Bounds::deviation;
-    low[c] = by_deviation ? middle[c] - settings.gamma * deviation : least;
-    high[c] = by_deviation ? middle[c] + settings.gamma * deviation : most;
+    h[c] = std::clamp(h[c], by_deviation ? mean - settings.gamma * deviation : least,
+                      by_deviation ? mean + settings.gamma * deviation : most);
   }
-  Rgb h = in_space(history, settings.space);
-  double share = 1.0;
-  for (int c = 0; c < 3; ++c) {
-    // What rounding of floats would exceed the bounds by counts as within them.
-    const double rounding = 2e-6 * std::max({std::abs(h[0]), std::abs(h[1]), std::abs(h[2])});
-    if (h[c] > high[c] + rounding) share = std::min(share, (high[c] - middle[c]) / (h[c] - middle[c]));
-    if (h[c] < low[c] - rounding) share = std::min(share, (middle[c] - low[c]) / (middle[c] - h[c]));
-  }
-  for (int c = 0; c < 3; ++c) {
-    h[c] = settings.rectify == Rectify::clamp ? std::clamp(h[c], low[c], high[c])
-                                              : middle[c] + share * (h[c] - middle[c]);
-  }
-  return in_rgb(h, settings.space);
+  return h;
 }
 
 Grid<Antialiased> accumulate(const Grid<Rgb>& samples, const Grid<Antialiased>& frame,
