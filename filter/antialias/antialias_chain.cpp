@@ -11,14 +11,6 @@ namespace becalm::filter {
 using gpu::Format;
 using gpu::ImageId;
 
-namespace {
-
-int number(Switch value) {
-  return value == Switch::yes ? 1 : 0;
-}
-
-}  // namespace
-
 Settings aligner_settings(const AntialiasTask& task) {
   Settings settings = preset("final");
   settings.guides = 0;
@@ -172,7 +164,6 @@ void AntialiasChain::add_accumulation(const AntialiasTask& task, ImageId reconst
       .read("variance", variance_, compared)
       .read("warped_color", warped.color, compared)
       .read("warped_stats", warped.stats, compared)
-      .read("exposure", exposure)
       .read("residual", masked ? residual_ : std::nullopt,
             task.samples() == task.full ? gpu::bilinear(1) : gpu::anywhere())
       .read("columns", grid ? std::optional(grid->columns) : std::nullopt)
@@ -185,9 +176,7 @@ void AntialiasChain::add_accumulation(const AntialiasTask& task, ImageId reconst
       .specialize("rule", static_cast<int>(settings.accumulate))
       .specialize("rectify", settings.rectify == Rectify::clamp ? 1 : 0)
       .specialize("by_deviation", settings.bounds == Bounds::deviation ? 1 : 0)
-      .specialize("masked", number(settings.mask))
-      .specialize("against_outliers", number(settings.outliers))
-      .specialize("steady", number(settings.steady))
+      .specialize("masked", masked ? 1 : 0)
       .specialize("sparse", grid ? 1 : 0)
       .specialize("keeps_rectified", rectified ? 1 : 0)
       .constants(params::AccumulateParams{.residual_scale = static_cast<float>(settings.scale.value()),

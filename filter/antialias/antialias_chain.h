@@ -53,7 +53,7 @@ struct AntialiasChain {
   std::optional<gpu::ImageId> weights;      ///< f32, 10x1: SampleGrid::weights; or
   std::optional<SparseTables> grid;         ///< of the results' pixels
   std::optional<SparseTables> search_grid;  ///< of the samples' pixels, if the search has them
-  gpu::ImageId exposure;                    ///< f32, 1x1
+  gpu::ImageId exposure;                    ///< f32, 1x1: of the frame, for the search
   gpu::ImageId history_exposure;            ///< the same for the history, which is in the last frame's scale
   gpu::ImageId ratio;                       ///< f32, 1x1: of the frame's scale to the history's
   std::optional<gpu::ImageId> motion;       ///< f32x2: from pack_motion

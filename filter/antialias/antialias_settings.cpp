@@ -47,11 +47,6 @@ const SettingRow<AntialiasSettings> kAntialiasTable[] = {
       "makes each pixel of a jittered frame of all samples under its filter, whose places are known; with "
       "--scale or --checkerboard always"},
      name_field(&AntialiasSettings::reconstruct, kSwitchNames)},
-    {{"outliers", "no or yes", "weighs samples by 1/(1 + luminance), against fireflies; darkens edges"},
-     name_field(&AntialiasSettings::outliers, kSwitchNames)},
-    {{"steady", "no or yes",
-      "lowers the weight of new samples where the history is near its bounds; needs rectify"},
-     name_field(&AntialiasSettings::steady, kSwitchNames)},
 };
 
 }  // namespace

@@ -40,8 +40,6 @@ struct AntialiasSettings {
   float gamma = 1.0f;
   Switch mask = Switch::no;
   Switch reconstruct = Switch::yes;
-  Switch outliers = Switch::no;
-  Switch steady = Switch::no;
 
   // Not in the table: properties of the frames and the results rather than of the method.
   Scale scale;                ///< of the results' sides to those of the frames

@@ -7,7 +7,6 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "lib/bilinear.glsl"
-#include "lib/color.glsl"
 #include "lib/gain.glsl"
 #include "shared/antialias_params.h"
 
@@ -20,10 +19,8 @@ layout(constant_id = 0) const int rule = kVariance;
 layout(constant_id = 1) const int rectify = 0;
 layout(constant_id = 2) const int by_deviation = 1;    // bounds of the 3x3 samples; else least and most
 layout(constant_id = 3) const int masked = 0;          // averages only where patches differ
-layout(constant_id = 4) const int against_outliers = 0;
-layout(constant_id = 5) const int steady = 0;
-layout(constant_id = 6) const int sparse = 0;          // samples and pixels are not of one grid
-layout(constant_id = 7) const int keeps_rectified = 0;
+layout(constant_id = 4) const int sparse = 0;          // samples and pixels are not of one grid
+layout(constant_id = 5) const int keeps_rectified = 0;
 
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Params { ivec2 size; ivec2 samples_size; ivec2 residual_size; AccumulateParams p; };
@@ -33,32 +30,20 @@ layout(set = 0, binding = 2) uniform samplerBuffer color;
 layout(set = 0, binding = 3) uniform samplerBuffer variance;
 layout(set = 0, binding = 4) uniform samplerBuffer warped_color;
 layout(set = 0, binding = 5) uniform samplerBuffer warped_stats;
-layout(set = 0, binding = 6) uniform samplerBuffer exposure;
-layout(set = 0, binding = 7) uniform samplerBuffer residual;
-layout(set = 0, binding = 8) uniform samplerBuffer columns;
-layout(set = 0, binding = 9) uniform samplerBuffer rows;
-layout(set = 0, binding = 10) uniform samplerBuffer offset;  // of the history, read where samples are sparse
-layout(std430, set = 0, binding = 11) writeonly buffer MergedColorBuffer { vec4 data[]; } merged_color;
-layout(std430, set = 0, binding = 12) writeonly buffer MergedStatsBuffer { vec2 data[]; } merged_stats;
-layout(std430, set = 0, binding = 13) writeonly buffer DecisionBuffer { vec4 data[]; } decision;
-layout(std430, set = 0, binding = 14) writeonly buffer RectifiedBuffer { vec4 data[]; } rectified;
-
-/// Share of its weight that a new sample keeps where the history lies on its bounds.
-const float kSteady = 0.25;
+layout(set = 0, binding = 6) uniform samplerBuffer residual;
+layout(set = 0, binding = 7) uniform samplerBuffer columns;
+layout(set = 0, binding = 8) uniform samplerBuffer rows;
+layout(set = 0, binding = 9) uniform samplerBuffer offset;  // of the history, read where samples are sparse
+layout(std430, set = 0, binding = 10) writeonly buffer MergedColorBuffer { vec4 data[]; } merged_color;
+layout(std430, set = 0, binding = 11) writeonly buffer MergedStatsBuffer { vec2 data[]; } merged_stats;
+layout(std430, set = 0, binding = 12) writeonly buffer DecisionBuffer { vec4 data[]; } decision;
+layout(std430, set = 0, binding = 13) writeonly buffer RectifiedBuffer { vec4 data[]; } rectified;
 
 #include "lib/sparse_grid.glsl"
 #include "lib/history_bias.glsl"
 #include "lib/samples_around.glsl"
-#include "lib/rectify_history.glsl"
+#include "lib/alpha_around.glsl"
 #include "lib/inverted_mask.glsl"
-
-/// The weight `alpha` of the new sample after both sample and history are also weighted by 1/(1 + luminance)
-/// (survey of Yang et al., eq. 4).
-float luminance_weighted(float alpha, float luminance_new, float luminance_history) {
-  float weight_new = alpha / (1.0f + luminance_new);
-  float weight_history = (1.0f - alpha) / (1.0f + luminance_history);
-  return weight_new / (weight_new + weight_history);
-}
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
@@ -72,11 +57,10 @@ void main() {
   const bool has_history = stats.y > 0.0;
 
   vec4 h = found;
-  float near_bounds = 0.0;
   Around around;
   const float speed_px = sparse != 0 ? length(texelFetch(offset, index).xy) : 0.0;
   if (rectify != 0 || rule == kGain) around = look_around(at, found.rgb, speed_px);
-  if (rectify != 0) h.rgb = within_bounds(found.rgb, around, near_bounds);
+  if (rectify != 0) h.rgb = clamp(found.rgb, around.low, around.high);
   if (rectify != 0 || rule == kVariance) h.a = within_alpha_around(at, h.a);
 
   const float worth = has_sample ? x_stats.y : 1.0;  // of the new frame's pixel
@@ -95,11 +79,6 @@ void main() {
     alpha = max(alpha, worth / p.frames);
   }
   const float trusted = alpha;
-  if (against_outliers != 0) {
-    const float e = texelFetch(exposure, 0).x;
-    alpha = luminance_weighted(alpha, e * max(luminance(x.r, x.g, x.b), 0.0), e * max(luminance(h.r, h.g, h.b), 0.0));
-  }
-  if (steady != 0) alpha *= mix(1.0, kSteady, near_bounds);
   if (masked != 0) alpha = 1.0 - (1.0 - alpha) * mask_of(at);
 
   vec4 blended = alpha >= 1.0 ? x : h + alpha * (x - h);

@@ -69,47 +69,6 @@ TEST_F(AntialiasHistoryTest, TheInvertedMaskAveragesOnlyWherePatchesDiffer) {
   EXPECT_GT(largest, 0.3f);
 }
 
-TEST_F(AntialiasHistoryTest, OutliersCountByTheirLuminance) {
-  const auto of_firefly = [](const char* outliers) {
-    Frame second = even(1, 1.0f);
-    std::ranges::fill(second.image(Aov::beauty).pixel(20, kHeight / 2).first(3), 200.0f);
-    return second_result(device(),
-                         {"reproject=vectors", "accumulate=mean", "reconstruct=no", "rectify=none", outliers},
-                         even(0, 1.0f), second);
-  };
-  const std::vector<float> without = of_firefly("outliers=no");
-  const std::vector<float> with = of_firefly("outliers=yes");
-  EXPECT_NEAR(without[20], 100.5f, 0.01f);
-  EXPECT_LT(with[20], 10.0f);
-  EXPECT_NEAR(with[40], 1.0f, 1e-4f);
-}
-
-/// The history lies on the bounds of the new frame, in all channels or in all but red.
-TEST_F(AntialiasHistoryTest, SteadyTakesLessOfTheFrameWhereTheHistoryIsAtItsBounds) {
-  for (const float red : {0.5f, 0.25f}) {
-    const auto of_steady = [&](const char* steady) {
-      Frame first = even(0, 0.25f);
-      Frame second = even(1, 0.25f);
-      for (int y = 0; y < kHeight; ++y) {
-        for (int x = 0; x < kWidth; ++x) {
-          const std::span<float> color = second.image(Aov::beauty).pixel(x, y);
-          if ((x + y) % 2 == 0) std::fill_n(color.begin(), 3, 0.75f);
-          first.image(Aov::beauty).at(x, y, 0) = red;
-        }
-      }
-      return second_result(device(),
-                           {"reproject=vectors", "accumulate=mean", "reconstruct=no", "rectify=clamp",
-                            "bounds=extremes", steady},
-                           first, second);
-    };
-    // 22 + 21 is odd, 23 + 21 even.
-    const std::vector<float> without = of_steady("steady=no");
-    const std::vector<float> with = of_steady("steady=yes");
-    EXPECT_NEAR(without[23], red + 0.5f * (0.75f - red), 1e-4f);
-    EXPECT_LT(with[23], without[23] - 0.02f) << red;
-  }
-}
-
 TEST_F(AntialiasHistoryTest, FadesOfAnySizeAreAveragedWithoutLimit) {
   for (const char* reproject : {"reproject=vectors", "reproject=search"}) {
     for (const auto& levels :

@@ -408,7 +408,7 @@ TEST_F(AntialiasTest, TakesEveryKindOfFrame) {
   Frame bare(0, kWidth, kHeight);
   bare.add(Aov::beauty, 0.5f);
   for (const std::vector<const char*>& changes :
-       {std::vector<const char*>{}, {"rectify=clamp", "steady=yes", "outliers=yes", "mask=yes"}}) {
+       {std::vector<const char*>{}, {"rectify=clamp", "mask=yes"}}) {
     AntialiasFilter filter = make(settings_of("best", changes), bare);
     run(filter, bare);
     const Frame result = run(filter, bare);
