@@ -181,10 +181,7 @@ void AntialiasChain::add_accumulation(const AntialiasTask& task, ImageId reconst
       .specialize("keeps_rectified", rectified ? 1 : 0)
       .constants(params::AccumulateParams{.residual_scale = static_cast<float>(settings.scale.value()),
                                           .edge_x = task.edge().x,
-                                          .edge_y = task.edge().y,
-                                          .newest = settings.newest,
-                                          .frames = static_cast<float>(settings.frames),
-                                          .gamma = settings.gamma})
+                                          .edge_y = task.edge().y})
       .dispatch(task.full);
 }
 

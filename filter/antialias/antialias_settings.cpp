@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::array<std::string_view, 2> kAntialiasResampleNames{"catmull_rom", "spline"};
 constexpr std::array<std::string_view, 3> kReprojectNames{"search", "vectors", "known"};
-constexpr std::array<std::string_view, 4> kAccumulateNames{"exponential", "mean", "gain", "variance"};
+constexpr std::array<std::string_view, 3> kAccumulateNames{"exponential", "gain", "variance"};
 constexpr std::array<std::string_view, 2> kRectifyNames{"none", "clamp"};
 constexpr std::array<std::string_view, 2> kBoundsNames{"extremes", "deviation"};
 constexpr std::array<std::string_view, 2> kSwitchNames{"no", "yes"};
@@ -27,20 +27,15 @@ const SettingRow<AntialiasSettings> kAntialiasTable[] = {
      name_field(&AntialiasSettings::directions, kDirectionsNames)},
     {{"resample", "catmull_rom or spline", "filter by which the history is read between its pixels"},
      name_field(&AntialiasSettings::resample, kAntialiasResampleNames, Resample::catmull_rom)},
-    {{"accumulate", "exponential, mean, gain or variance",
-      "weight of a new sample: `newest`; 1/N; by the 3x3 pixels around it (Philippi et al. 2022); or by "
-      "their variance, 1/n of it for a history of n frames"},
+    {{"accumulate", "exponential, gain or variance",
+      "weight of a new sample: 0.1; by the 3x3 pixels around it (Philippi et al. 2022); or by their "
+      "variance, 1/n of it for a history of n frames"},
      name_field(&AntialiasSettings::accumulate, kAccumulateNames)},
-    {{"newest", "number 0.001..1", "weight of a new sample with accumulate=exponential"},
-     number_field(&AntialiasSettings::newest, 0.001f, 1.0f)},
-    {{"frames", "integer 1..1024", "most frames that a history counts as"},
-     number_field(&AntialiasSettings::frames, 1, 1024)},
     {{"rectify", "none or clamp", "clamps the history to the bounds of the frame's 3x3 pixels"},
      name_field(&AntialiasSettings::rectify, kRectifyNames)},
-    {{"bounds", "extremes or deviation", "of those pixels: least and most, or `gamma` standard deviations"},
+    {{"bounds", "extremes or deviation",
+      "of those pixels: least and most, or a standard deviation on both sides of the mean"},
      name_field(&AntialiasSettings::bounds, kBoundsNames)},
-    {{"gamma", "number 0.1..16", "standard deviations of bounds=deviation"},
-     number_field(&AntialiasSettings::gamma, 0.1f, 16.0f)},
     {{"mask", "no or yes", "averages only where the aligner's patches differ (needs a search)"},
      name_field(&AntialiasSettings::mask, kSwitchNames)},
     {{"reconstruct", "no or yes",

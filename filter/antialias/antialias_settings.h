@@ -13,10 +13,10 @@ namespace becalm::filter {
 /// where they are unknown; or vectors where known, else the search.
 enum class Reproject { search, vectors, known };
 
-/// The weight of the new sample: constant; 1/N; the gain of Philippi et al. 2022 (eq. 4, 10 and 11); or that
-/// gain with the variance of the pixels around it, 1/n of it for a history of n frames. The values are those
-/// of shaders/antialias/accumulate.comp.
-enum class Accumulate { exponential = 0, mean = 1, gain = 2, variance = 3 };
+/// The weight of the new sample: constant; the gain of Philippi et al. 2022 (eq. 4, 10 and 11); or that gain
+/// with the variance of the pixels around it, 1/n of it for a history of n frames. The values are those of
+/// shaders/antialias/accumulate.comp.
+enum class Accumulate { exponential = 0, gain = 1, variance = 2 };
 
 /// How the history is brought within the bounds of the new frame's 3x3 pixels: not at all; or channel by
 /// channel.
@@ -33,11 +33,8 @@ struct AntialiasSettings {
   Directions directions = Directions::both;
   Resample resample = Resample::spline;
   Accumulate accumulate = Accumulate::variance;
-  float newest = 0.1f;
-  int frames = 64;
   Rectify rectify = Rectify::none;
   Bounds bounds = Bounds::deviation;
-  float gamma = 1.0f;
   Switch mask = Switch::no;
   Switch reconstruct = Switch::yes;
 

@@ -2,7 +2,7 @@
 // pixels; writes their blend, which is the next history: colour, (variance, effective frames), the decision:
 // (rejected share; squared bias; weight of the new frame; what it is worth in frames), and if asked the
 // rectified history. A history is rectified (survey of Yang et al. 2020, section 4.2), then weighed by one
-// of four rules.
+// of three rules.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -11,9 +11,8 @@
 #include "shared/antialias_params.h"
 
 const int kExponential = 0;
-const int kMean = 1;
-const int kGain = 2;
-const int kVariance = 3;
+const int kGain = 1;
+const int kVariance = 2;
 
 layout(constant_id = 0) const int rule = kVariance;
 layout(constant_id = 1) const int rectify = 0;
@@ -38,6 +37,9 @@ layout(std430, set = 0, binding = 10) writeonly buffer MergedColorBuffer { vec4 
 layout(std430, set = 0, binding = 11) writeonly buffer MergedStatsBuffer { vec2 data[]; } merged_stats;
 layout(std430, set = 0, binding = 12) writeonly buffer DecisionBuffer { vec4 data[]; } decision;
 layout(std430, set = 0, binding = 13) writeonly buffer RectifiedBuffer { vec4 data[]; } rectified;
+
+/// Weight of a new sample of kExponential, which Philippi et al. 2022 call usual.
+const float kNewest = 0.1;
 
 #include "lib/sparse_grid.glsl"
 #include "lib/history_bias.glsl"
@@ -64,10 +66,9 @@ void main() {
   if (rectify != 0 || rule == kVariance) h.a = within_alpha_around(at, h.a);
 
   const float worth = has_sample ? x_stats.y : 1.0;  // of the new frame's pixel
-  const float even = worth / (min(stats.y, p.frames - 1.0) + worth);
+  const float even = worth / (min(stats.y, kMostFrames - 1.0) + worth);
   float bias = 0.0;
-  float alpha = sparse != 0 ? max(worth * p.newest, even) : worth * p.newest;
-  if (rule == kMean) alpha = even;
+  float alpha = sparse != 0 ? max(worth * kNewest, even) : worth * kNewest;
   if (rule == kGain) alpha = max(around.difference > 0.0 ? worth * (1.0 - around.spread / around.difference) : 0.0, even);
   if (rule == kVariance) {
     // The variance of a history of n frames is 1/n of a frame's: a tracked one would give frames that happen to
@@ -76,7 +77,7 @@ void main() {
     bias = found_here.y;
     const float of_history = found_here.x / max(stats.y, kFewest);
     alpha = of_history + bias > 0.0 ? gain(divided(found_here.x, worth), of_history, bias) : even;
-    alpha = max(alpha, worth / p.frames);
+    alpha = max(alpha, worth / kMostFrames);
   }
   const float trusted = alpha;
   if (masked != 0) alpha = 1.0 - (1.0 - alpha) * mask_of(at);
@@ -85,7 +86,7 @@ void main() {
   const float rest = 1.0 - alpha;
   const float old_variance = rest > 0.0 ? rest * rest * (stats.x + bias) : 0.0;
   vec2 blended_stats = vec2(min(old_variance + alpha * alpha * x_stats.x, kLargestVariance),
-                            min(stats.y / (divided(alpha * alpha * stats.y, worth) + rest * rest), p.frames));
+                            min(stats.y / (divided(alpha * alpha * stats.y, worth) + rest * rest), kMostFrames));
   vec4 decided = vec4(clamp((alpha - trusted) / max(1.0 - trusted, 1e-6), 0.0, 1.0), min(bias, kLargestVariance), alpha, worth);
   if (!has_history) {
     blended = x;

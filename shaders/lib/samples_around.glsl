@@ -59,8 +59,8 @@ Around look_around(ivec2 at, vec3 history, float speed_px) {
   const float n = max(count, 1.0);
   const vec3 mean = sum / n;
   const vec3 deviation = sqrt(max(squares / n - mean * mean, vec3(0.0)));
-  around.low = by_deviation != 0 ? own + mean - p.gamma * deviation : own + low;
-  around.high = by_deviation != 0 ? own + mean + p.gamma * deviation : own + high;
+  around.low = by_deviation != 0 ? own + mean - deviation : own + low;
+  around.high = by_deviation != 0 ? own + mean + deviation : own + high;
   around.spread = max(square_sum / n - dot(mean, mean), 0.0) / 3.0;
   around.difference = difference_sum / n;
   return around;

@@ -72,9 +72,9 @@ TEST(SparseGridTest, WeightsOfAPixelSumToOneOnAverage) {
 
 TEST(AntialiasSettingsTest, AreToldByKeyAndRange) {
   AntialiasSettings settings = antialias_preset("best");
-  set(settings, "gamma=0.75");
-  EXPECT_NE(to_string(settings).find("gamma=0.75"), std::string::npos);
-  EXPECT_THROW(set(settings, "gamma=100"), Error);
+  set(settings, "refine_levels=3");
+  EXPECT_NE(to_string(settings).find("refine_levels=3"), std::string::npos);
+  EXPECT_THROW(set(settings, "refine_levels=13"), Error);
   EXPECT_THROW(set(settings, "nothing=1"), Error);
   EXPECT_THROW(antialias_preset("final"), Error);
 }

@@ -147,14 +147,12 @@ class AntialiasTest : public DeviceTest {
 TEST_F(AntialiasTest, AgreesWithTheReference) {
   const std::vector<std::vector<const char*>> all{
       {"accumulate=exponential"},
-      {"accumulate=mean", "frames=3"},
       {"accumulate=gain", "reconstruct=no"},
       {"accumulate=variance"},
       {"accumulate=variance", "reconstruct=no"},
       {"accumulate=exponential", "rectify=clamp", "bounds=extremes", "reconstruct=no"},
-      {"accumulate=mean", "rectify=clamp", "bounds=deviation", "gamma=0.75"},
       {"accumulate=gain", "rectify=clamp", "bounds=deviation"},
-      {"accumulate=exponential", "rectify=clamp", "bounds=extremes", "newest=0.3"}};
+      {"accumulate=variance", "rectify=clamp", "bounds=extremes"}};
   // A light that changes makes bias; the vectors are zero, so the history is read where it lies.
   const auto scene = [](int number) {
     Frame frame = jittered(number, discs);
@@ -200,11 +198,8 @@ TEST_F(AntialiasTest, AStillSceneConvergesToTheSupersampledMean) {
   const std::vector<Frame> shot = frames(32, discs);
   const Image truth = supersampled(discs);
   const double one_frame = rmse(shot.back().image(Aov::beauty), truth);
-  for (const char* rule : {"accumulate=mean", "accumulate=variance"}) {
-    SCOPED_TRACE(rule);
-    AntialiasFilter filter = make(settings_of("forward", {rule}), shot.front());
-    EXPECT_LT(rmse(last(filter, shot).image(Aov::beauty), truth), one_frame / 10);
-  }
+  AntialiasFilter forward = make(settings_of("forward"), shot.front());
+  EXPECT_LT(rmse(last(forward, shot).image(Aov::beauty), truth), one_frame / 10);
   AntialiasFilter both = make(settings_of("best"), shot.front());
   EXPECT_LT(rmse(segment(both, shot)[8].image(Aov::beauty), truth), one_frame / 10);
 }
@@ -307,7 +302,7 @@ TEST_F(AntialiasTest, DisocclusionLeavesNoGhost) {
 
 TEST_F(AntialiasTest, ReportsHowLongHistoriesAreAndWhatWasRejected) {
   const std::vector<Frame> shot = frames(8, discs);
-  AntialiasFilter filter = make(settings_of("forward", {"accumulate=mean"}), shot.front());
+  AntialiasFilter filter = make(settings_of("forward"), shot.front());
   FrameReport report;
   filter.run({.frame = shot.front().number(), .new_history = true}, shot.front(), report);
   EXPECT_EQ(report.mean_rejected, 1.0);
@@ -317,6 +312,18 @@ TEST_F(AntialiasTest, ReportsHowLongHistoriesAreAndWhatWasRejected) {
   }
   EXPECT_GT(report.mean_sample_count, 4.0);
   EXPECT_LT(report.mean_rejected, 0.2);
+}
+
+TEST_F(AntialiasTest, AHistoryCountsAs64FramesAtMost) {
+  const Frame frame = jittered(0, discs);
+  AntialiasFilter filter = make(settings_of("forward"), frame);
+  FrameReport report;
+  for (int number = 0; number < 70; ++number) {
+    report = {};
+    filter.run({.frame = number}, frame, report);
+    EXPECT_LE(report.mean_sample_count, 64.0);
+  }
+  EXPECT_GT(report.mean_sample_count, 60.0);
 }
 
 TEST_F(AntialiasTest, AFireflyOfTheFirstFrameDoesNotBlindTheOthers) {

@@ -14,6 +14,9 @@ using filter::AntialiasSettings;
 using filter::Bounds;
 using filter::Rectify;
 
+/// That a history counts as.
+constexpr double kMostFrames = 64.0;
+
 Rgb operator-(const Rgb& a, const Rgb& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
@@ -158,8 +161,7 @@ Rgb rectified(const Grid<Rgb>& samples, int x, int y, const Rgb& history, const 
     const double mean = sum / n;
     const double deviation = std::sqrt(std::max(squares / n - mean * mean, 0.0));
     const bool by_deviation = settings.bounds == Bounds::deviation;
-    h[c] = std::clamp(h[c], by_deviation ? mean - settings.gamma * deviation : least,
-                      by_deviation ? mean + settings.gamma * deviation : most);
+    h[c] = std::clamp(h[c], by_deviation ? mean - deviation : least, by_deviation ? mean + deviation : most);
   }
   return h;
 }
@@ -177,15 +179,12 @@ Grid<Antialiased> accumulate(const Grid<Rgb>& samples, const Grid<Antialiased>& 
         continue;
       }
       const Rgb h = rectified(samples, x, y, before.color, settings);
-      const double even = 1.0 / (std::min(before.count, settings.frames - 1.0) + 1.0);
+      const double even = 1.0 / (std::min(before.count, kMostFrames - 1.0) + 1.0);
       double alpha = 0.0;
       double bias = 0.0;
       switch (settings.accumulate) {
         case Accumulate::exponential:
-          alpha = settings.newest;
-          break;
-        case Accumulate::mean:
-          alpha = even;
+          alpha = 0.1;
           break;
         case Accumulate::gain: {
           const auto [spread, difference] = spread_and_difference(samples, x, y, before.color);
@@ -197,15 +196,14 @@ Grid<Antialiased> accumulate(const Grid<Rgb>& samples, const Grid<Antialiased>& 
           bias = found.bias_squared;
           const double old_error = found.variance / before.count + bias;
           alpha = old_error > 0.0 ? old_error / (old_error + found.variance) : even;
-          alpha = std::max(alpha, 1.0 / settings.frames);
+          alpha = std::max(alpha, 1.0 / kMostFrames);
           break;
         }
       }
       for (int c = 0; c < 3; ++c) result.color[c] = h[c] + alpha * (now.color[c] - h[c]);
       const double rest = 1.0 - alpha;
       result.variance = rest * rest * (before.variance + bias) + alpha * alpha * now.variance;
-      result.count = std::min(before.count / (alpha * alpha * before.count + rest * rest),
-                              static_cast<double>(settings.frames));
+      result.count = std::min(before.count / (alpha * alpha * before.count + rest * rest), kMostFrames);
     }
   }
   return next;
