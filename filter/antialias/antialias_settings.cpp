@@ -76,7 +76,7 @@ AntialiasSettings antialias_preset(std::string_view name) {
     settings.mask = Switch::yes;
   } else {
     throw Error(ExitStatus::usage,
-                fmt::format("preset '{}': expected best, forward, clamping, gain or paper", name));
+                fmt::format("preset '{}': expected one of {}", name, fmt::join(kAntialiasPresets, ", ")));
   }
   return settings;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <span>
 #include <string>
 #include <string_view>
@@ -47,6 +48,10 @@ struct AntialiasSettings {
 };
 
 std::span<const SettingInfo> antialias_settings_table();
+
+/// Names of the presets; the last three are methods as published, to compare with.
+inline constexpr std::array<std::string_view, 5> kAntialiasPresets{"best", "forward", "clamping", "gain",
+                                                                   "paper"};
 
 /// The named preset. Throws Error(usage) for another name.
 AntialiasSettings antialias_preset(std::string_view name);

@@ -227,7 +227,8 @@ TEST_F(Antialias, RefusesWhatIsWrong) {
     expect_error(becalm(command("out.####.exr", {"--scale", scale})), 2, {"--scale"});
   }
   expect_error(becalm(command("out.####.exr", {"--checkerboard"})), 3, {"becalm:checkerboard"});
-  expect_error(becalm(command("out.####.exr", {"--preset", "balanced"})), 2, {"preset 'balanced'", "best"});
+  expect_error(becalm(command("out.####.exr", {"--preset", "balanced"})), 2,
+               {"preset 'balanced'", "best", "paper"});
   expect_error(becalm(command("out.####.exr", {"--set", "refine_levels=13"})), 2, {"refine_levels", "0..12"});
   expect_error(becalm(command("out.####.exr", {"--memory", "64K"})), 4, {"whole frames of"});
   expect_error(becalm({"antialias", input_, "-o", input_}), 2, {"would overwrite the input"});
