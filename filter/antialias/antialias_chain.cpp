@@ -20,6 +20,7 @@ Settings aligner_settings(const AntialiasTask& task) {
   settings.resample = task.settings.resample;
   settings.directions = task.settings.directions;
   settings.smooth = Smooth::none;
+  settings.patch_radius = 1;
   return settings;
 }
 
@@ -88,8 +89,8 @@ ImageId AntialiasChain::add_motion(const AntialiasTask& task) {
   return dilated;
 }
 
-/// Of a scaled image, the search is that of the frame's pixels, between one frame and the next: of more
-/// pixels it would take longer and know no more.
+/// Searches at the size of the frames. With --scale the reconstructed frames of that size are matched, one
+/// with the one before it: at the size of the results a search takes longer and finds no more.
 Alignment AntialiasChain::add_search(const AntialiasTask& task, ImageId reconstructed) {
   Settings settings = aligner_settings(task);
   const gpu::Extent extent = task.samples();

@@ -33,7 +33,8 @@ struct AntialiasTask {
   bool has_motion() const { return contains(used, Aov::motion) && settings.uses_vectors(); }
 };
 
-/// The aligner's settings for frames of little noise, which are matched by radiance alone at full size.
+/// Settings of the aligner and the combination for frames of little noise, which are matched by radiance
+/// alone at full size.
 Settings aligner_settings(const AntialiasTask& task);
 
 /// Where samples are sparser than pixels: SparseGrid::columns and rows, as f32x4 of two rows.

@@ -161,7 +161,6 @@ AntialiasFilter::AntialiasFilter(gpu::Device& device, const AntialiasSettings& s
              .used = s.task.used,
              .diagnostics = {},
              .guides = {}};
-  s.whole.settings.patch_radius = 1;
   s.passes.emplace(device, s.task);
   s.passes->chain.plan();
   const std::uint64_t allowed = std::min(options.memory_limit, usable_bytes(device));
@@ -195,7 +194,8 @@ std::optional<Frame> AntialiasFilter::run(const Step& step, const Frame& given, 
   std::vector<std::uint8_t> counts = finite;  // what is a sample
   if (whole) {
     leave_holes(*given.checkerboard(), sampled.width, counts);
-    close_holes(*given.checkerboard(), sampled.width, finite);  // they are made, whatever they hold
+    // Holes are filled from the samples around, so they never count as non-finite.
+    close_holes(*given.checkerboard(), sampled.width, finite);
   }
   report.non_finite_pixels = count_non_finite(finite, frame);
   Image color(sampled.width, sampled.height, 4);
