@@ -69,8 +69,8 @@ void scaled(const Image& image, const NearestSample& nearest, gpu::Extent full, 
   });
 }
 
-/// Scales grow from frame to frame by this at most: a dim frame leaves the history, fireflies included, below
-/// the limit of scaled colours.
+/// Scales grow from frame to frame, and from a prediction to its frame, by this at most: a dim frame leaves
+/// the history, fireflies included, below the limit of scaled colours.
 constexpr float kLargestRatio = 0x1p30f;
 
 /// A depth as kernels take it: what is not known is far.
@@ -343,9 +343,13 @@ Frame AntialiasFilter::State::forward(const Step& step, const Frame& frame,
   made.color = download(passes->chain, passes->color.next, full, 4);
   made.stats = download(passes->chain, passes->stats.next, full, 2);
   if (const auto prediction = predictions.find(step.frame); prediction != predictions.end()) {
-    Estimate predicted = prediction->second.estimate.estimate();
-    rescale(predicted, scale / prediction->second.scale);
-    made = combiner->run(exposure, made, predicted, report);
+    const float ratio = scale / prediction->second.scale;
+    // Beyond it the frames after this one are so bright that they tell nothing of it.
+    if (ratio <= kLargestRatio) {
+      Estimate predicted = prediction->second.estimate.estimate();
+      rescale(predicted, ratio);
+      made = combiner->run(exposure, made, predicted, report);
+    }
     predictions.erase(prediction);
   }
   Frame result(frame.number(), full.width, full.height);
@@ -357,7 +361,7 @@ Frame AntialiasFilter::State::forward(const Step& step, const Frame& frame,
       const std::span<float> color = made.color.pixel(x, y);
       const bool is_cut_off = frame.cut() && !frame.cut()->window.intersects(from);
       if (is_cut_off || finite[static_cast<std::size_t>(from.y) * frame.width() + from.x] != 0) {
-        for (float& value : color) value *= back;
+        for (float& value : color.first(3)) value *= back;
       } else {
         std::ranges::copy(frame.image(Aov::beauty).pixel(from.x, from.y), color.begin());
       }

@@ -109,6 +109,46 @@ TEST_F(AntialiasHistoryTest, PredictionsAreBroughtToTheFramesScale) {
   }
 }
 
+/// The left half of the frames is black.
+TEST_F(AntialiasHistoryTest, APredictionByFarBrighterFramesIsDropped) {
+  const std::vector<std::vector<float>> shots{{1e-30f, 1e30f}, {1e30f, 1e-30f, 1e30f}};
+  for (const char* preset : {"best", "clamping", "gain"}) {
+    for (const std::vector<float>& levels : shots) {
+      std::vector<Frame> frames;
+      for (int number = 0; number < static_cast<int>(levels.size()); ++number) {
+        frames.push_back(even(number, 0.0f));
+        for (int y = 0; y < kHeight; ++y) {
+          for (int x = 0; x < kWidth; ++x) {
+            const std::span<float> color = frames.back().image(Aov::beauty).pixel(x, y);
+            if (x >= kWidth / 2) std::ranges::fill(color.first(3), levels[number]);
+            color[3] = 0.5f;
+          }
+        }
+      }
+      AntialiasSettings settings = antialias_preset(preset);
+      settings.directions = Directions::both;
+      AntialiasFilter filter(device(), settings, kWidth, kHeight, frames.front().aovs(), {});
+      const int last = static_cast<int>(frames.size()) - 1;
+      FrameReport report;
+      for (int i = last; i >= 0; --i) {
+        filter.run({.frame = i, .direction = Direction::backward, .new_history = i == last}, frames[i],
+                   report);
+      }
+      for (int i = 0; i <= last; ++i) {
+        const Frame result = *filter.run({.frame = i, .new_history = i == 0}, frames[i], report);
+        const std::span<const float> values = result.image(Aov::beauty).data();
+        for (std::size_t k = 0; k < values.size(); ++k) {
+          ASSERT_TRUE(std::isfinite(values[k])) << preset << ' ' << i;
+          ASSERT_TRUE(k % 4 != 3 || values[k] == 0.5f) << preset << ' ' << i << ' ' << values[k];
+        }
+        if (i > 0) continue;
+        const float found = result.image(Aov::beauty).at(kWidth - 8, 20, 0);
+        EXPECT_NEAR(found / levels[0], 1.0f, 1e-3f) << preset;
+      }
+    }
+  }
+}
+
 /// A black square that moves by 8 pixels a frame over empty ground, with its vectors.
 TEST_F(AntialiasHistoryTest, BlackThingsLeaveNoOpaqueTrail) {
   const auto with_square = [](int number) {
