@@ -37,13 +37,6 @@ FilterRecipe antialiaser(const std::string& preset, const FilterOptions& options
   for (const std::string& assignment : options.assignments) filter::set(settings, assignment);
   settings.scale = scale;
   settings.checkerboard = checkerboards != Checkerboards::refused;
-  const bool is_sparse = settings.checkerboard || !scale.is_one();
-  if (is_sparse &&
-      (settings.validate == filter::Validate::color || settings.validate == filter::Validate::both)) {
-    throw Error(ExitStatus::usage,
-                "--set validate: compares the colours of whole pixels, which frames of --scale and "
-                "--checkerboard do not have: expected none or surface");
-  }
   return {.settings = filter::to_string(settings),
           .wanted = filter::wanted_aovs(settings),
           .directions = settings.directions,

@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
 #include <cstdlib>
 #include <functional>
 #include <limits>
@@ -249,10 +248,9 @@ std::string denoise_settings_help() {
 }
 
 std::string antialias_settings_help() {
-  constexpr std::array<std::string_view, 5> presets{"best", "forward", "clamping", "gain", "paper"};
-  return settings_help(filter::antialias_settings_table(), presets, [](std::string_view name) {
-    return filter::to_string(filter::antialias_preset(name));
-  });
+  return settings_help(
+      filter::antialias_settings_table(), filter::kAntialiasPresets,
+      [](std::string_view name) { return filter::to_string(filter::antialias_preset(name)); });
 }
 
 void check_validation(const gpu::Device& device) {

@@ -70,21 +70,23 @@ SettingField<S> number_field(Number S::*member, Number lowest, Number highest) {
           .text = [=](const S& settings) { return fmt::format("{}", settings.*member); }};
 }
 
-/// A value of an enum whose names are in the order of its values, from 0.
+/// A value of an enum. The names are in the order of its values, from `first` on.
 template <class S, class Enum>
-SettingField<S> name_field(Enum S::*member, std::span<const std::string_view> names) {
-  return {
-      .assign =
-          [=](S& settings, std::string_view text) {
-            for (std::size_t i = 0; i < names.size(); ++i) {
-              if (names[i] != text) continue;
-              settings.*member = static_cast<Enum>(i);
-              return true;
-            }
-            return false;
-          },
-      .text =
-          [=](const S& settings) { return std::string(names[static_cast<std::size_t>(settings.*member)]); }};
+SettingField<S> name_field(Enum S::*member, std::span<const std::string_view> names, Enum first = Enum{}) {
+  const auto offset = static_cast<std::size_t>(first);
+  return {.assign =
+              [=](S& settings, std::string_view text) {
+                for (std::size_t i = 0; i < names.size(); ++i) {
+                  if (names[i] != text) continue;
+                  settings.*member = static_cast<Enum>(i + offset);
+                  return true;
+                }
+                return false;
+              },
+          .text =
+              [=](const S& settings) {
+                return std::string(names[static_cast<std::size_t>(settings.*member) - offset]);
+              }};
 }
 
 /// `Rows` is a range of SettingRow, here and below.

@@ -4,35 +4,12 @@
 #include <cmath>
 #include <string>
 
-#include "filter/merge/patch_sums.h"
-#include "filter/merge/statistics.h"
 #include "shaders/shared/antialias_params.h"
 
 namespace becalm::filter {
 
 using gpu::Format;
 using gpu::ImageId;
-
-namespace {
-
-/// Radius of the patches over which colour rejects; that of shaders/lib/reject_history.glsl.
-constexpr int kRejectionRadius = 3;
-
-int number(Switch value) {
-  return value == Switch::yes ? 1 : 0;
-}
-
-}  // namespace
-
-bool AntialiasTask::validates_surface() const {
-  const bool asked = settings.validate == Validate::surface || settings.validate == Validate::both;
-  return asked &&
-         (contains(used, Aov::depth) || contains(used, Aov::normal) || contains(used, Aov::object_id));
-}
-
-bool AntialiasTask::validates_color() const {
-  return settings.validate == Validate::color || settings.validate == Validate::both;
-}
 
 Settings aligner_settings(const AntialiasTask& task) {
   Settings settings = preset("final");
@@ -43,6 +20,7 @@ Settings aligner_settings(const AntialiasTask& task) {
   settings.resample = task.settings.resample;
   settings.directions = task.settings.directions;
   settings.smooth = Smooth::none;
+  settings.patch_radius = 1;
   return settings;
 }
 
@@ -111,8 +89,8 @@ ImageId AntialiasChain::add_motion(const AntialiasTask& task) {
   return dilated;
 }
 
-/// Of a scaled image, the search is that of the frame's pixels, between one frame and the next: of more
-/// pixels it would take longer and know no more.
+/// Searches at the size of the frames. With --scale the reconstructed frames of that size are matched, one
+/// with the one before it: at the size of the results a search takes longer and finds no more.
 Alignment AntialiasChain::add_search(const AntialiasTask& task, ImageId reconstructed) {
   Settings settings = aligner_settings(task);
   const gpu::Extent extent = task.samples();
@@ -147,96 +125,33 @@ Alignment AntialiasChain::add_search(const AntialiasTask& task, ImageId reconstr
   return found;
 }
 
-WarpedHistory AntialiasChain::add_warp(const AntialiasTask& task, ImageId at, int limit_px,
-                                       const char* name) {
-  const WarpedHistory made = add_warp_passes(
-      chain, aligner_settings(task), task.full,
-      {.color = color.previous, .stats = stats.previous, .offset_limit_px = limit_px, .name = name}, at);
-  chain.pass("antialias/rescale")
-      .read("ratio", ratio)
-      .read_write("color", made.color)
-      .read_write("stats", made.stats)
-      .dispatch(task.full);
-  return made;
-}
-
 void AntialiasChain::add_reprojection(const AntialiasTask& task, ImageId reconstructed) {
   std::optional<ImageId> vectors;
   if (task.has_motion()) vectors = add_motion(task);
-  const int vector_limit_px = std::max(task.full.width, task.full.height);
-  const bool searches = task.settings.searches() || task.settings.mask == Switch::yes || !vectors;
-  if (!searches) {
-    offset = *vectors;
-    warped = add_warp(task, offset, vector_limit_px, "");
-    return;
+  int limit_px = std::max(task.full.width, task.full.height);  // of vectors
+  if (vectors) offset = *vectors;
+  if (!vectors || task.settings.searches() || task.settings.mask == Switch::yes) {
+    const Alignment found = add_search(task, reconstructed);
+    residual_ = found.residual;
+    if (!vectors) {
+      offset = found.offset;
+      limit_px = found.limit_px;
+    } else if (task.settings.searches()) {
+      offset = add_override_pass(chain, task.full, found.offset, *vectors);
+    }
   }
-  const Alignment found = add_search(task, reconstructed);
-  residual_ = found.residual;
-  if (!vectors) {
-    offset = found.offset;
-    warped = add_warp(task, offset, found.limit_px, "");
-    return;
-  }
-  if (task.settings.reproject != Reproject::best) {
-    offset = task.settings.reproject == Reproject::vectors
-                 ? *vectors
-                 : add_override_pass(chain, task.full, found.offset, *vectors);
-    warped = add_warp(task, offset, vector_limit_px, "");
-    return;
-  }
-  offset = chain.image("chosen.offset", Format::f32x2, task.full);
-  const WarpedHistory by_vectors = add_warp(task, *vectors, vector_limit_px, "vectors.");
-  const WarpedHistory by_search = add_warp(task, found.offset, found.limit_px, "search.");
-  warped = {.color = chain.image("chosen.color", Format::f32x4, task.full),
-            .stats = chain.image("chosen.stats", Format::f32x2, task.full)};
-  chain.pass("antialias/choose_history")
-      .read("color", reconstructed, gpu::reach(1))
-      .read("vectors_color", by_vectors.color, gpu::reach(1))
-      .read("vectors_stats", by_vectors.stats, gpu::reach(1))
-      .read("search_color", by_search.color, gpu::reach(1))
-      .read("search_stats", by_search.stats, gpu::reach(1))
-      .read("variance", variance_, gpu::reach(1))
-      .read("vectors_offset", *vectors)
-      .read("search_offset", found.offset)
-      .write("warped_color", warped.color)
-      .write("warped_stats", warped.stats)
-      .write("offset", offset)
+  warped = add_warp_passes(chain, aligner_settings(task), task.full,
+                           {.color = color.previous, .stats = stats.previous, .offset_limit_px = limit_px},
+                           offset);
+  chain.pass("antialias/rescale")
+      .read("ratio", ratio)
+      .read_write("color", warped.color)
+      .read_write("stats", warped.stats)
       .dispatch(task.full);
-}
-
-ImageId AntialiasChain::add_validation(const AntialiasTask& task) {
-  const int reach = static_cast<int>(std::ceil(task.settings.scale.value()));  // of the jitter, at most
-  const int neighbours_px = reach + 1;  // around the pixel at the offset, rounding included
-  surface = chain.input("surface", Format::f32x4, task.full);
-  object = chain.input("object", Format::f32, task.full);
-  const gpu::History last_surface = chain.history("surface", Format::f32x4, task.full);
-  const gpu::History last_object = chain.history("object", Format::f32, task.full);
-  const ImageId valid = chain.image("valid", Format::f32, task.full);
-  const gpu::Footprint around = gpu::gather(std::max(task.full.width, task.full.height) + neighbours_px);
-  chain.pass("antialias/validate")
-      .read("offset", offset)
-      .read("surface", *surface)
-      .read("object", *object)
-      .read("last_surface", last_surface.previous, around)
-      .read("last_object", last_object.previous, around)
-      .write("valid", valid)
-      .write("next_surface", last_surface.next)
-      .write("next_object", last_object.next)
-      .specialize("reach", reach)
-      .dispatch(task.full);
-  return valid;
 }
 
 void AntialiasChain::add_accumulation(const AntialiasTask& task, ImageId reconstructed) {
   const AntialiasSettings& settings = task.settings;
-  std::optional<ImageId> valid;
-  if (task.validates_surface()) valid = add_validation(task);
-  std::optional<ImageId> difference;
-  std::optional<ImageId> sums;
-  if (task.validates_color()) {
-    difference = add_statistics(chain, task.full, reconstructed, variance_, warped, exposure).difference;
-    sums = add_patch_sums(chain, kRejectionRadius, task.full, *difference, "difference");
-  }
   const bool masked = settings.mask == Switch::yes;
   if (settings.directions == Directions::both && settings.rectify != Rectify::none)
     rectified = chain.image("rectified", Format::f32x4, task.full);
@@ -250,12 +165,8 @@ void AntialiasChain::add_accumulation(const AntialiasTask& task, ImageId reconst
       .read("variance", variance_, compared)
       .read("warped_color", warped.color, compared)
       .read("warped_stats", warped.stats, compared)
-      .read("exposure", exposure)
       .read("residual", masked ? residual_ : std::nullopt,
             task.samples() == task.full ? gpu::bilinear(1) : gpu::anywhere())
-      .read("valid", valid)
-      .read("difference", difference, gpu::reach(kRejectionRadius, 0))
-      .read("difference_sums", sums)
       .read("columns", grid ? std::optional(grid->columns) : std::nullopt)
       .read("rows", grid ? std::optional(grid->rows) : std::nullopt)
       .read("offset", grid ? std::optional(offset) : std::nullopt)
@@ -264,22 +175,14 @@ void AntialiasChain::add_accumulation(const AntialiasTask& task, ImageId reconst
       .write("decision", decision)
       .write("rectified", rectified)
       .specialize("rule", static_cast<int>(settings.accumulate))
-      .specialize("rectify", static_cast<int>(settings.rectify))
+      .specialize("rectify", settings.rectify == Rectify::clamp ? 1 : 0)
       .specialize("by_deviation", settings.bounds == Bounds::deviation ? 1 : 0)
-      .specialize("in_ycocg", settings.space == ColorSpace::ycocg ? 1 : 0)
-      .specialize("masked", number(settings.mask))
-      .specialize("by_surface", valid ? 1 : 0)
-      .specialize("by_color", difference ? 1 : 0)
-      .specialize("against_outliers", number(settings.outliers))
-      .specialize("steady", number(settings.steady))
+      .specialize("masked", masked ? 1 : 0)
       .specialize("sparse", grid ? 1 : 0)
       .specialize("keeps_rectified", rectified ? 1 : 0)
       .constants(params::AccumulateParams{.residual_scale = static_cast<float>(settings.scale.value()),
                                           .edge_x = task.edge().x,
-                                          .edge_y = task.edge().y,
-                                          .newest = settings.newest,
-                                          .frames = static_cast<float>(settings.frames),
-                                          .gamma = settings.gamma})
+                                          .edge_y = task.edge().y})
       .dispatch(task.full);
 }
 

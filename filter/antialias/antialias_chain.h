@@ -31,11 +31,10 @@ struct AntialiasTask {
   }
   gpu::Extent samples() const { return sampled.width > 0 ? sampled : full; }
   bool has_motion() const { return contains(used, Aov::motion) && settings.uses_vectors(); }
-  bool validates_surface() const;
-  bool validates_color() const;
 };
 
-/// The aligner's settings for frames of little noise, which are matched by radiance alone at full size.
+/// Settings of the aligner and the combination for frames of little noise, which are matched by radiance
+/// alone at full size.
 Settings aligner_settings(const AntialiasTask& task);
 
 /// Where samples are sparser than pixels: SparseGrid::columns and rows, as f32x4 of two rows.
@@ -44,7 +43,7 @@ struct SparseTables {
   gpu::ImageId rows;
 };
 
-/// Antialiases one frame after another: reprojection, validation, accumulation. Frames are whole: the history
+/// Antialiases one frame after another: reprojection, accumulation. Frames are whole: the history
 /// stays on the device. Unless the grid is sparse, all images are shifted by SampleGrid::shift.
 struct AntialiasChain {
   AntialiasChain(gpu::Device& device, const AntialiasTask& task);
@@ -55,13 +54,11 @@ struct AntialiasChain {
   std::optional<gpu::ImageId> weights;      ///< f32, 10x1: SampleGrid::weights; or
   std::optional<SparseTables> grid;         ///< of the results' pixels
   std::optional<SparseTables> search_grid;  ///< of the samples' pixels, if the search has them
-  gpu::ImageId exposure;                    ///< f32, 1x1
+  gpu::ImageId exposure;                    ///< f32, 1x1: of the frame, for the search
   gpu::ImageId history_exposure;            ///< the same for the history, which is in the last frame's scale
   gpu::ImageId ratio;                       ///< f32, 1x1: of the frame's scale to the history's
   std::optional<gpu::ImageId> motion;       ///< f32x2: from pack_motion
   std::optional<gpu::ImageId> depth;        ///< f32: finite everywhere
-  std::optional<gpu::ImageId> surface;      ///< f32x4: normal, depth; 0 for what frames do not have
-  std::optional<gpu::ImageId> object;       ///< f32: number
 
   gpu::History color;
   gpu::History stats;
@@ -82,9 +79,7 @@ struct AntialiasChain {
                                    const std::string& name, std::optional<gpu::ImageId> into = {});
   gpu::ImageId add_motion(const AntialiasTask& task);
   Alignment add_search(const AntialiasTask& task, gpu::ImageId reconstructed);
-  WarpedHistory add_warp(const AntialiasTask& task, gpu::ImageId offset, int limit_px, const char* name);
   void add_reprojection(const AntialiasTask& task, gpu::ImageId reconstructed);
-  gpu::ImageId add_validation(const AntialiasTask& task);
   void add_accumulation(const AntialiasTask& task, gpu::ImageId reconstructed);
 
   gpu::ImageId variance_;                 ///< f32x2: Reconstructed::variance

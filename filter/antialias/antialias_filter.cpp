@@ -13,7 +13,6 @@
 #include "filter/antialias/checkerboard.h"
 #include "filter/antialias/radiance_range.h"
 #include "filter/antialias/sample_grid.h"
-#include "filter/antialias/sharpener.h"
 #include "filter/for_rows.h"
 #include "filter/input/frame_check.h"
 #include "filter/input/host_images.h"
@@ -70,8 +69,8 @@ void scaled(const Image& image, const NearestSample& nearest, gpu::Extent full, 
   });
 }
 
-/// Scales grow from frame to frame by this at most: a dim frame leaves the history, fireflies included, below
-/// the limit of scaled colours.
+/// Scales grow from frame to frame, and from a prediction to its frame, by this at most: a dim frame leaves
+/// the history, fireflies included, below the limit of scaled colours.
 constexpr float kLargestRatio = 0x1p30f;
 
 /// A depth as kernels take it: what is not known is far.
@@ -84,25 +83,16 @@ float known_depth(float depth) {
 AovSet wanted_aovs(const AntialiasSettings& settings) {
   AovSet wanted;
   const auto want = [&](Aov aov, bool needed) { wanted.set(static_cast<std::size_t>(aov), needed); };
-  const bool surface = settings.validate == Validate::surface || settings.validate == Validate::both;
   want(Aov::motion, settings.uses_vectors());
-  want(Aov::depth, settings.uses_vectors() || surface);
-  want(Aov::normal, surface);
-  want(Aov::object_id, surface);
+  want(Aov::depth, settings.uses_vectors());
   return wanted;
 }
 
 std::string reprojected_text(const AntialiasSettings& settings, const AovSet& available) {
   const bool motion = contains(available, Aov::motion);
-  if (!motion || settings.reproject == Reproject::search) return "frames are reprojected by the search";
-  switch (settings.reproject) {
-    case Reproject::vectors:
-      return "frames are reprojected by motion vectors";
-    case Reproject::known:
-      return "frames are reprojected by motion vectors where known, else by the search";
-    default:
-      return "frames are reprojected by motion vectors or the search, whichever matches better";
-  }
+  if (!motion || !settings.uses_vectors()) return "frames are reprojected by the search";
+  return settings.searches() ? "frames are reprojected by motion vectors where known, else by the search"
+                             : "frames are reprojected by motion vectors";
 }
 
 struct AntialiasFilter::State {
@@ -129,7 +119,6 @@ struct AntialiasFilter::State {
   void upload(const Step& step, const Frame& frame, const Image& color,
               const std::vector<std::uint8_t>& finite);
   void upload_motion(const Step& step, const Frame& frame);
-  void upload_surface(const Frame& frame);
   Frame forward(const Step& step, const Frame& frame, const std::vector<std::uint8_t>& finite, float exposure,
                 FrameReport& report);
   void add_diagnostics(std::span<const float> decided, Frame& result);
@@ -138,7 +127,6 @@ struct AntialiasFilter::State {
   FilterTask whole;  ///< for the chains that are shared with the denoiser
   std::optional<AntialiasChain> passes;
   std::optional<Combiner> combiner;
-  std::optional<Sharpener> sharpener;
 
   FindCuts find_cuts = FindCuts::no;
   std::optional<ShotSignature> before;  ///< of the last frame in the history
@@ -173,7 +161,6 @@ AntialiasFilter::AntialiasFilter(gpu::Device& device, const AntialiasSettings& s
              .used = s.task.used,
              .diagnostics = {},
              .guides = {}};
-  s.whole.settings.patch_radius = 1;
   s.passes.emplace(device, s.task);
   s.passes->chain.plan();
   const std::uint64_t allowed = std::min(options.memory_limit, usable_bytes(device));
@@ -185,7 +172,6 @@ AntialiasFilter::AntialiasFilter(gpu::Device& device, const AntialiasSettings& s
   build_within(allowed - bytes.own, [&](std::uint64_t limit) {
     s.combiner.reset();  // an attempt before this one must not take the memory
     if (settings.directions == Directions::both) s.combiner.emplace(device, s.whole, limit);
-    if (settings.sharpen > 0.0f) s.sharpener.emplace(device, s.whole, settings.sharpen, limit);
   });
 }
 AntialiasFilter::~AntialiasFilter() = default;
@@ -208,7 +194,8 @@ std::optional<Frame> AntialiasFilter::run(const Step& step, const Frame& given, 
   std::vector<std::uint8_t> counts = finite;  // what is a sample
   if (whole) {
     leave_holes(*given.checkerboard(), sampled.width, counts);
-    close_holes(*given.checkerboard(), sampled.width, finite);  // they are made, whatever they hold
+    // Holes are filled from the samples around, so they never count as non-finite.
+    close_holes(*given.checkerboard(), sampled.width, finite);
   }
   report.non_finite_pixels = count_non_finite(finite, frame);
   Image color(sampled.width, sampled.height, 4);
@@ -312,7 +299,6 @@ void AntialiasFilter::State::upload(const Step& step, const Frame& frame, const 
     std::ranges::copy(grid.weights, chain.upload<float>(*passes->weights).begin());
   }
   if (passes->motion) upload_motion(step, frame);
-  if (passes->surface) upload_surface(frame);
 }
 
 void AntialiasFilter::State::upload_motion(const Step& step, const Frame& frame) {
@@ -349,31 +335,6 @@ void AntialiasFilter::State::upload_motion(const Step& step, const Frame& frame)
   if (task.uses_places()) next.set_jitter(frame.jitter());
 }
 
-void AntialiasFilter::State::upload_surface(const Frame& frame) {
-  gpu::Chain& chain = passes->chain;
-  Image surface(frame.width(), frame.height(), 4);
-  const Image& normal = frame.image(Aov::normal);
-  const Image& depth = frame.image(Aov::depth);
-  const auto finite_or_zero = [](float x) { return std::isfinite(x) ? x : 0.0f; };
-  for (std::size_t i = 0; i < surface.pixel_count(); ++i) {
-    float* to = surface.data().data() + 4 * i;
-    for (std::size_t c = 0; c < 3 && contains(task.used, Aov::normal); ++c) {
-      to[c] = finite_or_zero(normal.data()[3 * i + c]);
-    }
-    if (contains(task.used, Aov::depth)) to[3] = known_depth(depth.data()[i]);
-  }
-  const auto copy = [](std::span<const float> from, std::span<float> to, bool) {
-    std::ranges::copy(from, to.begin());
-  };
-  place(surface, chain.upload<float>(*passes->surface), 4, copy);
-  const std::span<float> object = chain.upload<float>(*passes->object);
-  if (contains(task.used, Aov::object_id)) {
-    place(frame.image(Aov::object_id), object, 1, copy);
-  } else {
-    std::ranges::fill(object, 0.0f);
-  }
-}
-
 Frame AntialiasFilter::State::forward(const Step& step, const Frame& frame,
                                       const std::vector<std::uint8_t>& finite, float exposure,
                                       FrameReport& report) {
@@ -382,12 +343,15 @@ Frame AntialiasFilter::State::forward(const Step& step, const Frame& frame,
   made.color = download(passes->chain, passes->color.next, full, 4);
   made.stats = download(passes->chain, passes->stats.next, full, 2);
   if (const auto prediction = predictions.find(step.frame); prediction != predictions.end()) {
-    Estimate predicted = prediction->second.estimate.estimate();
-    rescale(predicted, scale / prediction->second.scale);
-    made = combiner->run(exposure, made, predicted, report);
+    const float ratio = scale / prediction->second.scale;
+    // Beyond it the frames after this one are so bright that they tell nothing of it.
+    if (ratio <= kLargestRatio) {
+      Estimate predicted = prediction->second.estimate.estimate();
+      rescale(predicted, ratio);
+      made = combiner->run(exposure, made, predicted, report);
+    }
     predictions.erase(prediction);
   }
-  if (sharpener) made.color = sharpener->run(made.color, report);
   Frame result(frame.number(), full.width, full.height);
   const float back = 1.0f / scale;
   const NearestSample nearest{.scale = task.settings.scale, .window = window};
@@ -397,7 +361,7 @@ Frame AntialiasFilter::State::forward(const Step& step, const Frame& frame,
       const std::span<float> color = made.color.pixel(x, y);
       const bool is_cut_off = frame.cut() && !frame.cut()->window.intersects(from);
       if (is_cut_off || finite[static_cast<std::size_t>(from.y) * frame.width() + from.x] != 0) {
-        for (float& value : color) value *= back;
+        for (float& value : color.first(3)) value *= back;
       } else {
         std::ranges::copy(frame.image(Aov::beauty).pixel(from.x, from.y), color.begin());
       }
@@ -432,10 +396,7 @@ void AntialiasFilter::State::add_diagnostics(std::span<const float> decided, Fra
 FilterMemory AntialiasFilter::memory() const {
   FilterMemory memory{.tiles = 1, .tile = state_->task.full, .tile_plan = "1"};
   add_memory(memory, state_->passes->chain);
-  for (const FilterMemory& part : {state_->combiner ? state_->combiner->memory() : FilterMemory{},
-                                   state_->sharpener ? state_->sharpener->memory() : FilterMemory{}}) {
-    memory += part;
-  }
+  if (state_->combiner) memory += state_->combiner->memory();
   return memory;
 }
 

@@ -8,62 +8,40 @@
 namespace becalm::filter {
 namespace {
 
-constexpr std::array<std::string_view, 3> kAntialiasResampleNames{"bilinear", "catmull_rom", "spline"};
-constexpr std::array<std::string_view, 4> kReprojectNames{"search", "vectors", "known", "best"};
-constexpr std::array<std::string_view, 4> kAccumulateNames{"exponential", "mean", "gain", "variance"};
-constexpr std::array<std::string_view, 3> kRectifyNames{"none", "clamp", "clip"};
+constexpr std::array<std::string_view, 2> kAntialiasResampleNames{"catmull_rom", "spline"};
+constexpr std::array<std::string_view, 3> kReprojectNames{"search", "vectors", "known"};
+constexpr std::array<std::string_view, 3> kAccumulateNames{"exponential", "gain", "variance"};
+constexpr std::array<std::string_view, 2> kRectifyNames{"none", "clamp"};
 constexpr std::array<std::string_view, 2> kBoundsNames{"extremes", "deviation"};
-constexpr std::array<std::string_view, 2> kSpaceNames{"rgb", "ycocg"};
-constexpr std::array<std::string_view, 4> kValidateNames{"none", "surface", "color", "both"};
 constexpr std::array<std::string_view, 2> kSwitchNames{"no", "yes"};
 
 const SettingRow<AntialiasSettings> kAntialiasTable[] = {
-    {{"reproject", "search, vectors, known or best",
-      "what brings the history to a frame: the aligner's search; motion vectors; vectors where known, else "
-      "the search; or whichever of the two matches better"},
+    {{"reproject", "search, vectors or known",
+      "what brings the history to a frame: the aligner's search; motion vectors; or vectors where known, "
+      "else the search"},
      name_field(&AntialiasSettings::reproject, kReprojectNames)},
     {{"refine_levels", "integer 0..12",
       "subpixel refinement of the search on so many of its finest levels; without it slow motion stutters"},
      number_field(&AntialiasSettings::refine_levels, 0, 12)},
     {{"directions", "forward or both", "history of the frames before alone, or of those after as well"},
      name_field(&AntialiasSettings::directions, kDirectionsNames)},
-    {{"resample", "bilinear, catmull_rom or spline",
-      "filter by which the history is read between its pixels"},
-     name_field(&AntialiasSettings::resample, kAntialiasResampleNames)},
-    {{"accumulate", "exponential, mean, gain or variance",
-      "weight of a new sample: `newest`; 1/N; by the 3x3 pixels around it (Philippi et al. 2022); or by "
-      "their variance, 1/n of it for a history of n frames"},
+    {{"resample", "catmull_rom or spline", "filter by which the history is read between its pixels"},
+     name_field(&AntialiasSettings::resample, kAntialiasResampleNames, Resample::catmull_rom)},
+    {{"accumulate", "exponential, gain or variance",
+      "weight of a new sample: 0.1; by the 3x3 pixels around it (Philippi et al. 2022); or by their "
+      "variance, 1/n of it for a history of n frames"},
      name_field(&AntialiasSettings::accumulate, kAccumulateNames)},
-    {{"newest", "number 0.001..1", "weight of a new sample with accumulate=exponential"},
-     number_field(&AntialiasSettings::newest, 0.001f, 1.0f)},
-    {{"frames", "integer 1..1024", "most frames that a history counts as"},
-     number_field(&AntialiasSettings::frames, 1, 1024)},
-    {{"rectify", "none, clamp or clip",
-      "brings the history within the bounds of the frame's 3x3 pixels: by channel, or towards their middle"},
+    {{"rectify", "none or clamp", "clamps the history to the bounds of the frame's 3x3 pixels"},
      name_field(&AntialiasSettings::rectify, kRectifyNames)},
-    {{"bounds", "extremes or deviation", "of those pixels: least and most, or `gamma` standard deviations"},
+    {{"bounds", "extremes or deviation",
+      "of those pixels: least and most, or a standard deviation on both sides of the mean"},
      name_field(&AntialiasSettings::bounds, kBoundsNames)},
-    {{"gamma", "number 0.1..16", "standard deviations of bounds=deviation"},
-     number_field(&AntialiasSettings::gamma, 0.1f, 16.0f)},
-    {{"space", "rgb or ycocg", "colour space of the bounds"},
-     name_field(&AntialiasSettings::space, kSpaceNames)},
-    {{"validate", "none, surface, color or both",
-      "rejects history of another depth, normal or object, where frames have them, or (not with --scale or "
-      "--checkerboard) whose colour differs over 7x7 pixels"},
-     name_field(&AntialiasSettings::validate, kValidateNames)},
     {{"mask", "no or yes", "averages only where the aligner's patches differ (needs a search)"},
      name_field(&AntialiasSettings::mask, kSwitchNames)},
     {{"reconstruct", "no or yes",
       "makes each pixel of a jittered frame of all samples under its filter, whose places are known; with "
       "--scale or --checkerboard always"},
      name_field(&AntialiasSettings::reconstruct, kSwitchNames)},
-    {{"outliers", "no or yes", "weighs samples by 1/(1 + luminance), against fireflies; darkens edges"},
-     name_field(&AntialiasSettings::outliers, kSwitchNames)},
-    {{"steady", "no or yes",
-      "lowers the weight of new samples where the history is near its bounds; needs rectify"},
-     name_field(&AntialiasSettings::steady, kSwitchNames)},
-    {{"sharpen", "number 0..1", "sharpens the result, not the history, within its neighbours' range"},
-     number_field(&AntialiasSettings::sharpen, 0.0f, 1.0f)},
 };
 
 }  // namespace
@@ -86,7 +64,6 @@ AntialiasSettings antialias_preset(std::string_view name) {
     settings.accumulate = Accumulate::exponential;
     settings.rectify = Rectify::clamp;
     settings.bounds = Bounds::extremes;
-    settings.space = ColorSpace::rgb;
   } else if (name == "gain") {
     // Philippi et al. 2022, section 4.2, which rectifies nothing.
     settings.accumulate = Accumulate::gain;
@@ -96,11 +73,10 @@ AntialiasSettings antialias_preset(std::string_view name) {
     settings.refine_levels = 2;
     settings.accumulate = Accumulate::exponential;
     settings.rectify = Rectify::clamp;
-    settings.space = ColorSpace::rgb;
     settings.mask = Switch::yes;
   } else {
     throw Error(ExitStatus::usage,
-                fmt::format("preset '{}': expected best, forward, clamping, gain or paper", name));
+                fmt::format("preset '{}': expected one of {}", name, fmt::join(kAntialiasPresets, ", ")));
   }
   return settings;
 }

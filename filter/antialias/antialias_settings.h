@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <span>
 #include <string>
 #include <string_view>
@@ -10,23 +11,18 @@
 namespace becalm::filter {
 
 /// By what the history is brought to the new frame: the aligner's search; motion vectors, and no history
-/// where they are unknown; vectors where known, else the search; or, of both, what matches better.
-enum class Reproject { search, vectors, known, best };
+/// where they are unknown; or vectors where known, else the search.
+enum class Reproject { search, vectors, known };
 
-/// The weight of the new sample: constant; 1/N; the gain of Philippi et al. 2022 (eq. 4, 10 and 11); or that
-/// gain with the variance of the pixels around it, 1/n of it for a history of n frames. The values are those
-/// of shaders/antialias/accumulate.comp.
-enum class Accumulate { exponential = 0, mean = 1, gain = 2, variance = 3 };
+/// The weight of the new sample: constant; the gain of Philippi et al. 2022 (eq. 4, 10 and 11); or that gain
+/// with the variance of the pixels around it, 1/n of it for a history of n frames. The values are those of
+/// shaders/antialias/accumulate.comp.
+enum class Accumulate { exponential = 0, gain = 1, variance = 2 };
 
-/// How the history is brought within the bounds of the new frame's 3x3 pixels: not at all; channel by
-/// channel; or along the line to their middle.
-enum class Rectify { none = 0, clamp = 1, clip = 2 };
-enum class Bounds { extremes = 0, deviation = 1 };
-enum class ColorSpace { rgb = 0, ycocg = 1 };
-
-/// What rejects history: surfaces that differ by depth, normal or object number; or a difference of colour
-/// in a patch (survey of Yang et al., eq. 5).
-enum class Validate { none, surface, color, both };
+/// How the history is brought within the bounds of the new frame's 3x3 pixels: not at all; or channel by
+/// channel.
+enum class Rectify { none, clamp };
+enum class Bounds { extremes, deviation };
 
 enum class Switch { no, yes };
 
@@ -38,18 +34,10 @@ struct AntialiasSettings {
   Directions directions = Directions::both;
   Resample resample = Resample::spline;
   Accumulate accumulate = Accumulate::variance;
-  float newest = 0.1f;
-  int frames = 64;
   Rectify rectify = Rectify::none;
   Bounds bounds = Bounds::deviation;
-  float gamma = 1.0f;
-  ColorSpace space = ColorSpace::ycocg;
-  Validate validate = Validate::none;
   Switch mask = Switch::no;
   Switch reconstruct = Switch::yes;
-  Switch outliers = Switch::no;
-  Switch steady = Switch::no;
-  float sharpen = 0.0f;
 
   // Not in the table: properties of the frames and the results rather than of the method.
   Scale scale;                ///< of the results' sides to those of the frames
@@ -60,6 +48,10 @@ struct AntialiasSettings {
 };
 
 std::span<const SettingInfo> antialias_settings_table();
+
+/// Names of the presets; the last three are methods as published, to compare with.
+inline constexpr std::array<std::string_view, 5> kAntialiasPresets{"best", "forward", "clamping", "gain",
+                                                                   "paper"};
 
 /// The named preset. Throws Error(usage) for another name.
 AntialiasSettings antialias_preset(std::string_view name);

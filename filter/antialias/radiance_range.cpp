@@ -32,7 +32,7 @@ std::optional<float> scale_of(const Image& color) {
 void scale_colors(Image& color, float scale) {
   for (std::size_t i = 0; i < color.data().size(); ++i) {
     float& value = color.data()[i];
-    value = i % 4 == 3 ? scale * value : std::clamp(scale * value, -kLargestScaled, kLargestScaled);
+    if (i % 4 != 3) value = std::clamp(scale * value, -kLargestScaled, kLargestScaled);
   }
 }
 

@@ -11,7 +11,7 @@ namespace becalm::filter {
 /// the largest, but for fireflies, to 0.5 to 1, or lower if fireflies would be limited else. None for black.
 std::optional<float> scale_of(const Image& color);
 
-/// Multiplies colours and alpha. Colours are limited to 2^60, alpha is not.
+/// Multiplies colours and limits them to 2^60. Alpha stays as it is.
 void scale_colors(Image& color, float scale);
 
 /// Brings an estimate to another scale: its colours as above, variances by the square.

@@ -27,8 +27,8 @@ gpu::Footprint gather_history(const WarpInputs& history) {
 /// The coefficients of the spline through the history's pixels.
 ImageId add_spline_passes(Chain& chain, Extent extent, const WarpInputs& history) {
   constexpr int reach = 7;  // as in the kernel
-  const ImageId rows = chain.image(history.name + "history.spline.rows", Format::f32x4, extent);
-  const ImageId both = chain.image(history.name + "history.spline", Format::f32x4, extent);
+  const ImageId rows = chain.image("history.spline.rows", Format::f32x4, extent);
+  const ImageId both = chain.image("history.spline", Format::f32x4, extent);
   chain.pass("merge/spline_coefficients")
       .read("image", history.color, gpu::reach(reach, 0))
       .write("coefficients", rows)
@@ -154,10 +154,9 @@ CarriedRead add_carried_read(Chain& chain, const Settings& settings, Extent full
 
 WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent full, const WarpInputs& history,
                               ImageId offset) {
-  WarpedHistory warped{chain.image(history.name + "warped.color", Format::f32x4, full),
-                       chain.image(history.name + "warped.stats", Format::f32x2, full)};
-  const SourceWindow window =
-      history.window ? *history.window : add_same_window(chain, full, history.name + "origin.merge");
+  WarpedHistory warped{chain.image("warped.color", Format::f32x4, full),
+                       chain.image("warped.stats", Format::f32x2, full)};
+  const SourceWindow window = history.window ? *history.window : add_same_window(chain, full, "origin.merge");
   std::optional<ImageId> share;
   if (!history.additive.empty()) share = chain.image("warped.share", Format::f32, full);
   const ImageId sharp =

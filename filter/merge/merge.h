@@ -2,7 +2,6 @@
 
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "filter/align/align.h"
@@ -55,7 +54,6 @@ struct WarpInputs {
   std::optional<SourceWindow> window = {};
   std::vector<CarriedImage> additive = {};  ///< carried images
   int offset_limit_px = 0;                  ///< largest component of the offsets
-  std::string name = {};  ///< prefix of the images' names, for chains that warp more than once
 };
 
 /// The history warped to the target's pixels.

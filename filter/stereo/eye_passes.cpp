@@ -26,11 +26,8 @@ EyePasses::EyePasses(gpu::Device& device, const FilterTask& task, int limit_px, 
     expected_depth = chain.input("expected_depth", Format::f32, target);
     other_depth = chain.input("other.depth", Format::f32, source);
   }
-  WarpInputs inputs{.color = other.color,
-                    .stats = other.stats,
-                    .window = window,
-                    .offset_limit_px = limit_px,
-                    .name = "other."};
+  WarpInputs inputs{
+      .color = other.color, .stats = other.stats, .window = window, .offset_limit_px = limit_px};
   const std::size_t radiance = task.additive + FilterTask::kNoisyRadiance;
   for (std::size_t i = 0; i < other.carried.size(); ++i) {
     // The additive AOVs, then the noisy layers: radiance, and two of features.

@@ -1,33 +1,25 @@
 // Reads the new frame (its samples, and the pixels made of them with their variance) and the history at its
 // pixels; writes their blend, which is the next history: colour, (variance, effective frames), the decision:
 // (rejected share; squared bias; weight of the new frame; what it is worth in frames), and if asked the
-// rectified history. A history is validated and rectified (survey of Yang et al. 2020, sections 4.1 and 4.2),
-// then weighed by one of four rules.
+// rectified history. A history is rectified (survey of Yang et al. 2020, section 4.2), then weighed by one
+// of three rules.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "lib/bilinear.glsl"
-#include "lib/color.glsl"
 #include "lib/gain.glsl"
-#include "lib/rectify.glsl"
 #include "shared/antialias_params.h"
 
 const int kExponential = 0;
-const int kMean = 1;
-const int kGain = 2;
-const int kVariance = 3;
+const int kGain = 1;
+const int kVariance = 2;
 
 layout(constant_id = 0) const int rule = kVariance;
-layout(constant_id = 1) const int rectify = 0;         // 1: clamps, 2: clips
+layout(constant_id = 1) const int rectify = 0;
 layout(constant_id = 2) const int by_deviation = 1;    // bounds of the 3x3 samples; else least and most
-layout(constant_id = 3) const int in_ycocg = 1;        // bounds in YCoCg
-layout(constant_id = 4) const int masked = 0;          // averages only where patches differ
-layout(constant_id = 5) const int by_surface = 0;      // `valid` rejects
-layout(constant_id = 6) const int by_color = 0;        // the filtered difference rejects
-layout(constant_id = 7) const int against_outliers = 0;
-layout(constant_id = 8) const int steady = 0;
-layout(constant_id = 9) const int sparse = 0;          // samples and pixels are not of one grid
-layout(constant_id = 10) const int keeps_rectified = 0;
+layout(constant_id = 3) const int masked = 0;          // averages only where patches differ
+layout(constant_id = 4) const int sparse = 0;          // samples and pixels are not of one grid
+layout(constant_id = 5) const int keeps_rectified = 0;
 
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Params { ivec2 size; ivec2 samples_size; ivec2 residual_size; AccumulateParams p; };
@@ -37,35 +29,23 @@ layout(set = 0, binding = 2) uniform samplerBuffer color;
 layout(set = 0, binding = 3) uniform samplerBuffer variance;
 layout(set = 0, binding = 4) uniform samplerBuffer warped_color;
 layout(set = 0, binding = 5) uniform samplerBuffer warped_stats;
-layout(set = 0, binding = 6) uniform samplerBuffer exposure;
-layout(set = 0, binding = 7) uniform samplerBuffer residual;
-layout(set = 0, binding = 8) uniform samplerBuffer valid;
-layout(set = 0, binding = 9) uniform samplerBuffer difference;
-layout(set = 0, binding = 10) uniform samplerBuffer difference_sums;
-layout(set = 0, binding = 11) uniform samplerBuffer columns;
-layout(set = 0, binding = 12) uniform samplerBuffer rows;
-layout(set = 0, binding = 13) uniform samplerBuffer offset;  // of the history, read where samples are sparse
-layout(std430, set = 0, binding = 14) writeonly buffer MergedColorBuffer { vec4 data[]; } merged_color;
-layout(std430, set = 0, binding = 15) writeonly buffer MergedStatsBuffer { vec2 data[]; } merged_stats;
-layout(std430, set = 0, binding = 16) writeonly buffer DecisionBuffer { vec4 data[]; } decision;
-layout(std430, set = 0, binding = 17) writeonly buffer RectifiedBuffer { vec4 data[]; } rectified;
+layout(set = 0, binding = 6) uniform samplerBuffer residual;
+layout(set = 0, binding = 7) uniform samplerBuffer columns;
+layout(set = 0, binding = 8) uniform samplerBuffer rows;
+layout(set = 0, binding = 9) uniform samplerBuffer offset;  // of the history, read where samples are sparse
+layout(std430, set = 0, binding = 10) writeonly buffer MergedColorBuffer { vec4 data[]; } merged_color;
+layout(std430, set = 0, binding = 11) writeonly buffer MergedStatsBuffer { vec2 data[]; } merged_stats;
+layout(std430, set = 0, binding = 12) writeonly buffer DecisionBuffer { vec4 data[]; } decision;
+layout(std430, set = 0, binding = 13) writeonly buffer RectifiedBuffer { vec4 data[]; } rectified;
 
-/// Share of its weight that a new sample keeps where the history lies on its bounds.
-const float kSteady = 0.25;
+/// Weight of a new sample of kExponential, which Philippi et al. 2022 call usual.
+const float kNewest = 0.1;
 
 #include "lib/sparse_grid.glsl"
 #include "lib/history_bias.glsl"
 #include "lib/samples_around.glsl"
-#include "lib/rectify_history.glsl"
-#include "lib/reject_history.glsl"
-
-/// The weight `alpha` of the new sample after both sample and history are also weighted by 1/(1 + luminance)
-/// (survey of Yang et al., eq. 4).
-float luminance_weighted(float alpha, float luminance_new, float luminance_history) {
-  float weight_new = alpha / (1.0f + luminance_new);
-  float weight_history = (1.0f - alpha) / (1.0f + luminance_history);
-  return weight_new / (weight_new + weight_history);
-}
+#include "lib/alpha_around.glsl"
+#include "lib/inverted_mask.glsl"
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
@@ -79,18 +59,16 @@ void main() {
   const bool has_history = stats.y > 0.0;
 
   vec4 h = found;
-  float near_bounds = 0.0;
   Around around;
   const float speed_px = sparse != 0 ? length(texelFetch(offset, index).xy) : 0.0;
   if (rectify != 0 || rule == kGain) around = look_around(at, found.rgb, speed_px);
-  if (rectify != 0) h.rgb = within_bounds(found.rgb, around, near_bounds);
+  if (rectify != 0) h.rgb = clamp(found.rgb, around.low, around.high);
   if (rectify != 0 || rule == kVariance) h.a = within_alpha_around(at, h.a);
 
   const float worth = has_sample ? x_stats.y : 1.0;  // of the new frame's pixel
-  const float even = worth / (min(stats.y, p.frames - 1.0) + worth);
+  const float even = worth / (min(stats.y, kMostFrames - 1.0) + worth);
   float bias = 0.0;
-  float alpha = sparse != 0 ? max(worth * p.newest, even) : worth * p.newest;
-  if (rule == kMean) alpha = even;
+  float alpha = sparse != 0 ? max(worth * kNewest, even) : worth * kNewest;
   if (rule == kGain) alpha = max(around.difference > 0.0 ? worth * (1.0 - around.spread / around.difference) : 0.0, even);
   if (rule == kVariance) {
     // The variance of a history of n frames is 1/n of a frame's: a tracked one would give frames that happen to
@@ -99,23 +77,16 @@ void main() {
     bias = found_here.y;
     const float of_history = found_here.x / max(stats.y, kFewest);
     alpha = of_history + bias > 0.0 ? gain(divided(found_here.x, worth), of_history, bias) : even;
-    alpha = max(alpha, worth / p.frames);
+    alpha = max(alpha, worth / kMostFrames);
   }
   const float trusted = alpha;
-  if (against_outliers != 0) {
-    const float e = texelFetch(exposure, 0).x;
-    alpha = luminance_weighted(alpha, e * max(luminance(x.r, x.g, x.b), 0.0), e * max(luminance(h.r, h.g, h.b), 0.0));
-  }
-  if (steady != 0) alpha *= mix(1.0, kSteady, near_bounds);
   if (masked != 0) alpha = 1.0 - (1.0 - alpha) * mask_of(at);
-  if (by_color != 0) alpha = max(alpha, least_by_color(at, index));
-  if (by_surface != 0 && texelFetch(valid, index).x <= 0.0) alpha = 1.0;
 
   vec4 blended = alpha >= 1.0 ? x : h + alpha * (x - h);
   const float rest = 1.0 - alpha;
   const float old_variance = rest > 0.0 ? rest * rest * (stats.x + bias) : 0.0;
   vec2 blended_stats = vec2(min(old_variance + alpha * alpha * x_stats.x, kLargestVariance),
-                            min(stats.y / (divided(alpha * alpha * stats.y, worth) + rest * rest), p.frames));
+                            min(stats.y / (divided(alpha * alpha * stats.y, worth) + rest * rest), kMostFrames));
   vec4 decided = vec4(clamp((alpha - trusted) / max(1.0 - trusted, 1e-6), 0.0, 1.0), min(bias, kLargestVariance), alpha, worth);
   if (!has_history) {
     blended = x;

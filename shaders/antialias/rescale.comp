@@ -1,5 +1,5 @@
 // Reads the ratio of the frame's scale to the history's, a power of two; brings the warped history to the
-// frame's scale, in place. Colours and variances are limited as those of frames, alpha is not.
+// frame's scale, in place. Colours and variances are limited as those of frames; alpha stays as it is.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/dispatch_size.glsl"
@@ -17,7 +17,7 @@ void main() {
   const float r = texelFetch(ratio, 0).x;
   if (at.x >= size.x || at.y >= size.y || r == 1.0) return;
   const int index = at.y * size.x + at.x;
-  const vec4 scaled = r * color.data[index];
-  color.data[index] = vec4(clamp(scaled.rgb, -kLargestScaled, kLargestScaled), scaled.a);
+  const vec4 found = color.data[index];
+  color.data[index] = vec4(clamp(r * found.rgb, -kLargestScaled, kLargestScaled), found.a);
   stats.data[index].x = min(stats.data[index].x * r * r, kLargestVariance);
 }

@@ -10,11 +10,10 @@ const float kSlow = 1.0;
 const float kFast = 3.0;
 
 /// The samples around a pixel, 3x3 or, where they are sparser than pixels, the 2x2 nearest and fewer of what moves
-/// (survey, section 5.2): their bounds in the space of rectification, and what eq. 10 and 11 take.
+/// (survey, section 5.2): their bounds, and what eq. 10 and 11 take.
 struct Around {
   vec3 low;
   vec3 high;
-  vec3 middle;
   float spread;      // eq. 10: variance of the samples
   float difference;  // eq. 11: mean squared difference between the history and a sample
 };
@@ -32,8 +31,7 @@ Around look_around(ivec2 at, vec3 history, float speed_px) {
   const ivec2 nearest = clamp(taps.nearest, ivec2(0), samples_size - 1);
   const int middle = nearest.y * samples_size.x + nearest.x;
   const vec3 own = texelFetch(samples, middle).rgb;
-  vec3 mean_rgb = vec3(0.0);
-  float squares_rgb = 0.0;
+  float square_sum = 0.0;
   int tap[9];
   float weight[9];
   float most = 0.0;
@@ -49,26 +47,21 @@ Around look_around(ivec2 at, vec3 history, float speed_px) {
     const float w = weight[k] > least ? 1.0 : 0.0;
     const vec3 x = texelFetch(samples, tap[k]).rgb;
     const vec3 d = limited(x - own);
-    const vec3 in_space = in_ycocg != 0 ? to_ycocg(d) : d;
-    sum += w * in_space;
-    squares += w * in_space * in_space;
-    low = w > 0.0 ? min(low, in_space) : low;
-    high = w > 0.0 ? max(high, in_space) : high;
-    mean_rgb += w * d;
-    squares_rgb += w * dot(d, d);
+    sum += w * d;
+    squares += w * d * d;
+    low = w > 0.0 ? min(low, d) : low;
+    high = w > 0.0 ? max(high, d) : high;
+    square_sum += w * dot(d, d);
     difference_sum += w * squared(history - x);
     count += w;
   }
   Around around;
   const float n = max(count, 1.0);
-  const vec3 offset = in_ycocg != 0 ? to_ycocg(own) : own;
   const vec3 mean = sum / n;
   const vec3 deviation = sqrt(max(squares / n - mean * mean, vec3(0.0)));
-  around.middle = offset + mean;
-  around.low = by_deviation != 0 ? around.middle - p.gamma * deviation : offset + low;
-  around.high = by_deviation != 0 ? around.middle + p.gamma * deviation : offset + high;
-  mean_rgb /= n;
-  around.spread = max(squares_rgb / n - dot(mean_rgb, mean_rgb), 0.0) / 3.0;
+  around.low = by_deviation != 0 ? own + mean - deviation : own + low;
+  around.high = by_deviation != 0 ? own + mean + deviation : own + high;
+  around.spread = max(square_sum / n - dot(mean, mean), 0.0) / 3.0;
   around.difference = difference_sum / n;
   return around;
 }

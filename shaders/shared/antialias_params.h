@@ -12,9 +12,6 @@ struct AccumulateParams {
   float residual_scale;  // pixels in one of the residual's
   float edge_x;
   float edge_y;
-  float newest;  // weight of a new sample, if it is constant
-  float frames;  // most frames that a history counts as
-  float gamma;   // standard deviations of the bounds
 };
 
 /// antialias/scale_offset. `edge_*` is how far the first pixel's edge lies beyond that of the first sample's,

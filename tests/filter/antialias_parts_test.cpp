@@ -3,7 +3,10 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
+#include <set>
+#include <sstream>
 
 #include "filter/antialias/antialias_settings.h"
 #include "filter/antialias/sample_grid.h"
@@ -72,11 +75,33 @@ TEST(SparseGridTest, WeightsOfAPixelSumToOneOnAverage) {
 
 TEST(AntialiasSettingsTest, AreToldByKeyAndRange) {
   AntialiasSettings settings = antialias_preset("best");
-  set(settings, "gamma=0.75");
-  EXPECT_NE(to_string(settings).find("gamma=0.75"), std::string::npos);
-  EXPECT_THROW(set(settings, "gamma=100"), Error);
+  set(settings, "refine_levels=3");
+  EXPECT_NE(to_string(settings).find("refine_levels=3"), std::string::npos);
+  EXPECT_THROW(set(settings, "refine_levels=13"), Error);
   EXPECT_THROW(set(settings, "nothing=1"), Error);
   EXPECT_THROW(antialias_preset("final"), Error);
+}
+
+TEST(AntialiasSettingsTest, SomePresetVariesEachOfThemAndSomePresetHasEachValue) {
+  std::map<std::string, std::set<std::string>> values;
+  for (const std::string_view preset : kAntialiasPresets) {
+    std::istringstream words(to_string(antialias_preset(preset)));
+    for (std::string word; words >> word;) {
+      const auto equals = word.find('=');
+      values[word.substr(0, equals)].insert(word.substr(equals + 1));
+    }
+  }
+  EXPECT_EQ(values.size(), antialias_settings_table().size());
+  for (const SettingInfo& row : antialias_settings_table()) {
+    const std::set<std::string>& of_presets = values.at(std::string(row.key));
+    EXPECT_GT(of_presets.size(), 1u) << row.key;
+    // The values of an enum are told as "a, b or c".
+    std::istringstream words{std::string(row.type)};
+    for (std::string word; words >> word && word != "integer";) {
+      if (word.ends_with(',')) word.pop_back();
+      EXPECT_TRUE(word == "or" || of_presets.contains(word)) << row.key << '=' << word;
+    }
+  }
 }
 
 }  // namespace

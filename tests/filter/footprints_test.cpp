@@ -8,7 +8,6 @@
 
 #include "filter/align/align.h"
 #include "filter/antialias/antialias_chain.h"
-#include "filter/antialias/sharpener.h"
 #include "filter/burst/burst_chains.h"
 #include "filter/burst/burst_merger.h"
 #include "filter/gpu/program.h"
@@ -87,10 +86,8 @@ class FootprintsTest : public DeviceTest {
   /// The history of antialiasing is never cut, so only passes that read around their pixels matter.
   static void antialiasing(const Use& use) {
     AntialiasTask task{.settings = antialias_preset("best"), .full = kFull, .used = {}, .diagnostics = {}};
-    for (const char* change :
-         {"reproject=best", "rectify=clip", "validate=both", "mask=yes", "resample=spline"})
-      set(task.settings, change);
-    for (const Aov aov : {Aov::motion, Aov::depth, Aov::normal}) {
+    for (const char* change : {"rectify=clamp", "mask=yes", "resample=spline"}) set(task.settings, change);
+    for (const Aov aov : {Aov::motion, Aov::depth}) {
       task.used.set(static_cast<std::size_t>(aov));
     }
     const AntialiasChain made(device(), task);
@@ -102,8 +99,6 @@ class FootprintsTest : public DeviceTest {
       const AntialiasChain sparse(device(), task);
       use(sparse.chain, {kSide});
     }
-    const SharpenPasses sharpens(device(), task_of("final"), kFull);
-    use(sharpens.chain, {kSide});
   }
 
   static void combination(const Use& use) {
@@ -163,11 +158,11 @@ class FootprintsTest : public DeviceTest {
   }
 
   /// Checks those of a chain's passes whose names begin with `prefix`, but not those that another pass of the
-  /// same kernel reads alike, nor those of antialiasing that read anywhere in the history.
+  /// same kernel reads alike.
   static void check_passes(const Chain& chain, const TileSizes& sizes, const std::string& prefix) {
     const std::vector<gpu::DeclaredPass> passes = chain.declared_passes();
     for (std::size_t i = passes.size(); i-- > 0;) {  // finest levels come last
-      if (!passes[i].name.starts_with(prefix) || passes[i].name == "antialias/validate") continue;
+      if (!passes[i].name.starts_with(prefix)) continue;
       if (decides_nothing(passes[i].name)) continue;
       if (!is_new(passes[i]) || passes[i].name == "fill") continue;
       for (const std::string& error : wrong_footprints(chain, i, sizes)) ADD_FAILURE() << error;

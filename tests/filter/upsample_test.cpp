@@ -169,17 +169,15 @@ TEST_F(UpsampleTest, AStillSceneConvergesToTheFullSizeImage) {
   for (Shot shot : kShots) {
     SCOPED_TRACE(shot.scale.value());
     const Image truth = truth_of(shot, 0);
-    for (const char* rule : {"accumulate=mean", "accumulate=variance"}) {
-      AntialiasFilter filter = make(settings_of(shot, {rule}), frame_of(shot, 0));
-      const double first = rmse(run(filter, frame_of(shot, 0)).image(Aov::beauty), truth);
-      // So that samples under a pixel number at least 32.
-      const int frames =
-          static_cast<int>(32 * shot.scale.value() * shot.scale.value()) * (shot.checkerboard ? 2 : 1);
-      shot.cycle = frames;
-      for (int number = 1; number < frames - 1; ++number) run(filter, frame_of(shot, number));
-      const double last = rmse(run(filter, frame_of(shot, frames - 1)).image(Aov::beauty), truth);
-      EXPECT_LT(last, first / 4) << rule;
-    }
+    AntialiasFilter filter = make(settings_of(shot), frame_of(shot, 0));
+    const double first = rmse(run(filter, frame_of(shot, 0)).image(Aov::beauty), truth);
+    // So that samples under a pixel number at least 32.
+    const int frames =
+        static_cast<int>(32 * shot.scale.value() * shot.scale.value()) * (shot.checkerboard ? 2 : 1);
+    shot.cycle = frames;
+    for (int number = 1; number < frames - 1; ++number) run(filter, frame_of(shot, number));
+    const double last = rmse(run(filter, frame_of(shot, frames - 1)).image(Aov::beauty), truth);
+    EXPECT_LT(last, first / 4);
   }
 }
 
@@ -229,8 +227,7 @@ TEST_F(UpsampleTest, ConstantsStayConstantInBothDirections) {
     }
     for (const char* preset : {"best", "clamping", "gain", "paper"}) {
       AntialiasFilter filter =
-          make(settings_of(shot, {"sharpen=1", "rectify=clip", "validate=both", "directions=both"}, preset),
-               frames[0]);
+          make(settings_of(shot, {"rectify=clamp", "directions=both"}, preset), frames[0]);
       FrameReport report;
       for (int i = 3; i >= 0; --i) {
         filter.run({.frame = i, .direction = Direction::backward, .new_history = i == 3}, frames[i], report);

@@ -15,7 +15,7 @@ from benches.scene_text import scene_text
 CHOOSING = ("courtyard", "spheres")
 REPORTED = ("fence", "classroom", "blocks")
 REFERENCE_SPP, REFERENCE_SEEDS = 128, {"a": 1001, "b": 1002}
-AOVS = "albedo,normal,depth,motion,object_id,variance"
+AOVS = "albedo,normal,depth,motion,variance"
 EACH = ["--segment", "1", "--warmup", "0"]  # of denoise: every frame by itself
 # The variance that scaled frames pass on is that of their samples, not their own.
 SCALED = ["antialias", "--scale", "2"]

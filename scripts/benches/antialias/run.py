@@ -73,7 +73,7 @@ def main():
     parser.add_argument("scenes", nargs="*", metavar="SCENE", help=f"default: {', '.join(REPORTED)}")
     parser.add_argument("--choosing", action="store_true", help=f"the shots that settings are chosen on: {', '.join(CHOOSING)}")
     parser.add_argument("--method", action="append", default=[], metavar="NAME[:OPTIONS]",
-                        help="a method alone; with options of becalm antialias, such as 'try:--preset best --set gamma=2'")
+                        help="a method alone; with options of becalm antialias, such as 'try:--preset best --set rectify=clamp'")
     parser.add_argument("--stutter", action="store_true", help="the stutter of slow motion by the search, with and without subpixel refinement")
     parser.add_argument("--size", default="320x180", metavar="WxH")
     parser.add_argument("--frames", type=int, default=24, help="of each shot (default: 24)")

@@ -73,7 +73,7 @@ def render(becalm, scene, folder, frames, size, spp, cycle, options=()):
     if not missing:
         return
     subprocess.run([becalm, "render", path, "-o", folder / "made.####.exr", "--frames", ",".join(map(str, missing)), "--spp", str(spp), "--aov-spp", str(spp),
-                    "--type=float", "--overwrite", "--aovs", "albedo,normal,depth,motion,object_id" if cycle else "albedo", "--quiet", *options],
+                    "--type=float", "--overwrite", "--aovs", "albedo,depth,motion" if cycle else "albedo", "--quiet", *options],
                    check=True)
     for frame in missing:
         made = folder / f"made.{frame:04}.exr"

@@ -47,7 +47,7 @@ def measure(becalm, root, size, frames):
                 small = tuple(round(share * side) for side in size)
                 render(becalm, scene, source, numbers, small, spp, cycle, of_render)
                 render_s = per_frame([becalm, "render", source / "scene.json", "-o", source / "timed.####.exr", "--spp", str(spp), "--aov-spp", str(spp),
-                                      "--type=float", "--aovs", "albedo,normal,depth,motion,object_id", *of_render], frames)
+                                      "--type=float", "--aovs", "albedo,depth,motion", *of_render], frames)
                 result = source / "result"
                 filter_s = per_frame([becalm, "antialias", source / "f.####.exr", "-o", result / "f.####.exr", *of_filter], frames, "--context", "none")
                 test = [read(result, frame) for frame in numbers]

@@ -12,8 +12,10 @@ namespace {
 using filter::Accumulate;
 using filter::AntialiasSettings;
 using filter::Bounds;
-using filter::ColorSpace;
 using filter::Rectify;
+
+/// That a history counts as.
+constexpr double kMostFrames = 64.0;
 
 Rgb operator-(const Rgb& a, const Rgb& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
@@ -21,17 +23,6 @@ Rgb operator-(const Rgb& a, const Rgb& b) {
 
 double mean_square(const Rgb& d) {
   return (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) / 3.0;
-}
-
-Rgb in_space(const Rgb& c, ColorSpace space) {
-  if (space == ColorSpace::rgb) return c;
-  return {0.25 * c[0] + 0.5 * c[1] + 0.25 * c[2], 0.5 * c[0] - 0.5 * c[2],
-          -0.25 * c[0] + 0.5 * c[1] - 0.25 * c[2]};
-}
-
-Rgb in_rgb(const Rgb& c, ColorSpace space) {
-  if (space == ColorSpace::rgb) return c;
-  return {c[0] + c[1] - c[2], c[0] + c[2], c[0] - c[1] - c[2]};
 }
 
 /// The pixels of the 3x3 around one that lie inside, as tap and value.
@@ -158,35 +149,21 @@ Rgb rectified(const Grid<Rgb>& samples, int x, int y, const Rgb& history, const 
   if (settings.rectify == Rectify::none) return history;
   const auto taps = around(samples, x, y);
   const double n = static_cast<double>(taps.size());
-  Rgb low{}, high{}, middle{};
+  Rgb h = history;
   for (int c = 0; c < 3; ++c) {
     double least = INFINITY, most = -INFINITY, sum = 0.0, squares = 0.0;
     for (const auto& [k, value] : taps) {
-      const double v = in_space(value, settings.space)[c];
-      least = std::min(least, v);
-      most = std::max(most, v);
-      sum += v;
-      squares += v * v;
+      least = std::min(least, value[c]);
+      most = std::max(most, value[c]);
+      sum += value[c];
+      squares += value[c] * value[c];
     }
-    middle[c] = sum / n;
-    const double deviation = std::sqrt(std::max(squares / n - middle[c] * middle[c], 0.0));
+    const double mean = sum / n;
+    const double deviation = std::sqrt(std::max(squares / n - mean * mean, 0.0));
     const bool by_deviation = settings.bounds == Bounds::deviation;
-    low[c] = by_deviation ? middle[c] - settings.gamma * deviation : least;
-    high[c] = by_deviation ? middle[c] + settings.gamma * deviation : most;
+    h[c] = std::clamp(h[c], by_deviation ? mean - deviation : least, by_deviation ? mean + deviation : most);
   }
-  Rgb h = in_space(history, settings.space);
-  double share = 1.0;
-  for (int c = 0; c < 3; ++c) {
-    // What rounding of floats would exceed the bounds by counts as within them.
-    const double rounding = 2e-6 * std::max({std::abs(h[0]), std::abs(h[1]), std::abs(h[2])});
-    if (h[c] > high[c] + rounding) share = std::min(share, (high[c] - middle[c]) / (h[c] - middle[c]));
-    if (h[c] < low[c] - rounding) share = std::min(share, (middle[c] - low[c]) / (middle[c] - h[c]));
-  }
-  for (int c = 0; c < 3; ++c) {
-    h[c] = settings.rectify == Rectify::clamp ? std::clamp(h[c], low[c], high[c])
-                                              : middle[c] + share * (h[c] - middle[c]);
-  }
-  return in_rgb(h, settings.space);
+  return h;
 }
 
 Grid<Antialiased> accumulate(const Grid<Rgb>& samples, const Grid<Antialiased>& frame,
@@ -202,15 +179,12 @@ Grid<Antialiased> accumulate(const Grid<Rgb>& samples, const Grid<Antialiased>& 
         continue;
       }
       const Rgb h = rectified(samples, x, y, before.color, settings);
-      const double even = 1.0 / (std::min(before.count, settings.frames - 1.0) + 1.0);
+      const double even = 1.0 / (std::min(before.count, kMostFrames - 1.0) + 1.0);
       double alpha = 0.0;
       double bias = 0.0;
       switch (settings.accumulate) {
         case Accumulate::exponential:
-          alpha = settings.newest;
-          break;
-        case Accumulate::mean:
-          alpha = even;
+          alpha = 0.1;
           break;
         case Accumulate::gain: {
           const auto [spread, difference] = spread_and_difference(samples, x, y, before.color);
@@ -222,15 +196,14 @@ Grid<Antialiased> accumulate(const Grid<Rgb>& samples, const Grid<Antialiased>& 
           bias = found.bias_squared;
           const double old_error = found.variance / before.count + bias;
           alpha = old_error > 0.0 ? old_error / (old_error + found.variance) : even;
-          alpha = std::max(alpha, 1.0 / settings.frames);
+          alpha = std::max(alpha, 1.0 / kMostFrames);
           break;
         }
       }
       for (int c = 0; c < 3; ++c) result.color[c] = h[c] + alpha * (now.color[c] - h[c]);
       const double rest = 1.0 - alpha;
       result.variance = rest * rest * (before.variance + bias) + alpha * alpha * now.variance;
-      result.count = std::min(before.count / (alpha * alpha * before.count + rest * rest),
-                              static_cast<double>(settings.frames));
+      result.count = std::min(before.count / (alpha * alpha * before.count + rest * rest), kMostFrames);
     }
   }
   return next;

@@ -28,7 +28,7 @@ Grid<Antialiased> reconstruct_sparse(const Grid<Rgb>& samples, const std::array<
                                      double scale, double wide_radius,
                                      const std::function<bool(int x, int y)>& holds);
 
-/// One frame accumulated onto the history at its pixels by `settings`, without masks and validation.
+/// One frame accumulated onto the history at its pixels by `settings`, without masks.
 Grid<Antialiased> accumulate(const Grid<Rgb>& samples, const Grid<Antialiased>& frame,
                              const Grid<Antialiased>& history, const filter::AntialiasSettings& settings);
 
