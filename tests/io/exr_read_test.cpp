@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "frame/error.h"
 #include "frame/io/exr.h"
 #include "frame/io/exr_channels.h"
 #include "tests/io/exr_files.h"
