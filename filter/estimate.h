@@ -15,13 +15,13 @@ struct Estimate {
   Estimate(gpu::Extent extent, std::size_t carried_count)
       : color(extent.width, extent.height, 4),
         stats(extent.width, extent.height, 2),
-        additive(carried_count, color) {}
+        carried(carried_count, color) {}
 
   Image color;  ///< four channels
   Image stats;  ///< (variance, effective sample count); a count of 0 means no data
   /// Images merged with the beauty's weights, four channels each: the additive AOVs; in the merge also the
   /// noisy layers, if the task smooths merged frames.
-  std::vector<Image> additive;
+  std::vector<Image> carried;
 };
 
 /// A frame prepared as input of the chains.
@@ -38,7 +38,7 @@ struct NewFrame {
 
   const Image& albedo() const { return smoothed_albedo.empty() ? frame.image(Aov::albedo) : smoothed_albedo; }
   const std::vector<Image>& merged_additive() const {
-    return smoothed.additive.empty() ? additive : smoothed.additive;
+    return smoothed.carried.empty() ? additive : smoothed.carried;
   }
 };
 

@@ -9,7 +9,6 @@
 #include <string_view>
 
 #include "filter/input/host_images.h"
-#include "filter/tiles/pixel_view.h"
 #include "frame/error.h"
 
 namespace becalm::filter {
@@ -94,28 +93,6 @@ void unpack_additive(const NewFrame& frame, const FilterTask& task, const std::v
       std::ranges::copy(pixel, targets[n]->data().subspan(3 * i, 3).begin());
     }
   }
-}
-
-std::vector<gpu::ImageId> additive_inputs(gpu::Chain& chain, std::size_t count, gpu::Extent extent,
-                                          const std::string& name) {
-  std::vector<gpu::ImageId> inputs;
-  for (std::size_t i = 0; i < count; ++i) {
-    inputs.push_back(chain.input(fmt::format("{}.{}", name, i), gpu::Format::f32x4, extent));
-  }
-  return inputs;
-}
-
-void upload_additive(gpu::Chain& chain, const std::vector<gpu::ImageId>& inputs,
-                     const std::vector<Image>& images, const Rect& rect) {
-  for (std::size_t i = 0; i < inputs.size(); ++i) upload(chain, inputs[i], view(images[i]), rect);
-}
-
-std::vector<std::span<const float>> download_additive(const gpu::Chain& chain,
-                                                      const std::vector<gpu::ImageId>& images) {
-  std::vector<std::span<const float>> pixels;
-  pixels.reserve(images.size());
-  for (const gpu::ImageId image : images) pixels.push_back(chain.download<float>(image));
-  return pixels;
 }
 
 }  // namespace becalm::filter

@@ -3,14 +3,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "filter/estimate.h"
-#include "filter/gpu/chain.h"
 #include "filter/report.h"
 #include "filter/task.h"
-#include "filter/tiles/tiles.h"
 #include "frame/frame.h"
 
 namespace becalm::filter {
@@ -35,17 +32,5 @@ std::vector<Image> pack_additive(const Frame& frame, const FilterTask& task,
 /// the pixels that `as_they_came` marks.
 void unpack_additive(const NewFrame& frame, const FilterTask& task, const std::vector<Image>& denoised,
                      std::span<const std::uint8_t> as_they_came, Frame& result);
-
-/// `count` inputs of a chain (f32x4), one for each additive AOV or carried image.
-std::vector<gpu::ImageId> additive_inputs(gpu::Chain& chain, std::size_t count, gpu::Extent extent,
-                                          const std::string& name);
-
-/// Uploads a rectangle of `images` to such inputs.
-void upload_additive(gpu::Chain& chain, const std::vector<gpu::ImageId>& inputs,
-                     const std::vector<Image>& images, const Rect& rect);
-
-/// Pixels of a chain's outputs for additive AOVs; empty if there are none.
-std::vector<std::span<const float>> download_additive(const gpu::Chain& chain,
-                                                      const std::vector<gpu::ImageId>& images);
 
 }  // namespace becalm::filter

@@ -26,11 +26,11 @@ Combined add_combine_passes(gpu::Chain& chain, const Settings& settings, gpu::Ex
       .write("statistics", statistics)
       .dispatch(extent);
   const ImageId sums = add_patch_sums(chain, settings.patch_radius, extent, statistics, "combine");
-  const bool has_additive = !inputs.forward_additive.empty();
+  const bool has_carried = !inputs.forward_carried.empty();
   Combined combined{chain.image("combined.color", Format::f32x4, extent),
                     chain.image("combined.stats", Format::f32x2, extent)};
   std::optional<ImageId> weight;
-  if (has_additive) weight = chain.image("combine.weight", Format::f32, extent);
+  if (has_carried) weight = chain.image("combine.weight", Format::f32, extent);
   chain.pass("merge/combine")
       .read("forward_color", inputs.forward_color)
       .read("forward_stats", inputs.forward_stats)
@@ -43,15 +43,15 @@ Combined add_combine_passes(gpu::Chain& chain, const Settings& settings, gpu::Ex
       .write("weight_backward", weight)
       .specialize("radius", settings.patch_radius)
       .specialize("smoothed", settings.smooth == Smooth::none ? 0 : 1)
-      .specialize("writes_weight", has_additive ? 1 : 0)
+      .specialize("writes_weight", has_carried ? 1 : 0)
       .dispatch(extent);
-  for (std::size_t i = 0; i < inputs.forward_additive.size(); ++i) {
-    combined.additive.push_back(chain.image(fmt::format("combined.additive.{}", i), Format::f32x4, extent));
-    chain.pass("merge/additive_combine")
-        .read("forward_color", inputs.forward_additive[i])
-        .read("backward_color", inputs.backward_additive[i])
+  for (std::size_t i = 0; i < inputs.forward_carried.size(); ++i) {
+    combined.carried.push_back(chain.image(fmt::format("combined.carried.{}", i), Format::f32x4, extent));
+    chain.pass("merge/carried_combine")
+        .read("forward_color", inputs.forward_carried[i])
+        .read("backward_color", inputs.backward_carried[i])
         .read("weight", weight)
-        .write("combined", combined.additive.back())
+        .write("combined", combined.carried.back())
         .dispatch(extent);
   }
   return combined;
@@ -69,11 +69,11 @@ struct Combiner::Passes {
                                      .forward_stats = forward.stats,
                                      .backward_color = prediction.color,
                                      .backward_stats = prediction.stats,
-                                     .forward_additive = forward.carried,
-                                     .backward_additive = prediction.carried})) {
+                                     .forward_carried = forward.carried,
+                                     .backward_carried = prediction.carried})) {
     chain.output(combined.color);
     chain.output(combined.stats);
-    for (const ImageId image : combined.additive) chain.output(image);
+    for (const ImageId image : combined.carried) chain.output(image);
   }
 
   gpu::Chain chain;
@@ -99,7 +99,7 @@ Estimate Combiner::run(float exposure, const Estimate& forward, const Estimate& 
   const auto download = [&](const Passes& passes, const Tile& tile) {
     copy_core(passes.chain.download<float>(passes.combined.color), tile, result.color);
     copy_core(passes.chain.download<float>(passes.combined.stats), tile, result.stats);
-    copy_core(download_additive(passes.chain, passes.combined.additive), tile, result.additive);
+    copy_core(download_carried(passes.chain, passes.combined.carried), tile, result.carried);
   };
   chain_.run(report, upload, download);
   return result;

@@ -17,14 +17,14 @@ struct CombineInputs {
   gpu::ImageId forward_stats;
   gpu::ImageId backward_color;  ///< from the frames after it
   gpu::ImageId backward_stats;
-  std::vector<gpu::ImageId> forward_additive = {};  ///< additive AOVs, f32x4
-  std::vector<gpu::ImageId> backward_additive = {};
+  std::vector<gpu::ImageId> forward_carried = {};  ///< carried images, f32x4
+  std::vector<gpu::ImageId> backward_carried = {};
 };
 
 struct Combined {
   gpu::ImageId color;
   gpu::ImageId stats;
-  std::vector<gpu::ImageId> additive = {};
+  std::vector<gpu::ImageId> carried = {};
 };
 
 /// The fixed-interval smoother: the mean of both estimates of a frame, weighted by the inverse of their

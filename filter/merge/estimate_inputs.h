@@ -5,7 +5,7 @@
 
 #include "filter/estimate.h"
 #include "filter/gpu/chain.h"
-#include "filter/merge/additive.h"
+#include "filter/merge/carried_images.h"
 #include "filter/task.h"
 #include "filter/tiles/pixel_view.h"
 
@@ -16,12 +16,12 @@ struct EstimateInputs {
   EstimateInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent extent, const std::string& name)
       : color(chain.input(name + ".color", gpu::Format::f32x4, extent)),
         stats(chain.input(name + ".stats", gpu::Format::f32x2, extent)),
-        carried(additive_inputs(chain, task.carried(), extent, name + ".carried")) {}
+        carried(carried_inputs(chain, task.carried(), extent, name + ".carried")) {}
 
   void upload(gpu::Chain& chain, const Estimate& estimate, const Rect& rect) const {
     filter::upload(chain, color, view(estimate.color), rect);
     filter::upload(chain, stats, view(estimate.stats), rect);
-    upload_additive(chain, carried, estimate.additive, rect);
+    upload_carried(chain, carried, estimate.carried, rect);
   }
 
   gpu::ImageId color;

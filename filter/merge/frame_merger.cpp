@@ -8,7 +8,7 @@
 #include "filter/ceil_div.h"
 #include "filter/for_rows.h"
 #include "filter/input/host_images.h"
-#include "filter/merge/additive.h"
+#include "filter/merge/carried_images.h"
 #include "filter/merge/merge_chains.h"
 
 namespace becalm::filter {
@@ -22,8 +22,8 @@ void unpack(const MergedTile& pixels, const Tile& tile, int residual_px, MergedF
   copy_core(pixels.stats, tile, frame.merged.stats);
   copy_core(pixels.warped_color, tile, frame.prediction.color);
   copy_core(pixels.warped_stats, tile, frame.prediction.stats);
-  copy_core(pixels.additive, tile, frame.merged.additive);
-  copy_core(pixels.warped_additive, tile, frame.prediction.additive);
+  copy_core(pixels.carried, tile, frame.merged.carried);
+  copy_core(pixels.warped_carried, tile, frame.prediction.carried);
   copy_core(pixels.offset, tile, frame.flow);
   copy_core(pixels.decision, tile, frame.decision);
   const Rect& core = tile.core;
@@ -236,7 +236,7 @@ void FrameMerger::upload_cut(const Tile& tile) {
   upload(chain, merge.color.previous, view(std::as_const(host_->history.color)), tile.source);
   upload(chain, merge.stats.previous, view(std::as_const(host_->history.stats)), tile.source);
   for (std::size_t i = 0; i < merge.carried.size(); ++i) {
-    upload(chain, merge.carried[i].previous, view(std::as_const(host_->history.additive[i])), tile.source);
+    upload(chain, merge.carried[i].previous, view(std::as_const(host_->history.carried[i])), tile.source);
   }
 }
 
@@ -249,7 +249,7 @@ void FrameMerger::merge_tile(const Tile& tile, const NewFrame& frame, MergedFram
     upload(chain, merge.smoothed_color, view(frame.smoothed.color), tile.target);
     upload(chain, merge.smoothed_stats, view(frame.smoothed.stats), tile.target);
   }
-  upload_additive(chain, merge.additive, frame.merged_additive(), tile.target);
+  upload_carried(chain, merge.additive, frame.merged_additive(), tile.target);
   if (merge.motion) {
     pack_motion(frame.motion, tile.target, motion_limit_px(task_.settings, task_.full),
                 chain.upload<float>(*merge.motion));
@@ -266,7 +266,7 @@ void FrameMerger::merge_tile(const Tile& tile, const NewFrame& frame, MergedFram
   if (!host_) return;
   copy_core(pixels.color, tile, host_->next.color);
   copy_core(pixels.stats, tile, host_->next.stats);
-  copy_core(pixels.additive, tile, host_->next.additive);
+  copy_core(pixels.carried, tile, host_->next.carried);
 }
 
 void FrameMerger::reset() {
@@ -277,7 +277,7 @@ void FrameMerger::reset() {
   const auto clear = [](Image& image) { std::ranges::fill(image.data(), 0.0f); };
   clear(host_->history.color);
   clear(host_->history.stats);
-  for (Image& image : host_->history.additive) clear(image);
+  for (Image& image : host_->history.carried) clear(image);
   std::ranges::fill(host_->history_features.finest.values, 0.0f);
   std::ranges::fill(host_->history_features.coarse.values, 0.0f);
 }

@@ -128,15 +128,15 @@ struct CarriedRead {
 CarriedRead add_carried_read(Chain& chain, const Settings& settings, Extent full, const SourceWindow& window,
                              ImageId offset, const WarpInputs& history, std::size_t i,
                              std::optional<ImageId> share) {
-  const CarriedImage& carried = history.additive[i];
+  const CarriedImage& carried = history.carried[i];
   const bool own_share = carried.kind != Carried::additive;
-  CarriedRead made{.warped = chain.image(fmt::format("warped.additive.{}", i), Format::f32x4, full),
+  CarriedRead made{.warped = chain.image(fmt::format("warped.carried.{}", i), Format::f32x4, full),
                    .share = {}};
   if (own_share) {
     made.share = chain.image(fmt::format("warped.share.{}", i), Format::f32, full);
     share.reset();
   }
-  chain.pass("merge/additive_warp")
+  chain.pass("merge/carried_warp")
       .read("offset", offset)
       .read("history_color", carried.image, gather_history(history))
       .read("history_stats", history.stats, gather_history(history))
@@ -158,7 +158,7 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
                        chain.image("warped.stats", Format::f32x2, full)};
   const SourceWindow window = history.window ? *history.window : add_same_window(chain, full, "origin.merge");
   std::optional<ImageId> share;
-  if (!history.additive.empty()) share = chain.image("warped.share", Format::f32, full);
+  if (!history.carried.empty()) share = chain.image("warped.share", Format::f32, full);
   const ImageId sharp =
       settings.resample == Resample::spline ? add_spline_passes(chain, window.full, history) : history.color;
   chain.pass("merge/warp_history")
@@ -174,18 +174,18 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
       .specialize("writes_share", share ? 1 : 0)
       .dispatch(full);
   // Additive AOVs add up to the noisy radiance if it is carried, else to the colour; they use its share.
-  const auto noisy = std::ranges::find(history.additive, Carried::radiance, &CarriedImage::kind);
-  warped.additive.resize(history.additive.size());
+  const auto noisy = std::ranges::find(history.carried, Carried::radiance, &CarriedImage::kind);
+  warped.carried.resize(history.carried.size());
   std::optional<ImageId> share_of_light = share;
   const auto read = [&](std::size_t i) {
     const CarriedRead made =
         add_carried_read(chain, settings, full, window, offset, history, i, share_of_light);
-    warped.additive[i] = made.warped;
+    warped.carried[i] = made.warped;
     return made.share;
   };
-  const auto first = static_cast<std::size_t>(noisy - history.additive.begin());
-  if (first < history.additive.size()) share_of_light = read(first);
-  for (std::size_t i = 0; i < history.additive.size(); ++i) {
+  const auto first = static_cast<std::size_t>(noisy - history.carried.begin());
+  if (first < history.carried.size()) share_of_light = read(first);
+  for (std::size_t i = 0; i < history.carried.size(); ++i) {
     if (i != first) read(i);
   }
   return warped;
@@ -211,35 +211,35 @@ std::vector<CarriedInput> add_noisy_layers(Chain& chain, Extent full, const Nois
 
 MergeOutputs add_merge_passes(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
                               const Alignment& alignment) {
-  std::vector<CarriedImage> additive_history;
-  for (const CarriedInput& input : inputs.additive) {
-    additive_history.push_back({input.history.previous, input.kind});
+  std::vector<CarriedImage> carried_history;
+  for (const CarriedInput& input : inputs.carried) {
+    carried_history.push_back({input.history.previous, input.kind});
   }
   WarpedHistory warped = add_warp_passes(chain, settings, full,
                                          {.color = inputs.history_color.previous,
                                           .stats = inputs.history_stats.previous,
                                           .window = inputs.history_window,
-                                          .additive = std::move(additive_history),
+                                          .carried = std::move(carried_history),
                                           .offset_limit_px = alignment.limit_px},
                                          alignment.offset);
   const ImageId decision = settings.merge == MergeMode::variance
                                ? add_variance_gain(chain, settings, full, inputs, warped)
                                : add_mask_gain(chain, settings, full, inputs, warped, alignment);
-  for (std::size_t i = 0; i < inputs.additive.size(); ++i) {
-    const ImageId layer = inputs.additive[i].color;
+  for (std::size_t i = 0; i < inputs.carried.size(); ++i) {
+    const ImageId layer = inputs.carried[i].color;
     const ImageId color =
-        inputs.additive[i].kind == Carried::radiance
-            ? add_known_noise(chain, full, layer, warped.additive[i], warped.stats, inputs.noisy)
+        inputs.carried[i].kind == Carried::radiance
+            ? add_known_noise(chain, full, layer, warped.carried[i], warped.stats, inputs.noisy)
             : layer;
-    chain.pass("merge/additive_blend")
+    chain.pass("merge/carried_blend")
         .read("color", color)
-        .read("warped_color", warped.additive[i])
+        .read("warped_color", warped.carried[i])
         .read("warped_stats", warped.stats)
         .read("decision", decision)
-        .write("merged", inputs.additive[i].history.next)
+        .write("merged", inputs.carried[i].history.next)
         .dispatch(full);
   }
-  return {warped.color, warped.stats, std::move(warped.additive), decision};
+  return {warped.color, warped.stats, std::move(warped.carried), decision};
 }
 
 }  // namespace becalm::filter

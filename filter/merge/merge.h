@@ -38,7 +38,7 @@ struct MergeInputs {
   gpu::History history_stats;
   /// Set if the previous history covers more of the frame than the other images.
   std::optional<SourceWindow> history_window = {};
-  std::vector<CarriedInput> additive = {};
+  std::vector<CarriedInput> carried = {};
 };
 
 /// An image of the history (f32x4).
@@ -52,15 +52,15 @@ struct WarpInputs {
   gpu::ImageId color;
   gpu::ImageId stats;
   std::optional<SourceWindow> window = {};
-  std::vector<CarriedImage> additive = {};  ///< carried images
-  int offset_limit_px = 0;                  ///< largest component of the offsets
+  std::vector<CarriedImage> carried = {};
+  int offset_limit_px = 0;  ///< largest component of the offsets
 };
 
 /// The history warped to the target's pixels.
 struct WarpedHistory {
-  gpu::ImageId color;                       ///< f32x4
-  gpu::ImageId stats;                       ///< f32x2
-  std::vector<gpu::ImageId> additive = {};  ///< f32x4
+  gpu::ImageId color;                      ///< f32x4
+  gpu::ImageId stats;                      ///< f32x2
+  std::vector<gpu::ImageId> carried = {};  ///< f32x4
 };
 
 /// Reads the previous history at the offsets (f32x2, full resolution).
@@ -72,9 +72,9 @@ std::vector<CarriedInput> add_noisy_layers(gpu::Chain& chain, gpu::Extent full, 
                                            std::span<const gpu::History> history);
 
 struct MergeOutputs {
-  gpu::ImageId warped_color;                  ///< f32x4: the history warped to the new frame
-  gpu::ImageId warped_stats;                  ///< f32x2, as the history's
-  std::vector<gpu::ImageId> warped_additive;  ///< f32x4
+  gpu::ImageId warped_color;                 ///< f32x4: the history warped to the new frame
+  gpu::ImageId warped_stats;                 ///< f32x2, as the history's
+  std::vector<gpu::ImageId> warped_carried;  ///< f32x4
   /// f32x4: rejected share of the history; its squared bias (in mask mode, the variance that stands for the
   /// rejected share), to be added to the variance of warped_stats if the warped history is used as a
   /// prediction of the new frame; weight of the new sample; 0.

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "filter/merge/additive.h"
+#include "filter/merge/carried_images.h"
 
 namespace becalm::filter {
 using gpu::Extent;
@@ -84,10 +84,10 @@ MergeChain::MergeChain(gpu::Device& device, const FilterTask& task, const Pyrami
   offset_ = found.offset;
   residual_ = found.residual;
 
-  additive = additive_inputs(chain, task.additive, target, "additive.cur");
+  additive = carried_inputs(chain, task.additive, target, "additive.cur");
   for (std::size_t i = 0; i < task.carried(); ++i) {
     carried.push_back(
-        history(fmt::format("history.additive.{}", i), Format::f32x4, is_whole_frame, target, source));
+        history(fmt::format("history.carried.{}", i), Format::f32x4, is_whole_frame, target, source));
   }
   std::vector<CarriedInput> inputs;
   for (std::size_t i = 0; i < additive.size(); ++i) inputs.push_back({additive[i], carried[i]});
@@ -102,7 +102,7 @@ MergeChain::MergeChain(gpu::Device& device, const FilterTask& task, const Pyrami
                                .history_color = color,
                                .history_stats = stats,
                                .history_window = matched.window,
-                               .additive = inputs},
+                               .carried = inputs},
                               found);
   add_outputs(task);
 }
@@ -118,7 +118,7 @@ void MergeChain::add_outputs(const FilterTask& task) {
   if (predicts_) {
     chain.output(outputs_.warped_color);
     chain.output(outputs_.warped_stats);
-    for (const gpu::ImageId image : outputs_.warped_additive) chain.output(image);
+    for (const gpu::ImageId image : outputs_.warped_carried) chain.output(image);
   }
   if (wants_offset_) chain.output(offset_);
   if (wants_residual_) chain.output(residual_, level_px(task.settings, 0));
@@ -128,12 +128,12 @@ MergedTile MergeChain::download() const {
   MergedTile tile;
   tile.color = chain.download<float>(color.next);
   tile.stats = chain.download<float>(stats.next);
-  for (const gpu::History& image : carried) tile.additive.push_back(chain.download<float>(image.next));
+  for (const gpu::History& image : carried) tile.carried.push_back(chain.download<float>(image.next));
   tile.decision = chain.download<float>(outputs_.decision);
   if (predicts_) {
     tile.warped_color = chain.download<float>(outputs_.warped_color);
     tile.warped_stats = chain.download<float>(outputs_.warped_stats);
-    tile.warped_additive = download_additive(chain, outputs_.warped_additive);
+    tile.warped_carried = download_carried(chain, outputs_.warped_carried);
   }
   if (wants_offset_) tile.offset = chain.download<float>(offset_);
   if (wants_residual_) tile.residual = chain.download<float>(residual_);

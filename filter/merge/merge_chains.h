@@ -21,8 +21,8 @@ struct MergedTile {
   std::span<const float> stats;
   std::span<const float> warped_color;
   std::span<const float> warped_stats;
-  std::vector<std::span<const float>> additive;         ///< as `color`
-  std::vector<std::span<const float>> warped_additive;  ///< as `warped_color`
+  std::vector<std::span<const float>> carried;         ///< as `color`
+  std::vector<std::span<const float>> warped_carried;  ///< as `warped_color`
   std::span<const float> decision;
   std::span<const float> offset;    ///< at full resolution
   std::span<const float> residual;  ///< at the finest level

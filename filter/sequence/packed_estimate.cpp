@@ -91,7 +91,7 @@ Image HalfImage::image() const {
 }
 
 PackedEstimate::PackedEstimate(Estimate estimate, float exposure, std::size_t noisy_layers) {
-  std::vector<Image>& images = estimate.additive;
+  std::vector<Image>& images = estimate.carried;
   color_ = HalfImage(estimate.color, {exposure, exposure, exposure, 1.0f});
   apply_to_channel(estimate.stats, 0, deviation);
   stats_ = HalfImage(estimate.stats, {exposure, 1.0f});
@@ -116,10 +116,10 @@ Estimate PackedEstimate::estimate() const {
   estimate.color = color_.image();
   estimate.stats = stats_.image();
   apply_to_channel(estimate.stats, 0, squared);
-  estimate.additive = additive_;
-  for (const HalfImage& layer : noisy_layers_) estimate.additive.push_back(layer.image());
+  estimate.carried = additive_;
+  for (const HalfImage& layer : noisy_layers_) estimate.carried.push_back(layer.image());
   const std::size_t radiance = additive_.size() + FilterTask::kNoisyRadiance;
-  if (!noisy_layers_.empty()) apply_to_channel(estimate.additive[radiance], 3, squared);
+  if (!noisy_layers_.empty()) apply_to_channel(estimate.carried[radiance], 3, squared);
   return estimate;
 }
 

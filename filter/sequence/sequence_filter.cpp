@@ -94,7 +94,7 @@ Frame output_frame(const NewFrame& frame, const FilterTask& task, MergedFrame ma
     result.image(Aov::accumulated_normal) = std::move(accumulated.normal);
     result.image(Aov::accumulated_depth) = std::move(accumulated.depth);
   }
-  unpack_additive(frame, task, made.merged.additive, as_they_came, result);
+  unpack_additive(frame, task, made.merged.carried, as_they_came, result);
   return result;
 }
 

@@ -188,7 +188,7 @@ void apply(const BlockGrid& grid, const Restorable& restorable, Estimate& estima
         const double of_block = mix(along[column.low][c], along[column.high][c], column.share);
         const auto factor = static_cast<float>(allowed.factor(of_block));
         multiply(estimate.color.data()[4 * i + c], factor);
-        for (Image& image : estimate.additive) multiply(image.data()[4 * i + c], factor);
+        for (Image& image : estimate.carried) multiply(image.data()[4 * i + c], factor);
       }
     });
   };

@@ -4,7 +4,7 @@
 
 #include "filter/input/host_images.h"
 #include "filter/input/noisy_inputs.h"
-#include "filter/merge/additive.h"
+#include "filter/merge/carried_images.h"
 #include "filter/smooth/network.h"
 #include "filter/tiles/pixel_view.h"
 
@@ -32,8 +32,8 @@ struct FrameSmoother::Passes {
   Passes(gpu::Device& device, const FilterTask& task, Extent extent)
       : chain(device, "smooth"),
         noisy(chain, task, extent, NoisyUse::smooth),
-        additive(additive_inputs(chain, task.additive, extent, "additive.cur")),
-        own_additive(task.merged ? additive_inputs(chain, task.additive, extent, "additive.own") : additive),
+        additive(carried_inputs(chain, task.additive, extent, "additive.cur")),
+        own_additive(task.merged ? carried_inputs(chain, task.additive, extent, "additive.own") : additive),
         network(chain, weights_of(task), extent, noisy, task.variance_known(),
                 layered(additive, own_additive), convolver_of(device.info())) {
     chain.output(network.smoothed().color);
@@ -62,14 +62,14 @@ Estimate FrameSmoother::smooth(const NewFrame& frame, FrameReport& report) {
   const auto upload = [&](Passes& passes, const Tile& tile) {
     gpu::Chain& chain = passes.chain;
     passes.noisy.upload(chain, task_, frame, tile, ignored);
-    upload_additive(chain, passes.additive, frame.additive, tile.target);
-    if (task_.merged) upload_additive(chain, passes.own_additive, frame.own->additive, tile.target);
+    upload_carried(chain, passes.additive, frame.additive, tile.target);
+    if (task_.merged) upload_carried(chain, passes.own_additive, frame.own->additive, tile.target);
   };
   const auto download = [&](const Passes& passes, const Tile& tile) {
     const Smoothed& smoothed = passes.network.smoothed();
     copy_core(passes.chain.download<float>(smoothed.color), tile, result.color);
     copy_core(passes.chain.download<float>(smoothed.stats), tile, result.stats);
-    copy_core(download_additive(passes.chain, smoothed.additive), tile, result.additive);
+    copy_core(download_carried(passes.chain, smoothed.additive), tile, result.carried);
   };
   chain_.run(report, upload, download);
   return result;

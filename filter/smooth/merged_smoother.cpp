@@ -28,7 +28,7 @@ FilterTask task_of_merged(FilterTask task) {
 }  // namespace
 
 Accumulated accumulated(const Estimate& merged) {
-  const auto layers = std::span(merged.additive).last<FilterTask::kNoisyLayers>();
+  const auto layers = std::span(merged.carried).last<FilterTask::kNoisyLayers>();
   const Image& radiance = layers[FilterTask::kNoisyRadiance];
   const Image& albedo_depth = layers[FilterTask::kNoisyAlbedoDepth];
   const Image& normal = layers[FilterTask::kNoisyNormal];
@@ -72,13 +72,13 @@ Estimate MergedSmoother::smooth(const NewFrame& frame, Estimate merged, FrameRep
   if (contains(task_.used, Aov::albedo)) still.image(Aov::albedo) = std::move(noisy.albedo);
   if (contains(task_.used, Aov::normal)) still.image(Aov::normal) = std::move(noisy.normal);
   if (contains(task_.used, Aov::depth)) still.image(Aov::depth) = std::move(noisy.depth);
-  merged.additive.resize(task_.additive);
+  merged.carried.resize(task_.additive);
   Estimate smoothed = smoother_.smooth({.frame = still,
                                         .own = &frame,
                                         .finite = frame.finite,
                                         .exposure = frame.exposure,
                                         .usual_depth = frame.usual_depth,
-                                        .additive = std::move(merged.additive)},
+                                        .additive = std::move(merged.carried)},
                                        report);
   for_pixels(beauty,
              [&](std::size_t i) { smoothed.stats.data()[2 * i + 1] = merged.stats.data()[2 * i + 1]; });

@@ -1,6 +1,6 @@
 #include "filter/stereo/eye_combiner.h"
 
-#include "filter/merge/additive.h"
+#include "filter/merge/carried_images.h"
 #include "filter/tiles/pixel_view.h"
 
 namespace becalm::filter {
@@ -27,7 +27,7 @@ Estimate EyeCombiner::run(const EyeFrame& own, const EyeFrame& other, const Corr
     const gpu::Chain& chain = passes.chain;
     copy_core(chain.download<float>(passes.color), tile, result.color);
     copy_core(chain.download<float>(passes.stats), tile, result.stats);
-    copy_core(download_additive(chain, passes.carried), tile, result.additive);
+    copy_core(download_carried(chain, passes.carried), tile, result.carried);
     copy_core(chain.download<float>(passes.weight), tile, weight);
   };
   chain_.run(report, upload_tile, download_tile);

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "filter/input/host_images.h"
-#include "filter/merge/additive.h"
 #include "filter/merge/patch_sums.h"
 #include "filter/merge/statistics.h"
 #include "filter/tiles/pixel_view.h"
@@ -31,9 +30,9 @@ EyePasses::EyePasses(gpu::Device& device, const FilterTask& task, int limit_px, 
   const std::size_t radiance = task.additive + FilterTask::kNoisyRadiance;
   for (std::size_t i = 0; i < other.carried.size(); ++i) {
     // The additive AOVs, then the noisy layers: radiance, and two of features.
-    inputs.additive.push_back({other.carried[i], i < task.additive ? Carried::additive
-                                                 : i == radiance   ? Carried::radiance
-                                                                   : Carried::features});
+    inputs.carried.push_back({other.carried[i], i < task.additive ? Carried::additive
+                                                : i == radiance   ? Carried::radiance
+                                                                  : Carried::features});
   }
   add_blend(task, add_warp_passes(chain, task.settings, target, inputs, add_depth_check(limit_px)));
 }
@@ -83,9 +82,9 @@ void EyePasses::add_blend(const FilterTask& task, const WarpedHistory& warped) {
       .dispatch(target);
   for (std::size_t i = 0; i < own.carried.size(); ++i) {
     carried.push_back(chain.image(fmt::format("combined.carried.{}", i), Format::f32x4, target));
-    chain.pass("merge/additive_combine")
+    chain.pass("merge/carried_combine")
         .read("forward_color", own.carried[i])
-        .read("backward_color", warped.additive[i])
+        .read("backward_color", warped.carried[i])
         .read("weight", weight)
         .write("combined", carried.back())
         .dispatch(target);

@@ -271,10 +271,10 @@ TEST(RestoreEnergy, AFrameWithoutBrightnessIsLeft) {
   Image& beauty = frame.add(Aov::beauty);
   for (std::size_t i = 0; i < beauty.data().size(); ++i) beauty.data()[i] = i / 4 % 2 == 0 ? 1.0f : -1.0f;
   Estimate estimate = even_estimate(frame, 0.25f);
-  estimate.additive.emplace_back(300, 200, 4, 2.0f);
+  estimate.carried.emplace_back(300, 200, 4, 2.0f);
   restore(frame, estimate);
   EXPECT_TRUE(std::ranges::all_of(estimate.color.data(), [](float v) { return v == 0.25f; }));
-  EXPECT_TRUE(std::ranges::all_of(estimate.additive[0].data(), [](float v) { return v == 2.0f; }));
+  EXPECT_TRUE(std::ranges::all_of(estimate.carried[0].data(), [](float v) { return v == 2.0f; }));
 }
 
 TEST(RestoreEnergy, ExtremesStayFiniteInImagesOfAnySize) {

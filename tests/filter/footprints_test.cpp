@@ -106,18 +106,18 @@ class FootprintsTest : public DeviceTest {
     const auto estimate = [&](const std::string& name) {
       return std::tuple(chain.input(name + ".color", Format::f32x4, kFull),
                         chain.input(name + ".stats", Format::f32x2, kFull),
-                        chain.input(name + ".additive", Format::f32x4, kFull));
+                        chain.input(name + ".carried", Format::f32x4, kFull));
     };
-    const auto [forward, forward_stats, forward_additive] = estimate("forward");
-    const auto [backward, backward_stats, backward_additive] = estimate("backward");
+    const auto [forward, forward_stats, forward_carried] = estimate("forward");
+    const auto [backward, backward_stats, backward_carried] = estimate("backward");
     add_combine_passes(chain, preset("final"), kFull,
                        {.exposure = chain.table("exposure", Format::f32, {1, 1}),
                         .forward_color = forward,
                         .forward_stats = forward_stats,
                         .backward_color = backward,
                         .backward_stats = backward_stats,
-                        .forward_additive = {forward_additive},
-                        .backward_additive = {backward_additive}});
+                        .forward_carried = {forward_carried},
+                        .backward_carried = {backward_carried}});
     use(chain, {kSide});
   }
 

@@ -48,7 +48,7 @@ class CarriedNoise {
                           .variance = noisy_.variance,
                           .history_color = color,
                           .history_stats = stats,
-                          .additive = {{.color = layer_, .history = carried, .kind = Carried::radiance}}},
+                          .carried = {{.color = layer_, .history = carried, .kind = Carried::radiance}}},
                          {.offset = offset_, .residual = {}})
             .decision;
     stats_ = stats.next;

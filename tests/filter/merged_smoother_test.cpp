@@ -117,7 +117,7 @@ TEST_F(MergedSmootherTest, NoiseFallsWithTheFramesThatAreMergedAndIsKnown) {
 
 TEST(AccumulatedTest, VarianceIsThatOfTheMeanOfAllFrames) {
   Estimate merged({2, 1}, FilterTask::kNoisyLayers);
-  for (Image& layer : merged.additive) layer = Image(2, 1, 4, 0.5f);
+  for (Image& layer : merged.carried) layer = Image(2, 1, 4, 0.5f);
   for (const float frames : {1.0f, 8.0f, 40.0f}) {
     merged.stats.data()[1] = merged.stats.data()[3] = frames;
     const Image variance = accumulated(merged).variance;

@@ -24,7 +24,7 @@ Estimate estimate_around(float usual, std::size_t carried) {
     image.data()[9] = -1e-7f * scale;
   };
   fill(estimate.color, usual);
-  for (Image& image : estimate.additive) fill(image, usual);
+  for (Image& image : estimate.carried) fill(image, usual);
   for (std::size_t i = 0; i < estimate.stats.pixel_count(); ++i) {
     estimate.stats.data()[2 * i] = usual * usual * spread(random);
     estimate.stats.data()[2 * i + 1] = static_cast<float>(i % 40);
@@ -44,12 +44,12 @@ TEST(PackedEstimate, ComesBackToAThousandth) {
   for (const float usual : {1e-15f, 1.0f, 1e15f}) {
     const std::size_t carried = FilterTask::kNoisyLayers;
     Estimate estimate = estimate_around(usual, carried);
-    for (float& value : estimate.additive[0].data()) value = std::abs(value);  // a variance among them
+    for (float& value : estimate.carried[0].data()) value = std::abs(value);  // a variance among them
     const Estimate found = PackedEstimate(estimate, 1.0f / usual, FilterTask::kNoisyLayers).estimate();
     expect_near(found.color, estimate.color);
     expect_near(found.stats, estimate.stats);
-    ASSERT_EQ(found.additive.size(), carried);
-    for (std::size_t i = 0; i < carried; ++i) expect_near(found.additive[i], estimate.additive[i]);
+    ASSERT_EQ(found.carried.size(), carried);
+    for (std::size_t i = 0; i < carried; ++i) expect_near(found.carried[i], estimate.carried[i]);
   }
 }
 
@@ -59,16 +59,16 @@ TEST(PackedEstimate, WhatAddsUpStillDoes) {
   constexpr std::size_t kWhole = 2;
   Estimate estimate = estimate_around(1.0f, 2 + FilterTask::kNoisyLayers);
   for (std::size_t i = 0; i < estimate.color.data().size(); ++i) {
-    float& whole = estimate.additive[kWhole].data()[i];
+    float& whole = estimate.carried[kWhole].data()[i];
     if (i % 4 == 3) whole = std::abs(whole);
-    estimate.additive[kSecond].data()[i] = whole - estimate.additive[kFirst].data()[i];
+    estimate.carried[kSecond].data()[i] = whole - estimate.carried[kFirst].data()[i];
   }
   const Estimate found = PackedEstimate(estimate, 1.0f, FilterTask::kNoisyLayers).estimate();
   for (std::size_t i = 0; i < estimate.color.data().size(); ++i) {
     if (i % 4 == 3) continue;
-    const float first = found.additive[kFirst].data()[i];
-    const float second = found.additive[kSecond].data()[i];
-    ASSERT_NEAR(first + second, found.additive[kWhole].data()[i],
+    const float first = found.carried[kFirst].data()[i];
+    const float second = found.carried[kSecond].data()[i];
+    ASSERT_NEAR(first + second, found.carried[kWhole].data()[i],
                 1e-6f * (std::abs(first) + std::abs(second)));
   }
 }
@@ -76,7 +76,7 @@ TEST(PackedEstimate, WhatAddsUpStillDoes) {
 TEST(PackedEstimate, NothingIsCarriedWhereNothingWas) {
   const Estimate estimate = estimate_around(2.0f, 0);
   const Estimate found = PackedEstimate(estimate, 0.5f, 0).estimate();
-  EXPECT_TRUE(found.additive.empty());
+  EXPECT_TRUE(found.carried.empty());
   expect_near(found.color, estimate.color);
 }
 

@@ -1,5 +1,6 @@
-// Reads an additive AOV of the new frame and of the warped history, and the merge's decision for the beauty;
-// writes the AOV's new history, blended as in lib/blend.glsl with the beauty's weight.
+// Reads a carried image (an additive AOV or a noisy layer) of the new frame and of the warped history, and the
+// merge's decision for the beauty; writes the image's new history, blended as in lib/blend.glsl with the
+// beauty's weight.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/dispatch_size.glsl"

@@ -1,5 +1,5 @@
-// Reads the forward and backward estimates of an additive AOV and the weight of the beauty's backward
-// estimate (merge/combine); writes their combination.
+// Reads the forward and backward estimates of a carried image (an additive AOV or a noisy layer) and the
+// weight of the beauty's backward estimate (merge/combine); writes their combination.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/dispatch_size.glsl"
