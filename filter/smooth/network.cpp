@@ -188,24 +188,26 @@ NetworkPasses::Scales NetworkPasses::add_features(Chain& chain, const NetworkWei
 void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, const NoisyInputs& frame,
                                 const std::string& name, const Layered& irradiance, ImageId color,
                                 ImageId smoothed, ImageId stats) const {
-  Scales counted;
+  Scales irradiance_confidence;
   Scales affinities;
   const auto planes = [&](std::size_t i) { return weights.channels[i] / kPlane; };
-  const ImageId own_counted = chain.image(name + ".own_counted", Format::f32x4, padded_);
+  const ImageId own_irradiance_confidence =
+      chain.image(name + ".own_irradiance_confidence", Format::f32x4, padded_);
   for (std::size_t i = 0; i < kScales; ++i) {
-    counted[i] = chain.image(fmt::format("{}.counted.L{}", name, i), Format::f32x4, extent(i));
+    irradiance_confidence[i] =
+        chain.image(fmt::format("{}.irradiance_confidence.L{}", name, i), Format::f32x4, extent(i));
     affinities[i] = chain.image(fmt::format("{}.affinities.L{}", name, i), Format::f32x4, extent(i));
-    auto pass = chain.pass(i == 0 ? "smooth/count" : "smooth/reduce");
+    auto pass = chain.pass(i == 0 ? "smooth/confidence" : "smooth/reduce");
     if (i == 0) {
       pass.read("irradiance", irradiance.merged)
           .read("own_irradiance", irradiance.own)
-          .write("own_counted", own_counted);
+          .write("own_irradiance_confidence", own_irradiance_confidence);
     } else {
-      pass.read("finer", counted[i - 1], gpu::block(2));
+      pass.read("finer", irradiance_confidence[i - 1], gpu::block(2));
     }
     pass.read("features", features_[i])
         .read("weights", confidence_weights_[i])
-        .write("counted", counted[i])
+        .write("irradiance_confidence", irradiance_confidence[i])
         .write("affinities", affinities[i])
         .specialize("planes", planes(i))
         .dispatch(extent(i));
@@ -217,10 +219,11 @@ void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, con
     chain.pass("smooth/mix")
         .read("features", features_[i])
         .read("weights", window_weights_[i])
-        .read("counted", counted[i], gpu::reach(kWindowRadius))
+        .read("irradiance_confidence", irradiance_confidence[i], gpu::reach(kWindowRadius))
         .read("affinities", affinities[i], gpu::reach(kWindowRadius))
         .read("coarse", coarse, gpu::coarser(2, 1))
-        .read("own_counted", i == 0 ? std::optional(own_counted) : std::nullopt, gpu::reach(1))
+        .read("own_irradiance_confidence", i == 0 ? std::optional(own_irradiance_confidence) : std::nullopt,
+              gpu::reach(1))
         .write("result", result)
         .specialize("planes", planes(i))
         .specialize("has_coarse", coarse ? 1 : 0)

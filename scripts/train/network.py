@@ -135,18 +135,19 @@ class Network(nn.Module):
         """
         f = self.features(inputs)
         of_pixels = [head(x) for head, x in zip(self.confidence, f)]
-        confidence = [torch.sigmoid(x[:, :1]).clamp(min=LEAST_CONFIDENCE) for x in of_pixels]
+        of_scales = [torch.sigmoid(x[:, :1]).clamp(min=LEAST_CONFIDENCE) for x in of_pixels]
         own_confidence = torch.sigmoid(of_pixels[0][:, 1 + AFFINITIES :]).clamp(min=LEAST_CONFIDENCE)
         distances = [squared_distances(x[:, 1 : 1 + AFFINITIES]) for x in of_pixels]
-        values, counts = [irradiance], [confidence[0]]
-        for c in confidence[1:]:
-            count = F.avg_pool2d(counts[-1], 2)
-            values.append(F.avg_pool2d(counts[-1] * values[-1], 2) / count)
-            counts.append(count * c)
+        values, confidences = [irradiance], [of_scales[0]]
+        for of_scale in of_scales[1:]:
+            mean = F.avg_pool2d(confidences[-1], 2)
+            values.append(F.avg_pool2d(confidences[-1] * values[-1], 2) / mean)
+            confidences.append(mean * of_scale)
         result = None
         for scale in reversed(range(len(f))):
             own = (own_irradiance, own_confidence) if scale == 0 else None
-            result = mixed(self.window[scale](f[scale]), distances[scale], values[scale], counts[scale], result, own)
+            logits = self.window[scale](f[scale])
+            result = mixed(logits, distances[scale], values[scale], confidences[scale], result, own)
         of_albedo = torch.softmax(self.albedo(f[0]) - torch.cat([distances[0], distances[0]], 1), 1)
         smooth_divisor = window_mean(of_albedo[:, :TAPS], divisor) + window_mean(of_albedo[:, TAPS:], own_divisor)
         log_error = self.error(f[0]).clamp(-12.0, LARGEST_LOG_ERROR)
@@ -201,15 +202,15 @@ def coarse_neighbours(x):
     ], 2)
 
 
-def mixed(logits, distance, value, count, coarse, own):
-    """Each pixel's window of `value`, counted by `count`, and the coarser result around it, by the softmax of the logits.
+def mixed(logits, distance, value, confidence, coarse, own):
+    """Each pixel's window of `value`, by `confidence`, and the coarser result around it, by the softmax of the logits.
 
-    `own` are value and count of the frame itself, or None. The logits of a window's pixels are less by their distance.
+    `own` are value and confidence of the frame itself, or None. The logits of a window's pixels are less by their distance.
     """
     of_own = [logits[:, LOGITS:] - innermost(distance)] if own else []
     logits = torch.cat([logits[:, :TAPS] - distance, logits[:, TAPS:LOGITS], *of_own], 1)
     weights = torch.exp(logits - logits.detach().amax(1, keepdim=True))
-    of_window = weights[:, :TAPS] * windows(count)[:, 0]
+    of_window = weights[:, :TAPS] * windows(confidence)[:, 0]
     total = of_window.sum(1, keepdim=True)
     result = (windows(value) * of_window.unsqueeze(1)).sum(2)
     if coarse is not None:
@@ -217,8 +218,8 @@ def mixed(logits, distance, value, count, coarse, own):
         total = total + of_coarse.sum(1, keepdim=True)
         result = result + (coarse_neighbours(coarse) * of_coarse.unsqueeze(1)).sum(2)
     if own:
-        own_value, own_count = own
-        of_own = weights[:, LOGITS:] * windows(own_count, OWN_WINDOW)[:, 0]
+        own_value, own_confidence = own
+        of_own = weights[:, LOGITS:] * windows(own_confidence, OWN_WINDOW)[:, 0]
         total = total + of_own.sum(1, keepdim=True)
         result = result + (windows(own_value, OWN_WINDOW) * of_own.unsqueeze(1)).sum(2)
     return result / total.clamp(min=1e-30)

@@ -1,8 +1,9 @@
-// Reads one scale's features and counted radiance, the coarser scale's result and, at the finest scale, the
-// counted radiance of the frame itself; writes this scale's result: a weighted mean of the 5x5 window, of the
-// four nearest coarser pixels and, at the finest scale, of the frame's own 3x3 pixels. The weights are a
-// softmax over the network's logits, less the squared distance of affinities, times the confidence of each
-// pixel of a window (Vogels et al. 2018, with one convex sum instead of two that are added and subtracted).
+// Reads one scale's features and irradiance with confidence, the coarser scale's result and, at the finest
+// scale, the irradiance with confidence of the frame itself; writes this scale's result: a weighted mean of the
+// 5x5 window, of the four nearest coarser pixels and, at the finest scale, of the frame's own 3x3 pixels. The
+// weights are a softmax over the network's logits, less the squared distance of affinities, times the
+// confidence of each pixel of a window (Vogels et al. 2018, with one convex sum instead of two that are added
+// and subtracted).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -14,13 +15,13 @@ layout(constant_id = 2) const int has_own = 1;     // 1: this is the finest scal
 layout(constant_id = 3) const int strip = 1;       // rows of pixels that one invocation computes
 
 layout(local_size_x = 128, local_size_y = 1) in;
-layout(push_constant) uniform Sizes { ivec2 counted_size; };
+layout(push_constant) uniform Sizes { ivec2 affinities_size; };
 layout(set = 0, binding = 0) uniform samplerBuffer features;
 layout(set = 0, binding = 1) uniform samplerBuffer weights;
-layout(set = 0, binding = 2) uniform samplerBuffer counted;
+layout(set = 0, binding = 2) uniform samplerBuffer irradiance_confidence;
 layout(set = 0, binding = 3) uniform samplerBuffer affinities;
 layout(set = 0, binding = 4) uniform samplerBuffer coarse;
-layout(set = 0, binding = 5) uniform samplerBuffer own_counted;
+layout(set = 0, binding = 5) uniform samplerBuffer own_irradiance_confidence;
 layout(std430, set = 0, binding = 6) writeonly buffer ResultBuffer { vec4 data[]; } result;
 
 #include "lib/window.glsl"
@@ -36,8 +37,8 @@ bool is_own(int row, int column, int pixel) { return has_own != 0 && abs(row - p
 int own_tap(int row, int column, int pixel) { return kFirstOwn + 3 * (row - pixel - 1) + column - 1; }
 
 int index_of(ivec2 at) {
-  const ivec2 inside = clamp(at, ivec2(0), counted_size - 1);
-  return inside.y * counted_size.x + inside.x;
+  const ivec2 inside = clamp(at, ivec2(0), affinities_size - 1);
+  return inside.y * affinities_size.x + inside.x;
 }
 
 void subtract_distances(ivec2 first) {
@@ -69,10 +70,10 @@ void add_windows(ivec2 first) {
   [[unroll]] for (int j = 0; j < kWindowRows; ++j) {
     [[unroll]] for (int i = 0; i < kWindowColumns; ++i) {
       const int tap = index_of(first + ivec2(i, j) - 2);
-      const vec4 value = texelFetch(counted, tap);
+      const vec4 value = texelFetch(irradiance_confidence, tap);
       const bool any_own = has_own != 0 && j > 0 && j < kWindowRows - 1 && i > 0 && i < kWindowColumns - 1;
       vec4 own_value = vec4(0.0);
-      if (any_own) own_value = texelFetch(own_counted, tap);
+      if (any_own) own_value = texelFetch(own_irradiance_confidence, tap);
       [[unroll]] for (int s = 0; s < strip; ++s) {
         if (!is_in_window(j, s)) continue;
         add(s, head[s * kMostOutputs + window_tap(j, i, s)] * value.a, value.rgb);
@@ -85,10 +86,10 @@ void add_windows(ivec2 first) {
 /// The coarse pixel that covers the pixel, the two beside it on the pixel's side, and the one across the corner.
 void add_coarse(ivec2 at, int pixel) {
   const ivec2 covering = at / 2;
-  const ivec2 other = clamp(covering + 2 * (at % 2) - 1, ivec2(0), counted_size / 2 - 1);
+  const ivec2 other = clamp(covering + 2 * (at % 2) - 1, ivec2(0), affinities_size / 2 - 1);
   [[unroll]] for (int t = 0; t < kCoarseTaps; ++t) {
     const ivec2 tap = ivec2(t % 2 == 0 ? covering.x : other.x, t / 2 == 0 ? covering.y : other.y);
-    add(pixel, head[pixel * kMostOutputs + kTaps + t], texelFetch(coarse, tap.y * (counted_size.x / 2) + tap.x).rgb);
+    add(pixel, head[pixel * kMostOutputs + kTaps + t], texelFetch(coarse, tap.y * (affinities_size.x / 2) + tap.x).rgb);
   }
 }
 
@@ -96,8 +97,8 @@ void main() {
   const int taps = has_own != 0 ? kMostOutputs : has_coarse != 0 ? kFirstOwn : kTaps;
   load_head(taps);
   const ivec2 invocation = ivec2(gl_GlobalInvocationID.xy);
-  const ivec2 first = ivec2(min(invocation.x, counted_size.x - 1), invocation.y * strip);
-  apply_head(taps, first, counted_size);
+  const ivec2 first = ivec2(min(invocation.x, affinities_size.x - 1), invocation.y * strip);
+  apply_head(taps, first, affinities_size);
   subtract_distances(first);
   apply_softmax(taps);
   [[unroll]] for (int s = 0; s < strip; ++s) {
@@ -107,9 +108,9 @@ void main() {
   add_windows(first);
   [[unroll]] for (int s = 0; s < strip; ++s) {
     const ivec2 at = ivec2(invocation.x, first.y + s);
-    if (has_coarse != 0) add_coarse(min(at, counted_size - 1), s);
-    if (at.x < counted_size.x && at.y < counted_size.y) {
-      result.data[at.y * counted_size.x + at.x] = vec4(sum[s] / max(total[s], 1e-30), 0.0);
+    if (has_coarse != 0) add_coarse(min(at, affinities_size - 1), s);
+    if (at.x < affinities_size.x && at.y < affinities_size.y) {
+      result.data[at.y * affinities_size.x + at.x] = vec4(sum[s] / max(total[s], 1e-30), 0.0);
     }
   }
 }

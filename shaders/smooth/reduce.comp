@@ -1,5 +1,5 @@
-// Reads the finer scale's counted radiance and this scale's features; writes this scale's counted radiance:
-// the mean of each 2x2 pixels weighted by their confidences, and their mean confidence times the network's
+// Reads the finer scale's irradiance with confidence and this scale's features; writes this scale's irradiance,
+// the mean of each 2x2 pixels weighted by their confidences, with their mean confidence times the network's
 // confidence at this scale; and the pixel's affinities.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -13,7 +13,7 @@ layout(local_size_x = 128, local_size_y = 1) in;
 layout(set = 0, binding = 0) uniform samplerBuffer features;
 layout(set = 0, binding = 1) uniform samplerBuffer weights;
 layout(set = 0, binding = 2) uniform samplerBuffer finer;
-layout(std430, set = 0, binding = 3) writeonly buffer CountedBuffer { vec4 data[]; } counted;
+layout(std430, set = 0, binding = 3) writeonly buffer IrradianceConfidenceBuffer { vec4 data[]; } irradiance_confidence;
 layout(std430, set = 0, binding = 4) writeonly buffer AffinitiesBuffer { vec4 data[]; } affinities;
 
 const int kMostOutputs = 5;  // the confidence, then the affinities
@@ -26,13 +26,13 @@ void main() {
   const int index = at.y * size.x + at.x;
   apply_head(kMostOutputs, at, size);
   vec3 sum = vec3(0.0);
-  float count = 0.0;
+  float total = 0.0;
   [[unroll]] for (int i = 0; i < 4; ++i) {
     const vec4 value = texelFetch(finer, (2 * at.y + i / 2) * 2 * size.x + 2 * at.x + i % 2);
     sum += value.a * value.rgb;
-    count += value.a;
+    total += value.a;
   }
   if (at != ivec2(gl_GlobalInvocationID.xy)) return;
-  counted.data[index] = vec4(sum / max(count, 1e-30), 0.25 * count * confidence(head[0]));
+  irradiance_confidence.data[index] = vec4(sum / max(total, 1e-30), 0.25 * total * confidence(head[0]));
   affinities.data[index] = vec4(head[1], head[2], head[3], head[4]);
 }

@@ -22,13 +22,13 @@ constexpr int kFirstOwn = kWindowTaps + kCoarseTaps;
 using Pixel = std::vector<double>;
 using Planes = Grid<Pixel>;
 
-struct Counted {
+struct WindowPixel {
   std::array<double, 3> value{};
-  double count = 0.0;
+  double confidence = 0.0;
   std::array<double, filter::kAffinities> affinities{};
 };
 
-double squared_distance(const Counted& a, const Counted& b) {
+double squared_distance(const WindowPixel& a, const WindowPixel& b) {
   double sum = 0;
   for (std::size_t i = 0; i < a.affinities.size(); ++i) sum += std::pow(a.affinities[i] - b.affinities[i], 2);
   return sum;
@@ -98,8 +98,8 @@ Grid<T> padded(const Grid<T>& grid) {
 
 struct Inputs {
   Planes channels;
-  Grid<Counted> irradiance;
-  Grid<Counted> own_irradiance;
+  Grid<WindowPixel> irradiance;
+  Grid<WindowPixel> own_irradiance;
 };
 
 double compressed(double v) {
@@ -111,14 +111,14 @@ Inputs inputs_of(const TwoSamples& samples, const TwoFeatures& both, double expo
   const Grid<SmoothFeatures>& features = both.merged;
   const int width = sample.width;
   const int height = sample.height;
-  Inputs inputs{Planes(width, height), Grid<Counted>(width, height), Grid<Counted>(width, height)};
+  Inputs inputs{Planes(width, height), Grid<WindowPixel>(width, height), Grid<WindowPixel>(width, height)};
   Grid<double> grey(width, height);
   Grid<double> own_grey(width, height);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
-      Counted& irradiance = inputs.irradiance.at(x, y);
-      Counted& own = inputs.own_irradiance.at(x, y);
-      own.count = irradiance.count = sample.at(x, y).count;
+      WindowPixel& irradiance = inputs.irradiance.at(x, y);
+      WindowPixel& own = inputs.own_irradiance.at(x, y);
+      own.confidence = irradiance.confidence = sample.at(x, y).count;
       for (int c = 0; c < 3; ++c) {
         irradiance.value[c] = sample.at(x, y).color[c] * exposure / divisor(features.at(x, y)[c]);
         own.value[c] = samples.own.at(x, y).color[c] * exposure / divisor(both.own.at(x, y)[c]);
@@ -184,46 +184,47 @@ std::array<Planes, kScales> features_of(const Planes& inputs, const filter::Netw
   return f;
 }
 
-Grid<Counted> reduced(const Grid<Counted>& fine) {
-  Grid<Counted> out(fine.width / 2, fine.height / 2);
+Grid<WindowPixel> reduced(const Grid<WindowPixel>& fine) {
+  Grid<WindowPixel> out(fine.width / 2, fine.height / 2);
   for (int y = 0; y < out.height; ++y) {
     for (int x = 0; x < out.width; ++x) {
-      Counted& pixel = out.at(x, y);
+      WindowPixel& pixel = out.at(x, y);
       for (int i = 0; i < 4; ++i) {
-        const Counted& tap = fine.at(2 * x + i % 2, 2 * y + i / 2);
-        for (int c = 0; c < 3; ++c) pixel.value[c] += tap.count * tap.value[c];
-        pixel.count += tap.count;
+        const WindowPixel& tap = fine.at(2 * x + i % 2, 2 * y + i / 2);
+        for (int c = 0; c < 3; ++c) pixel.value[c] += tap.confidence * tap.value[c];
+        pixel.confidence += tap.confidence;
       }
-      for (double& v : pixel.value) v /= pixel.count;
-      pixel.count /= 4;
+      for (double& v : pixel.value) v /= pixel.confidence;
+      pixel.confidence /= 4;
     }
   }
   return out;
 }
 
 /// One scale's result. `coarse` is the coarser scale's result and `own` the unmerged frame, or null.
-Grid<Counted> mixed(const Grid<Counted>& counted, const Planes& features, const Layer& window,
-                    const Grid<Counted>* coarse, const Grid<Counted>* own) {
-  Grid<Counted> out(counted.width, counted.height);
+Grid<WindowPixel> mixed(const Grid<WindowPixel>& pixels, const Planes& features, const Layer& window,
+                        const Grid<WindowPixel>* coarse, const Grid<WindowPixel>* own) {
+  Grid<WindowPixel> out(pixels.width, pixels.height);
   for (int y = 0; y < out.height; ++y) {
     for (int x = 0; x < out.width; ++x) {
       std::vector<double> logits = outputs_of(window, features.at(x, y));
       for (int t = 0; t < kWindowTaps; ++t) {
-        logits[t] -= squared_distance(counted.clamped(x + t % 5 - 2, y + t / 5 - 2), counted.at(x, y));
+        logits[t] -= squared_distance(pixels.clamped(x + t % 5 - 2, y + t / 5 - 2), pixels.at(x, y));
       }
       for (int t = 0; own && t < kOwnTaps; ++t) {
         logits[kFirstOwn + t] -=
-            squared_distance(counted.clamped(x + t % 3 - 1, y + t / 3 - 1), counted.at(x, y));
+            squared_distance(pixels.clamped(x + t % 3 - 1, y + t / 3 - 1), pixels.at(x, y));
       }
       const double largest = *std::ranges::max_element(logits);
-      Counted& pixel = out.at(x, y);
-      const auto add = [&](const Counted& tap, double weight) {
+      WindowPixel& pixel = out.at(x, y);
+      double total = 0;
+      const auto add = [&](const WindowPixel& tap, double weight) {
         for (int c = 0; c < 3; ++c) pixel.value[c] += weight * tap.value[c];
-        pixel.count += weight;
+        total += weight;
       };
       for (int t = 0; t < kWindowTaps; ++t) {
-        const Counted& tap = counted.clamped(x + t % 5 - 2, y + t / 5 - 2);
-        add(tap, std::exp(logits[t] - largest) * tap.count);
+        const WindowPixel& tap = pixels.clamped(x + t % 5 - 2, y + t / 5 - 2);
+        add(tap, std::exp(logits[t] - largest) * tap.confidence);
       }
       for (int t = 0; coarse && t < kCoarseTaps; ++t) {
         const int u = x / 2 + (t % 2 == 0 ? 0 : 2 * (x % 2) - 1);
@@ -231,10 +232,10 @@ Grid<Counted> mixed(const Grid<Counted>& counted, const Planes& features, const 
         add(coarse->clamped(u, v), std::exp(logits[kWindowTaps + t] - largest));
       }
       for (int t = 0; own && t < kOwnTaps; ++t) {
-        const Counted& tap = own->clamped(x + t % 3 - 1, y + t / 3 - 1);
-        add(tap, std::exp(logits[kFirstOwn + t] - largest) * tap.count);
+        const WindowPixel& tap = own->clamped(x + t % 3 - 1, y + t / 3 - 1);
+        add(tap, std::exp(logits[kFirstOwn + t] - largest) * tap.confidence);
       }
-      for (double& v : pixel.value) v /= std::max(pixel.count, 1e-30);
+      for (double& v : pixel.value) v /= std::max(total, 1e-30);
     }
   }
   return out;
@@ -251,28 +252,28 @@ Grid<Estimate> windows_of_network(const TwoSamples& samples, const TwoFeatures& 
   const Grid<Estimate> own_sample = padded(samples.own);
   Inputs inputs = inputs_of({merged_sample, own_sample}, {merged, own}, exposure, variance_known);
   const std::array<Planes, kScales> f = features_of(inputs.channels, weights);
-  std::array<Grid<Counted>, kScales> counted;
+  std::array<Grid<WindowPixel>, kScales> pixels;
   for (std::size_t i = 0; i < kScales; ++i) {
-    counted[i] = i == 0 ? inputs.irradiance : reduced(counted[i - 1]);
-    for (int y = 0; y < counted[i].height; ++y) {
-      for (int x = 0; x < counted[i].width; ++x) {
+    pixels[i] = i == 0 ? inputs.irradiance : reduced(pixels[i - 1]);
+    for (int y = 0; y < pixels[i].height; ++y) {
+      for (int x = 0; x < pixels[i].width; ++x) {
         const std::vector<double> head = outputs_of(weights.confidence[i], f[i].at(x, y));
-        const double confidence = std::max(sigmoid(head[0]), 1e-8);
-        std::copy_n(head.begin() + 1, filter::kAffinities, counted[i].at(x, y).affinities.begin());
-        double& count = counted[i].at(x, y).count;
+        const double of_scale = std::max(sigmoid(head[0]), 1e-8);
+        std::copy_n(head.begin() + 1, filter::kAffinities, pixels[i].at(x, y).affinities.begin());
+        double& confidence = pixels[i].at(x, y).confidence;
         if (i == 0) {
-          double& own_count = inputs.own_irradiance.at(x, y).count;
-          own_count = count > 0 ? std::max(sigmoid(head.back()), 1e-8) : 1e-20;
-          count = count > 0 ? confidence : 1e-20;
+          double& own_confidence = inputs.own_irradiance.at(x, y).confidence;
+          own_confidence = confidence > 0 ? std::max(sigmoid(head.back()), 1e-8) : 1e-20;
+          confidence = confidence > 0 ? of_scale : 1e-20;
         } else {
-          count *= confidence;
+          confidence *= of_scale;
         }
       }
     }
   }
-  Grid<Counted> result;
+  Grid<WindowPixel> result;
   for (std::size_t i = kScales; i-- > 0;) {
-    result = mixed(counted[i], f[i], weights.window[i], i + 1 < kScales ? &result : nullptr,
+    result = mixed(pixels[i], f[i], weights.window[i], i + 1 < kScales ? &result : nullptr,
                    i == 0 ? &inputs.own_irradiance : nullptr);
   }
 
@@ -286,7 +287,7 @@ Grid<Estimate> windows_of_network(const TwoSamples& samples, const TwoFeatures& 
       double total = 0;
       for (int t = 0; t < kWindowTaps; ++t) {
         const double distance =
-            squared_distance(counted[0].clamped(x + t % 5 - 2, y + t / 5 - 2), counted[0].at(x, y));
+            squared_distance(pixels[0].clamped(x + t % 5 - 2, y + t / 5 - 2), pixels[0].at(x, y));
         const double weight = std::exp(logits[t] - distance);
         const double own_weight = std::exp(logits[kWindowTaps + t] - distance);
         for (int c = 0; c < 3; ++c) {
