@@ -71,6 +71,7 @@ CoarseOffset add_motion_guide(Chain& chain, const Settings& settings, const Sear
       .read("motion", *search.motion, gpu::block(level_px(settings, level)))
       .read("target_origin", search.window.target_origin)
       .write("start", start)
+      .specialize("radius", patch_radius)
       .constants(params::ChooseStartParams{
           .planes = target.planes, .coarse_scale = coarse.scale(), .level_px = level_px(settings, level)})
       .dispatch(extent);

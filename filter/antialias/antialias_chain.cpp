@@ -157,7 +157,8 @@ void AntialiasChain::add_accumulation(const AntialiasTask& task, ImageId reconst
     rectified = chain.image("rectified", Format::f32x4, task.full);
   decision = chain.image("decision", Format::f32x4, task.full);
   const gpu::Footprint around = grid ? gpu::anywhere() : gpu::reach(1);
-  const gpu::Footprint compared = gpu::reach(grid ? 2 : 1);  // kSide of the kernel
+  const int bias_radius = grid ? 2 : 1;  // sparse samples tell as much on more pixels
+  const gpu::Footprint compared = gpu::reach(bias_radius);
   chain.pass("antialias/accumulate")
       .read("samples", samples, around)
       .read("finite", finite, around)
@@ -180,6 +181,7 @@ void AntialiasChain::add_accumulation(const AntialiasTask& task, ImageId reconst
       .specialize("masked", masked ? 1 : 0)
       .specialize("sparse", grid ? 1 : 0)
       .specialize("keeps_rectified", rectified ? 1 : 0)
+      .specialize("bias_radius", bias_radius)
       .constants(params::AccumulateParams{.residual_scale = static_cast<float>(settings.scale.value()),
                                           .edge_x = task.edge().x,
                                           .edge_y = task.edge().y})

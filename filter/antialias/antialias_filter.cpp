@@ -22,6 +22,7 @@
 #include "filter/sequence/packed_estimate.h"
 #include "filter/tiles/build_within.h"
 #include "filter/tiles/pixel_view.h"
+#include "shaders/shared/limits.h"
 
 namespace becalm::filter {
 namespace {

@@ -5,13 +5,11 @@
 #include <span>
 
 #include "filter/input/exponents.h"
-#include "filter/input/host_images.h"
+#include "shaders/shared/limits.h"
 
 namespace becalm::filter {
 namespace {
 
-/// Limit of scaled colours, whose squares stay within the range of floats.
-constexpr float kLargestScaled = 0x1p60f;
 /// The scale never brings the usual colours below 2 to the power of this: variances down to 1e-12 of their
 /// square stay within the range of floats.
 constexpr int kLeastScaledExponent = -40;

@@ -10,6 +10,7 @@
 #include "filter/for_rows.h"
 #include "filter/input/exponents.h"
 #include "filter/luminance.h"
+#include "shaders/shared/limits.h"
 
 namespace becalm::filter {
 namespace {

@@ -13,10 +13,6 @@ namespace becalm::filter {
 /// Conversion between a Frame, or a rectangle of it, and the buffers of a chain. Non-finite input follows one
 /// rule: the pixel is counted, takes no part in any decision, and is output unchanged.
 
-/// Variances are clamped to this, so that their sums stay within the range of floats; the same value as in
-/// shaders/lib/gain.glsl.
-constexpr float kLargestVariance = 1e34f;
-
 /// One entry per pixel: 1 if all channels of the beauty are finite, else 0.
 std::vector<std::uint8_t> finite_pixels(const Image& beauty);
 /// How many of the frame's pixels are not finite, but for those where it was cut.

@@ -10,6 +10,7 @@
 #include "filter/input/host_images.h"
 #include "filter/merge/carried_images.h"
 #include "filter/merge/merge_chains.h"
+#include "shaders/shared/limits.h"
 
 namespace becalm::filter {
 namespace {

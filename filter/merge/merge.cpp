@@ -8,6 +8,7 @@
 #include "filter/input/noisy_inputs.h"
 #include "filter/merge/patch_sums.h"
 #include "filter/merge/statistics.h"
+#include "shaders/shared/limits.h"
 #include "shaders/shared/merge_params.h"
 
 namespace becalm::filter {
@@ -26,16 +27,15 @@ gpu::Footprint gather_history(const WarpInputs& history) {
 
 /// The coefficients of the spline through the history's pixels.
 ImageId add_spline_passes(Chain& chain, Extent extent, const WarpInputs& history) {
-  constexpr int reach = 7;  // as in the kernel
   const ImageId rows = chain.image("history.spline.rows", Format::f32x4, extent);
   const ImageId both = chain.image("history.spline", Format::f32x4, extent);
   chain.pass("merge/spline_coefficients")
-      .read("image", history.color, gpu::reach(reach, 0))
+      .read("image", history.color, gpu::reach(kSplineReach, 0))
       .write("coefficients", rows)
       .specialize("along_y", 0)
       .dispatch(extent);
   chain.pass("merge/spline_coefficients")
-      .read("image", rows, gpu::reach(0, reach))
+      .read("image", rows, gpu::reach(0, kSplineReach))
       .write("coefficients", both)
       .specialize("along_y", 1)
       .dispatch(extent);

@@ -9,12 +9,11 @@
 namespace becalm::filter {
 namespace {
 
-constexpr int kPlanesMade = 2;  // per workgroup: kOutputs of shaders/lib/convolution_weights.glsl
+using params::kBlock;
+using params::kPlanesMade;
+
 constexpr int kOutputsMade = kPlanesMade * kPlane;
-constexpr int kMostPlanes = 4;      // read by one pass; kernels that read more take seconds to compile
-constexpr int kBlock = 2;           // pixels per invocation along an axis
-constexpr int kDirectTaps = 9;      // of shaders/lib/convolve.glsl
-constexpr int kUpsampledTaps = 16;  // of shaders/smooth/convolve_upsampled.comp
+constexpr int kMostPlanes = 4;  // read by one pass; kernels that read more take seconds to compile
 
 float direct_weight(const Layer& layer, int output, int input, int tap) {
   return layer.at(output, input, tap / 3, tap % 3);
@@ -40,8 +39,9 @@ float upsampled_weight(const Layer& layer, int output, int input, int tap) {
 Convolution::Convolution(const Layer& layer, int upsampled_inputs) : outputs_(layer.outputs) {
   assert(layer.side == 3 && layer.inputs % kPlane == 0 && upsampled_inputs % kPlane == 0 &&
          layer.outputs % kOutputsMade == 0);
-  direct_ = pack(layer, upsampled_inputs, layer.inputs - upsampled_inputs, kDirectTaps, direct_weight);
-  upsampled_ = pack(layer, 0, upsampled_inputs, kUpsampledTaps, upsampled_weight);
+  direct_ =
+      pack(layer, upsampled_inputs, layer.inputs - upsampled_inputs, params::kDirectTaps, direct_weight);
+  upsampled_ = pack(layer, 0, upsampled_inputs, params::kUpsampledTaps, upsampled_weight);
 }
 
 /// Appends the weights of the passes over `inputs` channels of the layer from `first_input` on, which are the

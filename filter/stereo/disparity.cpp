@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "filter/for_rows.h"
+#include "shaders/shared/limits.h"
 
 namespace becalm::filter {
 

@@ -6,13 +6,9 @@
 
 namespace becalm::filter {
 
-/// The offset of pixels that the other eye does not see, in both components: it leads out of every image. As
-/// kFarOffset of shaders/lib/stereo.glsl.
-constexpr float kNowhere = 1e6f;
-
 /// Where an eye's pixels are in the other eye's image.
 struct Correspondence {
-  Image offset;  ///< two channels, in pixels; kNowhere where not known
+  Image offset;  ///< two channels, in pixels; kNowhere (shaders/shared/limits.h) where not known
   Image depth;   ///< one channel: the depth that is expected there, 0 where not known; empty without depth
 };
 

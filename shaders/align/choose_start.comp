@@ -8,6 +8,8 @@
 #include "lib/motion.glsl"
 #include "shared/align_params.h"
 
+layout(constant_id = 0) const int radius = 2;  // of the patches that are compared
+
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Params { ivec2 size; ivec2 source_size; ivec2 offset_coarse_size; ivec2 motion_size; ChooseStartParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer target;
@@ -19,15 +21,13 @@ layout(std430, set = 0, binding = 5) writeonly buffer StartBuffer { vec2 data[];
 
 #include "lib/offset_field.glsl"
 
-const int kRadius = 2;
-
 /// Sum over the patch of absolute differences of the features at one offset.
 float patch_difference(ivec2 at, vec2 offset) {
   const ivec2 origin = ivec2(texelFetch(target_origin, 0).xy) / p.level_px;
   float sum = 0.0;
   for (int plane = 0; plane < p.planes; ++plane) {
-    for (int j = -kRadius; j <= kRadius; ++j) {
-      for (int i = -kRadius; i <= kRadius; ++i) {
+    for (int j = -radius; j <= radius; ++j) {
+      for (int i = -radius; i <= radius; ++i) {
         const ivec2 q = clamp(at + ivec2(i, j), ivec2(0), size - 1);
         const BilinearTaps taps = bilinear_taps(origin + q, offset, source_size);
         const float there = bilinear_value(source, taps, source_size.x, plane * source_size.y);

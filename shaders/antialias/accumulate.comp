@@ -9,6 +9,7 @@
 #include "lib/bilinear.glsl"
 #include "lib/gain.glsl"
 #include "shared/antialias_params.h"
+#include "shared/limits.h"
 
 const int kExponential = 0;
 const int kGain = 1;
@@ -20,6 +21,7 @@ layout(constant_id = 2) const int by_deviation = 1;    // bounds of the 3x3 samp
 layout(constant_id = 3) const int masked = 0;          // averages only where patches differ
 layout(constant_id = 4) const int sparse = 0;          // samples and pixels are not of one grid
 layout(constant_id = 5) const int keeps_rectified = 0;
+layout(constant_id = 6) const int bias_radius = 1;     // of the pixels that the bias is measured over
 
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Params { ivec2 size; ivec2 samples_size; ivec2 residual_size; AccumulateParams p; };

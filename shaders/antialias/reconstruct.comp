@@ -10,7 +10,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-#include "lib/gain.glsl"
+#include "shared/limits.h"
 
 layout(constant_id = 0) const int sparse = 0;  // 1: samples and pixels are not of one grid
 

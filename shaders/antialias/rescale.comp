@@ -3,14 +3,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/dispatch_size.glsl"
-#include "lib/gain.glsl"
+#include "shared/limits.h"
 
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(set = 0, binding = 0) uniform samplerBuffer ratio;
 layout(std430, set = 0, binding = 1) buffer ColorBuffer { vec4 data[]; } color;
 layout(std430, set = 0, binding = 2) buffer StatsBuffer { vec2 data[]; } stats;
-
-const float kLargestScaled = 1.1529215e18;  // 2^60, as the host limits frames
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);

@@ -2,13 +2,12 @@
 // pure functions: the including kernel defines `p` (ConvolveParams), `result_size` and the texel buffers `source` and
 // `weights`.
 
-const int kTaps = 9;
-const int kBlock = 2;
+const int kTaps = kDirectTaps;
 
 #include "lib/convolution_weights.glsl"
 
 /// The sum for pixel x of the block and plane o of the result is element o * kBlock + x.
-vec4 sums[kOutputs * kBlock];
+vec4 sums[kPlanesMade * kBlock];
 
 /// Adds the source's part of the convolution to `sums`. Pixels outside of the image repeat its border.
 void convolve(ivec2 at) {
@@ -25,7 +24,7 @@ void convolve(ivec2 at) {
     }
     [[unroll]] for (int tap = 0; tap < kTaps; ++tap) {
       [[unroll]] for (int c = 0; c < 4; ++c) {
-        [[unroll]] for (int o = 0; o < kOutputs; ++o) {
+        [[unroll]] for (int o = 0; o < kPlanesMade; ++o) {
           const vec4 weight = weight_of(4 * plane + c, tap, o);
           [[unroll]] for (int x = 0; x < kBlock; ++x) {
             const float value = taps[tap / 3 * (kBlock + 2) + tap % 3 + x][c];

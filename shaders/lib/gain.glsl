@@ -1,10 +1,8 @@
 // The merge's scalar estimation problem (Philippi et al., eq. 4 and 5).
 #include "lib/language.glsl"
 
-/// Limits of a relative difference and of a variance, which keep squares and sums of them within the range of
-/// floats.
+/// Limit of a relative difference, which keeps sums of its square within the range of floats.
 const float kLargestDifference = 1e9f;
-const float kLargestVariance = 1e34f;
 
 /// Largest effective number of frames in a history. A longer one gains little and follows slow changes late.
 const float kMostFrames = 64.0f;

@@ -1,5 +1,5 @@
 // How far the history is off, beyond what noise explains. Not pure functions: the including kernel declares the texel
-// buffers color, variance, warped_color and warped_stats, and the constant `sparse`.
+// buffers color, variance, warped_color and warped_stats, and the constants `sparse` and `bias_radius`.
 #include "lib/squared.glsl"
 
 /// Share of the expected noise that counts against a difference: less follows motion sooner, more averages
@@ -10,8 +10,8 @@ const float kCertain = 9.0;
 /// Fewest frames that a history may be worth.
 const float kFewest = sparse != 0 ? 1e-3 : 1.0;
 
-/// Side of the square of pixels that bias is measured over: sparse samples tell as much on more of them.
-const int kSide = sparse != 0 ? 5 : 3;
+/// Side of the square of pixels that bias is measured over.
+const int kSide = 2 * bias_radius + 1;
 
 /// By the confidence of a pixel, which is 1 in whole frames. Some devices round even that.
 float divided(float x, float confidence) { return sparse != 0 ? x / confidence : x; }

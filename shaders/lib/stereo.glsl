@@ -1,9 +1,6 @@
 // What the eyes of a pair share.
 #include "lib/language.glsl"
 
-/// An offset that leads out of every image: the other eye does not see the pixel.
-const float kFarOffset = 1e6f;
-
 /// By how much a depth may differ from the expected one, relative to it. Depths are means over a pixel.
 const float kDepthTolerance = 0.05f;
 

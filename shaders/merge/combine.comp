@@ -11,6 +11,7 @@
 #include "lib/combine.glsl"
 #include "lib/dispatch_size.glsl"
 #include "lib/gain.glsl"
+#include "shared/limits.h"
 
 layout(constant_id = 0) const int radius = 3;
 layout(constant_id = 1) const int smoothed = 0;       // 1: estimates are merged from smoothed frames

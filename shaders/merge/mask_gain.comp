@@ -7,6 +7,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "lib/bilinear.glsl"
 #include "lib/gain.glsl"
+#include "shared/limits.h"
 #include "shared/merge_params.h"
 
 layout(local_size_x = 64, local_size_y = 1) in;

@@ -1,10 +1,11 @@
 // Reads an image; writes the coefficients along one direction of the cubic B-spline that passes through its
 // pixels (cardinal spline); two passes serve both directions. The recursive filter of Unser (1999) is cut
-// off where its response, which falls by 0.268 a pixel, is below 1e-4. The border repeats.
+// off at kSplineReach, where its response, which falls by 0.268 a pixel, is below 1e-4. The border repeats.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "lib/dispatch_size.glsl"
+#include "shared/limits.h"
 
 layout(constant_id = 0) const int along_y = 0;
 
@@ -12,7 +13,6 @@ layout(local_size_x = 64, local_size_y = 1) in;
 layout(set = 0, binding = 0) uniform samplerBuffer image;
 layout(std430, set = 0, binding = 1) writeonly buffer CoefficientsBuffer { vec4 data[]; } coefficients;
 
-const int kReach = 7;
 const float kPole = -0.26794919;  // sqrt(3) - 2
 
 void main() {
@@ -27,7 +27,7 @@ void main() {
   vec4 sum = vec4(0.0);
   float power = 1.0;
   float weights = 1.0;
-  [[unroll]] for (int i = 1; i <= kReach; ++i) {
+  [[unroll]] for (int i = 1; i <= kSplineReach; ++i) {
     power *= kPole;
     weights += 2.0 * power;
     sum += power * (texelFetch(image, index + (max(position - i, 0) - position) * stride) - here);

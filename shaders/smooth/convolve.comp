@@ -17,9 +17,9 @@ layout(std430, set = 0, binding = 2) writeonly buffer ResultBuffer { vec4 data[]
 void main() {
   load_weights();
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy) * ivec2(kBlock, 1);
-  [[unroll]] for (int i = 0; i < kOutputs * kBlock; ++i) sums[i] = shared_weights[i / kBlock];
+  [[unroll]] for (int i = 0; i < kPlanesMade * kBlock; ++i) sums[i] = shared_weights[i / kBlock];
   convolve(at);
-  [[unroll]] for (int i = 0; i < kOutputs * kBlock; ++i) {
+  [[unroll]] for (int i = 0; i < kPlanesMade * kBlock; ++i) {
     const int x = at.x + i % kBlock;
     const int plane = first_output() + i / kBlock;
     if (x < result_size.x && at.y < result_size.y) result.data[(plane * result_size.y + at.y) * result_size.x + x] = finished(sums[i]);

@@ -14,7 +14,8 @@ layout(set = 0, binding = 0) uniform samplerBuffer source;
 layout(set = 0, binding = 1) uniform samplerBuffer weights;
 layout(std430, set = 0, binding = 2) buffer ResultBuffer { vec4 data[]; } result;
 
-const int kTaps = 16;  // 4 * (2 * (y % 2) + x % 2) + 2 * row + column of the four coarse pixels
+// Tap 4 * (2 * (y % 2) + x % 2) + 2 * row + column of the four coarse pixels.
+const int kTaps = kUpsampledTaps;
 
 #include "lib/convolution_weights.glsl"
 
@@ -27,8 +28,8 @@ void main() {
   [[unroll]] for (int i = 0; i < 3; ++i) columns[i] = clamp(at.x + i - 1, 0, size.x - 1);
   [[unroll]] for (int i = 0; i < 3; ++i) rows[i] = clamp(at.y + i - 1, 0, size.y - 1) * size.x;
 
-  vec4 sums[kOutputs * 4];
-  [[unroll]] for (int i = 0; i < kOutputs * 4; ++i) sums[i] = shared_weights[i / 4];
+  vec4 sums[kPlanesMade * 4];
+  [[unroll]] for (int i = 0; i < kPlanesMade * 4; ++i) sums[i] = shared_weights[i / 4];
   [[unroll]] for (int plane = 0; plane < planes; ++plane) {
     const int first = (p.first_plane + plane) * size.x * size.y;
     vec4 around[9];
@@ -37,14 +38,14 @@ void main() {
       [[unroll]] for (int tap = 0; tap < kTaps; ++tap) {
         const int pixel = tap / 4;
         const float value = around[3 * (pixel / 2 + tap / 2 % 2) + pixel % 2 + tap % 2][c];
-        [[unroll]] for (int o = 0; o < kOutputs; ++o) {
+        [[unroll]] for (int o = 0; o < kPlanesMade; ++o) {
           sums[4 * o + pixel] = fma(vec4(value), weight_of(4 * plane + c, tap, o), sums[4 * o + pixel]);
         }
       }
     }
   }
 
-  [[unroll]] for (int i = 0; i < kOutputs * 4; ++i) {
+  [[unroll]] for (int i = 0; i < kPlanesMade * 4; ++i) {
     const ivec2 q = 2 * at + ivec2(i % 2, i / 2 % 2);
     const int index = ((first_output() + i / 4) * result_size.y + q.y) * result_size.x + q.x;
     if (q.x < result_size.x && q.y < result_size.y) result.data[index] = finished(result.data[index] + sums[i]);

@@ -5,9 +5,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-#include "lib/gain.glsl"
 #include "lib/network.glsl"
 #include "lib/reflectance.glsl"
+#include "shared/limits.h"
 
 layout(constant_id = 0) const int planes = 4;  // of four features each
 // 0: all albedos are 1; 1: the albedo of the frame itself is `albedo_depth`; 2: it is `own_albedo_depth`

@@ -9,7 +9,7 @@
 #extension GL_EXT_control_flow_attributes : require
 #include "lib/color.glsl"
 #include "lib/dispatch_size.glsl"
-#include "lib/gain.glsl"
+#include "shared/limits.h"
 
 layout(constant_id = 0) const int radius = 3;
 

@@ -10,7 +10,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "lib/dispatch_size.glsl"
-#include "lib/gain.glsl"
+#include "shared/limits.h"
 
 /// Standard errors by which the mean excess must exceed zero. It then shrinks as James and Stein (1961) have it.
 const float kSignificance = 2.0;

@@ -6,6 +6,7 @@
 #extension GL_EXT_control_flow_attributes : require
 #include "lib/bilinear.glsl"
 #include "lib/stereo.glsl"
+#include "shared/limits.h"
 
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Sizes { ivec2 size; ivec2 other_depth_size; };
@@ -30,5 +31,5 @@ void main() {
       found = found || is_expected_depth(texelFetch(other_depth, y * other_depth_size.x + x).x, expected);
     }
   }
-  offset.data[index] = found ? given : vec2(kFarOffset);
+  offset.data[index] = found ? given : vec2(kNowhere);
 }

@@ -10,6 +10,7 @@
 #include "filter/stereo/eye_passes.h"
 #include "filter/stereo/stereo_filter.h"
 #include "frame/error.h"
+#include "shaders/shared/limits.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/grids.h"
 #include "tests/filter/pattern.h"
