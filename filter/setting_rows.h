@@ -70,6 +70,19 @@ SettingField<S> number_field(Number S::*member, Number lowest, Number highest) {
           .text = [=](const S& settings) { return fmt::format("{}", settings.*member); }};
 }
 
+/// Whether something is done: 1 or yes, 0 or no. `names` are those that are written, of false and of true.
+template <class S>
+SettingField<S> switch_field(bool S::*member, std::array<std::string_view, 2> names) {
+  return {.assign =
+              [=](S& settings, std::string_view text) {
+                const bool on = text == "1" || text == "yes";
+                if (!on && text != "0" && text != "no") return false;
+                settings.*member = on;
+                return true;
+              },
+          .text = [=](const S& settings) { return std::string(names[settings.*member ? 1 : 0]); }};
+}
+
 /// A value of an enum. The names are in the order of its values, from `first` on.
 template <class S, class Enum>
 SettingField<S> name_field(Enum S::*member, std::span<const std::string_view> names, Enum first = Enum{}) {

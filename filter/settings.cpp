@@ -101,7 +101,7 @@ const SettingRow<Settings> kTable[] = {
     {{"refine_levels", "integer 0..12", "subpixel refinement on so many of the finest levels"},
      number_field(&Settings::refine_levels, 0, 12)},
     {{"guides", "0 or 1", "1 matches albedo and normal besides the radiance, where frames have them"},
-     number_field(&Settings::guides, 0, 1)},
+     switch_field(&Settings::guides, {"0", "1"})},
     {{"motion", "none, guide or override",
       "use of the motion AOV: a candidate of the search, unless longer than 256 px and an eighth of the "
       "frame's longer side along an axis; or the offset where known"},
@@ -115,7 +115,7 @@ const SettingRow<Settings> kTable[] = {
     {{"smooth_albedo", "0 or 1",
       "1 smooths the albedo before radiance is divided by it: of glossy or blurred surfaces many renderers "
       "write it noisy"},
-     number_field(&Settings::smooth_albedo, 0, 1)},
+     switch_field(&Settings::smooth_albedo, {"0", "1"})},
     {{"directions", "forward or both",
       "forward: from the frames before alone, as they come; both: from those after as well, within segments"},
      name_field(&Settings::directions, std::span(kDirectionsNames))},
@@ -140,7 +140,7 @@ Settings preset(std::string_view name) {
   if (name == "draft") {
     settings.match_downsample = 4;
     settings.smooth = Smooth::frames;
-    settings.smooth_albedo = 0;
+    settings.smooth_albedo = false;
     settings.directions = Directions::forward;
     settings.motion = MotionUse::none;
   } else if (name == "final") {
@@ -152,11 +152,11 @@ Settings preset(std::string_view name) {
     settings.pyramid = {.factor = 4, .levels = 4};
     settings.blur_radius = {10, 4, 2, 2};
     settings.refine_levels = 2;
-    settings.guides = 0;
+    settings.guides = false;
     settings.motion = MotionUse::none;
     settings.resample = Resample::bilinear;
     settings.smooth = Smooth::none;
-    settings.smooth_albedo = 0;
+    settings.smooth_albedo = false;
     settings.directions = Directions::forward;
     settings.merge = MergeMode::mask;
   } else if (name != "balanced") {

@@ -53,12 +53,12 @@ struct Settings {
   std::vector<int> blur_radius = {6};
   Distance distance = Distance::log_l1_centered;
   int refine_levels = 1;
-  int guides = 1;
+  bool guides = true;
   MotionUse motion = MotionUse::none;
 
   Resample resample = Resample::catmull_rom;
   Smooth smooth = Smooth::merged;
-  int smooth_albedo = 1;
+  bool smooth_albedo = true;
   Directions directions = Directions::both;
   MergeMode merge = MergeMode::variance;
   MaskWeights mask;

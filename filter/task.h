@@ -27,9 +27,7 @@ struct FilterTask {
   /// Whether smoothed frames only determine the merge weights, and the merged noisy layers are smoothed for
   /// the output.
   bool smooths_merged() const { return settings.smooth == Smooth::merged; }
-  bool smooths_albedo() const {
-    return smooths() && settings.smooth_albedo != 0 && contains(used, Aov::albedo);
-  }
+  bool smooths_albedo() const { return smooths() && settings.smooth_albedo && contains(used, Aov::albedo); }
   /// Number of images merged with the beauty's weights: additive AOVs, then the noisy layers that are
   /// smoothed after the merge.
   std::size_t carried() const { return additive + (smooths_merged() ? kNoisyLayers : 0); }

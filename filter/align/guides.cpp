@@ -17,7 +17,7 @@ constexpr float kWeightOfNormal = 0.5f;
 
 Guides guides_of(const Settings& settings, const AovSet& available) {
   Guides guides;
-  if (settings.guides == 0) return guides;
+  if (!settings.guides) return guides;
   guides.albedo = contains(available, Aov::albedo);
   guides.normal = contains(available, Aov::normal);
   guides.weights.insert(guides.weights.end(), guide_planes(guides.albedo, false), kWeightOfAlbedo);

@@ -8,7 +8,7 @@
 
 namespace becalm::filter {
 
-/// The low-noise AOVs that guide the matching: those that frames have, if `settings.guides` is 1.
+/// The low-noise AOVs that guide the matching: those that frames have, if `settings.guides`.
 struct Guides {
   bool albedo = false;
   bool normal = false;

@@ -19,7 +19,7 @@ struct PairAlignment {
 };
 
 /// Aligns one frame with another by the search that SequenceFilter uses for its history, without merging. The
-/// frames are matched by radiance, scaled by the target's exposure, and, if `settings.guides` is 1, by albedo
+/// frames are matched by radiance, scaled by the target's exposure, and, if `settings.guides`, by albedo
 /// and normal where available; known motion is not used. A frame that the device cannot hold is cut, as
 /// FrameMerger does it: the results do not depend on the cut.
 class PairAligner {

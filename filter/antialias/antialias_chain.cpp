@@ -13,7 +13,7 @@ using gpu::ImageId;
 
 Settings aligner_settings(const AntialiasTask& task) {
   Settings settings = preset("final");
-  settings.guides = 0;
+  settings.guides = false;
   settings.blur_radius = {2};
   settings.refine_levels = task.settings.refine_levels;
   settings.motion = task.has_motion() ? MotionUse::guide : MotionUse::none;
@@ -130,7 +130,7 @@ void AntialiasChain::add_reprojection(const AntialiasTask& task, ImageId reconst
   if (task.has_motion()) vectors = add_motion(task);
   int limit_px = std::max(task.full.width, task.full.height);  // of vectors
   if (vectors) offset = *vectors;
-  if (!vectors || task.settings.searches() || task.settings.mask == Switch::yes) {
+  if (!vectors || task.settings.searches() || task.settings.mask) {
     const Alignment found = add_search(task, reconstructed);
     residual_ = found.residual;
     if (!vectors) {
@@ -152,7 +152,6 @@ void AntialiasChain::add_reprojection(const AntialiasTask& task, ImageId reconst
 
 void AntialiasChain::add_accumulation(const AntialiasTask& task, ImageId reconstructed) {
   const AntialiasSettings& settings = task.settings;
-  const bool masked = settings.mask == Switch::yes;
   if (settings.directions == Directions::both && settings.rectify != Rectify::none)
     rectified = chain.image("rectified", Format::f32x4, task.full);
   decision = chain.image("decision", Format::f32x4, task.full);
@@ -166,7 +165,7 @@ void AntialiasChain::add_accumulation(const AntialiasTask& task, ImageId reconst
       .read("variance", variance_, compared)
       .read("warped_color", warped.color, compared)
       .read("warped_stats", warped.stats, compared)
-      .read("residual", masked ? residual_ : std::nullopt,
+      .read("residual", settings.mask ? residual_ : std::nullopt,
             task.samples() == task.full ? gpu::bilinear(1) : gpu::anywhere())
       .read("columns", grid ? std::optional(grid->columns) : std::nullopt)
       .read("rows", grid ? std::optional(grid->rows) : std::nullopt)
@@ -178,7 +177,7 @@ void AntialiasChain::add_accumulation(const AntialiasTask& task, ImageId reconst
       .specialize("rule", static_cast<int>(settings.accumulate))
       .specialize("rectify", settings.rectify == Rectify::clamp ? 1 : 0)
       .specialize("by_deviation", settings.bounds == Bounds::deviation ? 1 : 0)
-      .specialize("masked", masked ? 1 : 0)
+      .specialize("masked", settings.mask ? 1 : 0)
       .specialize("sparse", grid ? 1 : 0)
       .specialize("keeps_rectified", rectified ? 1 : 0)
       .specialize("bias_radius", bias_radius)

@@ -23,7 +23,7 @@ struct AntialiasTask {
   /// Whether samples and pixels are not of one grid, or not all pixels have samples.
   bool is_sparse() const { return settings.checkerboard || !settings.scale.is_one(); }
   /// Whether pixels are made by the places of samples: sparse ones have no other way to more pixels.
-  bool uses_places() const { return is_sparse() || settings.reconstruct == Switch::yes; }
+  bool uses_places() const { return is_sparse() || settings.reconstruct; }
   /// Of the results' first pixel: Scale::rounding.
   Imath::V2f edge() const {
     return {static_cast<float>(settings.scale.rounding(origin.x)),

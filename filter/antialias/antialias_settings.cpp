@@ -37,11 +37,11 @@ const SettingRow<AntialiasSettings> kAntialiasTable[] = {
       "of those pixels: least and most, or a standard deviation on both sides of the mean"},
      name_field(&AntialiasSettings::bounds, kBoundsNames)},
     {{"mask", "no or yes", "averages only where the aligner's patches differ (needs a search)"},
-     name_field(&AntialiasSettings::mask, kSwitchNames)},
+     switch_field(&AntialiasSettings::mask, kSwitchNames)},
     {{"reconstruct", "no or yes",
       "makes each pixel of a jittered frame of all samples under its filter, whose places are known; with "
       "--scale or --checkerboard always"},
-     name_field(&AntialiasSettings::reconstruct, kSwitchNames)},
+     switch_field(&AntialiasSettings::reconstruct, kSwitchNames)},
 };
 
 }  // namespace
@@ -57,7 +57,7 @@ AntialiasSettings antialias_preset(std::string_view name) {
   settings.directions = Directions::forward;
   if (name == "forward") return settings;
   settings.resample = Resample::catmull_rom;
-  settings.reconstruct = Switch::no;
+  settings.reconstruct = false;
   settings.reproject = Reproject::vectors;
   if (name == "clamping") {
     // Survey of Yang et al. 2020, sections 3.3 and 4.2, with the weight that Philippi et al. call usual.
@@ -73,7 +73,7 @@ AntialiasSettings antialias_preset(std::string_view name) {
     settings.refine_levels = 2;
     settings.accumulate = Accumulate::exponential;
     settings.rectify = Rectify::clamp;
-    settings.mask = Switch::yes;
+    settings.mask = true;
   } else {
     throw Error(ExitStatus::usage,
                 fmt::format("preset '{}': expected one of {}", name, fmt::join(kAntialiasPresets, ", ")));

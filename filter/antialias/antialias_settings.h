@@ -24,8 +24,6 @@ enum class Accumulate { exponential = 0, gain = 1, variance = 2 };
 enum class Rectify { none, clamp };
 enum class Bounds { extremes, deviation };
 
-enum class Switch { no, yes };
-
 /// The settings of temporal antialiasing. One table (antialias_settings.cpp) holds their names, ranges and
 /// help texts.
 struct AntialiasSettings {
@@ -36,8 +34,8 @@ struct AntialiasSettings {
   Accumulate accumulate = Accumulate::variance;
   Rectify rectify = Rectify::none;
   Bounds bounds = Bounds::deviation;
-  Switch mask = Switch::no;
-  Switch reconstruct = Switch::yes;
+  bool mask = false;
+  bool reconstruct = true;
 
   // Not in the table: properties of the frames and the results rather than of the method.
   Scale scale;                ///< of the results' sides to those of the frames

@@ -53,7 +53,7 @@ Image finite_samples(const Image& samples, float saturated) {
 Settings burst_aligner_settings() {
   Settings settings = preset("final");
   settings.match_downsample = 1;  // blocks are pixels to the aligner
-  settings.guides = 0;
+  settings.guides = false;
   settings.motion = MotionUse::none;
   settings.distance = Distance::l1;
   settings.blur_radius = {4, 4, 3, 2};

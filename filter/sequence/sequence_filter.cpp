@@ -104,8 +104,8 @@ AovSet wanted_aovs(const Settings& settings) {
   AovSet wanted;
   const auto want = [&](Aov aov, bool needed) { wanted.set(static_cast<std::size_t>(aov), needed); };
   const bool smooths = settings.smooth != Smooth::none;
-  want(Aov::albedo, smooths || settings.guides != 0 || settings.merge == MergeMode::variance);
-  want(Aov::normal, smooths || settings.guides != 0);
+  want(Aov::albedo, smooths || settings.guides || settings.merge == MergeMode::variance);
+  want(Aov::normal, smooths || settings.guides);
   want(Aov::depth, true);  // without smoothing it serves pairs of eyes alone
   want(Aov::motion, settings.motion != MotionUse::none);
   for (const Aov aov : {Aov::variance, Aov::half_a, Aov::half_b}) want(aov, true);

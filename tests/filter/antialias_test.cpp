@@ -176,8 +176,7 @@ TEST_F(AntialiasTest, AgreesWithTheReference) {
           for (int c = 0; c < 3; ++c) samples.at(x, y)[c] = frame.image(Aov::beauty).at(x, y, c);
         }
       }
-      const SampleGrid grid =
-          sample_grid(settings.reconstruct == Switch::yes ? frame.jitter() : std::nullopt);
+      const SampleGrid grid = sample_grid(settings.reconstruct ? frame.jitter() : std::nullopt);
       ASSERT_EQ(grid.shift, Imath::V2i(0));
       std::array<double, 10> weights{};
       std::ranges::copy(grid.weights, weights.begin());

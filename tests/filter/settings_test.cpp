@@ -66,6 +66,8 @@ TEST(Settings, ValuesArrive) {
   set(settings, "merge=mask:0.25,3,0.5");
   set(settings, "pyramid=4x3");
   set(settings, "resample=bilinear");
+  set(settings, "guides=0");
+  set(settings, "smooth_albedo=no");
   EXPECT_EQ(settings.blur_radius, (std::vector{10, 4, 2}));
   EXPECT_EQ(settings.distance, Distance::l1);
   EXPECT_EQ(settings.motion, MotionUse::override_offset);
@@ -76,6 +78,10 @@ TEST(Settings, ValuesArrive) {
   EXPECT_EQ(settings.pyramid.factor, 4);
   EXPECT_EQ(settings.pyramid.levels, 3);
   EXPECT_EQ(settings.resample, Resample::bilinear);
+  EXPECT_FALSE(settings.guides);
+  EXPECT_FALSE(settings.smooth_albedo);
+  set(settings, "guides=yes");
+  EXPECT_TRUE(settings.guides);
   set(settings, "merge=mask");
   EXPECT_EQ(settings.mask.alpha, MaskWeights().alpha);
   set(settings, "pyramid=2");
@@ -100,6 +106,7 @@ TEST(Settings, BadAssignmentsNameKeyValueAndRange) {
             "--set blur_radius: value '2,,3': expected integers 0..10 joined by commas");
   EXPECT_EQ(error_of("distance=L1"),
             "--set distance: value 'L1': expected l2, l1, log_l1 or log_l1_centered");
+  EXPECT_EQ(error_of("guides=2"), "--set guides: value '2': expected 0 or 1");
   EXPECT_EQ(error_of("motion=Guide"), "--set motion: value 'Guide': expected none, guide or override");
   EXPECT_EQ(error_of("refine_levels=2x"), "--set refine_levels: value '2x': expected integer 0..12");
   EXPECT_EQ(error_of("patch_radius"), "--set 'patch_radius': expected KEY=VALUE");
