@@ -33,24 +33,21 @@ struct SettingRow {
   SettingField<S> field;
 };
 
-template <class Number>
-std::optional<Number> parse_number(std::string_view text) {
-  Number value{};
+inline std::optional<int> parse_number(std::string_view text) {
+  int value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
   return value;
 }
 
 /// The numbers of a text that `separator` joins, each within its range; nothing if the text is anything else.
-template <class Number>
-std::optional<std::vector<Number>> parse_numbers(std::string_view text, char separator, Number lowest,
-                                                 Number highest) {
-  std::vector<Number> values;
+inline std::optional<std::vector<int>> parse_numbers(std::string_view text, char separator, int lowest,
+                                                     int highest) {
+  std::vector<int> values;
   while (true) {
     const auto end = text.find(separator);
-    const auto value = parse_number<Number>(text.substr(0, end));
-    // The comparison is false for NaN too.
-    if (!value || !(*value >= lowest && *value <= highest)) return std::nullopt;
+    const auto value = parse_number(text.substr(0, end));
+    if (!value || *value < lowest || *value > highest) return std::nullopt;
     values.push_back(*value);
     if (end == std::string_view::npos) return values;
     text.remove_prefix(end + 1);
@@ -58,12 +55,12 @@ std::optional<std::vector<Number>> parse_numbers(std::string_view text, char sep
 }
 
 /// A number within a range.
-template <class S, class Number>
-SettingField<S> number_field(Number S::*member, Number lowest, Number highest) {
+template <class S>
+SettingField<S> number_field(int S::*member, int lowest, int highest) {
   return {.assign =
               [=](S& settings, std::string_view text) {
-                const auto value = parse_number<Number>(text);
-                if (!value || !(*value >= lowest && *value <= highest)) return false;
+                const auto value = parse_number(text);
+                if (!value || *value < lowest || *value > highest) return false;
                 settings.*member = *value;
                 return true;
               },

@@ -15,15 +15,13 @@ constexpr std::array<std::string_view, 4> kDistanceNames{"l2", "l1", "log_l1", "
 constexpr std::array<std::string_view, 3> kSmoothNames{"none", "frames", "merged"};
 constexpr std::array<std::string_view, 2> kResampleNames{"bilinear", "catmull_rom"};
 constexpr std::array<std::string_view, 3> kMotionNames{"none", "guide", "override"};
-constexpr std::string_view kVarianceMerge = "variance";
-constexpr std::string_view kMaskMerge = "mask";
+constexpr std::array<std::string_view, 2> kMergeNames{"mask", "variance"};
 constexpr int kMostLevels = 12;
-constexpr MaskWeights kLargestMask{.alpha = 1.0f, .kappa = 1000.0f, .eta = 100.0f};
 
 SettingField<Settings> match_downsample_field() {
   return {.assign =
               [](Settings& settings, std::string_view text) {
-                const auto value = parse_number<int>(text);
+                const auto value = parse_number(text);
                 if (value != 1 && value != 2 && value != 4) return false;
                 settings.match_downsample = *value;
                 return true;
@@ -56,31 +54,6 @@ SettingField<Settings> pyramid_field() {
   return {.assign = assign_pyramid, .text = [](const Settings& settings) {
             const auto [factor, levels] = settings.pyramid;
             return levels == 0 ? fmt::format("{}", factor) : fmt::format("{}x{}", factor, levels);
-          }};
-}
-
-bool assign_merge(Settings& settings, std::string_view text) {
-  if (text == kVarianceMerge || text == kMaskMerge) {
-    settings.merge = text == kMaskMerge ? MergeMode::mask : MergeMode::variance;
-    settings.mask = {};
-    return true;
-  }
-  if (!text.starts_with(kMaskMerge) || !text.substr(kMaskMerge.size()).starts_with(':')) return false;
-  const auto numbers = parse_numbers(text.substr(kMaskMerge.size() + 1), ',', 0.0f, kLargestMask.kappa);
-  if (!numbers || numbers->size() != 3) return false;
-  const MaskWeights mask{.alpha = (*numbers)[0], .kappa = (*numbers)[1], .eta = (*numbers)[2]};
-  if (mask.alpha > kLargestMask.alpha || mask.eta > kLargestMask.eta) return false;
-  settings.merge = MergeMode::mask;
-  settings.mask = mask;
-  return true;
-}
-
-SettingField<Settings> merge_field() {
-  return {.assign = assign_merge, .text = [](const Settings& settings) {
-            const MaskWeights& mask = settings.mask;
-            return settings.merge == MergeMode::variance
-                       ? std::string(kVarianceMerge)
-                       : fmt::format("{}:{},{},{}", kMaskMerge, mask.alpha, mask.kappa, mask.eta);
           }};
 }
 
@@ -119,10 +92,10 @@ const SettingRow<Settings> kTable[] = {
     {{"directions", "forward or both",
       "forward: from the frames before alone, as they come; both: from those after as well, within segments"},
      name_field(&Settings::directions, std::span(kDirectionsNames))},
-    {{"merge", "variance, mask or mask:ALPHA,KAPPA,ETA",
-      "variance: least expected squared error; mask: as published, the history weighs ALPHA (0..1) at most, "
-      "and less where KAPPA (0..1000) times the patch distance exceeds ETA (0..100); default mask:0.9,2,2"},
-     merge_field()},
+    {{"merge", "variance or mask",
+      "variance: least expected squared error; mask: as published, the history weighs less where patches "
+      "differ"},
+     name_field(&Settings::merge, std::span(kMergeNames))},
     {{"patch_radius", "integer 1..8", "variance mode: radius of the patches that weights are estimated from"},
      number_field(&Settings::patch_radius, 1, 8)},
 };

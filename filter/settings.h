@@ -28,16 +28,9 @@ enum class Directions { forward, both };
 /// weights, and then the noisy frames that were merged with them.
 enum class Smooth { none, frames, merged };
 
-/// How the merge weights the history against the new frame.
+/// How the merge weighs the history against the new frame: by the patch distance (Hanika et al. 2021, section
+/// 3.2), or for the least expected squared error.
 enum class MergeMode { mask, variance };
-
-/// The weight of the history in mask mode: alpha (1 - m) with m = kappa eps - eta, clamped to [0,1], where
-/// eps is the patch distance (Hanika et al. 2021, section 3.2).
-struct MaskWeights {
-  float alpha = 0.9f;
-  float kappa = 2.0f;
-  float eta = 2.0f;
-};
 
 /// Each level of the matching pyramid is `factor` times smaller than the one before.
 struct Pyramid {
@@ -61,7 +54,6 @@ struct Settings {
   bool smooth_albedo = true;
   Directions directions = Directions::both;
   MergeMode merge = MergeMode::variance;
-  MaskWeights mask;
   int patch_radius = 1;
 };
 

@@ -82,10 +82,7 @@ ImageId add_mask_gain(Chain& chain, const Settings& settings, Extent full, const
       .write("merged_color", inputs.history_color.next)
       .write("merged_stats", inputs.history_stats.next)
       .write("decision", decision)
-      .constants(params::MaskGainParams{.residual_scale = static_cast<float>(level_px(settings, 0)),
-                                        .alpha = settings.mask.alpha,
-                                        .kappa = settings.mask.kappa,
-                                        .eta = settings.mask.eta})
+      .constants(params::MaskGainParams{.residual_scale = static_cast<float>(level_px(settings, 0))})
       .dispatch(full);
   return decision;
 }

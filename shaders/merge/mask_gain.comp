@@ -21,6 +21,11 @@ layout(std430, set = 0, binding = 5) writeonly buffer MergedColorBuffer { vec4 d
 layout(std430, set = 0, binding = 6) writeonly buffer MergedStatsBuffer { vec2 data[]; } merged_stats;
 layout(std430, set = 0, binding = 7) writeonly buffer DecisionBuffer { vec4 data[]; } decision;
 
+/// Of the paper's equation above. Between distances of 1 and 1.5 the history's weight falls from kAlpha to 0.
+const float kAlpha = 0.9;
+const float kKappa = 2.0;
+const float kEta = 2.0;
+
 #include "lib/blend.glsl"
 
 /// The residual at the pixel's centre, read bilinearly from an image of equal or lower resolution.
@@ -34,8 +39,8 @@ void main() {
   if (at.x >= size.x || at.y >= size.y) return;
   const int index = at.y * size.x + at.x;
   const float n = min(texelFetch(warped_stats, index).y, kMostFrames - 1.0);
-  const float rejected = clamp(p.kappa * read_residual(at) - p.eta, 0.0, 1.0);
-  const float history_weight = min(p.alpha * (1.0 - rejected), n / (n + 1.0));
+  const float rejected = clamp(kKappa * read_residual(at) - kEta, 0.0, 1.0);
+  const float history_weight = min(kAlpha * (1.0 - rejected), n / (n + 1.0));
   // Added to the prediction's variance, it multiplies the inverse variance by (1 - rejected).
   const float distrust = min(texelFetch(warped_stats, index).x * rejected / max(1.0 - rejected, 1e-6), kLargestVariance);
   blend(index, 1.0 - history_weight, 0.0, rejected, distrust);

@@ -9,9 +9,6 @@ namespace becalm::filter::params {
 /// merge/mask_gain.
 struct MaskGainParams {
   float residual_scale;  // full-resolution pixels in one of the residual's
-  float alpha;
-  float kappa;
-  float eta;
 };
 
 #ifdef __cplusplus

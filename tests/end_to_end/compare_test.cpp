@@ -367,8 +367,7 @@ TEST(Help, IsOnStandardOutputAndListsEverything) {
     for (std::string word; words >> word;) EXPECT_NE(all.out.find(word), std::string::npos) << word;
   }
   const std::string denoise = becalm_done({"denoise", "--help-settings"}).out;
-  for (const char* words :
-       {"match_downsample", "draft: 4; balanced: 2; final: 1", "variance; paper: mask:0.9,2,2"}) {
+  for (const char* words : {"match_downsample", "draft: 4; balanced: 2; final: 1", "variance; paper: mask"}) {
     EXPECT_NE(denoise.find(words), std::string::npos) << words;
   }
 }

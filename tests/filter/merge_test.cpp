@@ -201,21 +201,20 @@ TEST_F(MergeTest, MaskGainAgreesWithTheReference) {
   for (int frame = 0; frame < 5; ++frame) {
     const Grid<Estimate> sample = noisy_sample(frame);
     const reference::Merged found = merge.run(sample, offset, &residual);
-    expect_agreement(found,
-                     reference::merge_by_mask(sample, reference::warp(history, offset, settings.resample),
-                                              residual, settings),
-                     frame);
+    expect_agreement(
+        found,
+        reference::merge_by_mask(sample, reference::warp(history, offset, settings.resample), residual),
+        frame);
     history = found.estimate;
   }
 }
 
 /// On a static scene with known noise, both modes must give the exact running mean of all samples.
-void expect_running_mean(gpu::Device& device, const Settings& settings) {
+void expect_running_mean(gpu::Device& device, const Settings& settings, int frames) {
   MergeOnDevice merge(device, settings);
   const Grid<Vec2> still(kWidth, kHeight);
   const Grid<double> perfect(kWidth, kHeight);
   Grid<Rgba> sum(kWidth, kHeight);
-  const int frames = 24;
   reference::Merged merged;
   for (int frame = 0; frame < frames; ++frame) {
     Grid<Estimate> sample = noisy_sample(100 + frame);
@@ -236,14 +235,13 @@ void expect_running_mean(gpu::Device& device, const Settings& settings) {
 }
 
 TEST_F(MergeTest, VarianceModeConvergesToTheRunningMean) {
-  expect_running_mean(device(), of_noisy_frames());
+  expect_running_mean(device(), of_noisy_frames(), 24);
 }
 
 TEST_F(MergeTest, MaskModeConvergesToTheRunningMean) {
   Settings settings = of_noisy_frames();
   settings.merge = MergeMode::mask;
-  settings.mask.alpha = 1.0f;
-  expect_running_mean(device(), settings);
+  expect_running_mean(device(), settings, 10);  // the history never weighs more than nine frames
 }
 
 TEST_F(MergeTest, AnUnrelatedImageIsRejectedEverywhere) {

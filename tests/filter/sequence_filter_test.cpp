@@ -72,9 +72,7 @@ TEST_F(SequenceFilterTest, MaskModeIsNeverWorseThanNoisyAndKeepsTheEnergy) {
 }
 
 TEST_F(SequenceFilterTest, ThePublishedMethodLowersTheNoise) {
-  Settings settings = preset("paper");
-  settings.mask.kappa = 0.5f;  // the frames are noisier than the paper's
-  SequenceFilter filter(device(), settings, kWidth, kHeight, noisy_frame(1).aovs());
+  SequenceFilter filter(device(), preset("paper"), kWidth, kHeight, noisy_frame(1).aovs());
   double noisy_error = 0, error = 0;
   for (int number = 1; number <= 8; ++number) {
     const Frame noisy = noisy_frame(number);

@@ -63,7 +63,7 @@ TEST(Settings, ValuesArrive) {
   set(settings, "blur_radius=10,4,2");
   set(settings, "distance=l1");
   set(settings, "motion=override");
-  set(settings, "merge=mask:0.25,3,0.5");
+  set(settings, "merge=mask");
   set(settings, "pyramid=4x3");
   set(settings, "resample=bilinear");
   set(settings, "guides=0");
@@ -72,9 +72,6 @@ TEST(Settings, ValuesArrive) {
   EXPECT_EQ(settings.distance, Distance::l1);
   EXPECT_EQ(settings.motion, MotionUse::override_offset);
   EXPECT_EQ(settings.merge, MergeMode::mask);
-  EXPECT_EQ(settings.mask.alpha, 0.25f);
-  EXPECT_EQ(settings.mask.kappa, 3.0f);
-  EXPECT_EQ(settings.mask.eta, 0.5f);
   EXPECT_EQ(settings.pyramid.factor, 4);
   EXPECT_EQ(settings.pyramid.levels, 3);
   EXPECT_EQ(settings.resample, Resample::bilinear);
@@ -82,8 +79,6 @@ TEST(Settings, ValuesArrive) {
   EXPECT_FALSE(settings.smooth_albedo);
   set(settings, "guides=yes");
   EXPECT_TRUE(settings.guides);
-  set(settings, "merge=mask");
-  EXPECT_EQ(settings.mask.alpha, MaskWeights().alpha);
   set(settings, "pyramid=2");
   EXPECT_EQ(settings.pyramid.factor, 2);
   EXPECT_EQ(settings.pyramid.levels, 0);
@@ -92,11 +87,7 @@ TEST(Settings, ValuesArrive) {
 TEST(Settings, BadAssignmentsNameKeyValueAndRange) {
   EXPECT_EQ(error_of("patch_radius=9"), "--set patch_radius: value '9': expected integer 1..8");
   EXPECT_EQ(error_of("match_downsample=3"), "--set match_downsample: value '3': expected 1, 2 or 4");
-  for (const char* value : {"mask:nan,2,2", "mask:1.1,2,2", "mask:1,1001,2", "mask:1,2,101", "mask:1,2",
-                            "mask:", "mask:1,2,3,4", "mask0.9,2,2", "variance:1,2,3"}) {
-    EXPECT_EQ(error_of(fmt::format("merge={}", value)),
-              fmt::format("--set merge: value '{}': expected variance, mask or mask:ALPHA,KAPPA,ETA", value));
-  }
+  EXPECT_EQ(error_of("merge=mask:0.9,2,2"), "--set merge: value 'mask:0.9,2,2': expected variance or mask");
   for (const char* value : {"3", "4x", "x4", "4x0", "2x13", "2x3x4"}) {
     EXPECT_EQ(
         error_of(fmt::format("pyramid={}", value)),

@@ -222,15 +222,16 @@ Grid<Estimate> known_noise(const Grid<Estimate>& noisy, const Grid<Estimate>& wa
   return known;
 }
 
-Merged merge_by_mask(const Grid<Estimate>& sample, const Grid<Estimate>& warped, const Grid<double>& residual,
-                     const filter::Settings& settings) {
+Merged merge_by_mask(const Grid<Estimate>& sample, const Grid<Estimate>& warped,
+                     const Grid<double>& residual) {
+  constexpr double kAlpha = 0.9, kKappa = 2.0, kEta = 2.0;
   Merged merged{Grid<Estimate>(sample.width, sample.height), Grid<double>(sample.width, sample.height)};
   for (std::size_t i = 0; i < sample.data.size(); ++i) {
     const Estimate& s = sample.data[i];
     const Estimate& h = warped.data[i];
-    const double mask = std::clamp(settings.mask.kappa * residual.data[i] - settings.mask.eta, 0.0, 1.0);
+    const double mask = std::clamp(kKappa * residual.data[i] - kEta, 0.0, 1.0);
     const double n = std::min<double>(h.count, kMostFrames - 1.0);
-    const double weight = std::min(settings.mask.alpha * (1 - mask), n / (n + 1));
+    const double weight = std::min(kAlpha * (1 - mask), n / (n + 1));
     merged.estimate.data[i] = blend(s, h, 1 - weight, 0);
     merged.rejected.data[i] = s.count <= 0 ? 0.0 : (h.count > 0 ? mask : 1.0);
   }

@@ -44,7 +44,7 @@ Merged merge_by_variance(const Grid<Estimate>& sample, const Grid<Estimate>& war
 Grid<Estimate> known_noise(const Grid<Estimate>& noisy, const Grid<Estimate>& warped, double exposure);
 
 /// The paper's rejection by the patch distance at full resolution.
-Merged merge_by_mask(const Grid<Estimate>& sample, const Grid<Estimate>& warped, const Grid<double>& residual,
-                     const filter::Settings& settings);
+Merged merge_by_mask(const Grid<Estimate>& sample, const Grid<Estimate>& warped,
+                     const Grid<double>& residual);
 
 }  // namespace becalm::reference
