@@ -1,5 +1,5 @@
-// Reads a carried image (an additive AOV or a noisy layer) of the new frame and of the warped history, and the
-// merge's decision for the beauty; writes the image's new history, blended as in lib/blend.glsl with the
+// Reads a carried image (an additive AOV or a noisy layer) of the new frame and of the warped history, and
+// the merge's decision for the beauty; writes the image's new history, blended as in lib/blend.glsl with the
 // beauty's weight.
 #version 460
 #extension GL_GOOGLE_include_directive : require

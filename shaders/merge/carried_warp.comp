@@ -1,8 +1,8 @@
 // Reads a carried image of the history (merged with the beauty's weights); writes it at the target's pixels,
-// as merge/warp_history does with the beauty. An additive AOV takes the share of the sharp filter of the image
-// that it is a part of, so AOVs that add up before add up afterwards; it is not clamped, since its range is
-// not that of the sum. Noisy layers (`in_range`) find a share of their own, which keeps them within the range
-// of the nearest pixels.
+// as merge/warp_history does with the beauty. An additive AOV takes the share of the sharp filter of the
+// image that it is a part of, so AOVs that add up before add up afterwards; it is not clamped, since its
+// range is not that of the sum. Noisy layers (`in_range`) find a share of their own, which keeps them within
+// the range of the nearest pixels.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

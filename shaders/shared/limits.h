@@ -9,14 +9,14 @@ namespace becalm::filter {
 /// Variances are clamped to this, so that their sums stay within the range of floats.
 const float kLargestVariance = 1e34f;
 
-/// Scaled colours of antialiased frames are limited to this, 2^60, so that their squares stay within the range
-/// of floats.
+/// Scaled colours of antialiased frames are limited to this, 2^60, so that their squares stay within the
+/// range of floats.
 const float kLargestScaled = 1152921504606846976.0f;
 
 /// Both components of an offset that leads out of every image: the other eye does not see the pixel.
 const float kNowhere = 1e6f;
 
-/// Pixels on either side from which merge/spline_coefficients computes one of its image.
+/// Pixels on either side of its own that merge/spline_coefficients reads.
 const int kSplineReach = 7;
 
 #ifdef __cplusplus

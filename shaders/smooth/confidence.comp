@@ -15,8 +15,8 @@ layout(set = 0, binding = 0) uniform samplerBuffer features;
 layout(set = 0, binding = 1) uniform samplerBuffer weights;
 layout(set = 0, binding = 2) uniform samplerBuffer irradiance;
 layout(set = 0, binding = 3) uniform samplerBuffer own_irradiance;
-layout(std430, set = 0, binding = 4) writeonly buffer IrradianceConfidenceBuffer { vec4 data[]; } irradiance_confidence;
-layout(std430, set = 0, binding = 5) writeonly buffer OwnIrradianceConfidenceBuffer { vec4 data[]; } own_irradiance_confidence;
+layout(std430, set = 0, binding = 4) writeonly buffer ConfidenceBuffer { vec4 data[]; } irradiance_confidence;
+layout(std430, set = 0, binding = 5) writeonly buffer OwnBuffer { vec4 data[]; } own_irradiance_confidence;
 layout(std430, set = 0, binding = 6) writeonly buffer AffinitiesBuffer { vec4 data[]; } affinities;
 
 const int kMostOutputs = 6;  // the confidence, the affinities, the confidence in the frame's own radiance
@@ -29,10 +29,12 @@ void main() {
   const bool inside = at.x < size.x && at.y < size.y;
   const int index = inside ? at.y * size.x + at.x : 0;
   apply_head(kMostOutputs, inside ? at : ivec2(0), size);
-  const vec4 value = texelFetch(irradiance, index);
+  const vec4 merged = texelFetch(irradiance, index);
   const vec4 own = texelFetch(own_irradiance, index);
   if (!inside) return;
-  irradiance_confidence.data[index] = vec4(value.rgb, value.a > 0.0 ? confidence(head[0]) : kConfidenceOfHole);
-  own_irradiance_confidence.data[index] = vec4(own.rgb, own.a > 0.0 ? confidence(head[5]) : kConfidenceOfHole);
+  const float of_merged = merged.a > 0.0 ? confidence(head[0]) : kConfidenceOfHole;
+  const float of_own = own.a > 0.0 ? confidence(head[5]) : kConfidenceOfHole;
+  irradiance_confidence.data[index] = vec4(merged.rgb, of_merged);
+  own_irradiance_confidence.data[index] = vec4(own.rgb, of_own);
   affinities.data[index] = vec4(head[1], head[2], head[3], head[4]);
 }

@@ -1,7 +1,7 @@
 // Reads one scale's features and irradiance with confidence, the coarser scale's result and, at the finest
-// scale, the irradiance with confidence of the frame itself; writes this scale's result: a weighted mean of the
-// 5x5 window, of the four nearest coarser pixels and, at the finest scale, of the frame's own 3x3 pixels. The
-// weights are a softmax over the network's logits, less the squared distance of affinities, times the
+// scale, the irradiance with confidence of the frame itself; writes this scale's result: a weighted mean of
+// the 5x5 window, of the four nearest coarser pixels and, at the finest scale, of the frame's own 3x3 pixels.
+// The weights are a softmax over the network's logits, less the squared distance of affinities, times the
 // confidence of each pixel of a window (Vogels et al. 2018, with one convex sum instead of two that are added
 // and subtracted).
 #version 460

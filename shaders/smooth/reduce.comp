@@ -1,6 +1,6 @@
-// Reads the finer scale's irradiance with confidence and this scale's features; writes this scale's irradiance,
-// the mean of each 2x2 pixels weighted by their confidences, with their mean confidence times the network's
-// confidence at this scale; and the pixel's affinities.
+// Reads the finer scale's irradiance with confidence and this scale's features; writes this scale's
+// irradiance, the mean of each 2x2 pixels weighted by their confidences, with their mean confidence times the
+// network's confidence at this scale; and the pixel's affinities.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -13,7 +13,7 @@ layout(local_size_x = 128, local_size_y = 1) in;
 layout(set = 0, binding = 0) uniform samplerBuffer features;
 layout(set = 0, binding = 1) uniform samplerBuffer weights;
 layout(set = 0, binding = 2) uniform samplerBuffer finer;
-layout(std430, set = 0, binding = 3) writeonly buffer IrradianceConfidenceBuffer { vec4 data[]; } irradiance_confidence;
+layout(std430, set = 0, binding = 3) writeonly buffer ConfidenceBuffer { vec4 data[]; } irradiance_confidence;
 layout(std430, set = 0, binding = 4) writeonly buffer AffinitiesBuffer { vec4 data[]; } affinities;
 
 const int kMostOutputs = 5;  // the confidence, then the affinities
