@@ -14,6 +14,7 @@
 #include <system_error>
 
 #include "app/outputs.h"
+#include "app/partial_files.h"
 #include "frame/error.h"
 #include "frame/io/atomic_file.h"
 #include "tracer/scene/load/text_file.h"
