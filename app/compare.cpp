@@ -279,9 +279,13 @@ std::vector<ReportFile> CompareJob::report_files() const {
 }
 
 ExitStatus CompareJob::run() {
-  check_report_files(report_files());
   std::optional<CompareReport> report;
-  if (!command_.report.empty()) report.emplace(command_.report);
+  std::vector<ReportFile> written = report_files();
+  if (!command_.report.empty()) {
+    report.emplace(command_.report);
+    std::ranges::move(report->pictures(frames_), std::back_inserter(written));
+  }
+  check_report_files(written);
   std::vector<FrameFigures> figures;
   std::optional<ComparedFrame> before;
   Table table(command_.quiet ? nullptr : stream_beside(report_files()));
