@@ -17,6 +17,7 @@
 #include <system_error>
 #include <utility>
 
+#include "app/cancel.h"
 #include "app/command.h"
 #include "app/compare_report.h"
 #include "app/console.h"
@@ -82,27 +83,30 @@ FrameFigures mean_of(const std::vector<FrameFigures>& frames) {
   return mean;
 }
 
-/// The figures as lines of text, from the first frame on that could be read.
+/// The figures as lines of text, from the first frame on that could be read. Each is there at once. What
+/// cannot be written is told at the end, by `main`: reports are still to come.
 class Table {
  public:
   /// `to` null: nowhere.
   explicit Table(std::FILE* to) : to_(to) {}
 
   void print_row(const std::string& name, const FrameFigures& figures) {
-    if (to_ == nullptr) return;
-    if (!std::exchange(has_header_, true)) print_header();
-    fmt::print(to_, "{:>6}", name);
+    std::string row = std::exchange(has_header_, true) ? "" : header();
+    row += fmt::format("{:>6}", name);
     for (const Figure& figure : kFigures) {
-      fmt::print(to_, "  {:>11}", has_value(figure, figures) ? figure.format(figures.*figure.value) : "-");
+      row += fmt::format("  {:>11}", has_value(figure, figures) ? figure.format(figures.*figure.value) : "-");
     }
-    fmt::print(to_, "\n");
+    row += '\n';
+    if (to_ == nullptr) return;
+    std::fputs(row.c_str(), to_);
+    std::fflush(to_);
   }
 
  private:
-  void print_header() {
-    fmt::print(to_, "{:>6}", "frame");
-    for (const Figure& figure : kFigures) fmt::print(to_, "  {:>11}", figure.title);
-    fmt::print(to_, "\n");
+  static std::string header() {
+    std::string text = fmt::format("{:>6}", "frame");
+    for (const Figure& figure : kFigures) text += fmt::format("  {:>11}", figure.title);
+    return text + '\n';
   }
 
   std::FILE* to_;
@@ -291,6 +295,7 @@ ExitStatus CompareJob::run() {
   Table table(command_.quiet ? nullptr : stream_beside(report_files()));
   const int step = usual_step(reference_.has_frame_field() ? reference_.frames_on_disk() : frames_);
   for (const int frame : frames_) {
+    if (stop_requested()) break;
     ComparedFrame now = read(frame);
     figures.push_back(measure(now, before ? &*before : nullptr, step));
     table.print_row(std::to_string(frame), figures.back());
@@ -301,16 +306,21 @@ ExitStatus CompareJob::run() {
     if (report) report->add(frame, now.test, now.best_reference());
     before = std::move(now);
   }
+  if (figures.empty()) stop_if_asked();
   table.print_row("mean", mean_of(figures));
-  std::fflush(stdout);
 
-  const std::vector<std::string> failures = find_failures(figures);
-  for (const std::string& failure : failures) warn(failure);
+  const bool is_whole = figures.size() == frames_.size();
+  const std::vector<std::string> failures =
+      is_whole ? find_failures(figures)
+               : std::vector{fmt::format("interrupted: {} of {} compared", figures.size(),
+                                         counted(frames_.size(), "frame", "frames"))};
+  for (const std::string& failure : failures) is_whole ? warn(failure) : say_interrupted(failure);
   write_report_files(report_files(), [&](ReportKind kind) {
     return kind == ReportKind::compare_json
                ? json_text(figures, failures)
                : report->page(fmt::format("{} against {}", command_.test, command_.reference), figures);
   });
+  if (!is_whole) return ExitStatus::interrupted;
   return failures.empty() ? ExitStatus::done : ExitStatus::comparison_failed;
 }
 
@@ -418,7 +428,10 @@ Command add_compare(CLI::App& becalm) {
       "Examples:\n"
       "  becalm compare 'ref/shot.####.exr' 'out/shot.####.exr' --report report\n"
       "  becalm compare ref.exr out.exr --max-relmse 0.01 --max-energy 0.005\n");
-  return {&parser, [command] { return CompareJob(*command).run(); }};
+  return {&parser, [command] {
+            catch_signals();
+            return CompareJob(*command).run();
+          }};
 }
 
 }  // namespace becalm::app
