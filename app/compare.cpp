@@ -139,6 +139,7 @@ class CompareJob {
     std::string path;
     Image beauty;
     Imath::V2i first;
+    Imath::V2d display_middle;
   };
 
   std::vector<const io::SequencePattern*> patterns() const;
@@ -229,6 +230,7 @@ ComparedFrame CompareJob::read(int frame) {
   Placed reference = read_view(reference_, frame);
   ComparedFrame images{.frame = frame,
                        .first = reference.first,
+                       .display_middle = reference.display_middle,
                        .test = {},
                        .reference = {},
                        .reference_b = {},
@@ -260,7 +262,9 @@ CompareJob::Placed CompareJob::read_view(const io::SequencePattern& pattern, int
                      fmt::join(names, ", ")));
     told_views_ = true;
   }
-  return {path, std::move((*asked)->frame.image(Aov::beauty)), (*asked)->window.min};
+  io::LoadedView& view = **asked;
+  const Imath::V2d middle = 0.5 * Imath::V2d(view.window.min + view.window.max);
+  return {path, std::move(view.frame.image(Aov::beauty)), view.window.min, middle + view.middle_px};
 }
 
 Image CompareJob::read_like(const io::SequencePattern& pattern, int frame, const Placed& reference) {
@@ -342,8 +346,8 @@ std::vector<std::string> CompareJob::find_failures(const std::vector<FrameFigure
     const BeyondLimit found = find_beyond(figure, *limit, figures);
     if (found.measured == 0) {
       failures.push_back(
-          fmt::format("failed: no {} could be measured for {}: no two frames that follow each other have "
-                      "finite pixels in common",
+          fmt::format("failed: no {} could be measured for {}: no two frames that follow each other have one "
+                      "display window and finite pixels in common",
                       figure.title, kLimitOptions[i].name));
     }
     if (found.failed == 0) continue;
