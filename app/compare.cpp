@@ -188,7 +188,7 @@ CompareJob::CompareJob(const CompareCommand& command)
                                            : std::vector<int>{io::number_in_name(command.reference)};
   if (frames_.empty()) {
     throw Error(ExitStatus::bad_input, fmt::format("{}: no frame of this sequence is on disk{}",
-                                                   command.reference, reference_.hint_of_other_padding()));
+                                                   command.reference, reference_.hint_where_missing()));
   }
   for (const io::SequencePattern* pattern : patterns()) {
     if (pattern->has_frame_field() || frames_.size() == 1) continue;
@@ -213,7 +213,7 @@ void CompareJob::require_all_frames() const {
     throw Error(ExitStatus::bad_input,
                 fmt::format("{}: no file for frame {} of {}{}{}", pattern->path(missing.front()),
                             io::format_frame_range(missing), counted(frames_.size(), "frame", "frames"),
-                            pattern->hint_of_other_padding(),
+                            pattern->hint_where_missing(),
                             present.empty() ? ""
                                             : "; --frames " + io::format_frame_range(present) +
                                                   " compares those that are there"));
