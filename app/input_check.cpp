@@ -107,6 +107,7 @@ Checked check(const InputFrames& inputs, int frame, const FilterStage& filter, c
     }
     return {frame, std::move(layout), ""};
   } catch (const Error& error) {
+    if (error.status() == ExitStatus::resource) throw;  // no fault of the frame
     return {frame, std::nullopt, error.what()};
   }
 }
@@ -194,7 +195,8 @@ InputWindow find_window(const InputFrames& inputs, const io::LayerOptions& layer
         std::ranges::move(io::read_exr_header(path, layers, io::CheckChunks::no),
                           std::back_inserter(headers[i]));
       }
-    } catch (const Error&) {  // told by check_inputs if the frame is needed
+    } catch (const Error& error) {  // told by check_inputs if the frame is needed
+      if (error.status() == ExitStatus::resource) throw;
     }
   });
   Imath::Box2i all;

@@ -47,7 +47,8 @@ bool is_whole(const std::string& path) {
   try {
     io::require_whole_exr(path);
     return true;
-  } catch (const Error&) {
+  } catch (const Error& error) {
+    if (error.status() == ExitStatus::resource) throw;
     return false;
   }
 }
@@ -56,7 +57,8 @@ bool is_whole(const std::string& path) {
 bool is_of_becalm(const std::string& path) {
   try {
     return !io::read_attribute(path, "becalm:version").empty();
-  } catch (const Error&) {
+  } catch (const Error& error) {
+    if (error.status() == ExitStatus::resource) throw;
     return false;
   }
 }

@@ -49,7 +49,8 @@ class ExrContents {
   std::map<int, Stripe> kept_;
 };
 
-/// Runs `work`, turning what OpenEXR throws about the file `path` into Error(bad_input).
+/// Runs `work`, turning what OpenEXR throws about the file `path` into Error(bad_input), and what the system
+/// refuses into a ReadError.
 void reading(const std::string& path, const std::function<void()>& work);
 
 /// Throws Error(bad_input) where there is no such file, and while reading(): where it is no EXR, or its image
