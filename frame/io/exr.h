@@ -17,6 +17,9 @@
 
 namespace becalm::io {
 
+/// Wider or higher images than this are refused before anything is allocated for them.
+inline constexpr int kMaxImageSide = 65536;
+
 /// What is needed to write again, bit for bit, what was not denoised. Opaque outside frame/io/.
 class ExrContents;
 

@@ -17,9 +17,6 @@
 
 namespace becalm::io {
 
-/// Wider or higher images than this are refused before anything is allocated for them.
-inline constexpr int kMaxImageSide = 65536;
-
 /// Size and time of a file, to notice that it changed between reading it and passing channels on.
 struct FileStamp {
   std::uintmax_t size = 0;
