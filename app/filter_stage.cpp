@@ -144,6 +144,13 @@ const std::string& FilterStage::open_device() {
   return device_->info().name;
 }
 
+void FilterStage::require_size(const std::string& path, const Imath::Box2i& window) {
+  if (!recipe_.size_problem) return;
+  open_device();
+  const std::string problem = recipe_.size_problem(*device_, window);
+  if (!problem.empty()) throw Error(ExitStatus::resource, fmt::format("{}: {}", path, problem));
+}
+
 std::string FilterStage::views_text() const {
   if (pair_) return "the eyes are filtered together: each is one more source of the other";
   return views_.size() > 1 ? "each view is filtered by itself" : "";
