@@ -234,6 +234,10 @@ void FilterStage::tell(const filter::FrameReport& report, const std::string& nam
     progress.warn(
         fmt::format("{}: {} pixels with NaN or Inf stay as they came", name, report.non_finite_pixels));
   }
+  if (report.non_finite_guides > 0) {
+    progress.warn(fmt::format("{}: {} pixels with NaN or Inf in albedo, normal or depth: these were replaced",
+                              name, report.non_finite_guides));
+  }
   if (report.replaced_variances > 0) {
     progress.warn(fmt::format("{}: {} variances that are negative or not finite were taken as pure noise",
                               name, report.replaced_variances));
