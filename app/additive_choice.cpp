@@ -19,7 +19,8 @@ bool can_be_read(const std::string& path, const io::LayerOptions& layers) {
   try {
     io::read_exr_header(path, layers, io::CheckChunks::no);
     return true;
-  } catch (const Error&) {
+  } catch (const Error& error) {
+    if (error.status() == ExitStatus::resource) throw;
     return false;
   }
 }

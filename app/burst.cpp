@@ -22,6 +22,7 @@
 #include "app/mebibytes.h"
 #include "app/options.h"
 #include "app/outputs.h"
+#include "app/partial_files.h"
 #include "app/profile.h"
 #include "app/progress.h"
 #include "filter/burst/burst_merger.h"
@@ -101,6 +102,7 @@ class BurstJob {
   ExitStatus run() {
     frames_.emplace(command_.inputs);
     check_output();
+    remove_abandoned_partials({command_.output});
     progress_.emplace(ProgressOptions{.total = frames_->count(),
                                       .work = frames_->count(),
                                       .quiet = command_.running.quiet,

@@ -17,6 +17,7 @@
 #include <system_error>
 #include <utility>
 
+#include "app/cancel.h"
 #include "app/command.h"
 #include "app/compare_report.h"
 #include "app/console.h"
@@ -82,27 +83,30 @@ FrameFigures mean_of(const std::vector<FrameFigures>& frames) {
   return mean;
 }
 
-/// The figures as lines of text, from the first frame on that could be read.
+/// The figures as lines of text, from the first frame on that could be read. Each is there at once. What
+/// cannot be written is told at the end, by `main`: reports are still to come.
 class Table {
  public:
   /// `to` null: nowhere.
   explicit Table(std::FILE* to) : to_(to) {}
 
   void print_row(const std::string& name, const FrameFigures& figures) {
-    if (to_ == nullptr) return;
-    if (!std::exchange(has_header_, true)) print_header();
-    fmt::print(to_, "{:>6}", name);
+    std::string row = std::exchange(has_header_, true) ? "" : header();
+    row += fmt::format("{:>6}", name);
     for (const Figure& figure : kFigures) {
-      fmt::print(to_, "  {:>11}", has_value(figure, figures) ? figure.format(figures.*figure.value) : "-");
+      row += fmt::format("  {:>11}", has_value(figure, figures) ? figure.format(figures.*figure.value) : "-");
     }
-    fmt::print(to_, "\n");
+    row += '\n';
+    if (to_ == nullptr) return;
+    std::fputs(row.c_str(), to_);
+    std::fflush(to_);
   }
 
  private:
-  void print_header() {
-    fmt::print(to_, "{:>6}", "frame");
-    for (const Figure& figure : kFigures) fmt::print(to_, "  {:>11}", figure.title);
-    fmt::print(to_, "\n");
+  static std::string header() {
+    std::string text = fmt::format("{:>6}", "frame");
+    for (const Figure& figure : kFigures) text += fmt::format("  {:>11}", figure.title);
+    return text + '\n';
   }
 
   std::FILE* to_;
@@ -135,6 +139,7 @@ class CompareJob {
     std::string path;
     Image beauty;
     Imath::V2i first;
+    Imath::V2d display_middle;
   };
 
   std::vector<const io::SequencePattern*> patterns() const;
@@ -183,7 +188,7 @@ CompareJob::CompareJob(const CompareCommand& command)
                                            : std::vector<int>{io::number_in_name(command.reference)};
   if (frames_.empty()) {
     throw Error(ExitStatus::bad_input, fmt::format("{}: no frame of this sequence is on disk{}",
-                                                   command.reference, reference_.hint_of_other_padding()));
+                                                   command.reference, reference_.hint_where_missing()));
   }
   for (const io::SequencePattern* pattern : patterns()) {
     if (pattern->has_frame_field() || frames_.size() == 1) continue;
@@ -208,7 +213,7 @@ void CompareJob::require_all_frames() const {
     throw Error(ExitStatus::bad_input,
                 fmt::format("{}: no file for frame {} of {}{}{}", pattern->path(missing.front()),
                             io::format_frame_range(missing), counted(frames_.size(), "frame", "frames"),
-                            pattern->hint_of_other_padding(),
+                            pattern->hint_where_missing(),
                             present.empty() ? ""
                                             : "; --frames " + io::format_frame_range(present) +
                                                   " compares those that are there"));
@@ -225,6 +230,7 @@ ComparedFrame CompareJob::read(int frame) {
   Placed reference = read_view(reference_, frame);
   ComparedFrame images{.frame = frame,
                        .first = reference.first,
+                       .display_middle = reference.display_middle,
                        .test = {},
                        .reference = {},
                        .reference_b = {},
@@ -256,7 +262,9 @@ CompareJob::Placed CompareJob::read_view(const io::SequencePattern& pattern, int
                      fmt::join(names, ", ")));
     told_views_ = true;
   }
-  return {path, std::move((*asked)->frame.image(Aov::beauty)), (*asked)->window.min};
+  io::LoadedView& view = **asked;
+  const Imath::V2d middle = 0.5 * Imath::V2d(view.window.min + view.window.max);
+  return {path, std::move(view.frame.image(Aov::beauty)), view.window.min, middle + view.middle_px};
 }
 
 Image CompareJob::read_like(const io::SequencePattern& pattern, int frame, const Placed& reference) {
@@ -279,14 +287,19 @@ std::vector<ReportFile> CompareJob::report_files() const {
 }
 
 ExitStatus CompareJob::run() {
-  check_report_files(report_files());
   std::optional<CompareReport> report;
-  if (!command_.report.empty()) report.emplace(command_.report);
+  std::vector<ReportFile> written = report_files();
+  if (!command_.report.empty()) {
+    report.emplace(command_.report);
+    std::ranges::move(report->pictures(frames_), std::back_inserter(written));
+  }
+  check_report_files(written);
   std::vector<FrameFigures> figures;
   std::optional<ComparedFrame> before;
   Table table(command_.quiet ? nullptr : stream_beside(report_files()));
   const int step = usual_step(reference_.has_frame_field() ? reference_.frames_on_disk() : frames_);
   for (const int frame : frames_) {
+    if (stop_requested()) break;
     ComparedFrame now = read(frame);
     figures.push_back(measure(now, before ? &*before : nullptr, step));
     table.print_row(std::to_string(frame), figures.back());
@@ -297,16 +310,21 @@ ExitStatus CompareJob::run() {
     if (report) report->add(frame, now.test, now.best_reference());
     before = std::move(now);
   }
+  if (figures.empty()) stop_if_asked();
   table.print_row("mean", mean_of(figures));
-  std::fflush(stdout);
 
-  const std::vector<std::string> failures = find_failures(figures);
-  for (const std::string& failure : failures) warn(failure);
+  const bool is_whole = figures.size() == frames_.size();
+  const std::vector<std::string> failures =
+      is_whole ? find_failures(figures)
+               : std::vector{fmt::format("interrupted: {} of {} compared", figures.size(),
+                                         counted(frames_.size(), "frame", "frames"))};
+  for (const std::string& failure : failures) is_whole ? warn(failure) : say_interrupted(failure);
   write_report_files(report_files(), [&](ReportKind kind) {
     return kind == ReportKind::compare_json
                ? json_text(figures, failures)
                : report->page(fmt::format("{} against {}", command_.test, command_.reference), figures);
   });
+  if (!is_whole) return ExitStatus::interrupted;
   return failures.empty() ? ExitStatus::done : ExitStatus::comparison_failed;
 }
 
@@ -328,8 +346,8 @@ std::vector<std::string> CompareJob::find_failures(const std::vector<FrameFigure
     const BeyondLimit found = find_beyond(figure, *limit, figures);
     if (found.measured == 0) {
       failures.push_back(
-          fmt::format("failed: no {} could be measured for {}: no two frames that follow each other have "
-                      "finite pixels in common",
+          fmt::format("failed: no {} could be measured for {}: no two frames that follow each other have one "
+                      "display window and finite pixels in common",
                       figure.title, kLimitOptions[i].name));
     }
     if (found.failed == 0) continue;
@@ -414,7 +432,10 @@ Command add_compare(CLI::App& becalm) {
       "Examples:\n"
       "  becalm compare 'ref/shot.####.exr' 'out/shot.####.exr' --report report\n"
       "  becalm compare ref.exr out.exr --max-relmse 0.01 --max-energy 0.005\n");
-  return {&parser, [command] { return CompareJob(*command).run(); }};
+  return {&parser, [command] {
+            catch_signals();
+            return CompareJob(*command).run();
+          }};
 }
 
 }  // namespace becalm::app

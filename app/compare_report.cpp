@@ -2,11 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
-#include <system_error>
+#include <array>
 
 #include "app/pictures.h"
-#include "frame/error.h"
 
 namespace becalm::app {
 namespace {
@@ -42,26 +40,31 @@ constexpr const char* kHead = R"(<!doctype html>
 </style>
 )";
 
-}  // namespace
+constexpr std::array kPictures{"reference", "test", "error"};
 
-CompareReport::CompareReport(std::string folder) : folder_(std::move(folder)) {
-  std::error_code error;
-  std::filesystem::create_directories(folder_, error);
-  if (error) {
-    throw Error(ExitStatus::resource,
-                fmt::format("--report {}: cannot make the folder: {}", folder_, error.message()));
-  }
-}
-
-std::string CompareReport::picture(int frame, const std::string& what) const {
+std::string picture_name(int frame, const char* what) {
   return fmt::format("{}.{:04}.png", what, frame);
 }
 
+}  // namespace
+
+std::vector<ReportFile> CompareReport::pictures(const std::vector<int>& frames) const {
+  std::vector<ReportFile> files;
+  for (const int frame : frames) {
+    for (const char* what : kPictures)
+      files.push_back(file_in(folder_, picture_name(frame, what), ReportKind::compare_picture));
+  }
+  return files;
+}
+
 void CompareReport::add(int frame, const Image& test, const Image& reference) {
-  const std::filesystem::path folder(folder_);
-  write_png((folder / picture(frame, "reference")).string(), display_picture(reference));
-  write_png((folder / picture(frame, "test")).string(), display_picture(test));
-  write_png((folder / picture(frame, "error")).string(), error_picture(test, reference));
+  const std::array<Picture, kPictures.size()> made{display_picture(reference), display_picture(test),
+                                                   error_picture(test, reference)};
+  const std::vector<ReportFile> files = pictures({frame});
+  for (std::size_t i = 0; i < made.size(); ++i) {
+    const std::vector<unsigned char> bytes = png_bytes(made[i]);
+    write_report_file(files[i], {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  }
 }
 
 std::string CompareReport::page(const std::string& title, const std::vector<FrameFigures>& figures) const {
@@ -77,10 +80,10 @@ std::string CompareReport::page(const std::string& title, const std::vector<Fram
         "%</h2>\n",
         entry.frame, entry.rel_mse, entry.psnr_db, entry.ssim, entry.flip, entry.energy * 100.0);
     html += "<div class=\"row\">";
-    for (const char* what : {"reference", "test", "error"}) {
+    for (const char* what : kPictures) {
       html +=
           fmt::format("<figure><img src=\"{}\" alt=\"{} of frame {}\"><figcaption>{}</figcaption></figure>",
-                      picture(entry.frame, what), what, entry.frame, what);
+                      picture_name(entry.frame, what), what, entry.frame, what);
     }
     html += "</div></section>\n";
   }

@@ -27,6 +27,7 @@ FilterRecipe denoiser(const std::string& preset, const FilterOptions& options) {
                 return std::make_unique<filter::StereoFilter>(device, settings, width, height, available,
                                                               sequence);
               },
+          .size_problem = {},
           .describe_matching =
               [settings](const AovSet& available) { return filter::matched_text(settings, available); }};
 }
@@ -51,6 +52,10 @@ FilterRecipe antialiaser(const std::string& preset, const FilterOptions& options
                                                                  sequence);
               },
           .make_pair = {},
+          .size_problem =
+              [settings](const gpu::Device& device, const Imath::Box2i& window) {
+                return filter::size_problem(device, settings, window);
+              },
           .describe_matching =
               [settings](const AovSet& available) { return filter::reprojected_text(settings, available); }};
 }

@@ -144,6 +144,13 @@ const std::string& FilterStage::open_device() {
   return device_->info().name;
 }
 
+void FilterStage::require_size(const std::string& path, const Imath::Box2i& window) {
+  if (!recipe_.size_problem) return;
+  open_device();
+  const std::string problem = recipe_.size_problem(*device_, window);
+  if (!problem.empty()) throw Error(ExitStatus::resource, fmt::format("{}: {}", path, problem));
+}
+
 std::string FilterStage::views_text() const {
   if (pair_) return "the eyes are filtered together: each is one more source of the other";
   return views_.size() > 1 ? "each view is filtered by itself" : "";
@@ -226,6 +233,10 @@ void FilterStage::tell(const filter::FrameReport& report, const std::string& nam
   if (report.non_finite_pixels > 0) {
     progress.warn(
         fmt::format("{}: {} pixels with NaN or Inf stay as they came", name, report.non_finite_pixels));
+  }
+  if (report.non_finite_guides > 0) {
+    progress.warn(fmt::format("{}: {} pixels with NaN or Inf in albedo, normal or depth: these were replaced",
+                              name, report.non_finite_guides));
   }
   if (report.replaced_variances > 0) {
     progress.warn(fmt::format("{}: {} variances that are negative or not finite were taken as pure noise",

@@ -40,6 +40,9 @@ struct FilterRecipe {
   std::function<std::unique_ptr<filter::StereoFilter>(
       gpu::Device& device, int width, int height, AovSet available, const filter::SequenceOptions& options)>
       make_pair;
+  /// Why the device cannot take frames of this window, for the user to read; empty if it can. No function:
+  /// frames of any size are cut into tiles.
+  std::function<std::string(const gpu::Device& device, const Imath::Box2i& window)> size_problem;
   /// For the user to read: how frames with these AOVs are matched.
   std::function<std::string(const AovSet& available)> describe_matching;
 };
@@ -92,6 +95,8 @@ class FilterStage {
 
   /// Opens the device, if it is not open yet, and returns its name. Throws DeviceError if there is none such.
   const std::string& open_device();
+  /// Throws Error(resource) naming the file where the device cannot take frames of this window.
+  void require_size(const std::string& path, const Imath::Box2i& window);
   /// Opens the device and builds the chains; called before the first frame. All views share the memory. A
   /// left and a right eye are filtered together, unless the options say otherwise. Throws Error(bad_input)
   /// where they must be and are not a pair. `origin`: as SequenceOptions has it.

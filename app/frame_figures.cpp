@@ -1,7 +1,9 @@
 #include "app/frame_figures.h"
 
+#include <Imath/ImathBox.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -13,6 +15,57 @@ namespace {
 
 double limited(LimitKind kind, double value) {
   return kind == LimitKind::max_absolute ? std::abs(value) : value;
+}
+
+Imath::Box2i window_of(const ComparedFrame& frame) {
+  return {frame.first, frame.first + Imath::V2i(frame.test.width() - 1, frame.test.height() - 1)};
+}
+
+/// The pixels of the image plane that both frames show; empty if none.
+Imath::Box2i common_window(const ComparedFrame& a, const ComparedFrame& b) {
+  if (a.display_middle != b.display_middle) return {};
+  const Imath::Box2i of_a = window_of(a), of_b = window_of(b);
+  if (!of_a.intersects(of_b)) return {};
+  return {{std::max(of_a.min.x, of_b.min.x), std::max(of_a.min.y, of_b.min.y)},
+          {std::min(of_a.max.x, of_b.max.x), std::min(of_a.max.y, of_b.max.y)}};
+}
+
+/// The part of an image, whose first pixel is `first` of the image plane, within `window`.
+Image cropped(const Image& image, const Imath::V2i& first, const Imath::Box2i& window) {
+  if (image.empty()) return {};
+  const Imath::V2i size = window.size() + Imath::V2i(1);
+  Image part(size.x, size.y, image.channels());
+  for (int y = 0; y < size.y; ++y) {
+    for (int x = 0; x < size.x; ++x) {
+      const Imath::V2i from = window.min - first + Imath::V2i(x, y);
+      std::ranges::copy(image.pixel(from.x, from.y), part.pixel(x, y).begin());
+    }
+  }
+  return part;
+}
+
+/// What the temporal error takes of a frame, within `window`.
+ComparedFrame cropped(const ComparedFrame& frame, const Imath::Box2i& window) {
+  return {.frame = frame.frame,
+          .first = window.min,
+          .display_middle = frame.display_middle,
+          .test = cropped(frame.test, frame.first, window),
+          .reference = cropped(frame.reference, frame.first, window),
+          .reference_b = cropped(frame.reference_b, frame.first, window),
+          .reference_mean = {}};
+}
+
+double temporal(const ComparedFrame& now, const ComparedFrame& before) {
+  if (!now.is_where(before)) {
+    const Imath::Box2i common = common_window(now, before);
+    if (common.isEmpty()) return std::numeric_limits<double>::quiet_NaN();
+    return temporal(cropped(now, common), cropped(before, common));
+  }
+  if (now.reference_b.empty())
+    return temporal_error(now.test, before.test, now.reference, before.reference).value;
+  return temporal_error(now.test, before.test, now.reference, before.reference, now.reference_b,
+                        before.reference_b)
+      .value;
 }
 
 }  // namespace
@@ -78,12 +131,7 @@ FrameFigures measure(const ComparedFrame& now, const ComparedFrame* before, int 
     figures.energy = energy(now.test, now.reference).value;
   }
   figures.flip = flip(now.test, now.best_reference()).value;
-  if (before != nullptr && before->frame == now.frame - step && now.is_where(*before)) {
-    figures.temporal = two ? temporal_error(now.test, before->test, now.reference, before->reference,
-                                            now.reference_b, before->reference_b)
-                                 .value
-                           : temporal_error(now.test, before->test, now.reference, before->reference).value;
-  }
+  if (before != nullptr && before->frame == now.frame - step) figures.temporal = temporal(now, *before);
   return figures;
 }
 

@@ -57,7 +57,8 @@ BeyondLimit find_beyond(const Figure& figure, double limit, std::span<const Fram
 /// The images of one frame.
 struct ComparedFrame {
   int frame = 0;
-  Imath::V2i first{0, 0};  ///< where the first pixel lies
+  Imath::V2i first{0, 0};               ///< where the first pixel lies
+  Imath::V2d display_middle{0.0, 0.0};  ///< where files tell it; frames of another one show no common pixels
   Image test;
   Image reference;
   Image reference_b;     ///< empty where there is one reference
@@ -73,8 +74,8 @@ struct ComparedFrame {
 
 Image mean_image(const Image& a, const Image& b);
 
-/// `before` is the frame measured before, or null; the temporal error needs the same pixels and a frame
-/// `step` before `now`, the distance between the sequence's frames.
+/// `before` is the frame measured before, or null; the temporal error is that of the pixels which both have,
+/// and needs a frame `step` before `now`, the distance between the sequence's frames.
 FrameFigures measure(const ComparedFrame& now, const ComparedFrame* before, int step = 1);
 
 }  // namespace becalm::app

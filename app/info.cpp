@@ -299,7 +299,7 @@ void describe_sequence(const io::SequencePattern& pattern, io::LayerOptions laye
   const std::vector<int> frames = pattern.frames_on_disk();
   if (frames.empty()) {
     throw Error(ExitStatus::bad_input, fmt::format("{}: no frame of this sequence is on disk{}",
-                                                   pattern.text(), pattern.hint_of_other_padding()));
+                                                   pattern.text(), pattern.hint_where_missing()));
   }
   std::vector<NumberedFile> files = files_on_disk(pattern);
   if (const auto other = find_other_half(pattern))

@@ -5,8 +5,8 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <iterator>
 #include <optional>
+#include <utility>
 
 #include "app/cancel.h"
 #include "app/eye_names.h"
@@ -107,6 +107,7 @@ Checked check(const InputFrames& inputs, int frame, const FilterStage& filter, c
     }
     return {frame, std::move(layout), ""};
   } catch (const Error& error) {
+    if (error.status() == ExitStatus::resource) throw;  // no fault of the frame
     return {frame, std::nullopt, error.what()};
   }
 }
@@ -166,6 +167,39 @@ std::string difference(const std::vector<InputLayout>& views, const std::vector<
   return place + difference(*view, *usual_view, usual_path);
 }
 
+/// How far the data window of a view reaches beyond its display window, in pixels.
+int overhang(const io::ExrView& view) {
+  const Imath::V2i before = view.display_window.min - view.data_window.min;
+  const Imath::V2i after = view.data_window.max - view.display_window.max;
+  return std::max({0, before.x, before.y, after.x, after.y});
+}
+
+/// A view of a file, with what the header says of it.
+struct PlacedView {
+  std::string path;
+  io::ExrView header;
+};
+
+/// Throws Error(bad_input) naming the file whose data window lies farthest off where the sequence's is too
+/// large. Where none leaves its display window, these differ, as check_inputs tells.
+void require_possible_window(const std::vector<std::vector<PlacedView>>& files, const Imath::Box2i& all) {
+  if (all.isEmpty()) return;
+  const Imath::V2i size = all.size() + Imath::V2i(1);
+  if (std::max(size.x, size.y) <= io::kMaxImageSide) return;
+  const PlacedView* farthest = nullptr;
+  for (const auto& views : files) {
+    for (const PlacedView& view : views) {
+      if (farthest == nullptr || overhang(view.header) > overhang(farthest->header)) farthest = &view;
+    }
+  }
+  if (overhang(farthest->header) == 0) return;
+  throw Error(ExitStatus::bad_input,
+              fmt::format("{}: data window {}, display window {}: all frames' data windows together are "
+                          "{}x{} px, expected at most {} a side",
+                          farthest->path, text_of(farthest->header.data_window),
+                          text_of(farthest->header.display_window), size.x, size.y, io::kMaxImageSide));
+}
+
 }  // namespace
 
 InputLayout layout_of(const io::ExrView& header, const FilterStage& filter) {
@@ -186,30 +220,32 @@ InputLayout layout_of(const io::ExrView& header, const FilterStage& filter) {
 
 InputWindow find_window(const InputFrames& inputs, const io::LayerOptions& layers) {
   const std::vector<int>& frames = inputs.readable();
-  std::vector<std::vector<io::ExrView>> headers(frames.size());
+  std::vector<std::vector<PlacedView>> files(frames.size());
   tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t i) {
     stop_if_asked();
     try {
       for (const std::string& path : inputs.paths(frames[i])) {
-        std::ranges::move(io::read_exr_header(path, layers, io::CheckChunks::no),
-                          std::back_inserter(headers[i]));
+        for (io::ExrView& view : io::read_exr_header(path, layers, io::CheckChunks::no))
+          files[i].push_back({path, std::move(view)});
       }
-    } catch (const Error&) {  // told by check_inputs if the frame is needed
+    } catch (const Error& error) {  // told by check_inputs if the frame is needed
+      if (error.status() == ExitStatus::resource) throw;
     }
   });
   Imath::Box2i all;
   bool alike = true;
-  for (const auto& views : headers) {
-    for (const io::ExrView& view : views) {
-      alike = alike && (all.isEmpty() || all == view.data_window);
-      all.extendBy(view.data_window);
+  for (const auto& views : files) {
+    for (const PlacedView& view : views) {
+      alike = alike && (all.isEmpty() || all == view.header.data_window);
+      all.extendBy(view.header.data_window);
     }
   }
-  for (const auto& views : headers) {
-    for (const io::ExrView& view : views) {
-      if (!alike) all.extendBy(view.display_window);
+  for (const auto& views : files) {
+    for (const PlacedView& view : views) {
+      if (!alike) all.extendBy(view.header.display_window);
     }
   }
+  require_possible_window(files, all);
   return {all};
 }
 

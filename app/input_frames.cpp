@@ -111,7 +111,7 @@ InputFrames::InputFrames(const std::vector<std::string>& patterns, Pair pair, co
   const FramesOnDisk on_disk = frames_on_disk(sequences());
   if (on_disk.any.empty()) {
     throw Error(ExitStatus::bad_input, fmt::format("{}: no frame of this sequence is on disk{}", pattern,
-                                                   pattern_.hint_of_other_padding()));
+                                                   pattern_.hint_where_missing()));
   }
   const bool all = asked.empty();
   if (all) asked = missing == Missing::hold ? every_step(on_disk.any, pattern) : on_disk.any;
@@ -223,7 +223,7 @@ void InputFrames::refuse_incomplete(const std::vector<int>& asked) const {
     throw Error(
         ExitStatus::bad_input,
         fmt::format("{}: no file for frame {}, which {} has{}; --missing skip or hold goes on without",
-                    lacks.text(), io::format_frame_range(alone), has.text(), lacks.hint_of_other_padding()));
+                    lacks.text(), io::format_frame_range(alone), has.text(), lacks.hint_where_missing()));
   };
   refuse(first, second, pattern_, *other());
   refuse(second, first, *other(), pattern_);
@@ -275,7 +275,7 @@ void InputFrames::assign_outputs(const std::vector<int>& asked, const std::vecto
     throw Error(ExitStatus::bad_input,
                 fmt::format("{}: no file for frame {} of {}{}; --missing skip or hold goes on without",
                             pattern, io::format_frame_range(absent), io::format_frame_range(asked),
-                            pattern_.hint_of_other_padding()));
+                            pattern_.hint_where_missing()));
   }
   if (missing == Missing::hold && !without_earlier.empty()) {
     throw Error(ExitStatus::bad_input,

@@ -68,7 +68,8 @@ std::optional<NoisyImage> take_noisy_image(const std::vector<NumberedFile>& file
         layers.layers[Aov::beauty] = noisy->layer;
         return noisy;
       }
-    } catch (const Error&) {
+    } catch (const Error& error) {
+      if (error.status() == ExitStatus::resource) throw;
       continue;  // without such a layer, or damaged
     }
   }

@@ -1,19 +1,17 @@
 #include "app/outputs.h"
 
 #include <fmt/format.h>
-#include <signal.h>
 #include <tbb/parallel_for.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <filesystem>
 #include <iterator>
-#include <map>
 #include <system_error>
 
 #include "app/cancel.h"
+#include "app/partial_files.h"
 #include "app/setting_text.h"
 #include "frame/error.h"
 #include "frame/io/exr_channels.h"
@@ -22,26 +20,6 @@ namespace becalm::app {
 namespace fs = std::filesystem;
 
 namespace {
-
-constexpr std::string_view kPartialMark = ".partial.";
-
-/// `NAME.partial.PID.N`, as frame/io writes before it renames: the process, or 0 if the name is another one.
-int partial_owner(const std::string& file, const std::set<std::string>& outputs) {
-  const auto mark = file.rfind(kPartialMark);
-  if (mark == std::string::npos || !outputs.contains(file.substr(0, mark))) return 0;
-  const char* begin = file.data() + mark + kPartialMark.size();
-  const char* end = file.data() + file.size();
-  int process = 0;
-  unsigned counter = 0;
-  const auto first = std::from_chars(begin, end, process);
-  if (first.ec != std::errc() || first.ptr == end || *first.ptr != '.') return 0;
-  const auto second = std::from_chars(first.ptr + 1, end, counter);
-  return second.ec == std::errc() && second.ptr == end ? process : 0;
-}
-
-bool process_runs(int process) {
-  return ::kill(process, 0) == 0 || errno != ESRCH;
-}
 
 /// The first setting that differs, as `spp=4, and this run has spp=8`.
 std::string describe_difference(const std::string& there, const std::string& here) {
@@ -69,7 +47,8 @@ bool is_whole(const std::string& path) {
   try {
     io::require_whole_exr(path);
     return true;
-  } catch (const Error&) {
+  } catch (const Error& error) {
+    if (error.status() == ExitStatus::resource) throw;
     return false;
   }
 }
@@ -78,7 +57,8 @@ bool is_whole(const std::string& path) {
 bool is_of_becalm(const std::string& path) {
   try {
     return !io::read_attribute(path, "becalm:version").empty();
-  } catch (const Error&) {
+  } catch (const Error& error) {
+    if (error.status() == ExitStatus::resource) throw;
     return false;
   }
 }
@@ -184,10 +164,7 @@ void Outputs::check_places() const {
 }
 
 void Outputs::prepare() {
-  std::map<fs::path, std::set<std::string>> names;  // by folder
-  for (const std::string& path : all_paths())
-    names[fs::path(path).parent_path()].insert(fs::path(path).filename().string());
-  for (const auto& [folder, files] : names) {
+  for (const auto& [folder, files] : by_folder(all_paths())) {
     std::error_code error;
     if (!folder.empty()) fs::create_directories(folder, error);
     const fs::path place = folder.empty() ? fs::path(".") : folder;
@@ -196,12 +173,7 @@ void Outputs::prepare() {
     if (error) refuse_place(option_, patterns_.front().text(), error);
     locks_.push_back(
         std::make_unique<FolderLock>(place, std::vector<std::string>(files.begin(), files.end())));
-    for (const fs::directory_entry& entry : fs::directory_iterator(place, error)) {
-      const int owner = partial_owner(entry.path().filename().string(), files);
-      // Nothing of this process is half written yet: a file of its number is a dead process's, as a container
-      // gives each run the same number.
-      if (owner == ::getpid() || (owner > 0 && !process_runs(owner))) fs::remove(entry.path(), error);
-    }
+    remove_abandoned_partials(place, files);
   }
 }
 

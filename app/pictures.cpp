@@ -138,17 +138,13 @@ std::string score_scale_css() {
   return css(kScores);
 }
 
-void write_png(const std::string& path, const Picture& picture) {
+std::vector<unsigned char> png_bytes(const Picture& picture) {
   pictures::Library& library = pictures::library();
   try {
-    library.write(path, picture.width, picture.height, picture.rgb);
+    return library.png_bytes(picture.width, picture.height, picture.rgb);
   } catch (const std::runtime_error& error) {
-    throw Error(ExitStatus::resource, fmt::format("{}: cannot write the picture: {}", path, error.what()));
+    throw Error(ExitStatus::resource, fmt::format("cannot make a PNG picture: {}", error.what()));
   }
-}
-
-std::vector<unsigned char> png_bytes(const Picture& picture) {
-  return pictures::library().png_bytes(picture.width, picture.height, picture.rgb);
 }
 
 }  // namespace becalm::app

@@ -35,8 +35,7 @@ Picture score_picture(const Image& scores);
 inline constexpr double kLargestScore = 8.0;
 std::string score_scale_css();
 
-/// Throws Error(resource).
-void write_png(const std::string& path, const Picture& picture);
+/// A PNG file's. Throws Error(resource).
 std::vector<unsigned char> png_bytes(const Picture& picture);
 
 }  // namespace becalm::app

@@ -14,8 +14,10 @@
 #include <system_error>
 
 #include "app/outputs.h"
+#include "app/partial_files.h"
 #include "frame/error.h"
 #include "frame/io/atomic_file.h"
+#include "frame/pictures/pictures.h"
 #include "tracer/scene/load/text_file.h"
 
 namespace becalm::app {
@@ -40,6 +42,8 @@ bool is_report(ReportKind kind, const std::string& text) {
       return has_members(text, {"reference", "test", "frames", "mean", "failures"});
     case ReportKind::compare_page:
       return text.find("<title>becalm compare</title>") != std::string::npos;
+    case ReportKind::compare_picture:
+      return text.starts_with("\x89PNG") && text.find(pictures::kPngMark) != std::string::npos;
   }
   return false;
 }
@@ -56,6 +60,8 @@ constexpr const char* description_of(ReportKind kind) {
       return "JSON report of becalm compare";
     case ReportKind::compare_page:
       return "page of becalm compare";
+    case ReportKind::compare_picture:
+      return "picture of becalm compare";
   }
   return "";
 }
@@ -78,12 +84,28 @@ bool is_stream(const std::string& path) {
   return is_standard_output(path) || path == "/dev/stderr" || fs::is_other(path, ignored);
 }
 
+/// What is_report looks at: of a picture its beginning, since there may be thousands of them. Nothing where
+/// the file cannot be read, or is larger than any report.
+std::optional<std::string> text_of(const ReportFile& report) {
+  constexpr std::uintmax_t largest_report = 1u << 28;
+  constexpr std::size_t picture_header = 4096;
+  std::error_code error;
+  if (report.kind != ReportKind::compare_picture) {
+    if (fs::file_size(report.path, error) > largest_report) return std::nullopt;
+    return tracer::read_text_file(report.path);
+  }
+  std::ifstream file(report.path, std::ios::binary);
+  std::string text(picture_header, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (file.bad()) return std::nullopt;
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  return text;
+}
+
 void keep_foreign_file(const ReportFile& report) {
   std::error_code error;
   if (!fs::is_regular_file(report.path, error) || fs::file_size(report.path, error) == 0) return;
-  constexpr std::uintmax_t largest_report = 1u << 28;
-  std::optional<std::string> text;
-  if (fs::file_size(report.path, error) <= largest_report) text = tracer::read_text_file(report.path);
+  const std::optional<std::string> text = text_of(report);
   if (text && is_report(report.kind, *text)) return;
   fail(ExitStatus::usage, report,
        fmt::format("is there, and is no {}; choose another name", description_of(report.kind)));
@@ -91,10 +113,10 @@ void keep_foreign_file(const ReportFile& report) {
 
 /// Puts the text in place of the report's file, which is the one behind links. Without a text only tries
 /// whether the file can be made: to root, access(2) allows everything.
-void write_file(const ReportFile& report, const std::string* text) {
+void write_file(const ReportFile& report, const std::optional<std::string_view>& text) {
   try {
     io::AtomicFile file(resolved(report.path));
-    if (text == nullptr) return;
+    if (!text) return;
     file.write(text->data(), text->size());
     file.commit();
   } catch (const Error& error) {
@@ -102,7 +124,7 @@ void write_file(const ReportFile& report, const std::string* text) {
   }
 }
 
-void write_stream(const ReportFile& report, const std::string& text) {
+void write_stream(const ReportFile& report, std::string_view text) {
   if (is_standard_output(report.path)) {
     fmt::print("{}", text);
     return;
@@ -111,18 +133,9 @@ void write_stream(const ReportFile& report, const std::string& text) {
   if (!(file << text) || !file.flush()) fail(ExitStatus::resource, report, "cannot write it");
 }
 
-void write_report_file(const ReportFile& report, const std::string& text) {
-  if (is_stream(report.path)) {
-    write_stream(report, text);
-    return;
-  }
-  keep_foreign_file(report);
-  write_file(report, &text);
-}
-
 void check_place_of(const ReportFile& report) {
   if (!is_stream(report.path)) {
-    write_file(report, nullptr);
+    write_file(report, std::nullopt);
   } else if (!is_standard_output(report.path) && ::access(report.path.c_str(), W_OK) != 0) {
     fail(ExitStatus::resource, report, "cannot write it");
   }
@@ -135,8 +148,12 @@ std::FILE* stream_beside(const std::vector<ReportFile>& reports) {
   return taken ? stderr : stdout;
 }
 
+ReportFile file_in(const std::string& folder, const std::string& name, ReportKind kind) {
+  return {"--report", (fs::path(folder) / name).string(), kind};
+}
+
 ReportFile page_in(const std::string& folder, ReportKind kind) {
-  return {"--report", (fs::path(folder) / "index.html").string(), kind};
+  return file_in(folder, "index.html", kind);
 }
 
 void check_report_files(const std::vector<ReportFile>& reports, const std::vector<std::string>& inputs) {
@@ -154,6 +171,17 @@ void check_report_files(const std::vector<ReportFile>& reports, const std::vecto
     if (!is_dash) keep_foreign_file(report);
   }
   for (const ReportFile& report : reports) check_place_of(report);
+  written.erase(std::string(kDash));
+  remove_abandoned_partials({written.begin(), written.end()});
+}
+
+void write_report_file(const ReportFile& report, std::string_view text) {
+  if (is_stream(report.path)) {
+    write_stream(report, text);
+    return;
+  }
+  keep_foreign_file(report);
+  write_file(report, text);
 }
 
 void write_report_files(const std::vector<ReportFile>& reports,

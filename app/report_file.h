@@ -3,12 +3,13 @@
 #include <cstdio>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace becalm::app {
 
 /// By what a file is recognised that the same kind of report may replace.
-enum class ReportKind { test_junit, test_json, test_page, compare_json, compare_page };
+enum class ReportKind { test_junit, test_json, test_page, compare_json, compare_page, compare_picture };
 
 /// A report that an option asked for. `-`, `/dev/stdout` and other names of the file behind it are standard
 /// output; other devices and pipes are written to.
@@ -22,17 +23,22 @@ struct ReportFile {
 /// reads it.
 std::FILE* stream_beside(const std::vector<ReportFile>& reports);
 
+/// A file of --report.
+ReportFile file_in(const std::string& folder, const std::string& name, ReportKind kind);
 /// The page of --report: `folder`/index.html.
 ReportFile page_in(const std::string& folder, ReportKind kind);
 
 /// Before the work whose results the reports tell. Throws Error(usage) where a report is one of the inputs or
 /// another report, or where there is a file that is neither empty nor a report of that kind, and
-/// Error(resource) where no file can be made. Makes the reports' folders.
+/// Error(resource) where no file can be made. Makes the reports' folders, and removes what killed runs left
+/// half-written of them.
 void check_report_files(const std::vector<ReportFile>& reports, const std::vector<std::string>& inputs = {});
 
-/// Writes all of them, each with its text. A regular file appears or is replaced whole (io::AtomicFile), and
-/// its folder is made. Throws the first Error after all were tried: Error(resource) naming the option, or
-/// Error(usage) as check_report_files.
+/// A regular file appears or is replaced whole (io::AtomicFile), and its folder is made. Throws
+/// Error(resource) naming the option, or Error(usage) as check_report_files.
+void write_report_file(const ReportFile& report, std::string_view text);
+
+/// Writes all of them, each with its text. Throws the first Error after all were tried.
 void write_report_files(const std::vector<ReportFile>& reports,
                         const std::function<std::string(ReportKind)>& text_of);
 

@@ -130,6 +130,7 @@ ExitStatus SequenceJob::run() {
   std::set<int> needed;
   for (const filter::Step& step : steps) needed.insert(step.frame);
   const std::vector<InputLayout> views = checked_inputs(needed);
+  filter_.require_size(inputs_.path(*needed.begin()), window_.window);
   if (command_.dry_run) {
     print_plan(needed);
     return ExitStatus::done;

@@ -14,6 +14,9 @@ namespace becalm::filter {
 struct FrameReport {
   /// Pixels with NaN or Inf in the beauty, which are passed through unchanged.
   std::size_t non_finite_pixels = 0;
+  /// Pixels with NaN or Inf in a guide that is used (albedo, normal, depth), where Inf is no depth's "nothing
+  /// hit"; the values are replaced as host_images.h has it.
+  std::size_t non_finite_guides = 0;
   /// Variances that were negative or not finite, replaced by the squared luminance (100 % noise).
   std::size_t replaced_variances = 0;
   /// Non-finite values of additive AOVs in pixels with a finite beauty, replaced by 0.

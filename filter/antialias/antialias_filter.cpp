@@ -96,6 +96,18 @@ std::string reprojected_text(const AntialiasSettings& settings, const AovSet& av
                              : "frames are reprojected by motion vectors";
 }
 
+std::string size_problem(const gpu::Device& device, const AntialiasSettings& settings,
+                         const Imath::Box2i& window) {
+  constexpr std::uint64_t pixel_bytes = 16;  // of the chain's largest images, four floats each
+  const std::uint64_t most = device.info().max_storage_buffer_bytes / pixel_bytes;
+  const Imath::V2i size = settings.scale.window(window).size() + Imath::V2i(1);
+  if (static_cast<std::uint64_t>(size.x) * static_cast<std::uint64_t>(size.y) <= most) return "";
+  return fmt::format(
+      "antialias takes whole frames, here of {}x{} px: expected at most {} pixels on device "
+      "'{}'; smaller frames, a smaller --scale or another --device do",
+      size.x, size.y, most, device.info().name);
+}
+
 struct AntialiasFilter::State {
   /// Places an image of the frame, or with `on_grid` one whose values lie in pixel centres, in an image of
   /// the chain by `convert(from, to, is_inside)`.

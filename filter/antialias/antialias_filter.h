@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Imath/ImathBox.h>
+
 #include <memory>
 #include <string>
 
@@ -14,6 +16,10 @@ AovSet wanted_aovs(const AntialiasSettings& settings);
 
 /// A sentence for the user that names how frames with these AOVs are reprojected.
 std::string reprojected_text(const AntialiasSettings& settings, const AovSet& available);
+
+/// Why the device cannot take the frames of this window whole, as this filter needs them; empty if it can.
+std::string size_problem(const gpu::Device& device, const AntialiasSettings& settings,
+                         const Imath::Box2i& window);
 
 /// Temporal antialiasing of a sequence of few, jittered samples a pixel (Frame::jitter) and little noise. All
 /// four channels of the beauty are averaged over time. Non-finite pixels are counted, come out as they came,

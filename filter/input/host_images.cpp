@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -121,6 +122,32 @@ std::vector<std::uint8_t> finite_pixels(const Image& beauty) {
 std::size_t count_non_finite(const std::vector<std::uint8_t>& finite, const Frame& frame) {
   const auto count = static_cast<std::size_t>(std::ranges::count(finite, 0));
   return count - std::min(count, frame.cut() ? frame.cut()->unknown_pixels : 0);
+}
+
+std::size_t count_non_finite_guides(const Frame& frame, const AovSet& used) {
+  // On the bits of the values, which compilers vectorize on any processor.
+  constexpr std::uint32_t infinity = 0x7f800000;
+  const auto is_beyond = [](float value, std::uint32_t limit) {
+    return static_cast<std::uint32_t>(std::int32_t(std::bit_cast<std::uint32_t>(value) & 0x7fffffffu) >
+                                      std::int32_t(limit));
+  };
+  return sum_of_rows<std::size_t>(frame.height(), [&](int y) {
+    std::vector<std::uint8_t> bad;  // pixels of the row; empty while none is, as in most rows
+    for (const Aov aov : {Aov::albedo, Aov::normal, Aov::depth}) {
+      if (!contains(used, aov)) continue;
+      const Image& image = frame.image(aov);
+      const auto channels = static_cast<std::size_t>(image.channels());
+      const std::size_t size = static_cast<std::size_t>(image.width()) * channels;
+      const auto row = image.data().subspan(static_cast<std::size_t>(y) * size, size);
+      const std::uint32_t limit = aov == Aov::depth ? infinity : infinity - 1;
+      std::uint32_t any = 0;
+      for (const float value : row) any |= is_beyond(value, limit);
+      if (any == 0) continue;
+      bad.resize(static_cast<std::size_t>(image.width()));
+      for (std::size_t i = 0; i < size; ++i) bad[i / channels] |= is_beyond(row[i], limit) != 0 ? 1 : 0;
+    }
+    return static_cast<std::size_t>(std::ranges::count(bad, 1));
+  });
 }
 
 void pack_color(const Image& beauty, std::span<const std::uint8_t> finite, const Rect& rect,

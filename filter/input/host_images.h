@@ -18,6 +18,10 @@ std::vector<std::uint8_t> finite_pixels(const Image& beauty);
 /// How many of the frame's pixels are not finite, but for those where it was cut.
 std::size_t count_non_finite(const std::vector<std::uint8_t>& finite, const Frame& frame);
 
+/// How many of the frame's pixels have a value in one of the guides of `used` (albedo, normal, depth) that is
+/// not finite, but for the infinite depth of what hit nothing.
+std::size_t count_non_finite_guides(const Frame& frame, const AovSet& used);
+
 /// Packs a rectangle of the beauty as RGBA. A non-finite pixel becomes the mean of its finite neighbours (0
 /// if it has none), so that matching finds no hole there.
 void pack_color(const Image& beauty, std::span<const std::uint8_t> finite, const Rect& rect,

@@ -215,6 +215,8 @@ std::optional<SequenceFilter::Merged> SequenceFilter::begin(const Step& step, co
   new_frame.additive = pack_additive(frame, task, new_frame.finite, report);
   if (task.additive > 0) state_->check_light_groups(frame);
   report.non_finite_pixels = count_non_finite(new_frame.finite, frame);
+  if (step.wanted && step.direction == Direction::forward)
+    report.non_finite_guides = count_non_finite_guides(frame, task.used);
   if (contains(task.used, Aov::motion)) {
     report.far_motions =
         count_far_motions(frame.image(Aov::motion), motion_limit_px(task.settings, task.full));

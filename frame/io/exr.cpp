@@ -20,6 +20,7 @@
 #include "frame/io/exr_parts.h"
 #include "frame/io/jitter_text.h"
 #include "frame/io/printable.h"
+#include "frame/io/read_error.h"
 #include "frame/io/stereo_text.h"
 #include "frame/io/stripe.h"
 
@@ -291,6 +292,8 @@ bool has_all_chunks(const std::string& path) {
       require_all_chunks(path, *open_exr(path));
     });
     return true;
+  } catch (const ReadError&) {
+    throw;
   } catch (const Error& error) {
     if (error.status() != ExitStatus::bad_input) throw;
     return false;

@@ -17,6 +17,9 @@
 
 namespace becalm::io {
 
+/// Wider or higher images than this are refused before anything is allocated for them.
+inline constexpr int kMaxImageSide = 65536;
+
 /// What is needed to write again, bit for bit, what was not denoised. Opaque outside frame/io/.
 class ExrContents;
 
@@ -72,8 +75,8 @@ std::vector<ExrView> read_exr_header(const std::string& path, const LayerOptions
 /// samples than pixels.
 void require_all_samples(const std::string& path, const ViewLayers& view, AovSet aovs, LightGroups lights);
 
-/// Whether the file is an EXR with all of its chunks. Reads no pixels. Throws Error(resource) where it cannot
-/// be read.
+/// Whether the file is an EXR with all of its chunks. Reads no pixels. Throws Error where the system does not
+/// let it be read: that says nothing of the file.
 bool has_all_chunks(const std::string& path);
 
 /// Reads one EXR file: of each view with a beauty the AOVs of `wanted` that it holds (the beauty always), and

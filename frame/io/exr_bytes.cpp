@@ -1,13 +1,16 @@
 #include "frame/io/exr_bytes.h"
 
+#include <OpenEXR/ImfVersion.h>
 #include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <bit>
+#include <cerrno>
 #include <map>
 #include <stdexcept>
 #include <string_view>
+#include <system_error>
 
 namespace becalm::io {
 namespace {
@@ -55,20 +58,31 @@ const std::map<std::string_view, std::uint64_t>& fixed_sizes() {
 
 }  // namespace
 
-ExrBytes::ExrBytes(const std::string& path) : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {}
+ExrBytes::ExrBytes(const std::string& path) : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+  if (descriptor_ < 0) throw std::system_error(errno, std::generic_category());
+}
 
 ExrBytes::~ExrBytes() {
-  if (descriptor_ >= 0) ::close(descriptor_);
+  ::close(descriptor_);
+}
+
+bool ExrBytes::load(std::uint64_t offset, std::size_t count) const {
+  if (offset >= block_offset_ && offset + count <= block_offset_ + block_size_) return true;
+  const ssize_t got = ::pread(descriptor_, block_.data(), block_.size(), static_cast<off_t>(offset));
+  // A damaged file may name an offset beyond those of any file.
+  if (got < 0 && errno != EINVAL) throw std::system_error(errno, std::generic_category());
+  block_offset_ = offset;
+  block_size_ = static_cast<std::size_t>(std::max<ssize_t>(got, 0));
+  return block_size_ >= count;
 }
 
 const char* ExrBytes::bytes(std::uint64_t offset, std::size_t count) const {
-  if (offset < block_offset_ || offset + count > block_offset_ + block_size_) {
-    const ssize_t got = ::pread(descriptor_, block_.data(), block_.size(), static_cast<off_t>(offset));
-    block_offset_ = offset;
-    block_size_ = static_cast<std::size_t>(std::max<ssize_t>(got, 0));
-    if (block_size_ < count) throw std::runtime_error("the file ends too early");
-  }
+  if (!load(offset, count)) throw std::runtime_error("the file ends too early");
   return block_.data() + (offset - block_offset_);
+}
+
+bool ExrBytes::is_exr() const {
+  return load(0, kFirstHeader) && Imf::isImfMagic(block_.data());
 }
 
 bool ExrBytes::is_multi_part() const {

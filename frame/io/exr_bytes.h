@@ -10,12 +10,14 @@ namespace becalm::io {
 /// An EXR file as bytes, for what OpenEXR does not tell: "OpenEXR File Layout", openexr.com.
 class ExrBytes {
  public:
+  /// Throws std::system_error where the file cannot be opened.
   explicit ExrBytes(const std::string& path);
   ExrBytes(const ExrBytes&) = delete;
   ExrBytes& operator=(const ExrBytes&) = delete;
   ~ExrBytes();
 
-  /// Integers are stored with their lowest byte first. Throws std::runtime_error where the file ends before.
+  /// Integers are stored with their lowest byte first. Throws std::runtime_error where the file ends before,
+  /// and std::system_error where it cannot be read.
   template <class T>
   T read(std::uint64_t offset) const {
     T value;
@@ -23,12 +25,16 @@ class ExrBytes {
     return value;
   }
 
+  /// Whether the file begins as EXR files do.
+  bool is_exr() const;
   bool is_multi_part() const;
   /// Where the headers end. Throws std::runtime_error where an attribute's value is not of the size that it
   /// says, or ends behind the file's end.
   std::uint64_t headers_end() const;
 
  private:
+  /// Reads the bytes into the block; false where the file ends before.
+  bool load(std::uint64_t offset, std::size_t count) const;
   const char* bytes(std::uint64_t offset, std::size_t count) const;
   std::string name(std::uint64_t& offset) const;
   std::uint64_t header_end(std::uint64_t offset) const;

@@ -1,16 +1,14 @@
 #include "frame/io/exr_file.h"
 
+#include <OpenEXR/IexErrnoExc.h>
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfIntAttribute.h>
 #include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfStandardAttributes.h>
-#include <OpenEXR/ImfTestFile.h>
 #include <OpenEXR/ImfThreading.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdio>
 #include <mutex>
 #include <new>
 #include <system_error>
@@ -18,6 +16,7 @@
 
 #include "frame/error.h"
 #include "frame/io/exr_bytes.h"
+#include "frame/io/read_error.h"
 #include "frame/regular_file.h"
 
 namespace becalm::io {
@@ -33,6 +32,16 @@ std::string reason(const std::string& path, std::string message) {
   std::replace(message.begin(), message.end(), '\n', ' ');
   while (!message.empty() && (message.back() == ' ' || message.back() == '.')) message.pop_back();
   return message;
+}
+
+/// Whether OpenEXR throws this for what the system lacks, and not for what is in the file.
+bool is_of_system(const std::exception& error) {
+  const auto is_any_of = [&]<class... Kinds>() {
+    return (... || (dynamic_cast<const Kinds*>(&error) != nullptr));
+  };
+  return is_any_of
+      .template operator()<Iex::EioExc, Iex::EmfileExc, Iex::EnfileExc, Iex::EagainExc, Iex::EnomemExc,
+                           Iex::EaccesExc, Iex::EpermExc, Iex::EstaleExc, Iex::EtimedoutExc>();
 }
 
 std::once_flag threads_were_set;
@@ -67,7 +76,13 @@ void reading(const std::string& path, const std::function<void()>& work) {
     throw;
   } catch (const std::bad_alloc&) {
     throw Error(ExitStatus::resource, fmt::format("{}: not enough memory to read it", path));
+  } catch (const std::system_error& error) {
+    fail_to_read(path, error.code());
   } catch (const std::exception& error) {
+    if (is_of_system(error)) {
+      throw ReadError(ExitStatus::resource,
+                      fmt::format("{}: cannot be read: {}", path, reason(path, error.what())));
+    }
     throw Error(ExitStatus::bad_input, fmt::format("{}: truncated, corrupt or unsupported EXR: {}", path,
                                                    reason(path, error.what())));
   }
@@ -81,26 +96,19 @@ FileStamp stamp_of(const std::string& path) {
     throw Error(ExitStatus::bad_input, fmt::format("{}: no such file{}", path,
                                                    is_glob ? "; the frame number is written as ####" : ""));
   }
-  if (error) throw Error(ExitStatus::bad_input, fmt::format("{}: cannot be read: {}", path, error.message()));
+  if (error) fail_to_read(path, error);
   refuse_other_than_file(path, kExpected);
   FileStamp stamp{fs::file_size(path, error), fs::last_write_time(path, error)};
-  if (error) throw Error(ExitStatus::bad_input, fmt::format("{}: cannot be read: {}", path, error.message()));
+  if (error) fail_to_read(path, error);
   return stamp;
 }
 
 std::unique_ptr<Imf::MultiPartInputFile> open_exr(const std::string& path) {
   prepare_library();
   refuse_other_than_file(path, kExpected);
-  if (std::FILE* file = std::fopen(path.c_str(), "rbe")) {
-    std::fclose(file);
-  } else {
-    throw Error(ExitStatus::bad_input,
-                fmt::format("{}: cannot be read: {}", path, std::generic_category().message(errno)));
-  }
-  if (!Imf::isOpenExrFile(path.c_str())) {
-    throw Error(ExitStatus::bad_input, fmt::format("{}: not an EXR file", path));
-  }
-  ExrBytes(path).headers_end();  // throws before OpenEXR allocates what a damaged header asks for
+  const ExrBytes file(path);
+  if (!file.is_exr()) throw Error(ExitStatus::bad_input, fmt::format("{}: not an EXR file", path));
+  file.headers_end();  // throws before OpenEXR allocates what a damaged header asks for
   return std::make_unique<Imf::MultiPartInputFile>(path.c_str());
 }
 

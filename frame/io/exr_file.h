@@ -17,9 +17,6 @@
 
 namespace becalm::io {
 
-/// Wider or higher images than this are refused before anything is allocated for them.
-inline constexpr int kMaxImageSide = 65536;
-
 /// Size and time of a file, to notice that it changed between reading it and passing channels on.
 struct FileStamp {
   std::uintmax_t size = 0;
@@ -49,7 +46,8 @@ class ExrContents {
   std::map<int, Stripe> kept_;
 };
 
-/// Runs `work`, turning what OpenEXR throws about the file `path` into Error(bad_input).
+/// Runs `work`, turning what OpenEXR throws about the file `path` into Error(bad_input), and what the system
+/// refuses into a ReadError.
 void reading(const std::string& path, const std::function<void()>& work);
 
 /// Throws Error(bad_input) where there is no such file, and while reading(): where it is no EXR, or its image

@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "frame/error.h"
+#include "frame/io/read_error.h"
 
 namespace becalm::io {
 namespace {
@@ -101,11 +102,24 @@ std::size_t skip_while(std::string_view text, std::size_t from, auto accept) {
   return from;
 }
 
+/// `@`, `%d`, `$F` or `#`, which names may have for other reasons.
+bool is_lone(std::string_view written) {
+  return written == "@" || written == "%d" || written == "$F" || written == "#";
+}
+
+/// Whether a field that ends at `end` is none, as in `me@home.exr`, `50%done.exr` and `$FOO.exr`.
+bool is_in_a_word(std::string_view text, std::size_t begin, std::size_t end) {
+  const std::string_view written = text.substr(begin, end - begin);
+  return is_lone(written) && written != "#" && end < text.size() &&
+         (is_letter(text[end]) || is_digit(text[end]));
+}
+
 /// The frame field that starts at `at`, if one does.
 std::optional<Field> field_at(std::string_view text, std::size_t at) {
   const char c = text[at];
   if (c == '#' || c == '@') {
     const std::size_t end = skip_while(text, at, [c](char other) { return other == c; });
+    if (is_in_a_word(text, at, end)) return std::nullopt;
     const int length = static_cast<int>(end - at);
     return Field{at, end, length, c == '#' && length == 1};
   }
@@ -119,8 +133,9 @@ std::optional<Field> field_at(std::string_view text, std::size_t at) {
   if (printf_style && !digits.empty() && digits.front() != '0') return std::nullopt;
   int padding = digits.empty() ? 1 : 0;
   std::from_chars(digits.data(), digits.data() + digits.size(), padding);
-  if (padding < 1) return std::nullopt;
-  return Field{at, digits_end + (printf_style ? 1 : 0), padding, false};
+  const std::size_t end = digits_end + (printf_style ? 1 : 0);
+  if (padding < 1 || is_in_a_word(text, at, end)) return std::nullopt;
+  return Field{at, end, padding, false};
 }
 
 /// Whether nothing but a frame field would be written so: `##`, `%04d` and `$F4`, not `100%done` and `$FOO`.
@@ -137,22 +152,30 @@ bool is_frame_number(std::string_view text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), is_digit);
 }
 
-/// What stands between `prefix` and `suffix` in the names of files that exist, where it is a number.
-std::vector<std::string> numbers_on_disk(const std::string& prefix, const std::string& suffix) {
+/// Whether a folder that cannot be listed counts as empty where only its listing is forbidden: files may be
+/// written into such a folder all the same.
+enum class Unlistable { error, empty };
+
+/// What stands between `prefix` and `suffix` in the names of files that exist, where it is a number; nothing
+/// where there is no such folder. Throws Error where the folder cannot be listed to its end.
+std::vector<std::string> numbers_on_disk(const std::string& prefix, const std::string& suffix,
+                                         Unlistable unlistable) {
   namespace fs = std::filesystem;
   const std::size_t slash = prefix.rfind('/');
   const std::string folder = slash == std::string::npos ? "." : prefix.substr(0, slash + 1);
   const std::string stem = slash == std::string::npos ? prefix : prefix.substr(slash + 1);
   std::vector<std::string> numbers;
-  std::error_code no_such_folder;
-  for (fs::directory_iterator it(folder, no_such_folder), end; !no_such_folder && it != end;
-       it.increment(no_such_folder)) {
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().filename().string();
     if (name.size() <= stem.size() + suffix.size() || !name.starts_with(stem) || !name.ends_with(suffix))
       continue;
     std::string middle = name.substr(stem.size(), name.size() - stem.size() - suffix.size());
     if (is_frame_number(middle)) numbers.push_back(std::move(middle));
   }
+  const bool is_absent = error == std::errc::no_such_file_or_directory || error == std::errc::not_a_directory;
+  const bool is_empty = error == std::errc::permission_denied && unlistable == Unlistable::empty;
+  if (error && !is_absent && !is_empty) fail_to_read(folder, error, "folder cannot be listed");
   return numbers;
 }
 
@@ -316,9 +339,13 @@ SequencePattern::SequencePattern(std::string text, std::optional<int> lone_paddi
     at = found ? found->end : at + 1;
   }
   if (!field) return;
+  const std::string written = text_.substr(field->begin, field->end - field->begin);
+  std::error_code unknown;
+  if (is_lone(written) && std::filesystem::is_regular_file(text_, unknown)) return;
+  if (is_lone(written)) lone_field_ = written;
   prefix_ = text_.substr(0, field->begin);
   suffix_ = text_.substr(field->end);
-  const std::vector<std::string> numbers = numbers_on_disk(prefix_, suffix_);
+  const std::vector<std::string> numbers = numbers_on_disk(prefix_, suffix_, Unlistable::empty);
   padding_ = !field->probe_disk ? field->padding : lone_padding ? *lone_padding : padding_of(numbers);
   sign_before_padding_ = has_sign_before_padding(numbers, padding_);
 }
@@ -336,7 +363,7 @@ std::string SequencePattern::path(int frame) const {
 std::vector<int> SequencePattern::frames_on_disk() const {
   std::vector<int> frames;
   if (!has_frame_field()) return frames;
-  for (std::string_view number : numbers_on_disk(prefix_, suffix_)) {
+  for (std::string_view number : numbers_on_disk(prefix_, suffix_, Unlistable::error)) {
     const std::string_view whole = number;
     const std::optional<int> frame = take_int(number);
     // `shot.12.exr` is no frame of `shot.####.exr`: opening frame 12 would look for another file.
@@ -346,9 +373,11 @@ std::vector<int> SequencePattern::frames_on_disk() const {
   return frames;
 }
 
-std::string SequencePattern::hint_of_other_padding() const {
+std::string SequencePattern::hint_where_missing() const {
   if (!has_frame_field()) return "";
-  std::vector<std::string> numbers = numbers_on_disk(prefix_, suffix_);
+  std::vector<std::string> numbers = numbers_on_disk(prefix_, suffix_, Unlistable::error);
+  if (numbers.empty() && !lone_field_.empty())
+    return fmt::format("; '{}' stands for the frame number", lone_field_);
   std::erase_if(numbers, [&](const std::string& number) {
     std::string_view rest = number;
     const std::optional<int> frame = take_int(rest);

@@ -48,11 +48,13 @@ int number_in_name(const std::string& path);
 std::string field_of_folder(const std::string& path);
 
 /// A file name with at most one frame field: `####`, `@@@@` (digits = characters), `%04d`, `%d`, `$F4` or
-/// `$F`; a lone `#` takes its padding from the files on disk, and 1 digit where there are none. Folders hold
-/// no field.
+/// `$F`; a lone `#` takes its padding from the files on disk, and 1 digit where there are none. A lone `@`,
+/// `%d` or `$F` before a letter or digit is text (`me@home.exr`), and so is any lone field in the name of a
+/// file that exists. Folders hold no field.
 class SequencePattern {
  public:
-  /// Throws Error(usage) if there are two frame fields in the text.
+  /// Throws Error(usage) if there are two frame fields in the text, and Error where its folder cannot be
+  /// read.
   explicit SequencePattern(std::string text);
   /// A lone `#` has this padding, whatever is on disk.
   SequencePattern(std::string text, int lone_padding);
@@ -68,11 +70,13 @@ class SequencePattern {
   /// unless the files on disk have it in addition, as Blender's: `shot.-0001.exr`. The text itself where it
   /// has no frame field.
   std::string path(int frame) const;
-  /// Numbers of the files that exist, ascending; none where the text has no frame field.
+  /// Numbers of the files that exist, ascending; none where the text has no frame field. Throws Error where
+  /// the folder cannot be listed.
   std::vector<int> frames_on_disk() const;
   /// What to say behind "not found" where files exist whose numbers have another padding: `; shot.1.exr is
-  /// there, and shot.#.exr finds it`. Empty where none do.
-  std::string hint_of_other_padding() const;
+  /// there, and shot.#.exr finds it`; or, without files, of a lone field: `; '@' stands for the frame
+  /// number`. Else empty.
+  std::string hint_where_missing() const;
 
  private:
   SequencePattern(std::string text, std::optional<int> lone_padding);
@@ -82,6 +86,7 @@ class SequencePattern {
   std::string text_;
   std::string prefix_;
   std::string suffix_;
+  std::string lone_field_;            ///< the field, if it is one of a lone character
   int padding_ = 0;                   ///< 0: no frame field
   bool sign_before_padding_ = false;  ///< of negative numbers
 };

@@ -47,28 +47,18 @@ class OpenImageIoLibrary : public Library {
 
   std::unique_ptr<TextureFiles> texture_files() override { return make_texture_files(); }
 
-  void write(const std::string& path, int width, int height, std::span<const std::uint8_t> rgb) override {
-    write_to(path, width, height, rgb, nullptr);
-  }
-
   std::vector<unsigned char> png_bytes(int width, int height, std::span<const std::uint8_t> rgb) override {
     std::vector<unsigned char> bytes;
     OIIO::Filesystem::IOVecOutput memory(bytes);
-    write_to("memory.png", width, height, rgb, &memory);
-    return bytes;
-  }
-
- private:
-  /// To a file, or to `memory` where there is one.
-  static void write_to(const std::string& path, int width, int height, std::span<const std::uint8_t> rgb,
-                       OIIO::Filesystem::IOProxy* memory) {
-    const auto output = OIIO::ImageOutput::create(path);
-    const OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT8);
-    if (output && memory != nullptr) output->set_ioproxy(memory);
-    if (!output || !output->open(path, spec) || !output->write_image(OIIO::TypeDesc::UINT8, rgb.data()) ||
-        !output->close()) {
+    const auto output = OIIO::ImageOutput::create("memory.png");
+    OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT8);
+    spec.attribute("Software", "becalm");
+    if (output) output->set_ioproxy(&memory);
+    if (!output || !output->open("memory.png", spec) ||
+        !output->write_image(OIIO::TypeDesc::UINT8, rgb.data()) || !output->close()) {
       throw std::runtime_error(output ? output->geterror() : OIIO::geterror());
     }
+    return bytes;
   }
 };
 

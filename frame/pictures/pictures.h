@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 /// Picture files of any format, read and written by OpenImageIO. Loading that library takes 0.27 s and
@@ -59,15 +60,17 @@ class TextureFiles {
                               std::span<float> values) = 0;
 };
 
+/// Which software made the picture, as a text chunk of PNG has it.
+inline constexpr std::string_view kPngMark{"Software\0becalm", 15};
+
 class Library {
  public:
   virtual ~Library() = default;
   /// Throws std::runtime_error with the reason if the file cannot be opened, is a volume or has deep pixels.
   virtual std::unique_ptr<Picture> open(const std::string& path, Alpha alpha) = 0;
   virtual std::unique_ptr<TextureFiles> texture_files() = 0;
-  /// Writes 8-bit RGB in the format of the file's extension. Throws std::runtime_error with the reason.
-  virtual void write(const std::string& path, int width, int height, std::span<const std::uint8_t> rgb) = 0;
-  /// The same as the bytes of a PNG file.
+  /// 8-bit RGB as the bytes of a PNG file, with kPngMark among its first ones. Throws std::runtime_error with
+  /// the reason.
   virtual std::vector<unsigned char> png_bytes(int width, int height, std::span<const std::uint8_t> rgb) = 0;
 };
 

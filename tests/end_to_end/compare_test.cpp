@@ -138,21 +138,43 @@ TEST_F(Compare, AnyViewOfAStereoFileIsMeasured) {
   EXPECT_EQ(compared({"--view", "middle"}).status, 3);
 }
 
+/// Moves windows in a file's header by some pixels to the right.
+void move_windows(const std::string& path, const std::vector<std::string>& names, int by) {
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  for (const std::string& name : names) {
+    const std::size_t at = bytes.find(name) + name.size() + std::string("?box2i?").size() + 4;
+    for (const std::size_t x : {at, at + 8}) bytes[x] = static_cast<char>(bytes[x] + by);
+  }
+  write_text(path, bytes);
+}
+
 TEST_F(Compare, PixelsAreComparedWhereTheyLie) {
   write_frames(1, 1.0f);
   const std::string moved = folder_ / "moved.exr";
   fs::copy_file(frame_path(reference_, 1), moved);
-  // The windows of the header move by one pixel.
-  std::ifstream file(moved, std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(file), {}};
-  for (const char* name : {"dataWindow", "displayWindow"}) {
-    const std::size_t at = bytes.find(name) + std::string(name).size() + std::string("?box2i?").size() + 4;
-    for (const std::size_t x : {at, at + 8}) ++bytes[x];
-  }
-  write_text(moved, bytes);
+  move_windows(moved, {"dataWindow", "displayWindow"}, 1);
   const Outcome outcome = becalm({"compare", frame_path(reference_, 1), moved});
   EXPECT_EQ(outcome.status, 3);
   EXPECT_NE(outcome.err.find("(1, 0)"), std::string::npos) << outcome.err;
+}
+
+TEST_F(Compare, TheTemporalErrorIsThatOfPixelsThatBothFramesHave) {
+  write_frames(3, 1.0f);
+  // A pixel that is wrong, once only: in the first column, which the next frame's window does not reach.
+  Frame wrong = noise_frame(1);
+  wrong.image(Aov::beauty).at(0, 5, 1) += 100.0f;
+  io::write_exr(frame_path(test_, 1), wrong, {}, io::PixelType::float32);
+  for (int number = 1; number <= 3; ++number) {
+    for (const std::string& pattern : {reference_, test_})
+      move_windows(frame_path(pattern, number), {"dataWindow"}, number);
+  }
+  const std::string json = folder_ / "figures.json";
+  becalm_done({"compare", reference_, test_, "--max-temporal", "0", "--json", json});
+  EXPECT_EQ(nlohmann::json::parse(std::ifstream(json))["frames"][1]["temporal"], 0.0);
+  move_windows(frame_path(reference_, 2), {"dataWindow"}, 60);
+  move_windows(frame_path(test_, 2), {"dataWindow"}, 60);
+  EXPECT_EQ(becalm({"compare", reference_, test_, "--max-temporal", "0"}).status, 1) << "nothing in common";
 }
 
 TEST_F(Compare, FramesOfOtherSizesHaveNoTemporalError) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -31,6 +32,20 @@ TEST_F(Denoise, ADryRunTellsWhatWouldBeReadAndWrittenAndWritesNothing) {
                {"no such device"});
   fs::remove(folder_ / "in.0002.exr");
   EXPECT_EQ(becalm(command("out/a.####.exr", {"--dry-run", "--frames", "2-3"})).status, 3);
+}
+
+TEST_F(Denoise, GuidesThatAreNotFiniteAreCounted) {
+  const float infinity = std::numeric_limits<float>::infinity();
+  Frame frame = noise_frame(1);
+  frame.image(Aov::albedo).at(3, 4, 1) = std::numeric_limits<float>::quiet_NaN();
+  frame.image(Aov::normal).at(3, 4, 0) = infinity;
+  frame.image(Aov::normal).at(7, 4, 2) = -infinity;
+  frame.add(Aov::depth, infinity).at(9, 9, 0) = std::numeric_limits<float>::quiet_NaN();
+  io::write_exr(frame_path(input_, 1), frame, {}, io::PixelType::float32);
+  const Outcome outcome = becalm_done(command("out.####.exr"));
+  EXPECT_NE(outcome.err.find("frame 1: 3 pixels with NaN or Inf in albedo, normal or depth"),
+            std::string::npos)
+      << outcome.err;
 }
 
 TEST_F(Denoise, VerboseTellsLayersDeviceHistoryAndFiles) {

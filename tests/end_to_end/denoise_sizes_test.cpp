@@ -48,10 +48,11 @@ void write_window(const std::string& path, int number, const Imath::Box2i& data_
 }
 
 /// R, G and B of one value.
-void write_even(const std::string& path, float value, const Imath::Box2i& data_window) {
+void write_even(const std::string& path, float value, const Imath::Box2i& data_window,
+                const Imath::Box2i& display_window = kDisplay) {
   const Imath::V2i size = data_window.size() + Imath::V2i(1);
   std::vector<float> values(static_cast<std::size_t>(size.x) * size.y, value);
-  Imf::Header header(kDisplay, data_window);
+  Imf::Header header(display_window, data_window);
   Imf::FrameBuffer buffer;
   for (const char* name : {"R", "G", "B"}) {
     header.channels().insert(name, Imf::Channel(Imf::FLOAT));
@@ -226,6 +227,31 @@ TEST_F(Denoise, ImagesOfOnePixelAndWideOnes) {
       ASSERT_EQ(frame.height(), height);
       for (const float v : frame.image(Aov::beauty).data()) ASSERT_TRUE(std::isfinite(v)) << preset;
     }
+  }
+}
+
+TEST_F(Denoise, AStrayDataWindowIsTold) {
+  const Imath::Box2i small({3, 4}, {19, 12});
+  for (const int stray : {1, 2}) {
+    for (int number = 1; number <= 3; ++number) write_even(frame_path(input_, number), 0.5f, small);
+    write_even(frame_path(input_, stray), 0.5f, {{200000, 200000}, {200016, 200008}});
+    expect_error(becalm(command("out.####.exr", {"--dry-run"})), 3,
+                 {frame_path(input_, stray), "data window 17x9 at (200000, 200000)", "display window 48x32",
+                  "at most 65536 a side"});
+  }
+}
+
+TEST_F(Denoise, AntialiasTellsTheLargestFramesThatADeviceTakes) {
+  // No device binds 16 bytes for each of so many pixels at once. The files hold few of them.
+  const Imath::Box2i huge({0, 0}, {19999, 19999});
+  write_even(frame_path(input_, 1), 0.5f, {{0, 0}, {3, 3}}, huge);
+  write_even(frame_path(input_, 2), 0.5f, {{1, 0}, {4, 3}}, huge);
+  for (const bool dry : {true, false}) {
+    std::vector<std::string> words{"antialias", input_, "-o", folder_ / "out.####.exr"};
+    if (dry) words.push_back("--dry-run");
+    expect_error(
+        becalm(words), 4,
+        {frame_path(input_, 1), "whole frames, here of 20000x20000 px", "at most", "pixels on device"});
   }
 }
 

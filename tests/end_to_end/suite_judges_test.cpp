@@ -247,7 +247,7 @@ TEST_F(SuiteJudges, CalibrateProposesLimitsThatOtherSeedsPass) {
 TEST_F(SuiteJudges, CalibrateTellsWhatCannotBeMeasured) {
   for (const int number : {1, 2}) {
     io::write_compact_exr(folder_ / fmt::format("moves.{}.exr", number), noise_frame(number, kSize, kSize),
-                          {}, Imath::V2i(number, 0));
+                          {}, Imath::V2i(kSize * number, 0));
   }
   write_suite(shell_case("a", "cp moves.{frame}.exr $0; # {seed}", R"(, "frames": "1-2")",
                          R"("error": {"max_rel_mse": 1, "max_temporal_error": 1})"));

@@ -183,6 +183,20 @@ TEST_F(BadFile, SizesThatLieTakeNoMemory) {
   }
 }
 
+TEST_F(BadFile, WhatTheSystemLacksSaysNothingOfTheFile) {
+  write_test_file(path_, {scanline_part(window(0, 0, 8, 8), kColour)});
+  ASSERT_TRUE(has_all_chunks(path_));
+  rlimit usual{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &usual), 0);
+  const rlimit none{.rlim_cur = 0, .rlim_max = usual.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+  const std::string of_chunks = error_of(ExitStatus::resource, [&] { has_all_chunks(path_); });
+  const std::string of_pixels = error_of(ExitStatus::resource, [&] { read_exr(path_, 1, {}); });
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &usual), 0);
+  EXPECT_EQ(of_chunks, path_ + ": cannot be read: Too many open files");
+  EXPECT_EQ(of_pixels, of_chunks);
+}
+
 TEST_F(BadFile, CorruptPixels) {
   write_test_file(path_, {scanline_part(window(0, 0, 64, 64), kColour)});
   std::string bytes = read_bytes(path_);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 
 #include "frame/error.h"
@@ -12,11 +13,11 @@ namespace {
 
 using Frames = std::vector<int>;
 
-std::string error_of(auto work) {
+std::string error_of(auto work, ExitStatus status = ExitStatus::usage) {
   try {
     work();
   } catch (const Error& error) {
-    EXPECT_EQ(error.status(), ExitStatus::usage);
+    EXPECT_EQ(error.status(), status);
     EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
     return error.what();
   }
@@ -127,6 +128,14 @@ TEST(SequencePattern, TextWithoutField) {
   EXPECT_TRUE(SequencePattern("a.#.exr").has_frame_field());
 }
 
+TEST(SequencePattern, ALoneFieldBeforeALetterOrDigitIsText) {
+  for (const char* text : {"me@home.exr", "50%done.exr", "$FOO.exr", "me@2.exr"})
+    EXPECT_FALSE(SequencePattern(text).has_frame_field()) << text;
+  EXPECT_EQ(SequencePattern("me@home.####.exr").path(7), "me@home.0007.exr");
+  for (const char* text : {"shot.@.exr", "shot@.exr", "shot%d.exr", "shot_$F_left.exr", "shot$F"})
+    EXPECT_TRUE(SequencePattern(text).has_frame_field()) << text;
+}
+
 TEST(SequencePattern, FoldersHoldNoField) {
   EXPECT_EQ(SequencePattern("me@home/v%02d/shot.##.exr").path(3), "me@home/v%02d/shot.03.exr");
 }
@@ -181,10 +190,34 @@ TEST_F(OnDisk, NegativeNumbersMayHaveTheirSignBeforeThePadding) {
 TEST_F(OnDisk, HintsAtNumbersOfAnotherPadding) {
   const SequencePattern pattern(folder_.path("shot.####.exr"));
   touch("shot.0001.exr");
-  EXPECT_EQ(pattern.hint_of_other_padding(), "");
+  EXPECT_EQ(pattern.hint_where_missing(), "");
   touch("shot.2.exr");
-  EXPECT_EQ(pattern.hint_of_other_padding(),
+  EXPECT_EQ(pattern.hint_where_missing(),
             "; " + folder_.path("shot.2.exr") + " is there, and " + folder_.path("shot.#.exr") + " finds it");
+}
+
+TEST_F(OnDisk, ALoneFieldInTheNameOfAFileIsText) {
+  for (const char* name : {"me@.exr", "50%d.exr", "take#.exr", "shot.####.exr", "shot.$F4.exr"}) {
+    const std::string path = folder_.path(name);
+    EXPECT_TRUE(SequencePattern(path).has_frame_field()) << name;
+    touch(name);
+    const bool is_lone = !std::string(name).starts_with("shot");
+    EXPECT_EQ(SequencePattern(path).has_frame_field(), !is_lone) << name;
+  }
+}
+
+TEST_F(OnDisk, TellsWhatALoneFieldStandsFor) {
+  EXPECT_EQ(SequencePattern(folder_.path("me@.exr")).hint_where_missing(),
+            "; '@' stands for the frame number");
+  EXPECT_EQ(SequencePattern(folder_.path("me@@.exr")).hint_where_missing(), "");
+}
+
+TEST_F(OnDisk, AFolderThatCannotBeListedIsAnError) {
+  const std::string loop = folder_.path("loop");
+  std::filesystem::create_symlink(loop, loop);
+  EXPECT_EQ(
+      error_of([&] { SequencePattern(loop + "/shot.####.exr").frames_on_disk(); }, ExitStatus::bad_input),
+      loop + "/: folder cannot be listed: Too many levels of symbolic links");
 }
 
 TEST_F(OnDisk, LoneHashMayBeGivenItsPadding) {
