@@ -21,6 +21,8 @@ struct Block {
 
 /// Blocks without an owner, the oldest first.
 struct Kept {
+  // So that giving memory back needs none.
+  Kept() { blocks.reserve(kMostKept + 1); }
   std::mutex mutex;
   std::vector<Block> blocks;
   std::size_t bytes = 0;
