@@ -247,11 +247,12 @@ ExitStatus RenderJob::run() {
     run_frame_by_frame(work);
   }
   if (filter_) filter_->finish(profile_);
+  if (progress_->written() == asked.size()) remove_scratch_files();
   if (command_.noise_target) tell_expected_noise();
   return conclude(*progress_, asked.size(), command_.running.profile ? &profile_ : nullptr);
 }
 
-/// What a run that was stopped at its very end has left.
+/// What an earlier run has left and this one, as some outputs were there, had no need to read.
 void RenderJob::remove_scratch_files() const {
   if (!noisy_files_ || !command_.keep_noisy.empty()) return;
   for (const int frame : noisy_files_->existing) {

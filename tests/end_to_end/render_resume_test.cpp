@@ -127,5 +127,28 @@ TEST_F(Render, ResumedDenoiseWhileRenderingIsTheSame) {
   EXPECT_EQ(fs::last_write_time(folder_ / "a.0004.exr"), fourth);
 }
 
+class StoppedDenoise : public Render {
+ protected:
+  /// What a run for frames 1 to 4 has left that was stopped before it wrote the frames from `first_missing`
+  /// on: its noisy frames, in files of this name, and the frames before.
+  void stop(int first_missing, const std::string& noisy, const std::vector<std::string>& options) {
+    std::vector<std::string> all{"--frames", "1-4", "--keep-noisy", folder_ / noisy};
+    all.insert(all.end(), options.begin(), options.end());
+    render("a.####.exr", all);
+    for (int frame = first_missing; frame <= 4; ++frame)
+      fs::remove(frame_path(folder_ / "a.####.exr", frame));
+  }
+};
+
+TEST_F(StoppedDenoise, CompletedLeavesNoNoisyFrames) {
+  std::vector<std::string> options{"--denoise=balanced", "--segment", "2", "--warmup", "1"};
+  stop(4, "a.####.becalm-scratch-1-4.exr", options);  // frame 4 needs the noisy frames 3 and 4 only
+  options.insert(options.end(), {"--frames", "1-4", "--resume"});
+  render("a.####.exr", options);
+  for (const std::string& name : files_in(folder_.path())) {
+    EXPECT_EQ(name.find("becalm-scratch"), std::string::npos) << name;
+  }
+}
+
 }  // namespace
 }  // namespace becalm::test
