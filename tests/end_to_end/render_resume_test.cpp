@@ -150,5 +150,30 @@ TEST_F(StoppedDenoise, CompletedLeavesNoNoisyFrames) {
   }
 }
 
+TEST_F(StoppedDenoise, ResumesWithTheSamplesOfTheNoisyFrames) {
+  const std::vector<std::string> budget{"--denoise", "--time-budget", "1s", "--frames", "1-4", "--resume"};
+  const std::vector<std::string> sampled{"--denoise=balanced", "--adaptive", "--spp", "3"};
+  const auto expect_resumed = [&] {
+    EXPECT_EQ(io::read_attribute(folder_ / "a.0001.exr", "becalm:preset"), "balanced");
+    const std::string settings = io::read_attribute(folder_ / "a.0001.exr", "becalm:settings");
+    EXPECT_NE(settings.find(" spp=3 "), std::string::npos) << settings;
+  };
+  const auto resume = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"render", scene_, "-o", folder_ / "a.####.exr"};
+    arguments.insert(arguments.end(), budget.begin(), budget.end());
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = becalm_done(arguments);
+    EXPECT_NE(outcome.err.find("3 samples per pixel and balanced, as in the frames that are there"),
+              std::string::npos)
+        << outcome.err;
+  };
+  stop(1, "a.####.becalm-scratch-1-4.exr", sampled);
+  resume({});
+  expect_resumed();
+  stop(1, "kept.####.exr", sampled);
+  resume({"--keep-noisy", folder_ / "kept.####.exr"});
+  expect_resumed();
+}
+
 }  // namespace
 }  // namespace becalm::test
