@@ -177,16 +177,22 @@ void Outputs::refuse_foreign_file(const std::string& path, const FileMark& mark)
 void Outputs::check_places() const {
   for (const std::string& path : all_paths()) {
     check_place(option_, patterns_.front().text(), path);
-    std::error_code error;
-    if (fs::is_directory(path, error))
-      refuse_place(option_, path, std::make_error_code(std::errc::is_a_directory));
+    refuse_folder(path);
   }
+}
+
+void Outputs::refuse_folder(const std::string& path) const {
+  std::error_code error;
+  if (fs::is_directory(path, error))
+    refuse_place(option_, path, std::make_error_code(std::errc::is_a_directory));
 }
 
 void Outputs::prepare() {
   std::map<fs::path, std::set<std::string>> names;  // by folder
-  for (const std::string& path : all_paths())
+  for (const std::string& path : all_paths()) {
+    refuse_folder(path);
     names[fs::path(path).parent_path()].insert(fs::path(path).filename().string());
+  }
   for (const auto& [folder, files] : names) {
     std::error_code error;
     if (!folder.empty()) fs::create_directories(folder, error);
@@ -195,7 +201,7 @@ void Outputs::prepare() {
     if (!error && !fs::is_directory(place)) error = std::make_error_code(std::errc::not_a_directory);
     if (error) refuse_place(option_, patterns_.front().text(), error);
     locks_.push_back(
-        std::make_unique<FolderLock>(place, std::vector<std::string>(files.begin(), files.end())));
+        std::make_unique<FolderLock>(place, std::vector<std::string>(files.begin(), files.end()), option_));
     for (const fs::directory_entry& entry : fs::directory_iterator(place, error)) {
       const int owner = partial_owner(entry.path().filename().string(), files);
       // Nothing of this process is half written yet: a file of its number is a dead process's, as a container
