@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <array>
 #include <csignal>
 
 namespace becalm::app {
@@ -9,7 +10,9 @@ namespace {
 
 std::atomic<bool> stop{false};
 std::atomic<int> first_signal{0};
-static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
+std::array<std::atomic<pid_t>, 1024> child_groups{};  // as many as `becalm test` has jobs; 0: none
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free &&
+                  std::atomic<pid_t>::is_always_lock_free,
               "the signal handler may only touch lock-free atomics");
 
 /// A terminal that is closed often sends two of them, its shell's and the kernel's: the second is no sign of
@@ -18,10 +21,19 @@ bool is_hang_up(int signal) {
   return signal == SIGHUP;
 }
 
+void kill_child_groups() {
+  for (const std::atomic<pid_t>& group : child_groups) {
+    if (const pid_t leader = group; leader > 0) kill(-leader, SIGKILL);
+  }
+}
+
 extern "C" void on_signal(int signal) {
   int none = 0;
   const bool is_first = first_signal.compare_exchange_strong(none, signal);
-  if (!is_first && !is_hang_up(signal)) _exit(process_status(ExitStatus::interrupted));
+  if (!is_first && !is_hang_up(signal)) {
+    kill_child_groups();
+    _exit(process_status(ExitStatus::interrupted));
+  }
   stop = true;
 }
 
@@ -38,9 +50,24 @@ void catch_signals() {
   sigaction(SIGHUP, nullptr, &of_hang_up);
   const bool goes_on_without_terminal = of_hang_up.sa_handler == SIG_IGN;  // nohup
   if (!goes_on_without_terminal) sigaction(SIGHUP, &action, nullptr);
+  // Ignored by a parent, it would end children without a status to wait for.
+  action.sa_handler = SIG_DFL;
+  sigaction(SIGCHLD, &action, nullptr);
   action.sa_handler = SIG_IGN;
   sigaction(SIGPIPE, &action, nullptr);
   sigaction(SIGXFSZ, &action, nullptr);  // a limit of files' sizes is an error of writing
+}
+
+ChildGroup::ChildGroup(pid_t group) {
+  for (std::atomic<pid_t>& place : child_groups) {
+    pid_t none = 0;
+    if (!place.compare_exchange_strong(none, group)) continue;
+    place_ = &place;
+    return;
+  }
+}
+ChildGroup::~ChildGroup() {
+  if (place_ != nullptr) *place_ = 0;
 }
 
 const std::atomic<bool>& stop_requested() {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <sys/types.h>
+
 #include <atomic>
 
 #include "frame/error.h"
@@ -7,8 +9,8 @@
 namespace becalm::app {
 
 /// From now on SIGINT, SIGTERM and SIGHUP ask the command to stop and leave whole files only; a second SIGINT
-/// or SIGTERM ends the process at once. SIGHUP stays ignored if it was, as under nohup. SIGPIPE is ignored:
-/// whoever reads the progress may leave before the last frame.
+/// or SIGTERM ends the process at once, and its ChildGroups. SIGHUP stays ignored if it was, as under nohup.
+/// SIGPIPE is ignored: whoever reads the progress may leave before the last frame.
 void catch_signals();
 
 /// True once a signal came or `request_stop` was called; what the tracer and the loops over frames look at.
@@ -19,6 +21,18 @@ void request_stop();
 
 /// Whether a signal was the reason.
 bool interrupted();
+
+/// A process group that is killed if a second signal ends this process; the first 1024 that live at a time.
+class ChildGroup {
+ public:
+  explicit ChildGroup(pid_t group);
+  ~ChildGroup();
+  ChildGroup(const ChildGroup&) = delete;
+  ChildGroup& operator=(const ChildGroup&) = delete;
+
+ private:
+  std::atomic<pid_t>* place_ = nullptr;  ///< where the signal handler looks
+};
 
 /// The number with which the process ends: that of the status, but 129 if it was interrupted by SIGHUP.
 int process_status(ExitStatus status);

@@ -6,11 +6,13 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <new>
 #include <span>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "app/cancel.h"
@@ -49,6 +51,15 @@ constexpr const char* kFooter =
 int fail(ExitStatus status, const std::string& message) {
   becalm::app::say_error(status, message);
   return becalm::app::process_status(status);
+}
+
+/// The system's own what() has no path where the working directory is gone.
+std::string describe(const std::filesystem::filesystem_error& error) {
+  std::error_code missing;
+  const std::filesystem::path folder = std::filesystem::current_path(missing);
+  if (folder.empty())
+    return fmt::format("the working directory: {}; change to one that is there", missing.message());
+  return fmt::format("unexpected: {}", error.what());
 }
 
 /// Flushes standard output. The status tells if it could not be written.
@@ -173,6 +184,8 @@ int main(int argc, char** argv) {
     return fail(ExitStatus::resource, error.what());
   } catch (const std::bad_alloc&) {
     return fail(ExitStatus::resource, "not enough memory; smaller pictures and fewer layers need less");
+  } catch (const std::filesystem::filesystem_error& error) {
+    return fail(ExitStatus::resource, describe(error));
   } catch (const std::exception& error) {
     return fail(ExitStatus::resource, fmt::format("unexpected: {}", error.what()));
   }

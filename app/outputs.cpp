@@ -157,14 +157,20 @@ void Outputs::refuse_foreign_file(const std::string& path, const FileMark& mark)
 void Outputs::check_places() const {
   for (const std::string& path : all_paths()) {
     check_place(option_, patterns_.front().text(), path);
-    std::error_code error;
-    if (fs::is_directory(path, error))
-      refuse_place(option_, path, std::make_error_code(std::errc::is_a_directory));
+    refuse_folder(path);
   }
 }
 
+void Outputs::refuse_folder(const std::string& path) const {
+  std::error_code error;
+  if (fs::is_directory(path, error))
+    refuse_place(option_, path, std::make_error_code(std::errc::is_a_directory));
+}
+
 void Outputs::prepare() {
-  for (const auto& [folder, files] : by_folder(all_paths())) {
+  const std::vector<std::string> paths = all_paths();
+  for (const std::string& path : paths) refuse_folder(path);
+  for (const auto& [folder, files] : by_folder(paths)) {
     std::error_code error;
     if (!folder.empty()) fs::create_directories(folder, error);
     const fs::path place = folder.empty() ? fs::path(".") : folder;
@@ -172,7 +178,7 @@ void Outputs::prepare() {
     if (!error && !fs::is_directory(place)) error = std::make_error_code(std::errc::not_a_directory);
     if (error) refuse_place(option_, patterns_.front().text(), error);
     locks_.push_back(
-        std::make_unique<FolderLock>(place, std::vector<std::string>(files.begin(), files.end())));
+        std::make_unique<FolderLock>(place, std::vector<std::string>(files.begin(), files.end()), option_));
     remove_abandoned_partials(place, files);
   }
 }

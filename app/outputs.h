@@ -60,7 +60,7 @@ class Outputs {
 
   /// Makes the folder, locks the frames against other processes as long as this lives, and removes what
   /// killed runs left half-written of them. Throws Error(resource), before hours of work whose result could
-  /// not be written.
+  /// not be written, also for a folder in a frame's place.
   void prepare();
 
   /// An attribute of the first output that is there; empty if there is none.
@@ -76,6 +76,8 @@ class Outputs {
 
  private:
   std::vector<std::string> all_paths() const;
+  /// Throws Error(resource) for a folder in an output's place.
+  void refuse_folder(const std::string& path) const;
   [[noreturn]] void refuse_foreign_file(const std::string& path, const FileMark& mark) const;
   void check_attributes(const std::string& path, const io::Attributes& attributes) const;
 

@@ -81,6 +81,14 @@ std::vector<int> existing_frames(const std::vector<int>& asked, const tracer::Sc
   return {frames.begin(), frames.end()};
 }
 
+std::set<int> frames_in(const std::vector<filter::Segment>& segments) {
+  std::set<int> frames;
+  for (const filter::Segment& segment : segments) {
+    for (const filter::Step& step : segment) frames.insert(step.frame);
+  }
+  return frames;
+}
+
 /// The files of a frame: one, or where the pattern has a field for the eye one for each.
 std::vector<io::SequencePattern> patterns_of(const std::string& pattern, const std::vector<Eye>& eyes) {
   if (!has_eye_field(pattern)) return {io::SequencePattern(pattern)};
@@ -97,6 +105,7 @@ class RenderJob {
 
  private:
   bool has_segments() const { return filter_ && filter_->has_segments(); }
+  std::vector<filter::Segment> schedule(const std::vector<int>& work) const;
   void choose_noisy_files();
   void find_existing();
   void remove_scratch_files() const;
@@ -161,6 +170,12 @@ RenderJob::RenderJob(const RenderCommand& command, tracer::Scene scene)
   choose_noisy_files();
 }
 
+/// What the filter does to output the frames.
+std::vector<filter::Segment> RenderJob::schedule(const std::vector<int>& work) const {
+  return filter_->schedule(readable_, {work.begin(), work.end()}, usual_step(readable_));
+}
+
+/// A file for each frame that the filter will read: of a long scene, few are near the frames asked for.
 void RenderJob::choose_noisy_files() {
   const bool kept = !command_.keep_noisy.empty();
   if (has_eye_field(command_.keep_noisy)) {
@@ -170,12 +185,14 @@ void RenderJob::choose_noisy_files() {
   }
   if (!kept && !has_segments()) return;
   const std::string pattern =
-      kept ? command_.keep_noisy
-           : scratch_pattern(command_.output.pattern, eyes_.front(), outputs_->frames());
-  noisy_files_.emplace(
-      NoisyFiles{.outputs = Outputs(kept ? "--keep-noisy" : "-o", {io::SequencePattern(pattern)}, readable_),
-                 .attributes = render_attributes(kNoisyMark, {rendered_, asked_.light_groups},
-                                                 /*color=*/"float")});
+      noisy_pattern(command_.keep_noisy, command_.output.pattern, eyes_.front(), outputs_->frames());
+  const std::set<int> read = frames_in(schedule(outputs_->frames()));
+  noisy_files_.emplace(NoisyFiles{
+      .outputs =
+          Outputs(kept ? "--keep-noisy" : "-o", {io::SequencePattern(pattern)}, {read.begin(), read.end()}),
+      .attributes = render_attributes(kNoisyMark, {rendered_, asked_.light_groups},
+                                      /*color=*/"float"),
+      .preset = command_.preset});
   noisy_files_->outputs.keep_apart_from(scene_files_);
   std::vector<std::string> written;
   for (const int frame : outputs_->frames()) {
@@ -247,11 +264,12 @@ ExitStatus RenderJob::run() {
     run_frame_by_frame(work);
   }
   if (filter_) filter_->finish(profile_);
+  if (progress_->written() == asked.size()) remove_scratch_files();
   if (command_.noise_target) tell_expected_noise();
   return conclude(*progress_, asked.size(), command_.running.profile ? &profile_ : nullptr);
 }
 
-/// What a run that was stopped at its very end has left.
+/// What an earlier run has left and this one, as some outputs were there, had no need to read.
 void RenderJob::remove_scratch_files() const {
   if (!noisy_files_ || !command_.keep_noisy.empty()) return;
   for (const int frame : noisy_files_->existing) {
@@ -303,8 +321,7 @@ RenderedFrames RenderJob::rendered_frames() {
 void RenderJob::run_frame_by_frame(const std::vector<int>& work) {
   std::vector<filter::Step> steps;
   if (filter_) {
-    for (const filter::Segment& segment :
-         filter_->schedule(readable_, {work.begin(), work.end()}, usual_step(readable_))) {
+    for (const filter::Segment& segment : schedule(work)) {
       steps.insert(steps.end(), segment.begin(), segment.end());
     }
   } else {
@@ -316,12 +333,8 @@ void RenderJob::run_frame_by_frame(const std::vector<int>& work) {
 }
 
 void RenderJob::run_segments(const std::vector<int>& work) {
-  std::vector<filter::Segment> segments =
-      filter_->schedule(readable_, {work.begin(), work.end()}, usual_step(readable_));
-  std::set<int> needed;
-  for (const filter::Segment& segment : segments) {
-    for (const filter::Step& step : segment) needed.insert(step.frame);
-  }
+  std::vector<filter::Segment> segments = schedule(work);
+  std::set<int> needed = frames_in(segments);
   start_progress(needed.size());
   for (const int frame : work) needed.erase(frame);
   std::erase_if(needed, [&](int frame) { return noisy_files_->existing.contains(frame); });

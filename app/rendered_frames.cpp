@@ -62,7 +62,9 @@ std::optional<io::LoadedFrame> RenderedFrames::render(int frame) {
   }
   if (files_ != nullptr) {
     const ProfileScope scope(profile_, "write noisy");
-    io::write_exr(files_->outputs.path(frame), views, files_->attributes, io::PixelType::float32);
+    io::Attributes attributes = files_->attributes;
+    attributes.emplace_back("becalm:preset", files_->preset);
+    io::write_exr(files_->outputs.path(frame), views, attributes, io::PixelType::float32);
   }
   return made;
 }

@@ -19,8 +19,9 @@ namespace becalm::app {
 /// Files of noisy frames, as float with every layer that the filter reads.
 struct NoisyFiles {
   Outputs outputs;
-  io::Attributes attributes;
-  std::set<int> existing{};  ///< those that --resume found whole: read instead of rendered
+  io::Attributes attributes;  ///< that all of them must have to be read
+  std::string preset;         ///< that they are made for, though others may read them
+  std::set<int> existing{};   ///< those that --resume found whole: read instead of rendered
 };
 
 /// The tracer as a source of frames. Frames are made by one thread at a time; any may read files.

@@ -39,7 +39,9 @@ std::optional<std::pair<int, int>> asked_of(std::string_view name) {
 
 }  // namespace
 
-std::string scratch_pattern(const std::string& output, Eye first, const std::vector<int>& asked) {
+std::string noisy_pattern(const std::string& keep_noisy, const std::string& output, Eye first,
+                          const std::vector<int>& asked) {
+  if (!keep_noisy.empty()) return keep_noisy;
   const std::string base = base_of(output, first);
   const bool has_field = io::SequencePattern(base).has_frame_field();
   return fmt::format("{}{}{}-{}{}.exr", base, kScratch, std::ranges::min(asked), std::ranges::max(asked),

@@ -9,11 +9,13 @@
 
 namespace becalm::app {
 
-/// Where noisy frames wait for the filter without --keep-noisy: beside the outputs, under a name that nobody
-/// gives to frames that are kept. The name has a frame field even if the output, being one frame, has none:
-/// the filter reads its neighbours, too. It tells the frames asked for, so that jobs that read each other's
-/// frames have files of their own. `first` is the first eye of a pattern with a field for it.
-std::string scratch_pattern(const std::string& output, Eye first, const std::vector<int>& asked);
+/// Where noisy frames wait for the filter: in --keep-noisy, or if that is empty beside the outputs, under a
+/// name that nobody gives to frames that are kept. That name has a frame field even if the output, being one
+/// frame, has none: the filter reads its neighbours, too. It tells the frames asked for, so that jobs that
+/// read each other's frames have files of their own. `first` is the first eye of a pattern with a field for
+/// it.
+std::string noisy_pattern(const std::string& keep_noisy, const std::string& output, Eye first,
+                          const std::vector<int>& asked);
 
 /// Removes a file that nothing reads any more. If that fails, a warning for the user.
 std::optional<std::string> remove_scratch_file(const std::string& path);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <fnmatch.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -216,7 +217,7 @@ class TestJob {
     update.make();
     for (const std::string& change : update.changes()) fmt::print("{}\n", change);
     std::fflush(stdout);
-    if (!command_.yes && !asked("Keep the new references?")) {
+    if (!command_.yes && !asked(test, "Keep the new references?")) {
       ++counts.declined;
       return;
     }
@@ -225,8 +226,17 @@ class TestJob {
     counts.bytes += update.bytes();
   }
 
-  static bool asked(const std::string& question) {
+  /// Throws Error(interrupted) if a signal comes instead of the answer.
+  static bool asked(const TestCase& test, const std::string& question) {
     fmt::print(stderr, "{} [y/N] ", question);
+    constexpr int wait_ms = 100;  // a signal may come just before the wait, and would not end it
+    pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
+    while (std::cin.good() && poll(&input, 1, wait_ms) <= 0) {
+      if (!interrupted()) continue;
+      fmt::print(stderr, "\n");
+      throw Error(ExitStatus::interrupted,
+                  fmt::format("{}: interrupted; its references are as before", test.full_name()));
+    }
     std::string answer;
     std::getline(std::cin, answer);
     return answer == "y" || answer == "yes";

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +15,7 @@
 #include "app/eye_names.h"
 #include "app/outputs.h"
 #include "app/preset_choice.h"
+#include "app/scratch_files.h"
 #include "app/setting_text.h"
 #include "frame/error.h"
 
@@ -29,6 +32,28 @@ int recorded_spp(const std::string& pattern, const std::string& text) {
               fmt::format("{}: becalm:settings: spp={}, expected a number of samples", pattern, text));
 }
 
+/// What an earlier run has recorded in its files; empty where there are none.
+struct Recorded {
+  std::string spp;
+  std::string preset;
+};
+
+Recorded recorded_in(const Outputs& outputs) {
+  return {setting_value(outputs.recorded("becalm:settings"), "spp"), outputs.recorded("becalm:preset")};
+}
+
+/// Of the outputs, or if it was stopped before the first of them, of the noisy frames: of those asked for
+/// first, as others may share their folder.
+Recorded recorded_by_earlier_run(const RenderCommand& command, Eye first, std::vector<int> frames) {
+  const std::size_t eye = first == Eye::right ? 1 : 0;
+  const Recorded recorded =
+      recorded_in(Outputs("-o", {io::SequencePattern(pattern_of_eye(command.output.pattern, eye))}, frames));
+  if (!recorded.spp.empty()) return recorded;
+  const io::SequencePattern noisy(noisy_pattern(command.keep_noisy, command.output.pattern, first, frames));
+  std::ranges::copy(noisy.frames_on_disk(), std::back_inserter(frames));
+  return recorded_in(Outputs("--keep-noisy", {noisy}, std::move(frames)));
+}
+
 }  // namespace
 
 void choose_by_time(RenderCommand& command, tracer::Scene& scene) {
@@ -39,12 +64,10 @@ void choose_by_time(RenderCommand& command, tracer::Scene& scene) {
   const std::vector<Eye> eyes = eyes_of(command, scene.description());
   command.adaptive = true;
   if (command.output.resume) {
-    const std::size_t eye = eyes.front() == Eye::right ? 1 : 0;
-    const Outputs outputs("-o", {io::SequencePattern(pattern_of_eye(command.output.pattern, eye))}, frames);
-    const std::string spp = setting_value(outputs.recorded("becalm:settings"), "spp");
-    if (!spp.empty()) {
+    const auto [spp, preset] = recorded_by_earlier_run(command, eyes.front(), frames);
+    if (!spp.empty() && !(chooses_preset && preset.empty())) {
       command.asked_spp = recorded_spp(command.output.pattern, spp);
-      if (chooses_preset) command.preset = outputs.recorded("becalm:preset");
+      if (chooses_preset) command.preset = preset;
       command.choice =
           fmt::format("{} samples per pixel and {}, as in the frames that are there", spp, command.preset);
       return;

@@ -118,7 +118,7 @@ pid_t start(const std::vector<std::string>& arguments, const std::string& workin
 /// The group's first process, waited for.
 class Child {
  public:
-  explicit Child(pid_t process) : process_(process) {}
+  explicit Child(pid_t process) : process_(process), group_(process) {}
   ~Child() { kill(-process_, SIGKILL); }
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
@@ -144,6 +144,7 @@ class Child {
 
  private:
   pid_t process_;
+  const ChildGroup group_;
   int status_ = 0;
   rusage usage_ = {};
   bool ended_ = false;

@@ -6,11 +6,14 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <memory>
 #include <system_error>
 
 #include "app/frame_figures.h"
 #include "app/test/layer_as_beauty.h"
 #include "frame/error.h"
+#include "frame/io/atomic_file.h"
 #include "frame/io/exr.h"
 #include "frame/io/sequence.h"
 
@@ -43,6 +46,18 @@ void round_below_noise(Frame& frame) {
   }
 }
 
+/// A copy of the file that waits to be renamed to its place.
+std::unique_ptr<io::AtomicFile> copy_of(const std::string& made, const std::string& place) {
+  auto copy = std::make_unique<io::AtomicFile>(place);
+  std::ifstream file(made, std::ios::binary);
+  std::vector<char> bytes(std::size_t{1} << 20);
+  while (file.read(bytes.data(), static_cast<std::streamsize>(bytes.size())) || file.gcount() > 0)
+    copy->write(bytes.data(), static_cast<std::size_t>(file.gcount()));
+  if (!file.eof()) throw Error(ExitStatus::resource, fmt::format("{}: cannot be read", made));
+  copy->finish();
+  return copy;
+}
+
 /// `exact` keeps the file as it is; other judges need the beauty, and the guides where they denoise it.
 void write_reference(const TestCase& test, int spp, const std::string& from, int number,
                      const std::string& to) {
@@ -54,7 +69,7 @@ void write_reference(const TestCase& test, int spp, const std::string& from, int
                 fmt::format("frame {} has pixels that are not finite, and would be a bad reference", number));
   }
   if (test.judges.exact) {
-    fs::copy_file(from, to, fs::copy_options::overwrite_existing);
+    copy_of(from, to)->commit();
     return;
   }
   if (test.judges.statistical && !frame.has(Aov::variance)) {
@@ -167,19 +182,11 @@ std::string ReferenceUpdate::change_of(int frame, const std::string& old_file,
 }
 
 void ReferenceUpdate::accept() const {
+  // All are written beside their places before the first is renamed, so that a full disk changes none.
+  std::vector<std::unique_ptr<io::AtomicFile>> copies;
+  for (const auto& [made, place] : files_) copies.push_back(copy_of(made, place));
+  for (const auto& copy : copies) copy->commit();
   std::error_code error;
-  fs::create_directories(test_.reference_folder, error);
-  for (const auto& [made, place] : files_) {
-    // A copy and a rename, so that a reference is whole or the one before.
-    const std::string partial = place + ".partial";
-    if (!error) fs::copy_file(made, partial, fs::copy_options::overwrite_existing, error);
-    if (!error) fs::rename(partial, place, error);
-    if (error) {
-      std::error_code ignored;
-      fs::remove(partial, ignored);
-      throw Error(ExitStatus::resource, fmt::format("{}: cannot write it: {}", place, error.message()));
-    }
-  }
   for (const std::string& path : outdated_) {
     if (!fs::remove(path, error) && error)
       throw Error(ExitStatus::resource, fmt::format("{}: cannot remove it: {}", path, error.message()));

@@ -34,7 +34,7 @@ class ReferenceUpdate {
   const std::vector<std::string>& changes() const { return changes_; }
   /// All new references together.
   std::uint64_t bytes() const { return bytes_; }
-  /// Puts them in their place. Throws Error(resource).
+  /// Puts them in their place, all or none: throws Error(resource) before the first if one cannot be written.
   void accept() const;
 
  private:

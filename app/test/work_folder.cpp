@@ -62,11 +62,14 @@ WorkFolder::WorkFolder(const std::string& kept, const std::vector<TestCase>& cas
   std::error_code error;
   fs::create_directories(path_, error);
   if (error) fail_to_make(path_, error);
+  std::vector<std::string> names;
   for (const TestCase& test : cases) {
     const std::string folder = path_of(test);
     keep_foreign_files(folder);
     check_place("--keep", folder, folder + "/" + kMarker);
+    names.push_back(test.full_name());
   }
+  lock_.emplace(path_, names, "--keep");
 }
 
 WorkFolder::~WorkFolder() {

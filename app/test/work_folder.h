@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "app/folder_lock.h"
 #include "app/test/suite.h"
 
 namespace becalm::app {
@@ -11,7 +13,7 @@ namespace becalm::app {
 class WorkFolder {
  public:
   /// `kept` empty: a temporary folder. Throws Error(resource) where it or the folder of a case cannot be
-  /// made, and Error(usage) where that holds files of others.
+  /// made or another becalm uses it, and Error(usage) where that holds files of others.
   WorkFolder(const std::string& kept, const std::vector<TestCase>& cases);
   ~WorkFolder();
   WorkFolder(const WorkFolder&) = delete;
@@ -24,6 +26,7 @@ class WorkFolder {
   std::string path_of(const TestCase& test) const;
 
   std::string path_;
+  std::optional<FolderLock> lock_;  ///< on the cases of a kept folder
   bool is_temporary_;
 };
 

@@ -5,6 +5,7 @@
 #include <cctype>
 #include <charconv>
 #include <cstdio>
+#include <cstdlib>
 #include <optional>
 
 #include "filter/gpu/device_impl.h"
@@ -15,9 +16,16 @@ namespace becalm::gpu {
 namespace {
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
-constexpr const char* kNoDriver =
-    "no Vulkan driver found; install one, such as Debian's mesa-vulkan-drivers, which has a software device "
-    "too";
+/// What to do where the loader finds no driver: variables of its environment tell it where to look.
+std::string no_driver() {
+  for (const char* variable : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES"}) {  // in the loader's order
+    const char* value = std::getenv(variable);
+    if (value != nullptr && *value != '\0')
+      return std::string("no Vulkan driver found in ") + variable + "=" + value + "; correct or unset it";
+  }
+  return "no Vulkan driver found; install one, such as Debian's mesa-vulkan-drivers, which has a software "
+         "device too";
+}
 
 struct Candidate {
   vk::raii::PhysicalDevice device = nullptr;
@@ -161,7 +169,7 @@ std::string lower(std::string text) {
 }
 
 Candidate choose(const std::vector<Candidate>& candidates, const std::string& select) {
-  if (candidates.empty()) throw DeviceError(kNoDriver);
+  if (candidates.empty()) throw DeviceError(no_driver());
   if (select.empty()) {
     return *std::ranges::min_element(candidates, {}, [](const Candidate& c) { return preference(c.info); });
   }
@@ -225,9 +233,9 @@ Device::Impl::Impl(const DeviceOptions& options) : context(load_vulkan()) {
     if (options.validation) messenger = create_messenger(instance, &messages);
     chosen = choose(find_candidates(instance), options.select);
   } catch (const vk::IncompatibleDriverError&) {
-    throw DeviceError(kNoDriver);
+    throw DeviceError(no_driver());
   } catch (const vk::InitializationFailedError&) {
-    throw DeviceError(kNoDriver);
+    throw DeviceError(no_driver());
   } catch (const vk::SystemError& error) {
     throw DeviceError(std::string("Vulkan cannot be started: ") + error.what());
   }

@@ -86,13 +86,18 @@ void AtomicFile::seek(std::uint64_t position) {
   position_ = position;
 }
 
-void AtomicFile::commit() {
+void AtomicFile::finish() {
   fail_if_failed();
   take_mode_of(path_, ::fileno(file_));
   if (std::fflush(file_) != 0 || ::fsync(::fileno(file_)) != 0) fail("write it", errno);
   const int closed = std::fclose(file_);
   file_ = nullptr;
   if (closed != 0) fail("write it", errno);
+}
+
+void AtomicFile::commit() {
+  fail_if_failed();
+  if (file_ != nullptr) finish();
   if (std::rename(partial_path_.c_str(), path_.c_str()) != 0) fail("rename its partial file", errno);
   partial_path_.clear();
   sync_folder(fs::path(path_).parent_path());

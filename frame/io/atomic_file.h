@@ -7,8 +7,8 @@
 namespace becalm::io {
 
 /// A file that appears at its place whole or not at all. It is written as `PATH.partial.PID.N` beside its
-/// place, where no pattern for `.exr` files finds it, and commit() flushes it to the disk and renames it,
-/// with the mode of the file that it replaces. Until then, and after any failure, whatever was at `path`
+/// place, where no pattern for `.exr` files finds it, flushed to the disk and renamed, with the mode of the
+/// file that it replaces. Until then, and after any failure, whatever was at `path`
 /// before stays there. Every failure throws Error(resource) naming `path`.
 class AtomicFile {
  public:
@@ -23,7 +23,10 @@ class AtomicFile {
   std::uint64_t position() const { return position_; }
   void seek(std::uint64_t position);
 
-  /// Also throws if an earlier write or seek failed whose exception somebody swallowed.
+  /// Ends writing: flushes the file to the disk, so that nothing but the rename is left to commit(). Also
+  /// throws if an earlier write or seek failed whose exception somebody swallowed.
+  void finish();
+  /// After finish(), or with it.
   void commit();
 
  private:

@@ -15,6 +15,8 @@ namespace becalm::raw {
 namespace {
 
 void check(int result) {
+  // LibRaw's text for all of it is 'Input/output error'.
+  if (result == LIBRAW_IO_ERROR) throw std::runtime_error("it is truncated, or cannot be read");
   if (result != LIBRAW_SUCCESS) throw std::runtime_error(libraw_strerror(result));
 }
 

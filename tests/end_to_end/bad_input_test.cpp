@@ -337,5 +337,28 @@ TEST_F(BadInput, LayerThatOneFrameLacks) {
                kBadInput, {"in.0002.exr", "albedo", "in.0001.exr"});
 }
 
+TEST_F(BadInput, ANumberBeyondFloatsIsToldTheirRange) {
+  replace_in_scene("[8, 8, 7]", "1e308");
+  expect_error(render({}), kBadInput, {"/objects/2/emission", "at most 3.4e38 in size, found 1e+308"});
+}
+
+TEST_F(BadInput, AWorkingDirectoryThatIsGoneIsTold) {
+  fs::create_directories(folder_ / "gone");
+  const Outcome outcome = Process({"render", scene_, "-o", "out.####.exr"},
+                                  "cd '" + (folder_ / "gone") + "'; rmdir \"$PWD\"; exec \"$0\" \"$@\"")
+                              .wait();
+  expect_error(outcome, kResource, {"the working directory: No such file or directory"});
+}
+
+TEST_F(BadInput, AVariableThatNamesNoDriverIsTold) {
+  for (const char* variable : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES"}) {
+    const Outcome outcome =
+        Process({"info", "device"},
+                fmt::format("unset VK_DRIVER_FILES; {}=/none.json exec \"$0\" \"$@\"", variable))
+            .wait();
+    expect_error(outcome, kResource, {std::string("found in ") + variable + "=/none.json"});
+  }
+}
+
 }  // namespace
 }  // namespace becalm::test

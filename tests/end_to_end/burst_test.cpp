@@ -273,7 +273,8 @@ TEST_F(Burst, RefusesWhatIsNoBurst) {
         << std::string(std::istreambuf_iterator<char>(std::ifstream(inputs[0], std::ios::binary).rdbuf()), {})
                .substr(0, 2000);
   }
-  expect_error(becalm(command({inputs[0], folder_ / "short.dng"}, output)), 3, {"short.dng"});
+  expect_error(becalm(command({inputs[0], folder_ / "short.dng"}, output)), 3,
+               {"short.dng: it is truncated, or cannot be read"});
 }
 
 }  // namespace

@@ -127,5 +127,53 @@ TEST_F(Render, ResumedDenoiseWhileRenderingIsTheSame) {
   EXPECT_EQ(fs::last_write_time(folder_ / "a.0004.exr"), fourth);
 }
 
+class StoppedDenoise : public Render {
+ protected:
+  /// What a run for frames 1 to 4 has left that was stopped before it wrote the frames from `first_missing`
+  /// on: its noisy frames, in files of this name, and the frames before.
+  void stop(int first_missing, const std::string& noisy, const std::vector<std::string>& options) {
+    std::vector<std::string> all{"--frames", "1-4", "--keep-noisy", folder_ / noisy};
+    all.insert(all.end(), options.begin(), options.end());
+    render("a.####.exr", all);
+    for (int frame = first_missing; frame <= 4; ++frame)
+      fs::remove(frame_path(folder_ / "a.####.exr", frame));
+  }
+};
+
+TEST_F(StoppedDenoise, CompletedLeavesNoNoisyFrames) {
+  std::vector<std::string> options{"--denoise=balanced", "--segment", "2", "--warmup", "1"};
+  stop(4, "a.####.becalm-scratch-1-4.exr", options);  // frame 4 needs the noisy frames 3 and 4 only
+  options.insert(options.end(), {"--frames", "1-4", "--resume"});
+  render("a.####.exr", options);
+  for (const std::string& name : files_in(folder_.path())) {
+    EXPECT_EQ(name.find("becalm-scratch"), std::string::npos) << name;
+  }
+}
+
+TEST_F(StoppedDenoise, ResumesWithTheSamplesOfTheNoisyFrames) {
+  const std::vector<std::string> budget{"--denoise", "--time-budget", "1s", "--frames", "1-4", "--resume"};
+  const std::vector<std::string> sampled{"--denoise=balanced", "--adaptive", "--spp", "3"};
+  const auto expect_resumed = [&] {
+    EXPECT_EQ(io::read_attribute(folder_ / "a.0001.exr", "becalm:preset"), "balanced");
+    const std::string settings = io::read_attribute(folder_ / "a.0001.exr", "becalm:settings");
+    EXPECT_NE(settings.find(" spp=3 "), std::string::npos) << settings;
+  };
+  const auto resume = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"render", scene_, "-o", folder_ / "a.####.exr"};
+    arguments.insert(arguments.end(), budget.begin(), budget.end());
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = becalm_done(arguments);
+    EXPECT_NE(outcome.err.find("3 samples per pixel and balanced, as in the frames that are there"),
+              std::string::npos)
+        << outcome.err;
+  };
+  stop(1, "a.####.becalm-scratch-1-4.exr", sampled);
+  resume({});
+  expect_resumed();
+  stop(1, "kept.####.exr", sampled);
+  resume({"--keep-noisy", folder_ / "kept.####.exr"});
+  expect_resumed();
+}
+
 }  // namespace
 }  // namespace becalm::test

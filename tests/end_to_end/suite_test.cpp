@@ -5,7 +5,6 @@
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfOutputFile.h>
 #include <gtest/gtest.h>
-#include <signal.h>
 
 #include <boost/property_tree/ptree.hpp>
 #include <boost/property_tree/xml_parser.hpp>
@@ -283,20 +282,6 @@ TEST_F(SuiteTest, AWorkFolderThatCannotBeMadeIsNamedWhole) {
   const std::string missing = folder_ / "missing";
   const Outcome outcome = Process({"test", suite_}, "TMPDIR='" + missing + "' exec \"$0\" \"$@\"").wait();
   expect_error(outcome, 4, {missing + "/becalm_test_", ": cannot make the folder", "TMPDIR"});
-}
-
-TEST_F(SuiteTest, AnInterruptEndsTheChildren) {
-  write_suite(shell_case("long", "echo $$ >pid.part; mv pid.part pid; sleep 60 & wait") + "," +
-              shell_case("next"));
-  for (const char* name : {"long", "next"}) write_reference(name);
-  Process process({"test", suite_});
-  ASSERT_TRUE(wait_until([&] { return fs::exists(folder_ / "pid"); }));
-  const pid_t group = std::stoi(read_text(folder_ / "pid"));
-  process.signal(SIGINT);
-  const Outcome outcome = process.wait();
-  EXPECT_EQ(outcome.status, 130) << outcome.err;
-  expect_words(outcome.out, {"0 passed, 0 failed, 0 errors, 2 skipped"});
-  EXPECT_TRUE(wait_until([&] { return kill(-group, 0) != 0; })) << "the child's children run on";
 }
 
 }  // namespace

@@ -202,6 +202,8 @@ double JsonValue::number(double low, double high) const {
   const double value = value_->is_number() ? value_->get<double>() : std::nan("");
   if (value >= low && value <= high) return value;
   constexpr double any_number = std::numeric_limits<float>::max();
+  if (high == any_number && (value > high || (value < low && low == -any_number)))
+    fail("expected a number of at most 3.4e38 in size, found " + brief(*value_));
   if (low == -any_number && high == any_number) fail("expected a number, found " + brief(*value_));
   if (high == any_number)
     fail(fmt::format("expected a number of at least {}, found {}", low, brief(*value_)));
