@@ -59,8 +59,10 @@ def add_ambient(path):
     spec.format = oiio.FLOAT
     lit = oiio.ImageBuf(spec)
     lit.set_pixels(oiio.ROI(), np.ascontiguousarray(pixels[..., kept]))
-    lit.write(str(path) + ".partial.exr", oiio.FLOAT)
-    Path(str(path) + ".partial.exr").replace(path)
+    partial = Path(f"{path}.partial.exr")
+    if not lit.write(str(partial), oiio.FLOAT):
+        raise OSError(f"{partial}: {lit.geterror()}")
+    partial.replace(path)
 
 
 def render(becalm, scene, folder, frames, size, spp, cycle, options=()):
