@@ -16,7 +16,7 @@
 #include "app/outputs.h"
 #include "frame/error.h"
 #include "frame/io/atomic_file.h"
-#include "tracer/scene/load/text_file.h"
+#include "frame/text_file.h"
 
 namespace becalm::app {
 namespace fs = std::filesystem;
@@ -83,7 +83,7 @@ void keep_foreign_file(const ReportFile& report) {
   if (!fs::is_regular_file(report.path, error) || fs::file_size(report.path, error) == 0) return;
   constexpr std::uintmax_t largest_report = 1u << 28;
   std::optional<std::string> text;
-  if (fs::file_size(report.path, error) <= largest_report) text = tracer::read_text_file(report.path);
+  if (fs::file_size(report.path, error) <= largest_report) text = read_text_file(report.path);
   if (text && is_report(report.kind, *text)) return;
   fail(ExitStatus::usage, report,
        fmt::format("is there, and is no {}; choose another name", description_of(report.kind)));
