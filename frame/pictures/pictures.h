@@ -4,11 +4,19 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 /// Picture files of any format, read and written by OpenImageIO. Loading that library takes 0.27 s and
 /// 120 MiB, since it brings 250 others, so the first call of pictures::library() loads it.
 namespace becalm::pictures {
+
+/// The channel called `name` ("r", "g", "b" or "a") of a file with so many channels; -1 if there is none.
+/// Grey serves as r, g and b.
+inline int find_channel(int channels, int alpha_channel, std::string_view name) {
+  if (name == "a") return alpha_channel;
+  return channels >= 3 ? static_cast<int>(std::string_view("rgb").find(name)) : 0;
+}
 
 struct Header {
   int width = 0;
