@@ -72,7 +72,7 @@ std::optional<Image> AdaptiveSampling::counts(int frame) {
     return counts;
   }
   const auto limit = [&](double factor) {
-    return std::clamp(static_cast<int>(factor * options_.spp), least, 65536);
+    return std::clamp(static_cast<int>(factor * options_.spp), least, tracer::kMostSamples);
   };
   return tracer::counts_of_mean(pilot, width_, height_, std::max(options_.spp, least),
                                 {.least = limit(kFewest), .most = limit(kMost)});

@@ -19,7 +19,6 @@
 #include "app/console.h"
 #include "app/counted.h"
 #include "app/help.h"
-#include "app/mebibytes.h"
 #include "app/options.h"
 #include "app/outputs.h"
 #include "app/partial_files.h"
@@ -30,6 +29,7 @@
 #include "filter/sequence/frame_filter.h"
 #include "frame/error.h"
 #include "frame/io/exr.h"
+#include "frame/mebibytes.h"
 #include "frame/raw/dng.h"
 
 namespace becalm::app {

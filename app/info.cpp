@@ -24,7 +24,6 @@
 #include "app/frame_problems.h"
 #include "app/half_buffers.h"
 #include "app/layer_arguments.h"
-#include "app/mebibytes.h"
 #include "app/noisy_image.h"
 #include "app/options.h"
 #include "app/sequence_arguments.h"
@@ -34,6 +33,7 @@
 #include "frame/io/exr.h"
 #include "frame/io/printable.h"
 #include "frame/io/sequence.h"
+#include "frame/mebibytes.h"
 #include "tracer/describe_scene.h"
 #include "tracer/scene/load/load.h"
 

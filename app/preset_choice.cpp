@@ -19,7 +19,6 @@ constexpr int kLargestHeight = 216;
 /// Measured frames. Where both directions are searched, they are a segment, and one more on either side is
 /// its warm-up: a quarter, as in default segments.
 constexpr int kFrames = 4;
-constexpr int kMostSamples = 65536;
 
 /// The centre of the frame.
 Frame centre_of(const Frame& frame) {
@@ -97,7 +96,7 @@ RenderChoice choose_preset_and_samples(const std::vector<PresetTime>& presets, d
   };
   const auto samples = [&](const PresetTime& preset) {
     const double spp = std::floor((seconds - preset.seconds) / seconds_per_spp);
-    return static_cast<int>(std::clamp<double>(spp, 0.0, kMostSamples));
+    return static_cast<int>(std::clamp<double>(spp, 0.0, tracer::kMostSamples));
   };
   RenderChoice best{presets.front(), std::max(1, samples(presets.front()))};
   for (const PresetTime& preset : presets) {

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "app/console.h"
-#include "app/mebibytes.h"
+#include "frame/mebibytes.h"
 
 namespace becalm::app {
 namespace {

@@ -14,6 +14,7 @@
 #include "app/parse_numbers.h"
 #include "frame/error.h"
 #include "frame/io/sequence.h"
+#include "tracer/sample_counts.h"
 
 namespace becalm::app {
 namespace {
@@ -47,7 +48,7 @@ void add_sampling(CLI::App& parser, RenderCommand& command) {
   parser
       .add_option("--spp", command.asked_spp,
                   "Samples per pixel (default: 8; the most with --noise-target: 256)")
-      ->check(whole_number_from(1, 65536))
+      ->check(whole_number_from(1, tracer::kMostSamples))
       ->option_text("N")
       ->group("Rendering");
   parser
@@ -56,7 +57,7 @@ void add_sampling(CLI::App& parser, RenderCommand& command) {
           "Samples per pixel of albedo, normal, depth, motion and ids where that is more than --spp; they "
           "cost little, since they trace no light, and edges denoise better (default: 16; --spp where the "
           "scene has a jitter_cycle)")
-      ->check(whole_number_from(1, 65536))
+      ->check(whole_number_from(1, tracer::kMostSamples))
       ->option_text("N")
       ->group(more("Rendering"));
   parser

@@ -18,7 +18,7 @@
 #include "frame/error.h"
 #include "frame/io/atomic_file.h"
 #include "frame/pictures/pictures.h"
-#include "tracer/scene/load/text_file.h"
+#include "frame/text_file.h"
 
 namespace becalm::app {
 namespace fs = std::filesystem;
@@ -92,7 +92,7 @@ std::optional<std::string> text_of(const ReportFile& report) {
   std::error_code error;
   if (report.kind != ReportKind::compare_picture) {
     if (fs::file_size(report.path, error) > largest_report) return std::nullopt;
-    return tracer::read_text_file(report.path);
+    return read_text_file(report.path);
   }
   std::ifstream file(report.path, std::ios::binary);
   std::string text(picture_header, '\0');

@@ -6,10 +6,6 @@
 
 namespace becalm {
 
-void Flicker::add(const Image& test, const Image& reference) {
-  add(test, reference, reference);
-}
-
 void Flicker::add(const Image& test, const Image& reference_a, const Image& reference_b) {
   const std::array images{&test, &reference_a, &reference_b};
   require_comparable(images);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "frame/mebibytes.h"
 #include "tracer/path_trace.h"
 #include "tracer/snapshot/snapshot.h"
 
@@ -18,8 +19,8 @@ std::size_t mesh_bytes(const SceneDescription& description) {
   return sum;
 }
 
-std::string mebibytes(std::size_t bytes) {
-  return fmt::format("{:.1f} MiB", static_cast<double>(bytes) / 1048576.0);
+std::string size_text(std::size_t bytes) {
+  return fmt::format("{:.1f} MiB", mebibytes(bytes));
 }
 
 /// What was built and chosen for the scene.
@@ -36,18 +37,18 @@ void describe_consequences(Scene& scene, std::vector<std::string>& lines) {
       needs.alpha ? ", filter functions on what has opacity" : "", size.stored_triangles,
       size.visible_triangles));
   std::string memory =
-      fmt::format("memory:    {} by Embree's count", mebibytes(static_cast<std::size_t>(size.embree_bytes)));
+      fmt::format("memory:    {} by Embree's count", size_text(static_cast<std::size_t>(size.embree_bytes)));
   if (size.stored_triangles > 0) {
     const double per_triangle =
         static_cast<double>(size.embree_bytes) / static_cast<double>(size.stored_triangles);
     memory += fmt::format(" ({:.0f} bytes a stored triangle)", per_triangle);
-    memory += fmt::format(", {} of meshes", mebibytes(mesh_bytes(scene.description())));
+    memory += fmt::format(", {} of meshes", size_text(mesh_bytes(scene.description())));
   }
   if (needs.textures)
-    memory += fmt::format(", {} of textures", mebibytes(scene.description().textures.resident_bytes()));
+    memory += fmt::format(", {} of textures", size_text(scene.description().textures.resident_bytes()));
   if (needs.procedurals)
-    memory += fmt::format(", {} of procedural surfaces", mebibytes(snapshot.procedural_bytes()));
-  if (needs.media) memory += fmt::format(", {} of media", mebibytes(snapshot.media_bytes()));
+    memory += fmt::format(", {} of procedural surfaces", size_text(snapshot.procedural_bytes()));
+  if (needs.media) memory += fmt::format(", {} of media", size_text(snapshot.media_bytes()));
   lines.push_back(memory);
 }
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <utility>
 #include <vector>
-#include "frame/frame.h"
 
+#include "frame/frame.h"
 #include "tracer/path_trace.h"
 
 namespace becalm::tracer {

@@ -55,8 +55,12 @@ inline constexpr float kShadowShortening = 1e-4f;
 /// Interfaces that a path crosses at most: rounding may find one again and again.
 inline constexpr int kMostCrossings = 1000;
 
-/// Between the seeds of a path's rays.
-inline constexpr std::uint32_t kRaySeedStep = 0x9e3779b9u;
+/// The random numbers of one light sample, in [0,1).
+struct LightNumbers {
+  float light;
+  V2f point;
+  V2f shadow;  ///< of the media on the way; only with media
+};
 
 /// One path from the eye on, and what it has gathered so far.
 template <Features F>
@@ -109,18 +113,19 @@ class Path {
   void see_primary(std::uint32_t object, float distance, const PointMotion& point);
   bool cross_interface(const ObjectState& object, const Hit& hit, const Surface& surface);
   bool scatter_in_medium(const Medium& medium, float t);
-  void gather_direct_light_in_medium(const V3f& position, float g, float u_light, const V2f& u);
+  void gather_direct_light_in_medium(const V3f& position, float g, const LightNumbers& u);
   void gather_emission(const ObjectState& object, const Hit& hit, const Surface& surface);
   bool scatter(const ObjectState& object, const Hit& hit, Surface& surface);
   const Bsdf& shade(const ObjectState& object, const Hit& hit, Surface& surface, float u_mix,
                     std::optional<Bsdf>& local, V3f& tangent);
   void bend_differential(const ObjectState& object, const Hit& hit, const V3f& normal,
                          const BsdfSample& scattered, const V3f& wi_world);
-  V3f transmission(Ray shadow, Interiors interiors);
-  V3f visibility(const V3f& from, const V3f& position, const LightSample& light, const Interiors& interiors);
+  V3f transmission(Ray shadow, Interiors interiors, const V2f& u);
+  V3f visibility(const V3f& from, const V3f& position, const LightSample& light, const Interiors& interiors,
+                 const V2f& u);
   bool survives_roulette(float u);
   void gather_direct_light(const ObjectState& object, std::uint32_t number, const ShadingVertex& vertex,
-                           float u_light, const V2f& u);
+                           const LightNumbers& u);
 
   /// Gives the next ray its own opacity decisions.
   void next_ray_seed() { ray_.seed += kRaySeedStep; }

@@ -25,9 +25,10 @@ bool Path<F>::scatter_in_medium(const Medium& medium, float t) {
   }
   if (depth_ == integrator_.max_depth || is_black(throughput_)) return false;
 
-  const auto [u_light, u_light_point, u_phase, u_roulette] = sampler_.next<float, V2f, V2f, float>();
+  const auto [u_light, u_light_point, u_shadow, u_phase, u_roulette] =
+      sampler_.next<float, V2f, V2f, V2f, float>();
   const float g = mean_cosine(medium);
-  if (draws_lights_) gather_direct_light_in_medium(position, g, u_light, u_light_point);
+  if (draws_lights_) gather_direct_light_in_medium(position, g, {u_light, u_light_point, u_shadow});
   const PhaseSample scattered = sample_henyey_greenstein(g, -ray_.dir, u_phase);
   ++scatterings_;
   material_pdf_ = scattered.pdf_solid_angle;
@@ -40,23 +41,23 @@ bool Path<F>::scatter_in_medium(const Medium& medium, float t) {
 }
 
 template <Features F>
-void Path<F>::gather_direct_light_in_medium(const V3f& position, float g, float u_light, const V2f& u) {
+void Path<F>::gather_direct_light_in_medium(const V3f& position, float g, const LightNumbers& u) {
   previous_ = snapshot_.lights().received(position, time_);
-  const std::optional<LightSample> light = snapshot_.lights().sample(previous_, u_light, u);
+  const std::optional<LightSample> light = snapshot_.lights().sample(previous_, u.light, u.point);
   if (!light) return;
   const float phase = phase_henyey_greenstein(g, -ray_.dir, light->dir_world);
   V3f contribution = light->radiance * (phase / light->pdf_solid_angle);
   if (is_black(contribution)) return;
   if (integrator_.direct == Direct::mis && !light->delta)
     contribution *= mis_weight(integrator_.heuristic, light->pdf_solid_angle, phase);
-  gather(throughput_ * contribution * visibility(position, position, *light, interiors_), scatterings_ + 1,
-         light->group);
+  gather(throughput_ * contribution * visibility(position, position, *light, interiors_, u.shadow),
+         scatterings_ + 1, light->group);
 }
 
 /// Transmittance along the shadow ray, which starts inside `interiors`; 0 if it hits anything but interfaces.
 template <Features F>
-V3f Path<F>::transmission(Ray shadow, Interiors interiors) {
-  MediumRandom random(sampler_.next_2d());
+V3f Path<F>::transmission(Ray shadow, Interiors interiors, const V2f& u) {
+  MediumRandom random(u);
   const float length = shadow.dir.length();  // finite lights' directions reach from here to there
   shadow.dir /= length;
   shadow.t_max *= length;

@@ -72,12 +72,14 @@ bool Path<F>::scatter(const ObjectState& object, const Hit& hit, Surface& surfac
   // samples.
   const auto [u_light, u_light_point, u_material, u_lobe, u_roulette] =
       sampler_.next<float, V2f, V2f, float, float>();
+  const V2f u_shadow = F.media ? sampler_.next_2d() : V2f(0.0f);
 
   const ShadingFrame frame = F.textures && object.material_varies
                                  ? ShadingFrame::from_normal_and_tangent(normal, tangent)
                                  : ShadingFrame::from_normal(normal);
   const ShadingVertex vertex(surface, bsdf, frame, wo_world);
-  if (draws_lights_ && !specular) gather_direct_light(object, hit.object, vertex, u_light, u_light_point);
+  if (draws_lights_ && !specular)
+    gather_direct_light(object, hit.object, vertex, {u_light, u_light_point, u_shadow});
 
   const std::optional<BsdfSample> scattered = sample(bsdf, vertex.wo, u_material, u_lobe);
   if (!scattered) return false;
@@ -118,10 +120,10 @@ void Path<F>::bend_differential(const ObjectState& object, const Hit& hit, const
 /// The light sample's part of the direct light.
 template <Features F>
 void Path<F>::gather_direct_light(const ObjectState& object, std::uint32_t number,
-                                  const ShadingVertex& vertex, float u_light, const V2f& u) {
+                                  const ShadingVertex& vertex, const LightNumbers& u) {
   const Receiver receiver = vertex.receiver();
   previous_ = snapshot_.lights().received(receiver, time_);
-  const std::optional<LightSample> light = snapshot_.lights().sample(previous_, u_light, u);
+  const std::optional<LightSample> light = snapshot_.lights().sample(previous_, u.light, u.point);
   if (!light) return;
   const V3f wi = vertex.frame.to_local(light->dir_world);
   if (!vertex.consistent(wi, light->dir_world)) return;
@@ -134,7 +136,7 @@ void Path<F>::gather_direct_light(const ObjectState& object, std::uint32_t numbe
   if (F.media && wi.z * vertex.wo.z < 0.0f)
     cross_boundary(interiors, object, number, light->dir_world, vertex.surface);
   const V3f from = offset_origin(vertex.surface, light->dir_world);
-  gather(throughput_ * contribution * visibility(from, receiver.position, *light, interiors),
+  gather(throughput_ * contribution * visibility(from, receiver.position, *light, interiors, u.shadow),
          scatterings_ + 1, light->group);
 }
 

@@ -113,7 +113,7 @@ bool Path<F>::survives_roulette(float u) {
 /// Share of the light sample's radiance that arrives at `from`, which is `position` off its surface.
 template <Features F>
 V3f Path<F>::visibility(const V3f& from, const V3f& position, const LightSample& light,
-                        const Interiors& interiors) {
+                        const Interiors& interiors, const V2f& u) {
   next_ray_seed();
   Ray shadow = ray_;
   shadow.origin = from;
@@ -126,7 +126,7 @@ V3f Path<F>::visibility(const V3f& from, const V3f& position, const LightSample&
     const float size = std::max(light.extent, largest_coordinate(from));
     shadow.t_max = light.delta ? 1.0f : 1.0f - kShadowShortening - size * 0x1p-18f / light.distance;
   }
-  if constexpr (F.media) return transmission(shadow, interiors);
+  if constexpr (F.media) return transmission(shadow, interiors, u);
   return shadow.t_max > 0.0f && occluded(shadow) ? V3f(0.0f) : V3f(1.0f);
 }
 

@@ -10,12 +10,12 @@
 #include "frame/error.h"
 #include "tracer/film.h"
 #include "tracer/path_trace.h"
+#include "tracer/sample_counts.h"
 
 namespace becalm::tracer {
 
 namespace {
 
-constexpr int kMostSamples = 65536;
 /// Frames of more samples do not tell their positions: nothing is antialiased by them.
 constexpr std::uint32_t kMostSharedPositions = 64;
 
@@ -84,9 +84,7 @@ struct FrameSetup {
     const std::uint32_t points = film.jitter.points(spp);
     if (film.jitter.cycle == 0 || points > kMostSharedPositions || sample_counts != nullptr)
       return std::nullopt;
-    FrameJitter jitter{.positions_px = {},
-                       .filter = static_cast<FilterShape>(film.filter.type),
-                       .radius_px = film.filter.radius_px};
+    FrameJitter jitter{.positions_px = {}, .filter = film.filter.type, .radius_px = film.filter.radius_px};
     for (std::uint32_t i = 0; i < points; ++i) {
       jitter.positions_px.push_back(sample(film.filter, film.jitter.point(jitter_frame, spp, i)));
     }
@@ -205,6 +203,107 @@ Frame make_frame(const FrameSetup& setup, const RenderOptions& options) {
   return frame;
 }
 
+/// Adds the samples of a part of the frame.
+void add(RenderReport& total, const RenderReport& part) {
+  total.samples += part.samples;
+  total.non_finite_samples += part.non_finite_samples;
+  if (part.first_non_finite &&
+      (!total.first_non_finite || *part.first_non_finite < *total.first_non_finite)) {
+    total.first_non_finite = part.first_non_finite;
+  }
+}
+
+/// Renders pixels one after the other, on one thread, and counts their samples.
+class PixelRenderer {
+ public:
+  /// The ray queries are appended to `rays` if it is not null.
+  PixelRenderer(const FrameSetup& setup, bool splits, std::vector<RecordedRay>* rays)
+      : setup_(setup),
+        splits_(splits),
+        split_(splits ? setup.description.light_groups.size() : 0),
+        split_statistics_(split_.groups.size()),
+        context_(setup.context()),
+        guides_context_(setup.context()) {
+    if (splits_) context_.split = &split_;
+    guides_context_.guides_only = true;
+    context_.rays = guides_context_.rays = rays;
+  }
+  PixelRenderer(const PixelRenderer&) = delete;
+  PixelRenderer& operator=(const PixelRenderer&) = delete;
+
+  void render(int x, int y, Frame& frame) {
+    const std::uint32_t spp = setup_.samples_of(x, y);
+    report_.samples += spp;
+    statistics_.clear(spp);
+    if (splits_) split_statistics_.clear();
+    for (std::uint32_t i = 0; i < spp; ++i) add_sample(x, y, i);
+    const std::uint32_t guide_samples = setup_.guides && spp > 0 ? setup_.aov_spp : 0;
+    for (std::uint32_t i = spp; i < guide_samples; ++i) {
+      const PathSample sample = setup_.sample_pixel(guides_context_, x, y, i);
+      if (is_usable(sample, {x, y, i})) statistics_.add_guides(sample.guides);
+    }
+    statistics_.write(frame, x, y);
+    if (splits_) split_statistics_.write(frame, x, y);
+  }
+
+  const RenderReport& report() const { return report_; }
+
+ private:
+  void add_sample(int x, int y, std::uint32_t index) {
+    if (splits_) split_.clear();
+    const PathSample sample = setup_.sample_pixel(context_, x, y, index);
+    if (!is_usable(sample, {x, y, index})) return;
+    statistics_.add(sample, index);
+    if (setup_.guides) statistics_.add_guides(sample.guides);
+    if (splits_) split_statistics_.add(split_);
+  }
+
+  bool is_usable(const PathSample& sample, const PixelSample& which) {
+    if (is_finite(sample)) return true;
+    add(report_, {.non_finite_samples = 1, .first_non_finite = which});
+    return false;
+  }
+
+  const FrameSetup& setup_;
+  const bool splits_;
+  RadianceSplit split_;  // of one sample
+  PixelStatistics statistics_;
+  SplitStatistics split_statistics_;
+  PathContext context_, guides_context_;
+  RenderReport report_;
+};
+
+/// Renders all pixels of the frame, tile by tile; false if cancelled.
+bool render_tiles(const FrameSetup& setup, const RenderOptions& options, Frame& frame, RenderReport& total) {
+  const std::vector<Tile> tiles = make_tiles(setup.width, setup.height, options.tile_px);
+  if (options.rays != nullptr) options.rays->assign(tiles.size(), {});
+  const auto cancelled = [&] {
+    return options.cancel != nullptr && options.cancel->load(std::memory_order_relaxed);
+  };
+  std::mutex total_mutex;
+  std::atomic<std::size_t> pixels_done{0};
+  const auto render_tile = [&](std::size_t number) {
+    const Tile& tile = tiles[number];
+    PixelRenderer renderer(setup, wants_split(options),
+                           options.rays != nullptr ? &(*options.rays)[number] : nullptr);
+    for (int y = tile.y0; y < tile.y1; ++y) {
+      for (int x = tile.x0; x < tile.x1; ++x) {
+        if (cancelled()) return;
+        renderer.render(x, y, frame);
+      }
+    }
+    {
+      const std::lock_guard lock(total_mutex);
+      add(total, renderer.report());
+    }
+    const std::size_t done = pixels_done += tile.pixels();
+    if (options.progress)
+      options.progress(static_cast<double>(done) / (std::size_t(setup.width) * setup.height));
+  };
+  tbb::parallel_for(std::size_t{0}, tiles.size(), render_tile, tbb::simple_partitioner());
+  return !cancelled();
+}
+
 }  // namespace
 
 std::optional<Frame> render_frame(Scene& scene, int frame_number, const RenderOptions& options,
@@ -214,100 +313,12 @@ std::optional<Frame> render_frame(Scene& scene, int frame_number, const RenderOp
   const FrameSetup setup(scene, frame_number, options);
   if (options.sample_counts != nullptr) check_size(*options.sample_counts, setup.width, setup.height);
   Frame frame = make_frame(setup, options);
-
-  const auto cancelled = [&] {
-    return options.cancel != nullptr && options.cancel->load(std::memory_order_relaxed);
-  };
-  std::atomic<std::size_t> pixels_done{0};
-  std::atomic<std::uint64_t> samples{0};
-  std::mutex report_mutex;
   RenderReport total;
-
-  const std::vector<Tile> tiles = make_tiles(setup.width, setup.height, options.tile_px);
-  const auto render_tile = [&](std::size_t number) {
-    const Tile& tile = tiles[number];
-    PathContext context = setup.context();
-    const bool splits = wants_split(options);
-    RadianceSplit split(splits ? setup.description.light_groups.size() : 0);
-    if (splits) context.split = &split;
-    PathContext guides_context = setup.context();
-    guides_context.guides_only = true;
-    PixelStatistics pixel;
-    SplitStatistics pixel_split(split.groups.size());
-    std::size_t non_finite = 0;
-    std::uint64_t samples_of_tile = 0;
-    std::optional<PixelSample> first_non_finite;
-    for (int y = tile.y0; y < tile.y1; ++y) {
-      for (int x = tile.x0; x < tile.x1; ++x) {
-        if (cancelled()) return;
-        const std::uint32_t spp = setup.samples_of(x, y);
-        const std::uint32_t guide_samples = setup.guides && spp > 0 ? setup.aov_spp : 0;
-        samples_of_tile += spp;
-        pixel.clear(spp);
-        if (splits) pixel_split.clear();
-        const auto is_dropped = [&](const PathSample& sample, std::uint32_t i) {
-          if (is_finite(sample)) return false;
-          ++non_finite;
-          if (!first_non_finite) first_non_finite = PixelSample{x, y, i};
-          return true;
-        };
-        for (std::uint32_t i = 0; i < spp; ++i) {
-          if (splits) split.clear();
-          const PathSample sample = setup.sample_pixel(context, x, y, i);
-          if (is_dropped(sample, i)) continue;
-          pixel.add(sample, i);
-          if (setup.guides) pixel.add_guides(sample.guides);
-          if (splits) pixel_split.add(split);
-        }
-        for (std::uint32_t i = spp; i < guide_samples; ++i) {
-          const PathSample sample = setup.sample_pixel(guides_context, x, y, i);
-          if (!is_dropped(sample, i)) pixel.add_guides(sample.guides);
-        }
-        pixel.write(frame, x, y);
-        if (splits) pixel_split.write(frame, x, y);
-      }
-    }
-    if (non_finite > 0) {
-      const std::lock_guard lock(report_mutex);
-      total.non_finite_samples += non_finite;
-      if (!total.first_non_finite || *first_non_finite < *total.first_non_finite) {
-        total.first_non_finite = first_non_finite;
-      }
-    }
-    samples += samples_of_tile;
-    const std::size_t done = pixels_done += tile.pixels();
-    if (options.progress)
-      options.progress(static_cast<double>(done) / (std::size_t(setup.width) * setup.height));
-  };
-  tbb::parallel_for(std::size_t{0}, tiles.size(), render_tile, tbb::simple_partitioner());
-  if (cancelled()) return std::nullopt;
+  if (!render_tiles(setup, options, frame, total)) return std::nullopt;
   setup.description.textures.check();
-
-  if (report != nullptr) {
-    total.samples = samples;
-    total.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    *report = total;
-  }
+  total.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (report != nullptr) *report = total;
   return frame;
-}
-
-std::vector<std::vector<RecordedRay>> record_rays(Scene& scene, int frame_number,
-                                                  const RenderOptions& options) {
-  check(options);
-  const FrameSetup setup(scene, frame_number, options);
-  const std::vector<Tile> tiles = make_tiles(setup.width, setup.height, options.tile_px);
-  std::vector<std::vector<RecordedRay>> rays(tiles.size());
-  tbb::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t number) {
-    PathContext context = setup.context();
-    context.rays = &rays[number];
-    const Tile& tile = tiles[number];
-    for (int y = tile.y0; y < tile.y1; ++y) {
-      for (int x = tile.x0; x < tile.x1; ++x) {
-        for (std::uint32_t i = 0; i < setup.spp; ++i) setup.sample_pixel(context, x, y, i);
-      }
-    }
-  });
-  return rays;
 }
 
 std::vector<std::string> describe_sample(Scene& scene, int frame_number, const RenderOptions& options,

@@ -17,12 +17,13 @@ namespace becalm::tracer {
 struct RenderOptions {
   int width = 0;  ///< 0: the scene's
   int height = 0;
-  int spp = 8;  ///< samples per pixel, 1..65536
-  /// Samples of each pixel, 1..65536, in place of spp: one channel, of the frame's size. The frame is
+  int spp = 8;  ///< samples per pixel, 1..kMostSamples
+  /// Samples of each pixel, 1..kMostSamples, in place of spp: one channel, of the frame's size. The frame is
   /// unbiased as long as the counts do not come from its own samples (Kirk and Arvo 1991).
   const Image* sample_counts = nullptr;
   /// Samples per pixel of the AOVs of what is seen (albedo, normal, depth, motion, object_id, material_id) if
-  /// more than the pixel's samples, up to 65536. Those beyond them end at the surface and find no light.
+  /// more than the pixel's samples, up to kMostSamples. Those beyond them end at the surface and find no
+  /// light.
   int aov_spp = 0;
   /// Samples go to every other pixel: of frames of even numbers those whose x + y is even, of others the
   /// rest, which stay as where nothing is hit. Two frames then share a position of the jitter.
@@ -33,7 +34,10 @@ struct RenderOptions {
   AovSet aovs;  ///< besides the beauty
   bool light_groups = false;
   int tile_px = 32;
-  const PathVariant* variant = nullptr;  ///< in place of the one that the scene needs: for benchmarks
+  /// For benchmarks: the integrator in place of the one that the scene needs.
+  const PathVariant* variant = nullptr;
+  /// For benchmarks: becomes the ray queries of each tile in their order, 48 bytes a ray.
+  std::vector<std::vector<RecordedRay>>* rays = nullptr;
   /// Called from worker threads as tiles finish, with the share of the frame done in [0,1].
   std::function<void(double)> progress;
   /// Rendering stops soon after this becomes true.
@@ -70,10 +74,6 @@ struct RenderReport {
 /// does and for textures whose pixels cannot be read.
 std::optional<Frame> render_frame(Scene& scene, int frame, const RenderOptions& options,
                                   RenderReport* report = nullptr);
-
-/// The ray queries that rendering the frame makes, of each tile in their order: what benchmarks replay to
-/// learn how long the queries alone take. 48 bytes a ray.
-std::vector<std::vector<RecordedRay>> record_rays(Scene& scene, int frame, const RenderOptions& options);
 
 /// The path of one sample in lines of text: every surface met, the throughput on arrival, the radiance so
 /// far. Throws as render_frame does.

@@ -15,10 +15,13 @@ struct Pilot {
   double spp = 1.0;  ///< samples that the error belongs to, per pixel of the frame
 };
 
-/// Limits of the samples of a pixel, both from 1 to 65536.
+/// Of a pixel.
+inline constexpr int kMostSamples = 65536;
+
+/// Limits of the samples of a pixel, both from 1 to kMostSamples.
 struct SampleLimits {
   int least = 1;
-  int most = 65536;
+  int most = kMostSamples;
 };
 
 /// Samples of each pixel, as RenderOptions::sample_counts: `mean` on average, more where the pilot expects a

@@ -17,8 +17,8 @@
 #include <thread>
 
 #include "app/cancel.h"
-#include "app/mebibytes.h"
 #include "frame/error.h"
+#include "frame/mebibytes.h"
 
 namespace becalm::app {
 namespace {

@@ -18,6 +18,7 @@
 #include "filter/settings.h"
 #include "frame/error.h"
 #include "frame/io/sequence.h"
+#include "tracer/sample_counts.h"
 #include "tracer/scene/load/json_reader.h"
 
 namespace becalm::app {
@@ -124,7 +125,7 @@ void read_source(const JsonValue& json, const std::string& suite_file, CaseSourc
   if (const auto frames = json.find("frames"))
     source.frames = parsed(*frames, frames->string(),
                            [](const std::string& text) { return io::parse_frame_range(text); });
-  if (const auto spp = json.find("spp")) source.spp = spp->integer(1, kMostSamplesPerPixel);
+  if (const auto spp = json.find("spp")) source.spp = spp->integer(1, tracer::kMostSamples);
   if (const auto seed = json.find("seed")) {
     source.seed = static_cast<std::uint32_t>(seed->integer(0, kLargestSeed));
   }
@@ -181,7 +182,7 @@ void check_reference(const JsonValue& json, const TestCase& test) {
 void read_reference(const JsonValue& json, ReferenceSettings& reference) {
   json.allow_keys({"command", "spp", "seed", "count", "denoise"});
   if (const auto command = json.find("command")) reference.command = read_command(*command);
-  if (const auto spp = json.find("spp")) reference.spp = spp->integer(1, kMostSamplesPerPixel);
+  if (const auto spp = json.find("spp")) reference.spp = spp->integer(1, tracer::kMostSamples);
   if (const auto seed = json.find("seed")) {
     reference.seed = static_cast<std::uint32_t>(seed->integer(0, kLargestSeed));
   }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "tracer/sample_counts.h"
+
 namespace becalm::app {
 namespace {
 
@@ -22,7 +24,7 @@ int reference_spp(const TestCase& test) {
   constexpr int times = 16;
   const bool as_source = test.judges.exact || test.judges.denoised || !takes_spp(test);
   const int spp = test.source.spp;
-  return test.reference.spp.value_or(as_source ? spp : std::min(kMostSamplesPerPixel, times * spp));
+  return test.reference.spp.value_or(as_source ? spp : std::min(tracer::kMostSamples, times * spp));
 }
 
 }  // namespace becalm::app

@@ -10,8 +10,6 @@
 
 namespace becalm::app {
 
-inline constexpr int kMostSamplesPerPixel = 65536;
-
 /// What makes the frames of a case: a scene that becalm renders, or a command.
 struct CaseSource {
   std::string scene;                     ///< relative paths are from the current folder; empty for a command

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 #include <utility>
@@ -53,8 +54,9 @@ class Comparison {
   void test_block(BlockLevel& level, const Sums& sums, const BlockTest& block);
   void complete(BlockLevel& level) const;
   double mean_of(const Image& image, const BlockTest& block) const;
+  /// Variance that the test's own samples show over the one that the reference predicts: the median of
+  /// blocks. 1 where nothing tells it.
   double noise_ratio() const;
-  double neighbour_correlation() const;
 
   const Estimate& test_;
   const Estimate& reference_;
@@ -89,7 +91,6 @@ Comparison::Comparison(const Estimate& test, const Estimate& reference, const St
     const double p = p_of_each(rate, static_cast<double>(level.tests));
     level.threshold = quantile(complement(boost::math::normal(), 0.5 * p));
   }
-  result_.scores = Image(width_, height_, channels_, std::numeric_limits<float>::quiet_NaN());
 }
 
 void Comparison::add_level(int size_px) {
@@ -145,7 +146,6 @@ Cells Comparison::pixels(int c) {
     for (int x = 0; x < width_; ++x) {
       if (!is_finite(x, y)) continue;
       cells.at(x, y).local_variance = local_variance(cells, x, y);
-      result_.scores.at(x, y, c) = static_cast<float>(z_of(cells.at(x, y), noise_factor_));
     }
   }
   return cells;
@@ -215,43 +215,17 @@ double Comparison::noise_ratio() const {
       }
     }
   }
-  if (ratios.empty()) return std::numeric_limits<double>::quiet_NaN();
+  if (ratios.empty()) return 1.0;
   const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
   std::ranges::nth_element(ratios, middle);
   return *middle;
 }
 
-/// Of scores within 3 standard deviations, so that single pixels do not decide it.
-double Comparison::neighbour_correlation() const {
-  constexpr double limit = 3.0;
-  double sum = 0.0;
-  double squares = 0.0;
-  double products = 0.0;
-  std::size_t count = 0;
-  for (int y = 0; y < height_; ++y) {
-    for (int x = 0; x + 1 < width_; ++x) {
-      for (int c = 0; c < channels_ && is_finite(x, y) && is_finite(x + 1, y); ++c) {
-        const double a = std::clamp(double(result_.scores.at(x, y, c)), -limit, limit);
-        const double b = std::clamp(double(result_.scores.at(x + 1, y, c)), -limit, limit);
-        sum += 0.5 * (a + b);
-        squares += 0.5 * (a * a + b * b);
-        products += a * b;
-        ++count;
-      }
-    }
-  }
-  if (count == 0) return 0.0;
-  const double mean = sum / static_cast<double>(count);
-  const double variance = squares / static_cast<double>(count) - mean * mean;
-  return variance > 0.0 ? (products / static_cast<double>(count) - mean * mean) / variance : 0.0;
-}
-
 StatisticalResult Comparison::run() {
   find_not_finite();
-  result_.noise_ratio = noise_ratio();
   // Noise that grew everywhere is no change of the mean; in single blocks the test's few samples tell too
   // little.
-  if (result_.noise_ratio > 1.0) noise_factor_ = result_.noise_ratio;
+  noise_factor_ = std::max(1.0, noise_ratio());
   for (int c = 0; c < channels_; ++c) {
     Cells cells = pixels(c);
     for (BlockLevel& level : result_.levels) {
@@ -261,7 +235,6 @@ StatisticalResult Comparison::run() {
     }
   }
   for (BlockLevel& level : result_.levels) complete(level);
-  result_.neighbour_correlation = neighbour_correlation();
   return std::move(result_);
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -62,13 +61,6 @@ struct StatisticalResult {
   std::vector<BlockLevel> levels;  ///< by rising size, the whole image last
   std::size_t not_finite = 0;  ///< pixels with NaN or Inf in any image: left out of the tests, and a failure
   std::optional<PixelPlace> first_not_finite;
-  /// Variance that the test's own samples show over the one that the reference predicts: the median of blocks
-  /// of 16 pixels. NaN without the test's variance.
-  double noise_ratio = std::numeric_limits<double>::quiet_NaN();
-  /// Correlation of the errors of horizontal neighbours. Where it is not near 0, pixels share samples, and
-  /// the tests of blocks fail more often than stated.
-  double neighbour_correlation = 0.0;
-  Image scores;  ///< z of each pixel and compared channel; NaN where a pixel is not finite
 
   bool passed() const;
   /// The level whose worst block is the least probable.

@@ -11,6 +11,13 @@
 /// 120 MiB, since it brings 250 others, so the first call of pictures::library() loads it.
 namespace becalm::pictures {
 
+/// The channel called `name` ("r", "g", "b" or "a") of a file with so many channels; -1 if there is none.
+/// Grey serves as r, g and b.
+inline int find_channel(int channels, int alpha_channel, std::string_view name) {
+  if (name == "a") return alpha_channel;
+  return channels >= 3 ? static_cast<int>(std::string_view("rgb").find(name)) : 0;
+}
+
 struct Header {
   int width = 0;
   int height = 0;

@@ -23,12 +23,6 @@ float finite_or_zero(float v) {
   return std::isfinite(v) ? v : 0.0f;
 }
 
-/// The channel of a file that is `name` (r, g, b or a). Grey serves as r, g and b.
-int find_channel(const OIIO::ImageSpec& spec, std::string_view name) {
-  if (name == "a") return spec.alpha_channel;
-  return spec.nchannels >= 3 ? static_cast<int>(std::string_view("rgb").find(name)) : 0;
-}
-
 /// Presents any image file as three channels of linear half, so that the cache's MIP maps and filters average
 /// light and not code values, or as one or three channels of float as they are. Grey is repeated.
 class LinearInput : public OIIO::ImageInput {
@@ -49,7 +43,8 @@ class LinearInput : public OIIO::ImageInput {
     channels_.clear();
     for (const char* channel : {"r", "g", "b", "a"}) {
       const bool wanted = what.size() == 1 ? what == channel : *channel != 'a';
-      if (wanted) channels_.push_back(std::max(0, find_channel(source, channel)));
+      if (wanted)
+        channels_.push_back(std::max(0, find_channel(source.nchannels, source.alpha_channel, channel)));
     }
     m_spec = OIIO::ImageSpec(source.width, source.height, static_cast<int>(channels_.size()),
                              half_ ? OIIO::TypeHalf : OIIO::TypeFloat);

@@ -78,18 +78,17 @@ def set_up(dice, threads):
 
 def pilot(scene, size, seed):
     """Luminance of a small quick render of the shot."""
-    path = os.path.join(tempfile.gettempdir(), f"cycles_pilot_{os.getpid()}.exr")
     scene.render.resolution_x, scene.render.resolution_y = size
     scene.render.image_settings.file_format = "OPEN_EXR"
     scene.render.image_settings.color_depth = "32"
     scene.cycles.samples, scene.cycles.seed = PILOT_SPP, seed
-    scene.render.filepath = path
-    bpy.ops.render.render(write_still=True)
-    image = bpy.data.images.load(path)
-    pixels = np.empty(size[0] * size[1] * 4, np.float32)
-    image.pixels.foreach_get(pixels)
+    with tempfile.TemporaryDirectory() as folder:
+        scene.render.filepath = os.path.join(folder, "pilot.exr")
+        bpy.ops.render.render(write_still=True)
+        image = bpy.data.images.load(scene.render.filepath)
+        pixels = np.empty(size[0] * size[1] * 4, np.float32)
+        image.pixels.foreach_get(pixels)
     bpy.data.images.remove(image)
-    os.remove(path)
     return pixels.reshape(-1, 4)[:, :3] @ np.float32([0.2126, 0.7152, 0.0722])
 
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -13,6 +12,7 @@
 #include "shaders/shared/convolve_params.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/layer_shapes.h"
+#include "tests/filter/random_values.h"
 
 namespace becalm {
 namespace {
@@ -24,14 +24,6 @@ using gpu::ImageId;
 
 int planes_of(int channels) {
   return channels / filter::kPlane;
-}
-
-std::vector<float> random_values(std::size_t count, std::uint32_t seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<float> uniform(-1.0f, 1.0f);
-  std::vector<float> values(count);
-  for (float& value : values) value = uniform(random);
-  return values;
 }
 
 Extent half(Extent size) {

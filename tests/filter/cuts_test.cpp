@@ -12,10 +12,6 @@
 namespace becalm::filter {
 namespace {
 
-AovSet all_aovs() {
-  return AovSet().set();
-}
-
 /// A textured plane, moved by `shift_px` and lit by `light`, with exponential noise as from 1 sample.
 Frame make_frame(double shift_px, unsigned scene, double light = 1.0, unsigned seed = 1) {
   std::mt19937 random(seed);
@@ -39,7 +35,7 @@ Frame make_frame(double shift_px, unsigned scene, double light = 1.0, unsigned s
   return frame;
 }
 
-bool cut_between(const Frame& a, const Frame& b, const AovSet& used = all_aovs()) {
+bool cut_between(const Frame& a, const Frame& b, const AovSet& used = AovSet().set()) {
   const ShotSignature of_a = shot_signature(a, used, exposure(a.image(Aov::beauty)));
   const ShotSignature of_b = shot_signature(b, used, exposure(b.image(Aov::beauty)));
   EXPECT_EQ(is_cut(of_a, of_b), is_cut(of_b, of_a));

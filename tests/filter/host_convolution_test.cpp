@@ -6,26 +6,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "tests/filter/layer_shapes.h"
+#include "tests/filter/random_values.h"
 
 extern "C" void omp_set_num_threads(int threads);
 extern "C" int omp_get_max_threads();
 
 namespace becalm::filter {
 namespace {
-
-std::vector<float> random_values(int count, std::uint32_t seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<float> uniform(-1.0f, 1.0f);
-  std::vector<float> values(static_cast<std::size_t>(count));
-  for (float& value : values) value = uniform(random);
-  return values;
-}
 
 /// Random pixels in a frame that repeats the border.
 struct FramedImage {

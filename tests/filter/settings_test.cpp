@@ -8,20 +8,16 @@
 #include <sstream>
 
 #include "frame/error.h"
+#include "tests/error_of.h"
 
 namespace becalm::filter {
 namespace {
 
 std::string error_of(const std::string& assignment) {
   Settings settings;
-  try {
-    set(settings, assignment);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.status(), ExitStatus::usage);
-    EXPECT_EQ(to_string(settings), to_string(Settings())) << "a refused value left a trace";
-    return error.what();
-  }
-  return "no error";
+  const std::string error = becalm::error_of(ExitStatus::usage, [&] { set(settings, assignment); });
+  EXPECT_EQ(to_string(settings), to_string(Settings())) << "a refused value left a trace";
+  return error;
 }
 
 TEST(Settings, EveryKeyCanBeSetToWhatItPrints) {

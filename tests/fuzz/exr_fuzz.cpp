@@ -6,7 +6,7 @@
 #include "frame/error.h"
 #include "frame/io/additive_layers.h"
 #include "frame/io/exr.h"
-#include "tests/fuzz/fuzz_folder.h"
+#include "tests/scratch_folder.h"
 
 namespace {
 
@@ -35,7 +35,7 @@ void read_and_write(const std::string& path, const std::string& out) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const becalm::fuzz::FuzzFolder folder;
+  static const becalm::ScratchFolder folder;
   const std::string path = folder.write("in.exr", data, size);
   try {
     read_and_write(path, path + ".out.exr");

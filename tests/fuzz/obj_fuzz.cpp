@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "frame/error.h"
-#include "tests/fuzz/fuzz_folder.h"
+#include "tests/scratch_folder.h"
 #include "tracer/scene/load/mtl.h"
 #include "tracer/scene/load/obj.h"
 
@@ -32,7 +32,7 @@ void check(const Mesh& mesh) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const becalm::fuzz::FuzzFolder folder;
+  static const becalm::ScratchFolder folder;
   // The same bytes as a mesh and as the library that it may name.
   const std::string path = folder.write("mesh.obj", data, size);
   folder.write("a.mtl", data, size);

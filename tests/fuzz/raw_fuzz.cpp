@@ -6,10 +6,10 @@
 
 #include "frame/error.h"
 #include "frame/raw/raw.h"
-#include "tests/fuzz/fuzz_folder.h"
+#include "tests/scratch_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const becalm::fuzz::FuzzFolder folder;
+  static const becalm::ScratchFolder folder;
   const std::string path = folder.write("frame.dng", data, size);
   const auto require = [](bool holds) {
     if (!holds) std::abort();

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "frame/error.h"
-#include "tests/fuzz/fuzz_folder.h"
+#include "tests/scratch_folder.h"
 #include "tracer/render.h"
 #include "tracer/scene/load/load.h"
 
@@ -76,7 +76,7 @@ void render(becalm::tracer::Scene& scene) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const becalm::fuzz::FuzzFolder folder;
+  static const becalm::ScratchFolder folder;
   static const std::string mesh =
       folder.write("mesh.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n");
   static const std::string library = folder.write("a.mtl", "newmtl m\nKd 0.5 0.5 0.5\nKe 1 1 1\nd 0.5\n");

@@ -6,7 +6,7 @@
 #include "app/test/suite.h"
 #include "frame/error.h"
 #include "frame/io/sequence.h"
-#include "tests/fuzz/fuzz_folder.h"
+#include "tests/scratch_folder.h"
 
 namespace {
 
@@ -30,7 +30,7 @@ void check(const TestCase& test, const std::string& folder) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const becalm::fuzz::FuzzFolder folder;
+  static const becalm::ScratchFolder folder;
   static const std::string scene = folder.write("scene.json", "{}");
   const std::string suite = folder.write("suite.json", data, size);
   try {

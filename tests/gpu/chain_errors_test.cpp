@@ -7,6 +7,7 @@
 
 #include "filter/gpu/chain.h"
 #include "filter/gpu/device_impl.h"
+#include "tests/gpu/device_error_of.h"
 #include "tests/gpu/support.h"
 
 namespace becalm::gpu {
@@ -29,16 +30,8 @@ class ChainErrors : public ::testing::Test {
     pass.read("fine", fine).write("scaled", scaled).constants(ScaleParams{16, 16});
     return pass;
   }
-  static std::string error_of(const std::function<void()>& action) {
-    try {
-      action();
-    } catch (const DeviceError& error) {
-      return error.what();
-    }
-    return "no error";
-  }
   void expect_build_error(const std::string& message) {
-    EXPECT_EQ(error_of([&] { chain_.build(); }), "chain 'wrong': " + message);
+    EXPECT_EQ(device_error_of([&] { chain_.build(); }), "chain 'wrong': " + message);
   }
   Chain chain_;
   ImageId fine_;
@@ -47,7 +40,7 @@ class ChainErrors : public ::testing::Test {
 
 TEST_F(ChainErrors, AreNotThrownForACorrectChain) {
   scale(fine_, scaled_).dispatch(kExtent);
-  EXPECT_EQ(error_of([&] { chain_.build(); }), "no error");
+  EXPECT_EQ(device_error_of([&] { chain_.build(); }), "no error");
 }
 
 TEST_F(ChainErrors, NameAnUnknownKernel) {
@@ -180,7 +173,7 @@ TEST_F(ChainErrors, NameAnEmptyDispatch) {
 TEST_F(ChainErrors, NameADispatchBeyondTheDevicesLimit) {
   scale(fine_, scaled_).dispatch({16, 2'000'000'000});
   EXPECT_THAT(
-      error_of([&] { chain_.build(); }),
+      device_error_of([&] { chain_.build(); }),
       StartsWith("chain 'wrong': pass 0 'kernels/scale': the dispatch of 16x2000000000 takes 250000000 "
                  "workgroups along axis 1, the device's limit is "));
 }
@@ -189,7 +182,7 @@ TEST_F(ChainErrors, NameAnImageLargerThanTheDeviceCanBind) {
   const ImageId huge = chain_.input("huge", Format::f32x4, {200'000, 200'000});
   chain_.pass("kernels/split").read("color", huge).dispatch(kExtent);
   EXPECT_THAT(
-      error_of([&] { chain_.build(); }),
+      device_error_of([&] { chain_.build(); }),
       StartsWith("chain 'wrong': image 'huge' of 200000x200000 vec4 takes 610351.6 MiB, more than the "));
 }
 
@@ -213,7 +206,7 @@ TEST_F(ChainErrors, NameAnImageThatIsTooLargeForAStorageBuffer) {
   const ImageId written = chain_.image("written", Format::f32, large);
   scale(fine_, written).dispatch(kExtent);
   EXPECT_THAT(
-      error_of([&] { chain_.plan(); }),
+      device_error_of([&] { chain_.plan(); }),
       StartsWith("chain 'wrong': pass 1 'kernels/scale': binding 'scaled': image 'written' of 1024x"));
 }
 
@@ -245,15 +238,16 @@ TEST_F(ChainErrors, NameAWorkgroupBeyondTheDevicesLimit) {
       .write("scaled", scaled)
       .constants(ScaleParams{16, 16})
       .dispatch(kExtent);
-  EXPECT_THAT(error_of([&] { chain.plan(); }), HasSubstr("along axis 0, the device's limit is 1"));
+  EXPECT_THAT(device_error_of([&] { chain.plan(); }), HasSubstr("along axis 0, the device's limit is 1"));
 }
 
 TEST_F(ChainErrors, TellMissingMemoryFromOthers) {
   EXPECT_THROW(guarded("it", [] { throw vk::OutOfDeviceMemoryError("refused"); }), DeviceMemoryError);
-  EXPECT_EQ(error_of([] { guarded("it", [] { throw vk::OutOfHostMemoryError("refused"); }); }),
+  EXPECT_EQ(device_error_of([] { guarded("it", [] { throw vk::OutOfHostMemoryError("refused"); }); }),
             "it: the host's memory is used up; other programs may hold it");
-  EXPECT_EQ(error_of([] { guarded("it", [] { throw vk::InitializationFailedError("no"); }); }).substr(0, 6),
-            "it: no");
+  EXPECT_EQ(
+      device_error_of([] { guarded("it", [] { throw vk::InitializationFailedError("no"); }); }).substr(0, 6),
+      "it: no");
 }
 
 TEST_F(ChainErrors, NameAnImageOfAnotherChain) {
@@ -266,30 +260,30 @@ TEST_F(ChainErrors, NameAnEmptyChain) {
 }
 
 TEST_F(ChainErrors, ComeAtOnceForImpossibleImages) {
-  EXPECT_EQ(error_of([&] {
+  EXPECT_EQ(device_error_of([&] {
               chain_.image("flat", Format::f32, {4, 0});
             }),
             "chain 'wrong': image 'flat': width, height and planes must be positive, not 4x0x1");
-  EXPECT_EQ(error_of([&] { chain_.image("fine", Format::f32, kExtent); }),
+  EXPECT_EQ(device_error_of([&] { chain_.image("fine", Format::f32, kExtent); }),
             "chain 'wrong': image 'fine': is declared twice");
 }
 
 TEST_F(ChainErrors, ComeForUseOutOfOrder) {
   scale(fine_, scaled_).dispatch(kExtent);
-  EXPECT_EQ(error_of([&] { chain_.run(); }), "chain 'wrong': cannot run before it is built");
-  EXPECT_EQ(error_of([&] { chain_.upload<float>(fine_); }),
+  EXPECT_EQ(device_error_of([&] { chain_.run(); }), "chain 'wrong': cannot run before it is built");
+  EXPECT_EQ(device_error_of([&] { chain_.upload<float>(fine_); }),
             "chain 'wrong': upload of 'fine': the chain is not built yet");
-  EXPECT_EQ(error_of([&] { static_cast<void>(chain_.download<float>(scaled_)); }),
+  EXPECT_EQ(device_error_of([&] { static_cast<void>(chain_.download<float>(scaled_)); }),
             "chain 'wrong': download of 'scaled': it is not an output");
   chain_.output(scaled_);
   chain_.build();
-  EXPECT_EQ(error_of([&] { chain_.upload<float>(scaled_); }),
+  EXPECT_EQ(device_error_of([&] { chain_.upload<float>(scaled_); }),
             "chain 'wrong': upload of 'scaled': it is not an input");
-  EXPECT_EQ(error_of([&] { static_cast<void>(chain_.download<float>(scaled_)); }),
+  EXPECT_EQ(device_error_of([&] { static_cast<void>(chain_.download<float>(scaled_)); }),
             "chain 'wrong': download of 'scaled': the chain has not run yet");
-  EXPECT_EQ(error_of([&] { chain_.run(); }), "chain 'wrong': input 'fine' was never uploaded");
-  EXPECT_THAT(error_of([&] { chain_.pass("kernels/scale"); }), HasSubstr("is built already"));
-  EXPECT_THAT(error_of([&] { chain_.build(); }), HasSubstr("is built already"));
+  EXPECT_EQ(device_error_of([&] { chain_.run(); }), "chain 'wrong': input 'fine' was never uploaded");
+  EXPECT_THAT(device_error_of([&] { chain_.pass("kernels/scale"); }), HasSubstr("is built already"));
+  EXPECT_THAT(device_error_of([&] { chain_.build(); }), HasSubstr("is built already"));
 }
 
 }  // namespace

@@ -7,18 +7,15 @@
 #include <cstdlib>
 #include <optional>
 
+#include "tests/gpu/device_error_of.h"
+
 namespace becalm::gpu {
 namespace {
 
 using ::testing::HasSubstr;
 
 std::string error_of(const DeviceOptions& options) {
-  try {
-    const Device device(options);
-  } catch (const DeviceError& error) {
-    return error.what();
-  }
-  return "no error";
+  return device_error_of([&] { const Device device(options); });
 }
 
 /// Sets an environment variable for its lifetime. The loader reads the variable when an instance is created.

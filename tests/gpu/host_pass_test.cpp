@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "filter/gpu/chain.h"
+#include "tests/gpu/device_error_of.h"
 #include "tests/gpu/support.h"
 
 namespace becalm::gpu {
@@ -55,14 +56,6 @@ class HostPassTest : public ::testing::Test {
     EXPECT_EQ(result.size(), kExtent.elements());
     EXPECT_TRUE(std::ranges::all_of(result, [&](float r) { return r == result[0]; }));
     return result[0];
-  }
-  static std::string error_of(const std::function<void()>& action) {
-    try {
-      action();
-    } catch (const DeviceError& error) {
-      return error.what();
-    }
-    return "no error";
   }
 
   Chain chain_;
@@ -161,7 +154,7 @@ TEST_F(HostPassTest, MistakesAreNamed) {
     const ImageId input = chain.input("input", Format::f32, kExtent);
     const ImageId made = chain.image("made", Format::f32, kExtent);
     declare(chain, input, made);
-    return error_of([&] { chain.build(); });
+    return device_error_of([&] { chain.build(); });
   };
   const auto nothing = [](const HostImages&) {};
   const std::string where = "chain 'wrong': pass 0 'work': ";
@@ -185,9 +178,9 @@ TEST_F(HostPassTest, SeesOnlyWhatItDeclared) {
   bool has_run = false;
   chain_.host_pass("write").write(made_).run([&](const HostImages& host) {
     has_run = true;
-    EXPECT_EQ(error_of([&] { static_cast<void>(host.read<float>(input_)); }),
+    EXPECT_EQ(device_error_of([&] { static_cast<void>(host.read<float>(input_)); }),
               "chain 'host': pass 0 'write': image 'input' is not declared to be read");
-    EXPECT_EQ(error_of([&] { static_cast<void>(host.read<float>(made_)); }),
+    EXPECT_EQ(device_error_of([&] { static_cast<void>(host.read<float>(made_)); }),
               "chain 'host': pass 0 'write': image 'made' is not declared to be read");
   });
   chain_.build();

@@ -13,22 +13,12 @@
 #include "frame/io/additive_layers.h"
 #include "frame/io/atomic_file.h"
 #include "frame/io/exr.h"
+#include "tests/error_of.h"
 #include "tests/io/exr_files.h"
 #include "tests/io/temporary_folder.h"
 
 namespace becalm::io {
 namespace {
-
-std::string error_of(ExitStatus status, auto work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.status(), status) << error.what();
-    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << "one line";
-    return error.what();
-  }
-  return "no error";
-}
 
 const std::vector<TestChannel> kColour = {{"R"}, {"G"}, {"B"}};
 

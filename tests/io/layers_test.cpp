@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "frame/error.h"
+#include "tests/error_of.h"
 
 namespace becalm::io {
 namespace {
@@ -22,16 +23,6 @@ const std::optional<LayerSource>& source(const LayerMap& map, Aov aov) {
 
 Names channels_of(const LayerMap& map, Aov aov) {
   return source(map, aov) ? source(map, aov)->channels : Names{"not found"};
-}
-
-std::string error_of(ExitStatus status, auto work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.status(), status);
-    return error.what();
-  }
-  return "no error";
 }
 
 const Names kBlender = {"Composite.Combined.A",

@@ -6,23 +6,13 @@
 #include <fstream>
 
 #include "frame/error.h"
+#include "tests/error_of.h"
 #include "tests/io/temporary_folder.h"
 
 namespace becalm::io {
 namespace {
 
 using Frames = std::vector<int>;
-
-std::string error_of(auto work, ExitStatus status = ExitStatus::usage) {
-  try {
-    work();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.status(), status);
-    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
-    return error.what();
-  }
-  return "no error";
-}
 
 TEST(FrameRange, NumbersRangesStepsAndLists) {
   EXPECT_EQ(parse_frame_range("5"), Frames{5});
@@ -46,7 +36,9 @@ TEST(FrameRange, ResultAscendsWithoutDuplicates) {
 }
 
 TEST(FrameRange, ErrorsNameTheTextAndTheReason) {
-  const auto error = [](std::string_view text) { return error_of([&] { parse_frame_range(text); }); };
+  const auto error = [](std::string_view text) {
+    return error_of(ExitStatus::usage, [&] { parse_frame_range(text); });
+  };
   EXPECT_EQ(
       error("9-1"),
       "frame range '9-1': the range descends from 9 to 1; expected such as 1-100, 1-100x2, 5 or 1-10,20-30");
@@ -148,7 +140,7 @@ TEST(SequencePattern, IsOfFilesWithNumbersOfAnyWidth) {
 }
 
 TEST(SequencePattern, TwoFieldsAreAnError) {
-  EXPECT_EQ(error_of([] { SequencePattern("shot.####.%d.exr"); }),
+  EXPECT_EQ(error_of(ExitStatus::usage, [] { SequencePattern("shot.####.%d.exr"); }),
             "file pattern 'shot.####.%d.exr': two frame fields, '####' and '%d'; expected one at most");
 }
 
@@ -216,7 +208,7 @@ TEST_F(OnDisk, AFolderThatCannotBeListedIsAnError) {
   const std::string loop = folder_.path("loop");
   std::filesystem::create_symlink(loop, loop);
   EXPECT_EQ(
-      error_of([&] { SequencePattern(loop + "/shot.####.exr").frames_on_disk(); }, ExitStatus::bad_input),
+      error_of(ExitStatus::bad_input, [&] { SequencePattern(loop + "/shot.####.exr").frames_on_disk(); }),
       loop + "/: folder cannot be listed: Too many levels of symbolic links");
 }
 

@@ -102,7 +102,6 @@ TEST(Statistical, DarkerObjectIsFoundWhereItIs) {
   EXPECT_LE(worst.y, 26);
   EXPECT_LT(worst.z, 0.0);
   EXPECT_NEAR(worst.test_mean / worst.reference_mean, 0.8, 0.05);
-  EXPECT_LT(result.scores.at(43, 24, 0), 0.0f);
 }
 
 TEST(Statistical, LoneFireflyIsNoChange) {
@@ -117,16 +116,13 @@ TEST(Statistical, LoneFireflyIsNoChange) {
   EXPECT_FALSE(pair.compare().passed());
 }
 
-TEST(Statistical, MoreNoiseOfTheSameMeanPassesAndShows) {
+TEST(Statistical, MoreNoiseOfTheSameMeanPasses) {
   SampleSource source(Noise::lognormal, 1);
   const SimulatedImage reference = simulate(source, 32, 1024);
   SimulatedImage test = simulate(source, 32, 4);
   test.samples = 64.0;  // as if a worse sampler had used 64
   const StatisticalResult result = compare_statistically(test.estimate(), reference.estimate());
   EXPECT_TRUE(result.passed()) << describe(result);
-  EXPECT_GT(result.noise_ratio, 6.0);
-  const StatisticalResult expected = simulated_pair(Noise::gaussian, 32, 16).compare();
-  EXPECT_NEAR(expected.noise_ratio, 1.0, 0.1);
 }
 
 /// Of the difference of two means: s^2 / n + s^2 / m, however many samples the reference has.
@@ -280,7 +276,6 @@ TEST(Statistical, NotFinitePixelsAreCountedAndFail) {
       ASSERT_TRUE(result.first_not_finite.has_value());
       EXPECT_EQ(result.first_not_finite->x, 3);
       EXPECT_EQ(result.first_not_finite->y, 2);
-      EXPECT_TRUE(std::isnan(result.scores.at(3, 2, 0)));
       for (const BlockLevel& level : result.levels) EXPECT_EQ(level.failed, 0u) << level.size_px;
       EXPECT_NE(describe(result).find("2 pixels are not finite, first 3,2"), std::string::npos);
     }
@@ -294,18 +289,6 @@ TEST(Statistical, ExtremeRadianceOverflowsNothing) {
     const StatisticalResult result = compare_statistically(test.estimate(), reference.estimate());
     for (const BlockLevel& level : result.levels) EXPECT_FALSE(std::isnan(level.worst.z)) << radiance;
   }
-}
-
-TEST(Statistical, SharedSamplesShowInTheCorrelation) {
-  Pair pair = simulated_pair(Noise::gaussian, 64, 16);
-  EXPECT_NEAR(pair.compare().neighbour_correlation, 0.0, 0.05);
-  const Image independent = pair.test.mean;
-  for (int y = 0; y < 64; ++y) {
-    for (int x = 1; x < 64; ++x) {
-      pair.test.mean.at(x, y, 0) = 0.5f * (independent.at(x - 1, y, 0) + independent.at(x, y, 0));
-    }
-  }
-  EXPECT_GT(pair.compare().neighbour_correlation, 0.4);
 }
 
 TEST(Statistical, RefusesWhatItCannotJudge) {

@@ -10,12 +10,14 @@ import unittest
 import unittest.mock
 from pathlib import Path
 
+import numpy as np
 import OpenImageIO as oiio
 
 from benches.align import speed
 from benches.align.renders import Renders
 from benches.align.service import AlignError
 from benches.antialias import run as antialias
+from benches.antialias import zone_plate
 from benches.antialias.upsample import per_frame
 from benches.peer import run as peer
 from benches.stereo.run import Shot
@@ -69,6 +71,12 @@ class Commands(InFolder):
         executable(self.scripts / "setup", "")
         executable(self.folder / "cmake", "echo CMake Error >&2; exit 1")
         self.assertEqual(self.said("check", "a.cpp"), "CMake Error\n")
+
+
+class ZonePlates(InFolder):
+    def test_frames_that_cannot_be_written_are_an_error(self):
+        pixels = np.zeros((2, 2), np.float32)
+        self.assertRaises(OSError, zone_plate.write, self.folder / "missing/f.exr", pixels, (0, 0), (0, 0))
 
 
 class Antialiasing(unittest.TestCase):

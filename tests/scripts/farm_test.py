@@ -108,6 +108,13 @@ class Submitted(unittest.TestCase):
         self.assertEqual(dependencies, ["--dependency=afterok:1_0:1_1", "--dependency=afterok:1_0:1_1:1_2",
                                         "--dependency=afterok:1_1:1_2"])
         self.assertIn("--dependency=afterany:2:3:4", check)
+        for call in (*denoise, check):
+            self.assertIn("--kill-on-invalid-dep=yes", call)
+
+    def test_values_may_begin_with_a_dash(self):
+        self.submit(self.path / "shot.json", "--frames", "-3-4", "--denoise-options", "--no-stereo", "--render-options", "-q")
+        self.assertEqual(self.task("render", 1)[1][-1].split()[-4:], ["--frames", "0-4", "--resume", "-q"])
+        self.assertEqual(self.task("denoise", 0)[1][-1].split()[-4:], ["--frames", "-3--1", "--resume", "--no-stereo"])
 
     def test_frames_that_are_there_are_denoised_as_one_array(self):
         denoise, check = self.submit(self.path / "in.####.exr")

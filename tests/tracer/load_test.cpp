@@ -66,7 +66,7 @@ TEST(Load, ReadsEveryPart) {
   EXPECT_EQ(d.frames.last, 8);
   EXPECT_EQ(d.frames.rate, 25);
   EXPECT_EQ(d.film.width, 20);
-  EXPECT_EQ(d.film.filter.type, FilterType::tent);
+  EXPECT_EQ(d.film.filter.type, FilterShape::tent);
   EXPECT_EQ(d.film.filter.radius_px, 2.0f);
   EXPECT_EQ(d.integrator.max_depth, 3);
   EXPECT_EQ(d.integrator.direct, Direct::light);

@@ -83,24 +83,13 @@ TEST(Material, MixesFindEachPartWithItsShare) {
   const std::vector<Material>& materials = scene.description().materials;
   const Textures::Reader reader(scene.description().textures);
   constexpr int count = 3000;
-  std::map<std::string, std::vector<float>> found;
+  std::map<std::string, int> found;
   for (int i = 0; i < count; ++i) {
-    float u = (static_cast<float>(i) + 0.5f) / count;
-    const Material& chosen = resolve_mix(materials, named(scene, "a"), reader, {}, u);
-    ASSERT_TRUE(u >= 0.0f && u < 1.0f);
-    found[chosen.name].push_back(u);
+    const float u = (static_cast<float>(i) + 0.5f) / count;
+    ++found[resolve_mix(materials, named(scene, "a"), reader, {}, u).name];
   }
-  for (const char* name : {"red", "green", "blue"}) {
-    ASSERT_NEAR(found[name].size(), count / 3.0, 2.0) << name;
-    // The number left is uniform: as evenly spread as it was.
-    const std::vector<float>& left = found[name];
-    for (std::size_t i = 0; i < left.size(); ++i) {
-      ASSERT_NEAR(left[i], (static_cast<double>(i) + 0.5) / static_cast<double>(left.size()), 2e-3) << name;
-    }
-  }
-  float u = 0.7f;
-  EXPECT_EQ(&resolve_mix(materials, named(scene, "red"), reader, {}, u), &named(scene, "red"));
-  EXPECT_EQ(u, 0.7f) << "nothing was chosen";
+  for (const char* name : {"red", "green", "blue"}) EXPECT_NEAR(found[name], count / 3.0, 2.0) << name;
+  EXPECT_EQ(&resolve_mix(materials, named(scene, "red"), reader, {}, 0.7f), &named(scene, "red"));
   const MaterialNeeds needs = material_needs(materials, named(scene, "a"));
   EXPECT_TRUE(needs.mix);
   EXPECT_FALSE(needs.textures || needs.specular || needs.transmission);
@@ -115,9 +104,7 @@ TEST(Material, MixesByImageAndAtTheEnds) {
   const Textures::Reader reader(scene.description().textures);
   for (const float start : {0.0f, 0.5f, 0x1.fffffep-1f}) {
     for (const auto& [place, name] : {std::pair(0.25f, "x"), std::pair(0.75f, "y")}) {
-      float u = start;
-      EXPECT_EQ(resolve_mix(materials, named(scene, "m"), reader, {{place, 0.5f}}, u).name, name);
-      EXPECT_TRUE(u >= 0.0f && u < 1.0f) << u;
+      EXPECT_EQ(resolve_mix(materials, named(scene, "m"), reader, {{place, 0.5f}}, start).name, name);
     }
   }
   const MaterialNeeds needs = material_needs(materials, named(scene, "m"));
@@ -177,7 +164,6 @@ TEST(Material, VRunsUpInOpacityMasks) {
   const AlphaMask mask = AlphaMask::read(file_path("v.exr"), TextureContent::color, {});
   EXPECT_EQ(mask.opacity({0.5f, 0.75f}), 1.0f);
   EXPECT_EQ(mask.opacity({0.5f, 0.25f}), 0.0f);
-  EXPECT_EQ(mask.bytes(), 2u);
 }
 
 TEST(Material, Errors) {

@@ -48,6 +48,16 @@ TEST(MotionBlur, LinearMotionGivesTheTrapezoidOfCoverage) {
   EXPECT_NEAR(covered_somewhere, 4.0, 1e-9);
 }
 
+TEST(MotionBlur, EmissionIsThatInTheMiddleOfTheShutter) {
+  Scene scene = load_text(test::scene(camera("[0,1]"), R"({'mesh': 'cube', 'material': 'black',
+      'emission': {'keys': [{'frame': 1, 'value': 0}, {'frame': 2, 'value': 1}]}})"));
+  // From frame 0 to 1 only what is in the middle changes.
+  for (const auto& [frame, emission] : {std::pair(0, 0.0f), std::pair(1, 0.5f), std::pair(2, 1.0f)}) {
+    const Frame rendered = render_frame(scene, frame, options(1)).value();
+    EXPECT_EQ(rendered.image(Aov::beauty).at(kWidth / 2, 16, 0), emission) << frame;
+  }
+}
+
 /// Beauty and normal of frame 1 averaged over closed shutters at equally spaced times from 0 to 1.
 Frame average_of_moments(const std::function<std::string(const std::string&)>& json, int moments) {
   Frame sum;

@@ -6,7 +6,7 @@
 
 #include <thread>
 
-#include "frame/error.h"
+#include "tests/error_of.h"
 #include "tests/tracer/test_images.h"
 #include "tests/tracer/test_scenes.h"
 
@@ -37,14 +37,7 @@ std::string without_folder(std::string message) {
 
 template <class Function>
 std::string error_of(const Function& function) {
-  try {
-    function();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.status(), ExitStatus::bad_input);
-    EXPECT_EQ(std::string_view(error.what()).find('\n'), std::string::npos) << "one line";
-    return without_folder(error.what());
-  }
-  return "";
+  return without_folder(becalm::error_of(ExitStatus::bad_input, function));
 }
 std::string mtl_error(const std::string& text) {
   return error_of([&] { load(text); });

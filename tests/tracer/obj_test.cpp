@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "frame/error.h"
+#include "tests/error_of.h"
 #include "tests/tracer/test_scenes.h"
 
 namespace becalm::tracer::test {
@@ -11,15 +11,8 @@ namespace {
 
 std::string obj_error(const std::string& text) {
   const std::string path = write_file("m.obj", text);
-  try {
-    load_obj(path);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.status(), ExitStatus::bad_input);
-    const std::string message = error.what();
-    EXPECT_EQ(message.find('\n'), std::string::npos) << "one line";
-    return message.rfind(path, 0) == 0 ? "m.obj" + message.substr(path.size()) : message;
-  }
-  return "";
+  const std::string message = error_of(ExitStatus::bad_input, [&] { load_obj(path); });
+  return message.rfind(path, 0) == 0 ? "m.obj" + message.substr(path.size()) : message;
 }
 
 const std::string kCorners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";

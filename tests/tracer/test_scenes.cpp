@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "frame/error.h"
+#include "tests/error_of.h"
 
 namespace becalm::tracer::test {
 
@@ -50,16 +50,10 @@ Scene load_text(const std::string& json) {
 }
 
 std::string load_error(const std::string& json) {
-  try {
-    load_text(json);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.status(), ExitStatus::bad_input);
-    std::string message = error.what();
-    std::string path = folder();
-    for (std::size_t at; (at = message.find(path)) != std::string::npos;) message.erase(at, path.size());
-    return message;
-  }
-  return "";
+  std::string message = error_of(ExitStatus::bad_input, [&] { load_text(json); });
+  const std::string path = folder();
+  for (std::size_t at; (at = message.find(path)) != std::string::npos;) message.erase(at, path.size());
+  return message;
 }
 
 RenderOptions options(int spp, std::initializer_list<Aov> aovs, std::uint32_t seed) {

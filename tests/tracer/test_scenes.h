@@ -15,8 +15,8 @@ std::string file_path(const std::string& name);
 /// JSON with ' in place of ", which reads better in C++.
 Scene load_text(const std::string& json);
 
-/// The message of the Error(bad_input) that loading this scene text throws, its folder removed; empty if it
-/// throws none.
+/// The message of the Error(bad_input) that loading this scene text throws, its folder removed; "no error" if
+/// it throws none.
 std::string load_error(const std::string& json);
 
 /// {'radius_px': 0, ...}: samples at the pixel centres, so that AOVs can be compared with geometry exactly.

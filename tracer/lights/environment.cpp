@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "frame/error.h"
+#include "tracer/lights/light_sample.h"
 #include "tracer/math/picture_lookup.h"
 #include "tracer/math/shading_frame.h"
 #include "tracer/sampling/discrete_distribution.h"
@@ -19,10 +20,6 @@ constexpr float kPi = std::numbers::pi_v<float>;
 constexpr float kOverflowedHalf = 65504.0f;
 /// Scaled values stop here, so that sums of a few of them are finite.
 constexpr float kLargestRadiance = 1e37f;
-
-double mean(const V3f& v) {
-  return (static_cast<double>(v.x) + v.y + v.z) / 3.0;
-}
 
 V3f rgb(const Image& image, int x, int y) {
   const auto texel = image.pixel(x, y);
@@ -85,8 +82,9 @@ void Environment::Map::build_tables() {
     const int above = std::max(y - 1, 0);
     const int below = std::min(y + 1, height - 1);
     for (int x = 0; x < width; ++x) {
-      down[x] =
-          (mean(rgb(texels, x, above)) + 6.0 * mean(rgb(texels, x, y)) + mean(rgb(texels, x, below))) / 8.0;
+      down[x] = (channel_mean(rgb(texels, x, above)) + 6.0 * channel_mean(rgb(texels, x, y)) +
+                 channel_mean(rgb(texels, x, below))) /
+                8.0;
     }
     double sum = 0.0;
     for (int x = 0; x < width; ++x) {
@@ -119,7 +117,7 @@ void Environment::measure() {
   };
   if (!map_) {
     // Only the first harmonic has a mean.
-    const double value = mean(constant_), sphere = 4.0 * std::numbers::pi;
+    const double value = channel_mean(constant_), sphere = 4.0 * std::numbers::pi;
     radiance[0] = value * sphere * LowHarmonics::at(V3d(0.0, 1.0, 0.0))[0];
     squared[0] = value * radiance[0];
     irradiance_ = {LowHarmonics(radiance), LowHarmonics(squared)};
@@ -135,7 +133,7 @@ void Environment::measure() {
       const int end = static_cast<int>(std::int64_t{width} * (sector + 1) / sectors);
       double sum = 0.0, sum_of_squares = 0.0;
       for (int x = begin; x < end; ++x) {
-        const double value = mean(rgb(map_->texels, x, y));
+        const double value = channel_mean(rgb(map_->texels, x, y));
         sum += value;
         sum_of_squares += value * value;
       }

@@ -12,8 +12,8 @@
 #include "tracer/materials/multiple_scattering.h"
 #include "tracer/materials/principled_albedo.h"
 
-// Each model overloads eval_model, pdf_model, sample_model, is_specular_model and albedo_model; the visitors
-// below have no default, so that one left out fails to compile.
+// Each model overloads evaluate_model, sample_model, is_specular_model and albedo_model; the visitors below
+// have no default, so that one left out fails to compile.
 #include "tracer/materials/diffuse.inl"
 // After the one above, which is a part of these.
 #include "tracer/materials/conductor.inl"
@@ -23,29 +23,8 @@
 
 namespace becalm::tracer {
 
-V3f eval(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
-  return std::visit([&](const auto& model) { return eval_model(model, wo, wi); }, bsdf);
-}
-
-namespace {
-
-template <class Model>
-BsdfValue evaluate_model(const Model& model, const V3f& wo, const V3f& wi) {
-  return {eval_model(model, wo, wi), pdf_model(model, wo, wi)};
-}
-BsdfValue evaluate_model(const PrincipledBsdf& bsdf, const V3f& wo, const V3f& wi) {
-  const Response response = respond(bsdf, wo, wi);
-  return {response.value, response.pdf};
-}
-
-}  // namespace
-
 BsdfValue evaluate(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
   return std::visit([&](const auto& model) { return evaluate_model(model, wo, wi); }, bsdf);
-}
-
-float pdf_solid_angle(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
-  return std::visit([&](const auto& model) { return pdf_model(model, wo, wi); }, bsdf);
 }
 
 std::optional<BsdfSample> sample(const Bsdf& bsdf, const V3f& wo, const V2f& u, float u_lobe) {

@@ -76,24 +76,18 @@ inline constexpr float kSmoothAlpha = 1e-4f;
 struct BsdfSample {
   V3f wi;
   V3f weight;            ///< f |cos wi| / pdf, each channel finite and >= 0
-  float pdf;             ///< in solid angle, as pdf_solid_angle gives it; 0 for delta lobes
+  float pdf;             ///< in solid angle, as evaluate() gives it; 0 for delta lobes
   bool specular;         ///< came from a delta lobe
   bool transmitted;      ///< wi lies on the other side than wo
   float radiance_scale;  ///< (n_wo / n_wi)^2 as contained in weight; Russian roulette should divide it out
 };
 
-/// f |cos wi|; zero for delta lobes and where wo or wi is tangential to the surface.
-V3f eval(const Bsdf& bsdf, const V3f& wo, const V3f& wi);
-
-/// eval() and pdf_solid_angle() together, for less than both.
+/// Both are zero for delta lobes and where wo or wi is tangential to the surface.
 struct BsdfValue {
-  V3f f_cos;
-  float pdf_solid_angle;
+  V3f f_cos;              ///< f |cos wi|
+  float pdf_solid_angle;  ///< density with which sample() finds wi
 };
 BsdfValue evaluate(const Bsdf& bsdf, const V3f& wo, const V3f& wi);
-
-/// Density per solid angle with which sample() finds wi; zero for delta lobes.
-float pdf_solid_angle(const Bsdf& bsdf, const V3f& wo, const V3f& wi);
 
 /// Draws wi from u in [0,1)^2 and u_lobe in [0,1), the latter choosing among lobes. Nothing when the drawn
 /// path carries no light: absorbed, masked by the microsurface, or wo tangential; this is part of the

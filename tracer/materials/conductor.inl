@@ -42,14 +42,6 @@ BsdfValue evaluate_model(const ConductorBsdf& bsdf, const V3f& wo, const V3f& wi
   return evaluate_upper(bsdf, lost(bsdf, o.z), o, upper(wi));
 }
 
-V3f eval_model(const ConductorBsdf& bsdf, const V3f& wo, const V3f& wi) {
-  return evaluate_model(bsdf, wo, wi).f_cos;
-}
-
-float pdf_model(const ConductorBsdf& bsdf, const V3f& wo, const V3f& wi) {
-  return evaluate_model(bsdf, wo, wi).pdf_solid_angle;
-}
-
 std::optional<BsdfSample> sample_model(const ConductorBsdf& bsdf, const V3f& wo, const V2f& u, float u_lobe) {
   if (wo.z == 0.0f) return std::nullopt;
   const V3f o = upper(wo);

@@ -157,14 +157,6 @@ BsdfValue evaluate_model(const DielectricBsdf& bsdf, const V3f& wo_any, const V3
   return add(FurtherBounces(bsdf, wo, n, wo_any.z > 0.0f), evaluate_once(bsdf, wo, wi, n), wi);
 }
 
-V3f eval_model(const DielectricBsdf& bsdf, const V3f& wo, const V3f& wi) {
-  return evaluate_model(bsdf, wo, wi).f_cos;
-}
-
-float pdf_model(const DielectricBsdf& bsdf, const V3f& wo, const V3f& wi) {
-  return evaluate_model(bsdf, wo, wi).pdf_solid_angle;
-}
-
 /// One scattering, for wo above; of a smooth interface the delta lobes.
 std::optional<BsdfSample> sample_once(const DielectricBsdf& bsdf, const V3f& wo, float n, const V2f& u,
                                       float u_lobe) {

@@ -3,13 +3,10 @@
 namespace becalm::tracer {
 namespace {
 
-V3f eval_model(const DiffuseBsdf& bsdf, const V3f& wo, const V3f& wi) {
-  if (!same_side(wo, wi)) return V3f(0.0f);
-  return bsdf.reflectance * (std::abs(wi.z) * std::numbers::inv_pi_v<float>);
-}
-
-float pdf_model(const DiffuseBsdf&, const V3f& wo, const V3f& wi) {
-  return same_side(wo, wi) ? std::abs(wi.z) * std::numbers::inv_pi_v<float> : 0.0f;
+BsdfValue evaluate_model(const DiffuseBsdf& bsdf, const V3f& wo, const V3f& wi) {
+  if (!same_side(wo, wi)) return {V3f(0.0f), 0.0f};
+  const float cos_pi = std::abs(wi.z) * std::numbers::inv_pi_v<float>;
+  return {bsdf.reflectance * cos_pi, cos_pi};
 }
 
 std::optional<BsdfSample> sample_model(const DiffuseBsdf& bsdf, const V3f& wo, const V2f& u, float) {

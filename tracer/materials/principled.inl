@@ -89,26 +89,21 @@ LobeProbabilities lobe_probabilities(const PrincipledBsdf& bsdf, const Principle
   return p;
 }
 
-/// f |cos wi| and the density of all lobes that are no delta functions.
-struct Response {
-  V3f value{0.0f};
-  float pdf = 0.0f;
-};
-
-Response respond(const PrincipledBsdf& bsdf, const PrincipledAlbedo& at_o, const LobeProbabilities& p,
-                 const V3f& wo, const V3f& wi) {
-  Response response;
-  if (wo.z == 0.0f || wi.z == 0.0f) return response;
+/// Of all lobes that are no delta functions.
+BsdfValue evaluate_lobes(const PrincipledBsdf& bsdf, const PrincipledAlbedo& at_o, const LobeProbabilities& p,
+                         const V3f& wo, const V3f& wi) {
+  BsdfValue sum{V3f(0.0f), 0.0f};
+  if (wo.z == 0.0f || wi.z == 0.0f) return sum;
   const PrincipledAlbedo at_i = principled_albedo(bsdf, std::min(1.0f, std::abs(wi.z)));
   const float below_coat = std::min(1.0f - at_o.coat, 1.0f - at_i.coat);
   const float base = below_coat * std::min(1.0f - at_o.sheen, 1.0f - at_i.sheen);
 
   if (bsdf.glass > 0.0f) {
     const BsdfValue glass = evaluate_model(glass_of(bsdf), wo, wi);
-    response.value += glass.f_cos * (base * bsdf.glass);
-    response.pdf += p[kGlass] * glass.pdf_solid_angle;
+    sum.f_cos += glass.f_cos * (base * bsdf.glass);
+    sum.pdf_solid_angle += p[kGlass] * glass.pdf_solid_angle;
   }
-  if (!same_side(wo, wi)) return response;
+  if (!same_side(wo, wi)) return sum;
 
   const V3f o = upper(wo), i = upper(wi);
   const V3f m = (o + i).normalized();
@@ -116,34 +111,26 @@ Response respond(const PrincipledBsdf& bsdf, const PrincipledAlbedo& at_o, const
   const float cos_pi = i.z * std::numbers::inv_pi_v<float>;
   const V3f diffuse = bsdf.base_color * (diffuse_share(bsdf) * bsdf.diffuse_gain * (1.0f - at_o.dielectric) *
                                          (1.0f - at_i.dielectric));
-  response.value += (diffuse + bsdf.multiple * (at_o.lost() * at_i.lost())) * (base * cos_pi) +
-                    bsdf.sheen * (below_coat * schlick(cos_m) * i.z);
-  response.pdf += p[kCosine] * cos_pi;
+  sum.f_cos += (diffuse + bsdf.multiple * (at_o.lost() * at_i.lost())) * (base * cos_pi) +
+               bsdf.sheen * (below_coat * schlick(cos_m) * i.z);
+  sum.pdf_solid_angle += p[kCosine] * cos_pi;
   if (!specular_is_smooth(bsdf)) {
     const GgxAlpha alpha = specular_alpha(bsdf);
     const V3f lobe_o = turned_to_lobe(bsdf, o), lobe_i = turned_to_lobe(bsdf, i);
     const V3f lobe_m = turned_to_lobe(bsdf, m);
-    response.value += specular_fresnel(bsdf, cos_m) * (base * mirrored(lobe_o, lobe_i, lobe_m, alpha));
-    response.pdf += p[kSpecular] * pdf_mirrored_normal(lobe_o, lobe_m, alpha);
+    sum.f_cos += specular_fresnel(bsdf, cos_m) * (base * mirrored(lobe_o, lobe_i, lobe_m, alpha));
+    sum.pdf_solid_angle += p[kSpecular] * pdf_mirrored_normal(lobe_o, lobe_m, alpha);
   }
   if (bsdf.coat > 0.0f && !coat_is_smooth(bsdf)) {
-    response.value += V3f(coat_fresnel(bsdf, cos_m) * mirrored(o, i, m, bsdf.coat_alpha));
-    response.pdf += p[kCoat] * pdf_mirrored_normal(o, m, bsdf.coat_alpha);
+    sum.f_cos += V3f(coat_fresnel(bsdf, cos_m) * mirrored(o, i, m, bsdf.coat_alpha));
+    sum.pdf_solid_angle += p[kCoat] * pdf_mirrored_normal(o, m, bsdf.coat_alpha);
   }
-  return response;
+  return sum;
 }
 
-Response respond(const PrincipledBsdf& bsdf, const V3f& wo, const V3f& wi) {
+BsdfValue evaluate_model(const PrincipledBsdf& bsdf, const V3f& wo, const V3f& wi) {
   const PrincipledAlbedo at_o = principled_albedo(bsdf, std::min(1.0f, std::abs(wo.z)));
-  return respond(bsdf, at_o, lobe_probabilities(bsdf, at_o), wo, wi);
-}
-
-V3f eval_model(const PrincipledBsdf& bsdf, const V3f& wo, const V3f& wi) {
-  return respond(bsdf, wo, wi).value;
-}
-
-float pdf_model(const PrincipledBsdf& bsdf, const V3f& wo, const V3f& wi) {
-  return respond(bsdf, wo, wi).pdf;
+  return evaluate_lobes(bsdf, at_o, lobe_probabilities(bsdf, at_o), wo, wi);
 }
 
 BsdfSample mirror_sample(const V3f& wo, const V3f& weight) {
@@ -211,11 +198,11 @@ std::optional<BsdfSample> sample_model(const PrincipledBsdf& bsdf, const V3f& wo
       radiance_scale = glass->radiance_scale;
     }
   }
-  const Response response = respond(bsdf, at_o, p, wo, wi);
-  if (!(response.pdf > 0.0f) || !std::isfinite(response.pdf)) return std::nullopt;
+  const BsdfValue value = evaluate_lobes(bsdf, at_o, p, wo, wi);
+  if (!(value.pdf_solid_angle > 0.0f) || !std::isfinite(value.pdf_solid_angle)) return std::nullopt;
   return BsdfSample{.wi = wi,
-                    .weight = response.value / response.pdf,
-                    .pdf = response.pdf,
+                    .weight = value.f_cos / value.pdf_solid_angle,
+                    .pdf = value.pdf_solid_angle,
                     .specular = false,
                     .transmitted = !same_side(wo, wi),
                     .radiance_scale = radiance_scale};

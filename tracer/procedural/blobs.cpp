@@ -74,14 +74,14 @@ Imath::Box3f Blobs::make_bounds() const {
   const float* centres[3] = {balls_.x, balls_.y, balls_.z};
   for (int axis = 0; axis < 3; ++axis) {
     for (const float sign : {-1.0f, 1.0f}) {
-      double inside = -2.0, outside = 2.0;
+      double inside = -2.0;
       int count = 0;
       for (int i = 0; i < balls_.count; ++i) {
         if (balls_.x[i] == kFarAway) continue;
         ++count;
         inside = std::max(inside, static_cast<double>(sign * centres[axis][i] + balls_.radius[i]));
       }
-      outside = inside + blend_ * std::log(static_cast<double>(count));
+      double outside = inside + blend_ * std::log(static_cast<double>(count));
       for (int step = 0; step < 30; ++step) {
         const double middle = 0.5 * (inside + outside);
         double sum = 0.0;

@@ -62,32 +62,17 @@ const HalfWindow& blackman_harris_half() {
 }
 
 /// Offset in [-1,1] for u in [0,1], monotone.
-float sample_unit(FilterType type, float u) {
+float sample_unit(FilterShape type, float u) {
   const float centred = 2.0f * u - 1.0f;  // the half, and how much of it lies nearer to the centre
   switch (type) {
-    case FilterType::box:
+    case FilterShape::box:
       return centred;
-    case FilterType::tent: {
+    case FilterShape::tent: {
       const float rest = 1.0f - std::abs(centred);
       return std::copysign(1.0f - std::sqrt(rest), centred);
     }
-    case FilterType::blackman_harris:
+    case FilterShape::blackman_harris:
       return std::copysign(blackman_harris_half().invert(std::abs(centred)), centred);
-  }
-  return 0.0f;
-}
-
-/// Density on [-1,1].
-float pdf_unit(FilterType type, float t) {
-  const float distance = std::abs(t);
-  if (!(distance <= 1.0f)) return 0.0f;
-  switch (type) {
-    case FilterType::box:
-      return 0.5f;
-    case FilterType::tent:
-      return 1.0f - distance;
-    case FilterType::blackman_harris:
-      return static_cast<float>(blackman_harris(distance));
   }
   return 0.0f;
 }
@@ -96,11 +81,6 @@ float pdf_unit(FilterType type, float t) {
 
 V2f sample(const PixelFilter& filter, const V2f& u) {
   return V2f(sample_unit(filter.type, u.x), sample_unit(filter.type, u.y)) * filter.radius_px;
-}
-
-float pdf(const PixelFilter& filter, const V2f& offset_px) {
-  const V2f t = offset_px / filter.radius_px;
-  return pdf_unit(filter.type, t.x) * pdf_unit(filter.type, t.y) / (filter.radius_px * filter.radius_px);
 }
 
 }  // namespace becalm::tracer

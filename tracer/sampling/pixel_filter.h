@@ -1,14 +1,13 @@
 #pragma once
 
+#include "frame/jitter.h"
 #include "tracer/math/vec.h"
 
 namespace becalm::tracer {
 
-enum class FilterType { blackman_harris, box, tent };
-
 /// Separable filter around the pixel centre, zero beyond radius_px in x or y. The default covers 3x3 pixels.
 struct PixelFilter {
-  FilterType type = FilterType::blackman_harris;
+  FilterShape type = FilterShape::blackman_harris;
   float radius_px = 1.5f;
 };
 
@@ -16,8 +15,5 @@ struct PixelFilter {
 /// all samples weigh the same and pixels share none. Monotone in each coordinate of u: stratification
 /// survives. Source: Ernst et al., "Filter Importance Sampling", 2006.
 V2f sample(const PixelFilter& filter, const V2f& u);
-
-/// Density of sample() per square pixel: the filter, normalised.
-float pdf(const PixelFilter& filter, const V2f& offset_px);
 
 }  // namespace becalm::tracer

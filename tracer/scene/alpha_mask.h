@@ -22,8 +22,6 @@ class AlphaMask {
   /// called by any number of threads.
   float opacity(const V2f& uv) const;
 
-  std::size_t bytes() const { return texels_.size(); }
-
  private:
   int width_ = 0;
   int height_ = 0;

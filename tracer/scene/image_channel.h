@@ -15,8 +15,7 @@ inline bool has_colors(const pictures::Header& header) {
 
 /// The file's channel that is `name` ("r", "g", "b" or "a"); -1 if there is none. Grey serves as r, g and b.
 inline int find_channel(const pictures::Header& header, std::string_view name) {
-  if (name == "a") return header.alpha_channel;
-  return has_colors(header) ? static_cast<int>(std::string_view("rgb").find(name)) : 0;
+  return pictures::find_channel(header.channels, header.alpha_channel, name);
 }
 
 /// As find_channel. Throws std::runtime_error if there is none.

@@ -39,6 +39,28 @@ V3f direction_of(const SunDescription& sun, double frame) {
                  -std::cos(azimuth) * std::cos(elevation)));
 }
 
+PointLight evaluate(const PointDescription& point, double frame) {
+  return {vector_at(point.position, frame), vector_at(point.intensity, frame), point.group, {}};
+}
+
+/// Shines nowhere while its target is where it stands.
+SpotLight evaluate(const SpotDescription& spot, double frame) {
+  // Keys of the two angles at different frames may cross in between.
+  const float outer = number_at(spot.outer_deg, frame);
+  return {vector_at(spot.position, frame),
+          direction_of(spot, frame),
+          vector_at(spot.intensity, frame),
+          std::min(number_at(spot.inner_deg, frame), outer),
+          outer,
+          spot.group,
+          {}};
+}
+
+SunLight evaluate(const SunDescription& sun, double frame) {
+  return {direction_of(sun, frame), number_at(sun.diameter_deg, frame), vector_at(sun.irradiance, frame),
+          sun.group};
+}
+
 bool operator==(const SpotKey& a, const SpotKey& b) {
   return a.position == b.position && a.direction == b.direction;
 }
@@ -98,27 +120,6 @@ struct IsAnimated {
 };
 
 }  // namespace
-
-PointLight evaluate(const PointDescription& point, double frame) {
-  return {vector_at(point.position, frame), vector_at(point.intensity, frame), point.group, {}};
-}
-
-SpotLight evaluate(const SpotDescription& spot, double frame) {
-  // Keys of the two angles at different frames may cross in between.
-  const float outer = number_at(spot.outer_deg, frame);
-  return {vector_at(spot.position, frame),
-          direction_of(spot, frame),
-          vector_at(spot.intensity, frame),
-          std::min(number_at(spot.inner_deg, frame), outer),
-          outer,
-          spot.group,
-          {}};
-}
-
-SunLight evaluate(const SunDescription& sun, double frame) {
-  return {direction_of(sun, frame), number_at(sun.diameter_deg, frame), vector_at(sun.irradiance, frame),
-          sun.group};
-}
 
 bool moves(const LightDescription& light) {
   if (const auto* point = std::get_if<PointDescription>(&light)) return point->position.animated();

@@ -42,11 +42,6 @@ struct SunDescription {
 
 using LightDescription = std::variant<PointDescription, SpotDescription, SunDescription>;
 
-PointLight evaluate(const PointDescription& point, double frame);
-/// Shines nowhere while its target is where it stands. inner_deg is at most outer_deg.
-SpotLight evaluate(const SpotDescription& spot, double frame);
-SunLight evaluate(const SunDescription& sun, double frame);
-
 /// Whether the light ever changes.
 bool animated(const LightDescription& light);
 

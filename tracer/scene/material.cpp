@@ -177,12 +177,13 @@ Bsdf evaluate_material(const Material& material, const Textures::Reader& texture
 }
 
 const Material& resolve_mix(std::span<const Material> materials, const Material& material,
-                            const Textures::Reader& textures, const TexturePoint& point, float& u) {
+                            const Textures::Reader& textures, const TexturePoint& point, float u) {
   constexpr float last_below_one = 0x1.fffffep-1f;
   const Material* chosen = &material;
   while (const auto* mix = std::get_if<MixMaterial>(&chosen->model)) {
     const float first_share = 1.0f - Lookup{textures, point}(mix->factor);
     const bool first = u < first_share;
+    // Uniform again, whatever was chosen.
     u = std::min(last_below_one, first ? u / first_share : (u - first_share) / (1.0f - first_share));
     chosen = &materials[first ? mix->first : mix->second];
   }

@@ -111,11 +111,9 @@ inline float opacity(const Material& material, const V2f& uv) {
 Bsdf evaluate_material(const Material& material, const Textures::Reader& textures, const TexturePoint& point);
 
 /// The material that a mix stands for in this sample, drawn by u in [0,1) so that each is found with its
-/// share; the material itself if it is none. u is left uniform in [0,1) whatever was chosen and may be used
-/// again, though each choice costs as many of its bits as the choice was unlikely. `materials` is the scene's
-/// list.
+/// share; the material itself if it is none. `materials` is the scene's list.
 const Material& resolve_mix(std::span<const Material> materials, const Material& material,
-                            const Textures::Reader& textures, const TexturePoint& point, float& u);
+                            const Textures::Reader& textures, const TexturePoint& point, float u);
 
 /// What a material may require anywhere on a surface, the parts of a mix included.
 struct MaterialNeeds {

@@ -69,10 +69,6 @@ Textures::~Textures() = default;
 Textures::Textures(Textures&&) noexcept = default;
 Textures& Textures::operator=(Textures&&) noexcept = default;
 
-std::uint32_t Textures::count() const {
-  return state_ ? static_cast<std::uint32_t>(state_->entries.size()) : 0;
-}
-
 std::uint32_t Textures::add(const TextureSettings& settings) {
   const std::unique_ptr<pictures::Picture> file =
       pictures::library().open(settings.path, pictures::Alpha::separate);
@@ -89,7 +85,7 @@ std::uint32_t Textures::add(const TextureSettings& settings) {
                                  settings.placement.repeat);
   state_->entries.push_back(
       {handle, settings, name, V2f(std::abs(texel.x), std::abs(texel.y)), header.width, header.height});
-  return count() - 1;
+  return static_cast<std::uint32_t>(state_->entries.size() - 1);
 }
 
 void Textures::make_resident(std::size_t most_bytes) {

@@ -58,7 +58,6 @@ class Textures {
   /// Opens the file and returns the texture's number. Throws std::runtime_error with the reason if it is not
   /// a readable image or has no such channel; pixels are read when they are needed.
   std::uint32_t add(const TextureSettings& settings);
-  std::uint32_t count() const;
 
   /// Reads the textures in parallel, in the order in which they were added, as long as they fit into so many
   /// bytes. Throws Error(bad_input) naming the file whose pixels cannot be read.

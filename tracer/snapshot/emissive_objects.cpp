@@ -45,11 +45,11 @@ void add_sphere(const ObjectState& object, LightList& lights) {
 
 }  // namespace
 
-void add_emissive_objects(const SceneDescription& description, int frame, std::span<ObjectState> objects,
+void add_emissive_objects(const SceneDescription& description, double time, std::span<ObjectState> objects,
                           LightList& lights) {
   for (std::size_t i = 0; i < objects.size(); ++i) {
     ObjectState& object = objects[i];
-    const Curve<3>::Value emission = description.objects[i].emission.at(frame);
+    const Curve<3>::Value emission = description.objects[i].emission.at(time);
     object.emission = {static_cast<float>(emission[0]), static_cast<float>(emission[1]),
                        static_cast<float>(emission[2])};
     object.first_light = kNoLight;

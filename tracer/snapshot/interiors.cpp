@@ -16,7 +16,7 @@ Interiors interiors_at(const Snapshot& snapshot, const V3f& point) {
   std::vector<std::uint32_t> around, entered;  // from the inside out; those met on the way
   // Not along an axis, where the ray could lie in the face of a box.
   Ray ray{point, V3f(0.3713907f, 0.7427814f, 0.5570860f)};
-  for (int i = 0; i < kMostSurfaces; ++i, ray.seed += 0x9e3779b9u) {
+  for (int i = 0; i < kMostSurfaces; ++i, ray.seed += kRaySeedStep) {
     const std::optional<Hit> hit = snapshot.intersector().closest(ray);
     if (!hit) break;
     const ObjectState& object = snapshot.object(hit->object);

@@ -20,6 +20,9 @@ struct Ray {
   std::uint32_t seed = 0;  ///< decides whether this ray meets surfaces that are partly there (opacity)
 };
 
+/// Between the seeds of a path's rays.
+inline constexpr std::uint32_t kRaySeedStep = 0x9e3779b9u;
+
 struct Hit {
   std::uint32_t object;
   std::uint32_t triangle;

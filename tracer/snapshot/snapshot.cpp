@@ -101,6 +101,7 @@ void Snapshot::set_frame(int frame) {
   // If the last call threw, everything that may have changed is made anew.
   const bool all = !std::exchange(whole_, false);
   bool moved = all, lights_changed = all;
+  const Shutter& shutter = description_->camera.shutter;
   for (const std::size_t geometry : shapes_.set_frame(frame)) {
     intersector_->reshape(shapes_[geometry]);
     moved = true;
@@ -116,7 +117,8 @@ void Snapshot::set_frame(int frame) {
         lights_changed = lights_changed || object.emissive;
       }
     }
-    lights_changed = lights_changed || object.emission.at(frame) != object.emission.at(frame_);
+    lights_changed = lights_changed || object.emission.at(shutter.at(frame, 0.5)) !=
+                                           object.emission.at(shutter.at(frame_, 0.5));
   }
   if (moved) {
     measure();
@@ -195,8 +197,8 @@ void Snapshot::measure() {
 
 void Snapshot::build_lights(int frame) {
   LightList list;
-  add_emissive_objects(*description_, frame, objects_, list);
   const Shutter& shutter = description_->camera.shutter;
+  add_emissive_objects(*description_, shutter.at(frame, 0.5), objects_, list);
   add_lights(description_->lights,
              {shutter.at(frame, 0.0), shutter.at(frame, 1.0), shutter.blurs() ? kLightSegments : 0}, list);
   list.environment = description_->environment;

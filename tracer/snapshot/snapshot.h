@@ -63,7 +63,6 @@ class Snapshot {
   const Intersector& intersector() const { return *intersector_; }
   const Lights& lights() const { return lights_; }
   const ObjectState& object(std::uint32_t index) const { return objects_[index]; }
-  int frame() const { return frame_; }
   /// Memory of procedural surfaces and media.
   std::size_t procedural_bytes() const { return shapes_.procedural_bytes(); }
   std::size_t media_bytes() const;

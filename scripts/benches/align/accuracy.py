@@ -13,16 +13,13 @@ from benches.align.renders import BATCH_SPP, Renders
 from benches.align.service import AlignError, Aligners
 from benches.align.synthetic import shift_pair, zoom_pair
 from benches.markdown_report import Report
+from benches.quality.options import words
 
 SCENES = ["spheres", "ocean", "penumbra", "crossing", "dining", "fence"]
 PICTURED_SPP = 4
 SECTIONS = ["rendered", "synthetic"]  # of the report
 SLOW_PEER = "Dual TV-L1"
 SYNTHETIC_NOISE = (0.02, 0.1)  # standard deviation; the brightest value is 1
-
-
-def _words(text):
-    return text.split(",")
 
 
 def _reference_spp(text):
@@ -43,8 +40,8 @@ def arguments():
     parser.add_argument("-o", "--output", type=Path, default=Path("out/align"), metavar="DIR",
                         help="report.md, *.json, pictures, and the renders, which later runs reuse (default: out/align)")
     parser.add_argument("--quick", action="store_true", help="for tuning: at 1 and 4 spp, without Dual TV-L1, written to DIR/quick")
-    parser.add_argument("--scenes", type=_words, metavar="LIST", default=SCENES, help=f"default: {','.join(SCENES)}")
-    parser.add_argument("--spp", type=_words, metavar="LIST", help="of the noisy frames (default: 1,2,4,8,16; --quick: 1,4)")
+    parser.add_argument("--scenes", type=words, metavar="LIST", default=SCENES, help=f"default: {','.join(SCENES)}")
+    parser.add_argument("--spp", type=words, metavar="LIST", help="of the noisy frames (default: 1,2,4,8,16; --quick: 1,4)")
     parser.add_argument("--reference-spp", type=_reference_spp, metavar="N", default=256,
                         help="of the clean frames, a multiple of 128 (default: 256)")
     parser.add_argument("--size", default="640x360", metavar="WxH", help="of rendered and synthetic pairs (default: 640x360)")

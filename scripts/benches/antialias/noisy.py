@@ -1,14 +1,12 @@
 """Noisy frames of half the size, made full-size and calm: the orders of `becalm antialias --scale 2` and `becalm denoise` beside full-size frames of a quarter of
 the samples a pixel, so that all trace as many. Called by `scripts/bench antialias --noisy`."""
 
-import json
-import subprocess
 import sys
 
 from benches.antialias.shots import read
 from benches.antialias.upsample import per_frame
 from benches.frame_errors import rel_mse, temporal_error
-from benches.made_of import keep_if_same
+from benches.kept_frames import render_missing
 from benches.markdown_report import markdown
 from benches.scene_text import scene_text
 
@@ -32,16 +30,11 @@ RECIPES = {  # name: size over the output's, samples a pixel, commands
 
 
 def render(becalm, scene, folder, frames, size, spp, cycle, aovs, seed):
-    """Renders folder/f.####.exr, unless it is there, of the scene with its own light; returns the command and its options. `cycle` is the jitter's."""
+    """Renders the frames that are not there yet into folder/f.####.exr, of the scene with its own light; returns the command and its options. `cycle` is the jitter's."""
     text = scene_text(scene)
     text["film"] |= {"width": size[0], "height": size[1], "jitter_cycle": cycle, "jitter_one_a_frame": cycle > 0}
-    keep_if_same(folder, becalm, scene=text, frames=frames, spp=spp, seed=seed, aovs=aovs)
-    path = folder / "scene.json"
-    path.write_text(json.dumps(text))
-    command = [becalm, "render", path, "-o", folder / "f.####.exr", "--spp", str(spp), "--seed", str(seed), "--type=float", "--aovs", aovs]
-    if not (folder / f"f.{frames:04}.exr").exists():
-        subprocess.run([*command, "--frames", f"1-{frames}", "--overwrite", "--quiet"], check=True)
-    return command
+    options = ["--spp", str(spp), "--seed", str(seed), "--aovs", aovs]
+    return render_missing(becalm, text, folder, range(1, frames + 1), options)[0]
 
 
 def measure(becalm, root, scenes, size, frames):

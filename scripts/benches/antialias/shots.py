@@ -3,14 +3,13 @@
 A scene is rendered by direct light of a sun without penumbra alone, and lit besides by an ambient term that is its albedo times a
 constant: as a rasterizer would show it. What is left of a sample's error is aliasing."""
 
-import json
 import subprocess
 from pathlib import Path
 
 import numpy as np
 import OpenImageIO as oiio
 
-from benches.made_of import keep_if_same
+from benches.kept_frames import render_missing
 from benches.scene_text import scene_text
 
 REPORTED = ("fence", "classroom", "blocks", "meadow")
@@ -59,23 +58,18 @@ def add_ambient(path):
     spec.format = oiio.FLOAT
     lit = oiio.ImageBuf(spec)
     lit.set_pixels(oiio.ROI(), np.ascontiguousarray(pixels[..., kept]))
-    lit.write(str(path) + ".partial.exr", oiio.FLOAT)
-    Path(str(path) + ".partial.exr").replace(path)
+    partial = Path(f"{path}.partial.exr")
+    if not lit.write(str(partial), oiio.FLOAT):
+        raise OSError(f"{partial}: {lit.geterror()}")
+    partial.replace(path)
 
 
 def render(becalm, scene, folder, frames, size, spp, cycle, options=()):
     """Renders the frames that are not there yet into folder/f.####.exr. `cycle` is the jitter's, 0 for none."""
-    text = variant(scene, cycle, size)
-    keep_if_same(folder, becalm, scene=text, spp=spp, options=list(options))
-    path = folder / "scene.json"
-    path.write_text(json.dumps(text))
-    missing = [frame for frame in frames if not (folder / f"f.{frame:04}.exr").exists()]
-    if not missing:
-        return
-    subprocess.run([becalm, "render", path, "-o", folder / "made.####.exr", "--frames", ",".join(map(str, missing)), "--spp", str(spp), "--aov-spp", str(spp),
-                    "--type=float", "--overwrite", "--aovs", "albedo,depth,motion" if cycle else "albedo", "--quiet", *options],
-                   check=True)
-    for frame in missing:
+    aovs = "albedo,depth,motion" if cycle else "albedo"
+    options = ["--spp", str(spp), "--aov-spp", str(spp), "--aovs", aovs, *options]
+    _, rendered = render_missing(becalm, variant(scene, cycle, size), folder, frames, options, "made")
+    for frame in rendered:
         made = folder / f"made.{frame:04}.exr"
         add_ambient(made)
         made.replace(folder / f"f.{frame:04}.exr")

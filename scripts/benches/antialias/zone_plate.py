@@ -52,7 +52,8 @@ def write(path, pixels, motion, jitter):
     layers = [pixels] * 3 + [np.ones_like(pixels)] + [np.full_like(pixels, m) for m in motion]
     image = oiio.ImageBuf(spec)
     image.set_pixels(oiio.ROI(), np.ascontiguousarray(np.stack(layers, axis=-1), np.float32))
-    image.write(str(path))
+    if not image.write(str(path)):
+        raise OSError(f"{path}: {image.geterror()}")
 
 
 def inverse_filter():

@@ -15,6 +15,7 @@ from benches.markdown_report import figure, markdown
 from benches.peer.becalm_scene import write_scene
 from benches.peer.scenes import SCENES
 from benches.quality.cells import radiance
+from benches.quality.options import words
 from benches.timed import timed
 from whole_file import write_whole
 
@@ -24,7 +25,7 @@ WORST = 0.01  # the share of pixels that is left out of the second ratio
 def arguments():
     parser = argparse.ArgumentParser(prog="scripts/bench peer", description=__doc__)
     parser.add_argument("-o", "--output", type=Path, default=Path("out/peer"), metavar="DIR", help="report.md and frames (default: out/peer)")
-    parser.add_argument("--scenes", type=lambda text: text.split(","), default=list(SCENES), metavar="LIST",
+    parser.add_argument("--scenes", type=words, default=list(SCENES), metavar="LIST",
                         help=f"default: {','.join(SCENES)}; with --other also scene files, such as scenes/slab.json")
     parser.add_argument("--frame", type=int, default=5, metavar="N", help="of scene files (default: 5)")
     parser.add_argument("--size", default="480x270", metavar="WxH", help="default: 480x270")

@@ -1,12 +1,9 @@
 """Stereo shots: scenes of scenes/ with an eye separation, few samples, and references of many."""
 
-import json
-import subprocess
-
 import numpy as np
 import OpenImageIO as oiio
 
-from benches.made_of import keep_if_same
+from benches.kept_frames import render_missing
 from benches.scene_text import scene_text, with_absolute_paths
 
 REPORTED = ("spheres", "statue")
@@ -49,14 +46,7 @@ def scene_of(name, size):
 
 def render(becalm, scene, folder, frames, size, options):
     """Renders the frames that are not there yet into folder/f.####.exr, both eyes as views."""
-    text = scene_of(scene, size)
-    keep_if_same(folder, becalm, scene=text, options=list(options))
-    path = folder / "scene.json"
-    path.write_text(json.dumps(text))
-    missing = [frame for frame in frames if not (folder / f"f.{frame:04}.exr").exists()]
-    if missing:
-        subprocess.run([becalm, "render", path, "-o", folder / "f.####.exr", "--frames", ",".join(map(str, missing)), "--type=float", "--overwrite", "--quiet",
-                        *options], check=True)
+    render_missing(becalm, scene_of(scene, size), folder, frames, options)
 
 
 def read(folder, frame, layer=""):

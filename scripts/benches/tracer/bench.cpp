@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -16,6 +15,7 @@
 #include "scripts/benches/stopwatch.h"
 #include "scripts/benches/tracer/minimal_integrator.h"
 #include "scripts/benches/tracer/ray_floor.h"
+#include "tests/scratch_folder.h"
 #include "tracer/scene/load/load.h"
 
 namespace becalm::bench {
@@ -120,14 +120,13 @@ constexpr Need kNeeds[] = {
     {"guide AOVs", "/film/height", "360", true},
 };
 
-Scene load(const nlohmann::json& json, const std::string& folder) {
-  const std::string path = folder + "/bench.json";
-  std::ofstream(path) << json;
-  return load_scene(path);
+Scene load(const nlohmann::json& json, const ScratchFolder& folder) {
+  return load_scene(folder.write("bench.json", json.dump()));
 }
 
 /// Prints the time of the simple room by each variant of the integrator, and its time with each need.
-void measure_needs(const std::string& folder) {
+void measure_needs() {
+  const ScratchFolder folder;
   Scene scene = load(simple_room(), folder);
   scene.at_frame(1);
   std::vector<RenderOptions> ways;
@@ -174,13 +173,6 @@ void run_scenes(const std::vector<std::string>& scenes) {
   measure_threads(scenes.front());
 }
 
-void run_needs() {
-  const std::string folder = std::filesystem::temp_directory_path() / "becalm-bench";
-  std::filesystem::create_directories(folder);
-  measure_needs(folder);
-  std::filesystem::remove_all(folder);
-}
-
 /// arguments: the word `needs`, or scene files.
 int run(const std::vector<std::string>& arguments) {
   if (arguments.empty()) throw Error(ExitStatus::usage, "expected the word needs, or scenes");
@@ -189,7 +181,7 @@ int run(const std::vector<std::string>& arguments) {
       "one frame at the scene's size, 4 samples a pixel; medians of {} runs; ratios of processor time\n",
       kRuns);
   if (arguments.front() == "needs") {
-    run_needs();
+    measure_needs();
   } else {
     run_scenes(arguments);
   }

@@ -6,8 +6,9 @@
 
 namespace becalm::bench {
 
-RayFloor::RayFloor(tracer::Scene& scene, int frame, const tracer::RenderOptions& options)
-    : tiles_(tracer::record_rays(scene, frame, options)) {
+RayFloor::RayFloor(tracer::Scene& scene, int frame, tracer::RenderOptions options) {
+  options.rays = &tiles_;
+  tracer::render_frame(scene, frame, options);
   for (const auto& tile : tiles_) {
     rays_ += tile.size();
     occlusion_rays_ += std::ranges::count_if(tile, &tracer::RecordedRay::occlusion);

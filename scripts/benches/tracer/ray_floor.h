@@ -11,7 +11,7 @@ namespace becalm::bench {
 /// The ray queries of a frame. Their time alone is a lower bound of the frame's render time.
 class RayFloor {
  public:
-  RayFloor(tracer::Scene& scene, int frame, const tracer::RenderOptions& options);
+  RayFloor(tracer::Scene& scene, int frame, tracer::RenderOptions options);
 
   std::size_t rays() const { return rays_; }
   double occlusion_share() const { return static_cast<double>(occlusion_rays_) / static_cast<double>(rays_); }

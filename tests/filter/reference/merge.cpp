@@ -6,10 +6,6 @@
 namespace becalm::reference {
 namespace {
 
-double luminance(const Rgba& c) {
-  return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
-}
-
 double brightness(const Rgba& c, double exposure) {
   return std::max(luminance(c), 0.0) + 0.1 / exposure;
 }

@@ -9,6 +9,10 @@ namespace becalm::reference {
 
 using Rgba = std::array<double, 4>;
 
+inline double luminance(const Rgba& c) {
+  return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
+}
+
 /// A pixel's estimate: its value, the remaining variance, and its effective sample count (0: no data).
 struct Estimate {
   Rgba color{};

@@ -10,10 +10,6 @@
 namespace becalm::reference {
 namespace {
 
-double luminance(const Rgba& c) {
-  return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
-}
-
 /// A squared difference and what noise alone would make of it, both relative to brightness.
 struct Lost {
   double square = 0.0;

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "frame/error.h"
+#include "tests/error_of.h"
 
 namespace becalm::tracer {
 namespace {
@@ -17,12 +17,7 @@ MediumDescription read(std::string text) {
 }
 
 std::string message(const std::string& text) {
-  try {
-    read(text);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return error_of(ExitStatus::bad_input, [&] { read(text); });
 }
 
 TEST(LoadMedia, ReadsHomogeneous) {

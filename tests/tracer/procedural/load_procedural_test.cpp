@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "frame/error.h"
+#include "tests/error_of.h"
 
 namespace becalm::tracer {
 namespace {
@@ -16,12 +16,7 @@ ProceduralDescription read(const std::string& text) {
 }
 
 std::string error_of(const std::string& text) {
-  try {
-    read(text);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
+  return becalm::error_of(ExitStatus::bad_input, [&] { read(text); });
 }
 
 TEST(LoadProcedural, ReadsEveryKey) {

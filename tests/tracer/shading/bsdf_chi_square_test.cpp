@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "tests/tracer/shading/bsdf_values.h"
 #include "tests/tracer/shading/statistics.h"
 #include "tests/tracer/shading/test_directions.h"
 #include "tracer/materials/bsdf.h"
@@ -29,7 +30,7 @@ void expect_sampler_matches(const Bsdf& bsdf, const std::string& name, std::uint
       const auto drawn = sample(bsdf, wo, u, random.next());
       return drawn ? std::optional(drawn->wi) : std::nullopt;
     };
-    const auto pdf = [&](const V3f& wi) { return pdf_solid_angle(bsdf, wo, wi); };
+    const auto pdf = [&](const V3f& wi) { return pdf_of(bsdf, wo, wi); };
     Chart chart = sphere_chart(draw, pdf);
     // Through the middle of what is mirrored or hardly turned, and around it, so that quadrature finds it
     // amid wide lobes.

@@ -1,4 +1,4 @@
-// What every BSDF promises: weight = eval / pdf, reciprocity, delta lobes, finite values at the extremes.
+// What every BSDF promises: weight = value / pdf, reciprocity, delta lobes, finite values at the extremes.
 #include "tracer/materials/bsdf.h"
 
 #include <fmt/format.h>
@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/tracer/shading/bsdf_values.h"
 #include "tests/tracer/shading/statistics.h"
 #include "tests/tracer/shading/test_directions.h"
 #include "tracer/materials/conductor_ior.h"
@@ -37,7 +38,7 @@ std::vector<Named> rough_bsdfs() {
   return list;
 }
 
-TEST(Bsdf, sample_weight_is_eval_over_pdf) {
+TEST(Bsdf, sample_weight_is_value_over_pdf) {
   for (const auto& [name, bsdf] : rough_bsdfs()) {
     for (const float theta : {1.0f, 45.0f, 80.0f, 89.0f, 100.0f, 150.0f}) {
       const V3f wo = direction(theta, 20.0f);
@@ -52,8 +53,8 @@ TEST(Bsdf, sample_weight_is_eval_over_pdf) {
         ASSERT_NEAR(drawn->wi.length(), 1.0f, 1e-6f) << replay;
         ASSERT_FALSE(drawn->specular) << replay;
         ASSERT_EQ(drawn->transmitted, wo.z * drawn->wi.z < 0.0f) << replay;
-        const float pdf = pdf_solid_angle(bsdf, wo, drawn->wi);
-        const V3f value = eval(bsdf, wo, drawn->wi);
+        const float pdf = pdf_of(bsdf, wo, drawn->wi);
+        const V3f value = value_of(bsdf, wo, drawn->wi);
         // The half vector is recovered from rounded directions: 1e-7 of direction in a lobe 0.02 wide, more
         // at grazing angles and where refraction hardly turns.
         ASSERT_NEAR(pdf / drawn->pdf, 1.0f, 0.02f) << replay;
@@ -95,8 +96,8 @@ TEST(Bsdf, reciprocity) {
       const auto drawn = sample(bsdf, wo, random.next_2d(), random.next());
       if (!drawn || std::min(std::abs(wo.z), std::abs(drawn->wi.z)) < 0.01f) continue;
       const V3f wi = drawn->wi;
-      const float forward = eval(bsdf, wo, wi).x / (std::abs(wi.z) * n2(wo));
-      const float backward = eval(bsdf, wi, wo).x / (std::abs(wo.z) * n2(wi));
+      const float forward = value_of(bsdf, wo, wi).x / (std::abs(wi.z) * n2(wo));
+      const float backward = value_of(bsdf, wi, wo).x / (std::abs(wo.z) * n2(wi));
       ASSERT_NEAR(forward / backward, 1.0f, 0.01f) << name << " wo " << wo << " wi " << wi;
       ++compared;
     }
@@ -114,8 +115,8 @@ TEST(Bsdf, smooth_conductor_mirrors) {
     EXPECT_EQ(drawn->wi, V3f(-wo.x, -wo.y, wo.z));
     EXPECT_TRUE(drawn->specular);
     EXPECT_EQ(drawn->pdf, 0.0f);
-    EXPECT_EQ(eval(mirror, wo, drawn->wi), V3f(0.0f));
-    EXPECT_EQ(pdf_solid_angle(mirror, wo, drawn->wi), 0.0f);
+    EXPECT_EQ(value_of(mirror, wo, drawn->wi), V3f(0.0f));
+    EXPECT_EQ(pdf_of(mirror, wo, drawn->wi), 0.0f);
   }
 }
 
@@ -221,13 +222,13 @@ TEST(Bsdf, finite_at_the_extremes) {
               ASSERT_EQ(drawn->pdf == 0.0f, drawn->specular) << replay;
               ASSERT_NEAR(drawn->wi.length(), 1.0f, 1e-5f) << replay;
               ASSERT_NE(drawn->wi.z, 0.0f) << replay;
-              ASSERT_TRUE(usable(eval(bsdf, wo, drawn->wi))) << replay;
-              ASSERT_TRUE(usable(pdf_solid_angle(bsdf, wo, drawn->wi))) << replay;
+              ASSERT_TRUE(usable(value_of(bsdf, wo, drawn->wi))) << replay;
+              ASSERT_TRUE(usable(pdf_of(bsdf, wo, drawn->wi))) << replay;
               const V3f elsewhere = direction(180.0 * uy, 360.0 * ux);
-              ASSERT_TRUE(usable(eval(bsdf, wo, elsewhere))) << replay;
-              ASSERT_TRUE(usable(eval(bsdf, elsewhere, wo))) << replay;
-              ASSERT_TRUE(usable(pdf_solid_angle(bsdf, wo, elsewhere))) << replay;
-              ASSERT_TRUE(usable(pdf_solid_angle(bsdf, elsewhere, wo))) << replay;
+              ASSERT_TRUE(usable(value_of(bsdf, wo, elsewhere))) << replay;
+              ASSERT_TRUE(usable(value_of(bsdf, elsewhere, wo))) << replay;
+              ASSERT_TRUE(usable(pdf_of(bsdf, wo, elsewhere))) << replay;
+              ASSERT_TRUE(usable(pdf_of(bsdf, elsewhere, wo))) << replay;
             }
           }
         }

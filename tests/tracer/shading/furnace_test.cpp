@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 
+#include "tests/tracer/shading/bsdf_values.h"
 #include "tests/tracer/shading/statistics.h"
 #include "tests/tracer/shading/test_directions.h"
 #include "tracer/materials/bsdf.h"
@@ -44,14 +45,14 @@ Energy energy(const Bsdf& bsdf, const V3f& wo, int samples = 4096) {
   return result;
 }
 
-/// The same by quadrature of eval() over the sphere.
+/// The same by quadrature of value_of() over the sphere.
 double energy_by_quadrature(const Bsdf& bsdf, const V3f& wo) {
   const float n = std::holds_alternative<DielectricBsdf>(bsdf) ? std::get<DielectricBsdf>(bsdf).eta : 1.0f;
   const float ratio = wo.z > 0.0f ? n : 1.0f / n;
   const Chart chart = sphere_chart([](TestRandom&) -> std::optional<V3f> { return std::nullopt; },
                                    [&](const V3f& wi) {
                                      const float compression = wo.z * wi.z < 0.0f ? ratio * ratio : 1.0f;
-                                     return eval(bsdf, wo, wi).x * compression;
+                                     return value_of(bsdf, wo, wi).x * compression;
                                    });
   Cell upper = chart.domain;
   Cell lower = chart.domain;

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/tracer/shading/bsdf_values.h"
 #include "tests/tracer/shading/statistics.h"
 #include "tests/tracer/shading/test_directions.h"
 #include "tracer/materials/principled_tables.h"
@@ -193,7 +194,7 @@ TEST(Principled, sampler_matches_its_density) {
         const auto drawn = sample(bsdf, wo, u, random.next());
         return drawn ? std::optional(drawn->wi) : std::nullopt;
       };
-      const auto pdf = [&](const V3f& wi) { return pdf_solid_angle(bsdf, wo, wi); };
+      const auto pdf = [&](const V3f& wi) { return pdf_of(bsdf, wo, wi); };
       const SamplerTest test = test_sampler(sphere_chart(draw, pdf), ++seed, 40000, 128);
       EXPECT_GT(test.result.p_value, level) << name << " theta " << theta << " " << test.replay;
       EXPECT_LT(test.integral, 1.001) << name << " theta " << theta;
@@ -211,10 +212,10 @@ TEST(Principled, weight_is_eval_over_pdf) {
       if (!drawn) continue;
       ASSERT_FALSE(drawn->specular) << name;
       ASSERT_EQ(drawn->transmitted, wo.z * drawn->wi.z < 0.0f) << name;
-      const V3f expected = eval(bsdf, wo, drawn->wi) / pdf_solid_angle(bsdf, wo, drawn->wi);
+      const V3f expected = value_of(bsdf, wo, drawn->wi) / pdf_of(bsdf, wo, drawn->wi);
       ASSERT_LT((drawn->weight - expected).length(), 1e-4f * expected.length() + 1e-6f)
           << name << " wo " << wo;
-      ASSERT_NEAR(drawn->pdf / pdf_solid_angle(bsdf, wo, drawn->wi), 1.0f, 1e-3f) << name;
+      ASSERT_NEAR(drawn->pdf / pdf_of(bsdf, wo, drawn->wi), 1.0f, 1e-3f) << name;
     }
   }
 }
@@ -230,7 +231,8 @@ TEST(Principled, is_reciprocal_without_glass) {
       const auto drawn = sample(bsdf, wo, random.next_2d(), random.next());
       if (!drawn || std::min(std::abs(wo.z), std::abs(drawn->wi.z)) < 0.01f) continue;
       const V3f wi = drawn->wi;
-      const V3f forward = eval(bsdf, wo, wi) / std::abs(wi.z), backward = eval(bsdf, wi, wo) / std::abs(wo.z);
+      const V3f forward = value_of(bsdf, wo, wi) / std::abs(wi.z),
+                backward = value_of(bsdf, wi, wo) / std::abs(wo.z);
       ASSERT_LT((forward - backward).length(), 1e-3f * forward.length())
           << name << " wo " << wo << " wi " << wi;
       ++compared;
@@ -243,12 +245,12 @@ TEST(Principled, is_reciprocal_without_glass) {
 TEST(Principled, anisotropy_follows_the_tangent) {
   PrincipledParameters p{.base_color = kWhite, .metallic = 1.0f, .roughness = 0.3f, .anisotropy = 1.0f};
   const V3f facing(0.0f, 0.0f, 1.0f), along = direction(20.0, 0.0), across = direction(20.0, 90.0);
-  EXPECT_GT(eval(make(p), facing, along).x, 5.0f * eval(make(p), facing, across).x);
+  EXPECT_GT(value_of(make(p), facing, along).x, 5.0f * value_of(make(p), facing, across).x);
   p.anisotropy_rotation = 0.25f;
-  EXPECT_GT(eval(make(p), facing, across).x, 5.0f * eval(make(p), facing, along).x);
+  EXPECT_GT(value_of(make(p), facing, across).x, 5.0f * value_of(make(p), facing, along).x);
   p.anisotropy_rotation = 0.125f;
-  EXPECT_GT(eval(make(p), facing, direction(20.0, 45.0)).x,
-            5.0f * eval(make(p), facing, direction(20.0, -45.0)).x)
+  EXPECT_GT(value_of(make(p), facing, direction(20.0, 45.0)).x,
+            5.0f * value_of(make(p), facing, direction(20.0, -45.0)).x)
       << "counter-clockwise";
 }
 
@@ -264,7 +266,7 @@ TEST(Principled, delta_lobes) {
   EXPECT_FALSE(is_specular(make({.base_color = kWhite, .roughness = 0.0f}))) << "diffuse below";
   EXPECT_FALSE(is_specular(make({.metallic = 1.0f, .roughness = 0.3f, .clearcoat = 1.0f})));
   EXPECT_TRUE(is_specular(make({.metallic = 1.0f, .roughness = 0.0f, .clearcoat = 1.0f})));
-  // A polished coat over diffuse: some samples are delta, and eval has none of it.
+  // A polished coat over diffuse: some samples are delta, and its value has none of it.
   const Bsdf coated = make({.base_color = V3f(0.0f), .roughness = 1.0f, .ior = 1.0f, .clearcoat = 1.0f});
   int delta = 0;
   for (int i = 0; i < 100; ++i) {
@@ -272,13 +274,13 @@ TEST(Principled, delta_lobes) {
     delta += drawn && drawn->specular ? 1 : 0;
   }
   EXPECT_GT(delta, 90);
-  EXPECT_EQ(eval(coated, wo, V3f(-wo.x, -wo.y, wo.z)), V3f(0.0f));
+  EXPECT_EQ(value_of(coated, wo, V3f(-wo.x, -wo.y, wo.z)), V3f(0.0f));
 }
 
 TEST(Principled, an_index_of_1_leaves_the_diffuse_base) {
   const Bsdf bsdf = make({.base_color = V3f(0.3f), .roughness = 1.0f, .ior = 1.0f});
   const V3f wo = direction(70.0, 0.0), wi = direction(60.0, 120.0);
-  EXPECT_NEAR(eval(bsdf, wo, wi).x, 0.3f * wi.z / std::numbers::pi_v<float>, 1e-6f);
+  EXPECT_NEAR(value_of(bsdf, wo, wi).x, 0.3f * wi.z / std::numbers::pi_v<float>, 1e-6f);
 }
 
 TEST(Principled, finite_at_the_extremes) {
@@ -314,9 +316,9 @@ TEST(Principled, finite_at_the_extremes) {
               ASSERT_TRUE(std::isfinite(drawn->pdf) && drawn->pdf >= 0.0f) << replay;
               ASSERT_EQ(drawn->pdf == 0.0f, drawn->specular) << replay;
               ASSERT_NEAR(drawn->wi.length(), 1.0f, 1e-5f) << replay;
-              ASSERT_TRUE(usable(eval(bsdf, wo, drawn->wi))) << replay;
-              ASSERT_TRUE(usable(eval(bsdf, drawn->wi, wo))) << replay;
-              ASSERT_TRUE(std::isfinite(pdf_solid_angle(bsdf, drawn->wi, wo))) << replay;
+              ASSERT_TRUE(usable(value_of(bsdf, wo, drawn->wi))) << replay;
+              ASSERT_TRUE(usable(value_of(bsdf, drawn->wi, wo))) << replay;
+              ASSERT_TRUE(std::isfinite(pdf_of(bsdf, drawn->wi, wo))) << replay;
             }
           }
         }

@@ -10,7 +10,7 @@
 
 #include "frame/error.h"
 #include "frame/regular_file.h"
-#include "tracer/scene/load/text_file.h"
+#include "frame/text_file.h"
 
 namespace becalm::tracer {
 

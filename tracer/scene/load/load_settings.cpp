@@ -23,7 +23,8 @@ Film read_film(const JsonValue& json) {
   film.height = json.at("height").integer(1, largest_size);
   if (const auto filter = json.find("filter")) {
     filter->allow_keys({"type", "radius_px"});
-    film.filter.type = static_cast<FilterType>(filter->at("type").choice({"blackman_harris", "box", "tent"}));
+    film.filter.type =
+        static_cast<FilterShape>(filter->at("type").choice({"blackman_harris", "box", "tent"}));
     if (const auto radius = filter->find("radius_px")) film.filter.radius_px = radius->number(0.0, 32.0);
   }
   if (const auto one = json.find("jitter_one_a_frame")) film.jitter.one_a_frame = one->boolean();

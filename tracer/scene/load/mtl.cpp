@@ -11,8 +11,8 @@
 #include <stdexcept>
 
 #include "frame/error.h"
+#include "tracer/scene/load/fail_in_file.h"
 #include "tracer/scene/load/mtl_text.h"
-#include "tracer/scene/load/text_file.h"
 #include "tracer/scene/load/text_words.h"
 
 namespace becalm::tracer {

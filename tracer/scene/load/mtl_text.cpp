@@ -6,7 +6,7 @@
 #include <limits>
 #include <optional>
 
-#include "tracer/scene/load/text_file.h"
+#include "tracer/scene/load/fail_in_file.h"
 #include "tracer/scene/load/text_words.h"
 #include "tracer/scene/load/wavefront_text.h"
 

@@ -5,9 +5,9 @@
 #include <span>
 
 #include "tracer/sampling/sobol.h"
+#include "tracer/scene/load/fail_in_file.h"
 #include "tracer/scene/load/obj_text.h"
 #include "tracer/scene/load/polygon.h"
-#include "tracer/scene/load/text_file.h"
 
 namespace becalm::tracer {
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string_view>
 
-#include "tracer/scene/load/text_file.h"
+#include "tracer/scene/load/fail_in_file.h"
 #include "tracer/scene/load/text_words.h"
 #include "tracer/scene/load/wavefront_text.h"
 

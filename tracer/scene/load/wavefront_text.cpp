@@ -1,7 +1,7 @@
 #include "tracer/scene/load/wavefront_text.h"
 
 #include "frame/regular_file.h"
-#include "tracer/scene/load/text_file.h"
+#include "frame/text_file.h"
 #include "tracer/scene/load/text_words.h"
 
 namespace becalm::tracer {

@@ -20,6 +20,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 from benches.quality import render_time  # noqa: E402
 from benches.quality.cycles import indoors, outdoors, studio  # noqa: E402
+from benches.quality.options import words  # noqa: E402
 
 SHOTS = {build.__name__: build for build in (indoors.window, studio.cloth, outdoors.foliage, outdoors.car, indoors.candles, studio.skin,
                                              studio.bottles, outdoors.crowd)}
@@ -36,7 +37,7 @@ def _frames(text):
 def arguments():
     parser = argparse.ArgumentParser(prog="render.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR")
-    parser.add_argument("--shots", type=lambda text: text.split(","), default=list(SHOTS), metavar="LIST", help=f"default: {','.join(SHOTS)}")
+    parser.add_argument("--shots", type=words, default=list(SHOTS), metavar="LIST", help=f"default: {','.join(SHOTS)}")
     parser.add_argument("--size", default="480x270", metavar="WxH", help="default: 480x270")
     parser.add_argument("--threads", type=int, default=0, metavar="N", help="default: as many as the machine has")
     parser.add_argument("--spp", type=int, default=8, metavar="N", help="of the noisy frames, whose folder is nN (default: 8)")

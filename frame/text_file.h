@@ -4,9 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "frame/error.h"
-
-namespace becalm::tracer {
+namespace becalm {
 
 /// The bytes of a file; nothing if it cannot be read (a folder can be opened, but not read).
 inline std::optional<std::string> read_text_file(const std::string& path) {
@@ -22,9 +20,4 @@ inline std::optional<std::string> read_text_file(const std::string& path) {
   return file.eof() ? std::make_optional(std::move(text)) : std::nullopt;
 }
 
-/// Throws: the file at this path says something that cannot be read.
-[[noreturn]] inline void fail_in_file(const std::string& path, const std::string& message) {
-  throw Error(ExitStatus::bad_input, path + ": " + message);
-}
-
-}  // namespace becalm::tracer
+}  // namespace becalm

@@ -9,22 +9,22 @@
 
 #include <unistd.h>
 
-namespace becalm::fuzz {
+namespace becalm {
 
-/// A folder of this process's own for the files that loaders read, removed at the end.
-class FuzzFolder {
+/// A new folder of this process's own, removed with everything in it.
+class ScratchFolder {
  public:
-  FuzzFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "becalm-fuzz-XXXXXX").string();
+  ScratchFolder() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "becalm-scratch-XXXXXX").string();
     if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("cannot make a folder like " + pattern);
     path_ = pattern;
   }
-  ~FuzzFolder() {
+  ~ScratchFolder() {
     std::error_code ignored;
     std::filesystem::remove_all(path_, ignored);
   }
-  FuzzFolder(const FuzzFolder&) = delete;
-  FuzzFolder& operator=(const FuzzFolder&) = delete;
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
 
   /// Writes a file and returns its path.
   std::string write(const std::string& name, const std::uint8_t* data, std::size_t size) const {
@@ -41,4 +41,4 @@ class FuzzFolder {
   std::filesystem::path path_;
 };
 
-}  // namespace becalm::fuzz
+}  // namespace becalm

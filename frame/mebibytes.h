@@ -2,10 +2,10 @@
 
 #include <cstdint>
 
-namespace becalm::app {
+namespace becalm {
 
 inline double mebibytes(std::uint64_t bytes) {
   return static_cast<double>(bytes) / (1024.0 * 1024.0);
 }
 
-}  // namespace becalm::app
+}  // namespace becalm
