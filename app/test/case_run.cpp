@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <system_error>
 
 #include "app/test/references.h"
 #include "frame/error.h"
@@ -135,7 +136,8 @@ CaseRun run_case(const TestCase& test, const RunSettings& settings, std::uint32_
   // A frame that was not made has no picture.
   for (JudgedFrame& frame : run.result.frames) {
     for (std::string* file : {&frame.test, &frame.denoised_test, &frame.denoised_reference}) {
-      if (!file->empty() && !fs::is_regular_file(*file)) file->clear();
+      std::error_code ignored;
+      if (!file->empty() && !fs::is_regular_file(*file, ignored)) file->clear();
     }
   }
   return run;

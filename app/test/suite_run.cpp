@@ -46,7 +46,7 @@ class Workers {
         ended_(results_[i]);
       } catch (...) {
         const std::scoped_lock lock(mutex_);
-        failure_ = std::current_exception();
+        if (!failure_) failure_ = std::current_exception();
         stopped_ = true;
       }
     }
