@@ -47,20 +47,20 @@ class Workers {
       } catch (...) {
         const std::scoped_lock lock(mutex_);
         if (!failure_) failure_ = std::current_exception();
-        stopped_ = true;
+        why_stopped_ = "an error ended the run";
       }
     }
   }
 
   CaseResult run_one(const TestCase& test) {
     if (stop_requested()) return skipped_case(test, "interrupted");
-    if (stopped_) return skipped_case(test, "--fail-fast: another case did not pass");
+    if (const char* why = why_stopped_) return skipped_case(test, why);
     const RunSettings settings{.work_folder = folder_.folder_of(test),
                                .threads = options_.threads,
                                .reproducible = options_.reproducible};
     CaseResult result = run_case(test, settings).result;
     const bool good = result.outcome == CaseOutcome::passed;
-    if (!good && options_.fail_fast) stopped_ = true;
+    if (!good && options_.fail_fast) why_stopped_ = "--fail-fast: another case did not pass";
     return result;
   }
 
@@ -70,7 +70,7 @@ class Workers {
   const std::function<void(const CaseResult&)>& ended_;
   std::vector<CaseResult> results_;
   std::atomic<std::size_t> next_{0};
-  std::atomic<bool> stopped_{false};
+  std::atomic<const char*> why_stopped_{nullptr};  ///< null: every case is run
   std::mutex mutex_;
   std::exception_ptr failure_;
 };

@@ -16,8 +16,9 @@ struct SuiteRunOptions {
   bool reproducible = false;  ///< the cases of scenes, by becalm's --reproducible
 };
 
-/// Runs the cases. `ended` is told each as it ends, one at a time. Once becalm is asked to stop, or with
-/// fail_fast after the first that did not pass, the others are skipped.
+/// Runs the cases. `ended` is told each as it ends, one at a time. Once becalm is asked to stop, with
+/// fail_fast after the first that did not pass, or after an exception, which is thrown again at the end, the
+/// others are skipped.
 TestResults run_cases(const std::vector<TestCase>& cases, const WorkFolder& folder,
                       const SuiteRunOptions& options, const std::function<void(const CaseResult&)>& ended);
 

@@ -14,7 +14,7 @@ enum class CaseOutcome {
   passed,
   failed,  ///< the frames are not what they should be, or could not be made
   error,   ///< nothing could be judged: no reference, or a bad one
-  skipped  ///< not run: --fail-fast, or an interruption
+  skipped  ///< not run: --fail-fast, an interruption, or an error that ended the run
 };
 
 /// One comparison and its limit. A limit of every frame is one check; its value is the worst frame's.

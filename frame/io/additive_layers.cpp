@@ -119,7 +119,25 @@ std::set<std::string_view> scopes_beside(const LayerSource& beauty, const std::v
   return all;
 }
 
-/// The candidates of a file: sets of at least two layers, by whole names, as AdditiveSet has them.
+/// By whole name, as AdditiveSet has it.
+std::string title_of(const ChannelLayer& layer) {
+  return layer.title.empty() ? layer.name() : layer.title;
+}
+
+/// The light groups of another data window than the beauty's.
+AdditiveSet cropped_light_groups(const std::vector<ChannelLayer>& layers,
+                                 const std::vector<PartChannels>& parts, const Imath::Box2i& window) {
+  AdditiveSet set;
+  for (const ChannelLayer& layer : layers) {
+    const bool is_cropped = parts[layer.part].data_window != window;
+    if (is_cropped && layer.name().starts_with(kLightScope) && channels_as(layer, Aov::direct))
+      set.layers.push_back(title_of(layer));
+  }
+  set.cropped = set.layers;
+  return set;
+}
+
+/// The candidates of a file: sets of at least two layers, and cropped light groups.
 std::vector<AdditiveSet> candidates(const std::vector<PartChannels>& parts, const ViewLayers& view) {
   const LayerSource& beauty = *view.layers[static_cast<std::size_t>(Aov::beauty)];
   const Imath::Box2i& window = parts[beauty.part].data_window;
@@ -142,7 +160,7 @@ std::vector<AdditiveSet> candidates(const std::vector<PartChannels>& parts, cons
       if (!is_of_set(end_of(layer.name())) || (!own_scope.empty() && own_scope != scope)) continue;
       const auto source = channels_as(layer, Aov::direct);
       if (!source || is_taken(*source)) continue;
-      set.layers.push_back(layer.title.empty() ? layer.name() : layer.title);
+      set.layers.push_back(title_of(layer));
       if (parts[layer.part].data_window != window) set.cropped.push_back(set.layers.back());
     }
     const auto is_same = [&](const AdditiveSet& other) { return other.layers == set.layers; };
@@ -157,6 +175,8 @@ std::vector<AdditiveSet> candidates(const std::vector<PartChannels>& parts, cons
   for (const std::string_view group : kLightGroups) {
     add([&](std::string_view name) { return is_of_group(name, group); });
   }
+  if (AdditiveSet cropped = cropped_light_groups(layers, parts, window); !cropped.layers.empty())
+    sets.push_back(std::move(cropped));
   return sets;
 }
 
@@ -360,11 +380,15 @@ std::string describe_lack(const std::vector<std::string>& layers, int frame) {
 }
 
 std::string describe(const AdditiveSet& set) {
-  const std::string names = printable(fmt::format("{}", fmt::join(set.layers, ", ")), 1500);
+  const auto listed = [](const std::vector<std::string>& layers) {
+    return printable(fmt::format("{}", fmt::join(layers, ", ")), 1500);
+  };
+  const std::string names = listed(set.layers);
   if (!set.cropped.empty()) {
-    return fmt::format("{} are passed on noisy, since {} {} another data window than the beauty", names,
-                       printable(fmt::format("{}", fmt::join(set.cropped, ", ")), 1500),
-                       set.cropped.size() == 1 ? "has" : "have");
+    const bool is_one = set.cropped.size() == 1;
+    const std::string which = set.cropped != set.layers ? listed(set.cropped) : is_one ? "it" : "they";
+    return fmt::format("{} {} passed on noisy, since {} {} another data window than the beauty", names,
+                       set.layers.size() == 1 ? "is" : "are", which, is_one ? "has" : "have");
   }
   if (set.adds_up()) return fmt::format("{} add up to the beauty and are denoised with it", names);
   return fmt::format(

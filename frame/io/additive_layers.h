@@ -10,6 +10,9 @@
 
 namespace becalm::io {
 
+/// What the names of light groups begin with.
+inline constexpr std::string_view kLightScope = "light.";
+
 /// The layer whose name this is, or ends in this after a dot, as a summand of the beauty of `part`; with its
 /// colour pass if it is one of Blender's. Nothing if no such layer has R, G, B and that part's data window.
 std::optional<LightSource> find_additive_layer(const std::vector<PartChannels>& parts, int part,
@@ -31,7 +34,8 @@ struct AdditiveSet {
 };
 
 /// The sets that the names of a file's layers suggest, each with how well it adds up to the beauty of the
-/// default view. Reads their pixels; throws as read_exr does.
+/// default view, and a set of the light groups that their data window keeps from being denoised. Reads their
+/// pixels; throws as read_exr does.
 std::vector<AdditiveSet> find_additive_sets(const std::string& path, const LayerOptions& options);
 
 /// Those of the first frame of a sequence that has such layers and is not black but for a thousandth, else of

@@ -9,6 +9,8 @@
 #include <cstdint>
 
 #include "frame/io/exr_file.h"
+#include "frame/io/exr_parts.h"
+#include "frame/io/stripe.h"
 
 namespace becalm::io {
 
@@ -71,13 +73,26 @@ Image ExrChannels::read(std::size_t part, const std::string& channel) const {
 }
 
 void require_whole_exr(const std::string& path) {
-  reading(path, [&] { require_all_chunks(path, *open_exr(path)); });
-  const ExrChannels file(path);
-  for (std::size_t part = 0; part < file.parts().size(); ++part) {
-    // A chunk has all channels of its lines.
-    const std::vector<std::string>& channels = file.parts()[part].channels;
-    if (!channels.empty()) file.read(part, channels.front());
-  }
+  reading(path, [&] {
+    stamp_of(path);
+    const std::unique_ptr<Imf::MultiPartInputFile> file = open_exr(path);
+    require_all_chunks(path, *file);
+    for (int number = 0; number < file->parts(); ++number) {
+      const Imf::Header& header = file->header(number);
+      const auto channel = header.channels().begin();
+      if (is_deep(header) || channel == header.channels().end()) continue;
+      // A chunk has all channels of its lines, so that one of them tells of all.
+      Stripe stripe(header.dataWindow());
+      stripe.add(channel.name(), channel.channel().type, channel.channel().xSampling,
+                 channel.channel().ySampling);
+      Imf::InputPart part(*file, number);
+      const ReadLines read = lines_of(part);
+      for_each_stripe(header, [&](int first, int last) {
+        stripe.move_to(first, last);
+        read(stripe, [](const Stripe::Plane&) { return true; });
+      });
+    }
+  });
 }
 
 }  // namespace becalm::io

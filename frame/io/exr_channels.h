@@ -39,7 +39,7 @@ class ExrChannels {
 };
 
 /// Throws as read_exr does unless every chunk of the file is there and those of its flat parts can be
-/// decompressed. It need not hold anything that becalm knows.
+/// decompressed, a stripe of lines at a time. It need not hold anything that becalm knows.
 void require_whole_exr(const std::string& path);
 
 }  // namespace becalm::io

@@ -39,8 +39,6 @@ constexpr std::string_view kSeldomBeauties[] = {"ao",
                                                 "effectsresult",
                                                 "glossyreflection",
                                                 "beautyunshadowed"};
-/// What the names of light groups begin with.
-constexpr std::string_view kLightScope = "light.";
 /// Karma's lobes are one of the first before one of the second.
 constexpr std::string_view kKarmasPaths[] = {"combined", "direct", "indirect"};
 constexpr std::string_view kKarmasLobes[] = {

@@ -146,6 +146,29 @@ bool is_surely_a_field(std::string_view text, const Field& field) {
   return field.end == text.size() || std::isalpha(static_cast<unsigned char>(text[field.end])) == 0;
 }
 
+/// The frame field in a path's file name. Folders are taken as they are: a field there would make the frames
+/// of one shot lie in many folders. Throws Error(usage) for two fields.
+std::optional<Field> field_of_name(std::string_view path) {
+  std::vector<Field> fields;
+  const std::size_t slash = path.rfind('/');
+  for (std::size_t at = slash == std::string_view::npos ? 0 : slash + 1; at < path.size();) {
+    const std::optional<Field> found = field_at(path, at);
+    if (found) fields.push_back(*found);
+    at = found ? found->end : at + 1;
+  }
+  const auto written = [&](const Field& field) { return path.substr(field.begin, field.end - field.begin); };
+  const bool one_is_sure =
+      std::ranges::any_of(fields, [&](const Field& field) { return is_surely_a_field(path, field); });
+  if (one_is_sure) std::erase_if(fields, [](const Field& field) { return field.probe_disk; });
+  if (fields.empty()) return std::nullopt;
+  if (fields.size() > 1) {
+    throw Error(ExitStatus::usage,
+                fmt::format("file pattern '{}': two frame fields, '{}' and '{}'; expected one at most", path,
+                            written(fields[0]), written(fields[1])));
+  }
+  return fields.front();
+}
+
 /// `-?digits` and nothing else.
 bool is_frame_number(std::string_view text) {
   take(text, '-');
@@ -324,20 +347,7 @@ SequencePattern::SequencePattern(std::string text, int lone_padding)
 
 SequencePattern::SequencePattern(std::string text, std::optional<int> lone_padding)
     : text_(std::move(text)), prefix_(text_) {
-  // Folders are taken as they are: a field there would make the frames of one shot lie in many folders.
-  const std::size_t slash = text_.rfind('/');
-  std::optional<Field> field;
-  for (std::size_t at = slash == std::string::npos ? 0 : slash + 1; at < text_.size();) {
-    const std::optional<Field> found = field_at(text_, at);
-    if (found && field) {
-      throw Error(ExitStatus::usage,
-                  fmt::format("file pattern '{}': two frame fields, '{}' and '{}'; expected one at most",
-                              text_, text_.substr(field->begin, field->end - field->begin),
-                              text_.substr(found->begin, found->end - found->begin)));
-    }
-    if (found) field = found;
-    at = found ? found->end : at + 1;
-  }
+  const std::optional<Field> field = field_of_name(text_);
   if (!field) return;
   const std::string written = text_.substr(field->begin, field->end - field->begin);
   std::error_code unknown;

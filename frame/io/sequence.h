@@ -49,8 +49,8 @@ std::string field_of_folder(const std::string& path);
 
 /// A file name with at most one frame field: `####`, `@@@@` (digits = characters), `%04d`, `%d`, `$F4` or
 /// `$F`; a lone `#` takes its padding from the files on disk, and 1 digit where there are none. A lone `@`,
-/// `%d` or `$F` before a letter or digit is text (`me@home.exr`), and so is any lone field in the name of a
-/// file that exists. Folders hold no field.
+/// `%d` or `$F` before a letter or digit is text (`me@home.exr`), and so are a lone `#` beside a longer field
+/// (`take#2.####.exr`) and any lone field in the name of a file that exists. Folders hold no field.
 class SequencePattern {
  public:
   /// Throws Error(usage) if there are two frame fields in the text, and Error where its folder cannot be

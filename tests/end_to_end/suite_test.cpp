@@ -194,6 +194,16 @@ TEST_F(SuiteTest, FilterShardListAndFailFastChooseCases) {
   expect_error(run({"--shard", "3/2"}), 2, {"--shard 3/2", "I/N"});
 }
 
+TEST_F(SuiteTest, CasesAfterAnErrorThatEndsTheRunSaySo) {
+  const std::string without_folder = "rm -r kept/suite; touch kept/suite; exit 1";
+  write_suite(shell_case("a", without_folder) + "," + shell_case("b") + "," + shell_case("c"));
+  for (const char* name : {"a", "b", "c"}) write_reference(name);
+  const Outcome outcome = run({"--keep", folder_ / "kept"});
+  EXPECT_EQ(outcome.status, 4) << outcome.err;
+  expect_words(outcome.err, {"kept/suite/b: cannot make the folder"});
+  expect_words(line_of(outcome, "c"), {"skipped", "an error ended the run"});
+}
+
 TEST_F(SuiteTest, ACommandIsTold) {
   write_suite(shell_case("told", "cp image.exr $0; echo $0 {frame} {spp} {seed} {threads} >>told.txt",
                          R"(, "frames": "1-2", "spp": 3, "seed": 5)"));

@@ -379,6 +379,18 @@ TEST_F(AdditiveLayers, ASummandOfAnotherDataWindowIsTold) {
             "diffuse, specular are passed on noisy, since specular has another data window than the beauty");
 }
 
+TEST_F(AdditiveLayers, LightGroupsOfAnotherDataWindowAreTold) {
+  write_parts({{"rgba", both}, {"light.fill", first}, {"light.key", second}}, {"light.key"});
+  EXPECT_TRUE(choose_additive("auto", sets()).empty());
+  ASSERT_EQ(sets().size(), 1u);
+  EXPECT_EQ(describe(sets()[0]),
+            "light.key is passed on noisy, since it has another data window than the beauty");
+  write_parts({{"rgba", both}, {"light.fill", first}, {"light.key", second}}, {"light.fill", "light.key"});
+  ASSERT_EQ(sets().size(), 1u);
+  EXPECT_EQ(describe(sets()[0]),
+            "light.fill, light.key are passed on noisy, since they have another data window than the beauty");
+}
+
 TEST_F(AdditiveLayers, ACroppedLayerDecidesNothing) {
   const auto black = [](int) { return 0.0f; };
   write_parts(

@@ -128,6 +128,13 @@ TEST(SequencePattern, ALoneFieldBeforeALetterOrDigitIsText) {
     EXPECT_TRUE(SequencePattern(text).has_frame_field()) << text;
 }
 
+TEST(SequencePattern, ALoneNumberSignBesideALongerFieldIsText) {
+  EXPECT_EQ(SequencePattern("take#2.####.exr").path(7), "take#2.0007.exr");
+  EXPECT_EQ(SequencePattern("shot.%04d.#1#.exr").path(7), "shot.0007.#1#.exr");
+  EXPECT_EQ(error_of(ExitStatus::usage, [] { SequencePattern("take#2.#.exr"); }),
+            "file pattern 'take#2.#.exr': two frame fields, '#' and '#'; expected one at most");
+}
+
 TEST(SequencePattern, FoldersHoldNoField) {
   EXPECT_EQ(SequencePattern("me@home/v%02d/shot.##.exr").path(3), "me@home/v%02d/shot.03.exr");
 }
