@@ -27,6 +27,7 @@
 #include "app/frame_figures.h"
 #include "app/input_frames.h"
 #include "app/options.h"
+#include "app/parse_numbers.h"
 #include "app/report_file.h"
 #include "frame/io/exr.h"
 #include "frame/io/layers.h"
@@ -165,9 +166,9 @@ class CompareJob {
 CLI::Validator limit_of(LimitKind kind) {
   return CLI::Validator(
       [kind](const std::string& text) {
-        double value = 0.0;
-        const bool is_number = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
-        if (is_number && (kind == LimitKind::min || value >= 0.0)) return std::string();
+        const std::optional<double> value = parse_number<double>(text);
+        const bool is_number = value && std::isfinite(*value);
+        if (is_number && (kind == LimitKind::min || *value >= 0.0)) return std::string();
         return fmt::format("expected a finite number{}", kind == LimitKind::min ? "" : " of at least 0");
       },
       "");

@@ -2,8 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <array>
-#include <span>
+#include <optional>
 
 #include "app/parse_numbers.h"
 
@@ -12,8 +11,8 @@ namespace becalm::app {
 CLI::Validator number_from(double low, double high) {
   return CLI::Validator(
       [low, high](const std::string& text) {
-        double value = 0.0;
-        const bool fits = CLI::detail::lexical_cast(text, value) && value >= low && value <= high;
+        const std::optional<double> value = parse_number<double>(text);
+        const bool fits = value && *value >= low && *value <= high;
         return fits ? std::string() : fmt::format("expected a number from {} to {}", low, high);
       },
       "");
@@ -22,10 +21,8 @@ CLI::Validator number_from(double low, double high) {
 CLI::Validator whole_number_from(std::int64_t low, std::int64_t high) {
   return CLI::Validator(
       [low, high](const std::string& text) {
-        std::array<std::int64_t, 1> value{};
-        const std::string digits = text.substr(text.starts_with('+') ? 1 : 0);
-        const bool fits =
-            parse_numbers(digits, ',', std::span<std::int64_t>(value)) && value[0] >= low && value[0] <= high;
+        const std::optional<std::int64_t> value = parse_number<std::int64_t>(text);
+        const bool fits = value && *value >= low && *value <= high;
         return fits ? std::string()
                     : fmt::format("expected a whole number from {} to {}, found {}", low, high, text);
       },
