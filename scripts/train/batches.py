@@ -7,7 +7,6 @@ import torch
 
 import albedo_noise
 import backgrounds
-import blurred_layers
 import losses
 import rare_crops
 import shots
@@ -175,20 +174,22 @@ def smooth_albedos(pairs, network):
         pair.smoothed_albedo = smoothed[0].clamp(0, 1).numpy().astype(np.float16)
 
 
+def is_held_out(folder):
+    """Every tenth seed of each renderer is what checkpoints are chosen on."""
+    return int(folder.rsplit("-", 1)[1]) % 10 == 9
+
+
 def load(data, renderer="", albedo=False):
     """Pairs to learn from, of one renderer's shots or of all, and pairs of all to choose on; of radiance or of albedo."""
     learn, choose = [], []
-    for folder in shots.complete_shots(data, albedo):
+    for folder in shots.complete_shots(data):
         pairs = shots.load_shot(folder)
-        if shots.is_held_out(folder):
+        if is_held_out(folder):
             pairs = [pair for pair in pairs if pair.independent]
         if albedo:
             pairs = shots.of_albedo(pairs)
-        if shots.is_held_out(folder):
+        if is_held_out(folder):
             choose.extend(pairs)
         elif os.path.basename(folder).startswith(renderer):
             learn.extend(pairs)
-    if albedo:
-        made = blurred_layers.made_pairs(data)
-        learn = learn * max(1, round(len(made) / max(len(learn), 1))) + made  # half of the crops are of shots
     return learn, choose

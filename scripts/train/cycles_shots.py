@@ -32,9 +32,6 @@ from noise_levels import MOST_FAILED, evenly_spread, noise_levels, reference_sam
 
 LEAST_REFERENCE_SPP = 64
 ATTEMPTS = 12  # scenes tried for a seed
-BLUR, BLUR_OF_ALBEDOS = 0.2, 0.6
-ALBEDO_SPP = (1, 2, 4, 8, 16, 32)
-ALBEDO_REFERENCE_SPP = 64
 PILOT_SIZE, PILOT_SPP = (64, 36), 8
 
 
@@ -47,7 +44,6 @@ def arguments():
     parser.add_argument("--references", type=int, default=4,
                         help="how many of them, evenly spread, get references and a second level of noise (default: 4)")
     parser.add_argument("--size", default="256x144", metavar="WxH")
-    parser.add_argument("--albedo", action="store_true", help="shots that the albedo's network alone learns from: blurred, hardly lit")
     parser.add_argument("--threads", type=int, default=1)
     asked = parser.parse_args(sys.argv[sys.argv.index("--") + 1:])
     first, _, last = asked.seeds.partition("-")
@@ -103,11 +99,8 @@ def noise_of_sample(one, other):
     return PILOT_SPP * float(squared.mean())
 
 
-def build(seed, size, threads, blur):
-    """The scene of a seed, and what is known about it; None where no attempt gave a view worth rendering.
-
-    blur: how probable a lens of finite aperture is, and as much motion blur.
-    """
+def build(seed, size, threads):
+    """The scene of a seed, and what is known about it; None where no attempt gave a view worth rendering."""
     aspect = size[0] / size[1]
     for attempt in range(ATTEMPTS):
         bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -130,7 +123,7 @@ def build(seed, size, threads, blur):
         motion.move_things(dice, stage.movable, rig.made)
         if has_volume:
             lights.add_medium(dice, view.centre, max(view.radius, distance))
-        has_depth_of_field, has_motion_blur = dice.chance(blur), dice.chance(blur)
+        has_depth_of_field, has_motion_blur = dice.chance(0.2), dice.chance(0.2)
         if has_depth_of_field:
             aperture_radius = distance * dice.log_uniform(0.004, 0.04)
             camera.data.dof.use_dof = True
@@ -152,16 +145,8 @@ def build(seed, size, threads, blur):
     return None, None
 
 
-def leave_light_out():
-    """Paths go on only as far as features are gathered: through mirrors and glass."""
-    for thing in [thing for thing in bpy.data.objects if thing.type == "LIGHT"]:
-        bpy.data.objects.remove(thing)
-    bpy.context.scene.world = None
-    bpy.context.scene.cycles.diffuse_bounces = 0
-
-
 def render_shot(folder, seed, asked):
-    facts, dice = build(seed, asked.size, asked.threads, BLUR_OF_ALBEDOS if asked.albedo else BLUR)
+    facts, dice = build(seed, asked.size, asked.threads)
     if facts is None:
         raise RuntimeError(f"no view worth rendering in {ATTEMPTS} attempts")
     os.makedirs(folder, exist_ok=True)
@@ -169,12 +154,8 @@ def render_shot(folder, seed, asked):
     scene.render.resolution_x, scene.render.resolution_y = asked.size
     settings = scene.render.image_settings
     settings.file_format, settings.color_depth, settings.exr_codec = "OPEN_EXR_MULTILAYER", "16", "ZIP"
-    if asked.albedo:
-        leave_light_out()
-        levels, reference_spp = sorted(dice.sample(ALBEDO_SPP, 2)), ALBEDO_REFERENCE_SPP
-    else:
-        levels = noise_levels(facts["sample_noise"], dice.random)
-        reference_spp = reference_samples(levels[-1], LEAST_REFERENCE_SPP)
+    levels = noise_levels(facts["sample_noise"], dice.random)
+    reference_spp = reference_samples(levels[-1], LEAST_REFERENCE_SPP)
     cycles_seeds = iter(dice.sample(range(1, 2**30), 6 * motion.SHOT_FRAMES))
 
     def write(name, samples, frame):
@@ -184,7 +165,7 @@ def render_shot(folder, seed, asked):
 
     frames = range(1, asked.frames + 1)
     referenced = evenly_spread(frames, asked.references)
-    for frame in referenced if asked.albedo else frames:
+    for frame in frames:
         scene.frame_set(frame)
         for spp in levels if frame in referenced else levels[:1]:
             for half in "ab" if spp > 1 else "a":
@@ -194,7 +175,7 @@ def render_shot(folder, seed, asked):
                 write(f"r_{half}", reference_spp, frame)
     shot = {"renderer": "cycles", "version": bpy.app.version_string, "seed": seed,
             "width": asked.size[0], "height": asked.size[1], "frames": asked.frames,
-            "references": referenced, "reference_spp": reference_spp, "spp": levels, "albedo_only": asked.albedo, **facts}
+            "references": referenced, "reference_spp": reference_spp, "spp": levels, **facts}
     partial = os.path.join(folder, f"shot.json.partial.{os.getpid()}")
     with open(partial, "w") as file:
         json.dump(shot, file, indent=1)

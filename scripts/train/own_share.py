@@ -199,7 +199,7 @@ def main():
         if os.path.exists(f"{folder}/{shots.REMERGED}"):
             pairs = shots.load_pairs(folder, shots.REMERGED)
             batches.smooth_albedos(pairs, albedo_network)
-            (choose if shots.is_held_out(folder) else learn).extend(prepared(network, pair) for pair in pairs)
+            (choose if batches.is_held_out(folder) else learn).extend(prepared(network, pair) for pair in pairs)
     if not learn:
         raise SystemExit(f"{args.data}: expected shots with {shots.REMERGED}; merged_shots.py --again makes it")
     print(f"{len(learn)} frames to learn from, {len(choose)} to choose on", flush=True)

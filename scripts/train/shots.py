@@ -127,7 +127,8 @@ def variances_of(layers):
 
 def pack_shot(folder):
     """Reads all frames of a shot that have references into PACKED; a list of arrays by name."""
-    shot = facts_of(folder)
+    with open(f"{folder}/shot.json") as file:
+        shot = json.load(file)
     arrays = {}
     for frame in shot["references"]:
         a = read_layers(f"{folder}/r_a.{frame:04d}.exr", shot["renderer"])
@@ -135,7 +136,7 @@ def pack_shot(folder):
         clean = packed_features({name: 0.5 * (a[name] + b[name]) for name in ("albedo", "normal", "depth")})
         for spp in shot["spp"]:
             layers = noisy_layers(folder, shot, spp, frame)
-            exposure = 1.0 if shot.get("albedo_only") else exposure_of(layers["color"])
+            exposure = exposure_of(layers["color"])
             finite = np.isfinite(layers["color"]).all() and np.isfinite(a["color"]).all() and np.isfinite(b["color"]).all()
             if exposure == 0.0 or not finite:
                 continue
@@ -219,17 +220,6 @@ def of_albedo(pairs):
     return made
 
 
-def complete_shots(data, of_albedo=False):
-    """Folders of all shots that are rendered whole, sorted; those that have an albedo alone only where that is asked for."""
-    folders = sorted(entry.path for entry in os.scandir(data) if os.path.exists(f"{entry.path}/shot.json"))
-    return [folder for folder in folders if of_albedo or not facts_of(folder).get("albedo_only")]
-
-
-def facts_of(folder):
-    with open(f"{folder}/shot.json") as file:
-        return json.load(file)
-
-
-def is_held_out(folder):
-    """Every tenth seed of each renderer is what checkpoints are chosen on."""
-    return int(folder.rsplit("-", 1)[1]) % 10 == 9
+def complete_shots(data):
+    """Folders of all shots that are rendered whole, sorted."""
+    return sorted(entry.path for entry in os.scandir(data) if os.path.exists(f"{entry.path}/shot.json"))

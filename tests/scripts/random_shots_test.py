@@ -4,18 +4,18 @@ import unittest
 
 import numpy as np
 
+import batches
 import becalm_layouts
 import becalm_materials
 import becalm_scene
 import noise_levels
-import shots
 
 
 class Layouts(unittest.TestCase):
     def test_trained_and_held_out_shots_have_all_of_them(self):
         seeds = range(200)
-        held_out = {becalm_scene.layout_of(seed, 0) for seed in seeds if shots.is_held_out(f"becalm-{seed:06}")}
-        trained = {becalm_scene.layout_of(seed, 0) for seed in seeds if not shots.is_held_out(f"becalm-{seed:06}")}
+        held_out = {becalm_scene.layout_of(seed, 0) for seed in seeds if batches.is_held_out(f"becalm-{seed:06}")}
+        trained = {becalm_scene.layout_of(seed, 0) for seed in seeds if not batches.is_held_out(f"becalm-{seed:06}")}
         self.assertEqual(held_out, set(becalm_layouts.LAYOUTS))
         self.assertEqual(trained, set(becalm_layouts.LAYOUTS))
 

@@ -1,7 +1,5 @@
 """The crops that scripts/train/ makes itself: rare ones, things before other backgrounds, patterns, noise of the albedo."""
 
-import os
-import tempfile
 import unittest
 import unittest.mock
 
@@ -10,7 +8,6 @@ import torch
 
 import albedo_noise
 import backgrounds
-import blurred_layers
 import losses
 import patterns
 import rare_crops
@@ -103,69 +100,15 @@ class Patterns(unittest.TestCase):
             self.assertLess(abs((few - many).mean()), 0.01, kind.__name__)
 
 
-class BlurredLayers(unittest.TestCase):
-    def things(self, **changed):
-        """A white thing over the left half, a black one behind it; both sharp and at rest."""
-        made = blurred_layers.Things(np.random.default_rng(1), SIZE, np.zeros((3, SIZE, SIZE), np.float32))
-        left = np.broadcast_to(np.arange(made.side) < made.side // 2, (made.side, made.side))
-        made.count, made.shapes = 2, [left, np.ones_like(left)]
-        made.radii, made.motions, made.mirrored = [0.0, 0.0], [np.zeros(2)] * 2, [None, None]
-        made.seen = np.zeros((3, made.side**2, 7), np.float32)
-        made.seen[0, :, :3], made.seen[2, :, :3] = 1.0, 0.5
-        made.seen = made.seen.reshape(-1, 7)
-        for name, value in changed.items():
-            setattr(made, name, value)
-        return made
-
-    def edge(self, samples=256, **changed):
-        """The mean albedo of each column."""
-        return self.things(**changed).mean_of(np.random.default_rng(2), samples)[0].mean(0)
-
-    def test_a_sharp_edge_is_as_wide_as_the_pixel_filter(self):
-        columns = self.edge()
-        np.testing.assert_array_equal(columns[: SIZE // 2 - 3], 1.0)
-        np.testing.assert_array_equal(columns[SIZE // 2 + 3 :], 0.0)
-
-    def test_lens_and_motion_blur_what_is_before_over_their_width(self):
-        for changed in ({"radii": [8.0, 0.0]}, {"motions": [np.float32([16.0, 0.0]), np.zeros(2)]}):
-            columns = self.edge(**changed)
-            self.assertAlmostEqual(columns[SIZE // 2 - 4] + columns[SIZE // 2 + 3], 1.0, delta=0.02)
-            self.assertTrue(0.15 < columns[SIZE // 2 + 3] < 0.35, columns[SIZE // 2 + 3])
-            self.assertLess(columns[SIZE // 2 + 10], 0.01)
-
-    def test_a_blurred_background_leaves_the_edge_before_it_sharp(self):
-        np.testing.assert_array_equal(self.edge(radii=[0.0, 14.0])[: SIZE // 2 - 3], 1.0)
-
-    def test_a_mirror_shows_another_thing_in_its_share_of_the_samples(self):
-        side = self.things().side
-        self.assertAlmostEqual(self.edge(mirrored=[np.full((side, side), 0.3), None])[4], 0.7 + 0.3 * 0.5, delta=0.01)
-
-    def test_few_samples_are_noisy_and_unbiased(self):
-        few, many = (self.things(radii=[10.0, 0.0]).mean_of(np.random.default_rng(seed), count)[0] for seed, count in ((3, 2), (4, 256)))
-        self.assertGreater(np.abs(few - many).mean(), 0.03)
-        self.assertLess(abs((few - many).mean()), 0.01)
-
-    def test_pairs_come_back_as_they_were_written(self):
-        noisy, truth = (np.random.default_rng(i).random((3, 7, SIZE, SIZE)).astype(np.float16) for i in range(2))
-        with tempfile.TemporaryDirectory() as folder:
-            self.assertEqual(blurred_layers.made_pairs(folder), [])
-            np.savez(os.path.join(folder, blurred_layers.FILE), noisy=noisy, truth=truth)
-            pairs = blurred_layers.made_pairs(folder)
-        self.assertEqual(len(pairs), 3)
-        np.testing.assert_array_equal(pairs[1].color, noisy[1, :3])
-        np.testing.assert_array_equal(pairs[1].references[0], truth[1, :3])
-        np.testing.assert_array_equal(pairs[1].features[0][3:], noisy[1, 3:])
-        self.assertTrue(pairs[1].of_albedo and (pairs[1].features[0][:3] == 1).all())
-
-
 class AlbedoNoise(unittest.TestCase):
     def test_the_truth_is_its_mean(self):
         clean = np.random.default_rng(1).random((3, SIZE, SIZE))
-        for seed in range(3):
-            noisy, truth = albedo_noise.coated(np.random.default_rng(seed), clean)
-            self.assertTrue(0 <= noisy.min() and noisy.max() <= 1)
-            self.assertGreater(np.abs(noisy - truth).mean(), 0.005)
-            self.assertLess(abs((noisy - truth).mean()), 0.02)
+        for make in (albedo_noise.coated, albedo_noise.blurred):
+            for seed in range(3):
+                noisy, truth = make(np.random.default_rng(seed), clean)
+                self.assertTrue(0 <= noisy.min() and noisy.max() <= 1)
+                self.assertGreater(np.abs(noisy - truth).mean(), 0.005)
+                self.assertLess(abs((noisy - truth).mean()), 0.02)
 
     def test_some_albedos_are_patterns(self):
         rng = np.random.default_rng(1)

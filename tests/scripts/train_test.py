@@ -14,7 +14,6 @@ import OpenImageIO as oiio
 import torch
 
 import batches
-import blurred_layers
 import device_batches
 import export
 import idle_channels
@@ -45,12 +44,12 @@ def layer(name, image, suffixes="RGB"):
     return {prefix + suffix: image[i] for i, suffix in enumerate(suffixes)}
 
 
-def write_shot(folder, renderer, seed, frames=1, lit=1.0, **facts):
+def write_shot(folder, renderer, seed, frames=1):
     """A chequered surface under light that is brighter to the right, at 4 samples a pixel. The first frame has references."""
     rng = np.random.default_rng(seed)
     x, y = np.meshgrid(np.arange(SIZE), np.arange(SIZE))
     albedo = np.where((x // 8 + y // 8) % 2, 0.7, 0.3)[None] * np.array([1.0, 0.8, 0.6])[:, None, None]
-    clean = lit * albedo * (0.5 + x / SIZE)
+    clean = albedo * (0.5 + x / SIZE)
     normal = np.stack([0 * x, 0 * x, 0 * x + 1.0])
     depth = (2.0 + y / SIZE)[None]
     noisy = lambda: clean * rng.gamma(2.0, 0.5, clean.shape)
@@ -69,7 +68,7 @@ def write_shot(folder, renderer, seed, frames=1, lit=1.0, **facts):
     for name in "ab":
         write_exr(f"{folder}/r_{name}.0001.exr", layer(beauty, clean * rng.gamma(64.0, 1 / 64.0, clean.shape)) | features)
     with open(f"{folder}/shot.json", "w") as file:
-        json.dump({"renderer": renderer, "seed": seed, "frames": frames, "references": [1], "spp": [4], **facts}, file)
+        json.dump({"renderer": renderer, "seed": seed, "frames": frames, "references": [1], "spp": [4]}, file)
 
 
 class Shots(unittest.TestCase):
@@ -138,19 +137,6 @@ class Shots(unittest.TestCase):
             np.testing.assert_array_equal(of_albedo.references[1], frame.features[1][:3])
             np.testing.assert_array_equal(of_albedo.features[0][3:], frame.features[0][3:])
             self.assertEqual((of_albedo.features[0][:3].min(), of_albedo.variances), (1.0, []))
-
-    def test_shots_without_light_are_of_the_albedo_alone(self):
-        write_shot(f"{self.folder.name}/cycles-000002", "cycles", 3, lit=0.0, albedo_only=True)
-        of_shot = lambda pairs: [p.name for p in pairs if p.name.startswith("cycles-000002")]
-        self.assertEqual(of_shot(batches.load(self.folder.name)[0]), [])
-        self.assertEqual(of_shot(batches.load(self.folder.name, albedo=True)[0]), ["cycles-000002/004.0001"])
-
-    def test_things_made_are_half_of_what_the_albedo_learns_from(self):
-        with unittest.mock.patch.multiple(blurred_layers, SIZE=16), unittest.mock.patch("sys.argv", ["", self.folder.name, "--count", "6"]):
-            blurred_layers.main()
-        learn, choose = batches.load(self.folder.name, albedo=True)
-        self.assertEqual([sum(p.name.startswith("blurred") == made for p in learn) for made in (True, False)], [6, 6])
-        self.assertFalse(any(p.name.startswith("blurred") for p in choose))
 
     def test_some_crops_have_the_albedo_smoothed(self):
         pair = batches.load(self.folder.name)[0][0]
