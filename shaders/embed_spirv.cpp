@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iomanip>
 #include <iostream>
+#include <optional>
 #include <spirv_cross.hpp>
 #include <sstream>
 #include <stdexcept>
@@ -42,7 +43,8 @@ struct Size {
 
 struct PushConstants {
   std::vector<Size> sizes;
-  std::uint32_t constants_offset = 0;  // of what comes after the sizes
+  std::optional<std::uint32_t> first_row_offset;
+  std::uint32_t constants_offset = 0;  // of what comes after those
   std::uint32_t bytes = 0;
 };
 
@@ -168,10 +170,19 @@ PushConstants reflect_push_constants(const Compiler& compiler, const spirv_cross
     const SPIRType& member = compiler.get_type(type.member_types[i]);
     const std::string& name = compiler.get_member_name(type.self, i);
     const std::uint32_t offset = compiler.type_struct_member_offset(type, i);
-    if (member.basetype == SPIRType::Int && member.vecsize == 2 && member.columns == 1) {
+    const bool is_first_row = name == "first_row";
+    const auto require_first = [&](const std::string& others) {
       require(result.constants_offset == result.bytes,
-              "push constant '" + name + "' must come before those that are no sizes");
+              "push constant '" + name + "' must come before those that " + others);
+    };
+    if (member.basetype == SPIRType::Int && member.vecsize == 2 && member.columns == 1) {
+      require_first("are no sizes");
       result.sizes.push_back({binding_of_size(name, bindings), offset});
+    } else if (is_first_row) {
+      require(member.basetype == SPIRType::Int && member.vecsize == 1,
+              "push constant 'first_row' must be int");
+      require_first("passes declare");
+      result.first_row_offset = offset;
     } else {
       require_scalars(compiler, member, name);
       result.constants_offset = std::min(result.constants_offset, offset);
@@ -236,6 +247,14 @@ Kernel reflect(const std::string& name, const std::string& path) {
   }
 
   kernel.push_constants = reflect_push_constants(compiler, resources, kernel.bindings);
+  if (kernel.push_constants.first_row_offset) {
+    require(kernel.local_size[1] == 1,
+            "next to first_row local_size_y must be 1, so that bands have no partial workgroups");
+    for (const Binding& binding : kernel.bindings) {
+      require(binding.writes || binding.element == "texel",
+              "buffer '" + binding.name + "': next to first_row what is only read must be a texel buffer");
+    }
+  }
   for (const auto& constant : compiler.get_specialization_constants()) {
     kernel.spec_constants.push_back(reflect_spec_constant(compiler, constant));
   }
@@ -287,12 +306,14 @@ void write_table(std::ostream& out, const std::string& function, const std::vect
     out << "\nconstexpr Kernel kKernels[] = {\n";
     for (std::size_t i = 0; i < kernels.size(); ++i) {
       const Kernel& k = kernels[i];
+      const auto& offset = k.push_constants.first_row_offset;
+      const std::string first_row = offset ? std::to_string(*offset) : "std::nullopt";
       out << "  {" << std::quoted(k.name) << ", kWords" << i << ", kBindings" << i << ", ";
       write_list(out, "kSpecConstants", i, k.spec_constants.empty());
       out << ", ";
       write_list(out, "kSizes", i, k.push_constants.sizes.empty());
-      out << ", " << k.push_constants.constants_offset << ", " << k.push_constants.bytes << ", {"
-          << k.local_size[0] << ", " << k.local_size[1] << ", " << k.local_size[2] << "}},\n";
+      out << ", " << k.push_constants.constants_offset << ", " << k.push_constants.bytes << ", " << first_row
+          << ", {" << k.local_size[0] << ", " << k.local_size[1] << ", " << k.local_size[2] << "}},\n";
     }
     out << "};\n";
   }

@@ -98,8 +98,10 @@ std::string reprojected_text(const AntialiasSettings& settings, const AovSet& av
 
 std::string size_problem(const gpu::Device& device, const AntialiasSettings& settings,
                          const Imath::Box2i& window) {
-  constexpr std::uint64_t pixel_bytes = 16;  // of the chain's largest images, four floats each
-  const std::uint64_t most = device.info().max_storage_buffer_bytes / pixel_bytes;
+  // Kernels write images of four floats in bands of rows, so those of two are the largest storage buffers.
+  constexpr std::uint64_t pixel_bytes = 8;
+  const std::uint64_t most =
+      std::min(device.info().max_storage_buffer_bytes / pixel_bytes, device.info().max_texel_buffer_elements);
   const Imath::V2i size = settings.scale.window(window).size() + Imath::V2i(1);
   if (static_cast<std::uint64_t>(size.x) * static_cast<std::uint64_t>(size.y) <= most) return "";
   return fmt::format(

@@ -237,7 +237,9 @@ void Chain::Impl::create_pipelines() {
 
 void Chain::Impl::create_nothing() {
   std::size_t absent = 0;
-  for (const PassDeclaration& pass : passes) absent += pass.absent.size();
+  for (const PassDeclaration& pass : passes) {
+    if (!pass.absent.empty()) absent += pass.absent.size() * static_cast<std::size_t>(pass.bands());
+  }
   if (absent == 0) return;
   using Usage = vk::BufferUsageFlagBits;
   nothing = device.create_host_buffer((absent + 1) * kNothingBytes,
@@ -252,9 +254,11 @@ void Chain::Impl::create_descriptor_sets() {
   std::vector<vk::DescriptorSetLayout> layouts;
   for (const PassDeclaration& pass : passes) {
     if (pass.kind != PassKind::kernel) continue;
-    layouts.push_back(*device.programs->layout(*pass.kernel).bindings);
+    const int bands = pass.bands();
+    layouts.insert(layouts.end(), static_cast<std::size_t>(bands),
+                   *device.programs->layout(*pass.kernel).bindings);
     for (const BindingInfo& binding : pass.kernel->bindings) {
-      ++(binding.is_texel_buffer() ? texel_buffers : storage_buffers);
+      (binding.is_texel_buffer() ? texel_buffers : storage_buffers) += static_cast<std::uint32_t>(bands);
     }
   }
   std::vector<vk::DescriptorPoolSize> sizes{{vk::DescriptorType::eStorageBuffer, storage_buffers * parities}};
@@ -271,23 +275,24 @@ void Chain::Impl::create_descriptor_sets() {
         device.device.allocateDescriptorSets({*descriptor_pool, layouts});
     auto next_set = sets.begin();
     std::uint64_t next_nothing = 1;
-    for (std::size_t i = 0; i < passes.size(); ++i) {
-      if (passes[i].kind != PassKind::kernel) {
-        descriptor_sets[p].emplace_back(nullptr);
-        continue;
-      }
-      const vk::DescriptorSet set = *descriptor_sets[p].emplace_back(std::move(*next_set++));
+    for (const PassDeclaration& pass : passes) {
+      auto& of_pass = descriptor_sets[p].emplace_back();
+      if (pass.kind != PassKind::kernel) continue;
       const auto binding_of = [&](const std::string& binding) -> const BindingInfo& {
-        return *std::ranges::find(passes[i].kernel->bindings, binding, &BindingInfo::name);
+        return *std::ranges::find(pass.kernel->bindings, binding, &BindingInfo::name);
       };
-      for (const Use& use : passes[i].uses) {
-        const DeviceBuffer& memory = buffer(use.image, static_cast<int>(p));
-        bind(set, binding_of(use.binding), {*memory.buffer, 0, VK_WHOLE_SIZE}, *memory.texels);
-      }
-      for (const std::string& absent : passes[i].absent) {
-        const BindingInfo& binding = binding_of(absent);
-        const std::uint64_t offset = binding.writes ? kNothingBytes * next_nothing++ : 0;
-        bind(set, binding, {*nothing.buffer, offset, kNothingBytes}, *nothing_texels);
+      for (int band = 0; band < pass.bands(); ++band) {
+        const vk::DescriptorSet set = *of_pass.emplace_back(std::move(*next_set++));
+        for (const Use& use : pass.uses) {
+          const DeviceBuffer& memory = buffer(use.image, static_cast<int>(p));
+          const BufferPart part = part_of_band(pass, use, images[static_cast<std::size_t>(use.image)], band);
+          bind(set, binding_of(use.binding), {*memory.buffer, part.offset, part.bytes}, *memory.texels);
+        }
+        for (const std::string& absent : pass.absent) {
+          const BindingInfo& binding = binding_of(absent);
+          const std::uint64_t offset = binding.writes ? kNothingBytes * next_nothing++ : 0;
+          bind(set, binding, {*nothing.buffer, offset, kNothingBytes}, *nothing_texels);
+        }
       }
     }
   }

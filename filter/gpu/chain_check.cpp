@@ -38,8 +38,8 @@ const Kernel& find_kernel(std::span<const Kernel> kernels, const PassDeclaration
   return *found;
 }
 
-void check_binding(const Kernel& kernel, const ImageDeclaration& image, const Use& use,
-                   const Device::Impl& device, const std::string& where) {
+void check_binding(const Kernel& kernel, const PassDeclaration& pass, const ImageDeclaration& image,
+                   const Use& use, const Device::Impl& device, const std::string& where) {
   const auto found = std::ranges::find(kernel.bindings, use.binding, &BindingInfo::name);
   if (found == kernel.bindings.end()) {
     std::string known;
@@ -59,7 +59,8 @@ void check_binding(const Kernel& kernel, const ImageDeclaration& image, const Us
     throw DeviceError(where + "the kernel's elements are " + std::string(found->element) +
                       ", those of image '" + image.name + "' " + std::string(element_of(image.format)));
   } else {
-    require_bytes(image, image.bytes(), limits.maxStorageBufferRange, device.info.name, where, "bind");
+    require_bytes(image, part_of_band(pass, use, image, 0).bytes, limits.maxStorageBufferRange,
+                  device.info.name, where, "bind");
   }
   if (found->reads != use.reads() || found->writes != use.writes()) {
     throw DeviceError(where + "the kernel's access is " +
@@ -74,7 +75,7 @@ void check_bindings(const Kernel& kernel, const PassDeclaration& pass,
                     std::span<const ImageDeclaration> images, const Device::Impl& device,
                     const std::string& where) {
   for (const Use& use : pass.uses) {
-    check_binding(kernel, images[static_cast<std::size_t>(use.image)], use, device,
+    check_binding(kernel, pass, images[static_cast<std::size_t>(use.image)], use, device,
                   where + "binding '" + use.binding + "': ");
     for (const Use* other = pass.uses.data(); other != &use; ++other) {
       if (other->binding == use.binding)
@@ -225,8 +226,9 @@ void Chain::Impl::check() {
     if (pass.kind == PassKind::host) check_host_pass(pass, images, device.info, where);
     if (pass.kind == PassKind::kernel) {
       pass.kernel = &find_kernel(options.kernels, pass, where);
-      check_bindings(*pass.kernel, pass, images, device, where);
       check_dispatch(*pass.kernel, pass, device.limits, where);
+      pass.band_rows = rows_of_band(pass, images, device.limits.maxStorageBufferRange, where);
+      check_bindings(*pass.kernel, pass, images, device, where);
       check_constants(*pass.kernel, pass, where);
       pass.push_constants = push_constants(*pass.kernel, pass, images);
     }

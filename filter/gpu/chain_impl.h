@@ -4,6 +4,7 @@
 // far passes read, chain_check.cpp checks, chain_build.cpp plans memory and creates the Vulkan objects,
 // chain_record.cpp records the commands.
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -72,7 +73,27 @@ struct PassDeclaration {
   std::vector<std::byte> push_constants;  // the kernel's: sizes, then `constants`; made by check()
   std::vector<std::pair<std::string, std::int32_t>> specializations;
   std::optional<Extent> extent;
+  int band_rows = 0;  ///< of a kernel, made by check(): rows_of_band. The last band may have fewer
+
+  int bands() const { return (extent->height + band_rows - 1) / band_rows; }
+  int first_row(int band) const { return band * band_rows; }
+  int rows(int band) const { return std::min(band_rows, extent->height - first_row(band)); }
 };
+
+/// How many rows one dispatch of the pass makes: as many as storage buffers of `limit_bytes` hold of each
+/// image that it writes. All rows if they hold them, or if the kernel cannot make a part of them.
+int rows_of_band(const PassDeclaration& pass, const std::vector<ImageDeclaration>& images,
+                 std::uint64_t limit_bytes, const std::string& where);
+
+struct BufferPart {
+  std::uint64_t offset = 0;
+  std::uint64_t bytes = 0;
+};
+
+/// What is bound of an image for one band: the band's rows if the pass writes it in bands, else all of it.
+BufferPart part_of_band(const PassDeclaration& pass, const Use& use, const ImageDeclaration& image, int band);
+
+std::vector<std::byte> push_constants_of_band(const PassDeclaration& pass, int band);
 
 /// One step of a run. Staged inputs are uploaded just before their first reader and outputs downloaded just
 /// after their last writer, so that neither holds device memory longer than necessary.
@@ -204,7 +225,7 @@ struct Chain::Impl {
   HostBuffer nothing;                   // bound to absent bindings; null if there are none
   vk::raii::BufferView nothing_texels = nullptr;
   vk::raii::DescriptorPool descriptor_pool = nullptr;
-  std::array<std::vector<vk::raii::DescriptorSet>, 2> descriptor_sets;  // by parity, then pass
+  std::array<std::vector<std::vector<vk::raii::DescriptorSet>>, 2> descriptor_sets;  // by parity, pass, band
   std::optional<PassTimer> timer;
   vk::raii::CommandPool command_pool = nullptr;
   std::vector<Segment> segments;  // declared after the pool, since they hold its buffers

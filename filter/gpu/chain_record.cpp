@@ -65,16 +65,19 @@ void Chain::Impl::record_pass(const vk::raii::CommandBuffer& commands, std::size
   }
   const auto& [pipeline, layout] = pipelines[pass];
   commands.bindPipeline(compute, pipeline);
-  commands.bindDescriptorSets(compute, layout, 0, *descriptor_sets[static_cast<std::size_t>(parity)][pass],
-                              {});
-  if (!declared.push_constants.empty()) {
-    commands.pushConstants<std::byte>(layout, vk::ShaderStageFlagBits::eCompute, 0, declared.push_constants);
-  }
   const std::uint32_t* size = declared.kernel->local_size;
   const Extent extent = *declared.extent;
+  const auto& sets = descriptor_sets[static_cast<std::size_t>(parity)][pass];
   timer->begin(commands, index);
-  commands.dispatch(workgroups(extent.width, size[0]), workgroups(extent.height, size[1]),
-                    workgroups(extent.planes, size[2]));
+  for (int band = 0; band < declared.bands(); ++band) {
+    commands.bindDescriptorSets(compute, layout, 0, *sets[static_cast<std::size_t>(band)], {});
+    if (!declared.push_constants.empty()) {
+      commands.pushConstants<std::byte>(layout, vk::ShaderStageFlagBits::eCompute, 0,
+                                        push_constants_of_band(declared, band));
+    }
+    commands.dispatch(workgroups(extent.width, size[0]), workgroups(declared.rows(band), size[1]),
+                      workgroups(extent.planes, size[2]));
+  }
   timer->end(commands, index);
 }
 

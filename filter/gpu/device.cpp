@@ -141,6 +141,7 @@ std::optional<Candidate> examine(const vk::raii::PhysicalDevice& device) {
   result.info.is_processor = properties.deviceType == vk::PhysicalDeviceType::eCpu;
   result.info.driver = std::string(driver.driverName.data()) + " " + driver.driverInfo.data();
   result.info.max_storage_buffer_bytes = properties.limits.maxStorageBufferRange;
+  result.info.max_texel_buffer_elements = properties.limits.maxTexelBufferElements;
   const auto memory = device.getMemoryProperties();
   for (std::uint32_t i = 0; i < memory.memoryHeapCount; ++i) {
     const vk::MemoryHeap& heap = memory.memoryHeaps[i];

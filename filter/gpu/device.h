@@ -36,6 +36,7 @@ struct DeviceInfo {
   std::string driver;
   std::uint64_t memory_bytes = 0;
   std::uint64_t max_storage_buffer_bytes = 0;
+  std::uint64_t max_texel_buffer_elements = 0;
 };
 
 /// Vulkan 1.3 devices with a compute queue, in the loader's order. Empty if there is no driver.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -40,6 +41,9 @@ struct Kernel {
   std::span<const SizeInfo> sizes;    ///< the first push constants
   std::uint32_t constants_offset;     ///< of those after them, which the pass declares
   std::uint32_t push_constant_bytes;  ///< of all
+  /// Of the push constant `first_row`, in bytes, if the kernel has it: the kernel then makes the rows from
+  /// that one on, and what it writes is bound from there on.
+  std::optional<std::uint32_t> first_row_offset;
   std::uint32_t local_size[3];
 };
 

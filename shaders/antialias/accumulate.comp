@@ -24,7 +24,7 @@ layout(constant_id = 5) const int keeps_rectified = 0;
 layout(constant_id = 6) const int bias_radius = 1;     // of the pixels that the bias is measured over
 
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(push_constant) uniform Params { ivec2 size; ivec2 samples_size; ivec2 residual_size; AccumulateParams p; };
+layout(push_constant) uniform Params { ivec2 size; ivec2 samples_size; ivec2 residual_size; int first_row; AccumulateParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer samples;
 layout(set = 0, binding = 1) uniform samplerBuffer finite;
 layout(set = 0, binding = 2) uniform samplerBuffer color;
@@ -50,9 +50,10 @@ const float kNewest = 0.1;
 #include "lib/inverted_mask.glsl"
 
 void main() {
-  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, first_row);
   if (at.x >= size.x || at.y >= size.y) return;
   const int index = at.y * size.x + at.x;
+  const int written = index - first_row * size.x;
   const vec4 x = texelFetch(color, index);
   const vec2 x_stats = texelFetch(variance, index).xy;
   const vec4 found = texelFetch(warped_color, index);
@@ -101,8 +102,8 @@ void main() {
     blended_stats = stats;
     decided = vec4(0.0, 0.0, 0.0, 1.0);
   }
-  merged_color.data[index] = blended;
-  merged_stats.data[index] = blended_stats;
-  decision.data[index] = decided;
-  if (keeps_rectified != 0) rectified.data[index] = h;
+  merged_color.data[written] = blended;
+  merged_stats.data[written] = blended_stats;
+  decision.data[written] = decided;
+  if (keeps_rectified != 0) rectified.data[written] = h;
 }

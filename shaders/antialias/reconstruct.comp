@@ -15,7 +15,7 @@
 layout(constant_id = 0) const int sparse = 0;  // 1: samples and pixels are not of one grid
 
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(push_constant) uniform Sizes { ivec2 size; ivec2 samples_size; };
+layout(push_constant) uniform Sizes { ivec2 size; ivec2 samples_size; int first_row; };
 layout(set = 0, binding = 0) uniform samplerBuffer samples;
 layout(set = 0, binding = 1) uniform samplerBuffer finite;  // 1, or 0 for a sample that is not
 layout(set = 0, binding = 2) uniform samplerBuffer weights;
@@ -33,9 +33,10 @@ const float kWideShare = 0.3;
 #include "lib/squared.glsl"
 
 void main() {
-  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, first_row);
   if (at.x >= size.x || at.y >= size.y) return;
   const int index = at.y * size.x + at.x;
+  const int written = index - first_row * size.x;
   const bool known = sparse != 0 || texelFetch(weights, 9).x > 0.0;
   const GridTaps taps = grid_taps(at);
   float w[9];
@@ -79,6 +80,6 @@ void main() {
   // The mean of n equally weighted samples has 1/n of their variance, and their spread around it is (n-1)/n.
   const float n = has_samples ? weight * weight / squared_weights : 1.0;
   const float of_pixel = n < kFewSamples ? of_samples / n : spread / (3.0 * weight * (n - 1.0));
-  color.data[index] = mean;
-  variance.data[index] = vec2(min(of_pixel, kLargestVariance), !has_samples ? 0.0 : sparse != 0 ? min(weight, 1.0) : 1.0);
+  color.data[written] = mean;
+  variance.data[written] = vec2(min(of_pixel, kLargestVariance), !has_samples ? 0.0 : sparse != 0 ? min(weight, 1.0) : 1.0);
 }

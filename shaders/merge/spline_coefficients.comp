@@ -4,19 +4,19 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-#include "lib/dispatch_size.glsl"
 #include "shared/limits.h"
 
 layout(constant_id = 0) const int along_y = 0;
 
 layout(local_size_x = 64, local_size_y = 1) in;
+layout(push_constant) uniform Sizes { ivec2 size; int first_row; };
 layout(set = 0, binding = 0) uniform samplerBuffer image;
 layout(std430, set = 0, binding = 1) writeonly buffer CoefficientsBuffer { vec4 data[]; } coefficients;
 
 const float kPole = -0.26794919;  // sqrt(3) - 2
 
 void main() {
-  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, first_row);
   if (at.x >= size.x || at.y >= size.y) return;
   const int index = at.y * size.x + at.x;
   const int position = along_y != 0 ? at.y : at.x;
@@ -33,5 +33,5 @@ void main() {
     sum += power * (texelFetch(image, index + (max(position - i, 0) - position) * stride) - here);
     sum += power * (texelFetch(image, index + (min(position + i, last) - position) * stride) - here);
   }
-  coefficients.data[index] = here + sum / weights;
+  coefficients.data[index - first_row * size.x] = here + sum / weights;
 }

@@ -14,7 +14,7 @@ layout(constant_id = 0) const int resample = 1;      // as in lib/resample.glsl
 layout(constant_id = 1) const int writes_share = 0;  // 1: writes `share`, for AOVs that are resampled with it
 
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(push_constant) uniform Sizes { ivec2 size; ivec2 history_color_size; };
+layout(push_constant) uniform Sizes { ivec2 size; ivec2 history_color_size; int first_row; };
 layout(set = 0, binding = 0) uniform samplerBuffer offset;
 layout(set = 0, binding = 1) uniform samplerBuffer history_color;
 layout(set = 0, binding = 2) uniform samplerBuffer history_stats;
@@ -29,16 +29,17 @@ layout(std430, set = 0, binding = 7) writeonly buffer ShareBuffer { float data[]
 #include "lib/read_history.glsl"
 
 void main() {
-  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, first_row);
   if (at.x >= size.x || at.y >= size.y) return;
   const int index = at.y * size.x + at.x;
+  const int written = index - first_row * size.x;
   const HistoryRead h = read_history(at, index);
   const float sharp = share_in_range(h);
   const vec4 color = h.bilinear + sharp * (h.sharp - h.bilinear);
   // Only rounding is left beyond the range. It would show as negative radiance or as change in an even
   // surface.
   const vec4 in_range = clamp(color, h.lowest, h.highest);
-  warped_color.data[index] = h.found ? in_range : vec4(0.0);
-  warped_stats.data[index] = h.stats;
-  if (writes_share != 0) share.data[index] = sharp;
+  warped_color.data[written] = h.found ? in_range : vec4(0.0);
+  warped_stats.data[written] = h.stats;
+  if (writes_share != 0) share.data[written] = sharp;
 }

@@ -67,7 +67,8 @@ TEST_F(Conventions, AcceptAKernelThatKeepsThem) {
   std::stringstream text;
   text << std::ifstream(table()).rdbuf();
   EXPECT_NE(text.str().find("{\"made\", 0, \"float\", false, true}"), std::string::npos);
-  EXPECT_NE(text.str().find("{\"odd/k\", kWords0, kBindings0, {}, {}, 0, 0, {8, 1, 1}}"), std::string::npos);
+  EXPECT_NE(text.str().find("{\"odd/k\", kWords0, kBindings0, {}, {}, 0, 0, std::nullopt, {8, 1, 1}}"),
+            std::string::npos);
 }
 
 TEST_F(Conventions, WantOneNamedBufferARole) {
@@ -145,6 +146,28 @@ TEST_F(Conventions, WantSizesThatNameABufferBeforeOtherPushConstants) {
   }
   expect_rejected("push constant 'made_size' must come before those that are no sizes",
                   block("ivec2 size; int count; ivec2 made_size;"), "made.data[0] = float(p.count);");
+}
+
+TEST_F(Conventions, WantKernelsWithAFirstRowToBeMadeRowByRow) {
+  const auto block = [](const std::string& members) {
+    return "layout(push_constant) uniform P { " + members + " } p;\n";
+  };
+  const std::string use = "made.data[0] = float(p.first_row);";
+  EXPECT_EQ(embed(kGood + block("ivec2 size; int first_row; int count;"), use).output, "");
+  std::stringstream text;
+  text << std::ifstream(table()).rdbuf();
+  EXPECT_NE(text.str().find("kSizes0, 12, 16, 8, {8, 1, 1}}"), std::string::npos) << text.str();
+  std::filesystem::remove(table());
+  expect_rejected("push constant 'first_row' must be int", kGood + block("float first_row;"), use);
+  expect_rejected("push constant 'first_row' must come before those that passes declare",
+                  kGood + block("ivec2 size; int count; int first_row;"), use);
+  expect_rejected(
+      "buffer 'fine': next to first_row what is only read must be a texel buffer",
+      kGood + block("int first_row;") + "layout(binding = 1) readonly buffer F { float data[]; } fine;",
+      "made.data[0] = fine.data[p.first_row];");
+  expect_rejected("next to first_row local_size_y must be 1, so that bands have no partial workgroups",
+                  "layout(local_size_y = 8) in;\n" + kGood.substr(kSize.size()) + block("int first_row;"),
+                  use);
 }
 
 TEST_F(Conventions, WantLiteralWorkgroupSizes) {

@@ -48,7 +48,9 @@ TEST(Device, IsListedWithWhatTheChainNeedsToKnow) {
     EXPECT_FALSE(devices[i].name.empty());
     EXPECT_FALSE(devices[i].driver.empty());
     EXPECT_GT(devices[i].memory_bytes, 0u);
-    EXPECT_GE(devices[i].max_storage_buffer_bytes, std::uint64_t{1} << 27);  // guaranteed by Vulkan 1.3
+    // Guaranteed by Vulkan 1.3.
+    EXPECT_GE(devices[i].max_storage_buffer_bytes, std::uint64_t{1} << 27);
+    EXPECT_GE(devices[i].max_texel_buffer_elements, std::uint64_t{1} << 16);
   }
 }
 
