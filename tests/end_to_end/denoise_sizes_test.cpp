@@ -242,8 +242,8 @@ TEST_F(Denoise, AStrayDataWindowIsTold) {
 }
 
 TEST_F(Denoise, AntialiasTellsTheLargestFramesThatADeviceTakes) {
-  // No device binds 16 bytes for each of so many pixels at once. The files hold few of them.
-  const Imath::Box2i huge({0, 0}, {19999, 19999});
+  // No device binds 8 bytes for each of so many pixels at once. The files hold few of them.
+  const Imath::Box2i huge({0, 0}, {29999, 29999});
   write_even(frame_path(input_, 1), 0.5f, {{0, 0}, {3, 3}}, huge);
   write_even(frame_path(input_, 2), 0.5f, {{1, 0}, {4, 3}}, huge);
   for (const bool dry : {true, false}) {
@@ -251,7 +251,7 @@ TEST_F(Denoise, AntialiasTellsTheLargestFramesThatADeviceTakes) {
     if (dry) words.push_back("--dry-run");
     expect_error(
         becalm(words), 4,
-        {frame_path(input_, 1), "whole frames, here of 20000x20000 px", "at most", "pixels on device"});
+        {frame_path(input_, 1), "whole frames, here of 30000x30000 px", "at most", "pixels on device"});
   }
 }
 
