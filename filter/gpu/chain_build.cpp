@@ -238,7 +238,7 @@ void Chain::Impl::create_pipelines() {
 void Chain::Impl::create_nothing() {
   std::size_t absent = 0;
   for (const PassDeclaration& pass : passes) {
-    if (!pass.absent.empty()) absent += pass.absent.size() * static_cast<std::size_t>(pass.bands());
+    if (pass.kind == PassKind::kernel) absent += pass.absent.size() * static_cast<std::size_t>(pass.bands());
   }
   if (absent == 0) return;
   using Usage = vk::BufferUsageFlagBits;

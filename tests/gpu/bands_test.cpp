@@ -106,7 +106,10 @@ TEST_F(BandsTest, MakeEveryRowOnce) {
 
 TEST_F(BandsTest, WriteImagesLargerThanAnyStorageBuffer) {
   const std::uint64_t limit = device_.info().max_storage_buffer_bytes;
-  if (limit > std::uint64_t{1} << 30) GTEST_SKIP() << "a storage buffer may hold " << limit << " bytes";
+  if (limit > std::uint64_t{1} << 30) {
+    GTEST_SKIP() << "a storage buffer may hold " << limit
+                 << " bytes: a larger image exceeds other limits first";
+  }
   const Extent extent{1021, static_cast<int>(limit / (16 * 1021)) + 1};
   expect_spread(spread(extent, false), extent, false);
 }
