@@ -10,10 +10,6 @@
 namespace becalm::test {
 namespace {
 
-constexpr int kUsage = 2;
-constexpr int kBadInput = 3;
-constexpr int kResource = 4;
-
 class BadInput : public testing::Test {
  protected:
   void write_noise(const std::string& name, int number, int width = 48, int height = 32) const {

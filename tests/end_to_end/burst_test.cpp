@@ -177,17 +177,15 @@ TEST_F(Burst, ASignalLeavesNothingHalfWritten) {
   for (int number = 1; number <= 16; ++number) inputs.push_back(write(number, camera({}, 96, 72)));
   const fs::path outputs = folder_.path() / "outputs";
   fs::create_directory(outputs);
-  const std::string output = (outputs / "out.exr").string(), messages = folder_ / "messages";
+  const std::string output = (outputs / "out.exr").string();
   const std::vector<std::string> merges = command(inputs, output, {"--reference", "first"});
-  const auto told = [&] {
-    std::ifstream file(messages);
-    return std::string(std::istreambuf_iterator<char>(file), {});
-  };
-  Process process(merges, "exec \"$0\" \"$@\" 2>'" + messages + "'");
-  ASSERT_TRUE(wait_until([&] { return told().find("merged, 2 of 16") != std::string::npos; }));
+  Process process(merges);
+  ASSERT_TRUE(process.wait_for("merged, 2 of 16"));
   process.signal(SIGINT);
-  EXPECT_EQ(process.wait().status, 130) << told();
-  EXPECT_NE(told().find("interrupted: " + output + " was not written\n"), std::string::npos) << told();
+  const Outcome stopped = process.wait();
+  EXPECT_EQ(stopped.status, 130) << stopped.err;
+  EXPECT_NE(stopped.err.find("interrupted: " + output + " was not written\n"), std::string::npos)
+      << stopped.err;
   EXPECT_EQ(files_in(outputs), std::vector<std::string>{});
   write_text(output + ".partial.99999999.0", "half a file of a run that was killed");
   becalm_done(merges);

@@ -9,8 +9,6 @@
 namespace becalm::test {
 namespace {
 
-constexpr int kUsage = 2;
-
 class CommandLine : public testing::Test {
  protected:
   /// `render` of the scene into a.exr.

@@ -82,6 +82,14 @@ void Process::signal(int number) const {
   kill(process_, number);
 }
 
+std::string Process::err() const {
+  return read_text(streams_ / "err");
+}
+
+bool Process::wait_for(const std::string& text) const {
+  return wait_until([&] { return err().find(text) != std::string::npos; });
+}
+
 Outcome Process::wait() {
   int status = 0;
   const bool ended = wait_until([&] { return waitpid(process_, &status, WNOHANG) == process_; });
@@ -91,7 +99,7 @@ Outcome Process::wait() {
   }
   process_ = -1;
   return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_text(streams_ / "out"),
-          read_text(streams_ / "err"), command_};
+          err(), command_};
 }
 
 Outcome becalm(const std::vector<std::string>& arguments) {

@@ -15,6 +15,11 @@ namespace becalm::test {
 
 namespace fs = std::filesystem;
 
+/// Exit statuses.
+inline constexpr int kUsage = 2;
+inline constexpr int kBadInput = 3;
+inline constexpr int kResource = 4;
+
 /// A folder of its own for one test, gone with it.
 class TempFolder {
  public:
@@ -47,6 +52,10 @@ class Process {
   Process& operator=(const Process&) = delete;
 
   void signal(int number) const;
+  /// What it wrote to standard error so far.
+  std::string err() const;
+  /// Waits until standard error has `text`, for a minute at most.
+  bool wait_for(const std::string& text) const;
   /// Waits up to a minute.
   Outcome wait();
 

@@ -10,8 +10,6 @@
 namespace becalm::test {
 namespace {
 
-constexpr int kBadInput = 3;
-
 class InfoOnSequences : public testing::Test {
  protected:
   void write(int number, const Frame& frame) const { io::write_exr(frame_path(pattern_, number), frame, {}); }

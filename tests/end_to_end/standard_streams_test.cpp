@@ -7,9 +7,6 @@
 namespace becalm::test {
 namespace {
 
-constexpr int kBadInput = 3;
-constexpr int kResource = 4;
-
 /// Standard error is a pipe whose reader has gone.
 std::string into_closed_pipe(const std::string& trap) {
   return trap + R"(exec 3> >(:); wait $!; exec "$0" "$@" 2>&3 3>&-)";

@@ -52,13 +52,12 @@ TEST_F(SuiteStop, AnInterruptAtTheQuestionChangesNothing) {
   const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
   ASSERT_GE(terminal, 0);
   ASSERT_EQ(grantpt(terminal) | unlockpt(terminal), 0);
-  const std::string messages = folder_ / "messages";
-  Process process({"test", suite_, "--update"},
-                  fmt::format("exec \"$0\" \"$@\" <{} 2>'{}'", ptsname(terminal), messages));
-  EXPECT_TRUE(wait_until([&] { return read_text(messages).find("[y/N]") != std::string::npos; }));
+  Process process({"test", suite_, "--update"}, fmt::format("exec \"$0\" \"$@\" <{}", ptsname(terminal)));
+  EXPECT_TRUE(process.wait_for("[y/N]"));
   process.signal(SIGINT);
-  EXPECT_EQ(process.wait().status, 130) << read_text(messages);
-  EXPECT_NE(read_text(messages).find("suite/asked: interrupted"), std::string::npos) << read_text(messages);
+  const Outcome stopped = process.wait();
+  EXPECT_EQ(stopped.status, 130) << stopped.err;
+  EXPECT_NE(stopped.err.find("suite/asked: interrupted"), std::string::npos) << stopped.err;
   EXPECT_FALSE(fs::exists(folder_ / "references/asked/a.0001.exr"));
   close(terminal);
 }

@@ -28,7 +28,7 @@ Image filled(int width, int height, const std::array<float, 3>& color) {
   return image;
 }
 
-Image random_image(int width, int height, int channels, unsigned seed) {
+Image random_colors(int width, int height, int channels, unsigned seed) {
   Image image(width, height, channels);
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> value(-0.2f, 1.3f);
@@ -157,7 +157,7 @@ class Definition {
 };
 
 TEST(Flip, EqualImagesHaveNone) {
-  const Image image = random_image(30, 20, 3, 1);
+  const Image image = random_colors(30, 20, 3, 1);
   EXPECT_EQ(flip(image, image).value, 0.0);
 }
 
@@ -198,8 +198,8 @@ TEST(Flip, FeaturesHandComputed) {
 TEST(Flip, AgreesWithTheDefinition) {
   for (const auto& [width, height, channels] :
        {std::array{31, 26, 3}, std::array{24, 7, 4}, std::array{5, 30, 1}, std::array{1, 1, 3}}) {
-    const Image test = random_image(width, height, channels, 1);
-    const Image reference = random_image(width, height, channels, 2);
+    const Image test = random_colors(width, height, channels, 1);
+    const Image reference = random_colors(width, height, channels, 2);
     EXPECT_NEAR(flip(test, reference).value, Definition(test, reference, kFlipPixelsPerDegree).mean(), 1e-6)
         << width << 'x' << height;
     EXPECT_NEAR(flip(test, reference, 20.0).value, Definition(test, reference, 20.0).mean(), 1e-6)
@@ -209,7 +209,7 @@ TEST(Flip, AgreesWithTheDefinition) {
 
 TEST(Flip, NoiseIsLessVisibleFromAfar) {
   const Image grey(40, 40, 3, 0.4f);
-  const Image noisy = random_image(40, 40, 3, 1);
+  const Image noisy = random_colors(40, 40, 3, 1);
   EXPECT_LT(flip(noisy, grey, 120.0).value, 0.8 * flip(noisy, grey, 20.0).value);
 }
 
@@ -217,7 +217,7 @@ TEST(Flip, IsOfTheDisplayImage) {
   const Image one(12, 12, 3, 1.0f);
   EXPECT_EQ(flip(Image(12, 12, 3, 50.0f), one).value, 0.0);
   EXPECT_EQ(flip(Image(12, 12, 3, -1.0f), Image(12, 12, 3, 0.0f)).value, 0.0);
-  Image with_alpha = random_image(12, 12, 4, 1);
+  Image with_alpha = random_colors(12, 12, 4, 1);
   const Image reference = with_alpha;
   for (int i = 0; i < 144; ++i) with_alpha.data()[i * 4 + 3] = 9.0f;
   EXPECT_EQ(flip(with_alpha, reference).value, 0.0);
@@ -225,7 +225,7 @@ TEST(Flip, IsOfTheDisplayImage) {
 
 TEST(Flip, PixelsThatAreNotFiniteAreSkipped) {
   constexpr float nan = std::numeric_limits<float>::quiet_NaN();
-  Image test = random_image(24, 24, 3, 1);
+  Image test = random_colors(24, 24, 3, 1);
   Image reference = test;
   test.at(10, 12, 1) = nan;
   reference.at(3, 4, 2) = std::numeric_limits<float>::infinity();

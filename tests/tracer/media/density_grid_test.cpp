@@ -4,15 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "tests/tracer/media/test_media.h"
 #include "tracer/media/cloud_shape.h"
 
 namespace becalm::tracer {
 namespace {
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 template <class Visit>
 void for_each_block(const DensityGrid& grid, const Visit& visit) {

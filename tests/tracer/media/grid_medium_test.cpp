@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <string>
 
@@ -14,8 +13,6 @@
 
 namespace becalm::tracer {
 namespace {
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 struct NamedRay {
   std::string name;

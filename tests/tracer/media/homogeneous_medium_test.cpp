@@ -3,15 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "tests/tracer/media/test_media.h"
 #include "tracer/media/medium.h"
 
 namespace becalm::tracer {
 namespace {
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 TEST(HomogeneousMedium, TransmittanceIsBeersLaw) {
   const HomogeneousMedium medium{V3f(0.5f, 2.0f, 0.0f), V3f(0.5f), 0.0f};

@@ -1,11 +1,14 @@
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "tests/tracer/shading/statistics.h"
 #include "tracer/media/grid_medium.h"
 
 namespace becalm::tracer {
+
+inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 /// Mean of independent samples, and the probability of a mean as far from the truth if that were the
 /// expectation.

@@ -94,7 +94,7 @@ void cut(const Cell& cell, std::vector<V2d>::iterator begin, std::vector<V2d>::i
 
 /// Integral over the leaf's cell, cut at the box of its points: a narrow lobe in a wide cell is not
 /// overlooked.
-double integrate(const std::function<double(const V2d&)>& function, const Leaf& leaf) {
+double integrate_leaf(const std::function<double(const V2d&)>& function, const Leaf& leaf) {
   const double margin_x = 0.1 * (leaf.points.x1 - leaf.points.x0);
   const double margin_y = 0.1 * (leaf.points.y1 - leaf.points.y0);
   const std::array<double, 4> x = {leaf.cell.x0, std::max(leaf.cell.x0, leaf.points.x0 - margin_x),
@@ -105,7 +105,7 @@ double integrate(const std::function<double(const V2d&)>& function, const Leaf& 
   for (int j = 0; j < 3; ++j) {
     for (int i = 0; i < 3; ++i) {
       const Cell part = {x[i], x[i + 1], y[j], y[j + 1]};
-      if (part.area() > 0.0) sum += becalm::tracer::integrate(function, part);
+      if (part.area() > 0.0) sum += integrate(function, part);
     }
   }
   return sum;
@@ -228,7 +228,7 @@ SamplerTest test_sampler(const Chart& chart, std::uint32_t seed, int samples, in
   std::vector<double> expected;
   double integral = 0.0;
   for (const Leaf& leaf : partition) {
-    const double share = integrate(chart.density, leaf);
+    const double share = integrate_leaf(chart.density, leaf);
     expected.push_back(share * samples);
     integral += share;
   }
