@@ -165,13 +165,15 @@ Json to_json(const std::vector<FrameFinding>& findings) {
 /// What becalm recorded about how it made a file: nothing for other files and damaged ones.
 Json origin_of(const std::string& path) {
   Json origin = Json::object();
+  std::map<std::string, std::string> recorded;
+  try {
+    recorded = io::read_attributes(path);
+  } catch (const Error&) {
+    return origin;
+  }
   for (const char* name : {"version", "command", "preset", "tiles", "settings"}) {
-    try {
-      const std::string value = io::read_attribute(path, fmt::format("becalm:{}", name));
-      if (!value.empty()) origin[name] = value;
-    } catch (const Error&) {
-      return Json::object();
-    }
+    const std::string& value = recorded[fmt::format("becalm:{}", name)];
+    if (!value.empty()) origin[name] = value;
   }
   return origin;
 }

@@ -8,6 +8,8 @@
 #include <cerrno>
 #include <filesystem>
 #include <iterator>
+#include <map>
+#include <optional>
 #include <system_error>
 
 #include "app/cancel.h"
@@ -53,14 +55,46 @@ bool is_whole(const std::string& path) {
   }
 }
 
-/// Whether it is an EXR file that becalm wrote.
-bool is_of_becalm(const std::string& path) {
+/// The text attributes of an EXR file that becalm wrote.
+using Recorded = std::map<std::string, std::string>;
+
+/// Nothing where no file is, and an empty record of one that becalm did not write.
+std::optional<Recorded> recorded_in(const std::string& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return std::nullopt;
   try {
-    return !io::read_attribute(path, "becalm:version").empty();
-  } catch (const Error& error) {
-    if (error.status() == ExitStatus::resource) throw;
-    return false;
+    Recorded recorded = io::read_attributes(path);
+    return recorded["becalm:version"].empty() ? Recorded() : recorded;
+  } catch (const Error& failure) {
+    if (failure.status() == ExitStatus::resource) throw;
+    return Recorded();
   }
+}
+
+std::string value_of(const Recorded& recorded, std::string_view attribute) {
+  const auto found = recorded.find(std::string(attribute));
+  return found == recorded.end() ? std::string() : found->second;
+}
+
+/// The first of the attributes that the record has with another value, in words; empty if there is none.
+std::string describe_difference(const Recorded& recorded, const io::Attributes& attributes) {
+  for (const auto& [name, value] : attributes) {
+    if (name == kCommandAttribute) continue;  // is_foreign has looked at it
+    const std::string found = value_of(recorded, name);
+    if (found == value) continue;
+    if (found.empty()) return fmt::format("no {}, so becalm did not write it with such a command", name);
+    if (value.find('=') == std::string::npos) {
+      return fmt::format("{} {}, and this run has {}", name, found, value);
+    }
+    return describe_difference(found, value);
+  }
+  return {};
+}
+
+bool is_foreign(const std::optional<Recorded>& recorded, const FileMark& mark) {
+  if (!recorded) return false;
+  const std::string command = value_of(*recorded, kCommandAttribute);
+  return command.empty() ? value_of(*recorded, mark.attribute).empty() : command != mark.command;
 }
 
 [[noreturn]] void refuse_place(std::string_view option, std::string_view name, const std::error_code& why) {
@@ -93,12 +127,7 @@ void check_place(std::string_view option, std::string_view name, const std::stri
 }
 
 bool is_foreign(const std::string& path, const FileMark& mark) {
-  std::error_code error;
-  if (!fs::is_regular_file(path, error)) return false;
-  if (!is_of_becalm(path)) return true;
-  const std::string command = io::read_attribute(path, kCommandAttribute);
-  return command.empty() ? io::read_attribute(path, std::string(mark.attribute)).empty()
-                         : command != mark.command;
+  return is_foreign(recorded_in(path), mark);
 }
 
 Outputs::Outputs(std::string_view option, std::vector<io::SequencePattern> patterns, std::vector<int> frames)
@@ -185,8 +214,8 @@ void Outputs::prepare() {
 
 std::string Outputs::recorded(const std::string& attribute) const {
   for (const std::string& path : all_paths()) {
-    std::error_code error;
-    if (fs::exists(path, error) && is_of_becalm(path)) return io::read_attribute(path, attribute);
+    const std::optional<Recorded> recorded = recorded_in(path);
+    if (recorded && !recorded->empty()) return value_of(*recorded, attribute);
   }
   return {};
 }
@@ -206,10 +235,14 @@ Outputs::Existing Outputs::find_existing(const io::Attributes& attributes, const
     bool all_there = true;
     for (const std::string& path : paths(frame)) {
       std::error_code error;
-      const bool foreign = is_foreign(path, mark) && !fs::is_empty(path, error);
+      const std::optional<Recorded> recorded = recorded_in(path);
+      const bool foreign = is_foreign(recorded, mark) && !fs::is_empty(path, error);
       if (foreign && !overwrite) refuse_foreign_file(path, mark);
-      const bool is_kept = *usable != 0 && !foreign;
-      if (is_kept) check_attributes(path, attributes);
+      const bool is_kept = *usable != 0 && recorded && !foreign;
+      if (is_kept) {
+        const std::string difference = describe_difference(*recorded, attributes);
+        if (!difference.empty()) refuse_attributes(path, difference);
+      }
       if (fs::exists(path, error) && !is_kept && !foreign) existing.unusable.push_back(path);
       all_there = all_there && is_kept;
       ++usable;
@@ -219,19 +252,10 @@ Outputs::Existing Outputs::find_existing(const io::Attributes& attributes, const
   return existing;
 }
 
-void Outputs::check_attributes(const std::string& path, const io::Attributes& attributes) const {
-  for (const auto& [name, value] : attributes) {
-    if (name == kCommandAttribute) continue;  // is_foreign has looked at it
-    const std::string found = io::read_attribute(path, name);
-    if (found == value) continue;
-    const std::string difference =
-        found.empty() ? fmt::format("no {}, so becalm did not write it with such a command", name)
-        : value.find('=') == std::string::npos ? fmt::format("{} {}, and this run has {}", name, found, value)
-                                               : describe_difference(found, value);
-    throw Error(ExitStatus::usage,
-                fmt::format("--resume: {} was written with {}; use the same options or another {}", path,
-                            difference, option_));
-  }
+void Outputs::refuse_attributes(const std::string& path, const std::string& difference) const {
+  throw Error(ExitStatus::usage,
+              fmt::format("--resume: {} was written with {}; use the same options or another {}", path,
+                          difference, option_));
 }
 
 std::vector<int> up_to_last_missing(const std::vector<int>& frames, const std::set<int>& existing) {

@@ -79,7 +79,7 @@ class Outputs {
   /// Throws Error(resource) for a folder in an output's place.
   void refuse_folder(const std::string& path) const;
   [[noreturn]] void refuse_foreign_file(const std::string& path, const FileMark& mark) const;
-  void check_attributes(const std::string& path, const io::Attributes& attributes) const;
+  [[noreturn]] void refuse_attributes(const std::string& path, const std::string& difference) const;
 
   std::string option_;
   std::vector<io::SequencePattern> patterns_;

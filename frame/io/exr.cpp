@@ -361,14 +361,22 @@ LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted, c
   return loaded;
 }
 
-std::string read_attribute(const std::string& path, const std::string& name) {
-  std::string value;
+std::map<std::string, std::string> read_attributes(const std::string& path) {
+  std::map<std::string, std::string> texts;
   reading(path, [&] {
     stamp_of(path);
     const std::unique_ptr<Imf::MultiPartInputFile> file = open_exr(path);
-    value = text_attribute(file->header(0), name.c_str());
+    const Imf::Header& header = file->header(0);
+    for (auto attribute = header.begin(); attribute != header.end(); ++attribute) {
+      const auto* text = dynamic_cast<const Imf::StringAttribute*>(&attribute.attribute());
+      if (text != nullptr) texts[attribute.name()] = text->value();
+    }
   });
-  return value;
+  return texts;
+}
+
+std::string read_attribute(const std::string& path, const std::string& name) {
+  return read_attributes(path)[name];
 }
 
 }  // namespace becalm::io

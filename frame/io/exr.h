@@ -121,7 +121,9 @@ struct ExrDescription {
 /// whose beauty, lights or `taken` AOVs are subsampled.
 ExrDescription describe_exr(const std::string& path, const LayerOptions& options = {}, AovSet taken = {});
 
-/// The value of a text attribute of the first part, or empty. Throws as read_exr does.
+/// The text attributes of the first part. Throws as read_exr does.
+std::map<std::string, std::string> read_attributes(const std::string& path);
+/// The value of one of them, or empty.
 std::string read_attribute(const std::string& path, const std::string& name);
 
 struct WriteReport {

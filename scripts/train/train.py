@@ -63,6 +63,7 @@ class Trainer:
         self.average = copy.deepcopy(self.network)
         self.optimizer = torch.optim.Adam(self.network.parameters(), args.rate, eps=1e-8)
         self.step, self.spent_s, self.best = 0, 0.0, math.inf
+        self.chosen_on = []  # names of the pairs of which `best` is the error
         if os.path.exists(self.path("checkpoint.pt")):
             self.resume()
 
@@ -75,6 +76,7 @@ class Trainer:
         self.average.load_state_dict(state["average"])
         self.optimizer.load_state_dict(state["optimizer"])
         self.step, self.spent_s, self.best = state["step"], state["spent_s"], state["best"]
+        self.chosen_on = state.get("chosen_on", [])
 
     def share_done(self):
         """Of the steps, if there is a number of them, else of the time."""
@@ -88,6 +90,7 @@ class Trainer:
             "step": self.step,
             "spent_s": self.spent_s,
             "best": self.best,
+            "chosen_on": self.chosen_on,
             "channels": self.network.channels,
         }
         self.save_whole(state, "checkpoint.pt")
@@ -128,6 +131,15 @@ class Trainer:
             self.save_whole({"network": self.average.state_dict(), "channels": self.network.channels}, "best.pt")
         self.save()
 
+    def choose_on(self, pairs):
+        """Measures what was best so far anew where other shots were held out."""
+        names = [pair.name for pair in pairs]
+        if self.chosen_on != names and math.isfinite(self.best) and pairs:
+            best = copy.deepcopy(self.average)
+            best.load_state_dict(torch.load(self.path("best.pt"), map_location=self.args.device)["network"])
+            self.best, _ = held_out_error(best, pairs)
+        self.chosen_on = names
+
     def stream(self, pairs):
         asked = pairs, self.args.batch, self.args.crop, [self.args.seed, self.step], self.args.workers
         if self.args.device == "cpu" or self.albedo:
@@ -142,6 +154,7 @@ class Trainer:
         if self.args.start and self.step == 0:
             print(f"{idle_channels.restart(self.network, choose)} channels were zero on all held-out frames")
             self.average = copy.deepcopy(self.network)
+        self.choose_on(choose)
         stream = self.stream(learn)
         last_evaluation = time.monotonic()
         errors = []

@@ -333,6 +333,19 @@ class Shots(unittest.TestCase):
         with open(f"{out}/curve.csv") as file:
             self.assertEqual(len(file.readlines()), 2)
 
+    def test_what_was_best_is_measured_anew_on_other_shots(self):
+        out = f"{self.folder.name}/out_of_others"
+        trainer = train.Trainer(train.parse(["--size", "small", "--crop", "32", self.folder.name, out]))
+        choose = batches.load(self.folder.name)[1]
+        trainer.choose_on(choose)
+        trainer.evaluate(choose, math.nan)
+        error, trainer.best = trainer.best, 1e-9  # as of shots that are easier
+        trainer.choose_on(choose)
+        self.assertEqual(trainer.best, 1e-9)
+        trainer.choose_on(choose[:-1])
+        self.assertAlmostEqual(trainer.best, error, delta=0.5 * error)
+        self.assertEqual(trainer.chosen_on, [pair.name for pair in choose[:-1]])
+
 
 if __name__ == "__main__":
     unittest.main()
