@@ -26,6 +26,7 @@
 #include "app/folder_input.h"
 #include "app/frame_figures.h"
 #include "app/input_frames.h"
+#include "app/measure_frames.h"
 #include "app/options.h"
 #include "app/parse_numbers.h"
 #include "app/report_file.h"
@@ -64,6 +65,7 @@ struct CompareCommand {
   std::string report;
   std::string json;
   bool quiet = false;
+  int threads = 0;                                            ///< 0: all processors
   std::array<std::optional<double>, kFigures.size()> limits;  ///< in the order of kFigures
 };
 
@@ -296,21 +298,18 @@ ExitStatus CompareJob::run() {
   }
   check_report_files(written);
   std::vector<FrameFigures> figures;
-  std::optional<ComparedFrame> before;
   Table table(command_.quiet ? nullptr : stream_beside(report_files()));
   const int step = usual_step(reference_.has_frame_field() ? reference_.frames_on_disk() : frames_);
-  for (const int frame : frames_) {
-    if (stop_requested()) break;
-    ComparedFrame now = read(frame);
-    figures.push_back(measure(now, before ? &*before : nullptr, step));
-    table.print_row(std::to_string(frame), figures.back());
-    if (figures.back().skipped > 0) {
-      warn(
-          fmt::format("frame {}: {} pixels are not finite and were left out", frame, figures.back().skipped));
+  const auto tell = [&](const MeasuredFrame& measured) {
+    const FrameFigures& frame = figures.emplace_back(measured.figures);
+    table.print_row(std::to_string(frame.frame), frame);
+    if (frame.skipped > 0) {
+      warn(fmt::format("frame {}: {} pixels are not finite and were left out", frame.frame, frame.skipped));
     }
-    if (report) report->add(frame, now.test, now.best_reference());
-    before = std::move(now);
-  }
+    if (report) report->add(frame.frame, measured.images.test, measured.images.best_reference());
+  };
+  measure_frames(
+      frames_, step, [this](int frame) { return read(frame); }, tell);
   if (figures.empty()) stop_if_asked();
   table.print_row("mean", mean_of(figures));
 
@@ -423,6 +422,7 @@ Command add_compare(CLI::App& becalm) {
       ->option_text("DIR")
       ->group("Output");
   parser.add_flag("-q,--quiet", command->quiet, "No table; warnings and failures stay")->group("Output");
+  add_threads_option(parser, command->threads);
   for (std::size_t i = 0; i < kFigures.size(); ++i) {
     parser.add_option(kLimitOptions[i].name, command->limits[i], kLimitOptions[i].help)
         ->check(limit_of(kFigures[i].limit))
@@ -434,6 +434,7 @@ Command add_compare(CLI::App& becalm) {
       "  becalm compare 'ref/shot.####.exr' 'out/shot.####.exr' --report report\n"
       "  becalm compare ref.exr out.exr --max-relmse 0.01 --max-energy 0.005\n");
   return {&parser, [command] {
+            const ThreadLimit threads(command->threads);
             catch_signals();
             return CompareJob(*command).run();
           }};

@@ -49,11 +49,15 @@ CLI::Option* add_output_options(CLI::App& command, OutputOptions& options,
   return output;
 }
 
-void add_running_options(CLI::App& command, RunningOptions& options) {
-  command.add_option("--threads", options.threads, "Processor threads to use (default: all)")
+void add_threads_option(CLI::App& command, int& threads) {
+  command.add_option("--threads", threads, "Processor threads to use (default: all)")
       ->check(whole_number_from(1, 4096))
       ->option_text("N")
       ->group("Running");
+}
+
+void add_running_options(CLI::App& command, RunningOptions& options) {
+  add_threads_option(command, options.threads);
   command
       .add_flag("--reproducible", options.reproducible,
                 "Equal bytes on x86-64 processors that have FMA, with the same libraries: Embree, oneDNN and "

@@ -36,6 +36,7 @@ struct RunningOptions {
   bool quiet = false;
   bool verbose = false;
 };
+void add_threads_option(CLI::App& command, int& threads);
 void add_running_options(CLI::App& command, RunningOptions& options);
 
 struct FilterOptions {

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/end_to_end/harness.h"
 
@@ -322,6 +323,22 @@ TEST_F(Compare, NamesFilesThatDoNotFit) {
   EXPECT_EQ(sizes.status, 3);
   for (const char* word : {"test.0001.exr", "40x32", "48x32"})
     EXPECT_NE(sizes.err.find(word), std::string::npos);
+}
+
+TEST_F(Compare, FramesBeforeADamagedOneAreToldInTheirOrder) {
+  write_frames(8, 1.1f);
+  write_text(frame_path(test_, 7), "no image");
+  const Outcome outcome = becalm({"compare", reference_, test_, "--threads", "4"});
+  EXPECT_EQ(outcome.status, kBadInput);
+  EXPECT_NE(outcome.err.find("test.0007.exr: not an EXR file"), std::string::npos) << outcome.err;
+  std::istringstream lines(outcome.out);
+  std::string line;
+  std::getline(lines, line);
+  for (int number = 1; number <= 6; ++number) {
+    std::getline(lines, line);
+    EXPECT_EQ(std::stoi(line), number) << outcome.out;
+  }
+  EXPECT_FALSE(std::getline(lines, line)) << line;
 }
 
 TEST_F(Compare, FramesThatAreNotThereAreToldBeforeAnythingIsMeasured) {
