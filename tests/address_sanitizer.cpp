@@ -14,7 +14,9 @@ extern "C" const char* __lsan_default_suppressions() {
 }
 
 /// Tests ask software devices for more memory than there is, which is refused without the sanitizer, too.
+/// What is freed waits in a short queue: images in a long one would be as many new pages for every new image,
+/// which takes most of some tests' time.
 // NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming): the name is the interface
 extern "C" const char* __asan_default_options() {
-  return "allocator_may_return_null=1";
+  return "allocator_may_return_null=1:quarantine_size_mb=16";
 }
