@@ -12,7 +12,6 @@
 #include <system_error>
 
 #include "app/cancel.h"
-#include "app/console.h"
 #include "app/eye_names.h"
 #include "app/folder_input.h"
 #include "app/half_buffers.h"
@@ -130,8 +129,8 @@ InputFrames::InputFrames(const std::vector<std::string>& patterns, Pair pair, co
                                                   return b - a > step_;
                                                 }) != readable_.end();
   if (all && gaps) {
-    note_ = fmt::format("{}: only frames {} are on disk; the filter starts anew after each gap", pattern,
-                        io::format_frame_range(present));
+    notes_.push_back(fmt::format("{}: only frames {} are on disk; the filter starts anew after each gap",
+                                 pattern, io::format_frame_range(present)));
   }
   note_absent(asked, on_disk.complete, missing);
 }
@@ -165,8 +164,8 @@ void InputFrames::note_absent(const std::vector<int>& asked, const std::vector<i
   const char* what_becomes = missing == Missing::hold
                                  ? (is_one ? "holds the one before it" : "hold those before them")
                                  : (is_one ? "is left out" : "are left out");
-  note_ = fmt::format("{}: {} {} not on disk{} and {}", names(), frames_text(absent), is_one ? "is" : "are",
-                      other() ? " in both" : "", what_becomes);
+  notes_.push_back(fmt::format("{}: {} {} not on disk{} and {}", names(), frames_text(absent),
+                               is_one ? "is" : "are", other() ? " in both" : "", what_becomes));
 }
 
 /// Takes damaged frames, or such as a renderer still writes, out of those that are present: they count as
@@ -185,8 +184,8 @@ bool InputFrames::leave_damaged(std::vector<int>& present) {
     }
     if (damaged.empty()) continue;
     const bool is_one = damaged.size() == 1;
-    warn(fmt::format("{}: {} {} damaged or not whole yet, and {} as missing", pattern->text(),
-                     frames_text(damaged), is_one ? "is" : "are", is_one ? "counts" : "count"));
+    notes_.push_back(fmt::format("{}: {} {} damaged or not whole yet, and {} as missing", pattern->text(),
+                                 frames_text(damaged), is_one ? "is" : "are", is_one ? "counts" : "count"));
     std::erase_if(present, [&](int frame) { return std::ranges::binary_search(damaged, frame); });
   }
   return present.size() < before;
@@ -279,13 +278,13 @@ void InputFrames::assign_outputs(const std::vector<int>& asked, const std::vecto
   }
   if (missing == Missing::hold && !without_earlier.empty()) {
     throw Error(ExitStatus::bad_input,
-                fmt::format("{}: no file for frame {}, and --missing hold has no earlier frame "
-                            "to hold",
-                            pattern, without_earlier.front()));
+                fmt::format("{}: no {}file for frame {}, and --missing hold has no earlier frame to hold",
+                            pattern, notes_.empty() ? "" : "whole ", without_earlier.front()));
   }
   if (outputs_.empty()) {
     throw Error(ExitStatus::bad_input,
-                fmt::format("{}: none of frames {} is on disk", pattern, io::format_frame_range(asked)));
+                fmt::format("{}: none of frames {} is on disk{}", pattern, io::format_frame_range(asked),
+                            notes_.empty() ? "" : " and whole"));
   }
 }
 

@@ -61,8 +61,8 @@ class InputFrames {
   std::set<int> sources_of_missing(const std::set<int>& existing) const;
   /// Frames that have outputs, up to the last one that has an output which is not among the existing ones.
   std::set<int> up_to_last_missing(const std::set<int>& existing) const;
-  /// One line about gaps between the files, where --frames did not say which to use; or empty.
-  const std::string& note() const { return note_; }
+  /// Lines about frames that are damaged or missing, and about gaps where --frames did not say which to use.
+  const std::vector<std::string>& notes() const { return notes_; }
 
  private:
   /// Throws Error(usage) for two patterns that cannot be a pair.
@@ -88,7 +88,7 @@ class InputFrames {
   std::vector<int> readable_;
   int step_ = 1;
   std::map<int, std::vector<int>> outputs_;  ///< by the frame that is read
-  std::string note_;
+  std::vector<std::string> notes_;
 };
 
 }  // namespace becalm::app

@@ -106,6 +106,7 @@ void SequenceJob::set_attributes() {
 }
 
 ExitStatus SequenceJob::run() {
+  for (const std::string& note : inputs_.notes()) warn(note);
   set_attributes();
   if (!command_.output.overwrite && !command_.output.resume) outputs_.keep_foreign_files(mark_);
   command_.dry_run ? outputs_.check_places() : outputs_.prepare();
@@ -163,7 +164,6 @@ std::vector<InputLayout> SequenceJob::checked_inputs(const std::set<int>& needed
 /// Notes and warnings on the frames that are read, `needed`, for those that are written, `wanted`.
 void SequenceJob::tell_what_is_taken(const std::set<int>& needed, const std::set<int>& wanted) {
   if (!command_.choice.empty()) progress_->note(command_.choice);
-  if (!inputs_.note().empty()) progress_->warn(inputs_.note());
   if (inputs_.other_half()) progress_->note(halves_text());
   for (const AdditiveNote& note : additive_notes_) {
     note.is_warning ? progress_->warn(note.text) : progress_->note(note.text);

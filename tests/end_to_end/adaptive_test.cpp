@@ -182,7 +182,12 @@ TEST_F(Adaptive, DenoiseTakesThePresetThatTheTimeAllows) {
   EXPECT_NE(denoise("0.001ms").find("no preset takes less"), std::string::npos);
   EXPECT_EQ(preset(), "draft");
   fs::remove(folder_ / "d.0002.exr");
-  EXPECT_NE(denoise("1h", {"--resume"}).find("draft, as in the frames that are there"), std::string::npos);
+  write_text(folder_ / "n.0003.exr", "half a frame");
+  const std::string told = denoise("1h", {"--resume", "--missing", "skip"});
+  EXPECT_NE(told.find("draft, as in the frames that are there"), std::string::npos) << told;
+  const std::size_t damaged = told.find("frame 3 is damaged");
+  EXPECT_NE(damaged, std::string::npos) << told;
+  EXPECT_EQ(damaged, told.rfind("frame 3 is damaged")) << "told once";
 }
 
 TEST_F(Adaptive, OptionsThatDoNotFitAreRefused) {

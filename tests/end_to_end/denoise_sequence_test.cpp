@@ -164,6 +164,9 @@ TEST_F(Denoise, DamagedFramesCountAsMissingWhereThatGoesOn) {
   const Outcome none = becalm(command("b.####.exr", {"--frames", "2", "--missing", "skip"}));
   EXPECT_EQ(none.status, 3);
   EXPECT_NE(none.err.find("none of frames 2 is on disk"), std::string::npos) << none.err;
+  const Outcome damaged = becalm(command("b.####.exr", {"--frames", "3", "--missing", "skip"}));
+  EXPECT_EQ(damaged.status, 3);
+  EXPECT_NE(damaged.err.find("none of frames 3 is on disk and whole"), std::string::npos) << damaged.err;
 }
 
 TEST_F(Denoise, ADamagedFrameBetweenOthersIsNoStep) {
