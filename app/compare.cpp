@@ -251,6 +251,7 @@ CompareJob::Placed CompareJob::read_view(const io::SequencePattern& pattern, int
   std::vector<io::LoadedView*> views{&file};
   for (io::LoadedView& view : file.other_views) views.push_back(&view);
   std::vector<std::string> names;
+  names.reserve(views.size());
   for (const io::LoadedView* view : views) names.push_back(io::printable(view->view));
   const auto asked =
       command_.view.empty() ? views.begin() : std::ranges::find(views, command_.view, &io::LoadedView::view);

@@ -179,12 +179,12 @@ Json origin_of(const std::string& path) {
 }
 
 void print_origin(const Json& origin) {
-  constexpr std::size_t kLongest = 2000;  // characters of one attribute
+  constexpr std::size_t longest = 2000;  // characters of one attribute
   if (!origin.contains("version")) return;
   std::string text = "becalm:";
   for (const auto& [name, value] : origin.items()) {
     text += fmt::format("{} {} {}", text.back() == ':' ? "" : ";", name,
-                        io::printable(value.get<std::string>(), kLongest));
+                        io::printable(value.get<std::string>(), longest));
   }
   fmt::print("{}\n", text);
 }

@@ -135,7 +135,7 @@ std::string binding_of_size(const std::string& member, const std::vector<Binding
   if (member == "size") return {};
   constexpr std::string_view ending = "_size";
   if (member.ends_with(ending)) {
-    const std::string name = member.substr(0, member.size() - ending.size());
+    std::string name = member.substr(0, member.size() - ending.size());
     if (std::ranges::find(bindings, name, &Binding::name) != bindings.end()) return name;
   }
   throw std::runtime_error("push constant '" + member + "' must be `size` or `NAME_size` of a buffer NAME");
@@ -172,8 +172,8 @@ PushConstants reflect_push_constants(const Compiler& compiler, const spirv_cross
     const std::uint32_t offset = compiler.type_struct_member_offset(type, i);
     const bool is_first_row = name == "first_row";
     const auto require_first = [&](const std::string& others) {
-      require(result.constants_offset == result.bytes,
-              "push constant '" + name + "' must come before those that " + others);
+      if (result.constants_offset == result.bytes) return;
+      throw std::runtime_error("push constant '" + name + "' must come before those that " + others);
     };
     if (member.basetype == SPIRType::Int && member.vecsize == 2 && member.columns == 1) {
       require_first("are no sizes");

@@ -31,6 +31,7 @@ class Workers {
   std::vector<CaseResult> run() {
     {
       std::vector<std::jthread> threads;
+      threads.reserve(static_cast<std::size_t>(options_.jobs));
       for (int i = 0; i < options_.jobs; ++i) threads.emplace_back([this] { work(); });
     }
     if (failure_) std::rethrow_exception(failure_);

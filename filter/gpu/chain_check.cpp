@@ -88,7 +88,7 @@ void check_bindings(const Kernel& kernel, const PassDeclaration& pass,
     }
   }
   for (const std::string& absent : pass.absent) {
-    const std::string what = where + "binding '" + absent + "' ";
+    const std::string what = std::string(where).append("binding '").append(absent).append("' ");
     if (std::ranges::find(kernel.bindings, absent, &BindingInfo::name) == kernel.bindings.end()) {
       throw DeviceError(what + "is left without an image, and the kernel has no such binding");
     }

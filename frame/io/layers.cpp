@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <functional>
 #include <iterator>
+#include <ranges>
 #include <utility>
 
 #include "frame/error.h"
@@ -322,10 +323,10 @@ std::vector<std::string> find_other_beauties(const std::vector<PartChannels>& pa
       titles.emplace(*scope, title_of(layer, parts));
     }
   }
+  if (taken.empty()) return {};
   titles.erase(taken);
-  std::vector<std::string> others;
-  for (auto& [scope, title] : titles) others.push_back(std::move(title));
-  return taken.empty() ? std::vector<std::string>() : others;
+  const auto others = std::views::values(titles);
+  return {others.begin(), others.end()};
 }
 
 LayerMap find_layers(const std::string& file, const std::vector<PartChannels>& parts,

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <ranges>
 
 #include "frame/error.h"
 #include "frame/io/read_error.h"
@@ -317,9 +318,8 @@ std::vector<std::string> patterns_of_files(std::span<const std::string> paths) {
     const auto [found, added] = patterns.emplace(alone, pattern);
     if (!added && found->second != pattern) found->second = alone;
   }
-  std::vector<std::string> all;
-  for (const auto& [alone, pattern] : patterns) all.push_back(pattern);
-  return all;
+  const auto found = std::views::values(patterns);
+  return {found.begin(), found.end()};
 }
 
 std::string field_of_folder(const std::string& path) {

@@ -57,7 +57,7 @@ Mosaic grey(const raw::Info& info, int number, double exposure = 1.0) {
 class Burst : public testing::Test {
  protected:
   std::string write(int number, const raw::Info& info, double exposure = 1.0) const {
-    const std::string path = folder_ / ("in" + std::to_string(number) + ".dng");
+    std::string path = folder_ / ("in" + std::to_string(number) + ".dng");
     raw::write_dng(path, grey(info, number, exposure), info);
     return path;
   }

@@ -45,7 +45,7 @@ class SuiteTest : public testing::Test {
     return becalm(more);
   }
   Outcome update(const std::string& glob = "*") const {
-    const Outcome outcome = run({"--update=" + glob, "--yes"});
+    Outcome outcome = run({"--update=" + glob, "--yes"});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     return outcome;
   }

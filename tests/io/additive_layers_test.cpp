@@ -9,6 +9,7 @@
 #include <OpenEXR/ImfOutputPart.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <limits>
 
