@@ -21,10 +21,8 @@ std::string part_name(const io::ExrChannels::Part& part) {
   return part.name.empty() ? "without a name" : io::printable(part.name);
 }
 
-/// Steps of half where a file of halves was read, of float otherwise; NaN against a number is infinitely
-/// many.
+/// NaN against a number is infinitely many.
 double ulps_of(const judge::Difference& difference) {
-  if (difference.half_ulps) return static_cast<double>(*difference.half_ulps);
   return difference.ulps ? static_cast<double>(*difference.ulps) : std::numeric_limits<double>::infinity();
 }
 
@@ -99,12 +97,16 @@ CheckResult judge_exactly(const ExactJudge& judge, const JudgedFrame& files) {
       const Image fresh = test.read(part, name);
       const Image known = reference.read(i, name);
       if (!fresh.same_shape(known)) return fail(all, what + " has pixels of another kind");
-      const judge::ExactResult result = judge::compare_exactly(fresh, known);
+      const bool are_halves = test.stores_half(part, name) && reference.stores_half(i, name);
+      const judge::ExactResult result =
+          judge::compare_exactly(fresh, known, are_halves ? judge::Stored::half : judge::Stored::float32);
       if (result.passed()) continue;
-      check.value = std::max(check.value, ulps_of(*result.largest));
-      if (check.value > check.limit) {
-        return fail(check.value, fmt::format("{}: {}", what, judge::describe(result)));
+      const double ulps = ulps_of(*result.largest);
+      if (judge.max_ulps == 0 || ulps > check.limit) {
+        return fail(ulps, fmt::format("{}: {}", what, judge::describe(result)));
       }
+      check.value = std::max(check.value, ulps);
+      check.text = fmt::format("frame {} differs by {} ulps at most", files.number, check.value);
     }
   }
   return check;

@@ -40,6 +40,10 @@ ExrChannels::ExrChannels(const std::string& path) : path_(path) {
 
 ExrChannels::~ExrChannels() = default;
 
+bool ExrChannels::stores_half(std::size_t part, const std::string& channel) const {
+  return file_->parts->header(static_cast<int>(part)).channels().findChannel(channel)->type == Imf::HALF;
+}
+
 Image ExrChannels::read(std::size_t part, const std::string& channel) const {
   Image image;
   reading(path_, [&] {

@@ -27,6 +27,7 @@ class ExrChannels {
   ~ExrChannels();
 
   const std::vector<Part>& parts() const { return parts_; }
+  bool stores_half(std::size_t part, const std::string& channel) const;
   /// The pixels of a channel, of the data window's size or, where it is subsampled, smaller. Integers come as
   /// two channels, since a float cannot hold them: their upper and their lower 16 bits.
   Image read(std::size_t part, const std::string& channel) const;

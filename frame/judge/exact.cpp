@@ -26,41 +26,39 @@ bool same_bits(float a, float b) {
          (std::isnan(a) && std::isnan(b));
 }
 
-void measure_ulps(Difference& difference) {
-  const float a = difference.test;
-  const float b = difference.reference;
-  if (std::isnan(a) || std::isnan(b)) return;
-  constexpr std::uint32_t float_sign = 0x80000000u;
-  difference.ulps = distance(ordered(std::bit_cast<std::uint32_t>(a), float_sign),
-                             ordered(std::bit_cast<std::uint32_t>(b), float_sign));
-  const Imath::half half_a(a);
-  const Imath::half half_b(b);
-  if (static_cast<float>(half_a) != a || static_cast<float>(half_b) != b) return;
-  constexpr std::uint32_t half_sign = 0x8000u;
-  difference.half_ulps = distance(ordered(half_a.bits(), half_sign), ordered(half_b.bits(), half_sign));
+std::optional<std::uint64_t> ulps_between(float a, float b, Stored stored) {
+  if (std::isnan(a) || std::isnan(b)) return std::nullopt;
+  if (stored == Stored::half) {
+    constexpr std::uint32_t sign = 0x8000u;
+    return distance(ordered(Imath::half(a).bits(), sign), ordered(Imath::half(b).bits(), sign));
+  }
+  constexpr std::uint32_t sign = 0x80000000u;
+  return distance(ordered(std::bit_cast<std::uint32_t>(a), sign),
+                  ordered(std::bit_cast<std::uint32_t>(b), sign));
 }
 
 std::uint64_t rank(const Difference& difference) {
   return difference.ulps.value_or(std::numeric_limits<std::uint64_t>::max());
 }
 
-std::string describe(const Difference& difference) {
+std::string describe(const Difference& difference, Stored stored) {
   std::string text = fmt::format("pixel {},{} channel {}: {:.9g} instead of {:.9g}", difference.x,
                                  difference.y, difference.channel, difference.test, difference.reference);
-  if (difference.ulps) text += fmt::format(", {} ulps of float", *difference.ulps);
-  if (difference.half_ulps) text += fmt::format(", {} of half", *difference.half_ulps);
+  if (difference.ulps) {
+    text += fmt::format(", {} ulps of {}", *difference.ulps, stored == Stored::half ? "half" : "float");
+  }
   return text;
 }
 
 }  // namespace
 
-ExactResult compare_exactly(const Image& test, const Image& reference) {
+ExactResult compare_exactly(const Image& test, const Image& reference, Stored stored) {
   if (!test.same_shape(reference)) {
     throw std::invalid_argument(fmt::format(
         "an exact comparison was asked of {}x{} pixels of {} channels with {}x{} of {}", test.width(),
         test.height(), test.channels(), reference.width(), reference.height(), reference.channels()));
   }
-  ExactResult result;
+  ExactResult result{.stored = stored, .differing_pixels = 0, .first = {}, .largest = {}};
   for (int y = 0; y < test.height(); ++y) {
     for (int x = 0; x < test.width(); ++x) {
       bool differs = false;
@@ -70,11 +68,10 @@ ExactResult compare_exactly(const Image& test, const Image& reference) {
                               .channel = c,
                               .test = test.at(x, y, c),
                               .reference = reference.at(x, y, c),
-                              .ulps = {},
-                              .half_ulps = {}};
+                              .ulps = {}};
         if (same_bits(difference.test, difference.reference)) continue;
         differs = true;
-        measure_ulps(difference);
+        difference.ulps = ulps_between(difference.test, difference.reference, stored);
         if (!result.first) result.first = difference;
         if (!result.largest || rank(difference) > rank(*result.largest)) result.largest = difference;
       }
@@ -86,10 +83,10 @@ ExactResult compare_exactly(const Image& test, const Image& reference) {
 
 std::string describe(const ExactResult& result) {
   if (result.passed()) return "all pixels are equal, bit for bit";
-  std::string text =
-      fmt::format("{} pixels differ; first {}", result.differing_pixels, describe(*result.first));
+  std::string text = fmt::format("{} pixels differ; first {}", result.differing_pixels,
+                                 describe(*result.first, result.stored));
   if (rank(*result.largest) > rank(*result.first))
-    text += fmt::format("; largest {}", describe(*result.largest));
+    text += fmt::format("; largest {}", describe(*result.largest, result.stored));
   return text;
 }
 

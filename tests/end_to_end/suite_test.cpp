@@ -83,6 +83,29 @@ TEST_F(SuiteTest, UlpsMayBeAllowed) {
   EXPECT_EQ(run().status, 1);
 }
 
+TEST_F(SuiteTest, HalvesDifferByUlpsOfHalfAndZerosBySign) {
+  const auto write = [&](float first, float second) {
+    Frame frame = noise_frame(1, kSize, kSize);
+    frame.image(Aov::beauty).at(0, 0, 0) = first;
+    frame.image(Aov::beauty).at(1, 0, 0) = second;
+    io::write_exr(folder_ / "image.exr", frame, {});
+  };
+  write(0.0f, 1.0f);
+  write_suite(shell_case("near", "cp image.exr $0", "", R"("exact": {"max_ulps": 4})") + "," +
+              shell_case("same", "cp image.exr $0", "", R"("exact": true)"));
+  for (const char* name : {"near", "same"}) write_reference(name);
+  EXPECT_EQ(run().status, 0);
+  write(0x1p-24f, 1.0f);
+  EXPECT_EQ(run({"--filter", "near"}).status, 0);
+  write(0x1p-24f, 1.5f);  // many ulps of float at 0, and of half at 1
+  const Outcome far = run({"--filter", "near"});
+  EXPECT_EQ(far.status, 1);
+  expect_words(far.out, {"largest pixel 1,0", "512 ulps of half"});
+  write(-0.0f, 1.0f);
+  EXPECT_EQ(run({"--filter", "near"}).status, 0);
+  EXPECT_EQ(run({"--filter", "same"}).status, 1);
+}
+
 TEST_F(SuiteTest, ReferencesKeepTheirPlaceAndLayersTheirName) {
   Imf::Header header(Imath::Box2i({0, 0}, {19, 19}), Imath::Box2i({3, 2}, {10, 7}));
   header.channels().insert("key.R", Imf::Channel(Imf::FLOAT));

@@ -38,6 +38,7 @@ void judge_exactly(const Image& test, const Image& reference) {
   require(result.passed() == !result.first.has_value());
   require(!becalm::judge::describe(result).empty());
   require(becalm::judge::compare_exactly(test, test).passed());
+  require(becalm::judge::compare_exactly(test, test, becalm::judge::Stored::half).passed());
 }
 
 void judge_statistically(const becalm::judge::Estimate& test, const becalm::judge::Estimate& reference) {

@@ -21,8 +21,8 @@ Image picture() {
   return image;
 }
 
-ExactResult compare_values(float test, float reference) {
-  return compare_exactly(Image(1, 1, 1, test), Image(1, 1, 1, reference));
+ExactResult compare_values(float test, float reference, Stored stored = Stored::float32) {
+  return compare_exactly(Image(1, 1, 1, test), Image(1, 1, 1, reference), stored);
 }
 
 TEST(Exact, EqualImagesPass) {
@@ -45,7 +45,6 @@ TEST(Exact, CountsPixelsAndNamesTheFirstAndTheLargestDifference) {
   EXPECT_EQ(result.first->y, 0);
   EXPECT_EQ(result.first->channel, 2);
   EXPECT_EQ(result.first->ulps, 1u);
-  EXPECT_FALSE(result.first->half_ulps.has_value()) << "half does not have the neighbour of -0.375";
   EXPECT_EQ(result.largest->x, 2);
   EXPECT_EQ(result.largest->channel, 1);
   EXPECT_EQ(result.largest->test, -6.0f);
@@ -61,13 +60,25 @@ TEST(Exact, CountsUlpsAcrossZeroAndToInfinity) {
   EXPECT_EQ(compare_values(-kInf, kInf).first->ulps, 2u * 0x7f800000u);
 }
 
-TEST(Exact, CountsUlpsOfHalfWhereHalfHoldsBoth) {
-  const ExactResult result = compare_values(1.0f + 0x1p-10f, 1.0f);
-  EXPECT_EQ(result.first->ulps, 1u << 13);
-  EXPECT_EQ(result.first->half_ulps, 1u);
-  EXPECT_EQ(compare_values(-0x1p-24f, 0x1p-24f).first->half_ulps, 2u);
-  EXPECT_FALSE(compare_values(1.0f + 0x1p-11f, 1.0f).first->half_ulps.has_value());
-  EXPECT_FALSE(compare_values(1e6f, 1.0f).first->half_ulps.has_value());
+TEST(Exact, CountsUlpsOfWhatIsStored) {
+  EXPECT_EQ(compare_values(1.0f + 0x1p-10f, 1.0f).first->ulps, 1u << 13);
+  EXPECT_EQ(compare_values(1.0f + 0x1p-10f, 1.0f, Stored::half).first->ulps, 1u);
+  EXPECT_EQ(compare_values(-0x1p-24f, 0x1p-24f, Stored::half).first->ulps, 2u);
+}
+
+TEST(Exact, TheLargestDifferenceIsThatOfMostUlpsOfWhatIsStored) {
+  const Image reference(2, 1, 1, 0.0f);
+  Image test = reference;
+  test.at(0, 0, 0) = 0x1p-24f;  // half's neighbour of 0, and far from it among floats
+  test.at(1, 0, 0) = 0x1p-20f;
+  EXPECT_EQ(compare_exactly(test, reference, Stored::half).largest->x, 1);
+  Image other = reference;
+  Image near = reference;
+  other.at(1, 0, 0) = 1.0f;
+  near.at(0, 0, 0) = 0x1p-24f;
+  near.at(1, 0, 0) = 1.5f;
+  EXPECT_EQ(compare_exactly(near, other, Stored::half).largest->ulps, 512u);
+  EXPECT_EQ(compare_exactly(near, other, Stored::float32).largest->x, 0);
 }
 
 TEST(Exact, ZerosOfBothSignsDiffer) {
