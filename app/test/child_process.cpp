@@ -137,9 +137,13 @@ class Child {
     ended_ = wait4(process_, &status_, 0, &usage_) == process_;
   }
   int status() const { return status_; }
+  /// As the kernel counts it, which counts becalm's own peak too: a process that is spawned shares becalm's
+  /// memory at first. 0 where it is not above that.
   std::uint64_t peak_bytes() const {
     constexpr std::uint64_t kibibyte = 1024;
-    return static_cast<std::uint64_t>(usage_.ru_maxrss) * kibibyte;
+    rusage own = {};
+    getrusage(RUSAGE_SELF, &own);
+    return usage_.ru_maxrss > own.ru_maxrss ? static_cast<std::uint64_t>(usage_.ru_maxrss) * kibibyte : 0;
   }
 
  private:
@@ -179,7 +183,6 @@ ChildResult run_child(const std::vector<std::string>& arguments, const std::stri
   result.status = child.status();
   result.peak_memory_bytes = std::max(result.peak_memory_bytes, child.peak_bytes());
   if (result.end == ChildEnd::exited && is_above()) result.end = ChildEnd::out_of_memory;
-  result.seconds = seconds_since(begin);
   return result;
 }
 

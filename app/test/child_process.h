@@ -21,7 +21,6 @@ enum class ChildEnd {
 struct ChildResult {
   ChildEnd end = ChildEnd::exited;
   int status = 0;  ///< what waitpid tells
-  double seconds = 0.0;
   std::uint64_t peak_memory_bytes = 0;
 
   bool succeeded() const { return end == ChildEnd::exited && status == 0; }
@@ -32,8 +31,9 @@ struct ChildResult {
 /// a limit ends it, is killed.
 ///
 /// The limit of memory is on what the group has in physical memory, measured 20 times a second, and on the
-/// peak of one process that the kernel counts: a limit on addresses (RLIMIT_AS) would end programs
-/// that reserve more than they use, as becalm's own filter does. A group may be above it for a moment.
+/// peak of one process that the kernel counts, where that is above becalm's own: a limit on addresses
+/// (RLIMIT_AS) would end programs that reserve more than they use, as becalm's own filter does. A group may
+/// be above it for a moment.
 ///
 /// Throws Error(bad_input) if the program cannot be started.
 ChildResult run_child(const std::vector<std::string>& arguments, const std::string& working_folder,

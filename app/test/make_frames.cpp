@@ -37,7 +37,7 @@ std::string asked_aovs(const TestCase& test, const FrameOrder& order) {
   return fmt::format("{}", fmt::join(aovs, ","));
 }
 
-Arguments render_command(const TestCase& test, const FrameOrder& order) {
+Arguments render_command(const TestCase& test, const FrameOrder& order, const RunSettings& settings) {
   const CaseSource& source = test.source;
   Arguments command{becalm_executable(),
                     "render",
@@ -50,9 +50,9 @@ Arguments render_command(const TestCase& test, const FrameOrder& order) {
                     "--seed",
                     std::to_string(order.seed),
                     "--threads",
-                    std::to_string(order.threads),
+                    std::to_string(settings.threads),
                     "--quiet"};
-  if (order.reproducible) command.emplace_back("--reproducible");
+  if (settings.reproducible) command.emplace_back("--reproducible");
   if (test.judges.statistical)
     command.emplace_back("--type=float");  // half rounds dark pixels by more than noise
   if (!source.size.empty()) command.insert(command.end(), {"--size", source.size});
@@ -74,14 +74,15 @@ std::string work_of(const FrameOrder& order) {
 using Step = std::vector<Arguments>;
 
 /// A command with {frame} runs once a frame; another makes all frames of a pattern, or the only one.
-Step step_of(const CommandTemplate& command, const TestCase& test, const FrameOrder& order) {
+Step step_of(const CommandTemplate& command, const TestCase& test, const FrameOrder& order,
+             const RunSettings& settings) {
   const io::SequencePattern pattern(order.pattern);
   const std::vector<int>& frames = test.source.frames;
   const auto for_frame = [&](int frame, const std::string& output) {
     return substituted(command, {{"{frame}", std::to_string(frame)},
                                  {"{spp}", std::to_string(order.spp)},
                                  {"{seed}", std::to_string(order.seed)},
-                                 {"{threads}", std::to_string(order.threads)},
+                                 {"{threads}", std::to_string(settings.threads)},
                                  {"{becalm}", becalm_executable()},
                                  {"{work}", work_of(order)},
                                  {"{output}", output}});
@@ -94,11 +95,12 @@ Step step_of(const CommandTemplate& command, const TestCase& test, const FrameOr
   return step;
 }
 
-std::vector<Step> steps_of(const TestCase& test, const FrameOrder& order) {
-  if (order.command.empty()) return {{render_command(test, order)}};
+std::vector<Step> steps_of(const TestCase& test, const FrameOrder& order, const RunSettings& settings) {
+  if (order.command.empty()) return {{render_command(test, order, settings)}};
   std::vector<Step> steps;
-  for (const CommandTemplate& command : order.prepare) steps.push_back(step_of(command, test, order));
-  steps.push_back(step_of(order.command, test, order));
+  for (const CommandTemplate& command : order.prepare)
+    steps.push_back(step_of(command, test, order, settings));
+  steps.push_back(step_of(order.command, test, order, settings));
   return steps;
 }
 
@@ -122,7 +124,6 @@ MadeFrames run_all(const TestCase& test, const std::vector<Step>& steps, const s
     made.commands.push_back(shell_line(step.front()));
     for (const Arguments& command : step) {
       const ChildResult result = run_child(command, working_folder, output_file(settings), limits);
-      made.seconds += result.seconds;
       made.peak_memory_bytes = std::max(made.peak_memory_bytes, result.peak_memory_bytes);
       made.interrupted = result.end == ChildEnd::interrupted;
       if (result.succeeded()) continue;
@@ -180,13 +181,10 @@ void require_seed(const TestCase& test) {
 MadeFrames make_frames(const TestCase& test, const FrameOrder& order, const RunSettings& settings) {
   fs::create_directories(order.command.empty() ? fs::path(order.pattern).parent_path().string()
                                                : work_of(order));
-  FrameOrder here = order;
-  here.threads = settings.threads;
-  here.reproducible = settings.reproducible;
   // Words of a command may be paths, which are from the suite file as all paths in it.
   const fs::path suite_folder = fs::absolute(test.suite_file).parent_path();
   const fs::path folder = order.command.empty() ? fs::current_path() : suite_folder;
-  return run_all(test, steps_of(test, here), folder.string(), order.pattern, settings);
+  return run_all(test, steps_of(test, order, settings), folder.string(), order.pattern, settings);
 }
 
 MadeFrames denoise_frames(const TestCase& test, const std::string& preset, const std::string& from,

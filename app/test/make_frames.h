@@ -18,8 +18,6 @@ struct FrameOrder {
   std::string preset;                    ///< of the filter; empty: none
   bool variance = false;                 ///< wanted as a layer even if no judge reads it
   std::string pattern;                   ///< where the frames go: an absolute path with ####
-  int threads = 1;
-  bool reproducible = false;
 };
 
 /// What is judged.
@@ -44,7 +42,6 @@ struct MadeFrames {
   std::vector<std::string> commands;  ///< as one would type them; of those that differ by frame, the first
   std::string failure;                ///< why frames are missing, one line; empty if they are all there
   bool interrupted = false;
-  double seconds = 0.0;
   std::uint64_t peak_memory_bytes = 0;
 };
 

@@ -70,6 +70,20 @@ TEST_F(SuiteTest, ExactSeesChannelsThatBecalmDoesNotKnowAndEveryView) {
   expect_words(channel, {"light.key.G", "1 pixels differ", "pixel 3,4"});
 }
 
+TEST_F(SuiteTest, MemoryThatBecalmTookIsNotACases) {
+  constexpr int large = 1400;
+  Frame frame(1, large, large);
+  frame.add(Aov::beauty, 0.5f);
+  io::write_exr(folder_ / "large.exr", frame, {});
+  const std::string memory = R"(, "memory": "40M")";
+  write_suite(shell_case("a_large", "cp large.exr $0") + "," +
+              shell_case("b_small", "cp image.exr $0", memory));
+  write_reference("b_small");
+  update("a_large");
+  EXPECT_EQ(run({"--filter", "b_small"}).status, 0);
+  EXPECT_EQ(run().status, 0) << "becalm compared large frames before";
+}
+
 TEST_F(SuiteTest, UlpsMayBeAllowed) {
   write_suite(shell_case("other", "cp image.exr $0", "", R"("exact": {"max_ulps": 1})"));
   write_reference("other");
