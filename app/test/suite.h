@@ -37,7 +37,7 @@ struct ReferenceSettings {
 /// One limit of a frame's figure.
 struct FigureLimit {
   const Figure* figure;
-  std::string judge;  ///< perceptual or error
+  std::string judge;  ///< perceptual, error or denoised
   std::string key;    ///< as the suite spells it
   double limit;
 };

@@ -17,7 +17,6 @@ using Vector = std::array<double, kUnknowns>;
 struct Equations {
   std::array<Vector, kUnknowns> matrix{};
   Vector right{};
-  double weight = 0.0;
 
   void add(const Vector& row, double value, double w) {
     for (int i = 0; i < kUnknowns; ++i) {
@@ -30,7 +29,6 @@ struct Equations {
       for (int j = 0; j <= i; ++j) matrix[i][j] += other.matrix[i][j];
       right[i] += other.right[i];
     }
-    weight += other.weight;
     return *this;
   }
 

@@ -37,6 +37,8 @@ std::unique_ptr<File> open(const std::string& path) {
   Library& opens = library();
   try {
     return opens.open(path);
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception& error) {
     throw Error(ExitStatus::bad_input, fmt::format("{}: {}; expected {}", path, error.what(), expected));
   }

@@ -12,7 +12,7 @@ constexpr int kMostAlarms = 134;
 
 class FalseAlarmsOf : public testing::TestWithParam<Noise> {};
 
-/// With the least samples that the reference should have. `scripts/bench regression` counts 10,000 runs at
+/// With the least samples that the reference should have. `scripts/bench judge` counts 10,000 runs at
 /// three sample counts.
 TEST_P(FalseAlarmsOf, AreNoMoreThanStated) {
   for (const int samples : {4, 16}) {

@@ -21,13 +21,10 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 # Name: file, where in it (found once; {} stands for the expression), the expression, and the wrong one.
 MUTATIONS = {
     "diffuse evaluation without its cosine": (
-        "tracer/materials/diffuse.inl", "return {};",
-        "bsdf.reflectance * (std::abs(wi.z) * std::numbers::inv_pi_v<float>)",
+        "tracer/materials/diffuse.inl", "return {{}, cos_pi};", "bsdf.reflectance * cos_pi",
         "bsdf.reflectance * std::numbers::inv_pi_v<float>"),
     "diffuse pdf twice too large": (
-        "tracer/materials/diffuse.inl", "return {};",
-        "same_side(wo, wi) ? std::abs(wi.z) * std::numbers::inv_pi_v<float> : 0.0f",
-        "same_side(wo, wi) ? 2.0f * std::abs(wi.z) * std::numbers::inv_pi_v<float> : 0.0f"),
+        "tracer/materials/diffuse.inl", ", {}};\n}\n\nstd::optional", "cos_pi", "2.0f * cos_pi"),
     "half of the reflectance in indirect light": (
         "tracer/materials/diffuse.inl", ".weight = {},", "bsdf.reflectance", "bsdf.reflectance * 0.5f"),
     "Fresnel of the wrong side of glass": (

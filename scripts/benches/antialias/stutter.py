@@ -31,10 +31,10 @@ def flow(a, b):
 
 def stutter(source, made):
     """RMS over pixels and frames of the difference between the motion from frame to frame and the source's; and the source's RMS."""
-    true = [flow(a, b) for a, b in zip(source, source[1:])]
-    seen = [flow(a, b) for a, b in zip(made, made[1:])]
-    off = [np.mean(np.sum((s - t) ** 2, axis=-1)) for s, t in zip(seen, true)][WARM_UP:]
-    return np.sqrt(np.mean(off)), np.sqrt(np.mean([np.mean(np.sum(t**2, axis=-1)) for t in true]))
+    true = [flow(a, b) for a, b in zip(source, source[1:])][WARM_UP:]
+    seen = [flow(a, b) for a, b in zip(made, made[1:])][WARM_UP:]
+    mean_square = lambda flows: np.mean([np.mean(np.sum(of_pixels**2, axis=-1)) for of_pixels in flows])
+    return np.sqrt(mean_square([s - t for s, t in zip(seen, true)])), np.sqrt(mean_square(true))
 
 
 def table(becalm, output, size, frames):
