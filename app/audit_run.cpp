@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "app/input_frames.h"
 #include "frame/io/printable.h"
 
 namespace becalm::app {
@@ -25,14 +26,20 @@ std::vector<FrameFinding> audit_frames(const std::vector<int>& frames,
       if (!known) findings.push_back({view.frame.number(), view.view, std::move(finding)});
     }
   };
-  if (frames.size() == 1) {
+  std::vector<std::size_t> followers;  // whose frame before is there
+  const int step = usual_step(frames);
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    if (frames[i] - frames[i - 1] == step) followers.push_back(i);
+  }
+  if (followers.empty() && !frames.empty()) {
     const io::LoadedFrame only = read(frames.front());
     add(only, nullptr);
     for (const io::LoadedView& view : only.other_views) add(view, nullptr);
     if (only.other_eye) add(*only.other_eye, nullptr);
   }
-  if (frames.size() < 2) return findings;
-  for (const std::size_t at : std::set<std::size_t>{1, frames.size() / 2, frames.size() - 1}) {
+  if (followers.empty()) return findings;
+  for (const std::size_t at :
+       std::set<std::size_t>{followers.front(), followers[followers.size() / 2], followers.back()}) {
     const io::LoadedFrame before = read(frames[at - 1]);
     const io::LoadedFrame frame = read(frames[at]);
     add(frame, &before.frame);

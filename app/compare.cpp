@@ -28,6 +28,7 @@
 #include "app/input_frames.h"
 #include "app/measure_frames.h"
 #include "app/options.h"
+#include "app/outputs.h"
 #include "app/parse_numbers.h"
 #include "app/report_file.h"
 #include "frame/io/exr.h"
@@ -37,8 +38,6 @@
 
 namespace becalm::app {
 namespace {
-
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 /// The option that limits a figure; in the order of kFigures.
 struct LimitOption {
@@ -69,21 +68,11 @@ struct CompareCommand {
   std::array<std::optional<double>, kFigures.size()> limits;  ///< in the order of kFigures
 };
 
-/// Mean over the frames; PSNR is a mean of decibels, as tables give it.
-FrameFigures mean_of(const std::vector<FrameFigures>& frames) {
-  FrameFigures mean;
-  for (const Figure& figure : kFigures) {
-    double sum = 0.0;
-    std::size_t count = 0;
-    for (const FrameFigures& figures : frames) {
-      if (!has_value(figure, figures)) continue;
-      sum += figures.*figure.value;
-      ++count;
-    }
-    mean.*figure.value = count == 0 ? kNone : sum / static_cast<double>(count);
-  }
-  for (const FrameFigures& figures : frames) mean.skipped += figures.skipped;
-  return mean;
+std::vector<ReportFile> reports_of(const CompareCommand& command) {
+  std::vector<ReportFile> files;
+  if (!command.report.empty()) files.push_back(page_in(command.report, ReportKind::compare_page));
+  if (!command.json.empty()) files.push_back({"--json", command.json, ReportKind::compare_json});
+  return files;
 }
 
 /// The figures as lines of text, from the first frame on that could be read. Each is there at once. What
@@ -151,7 +140,6 @@ class CompareJob {
   Placed read_view(const io::SequencePattern& pattern, int frame);
   Image read_like(const io::SequencePattern& pattern, int frame, const Placed& reference);
   std::vector<std::string> find_failures(const std::vector<FrameFigures>& figures) const;
-  std::vector<ReportFile> report_files() const;
   std::string json_text(const std::vector<FrameFigures>& figures,
                         const std::vector<std::string>& failures) const;
 
@@ -185,7 +173,16 @@ CompareJob::CompareJob(const CompareCommand& command)
     refuse_eye_field(text);
     refuse_folder(text);
   }
-  if (!command.reference_b.empty()) reference_b_.emplace(command.reference_b);
+  if (!command.reference_b.empty()) {
+    for (const std::string& given : {command.reference, command.test}) {
+      if (resolved(command.reference_b) != resolved(given)) continue;
+      throw Error(ExitStatus::usage,
+                  fmt::format("--reference-b {}: is given twice, expected a second reference of "
+                              "independent noise",
+                              command.reference_b));
+    }
+    reference_b_.emplace(command.reference_b);
+  }
   frames_ = !command.frames.empty()        ? io::parse_frame_range(command.frames)
             : reference_.has_frame_field() ? reference_.frames_on_disk()
                                            : std::vector<int>{io::number_in_name(command.reference)};
@@ -283,23 +280,17 @@ Image CompareJob::read_like(const io::SequencePattern& pattern, int frame, const
                                                  reference.path, place(reference)));
 }
 
-std::vector<ReportFile> CompareJob::report_files() const {
-  std::vector<ReportFile> files;
-  if (!command_.report.empty()) files.push_back(page_in(command_.report, ReportKind::compare_page));
-  if (!command_.json.empty()) files.push_back({"--json", command_.json, ReportKind::compare_json});
-  return files;
-}
-
 ExitStatus CompareJob::run() {
   std::optional<CompareReport> report;
-  std::vector<ReportFile> written = report_files();
+  const std::vector<ReportFile> reports = reports_of(command_);
+  std::vector<ReportFile> written = reports;
   if (!command_.report.empty()) {
     report.emplace(command_.report);
     std::ranges::move(report->pictures(frames_), std::back_inserter(written));
   }
   check_report_files(written);
   std::vector<FrameFigures> figures;
-  Table table(command_.quiet ? nullptr : stream_beside(report_files()));
+  Table table(command_.quiet ? nullptr : stream_beside(reports));
   const int step = usual_step(reference_.has_frame_field() ? reference_.frames_on_disk() : frames_);
   const auto tell = [&](const MeasuredFrame& measured) {
     const FrameFigures& frame = figures.emplace_back(measured.figures);
@@ -320,7 +311,7 @@ ExitStatus CompareJob::run() {
                : std::vector{fmt::format("interrupted: {} of {} compared", figures.size(),
                                          counted(frames_.size(), "frame", "frames"))};
   for (const std::string& failure : failures) is_whole ? warn(failure) : say_interrupted(failure);
-  write_report_files(report_files(), [&](ReportKind kind) {
+  write_report_files(reports, [&](ReportKind kind) {
     return kind == ReportKind::compare_json
                ? json_text(figures, failures)
                : report->page(fmt::format("{} against {}", command_.test, command_.reference), figures);
@@ -437,6 +428,7 @@ Command add_compare(CLI::App& becalm) {
   return {&parser, [command] {
             const ThreadLimit threads(command->threads);
             catch_signals();
+            empty_earlier(reports_of(*command));
             return CompareJob(*command).run();
           }};
 }

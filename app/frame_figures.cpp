@@ -113,6 +113,23 @@ Image mean_image(const Image& a, const Image& b) {
   return mean;
 }
 
+FrameFigures mean_of(const std::vector<FrameFigures>& frames) {
+  FrameFigures mean;
+  for (const Figure& figure : kFigures) {
+    double sum = 0.0;
+    std::size_t count = 0;
+    for (const FrameFigures& figures : frames) {
+      if (!has_value(figure, figures)) continue;
+      sum += figures.*figure.value;
+      ++count;
+    }
+    mean.*figure.value =
+        count == 0 ? std::numeric_limits<double>::quiet_NaN() : sum / static_cast<double>(count);
+  }
+  for (const FrameFigures& figures : frames) mean.skipped += figures.skipped;
+  return mean;
+}
+
 FrameFigures measure(const ComparedFrame& now, const ComparedFrame* before, int step) {
   const bool two = !now.reference_b.empty();
   const Measured error =

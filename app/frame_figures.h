@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "frame/image.h"
 
@@ -73,6 +74,9 @@ struct ComparedFrame {
 };
 
 Image mean_image(const Image& a, const Image& b);
+
+/// Mean over the frames; PSNR is a mean of decibels, as tables give it. NaN where no frame has a value.
+FrameFigures mean_of(const std::vector<FrameFigures>& frames);
 
 /// `before` is the frame measured before, or null; the temporal error is that of the pixels which both have,
 /// and needs a frame `step` before `now`, the distance between the sequence's frames.

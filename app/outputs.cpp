@@ -104,6 +104,11 @@ bool is_foreign(const std::optional<Recorded>& recorded, const FileMark& mark) {
 
 }  // namespace
 
+io::Attributes of_frame(io::Attributes attributes, int frame) {
+  attributes.emplace_back("becalm:frame", std::to_string(frame));
+  return attributes;
+}
+
 bool is_exr_name(const std::string& name) {
   std::string extension = fs::path(name).extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
@@ -220,8 +225,8 @@ std::string Outputs::recorded(const std::string& attribute) const {
   return {};
 }
 
-Outputs::Existing Outputs::find_existing(const io::Attributes& attributes, const FileMark& mark,
-                                         bool overwrite) const {
+Outputs::Existing Outputs::find_existing(const std::function<io::Attributes(int)>& attributes,
+                                         const FileMark& mark, bool overwrite) const {
   const std::vector<std::string> all = all_paths();
   std::vector<char> is_usable(all.size(), 0);
   tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t i) {
@@ -240,7 +245,7 @@ Outputs::Existing Outputs::find_existing(const io::Attributes& attributes, const
       if (foreign && !overwrite) refuse_foreign_file(path, mark);
       const bool is_kept = *usable != 0 && recorded && !foreign;
       if (is_kept) {
-        const std::string difference = describe_difference(*recorded, attributes);
+        const std::string difference = describe_difference(*recorded, attributes(frame));
         if (!difference.empty()) refuse_attributes(path, difference);
       }
       if (fs::exists(path, error) && !is_kept && !foreign) existing.unusable.push_back(path);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <set>
 #include <string>
@@ -18,6 +19,9 @@ bool is_exr_name(const std::string& name);
 
 /// The attribute by which a file tells the command that wrote it.
 inline constexpr const char* kCommandAttribute = "becalm:command";
+
+/// The attributes of a frame that depends on its number, which `becalm:frame` tells.
+io::Attributes of_frame(io::Attributes attributes, int frame);
 
 /// What tells the files of one command from others.
 struct FileMark {
@@ -70,9 +74,10 @@ class Outputs {
     std::set<int> frames;               ///< all files there, whole, and written with the same attributes
     std::vector<std::string> unusable;  ///< there, but no longer readable: to be written again
   };
-  /// What --resume keeps. Throws Error(usage) for a file that was written with other attributes, naming what
-  /// differs, and without `overwrite` for a foreign one.
-  Existing find_existing(const io::Attributes& attributes, const FileMark& mark, bool overwrite) const;
+  /// What --resume keeps. Throws Error(usage) for a file that was written with other attributes than its
+  /// frame's, naming what differs, and without `overwrite` for a foreign one.
+  Existing find_existing(const std::function<io::Attributes(int frame)>& attributes, const FileMark& mark,
+                         bool overwrite) const;
 
  private:
   std::vector<std::string> all_paths() const;

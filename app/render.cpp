@@ -220,7 +220,8 @@ io::Attributes RenderJob::render_attributes(const FileMark& mark, const AskedAov
 
 void RenderJob::find_existing() {
   const auto find = [this](const Outputs& outputs, const io::Attributes& attributes, const FileMark& mark) {
-    Outputs::Existing found = outputs.find_existing(attributes, mark, command_.output.overwrite);
+    const auto of_frames = [&](int frame) { return of_frame(attributes, frame); };
+    Outputs::Existing found = outputs.find_existing(of_frames, mark, command_.output.overwrite);
     warn_unusable(found.unusable);
     return std::move(found.frames);
   };
@@ -361,7 +362,7 @@ void RenderJob::run_steps(const std::vector<filter::Step>& steps,
 
 void RenderJob::write(FinishedFrame& finished, FrameSink& sink) {
   if (!sink.wants(finished.frame.number())) return;
-  io::Attributes attributes = attributes_;
+  io::Attributes attributes = of_frame(attributes_, finished.frame.number());
   expected_errors_.insert(expected_errors_.end(), finished.expected_errors.begin(),
                           finished.expected_errors.end());
   if (filter_) {

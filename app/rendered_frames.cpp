@@ -62,7 +62,7 @@ std::optional<io::LoadedFrame> RenderedFrames::render(int frame) {
   }
   if (files_ != nullptr) {
     const ProfileScope scope(profile_, "write noisy");
-    io::Attributes attributes = files_->attributes;
+    io::Attributes attributes = of_frame(files_->attributes, frame);
     attributes.emplace_back("becalm:preset", files_->preset);
     io::write_exr(files_->outputs.path(frame), views, attributes, io::PixelType::float32);
   }

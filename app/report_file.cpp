@@ -102,11 +102,15 @@ std::optional<std::string> text_of(const ReportFile& report) {
   return text;
 }
 
+bool is_earlier_report(const ReportFile& report) {
+  const std::optional<std::string> text = text_of(report);
+  return text && is_report(report.kind, *text);
+}
+
 void keep_foreign_file(const ReportFile& report) {
   std::error_code error;
   if (!fs::is_regular_file(report.path, error) || fs::file_size(report.path, error) == 0) return;
-  const std::optional<std::string> text = text_of(report);
-  if (text && is_report(report.kind, *text)) return;
+  if (is_earlier_report(report)) return;
   fail(ExitStatus::usage, report,
        fmt::format("is there, and is no {}; choose another name", description_of(report.kind)));
 }
@@ -154,6 +158,14 @@ ReportFile file_in(const std::string& folder, const std::string& name, ReportKin
 
 ReportFile page_in(const std::string& folder, ReportKind kind) {
   return file_in(folder, "index.html", kind);
+}
+
+void empty_earlier(const std::vector<ReportFile>& reports) {
+  for (const ReportFile& report : reports) {
+    std::error_code error;
+    const bool is_file = !is_stream(report.path) && fs::is_regular_file(report.path, error);
+    if (is_file && is_earlier_report(report)) write_file(report, "");
+  }
 }
 
 void check_report_files(const std::vector<ReportFile>& reports, const std::vector<std::string>& inputs) {

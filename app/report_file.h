@@ -28,6 +28,10 @@ ReportFile file_in(const std::string& folder, const std::string& name, ReportKin
 /// The page of --report: `folder`/index.html.
 ReportFile page_in(const std::string& folder, ReportKind kind);
 
+/// At the very start: puts empty files in place of the reports of an earlier run, which would be taken for
+/// this one's if it fails before it has results. What is no report of that kind stays.
+void empty_earlier(const std::vector<ReportFile>& reports);
+
 /// Before the work whose results the reports tell. Throws Error(usage) where a report is one of the inputs or
 /// another report, or where there is a file that is neither empty nor a report of that kind, and
 /// Error(resource) where no file can be made. Makes the reports' folders, and removes what killed runs left

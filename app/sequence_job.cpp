@@ -248,7 +248,8 @@ void SequenceJob::find_existing() {
   constexpr std::size_t most_untold = 50;
   if (outputs_.frames().size() > most_untold && !command_.running.quiet)
     say(fmt::format("--resume: checking which of {} frames are there", outputs_.frames().size()));
-  Outputs::Existing found = outputs_.find_existing(attributes_, mark_, command_.output.overwrite);
+  Outputs::Existing found =
+      outputs_.find_existing([this](int) { return attributes_; }, mark_, command_.output.overwrite);
   warn_unusable(found.unusable);
   existing_ = fingerprints_.up_to_date(found.frames, [this](int frame) { return outputs_.paths(frame); });
   std::vector<int> outdated;

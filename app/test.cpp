@@ -10,6 +10,7 @@
 #include <array>
 #include <charconv>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <iterator>
 #include <memory>
@@ -22,6 +23,7 @@
 #include "app/counted.h"
 #include "app/number_checks.h"
 #include "app/options.h"
+#include "app/outputs.h"
 #include "app/report_file.h"
 #include "app/test/calibrate.h"
 #include "app/test/references.h"
@@ -90,6 +92,14 @@ std::string line_of(const CaseResult& result) {
   return line;
 }
 
+std::vector<ReportFile> reports_of(const TestCommand& command) {
+  std::vector<ReportFile> files;
+  if (!command.junit.empty()) files.push_back({"--junit", command.junit, ReportKind::test_junit});
+  if (!command.json.empty()) files.push_back({"--json", command.json, ReportKind::test_json});
+  if (!command.report.empty()) files.push_back(page_in(command.report, ReportKind::test_page));
+  return files;
+}
+
 /// One run of `becalm test`.
 class TestJob {
  public:
@@ -118,9 +128,11 @@ class TestJob {
   }
 
   ExitStatus test() const {
-    check_report_files(report_files(), inputs());
+    const std::vector<ReportFile> reports = reports_of(command_);
+    check_report_files(reports, inputs());
+    keep_apart_from_suites(reports);
     const WorkFolder folder(command_.keep, cases_);
-    std::FILE* const lines = stream_beside(report_files());
+    std::FILE* const lines = stream_beside(reports);
     const TestResults results =
         run_cases(cases_, folder, {command_.jobs, threads(), command_.fail_fast, command_.reproducible},
                   [lines](const CaseResult& result) {
@@ -132,17 +144,23 @@ class TestJob {
     fmt::print(lines, "{} passed, {} failed, {}, {} skipped in {:.1f} s\n",
                count_of(results, CaseOutcome::passed), failed, counted(errors, "error", "errors"),
                count_of(results, CaseOutcome::skipped), results.seconds);
-    write_report_files(report_files(), [&](ReportKind kind) { return report_text(kind, results); });
+    write_report_files(reports, [&](ReportKind kind) { return report_text(kind, results); });
     if (interrupted()) return ExitStatus::interrupted;
     return errors > 0 ? ExitStatus::bad_input : failed > 0 ? ExitStatus::comparison_failed : ExitStatus::done;
   }
 
-  std::vector<ReportFile> report_files() const {
-    std::vector<ReportFile> files;
-    if (!command_.junit.empty()) files.push_back({"--junit", command_.junit, ReportKind::test_junit});
-    if (!command_.json.empty()) files.push_back({"--json", command_.json, ReportKind::test_json});
-    if (!command_.report.empty()) files.push_back(page_in(command_.report, ReportKind::test_page));
-    return files;
+  /// A report among the suites of a folder would be read as one of them by the next run.
+  void keep_apart_from_suites(const std::vector<ReportFile>& reports) const {
+    for (const ReportFile& report : reports) {
+      const std::filesystem::path path = resolved(report.path);
+      for (const std::string& suites : command_.suites) {
+        if (path.extension() != ".json" || path.parent_path() != resolved(suites)) continue;
+        throw Error(
+            ExitStatus::usage,
+            fmt::format("{} {}: would be read as a suite, as every .json file in {}; choose another folder",
+                        report.option, report.path, suites));
+      }
+    }
   }
 
   static std::string report_text(ReportKind kind, const TestResults& results) {
@@ -338,6 +356,7 @@ Command add_test(CLI::App& becalm) {
       "tests/regression/FORMAT.md has the format of suites.\n");
   return {&parser, [command] {
             catch_signals();
+            empty_earlier(reports_of(*command));
             return TestJob(*command).run();
           }};
 }

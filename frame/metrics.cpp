@@ -108,7 +108,8 @@ double ssim_of(const Moments& m) {
   const double mean_b = m[3] / m[0];
   const double mean_y = 0.5 * (mean_a + mean_b);
   const double var_x = m[4] / m[0] - mean_x * mean_x;
-  const double var_y = std::max(0.0, m[5] / m[0] - mean_a * mean_b);
+  // Not below 0, but for the rounding error that var_x has too: equal images have an SSIM of 1.
+  const double var_y = std::max(std::min(0.0, var_x), m[5] / m[0] - mean_a * mean_b);
   const double cov = m[6] / m[0] - mean_x * mean_y;
   return (2.0 * mean_x * mean_y + c1) * (2.0 * cov + c2) /
          ((mean_x * mean_x + mean_y * mean_y + c1) * (var_x + var_y + c2));

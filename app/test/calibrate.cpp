@@ -31,11 +31,16 @@ double worst_of(const TestCase& test, const FigureLimit& limit, const Measuremen
   return worst->*figure.value;
 }
 
+/// Of few decimal digits, without those of binary rounding.
+double without_rounding(double limit) {
+  return std::stod(fmt::format("{:.12g}", limit));
+}
+
 /// Rounded away from the values, to three digits.
 double rounded_up(double limit) {
   if (!(limit > 0.0)) return 0.0;
   const double unit = std::pow(10.0, std::floor(std::log10(limit)) - 2.0);
-  return std::stod(fmt::format("{:.2e}", std::ceil(limit / unit) * unit));  // without digits of rounding
+  return without_rounding(std::ceil(limit / unit) * unit);
 }
 
 /// The value that one more draw of a normal distribution exceeds with probability `rate`.
@@ -58,13 +63,14 @@ double upper_limit(std::vector<double> values, double rate) {
   return std::exp(normal_limit(values, rate));
 }
 
+/// Within what the figure can be.
 double propose(const FigureLimit& limit, std::vector<double> values, double rate) {
   switch (limit.figure->limit) {
     case LimitKind::max:
-      return rounded_up(upper_limit(values, rate));
+      return std::min(rounded_up(upper_limit(values, rate)), limit.most);
     case LimitKind::min:  // SSIM, whose distance from 1 is an error
       for (double& value : values) value = 1.0 - value;
-      return 1.0 - rounded_up(upper_limit(values, rate));
+      return std::max(0.0, without_rounding(1.0 - rounded_up(upper_limit(values, rate))));
     case LimitKind::max_absolute:
       break;
   }

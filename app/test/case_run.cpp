@@ -101,6 +101,7 @@ class CaseRunner {
     run_.judged = verdict.problems.empty();
     result_.messages = std::move(verdict.problems);
     result_.checks = std::move(verdict.checks);
+    result_.unjudged = std::move(verdict.unjudged);
     run_.measured = std::move(verdict.measured);
     for (const CheckResult& check : result_.checks) {
       if (!check.passed) result_.messages.push_back(fmt::format("{}: {}", check.judge, check.text));

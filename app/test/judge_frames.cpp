@@ -218,6 +218,7 @@ Verdict judge_frames(const TestCase& test, const std::vector<JudgedFrame>& frame
       judge.add(files);
     } catch (const FrameProblem& problem) {
       verdict.problems.push_back(problem.what());
+      verdict.unjudged.insert(files.number);
     }
   }
   if (verdict.problems.empty()) judge.finish();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct Verdict {
   std::vector<CheckResult> checks;
   /// Why the frames could not be judged at all: unreadable, of another size, not finite. The case failed.
   std::vector<std::string> problems;
+  std::set<int> unjudged;  ///< the numbers of these frames
   Measurements measured;
 };
 

@@ -47,7 +47,7 @@ std::vector<FigureLimit> read_limits(const JsonValue& json, std::string_view jud
     if (!judge.empty() && entry.judge != judge) continue;
     if (const auto limit = json.find(entry.key)) {
       limits.push_back({&figure_of(entry.value), std::string(judge.empty() ? "denoised" : judge),
-                        std::string(entry.key), read_limit(*limit, entry.most)});
+                        std::string(entry.key), read_limit(*limit, entry.most), entry.most});
     }
   }
   if (limits.empty()) json.fail("expected at least one limit");

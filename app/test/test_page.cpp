@@ -155,9 +155,9 @@ Json frame_json(const JudgedFrame& files, const std::string& layer) {
   return json;
 }
 
-/// Frames of failed checks first, in their order; at most kMostFrames.
+/// The frames that failed, or all if none did, in their order; at most kMostFrames.
 std::vector<const JudgedFrame*> pictured_frames(const CaseResult& result) {
-  std::set<int> failed;
+  std::set<int> failed = result.unjudged;
   for (const CheckResult& check : result.checks) {
     if (!check.passed && check.frame) failed.insert(*check.frame);
   }

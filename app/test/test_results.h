@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,7 @@ struct CaseResult {
   std::vector<std::string> messages;
   std::vector<CheckResult> checks;
   std::vector<JudgedFrame> frames;
+  std::set<int> unjudged;  ///< numbers of frames that could not be judged, which failed the case
   std::string command;  ///< how the frames were made, as one would type it
   std::string output;   ///< the end of what the commands printed
   double seconds = 0.0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "frame/audit/audit.h"
 #include "frame/audit/pixels.h"
@@ -12,6 +13,18 @@ namespace {
 /// Below this share of rough pixels, detail is rather the picture's than noise.
 constexpr double kNoisyShare = 0.05;
 constexpr double kLargestCorrelation = 0.7;
+
+/// Fine detail, limited to what nine tenths of the pixels have: a few bright pixels that stand still outweigh
+/// no noise.
+std::vector<float> limited_detail(const Image& beauty) {
+  std::vector<float> detail = fine_detail(beauty);
+  std::vector<float> sizes(detail.size());
+  std::ranges::transform(detail, sizes.begin(), [](float value) { return std::abs(value); });
+  const auto largest = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() * 9 / 10);
+  std::ranges::nth_element(sizes, largest);
+  for (float& value : detail) value = std::clamp(value, -*largest, *largest);
+  return detail;
+}
 
 double correlation(const std::vector<float>& a, const std::vector<float>& b) {
   double ab = 0.0;
@@ -33,7 +46,7 @@ std::optional<Finding> check_fixed_noise(const Subject& subject) {
   const Image& before = subject.before->image(Aov::beauty);
   if (std::ranges::equal(now.data(), before.data())) return std::nullopt;  // check_duplicate tells of it
   if (rough_share(now).value_or(0.0) < kNoisyShare) return std::nullopt;
-  const double alike = correlation(fine_detail(now), fine_detail(before));
+  const double alike = correlation(limited_detail(now), limited_detail(before));
   // Not a number where radiance is so large that sums overflow.
   if (!(alike >= kLargestCorrelation)) return std::nullopt;
   return Finding{

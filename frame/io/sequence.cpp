@@ -356,7 +356,8 @@ SequencePattern::SequencePattern(std::string text, std::optional<int> lone_paddi
   prefix_ = text_.substr(0, field->begin);
   suffix_ = text_.substr(field->end);
   const std::vector<std::string> numbers = numbers_on_disk(prefix_, suffix_, Unlistable::empty);
-  padding_ = !field->probe_disk ? field->padding : lone_padding ? *lone_padding : padding_of(numbers);
+  padding_is_found_ = field->probe_disk && !lone_padding;
+  padding_ = padding_is_found_ ? padding_of(numbers) : field->probe_disk ? *lone_padding : field->padding;
   sign_before_padding_ = has_sign_before_padding(numbers, padding_);
 }
 
@@ -373,11 +374,21 @@ std::string SequencePattern::path(int frame) const {
 std::vector<int> SequencePattern::frames_on_disk() const {
   std::vector<int> frames;
   if (!has_frame_field()) return frames;
+  std::string other_padding;
   for (std::string_view number : numbers_on_disk(prefix_, suffix_, Unlistable::error)) {
     const std::string_view whole = number;
     const std::optional<int> frame = take_int(number);
     // `shot.12.exr` is no frame of `shot.####.exr`: opening frame 12 would look for another file.
-    if (frame && number_text(*frame) == whole) frames.push_back(*frame);
+    if (frame && number_text(*frame) == whole)
+      frames.push_back(*frame);
+    else if (frame && padding_is_found_)
+      other_padding = whole;
+  }
+  if (!other_padding.empty() && !frames.empty()) {
+    throw Error(ExitStatus::bad_input,
+                fmt::format("{}: {} and {}{}{} are numbered with other paddings; expected one, which #### or "
+                            "%d names",
+                            text_, path(frames.front()), prefix_, other_padding, suffix_));
   }
   std::sort(frames.begin(), frames.end());
   return frames;
@@ -388,14 +399,15 @@ std::string SequencePattern::hint_where_missing() const {
   std::vector<std::string> numbers = numbers_on_disk(prefix_, suffix_, Unlistable::error);
   if (numbers.empty() && !lone_field_.empty())
     return fmt::format("; '{}' stands for the frame number", lone_field_);
-  std::erase_if(numbers, [&](const std::string& number) {
+  const std::size_t matching = std::erase_if(numbers, [&](const std::string& number) {
     std::string_view rest = number;
     const std::optional<int> frame = take_int(rest);
     return !frame || number_text(*frame) == number;
   });
   if (numbers.empty()) return "";
-  return fmt::format("; {}{}{} is there, and {}#{} finds it", prefix_,
-                     *std::min_element(numbers.begin(), numbers.end()), suffix_, prefix_, suffix_);
+  const std::string other = prefix_ + *std::min_element(numbers.begin(), numbers.end()) + suffix_;
+  if (matching > 0) return fmt::format("; {} has another padding", other);
+  return fmt::format("; {} is there, and {}#{} finds it", other, prefix_, suffix_);
 }
 
 }  // namespace becalm::io

@@ -71,11 +71,12 @@ class SequencePattern {
   /// has no frame field.
   std::string path(int frame) const;
   /// Numbers of the files that exist, ascending; none where the text has no frame field. Throws Error where
-  /// the folder cannot be listed.
+  /// the folder cannot be listed, and Error(bad_input) where a lone `#` finds numbers of two paddings: frames
+  /// would be left out.
   std::vector<int> frames_on_disk() const;
   /// What to say behind "not found" where files exist whose numbers have another padding: `; shot.1.exr is
-  /// there, and shot.#.exr finds it`; or, without files, of a lone field: `; '@' stands for the frame
-  /// number`. Else empty.
+  /// there, and shot.#.exr finds it`, or `; shot.1.exr has another padding` where others have this one; or,
+  /// without files, of a lone field: `; '@' stands for the frame number`. Else empty.
   std::string hint_where_missing() const;
 
  private:
@@ -88,6 +89,7 @@ class SequencePattern {
   std::string suffix_;
   std::string lone_field_;            ///< the field, if it is one of a lone character
   int padding_ = 0;                   ///< 0: no frame field
+  bool padding_is_found_ = false;     ///< on disk, for a lone `#`
   bool sign_before_padding_ = false;  ///< of negative numbers
 };
 

@@ -111,6 +111,15 @@ TEST(Audit, FramesThatRepeat) {
   EXPECT_EQ(found(frame_of(2, 1), &before), "fixed_noise");
 }
 
+TEST(Audit, LampsThatStandStillAreNoNoise) {
+  Frame before = frame_of(1, 1);
+  Frame frame = frame_of(2, 2);
+  for (Frame* lit : {&before, &frame}) {
+    for (int x = 5; x < 40; x += 7) std::ranges::fill(lit->image(Aov::beauty).pixel(x, 9).first(3), 1e4f);
+  }
+  EXPECT_EQ(found(frame, &before).find("fixed_noise"), std::string::npos) << found(frame, &before);
+}
+
 TEST(Audit, NoiseOfHugeRadianceIsNotThatOfTheFrameBefore) {
   Frame before = frame_of(1, 1);
   Frame frame = frame_of(2, 2);

@@ -42,6 +42,31 @@ TEST_F(Compare, EqualSequencesHaveNoError) {
   }
 }
 
+TEST_F(Compare, EqualFramesMeetEveryLimit) {
+  write_frames(1, 1.0f);
+  becalm_done({"compare", reference_, test_, "--min-ssim", "1", "--min-psnr", "1000", "--max-flip", "0"});
+}
+
+TEST_F(Compare, ASecondReferenceIsAnother) {
+  write_frames(1, 1.1f);
+  for (const std::string& given : {reference_, test_}) {
+    expect_error(becalm({"compare", reference_, test_, "--reference-b", given}), kUsage,
+                 {"--reference-b", given, "is given twice"});
+  }
+}
+
+TEST_F(Compare, ARunThatFailsEmptiesTheReportOfAnother) {
+  write_frames(2, 1.1f);
+  const std::string json = folder_ / "figures.json";
+  becalm_done({"compare", reference_, test_, "--json", json});
+  fs::remove(frame_path(test_, 2));
+  EXPECT_EQ(becalm({"compare", reference_, test_, "--json", json}).status, kBadInput);
+  EXPECT_TRUE(fs::is_empty(json));
+  write_text(json, "{}");
+  EXPECT_EQ(becalm({"compare", reference_, test_, "--json", json}).status, kBadInput);
+  EXPECT_FALSE(fs::is_empty(json)) << "it is no report";
+}
+
 TEST_F(Compare, EveryLimitFailsOnItsOwnLine) {
   write_frames(3, 1.2f);
   const Outcome outcome =
@@ -241,8 +266,10 @@ TEST_F(Compare, ReportsReplaceFilesWhole) {
   const fs::path before = folder_ / "before.json";
   fs::create_symlink(json, link);
   fs::create_hard_link(json, before);
+  const auto figures = nlohmann::json::parse(std::ifstream(before));
+  write_frames(1, 1.1f);
   ASSERT_EQ(compare_to(link).status, 0);
-  EXPECT_FALSE(fs::equivalent(json, before)) << "not written over, but replaced";
+  EXPECT_EQ(nlohmann::json::parse(std::ifstream(before)), figures) << "not written over, but replaced";
   EXPECT_TRUE(nlohmann::json::parse(std::ifstream(json)).contains("mean")) << "behind the link";
   EXPECT_NE(compare_to("/dev/stdout").out.find("\"mean\""), std::string::npos);
   EXPECT_EQ(compare_to(frame_path(test_, 1)).status, 2) << "frames are not replaced";

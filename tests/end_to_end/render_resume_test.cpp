@@ -47,6 +47,19 @@ TEST_F(Render, ResumeRefusesOtherSettingsAndNamesThem) {
   expect_error(resume({"--reproducible"}), 2, {"a.0001.exr", "reproducible=yes"});
 }
 
+TEST_F(Render, ResumeRefusesAnotherFramesPicture) {
+  render("a.exr", {"--frames", "3"});
+  EXPECT_EQ(becalm(command("a.exr", {"--frames", "3", "--resume"})).status, 0);
+  expect_error(becalm(command("a.exr", {"--frames", "4", "--resume"})), kUsage,
+               {"a.exr", "becalm:frame 3, and this run has 4"});
+  render("both.####.exr", {"--frames", "1-2", "--denoise", "--keep-noisy", folder_ / "noisy.####.exr"});
+  fs::copy_file(folder_ / "noisy.0001.exr", folder_ / "noisy.0002.exr", fs::copy_options::overwrite_existing);
+  fs::remove(folder_ / "both.0002.exr");
+  expect_error(becalm(command("both.####.exr", {"--frames", "1-2", "--denoise", "--keep-noisy",
+                                                folder_ / "noisy.####.exr", "--resume"})),
+               kUsage, {"noisy.0002.exr", "becalm:frame 1, and this run has 2"});
+}
+
 TEST_F(Render, ResumeRefusesAScenePipedIn) {
   const Outcome outcome =
       becalm_redirected({"render", "/dev/stdin", "-o", folder_ / "a.####.exr", "--frames", "1", "--resume"},

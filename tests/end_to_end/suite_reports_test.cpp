@@ -72,6 +72,27 @@ TEST_F(SuiteReports, ReplaceNothingForeign) {
                  {"--report", "site/index.html", "no page of becalm test"});
 }
 
+TEST_F(SuiteReports, AreNotAmongTheSuites) {
+  write_suite(shell_case("a"));
+  fs::create_directory(folder_ / "suites");
+  fs::copy_file(suite_, folder_ / "suites/a.json");
+  const std::string inside = folder_ / "suites/results.json";
+  expect_error(becalm({"test", folder_ / "suites", "--json", inside}), kUsage,
+               {"--json", inside, "would be read as a suite"});
+  EXPECT_FALSE(fs::exists(inside));
+}
+
+TEST_F(SuiteReports, OfAnEarlierRunAreEmptyWhereTheSuiteIsBad) {
+  write_suite(shell_case("a"));
+  write_reference("a");
+  const std::string junit = folder_ / "results.xml";
+  EXPECT_EQ(run({"--junit", junit}).status, 0);
+  ASSERT_FALSE(fs::is_empty(junit));
+  write_text(suite_, "{}");
+  EXPECT_EQ(run({"--junit", junit}).status, kBadInput);
+  EXPECT_TRUE(fs::is_empty(junit));
+}
+
 TEST_F(SuiteReports, DoNotReplaceEachOther) {
   const std::string both = folder_ / "both.out";
   expect_refused({"--json", both, "--junit", both}, 2, {"--json", both, "another report's"});

@@ -186,13 +186,24 @@ TEST_F(OnDisk, NegativeNumbersMayHaveTheirSignBeforeThePadding) {
   EXPECT_EQ(SequencePattern(folder_.path("shot.####.exr")).frames_on_disk(), (Frames{-2, 0, 1}));
 }
 
+TEST_F(OnDisk, ALoneFieldLeavesNoFrameOfAnotherPaddingOut) {
+  for (const char* name : {"shot.1.exr", "shot.2.exr", "shot.0003.exr", "shot.0004.exr"}) touch(name);
+  const SequencePattern pattern(folder_.path("shot.#.exr"));
+  const std::string error = error_of(ExitStatus::bad_input, [&] { pattern.frames_on_disk(); });
+  EXPECT_NE(error.find(folder_.path("shot.0004.exr") + " and "), std::string::npos) << error;
+  EXPECT_NE(error.find("other paddings"), std::string::npos) << error;
+  EXPECT_EQ(SequencePattern(folder_.path("shot.%d.exr")).frames_on_disk(), (Frames{1, 2}));
+  EXPECT_EQ(SequencePattern(folder_.path("shot.####.exr")).frames_on_disk(), (Frames{3, 4}));
+}
+
 TEST_F(OnDisk, HintsAtNumbersOfAnotherPadding) {
   const SequencePattern pattern(folder_.path("shot.####.exr"));
-  touch("shot.0001.exr");
   EXPECT_EQ(pattern.hint_where_missing(), "");
   touch("shot.2.exr");
   EXPECT_EQ(pattern.hint_where_missing(),
             "; " + folder_.path("shot.2.exr") + " is there, and " + folder_.path("shot.#.exr") + " finds it");
+  touch("shot.0001.exr");
+  EXPECT_EQ(pattern.hint_where_missing(), "; " + folder_.path("shot.2.exr") + " has another padding");
 }
 
 TEST_F(OnDisk, ALoneFieldInTheNameOfAFileIsText) {
@@ -230,7 +241,6 @@ TEST_F(OnDisk, LoneHashTakesThePaddingOfTheFiles) {
   touch("shot.0998.exr");
   touch("shot.0999.exr");
   touch("shot.1000.exr");
-  touch("shot.5.exr");
   const SequencePattern padded(folder_.path("shot.#.exr"));
   EXPECT_EQ(padded.path(7), folder_.path("shot.0007.exr"));
   EXPECT_EQ(padded.frames_on_disk(), (Frames{998, 999, 1000}));

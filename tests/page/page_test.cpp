@@ -163,6 +163,15 @@ TEST_F(Page, HoldsPicturesOfTheFramesThatFailed) {
   EXPECT_EQ(failed.at("frame_count"), 3);
 }
 
+TEST_F(Page, HoldsPicturesOfFramesThatCouldNotBeJudged) {
+  TestResults results{.cases = {named("a", CaseOutcome::failed)}, .seconds = 1.0};
+  for (int number = 1; number <= 6; ++number) results.cases[0].frames.push_back(pair(number, 1.0));
+  results.cases[0].unjudged = {6};
+  const nlohmann::json frames = data_of(test_page(results)).at("cases").at(0).at("frames");
+  ASSERT_EQ(frames.size(), 1u);
+  EXPECT_EQ(frames.at(0).at("number"), 6);
+}
+
 TEST_F(Page, ShowsTheLayerThatWasJudged) {
   TestResults results{.cases = {named("a", CaseOutcome::failed)}, .seconds = 1.0};
   results.cases[0].layer = "albedo";
