@@ -19,9 +19,9 @@ struct FrameFinding {
   std::string text() const;
 };
 
-/// Audits three pairs of neighbours among these frames, which ascend: the first, the middle and the last; or
-/// the only frame. A check that finds something is reported once. `read` gives a frame; two are held at a
-/// time.
+/// Audits three pairs of frames that are one step apart, among these, which ascend: the first, the middle and
+/// the last; or the first frame where there is no such pair. A check that finds something is reported once.
+/// `read` gives a frame; two are held at a time.
 std::vector<FrameFinding> audit_frames(const std::vector<int>& frames,
                                        const std::function<io::LoadedFrame(int)>& read);
 

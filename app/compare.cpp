@@ -152,14 +152,16 @@ class CompareJob {
   bool told_views_ = false;  ///< that other views are not measured
 };
 
-/// A finite number; where it bounds from above, no negative one.
-CLI::Validator limit_of(LimitKind kind) {
+/// A number that the figure can be; where it bounds from above, no negative one.
+CLI::Validator limit_of(const Figure& figure) {
   return CLI::Validator(
-      [kind](const std::string& text) {
+      [&figure](const std::string& text) {
         const std::optional<double> value = parse_number<double>(text);
-        const bool is_number = value && std::isfinite(*value);
-        if (is_number && (kind == LimitKind::min || *value >= 0.0)) return std::string();
-        return fmt::format("expected a finite number{}", kind == LimitKind::min ? "" : " of at least 0");
+        const bool has_least = figure.limit != LimitKind::min;
+        const bool is_number = value && std::isfinite(*value) && *value <= figure.most;
+        if (is_number && (!has_least || *value >= 0.0)) return std::string();
+        return fmt::format("expected a finite number{}{}", has_least ? " of at least 0" : "",
+                           figure.most == 1.0 ? ", at most 1" : "");
       },
       "");
 }
@@ -417,7 +419,7 @@ Command add_compare(CLI::App& becalm) {
   add_threads_option(parser, command->threads);
   for (std::size_t i = 0; i < kFigures.size(); ++i) {
     parser.add_option(kLimitOptions[i].name, command->limits[i], kLimitOptions[i].help)
-        ->check(limit_of(kFigures[i].limit))
+        ->check(limit_of(kFigures[i]))
         ->option_text("X")
         ->group("Limits (any frame beyond one: exit status 1)");
   }

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -35,6 +36,7 @@ struct Figure {
   double FrameFigures::*value;
   std::string (*format)(double);
   LimitKind limit;
+  double most = std::numeric_limits<float>::max();  ///< that a limit can be
 };
 
 /// relMSE, PSNR, SSIM, FLIP, temporal error and energy, in the order of the printed table.

@@ -67,7 +67,7 @@ double upper_limit(std::vector<double> values, double rate) {
 double propose(const FigureLimit& limit, std::vector<double> values, double rate) {
   switch (limit.figure->limit) {
     case LimitKind::max:
-      return std::min(rounded_up(upper_limit(values, rate)), limit.most);
+      return std::min(rounded_up(upper_limit(values, rate)), limit.figure->most);
     case LimitKind::min:  // SSIM, whose distance from 1 is an error
       for (double& value : values) value = 1.0 - value;
       return std::max(0.0, without_rounding(1.0 - rounded_up(upper_limit(values, rate))));

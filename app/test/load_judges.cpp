@@ -19,12 +19,11 @@ struct LimitKey {
   std::string_view judge;
   std::string_view key;
   double FrameFigures::*value;
-  double most = std::numeric_limits<float>::max();  ///< that the figure can be
 };
 
 constexpr std::array kLimitKeys{
-    LimitKey{"perceptual", "max_flip", &FrameFigures::flip, 1.0},
-    LimitKey{"perceptual", "min_ssim", &FrameFigures::ssim, 1.0},
+    LimitKey{"perceptual", "max_flip", &FrameFigures::flip},
+    LimitKey{"perceptual", "min_ssim", &FrameFigures::ssim},
     LimitKey{"error", "max_rel_mse", &FrameFigures::rel_mse},
     LimitKey{"error", "max_temporal_error", &FrameFigures::temporal},
     LimitKey{"error", "max_energy", &FrameFigures::energy},
@@ -46,8 +45,9 @@ std::vector<FigureLimit> read_limits(const JsonValue& json, std::string_view jud
   for (const LimitKey& entry : kLimitKeys) {
     if (!judge.empty() && entry.judge != judge) continue;
     if (const auto limit = json.find(entry.key)) {
-      limits.push_back({&figure_of(entry.value), std::string(judge.empty() ? "denoised" : judge),
-                        std::string(entry.key), read_limit(*limit, entry.most), entry.most});
+      const Figure& figure = figure_of(entry.value);
+      limits.push_back({&figure, std::string(judge.empty() ? "denoised" : judge), std::string(entry.key),
+                        read_limit(*limit, figure.most)});
     }
   }
   if (limits.empty()) json.fail("expected at least one limit");

@@ -40,7 +40,6 @@ struct FigureLimit {
   std::string judge;  ///< perceptual, error or denoised
   std::string key;    ///< as the suite spells it
   double limit;
-  double most;  ///< that the figure can be
 };
 
 /// Pixels are equal, or at most so many representable numbers apart.

@@ -51,8 +51,8 @@ struct CaseResult {
   std::vector<CheckResult> checks;
   std::vector<JudgedFrame> frames;
   std::set<int> unjudged;  ///< numbers of frames that could not be judged, which failed the case
-  std::string command;  ///< how the frames were made, as one would type it
-  std::string output;   ///< the end of what the commands printed
+  std::string command;     ///< how the frames were made, as one would type it
+  std::string output;      ///< the end of what the commands printed
   double seconds = 0.0;
   std::uint64_t peak_memory_bytes = 0;  ///< of the commands; 0 where nothing was run
 };

@@ -95,9 +95,10 @@ int largest_margin(const Rect& inner, const Rect& outer) {
 
 std::string too_large(const char* what, Extent extent, std::uint64_t bytes, std::uint64_t allowed) {
   constexpr double mib = 1024.0 * 1024.0;
-  return fmt::format("{} of {}x{} px take {:.1f} MiB of device memory, more than the {:.1f} MiB allowed",
-                     what, extent.width, extent.height, static_cast<double>(bytes) / mib,
-                     static_cast<double>(allowed) / mib);
+  return fmt::format(
+      "{} of {}x{} px take {:.2f} MiB of device memory, more than the {:.2f} MiB that are left for them",
+      what, extent.width, extent.height, static_cast<double>(bytes) / mib,
+      static_cast<double>(allowed) / mib);
 }
 
 }  // namespace

@@ -304,6 +304,7 @@ TEST_F(Compare, LimitsAreNumbersThatCanBeMet) {
   for (const char* value : {"nan", "-1", "inf", "x"}) {
     EXPECT_EQ(becalm({"compare", reference_, test_, "--max-relmse", value}).status, 2) << value;
   }
+  EXPECT_EQ(becalm({"compare", reference_, test_, "--min-ssim", "2"}).status, 2);
   EXPECT_EQ(becalm({"compare", reference_, test_, "--min-psnr", "-3"}).status, 0);
 }
 

@@ -331,7 +331,8 @@ TEST_F(FrameMergerTest, IsRefusedWhereTheSmallestTilesAreTooLarge) {
     const std::string message = error.what();
     EXPECT_TRUE(message.starts_with("frames of 517x403 px cannot be cut small enough: even tiles of "))
         << message;
-    EXPECT_TRUE(message.ends_with(" MiB of device memory, more than the 1.0 MiB allowed")) << message;
+    EXPECT_TRUE(message.ends_with(" MiB of device memory, more than the 1.00 MiB that are left for them"))
+        << message;
     EXPECT_EQ(message.find('\n'), std::string::npos);
   }
 }
