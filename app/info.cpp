@@ -178,15 +178,16 @@ Json origin_of(const std::string& path) {
   return origin;
 }
 
-void print_origin(const Json& origin) {
+/// In words, or nothing.
+std::vector<std::string> origin_lines(const Json& origin) {
   constexpr std::size_t longest = 2000;  // characters of one attribute
-  if (!origin.contains("version")) return;
+  if (!origin.contains("version")) return {};
   std::string text = "becalm:";
   for (const auto& [name, value] : origin.items()) {
     text += fmt::format("{} {} {}", text.back() == ':' ? "" : ";", name,
                         io::printable(value.get<std::string>(), longest));
   }
-  fmt::print("{}\n", text);
+  return {text};
 }
 
 void describe_file(const InfoCommand& command, io::LayerOptions layers) {
@@ -211,7 +212,7 @@ void describe_file(const InfoCommand& command, io::LayerOptions layers) {
     if (noisy) fmt::print("{}\n", noisy->text());
     for (const AdditiveNote& note : additive.notes) fmt::print("{}\n", note.text);
     if (!alpha.empty()) fmt::print("{}\n", alpha);
-    print_origin(origin_of(path));
+    print_lines(origin_lines(origin_of(path)));
     if (audits) print_audit(findings);
   }
   if (!file.problem.empty()) throw Error(ExitStatus::bad_input, file.problem);
@@ -221,7 +222,8 @@ void describe_file(const InfoCommand& command, io::LayerOptions layers) {
 struct Described {
   int frame = 0;
   io::ExrDescription file;
-  std::vector<std::string> lines;  ///< of the file
+  Json origin = Json::object();    ///< as origin_of has it
+  std::vector<std::string> lines;  ///< of both
   std::string problem;
 };
 
@@ -239,7 +241,9 @@ std::vector<Described> describe_frames(const io::SequencePattern& pattern, const
     described[i].frame = frames[i];
     try {
       described[i].file = io::describe_exr(pattern.path(frames[i]), layers, taken);
+      described[i].origin = origin_of(pattern.path(frames[i]));
       described[i].lines = described[i].file.lines();
+      std::ranges::copy(origin_lines(described[i].origin), std::back_inserter(described[i].lines));
       described[i].problem = described[i].file.problem;
     } catch (const Error& error) {
       described[i].problem = error.what();
@@ -288,14 +292,15 @@ void print_kinds(const std::vector<Kind>& kinds) {
 Json to_json(const std::vector<Kind>& kinds) {
   Json json = Json::array();
   for (const Kind& kind : kinds) {
-    json.push_back(
-        {{"frames", io::format_frame_range(kind.frames)}, {"parts", to_json(kind.first->file.parts)}});
+    json.push_back({{"frames", io::format_frame_range(kind.frames)},
+                    {"parts", to_json(kind.first->file.parts)},
+                    {"becalm", kind.first->origin}});
   }
   return json;
 }
 
-/// The description that most frames have, and how others differ from it; the additive layers; of the first
-/// frame, what becomes of alpha, and how becalm made it.
+/// The description that most frames have, how becalm made them, and how others differ from it; the additive
+/// layers; of the first frame, what becomes of alpha.
 void describe_sequence(const io::SequencePattern& pattern, io::LayerOptions layers,
                        const InfoCommand& command) {
   const std::vector<int> frames = pattern.frames_on_disk();
@@ -327,7 +332,7 @@ void describe_sequence(const io::SequencePattern& pattern, io::LayerOptions laye
               {"kinds", to_json(kinds)},
               {"additive", to_json(additive.sets)},
               {"alpha", alpha},
-              {"becalm", origin_of(pattern.path(frames.front()))},
+              {"becalm", described.front().origin},
               {"problems", std::move(problems_json)}};
     if (audits) json["audit"] = to_json(findings);
     print_json(json);
@@ -341,7 +346,6 @@ void describe_sequence(const io::SequencePattern& pattern, io::LayerOptions laye
     if (noisy) fmt::print("{}\n", noisy->text());
     for (const AdditiveNote& note : additive.notes) fmt::print("{}\n", note.text);
     if (!alpha.empty()) fmt::print("{}\n", alpha);
-    print_origin(origin_of(pattern.path(frames.front())));
     if (audits) print_audit(findings);
     if (command.audit && !audits) fmt::print("audit: not done, since frames cannot be denoised\n");
   }

@@ -41,6 +41,38 @@ TEST_F(InfoOnSequences, FramesThatDifferAreToldApart) {
   EXPECT_NE(outcome.out.find("\n-   albedo.R"), std::string::npos) << outcome.out;
 }
 
+TEST_F(InfoOnSequences, FramesThatBecalmMadeWithOtherSettingsAreToldApart) {
+  for (const int number : {1, 2, 3, 4}) {
+    const std::string settings = number == 2 ? "spp=64" : "spp=8";
+    const io::Attributes attributes{{"becalm:version", "0.1.0"}, {"becalm:settings", settings}};
+    if (number < 4) io::write_exr(frame_path(pattern_, number), noise_frame(number), attributes);
+  }
+  write(4, noise_frame(4));
+  const Outcome outcome = becalm_done({"info", pattern_});
+  for (const char* words :
+       {"frames 1,3:\n", "\nbecalm: version 0.1.0; settings spp=8\nframes 2 have instead:\n",
+        "\n+ becalm: version 0.1.0; settings spp=64\n", "frames 4 have instead:\n- becalm: "}) {
+    EXPECT_NE(outcome.out.find(words), std::string::npos) << words << outcome.out;
+  }
+  const auto kinds = nlohmann::json::parse(becalm_done({"info", pattern_, "--json"}).out)["kinds"];
+  EXPECT_EQ(kinds[1]["becalm"]["settings"], "spp=64") << kinds;
+}
+
+TEST_F(InfoOnSequences, AuditsFramesThatFollowEachOther) {
+  const auto write_noise = [&](int number, int seed) {
+    Frame frame = noise_frame(seed);
+    frame.remove(Aov::normal);
+    write(number, frame);
+  };
+  const auto audit = [&] {
+    return nlohmann::json::parse(becalm_done({"info", pattern_, "--audit", "--json"}).out)["audit"];
+  };
+  for (const int number : {1, 2, 4, 5}) write_noise(number, number == 4 ? 2 : number);
+  EXPECT_EQ(audit().size(), 0u) << audit() << ": frame 4 does not follow frame 2, whose pixels it has";
+  write_noise(3, 2);
+  EXPECT_EQ(audit().at(0)["check"], "duplicate") << audit();
+}
+
 TEST_F(InfoOnSequences, WhatCannotBeDenoisedIsDescribedAndIsAnError) {
   Frame depth(1, 8, 8);
   depth.add(Aov::depth, 1.0f);
