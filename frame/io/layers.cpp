@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <functional>
 #include <iterator>
-#include <ranges>
 #include <utility>
 
 #include "frame/error.h"
@@ -325,8 +324,10 @@ std::vector<std::string> find_other_beauties(const std::vector<PartChannels>& pa
   }
   if (taken.empty()) return {};
   titles.erase(taken);
-  const auto others = std::views::values(titles);
-  return {others.begin(), others.end()};
+  std::vector<std::string> others;
+  others.reserve(titles.size());
+  for (const auto& [scope, title] : titles) others.push_back(title);
+  return others;
 }
 
 LayerMap find_layers(const std::string& file, const std::vector<PartChannels>& parts,

@@ -9,7 +9,6 @@
 #include <filesystem>
 #include <map>
 #include <optional>
-#include <ranges>
 
 #include "frame/error.h"
 #include "frame/io/read_error.h"
@@ -318,8 +317,10 @@ std::vector<std::string> patterns_of_files(std::span<const std::string> paths) {
     const auto [found, added] = patterns.emplace(alone, pattern);
     if (!added && found->second != pattern) found->second = alone;
   }
-  const auto found = std::views::values(patterns);
-  return {found.begin(), found.end()};
+  std::vector<std::string> all;
+  all.reserve(patterns.size());
+  for (const auto& [alone, pattern] : patterns) all.push_back(pattern);
+  return all;
 }
 
 std::string field_of_folder(const std::string& path) {
