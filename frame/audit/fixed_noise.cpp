@@ -15,9 +15,11 @@ constexpr double kNoisyShare = 0.05;
 constexpr double kLargestCorrelation = 0.7;
 
 /// Fine detail, limited to what nine tenths of the pixels have: a few bright pixels that stand still outweigh
-/// no noise.
+/// no noise. 0 where radiance is so large that sums overflow.
 std::vector<float> limited_detail(const Image& beauty) {
   std::vector<float> detail = fine_detail(beauty);
+  std::ranges::replace_if(
+      detail, [](float value) { return !std::isfinite(value); }, 0.0f);
   std::vector<float> sizes(detail.size());
   std::ranges::transform(detail, sizes.begin(), [](float value) { return std::abs(value); });
   const auto largest = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() * 9 / 10);
@@ -47,8 +49,7 @@ std::optional<Finding> check_fixed_noise(const Subject& subject) {
   if (std::ranges::equal(now.data(), before.data())) return std::nullopt;  // check_duplicate tells of it
   if (rough_share(now).value_or(0.0) < kNoisyShare) return std::nullopt;
   const double alike = correlation(limited_detail(now), limited_detail(before));
-  // Not a number where radiance is so large that sums overflow.
-  if (!(alike >= kLargestCorrelation)) return std::nullopt;
+  if (alike < kLargestCorrelation) return std::nullopt;
   return Finding{
       "fixed_noise",
       fmt::format("{:.0f} % of the noise is that of the frame before, as with one seed for all frames, "
