@@ -54,7 +54,8 @@ TEST_F(Denoise, FilesOfAnotherPaddingArePointedOut) {
   io::write_exr(folder_ / "in.1.exr", noise_frame(1), {});
   expect_error(becalm(command("out.####.exr")), 3, {"no frame", "in.1.exr is there", "in.#.exr"});
   write_frames({2});
-  expect_error(becalm(command("out.####.exr", {"--frames", "1-2"})), 3, {"frame 1 of", "in.#.exr"});
+  expect_error(becalm(command("out.####.exr", {"--frames", "1-2"})), 3,
+               {"frame 1 of", "in.1.exr has another padding"});
 }
 
 TEST_F(Denoise, HalvesBesideEachOtherAreOneSequence) {
