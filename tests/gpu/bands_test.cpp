@@ -77,7 +77,7 @@ class BandsTest : public ::testing::Test {
       for (int column = 0; column < extent.width; ++column, ++i) {
         const float here = x(row, column);
         const std::array wide{here, 2.0f * here, 3.0f * here,
-                                      x(std::min(row + 1, extent.height - 1), column)};
+                              x(std::min(row + 1, extent.height - 1), column)};
         ASSERT_TRUE(
             std::equal(wide.begin(), wide.end(), made.wide.begin() + static_cast<std::ptrdiff_t>(4 * i)))
             << "row " << row << ", column " << column;
