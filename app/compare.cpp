@@ -161,7 +161,9 @@ CLI::Validator limit_of(const Figure& figure) {
         const bool is_number = value && std::isfinite(*value) && *value <= figure.most;
         if (is_number && (!has_least || *value >= 0.0)) return std::string();
         return fmt::format("expected a finite number{}{}", has_least ? " of at least 0" : "",
-                           figure.most == 1.0 ? ", at most 1" : "");
+                           figure.most < std::numeric_limits<float>::max()
+                               ? fmt::format(", at most {:g}", figure.most)
+                               : "");
       },
       "");
 }

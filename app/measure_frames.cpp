@@ -19,7 +19,7 @@ struct Work {
   FrameFigures figures;
 };
 
-/// One more frame is held as the one before another.
+/// Besides these, the last frame that was read is kept, for the temporal error of the next.
 std::size_t frames_at_once(const ComparedFrame& frame) {
   constexpr std::size_t most_bytes = 2'000'000'000;
   std::size_t values = 0;

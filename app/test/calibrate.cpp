@@ -31,7 +31,7 @@ double worst_of(const TestCase& test, const FigureLimit& limit, const Measuremen
   return worst->*figure.value;
 }
 
-/// Of few decimal digits, without those of binary rounding.
+/// The nearest number of 12 decimal digits: 0.87 instead of 0.8699999999999999.
 double without_rounding(double limit) {
   return std::stod(fmt::format("{:.12g}", limit));
 }

@@ -387,8 +387,8 @@ std::vector<int> SequencePattern::frames_on_disk() const {
   }
   if (!other_padding.empty() && !frames.empty()) {
     throw Error(ExitStatus::bad_input,
-                fmt::format("{}: {} and {}{}{} are numbered with other paddings; expected one, which #### or "
-                            "%d names",
+                fmt::format("{}: {} and {}{}{} are padded differently; write #### or %d for those that are "
+                            "meant",
                             text_, path(frames.front()), prefix_, other_padding, suffix_));
   }
   std::sort(frames.begin(), frames.end());
