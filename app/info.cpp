@@ -202,8 +202,13 @@ void describe_file(const InfoCommand& command, io::LayerOptions layers) {
   const bool audits = command.audit && file.problem.empty();
   if (audits) findings = audit_of(pattern, frames, layers);
   if (command.json) {
-    Json json{{"file", path},   {"parts", to_json(file.parts)}, {"additive", to_json(additive.sets)},
-              {"alpha", alpha}, {"becalm", origin_of(path)},    {"problem", file.problem}};
+    Json json{{"file", path},
+              {"parts", to_json(file.parts)},
+              {"checkerboard", file.is_checkerboard},
+              {"additive", to_json(additive.sets)},
+              {"alpha", alpha},
+              {"becalm", origin_of(path)},
+              {"problem", file.problem}};
     if (audits) json["audit"] = to_json(findings);
     print_json(json);
   } else {
@@ -294,6 +299,7 @@ Json to_json(const std::vector<Kind>& kinds) {
   for (const Kind& kind : kinds) {
     json.push_back({{"frames", io::format_frame_range(kind.frames)},
                     {"parts", to_json(kind.first->file.parts)},
+                    {"checkerboard", kind.first->file.is_checkerboard},
                     {"becalm", kind.first->origin}});
   }
   return json;

@@ -220,12 +220,6 @@ std::string text_of(const Imath::Box2i& window) {
   return fmt::format("({}, {}) to ({}, {})", window.min.x, window.min.y, window.max.x, window.max.y);
 }
 
-/// Empty where there is none.
-std::string text_attribute(const Imf::Header& header, const char* name) {
-  const auto* attribute = header.findTypedAttribute<Imf::StringAttribute>(name);
-  return attribute == nullptr ? std::string() : attribute->value();
-}
-
 /// The views of the file, each with the windows of its beauty's part.
 std::vector<ExrView> views_of(const std::string& path, const Imf::MultiPartInputFile& file,
                               const LayerOptions& options) {
@@ -238,9 +232,8 @@ std::vector<ExrView> views_of(const std::string& path, const Imf::MultiPartInput
   std::vector<ExrView> views;
   for (ViewLayers& found : find_view_layers(path, part_channels(file), options)) {
     const Imf::Header& header = file.header(found.layers[static_cast<std::size_t>(Aov::beauty)]->part);
-    const bool is_checkerboard =
-        parse_checkerboard(text_attribute(file.header(0), kCheckerboardAttribute), {}).has_value();
-    views.push_back({std::move(found), header.dataWindow(), header.displayWindow(), names, is_checkerboard});
+    views.push_back(
+        {std::move(found), header.dataWindow(), header.displayWindow(), names, is_checkerboard(file)});
   }
   return views;
 }

@@ -111,9 +111,10 @@ struct ExrDescription {
   };
   std::vector<Part> parts;
   std::vector<std::string> other_beauties;  ///< of view layers that stay noisy
+  bool is_checkerboard = false;             ///< the file tells which pixels of a checkerboard it holds
   std::string problem;  ///< why it could not be denoised, such as that it has no colour; or empty
 
-  /// One line for each part, for each channel and for each other beauty.
+  /// One line for each part, for each channel, for each other beauty, and for a checkerboard.
   std::vector<std::string> lines() const;
 };
 

@@ -120,6 +120,8 @@ std::vector<std::string> ExrDescription::lines() const {
     lines.push_back(
         fmt::format("{0} is passed on as it is; --layers 'beauty={0}' denoises it instead", other));
   }
+  if (is_checkerboard)
+    lines.push_back("a checkerboard of pixels: becalm antialias --checkerboard makes it whole");
   return lines;
 }
 
@@ -128,6 +130,7 @@ ExrDescription describe_exr(const std::string& path, const LayerOptions& options
   reading(path, [&] {
     stamp_of(path);
     const std::unique_ptr<Imf::MultiPartInputFile> file = open_exr(path);
+    description.is_checkerboard = is_checkerboard(*file);
     const std::vector<PartChannels> parts = part_channels(*file);
     std::vector<ViewLayers> views;
     try {

@@ -5,6 +5,7 @@
 #include <OpenEXR/ImfIntAttribute.h>
 #include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfStandardAttributes.h>
+#include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfThreading.h>
 #include <fmt/format.h>
 
@@ -16,6 +17,7 @@
 
 #include "frame/error.h"
 #include "frame/io/exr_bytes.h"
+#include "frame/io/jitter_text.h"
 #include "frame/io/read_error.h"
 #include "frame/regular_file.h"
 
@@ -146,6 +148,16 @@ void require_flat(const std::string& path, const Imf::MultiPartInputFile& file) 
 
 bool is_tiled(const Imf::Header& header) {
   return header.hasType() ? Imf::isTiled(header.type()) : header.hasTileDescription();
+}
+
+std::string text_attribute(const Imf::Header& header, const char* name) {
+  const auto* attribute = header.findTypedAttribute<Imf::StringAttribute>(name);
+  return attribute == nullptr ? std::string() : attribute->value();
+}
+
+bool is_checkerboard(const Imf::MultiPartInputFile& file) {
+  return parse_checkerboard(text_attribute(file.header(0), kCheckerboardAttribute), Imath::V2i(0))
+      .has_value();
 }
 
 }  // namespace becalm::io

@@ -62,6 +62,10 @@ bool is_deep(const Imf::Header& header);
 /// Throws Error(bad_input) where all parts are deep.
 void require_flat(const std::string& path, const Imf::MultiPartInputFile& file);
 bool is_tiled(const Imf::Header& header);
+/// The text of an attribute; empty where there is none.
+std::string text_attribute(const Imf::Header& header, const char* name);
+/// Whether the file tells which pixels of a checkerboard it holds.
+bool is_checkerboard(const Imf::MultiPartInputFile& file);
 
 /// The number of chunks (runs of lines, or tiles) that a part of this header has.
 std::uint64_t chunk_count(const Imf::Header& header);

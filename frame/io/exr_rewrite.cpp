@@ -58,11 +58,9 @@ struct Rewritten {
 void scale_windows(const Scale& scale, Imf::Header& header) {
   header.dataWindow() = scale.window(header.dataWindow());
   header.displayWindow() = scale.window(header.displayWindow());
-  if (const auto* text = header.findTypedAttribute<Imf::StringAttribute>(kStereoAttribute)) {
-    if (std::optional<StereoView> view = parse_stereo(text->value())) {
-      view->camera.focal_px *= scale.value();
-      header.insert(kStereoAttribute, Imf::StringAttribute(format_stereo(*view)));
-    }
+  if (std::optional<StereoView> view = parse_stereo(text_attribute(header, kStereoAttribute))) {
+    view->camera.focal_px *= scale.value();
+    header.insert(kStereoAttribute, Imf::StringAttribute(format_stereo(*view)));
   }
   for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
     it.channel().xSampling = it.channel().ySampling = 1;

@@ -313,6 +313,23 @@ TEST_F(Denoise, ChannelsToWriteAreSelected) {
   EXPECT_EQ(files_in(folder_.path()).size(), 10u) << "nothing was written";
 }
 
+TEST_F(Denoise, OfNoisyLayersThoseAreToldThatAreWritten) {
+  for (const int number : {1, 2}) {
+    write_shares(
+        frame_path(input_, number), noise_frame(number),
+        {{"V.Combined.", 1.0f}, {"V.diffuse.", 0.25f}, {"V.specular.", 0.5f}, {"W.Combined.", 1.0f}});
+  }
+  const auto told = [&](std::vector<std::string> options) {
+    options.insert(options.end(), {"--preset", "draft", "--overwrite"});
+    const std::string text = becalm_done(command("out.####.exr", options)).err;
+    const auto tells_of = [&](const char* layer) { return text.find(layer) != std::string::npos; };
+    return std::pair{tells_of("W.Combined is passed on noisy"), tells_of("V.diffuse")};
+  };
+  EXPECT_EQ(told({}), (std::pair{true, true}));
+  EXPECT_EQ(told({"--only", "denoised"}), (std::pair{false, true})) << "lobes that add up would be written";
+  EXPECT_EQ(told({"--only", "beauty"}), (std::pair{false, false}));
+}
+
 TEST_F(Denoise, LayersMayBeLeftOutAndMotionTurned) {
   for (const int number : {1, 2}) {
     Frame frame = noise_frame(number);

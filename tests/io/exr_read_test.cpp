@@ -231,6 +231,16 @@ TEST_F(ExrRead, DescriptionOfTwoEyes) {
   EXPECT_NE(std::ranges::find(lines, "  Z  half   right depth.Z"), lines.end());
 }
 
+TEST_F(ExrRead, DescriptionOfACheckerboard) {
+  for (const bool is_checkerboard : {true, false}) {
+    Imf::Header header = scanline_part(window(0, 0, 4, 4), {{"R"}, {"G"}, {"B"}});
+    header.insert("becalm:checkerboard", Imf::StringAttribute(is_checkerboard ? "odd" : "none"));
+    write_test_file(path_, {header});
+    EXPECT_EQ(describe_exr(path_).is_checkerboard, is_checkerboard);
+    EXPECT_EQ(describe_exr(path_).lines().back().find("a checkerboard of pixels") == 0, is_checkerboard);
+  }
+}
+
 TEST_F(ExrRead, AViewWithoutColourIsNone) {
   Imf::Header header = scanline_part(window(0, 0, 4, 4), {{"R"}, {"G"}, {"B"}, {"Z"}});
   header.insert("multiView", Imf::StringVectorAttribute({"left", "right"}));
