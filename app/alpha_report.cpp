@@ -59,7 +59,8 @@ std::string alpha_outlook(const std::string& path, const io::LayerOptions& layer
     return fmt::format(
         "alpha: passed on as it is; {:.1f} % of its pixels look noisy, and --alpha denoise denoises these",
         100.0 * static_cast<double>(noisy) / static_cast<double>(beauty.pixel_count()));
-  } catch (const Error&) {
+  } catch (const Error& error) {
+    if (error.status() == ExitStatus::resource) throw;
     return "";
   }
 }

@@ -26,6 +26,7 @@
 #include "app/folder_input.h"
 #include "app/frame_figures.h"
 #include "app/input_frames.h"
+#include "app/json_number.h"
 #include "app/measure_frames.h"
 #include "app/options.h"
 #include "app/outputs.h"
@@ -105,16 +106,9 @@ class Table {
   bool has_header_ = false;
 };
 
-/// JSON has no infinity, which the PSNR of equal images is: it is the text "inf". NaN, of what was not
-/// measured, becomes null.
-nlohmann::ordered_json to_json(double value) {
-  if (std::isinf(value)) return value > 0.0 ? "inf" : "-inf";
-  return value;
-}
-
 nlohmann::ordered_json to_json(const FrameFigures& figures) {
   nlohmann::ordered_json json;
-  for (const Figure& figure : kFigures) json[figure.key] = to_json(figures.*figure.value);
+  for (const Figure& figure : kFigures) json[figure.key] = json_number(figures.*figure.value);
   json["skipped_pixels"] = figures.skipped;
   return json;
 }
@@ -408,8 +402,9 @@ Command add_compare(CLI::App& becalm) {
       ->group("Input");
   parser
       .add_option("--json", command->json,
-                  "Write the figures to this file too: null where one was not measured, \"inf\" for the PSNR "
-                  "of equal images; - is standard output, and the table then goes to standard error")
+                  "Write the figures to this file too: null where one was not measured, \"inf\" where it is "
+                  "infinite, as "
+                  "the PSNR of equal images; - is standard output, and the table then goes to standard error")
       ->option_text("FILE")
       ->group("Output");
   parser

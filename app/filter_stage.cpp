@@ -199,7 +199,7 @@ std::vector<Frame> FilterStage::run_scaled(const filter::Step& step, const std::
       expected_errors.push_back(
           mean_expected_error(made[view], filter::exposure(pointers[view]->image(Aov::beauty))));
     }
-    if (scale != 1.0f) filter::scale_radiance(made[view], 1.0f / scale);
+    if (scale != 1.0f) filter::scale_radiance_back(made[view], scale, *frames[view]);
   }
   return made;
 }

@@ -11,6 +11,7 @@
 #include "app/outputs.h"
 #include "frame/error.h"
 #include "frame/io/sequence.h"
+#include "frame/names_in.h"
 
 namespace becalm::app {
 namespace fs = std::filesystem;
@@ -21,10 +22,8 @@ namespace {
 std::vector<std::string> sequences_in(const std::string& folder) {
   std::vector<std::string> paths;
   std::error_code unreadable;
-  for (fs::directory_iterator it(folder, unreadable), end; !unreadable && it != end;
-       it.increment(unreadable)) {
-    const std::string path = (fs::path(folder) / it->path().filename()).string();
-    if (is_exr_name(path)) paths.push_back(path);
+  for (const std::string& name : names_in(folder, unreadable)) {
+    if (is_exr_name(name)) paths.push_back((fs::path(folder) / name).string());
   }
   std::vector<std::string> sequences = io::patterns_of_files(paths);
   for (std::string& sequence : sequences) sequence = '\'' + sequence + '\'';

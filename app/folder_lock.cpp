@@ -6,9 +6,11 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <system_error>
+#include <thread>
 
 #include "app/cancel.h"
 #include "app/content_hash.h"
@@ -18,15 +20,28 @@
 namespace becalm::app {
 namespace {
 
-/// Locks `length` bytes from `start`; 0 means all that follow. The lock belongs to the open file and not to
-/// the process, so that closing another descriptor of the file does not drop it.
-bool lock(int file, off_t start, off_t length) {
+/// An exclusive lock on `length` bytes from `start`; 0 means all that follow.
+struct flock exclusive(off_t start, off_t length) {
   struct flock range {};
   range.l_type = F_WRLCK;
   range.l_whence = SEEK_SET;
   range.l_start = start;
   range.l_len = length;
+  return range;
+}
+
+/// The lock belongs to the open file and not to the process, so that closing another descriptor of the file
+/// does not drop it.
+bool lock(int file, off_t start, off_t length) {
+  struct flock range = exclusive(start, length);
   return ::fcntl(file, F_OFD_SETLK, &range) == 0;
+}
+
+/// Whether another process holds all of the file, as the last one does before it removes it.
+bool is_being_removed(int file, off_t place) {
+  struct flock range = exclusive(place, 1);
+  return ::fcntl(file, F_OFD_GETLK, &range) == 0 && range.l_type != F_UNLCK && range.l_start == 0 &&
+         range.l_len == 0;
 }
 
 bool is_held_by_another(int error) {
@@ -73,12 +88,16 @@ int make_for_everybody(const std::filesystem::path& path) {
 FolderLock::FolderLock(std::filesystem::path folder, const std::vector<std::string>& names,
                        std::string_view option)
     : folder_(std::move(folder)), path_(folder_ / ".becalm.lock") {
+  constexpr std::chrono::milliseconds wait(10);
+  constexpr int most_waits = 500;
   try {
-    do {
+    open();
+    // The last holder may be about to remove it, or have removed it between our opening and locking it.
+    for (int waits = 0; !take(names, option, /*can_wait=*/waits < most_waits) || !is_in_place(); ++waits) {
       close();
+      std::this_thread::sleep_for(wait);
       open();
-      take(names, option);
-    } while (!is_in_place());  // the last holder may have removed it between our opening and locking it
+    }
   } catch (...) {
     release();
     throw;
@@ -102,18 +121,21 @@ void FolderLock::open() {
                           path_.string(), std::generic_category().message(errno)));
 }
 
-void FolderLock::take(const std::vector<std::string>& names, std::string_view option) {
+/// False where the file is about to be removed and the caller `can_wait`.
+bool FolderLock::take(const std::vector<std::string>& names, std::string_view option, bool can_wait) {
   for (const std::string& name : names) {
     stop_if_asked();
     for (const off_t place : places_of(name, names.size())) {
       if (lock(file_, place, 1)) continue;
-      if (!is_held_by_another(errno)) return;
+      if (!is_held_by_another(errno)) return true;
+      if (can_wait && is_being_removed(file_, place)) return false;
       throw Error(
           ExitStatus::resource,
           fmt::format("{}: another becalm is about to write it; wait for that one, or choose another {}",
                       (folder_ / name).string(), option));
     }
   }
+  return true;
 }
 
 /// Whether the open file is the one that others find.

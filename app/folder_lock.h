@@ -22,7 +22,7 @@ class FolderLock {
 
  private:
   void open();
-  void take(const std::vector<std::string>& names, std::string_view option);
+  bool take(const std::vector<std::string>& names, std::string_view option, bool can_wait);
   bool is_in_place() const;
   void close();
   void release();

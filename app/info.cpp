@@ -168,7 +168,8 @@ Json origin_of(const std::string& path) {
   std::map<std::string, std::string> recorded;
   try {
     recorded = io::read_attributes(path);
-  } catch (const Error&) {
+  } catch (const Error& error) {
+    if (error.status() == ExitStatus::resource) throw;
     return origin;
   }
   for (const char* name : {"version", "command", "preset", "tiles", "settings"}) {
@@ -251,6 +252,7 @@ std::vector<Described> describe_frames(const io::SequencePattern& pattern, const
       std::ranges::copy(origin_lines(described[i].origin), std::back_inserter(described[i].lines));
       described[i].problem = described[i].file.problem;
     } catch (const Error& error) {
+      if (error.status() == ExitStatus::resource) throw;  // no fault of the frame
       described[i].problem = error.what();
     }
   });

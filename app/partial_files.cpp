@@ -8,6 +8,8 @@
 #include <string_view>
 #include <system_error>
 
+#include "frame/names_in.h"
+
 namespace becalm::app {
 namespace fs = std::filesystem;
 
@@ -44,13 +46,12 @@ NamesByFolder by_folder(const std::vector<std::string>& paths) {
 
 void remove_abandoned_partials(const fs::path& folder, const std::set<std::string>& names) {
   std::error_code error;
-  for (fs::directory_iterator entry(folder.empty() ? "." : folder, error), end; !error && entry != end;
-       entry.increment(error)) {
-    const int owner = partial_owner(entry->path().filename().string(), names);
+  for (const std::string& name : names_in(folder, error)) {
+    const int owner = partial_owner(name, names);
     // Nothing of this process is half written yet: a file of its number is a dead process's, as a container
     // gives each run the same number.
     std::error_code ignored;
-    if (owner == ::getpid() || (owner > 0 && !process_runs(owner))) fs::remove(entry->path(), ignored);
+    if (owner == ::getpid() || (owner > 0 && !process_runs(owner))) fs::remove(folder / name, ignored);
   }
 }
 

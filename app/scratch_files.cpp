@@ -13,6 +13,7 @@
 
 #include "app/eye_names.h"
 #include "frame/io/sequence.h"
+#include "frame/names_in.h"
 
 namespace becalm::app {
 namespace {
@@ -63,13 +64,12 @@ void remove_abandoned_scratch(const std::string& output, Eye first, const Output
   const fs::path folder = fs::path(base.text()).parent_path();
   const std::set<int> ours(locked.frames().begin(), locked.frames().end());
   std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder.empty() ? "." : folder, error)) {
-    const std::string name = entry.path().filename().string();
+  for (const std::string& name : names_in(folder, error)) {
     const auto at = name.find(kScratch);
     if (at == std::string::npos || !names.contains(name.substr(0, at))) continue;
     const auto asked = asked_of(name);
     if (!asked || *asked == std::pair(*ours.begin(), *ours.rbegin())) continue;
-    if (ours.contains(asked->first) || ours.contains(asked->second)) fs::remove(entry.path(), error);
+    if (ours.contains(asked->first) || ours.contains(asked->second)) fs::remove(folder / name, error);
   }
 }
 

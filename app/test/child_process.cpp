@@ -19,11 +19,11 @@
 #include "app/cancel.h"
 #include "frame/error.h"
 #include "frame/mebibytes.h"
+#include "frame/names_in.h"
 
 namespace becalm::app {
 namespace {
 
-namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kPoll = std::chrono::milliseconds(5);
@@ -39,11 +39,10 @@ double seconds_since(Clock::time_point start) {
 std::uint64_t memory_of_group(pid_t group) {
   std::uint64_t pages = 0;
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator("/proc", error)) {
-    const std::string name = entry.path().filename().string();
+  for (const std::string& name : names_in("/proc", error)) {
     if (name.find_first_not_of("0123456789") != std::string::npos) continue;
     // The process may be gone by now: getline fails then, where stream iterators would throw.
-    std::ifstream file(entry.path() / "stat");
+    std::ifstream file("/proc/" + name + "/stat");
     std::string text;
     std::getline(file, text);
     // PID (NAME) STATE PARENT GROUP ... with the resident pages as the 24th field; NAME may hold blanks.

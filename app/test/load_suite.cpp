@@ -17,7 +17,9 @@
 #include "app/test/suite.h"
 #include "filter/settings.h"
 #include "frame/error.h"
+#include "frame/io/read_error.h"
 #include "frame/io/sequence.h"
+#include "frame/names_in.h"
 #include "tracer/sample_counts.h"
 #include "tracer/scene/load/json_reader.h"
 
@@ -245,9 +247,10 @@ std::vector<std::string> suite_files(const std::string& path) {
   std::error_code error;
   if (!fs::is_directory(path, error)) return {path};
   std::vector<std::string> files;
-  for (const auto& entry : fs::directory_iterator(path, error)) {
-    if (entry.path().extension() == ".json") files.push_back(entry.path().string());
+  for (const std::string& name : names_in(path, error)) {
+    if (fs::path(name).extension() == ".json") files.push_back((fs::path(path) / name).string());
   }
+  if (error) io::fail_to_read(path, error, "folder cannot be listed");
   if (files.empty()) throw Error(ExitStatus::bad_input, path + ": no suite (*.json) in this folder");
   std::ranges::sort(files);
   return files;

@@ -16,6 +16,7 @@
 #include "frame/io/atomic_file.h"
 #include "frame/io/exr.h"
 #include "frame/io/sequence.h"
+#include "frame/names_in.h"
 
 namespace becalm::app {
 namespace {
@@ -195,12 +196,11 @@ void ReferenceUpdate::accept() const {
 
 void ReferenceUpdate::find_outdated() {
   std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(test_.reference_folder, error)) {
-    const std::string path = entry.path().string();
-    const std::string name = entry.path().filename().string();
+  for (const std::string& name : names_in(test_.reference_folder, error)) {
     const bool is_reference = (name.starts_with("a.") || name.starts_with("b.")) && name.ends_with(".exr");
     const auto is_here = [&](const auto& file) { return fs::path(file.second).filename() == name; };
-    if (is_reference && std::ranges::none_of(files_, is_here)) outdated_.push_back(path);
+    if (is_reference && std::ranges::none_of(files_, is_here))
+      outdated_.push_back(fs::path(test_.reference_folder) / name);
   }
   std::ranges::sort(outdated_);
   for (const std::string& path : outdated_)

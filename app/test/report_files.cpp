@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "app/json_number.h"
+
 namespace becalm::app {
 namespace {
 
@@ -69,8 +71,12 @@ std::vector<TestResults> by_suite(const TestResults& results) {
 }
 
 nlohmann::ordered_json to_json(const CheckResult& check) {
-  nlohmann::ordered_json json{{"judge", check.judge}, {"figure", check.figure}, {"frame", nullptr},
-                              {"value", check.value}, {"limit", check.limit},   {"passed", check.passed},
+  nlohmann::ordered_json json{{"judge", check.judge},
+                              {"figure", check.figure},
+                              {"frame", nullptr},
+                              {"value", json_number(check.value)},
+                              {"limit", json_number(check.limit)},
+                              {"passed", check.passed},
                               {"text", check.text}};
   if (check.frame) json["frame"] = *check.frame;
   return json;

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/json_number.h"
 #include "app/pictures.h"
 #include "app/test/layer_as_beauty.h"
 #include "app/test/shell_words.h"
@@ -169,11 +170,6 @@ std::vector<const JudgedFrame*> pictured_frames(const CaseResult& result) {
   return frames;
 }
 
-/// JSON has neither NaN nor infinity.
-Json number_of(double value) {
-  return std::isfinite(value) ? Json(value) : Json(fmt::format("{}", value));
-}
-
 Json case_json(const CaseResult& result) {
   Json json{{"name", result.suite + "/" + result.name},
             {"outcome", name_of(result.outcome)},
@@ -185,8 +181,8 @@ Json case_json(const CaseResult& result) {
     json["checks"].push_back({{"judge", check.judge},
                               {"figure", check.figure},
                               {"frame", check.frame ? Json(*check.frame) : Json()},
-                              {"value", number_of(check.value)},
-                              {"limit", number_of(check.limit)},
+                              {"value", json_number(check.value)},
+                              {"limit", json_number(check.limit)},
                               {"passed", check.passed}});
   }
   if (result.outcome != CaseOutcome::failed && result.outcome != CaseOutcome::error) return json;

@@ -56,6 +56,20 @@ void scale_variance(Frame& frame, float scale) {
   }
 }
 
+bool is_finite(std::span<const float> pixel) {
+  return std::ranges::all_of(pixel.first(3), [](float value) { return std::isfinite(value); });
+}
+
+/// Pixels that are not finite, from an image of the same size; nothing from an empty one. Alpha stays.
+void restore_faulty_pixels(const Image& from, Image& to) {
+  if (from.empty() || to.empty()) return;
+  for (int y = 0; y < to.height(); ++y) {
+    for (int x = 0; x < to.width(); ++x) {
+      if (!is_finite(to.pixel(x, y))) std::ranges::copy(from.pixel(x, y).first(3), to.pixel(x, y).begin());
+    }
+  }
+}
+
 }  // namespace
 
 float radiance_scale(const Frame& frame) {
@@ -82,6 +96,14 @@ void scale_radiance(Frame& frame, float scale) {
     multiply(frame.image(aov).data(), scale);
     multiply(frame.image(aov).data(), scale);
   }
+}
+
+void scale_radiance_back(Frame& made, float scale, const Frame& source) {
+  scale_radiance(made, 1.0f / scale);
+  restore_faulty_pixels(source.image(Aov::beauty), made.image(Aov::beauty));
+  for (const Aov aov : kRadiance) restore_faulty_pixels(source.image(aov), made.image(aov));
+  for (std::size_t i = 0; i < made.light_groups().size(); ++i)
+    restore_faulty_pixels(source.light_groups()[i].radiance, made.light_groups()[i].radiance);
 }
 
 }  // namespace becalm::filter

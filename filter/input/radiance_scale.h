@@ -15,4 +15,9 @@ float radiance_scale(const Frame& frame);
 /// beyond that range, as 0, denormal or the largest value, it is taken from the half-buffers, if there are.
 void scale_radiance(Frame& frame, float scale);
 
+/// Scales what was made of `source`, scaled, back. Pixels of radiance with NaN or Inf, which the filter
+/// leaves as they are, get the values of `source`, since their other channels may have been out of range in
+/// between.
+void scale_radiance_back(Frame& made, float scale, const Frame& source);
+
 }  // namespace becalm::filter

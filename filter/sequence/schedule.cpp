@@ -33,15 +33,15 @@ bool starts_anew(int frame, int before, const ScheduleOptions& options) {
   return cut != options.cuts.end() && *cut <= std::max(frame, before);
 }
 
-/// Appends one pass over `frames`, which are in the order of the direction. It begins with the first frame in
-/// the history of the first wanted frame and ends with the last wanted frame.
+/// Appends one pass over `frames`, which are in the order of the direction: of each shot, the frames up to
+/// its last wanted one.
 void append_pass(Direction direction, const std::vector<int>& frames, const std::set<int>& wanted,
                  const ScheduleOptions& options, Segment& segment) {
   Segment pass;
   std::size_t end = 0;
   for (const int frame : frames) {
     const bool anew = pass.empty() || starts_anew(frame, pass.back().frame, options);
-    if (anew && end == 0) pass.clear();
+    if (anew) pass.resize(end);  // frames of a shot after its last wanted one
     pass.push_back(
         {.frame = frame, .direction = direction, .new_history = anew, .wanted = wanted.contains(frame)});
     if (pass.back().wanted) end = pass.size();

@@ -58,7 +58,7 @@ struct StereoFilter::State {
 
 StereoFilter::StereoFilter(gpu::Device& device, const Settings& settings, int width, int height,
                            AovSet available, const SequenceOptions& options)
-    : state_(std::make_unique<State>(device)) {
+    : state_(std::make_unique<State>(State{.device = device})) {
   State& s = *state_;
   const std::uint64_t all = std::min(options.memory_limit, usable_bytes(device));
   SequenceOptions of_eye = options;

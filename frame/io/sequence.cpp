@@ -12,6 +12,7 @@
 
 #include "frame/error.h"
 #include "frame/io/read_error.h"
+#include "frame/names_in.h"
 
 namespace becalm::io {
 namespace {
@@ -183,14 +184,12 @@ enum class Unlistable { error, empty };
 /// where there is no such folder. Throws Error where the folder cannot be listed to its end.
 std::vector<std::string> numbers_on_disk(const std::string& prefix, const std::string& suffix,
                                          Unlistable unlistable) {
-  namespace fs = std::filesystem;
   const std::size_t slash = prefix.rfind('/');
   const std::string folder = slash == std::string::npos ? "." : prefix.substr(0, slash + 1);
   const std::string stem = slash == std::string::npos ? prefix : prefix.substr(slash + 1);
   std::vector<std::string> numbers;
   std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    const std::string name = it->path().filename().string();
+  for (const std::string& name : names_in(folder, error)) {
     if (name.size() <= stem.size() + suffix.size() || !name.starts_with(stem) || !name.ends_with(suffix))
       continue;
     std::string middle = name.substr(stem.size(), name.size() - stem.size() - suffix.size());

@@ -61,6 +61,7 @@ Around look_around(ivec2 at, vec3 history, float speed_px) {
   const vec3 deviation = sqrt(max(squares / n - mean * mean, vec3(0.0)));
   around.low = by_deviation != 0 ? own + mean - deviation : own + low;
   around.high = by_deviation != 0 ? own + mean + deviation : own + high;
+  if (count == 0.0) around.low = around.high = history;  // no finite sample
   around.spread = max(square_sum / n - dot(mean, mean), 0.0) / 3.0;
   around.difference = difference_sum / n;
   return around;

@@ -95,6 +95,10 @@ TEST_F(SuiteTest, UlpsMayBeAllowed) {
   for (float& value : frame.image(Aov::beauty).data()) value = std::nextafter(value, 2.0f);
   io::write_exr(folder_ / "image.exr", frame, {}, io::PixelType::float32);
   EXPECT_EQ(run().status, 1);
+  frame.image(Aov::beauty).at(0, 0, 0) = std::numeric_limits<float>::quiet_NaN();
+  io::write_exr(folder_ / "image.exr", frame, {}, io::PixelType::float32);
+  EXPECT_EQ(run({"--json", folder_ / "report.json"}).status, 1);
+  expect_words(read_text(folder_ / "report.json"), {R"("value": "inf")"});
 }
 
 TEST_F(SuiteTest, HalvesDifferByUlpsOfHalfAndZerosBySign) {

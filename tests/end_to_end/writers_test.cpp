@@ -5,6 +5,9 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <thread>
+
 #include "tests/end_to_end/render_fixture.h"
 
 namespace becalm::test {
@@ -41,6 +44,21 @@ TEST_F(Writers, EverybodyMayOpenTheLock) {
   ASSERT_TRUE(appears("out/.becalm.lock"));
   EXPECT_TRUE(
       wait_until([&] { return fs::status(folder_ / "out/.becalm.lock").permissions() == kForEverybody; }));
+}
+
+TEST_F(Writers, ALockThatItsLastHolderRemovesIsMadeAnew) {
+  fs::create_directories(folder_ / "out");
+  const std::string path = folder_ / "out/.becalm.lock";
+  const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  struct flock whole {};
+  whole.l_type = F_WRLCK;
+  ASSERT_EQ(fcntl(file, F_OFD_SETLK, &whole), 0);
+  Process process(command("out/a.####.exr"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_FALSE(fs::exists(folder_ / "out/a.0001.exr")) << "it waits";
+  fs::remove(path);
+  close(file);
+  EXPECT_EQ(process.wait().status, 0);
 }
 
 TEST_F(Writers, ALockThatCannotBeOpenedIsAnError) {

@@ -178,6 +178,21 @@ TEST(RadianceScale, VarianceBeyondTheRangeComesFromTheHalves) {
   EXPECT_TRUE(std::isnan(scaled(0x1p-80f, std::nanf(""), true)));
 }
 
+TEST(RadianceScale, FaultyPixelsComeBackAsTheyWere) {
+  Frame frame(1, 2, 1);
+  frame.add(Aov::beauty, 1e-30f);
+  frame.image(Aov::beauty).at(0, 0, 0) = std::nanf("");
+  frame.image(Aov::beauty).at(0, 0, 1) = 1e20f;  // beyond the range of floats if scaled
+  frame.image(Aov::beauty).at(1, 0, 1) = 1e20f;
+  Frame scaled = frame;
+  scale_radiance(scaled, 0x1p80f);
+  scale_radiance_back(scaled, 0x1p80f, frame);
+  EXPECT_TRUE(std::isnan(scaled.image(Aov::beauty).at(0, 0, 0)));
+  EXPECT_EQ(scaled.image(Aov::beauty).at(0, 0, 1), 1e20f);
+  EXPECT_LT(scaled.image(Aov::beauty).at(1, 0, 1), 1e20f) << "the filter may have changed it";
+  EXPECT_EQ(scaled.image(Aov::beauty).at(1, 0, 0), 1e-30f);
+}
+
 TEST(HostImages, HolesAreFilledFromTheirNeighbours) {
   Image image(3, 1, 4, 2.0f);
   image.at(1, 0, 0) = std::nanf("");

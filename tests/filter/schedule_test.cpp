@@ -133,5 +133,11 @@ TEST(Schedule, LeavesOutWhatNothingWantedDependsOn) {
   EXPECT_EQ(text(segments[0]), "|<19 <18 <17 <16* |>10 >11 >12 >13 >14 >15 >16*");
 }
 
+TEST(Schedule, LeavesOutShotsBetweenWantedFrames) {
+  const auto segments = schedule(range(1, 12), {2, 11}, {.segment = 32, .warmup = 8, .cuts = {5, 9}});
+  ASSERT_EQ(segments.size(), 1u);
+  EXPECT_EQ(text(segments[0]), "|<12 <11* |<4 <3 <2* |>1 >2* |>9 >10 >11*");
+}
+
 }  // namespace
 }  // namespace becalm::filter

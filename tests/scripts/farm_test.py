@@ -155,7 +155,15 @@ class Submitted(unittest.TestCase):
         self.assertIn("rendered 0 of 70 frames", status.stdout)
         self.assertIn("denoise.0 failed with status 3", status.stdout)
         self.assertEqual(self.task("check", 0, STATUS="3")[0], 1)
+        status, calls = self.task("check", 0, STATUS="4")
+        self.assertEqual((status, calls[-1]), (4, "scontrol requeue 9_0"), "trouble with the machine says nothing of a frame")
         self.assertEqual(self.task("check", 0)[0], 0)
+
+    def test_what_cannot_be_requeued_has_failed(self):
+        self.submit(self.path / "shot.json")
+        (self.path / "scontrol").unlink()
+        self.assertEqual(self.task("denoise", 0, STATUS="4")[0], 4)
+        self.assertEqual((self.path / "out/farm.a/states/denoise.0").read_text(), "failed with status 4")
 
     def test_tasks_that_end_otherwise_have_failed(self):
         self.submit(self.path / "shot.json")
