@@ -193,6 +193,28 @@ TEST_P(SphereLamp, GivesTheKnownIrradiance) {
 INSTANTIATE_TEST_SUITE_P(ExactSphere, SphereLamp, testing::Values("mis", "light", "material"),
                          [](const auto& info) { return std::string(info.param); });
 
+TEST_P(SphereLamp, DoesNotLightItselfFromOutside) {
+  // A convex lamp in the dark shows its emission, and what passes through it: 1 where nothing does.
+  for (const char* object : {"'material': 'grey', 'two_sided': true",
+                             "'material': 'metal', 'two_sided': true", "'material': 'frosted'"}) {
+    for (const int away : {0, 100}) {
+      const std::string x = std::to_string(away);
+      Scene scene =
+          load_text("{'film': {'width': 16, 'height': 16}, 'integrator': {'max_depth': 8, 'direct': '" +
+                    std::string(GetParam()) + "'}, 'camera': {'fov_y_deg': 5, 'look_at': {'eye': [" + x +
+                    ",0,5], 'target': [" + x + R"(,0,0]}},
+          'materials': {'grey': {'type': 'diffuse', 'reflectance': 0.5},
+            'metal': {'type': 'conductor', 'reflectance': 0.9, 'roughness': 0.5},
+            'frosted': {'type': 'dielectric', 'ior': 1.5, 'roughness': 0.5}},
+          'meshes': {'ball': {'shape': 'exact_sphere'}},
+          'objects': [{'mesh': 'ball', 'emission': 1, 'transform': {'translate': [)" +
+                    x + ",0,0]}, " + object + "}]}");
+      const Mean mean = mean_radiance(render_frame(scene, 1, options(64, {Aov::variance})).value());
+      EXPECT_NEAR(mean.value, 1.0, 4.0 * mean.error + 1e-5) << object << " at " << away;
+    }
+  }
+}
+
 TEST(ExactSphere, HasNoAcneAtAnySize) {
   // A convex white body in a uniform sky shows exactly the sky, unless a ray finds its own surface again.
   for (const double unit : {1e-4, 1.0, 1e6}) {

@@ -23,6 +23,8 @@ struct SphereKey {
 /// Emits `radiance` outward, or inward as well. Sampled uniformly over the directions in which it is seen:
 /// the cone that it subtends, or all around from inside. Works in double from the float positions on, so that
 /// spheres from far below to far above their distance in size are sampled to the precision of a direction.
+/// Not sampled from its own surface, where rounding decides on which side of it a position lies: what the
+/// surface sends to itself is left to the directions that the material draws.
 struct EmissiveSphere {
   V3f center;
   float radius;
@@ -53,14 +55,14 @@ struct EmissiveSphere {
   bool reaches(const Receiver& at) const {
     const V3d to_center = V3d(center) - V3d(at.position);
     const double r = radius, squared = to_center.length2();
-    if (!(r > 0.0 && std::isfinite(squared))) return false;
+    if (!(r > 0.0 && std::isfinite(squared)) || holds(std::sqrt(squared))) return false;
     if (squared <= r * r) return two_sided;
     return !at.faces() || V3d(at.normal).dot(to_center) > -r;
   }
 
   /// Density per solid angle of any direction in which the sphere is seen from the receiver. 0 where sample()
-  /// gives nothing: inside if one-sided, and when the sphere subtends so little that the density leaves the
-  /// range of float (a radius below 1e-19 of the distance).
+  /// gives nothing: inside if one-sided, on the surface, and when the sphere subtends so little that the
+  /// density leaves the range of float (a radius below 1e-19 of the distance).
   float pdf_solid_angle(const Receiver& at) const {
     const Seen seen(*this, at.position);
     return seen.visible ? density(seen) : 0.0f;
@@ -82,11 +84,18 @@ struct EmissiveSphere {
                             : seen.inside              ? beyond / (along - half_chord)
                                                        : beyond / (along + half_chord);
     if (!(distance > 0.0)) return std::nullopt;
-    return LightSample{V3f(drawn.dir), static_cast<float>(distance),       radiance, pdf, group,
-                       false,          largest_coordinate(center) + radius};
+    return LightSample{V3f(drawn.dir), static_cast<float>(distance), radiance, pdf, group, false, extent()};
   }
 
  private:
+  float extent() const { return largest_coordinate(center) + radius; }
+
+  /// Whether a position so far from the centre lies on the surface, to the rounding of positions there.
+  bool holds(double distance) const {
+    constexpr double rounding = 0x1p-18;
+    return std::abs(distance - radius) <= rounding * extent();
+  }
+
   /// The sphere as a point sees it.
   struct Seen {
     double distance;  ///< of the centre
@@ -99,7 +108,8 @@ struct EmissiveSphere {
       const double r = sphere.radius;
       distance = to_center.length();
       inside = distance <= r;
-      visible = r > 0.0 && std::isfinite(distance) && (!inside || sphere.two_sided);
+      visible =
+          r > 0.0 && std::isfinite(distance) && (!inside || sphere.two_sided) && !sphere.holds(distance);
       if (inside) {
         cone = {distance > 0.0 ? to_center / distance : V3d(0.0, 0.0, 1.0), 2.0};
         return;

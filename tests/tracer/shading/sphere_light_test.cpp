@@ -46,7 +46,7 @@ TEST(SphereLight, samples_match_their_density_from_outside) {
   const V3f point(0.5f, -2.0f, 1.0f);
   const V3f axis = V3f(0.3f, -0.8f, 0.4f).normalized();
   std::uint32_t seed = 300;
-  for (const float distance : {1.000001f, 1.01f, 1.5f, 20.0f}) {  // radii: touching, very near, near, far
+  for (const float distance : {1.00003f, 1.01f, 1.5f, 20.0f}) {  // radii: touching, very near, near, far
     const EmissiveSphere sphere = sphere_of(point + axis * (0.7f * distance), 0.7f);
     const SamplerTest test = test_sphere(sphere, point, angular_radius(sphere, point), ++seed);
     EXPECT_GT(test.result.p_value, sidak_level(0.01, 4)) << distance << ": " << test.replay;
@@ -79,6 +79,21 @@ TEST(SphereLight, samples_lie_on_the_side_that_is_seen) {
       ASSERT_LT(cosine, 1e-3) << distance;
     } else {
       ASSERT_GT(cosine, -1e-3) << distance;
+    }
+  }
+}
+
+TEST(SphereLight, is_not_sampled_from_its_own_surface) {
+  TestRandom random(8);
+  for (const float away : {0.0f, 100.0f}) {
+    const EmissiveSphere sphere = sphere_of(V3f(away, -0.5f * away, 0.25f), 1.0f, true);
+    for (int i = 0; i < 1000; ++i) {
+      const V3d outward(random.next() - 0.5, random.next() - 0.5, random.next() - 0.5);
+      const Receiver at(V3f(V3d(sphere.center) + outward.normalized()), V3f(outward.normalized()));
+      ASSERT_FALSE(sphere.sample(at, random.next_2d()));
+      ASSERT_EQ(sphere.pdf_solid_angle(at), 0.0f);
+      ASSERT_EQ(sphere.irradiance_at(at), 0.0);
+      ASSERT_FALSE(sphere.reaches(at));
     }
   }
 }
@@ -131,12 +146,12 @@ TEST(SphereLight, irradiance_inside_is_that_of_a_uniform_sky) {
 TEST(SphereLight, works_at_any_scale_and_distance) {
   for (const float radius : {1e-20f, 1e-12f, 1e-6f, 1.0f, 1e6f, 1e20f}) {
     for (const float gap : {1e-6f, 1e-3f, 1.0f, 1e6f, 1e12f}) {
-      // Where float cannot hold the gap beside the radius, the point lies on the sphere.
+      // Where floats barely hold the gap beside the radius, the point lies on the sphere.
       const EmissiveSphere sphere = sphere_of(V3f(0, 0, radius + gap), radius);
       const double distance = sphere.center.z;
       const double sine = radius / distance;
       const auto drawn = sphere.sample(V3f(0), V2f(0.4f, 0.7f));
-      if (sine >= 1.0 || sine < 1e-19) {
+      if (distance - radius <= 0x1p-18 * (distance + radius) || sine < 1e-19) {
         ASSERT_FALSE(drawn) << radius << " " << gap;
         EXPECT_EQ(sphere.pdf_solid_angle(V3f(0)), 0.0f);
         continue;
