@@ -39,16 +39,18 @@ bool is_lost(float squared) {
   return squared >= 0.0f && (squared < Limits::min() || squared == Limits::max());
 }
 
-/// Scales the variance. What of it is lost comes from the half-buffers, which are scaled already.
+/// Scales the variance. What of it is lost comes from the half-buffers, or is the square of the radiance;
+/// both are scaled already.
 void scale_variance(Frame& frame, float scale) {
   const std::span<float> variance = frame.image(Aov::variance).data();
   const std::span<const float> a = frame.image(Aov::half_a).data();
   const std::span<const float> b = frame.image(Aov::half_b).data();
+  const std::span<const float> beauty = frame.image(Aov::beauty).data();
   const bool has_halves = !a.empty() && !b.empty();
   for (std::size_t i = 0; i < variance.size(); ++i) {
-    const float difference = has_halves ? a[i] - b[i] : 0.0f;
-    if (has_halves && std::isfinite(difference) && is_lost(variance[i])) {
-      variance[i] = 0.25f * difference * difference;
+    const float deviation = has_halves ? 0.5f * (a[i] - b[i]) : beauty[4 * (i / 3) + i % 3];
+    if (is_lost(variance[i]) && std::isfinite(deviation)) {
+      variance[i] = deviation * deviation;
     } else {
       multiply(variance.subspan(i, 1), scale);
       multiply(variance.subspan(i, 1), scale);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "filter/ceil_div.h"
 #include "filter/for_rows.h"
@@ -43,22 +44,31 @@ float difference(const ShotSignature::Cell& a, const ShotSignature::Cell& b, boo
   return std::max(std::abs(a[1] - b[1]) / kAlbedoDifference, normal / kNormalDifference);
 }
 
-/// Share of the cells of `a` that have no similar cell nearby in `b`.
+bool is_known(const ShotSignature::Cell& cell) {
+  return !std::isnan(cell[0]);
+}
+
+/// Share of the cells of `a` that have no similar cell nearby in `b`, where both are known.
 double unmatched(const ShotSignature& a, const ShotSignature& b) {
-  int count = 0;
+  int count = 0, compared = 0;
   for (int y = 0; y < a.rows; ++y) {
     for (int x = 0; x < a.columns; ++x) {
       const auto& cell = a.cells[static_cast<std::size_t>(y) * a.columns + x];
-      bool matched = false;
+      if (!is_known(cell)) continue;
+      bool matched = false, comparable = false;
       for (int v = std::max(y - kReach, 0); v <= std::min(y + kReach, a.rows - 1); ++v) {
         for (int u = std::max(x - kReach, 0); u <= std::min(x + kReach, a.columns - 1); ++u) {
-          matched |= difference(cell, b.cells[static_cast<std::size_t>(v) * b.columns + u], a.guides) <= 1.0f;
+          const auto& other = b.cells[static_cast<std::size_t>(v) * b.columns + u];
+          if (!is_known(other)) continue;
+          comparable = true;
+          matched |= difference(cell, other, a.guides) <= 1.0f;
         }
       }
-      count += matched ? 0 : 1;
+      count += comparable && !matched ? 1 : 0;
+      compared += comparable ? 1 : 0;
     }
   }
-  return static_cast<double>(count) / static_cast<double>(a.cells.size());
+  return compared > 0 ? static_cast<double>(count) / compared : 0.0;
 }
 
 }  // namespace
@@ -76,10 +86,13 @@ ShotSignature shot_signature(const Frame& frame, const AovSet& used, float expos
   const auto add_row = [&](int y) {
     for (int x = 0; x < frame.width(); ++x) {
       auto& cell = means[static_cast<std::size_t>(y / cell_px) * signature.columns + x / cell_px];
-      const float light = std::max(luminance(frame.image(Aov::beauty).pixel(x, y)) * exposure, 0.0f);
+      const float radiance = luminance(frame.image(Aov::beauty).pixel(x, y)) * exposure;
+      if (std::isnan(radiance)) continue;
+      const float light = std::max(radiance, 0.0f);
       cell[0].add(std::isinf(light) ? 1.0f : light / (1.0f + light));
       if (albedo) cell[1].add(std::clamp(luminance(frame.image(Aov::albedo).pixel(x, y)), 0.0f, 1.0f));
-      for (int c = 0; normal && c < 3; ++c) cell[2 + c].add(frame.image(Aov::normal).at(x, y, c));
+      for (int c = 0; normal && c < 3; ++c)
+        cell[2 + c].add(std::clamp(frame.image(Aov::normal).at(x, y, c), -1.0f, 1.0f));
     }
   };
   for_each_in_parallel(signature.rows, [&](int row) {
@@ -88,6 +101,7 @@ ShotSignature shot_signature(const Frame& frame, const AovSet& used, float expos
   for (const auto& cell : means) {
     auto& out = signature.cells.emplace_back();
     std::ranges::transform(cell, out.begin(), [](const CellMean& mean) { return mean.mean(); });
+    if (cell[0].count == 0) out[0] = std::numeric_limits<float>::quiet_NaN();
   }
   return signature;
 }

