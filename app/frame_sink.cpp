@@ -46,6 +46,9 @@ void FrameSink::write_file(int number, const std::string& path,
   if (report.full_size_only) {
     warn_once("only the full size of mipmaps is written");
   }
+  if (report.diagnostics_replace) {
+    warn_once("diagnostics are written instead of the input's channels of the same names");
+  }
   progress_.detail(fmt::format("frame {}: wrote {}", number, path));
 }
 

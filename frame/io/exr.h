@@ -132,7 +132,8 @@ struct WriteReport {
   /// The beauty's part was compressed by ZIP instead of the lossy method of its source, or that was asked
   /// for, which would have altered channels that are passed on.
   bool lossless_instead = false;
-  bool full_size_only = false;  ///< the source's part has smaller levels, which were left out
+  bool full_size_only = false;       ///< the source's part has smaller levels, which were left out
+  bool diagnostics_replace = false;  ///< diagnostics took the places of channels that becalm had not made
 };
 
 /// Writes the frame's jitter and stereo camera as text attributes, and every AOV of the frame as a layer of a

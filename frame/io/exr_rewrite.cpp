@@ -52,6 +52,7 @@ struct Rewritten {
   bool keeps_alpha = false;               ///< as DenoisedFormat has it
   Scale scale;                            ///< of the headers' windows, over the source's
   bool resamples = false;                 ///< whether pixels are others than the source's
+  bool diagnostics_replace = false;       ///< whether diagnostics take the places of channels of the source
 };
 
 /// Scales the windows of a flat part's header. Channels at a part of the resolution get all of it.
@@ -102,6 +103,12 @@ void replace(const LayerSource& layer, const Image& image, const Imath::V2i& ori
   }
 }
 
+std::size_t number_of_channels(const Imf::Header& header) {
+  std::size_t count = 0;
+  for (auto it = header.channels().begin(); it != header.channels().end(); ++it) ++count;
+  return count;
+}
+
 /// Puts a denoised frame in the place of the view that it was made from. `diagnostics_view` tells its
 /// diagnostics from those of another view in the same part.
 void replace_view(const std::string& path, const LoadedView& view, const Frame& frame,
@@ -123,7 +130,10 @@ void replace_view(const std::string& path, const LoadedView& view, const Frame& 
   for (const AovInfo& entry : kAovTable) {
     if (!frame.has(entry.aov)) continue;
     if (entry.diagnostic) {
+      const std::size_t before = number_of_channels(header);
       add_layer(frame, entry.aov, diagnostics_view, Imf::FLOAT, origin, header, file.channels[beauty.part]);
+      file.diagnostics_replace |=
+          number_of_channels(header) < before + static_cast<std::size_t>(entry.channels.size());
     } else if (is_denoised(entry.aov)) {
       replace(*view.layers[static_cast<std::size_t>(entry.aov)], frame.image(entry.aov), origin, file);
     }
@@ -327,6 +337,7 @@ void check_scaling(const std::string& path, const ChannelSelection& selection) {
 WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
                                const std::vector<Frame>& other_views, const LoadedFrame& source,
                                const Attributes& attributes, const DenoisedFormat& format) {
+  const std::string& source_path = source.contents->path();
   const std::unique_ptr<Imf::MultiPartInputFile> from = open_unchanged(source);
   Rewritten rewritten = replace_views(*from, frame, other_views, source, format);
   std::vector<const ViewLayers*> views{&source};
@@ -339,10 +350,11 @@ WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
       kept.push_back(part);
   }
   if (kept.empty()) {
-    throw Error(ExitStatus::bad_input,
-                fmt::format("{}: holds none of the channels to write", source.contents->path()));
+    throw Error(ExitStatus::bad_input, fmt::format("{}: holds none of the channels to write", source_path));
   }
   WriteReport report;
+  const bool is_own = !text_attribute(from->header(0), "becalm:version").empty();
+  report.diagnostics_replace = rewritten.diagnostics_replace && !is_own;
   std::vector<Imf::Header> headers;
   for (const int part : kept) {
     Imf::Header& header = headers.emplace_back(rewritten.headers[part]);
@@ -355,17 +367,22 @@ WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
     if (is_denoised || part == kept.front()) insert_attributes(header, attributes);
   }
 
+  const auto open_part = [&](int part) {
+    std::unique_ptr<Imf::InputPart> in;
+    reading(source_path, [&] { in = std::make_unique<Imf::InputPart>(*from, part); });
+    return in;
+  };
   writing(path, headers, [&](Imf::MultiPartOutputFile& file) {
     for (std::size_t number = 0; number < kept.size(); ++number) {
       const auto channels = rewritten.channels.find(kept[number]);
       if (rewritten.resamples) {
-        Imf::InputPart in(*from, kept[number]);
-        write_scaled_part(file, static_cast<int>(number), channels->second, in,
-                          nearest_in(in.header(), source, format.scale), motion_channels_of(views), report);
+        const auto in = open_part(kept[number]);
+        write_scaled_part(file, static_cast<int>(number), channels->second, *in,
+                          nearest_in(in->header(), source, format.scale), motion_channels_of(views), report);
         continue;
       }
       if (channels == rewritten.channels.end()) {
-        copy_part(*from, kept[number], file, static_cast<int>(number));
+        reading(source_path, [&] { copy_part(*from, kept[number], file, static_cast<int>(number)); });
         continue;
       }
       const Stripe* read_before = source.contents->kept(kept[number]);
@@ -378,8 +395,8 @@ WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
         write_part(file, static_cast<int>(number), channels->second, copy, report);
         continue;
       }
-      Imf::InputPart in(*from, kept[number]);
-      write_part(file, static_cast<int>(number), channels->second, lines_of(in), report);
+      const auto in = open_part(kept[number]);
+      write_part(file, static_cast<int>(number), channels->second, lines_of(*in), report);
     }
   });
   return report;

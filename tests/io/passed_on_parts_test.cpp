@@ -13,6 +13,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <fstream>
 
 #include "frame/error.h"
 #include "frame/io/exr.h"
@@ -42,6 +44,24 @@ TEST_F(PassedOn, OfMipmapsTheFullSize) {
   expect_same_header(0, {"tiles", "chunkCount"});
   EXPECT_EQ(read_header(result_).chunkCount(), 12);
   EXPECT_EQ(read_header(result_).tileDescription().mode, Imf::ONE_LEVEL);
+}
+
+TEST_F(PassedOn, APartThatCannotBeCopiedIsAFaultOfItsFile) {
+  constexpr std::streamoff chunk = 12 + 4 * sizeof(float);  // part, y and size before four pixels
+  write_test_file(source_, {scanline_part(window(0, 0, 4, 4), {{"R"}, {"G"}, {"B"}}),
+                            scanline_part(window(0, 0, 4, 4), {{"Z", Imf::FLOAT}}, Imf::NO_COMPRESSION)});
+  std::fstream file(source_, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(-chunk + 4, std::ios::end);
+  const std::int32_t wrong_y = 77;
+  file.write(reinterpret_cast<const char*>(&wrong_y), sizeof wrong_y);
+  file.close();
+  try {
+    denoise();
+    FAIL() << "expected an error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.status(), ExitStatus::bad_input) << error.what();
+    EXPECT_TRUE(std::string(error.what()).starts_with(source_ + ": ")) << error.what();
+  }
 }
 
 TEST_F(PassedOn, PartsKeepTheirChunks) {

@@ -150,6 +150,21 @@ TEST_F(PassedOn, BlenderWithCryptomatte) {
   expect_same_header();
 }
 
+TEST_F(PassedOn, ChannelsThatDiagnosticsReplaceAreTold) {
+  const AovSet flow = AovSet().set(static_cast<std::size_t>(Aov::flow));
+  std::vector<TestChannel> channels = kMixed;
+  write_test_file(source_, {scanline_part(window(0, 0, 12, 8), channels)});
+  EXPECT_FALSE(denoise(flow).diagnostics_replace);
+  channels.push_back({"flow.X", Imf::FLOAT});
+  Imf::Header header = scanline_part(window(0, 0, 12, 8), channels);
+  write_test_file(source_, {header});
+  EXPECT_TRUE(denoise(flow).diagnostics_replace);
+  EXPECT_FALSE(denoise().diagnostics_replace);
+  header.insert("becalm:version", Imf::StringAttribute("0.1.0"));
+  write_test_file(source_, {header});
+  EXPECT_FALSE(denoise(flow).diagnostics_replace) << "becalm's own";
+}
+
 TEST_F(PassedOn, DenoisingAResultReplacesItsDiagnosticsAndAttributes) {
   write_test_file(source_,
                   {scanline_part(window(0, 0, 6, 4), {{"R"}, {"G"}, {"B"}, {"flow.X"}, {"flow.Y"}})});
