@@ -33,8 +33,11 @@ bool Path<F>::scatter_in_medium(const Medium& medium, float t) {
   ++scatterings_;
   material_pdf_ = scattered.pdf_solid_angle;
   previous_position_ = position;
-  if constexpr (F.textures)
+  if constexpr (F.textures) {
+    differential_.dpdx += differential_.dddx * t;
+    differential_.dpdy += differential_.dddy * t;
     differential_ = becalm::tracer::scattered(differential_, scattered.wi, kScatteredSpread);
+  }
   ray_.origin = position;
   ray_.dir = scattered.wi;
   return survives_roulette(u_roulette);
@@ -78,7 +81,7 @@ V3f Path<F>::transmission(Ray shadow, Interiors interiors, const V2f& u) {
     shadow.t_max -= hit->t;
     shadow.seed += kRaySeedStep;
   }
-  return share;
+  return shadow.t_max > 0.0f ? V3f(0.0f) : share;  // as paths end that cross as many
 }
 
 }  // namespace becalm::tracer

@@ -325,6 +325,7 @@ std::vector<std::string> describe_sample(Scene& scene, int frame_number, const R
                                          const PixelSample& which) {
   check(options);
   const FrameSetup setup(scene, frame_number, options);
+  if (options.sample_counts != nullptr) check_size(*options.sample_counts, setup.width, setup.height);
   constexpr std::uint32_t samples = kMostSamples;  // adaptive frames have more than `spp` in some pixels
   if (which.x < 0 || which.x >= setup.width || which.y < 0 || which.y >= setup.height ||
       which.sample >= samples) {
@@ -336,6 +337,7 @@ std::vector<std::string> describe_sample(Scene& scene, int frame_number, const R
   PathContext context = setup.context();
   context.log = &path;
   const PathSample sample = setup.sample_pixel(context, which.x, which.y, which.sample);
+  setup.description.textures.check();
 
   const auto text = [](const V3f& v) { return fmt::format("[{}, {}, {}]", v.x, v.y, v.z); };
   std::vector<std::string> lines;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
 #include <tuple>
 #include <vector>
 
@@ -35,6 +34,16 @@ class Blocks {
   int width_, height_;
   std::vector<double> values_;
 };
+
+/// Mean over the pixels of a frame; blocks at its right and lower border have fewer.
+double mean_over_pixels(const Blocks& blocks, int width, int height) {
+  const auto pixels = [](int block, int size) { return std::min(kBlockPx, size - block * kBlockPx); };
+  double sum = 0.0;
+  for (int y = 0; y < blocks.height(); ++y) {
+    for (int x = 0; x < blocks.width(); ++x) sum += blocks.at(x, y) * pixels(x, width) * pixels(y, height);
+  }
+  return sum / (static_cast<double>(width) * height);
+}
 
 /// Means of the pilot's errors over each block and its neighbours: filters spread an error that far.
 Blocks errors_of_blocks(const Image& error, int width, int height) {
@@ -99,9 +108,6 @@ Image counts_of_mean(const Pilot& pilot, int width, int height, double mean, con
     }
     return counts;
   };
-  const auto mean_of = [](const Blocks& counts) {
-    return std::accumulate(counts.values().begin(), counts.values().end(), 0.0) / counts.values().size();
-  };
   const double largest = *std::ranges::max_element(errors.values());
   if (!(largest > 0.0)) {  // no error is known anywhere: all get the same
     Blocks even = errors;
@@ -116,7 +122,7 @@ Image counts_of_mean(const Pilot& pilot, int width, int height, double mean, con
   constexpr int kSteps = 60;
   for (int i = 0; i < kSteps; ++i) {
     const double middle = std::sqrt(low) * std::sqrt(high);
-    (mean_of(scaled(middle)) < mean ? low : high) = middle;
+    (mean_over_pixels(scaled(middle), width, height) < mean ? low : high) = middle;
   }
   return counts_of_pixels(scaled(high), width, height);
 }

@@ -280,7 +280,9 @@ Compared compare(const std::string& path, std::vector<AdditiveSet> candidates, c
       return std::ranges::find(layers, group.name) == layers.end();
     });
     const int part = loaded.layers[static_cast<std::size_t>(Aov::beauty)]->part;
-    AdditiveSet set = compared(loaded.frame, rounding_of(open_exr(path)->header(part)));
+    double rounding = 0.0;
+    reading(path, [&] { rounding = rounding_of(open_exr(path)->header(part)); });
+    AdditiveSet set = compared(loaded.frame, rounding);
     result.is_certain |= set.is_certain;
     std::erase_if(layers, [&](const std::string& name) { return is_denoised_aov(loaded, name); });
     set.layers = std::move(layers);

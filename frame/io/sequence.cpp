@@ -135,7 +135,8 @@ std::optional<Field> field_at(std::string_view text, std::size_t at) {
   int padding = digits.empty() ? 1 : 0;
   std::from_chars(digits.data(), digits.data() + digits.size(), padding);
   const std::size_t end = digits_end + (printf_style ? 1 : 0);
-  if (padding < 1 || is_in_a_word(text, at, end)) return std::nullopt;
+  constexpr int longest_name = 255;
+  if (padding < 1 || padding > longest_name || is_in_a_word(text, at, end)) return std::nullopt;
   return Field{at, end, padding, false};
 }
 

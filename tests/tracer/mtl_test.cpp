@@ -20,7 +20,7 @@ struct Loaded {
 };
 Loaded load(const std::string& text) {
   Loaded loaded;
-  loaded.materials = load_mtl(write_file("m.mtl", text), loaded.textures, loaded.warnings);
+  loaded.materials = load_mtl(write_file("m.mtl", text), {}, loaded.textures, loaded.warnings);
   return loaded;
 }
 Material only(const std::string& text) {
@@ -177,6 +177,20 @@ TEST(Mtl, ByteOrderMarksContinuedLinesAndComments) {
             "m.mtl: line 4: 'Pr' needs 1 finite numbers, found 'x'");
 }
 
+TEST(Mtl, OnlyWantedMaterialsAreRead) {
+  const std::string path = write_file("m.mtl", "newmtl a\nmap_Kd nowhere.png\nnewmtl b\nKd 1 0 0\n");
+  Loaded loaded;
+  const std::set<std::string> wanted{"b"};
+  const std::vector<MtlMaterial> materials = load_mtl(path, wanted, loaded.textures, loaded.warnings);
+  ASSERT_EQ(materials.size(), 1u) << "and the image that a lacks is no error";
+  EXPECT_EQ(materials[0].material.name, "b");
+}
+
+TEST(Mtl, NamesThatAreTooLongAreNone) {
+  const std::string name(300, 'x');
+  EXPECT_EQ(mtl_error("newmtl a\nmap_Kd " + name + "\n"), "m.mtl: material 'a': no file '" + name + "'");
+}
+
 TEST(Mtl, Errors) {
   EXPECT_EQ(mtl_error("newmtl a\nKd 0.1 nan 0.3\n"),
             "m.mtl: line 2: 'Kd' needs 3 finite numbers, found 'nan'");
@@ -188,7 +202,7 @@ TEST(Mtl, Errors) {
   EXPECT_EQ(mtl_error("newmtl a\nmap_Pr text.png\n").find("m.mtl: material 'a': cannot read 'text.png': "),
             0u);
   Loaded loaded;
-  EXPECT_EQ(error_of([&] { load_mtl(file_path("nowhere.mtl"), loaded.textures, loaded.warnings); }),
+  EXPECT_EQ(error_of([&] { load_mtl(file_path("nowhere.mtl"), {}, loaded.textures, loaded.warnings); }),
             "nowhere.mtl: cannot read the material file");
   EXPECT_TRUE(load("").materials.empty());
   EXPECT_TRUE(load("Kd 1 1 1\n").materials.empty());
@@ -264,7 +278,7 @@ TEST(Mtl, PipesAreNoLibraries) {
   Loaded loaded;
   const std::string pipe = file_path("pipe.mtl");
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-  EXPECT_EQ(error_of([&] { load_mtl(pipe, loaded.textures, loaded.warnings); }),
+  EXPECT_EQ(error_of([&] { load_mtl(pipe, {}, loaded.textures, loaded.warnings); }),
             "pipe.mtl: not a file, expected an OBJ or MTL file");
 }
 

@@ -72,6 +72,15 @@ TEST(SampleCounts, FitFramesOfAnySize) {
   }
 }
 
+TEST(SampleCounts, KeepTheMeanWhereBlocksAtTheBorderAreSmall) {
+  for (const auto& [width, height] : {std::pair(640, 360), std::pair(100, 60), std::pair(48, 34)}) {
+    Pilot pilot{Image(width, height, 1, 1e-4f), 0.5};
+    for (int x = 0; x < width; ++x) pilot.error.at(x, height - 1, 0) = 10.0f;
+    const Image counts = counts_of_mean(pilot, width, height, 16.0, {.least = 4, .most = 64});
+    EXPECT_NEAR(mean_of(counts), 16.0, 1.0) << width;
+  }
+}
+
 TEST(SampleCounts, FollowTheErrorToTheEndOfLargeFrames) {
   constexpr int kSide = 70000;  // its product with the pilot's pixels is beyond 2^31
   Pilot pilot = two_halves(0.01f, 0.16f, kSide / 2, 1);

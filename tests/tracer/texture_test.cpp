@@ -201,8 +201,7 @@ TEST(Texture, ResidentOnesReadAsThoseOnDemand) {
                                  .space = ColorSpace::linear};
   Textures on_demand, resident;
   const std::uint32_t texture = on_demand.add(settings);
-  resident.add(settings);
-  resident.make_resident(1 << 20);
+  resident.make_resident({resident.add(settings)}, 1 << 20);
   EXPECT_EQ(resident.resident_bytes(), MipTexture::bytes(width, height, 3));
   EXPECT_EQ(on_demand.resident_bytes(), 0u);
   const Textures::Reader a(on_demand), b(resident);
@@ -223,17 +222,37 @@ TEST(Texture, WhatDoesNotFitIsReadOnDemand) {
   Textures textures;
   const std::uint32_t large = textures.add({.path = write_image("large.exr", 64, 64, 3, pixels)});
   const std::uint32_t small = textures.add({.path = write_image("small.exr", 2, 2, 3, kFour)});
-  textures.make_resident(MipTexture::bytes(2, 2, 3));
+  textures.make_resident({large, small}, MipTexture::bytes(2, 2, 3));
   EXPECT_EQ(textures.resident_bytes(), MipTexture::bytes(2, 2, 3));
   const std::uint32_t hot =
       textures.add({.path = write_image("hot.exr", 2, 1, 3, {0.3f, 0.3f, 0.3f, 60000, 0, 0}),
                     .space = ColorSpace::linear});
-  textures.make_resident(MipTexture::bytes(2, 2, 3) + MipTexture::bytes(2, 1, 3));
+  textures.make_resident({large, small, hot}, MipTexture::bytes(2, 2, 3) + MipTexture::bytes(2, 1, 3));
   const Textures::Reader reader(textures);
   EXPECT_NEAR(reader.color(hot, {V2f(0.25f, 0.5f)}).y, 0.3f, 1e-3f)
       << "one hot pixel costs the others nothing";
   EXPECT_GT(reader.color(large, {V2f(0.5f)}).x, 0.0f);
   EXPECT_GT(reader.color(small, {V2f(0.25f, 0.75f)}).x, 0.9f);
+}
+
+TEST(Texture, ThoseOfObjectsAloneAreResident) {
+  write_image("four.png", 2, 2, 3, kFour);
+  const auto bytes = [](const std::string& material) {
+    const std::string texture = "{'image': 'four.png', 'space': 'srgb'}";
+    const Scene scene = load_text(
+        "{'camera': {'look_at': {'eye': [0,2,1], 'target': [0,0,0]}},"
+        "'materials': {'plain': {'type': 'diffuse', 'reflectance': 0.5},"
+        "'painted': {'type': 'diffuse', 'reflectance': " +
+        texture +
+        "},"
+        "'both': {'type': 'mix', 'materials': ['plain', 'painted'], 'factor': 0.5}},"
+        "'meshes': {'p': {'shape': 'rectangle'}}, 'objects': [{'mesh': 'p', 'material': '" +
+        material + "'}]}");
+    return scene.description().textures.resident_bytes();
+  };
+  EXPECT_EQ(bytes("plain"), 0u);
+  EXPECT_GT(bytes("painted"), 0u);
+  EXPECT_GT(bytes("both"), 0u);
 }
 
 TEST(Texture, DamagedFilesAreReportedWithTheirName) {

@@ -23,7 +23,7 @@ class Environment {
   /// Latitude-longitude image: the top row is +y, the centre column -z, columns to its right turn towards +x;
   /// read bilinearly. `rotate_y_deg` turns it counter-clockwise seen from above. 1 channel is grey, of 3 or
   /// more the first three count. NaN and negative values become 0, +Inf becomes 65504 (a half that
-  /// overflowed), before scaling.
+  /// overflowed), before scaling. Throws Error(bad_input) for an empty image and for one of 2 channels.
   static Environment image(const Image& rgb, float scale, float rotate_y_deg);
 
   V3f radiance(const V3f& dir_world) const;

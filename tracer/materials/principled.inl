@@ -212,8 +212,9 @@ std::optional<BsdfSample> sample_model(const PrincipledBsdf& bsdf, const V3f& wo
 bool is_specular_model(const PrincipledBsdf& bsdf) {
   const float dielectric = diffuse_share(bsdf);
   const bool diffuse = dielectric > 0.0f && !is_black(bsdf.base_color);
-  return specular_is_smooth(bsdf) && (bsdf.coat == 0.0f || coat_is_smooth(bsdf)) && is_black(bsdf.sheen) &&
-         !diffuse && (bsdf.glass == 0.0f || !is_rough(bsdf.alpha, bsdf.eta));
+  const bool specular = dielectric > 0.0f || bsdf.metal > 0.0f;
+  return (!specular || specular_is_smooth(bsdf)) && (bsdf.coat == 0.0f || coat_is_smooth(bsdf)) &&
+         is_black(bsdf.sheen) && !diffuse && (bsdf.glass == 0.0f || !is_rough(bsdf.alpha, bsdf.eta));
 }
 
 /// Reflected and transmitted together, at normal incidence.

@@ -66,37 +66,55 @@ Bsdf make_bsdf(const MixMaterial&, const Values&) {
   return DiffuseBsdf{V3f(0.0f)};
 }
 
-template <class... Inputs>
-bool any_texture(const Inputs&... inputs) {
-  return ((inputs.texture != kNoTexture) || ...);
+template <class T>
+bool is_textured(const MaterialInput<T>& input) {
+  return input.texture != kNoTexture;
 }
 
-bool is_textured(const DiffuseMaterial& m) {
-  return any_texture(m.reflectance);
+/// Calls `use` with each input of a model that may be textured.
+template <class Use>
+void for_each_input(const DiffuseMaterial& m, const Use& use) {
+  use(m.reflectance);
 }
-bool is_textured(const ConductorMaterial& m) {
-  return any_texture(m.reflectance, m.roughness);
+template <class Use>
+void for_each_input(const ConductorMaterial& m, const Use& use) {
+  use(m.reflectance), use(m.roughness);
 }
-bool is_textured(const DielectricMaterial& m) {
-  return any_texture(m.roughness, m.transmittance);
+template <class Use>
+void for_each_input(const DielectricMaterial& m, const Use& use) {
+  use(m.roughness), use(m.transmittance);
 }
-bool is_textured(const PrincipledMaterial& m) {
-  return any_texture(m.base_color, m.metallic, m.roughness, m.anisotropy, m.anisotropy_rotation, m.sheen,
-                     m.sheen_tint, m.clearcoat, m.clearcoat_roughness, m.transmission);
+template <class Use>
+void for_each_input(const PrincipledMaterial& m, const Use& use) {
+  use(m.base_color);
+  for (const ScalarInput* input : {&m.metallic, &m.roughness, &m.anisotropy, &m.anisotropy_rotation, &m.sheen,
+                                   &m.sheen_tint, &m.clearcoat, &m.clearcoat_roughness, &m.transmission})
+    use(*input);
 }
-bool is_textured(const MixMaterial& m) {
-  return any_texture(m.factor);
+template <class Use>
+void for_each_input(const MixMaterial& m, const Use& use) {
+  use(m.factor);
+}
+
+/// The textures of its BSDF.
+std::set<std::uint32_t> textures_of(const MaterialModel& model) {
+  std::set<std::uint32_t> textures;
+  const auto add = [&](const auto& input) {
+    if (is_textured(input)) textures.insert(input.texture);
+  };
+  std::visit([&](const auto& m) { for_each_input(m, add); }, model);
+  return textures;
 }
 
 // Where a parameter is textured, it may take any value.
 bool may_be_smooth(const ScalarInput& roughness) {
-  return any_texture(roughness) || roughness_to_alpha(roughness.value) < kSmoothAlpha;
+  return is_textured(roughness) || roughness_to_alpha(roughness.value) < kSmoothAlpha;
 }
 bool may_be_rough(const ScalarInput& roughness) {
-  return any_texture(roughness) || roughness_to_alpha(roughness.value) >= kSmoothAlpha;
+  return is_textured(roughness) || roughness_to_alpha(roughness.value) >= kSmoothAlpha;
 }
 bool may_be_positive(const ScalarInput& weight) {
-  return any_texture(weight) || weight.value > 0.0f;
+  return is_textured(weight) || weight.value > 0.0f;
 }
 
 void add_lobes(MaterialNeeds&, const DiffuseMaterial&) {}
@@ -111,7 +129,7 @@ void add_lobes(MaterialNeeds& needs, const DielectricMaterial& m) {
   const auto smooth_at = [&](float roughness) {
     return is_specular(DielectricBsdf{m.ior, roughness_to_alpha(roughness), V3f(1.0f)});
   };
-  const bool varies = any_texture(m.roughness);
+  const bool varies = is_textured(m.roughness);
   needs.delta_lobes |= varies || smooth_at(m.roughness.value);
   needs.rough_specular |= !smooth_at(varies ? 1.0f : m.roughness.value);
   needs.transmission = true;
@@ -122,7 +140,7 @@ void add_lobes(MaterialNeeds& needs, const PrincipledMaterial& m) {
   needs.delta_lobes |= may_be_smooth(m.roughness) || (coated && may_be_smooth(m.clearcoat_roughness));
   needs.rough_specular |= may_be_rough(m.roughness) || (coated && may_be_rough(m.clearcoat_roughness));
   needs.transmission |=
-      may_be_positive(m.transmission) && (any_texture(m.metallic) || m.metallic.value < 1.0f);
+      may_be_positive(m.transmission) && (is_textured(m.metallic) || m.metallic.value < 1.0f);
   needs.tangents |= may_be_positive(m.anisotropy);
 }
 
@@ -158,11 +176,27 @@ void add_needs(MaterialNeeds& needs, std::span<const Material> materials, const 
 
 }  // namespace
 
+std::set<std::uint32_t> textures_of(std::span<const Material> materials, std::set<std::uint32_t> used) {
+  std::set<std::uint32_t> textures;
+  std::set<std::uint32_t> seen;
+  while (!used.empty()) {
+    const std::uint32_t number = *used.begin();
+    used.erase(used.begin());
+    if (!seen.insert(number).second) continue;
+    const Material& material = materials[number];
+    textures.merge(textures_of(material.model));
+    if (material.bump) textures.insert(material.bump->texture);
+    if (material.normal_map) textures.insert(material.normal_map->texture);
+    if (const auto* mix = std::get_if<MixMaterial>(&material.model)) used.insert({mix->first, mix->second});
+  }
+  return textures;
+}
+
 void finish_material(Material& material) {
   // The tables of anisotropic lobes are made now and not when the first path needs them.
-  if (const auto* m = std::get_if<PrincipledMaterial>(&material.model); m && any_texture(m->anisotropy))
+  if (const auto* m = std::get_if<PrincipledMaterial>(&material.model); m && is_textured(m->anisotropy))
     make_principled({.anisotropy = 1.0f});
-  material.textured = std::visit([](const auto& model) { return is_textured(model); }, material.model);
+  material.textured = !textures_of(material.model).empty();
   material.bsdf = std::visit([](const auto& model) { return make_bsdf(model, Constants{}); }, material.model);
 }
 

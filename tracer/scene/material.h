@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <variant>
@@ -129,5 +130,8 @@ struct MaterialNeeds {
   bool interface = false;
 };
 MaterialNeeds material_needs(std::span<const Material> materials, const Material& material);
+
+/// The textures of the `used` ones of a list of materials, and of those that they are mixed of.
+std::set<std::uint32_t> textures_of(std::span<const Material> materials, std::set<std::uint32_t> used);
 
 }  // namespace becalm::tracer

@@ -88,11 +88,11 @@ std::uint32_t Textures::add(const TextureSettings& settings) {
   return static_cast<std::uint32_t>(state_->entries.size() - 1);
 }
 
-void Textures::make_resident(std::size_t most_bytes) {
-  if (!state_) return;
+void Textures::make_resident(const std::set<std::uint32_t>& wanted, std::size_t most_bytes) {
   std::vector<State::Entry*> chosen;
   std::size_t sum = 0;
-  for (State::Entry& entry : state_->entries) {
+  for (const std::uint32_t texture : wanted) {
+    State::Entry& entry = state_->entries[texture];
     const auto same = [&](const State::Entry* other) { return other->name == entry.name; };
     if (std::ranges::any_of(chosen, same)) continue;
     const std::size_t bytes = MipTexture::bytes(entry.width, entry.height, channels_of(entry.settings));
@@ -119,7 +119,8 @@ void Textures::make_resident(std::size_t most_bytes) {
   for (const std::string& error : errors) {
     if (!error.empty()) throw Error(ExitStatus::bad_input, error);
   }
-  for (State::Entry& entry : state_->entries) {
+  for (const std::uint32_t texture : wanted) {
+    State::Entry& entry = state_->entries[texture];
     for (const State::Entry* other : chosen) {
       if (other->name == entry.name) entry.resident = other->resident;
     }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "tracer/math/picture_lookup.h"
@@ -59,9 +60,9 @@ class Textures {
   /// a readable image or has no such channel; pixels are read when they are needed.
   std::uint32_t add(const TextureSettings& settings);
 
-  /// Reads the textures in parallel, in the order in which they were added, as long as they fit into so many
-  /// bytes. Throws Error(bad_input) naming the file whose pixels cannot be read.
-  void make_resident(std::size_t most_bytes);
+  /// Reads those textures in parallel, in the order in which they were added, as long as they fit into so
+  /// many bytes. Throws Error(bad_input) naming the file whose pixels cannot be read.
+  void make_resident(const std::set<std::uint32_t>& wanted, std::size_t most_bytes);
   std::size_t resident_bytes() const;
 
   /// Reads textures on one thread; made for each tile, since it knows the thread's part of the cache. The

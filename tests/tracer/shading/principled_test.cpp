@@ -263,6 +263,7 @@ TEST(Principled, delta_lobes) {
   EXPECT_EQ(reflected->wi, V3f(-wo.x, -wo.y, wo.z));
   EXPECT_NEAR(reflected->weight.y, 0.6f, 0.01f);
   EXPECT_TRUE(is_specular(make({.base_color = kWhite, .roughness = 0.0f, .transmission = 1.0f})));
+  EXPECT_TRUE(is_specular(make({.base_color = kWhite, .roughness = 0.5f, .ior = 1.0f, .transmission = 1.0f})));
   EXPECT_FALSE(is_specular(make({.base_color = kWhite, .roughness = 0.0f}))) << "diffuse below";
   EXPECT_FALSE(is_specular(make({.metallic = 1.0f, .roughness = 0.3f, .clearcoat = 1.0f})));
   EXPECT_TRUE(is_specular(make({.metallic = 1.0f, .roughness = 0.0f, .clearcoat = 1.0f})));

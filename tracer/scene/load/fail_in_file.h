@@ -11,4 +11,10 @@ namespace becalm::tracer {
   throw Error(ExitStatus::bad_input, path + ": " + message);
 }
 
+/// While an error is handled: throws it again where it is no fault of the file that was read.
+inline void rethrow_if_of_system(const std::runtime_error& error) {
+  const auto* own = dynamic_cast<const Error*>(&error);
+  if (own != nullptr && own->status() == ExitStatus::resource) throw;
+}
+
 }  // namespace becalm::tracer

@@ -1,6 +1,7 @@
 #include "tracer/scene/load/load.h"
 
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "tracer/scene/load/load_media.h"
 #include "tracer/scene/load/load_sections.h"
@@ -39,7 +40,9 @@ Scene load_scene(const std::string& file) {
   }
   read_meshes(json.at("meshes"), names, scene);
   for (const JsonValue& value : json.at("objects").elements()) read_object(value, names, scene);
-  scene.textures.make_resident(kResidentTextureBytes);
+  std::set<std::uint32_t> used;
+  for (const Object& object : scene.objects) used.insert(object.material);
+  scene.textures.make_resident(textures_of(scene.materials, std::move(used)), kResidentTextureBytes);
   return Scene(std::move(scene));
 }
 

@@ -141,8 +141,9 @@ void read_environment(const JsonValue& json, SceneDescription& scene) {
     const JsonValue image = json.at("image");
     const double scale = json.has("scale") ? json.at("scale").number(0.0, kLargestNumber) : 1.0;
     const double rotation = json.has("rotate_y_deg") ? json.at("rotate_y_deg").number() : 0.0;
-    scene.environment = Environment::image(read_image(image, beside(scene.file, image.string())),
-                                           static_cast<float>(scale), static_cast<float>(rotation));
+    const Image pixels = read_image(image, beside(scene.file, image.string()));
+    if (pixels.channels() == 2) image.fail("expected 1 or at least 3 channels, found 2");
+    scene.environment = Environment::image(pixels, static_cast<float>(scale), static_cast<float>(rotation));
     scene.environment_is_image = true;
   } else {
     json.allow_keys({"radiance", "group"});

@@ -2,6 +2,7 @@
 #include <stdexcept>
 
 #include "tracer/materials/conductor_ior.h"
+#include "tracer/scene/load/fail_in_file.h"
 #include "tracer/scene/load/load_sections.h"
 
 namespace becalm::tracer {
@@ -30,6 +31,7 @@ TextureContent read_channel(const JsonValue& json, TextureContent otherwise) {
 
 [[noreturn]] void fail_unreadable(const JsonValue& json, const std::string& path,
                                   const std::runtime_error& error) {
+  rethrow_if_of_system(error);
   json.at("image").fail(fmt::format("cannot read '{}': {}", path, error.what()));
 }
 

@@ -168,12 +168,14 @@ class Translator {
   std::string image_path(std::string name) const {
     std::replace(name.begin(), name.end(), '\\', '/');
     std::string file = (std::filesystem::path(path_).parent_path() / name).string();
-    if (!std::filesystem::is_regular_file(file))
+    std::error_code ignored;  // a name that is too long is none
+    if (!std::filesystem::is_regular_file(file, ignored))
       fail_in_file(path_, fmt::format("material '{}': no file '{}'", mtl_.name, name));
     return file;
   }
 
   [[noreturn]] void fail_unreadable(const std::string& name, const std::runtime_error& error) const {
+    rethrow_if_of_system(error);
     fail_in_file(path_, fmt::format("material '{}': cannot read '{}': {}", mtl_.name, name, error.what()));
   }
 
@@ -232,8 +234,8 @@ void warn_of_images(const std::string& path, const tinyobj::material_t& mtl, con
 
 }  // namespace
 
-std::vector<MtlMaterial> load_mtl(const std::string& path, Textures& textures,
-                                  std::vector<std::string>& warnings) {
+std::vector<MtlMaterial> load_mtl(const std::string& path, const std::optional<std::set<std::string>>& wanted,
+                                  Textures& textures, std::vector<std::string>& warnings) {
   MtlText mtl_text = read_mtl(path);
   std::ranges::move(mtl_text.warnings, std::back_inserter(warnings));
   std::map<std::string, int> numbers;
@@ -244,6 +246,7 @@ std::vector<MtlMaterial> load_mtl(const std::string& path, Textures& textures,
   std::vector<MtlMaterial> materials;
   for (const tinyobj::material_t& mtl : parsed) {
     if (mtl.name.empty()) continue;  // what tinyobjloader makes of a file without any
+    if (wanted && !wanted->contains(std::string(trimmed(mtl.name)))) continue;
     const MtlStatements& statements = mtl_text.materials[std::string(trimmed(mtl.name))];
     warn_of_images(path, mtl, statements, warnings);
     materials.push_back(Translator(path, mtl, statements, textures).translate());
@@ -254,15 +257,18 @@ std::vector<MtlMaterial> load_mtl(const std::string& path, Textures& textures,
 std::vector<MtlMaterial> load_part_materials(const std::string& obj_path, const ObjParts& obj,
                                              Textures& textures, std::vector<std::string>& warnings) {
   const std::filesystem::path folder = std::filesystem::path(obj_path).parent_path();
+  std::set<std::string> wanted;
+  for (const ObjPart& part : obj.parts) wanted.insert(part.material);
   std::vector<MtlMaterial> library;
   const auto read = [&](std::string_view name) {
-    std::vector<MtlMaterial> more = load_mtl((folder / name).string(), textures, warnings);
+    std::vector<MtlMaterial> more = load_mtl((folder / name).string(), wanted, textures, warnings);
     std::move(more.begin(), more.end(), std::back_inserter(library));
   };
   for (const std::string& names : obj.material_libraries) {
     // One name with blanks in it, or several.
     std::string_view rest = names;
-    if (std::filesystem::is_regular_file(folder / names)) {
+    std::error_code ignored;  // a name that is too long is none
+    if (std::filesystem::is_regular_file(folder / names, ignored)) {
       read(names);
     } else {
       while (!trimmed(rest).empty()) read(take_word(rest));

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -14,8 +16,9 @@ struct MtlMaterial {
   V3f emission{0.0f};  ///< radiance: Ke, times the mean colour of map_Ke
 };
 
-/// Reads a Wavefront material file, with the physically based extension of its fields; its images are added
-/// to the textures, paths relative to the file. Not to be called by two threads with the same textures.
+/// Reads the `wanted` materials, or all, of a Wavefront material file, with the physically based extension of
+/// its fields; their images are added to the textures, paths relative to the file. Not to be called by two
+/// threads with the same textures.
 ///
 /// Materials with any of Pr, Pm, Ps, Pc, Pcr, aniso, anisor or their maps are principled; without these,
 /// illum 4, 6, 7 and 9 are a dielectric (Ni, or 1.5; Tf, or 1), illum 3 and 5 with a Ks a conductor of that
@@ -31,8 +34,8 @@ struct MtlMaterial {
 ///
 /// Throws Error(bad_input), one line: a file that cannot be read; `FILE: line N: ...` for what should be
 /// numbers and is not; `FILE: material 'M': ...` for an image that is not there or not readable.
-std::vector<MtlMaterial> load_mtl(const std::string& path, Textures& textures,
-                                  std::vector<std::string>& warnings);
+std::vector<MtlMaterial> load_mtl(const std::string& path, const std::optional<std::set<std::string>>& wanted,
+                                  Textures& textures, std::vector<std::string>& warnings);
 
 /// The material of each part, in their order: from the material files that the OBJ names, relative to it.
 /// Faces before any usemtl are white (0.8) and diffuse. Throws as load_mtl, and `OBJ: no material 'M' in ...`
