@@ -157,11 +157,12 @@ WriteReport write_exr(const std::string& path, const std::vector<WrittenView>& v
 /// Writes an image of one channel as the float channel Y. Atomic and failing as write_exr.
 void write_plane_exr(const std::string& path, const Image& plane, const Attributes& attributes);
 
-/// Writes a frame, which has a beauty, small: all layers as half with ZIP compression, no alpha where it is 1
+/// Writes a frame, which has a beauty, small: its AOVs as half with ZIP compression, no alpha where it is 1
 /// everywhere, and the variance by its root, to 12 % (`noiselevel`, which read_exr squares). Colours are
 /// float where half would change one of them by more than 2^-11 of it and a sixteenth of its deviation
-/// (without variance: 2^-11 of the mean colour), and so are deviations. `first`: where its first pixel lies.
-/// Atomic and failing as write_exr.
+/// (without variance: 2^-11 of the mean colour), and so are deviations; other AOVs where they exceed half's
+/// range. Light groups, jitter, stereo camera and checkerboard are left out. `first`: where its first pixel
+/// lies. Atomic and failing as write_exr.
 void write_compact_exr(const std::string& path, const Frame& frame, const Attributes& attributes,
                        const Imath::V2i& first = Imath::V2i(0));
 

@@ -1,6 +1,8 @@
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfPartType.h>
 
+#include <Imath/half.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -57,6 +59,11 @@ Imf::PixelType smallest_type(const Image& image, const Image& deviation) {
   return Imf::HALF;
 }
 
+bool exceeds_half(const Image& image) {
+  return std::ranges::any_of(image.data(),
+                             [](float value) { return std::isfinite(value) && std::abs(value) > HALF_MAX; });
+}
+
 }  // namespace
 
 void write_compact_exr(const std::string& path, const Frame& frame, const Attributes& attributes,
@@ -83,7 +90,8 @@ void write_compact_exr(const std::string& path, const Frame& frame, const Attrib
   if (!is_opaque(beauty)) add("A", Imf::HALF, beauty, 3);
   for (const AovInfo& entry : kAovTable) {
     if (!frame.has(entry.aov) || entry.aov == Aov::beauty || entry.aov == Aov::variance) continue;
-    add_layer(frame, entry.aov, "", Imf::HALF, first, header, channels);
+    const Imf::PixelType type_of_layer = exceeds_half(frame.image(entry.aov)) ? Imf::FLOAT : Imf::HALF;
+    add_layer(frame, entry.aov, "", type_of_layer, first, header, channels);
   }
   WriteReport report;
   writing(path, {header},

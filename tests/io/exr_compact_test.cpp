@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,18 @@ TEST(CompactExr, KeepsHalvesAndTheVarianceWithinItsRounding) {
     EXPECT_NEAR(read.image(Aov::variance).data()[i], expected, 0.27f * expected) << i;
   }
   EXPECT_EQ(read_attribute(folder.path("compact.exr"), "becalm:version"), "1");
+}
+
+TEST(CompactExr, KeepsDepthsBeyondHalf) {
+  const TemporaryFolder folder;
+  Frame frame(1, 2, 1);
+  frame.add(Aov::beauty, 1.0f);
+  frame.add(Aov::depth, 3e6f);
+  frame.image(Aov::depth).at(1, 0, 0) = std::numeric_limits<float>::infinity();
+  write_compact_exr(folder.path("compact.exr"), frame, {});
+  const Frame read = read_exr(folder.path("compact.exr"), 1, AovSet().set()).frame;
+  EXPECT_EQ(read.image(Aov::depth).at(0, 0, 0), 3e6f);
+  EXPECT_EQ(read.image(Aov::depth).at(1, 0, 0), std::numeric_limits<float>::infinity());
 }
 
 /// Types of R and noiselevel.R as they are written, and both channels read again.
