@@ -10,9 +10,9 @@ def luminance(rgb):
 
 
 def exposure(rgb):
-    """1 / geometric mean of the luminances above a millionth of their mean, as the filter exposes its frames."""
+    """1 / geometric mean of the finite luminances above a millionth of their mean, nearly as the filter exposes its frames."""
     values = luminance(rgb).astype(np.float64).ravel()
-    values = values[values > 0]
+    values = values[(values > 0) & np.isfinite(values)]
     if values.size == 0:
         return 1.0
     return float(1.0 / np.exp(np.log(values[values > 1e-6 * values.mean()]).mean()))

@@ -9,14 +9,20 @@ import OpenImageIO as oiio
 
 
 def read_layers(path):
-    """The layers by name, the beauty under ''; each (height, width, channels) in the file's channel order."""
-    image = oiio.ImageBuf(str(path))
-    if image.has_error:
-        raise OSError(f"{path}: {image.geterror()}")
-    pixels = image.get_pixels(oiio.FLOAT)
+    """The layers of all parts by name, bare channels of the first part under '', of others under the part's name; each (height, width,
+    channels) in the file's channel order."""
     layers = {}
-    for index, name in enumerate(image.spec().channelnames):
-        layers.setdefault(name.rpartition(".")[0], []).append(pixels[..., index])
+    part, parts = 0, 1
+    while part < parts:
+        image = oiio.ImageBuf(str(path), part, 0)
+        if image.has_error:
+            raise OSError(f"{path}: {image.geterror()}")
+        parts = image.nsubimages
+        pixels = image.get_pixels(oiio.FLOAT)
+        bare = image.spec().getattribute("oiio:subimagename") or f"part {part}" if part > 0 else ""
+        for index, name in enumerate(image.spec().channelnames):
+            layers.setdefault(name.rpartition(".")[0] or bare, []).append(pixels[..., index])
+        part += 1
     return {name: np.stack(channels, axis=-1) for name, channels in layers.items()}
 
 

@@ -5,6 +5,7 @@ then all parameters as half floats, layer by layer: weights as [output][input][r
 the layers is that of `layers` here and of filter/smooth/weights.cpp.
 """
 
+import os
 import struct
 import sys
 
@@ -22,15 +23,27 @@ def layers(network):
     return [layer.conv for layer in convolutions] + [*network.window, *network.confidence, network.albedo, network.error]
 
 
-def to_bytes(network):
-    parts = [MAGIC, struct.pack("<6I", INPUTS, *network.channels)]
-    for layer in layers(network):
-        for tensor in (layer.weight, layer.bias):
-            halves = tensor.detach().cpu().numpy().astype("<f2")
-            if not np.isfinite(halves).all():
-                raise ValueError("a parameter is not a finite half float")
-            parts.append(halves.tobytes())
+def halves_of(layer):
+    """The weights and biases of a layer as the bytes of half floats."""
+    parts = []
+    for tensor in (layer.weight, layer.bias):
+        halves = tensor.detach().cpu().numpy().astype("<f2")
+        if not np.isfinite(halves).all():
+            raise ValueError("a parameter is not a finite half float")
+        parts.append(halves.tobytes())
     return b"".join(parts)
+
+
+def to_bytes(network):
+    return b"".join([MAGIC, struct.pack("<6I", INPUTS, *network.channels), *map(halves_of, layers(network))])
+
+
+def write_weights(path, data):
+    """Replaces the file by a whole one."""
+    partial = f"{path}.partial"
+    with open(partial, "wb") as file:
+        file.write(data)
+    os.replace(partial, path)
 
 
 def from_bytes(data):
@@ -68,8 +81,7 @@ def load_trained(path):
 
 def main():
     trained, out = sys.argv[1:]
-    with open(out, "wb") as file:
-        file.write(to_bytes(load_trained(trained)))
+    write_weights(out, to_bytes(load_trained(trained)))
 
 
 if __name__ == "__main__":

@@ -165,7 +165,7 @@ def gain(share, frames):
 
 
 def to_bytes(share):
-    return MAGIC + b"".join(p.detach().numpy().astype("<f2").tobytes() for layer in share.layers for p in (layer.weight, layer.bias))
+    return MAGIC + b"".join(map(export.halves_of, share.layers))
 
 
 def from_bytes(data):
@@ -204,8 +204,7 @@ def main():
         raise SystemExit(f"{args.data}: expected shots with {shots.REMERGED}; merged_shots.py --again makes it")
     print(f"{len(learn)} frames to learn from, {len(choose)} to choose on", flush=True)
     share = train(learn, args.steps)
-    with open(args.out, "wb") as file:
-        file.write(to_bytes(share))
+    export.write_weights(args.out, to_bytes(share))
     if choose:
         print(f"held-out shots: {gain(share, choose):.3f} of the error of the smoothed merged frame")
 

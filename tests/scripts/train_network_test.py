@@ -1,6 +1,10 @@
 """The networks that scripts/train/ trains, their export, and the loss that they learn from."""
 
+import sys
+import tempfile
 import unittest
+from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import torch
@@ -32,6 +36,19 @@ class Networks(unittest.TestCase):
         expected, found = self.smoothed(self.network, self.colors), self.smoothed(again, self.colors)
         self.assertLess(((found - expected).abs() / expected).max().item(), 2e-2)  # of weights in half floats
         self.assertEqual(len(data), 32 + 2 * parameter_count(self.network))
+
+    def test_an_export_that_fails_leaves_the_weights_that_were_there(self):
+        with tempfile.TemporaryDirectory() as folder:
+            trained, out = Path(folder) / "best.pt", Path(folder) / "standard.weights"
+            out.write_bytes(b"earlier weights")
+            self.network.albedo.bias.data.fill_(1e6)  # beyond half floats
+            torch.save({"channels": self.network.channels, "network": self.network.state_dict()}, trained)
+            with mock.patch.object(sys, "argv", ["export.py", str(trained), str(out)]), self.assertRaises(ValueError):
+                export.main()
+            self.assertEqual(out.read_bytes(), b"earlier weights")
+            self.network.albedo.bias.data.fill_(1.0)
+            export.write_weights(out, export.to_bytes(self.network))
+            self.assertEqual(export.read_weights(out).albedo.bias[0].item(), 1.0)
 
     def test_weights_are_positive_and_sum_to_one(self):
         self.features[:, :3] = self.features[:, 7:10] = 1.0  # no albedo
