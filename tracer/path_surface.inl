@@ -89,7 +89,7 @@ bool Path<F>::scatter(const ObjectState& object, const Hit& hit, Surface& surfac
   if (is_black(throughput_)) return false;
   radiance_scale_ *= scattered->radiance_scale;
   if (!specular) ++scatterings_;
-  material_pdf_ = scattered->specular ? 0.0f : scattered->pdf;
+  material_pdf_ = scattered->specular ? 0.0f : scattered->pdf_solid_angle;
   if constexpr (F.textures) bend_differential(object, hit, normal, *scattered, wi_world);
   previous_position_ = surface.position;
 

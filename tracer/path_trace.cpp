@@ -146,7 +146,7 @@ PathSample trace_path(const PathContext& context, const V2f& raster, Sampler& sa
 
 template <Features F>
 constexpr PathVariant variant(const char* name) {
-  return {name, F.surfaces, F.textures, F.media, F.blur, F.guides, &trace_path<F>};
+  return {name, F.surfaces, F.textures, F.media, F.blur, &trace_path<F>};
 }
 
 // A ladder and not all combinations: a rung that is not needed costs 0 to 12%.

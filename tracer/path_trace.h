@@ -72,7 +72,6 @@ struct PathVariant {
   bool textures;  ///< what varies over a surface, and the ray differentials that say how far to average it
   bool media;     ///< scattering inside objects, and interfaces that only bound them
   bool blur;      ///< the shutter is open for a time, or the lens has a width
-  bool guides;    ///< AOVs of the surfaces met
   PathFunction function;
 };
 

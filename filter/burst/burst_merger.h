@@ -35,7 +35,8 @@ class BurstMerger {
   void start(const BurstFrame& reference, const std::array<float, 3>& white_balance);
   /// Merges one more frame. Adds the device times to the report.
   void add(const BurstFrame& frame, FrameReport& report);
-  /// Where the last frame's samples came from: two channels, a pixel a block, in pixels of the mosaic.
+  /// For tests: where the last frame's samples came from: two channels, a pixel a block, in pixels of the
+  /// mosaic.
   Image offset() const;
   int block() const;
 

@@ -49,13 +49,14 @@ struct DeviceBytes {
 /// Where the host writes inputs and reads outputs.
 enum class Transfers {
   in_place,  ///< where kernels read and write them, if the device is a processor; else as `staged`
-  staged,    ///< in staging memory, from which and to which runs copy
+  staged,    ///< in staging memory, from which and to which runs copy; asked for by tests alone
 };
 
 struct ChainOptions {
   bool alias_memory = true;  ///< images whose lifetimes do not overlap share memory
   Transfers transfers = Transfers::in_place;
-  /// No allocation is larger than this, unless a single image is. The device's own limit applies as well.
+  /// For tests: no allocation is larger than this, unless a single image is. The device's own limit applies
+  /// as well.
   std::uint64_t max_arena_bytes = std::numeric_limits<std::uint64_t>::max();
   std::span<const Kernel> kernels = embedded_kernels();
 };

@@ -65,7 +65,9 @@ void pack_motion(const Image& motion, const Rect& rect, float limit_px, std::spa
 std::size_t count_far_motions(const Image& motion, float limit_px);
 
 /// The factor that brings a frame into a known range: 1 / geometric mean of the finite luminances above a
-/// millionth of their mean (traces of light on black would dominate it otherwise); 1 for a black frame.
+/// millionth of their mean over all pixels, within [1e-15, 1e15]. Fainter ones, traces of light on black,
+/// would dominate it; for their mean, luminances far above the largest usual one (kFirefly) count as that. 1
+/// for a black frame.
 float exposure(const Image& beauty);
 
 }  // namespace becalm::filter

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <utility>
 
 #include "filter/input/noisy_inputs.h"
@@ -126,6 +127,7 @@ CarriedRead add_carried_read(Chain& chain, const Settings& settings, Extent full
                              ImageId offset, const WarpInputs& history, std::size_t i,
                              std::optional<ImageId> share) {
   const CarriedImage& carried = history.carried[i];
+  assert(settings.resample != Resample::spline && "only the beauty has spline coefficients");
   const bool own_share = carried.kind != Carried::additive;
   CarriedRead made{.warped = chain.image(fmt::format("warped.carried.{}", i), Format::f32x4, full),
                    .share = {}};

@@ -267,6 +267,7 @@ Image SequenceFilter::State::motion(const Step& step, const Frame& frame) {
   Image result = next ? motion_to_next(*next)
                       : Image(frame.width(), frame.height(), 2, std::numeric_limits<float>::quiet_NaN());
   next.emplace(frame.number(), frame.width(), frame.height());
+  // Without jitter: here and in the merge, AOVs count as those of pixels' centres.
   for (const Aov aov : {Aov::motion, Aov::depth}) next->image(aov) = frame.image(aov);
   return result;
 }

@@ -66,7 +66,8 @@ struct PrincipledBsdf {
   float coat_alpha;
 };
 
-/// A new model is one .inl and one entry here; ../README.md has the rest of the way.
+/// A new model is an .inl, an entry here, and what bsdf.cpp says of models (transmits_model, widen_model);
+/// ../README.md has the rest of the way.
 using Bsdf = std::variant<DiffuseBsdf, ConductorBsdf, DielectricBsdf, PrincipledBsdf>;
 
 /// Lobes narrower than this many radians are handled as delta functions: 32-bit directions could not resolve
@@ -75,11 +76,11 @@ inline constexpr float kSmoothAlpha = 1e-4f;
 
 struct BsdfSample {
   V3f wi;
-  V3f weight;            ///< f |cos wi| / pdf, each channel finite and >= 0
-  float pdf;             ///< in solid angle, as evaluate() gives it; 0 for delta lobes
-  bool specular;         ///< came from a delta lobe
-  bool transmitted;      ///< wi lies on the other side than wo
-  float radiance_scale;  ///< (n_wo / n_wi)^2 as contained in weight; Russian roulette should divide it out
+  V3f weight;             ///< f |cos wi| / pdf, each channel finite and >= 0
+  float pdf_solid_angle;  ///< as evaluate() gives it; 0 for delta lobes
+  bool specular;          ///< came from a delta lobe
+  bool transmitted;       ///< wi lies on the other side than wo
+  float radiance_scale;   ///< (n_wo / n_wi)^2 as contained in weight; Russian roulette should divide it out
 };
 
 /// Both are zero for delta lobes and where wo or wi is tangential to the surface.

@@ -48,7 +48,7 @@ std::optional<BsdfSample> sample_model(const ConductorBsdf& bsdf, const V3f& wo,
   if (is_specular_model(bsdf)) {
     return BsdfSample{.wi = V3f(-wo.x, -wo.y, wo.z),
                       .weight = fresnel(bsdf.eta, bsdf.k, std::min(o.z, 1.0f)),
-                      .pdf = 0.0f,
+                      .pdf_solid_angle = 0.0f,
                       .specular = true,
                       .transmitted = false,
                       .radiance_scale = 1.0f};
@@ -67,7 +67,7 @@ std::optional<BsdfSample> sample_model(const ConductorBsdf& bsdf, const V3f& wo,
   if (!(value.pdf_solid_angle > 0.0f) || !std::isfinite(value.pdf_solid_angle)) return std::nullopt;
   return BsdfSample{.wi = V3f(i.x, i.y, std::copysign(i.z, wo.z)),
                     .weight = value.f_cos / value.pdf_solid_angle,
-                    .pdf = value.pdf_solid_angle,
+                    .pdf_solid_angle = value.pdf_solid_angle,
                     .specular = false,
                     .transmitted = false,
                     .radiance_scale = 1.0f};

@@ -20,21 +20,4 @@ ConductorIor conductor_from_reflectance(const V3f& reflectance) {
   return ior;
 }
 
-ConductorIor conductor_from_reflectance(const V3f& reflectance, const V3f& edge_tint) {
-  ConductorIor ior = conductor_from_reflectance(reflectance);
-  for (int c = 0; c < 3; ++c) {
-    const double r = std::clamp(reflectance[c], 0.0f, 1.0f);
-    if (r == 1.0) continue;
-    // Gulbrandsen's eq. 10 and 8: eta between the smallest and the largest that reflect r at all, then k from
-    // r.
-    const double tint = std::clamp(edge_tint[c], 0.0f, 1.0f);
-    const double root = std::sqrt(r);
-    const double eta = tint * (1.0 - r) / (1.0 + r) + (1.0 - tint) * (1.0 + root) / (1.0 - root);
-    const double k2 = (r * (eta + 1.0) * (eta + 1.0) - (eta - 1.0) * (eta - 1.0)) / (1.0 - r);
-    ior.eta[c] = static_cast<float>(eta);
-    ior.k[c] = static_cast<float>(std::sqrt(std::max(0.0, k2)));
-  }
-  return ior;
-}
-
 }  // namespace becalm::tracer

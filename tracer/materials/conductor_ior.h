@@ -14,8 +14,4 @@ struct ConductorIor {
 /// grazing angles. Clamped to [0,1]; a channel of 1 reflects everything at every angle.
 ConductorIor conductor_from_reflectance(const V3f& reflectance);
 
-/// The same with an edge tint in [0,1]: 1 keeps the colour longest towards grazing angles. Source:
-/// Gulbrandsen, "Artist Friendly Metallic Fresnel", JCGT 3(4), 2014.
-ConductorIor conductor_from_reflectance(const V3f& reflectance, const V3f& edge_tint);
-
 }  // namespace becalm::tracer

@@ -172,7 +172,7 @@ std::optional<BsdfSample> sample_once(const DielectricBsdf& bsdf, const V3f& wo,
     const float masking = rough ? mirrored_weight(wo, wi, bsdf.alpha) : 1.0f;
     return BsdfSample{.wi = wi,
                       .weight = V3f(s.reflected / s.p_reflect * masking),
-                      .pdf = rough ? s.p_reflect * pdf_mirrored_normal(wo, m, bsdf.alpha) : 0.0f,
+                      .pdf_solid_angle = rough ? s.p_reflect * pdf_mirrored_normal(wo, m, bsdf.alpha) : 0.0f,
                       .specular = !rough,
                       .transmitted = false,
                       .radiance_scale = 1.0f};
@@ -183,12 +183,13 @@ std::optional<BsdfSample> sample_once(const DielectricBsdf& bsdf, const V3f& wo,
   if (wi.z >= 0.0f) return std::nullopt;
   const float radiance_scale = 1.0f / square(n);
   const float masking = rough ? -wi.z * ggx_g1_over_cos(upper(wi), bsdf.alpha) : 1.0f;
-  return BsdfSample{.wi = wi,
-                    .weight = s.transmitted * (masking * radiance_scale / s.p_transmit),
-                    .pdf = rough ? s.p_transmit * pdf_refracted_normal(wo, wi, m, n, bsdf.alpha) : 0.0f,
-                    .specular = !rough,
-                    .transmitted = true,
-                    .radiance_scale = radiance_scale};
+  return BsdfSample{
+      .wi = wi,
+      .weight = s.transmitted * (masking * radiance_scale / s.p_transmit),
+      .pdf_solid_angle = rough ? s.p_transmit * pdf_refracted_normal(wo, wi, m, n, bsdf.alpha) : 0.0f,
+      .specular = !rough,
+      .transmitted = true,
+      .radiance_scale = radiance_scale};
 }
 
 /// Of a rough interface, for wo above.
@@ -209,14 +210,15 @@ std::optional<BsdfSample> sample_rough(const DielectricBsdf& bsdf, const Further
   } else {
     const float u_once = std::min((u_lobe - p) / (1.0f - p), 0x1.fffffep-1f);
     const std::optional<BsdfSample> found = sample_once(bsdf, wo, n, u, u_once);
-    if (!found || !(found->pdf > 0.0f) || !std::isfinite(found->pdf)) return std::nullopt;
+    if (!found || !(found->pdf_solid_angle > 0.0f) || !std::isfinite(found->pdf_solid_angle))
+      return std::nullopt;
     drawn = *found;
-    once = {found->weight * found->pdf, found->pdf};
+    once = {found->weight * found->pdf_solid_angle, found->pdf_solid_angle};
   }
   const BsdfValue value = add(further, once, drawn.wi);
   if (!(value.pdf_solid_angle > 0.0f) || !std::isfinite(value.pdf_solid_angle)) return std::nullopt;
   drawn.weight = value.f_cos / value.pdf_solid_angle;
-  drawn.pdf = value.pdf_solid_angle;
+  drawn.pdf_solid_angle = value.pdf_solid_angle;
   return drawn;
 }
 

@@ -18,7 +18,7 @@ std::optional<BsdfSample> sample_model(const DiffuseBsdf& bsdf, const V3f& wo, c
   const V3f wi(radius * std::cos(phi), radius * std::sin(phi), std::copysign(cos_i, wo.z));
   return BsdfSample{.wi = wi,
                     .weight = bsdf.reflectance,
-                    .pdf = cos_i * std::numbers::inv_pi_v<float>,
+                    .pdf_solid_angle = cos_i * std::numbers::inv_pi_v<float>,
                     .specular = false,
                     .transmitted = false,
                     .radiance_scale = 1.0f};

@@ -136,7 +136,7 @@ BsdfValue evaluate_model(const PrincipledBsdf& bsdf, const V3f& wo, const V3f& w
 BsdfSample mirror_sample(const V3f& wo, const V3f& weight) {
   return {.wi = V3f(-wo.x, -wo.y, wo.z),
           .weight = weight,
-          .pdf = 0.0f,
+          .pdf_solid_angle = 0.0f,
           .specular = true,
           .transmitted = false,
           .radiance_scale = 1.0f};
@@ -202,7 +202,7 @@ std::optional<BsdfSample> sample_model(const PrincipledBsdf& bsdf, const V3f& wo
   if (!(value.pdf_solid_angle > 0.0f) || !std::isfinite(value.pdf_solid_angle)) return std::nullopt;
   return BsdfSample{.wi = wi,
                     .weight = value.f_cos / value.pdf_solid_angle,
-                    .pdf = value.pdf_solid_angle,
+                    .pdf_solid_angle = value.pdf_solid_angle,
                     .specular = false,
                     .transmitted = !same_side(wo, wi),
                     .radiance_scale = radiance_scale};

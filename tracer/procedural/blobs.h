@@ -36,7 +36,7 @@ class Blobs {
   ProceduralPoint point(const V3f& p, float footprint) const;
   std::size_t bytes() const { return 0; }
 
-  /// Centre of the i-th ball in object space.
+  /// For tests: centre of the i-th ball in object space.
   V3f centre(int i) const;
   float radius(int i) const;
 

@@ -21,11 +21,4 @@ struct CloudDescription {
 
 using MediumDescription = std::variant<HomogeneousMedium, CloudDescription>;
 
-/// Whether the medium changes over time, apart from its place.
-inline bool animated(const MediumDescription& description) {
-  const auto* cloud = std::get_if<CloudDescription>(&description);
-  return cloud != nullptr && (cloud->offset.animated() || cloud->evolution.animated() ||
-                              cloud->coverage.animated() || cloud->extinction.animated());
-}
-
 }  // namespace becalm::tracer

@@ -11,7 +11,6 @@ tracer::PathSample minimal_path(const tracer::PathContext& context, const tracer
                                 tracer::Sampler& sampler);
 
 /// minimal_path as a variant of the integrator.
-inline constexpr tracer::PathVariant kMinimalVariant{"minimal", false, false,        false,
-                                                     false,     false, &minimal_path};
+inline constexpr tracer::PathVariant kMinimalVariant{"minimal", false, false, false, false, &minimal_path};
 
 }  // namespace becalm::bench

@@ -51,8 +51,6 @@ TEST(LoadMedia, ReadsCloud) {
   EXPECT_EQ(cloud.coverage.at(0.0)[0], 0.4);
   EXPECT_EQ(cloud.albedo, V3f(1.0f, 0.5f, 0.0f));
   EXPECT_EQ(cloud.g, 0.8f);
-  EXPECT_TRUE(animated(cloud));
-  EXPECT_FALSE(animated(read("{'type': 'cloud', 'extinction': 1}")));
 }
 
 TEST(LoadMedia, NamesWhatIsWrong) {

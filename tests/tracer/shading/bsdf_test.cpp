@@ -57,7 +57,7 @@ TEST(Bsdf, sample_weight_is_value_over_pdf) {
         const V3f value = value_of(bsdf, wo, drawn->wi);
         // The half vector is recovered from rounded directions: 1e-7 of direction in a lobe 0.02 wide, more
         // at grazing angles and where refraction hardly turns.
-        ASSERT_NEAR(pdf / drawn->pdf, 1.0f, 0.02f) << replay;
+        ASSERT_NEAR(pdf / drawn->pdf_solid_angle, 1.0f, 0.02f) << replay;
         for (int c = 0; c < 3; ++c) {
           ASSERT_NEAR(value[c] / pdf, drawn->weight[c], 2e-3f * drawn->weight[c] + 1e-6f) << replay;
         }
@@ -114,7 +114,7 @@ TEST(Bsdf, smooth_conductor_mirrors) {
     ASSERT_TRUE(drawn);
     EXPECT_EQ(drawn->wi, V3f(-wo.x, -wo.y, wo.z));
     EXPECT_TRUE(drawn->specular);
-    EXPECT_EQ(drawn->pdf, 0.0f);
+    EXPECT_EQ(drawn->pdf_solid_angle, 0.0f);
     EXPECT_EQ(value_of(mirror, wo, drawn->wi), V3f(0.0f));
     EXPECT_EQ(pdf_of(mirror, wo, drawn->wi), 0.0f);
   }
@@ -218,8 +218,8 @@ TEST(Bsdf, finite_at_the_extremes) {
               const bool further = !is_specular(bsdf) && !std::holds_alternative<DiffuseBsdf>(bsdf);
               const float largest = further ? 10.0f : 1.00001f;
               ASSERT_LE(drawn->weight.x, drawn->radiance_scale * largest) << replay;
-              ASSERT_TRUE(usable(drawn->pdf)) << replay << " pdf " << drawn->pdf;
-              ASSERT_EQ(drawn->pdf == 0.0f, drawn->specular) << replay;
+              ASSERT_TRUE(usable(drawn->pdf_solid_angle)) << replay << " pdf " << drawn->pdf_solid_angle;
+              ASSERT_EQ(drawn->pdf_solid_angle == 0.0f, drawn->specular) << replay;
               ASSERT_NEAR(drawn->wi.length(), 1.0f, 1e-5f) << replay;
               ASSERT_NE(drawn->wi.z, 0.0f) << replay;
               ASSERT_TRUE(usable(value_of(bsdf, wo, drawn->wi))) << replay;

@@ -215,7 +215,7 @@ TEST(Principled, weight_is_eval_over_pdf) {
       const V3f expected = value_of(bsdf, wo, drawn->wi) / pdf_of(bsdf, wo, drawn->wi);
       ASSERT_LT((drawn->weight - expected).length(), 1e-4f * expected.length() + 1e-6f)
           << name << " wo " << wo;
-      ASSERT_NEAR(drawn->pdf / pdf_of(bsdf, wo, drawn->wi), 1.0f, 1e-3f) << name;
+      ASSERT_NEAR(drawn->pdf_solid_angle / pdf_of(bsdf, wo, drawn->wi), 1.0f, 1e-3f) << name;
     }
   }
 }
@@ -263,7 +263,8 @@ TEST(Principled, delta_lobes) {
   EXPECT_EQ(reflected->wi, V3f(-wo.x, -wo.y, wo.z));
   EXPECT_NEAR(reflected->weight.y, 0.6f, 0.01f);
   EXPECT_TRUE(is_specular(make({.base_color = kWhite, .roughness = 0.0f, .transmission = 1.0f})));
-  EXPECT_TRUE(is_specular(make({.base_color = kWhite, .roughness = 0.5f, .ior = 1.0f, .transmission = 1.0f})));
+  EXPECT_TRUE(
+      is_specular(make({.base_color = kWhite, .roughness = 0.5f, .ior = 1.0f, .transmission = 1.0f})));
   EXPECT_FALSE(is_specular(make({.base_color = kWhite, .roughness = 0.0f}))) << "diffuse below";
   EXPECT_FALSE(is_specular(make({.metallic = 1.0f, .roughness = 0.3f, .clearcoat = 1.0f})));
   EXPECT_TRUE(is_specular(make({.metallic = 1.0f, .roughness = 0.0f, .clearcoat = 1.0f})));
@@ -314,8 +315,8 @@ TEST(Principled, finite_at_the_extremes) {
               if (!drawn) continue;
               const std::string replay = fmt::format("{} wo.z {} u {} {} {}", name, wo.z, ux, uy, u_lobe);
               ASSERT_TRUE(usable(drawn->weight)) << replay << " weight " << drawn->weight;
-              ASSERT_TRUE(std::isfinite(drawn->pdf) && drawn->pdf >= 0.0f) << replay;
-              ASSERT_EQ(drawn->pdf == 0.0f, drawn->specular) << replay;
+              ASSERT_TRUE(std::isfinite(drawn->pdf_solid_angle) && drawn->pdf_solid_angle >= 0.0f) << replay;
+              ASSERT_EQ(drawn->pdf_solid_angle == 0.0f, drawn->specular) << replay;
               ASSERT_NEAR(drawn->wi.length(), 1.0f, 1e-5f) << replay;
               ASSERT_TRUE(usable(value_of(bsdf, wo, drawn->wi))) << replay;
               ASSERT_TRUE(usable(value_of(bsdf, drawn->wi, wo))) << replay;
