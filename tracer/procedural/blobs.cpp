@@ -19,7 +19,7 @@ constexpr float kFarAway = 1e6f;
 /// The k-th number of a ball, in [0, 1).
 double uniform(std::uint32_t seed, int ball, int k) {
   const std::uint64_t key = std::uint64_t{seed} << 32 | static_cast<std::uint32_t>(16 * ball + k);
-  return static_cast<double>(mix_bits(key + 0x9e3779b97f4a7c15ull) >> 11) * 0x1p-53;
+  return to_unit_double(mix_bits(key + 0x9e3779b97f4a7c15ull));
 }
 
 /// A closed path inside the unit sphere: a Lissajous curve on each axis, of turns that differ by up to a half

@@ -12,7 +12,7 @@ namespace {
 /// The k-th number of a train, in (0, 1).
 double uniform(std::uint32_t seed, int train, int k) {
   const std::uint64_t key = std::uint64_t{seed} << 32 | static_cast<std::uint32_t>(4 * train + k);
-  return (static_cast<double>(mix_bits(key + 0x9e3779b97f4a7c15ull) >> 11) + 0.5) * 0x1p-53;
+  return to_unit_double(mix_bits(key + 0x9e3779b97f4a7c15ull)) + 0x1p-54;
 }
 
 }  // namespace

@@ -75,4 +75,9 @@ inline auto to_unit_float(Bits4 v) {
   return __builtin_convertvector(reinterpret_cast<Signed>(v >> 8), Floats) * 0x1p-24f;
 }
 
+/// The highest 53 bits as a double in [0,1).
+inline double to_unit_double(std::uint64_t v) {
+  return static_cast<double>(v >> 11) * 0x1p-53;
+}
+
 }  // namespace becalm::tracer

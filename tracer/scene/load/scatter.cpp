@@ -20,7 +20,7 @@ namespace {
 class CopyRandom {
  public:
   CopyRandom(std::uint32_t seed, std::uint32_t copy) : key_(mix_bits(std::uint64_t{seed} << 32 | copy)) {}
-  double next() { return static_cast<double>(mix_bits(key_ += 0x9e3779b97f4a7c15ull) >> 11) * 0x1p-53; }
+  double next() { return to_unit_double(mix_bits(key_ += 0x9e3779b97f4a7c15ull)); }
 
  private:
   std::uint64_t key_;
