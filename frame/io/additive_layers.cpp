@@ -119,11 +119,6 @@ std::set<std::string_view> scopes_beside(const LayerSource& beauty, const std::v
   return all;
 }
 
-/// By whole name, as AdditiveSet has it.
-std::string title_of(const ChannelLayer& layer) {
-  return layer.title.empty() ? layer.name() : layer.title;
-}
-
 /// The light groups of another data window than the beauty's.
 AdditiveSet cropped_light_groups(const std::vector<ChannelLayer>& layers,
                                  const std::vector<PartChannels>& parts, const Imath::Box2i& window) {
@@ -131,7 +126,7 @@ AdditiveSet cropped_light_groups(const std::vector<ChannelLayer>& layers,
   for (const ChannelLayer& layer : layers) {
     const bool is_cropped = parts[layer.part].data_window != window;
     if (is_cropped && layer.name().starts_with(kLightScope) && channels_as(layer, Aov::direct))
-      set.layers.push_back(title_of(layer));
+      set.layers.push_back(layer.title);
   }
   set.cropped = set.layers;
   return set;
@@ -160,7 +155,7 @@ std::vector<AdditiveSet> candidates(const std::vector<PartChannels>& parts, cons
       if (!is_of_set(end_of(layer.name())) || (!own_scope.empty() && own_scope != scope)) continue;
       const auto source = channels_as(layer, Aov::direct);
       if (!source || is_taken(*source)) continue;
-      set.layers.push_back(title_of(layer));
+      set.layers.push_back(layer.title);
       if (parts[layer.part].data_window != window) set.cropped.push_back(set.layers.back());
     }
     const auto is_same = [&](const AdditiveSet& other) { return other.layers == set.layers; };

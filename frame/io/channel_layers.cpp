@@ -89,10 +89,10 @@ ViewChannel split_view(const std::string& channel, const std::vector<std::string
 }
 
 std::string name_without_view(const std::string& part_name, const std::string& view) {
-  const std::vector<std::string> words = words_of(lower(part_name));
-  const auto at = std::ranges::find(words, lower(view));
+  const std::vector<std::string> words = words_of(part_name);
+  const auto at = std::ranges::find(words, lower(view), lower);
   return view.empty() || at == words.end()
-             ? lower(part_name)
+             ? part_name
              : without_word(words, static_cast<std::size_t>(at - words.begin()));
 }
 
@@ -130,10 +130,11 @@ std::vector<ChannelLayer> collect_layers(const std::vector<PartChannels>& parts,
       };
       auto layer = std::ranges::find_if(layers, is_same);
       if (layer == layers.end()) {
+        const std::string part_title = name_without_view(part.name, view);
         layer = layers.insert(layer, {.part = static_cast<int>(i),
-                                      .part_name = name_without_view(part.name, view),
+                                      .part_name = lower(part_title),
                                       .own_name = own_name,
-                                      .title = name.title});
+                                      .title = name.title.empty() ? part_title : name.title});
       }
       layer->channels.emplace(name.letter, channel);
       layer->spells_colours_out |= name.is_spelled_out;

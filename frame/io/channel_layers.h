@@ -21,7 +21,7 @@ struct ChannelLayer {
   int part = 0;
   std::string part_name;   ///< lower case, without the view
   std::string own_name;    ///< lower case, without the view; empty for bare channels
-  std::string title = {};  ///< own_name as the file has it
+  std::string title = {};  ///< name() as the file has it
   std::map<char, std::string> channels = {};
   bool spells_colours_out = false;  ///< `.red` instead of `.R`
 

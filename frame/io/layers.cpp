@@ -266,8 +266,7 @@ std::map<std::string, LightSource> find_light_groups(const std::vector<PartChann
     if (is_beauty || !layer.name().starts_with(kLightScope)) continue;
     if (!may_hold_summands(parts, layers, beauty_part, layer.part)) continue;
     if (std::optional<LayerSource> source = channels_as(layer, Aov::direct)) {
-      const std::string& title = layer.title.empty() ? layer.part_name : layer.title;
-      lights.emplace(title.substr(kLightScope.size()), LightSource{std::move(*source)});
+      lights.emplace(layer.title.substr(kLightScope.size()), LightSource{std::move(*source)});
     }
   }
   return lights;
@@ -286,11 +285,6 @@ void mark_subsampled(const std::vector<PartChannels>& parts, ViewLayers& view) {
     mark(light.layer);
     if (light.colour) mark(*light.colour);
   }
-}
-
-/// A layer's name as the file has it.
-std::string title_of(const ChannelLayer& layer, const std::vector<PartChannels>& parts) {
-  return layer.title.empty() ? parts[layer.part].name : layer.title;
 }
 
 }  // namespace
@@ -319,7 +313,7 @@ std::vector<std::string> find_other_beauties(const std::vector<PartChannels>& pa
       const std::optional<LayerSource> source = channels_as(layer, Aov::beauty);
       if (!scope || scope->empty() || *scope == kCompositeScope || !source) continue;
       if (source->part == beauty.part && source->channels.front() == beauty.channels.front()) taken = *scope;
-      titles.emplace(*scope, title_of(layer, parts));
+      titles.emplace(*scope, layer.title);
     }
   }
   if (taken.empty()) return {};

@@ -356,6 +356,14 @@ TEST_F(AdditiveLayers, LightGroupsMayBePartsOfTheirOwn) {
   EXPECT_FLOAT_EQ(read_value(read_planes(result_, 2), "B", 9), 2.0f * Imath::half(second(9)));
 }
 
+TEST_F(AdditiveLayers, NamesOfPartsAreToldAsTheyAreWritten) {
+  write_parts({{"light.Fill", first}, {"rgba", both}, {"light.Key", second}});
+  const std::vector<std::string> lines = describe_exr(path_, {}).lines();
+  EXPECT_NE(std::ranges::find(lines, "  G  half   light Fill.G"), lines.end());
+  write_parts({{"Diffuse", first}, {"rgba", both}, {"Specular", second}});
+  EXPECT_EQ(choose_additive("auto", sets()), (Names{"Diffuse", "Specular"}));
+}
+
 TEST_F(AdditiveLayers, APartOfASummandIsNotTheBeauty) {
   write_parts(
       {{"AO", first}, {"CryptoMaterial00", first}, {"diffuse", first}, {"main", both}, {"specular", second}});
