@@ -33,6 +33,7 @@
 #include "app/parse_numbers.h"
 #include "app/report_file.h"
 #include "frame/io/exr.h"
+#include "frame/io/frame_range.h"
 #include "frame/io/layers.h"
 #include "frame/io/printable.h"
 #include "frame/io/sequence.h"

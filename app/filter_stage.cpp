@@ -15,8 +15,8 @@
 #include "filter/input/radiance_scale.h"
 #include "filter/merge/additive.h"
 #include "frame/error.h"
+#include "frame/io/frame_range.h"
 #include "frame/io/printable.h"
-#include "frame/io/sequence.h"
 
 namespace becalm::app {
 

@@ -1,4 +1,5 @@
 #include "app/fingerprints.h"
+#include "frame/io/frame_range.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,4 +1,5 @@
 #include "app/frame_problems.h"
+#include "frame/io/frame_range.h"
 
 #include <fmt/format.h>
 

@@ -31,6 +31,7 @@
 #include "filter/merge/additive.h"
 #include "frame/io/additive_layers.h"
 #include "frame/io/exr.h"
+#include "frame/io/frame_range.h"
 #include "frame/io/printable.h"
 #include "frame/io/sequence.h"
 #include "frame/mebibytes.h"

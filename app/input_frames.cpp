@@ -1,4 +1,5 @@
 #include "app/input_frames.h"
+#include "frame/io/frame_range.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>

@@ -13,7 +13,7 @@
 #include "app/number_checks.h"
 #include "app/parse_numbers.h"
 #include "frame/error.h"
-#include "frame/io/sequence.h"
+#include "frame/io/frame_range.h"
 #include "tracer/sample_counts.h"
 
 namespace becalm::app {

@@ -18,6 +18,7 @@
 #include "app/given_stereo.h"
 #include "app/input_pixels.h"
 #include "frame/audit/audit.h"
+#include "frame/io/frame_range.h"
 #include "frame/io/jitter_text.h"
 #include "frame/io/sequence.h"
 

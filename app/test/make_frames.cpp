@@ -12,6 +12,7 @@
 #include "app/test/shell_words.h"
 #include "frame/aov.h"
 #include "frame/error.h"
+#include "frame/io/frame_range.h"
 #include "frame/io/printable.h"
 #include "frame/io/sequence.h"
 

@@ -4,14 +4,13 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
-#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
 
 #include "frame/error.h"
 #include "frame/io/read_error.h"
+#include "frame/io/take_number.h"
 #include "frame/names_in.h"
 
 namespace becalm::io {
@@ -24,72 +23,6 @@ bool is_digit(char c) {
 bool is_letter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
 }
-
-/// Takes a number off the front of `text`, with its sign if there is one.
-std::optional<int> take_int(std::string_view& text) {
-  int value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc()) return std::nullopt;
-  text.remove_prefix(end - text.data());
-  return value;
-}
-
-bool take(std::string_view& text, char c) {
-  if (text.empty() || text.front() != c) return false;
-  text.remove_prefix(1);
-  return true;
-}
-
-class RangeParser {
- public:
-  RangeParser(std::string_view text, std::string_view what) : text_(text), what_(what) {}
-
-  std::vector<int> parse() {
-    std::string_view rest = text_;
-    do {
-      take_item(rest);
-    } while (take(rest, ','));
-    if (!rest.empty()) fail(fmt::format("'{}' was not expected", rest));
-    std::sort(frames_.begin(), frames_.end());
-    frames_.erase(std::unique(frames_.begin(), frames_.end()), frames_.end());
-    return std::move(frames_);
-  }
-
- private:
-  [[noreturn]] void fail(const std::string& why) const {
-    throw Error(
-        ExitStatus::usage,
-        fmt::format("{} '{}': {}; expected such as 1-100, 1-100x2, 5 or 1-10,20-30", what_, text_, why));
-  }
-
-  int take_number(std::string_view& rest, std::string_view what) const {
-    const std::optional<int> number = take_int(rest);
-    if (!number) fail(fmt::format("no {} at {}", what, rest.empty() ? "its end" : fmt::format("'{}'", rest)));
-    return *number;
-  }
-
-  void take_item(std::string_view& rest) {
-    const std::int64_t first = take_number(rest, "frame number");
-    std::int64_t last = first;
-    std::int64_t step = 1;
-    if (take(rest, '-')) {
-      last = take_number(rest, "last frame number");
-      if (last < first) fail(fmt::format("the range descends from {} to {}", first, last));
-      if (take(rest, 'x')) {
-        step = take_number(rest, "step");
-        if (step < 1) fail(fmt::format("the step {} is below 1", step));
-      }
-    }
-    if ((last - first) / step + 1 + static_cast<std::int64_t>(frames_.size()) > kMaxFrames) {
-      fail(fmt::format("more than {} frames", kMaxFrames));
-    }
-    for (std::int64_t frame = first; frame <= last; frame += step) frames_.push_back(static_cast<int>(frame));
-  }
-
-  std::string_view text_;
-  std::string_view what_;
-  std::vector<int> frames_;
-};
 
 struct Field {
   std::size_t begin = 0;
@@ -266,30 +199,6 @@ std::string_view number_digits(std::string_view path) {
 }
 
 }  // namespace
-
-std::vector<int> parse_frame_range(std::string_view text, std::string_view what) {
-  return RangeParser(text, what).parse();
-}
-
-std::string format_frame_range(const std::vector<int>& frames) {
-  std::string text;
-  for (std::size_t begin = 0; begin < frames.size();) {
-    std::size_t end = begin + 1;
-    const std::int64_t step =
-        end < frames.size() ? static_cast<std::int64_t>(frames[end]) - frames[begin] : std::int64_t{0};
-    while (end < frames.size() && static_cast<std::int64_t>(frames[end]) - frames[end - 1] == step) ++end;
-    if (!text.empty()) text += ',';
-    if (end - begin < 3) {
-      end = begin + 1;
-      text += fmt::format("{}", frames[begin]);
-    } else {
-      text += fmt::format("{}-{}", frames[begin], frames[end - 1]);
-      if (step != 1) text += fmt::format("x{}", step);
-    }
-    begin = end;
-  }
-  return text;
-}
 
 std::optional<NamedFrame> frame_in_name(const std::string& path) {
   const std::string_view digits = number_digits(path);

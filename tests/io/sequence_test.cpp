@@ -1,4 +1,5 @@
 #include "frame/io/sequence.h"
+#include "frame/io/frame_range.h"
 
 #include <gtest/gtest.h>
 
