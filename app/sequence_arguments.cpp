@@ -13,9 +13,10 @@
 #include "app/number_checks.h"
 
 namespace becalm::app {
+namespace {
 
-void add_sequence_options(CLI::App& parser, SequenceCommand& command, const std::string& result) {
-  command.name = parser.get_name();
+/// What is read.
+void add_input_options(CLI::App& parser, SequenceCommand& command) {
   parser
       .add_option(
           "input", command.inputs,
@@ -44,8 +45,10 @@ void add_sequence_options(CLI::App& parser, SequenceCommand& command, const std:
       ->check(CLI::IsMember({"error", "skip", "hold"}))
       ->option_text("error|skip|hold")
       ->group("Input");
-  add_layer_options(parser, command.layers);
-  add_output_options(parser, command.output, "all on disk");
+}
+
+/// How the result's pixels are stored.
+void add_pixel_options(CLI::App& parser, SequenceCommand& command, const std::string& result) {
   parser
       .add_option(
           "--type", command.type,
@@ -68,6 +71,10 @@ void add_sequence_options(CLI::App& parser, SequenceCommand& command, const std:
       ->check(CLI::IsMember(compressions))
       ->option_text("NAME")
       ->group(more("Output"));
+}
+
+/// Which channels are written.
+void add_selection_options(CLI::App& parser, SequenceCommand& command, const std::string& result) {
   CLI::Option* const only =
       parser
           .add_option(
@@ -84,6 +91,17 @@ void add_sequence_options(CLI::App& parser, SequenceCommand& command, const std:
       ->excludes(only)
       ->option_text("NAME,...")
       ->group(more("Output"));
+}
+
+}  // namespace
+
+void add_sequence_options(CLI::App& parser, SequenceCommand& command, const std::string& result) {
+  command.name = parser.get_name();
+  add_input_options(parser, command);
+  add_layer_options(parser, command.layers);
+  add_output_options(parser, command.output, "all on disk");
+  add_pixel_options(parser, command, result);
+  add_selection_options(parser, command, result);
   parser
       .add_flag("--dry-run", command.dry_run,
                 "Check everything, print what would be read, as what, and written, and write nothing")
