@@ -8,6 +8,7 @@
 #include <iterator>
 #include <utility>
 
+#include "app/asked_aovs.h"
 #include "app/counted.h"
 #include "app/expected_error.h"
 #include "app/eye_names.h"
@@ -137,6 +138,10 @@ void FilterStage::build(int width, int height, const std::vector<FilteredView>& 
     }
   }
   matched_ = recipe_.describe_matching(pairs ? common : views.front().available);
+  if (!pairs) return;
+  const AovSet of_one_eye = (views[0].available | views[1].available) & ~common;
+  if (of_one_eye.any())
+    matched_ += fmt::format("; not used, since one eye alone has them: {}", format_aovs({of_one_eye}));
 }
 
 const std::string& FilterStage::open_device() {

@@ -131,6 +131,21 @@ TEST_F(Stereo, EyesAreFilteredTogetherHoweverTheyAreGiven) {
   }
 }
 
+TEST_F(Stereo, AovsOfOneEyeAloneAreToldAndNotUsed) {
+  render();
+  const std::string scene = folder_ / "scene.json";
+  becalm_done({"render", scene, "-o", folder_ / "bare.%V.####.exr", "--spp", "2", "--float", "--quiet"});
+  for (int number = 1; number <= 4; ++number) {
+    const auto of_right = [&](const char* name) { return frame_path(folder_ / name, number); };
+    fs::copy_file(of_right("bare.right.####.exr"), of_right("in.right.####.exr"),
+                  fs::copy_options::overwrite_existing);
+  }
+  const Outcome outcome = becalm_done(command("in.%V.####.exr", "f.%V.####.exr"));
+  EXPECT_NE(outcome.err.find("; not used, since one eye alone has them: "), std::string::npos) << outcome.err;
+  becalm_done(command("bare.%V.####.exr", "g.%V.####.exr", {"--quiet"}));
+  EXPECT_TRUE(same_pixels(beauty("f.left.####.exr", 3), beauty("g.left.####.exr", 3)));
+}
+
 TEST_F(Stereo, RenderAndDenoiseAgree) {
   render();
   const std::string scene = folder_ / "scene.json";
