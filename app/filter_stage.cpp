@@ -101,6 +101,7 @@ void FilterStage::build(int width, int height, const std::vector<FilteredView>& 
   const bool are_pair = recipe_.make_pair && views.size() == 2 && are_eyes(views[0].name, views[1].name);
   if (stereo_ == true && !are_pair) {
     std::vector<std::string> names;
+    names.reserve(views.size());
     for (const FilteredView& view : views) names.push_back(io::printable(view.name));
     throw Error(ExitStatus::bad_input,
                 fmt::format("--stereo: expected two views, left and right, and the frames have {}",

@@ -26,7 +26,7 @@ std::vector<std::string> sequences_in(const std::string& folder) {
     if (is_exr_name(name)) paths.push_back((fs::path(folder) / name).string());
   }
   std::vector<std::string> sequences = io::patterns_of_files(paths);
-  for (std::string& sequence : sequences) sequence = '\'' + sequence + '\'';
+  for (std::string& sequence : sequences) sequence.insert(0, "'").append("'");
   return sequences;
 }
 

@@ -140,6 +140,7 @@ ExitStatus SequenceJob::run() {
   progress_->detail(fmt::format("{}x{} px of {}", window_.width(), window_.height(),
                                 fingerprints_.layers_of(*needed.begin())));
   std::vector<FilteredView> filtered;
+  filtered.reserve(views.size());
   for (const InputLayout& view : views) {
     filtered.push_back({.name = view.view, .available = view.aovs, .light_groups = view.light_groups});
   }

@@ -119,8 +119,8 @@ Image counts_of_mean(const Pilot& pilot, int width, int height, double mean, con
     if (value > 0.0) smallest = std::min(smallest, value);
   }
   double low = limits.least / std::sqrt(largest), high = limits.most / std::sqrt(smallest);
-  constexpr int kSteps = 60;
-  for (int i = 0; i < kSteps; ++i) {
+  constexpr int steps = 60;
+  for (int i = 0; i < steps; ++i) {
     const double middle = std::sqrt(low) * std::sqrt(high);
     (mean_over_pixels(scaled(middle), width, height) < mean ? low : high) = middle;
   }

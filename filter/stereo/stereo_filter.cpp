@@ -127,6 +127,7 @@ StereoFilter::Pair<std::optional<Frame>> StereoFilter::run(const Step& step, con
   }
   if (!merged[0]) return {};
   std::vector<EyeFrame> own;
+  own.reserve(merged.size());
   for (auto& eye : merged) own.push_back({eye->frame, eye->made.merged});
   const Pair<Correspondence> where = s.find(eyes, own, reports);
   const FilterTask& task = s.eyes[0].task();

@@ -311,6 +311,7 @@ void check_selection(const std::string& path, const LayerOptions& options, const
     const std::unique_ptr<Imf::MultiPartInputFile> file = open_exr(path);
     const std::vector<ViewLayers> found = find_view_layers(path, part_channels(*file), options);
     std::vector<const ViewLayers*> views;
+    views.reserve(found.size());
     for (const ViewLayers& view : found) views.push_back(&view);
     for (const std::string& name : selection.names) {
       bool is_there = false;

@@ -195,9 +195,9 @@ ProceduralPoint Blobs::point(const V3f& p, float) const {
   const float steepness = f.gradient.length();
   const V3f normal = steepness > 0.0f ? f.gradient / steepness : V3f(0.0f, 1.0f, 0.0f);
   const float error = 8.0f * kTolerance / std::max(steepness, 0.05f);
-  constexpr float kPerTurn = 0.5f * std::numbers::inv_pi_v<float>;
-  const V2f uv(0.5f + kPerTurn * std::atan2(normal.x, normal.z),
-               0.5f + 2.0f * kPerTurn * std::asin(std::clamp(normal.y, -1.0f, 1.0f)));
+  constexpr float per_turn = 0.5f * std::numbers::inv_pi_v<float>;
+  const V2f uv(0.5f + per_turn * std::atan2(normal.x, normal.z),
+               0.5f + 2.0f * per_turn * std::asin(std::clamp(normal.y, -1.0f, 1.0f)));
   return {V3f(V3d(q.x, q.y, q.z) * unit), normal, uv, error * static_cast<float>(unit), 0.0f};
 }
 

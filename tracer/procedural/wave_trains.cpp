@@ -18,7 +18,7 @@ double uniform(std::uint32_t seed, int train, int k) {
 }  // namespace
 
 WaveTrains make_wave_trains(const OceanDescription& description, double frame) {
-  constexpr double kTurn = 2.0 * std::numbers::pi;
+  constexpr double turn = 2.0 * std::numbers::pi;
   const double longest = 1.6 * description.wavelength;
   const double log_range = std::log(longest / std::min(description.shortest_wavelength, longest));
   const double time_s = description.time_s.at(frame)[0];
@@ -38,14 +38,14 @@ WaveTrains make_wave_trains(const OceanDescription& description, double frame) {
     energy += 0.5 * amplitudes[n] * amplitudes[n];
     // Short waves spread over more directions than long ones.
     const double gauss = std::sqrt(-2.0 * std::log(uniform(description.seed, n, 1))) *
-                         std::cos(kTurn * uniform(description.seed, n, 2));
+                         std::cos(turn * uniform(description.seed, n, 2));
     const double angle =
         (description.wind_deg + description.spread_deg * gauss * std::pow(relative_k, 0.25)) *
         std::numbers::pi / 180.0;
     const double turns_a_side = description.size / wavelength;
     trains.kx[n] = static_cast<float>(turns_a_side * std::cos(angle));
     trains.kz[n] = static_cast<float>(turns_a_side * std::sin(angle));
-    const double turns_per_s = std::sqrt(description.gravity * kTurn / wavelength) / kTurn;
+    const double turns_per_s = std::sqrt(description.gravity * turn / wavelength) / turn;
     const double phase = uniform(description.seed, n, 3) - turns_per_s * time_s;
     trains.phase[n] = static_cast<float>(phase - std::floor(phase));
   }

@@ -45,15 +45,14 @@ class Translator {
     material.name = trimmed(mtl_.name);
     const V3f specular = unit_color(mtl_.specular);
     bool clear = false;
-    if (is_physically_based()) {
-      material.model = principled();
-    } else if (mtl_.illum == 4 || mtl_.illum == 6 || mtl_.illum == 7 || mtl_.illum == 9) {
+    const bool has_illum = !is_physically_based();
+    if (has_illum && (mtl_.illum == 4 || mtl_.illum == 6 || mtl_.illum == 7 || mtl_.illum == 9)) {
       clear = true;
       material.model =
           DielectricMaterial{.ior = mtl_.ior > 1.0f ? std::min(mtl_.ior, 10.0f) : 1.5f,
                              .roughness = {roughness(0.0f)},
                              .transmittance = {has("Tf") ? unit_color(mtl_.transmittance) : V3f(1.0f)}};
-    } else if ((mtl_.illum == 3 || mtl_.illum == 5) && !is_black(specular)) {
+    } else if (has_illum && (mtl_.illum == 3 || mtl_.illum == 5) && !is_black(specular)) {
       material.model =
           ConductorMaterial{.reflectance = {specular}, .ior = {}, .roughness = {roughness(0.0f)}};
     } else {
