@@ -140,7 +140,8 @@ void FilterStage::build(int width, int height, const std::vector<FilteredView>& 
   }
   matched_ = recipe_.describe_matching(pairs ? common : views.front().available);
   if (!pairs) return;
-  const AovSet of_one_eye = (views[0].available | views[1].available) & ~common;
+  AovSet of_one_eye = (views[0].available | views[1].available) & ~common;
+  if (!denoises_additive_) of_one_eye &= ~filter::additive_aovs();
   if (of_one_eye.any())
     matched_ += fmt::format("; not used, since one eye alone has them: {}", format_aovs({of_one_eye}));
 }

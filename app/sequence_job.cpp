@@ -167,7 +167,7 @@ std::vector<InputLayout> SequenceJob::checked_inputs(const std::set<int>& needed
 void SequenceJob::tell_what_is_taken(const std::set<int>& needed, const std::set<int>& wanted) {
   if (!command_.choice.empty()) progress_->note(command_.choice);
   if (inputs_.other_half()) progress_->note(halves_text());
-  if (command_.only != "beauty") {  // which leaves them out
+  if (format_.channels.names != std::vector<std::string>{"beauty"}) {  // which leaves them out
     for (const AdditiveNote& note : additive_notes_)
       note.is_warning ? progress_->warn(note.text) : progress_->note(note.text);
   }
@@ -196,9 +196,9 @@ void SequenceJob::filter_all(const std::vector<filter::Step>& steps, double work
   filter_.finish(profile_);
 }
 
-/// View layers that are written and stay noisy, unless the user chose the one that is denoised.
+/// View layers that stay noisy, unless the user chose the channels to write, or the one that is denoised.
 void SequenceJob::tell_other_beauties(const std::string& path) {
-  if (!command_.only.empty()) return;
+  if (!format_.channels.selects_all()) return;
   if (layers_.layers.contains(Aov::beauty) && !noisy_image_) return;
   const std::vector<std::string> others = io::describe_exr(path, layers_).other_beauties;
   if (others.empty()) return;

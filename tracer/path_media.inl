@@ -65,7 +65,7 @@ V3f Path<F>::transmission(Ray shadow, Interiors interiors, const V2f& u) {
   shadow.dir /= length;
   shadow.t_max *= length;
   V3f share(1.0f);
-  for (int crossing = 0; shadow.t_max > 0.0f && crossing < kMostCrossings; ++crossing) {
+  for (int crossing = 0; shadow.t_max > 0.0f && crossing <= kMostCrossings; ++crossing) {
     const std::optional<Hit> hit = closest(shadow);
     if (hit && !snapshot_.object(hit->object).material->is_interface) return V3f(0.0f);
     if (!interiors.empty()) {

@@ -247,7 +247,7 @@ bool AntialiasFilter::State::reset_at_cut(const Frame& frame, float exposure) {
   ShotSignature signature = shot_signature(frame, task.used, exposure);
   const bool new_shot = before && is_cut(*before, signature);
   if (new_shot) reset_history();
-  before = std::move(signature);
+  if (has_known_cells(signature)) before = std::move(signature);
   return new_shot;
 }
 

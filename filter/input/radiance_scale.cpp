@@ -33,10 +33,10 @@ void multiply(std::span<float> values, float factor) {
   }
 }
 
-/// Whether a square of radiance left the range of floats, or nearly did.
-bool is_lost(float squared) {
+/// Whether a square of radiance left the range of floats, or nearly did: below it where the scale enlarges.
+bool is_lost(float squared, float scale) {
   using Limits = std::numeric_limits<float>;
-  return squared >= 0.0f && (squared < Limits::min() || squared == Limits::max());
+  return scale > 1.0f ? squared >= 0.0f && squared < Limits::min() : squared == Limits::max();
 }
 
 /// Scales the variance. What of it is lost comes from the half-buffers, or is the square of the radiance;
@@ -49,7 +49,7 @@ void scale_variance(Frame& frame, float scale) {
   const bool has_halves = !a.empty() && !b.empty();
   for (std::size_t i = 0; i < variance.size(); ++i) {
     const float deviation = has_halves ? 0.5f * (a[i] - b[i]) : beauty[4 * (i / 3) + i % 3];
-    if (is_lost(variance[i]) && std::isfinite(deviation)) {
+    if (is_lost(variance[i], scale) && std::isfinite(deviation)) {
       variance[i] = deviation * deviation;
     } else {
       multiply(variance.subspan(i, 1), scale);

@@ -12,8 +12,8 @@ float radiance_scale(const Frame& frame);
 
 /// Multiplies radiance by a power of two, and variances by its square, in all AOVs that are either. What
 /// would leave the range of floats becomes its largest value; NaN and Inf stay. Where the variance came from
-/// beyond that range, as 0, denormal or the largest value, it is taken from the half-buffers or, without
-/// them, is the square of the radiance.
+/// beyond that range, as 0 or denormal in dim frames and the largest value in bright ones, it is taken from
+/// the half-buffers or, without them, is the square of the radiance.
 void scale_radiance(Frame& frame, float scale);
 
 /// Scales what was made of `source`, scaled, back. Pixels of radiance with NaN or Inf, which the filter

@@ -37,6 +37,10 @@ struct CellMean {
   int count = 0;
 };
 
+bool is_known(const ShotSignature::Cell& cell) {
+  return !std::isnan(cell[0]);
+}
+
 /// The largest of the cells' differences, each relative to the largest difference of similar cells.
 float difference(const ShotSignature::Cell& a, const ShotSignature::Cell& b, bool guides) {
   if (!guides) return std::abs(a[0] - b[0]) / kLuminanceDifference;
@@ -44,11 +48,8 @@ float difference(const ShotSignature::Cell& a, const ShotSignature::Cell& b, boo
   return std::max(std::abs(a[1] - b[1]) / kAlbedoDifference, normal / kNormalDifference);
 }
 
-bool is_known(const ShotSignature::Cell& cell) {
-  return !std::isnan(cell[0]);
-}
-
-/// Share of the cells of `a` that have no similar cell nearby in `b`, where both are known.
+/// Share of the cells of `a` that have no similar cell nearby in `b`, where both are known. Of few known ones
+/// none decides alone: a quarter of the cells counts at least.
 double unmatched(const ShotSignature& a, const ShotSignature& b) {
   int count = 0, compared = 0;
   for (int y = 0; y < a.rows; ++y) {
@@ -68,7 +69,7 @@ double unmatched(const ShotSignature& a, const ShotSignature& b) {
       compared += comparable ? 1 : 0;
     }
   }
-  return compared > 0 ? static_cast<double>(count) / compared : 0.0;
+  return count / std::max<double>(compared, 0.25 * static_cast<double>(a.cells.size()));
 }
 
 }  // namespace
@@ -104,6 +105,10 @@ ShotSignature shot_signature(const Frame& frame, const AovSet& used, float expos
     if (cell[0].count == 0) out[0] = std::numeric_limits<float>::quiet_NaN();
   }
   return signature;
+}
+
+bool has_known_cells(const ShotSignature& signature) {
+  return std::ranges::any_of(signature.cells, is_known);
 }
 
 bool is_cut(const ShotSignature& a, const ShotSignature& b) {

@@ -22,6 +22,9 @@ struct ShotSignature {
 /// Reads those AOVs of the frame that are in `used`; `exposure` is the frame's.
 ShotSignature shot_signature(const Frame& frame, const AovSet& used, float exposure);
 
+/// Whether anything of the frame is known: one of NaN alone shows no shot.
+bool has_known_cells(const ShotSignature& signature);
+
 /// Whether there is a cut between two frames, given in any order: too many cells of one have no similar cell
 /// nearby in the other, of those that are known in both. Compares albedo and normals if there are any, since
 /// changing light does not affect them, else the luminance.

@@ -226,7 +226,7 @@ std::optional<SequenceFilter::Merged> SequenceFilter::begin(const Step& step, co
     ShotSignature signature = shot_signature(frame, task.used, new_frame.exposure);
     report.new_shot = state_->before && is_cut(*state_->before, signature);
     if (report.new_shot) state_->reset();
-    state_->before = std::move(signature);
+    if (has_known_cells(signature)) state_->before = std::move(signature);
   }
   if (contains(task.used, Aov::motion)) new_frame.motion = state_->motion(step, frame);
   if (state_->albedo_smoother) new_frame.smoothed_albedo = state_->smoothed_albedo(step, new_frame, report);

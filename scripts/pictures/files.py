@@ -9,8 +9,8 @@ import OpenImageIO as oiio
 
 
 def read_layers(path):
-    """The layers of all parts by name, bare channels of the first part under '', of others under the part's name; each (height, width,
-    channels) in the file's channel order."""
+    """The layers of all parts by name, bare channels of the first part under '', of others under the part's name; of two of one name
+    the first. Each is (height, width, channels) in the file's channel order."""
     layers = {}
     part, parts = 0, 1
     while part < parts:
@@ -20,10 +20,12 @@ def read_layers(path):
         parts = image.nsubimages
         pixels = image.get_pixels(oiio.FLOAT)
         bare = image.spec().getattribute("oiio:subimagename") or f"part {part}" if part > 0 else ""
+        of_part = {}
         for index, name in enumerate(image.spec().channelnames):
-            layers.setdefault(name.rpartition(".")[0] or bare, []).append(pixels[..., index])
+            of_part.setdefault(name.rpartition(".")[0] or bare, []).append(pixels[..., index])
+        layers = {name: np.stack(channels, axis=-1) for name, channels in of_part.items()} | layers
         part += 1
-    return {name: np.stack(channels, axis=-1) for name, channels in layers.items()}
+    return layers
 
 
 def write_picture(path, colours, jpeg_quality=90):

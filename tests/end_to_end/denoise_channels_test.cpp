@@ -328,6 +328,7 @@ TEST_F(Denoise, OfNoisyLayersThoseAreToldThatAreWritten) {
   EXPECT_EQ(told({}), (std::pair{true, true}));
   EXPECT_EQ(told({"--only", "denoised"}), (std::pair{false, true})) << "lobes that add up would be written";
   EXPECT_EQ(told({"--only", "beauty"}), (std::pair{false, false}));
+  EXPECT_EQ(told({"--channels", "beauty"}), (std::pair{false, false}));
 }
 
 TEST_F(Denoise, LayersMayBeLeftOutAndMotionTurned) {

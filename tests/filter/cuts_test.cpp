@@ -84,9 +84,27 @@ TEST(Cuts, OtherDataWindowsAreNone) {
   for (const AovSet& used : {AovSet().set(), AovSet()})
     EXPECT_FALSE(cut_between(make_frame(0, 3), cropped(make_frame(6, 3, 1.0, 2)), used));
   EXPECT_TRUE(cut_between(make_frame(0, 3), cropped(make_frame(0, 4, 1.0, 2))));
+}
+
+TEST(Cuts, FramesOfWhichNothingIsKnownShowNoShot) {
   Frame unknown = make_frame(0, 3);
   std::ranges::fill(unknown.image(Aov::beauty).data(), std::nanf(""));
   EXPECT_FALSE(cut_between(make_frame(0, 3), unknown));
+  EXPECT_FALSE(has_known_cells(shot_signature(unknown, {}, 1.0f)));
+  EXPECT_TRUE(has_known_cells(shot_signature(make_frame(0, 3), {}, 1.0f)));
+}
+
+TEST(Cuts, OneCellOfASmallDataWindowIsNone) {
+  Frame frame(1, 384, 216);
+  frame.add(Aov::beauty, std::nanf(""));
+  for (int y = 0; y < 48; ++y) {
+    for (int x = 0; x < 48; ++x) std::ranges::fill(frame.image(Aov::beauty).pixel(x, y), 0.5f);
+  }
+  Frame flash = frame;
+  for (int y = 16; y < 32; ++y) {
+    for (int x = 16; x < 32; ++x) std::ranges::fill(flash.image(Aov::beauty).pixel(x, y), 6.0f);
+  }
+  EXPECT_FALSE(cut_between(frame, flash, {}));
 }
 
 TEST(Cuts, NormalsOfAnyLengthAreNone) {

@@ -177,6 +177,7 @@ TEST(RadianceScale, VarianceBeyondTheRangeComesFromTheHalvesOrTheRadiance) {
   EXPECT_EQ(scaled(0x1p80f, largest, false), 1.0f);
   EXPECT_EQ(scaled(0x1p-62f, 0x1p-124f, false), 0x1p36f) << "in the range";
   EXPECT_EQ(scaled(0.0f, 0.0f, false), 0.0f) << "black";
+  EXPECT_EQ(scaled(0x1p80f, 0.0f, false), 0.0f) << "a clean sky";
   EXPECT_LT(scaled(0x1p-80f, -1.0f, true), 0.0f) << "is counted as replaced";
   EXPECT_TRUE(std::isnan(scaled(0x1p-80f, std::nanf(""), true)));
 }
