@@ -48,10 +48,9 @@ float difference(const ShotSignature::Cell& a, const ShotSignature::Cell& b, boo
   return std::max(std::abs(a[1] - b[1]) / kAlbedoDifference, normal / kNormalDifference);
 }
 
-/// Share of the cells of `a` that have no similar cell nearby in `b`, where both are known. Of few known ones
-/// none decides alone: a quarter of the cells counts at least.
+/// Share of all cells of `a` that are known, and have known cells nearby in `b`, but no similar one.
 double unmatched(const ShotSignature& a, const ShotSignature& b) {
-  int count = 0, compared = 0;
+  int count = 0;
   for (int y = 0; y < a.rows; ++y) {
     for (int x = 0; x < a.columns; ++x) {
       const auto& cell = a.cells[static_cast<std::size_t>(y) * a.columns + x];
@@ -66,10 +65,9 @@ double unmatched(const ShotSignature& a, const ShotSignature& b) {
         }
       }
       count += comparable && !matched ? 1 : 0;
-      compared += comparable ? 1 : 0;
     }
   }
-  return count / std::max<double>(compared, 0.25 * static_cast<double>(a.cells.size()));
+  return static_cast<double>(count) / static_cast<double>(a.cells.size());
 }
 
 }  // namespace
