@@ -404,8 +404,8 @@ Command add_compare(CLI::App& becalm) {
   parser
       .add_option("--json", command->json,
                   "Write the figures to this file too: null where one was not measured, \"inf\" where it is "
-                  "infinite, as "
-                  "the PSNR of equal images; - is standard output, and the table then goes to standard error")
+                  "infinite, as the PSNR of equal images is; - is standard output, and the table then goes "
+                  "to standard error")
       ->option_text("FILE")
       ->group("Output");
   parser

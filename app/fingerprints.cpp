@@ -1,5 +1,4 @@
 #include "app/fingerprints.h"
-#include "frame/io/frame_range.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -9,6 +8,7 @@
 
 #include "app/cancel.h"
 #include "app/content_hash.h"
+#include "frame/io/frame_range.h"
 
 namespace becalm::app {
 namespace {

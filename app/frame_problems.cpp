@@ -1,5 +1,4 @@
 #include "app/frame_problems.h"
-#include "frame/io/frame_range.h"
 
 #include <fmt/format.h>
 
@@ -7,6 +6,7 @@
 
 #include "app/console.h"
 #include "frame/error.h"
+#include "frame/io/frame_range.h"
 
 namespace becalm::app {
 

@@ -1,5 +1,4 @@
 #include "app/input_frames.h"
-#include "frame/io/frame_range.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -18,6 +17,7 @@
 #include "app/half_buffers.h"
 #include "frame/error.h"
 #include "frame/io/exr.h"
+#include "frame/io/frame_range.h"
 
 namespace becalm::app {
 namespace fs = std::filesystem;

@@ -1,5 +1,4 @@
 #include "frame/io/sequence.h"
-#include "frame/io/frame_range.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +6,7 @@
 #include <fstream>
 
 #include "frame/error.h"
+#include "frame/io/frame_range.h"
 #include "tests/error_of.h"
 #include "tests/io/temporary_folder.h"
 
