@@ -45,8 +45,9 @@ ImageId add_spline_passes(Chain& chain, Extent extent, const WarpInputs& history
 
 ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
                           const WarpedHistory& warped) {
-  const auto [difference, noise] =
-      add_statistics(chain, full, inputs.color, inputs.variance, warped, inputs.noisy.exposure);
+  FrameToCompare frame{.color = inputs.color, .variance = inputs.variance, .exposure = inputs.noisy.exposure};
+  if (settings.smooth == Smooth::merged) frame.noisy_variance = inputs.noisy.variance;
+  const auto [difference, noise] = add_statistics(chain, full, frame, warped);
   const ImageId difference_sums =
       add_patch_sums(chain, settings.patch_radius, full, difference, "difference");
   const ImageId noise_sums = add_patch_sums(chain, settings.patch_radius, full, noise, "noise");

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "filter/gpu/chain.h"
 #include "filter/merge/merge.h"
 
@@ -12,9 +14,18 @@ struct MergeStatistics {
   gpu::ImageId noise;
 };
 
-/// Statistics of a frame against the warped history. `color` (f32x4) and `variance` (f32x2) are as those of
-/// MergeInputs, `exposure` is the frame's.
-MergeStatistics add_statistics(gpu::Chain& chain, gpu::Extent full, gpu::ImageId color, gpu::ImageId variance,
-                               const WarpedHistory& warped, gpu::ImageId exposure);
+/// A frame whose statistics are taken.
+struct FrameToCompare {
+  gpu::ImageId color;     ///< f32x4, as MergeInputs::color
+  gpu::ImageId variance;  ///< f32x2, as MergeInputs::variance
+  gpu::ImageId exposure;  ///< f32, 1x1
+  /// Of a smoothed frame: the noisy frame's variance (f32x2), which tells how much of the smoothed one's
+  /// squared error is blur. Without it, errors count as noise.
+  std::optional<gpu::ImageId> noisy_variance = {};
+};
+
+/// Statistics of a frame against the warped history.
+MergeStatistics add_statistics(gpu::Chain& chain, gpu::Extent full, const FrameToCompare& frame,
+                               const WarpedHistory& warped);
 
 }  // namespace becalm::filter

@@ -58,7 +58,8 @@ ImageId EyePasses::add_depth_check(int limit_px) {
 void EyePasses::add_blend(const FilterTask& task, const WarpedHistory& warped) {
   const Extent target = extent;
   const int radius = task.settings.patch_radius;
-  const auto [difference, noise] = add_statistics(chain, target, own.color, own.stats, warped, exposure);
+  const auto [difference, noise] = add_statistics(
+      chain, target, {.color = own.color, .variance = own.stats, .exposure = exposure}, warped);
   const ImageId difference_sums = add_patch_sums(chain, radius, target, difference, "difference");
   const ImageId noise_sums = add_patch_sums(chain, radius, target, noise, "noise");
   color = chain.image("combined.color", Format::f32x4, target);

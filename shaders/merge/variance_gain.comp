@@ -69,7 +69,7 @@ void main() {
     const float variance_new = smoothed != 0 ? min(variance_of_patch, own_variance)
                                              : borrowed_variance(variance_of_patch, own_variance, light);
     const float variance_history = noise_sum.y / count;
-    const float expected = noise_explains != 0 ? variance_of_patch + variance_history : 0.0;
+    const float expected = noise_explains != 0 ? noise_sum.w / count : 0.0;
     const vec3 mean = difference_sum.rgb / count;
     const float of_patch = patch_bias(dot(mean, mean) / 3.0, difference_sum.a / count, expected, count, smoothed != 0);
     const float relative_bias = max(of_patch, smoothed != 0 ? bias_of_dark_pixel(index, x, h) : 0.0);

@@ -48,9 +48,8 @@ void main() {
   if (count >= 1.0) {
     const float variance_own = noise_sum.x / count;
     const float variance_other = noise_sum.y / count;
-    const float expected = variance_own + variance_other;
     const vec3 mean = difference_sum.rgb / count;
-    const float relative_bias = patch_bias(dot(mean, mean) / 3.0, difference_sum.a / count, expected, count, smoothed != 0);
+    const float relative_bias = patch_bias(dot(mean, mean) / 3.0, difference_sum.a / count, noise_sum.w / count, count, smoothed != 0);
     alpha = gain(variance_own, variance_other, relative_bias);
     const float bright = brightness(other.r, other.g, other.b, texelFetch(exposure, 0).x);
     bias_squared = min(relative_bias * bright * bright, kLargestVariance);

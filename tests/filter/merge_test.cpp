@@ -32,9 +32,9 @@ Settings of_noisy_frames() {
   return settings;
 }
 
-/// For chains of the merge's passes alone, which do not carry the noisy layers of smooth=merged.
+/// For chains of the merge's passes alone: smooth=merged reads the noisy frame, but carries no layers of it.
 Settings without_noisy_layers(Settings settings) {
-  if (settings.smooth == Smooth::merged) settings.smooth = Smooth::frames;
+  if (settings.smooth == Smooth::merged) settings.smooth = Smooth::none;
   return settings;
 }
 
@@ -71,8 +71,9 @@ class MergeOnDevice {
   }
 
   reference::Merged run(const Grid<Estimate>& sample, const Grid<Vec2>& offset,
-                        const Grid<double>* residual = nullptr) {
+                        const Grid<double>* residual = nullptr, const Grid<Estimate>* noisy = nullptr) {
     upload_estimate(chain_, color_, variance_, sample);
+    if (noisy) upload_estimate(chain_, noisy_.color, noisy_.variance, *noisy);
     upload_offset(chain_, alignment_.offset, offset);
     chain_.upload<float>(noisy_.exposure)[0] = kExposure;
     if (residual) std::ranges::copy(residual->data, chain_.upload<float>(alignment_.residual).begin());
@@ -108,6 +109,17 @@ Grid<Estimate> noisy_sample(unsigned seed, double brightness = 1.0) {
       e.variance = static_cast<float>(sigma * sigma);
       e.count = 1.0;
     }
+  }
+  return sample;
+}
+
+/// The noisy frame whose smoothed one is `sample`: its variance is from none to much more than the error
+/// left.
+Grid<Estimate> before_smoothing(Grid<Estimate> sample) {
+  constexpr std::array kOfError{0.0, 0.5, 1.0, 4.0, 30.0};
+  for (std::size_t i = 0; i < sample.data.size(); ++i) {
+    const double noisy = kOfError[i / 7 % kOfError.size()] * sample.data[i].variance;
+    sample.data[i].variance = static_cast<float>(noisy);
   }
   return sample;
 }
@@ -163,9 +175,11 @@ TEST_P(VarianceGainTest, AgreesWithTheReference) {
       for (double& c : sample.at(39, 24).color) c *= 300;
       sample.at(39, 24).variance *= 1e7;
     }
-    const reference::Merged found = merge.run(sample, offset);
+    const Grid<Estimate> noisy = before_smoothing(sample);
+    const reference::Merged found =
+        merge.run(sample, offset, nullptr, settings.smooth == Smooth::merged ? &noisy : nullptr);
     const reference::Merged truth = reference::merge_by_variance(
-        sample, reference::warp(history, offset, settings.resample), kExposure, settings);
+        sample, reference::warp(history, offset, settings.resample), kExposure, settings, noisy);
     expect_agreement(found, truth, frame);
     history = found.estimate;  // both continue from the same floats
   }

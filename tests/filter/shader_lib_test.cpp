@@ -151,7 +151,8 @@ TEST(Bias, OfSmoothedFramesGrowsWithTheDifference) {
   EXPECT_EQ(smoothed_bias(0.0f, 0.0f), 0.0f);
   EXPECT_EQ(smoothed_bias(0.0f, kNoise), 0.0f);
   EXPECT_EQ(smoothed_bias(3.0f, 0.0f), 3.0f);
-  EXPECT_FLOAT_EQ(smoothed_bias(kNoiseOfSmoothed * kNoise, kNoise), 0.5f * kNoiseOfSmoothed * kNoise);
+  EXPECT_FLOAT_EQ(smoothed_bias(kNoise, kNoise), 0.125f * kNoise);
+  EXPECT_NEAR(smoothed_bias(1000.0f * kNoise, kNoise), 997.0f * kNoise, 0.1f * kNoise);
   for (float square = 1e-9f; square < 1e18f; square *= 10.0f) {
     EXPECT_GT(smoothed_bias(square, kNoise), 0.0f) << square;
     EXPECT_LE(smoothed_bias(square, kNoise), square);
@@ -159,9 +160,18 @@ TEST(Bias, OfSmoothedFramesGrowsWithTheDifference) {
   }
 }
 
+TEST(UnsharedPart, IsLessTheMoreOfTheErrorIsBlur) {
+  EXPECT_EQ(unshared_part(0.0f, 1.0f), 1.0f);
+  EXPECT_FLOAT_EQ(unshared_part(1.0f / kBlurInError, 1.0f), 0.5f);
+  EXPECT_EQ(unshared_part(1.0f, 0.0f), 0.0f) << "a frame without noise differs from the next by no noise";
+  EXPECT_EQ(unshared_part(0.0f, 0.0f), 0.0f);
+  EXPECT_FLOAT_EQ(unshared_part(1e18f, 1e18f), 1.0f / (1.0f + kBlurInError)) << "the largest variances";
+  EXPECT_GT(unshared_part(1e-30f, 1e-30f), 0.0f);
+}
+
 TEST(Bias, OfNoisyFramesIsWhatNoiseLeaves) {
   EXPECT_EQ(patch_bias(0.1f, 1.5f, 1.0f, 48.0f, false), 0.0f);
-  EXPECT_GT(patch_bias(0.1f, 1.5f, 1.0f, 48.0f, true), 0.5f);
+  EXPECT_FLOAT_EQ(patch_bias(0.1f, 1.5f, 1.0f, 48.0f, true), smoothed_bias(1.5f, 1.0f));
   EXPECT_GT(patch_bias(0.1f, 2.0f, 1.0f, 48.0f, false), 0.0f);
   EXPECT_GT(patch_bias(0.2f, 1.0f, 1.0f, 48.0f, false), 0.0f);
 }

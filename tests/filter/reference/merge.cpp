@@ -40,6 +40,15 @@ Estimate blend(const Estimate& sample, const Estimate& history, double alpha, do
   return out;
 }
 
+/// The squared difference of a sample from its history that their variances explain.
+double unbiased_square(const Estimate& sample, const Estimate& history, filter::Smooth smooth,
+                       double noisy_variance) {
+  if (smooth == filter::Smooth::frames) return 0.0;
+  const double sum = sample.variance + history.variance;
+  if (smooth == filter::Smooth::none) return sum;
+  return noisy_variance > 0 ? sum * noisy_variance / (noisy_variance + 4 * sample.variance) : 0.0;
+}
+
 }  // namespace
 
 Rgba read_sharp(const Grid<Rgba>& taps, double x, double y) {
@@ -110,20 +119,19 @@ Grid<Estimate> warp(const Grid<Estimate>& history, const Grid<Vec2>& offset, fil
 
 double patch_bias(double mean_square, double square, double noise, double count, bool smoothed) {
   if (!smoothed) return std::max(excess(mean_square, noise / count, 1, 3), excess(square, noise, count, 3));
-  const double signal_and_noise = square + 0.5 * noise;
-  const double of_detail = signal_and_noise > 0 ? square * square / signal_and_noise : 0.0;
-  return std::max(excess(mean_square, noise / count, 1, 0), of_detail);
+  const double signal_and_noise = square + noise;
+  return signal_and_noise > 0 ? square * std::pow(square / signal_and_noise, 3) : 0.0;
 }
 
 Merged merge_by_variance(const Grid<Estimate>& sample, const Grid<Estimate>& warped, double exposure,
-                         const filter::Settings& settings) {
+                         const filter::Settings& settings, const Grid<Estimate>& noisy) {
   const int radius = settings.patch_radius;
   const bool smoothed = settings.smooth != filter::Smooth::none;
   Merged merged{Grid<Estimate>(sample.width, sample.height), Grid<double>(sample.width, sample.height)};
   for (int y = 0; y < sample.height; ++y) {
     for (int x = 0; x < sample.width; ++x) {
       std::array<double, 3> mean{};
-      double squares = 0, variance_new = 0, variance_history = 0;
+      double squares = 0, variance_new = 0, variance_history = 0, expected = 0;
       int count = 0;
       for (int v = std::max(y - radius, 0); v <= std::min(y + radius, sample.height - 1); ++v) {
         for (int u = std::max(x - radius, 0); u <= std::min(x + radius, sample.width - 1); ++u) {
@@ -138,6 +146,9 @@ Merged merge_by_variance(const Grid<Estimate>& sample, const Grid<Estimate>& war
           }
           variance_new += s.variance * scale * scale;
           variance_history += h.variance * scale * scale;
+          const double noisy_variance =
+              settings.smooth == filter::Smooth::merged ? noisy.at(u, v).variance : 0.0;
+          expected += unbiased_square(s, h, settings.smooth, noisy_variance) * scale * scale;
           ++count;
         }
       }
@@ -145,8 +156,7 @@ Merged merge_by_variance(const Grid<Estimate>& sample, const Grid<Estimate>& war
       if (count > 0) {
         variance_new /= count;
         variance_history /= count;
-        const double noise =
-            settings.smooth == filter::Smooth::frames ? 0.0 : variance_new + variance_history;
+        const double noise = expected / count;
         const Estimate& own = sample.at(x, y);
         const bool counts = own.count > 0 && warped.at(x, y).count > 0;
         const double own_scale = 1 / brightness(warped.at(x, y).color, exposure);

@@ -33,14 +33,14 @@ Rgba read_sharp(const Grid<Rgba>& taps, double x, double y);
 Grid<Estimate> warp(const Grid<Estimate>& history, const Grid<Vec2>& offset, filter::Resample resample);
 
 /// The squared bias of a patch of `count` pixels: the square of its mean difference and its mean square, less
-/// what noise explains. A smoothed frame's square counts by the gain of a Wiener filter, with half the noise.
+/// what noise explains. Of a smoothed frame the square alone counts, by the cube of a Wiener filter's gain.
 double patch_bias(double mean_square, double square, double noise, double count, bool smoothed);
 
 /// Variance gain (Philippi et al., eq. 4) with the bias estimated from the residuals of leave-one-out
 /// patches; a smoothed sample's own variance is used if it is less than its patch's. The sample's count is 1,
-/// or 0 for a non-finite pixel.
+/// or 0 for a non-finite pixel. `noisy` is the frame before it was smoothed, which smooth=merged reads.
 Merged merge_by_variance(const Grid<Estimate>& sample, const Grid<Estimate>& warped, double exposure,
-                         const filter::Settings& settings);
+                         const filter::Settings& settings, const Grid<Estimate>& noisy = {});
 
 /// A noisy layer whose variance is lowered to what differs from the warped history: a squared difference,
 /// scaled to one frame's noise, over the variance; that of the pixel or of those within 3 px around it,
