@@ -45,8 +45,11 @@ ImageId add_spline_passes(Chain& chain, Extent extent, const WarpInputs& history
 
 ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, const MergeInputs& inputs,
                           const WarpedHistory& warped) {
-  FrameToCompare frame{.color = inputs.color, .variance = inputs.variance, .exposure = inputs.noisy.exposure};
-  if (settings.smooth == Smooth::merged) frame.noisy_variance = inputs.noisy.variance;
+  FrameToCompare frame{.color = inputs.color,
+                       .variance = inputs.variance,
+                       .exposure = inputs.noisy.exposure,
+                       .smoothed = settings.smooth != Smooth::none};
+  if (settings.smooth == Smooth::merged) frame.noisy = {.image = inputs.noisy.variance};
   const auto [difference, noise] = add_statistics(chain, full, frame, warped);
   const ImageId difference_sums =
       add_patch_sums(chain, settings.patch_radius, full, difference, "difference");
@@ -66,8 +69,7 @@ ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, c
       .write("merged_stats", inputs.history_stats.next)
       .write("decision", decision)
       .specialize("radius", settings.patch_radius)
-      .specialize("smoothed", settings.smooth != Smooth::none ? 1 : 0)
-      .specialize("noise_explains", settings.smooth != Smooth::frames ? 1 : 0)
+      .specialize("smoothed", frame.smoothed ? 1 : 0)
       .dispatch(full);
   return decision;
 }

@@ -1,6 +1,17 @@
 #include "filter/merge/statistics.h"
 
 namespace becalm::filter {
+namespace {
+
+/// What of a difference from the history is expected, as statistics.comp numbers it.
+enum class Expected { nothing, noise, unshared_error };
+
+Expected expected_of(const FrameToCompare& frame) {
+  if (!frame.smoothed) return Expected::noise;
+  return frame.noisy ? Expected::unshared_error : Expected::nothing;
+}
+
+}  // namespace
 
 MergeStatistics add_statistics(gpu::Chain& chain, gpu::Extent full, const FrameToCompare& frame,
                                const WarpedHistory& warped) {
@@ -12,10 +23,11 @@ MergeStatistics add_statistics(gpu::Chain& chain, gpu::Extent full, const FrameT
       .read("warped_color", warped.color)
       .read("warped_stats", warped.stats)
       .read("exposure", frame.exposure)
-      .read("noisy_variance", frame.noisy_variance)
+      .read("noisy", frame.noisy ? std::optional(frame.noisy->image) : std::nullopt)
       .write("difference", statistics.difference)
       .write("noise", statistics.noise)
-      .specialize("knows_noisy", frame.noisy_variance ? 1 : 0)
+      .specialize("explained", static_cast<int>(expected_of(frame)))
+      .specialize("noisy_channel", frame.noisy ? frame.noisy->channel : 0)
       .dispatch(full);
   return statistics;
 }

@@ -14,14 +14,21 @@ struct MergeStatistics {
   gpu::ImageId noise;
 };
 
+/// Where the variance of a frame is that is not smoothed.
+struct NoisyVariance {
+  gpu::ImageId image;
+  int channel = 0;
+};
+
 /// A frame whose statistics are taken.
 struct FrameToCompare {
   gpu::ImageId color;     ///< f32x4, as MergeInputs::color
   gpu::ImageId variance;  ///< f32x2, as MergeInputs::variance
   gpu::ImageId exposure;  ///< f32, 1x1
-  /// Of a smoothed frame: the noisy frame's variance (f32x2), which tells how much of the smoothed one's
-  /// squared error is blur. Without it, errors count as noise.
-  std::optional<gpu::ImageId> noisy_variance = {};
+  bool smoothed = false;  ///< its variance is the error that the smoother expects
+  /// Of a smoothed frame: tells how much of its squared error is blur, which its history has alike. Where it
+  /// is not known, all is taken for blur, which explains no difference.
+  std::optional<NoisyVariance> noisy = {};
 };
 
 /// Statistics of a frame against the warped history.

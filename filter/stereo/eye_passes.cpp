@@ -58,8 +58,12 @@ ImageId EyePasses::add_depth_check(int limit_px) {
 void EyePasses::add_blend(const FilterTask& task, const WarpedHistory& warped) {
   const Extent target = extent;
   const int radius = task.settings.patch_radius;
-  const auto [difference, noise] = add_statistics(
-      chain, target, {.color = own.color, .variance = own.stats, .exposure = exposure}, warped);
+  FrameToCompare estimate{
+      .color = own.color, .variance = own.stats, .exposure = exposure, .smoothed = task.smooths()};
+  if (task.smooths_merged()) {
+    estimate.noisy = {.image = own.carried[task.additive + FilterTask::kNoisyRadiance], .channel = 3};
+  }
+  const auto [difference, noise] = add_statistics(chain, target, estimate, warped);
   const ImageId difference_sums = add_patch_sums(chain, radius, target, difference, "difference");
   const ImageId noise_sums = add_patch_sums(chain, radius, target, noise, "noise");
   color = chain.image("combined.color", Format::f32x4, target);
@@ -79,7 +83,7 @@ void EyePasses::add_blend(const FilterTask& task, const WarpedHistory& warped) {
       .write("stats", stats)
       .write("weight_other", weight)
       .specialize("radius", radius)
-      .specialize("smoothed", task.smooths() ? 1 : 0)
+      .specialize("smoothed", estimate.smoothed ? 1 : 0)
       .dispatch(target);
   for (std::size_t i = 0; i < own.carried.size(); ++i) {
     carried.push_back(chain.image(fmt::format("combined.carried.{}", i), Format::f32x4, target));

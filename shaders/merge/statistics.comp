@@ -10,7 +10,10 @@
 #include "lib/dispatch_size.glsl"
 #include "lib/gain.glsl"
 
-layout(constant_id = 0) const int knows_noisy = 0;  // 1: the frame is smoothed, its noisy frame's variance known
+// What of a difference is expected. 0: nothing, since most of a smoothed frame's error is blur, which its history has
+// alike; 1: the noise of both; 2: the errors of both, as far as the noisy frame's variance tells that they are not blur.
+layout(constant_id = 0) const int explained = 1;
+layout(constant_id = 1) const int noisy_channel = 0;  // that holds the noisy frame's variance
 
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(set = 0, binding = 0) uniform samplerBuffer color;
@@ -18,7 +21,7 @@ layout(set = 0, binding = 1) uniform samplerBuffer variance;
 layout(set = 0, binding = 2) uniform samplerBuffer warped_color;
 layout(set = 0, binding = 3) uniform samplerBuffer warped_stats;
 layout(set = 0, binding = 4) uniform samplerBuffer exposure;
-layout(set = 0, binding = 5) uniform samplerBuffer noisy_variance;
+layout(set = 0, binding = 5) uniform samplerBuffer noisy;
 layout(std430, set = 0, binding = 6) writeonly buffer DifferenceBuffer { vec4 data[]; } difference;
 layout(std430, set = 0, binding = 7) writeonly buffer NoiseBuffer { vec4 data[]; } noise;
 
@@ -33,10 +36,10 @@ void main() {
   const float scale = 1.0 / brightness(h.r, h.g, h.b, texelFetch(exposure, 0).x);
   const vec3 d = clamp((texelFetch(color, index).rgb - h.rgb) * scale, -kLargestDifference, kLargestDifference);
   const vec2 variances = min(vec2(sample_stats.x, stats.x) * scale * scale, kLargestDifference * kLargestDifference);
-  float expected = variances.x + variances.y;
-  if (knows_noisy != 0) {
-    const float noisy = texelFetch(noisy_variance, index).x * scale * scale;
-    expected *= unshared_part(variances.x, min(noisy, kLargestDifference * kLargestDifference));
+  float expected = explained == 0 ? 0.0 : variances.x + variances.y;
+  if (explained == 2) {
+    const float noisy_variance = texelFetch(noisy, index)[noisy_channel] * scale * scale;
+    expected *= unshared_part(variances.x, min(noisy_variance, kLargestDifference * kLargestDifference));
   }
   difference.data[index] = counts ? vec4(d, dot(d, d) / 3.0) : vec4(0.0);
   noise.data[index] = counts ? vec4(variances, 1.0, expected) : vec4(0.0);

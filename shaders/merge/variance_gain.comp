@@ -15,9 +15,6 @@
 
 layout(constant_id = 0) const int radius = 3;
 layout(constant_id = 1) const int smoothed = 0;  // 1: the new frame is smoothed; its variance is that of a window's mean
-// 0: all of a patch's difference counts as bias. This is for merging smoothed frames: most of their error is blur, which
-// both have alike and which makes no difference, so a difference is not to be excused by the error that is expected.
-layout(constant_id = 2) const int noise_explains = 1;
 
 /// Standard deviations beyond which a difference is certainly no noise.
 const float kCertain = 8.0;
@@ -69,9 +66,8 @@ void main() {
     const float variance_new = smoothed != 0 ? min(variance_of_patch, own_variance)
                                              : borrowed_variance(variance_of_patch, own_variance, light);
     const float variance_history = noise_sum.y / count;
-    const float expected = noise_explains != 0 ? noise_sum.w / count : 0.0;
     const vec3 mean = difference_sum.rgb / count;
-    const float of_patch = patch_bias(dot(mean, mean) / 3.0, difference_sum.a / count, expected, count, smoothed != 0);
+    const float of_patch = patch_bias(dot(mean, mean) / 3.0, difference_sum.a / count, noise_sum.w / count, count, smoothed != 0);
     const float relative_bias = max(of_patch, smoothed != 0 ? bias_of_dark_pixel(index, x, h) : 0.0);
     alpha = max(gain(variance_new, variance_history, relative_bias), 1.0 / kMostFrames);
     // The share by which the bias lowers the history's weight: 1 - (1 - alpha) / (1 - alpha without bias).

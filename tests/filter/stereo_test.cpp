@@ -110,7 +110,7 @@ class StereoTest : public DeviceTest {};
 TEST_F(StereoTest, TheChainAgreesWithTheReference) {
   constexpr double exposure = 1.3;
   constexpr int width = 47, height = 29;
-  for (const Smooth smooth : {Smooth::none, Smooth::frames}) {
+  for (const Smooth smooth : {Smooth::none, Smooth::frames, Smooth::merged}) {
     FilterTask task{
         .settings = preset("draft"), .full = {width, height}, .used = {}, .diagnostics = {}, .guides = {}};
     task.settings.smooth = smooth;
@@ -122,7 +122,7 @@ TEST_F(StereoTest, TheChainAgreesWithTheReference) {
     std::uniform_real_distribution<double> unit;
     Grid<Estimate> own(width, height), other(width, height);
     Grid<reference::Vec2> given(width, height);
-    Grid<double> depth(width, height), expected_depth(width, height);
+    Grid<double> depth(width, height), expected_depth(width, height), noisy_variance(width, height);
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x) {
         for (Grid<Estimate>* grid : {&own, &other}) {
@@ -131,6 +131,7 @@ TEST_F(StereoTest, TheChainAgreesWithTheReference) {
           e.variance = static_cast<float>(0.05 * unit(random));
           e.count = unit(random) < 0.05 ? 0 : static_cast<float>(1 + 7 * unit(random));
         }
+        noisy_variance.at(x, y) = x % 7 == 0 ? 0.0 : static_cast<float>(0.2 * unit(random));
         given.at(x, y) = {static_cast<float>(8 * unit(random) - 4), static_cast<float>(2 * unit(random) - 1)};
         expected_depth.at(x, y) = x < 5 ? 0 : 2;
         depth.at(x, y) = x % 11 == 0 ? std::numeric_limits<float>::infinity() : x / 8 % 3 == 2 ? 3.0 : 2.05;
@@ -141,6 +142,14 @@ TEST_F(StereoTest, TheChainAgreesWithTheReference) {
     std::ranges::fill(chain.upload<float>(passes.window.target_origin), 0.0f);
     upload_estimate(chain, passes.own.color, passes.own.stats, own);
     upload_estimate(chain, passes.other.color, passes.other.stats, other);
+    for (const EstimateInputs* eye : {&passes.own, &passes.other}) {
+      for (const gpu::ImageId image : eye->carried) std::ranges::fill(chain.upload<float>(image), 0.0f);
+    }
+    if (task.smooths_merged()) {
+      const auto noisy = chain.upload<float>(passes.own.carried[FilterTask::kNoisyRadiance]);
+      for (std::size_t i = 0; i < noisy_variance.data.size(); ++i)
+        noisy[4 * i + 3] = static_cast<float>(noisy_variance.data[i]);
+    }
     upload_offset(chain, passes.offset, given);
     for (std::size_t i = 0; i < depth.data.size(); ++i) {
       chain.upload<float>(*passes.other_depth)[i] = static_cast<float>(depth.data[i]);
@@ -152,7 +161,7 @@ TEST_F(StereoTest, TheChainAgreesWithTheReference) {
     Grid<double> weights;
     const Grid<Estimate> expected =
         reference::blend_eyes(own, reference::warp(other, offsets, task.settings.resample), exposure,
-                              task.settings.patch_radius, smooth != Smooth::none, weights);
+                              task.settings.patch_radius, smooth, noisy_variance, weights);
     int taken = 0, refused = 0;
     for (std::size_t i = 0; i < made.data.size(); ++i) {
       const Estimate& a = made.data[i];

@@ -40,15 +40,6 @@ Estimate blend(const Estimate& sample, const Estimate& history, double alpha, do
   return out;
 }
 
-/// The squared difference of a sample from its history that their variances explain.
-double unbiased_square(const Estimate& sample, const Estimate& history, filter::Smooth smooth,
-                       double noisy_variance) {
-  if (smooth == filter::Smooth::frames) return 0.0;
-  const double sum = sample.variance + history.variance;
-  if (smooth == filter::Smooth::none) return sum;
-  return noisy_variance > 0 ? sum * noisy_variance / (noisy_variance + 4 * sample.variance) : 0.0;
-}
-
 }  // namespace
 
 Rgba read_sharp(const Grid<Rgba>& taps, double x, double y) {
@@ -123,6 +114,14 @@ double patch_bias(double mean_square, double square, double noise, double count,
   return signal_and_noise > 0 ? square * std::pow(square / signal_and_noise, 3) : 0.0;
 }
 
+double explained_square(const Estimate& sample, const Estimate& history, filter::Smooth smooth,
+                        double noisy_variance) {
+  if (smooth == filter::Smooth::frames) return 0.0;
+  const double sum = sample.variance + history.variance;
+  if (smooth == filter::Smooth::none) return sum;
+  return noisy_variance > 0 ? sum * noisy_variance / (noisy_variance + 4 * sample.variance) : 0.0;
+}
+
 Merged merge_by_variance(const Grid<Estimate>& sample, const Grid<Estimate>& warped, double exposure,
                          const filter::Settings& settings, const Grid<Estimate>& noisy) {
   const int radius = settings.patch_radius;
@@ -148,7 +147,7 @@ Merged merge_by_variance(const Grid<Estimate>& sample, const Grid<Estimate>& war
           variance_history += h.variance * scale * scale;
           const double noisy_variance =
               settings.smooth == filter::Smooth::merged ? noisy.at(u, v).variance : 0.0;
-          expected += unbiased_square(s, h, settings.smooth, noisy_variance) * scale * scale;
+          expected += explained_square(s, h, settings.smooth, noisy_variance) * scale * scale;
           ++count;
         }
       }

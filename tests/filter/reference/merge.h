@@ -36,6 +36,11 @@ Grid<Estimate> warp(const Grid<Estimate>& history, const Grid<Vec2>& offset, fil
 /// what noise explains. Of a smoothed frame the square alone counts, by the cube of a Wiener filter's gain.
 double patch_bias(double mean_square, double square, double noise, double count, bool smoothed);
 
+/// The squared difference of a sample from its history that their variances explain. Of smoothed frames
+/// nothing, or if the variance of the noisy frame is known (smooth=merged), what of their errors is not blur.
+double explained_square(const Estimate& sample, const Estimate& history, filter::Smooth smooth,
+                        double noisy_variance);
+
 /// Variance gain (Philippi et al., eq. 4) with the bias estimated from the residuals of leave-one-out
 /// patches; a smoothed sample's own variance is used if it is less than its patch's. The sample's count is 1,
 /// or 0 for a non-finite pixel. `noisy` is the frame before it was smoothed, which smooth=merged reads.

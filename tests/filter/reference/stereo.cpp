@@ -18,7 +18,7 @@ bool is_expected(double depth, double expected) {
 }  // namespace
 
 Grid<Estimate> blend_eyes(const Grid<Estimate>& own, const Grid<Estimate>& other, double exposure, int radius,
-                          bool smoothed, Grid<double>& weights) {
+                          filter::Smooth smooth, const Grid<double>& noisy_variance, Grid<double>& weights) {
   Grid<Estimate> result(own.width, own.height);
   weights = Grid<double>(own.width, own.height);
   for (int y = 0; y < own.height; ++y) {
@@ -26,7 +26,7 @@ Grid<Estimate> blend_eyes(const Grid<Estimate>& own, const Grid<Estimate>& other
       const Estimate& e = own.at(x, y);
       const Estimate& o = other.at(x, y);
       Rgba mean{};
-      double squares = 0, own_variance = 0, other_variance = 0;
+      double squares = 0, own_variance = 0, other_variance = 0, noise = 0;
       int count = 0;
       for (int v = std::max(y - radius, 0); v <= std::min(y + radius, own.height - 1); ++v) {
         for (int u = std::max(x - radius, 0); u <= std::min(x + radius, own.width - 1); ++u) {
@@ -40,6 +40,7 @@ Grid<Estimate> blend_eyes(const Grid<Estimate>& own, const Grid<Estimate>& other
           }
           own_variance += a.variance * scale * scale;
           other_variance += b.variance * scale * scale;
+          noise += explained_square(a, b, smooth, noisy_variance.at(u, v)) * scale * scale;
           ++count;
         }
       }
@@ -47,10 +48,10 @@ Grid<Estimate> blend_eyes(const Grid<Estimate>& own, const Grid<Estimate>& other
       if (count > 0) {
         own_variance /= count;
         other_variance /= count;
-        const double noise = own_variance + other_variance;
         double mean_square = 0;
         for (int c = 0; c < 3; ++c) mean_square += mean[c] * mean[c] / (3.0 * count * count);
-        const double relative = patch_bias(mean_square, squares / count, noise, count, smoothed);
+        const double relative =
+            patch_bias(mean_square, squares / count, noise / count, count, smooth != filter::Smooth::none);
         const double bright = brightness(o.color, exposure);
         const double total = own_variance + other_variance + relative;
         alpha = total > 0 ? 1 - own_variance / total : 1;

@@ -4,10 +4,10 @@
 
 namespace becalm::reference {
 
-/// An eye's estimate blended with the other eye's at the same pixels, in mode `smoothed` or not.
+/// An eye's estimate blended with the other eye's at the same pixels, of frames smoothed so.
 /// `weights` becomes the other eye's.
 Grid<Estimate> blend_eyes(const Grid<Estimate>& own, const Grid<Estimate>& other, double exposure, int radius,
-                          bool smoothed, Grid<double>& weights);
+                          filter::Smooth smooth, const Grid<double>& noisy_variance, Grid<double>& weights);
 
 /// The offsets into the other eye's image; 1e6 in both components where the other eye does not see the pixel:
 /// no pixel around the place has the expected depth (0: not known).
