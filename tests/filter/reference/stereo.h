@@ -4,8 +4,9 @@
 
 namespace becalm::reference {
 
-/// An eye's estimate blended with the other eye's at the same pixels, of frames smoothed so.
-/// `weights` becomes the other eye's.
+/// An eye's estimate blended with the other eye's at the same pixels, of frames that are smoothed so;
+/// `noisy_variance` is that of the own eye without smoothing (smooth=merged). `weights` becomes the other
+/// eye's.
 Grid<Estimate> blend_eyes(const Grid<Estimate>& own, const Grid<Estimate>& other, double exposure, int radius,
                           filter::Smooth smooth, const Grid<double>& noisy_variance, Grid<double>& weights);
 
