@@ -11,6 +11,8 @@ namespace {
 std::atomic<bool> stop{false};
 std::atomic<int> first_signal{0};
 std::array<std::atomic<pid_t>, 1024> child_groups{};  // as many as `becalm test` has jobs; 0: none
+std::atomic<int> starting{0};          // groups that are being started and are not in the list yet
+std::atomic<bool> end_at_once{false};  // by a second signal
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free &&
                   std::atomic<pid_t>::is_always_lock_free,
               "the signal handler may only touch lock-free atomics");
@@ -21,18 +23,42 @@ bool is_hang_up(int signal) {
   return signal == SIGHUP;
 }
 
-void kill_child_groups() {
+/// Unless a group is being started: its thread ends the process then.
+void end_if_none_starts() {
+  if (starting > 0) return;
   for (const std::atomic<pid_t>& group : child_groups) {
     if (const pid_t leader = group; leader > 0) kill(-leader, SIGKILL);
   }
+  _exit(process_status(ExitStatus::interrupted));
 }
+
+/// While it lives, a group is being started. The order of the atomics matters: either the signal handler sees
+/// the count, or this sees that the process is to end.
+class Starting {
+ public:
+  Starting() {
+    ++starting;
+    if (!end_at_once) return;
+    end();
+    for (;;) pause();  // another thread ends the process
+  }
+  ~Starting() { end(); }
+  Starting(const Starting&) = delete;
+  Starting& operator=(const Starting&) = delete;
+
+ private:
+  void end() {
+    --starting;
+    if (end_at_once) end_if_none_starts();
+  }
+};
 
 extern "C" void on_signal(int signal) {
   int none = 0;
   const bool is_first = first_signal.compare_exchange_strong(none, signal);
   if (!is_first && !is_hang_up(signal)) {
-    kill_child_groups();
-    _exit(process_status(ExitStatus::interrupted));
+    end_at_once = true;
+    end_if_none_starts();
   }
   stop = true;
 }
@@ -58,10 +84,12 @@ void catch_signals() {
   sigaction(SIGXFSZ, &action, nullptr);  // a limit of files' sizes is an error of writing
 }
 
-ChildGroup::ChildGroup(pid_t group) {
+ChildGroup::ChildGroup(const std::function<pid_t()>& start) {
+  const Starting starts;
+  leader_ = start();
   for (std::atomic<pid_t>& place : child_groups) {
     pid_t none = 0;
-    if (!place.compare_exchange_strong(none, group)) continue;
+    if (!place.compare_exchange_strong(none, leader_)) continue;
     place_ = &place;
     return;
   }

@@ -3,6 +3,7 @@
 #include <sys/types.h>
 
 #include <atomic>
+#include <functional>
 
 #include "frame/error.h"
 
@@ -25,12 +26,17 @@ bool interrupted();
 /// A process group that is killed if a second signal ends this process; the first 1024 that live at a time.
 class ChildGroup {
  public:
-  explicit ChildGroup(pid_t group);
+  /// `start` starts the group's first process and returns it. A second signal that comes meanwhile waits for
+  /// it, so that no child is left behind.
+  explicit ChildGroup(const std::function<pid_t()>& start);
   ~ChildGroup();
   ChildGroup(const ChildGroup&) = delete;
   ChildGroup& operator=(const ChildGroup&) = delete;
 
+  pid_t leader() const { return leader_; }
+
  private:
+  pid_t leader_ = 0;
   std::atomic<pid_t>* place_ = nullptr;  ///< where the signal handler looks
 };
 

@@ -14,6 +14,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <thread>
 
 #include "app/cancel.h"
@@ -117,7 +118,7 @@ pid_t start(const std::vector<std::string>& arguments, const std::string& workin
 /// The group's first process, waited for.
 class Child {
  public:
-  explicit Child(pid_t process) : process_(process), group_(process) {}
+  explicit Child(const std::function<pid_t()>& start) : group_(start), process_(group_.leader()) {}
   ~Child() { kill(-process_, SIGKILL); }
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
@@ -135,6 +136,7 @@ class Child {
     kill(-process_, SIGKILL);
     ended_ = wait4(process_, &status_, 0, &usage_) == process_;
   }
+  pid_t leader() const { return process_; }
   int status() const { return status_; }
   /// As the kernel counts it, which counts becalm's own peak too: a process that is spawned shares becalm's
   /// memory at first. 0 where it is not above that.
@@ -146,8 +148,8 @@ class Child {
   }
 
  private:
-  pid_t process_;
   const ChildGroup group_;
+  const pid_t process_;
   int status_ = 0;
   rusage usage_ = {};
   bool ended_ = false;
@@ -158,8 +160,7 @@ class Child {
 ChildResult run_child(const std::vector<std::string>& arguments, const std::string& working_folder,
                       const std::string& log_file, const ChildLimits& limits) {
   const Clock::time_point begin = Clock::now();
-  const pid_t process = start(arguments, working_folder, log_file);
-  Child child(process);
+  Child child([&] { return start(arguments, working_folder, log_file); });
   ChildResult result;
   Clock::time_point measured = begin;
   const auto is_above = [&] {
@@ -168,7 +169,7 @@ ChildResult run_child(const std::vector<std::string>& arguments, const std::stri
   while (!child.has_ended()) {
     if (Clock::now() - measured >= kMeasureMemory) {
       measured = Clock::now();
-      result.peak_memory_bytes = std::max(result.peak_memory_bytes, memory_of_group(process));
+      result.peak_memory_bytes = std::max(result.peak_memory_bytes, memory_of_group(child.leader()));
     }
     result.end = stop_requested()                          ? ChildEnd::interrupted
                  : seconds_since(begin) > limits.timeout_s ? ChildEnd::timed_out
