@@ -4,11 +4,11 @@ namespace becalm::filter {
 namespace {
 
 /// What of a difference from the history is expected, as statistics.comp numbers it.
-enum class Expected { nothing, noise, unshared_error };
+enum class Expectation { nothing, noise, unshared_error };
 
-Expected expected_of(const FrameToCompare& frame) {
-  if (!frame.smoothed) return Expected::noise;
-  return frame.noisy ? Expected::unshared_error : Expected::nothing;
+Expectation expectation_of(const FrameToCompare& frame) {
+  if (!frame.smoothed) return Expectation::noise;
+  return frame.noisy ? Expectation::unshared_error : Expectation::nothing;
 }
 
 }  // namespace
@@ -26,7 +26,7 @@ MergeStatistics add_statistics(gpu::Chain& chain, gpu::Extent full, const FrameT
       .read("noisy", frame.noisy ? std::optional(frame.noisy->image) : std::nullopt)
       .write("difference", statistics.difference)
       .write("noise", statistics.noise)
-      .specialize("explained", static_cast<int>(expected_of(frame)))
+      .specialize("expectation", static_cast<int>(expectation_of(frame)))
       .specialize("noisy_channel", frame.noisy ? frame.noisy->channel : 0)
       .dispatch(full);
   return statistics;

@@ -29,8 +29,8 @@ float excess_over_noise(float measured, float noise, float count, float standard
 /// would reject history.
 const float kSignificanceInNoise = 3.0f;
 
-/// How much sooner than noise a smoothed frame's error is blur, which the next frame has alike. On held-out shots, 1
-/// gains as much but loses 4 % at 128 samples a pixel, and 10 gains a fifth less.
+/// By what the expected error of a smoothed frame is multiplied before unshared_part compares it with the noise. On
+/// held-out shots a factor of 1 gains as much but loses 4 % at 128 samples a pixel, and 10 gains a fifth less.
 const float kBlurInError = 4.0f;
 
 /// Part of a smoothed frame's expected squared `error` that differs from frame to frame, if the noisy frame has the

@@ -10,9 +10,10 @@
 #include "lib/dispatch_size.glsl"
 #include "lib/gain.glsl"
 
-// What of a difference is expected. 0: nothing, since most of a smoothed frame's error is blur, which its history has
-// alike; 1: the noise of both; 2: the errors of both, as far as the noisy frame's variance tells that they are not blur.
-layout(constant_id = 0) const int explained = 1;
+// What of a difference is expected, as filter/merge/statistics.cpp names it. 0: nothing, since most of a smoothed
+// frame's error is blur, which its history has alike; 1: the noise of both; 2: the errors of both, as far as the noisy
+// frame's variance tells that they are not blur.
+layout(constant_id = 0) const int expectation = 1;
 layout(constant_id = 1) const int noisy_channel = 0;  // that holds the noisy frame's variance
 
 layout(local_size_x = 64, local_size_y = 1) in;
@@ -36,8 +37,8 @@ void main() {
   const float scale = 1.0 / brightness(h.r, h.g, h.b, texelFetch(exposure, 0).x);
   const vec3 d = clamp((texelFetch(color, index).rgb - h.rgb) * scale, -kLargestDifference, kLargestDifference);
   const vec2 variances = min(vec2(sample_stats.x, stats.x) * scale * scale, kLargestDifference * kLargestDifference);
-  float expected = explained == 0 ? 0.0 : variances.x + variances.y;
-  if (explained == 2) {
+  float expected = expectation == 0 ? 0.0 : variances.x + variances.y;
+  if (expectation == 2) {
     const float noisy_variance = texelFetch(noisy, index)[noisy_channel] * scale * scale;
     expected *= unshared_part(variances.x, min(noisy_variance, kLargestDifference * kLargestDifference));
   }
