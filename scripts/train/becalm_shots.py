@@ -157,7 +157,7 @@ def make_shot(arguments, seed, assets):
     facts = choose_scene(arguments, folder, seed, assets, exposure)
     wanted = 8 * int(np.ceil(REFERENCE_SPP_PER_NOISE * facts["sample_noise"] / 8))
     spp = noise_levels(facts["sample_noise"], rng.random)
-    reference_spp = reference_samples(spp[-1], min(max(wanted, FEWEST_REFERENCE_SPP), arguments.reference_spp))
+    reference_spp = reference_samples(spp, min(max(wanted, FEWEST_REFERENCE_SPP), arguments.reference_spp))
     scene = folder / "scene.json"
     referenced = evenly_spread(arguments.numbers, arguments.references)
     for level, samples in enumerate(spp):

@@ -155,7 +155,7 @@ def render_shot(folder, seed, asked):
     settings = scene.render.image_settings
     settings.file_format, settings.color_depth, settings.exr_codec = "OPEN_EXR_MULTILAYER", "16", "ZIP"
     levels = noise_levels(facts["sample_noise"], dice.random)
-    reference_spp = reference_samples(levels[-1], LEAST_REFERENCE_SPP)
+    reference_spp = reference_samples(levels, LEAST_REFERENCE_SPP)
     cycles_seeds = iter(dice.sample(range(1, 2**30), 6 * motion.SHOT_FRAMES))
 
     def write(name, samples, frame):

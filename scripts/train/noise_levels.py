@@ -16,16 +16,17 @@ def sample_count(sample_noise, relative_error):
 
 
 def noise_levels(sample_noise, random):
-    """Two different sample counts, ascending; `random` draws uniformly from [0, 1)."""
+    """Two different sample counts: that of all frames, and a second one of those with references. `random` draws uniformly from
+    [0, 1)."""
     first, second = (sample_count(sample_noise, CLEANEST * (NOISIEST / CLEANEST) ** random()) for _ in range(2))
     if first == second:
         second = first // 2 if first == MOST else 2 * first
-    return sorted((first, second))
+    return [first, second]
 
 
-def reference_samples(most_samples, least):
+def reference_samples(levels, least):
     """Of each of two references: twice the samples of the cleanest noisy frame, and no fewer than `least`."""
-    return max(least, 2 * most_samples)
+    return max(least, 2 * max(levels))
 
 
 def evenly_spread(frames, count):

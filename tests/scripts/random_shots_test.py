@@ -36,9 +36,15 @@ class NoiseLevels(unittest.TestCase):
         draws = iter([0.5, 0.5, 0.0, 0.0, 1.0, 1.0])
         random = lambda: next(draws)
         self.assertEqual(noise_levels.noise_levels(0.4, random), [4, 8])  # of 0.095, twice the same
-        self.assertEqual(noise_levels.noise_levels(0.4, random), [32, 64])  # of 0.003, beyond the most
+        self.assertEqual(noise_levels.noise_levels(0.4, random), [64, 32])  # of 0.003, beyond the most
         self.assertEqual(noise_levels.noise_levels(0.4, random), [1, 2])
         self.assertEqual(noise_levels.sample_count(0.0, 0.1), 1)
+
+    def test_the_whole_shot_may_have_either_level_and_references_have_more_than_both(self):
+        for draws, expected in (([0.0, 1.0], [64, 1]), ([1.0, 0.0], [1, 64])):
+            levels = noise_levels.noise_levels(0.4, iter(draws).__next__)
+            self.assertEqual(levels, expected)
+            self.assertEqual(noise_levels.reference_samples(levels, 32), 128)
 
 
 if __name__ == "__main__":
