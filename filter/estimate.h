@@ -31,6 +31,7 @@ struct NewFrame {
   std::vector<std::uint8_t> finite;  ///< from finite_pixels
   float exposure;                    ///< of the whole frame, from exposure()
   float usual_depth = 1.0f;          ///< from typical_depth
+  float noise_ratio = 1.0f;          ///< from input/noise_ratio.h
   std::vector<Image> additive = {};  ///< from pack_additive
   Estimate smoothed = {};            ///< if not empty, matched and merged instead of the frame
   Image smoothed_albedo = {};        ///< RGB; if not empty, stands for the frame's albedo

@@ -23,6 +23,8 @@ struct FrameReport {
   std::size_t replaced_additive = 0;
   /// Pixels whose motion exceeds motion_limit_px and is ignored.
   std::size_t far_motions = 0;
+  /// Of input/noise_ratio.h.
+  float noise_ratio = 1.0f;
   /// A cut was found between this frame and the previous one in this direction.
   bool new_shot = false;
   /// Rejected share of the history, averaged over pixels.

@@ -30,10 +30,15 @@ NoisyInputs::NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent 
   // The albedo network is given no noise: of its variance only the valid flag is read.
   if (task.variance_known() || task.of_albedo) {
     variance = given_variance_;
-  } else if (fits_albedo) {
-    variance = add_variance_estimate(chain, extent, color, given_variance_, *features);
   } else {
-    variance = add_variance_estimate(chain, extent, color, given_variance_);
+    noise_ratio_ = chain.table("noise_ratio", Format::f32, {1, 1});
+    FrameWithoutVariance frame{.color = color,
+                               .valid = given_variance_,
+                               .exposure = exposure,
+                               .noise_ratio = *noise_ratio_,
+                               .features = {}};
+    if (has_albedo) frame.features = features;
+    variance = add_variance_estimate(chain, extent, frame);
   }
 }
 
@@ -44,6 +49,7 @@ void NoisyInputs::upload(gpu::Chain& chain, const FilterTask& task, const NewFra
       reads_exposure_alone ? std::span<float>() : chain.upload<float>(given_variance_);
   report.replaced_variances += pack_variance(frame.frame, task.used, frame.finite, tile, pairs);
   chain.upload<float>(exposure)[0] = frame.exposure;
+  if (noise_ratio_) chain.upload<float>(*noise_ratio_)[0] = frame.noise_ratio;
   if (reads_exposure_alone) return;
   pack_color(frame.frame.image(Aov::beauty), frame.finite, tile.target, chain.upload<float>(color));
   const auto upload_features = [&](const NewFrame& source, const SurfaceImages& target) {

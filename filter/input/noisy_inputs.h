@@ -37,6 +37,7 @@ class NoisyInputs {
 
  private:
   gpu::ImageId given_variance_;
+  std::optional<gpu::ImageId> noise_ratio_;  ///< if the variance is estimated
 };
 
 }  // namespace becalm::filter

@@ -17,6 +17,7 @@
 #include "filter/input/frame_check.h"
 #include "filter/input/host_images.h"
 #include "filter/input/motion_to_next.h"
+#include "filter/input/noise_ratio.h"
 #include "filter/merge/additive.h"
 #include "filter/merge/combine.h"
 #include "filter/merge/frame_merger.h"
@@ -211,9 +212,11 @@ std::optional<SequenceFilter::Merged> SequenceFilter::begin(const Step& step, co
                      .finite = finite_pixels(beauty),
                      .exposure = exposure(beauty),
                      .usual_depth = typical_depth(frame, task.used),
+                     .noise_ratio = noise_ratio(frame, task.used),
                      .additive = {}};
   new_frame.additive = pack_additive(frame, task, new_frame.finite, report);
   if (task.additive > 0) state_->check_light_groups(frame);
+  report.noise_ratio = new_frame.noise_ratio;
   report.non_finite_pixels = count_non_finite(new_frame.finite, frame);
   if (step.wanted && step.direction == Direction::forward)
     report.non_finite_guides = count_non_finite_guides(frame, task.used);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <random>
@@ -25,6 +26,9 @@ struct Pixel {
   std::array<double, 3> normal{};
 };
 
+constexpr float kExposure = 0.5f;
+/// A ratio of noise that no detail exceeds.
+constexpr float kNothingIsDetail = 1e6f;
 constexpr int kUnknowns = 10;  // value at the pixel, then slopes along albedo, depth, normal and position
 
 double divisor(const Pixel& pixel, std::size_t c) {
@@ -122,20 +126,74 @@ double reference_second_difference(const Grid<Pixel>& frame, int x, int y) {
 
 enum class KnowsAlbedo { no, yes };
 
+/// The squared second difference along both axes of taps so far apart, relative to `brightness`. Taps beyond
+/// the border are those at it.
+double squared_difference(const Grid<Pixel>& frame, KnowsAlbedo knows_albedo, int x, int y, int distance) {
+  constexpr std::array<double, 3> coefficient{1, -2, 1};
+  double squares = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    double difference = 0;
+    for (int j = 0; j < 3; ++j) {
+      for (int i = 0; i < 3; ++i) {
+        const Pixel& tap = frame.at(std::clamp(x + (i - 1) * distance, 0, frame.width - 1),
+                                    std::clamp(y + (j - 1) * distance, 0, frame.height - 1));
+        const double by = knows_albedo == KnowsAlbedo::yes ? divisor(tap, c) : 1.0;
+        difference += coefficient.at(i) * coefficient.at(j) * tap.color[c] / by;
+      }
+    }
+    squares += difference * difference / 3;
+  }
+  return squares;
+}
+
+/// The share of an estimate that is noise, in a patch of 7x7 without the pixel itself; inside of the frame
+/// alone, where no tap is beyond a border.
+double reference_share(const Grid<Pixel>& frame, KnowsAlbedo knows_albedo, int x, int y, double noise_ratio) {
+  double near = 0, far = 0;
+  for (int v = y - 3; v <= y + 3; ++v) {
+    for (int u = x - 3; u <= x + 3; ++u) {
+      if ((u == x && v == y) || !frame.at(u, v).finite) continue;
+      double light = 0;
+      for (int j = -2; j <= 2; ++j) {
+        for (int i = -2; i <= 2; ++i) {
+          const Pixel& tap = frame.at(u + i, v + j);
+          for (std::size_t c = 0; c < 3; ++c) {
+            constexpr std::array<double, 3> luminance{0.2126, 0.7152, 0.0722};
+            light +=
+                luminance[c] * tap.color[c] / (knows_albedo == KnowsAlbedo::yes ? divisor(tap, c) : 1.0) / 25;
+          }
+        }
+      }
+      const double scale = std::pow(light + 0.1 / kExposure, -2);
+      for (const auto& [i, j] : {std::pair(-1, -1), std::pair(1, -1), std::pair(-1, 1), std::pair(1, 1)})
+        near += scale * squared_difference(frame, knows_albedo, u + i, v + j, 1) / 4;
+      far += scale * squared_difference(frame, knows_albedo, u, v, 2);
+    }
+  }
+  return std::clamp((6 - far / near / noise_ratio) / 3, 0.1, 1.0);
+}
+
 class EstimateVarianceTest : public DeviceTest {
  protected:
-  static Grid<double> estimate(const Grid<Pixel>& frame, KnowsAlbedo knows_albedo = KnowsAlbedo::yes) {
+  static Grid<double> estimate(const Grid<Pixel>& frame, KnowsAlbedo knows_albedo = KnowsAlbedo::yes,
+                               float noise_ratio = 1.0f) {
     const gpu::Extent full{frame.width, frame.height};
     gpu::Chain chain(device(), "variance estimate test");
     const gpu::ImageId color = chain.input("color", gpu::Format::f32x4, full);
     const gpu::ImageId valid = chain.input("valid", gpu::Format::f32x2, full);
     const SurfaceImages features{.albedo_depth = chain.input("albedo_depth", gpu::Format::f32x4, full),
                                  .normal = chain.input("normal", gpu::Format::f32x4, full)};
-    const gpu::ImageId variance = knows_albedo == KnowsAlbedo::yes
-                                      ? add_variance_estimate(chain, full, color, valid, features)
-                                      : add_variance_estimate(chain, full, color, valid);
+    FrameWithoutVariance inputs{.color = color,
+                                .valid = valid,
+                                .exposure = chain.table("exposure", gpu::Format::f32, {1, 1}),
+                                .noise_ratio = chain.table("noise_ratio", gpu::Format::f32, {1, 1}),
+                                .features = {}};
+    if (knows_albedo == KnowsAlbedo::yes) inputs.features = features;
+    const gpu::ImageId variance = add_variance_estimate(chain, full, inputs);
     chain.output(variance);
     chain.build();
+    chain.upload<float>(inputs.exposure)[0] = kExposure;
+    chain.upload<float>(inputs.noise_ratio)[0] = noise_ratio;
     for (std::size_t i = 0; i < frame.data.size(); ++i) {
       const Pixel& pixel = frame.data[i];
       std::ranges::copy(pixel.color, chain.upload<float>(color).begin() + 4 * i);
@@ -179,7 +237,7 @@ TEST_F(EstimateVarianceTest, IsTheFormulaInDouble) {
   Grid<Pixel> frame = textured(23, 17, 0.3);
   for (std::size_t i = 3; i < frame.data.size(); i += 29) frame.data[i].finite = false;
   frame.at(9, 9).normal = {0, -1, 0};  // unlike all its neighbours
-  const Grid<double> got = estimate(frame);
+  const Grid<double> got = estimate(frame, KnowsAlbedo::yes, kNothingIsDetail);
   for (int y = 0; y < frame.height; ++y) {
     for (int x = 0; x < frame.width; ++x) {
       if (!frame.at(x, y).finite) continue;
@@ -206,13 +264,62 @@ TEST_F(EstimateVarianceTest, TextureAndEdgesAreNoNoise) {
 
 TEST_F(EstimateVarianceTest, WithoutAlbedoIsTheFormulaInDouble) {
   const Grid<Pixel> frame = textured(23, 17, 0.3);
-  const Grid<double> got = estimate(frame, KnowsAlbedo::no);
+  const Grid<double> got = estimate(frame, KnowsAlbedo::no, kNothingIsDetail);
   for (int y = 0; y < frame.height; ++y) {
     for (int x = 0; x < frame.width; ++x) {
       const double expected = reference_second_difference(frame, x, y);
       EXPECT_NEAR(got.at(x, y), expected, 1e-4 * expected + 1e-6) << x << ' ' << y;
     }
   }
+}
+
+TEST_F(EstimateVarianceTest, TheShareOfNoiseIsTheFormulaInDouble) {
+  Grid<Pixel> frame = textured(31, 29, 0.1);
+  for (int y = 0; y < frame.height; ++y) {
+    for (int x = 0; x < frame.width; ++x) {
+      for (double& value : frame.at(x, y).color)
+        value *= x > 15 ? 1.5 + std::sin(x) * std::sin(0.8 * y) : 1.0;
+    }
+  }
+  frame.at(20, 11).finite = false;
+  double least = 1.0;
+  double most = 0.0;
+  for (const KnowsAlbedo knows_albedo : {KnowsAlbedo::no, KnowsAlbedo::yes}) {
+    for (const double noise_ratio : {1.0, 2.0}) {
+      const Grid<double> whole = estimate(frame, knows_albedo, kNothingIsDetail);
+      const Grid<double> got = estimate(frame, knows_albedo, static_cast<float>(noise_ratio));
+      for (int y = 5; y < frame.height - 5; ++y) {
+        for (int x = 5; x < frame.width - 5; ++x) {
+          const double share = reference_share(frame, knows_albedo, x, y, noise_ratio);
+          EXPECT_NEAR(got.at(x, y), share * whole.at(x, y), 2e-4 * whole.at(x, y)) << x << ' ' << y;
+          least = std::min(least, share);
+          most = std::max(most, share);
+        }
+      }
+    }
+  }
+  EXPECT_LT(least, 0.5);
+  EXPECT_GT(most, 0.9);
+}
+
+TEST_F(EstimateVarianceTest, DetailThatSpansPixelsIsNoNoise) {
+  constexpr double noise = 0.01;
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  Grid<Pixel> frame(64, 48);
+  for (int y = 0; y < frame.height; ++y) {
+    for (int x = 0; x < frame.width; ++x) {
+      const double waves = 1.0 + 0.3 * std::sin(0.9 * x) * std::sin(0.9 * y);
+      frame.at(x, y).color.fill(waves + noise * normal(random));
+    }
+  }
+  const auto mean_with = [&](float noise_ratio) {
+    double sum = 0;
+    for (const double value : estimate(frame, KnowsAlbedo::no, noise_ratio).data) sum += value;
+    return sum / static_cast<double>(frame.data.size());
+  };
+  EXPECT_GT(mean_with(kNothingIsDetail), 2.5 * noise * noise);
+  EXPECT_LT(mean_with(1.0f), 0.8 * noise * noise);
 }
 
 TEST_F(EstimateVarianceTest, WithoutAlbedoGradientsAndStraightEdgesAreNoNoise) {

@@ -1,0 +1,100 @@
+#include "filter/input/noise_ratio.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "filter/for_rows.h"
+#include "filter/luminance.h"
+
+namespace becalm::filter {
+namespace {
+
+constexpr int kBlock = 16;
+constexpr std::size_t kFewestBlocks = 64;
+/// Pixels around a block that its differences read.
+constexpr int kReach = 2;
+/// Share of the blocks whose ratio stays below the one that counts, and that ratio for independent noise of
+/// any strength (medians of 97 noisy frames and of their references: 0.77 and 0.82).
+constexpr double kQuantile = 0.1;
+constexpr double kOfIndependent = 0.8;
+constexpr double kLargest = 20.0;
+/// Squared second difference, over the squared radiance, below which a block has no noise.
+constexpr double kLeastNoise = 1e-10;
+/// As shaders/lib/reflectance.glsl.
+constexpr float kLeastDivisor = 0.04f;
+
+/// Luminance without albedo.
+Image irradiance(const Frame& frame, bool has_albedo) {
+  Image result(frame.width(), frame.height(), 1);
+  const Image& beauty = frame.image(Aov::beauty);
+  for_rows(frame.height(), [&](int begin, int end) {
+    for (int y = begin; y < end; ++y) {
+      for (int x = 0; x < frame.width(); ++x) {
+        std::array<float, 3> value{};
+        for (int c = 0; c < 3; ++c) {
+          const float albedo = has_albedo ? frame.image(Aov::albedo).at(x, y, c) : 1.0f;
+          value[c] = beauty.at(x, y, c) / std::max(albedo, kLeastDivisor);
+        }
+        result.at(x, y, 0) = luminance(value);
+      }
+    }
+  });
+  return result;
+}
+
+/// The squared second difference along both axes of taps at `distance`.
+double squared_difference(const Image& light, int x, int y, int distance) {
+  const auto along_x = [&](int row) {
+    return light.at(x - distance, row, 0) - 2.0 * light.at(x, row, 0) + light.at(x + distance, row, 0);
+  };
+  const double difference = along_x(y - distance) - 2.0 * along_x(y) + along_x(y + distance);
+  return difference * difference;
+}
+
+/// The ratio in the block from (x0, y0); not a number if it has no noise, or values that are not finite. Taps
+/// at distance 1 are those of each pixel's diagonal neighbours, so that a firefly changes both sums.
+double ratio_of_block(const Image& light, int x0, int y0) {
+  constexpr std::size_t side = kBlock + 2;
+  std::array<double, side * side> near{};
+  for (std::size_t i = 0; i < near.size(); ++i)
+    near[i] = squared_difference(light, x0 - 1 + static_cast<int>(i % side),
+                                 y0 - 1 + static_cast<int>(i / side), 1);
+  double sum_near = 0.0;
+  double sum_far = 0.0;
+  double squares = 0.0;
+  for (int y = 0; y < kBlock; ++y) {
+    for (int x = 0; x < kBlock; ++x) {
+      const std::size_t first = static_cast<std::size_t>(y) * side + static_cast<std::size_t>(x);
+      sum_near += (near[first] + near[first + 2] + near[first + 2 * side] + near[first + 2 * side + 2]) / 4.0;
+      sum_far += squared_difference(light, x0 + x, y0 + y, 2);
+      const double value = light.at(x0 + x, y0 + y, 0);
+      squares += value * value;
+    }
+  }
+  return sum_near > kLeastNoise * squares ? sum_far / sum_near : std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace
+
+float noise_ratio(const Frame& frame, const AovSet& used) {
+  const int columns = (frame.width() - 2 * kReach) / kBlock;
+  const int rows = (frame.height() - 2 * kReach) / kBlock;
+  if (columns < 1 || rows < 1) return 1.0f;
+  const Image light = irradiance(frame, contains(used, Aov::albedo));
+  std::vector<double> ratios(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+  for_each_in_parallel(static_cast<int>(ratios.size()), [&](int i) {
+    ratios[static_cast<std::size_t>(i)] =
+        ratio_of_block(light, kReach + i % columns * kBlock, kReach + i / columns * kBlock);
+  });
+  std::erase_if(ratios, [](double ratio) { return !std::isfinite(ratio); });
+  if (ratios.size() < kFewestBlocks) return 1.0f;
+  const auto place = static_cast<std::ptrdiff_t>(kQuantile * static_cast<double>(ratios.size()));
+  std::ranges::nth_element(ratios, ratios.begin() + place);
+  return static_cast<float>(
+      std::clamp(ratios[static_cast<std::size_t>(place)] / kOfIndependent, 1.0, kLargest));
+}
+
+}  // namespace becalm::filter

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "frame/frame.h"
+
+namespace becalm::filter {
+
+/// By how much the squared second difference of a frame's noise is larger for taps at distance 2 than for taps
+/// at distance 1: 1 if the noise of pixels is independent; more, up to 20, if the renderer adds each sample to
+/// several pixels, weighed by the pixel filter, instead of sampling the filter (Ernst et al. 2006, "Filter
+/// importance sampling"). 1 also for frames of fewer than 64 blocks of 16x16 pixels with noise. `used`: whether
+/// the radiance is divided by albedo before.
+///
+/// Detail raises the ratio as well, but not everywhere, and the pixel filter is the same everywhere: what counts
+/// is the ratio that a tenth of all blocks stay below.
+float noise_ratio(const Frame& frame, const AovSet& used);
+
+/// Ratios from which neighbours are so much alike that the network takes noise for detail.
+constexpr float kAlikeNoise = 1.5f;
+
+}  // namespace becalm::filter

@@ -1,0 +1,37 @@
+// Reads an estimate of each pixel's variance, the patch sums of merge/noise_scales and the ratio of the frame's noise
+// (filter/input/noise_ratio.h); writes the estimate without the part that is detail: where taps at distance 2 differ
+// by so much more than taps at distance 1 as noise never makes them, little of the difference is noise.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#include "lib/dispatch_size.glsl"
+
+layout(constant_id = 0) const int radius = 3;
+
+layout(local_size_x = 64, local_size_y = 1) in;
+layout(set = 0, binding = 0) uniform samplerBuffer estimate;
+layout(set = 0, binding = 1) uniform samplerBuffer scales;
+layout(set = 0, binding = 2) uniform samplerBuffer scales_sums;
+layout(set = 0, binding = 3) uniform samplerBuffer noise_ratio;
+layout(std430, set = 0, binding = 4) writeonly buffer VarianceBuffer { vec2 data[]; } variance;
+
+#include "lib/patch_row.glsl"
+
+/// Ratios, in units of the noise's, up to which a patch may be all noise, and from which it is all detail. In patches
+/// of noise the ratio spreads to twice its mean; detail of references has 5 to 12.
+const float kNoise = 3.0;
+const float kDetail = 6.0;
+/// Of the estimate, what remains of detail.
+const float kLeastShare = 0.1;
+
+void main() {
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  if (at.x >= size.x || at.y >= size.y) return;
+  const int index = at.y * size.x + at.x;
+  const vec4 sum = patch_without_pixel(scales, scales_sums, at);
+  const float of_noise = texelFetch(noise_ratio, 0).x;
+  const float ratio = sum.x > 0.0 ? sum.y / (sum.x * of_noise) : 1.0;
+  const float share = clamp((kDetail - ratio) / (kDetail - kNoise), kLeastShare, 1.0);
+  const vec2 estimated = texelFetch(estimate, index).xy;
+  variance.data[index] = vec2(estimated.x * share, estimated.y);
+}
