@@ -13,6 +13,7 @@
 #include "app/expected_error.h"
 #include "app/eye_names.h"
 #include "filter/input/host_images.h"
+#include "filter/input/noise_ratio.h"
 #include "filter/input/radiance_scale.h"
 #include "filter/merge/additive.h"
 #include "frame/error.h"
@@ -233,10 +234,16 @@ std::vector<Frame> FilterStage::run_views(const filter::Step& step, const std::v
   return made;
 }
 
-void FilterStage::tell(const filter::FrameReport& report, const std::string& name, Progress& progress) const {
+void FilterStage::tell(const filter::FrameReport& report, const std::string& name, Progress& progress) {
   progress.detail(fmt::format("{}: {:.3g} frames a pixel on average, {:.0f} % of the history rejected", name,
                               report.mean_sample_count, 100.0 * report.mean_rejected));
   if (report.new_shot) progress.note(fmt::format("{}: a new shot begins", name));
+  if (report.noise_ratio >= filter::kAlikeNoise && !std::exchange(has_told_of_alike_noise_, true)) {
+    progress.warn(fmt::format(
+        "{}: the noise of neighbouring pixels is alike, as a pixel filter that weighs samples makes it: much "
+        "of it will stay; a box filter of one pixel avoids that, or a filter that is sampled",
+        name));
+  }
   if (report.non_finite_pixels > 0) {
     progress.warn(
         fmt::format("{}: {} pixels with NaN or Inf stay as they came", name, report.non_finite_pixels));

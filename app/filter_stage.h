@@ -126,7 +126,7 @@ class FilterStage {
   std::vector<Frame> run_scaled(const filter::Step& step, const std::vector<const Frame*>& frames,
                                 std::vector<filter::FrameReport>& reports,
                                 std::vector<double>& expected_errors, Profile& profile);
-  void tell(const filter::FrameReport& report, const std::string& name, Progress& progress) const;
+  void tell(const filter::FrameReport& report, const std::string& name, Progress& progress);
 
   FilterRecipe recipe_;
   AovSet diagnostics_;
@@ -141,6 +141,7 @@ class FilterStage {
   std::set<int> given_cuts_;
   float radiance_scale_ = 1.0f;  ///< of the history
   bool measures_errors_ = false;
+  bool has_told_of_alike_noise_ = false;
   std::optional<gpu::Device> device_;
   struct View {
     std::string name;                             ///< with a space before it; empty where there is but one

@@ -216,7 +216,7 @@ std::optional<SequenceFilter::Merged> SequenceFilter::begin(const Step& step, co
                      .additive = {}};
   new_frame.additive = pack_additive(frame, task, new_frame.finite, report);
   if (task.additive > 0) state_->check_light_groups(frame);
-  report.noise_ratio = new_frame.noise_ratio;
+  if (task.smooths()) report.noise_ratio = new_frame.noise_ratio;
   report.non_finite_pixels = count_non_finite(new_frame.finite, frame);
   if (step.wanted && step.direction == Direction::forward)
     report.non_finite_guides = count_non_finite_guides(frame, task.used);

@@ -4,7 +4,9 @@
 
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <sstream>
+#include <vector>
 
 #include "tests/end_to_end/denoise_fixture.h"
 
@@ -46,6 +48,35 @@ TEST_F(Denoise, GuidesThatAreNotFiniteAreCounted) {
   EXPECT_NE(outcome.err.find("frame 1: 3 pixels with NaN or Inf in albedo, normal or depth"),
             std::string::npos)
       << outcome.err;
+}
+
+TEST_F(Denoise, NoiseThatNeighboursShareIsPointedOutOnce) {
+  constexpr int side = 160;
+  const std::string words = "frame 1: the noise of neighbouring pixels is alike";
+  const auto told = [&](int shared_px) {
+    std::mt19937 random(1);
+    std::uniform_real_distribution<float> uniform(0.5f, 1.5f);
+    for (const int number : {1, 2}) {
+      Frame frame(number, side, side);
+      Image& beauty = frame.add(Aov::beauty, 1.0f);
+      std::vector<float> samples(side * (side + shared_px));
+      for (float& sample : samples) sample = uniform(random);
+      for (int y = 0; y < side; ++y) {
+        for (int x = 0; x < side; ++x) {
+          float sum = 0.0f;
+          for (int i = 0; i < shared_px; ++i) sum += samples[y * (side + shared_px) + x + i];
+          for (int c = 0; c < 3; ++c) beauty.at(x, y, c) = sum;
+        }
+      }
+      io::write_exr(frame_path(input_, number), frame, {}, io::PixelType::float32);
+    }
+    const std::string err = becalm_done(command("out.####.exr", {"--quiet", "--preset", "draft"})).err;
+    const std::size_t found = err.find("is alike");
+    return found != std::string::npos && err.find(words) != std::string::npos &&
+           err.find("is alike", found + 1) == std::string::npos;
+  };
+  EXPECT_FALSE(told(1));
+  EXPECT_TRUE(told(2));
 }
 
 TEST_F(Denoise, VerboseTellsLayersDeviceHistoryAndFiles) {
