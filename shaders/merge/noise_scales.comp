@@ -2,7 +2,7 @@
 // of taps at distance 1, of taps at distance 2, 1, 0), of the radiance without albedo, relative to its brightness.
 // Independent noise makes both equal; detail that spans pixels makes the second several times the first. The first is
 // the mean over the four diagonal neighbours, so that both depend on the same 5x5 pixels and a firefly changes both.
-// Zeros for pixels that are not finite.
+// Zeros for pixels that are not finite and beside those at the end of the range of floats.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -56,6 +56,6 @@ void main() {
     near += squared_difference(values, middle + beside, 1, scale) / 4.0;
   }
   const float far = squared_difference(values, middle, 2, scale);
-  const bool counts = texelFetch(valid, index).y > 0.0 && !isinf(scale) && scale > 0.0;
+  const bool counts = texelFetch(valid, index).y > 0.0 && !isnan(near + far);
   scales.data[index] = counts ? vec4(near, far, 1.0, 0.0) : vec4(0.0);
 }

@@ -126,8 +126,8 @@ double reference_second_difference(const Grid<Pixel>& frame, int x, int y) {
 
 enum class KnowsAlbedo { no, yes };
 
-/// The squared second difference along both axes of taps so far apart, relative to `brightness`. Taps beyond
-/// the border are those at it.
+/// The squared second difference along both axes of taps so far apart, of the radiance without albedo. Taps
+/// beyond the border are those at it.
 double squared_difference(const Grid<Pixel>& frame, KnowsAlbedo knows_albedo, int x, int y, int distance) {
   constexpr std::array<double, 3> coefficient{1, -2, 1};
   double squares = 0;
