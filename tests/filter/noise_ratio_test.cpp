@@ -31,7 +31,8 @@ Frame noisy(double w, double noise, const std::function<double(int x, int y)>& l
       for (int j = 0; j < 3; ++j) {
         for (int i = 0; i < 3; ++i) {
           const double weight = (i == 1 ? 1.0 - 2.0 * w : w) * (j == 1 ? 1.0 - 2.0 * w : w);
-          sum += weight * samples[static_cast<std::size_t>((y + j) * (width + 2) + x + i)];
+          const auto row = static_cast<std::size_t>(y + j) * static_cast<std::size_t>(width + 2);
+          sum += weight * samples[row + static_cast<std::size_t>(x + i)];
         }
       }
       for (int c = 0; c < 3; ++c) beauty.at(x, y, c) = static_cast<float>(light(x, y) * sum);
