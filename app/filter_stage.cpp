@@ -238,10 +238,10 @@ void FilterStage::tell(const filter::FrameReport& report, const std::string& nam
   progress.detail(fmt::format("{}: {:.3g} frames a pixel on average, {:.0f} % of the history rejected", name,
                               report.mean_sample_count, 100.0 * report.mean_rejected));
   if (report.new_shot) progress.note(fmt::format("{}: a new shot begins", name));
-  if (report.noise_ratio >= filter::kAlikeNoise && !std::exchange(has_told_of_alike_noise_, true)) {
+  if (report.noise_ratio >= filter::kSharedNoise && !std::exchange(has_told_of_shared_noise_, true)) {
     progress.warn(fmt::format(
-        "{}: the noise of neighbouring pixels is alike, as a pixel filter that weighs samples makes it: much "
-        "of it will stay; a box filter of one pixel avoids that, or a filter that is sampled",
+        "{}: neighbouring pixels share noise, much of which will stay: the renderer seems to weigh samples by "
+        "its pixel filter; a box filter of one pixel, or filter importance sampling, avoids that",
         name));
   }
   if (report.non_finite_pixels > 0) {

@@ -141,7 +141,7 @@ class FilterStage {
   std::set<int> given_cuts_;
   float radiance_scale_ = 1.0f;  ///< of the history
   bool measures_errors_ = false;
-  bool has_told_of_alike_noise_ = false;
+  bool has_told_of_shared_noise_ = false;
   std::optional<gpu::Device> device_;
   struct View {
     std::string name;                             ///< with a space before it; empty where there is but one

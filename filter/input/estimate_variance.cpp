@@ -8,8 +8,9 @@ namespace {
 using gpu::Format;
 using gpu::ImageId;
 
-/// Radius of the patches that tell noise from detail, and of the differences that they sum.
+/// Radius of the patches that tell noise from detail.
 constexpr int kPatchRadius = 3;
+/// Of the differences that they sum.
 constexpr int kDifferenceReach = 2;
 
 /// What differs from pixel to pixel, more than features explain.

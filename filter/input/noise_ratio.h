@@ -16,6 +16,6 @@ float noise_ratio(const Frame& frame, const AovSet& used);
 
 /// Ratios from which the network takes much of the noise for detail. Of 97 noisy frames of independent noise
 /// none has this ratio, of their references one, which is all detail.
-constexpr float kAlikeNoise = 2.0f;
+constexpr float kSharedNoise = 2.0f;
 
 }  // namespace becalm::filter

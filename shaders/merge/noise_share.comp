@@ -1,6 +1,6 @@
 // Reads an estimate of each pixel's variance, the patch sums of merge/noise_scales and the ratio of the frame's noise
-// (filter/input/noise_ratio.h); writes the estimate without the part that is detail: where taps at distance 2 differ
-// by so much more than taps at distance 1 as noise never makes them, little of the difference is noise.
+// (filter/input/noise_ratio.h); writes the estimate without the part that is detail. Where taps at distance 2 differ
+// much more than taps at distance 1, most of the difference is detail.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
