@@ -58,6 +58,7 @@ ImageId add_variance_estimate(gpu::Chain& chain, gpu::Extent full, const FrameWi
       .read("noise_ratio", frame.noise_ratio)
       .write("variance", variance)
       .specialize("radius", kPatchRadius)
+      .specialize("has_albedo", albedo_depth ? 1 : 0)
       .dispatch(full);
   return variance;
 }

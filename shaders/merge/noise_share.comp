@@ -1,12 +1,13 @@
 // Reads an estimate of each pixel's variance, the patch sums of merge/noise_scales and the ratio of the frame's noise
-// (filter/input/noise_ratio.h); writes the estimate without the part that is detail. Where taps at distance 2 differ
-// much more than taps at distance 1, most of the difference is detail.
+// (filter/input/noise_ratio.h); writes the estimate without the part that is detail, and with what neighbours share of
+// the noise. Where taps at distance 2 differ much more than taps at distance 1, most of the difference is detail.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "lib/dispatch_size.glsl"
 
 layout(constant_id = 0) const int radius = 3;
+layout(constant_id = 1) const int has_albedo = 1;
 
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(set = 0, binding = 0) uniform samplerBuffer estimate;
@@ -23,6 +24,10 @@ const float kNoise = 3.0;
 const float kDetail = 6.0;
 /// Of the estimate, what remains of detail.
 const float kLeastShare = 0.1;
+/// An estimate lacks noise that neighbours share, by the noise's ratio to this power. A fit over 3x3 pixels follows
+/// such noise (0.3 to 0.45 for spreads of a pixel, if no feature explains any); second differences are what the ratio is
+/// made of.
+const float kSharedPower = has_albedo != 0 ? 0.5 : 1.0;
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
@@ -33,5 +38,5 @@ void main() {
   const float ratio = sum.x > 0.0 ? sum.y / (sum.x * of_noise) : 1.0;
   const float share = clamp((kDetail - ratio) / (kDetail - kNoise), kLeastShare, 1.0);
   const vec2 estimated = texelFetch(estimate, index).xy;
-  variance.data[index] = vec2(estimated.x * share, estimated.y);
+  variance.data[index] = vec2(estimated.x * share * pow(of_noise, kSharedPower), estimated.y);
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numeric>
 #include <random>
 #include <utility>
 #include <vector>
@@ -27,8 +28,6 @@ struct Pixel {
 };
 
 constexpr float kExposure = 0.5f;
-/// A ratio of noise that no detail exceeds.
-constexpr float kNothingIsDetail = 1e6f;
 constexpr int kUnknowns = 10;  // value at the pixel, then slopes along albedo, depth, normal and position
 
 double divisor(const Pixel& pixel, std::size_t c) {
@@ -173,6 +172,15 @@ double reference_share(const Grid<Pixel>& frame, KnowsAlbedo knows_albedo, int x
   return std::clamp((6 - far / near / noise_ratio) / 3, 0.1, 1.0);
 }
 
+double mean_of(const Grid<double>& image) {
+  return std::accumulate(image.data.begin(), image.data.end(), 0.0) / static_cast<double>(image.data.size());
+}
+
+/// How much of noise with this ratio the estimates lack.
+double shared_factor(double noise_ratio, KnowsAlbedo knows_albedo) {
+  return knows_albedo == KnowsAlbedo::yes ? std::sqrt(noise_ratio) : noise_ratio;
+}
+
 class EstimateVarianceTest : public DeviceTest {
  protected:
   static Grid<double> estimate(const Grid<Pixel>& frame, KnowsAlbedo knows_albedo = KnowsAlbedo::yes,
@@ -209,6 +217,14 @@ class EstimateVarianceTest : public DeviceTest {
     }
     return result;
   }
+
+  /// As if nothing were detail and all noise independent.
+  static Grid<double> whole_estimate(const Grid<Pixel>& frame, KnowsAlbedo knows_albedo) {
+    constexpr float kNothingIsDetail = 1e6f;
+    Grid<double> result = estimate(frame, knows_albedo, kNothingIsDetail);
+    for (double& value : result.data) value /= shared_factor(kNothingIsDetail, knows_albedo);
+    return result;
+  }
 };
 
 /// Two walls with coarse-grained albedo under light that falls off. `noise` is its relative standard
@@ -237,7 +253,7 @@ TEST_F(EstimateVarianceTest, IsTheFormulaInDouble) {
   Grid<Pixel> frame = textured(23, 17, 0.3);
   for (std::size_t i = 3; i < frame.data.size(); i += 29) frame.data[i].finite = false;
   frame.at(9, 9).normal = {0, -1, 0};  // unlike all its neighbours
-  const Grid<double> got = estimate(frame, KnowsAlbedo::yes, kNothingIsDetail);
+  const Grid<double> got = whole_estimate(frame, KnowsAlbedo::yes);
   for (int y = 0; y < frame.height; ++y) {
     for (int x = 0; x < frame.width; ++x) {
       if (!frame.at(x, y).finite) continue;
@@ -264,7 +280,7 @@ TEST_F(EstimateVarianceTest, TextureAndEdgesAreNoNoise) {
 
 TEST_F(EstimateVarianceTest, WithoutAlbedoIsTheFormulaInDouble) {
   const Grid<Pixel> frame = textured(23, 17, 0.3);
-  const Grid<double> got = estimate(frame, KnowsAlbedo::no, kNothingIsDetail);
+  const Grid<double> got = whole_estimate(frame, KnowsAlbedo::no);
   for (int y = 0; y < frame.height; ++y) {
     for (int x = 0; x < frame.width; ++x) {
       const double expected = reference_second_difference(frame, x, y);
@@ -286,12 +302,13 @@ TEST_F(EstimateVarianceTest, TheShareOfNoiseIsTheFormulaInDouble) {
   double most = 0.0;
   for (const KnowsAlbedo knows_albedo : {KnowsAlbedo::no, KnowsAlbedo::yes}) {
     for (const double noise_ratio : {1.0, 2.0}) {
-      const Grid<double> whole = estimate(frame, knows_albedo, kNothingIsDetail);
+      const Grid<double> whole = whole_estimate(frame, knows_albedo);
       const Grid<double> got = estimate(frame, knows_albedo, static_cast<float>(noise_ratio));
       for (int y = 5; y < frame.height - 5; ++y) {
         for (int x = 5; x < frame.width - 5; ++x) {
           const double share = reference_share(frame, knows_albedo, x, y, noise_ratio);
-          EXPECT_NEAR(got.at(x, y), share * whole.at(x, y), 2e-4 * whole.at(x, y)) << x << ' ' << y;
+          const double expected = share * shared_factor(noise_ratio, knows_albedo) * whole.at(x, y);
+          EXPECT_NEAR(got.at(x, y), expected, 2e-4 * whole.at(x, y)) << x << ' ' << y;
           least = std::min(least, share);
           most = std::max(most, share);
         }
@@ -313,13 +330,8 @@ TEST_F(EstimateVarianceTest, DetailThatSpansPixelsIsNoNoise) {
       frame.at(x, y).color.fill(waves + noise * normal(random));
     }
   }
-  const auto mean_with = [&](float noise_ratio) {
-    double sum = 0;
-    for (const double value : estimate(frame, KnowsAlbedo::no, noise_ratio).data) sum += value;
-    return sum / static_cast<double>(frame.data.size());
-  };
-  EXPECT_GT(mean_with(kNothingIsDetail), 2.5 * noise * noise);
-  EXPECT_LT(mean_with(1.0f), 0.8 * noise * noise);
+  EXPECT_GT(mean_of(whole_estimate(frame, KnowsAlbedo::no)), 2.5 * noise * noise);
+  EXPECT_LT(mean_of(estimate(frame, KnowsAlbedo::no)), 0.8 * noise * noise);
 }
 
 TEST_F(EstimateVarianceTest, WithoutAlbedoGradientsAndStraightEdgesAreNoNoise) {
@@ -338,12 +350,37 @@ TEST_F(EstimateVarianceTest, NoiseOnAFlatSurfaceIsFoundWithoutBias) {
   Grid<Pixel> frame(96, 64);
   for (Pixel& pixel : frame.data) pixel.color.fill(skewed(random));
   for (const KnowsAlbedo knows_albedo : {KnowsAlbedo::no, KnowsAlbedo::yes}) {
-    const Grid<double> got = estimate(frame, knows_albedo);
-    double mean = 0;
-    for (const double value : got.data) mean += value / static_cast<double>(got.data.size());
     // The standard deviation of the squares is below 3 for a variance of 1, and neighbouring estimates share
     // samples.
-    EXPECT_NEAR(mean, 1.0, 0.15);
+    EXPECT_NEAR(mean_of(estimate(frame, knows_albedo)), 1.0, 0.15);
+  }
+}
+
+TEST_F(EstimateVarianceTest, NoiseThatNeighboursShareIsFoundAsWell) {
+  std::mt19937 random(8);
+  std::normal_distribution<double> normal;
+  Grid<double> samples(98, 66);
+  for (double& sample : samples.data) sample = normal(random);
+  // Ratios from the autocorrelation of [w, 1 - 2w, w] along both axes.
+  for (const auto& [w, noise_ratio] :
+       {std::pair(0.08, 1.71f), std::pair(0.14, 3.22f), std::pair(0.2, 8.38f)}) {
+    Grid<Pixel> frame(96, 64);
+    for (int y = 0; y < frame.height; ++y) {
+      for (int x = 0; x < frame.width; ++x) {
+        double sum = 0;
+        for (int j = 0; j < 3; ++j) {
+          for (int i = 0; i < 3; ++i)
+            sum += (i == 1 ? 1 - 2 * w : w) * (j == 1 ? 1 - 2 * w : w) * samples.at(x + i, y + j);
+        }
+        frame.at(x, y).color.fill(10 + sum);
+      }
+    }
+    const double truth = std::pow(2 * w * w + (1 - 2 * w) * (1 - 2 * w), 2);
+    for (const KnowsAlbedo knows_albedo : {KnowsAlbedo::no, KnowsAlbedo::yes}) {
+      const double found = mean_of(estimate(frame, knows_albedo, noise_ratio)) / truth;
+      EXPECT_GT(found, 0.7) << w;
+      EXPECT_LT(found, 1.4) << w;
+    }
   }
 }
 
