@@ -9,6 +9,7 @@ import albedo_noise
 import backgrounds
 import losses
 import rare_crops
+import shared_noise
 import shots
 
 CROP = 80
@@ -188,6 +189,8 @@ def load(data, renderer="", albedo=False):
             pairs = [pair for pair in pairs if pair.independent]
         if albedo:
             pairs = shots.of_albedo(pairs)
+        else:
+            pairs += shared_noise.some_convolved(pairs)
         if is_held_out(folder):
             choose.extend(pairs)
         elif os.path.basename(folder).startswith(renderer):

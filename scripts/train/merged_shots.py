@@ -18,6 +18,7 @@ import tempfile
 import numpy as np
 import OpenImageIO as oiio
 
+import shared_noise
 import shots
 
 CHANNELS = {"color": ["R", "G", "B"], **{name: shots.NAMES["becalm"][name] for name in
@@ -26,7 +27,8 @@ TOLD = [[], ["variance"], ["half_a", "half_b"]]
 TOLD_SHARES = [0.5, 0.25, 0.25]
 MATCHING = ["draft", "balanced", "final"]
 PROGRAM = "program"  # array of the digest of the program that merged
-MERGES = 4  # of each shot: forward and both ways, of all frames and of a part
+MERGES = 6  # of each shot: forward and both ways, of all frames and of a part
+SHARED_EVERY = 3  # of the merges, of frames with noise that neighbours share
 
 
 def write_layers(path, layers):
@@ -69,10 +71,7 @@ def merge_shot(becalm, folder, target):
         return
     spp, wanted = shot["spp"][0], shot["references"][0]
     a, b = (shots.read_layers(f"{folder}/{name}.{wanted:04d}.exr", shot["renderer"]) for name in ("r_a", "r_b"))
-    clean = shots.packed_features({name: 0.5 * (a[name] + b[name]) for name in ("albedo", "normal", "depth")})
     frames = {frame: shots.noisy_layers(folder, shot, spp, frame) for frame in range(1, shot["frames"] + 1)}
-    of_wanted = frames[wanted]
-    exposure = shots.exposure_of(of_wanted["color"])
     arrays = {}
     for number in range(MERGES):
         directions = ("forward", "both")[number % 2]
@@ -80,18 +79,25 @@ def merge_shot(becalm, folder, target):
         # The first two merges see all frames, the others a part.
         first = 1 if number < 2 else rng.integers(1, wanted + 1)
         last = wanted if directions == "forward" else shot["frames"] if number < 2 else rng.integers(wanted, shot["frames"] + 1)
+        shown = lambda layers: layers
+        if number % SHARED_EVERY == SHARED_EVERY - 1:
+            kernel = shared_noise.random_kernel(rng)
+            shown = lambda layers: shared_noise.convolved_layers(layers, kernel)
         with tempfile.TemporaryDirectory() as temporary:
             for frame in range(first, last + 1):
                 layers = frames[frame]
                 kept = ["color", "albedo", "normal", "depth"] + [name for name in told if name in layers]
-                write_layers(f"{temporary}/in.{frame:04d}.exr", {name: layers[name] for name in kept})
+                write_layers(f"{temporary}/in.{frame:04d}.exr", shown({name: layers[name] for name in kept}))
             color, variance, features = merge(becalm, temporary, f"{first}-{wanted}" if directions == "forward" else str(wanted),
                                               wanted, MATCHING[rng.integers(len(MATCHING))], directions)
-        finite = all(np.isfinite(image).all() for image in (color, variance, of_wanted["color"], a["color"], b["color"]))
-        if exposure == 0.0 or not finite:
+        of_wanted, *references = (shown(layers) for layers in (frames[wanted], a, b))
+        exposure = shots.exposure_of(of_wanted["color"])
+        images = [color, variance, of_wanted["color"], *(r["color"] for r in references)]
+        if exposure == 0.0 or not all(np.isfinite(image).all() for image in images):
             continue
+        clean = shots.packed_features({name: 0.5 * (references[0][name] + references[1][name]) for name in ("albedo", "normal", "depth")})
         pair = shots.packed_pair(color * exposure, [np.sqrt(variance) * exposure],
-                                 [features, clean, shots.packed_features(of_wanted)], [r["color"] * exposure for r in (a, b)],
+                                 [features, clean, shots.packed_features(of_wanted)], [r["color"] * exposure for r in references],
                                  of_wanted["color"] * exposure)
         arrays.update({f"{directions}{number}.{wanted:04d}.{name}": array for name, array in pair.items()})
     arrays[PROGRAM] = np.array(digest_of(becalm))

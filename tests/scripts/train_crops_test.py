@@ -1,4 +1,5 @@
-"""The crops that scripts/train/ makes itself: rare ones, things before other backgrounds, patterns, noise of the albedo."""
+"""The crops that scripts/train/ makes itself: rare ones, things before other backgrounds, patterns, noise of the albedo, noise that
+neighbours share."""
 
 import unittest
 import unittest.mock
@@ -11,6 +12,8 @@ import backgrounds
 import losses
 import patterns
 import rare_crops
+import shared_noise
+import shots
 from network import CHANNELS, Network
 
 SIZE = 32
@@ -128,6 +131,56 @@ class AlbedoNoise(unittest.TestCase):
             found = losses.smoothed(network, [torch.cat([albedo, albedo], 1), -torch.ones(1, 1, SIZE, SIZE), features, None])[0]
         self.assertLess((found - albedo).abs().mean().item(), 0.25 * (albedo - albedo.mean()).abs().mean().item())
 
+
+class SharedNoise(unittest.TestCase):
+    def setUp(self):
+        self.rng = np.random.default_rng(1)
+
+    def pair(self, name="becalm-000000/004.0001"):
+        noise = lambda channels: self.rng.random((channels, SIZE, SIZE)).astype(np.float16)
+        return shots.Pair(name, noise(3), [np.full((1, SIZE, SIZE), 0.5, np.float16)], [noise(7), noise(7)], [noise(3), noise(3)])
+
+    def test_kernels_keep_the_brightness_and_spread_most_to_the_next_pixel(self):
+        for _ in range(100):
+            kernel = shared_noise.random_kernel(self.rng)
+            self.assertAlmostEqual(kernel.sum(), 1.0, delta=1e-6)
+            np.testing.assert_array_equal(kernel, kernel[::-1])
+            self.assertTrue(kernel[2] > kernel[1] > abs(kernel[0]), kernel)
+
+    def test_a_variance_is_that_of_the_convolved_radiance(self):
+        kernel = shared_noise.random_kernel(self.rng)
+        sides = np.where(np.arange(64) < 32, 1.0, 4.0) * np.ones((64, 1))
+        noise = sides * self.rng.normal(size=(3000, 64, 64))
+        layers = shared_noise.convolved_layers({"color": noise, "variance": sides[None] ** 2, "depth": noise}, kernel)
+        np.testing.assert_allclose(layers["color"].var(0)[4:60, 4:60], layers["variance"][0][4:60, 4:60], rtol=0.2)
+        self.assertAlmostEqual(layers["color"].var(0)[4:60, 4:60].mean() / layers["variance"][0][4:60, 4:60].mean(), 1.0, delta=0.02)
+        np.testing.assert_array_equal(layers["depth"], noise)
+
+    def test_an_even_image_stays_up_to_its_border(self):
+        even = np.full((3, SIZE, SIZE), 2.0, np.float32)
+        np.testing.assert_allclose(shared_noise.convolved(even, shared_noise.random_kernel(self.rng)), even, rtol=1e-6)
+
+    def test_a_pair_is_convolved_as_a_whole(self):
+        pair = self.pair()
+        kernel = np.float32([0.0, 0.25, 0.5, 0.25, 0.0])
+        shared = shared_noise.convolved_pair(pair, kernel)
+        both = [(pair.color, shared.color)] + list(zip(pair.references, shared.references))
+        both += [(a[:6], b[:6]) for a, b in zip(pair.features, shared.features)]
+        for before, after in both:
+            np.testing.assert_allclose(after, shared_noise.convolved(np.float32(before), kernel), atol=1e-3)
+        for before, after in zip(pair.features, shared.features):
+            np.testing.assert_array_equal(after[6], before[6])
+        np.testing.assert_allclose(shared.variances[0], 0.5 * 0.375, rtol=2e-3)
+
+    def test_a_share_of_the_pairs_is_convolved_always_the_same_ones(self):
+        pairs = [self.pair(f"becalm-{i:06d}/004.0001") for i in range(200)]
+        first, second = shared_noise.some_convolved(pairs), shared_noise.some_convolved(pairs)
+        self.assertAlmostEqual(len(first) / len(pairs), shared_noise.SHARE, delta=0.1)
+        for a, b in zip(first, second, strict=True):
+            np.testing.assert_array_equal(a.color, b.color)
+        pairs[0].own = pairs[0].color
+        with unittest.mock.patch.object(shared_noise, "SHARE", 1.0):
+            self.assertEqual([p.name for p in shared_noise.some_convolved(pairs[:2])], ["becalm-000001/004.0001.shared"])
 
 if __name__ == "__main__":
     unittest.main()

@@ -21,6 +21,7 @@ import losses
 import merged_shots
 import network as network_module
 import own_share
+import shared_noise
 import shots
 import train
 from network import CHANNELS, Network
@@ -71,6 +72,12 @@ def write_shot(folder, renderer, seed, frames=1):
         json.dump({"renderer": renderer, "seed": seed, "frames": frames, "references": [1], "spp": [4]}, file)
 
 
+def neighbours_alike(image, references):
+    """The correlation of the noise of pixels that lie side by side."""
+    noise = np.float32(image) / np.float32(references).mean(0) - 1
+    return np.corrcoef(noise[..., 1:].ravel(), noise[..., :-1].ravel())[0, 1]
+
+
 class Shots(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
@@ -79,6 +86,9 @@ class Shots(unittest.TestCase):
             write_shot(f"{self.folder.name}/{renderer}-000000", renderer, 1)
             write_shot(f"{self.folder.name}/{renderer}-000009", renderer, 2)
         os.makedirs(f"{self.folder.name}/cycles-000001")  # not rendered to its end
+        unconvolved = unittest.mock.patch.object(shared_noise, "SHARE", 0.0)
+        unconvolved.start()
+        self.addCleanup(unconvolved.stop)
 
     def test_constants_are_those_of_the_program(self):
         for value, file, name in (
@@ -126,6 +136,12 @@ class Shots(unittest.TestCase):
             self.assertAlmostEqual(shots.exposure_of(pair.color), 1.0, delta=0.01)
             self.assertLess(losses.rel_mse(torch.from_numpy(np.float32(pair.references[0]))[None],
                                            batches.whole_frame(pair)[3]), 0.01)
+
+    def test_some_frames_are_learned_from_with_noise_that_neighbours_share(self):
+        with unittest.mock.patch.object(shared_noise, "SHARE", 1.0):
+            learn, choose = batches.load(self.folder.name)
+        self.assertEqual([p.name for p in choose if p.name.startswith("becalm")], ["becalm-000009/004.0001", "becalm-000009/004.0001.shared"])
+        self.assertEqual(sum(p.name.endswith(".shared") for p in learn), len(learn) / 2)
 
     def test_an_albedo_stands_for_the_radiance_and_has_none_itself(self):
         frames = [p for p in batches.load(self.folder.name)[0] if p.independent]
@@ -179,6 +195,10 @@ class Shots(unittest.TestCase):
             truth = np.float32(pairs["both1.0001"].references).mean(0)
             error = lambda image: ((np.float32(image) - truth) ** 2).mean()
             self.assertLess(error(pairs["both1.0001"].color), 0.6 * error(pairs["both1.0001"].own))
+            alike = lambda name: neighbours_alike(pairs[name].own, pairs[name].references)
+            self.assertLess(abs(alike("both1.0001")), 0.1)
+            if merges == 4:
+                self.assertGreater(alike("forward2.0001"), 0.1)
 
     def test_merged_frames_are_read_and_always_tell_their_variance(self):
         folder = f"{self.folder.name}/becalm-000000"
