@@ -240,7 +240,7 @@ void FilterStage::tell(const filter::FrameReport& report, const std::string& nam
   if (report.new_shot) progress.note(fmt::format("{}: a new shot begins", name));
   if (report.noise_ratio >= filter::kSharedNoise && !std::exchange(has_told_of_shared_noise_, true)) {
     progress.warn(
-        fmt::format("{}: neighbouring pixels share noise, much of which will stay: the renderer seems to "
+        fmt::format("{}: neighbouring pixels share noise, of which more will stay: the renderer seems to "
                     "weigh samples by its pixel filter; a box filter of one pixel, or filter importance "
                     "sampling, avoids that",
                     name));

@@ -5,6 +5,10 @@
 becalm_standard_weights:
     .incbin "standard.weights"
 becalm_standard_weights_end:
+    .globl becalm_shared_noise_weights, becalm_shared_noise_weights_end
+becalm_shared_noise_weights:
+    .incbin "shared_noise.weights"
+becalm_shared_noise_weights_end:
     .globl becalm_albedo_weights, becalm_albedo_weights_end
 becalm_albedo_weights:
     .incbin "albedo.weights"

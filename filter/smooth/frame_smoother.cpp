@@ -1,5 +1,7 @@
 #include "filter/smooth/frame_smoother.h"
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "filter/input/host_images.h"
@@ -24,6 +26,19 @@ std::vector<Layered> layered(const std::vector<ImageId>& merged, const std::vect
 Weights weights_of(const FilterTask& task) {
   if (task.of_albedo) return {embedded_albedo_weights(), nullptr};
   return {embedded_weights(), &embedded_own_share()};
+}
+
+/// Ratios of noise (input/noise_ratio.h) up to which the network for independent noise smooths, and from
+/// which the one for noise that neighbours share does. Of 300 frames of independent noise 1.27 is the largest
+/// ratio; samples weighed by a Gaussian of 0.35 pixels have 1.2 to 1.5, by a tent of a pixel 2.6 to 3.
+constexpr float kIndependent = 1.25f;
+constexpr float kShared = 1.5f;
+/// From one to the other, so that frames of a sequence seldom need others than the frame before.
+constexpr float kSteps = 4.0f;
+
+float share_of_shared_noise(float noise_ratio) {
+  const float share = std::clamp((noise_ratio - kIndependent) / (kShared - kIndependent), 0.0f, 1.0f);
+  return std::round(share * kSteps) / kSteps;
 }
 
 }  // namespace
@@ -51,12 +66,22 @@ struct FrameSmoother::Passes {
 FrameSmoother::FrameSmoother(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit)
     : task_(task), chain_(device, task, memory_limit) {
   Passes& passes = chain_.passes();
-  passes.network.upload_weights(passes.chain);
+  passes.network.upload_weights(passes.chain, weights_of(task).network);
 }
 
 FrameSmoother::~FrameSmoother() = default;
 
+void FrameSmoother::choose_network(float noise_ratio) {
+  const float share = share_of_shared_noise(noise_ratio);
+  if (share == shared_noise_) return;
+  Passes& passes = chain_.passes();
+  passes.network.upload_weights(passes.chain,
+                                between(embedded_weights(), embedded_shared_noise_weights(), share));
+  shared_noise_ = share;
+}
+
 Estimate FrameSmoother::smooth(const NewFrame& frame, FrameReport& report) {
+  if (!task_.of_albedo) choose_network(frame.noise_ratio);
   Estimate result(task_.full, task_.additive);
   FrameReport ignored;  // replaced variances are counted when the frame is merged
   const auto upload = [&](Passes& passes, const Tile& tile) {

@@ -24,7 +24,11 @@ class FrameSmoother {
 
  private:
   struct Passes;
+  void choose_network(float noise_ratio);
+
   FilterTask task_;
+  float shared_noise_ =
+      0.0f;  ///< how far the network is from the one for independent noise to the one for shared
   LocalChain<Passes> chain_;
 };
 

@@ -97,13 +97,13 @@ Framed add_inputs(Chain& chain, Extent size, ImageId inputs) {
 }
 
 struct HostLayer {
-  Layer layer;
+  LayerOf layer_of;
   Framed source;
   std::optional<Framed> coarse;          ///< its channels come before the source's
   std::variant<Framed, ImageId> result;  ///< framed, or planes
 };
 
-void add_layer(Chain& chain, const HostLayer& declared) {
+void add_layer(Chain& chain, std::shared_ptr<const HostWeights> weights, const HostLayer& declared) {
   const Extent size = declared.source.size;
   auto pass = chain.host_pass("smooth/host_convolve");
   pass.read(declared.source.image, gpu::reach(1));
@@ -111,11 +111,14 @@ void add_layer(Chain& chain, const HostLayer& declared) {
   const Framed* const declared_frame = std::get_if<Framed>(&declared.result);
   const ImageId result_image = declared_frame ? declared_frame->image : std::get<ImageId>(declared.result);
   pass.write(result_image);
-  // The first run creates the convolution, so that chains that are only planned take no time.
-  pass.run([=, convolution = std::shared_ptr<const HostConvolution>()](const HostImages& images) mutable {
-    const auto& [layer, source, coarse, result] = declared;
-    if (!convolution) {
+  // Runs create the convolution, so that chains that are only planned take no time.
+  pass.run([=, convolution = std::shared_ptr<const HostConvolution>(),
+            version = 0](const HostImages& images) mutable {
+    const auto& [layer_of, source, coarse, result] = declared;
+    const Layer& layer = layer_of(weights->network());
+    if (!convolution || version != weights->version()) {
       convolution = std::make_shared<const HostConvolution>(layer, coarse ? coarse->channels : 0, size.width);
+      version = weights->version();
     }
     const float* const from = images.read<float>(source.image).data();
     const float* const half = coarse ? images.read<float>(coarse->image).data() : nullptr;
@@ -173,30 +176,43 @@ void add_planes(Chain& chain, const Framed& framed, ImageId planes) {
 
 }  // namespace
 
-std::array<ImageId, kScales> add_host_features(Chain& chain, const NetworkWeights& weights, Extent size,
+LayerOf encoder(std::size_t scale) {
+  return [scale](const NetworkWeights& weights) -> const Layer& { return weights.encode[scale]; };
+}
+
+LayerOf decoder(std::size_t scale) {
+  return [scale](const NetworkWeights& weights) -> const Layer& { return weights.decode[scale]; };
+}
+
+LayerOf finisher() {
+  return [](const NetworkWeights& weights) -> const Layer& { return weights.finish; };
+}
+
+std::array<ImageId, kScales> add_host_features(Chain& chain, const std::array<int, kScales>& channels,
+                                               std::shared_ptr<const HostWeights> weights, Extent size,
                                                ImageId inputs) {
   std::array<ImageId, kScales> features;
   const auto extent = [&](std::size_t scale) { return Extent{size.width >> scale, size.height >> scale}; };
   for (std::size_t i = 0; i < kScales; ++i) {
     features[i] = chain.image(fmt::format("network.features.L{}", i), Format::f32x4,
-                              extent(i).with_planes(weights.channels[i] / kPlane));
+                              extent(i).with_planes(channels[i] / kPlane));
   }
   std::vector<Framed> framed;
   for (std::size_t i = 0; i < kScales; ++i) {
     const Framed source = i == 0
                               ? add_inputs(chain, size, inputs)
                               : add_pool(chain, fmt::format("network.framed.pooled.L{}", i), framed.back());
-    framed.emplace_back(chain, fmt::format("network.framed.encode.L{}", i), extent(i), weights.channels[i]);
-    add_layer(chain, {weights.encode[i], source, std::nullopt, framed.back()});
+    framed.emplace_back(chain, fmt::format("network.framed.encode.L{}", i), extent(i), channels[i]);
+    add_layer(chain, weights, {encoder(i), source, std::nullopt, framed.back()});
   }
   for (std::size_t i = kScales - 1; i-- > 0;) {
-    const Framed decoded(chain, fmt::format("network.framed.decode.L{}", i), extent(i), weights.channels[i]);
-    add_layer(chain, {weights.decode[i], framed[i], framed[i + 1], decoded});
+    const Framed decoded(chain, fmt::format("network.framed.decode.L{}", i), extent(i), channels[i]);
+    add_layer(chain, weights, {decoder(i), framed[i], framed[i + 1], decoded});
     framed[i] = decoded;
   }
   // Planes are written after the last decoder: earlier, each scale would take its memory twice until then.
   for (std::size_t i = 1; i < kScales; ++i) add_planes(chain, framed[i], features[i]);
-  add_layer(chain, {weights.finish, framed[0], std::nullopt, features[0]});
+  add_layer(chain, weights, {finisher(), framed[0], std::nullopt, features[0]});
   return features;
 }
 

@@ -78,6 +78,7 @@ Estimate MergedSmoother::smooth(const NewFrame& frame, Estimate merged, FrameRep
                                         .finite = frame.finite,
                                         .exposure = frame.exposure,
                                         .usual_depth = frame.usual_depth,
+                                        .noise_ratio = frame.noise_ratio,
                                         .additive = std::move(merged.carried)},
                                        report);
   for_pixels(beauty,

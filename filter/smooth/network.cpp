@@ -54,15 +54,19 @@ Extent NetworkPasses::extent(std::size_t scale) const {
   return {padded_.width >> scale, padded_.height >> scale};
 }
 
-ImageId NetworkPasses::weights_image(Chain& chain, const std::string& name, std::vector<float> values) {
-  const ImageId image =
-      chain.table("weights." + name, Format::f32x4, {static_cast<int>(values.size()) / kPlane, 1});
-  weights_.emplace_back(image, std::move(values));
+ImageId NetworkPasses::weights_image(Chain& chain, const std::string& name, const NetworkWeights& weights,
+                                     Pack pack) {
+  const int vectors = static_cast<int>(pack(weights).size()) / kPlane;
+  const ImageId image = chain.table("weights." + name, Format::f32x4, {vectors, 1});
+  weights_.push_back({image, std::move(pack)});
   return image;
 }
 
-void NetworkPasses::upload_weights(Chain& chain) const {
-  for (const auto& [image, values] : weights_) std::ranges::copy(values, chain.upload<float>(image).begin());
+void NetworkPasses::upload_weights(Chain& chain, const NetworkWeights& network) const {
+  for (const auto& [image, pack] : weights_) {
+    std::ranges::copy(pack(network), chain.upload<float>(image).begin());
+  }
+  host_weights_->replace(network);
 }
 
 NetworkPasses::NetworkPasses(Chain& chain, const Weights& trained, Extent full, const NoisyInputs& frame,
@@ -72,14 +76,19 @@ NetworkPasses::NetworkPasses(Chain& chain, const Weights& trained, Extent full, 
   const NetworkWeights& weights = trained.network;
   const Demodulated beauty = add_demodulate(chain, frame, "beauty", {frame.color, frame.own_color});
   const ImageId inputs = add_inputs(chain, frame, beauty, variance_known);
-  features_ = convolver == Convolver::host ? add_host_features(chain, weights, padded_, inputs)
-                                           : add_features(chain, weights, inputs);
+  features_ = convolver == Convolver::host
+                  ? add_host_features(chain, weights.channels, host_weights_, padded_, inputs)
+                  : add_features(chain, weights, inputs);
   for (std::size_t i = 0; i < kScales; ++i) {
     confidence_weights_[i] =
-        weights_image(chain, fmt::format("confidence.L{}", i), pack_head({&weights.confidence[i]}));
-    window_weights_[i] = weights_image(chain, fmt::format("window.L{}", i), pack_head({&weights.window[i]}));
+        weights_image(chain, fmt::format("confidence.L{}", i), weights,
+                      [i](const NetworkWeights& w) { return pack_head({&w.confidence[i]}); });
+    window_weights_[i] = weights_image(chain, fmt::format("window.L{}", i), weights,
+                                       [i](const NetworkWeights& w) { return pack_head({&w.window[i]}); });
   }
-  finish_weights_ = weights_image(chain, "finish", pack_head({&weights.albedo, &weights.error}));
+  finish_weights_ = weights_image(chain, "finish", weights, [](const NetworkWeights& w) {
+    return pack_head({&w.albedo, &w.error});
+  });
 
   const ImageId color = chain.image("windows.color", Format::f32x4, full);
   const ImageId stats = chain.image("windows.stats", Format::f32x2, full);
@@ -94,7 +103,9 @@ NetworkPasses::NetworkPasses(Chain& chain, const Weights& trained, Extent full, 
   std::optional<ImageId> own_share;
   if (frame.own_color != frame.color) {
     const OwnShare own = add_own_share(chain, full_, frame, {smoothed_.color, smoothed_.stats, share},
-                                       weights_image(chain, "own_share", pack_own_share(*trained.own_share)));
+                                       weights_image(chain, "own_share", weights,
+                                                     [packed = pack_own_share(*trained.own_share)](
+                                                         const NetworkWeights&) { return packed; }));
     smoothed_.color = add_restore(chain, "mixed.color", frame.own_color, smoothed_.color, own.share);
     smoothed_.stats = own.stats;
     own_share = own.share;
@@ -153,12 +164,16 @@ ImageId NetworkPasses::add_inputs(Chain& chain, const NoisyInputs& frame, const 
   return inputs;
 }
 
-ImageId NetworkPasses::add_convolution(Chain& chain, const std::string& name, const Layer& layer,
-                                       std::size_t scale, ImageId source, const Coarse& coarse) {
-  const Convolution convolution(layer, coarse ? coarse->channels : 0);
-  const ImageId weights = weights_image(chain, name, convolution.weights());
-  return convolution.add_passes(chain, "network." + name, extent(scale), weights, source,
-                                coarse ? coarse->features : ImageId{});
+ImageId NetworkPasses::add_convolution(Chain& chain, const std::string& name, const NetworkWeights& weights,
+                                       const LayerOf& layer_of, std::size_t scale, ImageId source,
+                                       const Coarse& coarse) {
+  const auto convolution = [=, upsampled = coarse ? coarse->channels : 0](const NetworkWeights& w) {
+    return Convolution(layer_of(w), upsampled);
+  };
+  const ImageId packed = weights_image(
+      chain, name, weights, [convolution](const NetworkWeights& w) { return convolution(w).weights(); });
+  return convolution(weights).add_passes(chain, "network." + name, extent(scale), packed, source,
+                                         coarse ? coarse->features : ImageId{});
 }
 
 NetworkPasses::Scales NetworkPasses::add_features(Chain& chain, const NetworkWeights& weights,
@@ -175,13 +190,13 @@ NetworkPasses::Scales NetworkPasses::add_features(Chain& chain, const NetworkWei
           .write("coarse", source)
           .dispatch(extent(i).with_planes(planes));
     }
-    features[i] = add_convolution(chain, fmt::format("encode.L{}", i), weights.encode[i], i, source, {});
+    features[i] = add_convolution(chain, fmt::format("encode.L{}", i), weights, encoder(i), i, source, {});
   }
   for (std::size_t i = kScales - 1; i-- > 0;) {
-    features[i] = add_convolution(chain, fmt::format("decode.L{}", i), weights.decode[i], i, features[i],
+    features[i] = add_convolution(chain, fmt::format("decode.L{}", i), weights, decoder(i), i, features[i],
                                   CoarseFeatures{features[i + 1], weights.channels[i + 1]});
   }
-  features[0] = add_convolution(chain, "finish.L0", weights.finish, 0, features[0], {});
+  features[0] = add_convolution(chain, "finish.L0", weights, finisher(), 0, features[0], {});
   return features;
 }
 

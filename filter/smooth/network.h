@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -9,6 +11,7 @@
 #include "filter/gpu/chain.h"
 #include "filter/input/noisy_inputs.h"
 #include "filter/input/surface_images.h"
+#include "filter/smooth/host_features.h"
 #include "filter/smooth/weights.h"
 
 namespace becalm::filter {
@@ -51,8 +54,9 @@ class NetworkPasses {
   NetworkPasses(gpu::Chain& chain, const Weights& weights, gpu::Extent full, const NoisyInputs& frame,
                 bool variance_known, const std::vector<Layered>& additive, Convolver convolver,
                 std::optional<int> strip = std::nullopt);
-  /// Uploads the weights; call it once, after the chain is built.
-  void upload_weights(gpu::Chain& chain) const;
+  /// Uploads weights of the same shape, for the runs that follow; call it once at least, after the chain is
+  /// built.
+  void upload_weights(gpu::Chain& chain, const NetworkWeights& network) const;
 
   const Smoothed& smoothed() const { return smoothed_; }
 
@@ -66,7 +70,13 @@ class NetworkPasses {
   using Coarse = std::optional<CoarseFeatures>;
 
   gpu::Extent extent(std::size_t scale) const;
-  gpu::ImageId weights_image(gpu::Chain& chain, const std::string& name, std::vector<float> values);
+  using Pack = std::function<std::vector<float>(const NetworkWeights&)>;
+  struct PackedWeights {
+    gpu::ImageId image;
+    Pack pack;
+  };
+  gpu::ImageId weights_image(gpu::Chain& chain, const std::string& name, const NetworkWeights& weights,
+                             Pack pack);
   struct Demodulated {
     Layered irradiance;  ///< f32x4
     Layered grey;        ///< f32
@@ -76,8 +86,9 @@ class NetworkPasses {
                              const Layered& radiance) const;
   gpu::ImageId add_inputs(gpu::Chain& chain, const NoisyInputs& frame, const Demodulated& demodulated,
                           bool variance_known) const;
-  gpu::ImageId add_convolution(gpu::Chain& chain, const std::string& name, const Layer& layer,
-                               std::size_t scale, gpu::ImageId source, const Coarse& coarse);
+  gpu::ImageId add_convolution(gpu::Chain& chain, const std::string& name, const NetworkWeights& weights,
+                               const LayerOf& layer_of, std::size_t scale, gpu::ImageId source,
+                               const Coarse& coarse);
   Scales add_features(gpu::Chain& chain, const NetworkWeights& weights, gpu::ImageId inputs);
   void add_windows(gpu::Chain& chain, const NetworkWeights& weights, const NoisyInputs& frame,
                    const std::string& name, const Layered& irradiance, gpu::ImageId color,
@@ -89,7 +100,8 @@ class NetworkPasses {
   gpu::Extent full_;
   gpu::Extent padded_;
   std::optional<int> strip_;
-  std::vector<std::pair<gpu::ImageId, std::vector<float>>> weights_;
+  std::vector<PackedWeights> weights_;
+  std::shared_ptr<HostWeights> host_weights_ = std::make_shared<HostWeights>();
   Scales features_;
   Scales confidence_weights_;
   Scales window_weights_;

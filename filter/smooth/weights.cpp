@@ -2,6 +2,8 @@
 
 #include <half.h>
 
+#include <cassert>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <span>
@@ -11,6 +13,8 @@
 extern "C" {
 extern const std::byte becalm_standard_weights[];
 extern const std::byte becalm_standard_weights_end[];
+extern const std::byte becalm_shared_noise_weights[];
+extern const std::byte becalm_shared_noise_weights_end[];
 extern const std::byte becalm_albedo_weights[];
 extern const std::byte becalm_albedo_weights_end[];
 extern const std::byte becalm_own_share_weights[];
@@ -106,10 +110,28 @@ OwnShareWeights parse_own_share(std::span<const std::byte> file) {
   return layers;
 }
 
+std::vector<Layer*> layers_of(NetworkWeights& weights) {
+  std::vector<Layer*> layers{&weights.finish, &weights.albedo, &weights.error};
+  const auto add = [&](auto& scales) {
+    for (Layer& layer : scales) layers.push_back(&layer);
+  };
+  add(weights.encode);
+  add(weights.decode);
+  add(weights.window);
+  add(weights.confidence);
+  return layers;
+}
+
 }  // namespace
 
 const NetworkWeights& embedded_weights() {
   static const NetworkWeights weights = parse_weights({becalm_standard_weights, becalm_standard_weights_end});
+  return weights;
+}
+
+const NetworkWeights& embedded_shared_noise_weights() {
+  static const NetworkWeights weights =
+      parse_weights({becalm_shared_noise_weights, becalm_shared_noise_weights_end});
   return weights;
 }
 
@@ -122,6 +144,22 @@ const OwnShareWeights& embedded_own_share() {
   static const OwnShareWeights weights =
       parse_own_share({becalm_own_share_weights, becalm_own_share_weights_end});
   return weights;
+}
+
+NetworkWeights between(const NetworkWeights& from, const NetworkWeights& to, float share) {
+  NetworkWeights result = from;
+  NetworkWeights end = to;
+  const std::vector<Layer*> layers = layers_of(result);
+  const std::vector<Layer*> ends = layers_of(end);
+  const auto move = [&](std::vector<float>& values, const std::vector<float>& goals) {
+    assert(values.size() == goals.size());
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = std::lerp(values[i], goals[i], share);
+  };
+  for (std::size_t i = 0; i < layers.size(); ++i) {
+    move(layers[i]->weight, ends[i]->weight);
+    move(layers[i]->bias, ends[i]->bias);
+  }
+  return result;
 }
 
 }  // namespace becalm::filter

@@ -55,9 +55,14 @@ constexpr int kOwnShareInputs = 5;
 constexpr int kOwnShareHidden = 16;
 using OwnShareWeights = std::array<Layer, 3>;
 
-/// What is embedded in the program.
+/// What is embedded in the program: for noise that is independent from pixel to pixel, and the same network
+/// trained further on noise that neighbouring pixels share.
 const NetworkWeights& embedded_weights();
+const NetworkWeights& embedded_shared_noise_weights();
 const NetworkWeights& embedded_albedo_weights();
 const OwnShareWeights& embedded_own_share();
+
+/// The parameters at `share` of the way from one network to another of its shape.
+NetworkWeights between(const NetworkWeights& from, const NetworkWeights& to, float share);
 
 }  // namespace becalm::filter

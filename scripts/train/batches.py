@@ -55,18 +55,21 @@ def colors_of(pair):
     return np.concatenate([pair.color, pair.own if pair.merged else pair.color])
 
 
-def crop(rng, pair, size):
-    """One crop as float32 arrays: radiance, variance, features, references."""
-    kind = rng.random()
-    if pair.of_albedo or kind >= WITH_BACKGROUND + (1 - WITH_BACKGROUND) * TEXTURED:
+def crop(rng, pair, size, shared=False):
+    """One crop as float32 arrays: radiance, variance, features, references. `shared`: some of those that are made get noise that
+    neighbours share."""
+    if pair.of_albedo or pair.of_shared_noise or rng.random() >= WITH_BACKGROUND + (1 - WITH_BACKGROUND) * TEXTURED:
         return varied(rng, pair, *cut_out(rng, pair, size))
-    return with_background(rng, pair, size) if kind < WITH_BACKGROUND else textured(rng, pair, size)
+    return made_crop(rng, pair, size, shared)
 
 
-def made_crop(rng, pair, size):
+def made_crop(rng, pair, size, shared=False):
     """One of those crops that are made, in part or all."""
     of_background = WITH_BACKGROUND / (WITH_BACKGROUND + (1 - WITH_BACKGROUND) * TEXTURED)
-    return with_background(rng, pair, size) if rng.random() < of_background else textured(rng, pair, size)
+    made = with_background(rng, pair, size) if rng.random() < of_background else rare_crops.textured_crop(rng, size, random_history(rng, pair))
+    if shared and rng.random() < shared_noise.SHARE_OF_MADE:
+        made = shared_noise.convolved_crop(made, shared_noise.random_kernel(rng))
+    return varied(rng, pair, *made)
 
 
 def random_history(rng, pair):
@@ -80,11 +83,7 @@ def with_background(rng, pair, size):
         rng, background, colors, variance, features, references, random_history(rng, pair))
     if not pair.independent:
         references[1] = references[0]
-    return varied(rng, pair, colors, variance, features, references)
-
-
-def textured(rng, pair, size):
-    return varied(rng, pair, *rare_crops.textured_crop(rng, size, random_history(rng, pair)))
+    return colors, variance, features, references
 
 
 def cut_out(rng, pair, size):
@@ -180,8 +179,9 @@ def is_held_out(folder):
     return int(folder.rsplit("-", 1)[1]) % 10 == 9
 
 
-def load(data, renderer="", albedo=False):
-    """Pairs to learn from, of one renderer's shots or of all, and pairs of all to choose on; of radiance or of albedo."""
+def load(data, renderer="", albedo=False, shared=False):
+    """Pairs to learn from, of one renderer's shots or of all, and pairs of all to choose on; of radiance or of albedo.
+    `shared`: also with noise that neighbours share."""
     learn, choose = [], []
     for folder in shots.complete_shots(data):
         pairs = shots.load_shot(folder)
@@ -189,8 +189,10 @@ def load(data, renderer="", albedo=False):
             pairs = [pair for pair in pairs if pair.independent]
         if albedo:
             pairs = shots.of_albedo(pairs)
-        else:
+        elif shared:
             pairs += shared_noise.some_convolved(pairs)
+        else:
+            pairs = [pair for pair in pairs if not pair.of_shared_noise]
         if is_held_out(folder):
             choose.extend(pairs)
         elif os.path.basename(folder).startswith(renderer):

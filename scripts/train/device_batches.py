@@ -1,6 +1,8 @@
 """Batches as batches.py has them, of which the rendered crops are cut and varied on the device that trains. A processor makes some
 hundred crops a second; a GPU learns from thousands. Crops that are made (backgrounds, textures) come from other processes."""
 
+import functools
+
 import numpy as np
 import torch
 
@@ -108,12 +110,13 @@ class RenderedCrops:
         return [colors, torch.where(variance < 0, variance, gain**2 * variance), features, references]
 
 
-def stream(pairs, count, size, seed, workers, device):
+def stream(pairs, count, size, seed, workers, device, shared=False):
     """Batches without end, on the device."""
     torch.manual_seed(seed[0] + seed[1])
     rendered = RenderedCrops(pairs, device)
     made_count = round(count * (batches.WITH_BACKGROUND + (1 - batches.WITH_BACKGROUND) * batches.TEXTURED))
-    made = batches.stream(pairs, made_count, size, seed, workers, batches.made_crop)
+    unshared = [pair for pair in pairs if not pair.of_shared_noise]
+    made = batches.stream(unshared, made_count, size, seed, workers, functools.partial(batches.made_crop, shared=shared))
     while True:
         columns = zip(rendered.batch(count - made_count, size), next(made))
         yield [torch.cat([a, b.to(device, non_blocking=True)]) for a, b in columns]

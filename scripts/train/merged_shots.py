@@ -27,8 +27,8 @@ TOLD = [[], ["variance"], ["half_a", "half_b"]]
 TOLD_SHARES = [0.5, 0.25, 0.25]
 MATCHING = ["draft", "balanced", "final"]
 PROGRAM = "program"  # array of the digest of the program that merged
-MERGES = 6  # of each shot: forward and both ways, of all frames and of a part
-SHARED_EVERY = 3  # of the merges, of frames with noise that neighbours share
+MERGES = 4  # of each shot: forward and both ways, of all frames and of a part
+SHARED_MERGES = 2  # more, of frames with noise that neighbours share
 
 
 def write_layers(path, layers):
@@ -73,14 +73,15 @@ def merge_shot(becalm, folder, target):
     a, b = (shots.read_layers(f"{folder}/{name}.{wanted:04d}.exr", shot["renderer"]) for name in ("r_a", "r_b"))
     frames = {frame: shots.noisy_layers(folder, shot, spp, frame) for frame in range(1, shot["frames"] + 1)}
     arrays = {}
-    for number in range(MERGES):
+    for number in range(MERGES + SHARED_MERGES):
         directions = ("forward", "both")[number % 2]
         told = TOLD[rng.choice(len(TOLD), p=TOLD_SHARES)]
         # The first two merges see all frames, the others a part.
         first = 1 if number < 2 else rng.integers(1, wanted + 1)
         last = wanted if directions == "forward" else shot["frames"] if number < 2 else rng.integers(wanted, shot["frames"] + 1)
-        shown = lambda layers: layers
-        if number % SHARED_EVERY == SHARED_EVERY - 1:
+        name, shown = f"{directions}{number}", lambda layers: layers
+        if number >= MERGES:
+            name = shots.SHARED + name
             kernel = shared_noise.random_kernel(rng)
             shown = lambda layers: shared_noise.convolved_layers(layers, kernel)
         with tempfile.TemporaryDirectory() as temporary:
@@ -99,7 +100,7 @@ def merge_shot(becalm, folder, target):
         pair = shots.packed_pair(color * exposure, [np.sqrt(variance) * exposure],
                                  [features, clean, shots.packed_features(of_wanted)], [r["color"] * exposure for r in references],
                                  of_wanted["color"] * exposure)
-        arrays.update({f"{directions}{number}.{wanted:04d}.{name}": array for name, array in pair.items()})
+        arrays.update({f"{name}.{wanted:04d}.{array_name}": array for array_name, array in pair.items()})
     arrays[PROGRAM] = np.array(digest_of(becalm))
     shots.save(f"{folder}/{target}", arrays)
 

@@ -197,7 +197,7 @@ def main():
     learn, choose = [], []
     for folder in shots.complete_shots(args.data):
         if os.path.exists(f"{folder}/{shots.REMERGED}"):
-            pairs = shots.load_pairs(folder, shots.REMERGED)
+            pairs = [pair for pair in shots.load_pairs(folder, shots.REMERGED) if not pair.of_shared_noise]
             batches.smooth_albedos(pairs, albedo_network)
             (choose if batches.is_held_out(folder) else learn).extend(prepared(network, pair) for pair in pairs)
     if not learn:

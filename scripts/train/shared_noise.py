@@ -6,8 +6,11 @@ import dataclasses
 
 import numpy as np
 
+import shots
+
 LEAST_NEIGHBOUR, LARGEST_NEIGHBOUR = 0.02, 0.2  # weight of the next pixel along an axis
 SHARE = 1 / 3  # of the pairs that are convolved as well
+SHARE_OF_MADE = 0.5  # of the crops that are made, which are convolved
 
 
 def random_kernel(rng):
@@ -39,8 +42,18 @@ def convolved_pair(pair, kernel):
     whole = lambda image: convolved(image.astype(np.float32), kernel).astype(np.float16)
     features = [np.concatenate([whole(f[:6]), f[6:]]) for f in pair.features]
     deviations = [np.sqrt(convolved(d.astype(np.float32) ** 2, kernel**2)).astype(np.float16) for d in pair.variances]
-    return dataclasses.replace(pair, name=f"{pair.name}.shared", color=whole(pair.color), variances=deviations, features=features,
+    shot, name = pair.name.split("/")
+    return dataclasses.replace(pair, name=f"{shot}/{shots.SHARED}{name}", color=whole(pair.color), variances=deviations, features=features,
                                references=[whole(r) for r in pair.references])
+
+
+def convolved_crop(crop, kernel):
+    """A crop as batches.crop has it."""
+    colors, variance, features, references = crop
+    whole = lambda image: convolved(image, kernel)
+    surfaces = [image for own in np.split(features, 2) for image in (whole(own[:6]), own[6:])]
+    variance = np.where(variance < 0, variance, convolved(variance, kernel**2))
+    return whole(colors), variance, np.concatenate(surfaces), np.stack([whole(r) for r in references])
 
 
 def some_convolved(pairs):

@@ -15,6 +15,7 @@ import OpenImageIO as oiio
 PACKED = "pairs.npz"
 MERGED = "merged.npz"  # what merged_shots.py writes
 REMERGED = "remerged.npz"  # the same by the program with the network that MERGED has trained
+SHARED = "shared_"  # begins the name of a pair whose noise neighbouring pixels share (shared_noise.py)
 NOTHING_HIT = 1e9  # depths from this on mean that, as in filter/input/host_images.cpp
 FIREFLY = 1e4  # largest radiance over the frame's typical one that a reference may have: half-float range
 
@@ -59,6 +60,10 @@ class Pair:
     @property
     def merged(self):
         return self.own is not None
+
+    @property
+    def of_shared_noise(self):
+        return f"/{SHARED}" in self.name
 
 
 def read_layers(path, renderer):

@@ -1,4 +1,4 @@
-"""Trains the network: train.py DATA OUT [--size standard|small|albedo] [--minutes M | --steps N] [--device cpu|cuda] [--batch N] [--seed N]
+"""Trains the network: train.py DATA OUT [--size standard|small|albedo] [--minutes M | --steps N] [--shared-noise] [--device cpu|cuda] [--batch N] [--seed N]
 
 Goes on from OUT/checkpoint.pt if that is there. Writes OUT/checkpoint.pt, OUT/best.pt (the averaged weights with the least
 error on the shots held out) and OUT/curve.csv (minutes, step, training error, held-out error, energy,
@@ -7,6 +7,7 @@ held-out error of merged frames, as a share of theirs).
 
 import argparse
 import copy
+import functools
 import math
 import os
 import sys
@@ -143,11 +144,11 @@ class Trainer:
     def stream(self, pairs):
         asked = pairs, self.args.batch, self.args.crop, [self.args.seed, self.step], self.args.workers
         if self.args.device == "cpu" or self.albedo:
-            return batches.stream(*asked)
-        return device_batches.stream(*asked, self.args.device)
+            return batches.stream(*asked, functools.partial(batches.crop, shared=self.args.shared_noise))
+        return device_batches.stream(*asked, self.args.device, self.args.shared_noise)
 
     def run(self):
-        learn, choose = batches.load(self.args.data, self.args.renderer, self.albedo)
+        learn, choose = batches.load(self.args.data, self.args.renderer, self.albedo, self.args.shared_noise)
         if self.args.albedo:
             batches.smooth_albedos(learn + choose, export.read_weights(self.args.albedo))
         print(f"{len(learn)} pairs to learn from, {len(choose)} to choose on, {parameter_count(self.network)} parameters")
@@ -178,6 +179,7 @@ def parse(words):
     parser.add_argument("--start", metavar="FILE.weights", help="begin with these weights; their size counts, channels that are zero start anew")
     parser.add_argument("--albedo", metavar="FILE.weights", help="smooth the frames' albedos by this network first")
     parser.add_argument("--renderer", choices=("becalm", "cycles"), default="", help="learn from its shots alone")
+    parser.add_argument("--shared-noise", action="store_true", help="learn from frames whose neighbouring pixels share noise as well")
     parser.add_argument("--minutes", type=float, default=240.0)
     parser.add_argument("--steps", type=int, default=0, help="so many steps instead")
     parser.add_argument("--device", default="cpu")

@@ -29,12 +29,13 @@ FilterTask task_of(const Frame& frame, const Settings& settings = preset("balanc
 
 class FrameSmootherTest : public DeviceTest {
  protected:
-  static Estimate run(FrameSmoother& smoother, const Frame& frame) {
+  static Estimate run(FrameSmoother& smoother, const Frame& frame, float noise_ratio = 1.0f) {
     const Image& beauty = frame.image(Aov::beauty);
     const NewFrame input{.frame = frame,
                          .finite = finite_pixels(beauty),
                          .exposure = exposure(beauty),
                          .usual_depth = typical_depth(frame, frame.aovs()),
+                         .noise_ratio = noise_ratio,
                          .additive = {}};
     FrameReport report;
     return smoother.smooth(input, report);
@@ -80,6 +81,41 @@ TEST_F(FrameSmootherTest, TextureOfTheAlbedoStaysAndNoiseGoes) {
   const Estimate smoothed = smooth(frame);
   const Image& albedo = frame.image(Aov::albedo);
   EXPECT_LT(squared_error(smoothed.color, albedo), squared_error(frame.image(Aov::beauty), albedo) / 5);
+}
+
+TEST_F(FrameSmootherTest, NoiseThatNeighboursShareGoesByWeightsOfItsOwn) {
+  std::mt19937 random(11);
+  std::normal_distribution<float> normal;
+  Frame frame(1, 64, 48);
+  Image samples(frame.width() + 2, frame.height() + 2, 3);
+  for (float& sample : samples.data()) sample = 2.0f + normal(random);
+  Image& beauty = frame.add(Aov::beauty);
+  std::ranges::fill(frame.add(Aov::albedo).data(), 0.5f);
+  std::ranges::fill(frame.add(Aov::normal).data(), 0.5f);
+  std::ranges::fill(frame.add(Aov::depth).data(), 3.0f);
+  for (int y = 0; y < frame.height(); ++y) {
+    for (int x = 0; x < frame.width(); ++x) {
+      for (int c = 0; c < 3; ++c) {
+        float sum = 0;
+        for (int tap = 0; tap < 9; ++tap) {
+          const float weight = (tap % 3 == 1 ? 0.7f : 0.15f) * (tap / 3 == 1 ? 0.7f : 0.15f);
+          sum += weight * samples.at(x + tap % 3, y + tap / 3, c);
+        }
+        beauty.at(x, y, c) = sum;
+      }
+    }
+  }
+  FrameSmoother smoother(device(), task_of(frame), kUnlimited);
+  const auto error_with = [&](float noise_ratio) {
+    const Image result = run(smoother, frame, noise_ratio).color;
+    double sum = 0;
+    for (std::size_t i = 0; i < result.data().size(); ++i)
+      sum += i % 4 < 3 ? std::pow(result.data()[i] - 2.0, 2) : 0.0;
+    return sum;
+  };
+  const double by_weights_for_independent = error_with(1.0f);
+  EXPECT_LT(error_with(3.5f), 0.5 * by_weights_for_independent);
+  EXPECT_EQ(error_with(1.0f), by_weights_for_independent);
 }
 
 TEST_F(FrameSmootherTest, TextureThatNothingExplainsStaysWhereThereIsLittleNoise) {

@@ -73,10 +73,11 @@ Sample noisy_sample(int width, int height) {
 /// Kinds of frames: merged ones, with albedos of their own; single ones; ones without albedo.
 enum class Kind { merged, single, without_albedo };
 
+/// `before`: weights that are used first, if given.
 Grid<Estimate> smooth_on(gpu::Device& device, const Sample& sample, const NetworkWeights& weights,
                          bool variance_known = true, std::optional<Convolver> convolver = std::nullopt,
                          Kind kind = Kind::merged, const OwnShareWeights* own_share = &embedded_own_share(),
-                         std::optional<int> strip = std::nullopt) {
+                         std::optional<int> strip = std::nullopt, const NetworkWeights* before = nullptr) {
   const gpu::Extent extent = sample.extent();
   gpu::Chain chain(device, "network test");
   FilterTask task = task_with_variance(preset("balanced"), extent);
@@ -90,7 +91,7 @@ Grid<Estimate> smooth_on(gpu::Device& device, const Sample& sample, const Networ
   chain.output(smoothed.color);
   chain.output(smoothed.stats);
   chain.build();
-  network.upload_weights(chain);
+  network.upload_weights(chain, before ? *before : weights);
   chain.upload<float>(noisy.exposure)[0] = sample.exposure;
   upload_estimate(chain, noisy.color, noisy.variance, sample.pixels);
   const auto upload_features = [&](const Grid<reference::SmoothFeatures>& features,
@@ -110,6 +111,10 @@ Grid<Estimate> smooth_on(gpu::Device& device, const Sample& sample, const Networ
     }
   }
   chain.run();
+  if (before) {
+    network.upload_weights(chain, weights);
+    chain.run();
+  }
   return download_estimate(chain, smoothed.color, smoothed.stats, extent);
 }
 
@@ -266,6 +271,23 @@ TEST_F(NetworkTest, StripsChangeNothing) {
         ASSERT_EQ(result.data[i].color, one.data[i].color) << rows << " rows, pixel " << i;
         ASSERT_EQ(result.data[i].variance, one.data[i].variance) << rows << " rows, pixel " << i;
       }
+    }
+  }
+}
+
+TEST_F(NetworkTest, OtherWeightsTakeTheirPlaceWhole) {
+  const Sample sample = noisy_sample(24, 16);
+  const NetworkWeights random = random_weights();
+  for (const Convolver convolver : {Convolver::kernels, Convolver::host}) {
+    const auto smooth_after = [&](const NetworkWeights* before) {
+      return smooth_on(device(), sample, embedded_weights(), true, convolver, Kind::merged,
+                       &embedded_own_share(), std::nullopt, before);
+    };
+    const Grid<Estimate> expected = smooth_after(nullptr);
+    const Grid<Estimate> found = smooth_after(&random);
+    for (std::size_t i = 0; i < found.data.size(); ++i) {
+      ASSERT_EQ(found.data[i].color, expected.data[i].color) << i;
+      ASSERT_EQ(found.data[i].variance, expected.data[i].variance) << i;
     }
   }
 }

@@ -9,6 +9,7 @@ import torch
 
 import albedo_noise
 import backgrounds
+import batches
 import losses
 import patterns
 import rare_crops
@@ -172,6 +173,30 @@ class SharedNoise(unittest.TestCase):
             np.testing.assert_array_equal(after[6], before[6])
         np.testing.assert_allclose(shared.variances[0], 0.5 * 0.375, rtol=2e-3)
 
+    def test_a_crop_is_convolved_as_a_whole(self):
+        kernel = np.float32([0.0, 0.25, 0.5, 0.25, 0.0])
+        crop = [self.rng.random((channels, SIZE, SIZE)).astype(np.float32) for channels in (6, 1, 14)]
+        crop.append(self.rng.random((2, 3, SIZE, SIZE)).astype(np.float32))
+        colors, variance, features, references = shared_noise.convolved_crop(crop, kernel)
+        np.testing.assert_allclose(colors, shared_noise.convolved(crop[0], kernel))
+        np.testing.assert_allclose(variance, shared_noise.convolved(crop[1], kernel**2))
+        np.testing.assert_allclose(references[1], shared_noise.convolved(crop[3][1], kernel))
+        for first in (0, 7):
+            np.testing.assert_allclose(features[first : first + 6], shared_noise.convolved(crop[2][first : first + 6], kernel))
+            np.testing.assert_array_equal(features[first + 6], crop[2][first + 6])
+        crop[1][:] = -1.0
+        np.testing.assert_array_equal(shared_noise.convolved_crop(crop, kernel)[1], crop[1])  # unknown stays unknown
+
+    def test_some_made_crops_are_convolved_if_asked_for(self):
+        pair = self.pair()
+        with unittest.mock.patch.object(shared_noise, "convolved_crop", wraps=shared_noise.convolved_crop) as convolved_crop:
+            for shared in (False, True):
+                for _ in range(40):
+                    crop = batches.made_crop(self.rng, pair, 16, shared)
+                    self.assertEqual([a.shape[0] for a in crop], [6, 1, 14, 2])
+                self.assertEqual(convolved_crop.call_count > 0, shared)
+            self.assertLess(convolved_crop.call_count, 40)
+
     def test_a_share_of_the_pairs_is_convolved_always_the_same_ones(self):
         pairs = [self.pair(f"becalm-{i:06d}/004.0001") for i in range(200)]
         first, second = shared_noise.some_convolved(pairs), shared_noise.some_convolved(pairs)
@@ -180,7 +205,7 @@ class SharedNoise(unittest.TestCase):
             np.testing.assert_array_equal(a.color, b.color)
         pairs[0].own = pairs[0].color
         with unittest.mock.patch.object(shared_noise, "SHARE", 1.0):
-            self.assertEqual([p.name for p in shared_noise.some_convolved(pairs[:2])], ["becalm-000001/004.0001.shared"])
+            self.assertEqual([p.name for p in shared_noise.some_convolved(pairs[:2])], ["becalm-000001/shared_004.0001"])
 
 if __name__ == "__main__":
     unittest.main()

@@ -86,9 +86,6 @@ class Shots(unittest.TestCase):
             write_shot(f"{self.folder.name}/{renderer}-000000", renderer, 1)
             write_shot(f"{self.folder.name}/{renderer}-000009", renderer, 2)
         os.makedirs(f"{self.folder.name}/cycles-000001")  # not rendered to its end
-        unconvolved = unittest.mock.patch.object(shared_noise, "SHARE", 0.0)
-        unconvolved.start()
-        self.addCleanup(unconvolved.stop)
 
     def test_constants_are_those_of_the_program(self):
         for value, file, name in (
@@ -139,9 +136,9 @@ class Shots(unittest.TestCase):
 
     def test_some_frames_are_learned_from_with_noise_that_neighbours_share(self):
         with unittest.mock.patch.object(shared_noise, "SHARE", 1.0):
-            learn, choose = batches.load(self.folder.name)
-        self.assertEqual([p.name for p in choose if p.name.startswith("becalm")], ["becalm-000009/004.0001", "becalm-000009/004.0001.shared"])
-        self.assertEqual(sum(p.name.endswith(".shared") for p in learn), len(learn) / 2)
+            learn, choose = batches.load(self.folder.name, shared=True)
+        self.assertEqual([p.name for p in choose if p.name.startswith("becalm")], ["becalm-000009/004.0001", "becalm-000009/shared_004.0001"])
+        self.assertEqual(sum(p.of_shared_noise for p in learn), len(learn) / 2)
 
     def test_an_albedo_stands_for_the_radiance_and_has_none_itself(self):
         frames = [p for p in batches.load(self.folder.name)[0] if p.independent]
@@ -182,23 +179,28 @@ class Shots(unittest.TestCase):
         np.testing.assert_array_equal(features[7:10], pair.smoothed_albedo)
 
     def test_shots_are_merged_by_the_program_itself(self):
-        names = ["forward0.0001", "both1.0001", "forward2.0001", "both3.0001"]
-        for renderer, merges in (("becalm", 4), ("cycles", 2)):
+        names = ["forward0.0001", "both1.0001", "shared_forward2.0001", "shared_both3.0001"]
+        for renderer, of_shared in (("becalm", 2), ("cycles", 0)):
             folder = f"{self.folder.name}/{renderer}-000002"
             write_shot(folder, renderer, 3, frames=3)
-            with unittest.mock.patch.object(merged_shots, "MERGES", merges):
+            with unittest.mock.patch.multiple(merged_shots, MERGES=2, SHARED_MERGES=of_shared):
                 merged_shots.merge_shot(os.environ["BECALM"], folder, shots.MERGED)
             self.assertTrue(merged_shots.is_merged(f"{folder}/{shots.MERGED}", os.environ["BECALM"]))
             self.assertFalse(merged_shots.is_merged(f"{folder}/{shots.MERGED}", __file__))
             pairs = {p.name.split("/")[1]: p for p in shots.load_shot(folder) if p.merged}
-            self.assertEqual(set(pairs), set(names[:merges]))
+            self.assertEqual(set(pairs), set(names[:2 + of_shared]))
+            for name, pair in pairs.items():
+                alike = neighbours_alike(pair.own, pair.references)
+                if pair.of_shared_noise:
+                    self.assertGreater(alike, 0.1, name)
+                else:
+                    self.assertLess(abs(alike), 0.1, name)
             truth = np.float32(pairs["both1.0001"].references).mean(0)
             error = lambda image: ((np.float32(image) - truth) ** 2).mean()
             self.assertLess(error(pairs["both1.0001"].color), 0.6 * error(pairs["both1.0001"].own))
-            alike = lambda name: neighbours_alike(pairs[name].own, pairs[name].references)
-            self.assertLess(abs(alike("both1.0001")), 0.1)
-            if merges == 4:
-                self.assertGreater(alike("forward2.0001"), 0.1)
+        learn = lambda shared: {p.name for p in batches.load(self.folder.name, shared=shared)[0] if p.merged and p.of_shared_noise}
+        self.assertEqual(learn(True), {"becalm-000002/shared_forward2.0001", "becalm-000002/shared_both3.0001"})
+        self.assertEqual(learn(False), set())
 
     def test_merged_frames_are_read_and_always_tell_their_variance(self):
         folder = f"{self.folder.name}/becalm-000000"
