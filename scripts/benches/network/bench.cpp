@@ -25,7 +25,7 @@ class NetworkJob {
     chain_.output(network_.smoothed().color);
     chain_.output(network_.smoothed().stats);
     chain_.build();
-    network_.upload_weights(chain_);
+    network_.upload_weights(chain_, filter::embedded_weights());
     std::mt19937 random(1);
     std::uniform_real_distribution<float> uniform(0.0f, 1.0f);
     for (const gpu::ImageId image :
