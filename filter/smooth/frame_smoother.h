@@ -27,8 +27,7 @@ class FrameSmoother {
   void choose_network(float noise_ratio);
 
   FilterTask task_;
-  float shared_noise_ =
-      0.0f;  ///< how far the network is from the one for independent noise to the one for shared
+  float shared_noise_ = 0.0f;  ///< of the weights: 0 for independent noise, 1 for noise that neighbours share
   LocalChain<Passes> chain_;
 };
 

@@ -13,6 +13,8 @@ namespace becalm::filter {
 /// Parameters that host passes read when they run.
 class HostWeights {
  public:
+  explicit HostWeights(const NetworkWeights& network) : network_(network) {}
+
   /// Takes effect with the next run.
   void replace(const NetworkWeights& network) {
     network_ = network;

@@ -72,7 +72,10 @@ void NetworkPasses::upload_weights(Chain& chain, const NetworkWeights& network) 
 NetworkPasses::NetworkPasses(Chain& chain, const Weights& trained, Extent full, const NoisyInputs& frame,
                              bool variance_known, const std::vector<Layered>& additive, Convolver convolver,
                              std::optional<int> strip)
-    : full_(full), padded_{padded_px(full.width), padded_px(full.height)}, strip_(strip) {
+    : full_(full),
+      padded_{padded_px(full.width), padded_px(full.height)},
+      strip_(strip),
+      host_weights_(std::make_shared<HostWeights>(trained.network)) {
   const NetworkWeights& weights = trained.network;
   const Demodulated beauty = add_demodulate(chain, frame, "beauty", {frame.color, frame.own_color});
   const ImageId inputs = add_inputs(chain, frame, beauty, variance_known);

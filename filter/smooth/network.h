@@ -101,7 +101,7 @@ class NetworkPasses {
   gpu::Extent padded_;
   std::optional<int> strip_;
   std::vector<PackedWeights> weights_;
-  std::shared_ptr<HostWeights> host_weights_ = std::make_shared<HostWeights>();
+  std::shared_ptr<HostWeights> host_weights_;
   Scales features_;
   Scales confidence_weights_;
   Scales window_weights_;
