@@ -103,7 +103,7 @@ struct HostLayer {
   std::variant<Framed, ImageId> result;  ///< framed, or planes
 };
 
-void add_layer(Chain& chain, std::shared_ptr<const HostWeights> weights, const HostLayer& declared) {
+void add_layer(Chain& chain, const std::shared_ptr<const HostWeights>& weights, const HostLayer& declared) {
   const Extent size = declared.source.size;
   auto pass = chain.host_pass("smooth/host_convolve");
   pass.read(declared.source.image, gpu::reach(1));
@@ -189,7 +189,7 @@ LayerOf finisher() {
 }
 
 std::array<ImageId, kScales> add_host_features(Chain& chain, const std::array<int, kScales>& channels,
-                                               std::shared_ptr<const HostWeights> weights, Extent size,
+                                               const std::shared_ptr<const HostWeights>& weights, Extent size,
                                                ImageId inputs) {
   std::array<ImageId, kScales> features;
   const auto extent = [&](std::size_t scale) { return Extent{size.width >> scale, size.height >> scale}; };

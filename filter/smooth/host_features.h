@@ -39,7 +39,7 @@ LayerOf finisher();
 /// size `size`, a multiple of 2^(kScales - 1).
 std::array<gpu::ImageId, kScales> add_host_features(gpu::Chain& chain,
                                                     const std::array<int, kScales>& channels,
-                                                    std::shared_ptr<const HostWeights> weights,
+                                                    const std::shared_ptr<const HostWeights>& weights,
                                                     gpu::Extent size, gpu::ImageId inputs);
 
 }  // namespace becalm::filter
