@@ -14,8 +14,8 @@ namespace becalm::filter {
 /// counts is the ratio that a tenth of all blocks stay below.
 float noise_ratio(const Frame& frame, const AovSet& used);
 
-/// Ratios from which results have twice the error and more. Of 97 noisy frames of independent noise none has
-/// this ratio, of their references one, which is all detail.
+/// Ratios from which results have about twice the error of those of independent noise. Of 97 noisy frames of
+/// independent noise none has this ratio, of their references one, which is all detail.
 constexpr float kSharedNoise = 2.0f;
 
 }  // namespace becalm::filter

@@ -66,7 +66,10 @@ def crop(rng, pair, size, shared=False):
 def made_crop(rng, pair, size, shared=False):
     """One of those crops that are made, in part or all."""
     of_background = WITH_BACKGROUND / (WITH_BACKGROUND + (1 - WITH_BACKGROUND) * TEXTURED)
-    made = with_background(rng, pair, size) if rng.random() < of_background else rare_crops.textured_crop(rng, size, random_history(rng, pair))
+    if rng.random() < of_background:
+        made = with_background(rng, pair, size)
+    else:
+        made = rare_crops.textured_crop(rng, size, random_history(rng, pair))
     if shared and rng.random() < shared_noise.SHARE_OF_MADE:
         made = shared_noise.convolved_crop(made, shared_noise.random_kernel(rng))
     return varied(rng, pair, *made)

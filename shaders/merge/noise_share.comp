@@ -24,9 +24,9 @@ const float kNoise = 3.0;
 const float kDetail = 6.0;
 /// Of the estimate, what remains of detail.
 const float kLeastShare = 0.1;
-/// An estimate lacks noise that neighbours share, by the noise's ratio to this power. A fit over 3x3 pixels follows
-/// such noise (0.3 to 0.45 for spreads of a pixel, if no feature explains any); second differences are what the ratio is
-/// made of.
+/// Both estimates miss a part of the noise that neighbours share; the noise's ratio to this power makes up for it. For
+/// the fit over 3x3 pixels, which follows such noise, the power is 0.3 to 0.45 with kernels of a pixel's width and
+/// features that explain nothing; for second differences it is 1, since they are what the ratio is made of.
 const float kSharedPower = has_albedo != 0 ? 0.5 : 1.0;
 
 void main() {
