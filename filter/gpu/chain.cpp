@@ -149,10 +149,10 @@ Chain::Pass& Chain::Pass::read(std::string_view binding, std::optional<ImageId> 
   return *this;
 }
 
-Chain::Pass& Chain::Pass::write(std::string_view binding, std::optional<ImageId> image) {
+Chain::Pass& Chain::Pass::write(std::string_view binding, std::optional<ImageId> image, Planes planes) {
   PassDeclaration& pass = chain_.impl_->passes[index_];
   if (image) {
-    pass.uses.push_back({std::string(binding), image->index, Access::write});
+    pass.uses.push_back({std::string(binding), image->index, Access::write, {}, planes});
   } else {
     pass.absent.emplace_back(binding);
   }

@@ -181,6 +181,22 @@ void check_dispatch(const Kernel& kernel, const PassDeclaration& pass, const vk:
   check_count(texel_buffers, limits.maxPerStageDescriptorSampledImages, " texel buffers");
 }
 
+/// The planes of an image that a pass writes, after those that passes before it wrote.
+void check_planes(const ImageDeclaration& image, const Use& use, int written,
+                  const vk::PhysicalDeviceLimits& limits, const std::string& where) {
+  const auto [first, count] = use.planes;
+  if (count == 0) return;
+  const std::string what = where + "binding '" + use.binding + "': image '" + image.name + "' of " +
+                           to_string(image.extent) + " is written at planes " + std::to_string(first) +
+                           " to " + std::to_string(first + count - 1);
+  if (first < 0 || first > written || first + count > image.extent.planes)
+    throw DeviceError(what + ", after " + std::to_string(written) + " planes");
+  const std::uint64_t offset =
+      image.bytes() / static_cast<std::uint64_t>(image.extent.planes) * static_cast<std::uint64_t>(first);
+  if (offset % limits.minStorageBufferOffsetAlignment != 0)
+    throw DeviceError(what + ", which do not begin where the device can bind them");
+}
+
 void check_host_pass(const PassDeclaration& pass, std::span<const ImageDeclaration> images,
                      const DeviceInfo& device, const std::string& where) {
   if (!device.is_processor) {
@@ -216,6 +232,7 @@ void Chain::Impl::check() {
 
   std::vector<bool> has_content(images.size());
   std::vector<bool> is_written(images.size());
+  std::vector<int> written_planes(images.size());
   for (std::size_t i = 0; i < images.size(); ++i) {
     has_content[i] = images[i].role == Role::input || images[i].role == Role::history_previous;
   }
@@ -245,8 +262,14 @@ void Chain::Impl::check() {
     }
     for (const Use& use : pass.uses) {
       if (!use.writes()) continue;
-      has_content[static_cast<std::size_t>(use.image)] = true;
-      is_written[static_cast<std::size_t>(use.image)] = true;
+      const auto index = static_cast<std::size_t>(use.image);
+      check_planes(images[index], use, written_planes[index], device.limits, where);
+      written_planes[index] = use.planes.count > 0
+                                  ? std::max(written_planes[index], use.planes.first + use.planes.count)
+                                  : images[index].extent.planes;
+      if (written_planes[index] < images[index].extent.planes) continue;
+      has_content[index] = true;
+      is_written[index] = true;
     }
   }
   for (std::size_t i = 0; i < images.size(); ++i) {

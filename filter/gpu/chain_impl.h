@@ -53,6 +53,7 @@ struct Use {
   int image;
   Access access;
   Footprint footprint = {};
+  Planes planes = {};  ///< that are written
 
   bool reads() const { return access != Access::write; }
   bool writes() const { return access != Access::read; }
@@ -90,7 +91,8 @@ struct BufferPart {
   std::uint64_t bytes = 0;
 };
 
-/// What is bound of an image for one band: the band's rows if the pass writes it in bands, else all of it.
+/// What is bound of an image for one band: the band's rows if the pass writes it in bands, the planes that it
+/// writes, else all of it.
 BufferPart part_of_band(const PassDeclaration& pass, const Use& use, const ImageDeclaration& image, int band);
 
 std::vector<std::byte> push_constants_of_band(const PassDeclaration& pass, int band);

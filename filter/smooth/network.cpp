@@ -151,18 +151,24 @@ ImageId NetworkPasses::add_inputs(Chain& chain, const NoisyInputs& frame, const 
                                   bool variance_known) const {
   const ImageId inputs =
       chain.image("network.inputs", Format::f32x4, padded_.with_planes(kNetworkInputs / kPlane));
+  // As a whole, inputs of 1920x1080 pixels are more than a storage buffer of many devices holds.
+  constexpr int own_planes = 2;
+  constexpr int planes = kNetworkInputs / kPlane - own_planes;
   chain.pass("smooth/inputs")
       .read("irradiance", demodulated.irradiance.merged)
       .read("grey", demodulated.grey.merged, gpu::reach(kWindowRadius))  // its local deviation
-      .read("own_grey", demodulated.grey.own)
       .read("variance", frame.variance)
       .read("albedo_depth", frame.features->albedo_depth)
       .read("normal", frame.features->normal)
+      .read("exposure", frame.exposure)
+      .write("inputs", inputs, {0, planes})
+      .specialize("variance_known", variance_known ? 1 : 0)
+      .dispatch(padded_);
+  chain.pass("smooth/own_inputs")
+      .read("own_grey", demodulated.grey.own)
       .read("own_albedo_depth", frame.own_features->albedo_depth)
       .read("own_normal", frame.own_features->normal)
-      .read("exposure", frame.exposure)
-      .write("inputs", inputs)
-      .specialize("variance_known", variance_known ? 1 : 0)
+      .write("inputs", inputs, {planes, own_planes})
       .dispatch(padded_);
   return inputs;
 }

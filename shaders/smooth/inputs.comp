@@ -1,7 +1,6 @@
-// Reads a frame's outputs of smooth/demodulate, its variance, its features and, for a merged frame, the grey
-// value and features of the frame itself; writes the network's input channels: compressed radiance, albedo,
-// normal, depth, relative noise, local deviation of the grey value over 5x5 pixels; albedo, normal, depth and
-// grey value of the frame itself.
+// Reads a frame's outputs of smooth/demodulate, its variance and its features; writes the network's first input
+// channels: compressed radiance, albedo, normal, depth, relative noise, local deviation of the grey value over 5x5
+// pixels.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -19,10 +18,7 @@ layout(set = 0, binding = 2) uniform samplerBuffer variance;
 layout(set = 0, binding = 3) uniform samplerBuffer albedo_depth;
 layout(set = 0, binding = 4) uniform samplerBuffer normal;
 layout(set = 0, binding = 5) uniform samplerBuffer exposure;
-layout(set = 0, binding = 6) uniform samplerBuffer own_albedo_depth;
-layout(set = 0, binding = 7) uniform samplerBuffer own_normal;
-layout(set = 0, binding = 8) uniform samplerBuffer own_grey;
-layout(std430, set = 0, binding = 9) writeonly buffer InputsBuffer { vec4 data[]; } inputs;
+layout(std430, set = 0, binding = 6) writeonly buffer InputsBuffer { vec4 data[]; } inputs;
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
@@ -57,8 +53,4 @@ void main() {
   inputs.data[index] = vec4(compressed_radiance(value.r), compressed_radiance(value.g), compressed_radiance(value.b), features.r);
   inputs.data[pixels + index] = vec4(features.g, features.b, n.x, n.y);
   inputs.data[2 * pixels + index] = vec4(n.z, features.a, noise, deviation);
-  const vec4 own_features = texelFetch(own_albedo_depth, from);
-  const vec3 own_n = texelFetch(own_normal, from).xyz;
-  inputs.data[3 * pixels + index] = vec4(own_features.rgb, own_n.x);
-  inputs.data[4 * pixels + index] = vec4(own_n.yz, own_features.a, texelFetch(own_grey, index).x);
 }
