@@ -127,7 +127,7 @@ struct CarriedRead {
 /// Warps carried image `i` of the history. Additive AOVs are read with the given share, other images with a
 /// share of their own that keeps them within the range of the nearest pixels.
 CarriedRead add_carried_read(Chain& chain, const Settings& settings, Extent full, const SourceWindow& window,
-                             ImageId offset, const WarpInputs& history, std::size_t i,
+                             ImageId offset, ImageId holes, const WarpInputs& history, std::size_t i,
                              std::optional<ImageId> share) {
   const CarriedImage& carried = history.carried[i];
   assert(settings.resample != Resample::spline && "only the beauty has spline coefficients");
@@ -141,7 +141,7 @@ CarriedRead add_carried_read(Chain& chain, const Settings& settings, Extent full
   chain.pass("merge/carried_warp")
       .read("offset", offset)
       .read("history_color", carried.image, gather_history(history))
-      .read("history_stats", history.stats, gather_history(history))
+      .read("holes", holes)
       .read("target_origin", window.target_origin)
       .read("share", share)
       .write("warped", made.warped)
@@ -160,7 +160,11 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
                        chain.image("warped.stats", Format::f32x2, full)};
   const SourceWindow window = history.window ? *history.window : add_same_window(chain, full, "origin.merge");
   std::optional<ImageId> share;
-  if (!history.carried.empty()) share = chain.image("warped.share", Format::f32, full);
+  std::optional<ImageId> holes;
+  if (!history.carried.empty()) {
+    share = chain.image("warped.share", Format::f32, full);
+    holes = chain.image("warped.holes", Format::f32, full);
+  }
   const ImageId sharp =
       settings.resample == Resample::spline ? add_spline_passes(chain, window.full, history) : history.color;
   chain.pass("merge/warp_history")
@@ -172,8 +176,9 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
       .write("warped_color", warped.color)
       .write("warped_stats", warped.stats)
       .write("share", share)
+      .write("holes", holes)
       .specialize("resample", static_cast<int>(settings.resample))
-      .specialize("writes_share", share ? 1 : 0)
+      .specialize("carries", share ? 1 : 0)
       .dispatch(full);
   // Additive AOVs add up to the noisy radiance if it is carried, else to the colour; they use its share.
   const auto noisy = std::ranges::find(history.carried, Carried::radiance, &CarriedImage::kind);
@@ -181,7 +186,7 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
   std::optional<ImageId> share_of_light = share;
   const auto read = [&](std::size_t i) {
     const CarriedRead made =
-        add_carried_read(chain, settings, full, window, offset, history, i, share_of_light);
+        add_carried_read(chain, settings, full, window, offset, *holes, history, i, share_of_light);
     warped.carried[i] = made.warped;
     return made.share;
   };

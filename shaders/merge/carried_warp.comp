@@ -14,7 +14,7 @@ layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Sizes { ivec2 size; ivec2 history_color_size; };
 layout(set = 0, binding = 0) uniform samplerBuffer offset;
 layout(set = 0, binding = 1) uniform samplerBuffer history_color;
-layout(set = 0, binding = 2) uniform samplerBuffer history_stats;
+layout(set = 0, binding = 2) uniform samplerBuffer holes;  // by merge/warp_history
 layout(set = 0, binding = 3) uniform samplerBuffer target_origin;
 layout(set = 0, binding = 4) uniform samplerBuffer share;
 layout(std430, set = 0, binding = 5) writeonly buffer WarpedBuffer { vec4 data[]; } warped;
@@ -26,7 +26,7 @@ void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= size.x || at.y >= size.y) return;
   const int index = at.y * size.x + at.x;
-  const HistoryRead h = read_history(at, index);
+  const HistoryRead h = read_history(place_in_history(at, index), int(texelFetch(holes, index).x));
   vec4 color;
   if (in_range != 0) {
     const float sharp = share_in_range(h);
