@@ -12,16 +12,21 @@ namespace becalm::filter {
 /// Radiance of a frame's pixels with its variance and effective sample count.
 struct Estimate {
   Estimate() = default;
+  /// Pixels are not set.
   Estimate(gpu::Extent extent, std::size_t carried_count)
-      : color(extent.width, extent.height, 4),
-        stats(extent.width, extent.height, 2),
-        carried(carried_count, color) {}
+      : color(extent.width, extent.height, 4, Unfilled()), stats(extent.width, extent.height, 2, Unfilled()) {
+    for (std::size_t i = 0; i < carried_count; ++i)
+      carried.emplace_back(extent.width, extent.height, 4, Unfilled());
+  }
 
   Image color;  ///< four channels
   Image stats;  ///< (variance, effective sample count); a count of 0 means no data
   /// Images merged with the beauty's weights, four channels each: the additive AOVs; in the merge also the
   /// noisy layers, if the task smooths merged frames.
   std::vector<Image> carried;
+  /// Of a smoothed frame that came without variance: (variance, valid) of its noise, as
+  /// MergeInputs::variance, if the merge reads it.
+  Image noise = {};
 };
 
 /// A frame prepared as input of the chains.

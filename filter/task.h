@@ -27,6 +27,8 @@ struct FilterTask {
   /// Whether smoothed frames only determine the merge weights, and the merged noisy layers are smoothed for
   /// the output.
   bool smooths_merged() const { return settings.smooth == Smooth::merged; }
+  /// Whether the variance that smoothing a frame estimates is that of the merge.
+  bool hands_noise_on() const { return smooths_merged() && !variance_known() && !of_albedo; }
   bool smooths_albedo() const { return smooths() && settings.smooth_albedo && contains(used, Aov::albedo); }
   /// Number of images merged with the beauty's weights: additive AOVs, then the noisy layers that are
   /// smoothed after the merge.

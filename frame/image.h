@@ -9,6 +9,9 @@
 
 namespace becalm {
 
+/// For images whose pixels are all written next: filling them takes as long as that.
+struct Unfilled {};
+
 /// Pixels of `channels` interleaved 32-bit floats, row-major from the top left, linear and scene-referred. A
 /// default-constructed image is empty.
 class Image {
@@ -19,6 +22,13 @@ class Image {
         height_(height),
         channels_(channels),
         data_(static_cast<std::size_t>(width) * height * channels, fill) {
+    assert(width > 0 && height > 0 && channels > 0);
+  }
+  Image(int width, int height, int channels, Unfilled)
+      : width_(width),
+        height_(height),
+        channels_(channels),
+        data_(static_cast<std::size_t>(width) * height * channels) {
     assert(width > 0 && height > 0 && channels > 0);
   }
 

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kLarge = std::size_t{1} << 20;
 /// As many layers as two frames in turn give back.
-constexpr std::size_t kMostKept = 12;
+constexpr std::size_t kMostKept = 32;
 /// Layers of 4 channels of floats of 1920x1080 pixels are 32 MiB each.
 constexpr std::size_t kMostKeptBytes = std::size_t{1} << 30;
 

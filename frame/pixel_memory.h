@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <new>
 
 namespace becalm {
 
@@ -17,6 +18,9 @@ struct PixelAllocator {
   PixelAllocator(const PixelAllocator<Other>&) {}
   T* allocate(std::size_t count) { return static_cast<T*>(take_pixel_memory(count * sizeof(T))); }
   void deallocate(T* memory, std::size_t count) { give_back_pixel_memory(memory, count * sizeof(T)); }
+  /// Without a value, pixels are what the memory holds.
+  void construct(T* pixel) { ::new (pixel) T; }
+  void construct(T* pixel, T value) { ::new (pixel) T(value); }
   bool operator==(const PixelAllocator&) const = default;
 };
 

@@ -28,7 +28,7 @@ constexpr float kLeastDivisor = 0.04f;
 
 /// Luminance without albedo.
 Image irradiance(const Frame& frame, bool has_albedo) {
-  Image result(frame.width(), frame.height(), 1);
+  Image result(frame.width(), frame.height(), 1, Unfilled());
   const Image& beauty = frame.image(Aov::beauty);
   for_rows(frame.height(), [&](int begin, int end) {
     for (int y = begin; y < end; ++y) {

@@ -16,8 +16,10 @@ NoisyInputs::NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent 
   if (use == NoisyUse::merge && task.smooths() && !task.smooths_merged()) return;
   given_variance_ = chain.input("variance.cur", Format::f32x2, extent);
   own_color = color = chain.input("color.cur", Format::f32x4, extent);
-  const bool fits_albedo = !task.variance_known() && has_albedo;
-  if (use == NoisyUse::smooth || fits_albedo || task.smooths_merged()) {
+  // The albedo network is given no noise: of its variance only the valid flag is read.
+  takes_noise_ = use == NoisyUse::merge && task.hands_noise_on();
+  const bool estimates = !task.variance_known() && !task.of_albedo && !takes_noise_;
+  if (use == NoisyUse::smooth || (estimates && has_albedo) || task.smooths_merged()) {
     features = {.albedo_depth = chain.input("albedo_depth", Format::f32x4, extent),
                 .normal = chain.input("normal", Format::f32x4, extent)};
     own_features = features;
@@ -27,8 +29,7 @@ NoisyInputs::NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent 
     own_features = {.albedo_depth = chain.input("own.albedo_depth", Format::f32x4, extent),
                     .normal = chain.input("own.normal", Format::f32x4, extent)};
   }
-  // The albedo network is given no noise: of its variance only the valid flag is read.
-  if (task.variance_known() || task.of_albedo) {
+  if (!estimates) {
     variance = given_variance_;
   } else {
     noise_ratio_ = chain.table("noise_ratio", Format::f32, {1, 1});
@@ -47,7 +48,11 @@ void NoisyInputs::upload(gpu::Chain& chain, const FilterTask& task, const NewFra
   const bool reads_exposure_alone = color == gpu::ImageId();
   const std::span<float> pairs =
       reads_exposure_alone ? std::span<float>() : chain.upload<float>(given_variance_);
-  report.replaced_variances += pack_variance(frame.frame, task.used, frame.finite, tile, pairs);
+  if (takes_noise_) {
+    filter::upload(chain, given_variance_, view(frame.smoothed.noise), tile.target);
+  } else {
+    report.replaced_variances += pack_variance(frame.frame, task.used, frame.finite, tile, pairs);
+  }
   chain.upload<float>(exposure)[0] = frame.exposure;
   if (noise_ratio_) chain.upload<float>(*noise_ratio_)[0] = frame.noise_ratio;
   if (reads_exposure_alone) return;

@@ -124,12 +124,22 @@ struct FrameMerger::Host {
 
   Host(const FilterTask& task, const Chains& chains)
       : history(task.full, task.carried()), next(task.full, task.carried()) {
+    forget_history();
     const int planes = chains.new_frame->finest.planes;
     for (Matched* made : {&history_features, &features}) {
       made->finest = Planes(level_extent(task.settings, task.full, 0).with_planes(planes));
       if (!chains.split.has_coarse()) continue;
       made->coarse = Planes(level_extent(task.settings, task.full, chains.split.coarse).with_planes(planes));
     }
+  }
+
+  void forget_history() {
+    const auto clear = [](Image& image) { std::ranges::fill(image.data(), 0.0f); };
+    clear(history.color);
+    clear(history.stats);
+    for (Image& image : history.carried) clear(image);
+    std::ranges::fill(history_features.finest.values, 0.0f);
+    std::ranges::fill(history_features.coarse.values, 0.0f);
   }
 
   Estimate history;
@@ -271,16 +281,11 @@ void FrameMerger::merge_tile(const Tile& tile, const NewFrame& frame, MergedFram
 }
 
 void FrameMerger::reset() {
-  if (!host_) {
+  if (host_) {
+    host_->forget_history();
+  } else {
     chains_->merge.chain.reset_history();
-    return;
   }
-  const auto clear = [](Image& image) { std::ranges::fill(image.data(), 0.0f); };
-  clear(host_->history.color);
-  clear(host_->history.stats);
-  for (Image& image : host_->history.carried) clear(image);
-  std::ranges::fill(host_->history_features.finest.values, 0.0f);
-  std::ranges::fill(host_->history_features.coarse.values, 0.0f);
 }
 
 FilterMemory FrameMerger::memory() const {

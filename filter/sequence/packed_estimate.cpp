@@ -43,6 +43,18 @@ float squared(float value) {
   return value * value;
 }
 
+/// Packs pairs of a variance and another value.
+HalfImage of_variance(Image pairs, float exposure) {
+  apply_to_channel(pairs, 0, deviation);
+  return {pairs, {exposure, 1.0f}};
+}
+
+Image with_variance(const HalfImage& packed) {
+  Image pairs = packed.image();
+  apply_to_channel(pairs, 0, squared);
+  return pairs;
+}
+
 /// Multiplies the colours of `image` by the ratio of `rounded` to `whole`.
 void scale_as(const Image& whole, const Image& rounded, Image& image) {
   for_pixels(image.pixel_count(), [&](std::size_t begin, std::size_t end) {
@@ -76,7 +88,7 @@ HalfImage::HalfImage(const Image& image, const std::vector<float>& scale)
 }
 
 Image HalfImage::image() const {
-  Image image(width_, height_, static_cast<int>(scale_.size()));
+  Image image(width_, height_, static_cast<int>(scale_.size()), Unfilled());
   for_pixels(image.pixel_count(), [&](std::size_t begin, std::size_t end) {
     std::size_t i = begin * scale_.size();
     for (std::size_t pixel = begin; pixel < end; ++pixel) {
@@ -93,8 +105,8 @@ Image HalfImage::image() const {
 PackedEstimate::PackedEstimate(Estimate estimate, float exposure, std::size_t noisy_layers) {
   std::vector<Image>& images = estimate.carried;
   color_ = HalfImage(estimate.color, {exposure, exposure, exposure, 1.0f});
-  apply_to_channel(estimate.stats, 0, deviation);
-  stats_ = HalfImage(estimate.stats, {exposure, 1.0f});
+  stats_ = of_variance(std::move(estimate.stats), exposure);
+  if (!estimate.noise.empty()) noise_ = of_variance(std::move(estimate.noise), exposure);
   const std::size_t additive = images.size() - noisy_layers;
   const std::size_t radiance = additive + FilterTask::kNoisyRadiance;
   for (std::size_t i = additive; i < images.size(); ++i) {
@@ -114,8 +126,8 @@ PackedEstimate::PackedEstimate(Estimate estimate, float exposure, std::size_t no
 Estimate PackedEstimate::estimate() const {
   Estimate estimate;
   estimate.color = color_.image();
-  estimate.stats = stats_.image();
-  apply_to_channel(estimate.stats, 0, squared);
+  estimate.stats = with_variance(stats_);
+  if (noise_) estimate.noise = with_variance(*noise_);
   estimate.carried = additive_;
   for (const HalfImage& layer : noisy_layers_) estimate.carried.push_back(layer.image());
   const std::size_t radiance = additive_.size() + FilterTask::kNoisyRadiance;

@@ -2,8 +2,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
+
 #include "filter/estimate.h"
 
 namespace becalm::filter {
@@ -38,6 +40,7 @@ class PackedEstimate {
  private:
   HalfImage color_;
   HalfImage stats_;
+  std::optional<HalfImage> noise_;
   std::vector<Image> additive_;
   std::vector<HalfImage> noisy_layers_;
 };

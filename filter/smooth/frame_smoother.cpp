@@ -55,6 +55,7 @@ struct FrameSmoother::Passes {
     chain.output(network.smoothed().color);
     chain.output(network.smoothed().stats);
     for (const ImageId image : network.smoothed().additive) chain.output(image);
+    if (task.hands_noise_on()) chain.output(noisy.variance);
   }
 
   gpu::Chain chain;
@@ -84,6 +85,7 @@ void FrameSmoother::choose_network(float noise_ratio) {
 Estimate FrameSmoother::smooth(const NewFrame& frame, FrameReport& report) {
   if (!task_.of_albedo) choose_network(frame.noise_ratio);
   Estimate result(task_.full, task_.additive);
+  if (task_.hands_noise_on()) result.noise = Image(task_.full.width, task_.full.height, 2, Unfilled());
   FrameReport ignored;  // replaced variances are counted when the frame is merged
   const auto upload = [&](Passes& passes, const Tile& tile) {
     gpu::Chain& chain = passes.chain;
@@ -96,6 +98,8 @@ Estimate FrameSmoother::smooth(const NewFrame& frame, FrameReport& report) {
     copy_core(passes.chain.download<float>(smoothed.color), tile, result.color);
     copy_core(passes.chain.download<float>(smoothed.stats), tile, result.stats);
     copy_core(download_carried(passes.chain, smoothed.additive), tile, result.carried);
+    if (!result.noise.empty())
+      copy_core(passes.chain.download<float>(passes.noisy.variance), tile, result.noise);
   };
   chain_.run(report, upload, download);
   return result;

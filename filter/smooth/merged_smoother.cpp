@@ -34,11 +34,11 @@ Accumulated accumulated(const Estimate& merged) {
   const Image& normal = layers[FilterTask::kNoisyNormal];
   const int width = radiance.width();
   const int height = radiance.height();
-  Accumulated result{.color = Image(width, height, 3),
-                     .variance = Image(width, height, 1),
-                     .albedo = Image(width, height, 3),
-                     .normal = Image(width, height, 3),
-                     .depth = Image(width, height, 1)};
+  Accumulated result{.color = Image(width, height, 3, Unfilled()),
+                     .variance = Image(width, height, 1, Unfilled()),
+                     .albedo = Image(width, height, 3, Unfilled()),
+                     .normal = Image(width, height, 3, Unfilled()),
+                     .depth = Image(width, height, 1, Unfilled())};
   const auto copy = [](const Image& layer, std::size_t pixel, Image& target) {
     std::copy_n(layer.data().begin() + 4 * pixel, 3, target.data().begin() + 3 * pixel);
   };

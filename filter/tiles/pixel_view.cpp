@@ -61,7 +61,7 @@ void upload_origin(gpu::Chain& chain, gpu::ImageId image, const Rect& target, co
 }
 
 Image download(const gpu::Chain& chain, gpu::ImageId image, gpu::Extent extent, int channels) {
-  Image result(extent.width, extent.height, channels);
+  Image result(extent.width, extent.height, channels, Unfilled());
   std::ranges::copy(chain.download<float>(image), result.data().begin());
   return result;
 }

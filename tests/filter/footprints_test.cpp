@@ -78,7 +78,7 @@ class FootprintsTest : public DeviceTest {
       task.used.reset(static_cast<std::size_t>(Aov::variance));
       task.used.set(static_cast<std::size_t>(Aov::albedo), albedo);
       Chain chain(device(), "variance");
-      const NoisyInputs noisy(chain, task, kFull, NoisyUse::merge);
+      const NoisyInputs noisy(chain, task, kFull, NoisyUse::smooth);
       use(chain, {kSide});
     }
   }

@@ -45,9 +45,11 @@ TEST(PackedEstimate, ComesBackToAThousandth) {
     const std::size_t carried = FilterTask::kNoisyLayers;
     Estimate estimate = estimate_around(usual, carried);
     for (float& value : estimate.carried[0].data()) value = std::abs(value);  // a variance among them
+    estimate.noise = estimate.stats;
     const Estimate found = PackedEstimate(estimate, 1.0f / usual, FilterTask::kNoisyLayers).estimate();
     expect_near(found.color, estimate.color);
     expect_near(found.stats, estimate.stats);
+    expect_near(found.noise, estimate.noise);
     ASSERT_EQ(found.carried.size(), carried);
     for (std::size_t i = 0; i < carried; ++i) expect_near(found.carried[i], estimate.carried[i]);
   }
@@ -77,6 +79,7 @@ TEST(PackedEstimate, NothingIsCarriedWhereNothingWas) {
   const Estimate estimate = estimate_around(2.0f, 0);
   const Estimate found = PackedEstimate(estimate, 0.5f, 0).estimate();
   EXPECT_TRUE(found.carried.empty());
+  EXPECT_TRUE(found.noise.empty());
   expect_near(found.color, estimate.color);
 }
 
