@@ -9,7 +9,7 @@ namespace becalm {
 namespace {
 
 constexpr std::size_t kLarge = std::size_t{1} << 20;
-/// As many layers as two frames in turn give back.
+/// As many layers as the steps of a frame give back.
 constexpr std::size_t kMostKept = 32;
 /// Layers of 4 channels of floats of 1920x1080 pixels are 32 MiB each.
 constexpr std::size_t kMostKeptBytes = std::size_t{1} << 30;

@@ -16,8 +16,8 @@ NoisyInputs::NoisyInputs(gpu::Chain& chain, const FilterTask& task, gpu::Extent 
   if (use == NoisyUse::merge && task.smooths() && !task.smooths_merged()) return;
   given_variance_ = chain.input("variance.cur", Format::f32x2, extent);
   own_color = color = chain.input("color.cur", Format::f32x4, extent);
-  // The albedo network is given no noise: of its variance only the valid flag is read.
   takes_noise_ = use == NoisyUse::merge && task.hands_noise_on();
+  // The albedo network is given no noise: of its variance only the valid flag is read.
   const bool estimates = !task.variance_known() && !task.of_albedo && !takes_noise_;
   if (use == NoisyUse::smooth || (estimates && has_albedo) || task.smooths_merged()) {
     features = {.albedo_depth = chain.input("albedo_depth", Format::f32x4, extent),

@@ -15,8 +15,8 @@ namespace becalm::filter {
 enum class NoisyUse { smooth, merge };
 
 /// A noisy frame, or a tile of it, as the input of a chain. A chain that merges smoothed frames alone takes
-/// nothing but the exposure and counts the replaced variances. One that merges noisy layers takes a variance
-/// that was estimated from the frame's smoothing.
+/// nothing but the exposure and counts the replaced variances. One that merges noisy layers takes the variance
+/// that smoothing the frame has estimated (Estimate::noise).
 class NoisyInputs {
  public:
   /// Declares the inputs and, for frames that come without variance, the pass that estimates it.
@@ -39,7 +39,7 @@ class NoisyInputs {
  private:
   gpu::ImageId given_variance_;
   std::optional<gpu::ImageId> noise_ratio_;  ///< if the variance is estimated
-  bool takes_noise_ = false;                 ///< the variance is Estimate::noise of the smoothed frame
+  bool takes_noise_ = false;                 ///< the variance is Estimate::noise
 };
 
 }  // namespace becalm::filter

@@ -18,7 +18,8 @@ class FrameSmoother {
   FrameSmoother(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit);
   ~FrameSmoother();
 
-  /// Returns the smoothed colour, with (remaining variance; 1, or 0 for a non-finite pixel).
+  /// Returns the smoothed colour, with (remaining variance; 1, or 0 for a non-finite pixel) and, if the task
+  /// hands it on, the noise.
   Estimate smooth(const NewFrame& frame, FrameReport& report);
   FilterMemory memory() const;
 
