@@ -15,8 +15,8 @@ namespace becalm::filter {
 enum class NoisyUse { smooth, merge };
 
 /// A noisy frame, or a tile of it, as the input of a chain. A chain that merges smoothed frames alone takes
-/// nothing but the exposure and counts the replaced variances. One that merges noisy layers takes the variance
-/// that smoothing the frame has estimated (Estimate::noise).
+/// nothing but the exposure and counts the replaced variances. One that merges noisy layers takes the
+/// variance that smoothing the frame has estimated (Estimate::noise).
 class NoisyInputs {
  public:
   /// Declares the inputs and, for frames that come without variance, the pass that estimates it.
