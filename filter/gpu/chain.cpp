@@ -149,13 +149,18 @@ Chain::Pass& Chain::Pass::read(std::string_view binding, std::optional<ImageId> 
   return *this;
 }
 
-Chain::Pass& Chain::Pass::write(std::string_view binding, std::optional<ImageId> image, Planes planes) {
+Chain::Pass& Chain::Pass::write(std::string_view binding, std::optional<ImageId> image) {
   PassDeclaration& pass = chain_.impl_->passes[index_];
   if (image) {
-    pass.uses.push_back({std::string(binding), image->index, Access::write, {}, planes});
+    pass.uses.push_back({std::string(binding), image->index, Access::write});
   } else {
     pass.absent.emplace_back(binding);
   }
+  return *this;
+}
+
+Chain::Pass& Chain::Pass::write_plane(std::string_view binding, ImageId image, int plane) {
+  chain_.impl_->passes[index_].uses.push_back({std::string(binding), image.index, Access::write, {}, plane});
   return *this;
 }
 

@@ -98,9 +98,10 @@ class Chain {
    public:
     /// Without an image, the kernel as specialized must not access the binding.
     Pass& read(std::string_view binding, std::optional<ImageId> image, const Footprint& footprint = {});
-    /// With `planes`, the binding begins at the first of them. Passes can so write an image in parts, from
-    /// the first plane to the last, that a storage buffer does not hold as a whole.
-    Pass& write(std::string_view binding, std::optional<ImageId> image, Planes planes = {});
+    Pass& write(std::string_view binding, std::optional<ImageId> image);
+    /// Binds one plane. An image that a storage buffer does not hold as a whole is so written plane by plane,
+    /// from the first to the last, by one pass or by several.
+    Pass& write_plane(std::string_view binding, ImageId image, int plane);
     /// A binding that the kernel both reads, at the written pixel alone, and writes.
     Pass& read_write(std::string_view binding, ImageId image);
     /// Push constants but for sizes, which the chain supplies: a plain struct of shaders/shared/, 4-byte

@@ -36,11 +36,7 @@ int rows_of_band(const PassDeclaration& pass, const std::vector<ImageDeclaration
 
 BufferPart part_of_band(const PassDeclaration& pass, const Use& use, const ImageDeclaration& image,
                         int band) {
-  if (use.planes.count > 0) {
-    const std::uint64_t plane_bytes = image.bytes() / static_cast<std::uint64_t>(image.extent.planes);
-    return {static_cast<std::uint64_t>(use.planes.first) * plane_bytes,
-            static_cast<std::uint64_t>(use.planes.count) * plane_bytes};
-  }
+  if (use.plane) return {static_cast<std::uint64_t>(*use.plane) * image.plane_bytes(), image.plane_bytes()};
   if (!pass.kernel->first_row_offset || !use.writes()) return {0, image.bytes()};
   const std::uint64_t row_bytes = image.bytes() / static_cast<std::uint64_t>(image.extent.height);
   return {static_cast<std::uint64_t>(pass.first_row(band)) * row_bytes,

@@ -69,8 +69,8 @@ void check_binding(const Kernel& kernel, const PassDeclaration& pass, const Imag
   }
 }
 
-/// Each binding of the kernel must be given once. An image that is written must have no other binding, which
-/// would be a race.
+/// Each binding of the kernel must be given once. An image that is written, or a plane of it, must have no
+/// other binding, which would be a race.
 void check_bindings(const Kernel& kernel, const PassDeclaration& pass,
                     std::span<const ImageDeclaration> images, const Device::Impl& device,
                     const std::string& where) {
@@ -80,7 +80,8 @@ void check_bindings(const Kernel& kernel, const PassDeclaration& pass,
     for (const Use* other = pass.uses.data(); other != &use; ++other) {
       if (other->binding == use.binding)
         throw DeviceError(where + "binding '" + use.binding + "' is given twice");
-      if (other->image == use.image && (other->writes() || use.writes())) {
+      const bool other_plane = use.plane && other->plane && *use.plane != *other->plane;
+      if (other->image == use.image && (other->writes() || use.writes()) && !other_plane) {
         throw DeviceError(where + "image '" + images[static_cast<std::size_t>(use.image)].name +
                           "' is written as '" + (use.writes() ? use : *other).binding + "' and used as '" +
                           (use.writes() ? *other : use).binding + "' at once");
@@ -181,20 +182,18 @@ void check_dispatch(const Kernel& kernel, const PassDeclaration& pass, const vk:
   check_count(texel_buffers, limits.maxPerStageDescriptorSampledImages, " texel buffers");
 }
 
-/// The planes of an image that a pass writes, after those that passes before it wrote.
-void check_planes(const ImageDeclaration& image, const Use& use, int written,
-                  const vk::PhysicalDeviceLimits& limits, const std::string& where) {
-  const auto [first, count] = use.planes;
-  if (count == 0) return;
-  const std::string what = where + "binding '" + use.binding + "': image '" + image.name + "' of " +
-                           to_string(image.extent) + " is written at planes " + std::to_string(first) +
-                           " to " + std::to_string(first + count - 1);
-  if (first < 0 || first > written || first + count > image.extent.planes)
-    throw DeviceError(what + ", after " + std::to_string(written) + " planes");
-  const std::uint64_t offset =
-      image.bytes() / static_cast<std::uint64_t>(image.extent.planes) * static_cast<std::uint64_t>(first);
-  if (offset % limits.minStorageBufferOffsetAlignment != 0)
-    throw DeviceError(what + ", which do not begin where the device can bind them");
+/// The plane of an image that a pass writes, after `written` others.
+void check_plane(const ImageDeclaration& image, const Use& use, int written,
+                 const vk::PhysicalDeviceLimits& limits, const std::string& where) {
+  const std::string what = where + "binding '" + use.binding + "': plane " + std::to_string(*use.plane) +
+                           " of image '" + image.name + "' of " + to_string(image.extent) + " ";
+  if (*use.plane < 0 || *use.plane >= image.extent.planes) throw DeviceError(what + "does not exist");
+  if (*use.plane > written) {
+    throw DeviceError(what + "is written after " + std::to_string(written) + " planes");
+  }
+  if (image.plane_bytes() % limits.minStorageBufferOffsetAlignment != 0) {
+    throw DeviceError(what + "begins where the device cannot bind it");
+  }
 }
 
 void check_host_pass(const PassDeclaration& pass, std::span<const ImageDeclaration> images,
@@ -263,10 +262,12 @@ void Chain::Impl::check() {
     for (const Use& use : pass.uses) {
       if (!use.writes()) continue;
       const auto index = static_cast<std::size_t>(use.image);
-      check_planes(images[index], use, written_planes[index], device.limits, where);
-      written_planes[index] = use.planes.count > 0
-                                  ? std::max(written_planes[index], use.planes.first + use.planes.count)
-                                  : images[index].extent.planes;
+      if (use.plane) {
+        check_plane(images[index], use, written_planes[index], device.limits, where);
+        written_planes[index] = std::max(written_planes[index], *use.plane + 1);
+      } else {
+        written_planes[index] = images[index].extent.planes;
+      }
       if (written_planes[index] < images[index].extent.planes) continue;
       has_content[index] = true;
       is_written[index] = true;

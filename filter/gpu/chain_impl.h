@@ -40,6 +40,7 @@ struct ImageDeclaration {
   int partner = -1;  ///< of a history image: the other one of the pair
 
   std::uint64_t bytes() const { return extent.elements() * bytes_per_element(format); }
+  std::uint64_t plane_bytes() const { return extent.with_planes(1).elements() * bytes_per_element(format); }
   bool is_history() const { return role == Role::history_previous || role == Role::history_next; }
 };
 
@@ -53,7 +54,7 @@ struct Use {
   int image;
   Access access;
   Footprint footprint = {};
-  Planes planes = {};  ///< that are written
+  std::optional<int> plane = {};  ///< the one that is written, if not all are
 
   bool reads() const { return access != Access::write; }
   bool writes() const { return access != Access::read; }
@@ -91,8 +92,8 @@ struct BufferPart {
   std::uint64_t bytes = 0;
 };
 
-/// What is bound of an image for one band: the band's rows if the pass writes it in bands, the planes that it
-/// writes, else all of it.
+/// What is bound of an image for one band: the band's rows if the pass writes it in bands, the plane if it
+/// writes one, else all of it.
 BufferPart part_of_band(const PassDeclaration& pass, const Use& use, const ImageDeclaration& image, int band);
 
 std::vector<std::byte> push_constants_of_band(const PassDeclaration& pass, int band);

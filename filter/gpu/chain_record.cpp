@@ -31,8 +31,14 @@ std::string time_name(const PassDeclaration& pass, const std::vector<ImageDeclar
 
 std::uint64_t image_bytes(const PassDeclaration& pass, const std::vector<ImageDeclaration>& images) {
   std::set<int> bound;
-  for (const Use& use : pass.uses) bound.insert(use.image);
   std::uint64_t bytes = 0;
+  for (const Use& use : pass.uses) {
+    if (use.plane) {
+      bytes += images[static_cast<std::size_t>(use.image)].plane_bytes();
+    } else {
+      bound.insert(use.image);
+    }
+  }
   for (const int image : bound) bytes += images[static_cast<std::size_t>(image)].bytes();
   return bytes;
 }

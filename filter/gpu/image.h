@@ -32,12 +32,6 @@ struct Extent {
   bool operator==(const Extent&) const = default;
 };
 
-/// Some planes of an image; none: all of them.
-struct Planes {
-  int first = 0;
-  int count = 0;
-};
-
 /// Identifies an image of one Chain. Images are storage buffers, row-major, plane after plane (see README.md
 /// for why).
 struct ImageId {

@@ -151,9 +151,7 @@ ImageId NetworkPasses::add_inputs(Chain& chain, const NoisyInputs& frame, const 
                                   bool variance_known) const {
   const ImageId inputs =
       chain.image("network.inputs", Format::f32x4, padded_.with_planes(kNetworkInputs / kPlane));
-  // As a whole, inputs of 1920x1080 pixels are more than a storage buffer of many devices holds.
-  constexpr int own_planes = 2;
-  constexpr int planes = kNetworkInputs / kPlane - own_planes;
+  // Plane by plane: the inputs of 1920x1080 pixels are more than some devices can bind at once.
   chain.pass("smooth/inputs")
       .read("irradiance", demodulated.irradiance.merged)
       .read("grey", demodulated.grey.merged, gpu::reach(kWindowRadius))  // its local deviation
@@ -161,14 +159,17 @@ ImageId NetworkPasses::add_inputs(Chain& chain, const NoisyInputs& frame, const 
       .read("albedo_depth", frame.features->albedo_depth)
       .read("normal", frame.features->normal)
       .read("exposure", frame.exposure)
-      .write("inputs", inputs, {0, planes})
+      .write_plane("radiance_inputs", inputs, 0)
+      .write_plane("surface_inputs", inputs, 1)
+      .write_plane("noise_inputs", inputs, 2)
       .specialize("variance_known", variance_known ? 1 : 0)
       .dispatch(padded_);
   chain.pass("smooth/own_inputs")
       .read("own_grey", demodulated.grey.own)
       .read("own_albedo_depth", frame.own_features->albedo_depth)
       .read("own_normal", frame.own_features->normal)
-      .write("inputs", inputs, {planes, own_planes})
+      .write_plane("surface_inputs", inputs, 3)
+      .write_plane("grey_inputs", inputs, 4)
       .dispatch(padded_);
   return inputs;
 }

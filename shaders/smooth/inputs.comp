@@ -18,7 +18,9 @@ layout(set = 0, binding = 2) uniform samplerBuffer variance;
 layout(set = 0, binding = 3) uniform samplerBuffer albedo_depth;
 layout(set = 0, binding = 4) uniform samplerBuffer normal;
 layout(set = 0, binding = 5) uniform samplerBuffer exposure;
-layout(std430, set = 0, binding = 6) writeonly buffer InputsBuffer { vec4 data[]; } inputs;
+layout(std430, set = 0, binding = 6) writeonly buffer RadianceBuffer { vec4 data[]; } radiance_inputs;
+layout(std430, set = 0, binding = 7) writeonly buffer SurfaceBuffer { vec4 data[]; } surface_inputs;
+layout(std430, set = 0, binding = 8) writeonly buffer NoiseBuffer { vec4 data[]; } noise_inputs;
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
@@ -49,8 +51,7 @@ void main() {
     const float divisor = length(divisor_of(features.rgb)) / sqrt(3.0);
     noise = told_noise(exposed_deviation / divisor, luminance(value.r, value.g, value.b));
   }
-  const int pixels = size.x * size.y;
-  inputs.data[index] = vec4(compressed_radiance(value.r), compressed_radiance(value.g), compressed_radiance(value.b), features.r);
-  inputs.data[pixels + index] = vec4(features.g, features.b, n.x, n.y);
-  inputs.data[2 * pixels + index] = vec4(n.z, features.a, noise, deviation);
+  radiance_inputs.data[index] = vec4(compressed_radiance(value.r), compressed_radiance(value.g), compressed_radiance(value.b), features.r);
+  surface_inputs.data[index] = vec4(features.g, features.b, n.x, n.y);
+  noise_inputs.data[index] = vec4(n.z, features.a, noise, deviation);
 }

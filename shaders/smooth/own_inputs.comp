@@ -7,7 +7,8 @@ layout(push_constant) uniform Sizes { ivec2 size; ivec2 own_albedo_depth_size; }
 layout(set = 0, binding = 0) uniform samplerBuffer own_grey;
 layout(set = 0, binding = 1) uniform samplerBuffer own_albedo_depth;
 layout(set = 0, binding = 2) uniform samplerBuffer own_normal;
-layout(std430, set = 0, binding = 3) writeonly buffer InputsBuffer { vec4 data[]; } inputs;
+layout(std430, set = 0, binding = 3) writeonly buffer SurfaceBuffer { vec4 data[]; } surface_inputs;
+layout(std430, set = 0, binding = 4) writeonly buffer GreyBuffer { vec4 data[]; } grey_inputs;
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
@@ -17,6 +18,6 @@ void main() {
       min(at.y, own_albedo_depth_size.y - 1) * own_albedo_depth_size.x + min(at.x, own_albedo_depth_size.x - 1);
   const vec4 features = texelFetch(own_albedo_depth, from);
   const vec3 n = texelFetch(own_normal, from).xyz;
-  inputs.data[index] = vec4(features.rgb, n.x);
-  inputs.data[size.x * size.y + index] = vec4(n.yz, features.a, texelFetch(own_grey, index).x);
+  surface_inputs.data[index] = vec4(features.rgb, n.x);
+  grey_inputs.data[index] = vec4(n.yz, features.a, texelFetch(own_grey, index).x);
 }
