@@ -11,11 +11,12 @@ namespace becalm::filter {
 /// `used`: whether the radiance is divided by albedo before.
 ///
 /// Detail raises the ratio as well, but not everywhere, and the pixel filter is the same everywhere: what
-/// counts is the ratio that a tenth of all blocks stay below.
+/// counts is the ratio that a tenth of all blocks stay below. In frames that are detail everywhere, taps at
+/// distance 4 tell: of detail their differences are larger than those at distance 2, of noise they are not.
 float noise_ratio(const Frame& frame, const AovSet& used);
 
-/// Ratios from which results have about twice the error of those of independent noise. Of 97 noisy frames of
-/// independent noise none has this ratio, of their references one, which is all detail.
+/// Ratios from which results have about twice the error of those of independent noise. Of 108 noisy frames of
+/// independent noise and their 54 references none has this ratio.
 constexpr float kSharedNoise = 2.0f;
 
 }  // namespace becalm::filter

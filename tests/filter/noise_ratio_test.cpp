@@ -61,8 +61,14 @@ TEST(NoiseRatio, DetailCountsForNothing) {
     EXPECT_LT(noise_ratio(noisy(0.0, noise, detailed), {}), 1.25) << noise;
 }
 
+TEST(NoiseRatio, DetailEverywhereCountsForLittle) {
+  const auto waves = [](int x, int y) { return 2.0 + std::sin(0.9 * x) * std::sin(0.7 * y); };
+  EXPECT_LT(noise_ratio(noisy(0.0, 0.16, waves), {}), 1.3);
+  EXPECT_GT(noise_ratio(noisy(0.14, 0.16, waves), {}), 2.0);
+}
+
 TEST(NoiseRatio, TextureOfTheAlbedoCountsForNothing) {
-  const auto texture = [](int x, int y) { return 0.5 + 0.4 * std::sin(0.9 * x) * std::sin(0.7 * y); };
+  const auto texture = [](int x, int y) { return 0.5 + 0.4 * std::sin(1.5 * x) * std::sin(1.4 * y); };
   Frame frame = noisy(0.0, 0.02, texture);
   Image& albedo = frame.add(Aov::albedo);
   for (int y = 0; y < kHeight; ++y) {
@@ -88,7 +94,7 @@ TEST(NoiseRatio, WithoutNoiseOrInTooFewBlocksItIsThatOfIndependentNoise) {
   EXPECT_EQ(noise_ratio(noisy(0.14, 0.0, even), {}), 1.0f);
   EXPECT_EQ(noise_ratio(noisy(0.14, 0.5, even, 112, 112), {}), 1.0f);
   EXPECT_EQ(noise_ratio(noisy(0.14, 0.5, even, 1, 1), {}), 1.0f);
-  EXPECT_GT(noise_ratio(noisy(0.14, 0.5, even, 132, 132), {}), 2.0f);
+  EXPECT_GT(noise_ratio(noisy(0.14, 0.5, even, 136, 136), {}), 2.0f);
 }
 
 TEST(NoiseRatio, BlocksWithNaNOrInfAreLeftOut) {
