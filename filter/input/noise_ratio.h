@@ -15,7 +15,7 @@ namespace becalm::filter {
 /// distance 4 tell: of detail their differences are larger than those at distance 2, of noise they are not.
 float noise_ratio(const Frame& frame, const AovSet& used);
 
-/// Ratios from which results have about twice the error of those of independent noise. Of 108 noisy frames of
+/// Ratios from which results have about twice the error of those of independent noise. Of 54 noisy frames of
 /// independent noise and their 54 references none has this ratio.
 constexpr float kSharedNoise = 2.0f;
 

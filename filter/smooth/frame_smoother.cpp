@@ -29,8 +29,8 @@ Weights weights_of(const FilterTask& task) {
 }
 
 /// Ratios of noise (input/noise_ratio.h) up to which the network for independent noise smooths, and from
-/// which the one for noise that neighbours share does. Of 108 frames of independent noise the largest ratio
-/// is 1.6, of 54 of hardly any noise, which may be all detail, 1.5. Samples weighed by a Gaussian of 0.35
+/// which the one for noise that neighbours share does. Of 54 noisy frames of independent noise, and of 54
+/// of hardly any, which may be all detail, the largest ratio is 1.5. Samples weighed by a Gaussian of 0.35
 /// pixels have 1.2 to 1.5, by a tent of a pixel 2.6 to 3.
 constexpr float kIndependent = 1.5f;
 constexpr float kShared = 2.0f;
