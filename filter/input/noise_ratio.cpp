@@ -66,12 +66,14 @@ double squared_difference(const Image& light, int x, int y, int distance) {
 }
 
 struct Block {
-  int x, y;      ///< its first pixel
-  double ratio;  ///< not a number if it has no noise, or values that are not finite
+  int x = 0;  ///< its first pixel
+  int y = 0;
+  double far = 0.0;    ///< squared differences of taps at distance 2
+  double ratio = 0.0;  ///< not a number if the block has no noise, or values that are not finite
 };
 
 /// Taps at distance 1 are those of each pixel's diagonal neighbours, so that a firefly changes both sums.
-double ratio_of_block(const Image& light, int x0, int y0) {
+Block measured_block(const Image& light, int x0, int y0) {
   constexpr std::size_t side = kBlock + 2;
   std::array<double, side * side> near{};
   for (std::size_t i = 0; i < near.size(); ++i)
@@ -89,21 +91,18 @@ double ratio_of_block(const Image& light, int x0, int y0) {
       squares += value * value;
     }
   }
-  return sum_near > kLeastNoise * squares ? sum_far / sum_near : std::numeric_limits<double>::quiet_NaN();
+  const bool has_noise = sum_near > kLeastNoise * squares;
+  return {x0, y0, sum_far, has_noise ? sum_far / sum_near : std::numeric_limits<double>::quiet_NaN()};
 }
 
 /// By how much the block's differences of taps at distance 4 are larger than those at distance 2; 1 where
 /// values beside the block are not finite.
-double farther_ratio_of_block(const Image& light, const Block& block) {
-  double sum_far = 0.0;
+double farther_ratio(const Image& light, const Block& block) {
   double sum_farther = 0.0;
   for (int y = block.y; y < block.y + kBlock; ++y) {
-    for (int x = block.x; x < block.x + kBlock; ++x) {
-      sum_far += squared_difference(light, x, y, 2);
-      sum_farther += squared_difference(light, x, y, 4);
-    }
+    for (int x = block.x; x < block.x + kBlock; ++x) sum_farther += squared_difference(light, x, y, 4);
   }
-  const double ratio = sum_farther / sum_far;
+  const double ratio = sum_farther / block.far;
   return std::isfinite(ratio) ? ratio : 1.0;
 }
 
@@ -122,10 +121,8 @@ float noise_ratio(const Frame& frame, const AovSet& used) {
   const Image light = irradiance(frame, contains(used, Aov::albedo));
   std::vector<Block> blocks(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
   for_each_in_parallel(static_cast<int>(blocks.size()), [&](int i) {
-    Block& block = blocks[static_cast<std::size_t>(i)];
-    block.x = kReach + i % columns * kBlock;
-    block.y = kReach + i / columns * kBlock;
-    block.ratio = ratio_of_block(light, block.x, block.y);
+    blocks[static_cast<std::size_t>(i)] =
+        measured_block(light, kReach + i % columns * kBlock, kReach + i / columns * kBlock);
   });
   std::erase_if(blocks, [](const Block& block) { return !std::isfinite(block.ratio); });
   if (blocks.size() < kFewestBlocks) return 1.0f;
@@ -136,7 +133,7 @@ float noise_ratio(const Frame& frame, const AovSet& used) {
   std::vector<double> farther(rank(kDetailQuantile));
   for_each_in_parallel(static_cast<int>(farther.size()), [&](int i) {
     const auto at = static_cast<std::size_t>(i);
-    farther[at] = farther_ratio_of_block(light, blocks[at]);
+    farther[at] = farther_ratio(light, blocks[at]);
   });
   const double detail =
       std::clamp(std::pow(median(std::move(farther)) / kFartherOfNoise, kDetailPower), 1.0, kMostDetail);
