@@ -26,6 +26,7 @@
 #include "filter/sequence/packed_estimate.h"
 #include "filter/smooth/albedo_smoother.h"
 #include "filter/smooth/energy.h"
+#include "filter/smooth/frame_mixer.h"
 #include "filter/smooth/frame_smoother.h"
 #include "filter/smooth/merged_smoother.h"
 #include "filter/tiles/build_within.h"
@@ -133,6 +134,7 @@ struct SequenceFilter::State {
   FilterTask task;
   std::optional<AlbedoSmoother> albedo_smoother;
   std::optional<FrameSmoother> smoother;
+  std::optional<FrameMixer> mixer;
   std::optional<MergedSmoother> merged_smoother;
   std::optional<FrameMerger> merger;
   std::optional<Combiner> combiner;
@@ -182,6 +184,7 @@ void SequenceFilter::State::build_with(gpu::Device& device, std::uint64_t memory
   // What an attempt before this one built must not take the memory.
   albedo_smoother.reset();
   smoother.reset();
+  mixer.reset();
   merged_smoother.reset();
   combiner.reset();
   merger.emplace(device, task, of_merger);
@@ -192,6 +195,7 @@ void SequenceFilter::State::build_with(gpu::Device& device, std::uint64_t memory
     FilterTask task_of_frame = task;
     if (task.smooths_merged()) task_of_frame.additive = 0;
     smoother.emplace(device, task_of_frame, left);
+    mixer.emplace(device, task_of_frame, left);
   }
   if (task.smooths_merged()) merged_smoother.emplace(device, task, left);
   if (task.settings.directions == Directions::both) combiner.emplace(device, task, left);
@@ -288,8 +292,12 @@ Image SequenceFilter::State::smoothed_albedo(const Step& step, const NewFrame& f
 
 Estimate SequenceFilter::State::smoothed(const Step& step, const NewFrame& frame, FrameReport& report) {
   auto kept = kept_smoothed.extract(step.frame);
-  PackedEstimate packed =
-      kept ? std::move(kept.mapped()) : PackedEstimate(smoother->smooth(frame, report), frame.exposure, 0);
+  const auto smooth = [&] {
+    Estimate made = smoother->smooth(frame, report);
+    mixer->mix(frame, made, report);
+    return made;
+  };
+  PackedEstimate packed = kept ? std::move(kept.mapped()) : PackedEstimate(smooth(), frame.exposure, 0);
   Estimate result = packed.estimate();
   if (step.again) kept_smoothed.insert_or_assign(step.frame, std::move(packed));
   return result;
@@ -325,6 +333,7 @@ Frame SequenceFilter::finish(Merged& made, FrameReport& report) {
     if (contains(task.diagnostics, Aov::accumulated)) noisy = accumulated(merged.merged);
     merged.merged = state_->merged_smoother->smooth(frame, std::move(merged.merged), report);
   }
+  if (state_->mixer && !task.smooths_merged()) state_->mixer->mix(frame, merged.merged, report);
   if (task.smooths()) restore_energy(frame, task, merged.merged);
   return output_frame(frame, task, std::move(merged), std::move(noisy), report);
 }
@@ -342,6 +351,7 @@ FilterMemory SequenceFilter::memory() const {
   if (state_->smoother) add_memory(memory, state_->smoother->memory(), "smooth");
   add_memory(memory, merge, "merge");
   if (state_->combiner) add_memory(memory, state_->combiner->memory(), "combine");
+  if (state_->mixer) add_memory(memory, state_->mixer->memory(), "mix");
   if (state_->merged_smoother) add_memory(memory, state_->merged_smoother->memory(), "smooth merged");
   return memory;
 }

@@ -10,6 +10,7 @@
 #include "filter/smooth/detail_share.h"
 #include "filter/smooth/host_features.h"
 #include "filter/smooth/own_share.h"
+#include "filter/smooth/restore.h"
 
 namespace becalm::filter {
 
@@ -102,14 +103,14 @@ NetworkPasses::NetworkPasses(Chain& chain, const Weights& trained, Extent full, 
   }
   const auto [share, remaining] = add_detail_share(chain, full_, frame, color, stats);
   smoothed_.stats = remaining;
-  smoothed_.color = add_restore(chain, "smoothed.color", frame.color, color, share);
+  smoothed_.color = add_restore(chain, full_, "smoothed.color", frame.color, color, share);
   std::optional<ImageId> own_share;
   if (frame.own_color != frame.color) {
     const OwnShare own = add_own_share(chain, full_, frame, {smoothed_.color, smoothed_.stats, share},
                                        weights_image(chain, "own_share", weights,
                                                      [packed = pack_own_share(*trained.own_share)](
                                                          const NetworkWeights&) { return packed; }));
-    smoothed_.color = add_restore(chain, "mixed.color", frame.own_color, smoothed_.color, own.share);
+    smoothed_.color = add_restore(chain, full_, "mixed.color", frame.own_color, smoothed_.color, own.share);
     smoothed_.stats = own.stats;
     own_share = own.share;
   }
@@ -119,8 +120,8 @@ NetworkPasses::NetworkPasses(Chain& chain, const Weights& trained, Extent full, 
     const ImageId windows = chain.image("windows." + name, Format::f32x4, full);
     add_windows(chain, weights, frame, name, irradiance, additive[i].merged, windows,
                 chain.image(name + ".stats", Format::f32x2, full));
-    ImageId result = add_restore(chain, "smoothed." + name, additive[i].merged, windows, share);
-    if (own_share) result = add_restore(chain, "mixed." + name, additive[i].own, result, *own_share);
+    ImageId result = add_restore(chain, full_, "smoothed." + name, additive[i].merged, windows, share);
+    if (own_share) result = add_restore(chain, full_, "mixed." + name, additive[i].own, result, *own_share);
     smoothed_.additive.push_back(result);
   }
 }
@@ -277,18 +278,6 @@ void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, con
                                                                     : 2)
       .specialize("strip", strip)
       .dispatch({full_.width, ceil_div(full_.height, strip)});
-}
-
-ImageId NetworkPasses::add_restore(Chain& chain, const std::string& name, ImageId color, ImageId smoothed,
-                                   ImageId share) const {
-  const ImageId restored = chain.image(name, Format::f32x4, full_);
-  chain.pass("smooth/restore")
-      .read("color", color)
-      .read("smoothed", smoothed)
-      .read("share", share)
-      .write("restored", restored)
-      .dispatch(full_);
-  return restored;
 }
 
 }  // namespace becalm::filter

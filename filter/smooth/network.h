@@ -94,9 +94,6 @@ class NetworkPasses {
                    const std::string& name, const Layered& irradiance, gpu::ImageId color,
                    gpu::ImageId smoothed, gpu::ImageId stats) const;
 
-  gpu::ImageId add_restore(gpu::Chain& chain, const std::string& name, gpu::ImageId color,
-                           gpu::ImageId smoothed, gpu::ImageId share) const;
-
   gpu::Extent full_;
   gpu::Extent padded_;
   std::optional<int> strip_;

@@ -13,17 +13,18 @@ constexpr int kVector = 4;
 }  // namespace
 
 OwnShare add_own_share(gpu::Chain& chain, gpu::Extent full, const NoisyInputs& frame,
-                       const SmoothedMerged& merged, gpu::ImageId weights) {
+                       const SmoothEstimate& estimate, gpu::ImageId weights) {
   using gpu::Format;
   const gpu::ImageId difference = chain.image("own.difference", Format::f32x4, full);
   chain.pass("smooth/difference")
       .read("frame", frame.own_color)
       .read("variance", frame.variance)
-      .read("merged", merged.color)
-      .read("merged_error", merged.stats)
+      .read("merged", estimate.color)
+      .read("merged_error", estimate.stats)
       .read("exposure", frame.exposure)
-      .read("detail", merged.detail)
+      .read("detail", estimate.detail)
       .write("difference", difference)
+      .specialize("has_detail", estimate.detail ? 1 : 0)
       .dispatch(full);
   const gpu::ImageId sums = add_patch_sums(chain, kRadius, full, difference, "own.difference");
   const OwnShare own{.share = chain.image("own.share", Format::f32, full),
@@ -31,8 +32,8 @@ OwnShare add_own_share(gpu::Chain& chain, gpu::Extent full, const NoisyInputs& f
   chain.pass("smooth/own_share")
       .read("difference", difference, gpu::reach(kRadius, 0))
       .read("difference_sums", sums)
-      .read("merged", merged.color)
-      .read("merged_error", merged.stats)
+      .read("merged", estimate.color)
+      .read("merged_error", estimate.stats)
       .read("exposure", frame.exposure)
       .read("weights", weights)
       .write("share", own.share)

@@ -1,8 +1,9 @@
-// Reads a frame, the smoothed merged frame with (expected squared error, valid), and the variance of what was
-// merged; writes what own_share averages over patches: (squared difference, expected error, variance, 1),
-// relative to the merged result's brightness; zeros for a pixel that is not finite. A pixel's variance is at
-// least a share of the mean of the patch around it (smooth/share): where light is sparse, most pixels got none
-// and seem to have no noise.
+// Reads a frame, an estimate of it with (expected squared error, number of frames), and the variance of what
+// was merged: of a smoothed merged frame, whose number is 1, the variance of the mean, else that of a frame.
+// Writes what own_share averages over patches: (squared difference, expected error, variance of the mean, 1),
+// relative to the estimate's brightness; zeros for a pixel that is not finite. A pixel's variance is at least
+// a share of the mean of the patch around it (smooth/share), if given: where light is sparse, most pixels got
+// none and seem to have no noise.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/color.glsl"
@@ -12,6 +13,8 @@
 /// Of the patch's mean variance that a pixel has at least; and what that is at most, beside fireflies.
 const float kLeastOfPatch = 0.1;
 const float kLargestLeast = 0.05;
+
+layout(constant_id = 0) const int has_detail = 1;
 
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(set = 0, binding = 0) uniform samplerBuffer frame;
@@ -30,9 +33,10 @@ void main() {
   const vec2 noise = texelFetch(variance, index).xy;
   const float scale = 1.0 / brightness(y.r, y.g, y.b, texelFetch(exposure, 0).x);
   const vec3 d = clamp((texelFetch(frame, index).rgb - y) * scale, -kLargestDifference, kLargestDifference);
-  const vec2 variances = max(vec2(texelFetch(merged_error, index).x, noise.x), 0.0);
+  const vec2 error = texelFetch(merged_error, index).xy;
+  const vec2 variances = max(vec2(error.x, noise.x / max(error.y, 1.0)), 0.0);
   const vec2 deviations = min(sqrt(variances) * scale, kLargestDifference);
-  const float least = min(kLeastOfPatch * texelFetch(detail, index).y, kLargestLeast);
+  const float least = has_detail != 0 ? min(kLeastOfPatch * texelFetch(detail, index).y, kLargestLeast) : 0.0;
   const vec2 relative = max(deviations * deviations, vec2(0.0, least));
   difference.data[index] = noise.y > 0.0 ? vec4(dot(d, d) / 3.0, relative, 1.0) : vec4(0.0);
 }

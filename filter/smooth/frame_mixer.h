@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+
+#include "filter/estimate.h"
+#include "filter/report.h"
+#include "filter/task.h"
+#include "filter/tiles/local_chain.h"
+
+namespace becalm::filter {
+
+/// Mixes nearly clean frames with estimates of them that were made of smoothed frames (own_share.h):
+/// smoothing takes more detail than noise there. Other frames would gain little for the time.
+class FrameMixer {
+ public:
+  /// As FrameSmoother's constructor.
+  FrameMixer(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit);
+  ~FrameMixer();
+
+  /// Replaces the estimate's colour, expected error and additive AOVs, if the frame is nearly clean: if it
+  /// differs from the estimate by 2 % of the squared brightness at most.
+  void mix(const NewFrame& frame, Estimate& estimate, FrameReport& report);
+  FilterMemory memory() const;
+
+ private:
+  struct Passes;
+  FilterTask task_;
+  LocalChain<Passes> chain_;
+};
+
+}  // namespace becalm::filter
