@@ -17,8 +17,8 @@ class FrameMixer {
   FrameMixer(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit);
   ~FrameMixer();
 
-  /// Replaces the estimate's colour, expected error and additive AOVs, if the frame is nearly clean: if it
-  /// differs from the estimate by 2 % of the squared brightness at most.
+  /// Replaces the estimate's colour, expected error and additive AOVs, if the frame differs from it by less
+  /// than 2.5 % of the squared brightness; up to 1.5 % with the whole share, above with a part.
   void mix(const NewFrame& frame, Estimate& estimate, FrameReport& report);
   FilterMemory memory() const;
 

@@ -106,7 +106,7 @@ NetworkPasses::NetworkPasses(Chain& chain, const Weights& trained, Extent full, 
   smoothed_.color = add_restore(chain, full_, "smoothed.color", frame.color, color, share);
   std::optional<ImageId> own_share;
   if (frame.own_color != frame.color) {
-    const OwnShare own = add_own_share(chain, full_, frame, {smoothed_.color, smoothed_.stats, share},
+    const OwnShare own = add_own_share(chain, full_, frame, {smoothed_.color, smoothed_.stats, share, {}},
                                        weights_image(chain, "own_share", weights,
                                                      [packed = pack_own_share(*trained.own_share)](
                                                          const NetworkWeights&) { return packed; }));

@@ -36,9 +36,11 @@ OwnShare add_own_share(gpu::Chain& chain, gpu::Extent full, const NoisyInputs& f
       .read("merged_error", estimate.stats)
       .read("exposure", frame.exposure)
       .read("weights", weights)
+      .read("fade", estimate.fade)
       .write("share", own.share)
       .write("stats", own.stats)
       .specialize("radius", kRadius)
+      .specialize("fades", estimate.fade ? 1 : 0)
       .dispatch(full);
   return own;
 }

@@ -24,6 +24,7 @@ struct SmoothEstimate {
   gpu::ImageId stats;
   /// f32x2; the second is the mean relative variance of the patch around (smooth/share), if known.
   std::optional<gpu::ImageId> detail;
+  std::optional<gpu::ImageId> fade;  ///< f32, 1x1, in [0,1]: shares are multiplied by it
 };
 
 /// How much of the frame itself the output takes. Merging and smoothing blur detail that the frame has.

@@ -2,6 +2,7 @@
 // weights of three small layers; writes the share of the frame itself in the output, and the squared error
 // that is then expected. The difference is that of the patch without the pixel: a share that follows from the
 // value that it weighs darkens the image. Only an outlier, which differs more than its patch, has less.
+// `fade`, if given, multiplies the share of every pixel.
 // A mean's expected error is at most the mean of its parts' errors, and this is what is written; that of the
 // frame is its squared difference from the merged frame.
 #version 460
@@ -12,6 +13,7 @@
 #include "shared/limits.h"
 
 layout(constant_id = 0) const int radius = 3;
+layout(constant_id = 1) const int fades = 0;
 
 layout(local_size_x = 128, local_size_y = 1) in;
 layout(set = 0, binding = 0) uniform samplerBuffer difference;
@@ -20,8 +22,9 @@ layout(set = 0, binding = 2) uniform samplerBuffer merged;
 layout(set = 0, binding = 3) uniform samplerBuffer merged_error;
 layout(set = 0, binding = 4) uniform samplerBuffer exposure;
 layout(set = 0, binding = 5) uniform samplerBuffer weights;
-layout(std430, set = 0, binding = 6) writeonly buffer ShareBuffer { float data[]; } share;
-layout(std430, set = 0, binding = 7) writeonly buffer StatsBuffer { vec2 data[]; } stats;
+layout(set = 0, binding = 6) uniform samplerBuffer fade;
+layout(std430, set = 0, binding = 7) writeonly buffer ShareBuffer { float data[]; } share;
+layout(std430, set = 0, binding = 8) writeonly buffer StatsBuffer { vec2 data[]; } stats;
 
 #include "lib/patch_row.glsl"
 
@@ -89,7 +92,8 @@ void main() {
   inputs[1] = vec4(encoded(own.z), 0.0, 0.0, 0.0);
   const float limit = min(kOutlier * min(of_patch.x, kLargestPatch) / max(own.x, 1e-12), 1.0);
   const float trained = 1.0 / (1.0 + exp(-logit_of(inputs)));  // outside of branches, so not below
-  const float of_frame = own.w > 0.0 ? limit * trained : 0.0;
+  const float most = fades != 0 ? texelFetch(fade, 0).x * limit : limit;
+  const float of_frame = own.w > 0.0 ? most * trained : 0.0;
   const vec2 before = texelFetch(merged_error, index).xy;
   const vec4 y = texelFetch(merged, index);
   const float bright = brightness(y.r, y.g, y.b, texelFetch(exposure, 0).x);

@@ -98,6 +98,21 @@ TEST_F(FrameMixerTest, AMeanOfManyFramesHasLostDetailRatherThanNoise) {
   EXPECT_LT(error_after(16.0f), 0.98 * error_after(1.0f));
 }
 
+TEST_F(FrameMixerTest, TheShareFallsToNothingWithoutAStep) {
+  const auto change_of = [](float deviation) {
+    const Frame frame = noisy_stripes(96, 64, deviation);
+    const Image before = even(frame).color;
+    const Image after = mixed(frame).color;
+    double sum = 0.0;
+    for (std::size_t i = 0; i < after.data().size(); ++i) sum += std::abs(after.data()[i] - before.data()[i]);
+    return sum;
+  };
+  const double clean = change_of(0.08f);
+  const double nearly_noisy = change_of(0.14f);
+  EXPECT_GT(nearly_noisy, 0.0);
+  EXPECT_LT(nearly_noisy, 0.25 * clean);
+}
+
 TEST_F(FrameMixerTest, ANoisyFrameLeavesItsEstimate) {
   const Frame frame = noisy_stripes(48, 32, 0.2f);
   const Estimate before = even(frame);
