@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "filter/input/host_images.h"
+#include "filter/sequence/sequence_filter.h"
+#include "tests/filter/denoised.h"
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/task.h"
 
@@ -157,6 +159,17 @@ TEST_F(FrameMixerTest, TilesShowNoSeams) {
   const Estimate b = mixed_by(tiled, frame);
   EXPECT_TRUE(std::ranges::equal(a.color.data(), b.color.data()));
   EXPECT_TRUE(std::ranges::equal(a.stats.data(), b.stats.data()));
+}
+
+TEST_F(FrameMixerTest, DraftMixesNearlyCleanFramesAlone) {
+  const auto mixes = [](float deviation) {
+    const Frame frame = noisy_stripes(48, 32, deviation);
+    SequenceFilter filter(device(), preset("draft"), frame.width(), frame.height(), frame.aovs());
+    const std::vector<gpu::PassTime> passes = denoise_frame(filter, frame).report.passes;
+    return std::ranges::count(passes, "smooth/own_share own.share", &gpu::PassTime::name);
+  };
+  EXPECT_EQ(mixes(0.03f), 1);
+  EXPECT_EQ(mixes(0.3f), 0);
 }
 
 }  // namespace
