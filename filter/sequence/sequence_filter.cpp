@@ -195,7 +195,7 @@ void SequenceFilter::State::build_with(gpu::Device& device, std::uint64_t memory
     FilterTask task_of_frame = task;
     if (task.smooths_merged()) task_of_frame.additive = 0;
     smoother.emplace(device, task_of_frame, left);
-    mixer.emplace(device, task_of_frame, left);
+    if (!task.variance_known()) mixer.emplace(device, task_of_frame, left);
   }
   if (task.smooths_merged()) merged_smoother.emplace(device, task, left);
   if (task.settings.directions == Directions::both) combiner.emplace(device, task, left);
@@ -294,7 +294,7 @@ Estimate SequenceFilter::State::smoothed(const Step& step, const NewFrame& frame
   auto kept = kept_smoothed.extract(step.frame);
   const auto smooth = [&] {
     Estimate made = smoother->smooth(frame, report);
-    mixer->mix(frame, made, report);
+    if (mixer) mixer->mix(frame, made, report);
     return made;
   };
   PackedEstimate packed = kept ? std::move(kept.mapped()) : PackedEstimate(smooth(), frame.exposure, 0);

@@ -10,7 +10,9 @@
 namespace becalm::filter {
 
 /// Mixes nearly clean frames with estimates of them that were made of smoothed frames (own_share.h):
-/// smoothing takes more detail than noise there. Other frames would gain little for the time.
+/// smoothing takes more detail than noise there. Noisy ones would gain little for the time. For frames that
+/// came without variance: an estimated one counts detail as noise, so that smooth/share does not put it back;
+/// where it does, a mix would take noise.
 class FrameMixer {
  public:
   /// As FrameSmoother's constructor.

@@ -12,7 +12,6 @@
 #include "filter/sequence/sequence_filter.h"
 #include "tests/filter/denoised.h"
 #include "tests/filter/device_fixture.h"
-#include "tests/filter/task.h"
 
 namespace becalm::filter {
 namespace {
@@ -25,13 +24,12 @@ float striped(int x) {
   return x / kStripe % 2 ? 1.1f : 0.9f;
 }
 
-/// Stripes with noise of this deviation, and its variance.
+/// Stripes with noise of this deviation.
 Frame noisy_stripes(int width, int height, float deviation) {
   std::mt19937 random(3);
   std::normal_distribution<float> normal(0, deviation);
   Frame frame(1, width, height);
   Image& beauty = frame.add(Aov::beauty, 1.0f);
-  frame.add(Aov::variance, deviation * deviation);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const float noise = normal(random);
@@ -64,9 +62,12 @@ double squared_error(const Image& image) {
 class FrameMixerTest : public DeviceTest {
  protected:
   static FilterTask task_of(const Frame& frame) {
-    FilterTask task = task_with_variance(preset("draft"), {frame.width(), frame.height()});
-    task.additive = 1;
-    return task;
+    return {.settings = preset("draft"),
+            .full = {frame.width(), frame.height()},
+            .used = {},
+            .diagnostics = {},
+            .guides = {},
+            .additive = 1};
   }
   static Estimate mixed_by(FrameMixer& mixer, const Frame& frame, float frames = 1.0f) {
     const Image& beauty = frame.image(Aov::beauty);
@@ -161,15 +162,17 @@ TEST_F(FrameMixerTest, TilesShowNoSeams) {
   EXPECT_TRUE(std::ranges::equal(a.stats.data(), b.stats.data()));
 }
 
-TEST_F(FrameMixerTest, DraftMixesNearlyCleanFramesAlone) {
-  const auto mixes = [](float deviation) {
-    const Frame frame = noisy_stripes(48, 32, deviation);
+TEST_F(FrameMixerTest, DraftMixesNearlyCleanFramesOfUnknownNoise) {
+  const auto mixes = [](float deviation, bool known) {
+    Frame frame = noisy_stripes(48, 32, deviation);
+    if (known) frame.add(Aov::variance, deviation * deviation);
     SequenceFilter filter(device(), preset("draft"), frame.width(), frame.height(), frame.aovs());
     const std::vector<gpu::PassTime> passes = denoise_frame(filter, frame).report.passes;
     return std::ranges::count(passes, "smooth/own_share own.share", &gpu::PassTime::name);
   };
-  EXPECT_EQ(mixes(0.03f), 1);
-  EXPECT_EQ(mixes(0.3f), 0);
+  EXPECT_EQ(mixes(0.03f, false), 1);
+  EXPECT_EQ(mixes(0.3f, false), 0);
+  EXPECT_EQ(mixes(0.03f, true), 0);
 }
 
 }  // namespace
