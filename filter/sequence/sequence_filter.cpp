@@ -333,6 +333,7 @@ Frame SequenceFilter::finish(Merged& made, FrameReport& report) {
     if (contains(task.diagnostics, Aov::accumulated)) noisy = accumulated(merged.merged);
     merged.merged = state_->merged_smoother->smooth(frame, std::move(merged.merged), report);
   }
+  // MergedSmoother has mixed what it made.
   if (state_->mixer && !task.smooths_merged()) state_->mixer->mix(frame, merged.merged, report);
   if (task.smooths()) restore_energy(frame, task, merged.merged);
   return output_frame(frame, task, std::move(merged), std::move(noisy), report);

@@ -9,10 +9,10 @@
 
 namespace becalm::filter {
 
-/// Mixes nearly clean frames with estimates of them that were made of smoothed frames (own_share.h):
-/// smoothing takes more detail than noise there. Noisy ones would gain little for the time. For frames that
-/// came without variance: an estimated one counts detail as noise, so that smooth/share does not put it back;
-/// where it does, a mix would take noise.
+/// Mixes nearly clean frames with estimates of them that were made of smoothed frames (own_share.h), since
+/// smoothing takes more detail than noise there. For frames that came without variance: an estimated variance
+/// counts detail as noise, so smooth/share does not put detail back. With a known variance it does, and a mix
+/// would only add noise. Noisy frames would gain too little for the time.
 class FrameMixer {
  public:
   /// As FrameSmoother's constructor.

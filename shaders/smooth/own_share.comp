@@ -1,10 +1,9 @@
-// Reads smooth/difference's output, its patch sums, the smoothed merged frame with its expected error, and the
-// weights of three small layers; writes the share of the frame itself in the output, and the squared error
-// that is then expected. The difference is that of the patch without the pixel: a share that follows from the
-// value that it weighs darkens the image. Only an outlier, which differs more than its patch, has less.
-// `fade`, if given, multiplies the share of every pixel.
-// A mean's expected error is at most the mean of its parts' errors, and this is what is written; that of the
-// frame is its squared difference from the merged frame.
+// Reads smooth/difference's output, its patch sums, the estimate with its expected error, and the weights of
+// three small layers; writes the share of the frame itself in the output, and the squared error that is then
+// expected. The difference is that of the patch without the pixel: a share that follows from the value that it
+// weighs darkens the image. Only an outlier, which differs more than its patch, has less. `fade`, if given,
+// multiplies the share of every pixel. A mean's expected error is at most the mean of its parts' errors, and
+// this is what is written; that of the frame is its squared difference from the estimate.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -18,8 +17,8 @@ layout(constant_id = 1) const int fades = 0;
 layout(local_size_x = 128, local_size_y = 1) in;
 layout(set = 0, binding = 0) uniform samplerBuffer difference;
 layout(set = 0, binding = 1) uniform samplerBuffer difference_sums;
-layout(set = 0, binding = 2) uniform samplerBuffer merged;
-layout(set = 0, binding = 3) uniform samplerBuffer merged_error;
+layout(set = 0, binding = 2) uniform samplerBuffer estimate;
+layout(set = 0, binding = 3) uniform samplerBuffer estimate_stats;
 layout(set = 0, binding = 4) uniform samplerBuffer exposure;
 layout(set = 0, binding = 5) uniform samplerBuffer weights;
 layout(set = 0, binding = 6) uniform samplerBuffer fade;
@@ -94,8 +93,8 @@ void main() {
   const float trained = 1.0 / (1.0 + exp(-logit_of(inputs)));  // outside of branches, so not below
   const float most = fades != 0 ? texelFetch(fade, 0).x * limit : limit;
   const float of_frame = own.w > 0.0 ? most * trained : 0.0;
-  const vec2 before = texelFetch(merged_error, index).xy;
-  const vec4 y = texelFetch(merged, index);
+  const vec2 before = texelFetch(estimate_stats, index).xy;
+  const vec4 y = texelFetch(estimate, index);
   const float bright = brightness(y.r, y.g, y.b, texelFetch(exposure, 0).x);
   if (at != ivec2(gl_GlobalInvocationID.xy)) return;
   share.data[index] = of_frame;
