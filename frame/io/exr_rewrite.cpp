@@ -12,6 +12,7 @@
 
 #include "frame/error.h"
 #include "frame/io/coloured_light.h"
+#include "frame/io/cryptomatte.h"
 #include "frame/io/exr_file.h"
 #include "frame/io/exr_parts.h"
 #include "frame/io/printable.h"
@@ -82,11 +83,20 @@ NearestSample nearest_in(const Imf::Header& source, const LoadedView& view, cons
   return nearest;
 }
 
-std::set<std::string> motion_channels_of(const std::vector<const ViewLayers*>& views) {
+/// The channels of a part that hold motion in pixels: those that were taken for it and, of Blender's X Y Z W,
+/// the other two, which lead to the next frame.
+std::set<std::string> motion_channels_of(const std::vector<const ViewLayers*>& views, int part,
+                                         const Imf::ChannelList& channels) {
   std::set<std::string> names;
   for (const ViewLayers* view : views) {
     const auto& motion = view->layers[static_cast<std::size_t>(Aov::motion)];
-    if (motion) names.insert(motion->channels.begin(), motion->channels.end());
+    if (!motion || motion->part != part) continue;
+    names.insert(motion->channels.begin(), motion->channels.end());
+    const std::string& first = motion->channels.front();
+    const std::string layer = first.substr(0, first.size() - 1);  // without the letter
+    const std::set<std::string> to_next{layer + "Z", layer + "W"};
+    const auto is_there = [&](const std::string& name) { return channels.findChannel(name) != nullptr; };
+    if (std::ranges::all_of(to_next, is_there)) names.insert(to_next.begin(), to_next.end());
   }
   return names;
 }
@@ -367,6 +377,11 @@ WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
     }
     if (is_denoised || part == kept.front()) insert_attributes(header, attributes);
   }
+  if (!format.channels.selects_all()) {
+    std::vector<Imf::Header> before;
+    for (int part = 0; part < from->parts(); ++part) before.push_back(from->header(part));
+    leave_out_mattes(before, headers);
+  }
 
   const auto open_part = [&](int part) {
     std::unique_ptr<Imf::InputPart> in;
@@ -379,7 +394,8 @@ WriteReport write_denoised_exr(const std::string& path, const Frame& frame,
       if (rewritten.resamples) {
         const auto in = open_part(kept[number]);
         write_scaled_part(file, static_cast<int>(number), channels->second, *in,
-                          nearest_in(in->header(), source, format.scale), motion_channels_of(views), report);
+                          nearest_in(in->header(), source, format.scale),
+                          motion_channels_of(views, kept[number], in->header().channels()), report);
         continue;
       }
       if (channels == rewritten.channels.end()) {

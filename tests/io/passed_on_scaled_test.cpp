@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
+#include <utility>
 
 #include "frame/io/exr.h"
 #include "frame/io/jitter_text.h"
@@ -27,6 +29,23 @@ TEST_F(PassedOn, AScaledEyeHasItsFocalLengthInTheNewPixels) {
   ASSERT_TRUE(result);
   EXPECT_DOUBLE_EQ(result->camera.focal_px, 200.0);
   EXPECT_DOUBLE_EQ(result->camera.separation, 0.2);
+}
+
+TEST_F(PassedOn, MotionAloneIsScaledInBothDirections) {
+  write_test_file(source_, {named_part("rgba", layer_channels("", {"R", "G", "B"})),
+                            named_part("vector", layer_channels("", {"X", "Y", "Z", "W"})),
+                            named_part("normal", layer_channels("", {"X", "Y", "Z"}))});
+  const LoadedFrame loaded = read_exr(source_, 1, {});
+  Frame scaled(1, 16, 12);
+  scaled.add(Aov::beauty, 0.5f);
+  write_denoised_exr(result_, scaled, {}, loaded, {}, {.scale = {2, 1}, .type = {}});
+  for (const auto& [part, factor] : {std::pair{1, 2.0f}, {2, 1.0f}}) {
+    for (const auto& [channel, bytes] : read_planes(result_, part)) {
+      float value;
+      std::memcpy(&value, bytes.data(), sizeof value);
+      EXPECT_EQ(value, factor * test_value(channel, 0, 0)) << channel << " of part " << part;
+    }
+  }
 }
 
 TEST_F(PassedOn, PartsOfACheckerboardAreOfOneBoardWhereverTheyBegin) {

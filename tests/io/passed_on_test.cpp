@@ -46,6 +46,23 @@ TEST_F(PassedOn, TheBeautyIsReplacedInItsOwnTypes) {
   }
 }
 
+TEST_F(PassedOn, WhatIsToldOfCryptomattesGoesWithTheirChannels) {
+  Imf::Header header = scanline_part(window(0, 0, 8, 6), blender_channels("V"));
+  add_attributes(header);
+  write_test_file(source_, {header});
+  const LoadedFrame loaded = read_exr(source_, 1, {});
+  for (const auto& [name, stays] :
+       {std::pair{"beauty", false}, {"CryptoObject00", true}, {"CryptoObject00.R", true}}) {
+    DenoisedFormat format;
+    format.channels.names = {name};
+    write_denoised_exr(result_, loaded.frame, {}, loaded, {}, format);
+    const Imf::Header after = read_header(result_);
+    for (const char* told : {"cryptomatte/1a2b3c4/manifest", "cryptomatte/1a2b3c4/name"})
+      EXPECT_EQ(after.find(told) != after.end(), stays) << name << ' ' << told;
+    EXPECT_TRUE(after.find("exposure") != after.end()) << name;
+  }
+}
+
 TEST_F(PassedOn, EveryCompressionKeepsTheBits) {
   for (int i = 0; i < Imf::NUM_COMPRESSION_METHODS; ++i) {
     const Imf::Compression compression = static_cast<Imf::Compression>(i);
