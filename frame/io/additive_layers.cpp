@@ -132,6 +132,37 @@ AdditiveSet cropped_light_groups(const std::vector<ChannelLayer>& layers,
   return set;
 }
 
+bool are_same(const LayerSource& a, const LayerSource& b) {
+  return a.part == b.part && a.channels == b.channels;
+}
+
+/// Whether the layer is also read as direct or indirect light.
+bool is_denoised_aov(const ViewLayers& view, const LayerSource& layer) {
+  return std::ranges::any_of(std::array{Aov::direct, Aov::indirect}, [&](Aov aov) {
+    const auto& source = view.layers[static_cast<std::size_t>(aov)];
+    return source && are_same(*source, layer);
+  });
+}
+
+/// Direct and indirect light that its data window keeps from being denoised, each a set of its own.
+std::vector<AdditiveSet> cropped_aovs(const std::string& path, const std::vector<PartChannels>& parts,
+                                      const LayerOptions& options, const ViewLayers& view) {
+  std::vector<AdditiveSet> sets;
+  const Imath::Box2i& window = parts[view.layers[static_cast<std::size_t>(Aov::beauty)]->part].data_window;
+  const LayerMap found = find_layers(path, parts, options, view.view);  // view lacks those of another window
+  const std::vector<ChannelLayer> layers = collect_layers(parts, view.view);
+  for (const Aov aov : {Aov::direct, Aov::indirect}) {
+    const std::optional<LayerSource>& source = found[static_cast<std::size_t>(aov)];
+    if (!source || parts[source->part].data_window == window) continue;
+    for (const ChannelLayer& layer : layers) {
+      const std::optional<LayerSource> as_aov = channels_as(layer, aov);
+      if (as_aov && are_same(*as_aov, *source))
+        sets.push_back({.layers = {layer.title}, .cropped = {layer.title}});
+    }
+  }
+  return sets;
+}
+
 /// The candidates of a file: sets of at least two layers, and cropped light groups.
 std::vector<AdditiveSet> candidates(const std::vector<PartChannels>& parts, const ViewLayers& view) {
   const LayerSource& beauty = *view.layers[static_cast<std::size_t>(Aov::beauty)];
@@ -150,16 +181,22 @@ std::vector<AdditiveSet> candidates(const std::vector<PartChannels>& parts, cons
   std::vector<AdditiveSet> sets;
   const auto add_of_scope = [&](std::string_view scope, auto is_of_set) {
     AdditiveSet set;
+    std::set<std::string> denoised;  // without the set
     for (const ChannelLayer& layer : layers) {
       const std::string_view own_scope = scope_of(layer.name());
       if (!is_of_set(end_of(layer.name())) || (!own_scope.empty() && own_scope != scope)) continue;
+      if (layer.name().starts_with(kLightScope)) continue;  // denoised, whatever adds up
       const auto source = channels_as(layer, Aov::direct);
       if (!source || is_taken(*source)) continue;
       set.layers.push_back(layer.title);
-      if (parts[layer.part].data_window != window) set.cropped.push_back(set.layers.back());
+      if (is_denoised_aov(view, *source)) denoised.insert(layer.title);
+      if (parts[layer.part].data_window != window) set.cropped.push_back(layer.title);
     }
+    if (set.layers.size() < 2) return;
+    if (!set.cropped.empty())
+      std::erase_if(set.layers, [&](const std::string& name) { return denoised.contains(name); });
     const auto is_same = [&](const AdditiveSet& other) { return other.layers == set.layers; };
-    if (set.layers.size() > 1 && std::ranges::none_of(sets, is_same)) sets.push_back(std::move(set));
+    if (std::ranges::none_of(sets, is_same)) sets.push_back(std::move(set));
   };
   const auto add = [&](auto is_of_set) {
     for (const std::string_view scope : scopes) add_of_scope(scope, is_of_set);
@@ -179,7 +216,14 @@ std::vector<AdditiveSet> candidates_of(const std::string& path, const LayerOptio
   std::vector<AdditiveSet> sets;
   reading(path, [&] {
     const std::vector<PartChannels> parts = part_channels(*open_exr(path));
-    sets = candidates(parts, find_view_layers(path, parts, options).front());
+    const ViewLayers view = find_view_layers(path, parts, options).front();
+    sets = candidates(parts, view);
+    for (AdditiveSet& aov : cropped_aovs(path, parts, options, view)) {
+      const auto tells_of_it = [&](const AdditiveSet& set) {
+        return std::ranges::find(set.cropped, aov.layers.front()) != set.cropped.end();
+      };
+      if (std::ranges::none_of(sets, tells_of_it)) sets.push_back(std::move(aov));
+    }
   });
   return sets;
 }
@@ -220,17 +264,6 @@ AdditiveSet compared(const Frame& frame, double rounding) {
           .cropped = {},
           .share_off = static_cast<double>(off) / static_cast<double>(std::max<std::size_t>(lit, 1)),
           .is_certain = static_cast<double>(lit) > kLeastLit * static_cast<double>(3 * beauty.pixel_count())};
-}
-
-/// Whether the light group is also read as direct or indirect light.
-bool is_denoised_aov(const ViewLayers& view, const std::string& light) {
-  const LayerSource& layer = view.lights.at(light).layer;
-  const auto source = [&](Aov aov) -> const auto& {
-    return view.layers[static_cast<std::size_t>(aov)];
-  };
-  return std::ranges::any_of(std::array{Aov::direct, Aov::indirect}, [&](Aov aov) {
-    return source(aov) && source(aov)->part == layer.part && source(aov)->channels == layer.channels;
-  });
 }
 
 /// The candidates, each with how well it adds up. Those that are AOVs, which are denoised anyway, are left
@@ -279,7 +312,9 @@ Compared compare(const std::string& path, std::vector<AdditiveSet> candidates, c
     reading(path, [&] { rounding = rounding_of(open_exr(path)->header(part)); });
     AdditiveSet set = compared(loaded.frame, rounding);
     result.is_certain |= set.is_certain;
-    std::erase_if(layers, [&](const std::string& name) { return is_denoised_aov(loaded, name); });
+    std::erase_if(layers, [&](const std::string& name) {
+      return is_denoised_aov(loaded, loaded.lights.at(name).layer);
+    });
     set.layers = std::move(layers);
     if (!set.layers.empty()) result.sets.push_back(std::move(set));
   }
@@ -333,7 +368,8 @@ std::vector<AdditiveSet> find_additive_sets(std::span<const std::string> paths, 
       Compared found = compare(path, std::move(candidates), options);
       if (found.is_certain) return found.sets;
       if (of_black.empty()) of_black = std::move(found.sets);
-    } catch (const Error&) {
+    } catch (const Error& error) {
+      if (error.status() == ExitStatus::resource) throw;  // other jobs of the shot would choose otherwise
       // Whoever needs this frame tells what is wrong.
     }
   }

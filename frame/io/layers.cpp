@@ -287,6 +287,18 @@ void mark_subsampled(const std::vector<PartChannels>& parts, ViewLayers& view) {
   }
 }
 
+/// Gives a light group the whole name of its layer if an additive layer takes the short one.
+void keep_light_group(const std::string& name, const LightSource& additive,
+                      std::map<std::string, LightSource>& lights) {
+  const auto group = lights.find(name);
+  if (group == lights.end()) return;
+  const LayerSource& layer = group->second.layer;
+  if (layer.part == additive.layer.part && layer.channels == additive.layer.channels) return;
+  auto node = lights.extract(group);
+  node.key() = std::string(kLightScope) + name;
+  lights.insert(std::move(node));
+}
+
 }  // namespace
 
 std::vector<std::string> find_views(const std::vector<PartChannels>& parts) {
@@ -414,6 +426,7 @@ std::vector<ViewLayers> find_view_layers(const std::string& file, const std::vec
             fmt::format("{}: no layer '{}' with channels R G B of the beauty's size; channels found: {}",
                         file, name, list_channels(parts)));
       }
+      keep_light_group(name, *light, layers.lights);
       layers.lights.insert_or_assign(name, std::move(*light));
     }
     mark_subsampled(parts, layers);

@@ -182,9 +182,12 @@ TEST_F(BadFile, WhatTheSystemLacksSaysNothingOfTheFile) {
   ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
   const std::string of_chunks = error_of(ExitStatus::resource, [&] { has_all_chunks(path_); });
   const std::string of_pixels = error_of(ExitStatus::resource, [&] { read_exr(path_, 1, {}); });
+  const std::vector<std::string> paths{path_};
+  const std::string of_layers = error_of(ExitStatus::resource, [&] { find_additive_sets(paths, {}); });
   ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &usual), 0);
   EXPECT_EQ(of_chunks, path_ + ": cannot be read: Too many open files");
   EXPECT_EQ(of_pixels, of_chunks);
+  EXPECT_EQ(of_layers, of_chunks);
 }
 
 TEST_F(BadFile, CorruptPixels) {

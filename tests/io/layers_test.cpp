@@ -431,5 +431,15 @@ TEST(MotionChange, Errors) {
   }
 }
 
+TEST(Layers, LightGroupsThatDifferInCaseAloneAreTwo) {
+  const std::vector<PartChannels> parts{
+      {.channels = {"B", "G", "R", "light.Key.B", "light.Key.G", "light.Key.R", "light.key.B", "light.key.G",
+                    "light.key.R"}}};
+  const ViewLayers view = find_view_layers("file.exr", parts, {}).front();
+  ASSERT_EQ(view.lights.size(), 2u);
+  EXPECT_EQ(view.lights.at("Key").layer.channels[0], "light.Key.R");
+  EXPECT_EQ(view.lights.at("key").layer.channels[0], "light.key.R");
+}
+
 }  // namespace
 }  // namespace becalm::io
