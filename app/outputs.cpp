@@ -16,6 +16,7 @@
 #include "app/partial_files.h"
 #include "app/setting_text.h"
 #include "frame/error.h"
+#include "frame/io/atomic_file.h"
 #include "frame/io/exr_channels.h"
 
 namespace becalm::app {
@@ -102,6 +103,13 @@ bool is_foreign(const std::optional<Recorded>& recorded, const FileMark& mark) {
               fmt::format("{} {}: cannot write there: {}", option, name, why.message()));
 }
 
+/// Throws Error(resource) where `folder`, which is there, can hold no partial file of this name.
+void refuse_long_name(std::string_view option, const std::string& name, const fs::path& folder) {
+  const long longest = ::pathconf(folder.c_str(), _PC_NAME_MAX);  // below 0: not known
+  if (longest < 0 || name.size() + io::kLongestPartialSuffix <= static_cast<std::size_t>(longest)) return;
+  refuse_place(option, name, std::make_error_code(std::errc::filename_too_long));
+}
+
 }  // namespace
 
 io::Attributes of_frame(io::Attributes attributes, int frame) {
@@ -129,6 +137,7 @@ void check_place(std::string_view option, std::string_view name, const std::stri
   if (!fs::is_directory(place, error))
     refuse_place(option, name, std::make_error_code(std::errc::not_a_directory));
   if (::access(place.c_str(), W_OK | X_OK) != 0) refuse_place(option, name, {errno, std::generic_category()});
+  refuse_long_name(option, fs::path(path).filename().string(), place);
 }
 
 bool is_foreign(const std::string& path, const FileMark& mark) {
@@ -211,6 +220,7 @@ void Outputs::prepare() {
     if (!error && ::access(place.c_str(), W_OK | X_OK) != 0) error = {errno, std::generic_category()};
     if (!error && !fs::is_directory(place)) error = std::make_error_code(std::errc::not_a_directory);
     if (error) refuse_place(option_, patterns_.front().text(), error);
+    for (const std::string& file : files) refuse_long_name(option_, file, place);
     locks_.push_back(
         std::make_unique<FolderLock>(place, std::vector<std::string>(files.begin(), files.end()), option_));
     remove_abandoned_partials(place, files);

@@ -1,10 +1,15 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <string>
+#include <string_view>
 
 namespace becalm::io {
+
+/// How much longer a partial file's name is at most: `.partial.PID.N` with Linux's largest process number.
+inline constexpr std::size_t kLongestPartialSuffix = std::string_view(".partial.4194304.4294967295").size();
 
 /// A file that appears at its place whole or not at all. It is written as `PATH.partial.PID.N` beside its
 /// place, where no pattern for `.exr` files finds it, flushed to the disk and renamed, with the mode of the

@@ -38,6 +38,15 @@ TEST_F(BadInput, WhatIsNotKnownIsToldBeforeWhatIsMissing) {
   expect_error(becalm({"denoise", "in.####.exr"}), kUsage, {"denoise: --output is required"});
 }
 
+TEST_F(BadInput, ANameThatIsTooLongToBeWrittenIsToldBeforeTheWork) {
+  write_noise("in.0001.exr", 1);
+  const std::string out = folder_ / (std::string(240, 'a') + ".exr");  // a partial file's would not fit
+  std::vector<std::string> denoise{"denoise", folder_ / "in.0001.exr", "-o", out};
+  expect_error(becalm(denoise), kResource, {"-o ", "File name too long"});
+  denoise.emplace_back("--dry-run");
+  expect_error(becalm(denoise), kResource, {"-o ", "File name too long"});
+}
+
 TEST_F(BadInput, WhatIsNotKnownIsToldInItsOrder) {
   expect_error(render({"--frame", "1"}), kUsage, {"render: unknown option or argument: --frame 1 (did"});
   expect_error(becalm({"info", "a.exr", "b.exr", "c.exr"}), kUsage, {"argument: b.exr c.exr;"});
