@@ -23,6 +23,7 @@
 #include "app/folder_input.h"
 #include "app/frame_problems.h"
 #include "app/half_buffers.h"
+#include "app/input_check.h"
 #include "app/layer_arguments.h"
 #include "app/noisy_image.h"
 #include "app/options.h"
@@ -136,12 +137,20 @@ Json to_json(const std::vector<io::AdditiveSet>& sets) {
 std::vector<FrameFinding> audit_of(const io::SequencePattern& pattern, const std::vector<int>& frames,
                                    const io::LayerOptions& layers) {
   const std::optional<io::SequencePattern> other_half = find_other_half(pattern);
+  std::vector<std::string> paths;
+  for (const int frame : frames) {
+    paths.push_back(pattern.path(frame));
+    if (other_half) paths.push_back(other_half->path(frame));
+  }
+  const Imath::Box2i window = find_window(paths, layers).window;  // as denoise sees them
+  const auto read = [&](const std::string& path, int frame) {
+    return io::read_exr(path, frame, AovSet().set(), layers, io::LightGroups::leave, window);
+  };
   return audit_frames(frames, [&](int frame) {
-    const AovSet all = AovSet().set();
-    io::LoadedFrame loaded = io::read_exr(pattern.path(frame), frame, all, layers);
+    io::LoadedFrame loaded = read(pattern.path(frame), frame);
     if (other_half) {
       const std::string path = other_half->path(frame);
-      join_halves(loaded, io::read_exr(path, frame, all, layers), path);
+      join_halves(loaded, read(path, frame), path);
     }
     return loaded;
   });

@@ -5,6 +5,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -219,15 +220,18 @@ InputLayout layout_of(const io::ExrView& header, const FilterStage& filter) {
 }
 
 InputWindow find_window(const InputFrames& inputs, const io::LayerOptions& layers) {
-  const std::vector<int>& frames = inputs.readable();
-  std::vector<std::vector<PlacedView>> files(frames.size());
-  tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t i) {
+  std::vector<std::string> paths;
+  for (const int frame : inputs.readable()) std::ranges::move(inputs.paths(frame), std::back_inserter(paths));
+  return find_window(paths, layers);
+}
+
+InputWindow find_window(const std::vector<std::string>& paths, const io::LayerOptions& layers) {
+  std::vector<std::vector<PlacedView>> files(paths.size());
+  tbb::parallel_for(std::size_t{0}, paths.size(), [&](std::size_t i) {
     stop_if_asked();
     try {
-      for (const std::string& path : inputs.paths(frames[i])) {
-        for (io::ExrView& view : io::read_exr_header(path, layers, io::CheckChunks::no))
-          files[i].push_back({path, std::move(view)});
-      }
+      for (io::ExrView& view : io::read_exr_header(paths[i], layers, io::CheckChunks::no))
+        files[i].push_back({paths[i], std::move(view)});
     } catch (const Error& error) {  // told by check_inputs if the frame is needed
       if (error.status() == ExitStatus::resource) throw;
     }

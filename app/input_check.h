@@ -37,8 +37,10 @@ struct InputWindow {
   int height() const { return window.max.y - window.min.y + 1; }
 };
 
-/// Of all views of all readable frames, in parallel; those whose headers cannot be read do not count. Throws
-/// Error(bad_input) naming the frame that makes it larger than any image may be.
+/// Of all views of these files, in parallel; those whose headers cannot be read do not count. Throws
+/// Error(bad_input) naming the file that makes it larger than any image may be.
+InputWindow find_window(const std::vector<std::string>& paths, const io::LayerOptions& layers);
+/// Of all frames that may be read.
 InputWindow find_window(const InputFrames& inputs, const io::LayerOptions& layers);
 
 /// Reads the headers of `frames`, in parallel, before any pixel is read. Throws Error(bad_input) as

@@ -33,10 +33,11 @@ std::optional<NoisyImage> beside(const io::ExrView& view) {
 std::optional<bool> differ(const std::string& path, const NoisyImage& noisy, const io::LayerOptions& layers) {
   io::LayerOptions with_noisy = layers;
   with_noisy.layers[Aov::beauty] = noisy.layer;
-  const Frame a = io::read_exr(path, 1, {}, layers).frame;
-  const Frame b = io::read_exr(path, 1, {}, with_noisy).frame;
-  const std::span<const float> combined = a.image(Aov::beauty).data();
-  const std::span<const float> rendered = b.image(Aov::beauty).data();
+  const io::LoadedFrame a = io::read_exr(path, 1, {}, layers);
+  // In one place: each part may be cropped in its own way.
+  const io::LoadedFrame b = io::read_exr(path, 1, {}, with_noisy, io::LightGroups::leave, a.window);
+  const std::span<const float> combined = a.frame.image(Aov::beauty).data();
+  const std::span<const float> rendered = b.frame.image(Aov::beauty).data();
   bool is_black = true;
   bool is_same = true;
   for (std::size_t i = 0; i < combined.size(); ++i) {

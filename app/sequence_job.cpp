@@ -58,13 +58,13 @@ SequenceJob::SequenceJob(const SequenceCommand& command, FilterRecipe recipe)
               parse_missing(command.missing),
               [this](const auto& asked, const auto& on_disk) { return filter_.readable(asked, on_disk); }),
       outputs_("-o", output_patterns(command, inputs_), inputs_.outputs()),
+      noisy_image_(take_noisy_image(all_files(), layers_)),
       window_(find_window(inputs_, layers_)),
       fingerprints_(inputs_, filter_, layers_, window_) {
   std::vector<std::string> paths;
   for (const int frame : inputs_.readable())
     std::ranges::copy(inputs_.paths(frame), std::back_inserter(paths));
   outputs_.keep_apart_from(paths);
-  noisy_image_ = take_noisy_image(all_files(), layers_);
 }
 
 /// Of all frames of the sequence on disk, or of the single frame.

@@ -56,10 +56,10 @@ class SequenceJob {
   const io::DenoisedFormat format_;
   const InputFrames inputs_;
   Outputs outputs_;
+  const std::optional<NoisyImage> noisy_image_;  ///< if it is the beauty
   const InputWindow window_;
   Fingerprints fingerprints_;
   io::Attributes attributes_;
-  std::optional<NoisyImage> noisy_image_;  ///< if it is the beauty
   std::vector<AdditiveNote> additive_notes_;
   std::vector<std::string> lights_;  ///< light groups and additive layers that are denoised
   bool told_of_same_halves_ = false;
