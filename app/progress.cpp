@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "app/console.h"
@@ -55,8 +56,20 @@ Progress::~Progress() {
 
 void Progress::update(int frame, double frames_done) {
   const std::lock_guard lock(mutex_);
-  frame_ = frame;
   frames_done_ = std::max(frames_done_, frames_done);
+  if (made_s_ == 0.0 && frames_done_ >= static_cast<double>(options_.work)) made_s_ = elapsed_s();
+  tell_work(frame);
+}
+
+void Progress::update_filter(int frame, std::size_t steps_done) {
+  const std::lock_guard lock(mutex_);
+  if (filter_begins_s_ == 0.0) filter_begins_s_ = elapsed_s();
+  steps_done_ = steps_done;
+  tell_work(frame);
+}
+
+void Progress::tell_work(int frame) {
+  frame_ = frame;
   if (options_.quiet) return;
   if (message_format() == MessageFormat::json && Clock::now() - drawn_ >= kReportEvery) {
     nlohmann::ordered_json event{{"event", "progress"}, {"frame", frame}};
@@ -82,7 +95,7 @@ void Progress::frame_written(int frame) {
 
 void Progress::frame_done(int frame, std::string_view state) {
   ++worked_;
-  frames_done_ = std::max(frames_done_, static_cast<double>(worked_));
+  if (options_.steps == 0) frames_done_ = std::max(frames_done_, static_cast<double>(worked_));
   if (options_.quiet) return;
   if (terminal_) {
     draw();
@@ -123,6 +136,7 @@ void Progress::finish(bool done) {
   const std::lock_guard lock(mutex_);
   erase();
   if (options_.quiet || !done) return;
+  steps_done_ = options_.steps;
   if (message_format() == MessageFormat::json) {
     nlohmann::ordered_json event{{"event", "end"}, {"written", written_}};
     event.update(figures());
@@ -144,16 +158,36 @@ double Progress::elapsed_s() const {
 }
 
 std::string Progress::rate() const {
-  return format_rate(frames_done_ * options_.units_per_frame / std::max(1e-6, elapsed_s()), options_.unit);
+  const double seconds = options_.steps > 0 && made_s_ > 0.0 ? made_s_ : elapsed_s();
+  return format_rate(frames_done_ * options_.units_per_frame / std::max(1e-6, seconds), options_.unit);
 }
 
+double Progress::share_done() const {
+  const auto share = [](double done, std::size_t all) {
+    return all == 0 ? 1.0 : std::clamp(done / static_cast<double>(all), 0.0, 1.0);
+  };
+  const double made = share(frames_done_, options_.work);
+  if (options_.steps == 0) return made;
+  return 0.5 * (made + share(static_cast<double>(steps_done_), options_.steps));
+}
+
+/// Infinite while nothing is known. A filter that has not begun does not count.
 double Progress::seconds_left() const {
-  return elapsed_s() * std::max(0.0, static_cast<double>(options_.work) - frames_done_) / frames_done_;
+  const auto left = [](double seconds, double done, std::size_t all) {
+    return seconds * std::max(0.0, static_cast<double>(all) - done) / done;
+  };
+  const bool is_made = frames_done_ >= static_cast<double>(options_.work);
+  const double making = is_made ? 0.0 : left(elapsed_s(), frames_done_, options_.work);
+  const double filter_s = elapsed_s() - filter_begins_s_;
+  const auto steps = static_cast<double>(steps_done_);
+  if (steps_done_ > 0) return std::max(making, left(filter_s, steps, options_.steps));
+  return options_.steps > 0 && is_made ? std::numeric_limits<double>::infinity() : making;
 }
 
 std::string Progress::time_left() const {
-  if (frames_done_ <= 0.0 || frames_done_ >= static_cast<double>(options_.work)) return "";
-  return fmt::format(", {} left", format_duration(seconds_left()));
+  const double seconds = seconds_left();
+  if (seconds <= 0.0 || !std::isfinite(seconds)) return "";
+  return fmt::format(", {} left", format_duration(seconds));
 }
 
 nlohmann::ordered_json Progress::figures() const {
@@ -162,13 +196,16 @@ nlohmann::ordered_json Progress::figures() const {
                                  {"work_done", frames_done_},
                                  {"work_total", options_.work},
                                  {"elapsed_s", elapsed_s()}};
-  if (frames_done_ > 0.0) figures["left_s"] = seconds_left();
+  if (options_.steps > 0) {
+    figures["filter_done"] = steps_done_;
+    figures["filter_total"] = options_.steps;
+  }
+  if (const double seconds = seconds_left(); std::isfinite(seconds)) figures["left_s"] = seconds;
   return figures;
 }
 
 void Progress::draw() {
-  const double share = std::clamp(frames_done_ / static_cast<double>(options_.work), 0.0, 1.0);
-  const int filled = static_cast<int>(share * kBarWidth);
+  const int filled = static_cast<int>(share_done() * kBarWidth);
   std::string line =
       fmt::format("[{:#<{}}{:.<{}}] {} of {}, frame {}, {}{}", "", filled, "", kBarWidth - filled,
                   options_.existing + written_, options_.total, frame_, rate(), time_left());

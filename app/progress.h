@@ -13,6 +13,7 @@ struct ProgressOptions {
   std::size_t total = 0;        ///< frames asked for
   std::size_t existing = 0;     ///< of them, those whose files are there already
   std::size_t work = 0;         ///< frames to go through, written or not
+  std::size_t steps = 0;        ///< of a filter that works on these frames beside what makes them; 0: none
   std::string unit = "frames";  ///< what the rate counts: "samples" or "frames"
   double units_per_frame = 1.0;
   bool quiet = false;    ///< warnings only
@@ -36,6 +37,8 @@ class Progress {
 
   /// `frame` is being worked on; `frames_done` frames of the work are done, parts of a frame included.
   void update(int frame, double frames_done);
+  /// The filter beside it works on `frame` and has done so many of its steps.
+  void update_filter(int frame, std::size_t steps_done);
   /// The frame was worked on but its file exists already and is not written again.
   void frame_kept(int frame);
   void frame_written(int frame);
@@ -56,8 +59,10 @@ class Progress {
 
   double elapsed_s() const;
   std::string rate() const;
+  double share_done() const;
   double seconds_left() const;
   std::string time_left() const;
+  void tell_work(int frame);
   void frame_done(int frame, std::string_view state);
   void say_figures(int frame, std::string_view state);
   /// How far it is and how long it takes, for JSON.
@@ -75,6 +80,9 @@ class Progress {
   std::size_t worked_ = 0;           ///< by this run, written or kept
   int frame_ = 0;
   double frames_done_ = 0.0;
+  double made_s_ = 0.0;           ///< when all of the work was done; 0: not yet
+  std::size_t steps_done_ = 0;    ///< by the filter
+  double filter_begins_s_ = 0.0;  ///< when its first step began
   bool line_shown_ = false;
 };
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <deque>
@@ -18,10 +19,10 @@
 #include "app/cancel.h"
 #include "app/command.h"
 #include "app/console.h"
+#include "app/counted.h"
 #include "app/eye_names.h"
 #include "app/filter_stage.h"
 #include "app/frame_sink.h"
-#include "app/input_frames.h"
 #include "app/noise_report.h"
 #include "app/options.h"
 #include "app/outputs.h"
@@ -30,12 +31,14 @@
 #include "app/progress.h"
 #include "app/render_ahead.h"
 #include "app/render_arguments.h"
+#include "app/render_schedule.h"
 #include "app/rendered_frames.h"
 #include "app/scene_hash.h"
 #include "app/scratch_files.h"
 #include "app/time_budget.h"
 #include "filter/merge/additive.h"
 #include "frame/io/exr.h"
+#include "frame/io/frame_range.h"
 #include "frame/io/sequence.h"
 #include "tracer/render.h"
 #include "tracer/scene/load/load.h"
@@ -44,6 +47,9 @@ namespace becalm::app {
 namespace {
 
 constexpr FileMark kMark{.command = "render", .attribute = "becalm:version"};
+/// The attribute of a denoised frame that tells the frames it is made from.
+constexpr const char* kMadeFrom = "becalm:made_from";
+
 constexpr FileMark kNoisyMark{.command = "render --keep-noisy", .attribute = "becalm:version"};
 
 /// Share of --memory for the filters of all eyes' pilots, which have a quarter of a frame's pixels.
@@ -67,28 +73,6 @@ AovSet filter_input(const FilterStage& filter, int spp) {
   return wanted;
 }
 
-/// The frames that can be rendered for a filter with segments: the scene's, at the distance of those asked
-/// for, and those that --context names.
-std::vector<int> existing_frames(const std::vector<int>& asked, const tracer::SceneDescription& scene,
-                                 const FilterStage& filter) {
-  std::set<int> frames(asked.begin(), asked.end());
-  const int step = usual_step(asked);
-  for (int frame = scene.frames.first; frame <= scene.frames.last; ++frame) {
-    if ((frame - asked.front()) % step == 0) frames.insert(frame);
-  }
-  const std::vector<int> context = filter.context_frames();
-  frames.insert(context.begin(), context.end());
-  return {frames.begin(), frames.end()};
-}
-
-std::set<int> frames_in(const std::vector<filter::Segment>& segments) {
-  std::set<int> frames;
-  for (const filter::Segment& segment : segments) {
-    for (const filter::Step& step : segment) frames.insert(step.frame);
-  }
-  return frames;
-}
-
 /// The files of a frame: one, or where the pattern has a field for the eye one for each.
 std::vector<io::SequencePattern> patterns_of(const std::string& pattern, const std::vector<Eye>& eyes) {
   if (!has_eye_field(pattern)) return {io::SequencePattern(pattern)};
@@ -105,11 +89,11 @@ class RenderJob {
 
  private:
   bool has_segments() const { return filter_ && filter_->has_segments(); }
-  std::vector<filter::Segment> schedule(const std::vector<int>& work) const;
   void choose_noisy_files();
   void find_existing();
+  void make_again();
   void remove_scratch_files() const;
-  void start_progress(std::size_t frames_to_make);
+  void start_progress(std::size_t frames_to_make, std::size_t steps_beside);
   void run_frame_by_frame(const std::vector<int>& work);
   void run_segments(const std::vector<int>& work);
   RenderedFrames rendered_frames();
@@ -134,7 +118,7 @@ class RenderJob {
   const Size size_;
   const std::vector<Eye> eyes_;
   std::optional<Outputs> outputs_;
-  std::vector<int> readable_;  ///< by the filter, rendered for it if need be
+  std::optional<RenderSchedule> schedule_;  ///< of the filter
   std::optional<NoisyFiles> noisy_files_;
   io::Attributes attributes_;
   std::set<int> existing_;
@@ -162,17 +146,12 @@ RenderJob::RenderJob(const RenderCommand& command, tracer::Scene scene)
   outputs_->keep_apart_from(scene_files_);
   attributes_ = render_attributes(kMark, asked_, command.type);
   if (filter_) {
-    readable_ = filter_->readable(frames, existing_frames(frames, scene_.description(), *filter_));
-    attributes_.back().second += ' ' + filter_->describe(readable_);
+    schedule_.emplace(*filter_, frames, scene_.description().frames.first, scene_.description().frames.last);
+    attributes_.back().second += ' ' + filter_->describe(schedule_->readable());
     attributes_.emplace_back("becalm:preset", command.preset);
     if (command.noise_target) filter_->measure_expected_errors();
   }
   choose_noisy_files();
-}
-
-/// What the filter does to output the frames.
-std::vector<filter::Segment> RenderJob::schedule(const std::vector<int>& work) const {
-  return filter_->schedule(readable_, {work.begin(), work.end()}, usual_step(readable_));
 }
 
 /// A file for each frame that the filter will read: of a long scene, few are near the frames asked for.
@@ -186,7 +165,7 @@ void RenderJob::choose_noisy_files() {
   if (!kept && !has_segments()) return;
   const std::string pattern =
       noisy_pattern(command_.keep_noisy, command_.output.pattern, eyes_.front(), outputs_->frames());
-  const std::set<int> read = frames_in(schedule(outputs_->frames()));
+  const std::set<int> read = frames_in(schedule_->segments(outputs_->frames()));
   noisy_files_.emplace(NoisyFiles{
       .outputs =
           Outputs(kept ? "--keep-noisy" : "-o", {io::SequencePattern(pattern)}, {read.begin(), read.end()}),
@@ -228,6 +207,24 @@ void RenderJob::find_existing() {
   existing_ = find(*outputs_, attributes_, kMark);
   if (noisy_files_)
     noisy_files_->existing = find(noisy_files_->outputs, noisy_files_->attributes, kNoisyMark);
+  if (filter_) make_again();
+}
+
+/// Takes what is to be made again from the existing outputs.
+void RenderJob::make_again() {
+  std::vector<int> outdated;
+  for (const int frame : existing_) {
+    const std::string now = schedule_->made_from(frame);
+    const auto differs = [&](const std::string& path) { return io::read_attribute(path, kMadeFrom) != now; };
+    if (std::ranges::any_of(outputs_->paths(frame), differs)) outdated.push_back(frame);
+  }
+  for (const int frame : outdated) existing_.erase(frame);
+  if (!outdated.empty()) {
+    warn(fmt::format("{} made again, since other frames than before are read for them: {}",
+                     counted(outdated.size(), "frame is", "frames are"), io::format_frame_range(outdated)));
+  }
+  if (command_.keep_noisy.empty()) return;
+  std::erase_if(existing_, [this](int frame) { return !noisy_files_->existing.contains(frame); });
 }
 
 ExitStatus RenderJob::run() {
@@ -237,7 +234,8 @@ ExitStatus RenderJob::run() {
   }
   outputs_->prepare();
   if (noisy_files_) noisy_files_->outputs.prepare();
-  if (has_segments()) remove_abandoned_scratch(command_.output.pattern, eyes_.front(), *outputs_, readable_);
+  if (has_segments())
+    remove_abandoned_scratch(command_.output.pattern, eyes_.front(), *outputs_, schedule_->readable());
   if (command_.output.resume) find_existing();
   const std::vector<int>& asked = outputs_->frames();
 
@@ -278,11 +276,13 @@ void RenderJob::remove_scratch_files() const {
   }
 }
 
-void RenderJob::start_progress(std::size_t frames_to_make) {
+/// `steps_beside`: of a filter that does not keep pace with the tracer.
+void RenderJob::start_progress(std::size_t frames_to_make, std::size_t steps_beside) {
   progress_.emplace(ProgressOptions{
       .total = outputs_->frames().size(),
       .existing = existing_.size(),
       .work = frames_to_make,
+      .steps = steps_beside,
       .unit = command_.noise_target ? "frames" : "samples",
       .units_per_frame = command_.noise_target ? 1.0
                                                : static_cast<double>(size_.width) * size_.height *
@@ -322,23 +322,25 @@ RenderedFrames RenderJob::rendered_frames() {
 void RenderJob::run_frame_by_frame(const std::vector<int>& work) {
   std::vector<filter::Step> steps;
   if (filter_) {
-    for (const filter::Segment& segment : schedule(work)) {
+    for (const filter::Segment& segment : schedule_->segments(work)) {
       steps.insert(steps.end(), segment.begin(), segment.end());
     }
   } else {
     for (const int frame : work) steps.push_back({.frame = frame});
   }
-  start_progress(steps.size());
+  start_progress(steps.size(), 0);
   RenderedFrames frames = rendered_frames();
   run_steps(steps, [&](std::size_t step) { return frames.make(steps[step].frame); });
 }
 
 void RenderJob::run_segments(const std::vector<int>& work) {
-  std::vector<filter::Segment> segments = schedule(work);
+  std::vector<filter::Segment> segments = schedule_->segments(work);
   std::set<int> needed = frames_in(segments);
-  start_progress(needed.size());
-  for (const int frame : work) needed.erase(frame);
   std::erase_if(needed, [&](int frame) { return noisy_files_->existing.contains(frame); });
+  std::size_t steps = 0;
+  for (const filter::Segment& segment : segments) steps += segment.size();
+  start_progress(needed.size(), steps);
+  for (const int frame : work) needed.erase(frame);
   if (!needed.empty()) {
     progress_->note(context_note(needed.size(), "rendered"));
   }
@@ -355,6 +357,7 @@ void RenderJob::run_steps(const std::vector<filter::Step>& steps,
                {.source = source,
                 .filter = [&](std::size_t step, io::LoadedFrame noisy) -> std::optional<FinishedFrame> {
                   if (!filter_) return unfiltered(std::move(noisy));
+                  if (has_segments()) progress_->update_filter(steps[step].frame, step);
                   return filter_->run(steps[step], std::move(noisy), *progress_, profile_);
                 },
                 .sink = [&](FinishedFrame finished) { write(finished, sink); }});
@@ -366,6 +369,7 @@ void RenderJob::write(FinishedFrame& finished, FrameSink& sink) {
   expected_errors_.insert(expected_errors_.end(), finished.expected_errors.begin(),
                           finished.expected_errors.end());
   if (filter_) {
+    attributes.emplace_back(kMadeFrom, schedule_->made_from(finished.frame.number()));
     attributes.emplace_back("becalm:tiles", filter_->tiles());
     attributes.emplace_back("becalm:alpha",
                             alpha_outcome(finished.source, finished.frame, finished.other_views));

@@ -224,6 +224,10 @@ void check_options_fit(const RenderCommand& command) {
       throw Error(ExitStatus::usage, fmt::format("--time-budget decides the samples: leave out {}",
                                                  command.noise_target ? "--noise-target" : "--spp"));
     }
+    if (command.adaptive && command.noise_target) {
+      throw Error(ExitStatus::usage,
+                  "--noise-target decides the samples of every pixel: leave out --adaptive");
+    }
     return;
   }
   const char* sampling = command.adaptive               ? "--adaptive"

@@ -37,9 +37,10 @@ std::optional<io::LoadedFrame> RenderedFrames::make(int frame) {
 }
 
 bool RenderedFrames::make_file(int frame) {
+  if (files_->existing.contains(frame)) return true;  // and is no work
   progress_.update(frame, made_);
-  if (!files_->existing.contains(frame) && !render(frame)) return false;
-  ++made_;
+  if (!render(frame)) return false;
+  progress_.update(frame, ++made_);
   return true;
 }
 

@@ -23,5 +23,21 @@ TEST(Progress, TellsAFrameThatTakesLongWithoutATerminal) {
   EXPECT_EQ(said_at_work({.total = 4, .work = 4, .quiet = true, .say_every = milliseconds(0)}), "");
 }
 
+TEST(Progress, TheTimeThatAFilterStillTakesIsTold) {
+  using std::chrono::milliseconds;
+  Progress progress({.total = 4, .work = 4, .steps = 8, .say_every = milliseconds(0)});
+  const auto said = [&](std::size_t steps_done) {
+    testing::internal::CaptureStderr();
+    progress.update_filter(2, steps_done);
+    return testing::internal::GetCapturedStderr();
+  };
+  testing::internal::CaptureStderr();
+  progress.update(4, 4.0);
+  EXPECT_EQ(testing::internal::GetCapturedStderr().find("left"), std::string::npos) << "nobody knows";
+  EXPECT_EQ(said(0).find("left"), std::string::npos);
+  EXPECT_TRUE(said(2).starts_with("frame 2: at work, 0 of 4 done, "));
+  EXPECT_TRUE(said(3).ends_with(" left\n"));
+}
+
 }  // namespace
 }  // namespace becalm::app

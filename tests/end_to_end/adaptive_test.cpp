@@ -203,6 +203,7 @@ TEST_F(Adaptive, OptionsThatDoNotFitAreRefused) {
   refused({"--denoise", "--time-budget", "soon"}, {"--time-budget soon", "2s"});
   refused({"--denoise", "--time-budget", "1s", "--spp", "4"}, {"--time-budget", "--spp"});
   refused({"--denoise", "--time-budget", "1s", "--noise-target", "0.1"}, {"--time-budget", "--noise-target"});
+  refused({"--denoise", "--adaptive", "--noise-target", "0.1"}, {"--noise-target", "--adaptive"});
   refused({"--denoise=paper", "--time-budget", "1s"}, {"--time-budget", "draft, balanced or final"});
   expect_error(
       becalm({"denoise", folder_ / "n.exr", "-o", folder_ / "d.exr", "--time", "1s", "--preset", "draft"}), 2,

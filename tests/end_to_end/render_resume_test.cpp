@@ -140,6 +140,39 @@ TEST_F(Render, ResumedDenoiseWhileRenderingIsTheSame) {
   EXPECT_EQ(fs::last_write_time(folder_ / "a.0004.exr"), fourth);
 }
 
+TEST_F(Render, ResumeMakesFramesAgainThatWereMadeFromOthers) {
+  for (const std::string preset : {"balanced", "draft"}) {
+    const auto go = [&](const std::string& name, const std::vector<std::string>& more) {
+      std::vector<std::string> options{"--spp", "1", "--denoise=" + preset};
+      options.insert(options.end(), more.begin(), more.end());
+      return render(preset + "/" + name + ".####.exr", options);
+    };
+    go("whole", {"--frames", "1-5"});
+    go("a", {"--frames", "1-5x2"});
+    const Outcome outcome = go("a", {"--frames", "1-5", "--resume"});
+    EXPECT_NE(outcome.err.find("made again"), std::string::npos) << outcome.err;
+    expect_same_beauty(folder_ / (preset + "/whole.####.exr"), folder_ / (preset + "/a.####.exr"), 1, 5);
+    const Outcome again = go("a", {"--frames", "1-5", "--resume"});
+    EXPECT_EQ(again.err.find("made again"), std::string::npos) << again.err;
+  }
+}
+
+TEST_F(Render, ResumeMakesTheNoisyFramesThatAreAskedForLater) {
+  const auto go = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> options{"--spp", "1", "--denoise", "--frames", "1-2", "--context", "none"};
+    options.insert(options.end(), more.begin(), more.end());
+    return render("a.####.exr", options);
+  };
+  go({});
+  go({"--keep-noisy", folder_ / "n.####.exr", "--resume"});
+  const std::string noisy = folder_ / "n.0002.exr";
+  ASSERT_TRUE(fs::exists(folder_ / "n.0001.exr") && fs::exists(noisy));
+  fs::resize_file(noisy, fs::file_size(noisy) - 200);
+  const Outcome outcome = go({"--keep-noisy", folder_ / "n.####.exr", "--resume"});
+  EXPECT_NE(outcome.err.find("n.0002.exr is damaged"), std::string::npos) << outcome.err;
+  EXPECT_EQ(read_frame(noisy).width(), read_frame(folder_ / "n.0001.exr").width());
+}
+
 class StoppedDenoise : public Render {
  protected:
   /// What a run for frames 1 to 4 has left that was stopped before it wrote the frames from `first_missing`

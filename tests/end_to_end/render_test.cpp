@@ -75,6 +75,13 @@ TEST_F(Render, NoisyFramesThatTheFilterReadsAreGoneAtTheEnd) {
                            read_frame(folder_ / "whole.0002.exr").image(Aov::beauty)));
 }
 
+TEST_F(Render, FramesHereAndThereAreThoseOfTheWholeSequence) {
+  render("whole.####.exr", {"--spp", "1", "--denoise"});
+  render("some.####.exr", {"--spp", "1", "--denoise", "--frames", "1,4"});
+  for (const int frame : {1, 4})
+    expect_same_beauty(folder_ / "whole.####.exr", folder_ / "some.####.exr", frame, frame);
+}
+
 TEST_F(Render, NoisyFramesThatAStoppedRunLeftAreGoneWhenAllIsThere) {
   const std::vector<std::string> options{"--spp", "1", "--denoise", "--frames", "1-2", "--context", "none"};
   const auto with = [&](const std::string& option) {

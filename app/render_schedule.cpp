@@ -1,0 +1,60 @@
+#include "app/render_schedule.h"
+
+#include <algorithm>
+#include <cstdint>
+
+#include "app/input_frames.h"
+#include "frame/io/frame_range.h"
+
+namespace becalm::app {
+namespace {
+
+/// The distance of the frames asked for, such as 2 of a sequence on twos. Frames here and there, such as
+/// those that a farm lost, are part of the whole sequence.
+int step_of(const std::vector<int>& asked) {
+  const int step = usual_step(asked);
+  const bool is_even = std::ranges::adjacent_find(asked, [step](int a, int b) {
+                         return std::int64_t{b} - a != step;
+                       }) == asked.end();
+  return is_even && asked.size() > 2 ? step : 1;
+}
+
+/// Those of the scene at this distance from the first one asked for, and those that are named.
+std::vector<int> renderable(const std::vector<int>& asked, const std::vector<int>& context, int first,
+                            int last, int step) {
+  std::set<int> frames(asked.begin(), asked.end());
+  for (int frame = first; frame <= last; ++frame) {
+    if ((std::int64_t{frame} - asked.front()) % step == 0) frames.insert(frame);
+  }
+  frames.insert(context.begin(), context.end());
+  return {frames.begin(), frames.end()};
+}
+
+}  // namespace
+
+std::set<int> frames_in(const std::vector<filter::Segment>& segments) {
+  std::set<int> frames;
+  for (const filter::Segment& segment : segments) {
+    for (const filter::Step& step : segment) frames.insert(step.frame);
+  }
+  return frames;
+}
+
+RenderSchedule::RenderSchedule(const FilterStage& filter, const std::vector<int>& asked, int first, int last)
+    : filter_(filter),
+      readable_(
+          filter.readable(asked, renderable(asked, filter.context_frames(), first, last, step_of(asked)))),
+      step_(usual_step(readable_)) {
+  if (filter.has_segments()) step_ = std::min(step_, step_of(asked));
+}
+
+std::vector<filter::Segment> RenderSchedule::segments(const std::vector<int>& work) const {
+  return filter_.schedule(readable_, {work.begin(), work.end()}, step_);
+}
+
+std::string RenderSchedule::made_from(int frame) const {
+  const std::set<int> frames = frames_in(segments({frame}));
+  return io::format_frame_range({frames.begin(), frames.end()});
+}
+
+}  // namespace becalm::app
