@@ -339,6 +339,7 @@ void exclude_what_would_be_ignored(CLI::App& parser) {
   for (const char* report : {"--junit", "--json", "--report"}) {
     parser.get_option(report)->excludes(list, update, calibrate);
   }
+  for (const char* option : {"--jobs", "--fail-fast"}) parser.get_option(option)->excludes(update, calibrate);
 }
 
 }  // namespace

@@ -122,6 +122,10 @@ void read_source(const JsonValue& json, const std::string& suite_file, CaseSourc
   if (command) {
     source.command = read_command(*command);
     source.scene.clear();
+    // What defaults say of scenes alone.
+    source.size.clear();
+    source.aovs.clear();
+    source.preset.clear();
   }
   if (const auto prepare = json.find("prepare")) source.prepare = read_prepare(*prepare);
   if (const auto frames = json.find("frames"))

@@ -196,6 +196,8 @@ MadeFrames denoise_frames(const TestCase& test, const std::string& preset, const
                     "-o",
                     to,
                     "--frames=" + io::format_frame_range(test.source.frames),
+                    "--context",
+                    "none",  // the other side may lack frames beyond the case's
                     "--preset",
                     preset,
                     "--threads",

@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "app/frame_figures.h"
+#include "app/partial_files.h"
 #include "app/test/layer_as_beauty.h"
 #include "frame/error.h"
 #include "frame/io/atomic_file.h"
@@ -184,6 +185,9 @@ std::string ReferenceUpdate::change_of(int frame, const std::string& old_file,
 
 void ReferenceUpdate::accept() const {
   // All are written beside their places before the first is renamed, so that a full disk changes none.
+  std::vector<std::string> places;
+  for (const auto& [made, place] : files_) places.push_back(place);
+  remove_abandoned_partials(places);
   std::vector<std::unique_ptr<io::AtomicFile>> copies;
   for (const auto& [made, place] : files_) copies.push_back(copy_of(made, place));
   for (const auto& copy : copies) copy->commit();

@@ -104,6 +104,16 @@ TEST_F(SuiteTest, NamesThatNoFileSystemCanHaveAreRefused) {
   expect_error(becalm({"test", name}), 3, {name, "no such suite file"});
 }
 
+TEST_F(SuiteTest, DefaultsOfScenesAreNotForCasesOfACommand) {
+  const std::string defaults = R"({"source": {"size": "8x8", "aovs": ["albedo"], "denoise": "draft"}})";
+  const char* judge = R"("statistical": true, "error": {"max_rel_mse": 1})";
+  write_suite(shell_case("a", "cp image.exr $0; # {seed}", R"(, "spp": 4)", judge), defaults);
+  EXPECT_EQ(run({"--list"}).status, 0) << run({"--list"}).err;
+  write_suite(shell_case("a", "cp image.exr $0; # {seed}", R"(, "spp": 4, "denoise": "draft")", judge),
+              defaults);
+  expect_error(run({"--list"}), 3, {"/cases/a/source/denoise", "is for a scene"});
+}
+
 TEST_F(SuiteTest, SuitesThatAreNotThereAreTold) {
   expect_error(becalm({"test", folder_ / "none.json"}), 3, {"none.json", "no such suite"});
   fs::create_directories(folder_ / "empty");

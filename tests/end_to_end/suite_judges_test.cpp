@@ -138,6 +138,27 @@ TEST_F(SuiteJudges, BothSidesAreDenoised) {
   EXPECT_NE(line_of(brighter, "calm").find("denoised: denoised"), std::string::npos) << brighter.out;
 }
 
+TEST_F(SuiteJudges, FramesBesideTheCasesAreNoContextOfDenoisedOnes) {
+  for (int image = 1; image <= 3; ++image) write_image(fmt::format("image{}.exr", image), image);
+  write_suite(shell_case("more", "for i in 1 2 3; do cp image$i.exr $(dirname $0)/frame.000$i.exr; done",
+                         R"(, "frames": "1-2")", R"("denoised": {"max_rel_mse": 0})"));
+  fs::create_directories(folder_ / "references/more");
+  for (int frame = 1; frame <= 2; ++frame) {
+    fs::copy_file(folder_ / fmt::format("image{}.exr", frame),
+                  folder_ / fmt::format("references/more/a.000{}.exr", frame));
+  }
+  const Outcome outcome = run();
+  EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+}
+
+TEST_F(SuiteJudges, WhatAKilledUpdateLeftIsGoneAfterTheNext) {
+  write_suite(shell_case("a"));
+  fs::create_directories(folder_ / "references/a");
+  write_text(folder_ / "references/a/a.0001.exr.partial.99999999.0", "half a file");
+  update();
+  EXPECT_EQ(files_in(folder_.path() / "references/a"), std::vector<std::string>{"a.0001.exr"});
+}
+
 TEST_F(SuiteJudges, UpdateIsNeverSilent) {
   write_suite(scene_case("a", R"("statistical": true)") + "," + scene_case("b", R"("statistical": true)"));
   expect_error(run({"--update"}), 2, {"--update", "--yes"});
@@ -196,6 +217,10 @@ TEST_F(SuiteJudges, ReportsAndOtherWorkAreRefusedWhereTheyWouldBeIgnored) {
     for (const char* report : {"--junit", "--json", "--report"}) {
       expect_error(run({work, report, folder_ / "report"}), 2, {report, "excludes"});
     }
+  }
+  for (const char* work : {"--update=a", "--calibrate=3"}) {
+    expect_error(run({work, "--jobs", "2"}), 2, {"--jobs", "excludes"});
+    expect_error(run({work, "--fail-fast"}), 2, {"--fail-fast", "excludes"});
   }
   expect_error(run({"--calibrate=3", "--update=a"}), 2, {"--calibrate", "excludes", "--update"});
   expect_error(run({"--list", "--update=a"}), 2, {"--list", "excludes", "--update"});
