@@ -46,10 +46,13 @@ def segments(denoise_options):
     parser.add_argument("--segment", type=int)
     parser.add_argument("--warmup", type=int, default=WARMUP)
     parser.add_argument("--set", action="append", default=[])
+    parser.add_argument("--time")
     try:
         asked = parser.parse_known_args(denoise_options)[0]
     except argparse.ArgumentError as error:
         raise ValueError(f"--denoise-options: {error}") from None
+    if asked.time is not None:
+        raise ValueError(f"--denoise-options: --time {asked.time}: every chunk would choose a preset of its own; expected --preset NAME")
     directions = [text.removeprefix("directions=") for text in asked.set if text.startswith("directions=")]
     forward = directions[-1] == "forward" if directions else asked.preset in FORWARD_PRESETS
     if asked.segment == 0 or (forward and asked.segment is None):

@@ -57,7 +57,8 @@ class Plan(unittest.TestCase):
         self.assertEqual({name for name, text in of_presets if "Directions::forward" in text}, set(farm.FORWARD_PRESETS))
         self.assertEqual(farm.segments(["--preset", "final", "-q"]), (32, 8))
         self.assertEqual(farm.segments(["--preset=draft", "--segment", "16", "--warmup=4"]), (16, 4))
-        for whole in (["--preset", "draft"], ["--set", "directions=forward"], ["--segment", "0"], ["--segment", "x"]):
+        for whole in (["--preset", "draft"], ["--set", "directions=forward"], ["--segment", "0"], ["--segment", "x"], ["--time", "2s"],
+                      ["--time=2s"]):
             self.assertRaises(ValueError, farm.segments, whole)
         chunks = farm.chunks(0, 79, 16)
         self.assertEqual(farm.chunks_read(chunks[2], chunks, 16, 4), [1, 2, 3])
@@ -133,7 +134,7 @@ class Submitted(unittest.TestCase):
         self.assertEqual(self.calls.read_text().splitlines()[-1], "scancel 1 2 3")
         status = self.run_script("status", output)
         self.assertEqual((status.returncode, status.stderr.count("\n")), (1, 1), status.stderr)
-        for option, value in (("-o", self.path / "out/a.#.exr"), ("--denoise-options", "--preset draft")):
+        for option, value in (("-o", self.path / "out/a.#.exr"), ("--denoise-options", "--preset draft"), ("--denoise-options", "--time 2s")):
             refused = self.run_script("submit", self.path / "shot.json", "-o", output, "--frames", "1-70", option, value)
             self.assertEqual(refused.returncode, 2, refused.stderr)
 
@@ -179,6 +180,14 @@ class Submitted(unittest.TestCase):
             program.write_text(f"#!/bin/sh\n{squeue}\n")
             program.chmod(program.stat().st_mode | stat.S_IXUSR)
             self.assertEqual(status().returncode, expected, squeue)
+
+    def test_tasks_that_were_cancelled_before_they_began_are_over(self):
+        self.submit(self.path / "shot.json")
+        for squeue, expected in (("echo becalm-check 0 PENDING", 3), ("echo 'slurm_load_jobs error: Unable to contact' >&2; exit 1", 3), ("exit 0", 1)):
+            program = self.path / "squeue"
+            program.write_text(f"#!/bin/sh\n{squeue}\n")
+            program.chmod(program.stat().st_mode | stat.S_IXUSR)
+            self.assertEqual(self.run_script("status", self.path / "out/a.####.exr").returncode, expected, squeue)
 
     def test_partial_states_are_of_no_task(self):
         self.submit(self.path / "shot.json")
