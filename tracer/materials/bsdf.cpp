@@ -10,6 +10,7 @@
 #include "tracer/materials/local_direction.h"
 #include "tracer/materials/microfacet.h"
 #include "tracer/materials/multiple_scattering.h"
+#include "tracer/materials/principled.h"
 #include "tracer/materials/principled_albedo.h"
 
 // Each model overloads evaluate_model, sample_model, is_specular_model and albedo_model; the visitors below
@@ -76,9 +77,9 @@ void widen_model(DielectricBsdf& bsdf, float slope_variance) {
   bsdf = DielectricBsdf(bsdf.eta, bsdf.alpha, bsdf.transmittance);
 }
 void widen_model(PrincipledBsdf& bsdf, float slope_variance) {
-  // Multiple scattering stays that of the narrower lobe; the small difference is lost.
   widen_alpha(bsdf.alpha, slope_variance);
   bsdf.alpha = std::min(bsdf.alpha, bsdf.aspect);  // so that neither width exceeds 1
+  scale_to_lobe(bsdf);
   widen_alpha(bsdf.coat_alpha, slope_variance);
 }
 

@@ -16,6 +16,24 @@ float unit(float v) {
 
 }  // namespace
 
+void scale_to_lobe(PrincipledBsdf& bsdf) {
+  const GgxAlbedo mean_parts = PrincipledTables::get().mean_albedo(specular_shape(bsdf));
+  const float mean = mean_parts.f0 + mean_parts.f90;
+  const float metal_f90 = f90_of(max_component(bsdf.base_color));
+  const float f90 = f90_of(bsdf.f0);
+  const float dielectric = 1.0f - bsdf.metal - bsdf.glass;
+  const float lost = std::max(0.0f, 1.0f - mean);
+  const float gain = multiple_scattering_gain(mean);
+  const float multiple = gain * multiple_scattering_color(bsdf.f0, f90, mean);
+  bsdf.multiple_f0 = multiple * lost;
+  for (int c = 0; c < 3; ++c) {
+    const float metal = multiple_scattering_color(bsdf.base_color[c], metal_f90, mean);
+    bsdf.multiple[c] = bsdf.metal * gain * metal + dielectric * multiple;
+  }
+  const float dielectric_mean = bsdf.f0 * mean_parts.f0 + f90 * mean_parts.f90 + bsdf.multiple_f0 * lost;
+  bsdf.diffuse_gain = 1.0f / std::max(1e-5f, 1.0f - dielectric_mean);
+}
+
 PrincipledBsdf make_principled(const PrincipledParameters& parameters) {
   PrincipledBsdf bsdf;
   const V3f& color = parameters.base_color;
@@ -42,21 +60,7 @@ PrincipledBsdf make_principled(const PrincipledParameters& parameters) {
   bsdf.rotation_cos = std::cos(angle);
   bsdf.rotation_sin = std::sin(angle);
 
-  const GgxAlbedo mean_parts = PrincipledTables::get().mean_albedo(specular_shape(bsdf));
-  const float mean = mean_parts.f0 + mean_parts.f90;
-  const float metal_f90 = f90_of(max_component(bsdf.base_color));
-  const float f90 = f90_of(bsdf.f0);
-  const float dielectric = 1.0f - bsdf.metal - bsdf.glass;
-  const float lost = std::max(0.0f, 1.0f - mean);
-  const float gain = multiple_scattering_gain(mean);
-  const float multiple = gain * multiple_scattering_color(bsdf.f0, f90, mean);
-  bsdf.multiple_f0 = multiple * lost;
-  for (int c = 0; c < 3; ++c) {
-    const float metal = multiple_scattering_color(bsdf.base_color[c], metal_f90, mean);
-    bsdf.multiple[c] = bsdf.metal * gain * metal + dielectric * multiple;
-  }
-  const float dielectric_mean = bsdf.f0 * mean_parts.f0 + f90 * mean_parts.f90 + bsdf.multiple_f0 * lost;
-  bsdf.diffuse_gain = 1.0f / std::max(1e-5f, 1.0f - dielectric_mean);
+  scale_to_lobe(bsdf);
 
   const float strongest = max_component(bsdf.base_color);
   const V3f hue = strongest > 0.0f ? bsdf.base_color / strongest : V3f(1.0f);

@@ -22,4 +22,8 @@ struct PrincipledParameters {
 /// Values outside [0,1] are clamped, NaN counts as 0; an ior that is not positive and finite as 1.
 PrincipledBsdf make_principled(const PrincipledParameters& parameters);
 
+/// Scales what depends on the albedo of the base's lobe to its widths: further bounces within it, so that it
+/// loses no energy and gains none, and the diffuse part below it.
+void scale_to_lobe(PrincipledBsdf& bsdf);
+
 }  // namespace becalm::tracer

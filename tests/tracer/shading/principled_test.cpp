@@ -97,6 +97,20 @@ TEST(Principled, never_returns_more_light_than_it_receives) {
   }
 }
 
+TEST(Principled, a_widened_lobe_returns_no_more_light_than_it_receives) {
+  for (const auto& [name, parameters] : corners()) {
+    for (const float slope_variance : {0.02f, 0.25f, 1.0f}) {
+      Bsdf widened = make(parameters);
+      widen(widened, slope_variance);
+      for (const V3f& wo : {direction(3.0, 20.0), direction(85.0, 90.0)}) {
+        Energy e = energy(widened, wo, 1000);
+        if (e.mean > 1.0) e = energy(widened, wo, 60000);  // was it the points?
+        EXPECT_LT(e.mean, 1.001) << name << " widened by " << slope_variance << " wo " << wo;
+      }
+    }
+  }
+}
+
 /// The margin of the tables is lost (0.3%), and more of polished metal at grazing angles (see
 /// make_principled).
 TEST(Principled, isotropic_metal_and_plastic_lose_nothing) {
