@@ -272,6 +272,12 @@ TEST(MotionSteps, FollowTheCurveWithinAThousandth) {
   const auto [bouncing, bouncing_error] = worst(curve(bounces), 1.0);
   EXPECT_GE(bouncing, 8);
   EXPECT_LT(bouncing_error, 1e-3);
+  const auto spinning = [&](double degrees) {
+    return worst(curve({{0.0, {0, 0, 0, 0, 0, 0, 1, 1, 1}}, {2.0, {0, 0, 0, 0, 0, 2.0 * degrees, 1, 1, 1}}}),
+                 1.0);
+  };
+  for (const double degrees : {360.0, 600.0}) EXPECT_LT(spinning(degrees).second, 1e-3) << degrees;
+  EXPECT_EQ(spinning(4.0 * 360.0).first, 128) << "at each quarter it is as it was";
 }
 
 }  // namespace

@@ -4,7 +4,7 @@ namespace becalm::tracer {
 
 namespace {
 
-constexpr int kMostSegments = 32;
+constexpr int kMostSegments = 128;   // as many as Embree takes
 constexpr double kTolerance = 1e-3;  ///< of the radius
 
 /// Bound of how far apart the two put a point within `radius` of the origin.
@@ -38,11 +38,15 @@ std::vector<double> times_of_keys(const TransformCurve& curve, double frame, con
 }
 
 /// Largest distance between the curve and its steps relative to the object's size, at the given times and at
-/// four times in each segment.
+/// eight times in each segment. Half of those are not evenly spaced: at evenly spaced times alone, whole
+/// turns would look like rest.
 double error(const TransformCurve& curve, double frame, const Shutter& shutter, int segments, double radius,
              std::vector<double> times) {
   const MotionSteps<double> steps = motion_steps(curve, frame, shutter, segments);
-  for (int i = 0; i < 4 * segments; ++i) times.push_back(i / (4.0 * segments));
+  constexpr double golden = 0.6180339887498949;
+  for (int i = 0; i < 4 * segments; ++i) {
+    for (const double offset : {0.0, golden}) times.push_back((i + offset) / (4.0 * segments));
+  }
   double worst = 0.0;
   for (const double time : times) {
     const M44d exact = transform_at(curve, shutter.at(frame, time));

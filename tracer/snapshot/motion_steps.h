@@ -33,7 +33,7 @@ class MotionSteps {
   std::vector<Matrix> steps_;
 };
 
-/// The number of segments, at most 32, with which linear motion keeps every point within `radius` of the
+/// The number of segments, at most 128, with which linear motion keeps every point within `radius` of the
 /// object's origin within a thousandth of the object's size of its exact place; 0 if nothing moves while the
 /// shutter is open.
 int motion_segments(const TransformCurve& curve, double frame, const Shutter& shutter, double radius);
