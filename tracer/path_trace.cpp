@@ -42,6 +42,7 @@ bool Path<F>::step() {
       if (event.scattered) return scatter_in_medium(medium, event.t);
       if (is_black(throughput_)) {  // too deep for any light to pass
         result_.covered = result_.covered || depth_ == 0;
+        if (F.guides && scatterings_ == 0) result_.guides.albedo = V3f(0.0f);
         return false;
       }
     }

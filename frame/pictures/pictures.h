@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -16,6 +17,11 @@ namespace becalm::pictures {
 inline int find_channel(int channels, int alpha_channel, std::string_view name) {
   if (name == "a") return alpha_channel;
   return channels >= 3 ? static_cast<int>(std::string_view("rgb").find(name)) : 0;
+}
+
+/// The linear value of a code in [0,1] (IEC 61966-2-1).
+inline float srgb_to_linear(float code) {
+  return code <= 0.04045f ? code / 12.92f : std::pow((code + 0.055f) / 1.055f, 2.4f);
 }
 
 struct Header {

@@ -15,10 +15,6 @@ namespace {
 
 constexpr float kCacheMegabytes = 1024.0f;
 
-float srgb_to_linear(float v) {
-  return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
-}
-
 float finite_or_zero(float v) {
   return std::isfinite(v) ? v : 0.0f;
 }

@@ -114,6 +114,20 @@ TEST(Scatter, RefusesGroundsThatRaysCannotReach) {
   }
 }
 
+TEST(Scatter, RefusesGroundsWhoseShapeMoves) {
+  const auto on_sea = [](const std::string& time) {
+    return R"({'film': {'width': 4, 'height': 4}, 'camera': {'look_at': {'eye': [0,2,9], 'target': [0,0,0]}},
+      'materials': {'m': {'type': 'diffuse', 'reflectance': 0.5}},
+      'meshes': {'sea': {'procedural': 'ocean', 'size': 100, 'wavelength': 10, 'time_s': )" +
+           time + R"(}, 'cube': {'shape': 'cube'}},
+      'objects': [{'name': 'sea', 'mesh': 'sea', 'material': 'm'}, {'mesh': 'cube', 'material': 'm',
+        'scatter': {'area': [-3,-3,3,3], 'count': 5, 'on': 'sea'}}]})";
+  };
+  EXPECT_EQ(load_text(on_sea("2")).description().objects.size(), 6u);
+  EXPECT_EQ(load_error(on_sea("{'keys': [{'frame': 1, 'value': 0}, {'frame': 24, 'value': 1}]}")),
+            "scene.json: /objects/1/scatter/on: the object 'sea' moves");
+}
+
 TEST(Scatter, StandsOnAllPartsOfAGround) {
   // The left half is 1 high, the right half 2.
   write_file(

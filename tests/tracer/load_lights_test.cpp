@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/tracer/test_images.h"
 #include "tests/tracer/test_scenes.h"
 
 namespace becalm::tracer::test {
@@ -175,6 +176,20 @@ void expect_irradiance(const std::string& lights, double irradiance, const std::
   const double truth = 0.5 / std::numbers::pi * irradiance;
   EXPECT_NEAR(mean.value, truth, 4.0 * mean.error + 1e-4 * truth) << lights;
   EXPECT_LT(mean.error, 0.02 * truth) << lights;
+}
+
+TEST(LoadLights, CodesOfEnvironmentImagesAreDecoded) {
+  const std::vector<float> grey(6, 128.0f / 255.0f);
+  write_image("sky.png", 2, 1, 3, grey);
+  write_image("sky.exr", 2, 1, 3, grey);
+  const auto radiance = [](const std::string& image) {
+    const Scene scene =
+        load_text("{'environment': {'image': '" + image + R"('}, 'film': {'width': 4, 'height': 4},
+      'camera': {'look_at': {'eye': [3,4,0], 'target': [0,0,0]}}, 'materials': {}, 'meshes': {}, 'objects': []})");
+    return scene.description().environment->radiance(V3f(0.0f, 0.0f, 1.0f)).y;
+  };
+  EXPECT_NEAR(radiance("sky.png"), 0.21586f, 1e-4f) << "of sRGB";
+  EXPECT_NEAR(radiance("sky.exr"), grey[0], 1e-4f) << "as it is";
 }
 
 TEST(LoadLights, PicturesHaveTheIrradianceOfTheirLights) {

@@ -133,12 +133,15 @@ TEST(Load, LimitsWhatHostileFilesNest) {
   std::string procedural = scene(mixes);
   procedural.replace(procedural.find("'shape': 'cube'"), 15, "'procedural': 'terrain'");
   EXPECT_TRUE(load_text(procedural).needs().mix);
-  std::string chain;
-  for (int i = 0; i < 70; ++i) {
-    chain += fmt::format("'a{0:02}': {{'type': 'mix', 'materials': ['{1}', 'm60']}}, ", i,
-                         i == 69 ? std::string("m60") : fmt::format("a{:02}", i + 1));
+  for (const int step : {1, -1}) {  // the deepest first, and last
+    std::string chain;
+    for (int i = 0; i < 70; ++i) {
+      const int next = i + step;
+      chain += fmt::format("'a{0:02}': {{'type': 'mix', 'materials': ['{1}', 'm60']}}, ", i,
+                           next < 0 || next == 70 ? std::string("m60") : fmt::format("a{:02}", next));
+    }
+    EXPECT_NE(load_error(scene(chain)).find("mixes are nested more than 64 deep"), std::string::npos) << step;
   }
-  EXPECT_NE(load_error(scene(chain)).find("mixes are nested more than 64 deep"), std::string::npos);
 }
 
 TEST(Load, LightGroupsHaveNamesThatFilesCanHold) {

@@ -144,6 +144,20 @@ TEST(Mtl, ImagesAreOffset) {
   EXPECT_NEAR(opacity(masked, left), 0.75f, 0.5f / 255.0f);
 }
 
+TEST(Mtl, AMaskIsNotReadWithoutUvs) {
+  write_image("mask.exr", 2, 1, 1, {0.0f, 0.0f});
+  write_file("leaf.mtl", "newmtl leaf\nd 0.5\nmap_d mask.exr\n");
+  for (const bool with_uvs : {false, true}) {
+    write_file("leaf.obj", std::string("mtllib leaf.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl leaf\n") +
+                               (with_uvs ? "f 1/1 2/1 3/1\n" : "f 1 2 3\n"));
+    const Scene scene = load_text(R"({'camera': {'look_at': {'eye': [0,2,9], 'target': [0,0,0]}},
+      'film': {'width': 4, 'height': 4}, 'materials': {}, 'meshes': {'leaf': {'obj': 'leaf.obj', 'materials': 'mtl'}},
+      'objects': [{'mesh': 'leaf'}]})");
+    const Material& material = scene.description().materials.back();
+    EXPECT_NEAR(opacity(material, {0.5f, 0.5f}), with_uvs ? 0.0f : 0.5f, 0.5f / 255.0f);
+  }
+}
+
 TEST(Mtl, WarnsOfNumbersOutOfRange) {
   const auto warnings = [](const std::string& line) {
     const std::vector<std::string> found = load("newmtl a\n" + line + "\nnewmtl b\n").warnings;

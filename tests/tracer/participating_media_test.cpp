@@ -253,6 +253,13 @@ TEST(Media, HideWhatIsBehindWithTheirGuides) {
   EXPECT_NEAR(frame.image(Aov::depth).at(1, 1, 0), 20.0f - 0.75f, 1e-2f);
   EXPECT_LT(frame.image(Aov::albedo).at(1, 1, 1), 0.01f);
   EXPECT_EQ(frame.image(Aov::object_id).at(1, 1, 0), 1.0f);
+  // Likewise one that never scatters.
+  Scene black = load_text(test::scene(
+      "'max_depth': 4", kAlongZ, "'soot': {'type': 'homogeneous', 'extinction': 200, 'albedo': 0}",
+      "{'mesh': 'box', 'interior': 'soot', 'material': 'air', " + kSlab + "}", ""));
+  const Frame of_black = render_frame(black, 1, options(16, {Aov::albedo})).value();
+  EXPECT_EQ(of_black.image(Aov::beauty).at(1, 1, 3), 1.0f);
+  EXPECT_EQ(of_black.image(Aov::albedo).at(1, 1, 1), 0.0f);
 }
 
 }  // namespace

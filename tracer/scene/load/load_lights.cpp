@@ -1,3 +1,4 @@
+#include <span>
 #include <stdexcept>
 
 #include "frame/pictures/pictures.h"
@@ -10,7 +11,19 @@ namespace {
 /// Of the sun as the earth sees it, on average over the year.
 constexpr double kSunDiameterDeg = 0.533;
 
-/// The image as floats. Throws an error at the JSON value that names it.
+/// Integers are codes of sRGB, as in images of materials; alpha is none.
+void make_linear(const pictures::Header& header, Image& image) {
+  for (std::size_t i = 0; i < image.pixel_count(); ++i) {
+    const std::span<float> texel = image.data().subspan(i * header.channels, header.channels);
+    const float alpha = header.alpha_channel < 0 ? 1.0f : texel[header.alpha_channel];
+    for (int c = 0; c < header.channels; ++c) {
+      if (c == header.alpha_channel) continue;
+      texel[c] = alpha > 0.0f ? alpha * pictures::srgb_to_linear(texel[c] / alpha) : 0.0f;
+    }
+  }
+}
+
+/// The image as linear floats, multiplied by its alpha. Throws an error at the JSON value that names it.
 Image read_image(const JsonValue& json, const std::string& path) {
   expect_file(json, path);
   pictures::Library& library = pictures::library();
@@ -19,6 +32,7 @@ Image read_image(const JsonValue& json, const std::string& path) {
     const pictures::Header& header = file->header();
     Image image(header.width, header.height, header.channels);
     file->read(image.data());
+    if (!header.float_samples) make_linear(header, image);
     return image;
   } catch (const std::runtime_error& error) {
     json.fail(fmt::format("cannot read '{}': {}", path, error.what()));

@@ -228,10 +228,14 @@ Material read_material(const std::string& name, const JsonValue& json, SceneDesc
 void check_mixes(const JsonValue& json, const std::vector<Material>& materials) {
   enum class State { unseen, open, done };
   std::vector<State> states(materials.size(), State::unseen);
+  std::vector<int> levels(materials.size(), 0);  // mixes nested in those that are done, themselves included
   constexpr int deepest = 64;
-  const std::function<void(std::uint32_t, int)> visit = [&](std::uint32_t index, int depth) {
-    if (depth > deepest)
+  const auto limit = [&](std::uint32_t index, int nested) {
+    if (nested > deepest)
       json.at(materials[index].name).fail(fmt::format("mixes are nested more than {} deep", deepest));
+  };
+  const std::function<void(std::uint32_t, int)> visit = [&](std::uint32_t index, int depth) {
+    limit(index, depth);
     states[index] = State::open;
     if (const auto* mix = std::get_if<MixMaterial>(&materials[index].model)) {
       const std::vector<JsonValue> parts = json.at(materials[index].name).at("materials").elements();
@@ -244,8 +248,10 @@ void check_mixes(const JsonValue& json, const std::vector<Material>& materials) 
         if (has_alpha(materials[part]))
           parts[i].fail(fmt::format("'{}' has an opacity; give it to the mix instead", name));
         if (states[part] == State::unseen) visit(part, depth + 1);
+        levels[index] = std::max(levels[index], levels[part] + 1);
       }
     }
+    limit(index, levels[index]);
     states[index] = State::done;
   };
   for (std::uint32_t i = 0; i < materials.size(); ++i) {

@@ -173,6 +173,18 @@ Scatter read_scatter(const JsonValue& json) {
   return scatter;
 }
 
+/// Whether the shape itself is animated.
+bool changes(const Geometry& shape) {
+  const auto* procedural = std::get_if<ProceduralDescription>(&shape);
+  if (procedural == nullptr) return false;
+  if (const auto* terrain = std::get_if<TerrainDescription>(procedural))
+    return terrain->height.animated() || terrain->erosion.animated();
+  if (const auto* ocean = std::get_if<OceanDescription>(procedural))
+    return ocean->wave_height.animated() || ocean->time_s.animated();
+  const auto& blobs = std::get<BlobsDescription>(*procedural);
+  return blobs.radius.animated() || blobs.time_s.animated();
+}
+
 /// The earlier object of that name, with all parts of its mesh.
 std::vector<Object> read_ground(const JsonValue& json, const SceneDescription& scene) {
   const std::string name = json.string();
@@ -180,8 +192,10 @@ std::vector<Object> read_ground(const JsonValue& json, const SceneDescription& s
   std::ranges::copy_if(scene.objects, std::back_inserter(parts),
                        [&](const Object& object) { return object.name == name; });
   if (parts.empty()) json.fail(fmt::format("no object '{}' before this one", name));
-  if (std::ranges::any_of(parts, [](const Object& part) { return part.transform.animated(); }))
-    json.fail(fmt::format("the object '{}' moves", name));
+  const auto moves = [&](const Object& part) {
+    return part.transform.animated() || changes(scene.meshes[part.mesh]);
+  };
+  if (std::ranges::any_of(parts, moves)) json.fail(fmt::format("the object '{}' moves", name));
   return parts;
 }
 
