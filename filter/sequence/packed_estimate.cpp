@@ -1,13 +1,18 @@
 #include "filter/sequence/packed_estimate.h"
 
-#include <half.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <limits>
 #include <mutex>
+#include <span>
 
+#include "filter/for_rows.h"
+#include "filter/sequence/half_values.h"
 #include "filter/task.h"
 
 namespace becalm::filter {
@@ -15,11 +20,22 @@ namespace {
 
 constexpr float kLargestError = 0x1p-10f;
 constexpr std::size_t kPixelsATask = 1 << 14;
+constexpr std::size_t kBlocksATask = 1 << 11;
 
 template <class Body>
 void for_pixels(std::size_t count, const Body& body) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kPixelsATask),
                     [&](const tbb::blocked_range<std::size_t>& block) { body(block.begin(), block.end()); });
+}
+
+/// Calls body(begin, end) for ranges of values that begin with a block.
+template <class Body>
+void for_blocks(std::size_t values, const Body& body) {
+  constexpr std::size_t task = kBlocksATask * kHalfBlock;
+  for_each_in_parallel(static_cast<int>((values + task - 1) / task), [&](int i) {
+    const std::size_t begin = static_cast<std::size_t>(i) * task;
+    body(begin, std::min(begin + task, values));
+  });
 }
 
 /// Applies `function` to a channel: it converts variances to standard deviations, whose range is half as
@@ -67,38 +83,55 @@ void scale_as(const Image& whole, const Image& rounded, Image& image) {
 }  // namespace
 
 HalfImage::HalfImage(const Image& image, const std::vector<float>& scale)
-    : width_(image.width()), height_(image.height()), scale_(scale), halves_(image.data().size()) {
+    : width_(image.width()), height_(image.height()), scale_(scale) {
+  const std::span<const float> values = image.data();
+  if (values.size() > std::numeric_limits<std::uint32_t>::max()) {
+    floats_ = image;
+    return;
+  }
+  const ChannelFactors factors(scale_);
+  halves_.resize(values.size());
   std::mutex mutex;
-  for_pixels(image.pixel_count(), [&](std::size_t begin, std::size_t end) {
-    std::vector<std::pair<std::size_t, float>> missed;
-    std::size_t i = begin * scale_.size();
-    for (std::size_t pixel = begin; pixel < end; ++pixel) {
-      for (const float of_channel : scale_) {
-        const float value = image.data()[i];
-        halves_[i] = imath_float_to_half(value * of_channel);
-        const float back = imath_half_to_float(halves_[i]) / of_channel;
-        if (!(std::abs(back - value) <= kLargestError * std::abs(value))) missed.emplace_back(i, value);
-        ++i;
+  for_blocks(values.size(), [&](std::size_t begin, std::size_t end) {
+    std::vector<Exception> missed;
+    for (std::size_t first = begin; first < end; first += kHalfBlock) {
+      const std::size_t count = std::min(kHalfBlock, end - first);
+      std::array<float, kHalfBlock> block{};
+      std::array<std::uint16_t, kHalfBlock> halves{};
+      std::copy_n(&values[first], count, block.begin());
+      std::uint32_t misses = to_halves(block.data(), factors, kLargestError, halves.data());
+      std::copy_n(halves.begin(), count, &halves_[first]);
+      for (; misses != 0; misses &= misses - 1) {
+        const std::size_t i = first + static_cast<std::size_t>(std::countr_zero(misses));
+        missed.push_back({static_cast<std::uint32_t>(i), values[i]});
       }
     }
     if (missed.empty()) return;
     const std::scoped_lock lock(mutex);
     exceptions_.insert(exceptions_.end(), missed.begin(), missed.end());
   });
+  if (exceptions_.size() * sizeof(Exception) <= halves_.size() * sizeof(std::uint16_t)) return;
+  floats_ = image;
+  halves_ = {};
+  exceptions_ = {};
 }
 
 Image HalfImage::image() const {
+  if (!floats_.empty()) return floats_;
   Image image(width_, height_, static_cast<int>(scale_.size()), Unfilled());
-  for_pixels(image.pixel_count(), [&](std::size_t begin, std::size_t end) {
-    std::size_t i = begin * scale_.size();
-    for (std::size_t pixel = begin; pixel < end; ++pixel) {
-      for (const float of_channel : scale_) {
-        image.data()[i] = imath_half_to_float(halves_[i]) / of_channel;
-        ++i;
-      }
+  const ChannelFactors factors(scale_);
+  const std::span<float> values = image.data();
+  for_blocks(values.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t first = begin; first < end; first += kHalfBlock) {
+      const std::size_t count = std::min(kHalfBlock, end - first);
+      std::array<float, kHalfBlock> block{};
+      std::array<std::uint16_t, kHalfBlock> halves{};
+      std::copy_n(&halves_[first], count, halves.begin());
+      from_halves(halves.data(), factors, block.data());
+      std::copy_n(block.begin(), count, &values[first]);
     }
   });
-  for (const auto& [index, value] : exceptions_) image.data()[index] = value;
+  for (const Exception& exception : exceptions_) values[exception.index] = exception.value;
   return image;
 }
 

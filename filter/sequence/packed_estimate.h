@@ -3,15 +3,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "filter/estimate.h"
+#include "frame/pixel_memory.h"
 
 namespace becalm::filter {
 
 /// An image stored as half floats. Values whose relative error would exceed 2^-10 are stored as floats
-/// besides.
+/// besides; if they are many, all are.
 class HalfImage {
  public:
   HalfImage() = default;
@@ -20,11 +20,17 @@ class HalfImage {
   Image image() const;
 
  private:
+  struct Exception {
+    std::uint32_t index = 0;
+    float value = 0.0f;
+  };
+
   int width_ = 0;
   int height_ = 0;
   std::vector<float> scale_;
-  std::vector<std::uint16_t> halves_;
-  std::vector<std::pair<std::size_t, float>> exceptions_;  ///< index, value
+  std::vector<std::uint16_t, PixelAllocator<std::uint16_t>> halves_;
+  std::vector<Exception> exceptions_;
+  Image floats_;  ///< instead of both; usually empty
 };
 
 /// An Estimate in half the memory, within a relative 2^-10 of each value (2^-9 of variances). Additive AOVs

@@ -2,10 +2,17 @@
 #include "filter/sequence/packed_estimate.h"
 
 #include <gtest/gtest.h>
+#include <half.h>
 
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numeric>
 #include <random>
+#include <vector>
 
+#include "filter/sequence/half_values.h"
 #include "filter/task.h"
 
 namespace becalm::filter {
@@ -52,6 +59,58 @@ TEST(PackedEstimate, ComesBackToAThousandth) {
     expect_near(found.noise, estimate.noise);
     ASSERT_EQ(found.carried.size(), carried);
     for (std::size_t i = 0; i < carried; ++i) expect_near(found.carried[i], estimate.carried[i]);
+  }
+}
+
+TEST(HalfImage, ManyValuesThatNoHalfStandsForStayFloats) {
+  // A component of a plane's normal that rounding left: far below the least half that is exact to a
+  // thousandth.
+  Image normals(64, 9, 3, 1.0f);
+  for (std::size_t i = 0; i < normals.data().size(); i += 3) normals.data()[i] = -4.37e-8f;
+  normals.data()[4] = std::numeric_limits<float>::quiet_NaN();
+  const Image found = HalfImage(normals, {1.0f, 1.0f, 1.0f}).image();
+  for (std::size_t i = 0; i < normals.data().size(); ++i) {
+    if (i == 4) continue;
+    ASSERT_EQ(found.data()[i], normals.data()[i]) << i;
+  }
+  EXPECT_TRUE(std::isnan(found.data()[4]));
+}
+
+/// Halves by the processor's instructions are those of Imath.
+TEST(HalfImage, EveryHalfComesBack) {
+  std::vector<std::uint16_t> bits(1 << 16);
+  std::iota(bits.begin(), bits.end(), std::uint16_t{0});
+  const ChannelFactors one({1.0f});
+  for (std::size_t first = 0; first + kHalfBlock <= bits.size(); first += kHalfBlock) {
+    std::array<float, kHalfBlock> values{};
+    std::array<std::uint16_t, kHalfBlock> back{};
+    from_halves(&bits[first], one, values.data());
+    const std::uint32_t missed = to_halves(values.data(), one, 0x1p-10f, back.data());
+    for (std::size_t i = 0; i < kHalfBlock; ++i) {
+      const float expected = imath_half_to_float(bits[first + i]);
+      const bool stands_for_it = std::isfinite(expected);
+      ASSERT_EQ((missed >> i & 1) == 0, stands_for_it) << bits[first + i];
+      if (!std::isnan(expected)) {
+        ASSERT_EQ(values[i], expected) << bits[first + i];
+      }
+      if (stands_for_it) {
+        ASSERT_EQ(back[i], bits[first + i]);
+      }
+    }
+  }
+}
+
+TEST(HalfImage, HalvesAreRoundedAsImathDoes) {
+  std::mt19937 random(9);
+  std::uniform_real_distribution<float> exponent(-30.0f, 20.0f);
+  const ChannelFactors factors({3.0f, 0.25f});
+  for (int n = 0; n < 1000; ++n) {
+    std::array<float, kHalfBlock> values{};
+    std::array<std::uint16_t, kHalfBlock> halves{};
+    for (float& value : values) value = std::exp2(exponent(random)) * (random() % 2 == 0 ? 1.0f : -1.0f);
+    to_halves(values.data(), factors, 0x1p-10f, halves.data());
+    for (std::size_t i = 0; i < kHalfBlock; ++i)
+      ASSERT_EQ(halves[i], imath_float_to_half(values[i] * factors.data()[i])) << values[i];
   }
 }
 
