@@ -49,12 +49,12 @@ ImageId add_variance_estimate(gpu::Chain& chain, gpu::Extent full, const FrameWi
       .write("scales", scales)
       .specialize("has_albedo", albedo_depth ? 1 : 0)
       .dispatch(full);
-  const ImageId sums = add_patch_sums(chain, kPatchRadius, full, scales, "noise.scales");
+  const PatchSums sums = add_patch_sums(chain, kPatchRadius, full, scales, "noise.scales");
   const ImageId variance = chain.image("variance.estimated", Format::f32x2, full);
   chain.pass("merge/noise_share")
       .read("estimate", estimate)
-      .read("scales", scales, gpu::reach(kPatchRadius, 0))
-      .read("scales_sums", sums)
+      .read("scales", scales, sums.reach)
+      .read("scales_sums", sums.of_other_rows)
       .read("noise_ratio", frame.noise_ratio)
       .write("variance", variance)
       .specialize("radius", kPatchRadius)

@@ -25,7 +25,7 @@ Combined add_combine_passes(gpu::Chain& chain, const Settings& settings, gpu::Ex
       .read("exposure", inputs.exposure)
       .write("statistics", statistics)
       .dispatch(extent);
-  const ImageId sums = add_patch_sums(chain, settings.patch_radius, extent, statistics, "combine");
+  const PatchSums sums = add_patch_sums(chain, settings.patch_radius, extent, statistics, "combine");
   const bool has_carried = !inputs.forward_carried.empty();
   Combined combined{chain.image("combined.color", Format::f32x4, extent),
                     chain.image("combined.stats", Format::f32x2, extent)};
@@ -36,8 +36,8 @@ Combined add_combine_passes(gpu::Chain& chain, const Settings& settings, gpu::Ex
       .read("forward_stats", inputs.forward_stats)
       .read("backward_color", inputs.backward_color)
       .read("backward_stats", inputs.backward_stats)
-      .read("statistics", statistics, gpu::reach(settings.patch_radius, 0))
-      .read("statistics_sums", sums)
+      .read("statistics", statistics, sums.reach)
+      .read("statistics_sums", sums.of_other_rows)
       .write("color", combined.color)
       .write("stats", combined.stats)
       .write("weight_backward", weight)

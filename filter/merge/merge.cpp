@@ -51,9 +51,9 @@ ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, c
                        .smoothed = settings.smooth != Smooth::none};
   if (settings.smooth == Smooth::merged) frame.noisy = {.image = inputs.noisy.variance};
   const auto [difference, noise] = add_statistics(chain, full, frame, warped);
-  const ImageId difference_sums =
+  const PatchSums difference_sums =
       add_patch_sums(chain, settings.patch_radius, full, difference, "difference");
-  const ImageId noise_sums = add_patch_sums(chain, settings.patch_radius, full, noise, "noise");
+  const PatchSums noise_sums = add_patch_sums(chain, settings.patch_radius, full, noise, "noise");
   const ImageId decision = chain.image("decision", Format::f32x4, full);
   chain.pass("merge/variance_gain")
       .read("color", inputs.color)
@@ -61,10 +61,10 @@ ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, c
       .read("warped_color", warped.color)
       .read("warped_stats", warped.stats)
       .read("exposure", inputs.noisy.exposure)
-      .read("difference", difference, gpu::reach(settings.patch_radius, 0))
-      .read("noise", noise, gpu::reach(settings.patch_radius, 0))
-      .read("difference_sums", difference_sums)
-      .read("noise_sums", noise_sums)
+      .read("difference", difference, difference_sums.reach)
+      .read("noise", noise, noise_sums.reach)
+      .read("difference_sums", difference_sums.of_other_rows)
+      .read("noise_sums", noise_sums.of_other_rows)
       .write("merged_color", inputs.history_color.next)
       .write("merged_stats", inputs.history_stats.next)
       .write("decision", decision)
@@ -106,12 +106,12 @@ ImageId add_known_noise(Chain& chain, Extent full, ImageId noisy, ImageId warped
       .read("variance", frame.variance)
       .write("statistics", statistics)
       .dispatch(full);
-  const ImageId sums = add_patch_sums(chain, kNoisePatchRadius, full, statistics, "noise.repeated");
+  const PatchSums sums = add_patch_sums(chain, kNoisePatchRadius, full, statistics, "noise.repeated");
   const ImageId known = chain.image("noisy.known", Format::f32x4, full);
   chain.pass("merge/known_noise")
       .read("noisy", noisy)
-      .read("statistics", statistics, gpu::reach(kNoisePatchRadius, 0))
-      .read("statistics_sums", sums)
+      .read("statistics", statistics, sums.reach)
+      .read("statistics_sums", sums.of_other_rows)
       .write("known", known)
       .specialize("radius", kNoisePatchRadius)
       .dispatch(full);
@@ -121,23 +121,22 @@ ImageId add_known_noise(Chain& chain, Extent full, ImageId noisy, ImageId warped
 /// A carried image warped to the target, and the share of the sharp filter that it was read with.
 struct CarriedRead {
   ImageId warped;
-  std::optional<ImageId> share;  ///< set if the image was read with a share of its own
+  std::optional<ImageId> share;  ///< its own, if others are read with it
 };
 
 /// Warps carried image `i` of the history. Additive AOVs are read with the given share, other images with a
-/// share of their own that keeps them within the range of the nearest pixels.
+/// share of their own that keeps them within the range of the nearest pixels and, if `share_is_read`, is
+/// written.
 CarriedRead add_carried_read(Chain& chain, const Settings& settings, Extent full, const SourceWindow& window,
                              ImageId offset, ImageId holes, const WarpInputs& history, std::size_t i,
-                             std::optional<ImageId> share) {
+                             std::optional<ImageId> share, bool share_is_read) {
   const CarriedImage& carried = history.carried[i];
   assert(settings.resample != Resample::spline && "only the beauty has spline coefficients");
   const bool own_share = carried.kind != Carried::additive;
   CarriedRead made{.warped = chain.image(fmt::format("warped.carried.{}", i), Format::f32x4, full),
                    .share = {}};
-  if (own_share) {
-    made.share = chain.image(fmt::format("warped.share.{}", i), Format::f32, full);
-    share.reset();
-  }
+  if (own_share) share.reset();
+  if (share_is_read) made.share = chain.image(fmt::format("warped.share.{}", i), Format::f32, full);
   chain.pass("merge/carried_warp")
       .read("offset", offset)
       .read("history_color", carried.image, gather_history(history))
@@ -148,6 +147,7 @@ CarriedRead add_carried_read(Chain& chain, const Settings& settings, Extent full
       .write("own_share", made.share)
       .specialize("resample", static_cast<int>(settings.resample))
       .specialize("in_range", own_share ? 1 : 0)
+      .specialize("writes_share", made.share ? 1 : 0)
       .dispatch(full);
   return made;
 }
@@ -184,16 +184,18 @@ WarpedHistory add_warp_passes(Chain& chain, const Settings& settings, Extent ful
   const auto noisy = std::ranges::find(history.carried, Carried::radiance, &CarriedImage::kind);
   warped.carried.resize(history.carried.size());
   std::optional<ImageId> share_of_light = share;
-  const auto read = [&](std::size_t i) {
-    const CarriedRead made =
-        add_carried_read(chain, settings, full, window, offset, *holes, history, i, share_of_light);
+  const auto read = [&](std::size_t i, bool share_is_read) {
+    const CarriedRead made = add_carried_read(chain, settings, full, window, offset, *holes, history, i,
+                                              share_of_light, share_is_read);
     warped.carried[i] = made.warped;
     return made.share;
   };
   const auto first = static_cast<std::size_t>(noisy - history.carried.begin());
-  if (first < history.carried.size()) share_of_light = read(first);
+  const bool has_additive =
+      std::ranges::find(history.carried, Carried::additive, &CarriedImage::kind) != history.carried.end();
+  if (first < history.carried.size()) share_of_light = read(first, has_additive);
   for (std::size_t i = 0; i < history.carried.size(); ++i) {
-    if (i != first) read(i);
+    if (i != first) read(i, false);
   }
   return warped;
 }

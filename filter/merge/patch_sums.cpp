@@ -18,8 +18,9 @@ int sum_strip(const gpu::DeviceInfo& device) {
 
 }  // namespace
 
-ImageId add_patch_sums(gpu::Chain& chain, int radius, gpu::Extent full, ImageId statistics,
-                       const std::string& name) {
+PatchSums add_patch_sums(gpu::Chain& chain, int radius, gpu::Extent full, ImageId statistics,
+                         const std::string& name) {
+  if (radius == 1) return {.of_other_rows = std::nullopt, .reach = gpu::reach(1)};
   const ImageId rows = chain.image(name + ".rows", Format::f32x4, full);
   const ImageId sums = chain.image(name + ".sums", Format::f32x4, full);
   const int strip = sum_strip(chain.device());
@@ -35,7 +36,7 @@ ImageId add_patch_sums(gpu::Chain& chain, int radius, gpu::Extent full, ImageId 
   };
   box(statistics, rows, false);
   box(rows, sums, true);
-  return sums;
+  return {.of_other_rows = sums, .reach = gpu::reach(radius, 0)};
 }
 
 }  // namespace becalm::filter

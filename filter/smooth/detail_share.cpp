@@ -42,16 +42,15 @@ DetailShare add_detail_share(gpu::Chain& chain, gpu::Extent full, const NoisyInp
       .specialize("has_normal", frame.has_normal ? 1 : 0)
       .dispatch(full);
 
-  const ImageId lost_sums = sums(lost, "detail.lost");
-  const std::optional<ImageId> background_sums =
-      background ? std::optional(sums(*background, "detail.lost_background")) : std::nullopt;
+  const PatchSums lost_sums = sums(lost, "detail.lost");
+  const PatchSums background_sums = background ? sums(*background, "detail.lost_background") : PatchSums{};
   const DetailShare detail{.share = chain.image("detail.share", Format::f32x2, full),
                            .stats = chain.image("detail.stats", Format::f32x2, full)};
   chain.pass("smooth/share")
-      .read("lost", lost, gpu::reach(kLostRadius, 0))
-      .read("lost_sums", lost_sums)
-      .read("lost_background", background, gpu::reach(kLostRadius, 0))
-      .read("lost_background_sums", background_sums)
+      .read("lost", lost, lost_sums.reach)
+      .read("lost_sums", lost_sums.of_other_rows)
+      .read("lost_background", background, background_sums.reach)
+      .read("lost_background_sums", background_sums.of_other_rows)
       .read("variance", frame.variance)
       .read("expected", stats)
       .read("albedo_depth", features.albedo_depth)

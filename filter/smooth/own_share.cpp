@@ -26,12 +26,12 @@ OwnShare add_own_share(gpu::Chain& chain, gpu::Extent full, const NoisyInputs& f
       .write("difference", difference)
       .specialize("has_detail", estimate.detail ? 1 : 0)
       .dispatch(full);
-  const gpu::ImageId sums = add_patch_sums(chain, kRadius, full, difference, "own.difference");
+  const PatchSums sums = add_patch_sums(chain, kRadius, full, difference, "own.difference");
   const OwnShare own{.share = chain.image("own.share", Format::f32, full),
                      .stats = chain.image("own.stats", Format::f32x2, full)};
   chain.pass("smooth/own_share")
-      .read("difference", difference, gpu::reach(kRadius, 0))
-      .read("difference_sums", sums)
+      .read("difference", difference, sums.reach)
+      .read("difference_sums", sums.of_other_rows)
       .read("estimate", estimate.color)
       .read("estimate_stats", estimate.stats)
       .read("exposure", frame.exposure)

@@ -64,8 +64,8 @@ void EyePasses::add_blend(const FilterTask& task, const WarpedHistory& warped) {
     estimate.noisy = {.image = own.carried[task.additive + FilterTask::kNoisyRadiance], .channel = 3};
   }
   const auto [difference, noise] = add_statistics(chain, target, estimate, warped);
-  const ImageId difference_sums = add_patch_sums(chain, radius, target, difference, "difference");
-  const ImageId noise_sums = add_patch_sums(chain, radius, target, noise, "noise");
+  const PatchSums difference_sums = add_patch_sums(chain, radius, target, difference, "difference");
+  const PatchSums noise_sums = add_patch_sums(chain, radius, target, noise, "noise");
   color = chain.image("combined.color", Format::f32x4, target);
   stats = chain.image("combined.stats", Format::f32x2, target);
   weight = chain.image("weight", Format::f32, target);
@@ -74,10 +74,10 @@ void EyePasses::add_blend(const FilterTask& task, const WarpedHistory& warped) {
       .read("own_stats", own.stats)
       .read("warped_color", warped.color)
       .read("warped_stats", warped.stats)
-      .read("difference", difference, gpu::reach(radius, 0))
-      .read("noise", noise, gpu::reach(radius, 0))
-      .read("difference_sums", difference_sums)
-      .read("noise_sums", noise_sums)
+      .read("difference", difference, difference_sums.reach)
+      .read("noise", noise, noise_sums.reach)
+      .read("difference_sums", difference_sums.of_other_rows)
+      .read("noise_sums", noise_sums.of_other_rows)
       .read("exposure", exposure)
       .write("color", color)
       .write("stats", stats)

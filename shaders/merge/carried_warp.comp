@@ -8,7 +8,8 @@
 #extension GL_EXT_control_flow_attributes : require
 
 layout(constant_id = 0) const int resample = 1;     // as in lib/resample.glsl
-layout(constant_id = 1) const int in_range = 0;     // 1: finds the image's own share and writes it
+layout(constant_id = 1) const int in_range = 0;      // 1: finds the image's own share
+layout(constant_id = 2) const int writes_share = 0;  // 1: writes it
 
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Sizes { ivec2 size; ivec2 history_color_size; };
@@ -30,7 +31,7 @@ void main() {
   vec4 color;
   if (in_range != 0) {
     const float sharp = share_in_range(h);
-    own_share.data[index] = sharp;
+    if (writes_share != 0) own_share.data[index] = sharp;
     color = clamp(h.bilinear + sharp * (h.sharp - h.bilinear), h.lowest, h.highest);
   } else {
     color = h.bilinear + texelFetch(share, index).x * (h.sharp - h.bilinear);

@@ -194,7 +194,8 @@ class FrameMergerTest : public DeviceTest {
 TEST_F(FrameMergerTest, ShowsNoSeamsWhereBothDirectionsMeet) {
   Settings settings = forward("balanced");
   settings.directions = Directions::both;
-  expect_no_seams_in_both_directions(settings, {.width = 357, .height = 325, .halves = true});
+  expect_no_seams_in_both_directions(settings, {.width = 357, .height = 325, .halves = true}, {1, 2, 3},
+                                     0.35);
 }
 
 TEST_F(FrameMergerTest, ShowsNoSeamsWhereMergedFramesAreSmoothed) {
@@ -233,7 +234,7 @@ TEST_F(FrameMergerTest, ShowsNoSeamsUnderOtherSettings) {
 }
 
 TEST_F(FrameMergerTest, ShowsNoSeamsWithoutVarianceAndGuides) {
-  expect_no_seams(forward("balanced"), {.width = 357, .height = 325, .variance = false, .guides = false}, 0.7,
+  expect_no_seams(forward("balanced"), {.width = 357, .height = 325, .variance = false, .guides = false}, 0.5,
                   2, 2);
 }
 

@@ -34,7 +34,7 @@ class PatchSumsTest : public DeviceTest {
                  std::to_string(radius));
     gpu::Chain chain(device(), "sums");
     const ImageId statistics = chain.input("statistics", Format::f32x4, size);
-    const ImageId sums = filter::add_patch_sums(chain, radius, size, statistics, "patch");
+    const ImageId sums = *filter::add_patch_sums(chain, radius, size, statistics, "patch").of_other_rows;
     chain.output(sums);
     chain.build();
     const std::vector<float> values = whole_numbers(4 * size.elements());
@@ -60,7 +60,7 @@ class PatchSumsTest : public DeviceTest {
 
 TEST_F(PatchSumsTest, AreThoseOfPlainLoops) {
   for (const Extent size : {Extent{64, 64}, {1, 1}, {1, 70}, {70, 1}, {7, 5}, {67, 13}, {130, 9}}) {
-    for (const int radius : {1, 3, 8}) expect_sums(size, radius);
+    for (const int radius : {2, 3, 8}) expect_sums(size, radius);
   }
 }
 
