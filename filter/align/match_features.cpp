@@ -22,8 +22,8 @@ void add_radiance_feature(Chain& chain, const Settings& settings, Extent full, c
       .read("color", sources.color, gpu::block(settings.match_downsample, kFireflyReach))
       .read("exposure", sources.exposure)
       .write("features", features)
-      .constants(params::RadianceFeatureParams{
-          .downsample = settings.match_downsample, .plane = sources.guide_planes, .weight = kFeatureRange})
+      .specialize("downsample", settings.match_downsample)
+      .constants(params::RadianceFeatureParams{.plane = sources.guide_planes, .weight = kFeatureRange})
       .dispatch(level_extent(settings, full, 0));
 }
 

@@ -11,32 +11,34 @@
 /// A pixel more than this many times brighter than its brightest neighbour is a firefly.
 const float kFirefly = 4.0;
 
+layout(constant_id = 0) const int downsample = 1;
+/// Of the pixels that are read: those of the feature, and one around them.
+const int side = downsample + 2;
+
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Params { ivec2 size; ivec2 color_size; RadianceFeatureParams p; };
 layout(set = 0, binding = 0) uniform samplerBuffer color;
 layout(set = 0, binding = 1) uniform samplerBuffer exposure;
 layout(std430, set = 0, binding = 2) writeonly buffer FeaturesBuffer { float data[]; } features;
 
-float exposed_at(ivec2 at, float e) {
-  const vec4 c = texelFetch(color, at.y * color_size.x + at.x);
-  return exposed(luminance(c.r, c.g, c.b), e);
-}
+bool is_inside(ivec2 at) { return all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, color_size)); }
 
-/// The pixel's exposed luminance, or the mean of its nearest neighbours, four inside the frame, if it is a
-/// firefly.
-float without_firefly(ivec2 at, float e) {
-  const float here = exposed_at(at, e);
+/// Exposed luminances of the pixels that are read; 0 outside the frame.
+float light[side * side];
+
+/// That of pixel k of them, or the mean of its nearest neighbours, four inside the frame, if it is a firefly.
+float without_firefly(int k, ivec2 at) {
+  const float here = light[k];
   float brightest = 0.0;
   float sum = 0.0;
   float count = 0.0;
-  [[unroll]] for (int k = 0; k < 9; ++k) {
-    if (k == 4) continue;
-    const ivec2 next = at + ivec2(k % 3, k / 3) - 1;
-    const bool inside = all(greaterThanEqual(next, ivec2(0))) && all(lessThan(next, color_size));
-    const float x = inside ? exposed_at(next, e) : 0.0;
+  [[unroll]] for (int n = 0; n < 9; ++n) {
+    if (n == 4) continue;
+    const ivec2 step = ivec2(n % 3, n / 3) - 1;
+    const float x = light[k + step.y * side + step.x];
     brightest = max(brightest, x);
-    sum += k % 2 == 1 ? x : 0.0;
-    count += k % 2 == 1 && inside ? 1.0 : 0.0;
+    sum += n % 2 == 1 ? x : 0.0;
+    count += n % 2 == 1 && is_inside(at + step) ? 1.0 : 0.0;
   }
   return count > 0.0 && here > kFirefly * brightest ? sum / count : here;
 }
@@ -44,14 +46,22 @@ float without_firefly(ivec2 at, float e) {
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= size.x || at.y >= size.y) return;
-  const ivec2 last = min((at + 1) * p.downsample, color_size);
+  const ivec2 first = at * downsample - 1;
   const float e = texelFetch(exposure, 0).x;
+  [[unroll]] for (int k = 0; k < side * side; ++k) {
+    const ivec2 from = first + ivec2(k % side, k / side);
+    const vec4 c = texelFetch(color, from.y * color_size.x + from.x);
+    light[k] = is_inside(from) ? exposed(luminance(c.r, c.g, c.b), e) : 0.0;
+  }
   float sum = 0.0;
   int count = 0;
-  for (int y = at.y * p.downsample; y < last.y; ++y) {
-    for (int x = at.x * p.downsample; x < last.x; ++x) {
-      sum += without_firefly(ivec2(x, y), e);
-      ++count;
+  [[unroll]] for (int y = 1; y <= downsample; ++y) {
+    [[unroll]] for (int x = 1; x <= downsample; ++x) {
+      const ivec2 pixel = first + ivec2(x, y);
+      const bool counts = is_inside(pixel);
+      const float value = without_firefly(y * side + x, pixel);
+      sum += counts ? value : 0.0;
+      count += counts ? 1 : 0;
     }
   }
   features.data[(p.plane * size.y + at.y) * size.x + at.x] = p.weight * compress(sum / float(count));

@@ -15,9 +15,8 @@ struct GuideFeatureParams {
 
 /// align/radiance_feature: full resolution in, matching resolution out.
 struct RadianceFeatureParams {
-  int downsample;  // 1, 2 or 4
-  int plane;       // written
-  float weight;    // the largest value of the feature
+  int plane;     // written
+  float weight;  // the largest value of the feature
 };
 
 /// align/warp_source. Coarse offsets times `coarse_scale` are offsets of this level.
