@@ -169,9 +169,10 @@ void multiply(float& value, float factor) {
 }
 
 /// Multiplies the restorable part of the estimate and of its additive AOVs by the factors, interpolated
-/// between the blocks' centres. Calls `use_row(y)` for each row that is done, on all threads.
-template <class UseRow>
-void apply(const BlockGrid& grid, const Restorable& restorable, Estimate& estimate, const UseRow& use_row) {
+/// between the blocks' centres. Calls `use(y, i, allowed)` for each pixel i of row y that is done, on all
+/// threads.
+template <class Use>
+void apply(const BlockGrid& grid, const Restorable& restorable, Estimate& estimate, const Use& use) {
   const int width = estimate.color.width();
   std::vector<Between> columns;
   for (int x = 0; x < width; ++x) columns.emplace_back((x + 0.5) / grid.block_px - 0.5, grid.width);
@@ -190,13 +191,11 @@ void apply(const BlockGrid& grid, const Restorable& restorable, Estimate& estima
         multiply(estimate.color.data()[4 * i + c], factor);
         for (Image& image : estimate.carried) multiply(image.data()[4 * i + c], factor);
       }
+      use(y, i, allowed);
     });
   };
   for_rows(estimate.color.height(), [&](int begin, int end) {
-    for (int y = begin; y < end; ++y) {
-      scale_row(y);
-      use_row(y);
-    }
+    for (int y = begin; y < end; ++y) scale_row(y);
   });
 }
 
@@ -229,22 +228,16 @@ struct Remainder {
   double residual = 0.0;  ///< squared difference from the frame, averaged over channels
 };
 
-Remainder remainder_of_row(const NewFrame& frame, const Estimate& estimate, const Restorable& restorable,
-                           int y) {
+void add_pixel(const NewFrame& frame, const Estimate& estimate, std::size_t i, const Allowance& allowed,
+               Remainder& sum) {
+  if (!both_have_data(frame, estimate, i)) return;
   const double exposure = frame.exposure;
-  const std::size_t first = static_cast<std::size_t>(y) * estimate.color.width();
-  Remainder sum;
-  restorable.for_row(y, [&](std::size_t x, const Allowance& allowed) {
-    const std::size_t i = first + x;
-    if (!both_have_data(frame, estimate, i)) return;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const double e = exposure * estimate.color.data()[4 * i + c];
-      sum.estimate[c] += e;
-      sum.restorable[c] += allowed.share * e;
-      sum.residual += exposure * exposure * residual_square(frame, estimate, i, c) / 3.0;
-    }
-  });
-  return sum;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double e = exposure * estimate.color.data()[4 * i + c];
+    sum.estimate[c] += e;
+    sum.restorable[c] += allowed.share * e;
+    sum.residual += exposure * exposure * residual_square(frame, estimate, i, c) / 3.0;
+  }
 }
 
 /// Changes the mean of the estimate towards that of the noisy frame. `whole` is the coarsest block, with the
@@ -264,7 +257,7 @@ void restore_whole(Block whole, const Remainder& left, const Restorable& restora
   bring_to_frame(whole, noise > 0.0 ? noise * (noise / (noise + unseen)) : 0.0, 1.0 + kUnseen);
   BlockGrid one(1, 1, kFinestBlock);
   one.blocks = {whole};
-  apply(one, restorable, estimate, [](int) {});
+  apply(one, restorable, estimate, [](int, std::size_t, const Allowance&) {});
 }
 
 }  // namespace
@@ -278,8 +271,9 @@ void restore_energy(const NewFrame& frame, const FilterTask& task, Estimate& est
     find_factors(levels[l], l + 1 < levels.size() ? &levels[l + 1] : nullptr);
   }
   std::vector<Remainder> rows(static_cast<std::size_t>(estimate.color.height()));
-  apply(levels.front(), restorable, estimate,
-        [&](int y) { rows[static_cast<std::size_t>(y)] = remainder_of_row(frame, estimate, restorable, y); });
+  apply(levels.front(), restorable, estimate, [&](int y, std::size_t i, const Allowance& allowed) {
+    add_pixel(frame, estimate, i, allowed, rows[static_cast<std::size_t>(y)]);
+  });
   Remainder left;
   for (const Remainder& row : rows) left += row;
   restore_whole(levels.back().blocks.front(), left, restorable, estimate);

@@ -38,13 +38,19 @@ struct Framed {
   ImageId image;
 };
 
+/// Repeats the pixels at both ends of a framed row.
+void repeat_ends(float* row, std::ptrdiff_t floats, int channels) {
+  float* const end = row + floats;
+  std::copy_n(row + channels, channels, row);
+  std::copy_n(end - 2 * channels, channels, end - channels);
+}
+
 /// Writes the frame around row y, whose pixels are given: repeats the pixels at both ends, and the row itself
 /// above the first row and below the last.
 void frame_row(const Framed& framed, int y, float* row) {
   const std::ptrdiff_t floats = framed.row_floats();
   float* const end = row + floats;
-  std::copy_n(row + framed.channels, framed.channels, row);
-  std::copy_n(end - 2 * framed.channels, framed.channels, end - framed.channels);
+  repeat_ends(row, floats, framed.channels);
   if (y == 0) std::copy(row, end, row - floats);
   if (y == framed.size.height - 1) std::copy(row, end, end);
 }
@@ -80,21 +86,29 @@ void pool_rows(const float* row, const Framed& fine, float* pooled) {
   }
 }
 
-Framed add_inputs(Chain& chain, Extent size, ImageId inputs) {
-  const Framed framed(chain, "network.framed.inputs", size, kNetworkInputs);
-  chain.host_pass("smooth/host_frame").read(inputs).write(framed.image).run([=](const HostImages& images) {
-    const auto planes = images.read<float>(inputs);
-    float* const first = images.write<float>(framed.image).data() + framed.row_floats();
-    for_rows(size.height, [&](int begin, int end) {
-      for (int y = begin; y < end; ++y) {
-        float* const row = first + y * framed.row_floats();
-        row_from_planes(planes, size, kNetworkInputs, y, row);
-        frame_row(framed, y, row);
-      }
-    });
-  });
-  return framed;
-}
+/// A layer's convolution with the weights as they are. Runs create it, so that chains that are only planned
+/// take no time.
+class CurrentConvolution {
+ public:
+  CurrentConvolution(LayerOf layer, int upsampled_inputs, int width)
+      : layer_(std::move(layer)), upsampled_inputs_(upsampled_inputs), width_(width) {}
+
+  const HostConvolution& get(const HostWeights& weights) {
+    if (!convolution_ || version_ != weights.version()) {
+      convolution_ =
+          std::make_shared<const HostConvolution>(layer_(weights.network()), upsampled_inputs_, width_);
+      version_ = weights.version();
+    }
+    return *convolution_;
+  }
+
+ private:
+  LayerOf layer_;
+  int upsampled_inputs_;
+  int width_;
+  std::shared_ptr<const HostConvolution> convolution_;
+  int version_ = 0;
+};
 
 struct HostLayer {
   LayerOf layer_of;
@@ -111,31 +125,59 @@ void add_layer(Chain& chain, const std::shared_ptr<const HostWeights>& weights, 
   const Framed* const declared_frame = std::get_if<Framed>(&declared.result);
   const ImageId result_image = declared_frame ? declared_frame->image : std::get<ImageId>(declared.result);
   pass.write(result_image);
-  // Runs create the convolution, so that chains that are only planned take no time.
-  pass.run([=, convolution = std::shared_ptr<const HostConvolution>(),
-            version = 0](const HostImages& images) mutable {
+  const int upsampled_inputs = declared.coarse ? declared.coarse->channels : 0;
+  pass.run([=, current = CurrentConvolution(declared.layer_of, upsampled_inputs, size.width)](
+               const HostImages& images) mutable {
     const auto& [layer_of, source, coarse, result] = declared;
-    const Layer& layer = layer_of(weights->network());
-    if (!convolution || version != weights->version()) {
-      convolution = std::make_shared<const HostConvolution>(layer, coarse ? coarse->channels : 0, size.width);
-      version = weights->version();
-    }
+    const HostConvolution& convolution = current.get(*weights);
     const float* const from = images.read<float>(source.image).data();
     const float* const half = coarse ? images.read<float>(coarse->image).data() : nullptr;
     const std::span<float> to = images.write<float>(result_image);
     const Framed* const framed = std::get_if<Framed>(&result);
-    const int outputs = layer.outputs;
+    const int outputs = layer_of(weights->network()).outputs;
     const std::ptrdiff_t row_floats = std::ptrdiff_t{size.width + 2} * outputs;
     for_rows(size.height, [&](int begin, int end) {
       std::vector<float> row(framed ? 0 : row_floats);
       for (int y = begin; y < end; ++y) {
         if (framed) {
           float* const framed_row = to.data() + (y + 1) * row_floats;
-          convolution->make_row(y, from, half, framed_row);
+          convolution.make_row(y, from, half, framed_row);
           frame_row(*framed, y, framed_row);
         } else {
-          convolution->make_row(y, from, half, row.data());
+          convolution.make_row(y, from, half, row.data());
           row_to_planes(row.data(), size, outputs, y, to);
+        }
+      }
+    });
+  });
+}
+
+/// The layer that reads the network's inputs. Their planes are packed as framed rows, a few at a time, which
+/// stay in a processor's cache.
+void add_first_layer(Chain& chain, const std::shared_ptr<const HostWeights>& weights, Extent size,
+                     ImageId inputs, const Framed& result) {
+  constexpr int most_rows = 8;
+  auto pass = chain.host_pass("smooth/host_convolve_inputs");
+  pass.read(inputs, gpu::reach(1)).write(result.image);
+  pass.run([=, layer = CurrentConvolution(encoder(0), 0, size.width)](const HostImages& images) mutable {
+    const HostConvolution& convolution = layer.get(*weights);
+    const auto planes = images.read<float>(inputs);
+    const std::span<float> to = images.write<float>(result.image);
+    const std::ptrdiff_t row_floats = std::ptrdiff_t{size.width + 2} * kNetworkInputs;
+    for_rows(size.height, [&](int begin, int end) {
+      thread_local std::vector<float> packed;
+      packed.resize((most_rows + 2) * row_floats);
+      for (int first = begin; first < end; first += most_rows) {
+        const int rows = std::min(most_rows, end - first);
+        for (int i = 0; i < rows + 2; ++i) {
+          float* const row = &packed[i * row_floats];
+          row_from_planes(planes, size, kNetworkInputs, std::clamp(first + i - 1, 0, size.height - 1), row);
+          repeat_ends(row, row_floats, kNetworkInputs);
+        }
+        for (int i = 0; i < rows; ++i) {
+          float* const framed_row = to.data() + (first + i + 1) * result.row_floats();
+          convolution.make_row(i, packed.data(), nullptr, framed_row);
+          frame_row(result, first + i, framed_row);
         }
       }
     });
@@ -199,11 +241,14 @@ std::array<ImageId, kScales> add_host_features(Chain& chain, const std::array<in
   }
   std::vector<Framed> framed;
   for (std::size_t i = 0; i < kScales; ++i) {
-    const Framed source = i == 0
-                              ? add_inputs(chain, size, inputs)
-                              : add_pool(chain, fmt::format("network.framed.pooled.L{}", i), framed.back());
+    std::optional<Framed> pooled;
+    if (i > 0) pooled = add_pool(chain, fmt::format("network.framed.pooled.L{}", i), framed.back());
     framed.emplace_back(chain, fmt::format("network.framed.encode.L{}", i), extent(i), channels[i]);
-    add_layer(chain, weights, {encoder(i), source, std::nullopt, framed.back()});
+    if (pooled) {
+      add_layer(chain, weights, {encoder(i), *pooled, std::nullopt, framed.back()});
+    } else {
+      add_first_layer(chain, weights, size, inputs, framed.back());
+    }
   }
   for (std::size_t i = kScales - 1; i-- > 0;) {
     const Framed decoded(chain, fmt::format("network.framed.decode.L{}", i), extent(i), channels[i]);

@@ -1,6 +1,7 @@
 #include "filter/smooth/restorable.h"
 
 #include <cmath>
+#include <span>
 
 #include "filter/ceil_div.h"
 #include "filter/for_rows.h"
@@ -39,31 +40,35 @@ Squares squares_of(const NewFrame& frame, const Estimate& estimate, std::size_t 
   return squares;
 }
 
-}  // namespace
+/// Of whole rows.
+class RowsOfSquares {
+ public:
+  RowsOfSquares(const NewFrame& frame, const Estimate& estimate, int first, int end)
+      : width_(static_cast<std::size_t>(estimate.color.width())), first_(first), end_(end) {
+    squares_.reserve(width_ * static_cast<std::size_t>(end - first));
+    for (std::size_t i = width_ * first; i < width_ * end; ++i)
+      squares_.push_back(squares_of(frame, estimate, i));
+  }
+  int first() const { return first_; }
+  int end() const { return end_; }
+  std::span<const Squares> row(int y) const {
+    return std::span(squares_).subspan(width_ * static_cast<std::size_t>(y - first_), width_);
+  }
 
-Restorable::Restorable(const NewFrame& frame, const Estimate& estimate)
-    : width_(ceil_div(estimate.color.width(), kCell)),
-      height_(ceil_div(estimate.color.height(), kCell)),
-      cells_(static_cast<std::size_t>(width_) * height_),
-      share_of_pixel_(static_cast<std::size_t>(estimate.color.width()) * estimate.color.height()) {
-  for_each_in_parallel(height_, [&](int row) {
-    for (int column = 0; column < width_; ++column) {
-      cells_[static_cast<std::size_t>(row) * width_ + column] = of_cell(frame, estimate, column, row);
-    }
-  });
-  for_rows(estimate.color.height(), [&](int begin, int end) {
-    for (int y = begin; y < end; ++y) find_shares_of_row(frame, estimate, y);
-  });
-  for (int x = 0; x < estimate.color.width(); ++x) columns_.emplace_back(in_cells(x), width_);
-}
+ private:
+  std::size_t width_;
+  int first_;
+  int end_;
+  std::vector<Squares> squares_;
+};
 
-Allowance Restorable::of_cell(const NewFrame& frame, const Estimate& estimate, int column, int row) {
-  const int width = estimate.color.width();
+/// Of a cell of these rows and columns.
+Allowance of_cell(const RowsOfSquares& squares, int first_row, int end_row, int first_column,
+                  int end_column) {
   Squares sum;
-  for (int y = row * kCell; y < std::min((row + 1) * kCell, estimate.color.height()); ++y) {
-    for (int x = column * kCell; x < std::min((column + 1) * kCell, width); ++x) {
-      sum += squares_of(frame, estimate, static_cast<std::size_t>(y) * width + x);
-    }
+  for (int y = first_row; y < end_row; ++y) {
+    const std::span<const Squares> row = squares.row(y);
+    for (int x = first_column; x < end_column; ++x) sum += row[x];
   }
   if (!(sum.residual > 0.0)) return {};
   if (!(sum.power > 0.0)) return {sum.share(), 1.0, kLargestChange, kLargestChange};
@@ -71,21 +76,45 @@ Allowance Restorable::of_cell(const NewFrame& frame, const Estimate& estimate, i
   return {sum.share(), 1.0, change, std::min(change, sum.residual / sum.power / kLeastOutlier)};
 }
 
-void Restorable::find_shares_of_row(const NewFrame& frame, const Estimate& estimate, int y) {
-  const int width = estimate.color.width();
+/// The shares of the 3x3 pixels around each pixel of a row.
+void find_shares(const RowsOfSquares& squares, int y, std::span<float> shares) {
   // Of three rows, with a column without data before the first and after the last.
-  std::vector<Squares> of_columns(static_cast<std::size_t>(width) + 2);
-  for (int v = std::max(y - 1, 0); v <= std::min(y + 1, estimate.color.height() - 1); ++v) {
-    for (int x = 0; x < width; ++x) {
-      of_columns[x + 1] += squares_of(frame, estimate, static_cast<std::size_t>(v) * width + x);
-    }
+  std::vector<Squares> of_columns(shares.size() + 2);
+  for (int v = std::max(y - 1, squares.first()); v <= std::min(y + 1, squares.end() - 1); ++v) {
+    const std::span<const Squares> row = squares.row(v);
+    for (std::size_t x = 0; x < row.size(); ++x) of_columns[x + 1] += row[x];
   }
-  for (int x = 0; x < width; ++x) {
+  for (std::size_t x = 0; x < shares.size(); ++x) {
     Squares sum = of_columns[x];
     sum += of_columns[x + 1];
     sum += of_columns[x + 2];
-    share_of_pixel_[static_cast<std::size_t>(y) * width + x] = static_cast<float>(sum.share());
+    shares[x] = static_cast<float>(sum.share());
   }
+}
+
+}  // namespace
+
+Restorable::Restorable(const NewFrame& frame, const Estimate& estimate)
+    : width_(ceil_div(estimate.color.width(), kCell)),
+      height_(ceil_div(estimate.color.height(), kCell)),
+      cells_(static_cast<std::size_t>(width_) * height_),
+      share_of_pixel_(static_cast<std::size_t>(estimate.color.width()) * estimate.color.height()) {
+  const int rows = estimate.color.height();
+  const int columns = estimate.color.width();
+  for_each_in_parallel(height_, [&](int row) {
+    const int first = row * kCell;
+    const int end = std::min(first + kCell, rows);
+    const RowsOfSquares squares(frame, estimate, std::max(first - 1, 0), std::min(end + 1, rows));
+    for (int x = 0; x < width_; ++x) {
+      cells_[static_cast<std::size_t>(row) * width_ + x] =
+          of_cell(squares, first, end, x * kCell, std::min((x + 1) * kCell, columns));
+    }
+    for (int y = first; y < end; ++y) {
+      const std::size_t begin = static_cast<std::size_t>(y) * columns;
+      find_shares(squares, y, std::span(share_of_pixel_).subspan(begin, columns));
+    }
+  });
+  for (int x = 0; x < columns; ++x) columns_.emplace_back(in_cells(x), width_);
 }
 
 }  // namespace becalm::filter

@@ -78,8 +78,6 @@ class Restorable {
     return {mix(a.share, b.share, share), 1.0, mix(a.darker, b.darker, share),
             mix(a.brighter, b.brighter, share)};
   }
-  static Allowance of_cell(const NewFrame& frame, const Estimate& estimate, int column, int row);
-  void find_shares_of_row(const NewFrame& frame, const Estimate& estimate, int y);
 
   int width_;
   int height_;
