@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -40,29 +41,40 @@ constexpr float kLeastDivisor = 0.04f;
 /// Luminance without albedo.
 Image irradiance(const Frame& frame, bool has_albedo) {
   Image result(frame.width(), frame.height(), 1, Unfilled());
-  const Image& beauty = frame.image(Aov::beauty);
+  const std::span<const float> beauty = frame.image(Aov::beauty).data();
+  const std::span<const float> albedo = frame.image(Aov::albedo).data();
+  const std::span<float> light = result.data();
+  const auto width = static_cast<std::size_t>(frame.width());
   for_rows(frame.height(), [&](int begin, int end) {
-    for (int y = begin; y < end; ++y) {
-      for (int x = 0; x < frame.width(); ++x) {
-        std::array<float, 3> value{};
-        for (int c = 0; c < 3; ++c) {
-          const float albedo = has_albedo ? frame.image(Aov::albedo).at(x, y, c) : 1.0f;
-          value[c] = beauty.at(x, y, c) / std::max(albedo, kLeastDivisor);
-        }
-        result.at(x, y, 0) = luminance(value);
-      }
+    for (std::size_t i = begin * width; i < end * width; ++i) {
+      std::array<float, 3> value{};
+      for (std::size_t c = 0; c < 3; ++c)
+        value[c] = beauty[4 * i + c] / (has_albedo ? std::max(albedo[3 * i + c], kLeastDivisor) : 1.0f);
+      light[i] = luminance(value);
     }
   });
   return result;
 }
 
-/// The squared second difference along both axes of taps at `distance`.
-double squared_difference(const Image& light, int x, int y, int distance) {
-  const auto along_x = [&](int row) {
-    return light.at(x - distance, row, 0) - 2.0 * light.at(x, row, 0) + light.at(x + distance, row, 0);
-  };
-  const double difference = along_x(y - distance) - 2.0 * along_x(y) + along_x(y + distance);
-  return difference * difference;
+/// The squared second differences along both axes, of taps at `kDistance`, of a square of pixels, row by row.
+template <int kSide, int kDistance>
+std::array<double, static_cast<std::size_t>(kSide) * kSide> squared_differences(const Image& light, int x0,
+                                                                                int y0) {
+  constexpr int rows = kSide + 2 * kDistance;
+  std::array<std::array<double, kSide>, rows> along_x;
+  for (int y = 0; y < rows; ++y) {
+    const float* const row = light.pixel(x0, y0 - kDistance + y).data();
+    for (int x = 0; x < kSide; ++x) along_x[y][x] = row[x - kDistance] - 2.0 * row[x] + row[x + kDistance];
+  }
+  std::array<double, static_cast<std::size_t>(kSide) * kSide> squares;
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      const double difference =
+          along_x[y][x] - 2.0 * along_x[y + kDistance][x] + along_x[y + 2 * kDistance][x];
+      squares[static_cast<std::size_t>(y) * kSide + x] = difference * difference;
+    }
+  }
+  return squares;
 }
 
 struct Block {
@@ -75,19 +87,18 @@ struct Block {
 /// Taps at distance 1 are those of each pixel's diagonal neighbours, so that a firefly changes both sums.
 Block measured_block(const Image& light, int x0, int y0) {
   constexpr std::size_t side = kBlock + 2;
-  std::array<double, side * side> near{};
-  for (std::size_t i = 0; i < near.size(); ++i)
-    near[i] = squared_difference(light, x0 - 1 + static_cast<int>(i % side),
-                                 y0 - 1 + static_cast<int>(i / side), 1);
+  const auto near = squared_differences<kBlock + 2, 1>(light, x0 - 1, y0 - 1);
+  const auto far = squared_differences<kBlock, 2>(light, x0, y0);
   double sum_near = 0.0;
   double sum_far = 0.0;
   double squares = 0.0;
   for (int y = 0; y < kBlock; ++y) {
+    const float* const row = light.pixel(x0, y0 + y).data();
     for (int x = 0; x < kBlock; ++x) {
       const std::size_t first = static_cast<std::size_t>(y) * side + static_cast<std::size_t>(x);
       sum_near += (near[first] + near[first + 2] + near[first + 2 * side] + near[first + 2 * side + 2]) / 4.0;
-      sum_far += squared_difference(light, x0 + x, y0 + y, 2);
-      const double value = light.at(x0 + x, y0 + y, 0);
+      sum_far += far[static_cast<std::size_t>(y) * kBlock + static_cast<std::size_t>(x)];
+      const double value = row[x];
       squares += value * value;
     }
   }
@@ -99,9 +110,7 @@ Block measured_block(const Image& light, int x0, int y0) {
 /// values beside the block are not finite.
 double farther_ratio(const Image& light, const Block& block) {
   double sum_farther = 0.0;
-  for (int y = block.y; y < block.y + kBlock; ++y) {
-    for (int x = block.x; x < block.x + kBlock; ++x) sum_farther += squared_difference(light, x, y, 4);
-  }
+  for (const double square : squared_differences<kBlock, 4>(light, block.x, block.y)) sum_farther += square;
   const double ratio = sum_farther / block.far;
   return std::isfinite(ratio) ? ratio : 1.0;
 }

@@ -114,12 +114,20 @@ AovSet wanted_aovs(const Settings& settings) {
   return wanted;
 }
 
+/// What is measured of a frame alone.
+struct FrameMeasures {
+  float exposure = 1.0f;
+  float usual_depth = 1.0f;
+  float noise_ratio = 1.0f;
+};
+
 struct SequenceFilter::State {
   /// Builds all chains within `memory_limit` bytes. Throws DeviceLimitError.
   void build(gpu::Device& device, std::uint64_t memory_limit);
   /// The same with a merger that takes at most `of_merger` of them.
   void build_with(gpu::Device& device, std::uint64_t memory_limit, std::uint64_t of_merger);
-  /// The smoothed albedo and the smoothed frame: kept from an earlier step, or computed now.
+  /// The frame's measures, smoothed albedo and smoothed frame: kept from an earlier step, or computed now.
+  FrameMeasures measures(const Step& step, const Frame& frame);
   Image smoothed_albedo(const Step& step, const NewFrame& frame, FrameReport& report);
   Estimate smoothed(const Step& step, const NewFrame& frame, FrameReport& report);
   /// Throws Error(bad_input) if the light groups are not those of the frames before.
@@ -139,7 +147,8 @@ struct SequenceFilter::State {
   std::optional<FrameMerger> merger;
   std::optional<Combiner> combiner;
 
-  std::map<int, PackedEstimate> kept_smoothed;  ///< by frame number
+  std::map<int, FrameMeasures> kept_measures;   ///< by frame number
+  std::map<int, PackedEstimate> kept_smoothed;  ///< likewise
   std::map<int, HalfImage> kept_albedo;         ///< likewise
   std::map<int, PackedEstimate> predictions;
   FindCuts find_cuts = FindCuts::no;
@@ -212,11 +221,12 @@ std::optional<SequenceFilter::Merged> SequenceFilter::begin(const Step& step, co
   const FilterTask& task = state_->task;
   check_frame(frame, task.full.width, task.full.height, task.used, "the frames before it");
   const Image& beauty = frame.image(Aov::beauty);
+  const FrameMeasures measures = state_->measures(step, frame);
   NewFrame new_frame{.frame = frame,
                      .finite = finite_pixels(beauty),
-                     .exposure = exposure(beauty),
-                     .usual_depth = typical_depth(frame, task.used),
-                     .noise_ratio = noise_ratio(frame, task.used),
+                     .exposure = measures.exposure,
+                     .usual_depth = measures.usual_depth,
+                     .noise_ratio = measures.noise_ratio,
                      .additive = {}};
   new_frame.additive = pack_additive(frame, task, new_frame.finite, report);
   if (task.additive > 0) state_->check_light_groups(frame);
@@ -277,6 +287,16 @@ Image SequenceFilter::State::motion(const Step& step, const Frame& frame) {
   // Without jitter: here and in the merge, AOVs count as those of pixels' centres.
   for (const Aov aov : {Aov::motion, Aov::depth}) next->image(aov) = frame.image(aov);
   return result;
+}
+
+FrameMeasures SequenceFilter::State::measures(const Step& step, const Frame& frame) {
+  const auto kept = kept_measures.extract(step.frame);
+  const FrameMeasures found = kept ? kept.mapped()
+                                   : FrameMeasures{.exposure = exposure(frame.image(Aov::beauty)),
+                                                   .usual_depth = typical_depth(frame, task.used),
+                                                   .noise_ratio = noise_ratio(frame, task.used)};
+  if (step.again) kept_measures.insert_or_assign(step.frame, found);
+  return found;
 }
 
 Image SequenceFilter::State::smoothed_albedo(const Step& step, const NewFrame& frame, FrameReport& report) {
