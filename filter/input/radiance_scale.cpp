@@ -72,6 +72,18 @@ void restore_faulty_pixels(const Image& from, Image& to) {
   }
 }
 
+/// All but the variance.
+void scale_others(Frame& frame, float scale) {
+  Image& beauty = frame.image(Aov::beauty);
+  for (std::size_t i = 0; i < beauty.pixel_count(); ++i) multiply(beauty.data().subspan(4 * i, 3), scale);
+  for (const Aov aov : kRadiance) multiply(frame.image(aov).data(), scale);
+  for (LightGroup& group : frame.light_groups()) multiply(group.radiance.data(), scale);
+  for (const Aov aov : kSquaredRadiance) {
+    multiply(frame.image(aov).data(), scale);
+    multiply(frame.image(aov).data(), scale);
+  }
+}
+
 }  // namespace
 
 float radiance_scale(const Frame& frame) {
@@ -89,19 +101,14 @@ float radiance_scale(const Frame& frame) {
 }
 
 void scale_radiance(Frame& frame, float scale) {
-  Image& beauty = frame.image(Aov::beauty);
-  for (std::size_t i = 0; i < beauty.pixel_count(); ++i) multiply(beauty.data().subspan(4 * i, 3), scale);
-  for (const Aov aov : kRadiance) multiply(frame.image(aov).data(), scale);
-  for (LightGroup& group : frame.light_groups()) multiply(group.radiance.data(), scale);
+  scale_others(frame, scale);
   scale_variance(frame, scale);
-  for (const Aov aov : kSquaredRadiance) {
-    multiply(frame.image(aov).data(), scale);
-    multiply(frame.image(aov).data(), scale);
-  }
 }
 
 void scale_radiance_back(Frame& made, float scale, const Frame& source) {
-  scale_radiance(made, 1.0f / scale);
+  scale_others(made, 1.0f / scale);
+  // A variance of 0 is one: nothing was lost.
+  for (int i = 0; i < 2; ++i) multiply(made.image(Aov::variance).data(), 1.0f / scale);
   restore_faulty_pixels(source.image(Aov::beauty), made.image(Aov::beauty));
   for (const Aov aov : kRadiance) restore_faulty_pixels(source.image(aov), made.image(aov));
   for (std::size_t i = 0; i < made.light_groups().size(); ++i)

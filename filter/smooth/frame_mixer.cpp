@@ -41,6 +41,10 @@ double relative_square(std::span<const float> frame, std::span<const float> esti
   return std::min(square / (brightness * brightness), 1.0);
 }
 
+bool is_black(std::span<const float> pixel) {
+  return std::ranges::all_of(pixel, [](float value) { return value == 0.0f; });
+}
+
 /// Sum over the pixels of a row or of a frame.
 struct Differences {
   Differences& operator+=(const Differences& other) {
@@ -62,7 +66,9 @@ float fade_of(const NewFrame& frame, const Estimate& estimate) {
   const auto of_row = [&](int y) {
     Differences row;
     for (std::size_t i = y * width; i < (y + 1) * width; ++i) {
-      if (!frame.finite[i]) continue;
+      // An empty background is neither clean nor noisy.
+      if (!frame.finite[i] || (is_black(noisy.subspan(4 * i, 3)) && is_black(color.subspan(4 * i, 3))))
+        continue;
       row += {relative_square(noisy.subspan(4 * i, 3), color.subspan(4 * i, 3), frame.exposure), 1};
     }
     return row;

@@ -124,6 +124,24 @@ TEST_F(FrameMixerTest, ANoisyFrameLeavesItsEstimate) {
   EXPECT_TRUE(std::ranges::equal(after.stats.data(), before.stats.data()));
 }
 
+TEST_F(FrameMixerTest, AnEmptyBackgroundMakesNoFrameClean) {
+  Frame frame = noisy_stripes(64, 32, 0.25f);
+  Estimate estimate = even(frame);
+  for (int y = 0; y < 32; ++y) {
+    for (int x = 8; x < 64; ++x) {
+      for (int c = 0; c < 3; ++c) frame.image(Aov::beauty).at(x, y, c) = estimate.color.at(x, y, c) = 0.0f;
+    }
+  }
+  const Image& beauty = frame.image(Aov::beauty);
+  const NewFrame input{
+      .frame = frame, .finite = finite_pixels(beauty), .exposure = exposure(beauty), .additive = {beauty}};
+  const Image before = estimate.color;
+  FrameMixer mixer(device(), task_of(frame), kUnlimited);
+  FrameReport report;
+  mixer.mix(input, estimate, report);
+  EXPECT_TRUE(std::ranges::equal(estimate.color.data(), before.data()));
+}
+
 TEST_F(FrameMixerTest, AFireflyMakesNoFrameNoisyAndStaysOut) {
   Frame frame = noisy_stripes(48, 32, 0.03f);
   for (int c = 0; c < 3; ++c) frame.image(Aov::beauty).at(20, 10, c) = 1e6f;

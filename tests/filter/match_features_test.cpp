@@ -197,6 +197,18 @@ TEST(RadianceScale, FaultyPixelsComeBackAsTheyWere) {
   EXPECT_EQ(scaled.image(Aov::beauty).at(1, 0, 0), 1e-30f);
 }
 
+TEST(RadianceScale, AVarianceOfNothingComesBack) {
+  Frame frame(1, 2, 1);
+  frame.add(Aov::beauty, 0x1p60f);
+  frame.add(Aov::variance, 0.0f);
+  frame.image(Aov::variance).at(1, 0, 0) = 0x1p100f;
+  Frame scaled = frame;
+  scale_radiance(scaled, 0x1p-80f);
+  scale_radiance_back(scaled, 0x1p-80f, frame);
+  EXPECT_EQ(scaled.image(Aov::variance).at(0, 0, 0), 0.0f);
+  EXPECT_EQ(scaled.image(Aov::variance).at(1, 0, 0), 0x1p100f);
+}
+
 TEST(HostImages, HolesAreFilledFromTheirNeighbours) {
   Image image(3, 1, 4, 2.0f);
   image.at(1, 0, 0) = std::nanf("");
