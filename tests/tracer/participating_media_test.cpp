@@ -6,6 +6,7 @@
 
 #include "tests/tracer/estimates.h"
 #include "tests/tracer/shading/statistics.h"
+#include "tracer/snapshot/snapshot.h"
 
 namespace becalm::tracer::test {
 namespace {
@@ -240,6 +241,19 @@ TEST(Media, LightIsFoundEitherWayThroughRoughGlass) {
     'media': {'fog': {'type': 'homogeneous', 'extinction': 0.5, 'albedo': 1}},
     'objects': [{'mesh': 'ball', 'material': 'glass', 'interior': 'fog'}]})",
       16, 20, 4);
+}
+
+TEST(Media, CopiesOfACloudShareItsVoxels) {
+  const auto bytes_of = [](const std::string& scatter) {
+    const Scene scene = load_text(
+        test::scene("'max_depth': 4", kAlongZ,
+                    "'cloud': {'type': 'cloud', 'extinction': 6, 'albedo': 0.8, 'resolution': [16,16,16]}",
+                    "{'mesh': 'box', 'interior': 'cloud', 'material': 'air'" + scatter + "}"));
+    return Snapshot(scene.description(), 1).media_bytes();
+  };
+  const std::size_t of_one = bytes_of("");
+  EXPECT_GE(of_one, 16u * 16u * 16u * sizeof(float));
+  EXPECT_EQ(bytes_of(", 'scatter': {'count': 9, 'area': [-50,-50,50,50]}"), of_one);
 }
 
 TEST(Media, HideWhatIsBehindWithTheirGuides) {

@@ -16,19 +16,20 @@ namespace {
 template <class Collide>
 void visit_tentative_collisions(const GridMedium& medium, const V3f& origin, const V3f& dir, float t_max,
                                 MediumRandom& random, const Collide& collide) {
-  if (medium.density.largest() == 0.0f) return;
+  const DensityGrid& grid = *medium.density;
+  if (grid.largest() == 0.0f) return;
   const V3f dir_voxels = transform_vector(dir, medium.world_to_voxels);
   const GridSpan span =
-      clip_to_grid(medium.density, transform_point(origin, medium.world_to_voxels), dir_voxels, t_max);
+      clip_to_grid(grid, transform_point(origin, medium.world_to_voxels), dir_voxels, t_max);
   const float extinction =
-      std::min(medium.extinction, kLargestDepthPerVoxel * dir_voxels.length() / medium.density.largest());
+      std::min(medium.extinction, kLargestDepthPerVoxel * dir_voxels.length() / grid.largest());
   float depth = random.next_exponential();
-  visit_blocks(medium.density, span, [&](const V3i& block, float majorant, float t_in, float t_out) {
+  visit_blocks(grid, span, [&](const V3i& block, float majorant, float t_in, float t_out) {
     const float rate = extinction * majorant;
     float t = t_in;
     while (depth < rate * (t_out - t)) {
       t += depth / rate;
-      const float density = medium.density.density_in_block(block, span.origin + dir_voxels * t);
+      const float density = grid.density_in_block(block, span.origin + dir_voxels * t);
       if (!collide(span.offset + t, density / majorant)) return false;
       depth = random.next_exponential();
     }

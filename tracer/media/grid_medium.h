@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstddef>
+#include <memory>
+
 #include "tracer/math/vec.h"
 #include "tracer/media/cloud_shape.h"
 #include "tracer/media/density_grid.h"
@@ -14,14 +17,15 @@ namespace becalm::tracer {
 /// since the map is affine, and extinction is per world unit: a medium stretched by its object's transform
 /// gets longer and not thinner.
 struct GridMedium {
-  DensityGrid density;       ///< usually in [0,1]
+  /// Usually in [0,1]. Media of one shape share it.
+  std::shared_ptr<const DensityGrid> density = std::make_shared<const DensityGrid>();
   M44f world_to_voxels;      ///< affine
   float extinction = 0.0f;   ///< per scene unit where the density is 1; the same for all channels; [0, 1e30]
   V3f albedo{0.0f};          ///< of a single scattering, in [0,1]
   float g = 0.0f;            ///< mean cosine of the phase function, in (-1,1)
   CloudShape baked_shape{};  ///< what `density` was made from
 
-  std::size_t bytes() const { return density.bytes(); }
+  std::size_t bytes() const { return density->bytes(); }
 };
 
 /// From world space to voxel coordinates, for a medium whose box [-1,1]^3 is placed by `medium_to_world`,

@@ -3,6 +3,8 @@
 #include <Imath/ImathBoxAlgo.h>
 #include <fmt/format.h>
 
+#include <set>
+
 #include "frame/error.h"
 #include "tracer/snapshot/emissive_objects.h"
 #include "tracer/snapshot/update_medium.h"
@@ -135,17 +137,25 @@ void Snapshot::set_frame(int frame) {
 
 void Snapshot::update_media(int frame) {
   auto medium = interiors_.begin();
+  std::vector<const Medium*> made(description_->media.size());  // the first one of each description
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     const std::optional<std::uint32_t>& interior = description_->objects[i].interior;
     if (!interior) continue;
+    const Medium*& first = made[*interior];
+    if (first != nullptr) *medium = *first;  // with its grid, which is not baked again
     update_medium(description_->media[*interior], frame, objects_[i].exact.first(), *medium);
+    if (first == nullptr) first = &*medium;
     objects_[i].interior = &*medium++;
   }
 }
 
 std::size_t Snapshot::media_bytes() const {
   std::size_t sum = 0;
-  for (const Medium& medium : interiors_) sum += bytes(medium);
+  std::set<const DensityGrid*> counted;
+  for (const Medium& medium : interiors_) {
+    const auto* grid = std::get_if<GridMedium>(&medium);
+    if (grid == nullptr || counted.insert(grid->density.get()).second) sum += bytes(medium);
+  }
   return sum;
 }
 

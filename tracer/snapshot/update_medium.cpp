@@ -14,7 +14,7 @@ void update(const CloudDescription& cloud, double frame, const M44d& medium_to_w
   auto* grid = std::get_if<GridMedium>(&medium);
   if (grid == nullptr) grid = &medium.emplace<GridMedium>();
   if (grid->bytes() == 0 || !(grid->baked_shape == shape)) {
-    grid->density = bake_cloud(shape);
+    grid->density = std::make_shared<const DensityGrid>(bake_cloud(shape));
     grid->baked_shape = shape;
   }
   grid->world_to_voxels = world_to_voxels(medium_to_world, shape.resolution);

@@ -165,21 +165,21 @@ TEST(UpdateMedium, BakesOnlyWhatChanged) {
   Medium medium;
   update_medium(description, 1.0, M44d(), medium);
   const auto& grid = std::get<GridMedium>(medium);
-  EXPECT_EQ(bytes(medium), grid.density.bytes());
+  EXPECT_EQ(bytes(medium), grid.density->bytes());
   EXPECT_GE(bytes(medium), 48u * 24u * 40u * 4u);
   EXPECT_EQ(mean_cosine(medium), 0.8f);
-  const DensityGrid first = grid.density;
+  const std::shared_ptr<const DensityGrid> first = grid.density;
 
   update_medium(description, 2.0, M44d(), medium);
   EXPECT_EQ(grid.baked_shape.evolution, 0.5f);
-  EXPECT_FALSE(same_bits(grid.density, first));
+  EXPECT_FALSE(same_bits(*grid.density, *first));
 
   update_medium(description, 4.0, M44d(), medium);
-  const DensityGrid held = grid.density;
+  const std::shared_ptr<const DensityGrid> held = grid.density;
   std::get<GridMedium>(medium).density = first;  // would be replaced by a bake
   update_medium(description, 6.0, oblique_place(), medium);
-  EXPECT_TRUE(same_bits(grid.density, first));
-  EXPECT_FALSE(same_bits(held, first));
+  EXPECT_TRUE(same_bits(*grid.density, *first));
+  EXPECT_FALSE(same_bits(*held, *first));
   EXPECT_EQ(grid.extinction, 2.0f);
   const V3f corner =
       transform_point(V3f(transform_point(V3d(1, 1, -1), oblique_place())), grid.world_to_voxels);

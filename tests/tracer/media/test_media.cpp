@@ -41,7 +41,7 @@ DensityGrid lumpy_grid() {
 GridMedium place(DensityGrid grid, const M44d& medium_to_world, float extinction) {
   const V3i size = grid.size();
   GridMedium medium;
-  medium.density = std::move(grid);
+  medium.density = std::make_shared<const DensityGrid>(std::move(grid));
   medium.world_to_voxels = world_to_voxels(medium_to_world, size);
   medium.extinction = extinction;
   medium.albedo = V3f(0.9f, 0.5f, 0.0f);
@@ -85,7 +85,7 @@ std::vector<double> optical_depths(const GridMedium& medium, const TestRay& ray,
   std::vector<double> crossings = {0.0};
   for (int a = 0; a < 3; ++a) {
     if (dir[a] == 0.0) continue;
-    for (int plane = 0; plane < medium.density.size()[a]; ++plane) {
+    for (int plane = 0; plane < medium.density->size()[a]; ++plane) {
       crossings.push_back((plane - origin[a]) / dir[a]);
     }
   }
@@ -100,7 +100,7 @@ std::vector<double> optical_depths(const GridMedium& medium, const TestRay& ray,
       const double middle = 0.5 * (from[0] + from[1]);
       const double half = 0.5 * (from[1] - from[0]);
       for (const double node : {-1.0, 1.0}) {
-        depth += half * trilinear(medium.density, origin + dir * (middle + node * half / std::sqrt(3.0)));
+        depth += half * trilinear(*medium.density, origin + dir * (middle + node * half / std::sqrt(3.0)));
       }
     }
     depths.push_back(depth * medium.extinction);
