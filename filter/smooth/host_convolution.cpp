@@ -78,18 +78,35 @@ class RowConvolution {
     stream.wait();
   }
 
-  /// `source` is the first source row, `result` the first pixel of the result.
-  void run(const float* source, float* result) const {
-    thread_local std::vector<std::byte> scratch;
-    if (scratch.size() < scratch_.get_size()) scratch.resize(scratch_.get_size());
-    auto arguments = constants_;
-    arguments.emplace(DNNL_ARG_SRC, memory(source_, processor(), const_cast<float*>(source)));
-    arguments.emplace(DNNL_ARG_DST, memory(result_, processor(), result));
-    arguments.emplace(DNNL_ARG_SCRATCHPAD, memory(scratch_, processor(), scratch.data()));
-    dnnl::stream stream(processor());
-    primitive_.execute(stream, arguments);
-    stream.wait();
-  }
+  /// What runs of one thread need besides the pixels.
+  class Run {
+   public:
+    explicit Run(const RowConvolution& of)
+        : primitive_(of.primitive_),
+          source_(of.source_, processor(), DNNL_MEMORY_NONE),
+          result_(of.result_, processor(), DNNL_MEMORY_NONE),
+          arguments_(of.constants_),
+          stream_(processor()) {
+      arguments_.emplace(DNNL_ARG_SRC, source_);
+      arguments_.emplace(DNNL_ARG_DST, result_);
+      arguments_.emplace(DNNL_ARG_SCRATCHPAD, memory(of.scratch_, processor()));
+    }
+
+    /// `source` is the first source row, `result` the first pixel of the result.
+    void row(const float* source, float* result) {
+      source_.set_data_handle(const_cast<float*>(source));
+      result_.set_data_handle(result);
+      primitive_.execute(stream_, arguments_);
+      stream_.wait();
+    }
+
+   private:
+    const dnnl::primitive& primitive_;
+    memory source_;
+    memory result_;
+    std::unordered_map<int, memory> arguments_;
+    dnnl::stream stream_;
+  };
 
  private:
   memory::desc source_;
@@ -130,21 +147,21 @@ std::vector<float> upsampled_weights(const Layer& layer, int inputs, int odd_row
   return values;
 }
 
-/// Runs `action` on one thread of oneDNN's, the calling one: this program's threads compute the rows. The
-/// caller's number of threads is its own again afterwards. Errors become gpu::DeviceError.
-template <class Action>
-void on_one_thread(const Action& action) {
-  class OneThread {
-   public:
-    OneThread() { omp_set_num_threads(1); }
-    ~OneThread() { omp_set_num_threads(before_); }
-    OneThread(const OneThread&) = delete;
-    OneThread& operator=(const OneThread&) = delete;
+/// One thread of oneDNN's, the calling one, as long as this lives: this program's threads compute the rows.
+class OneThread {
+ public:
+  OneThread() { omp_set_num_threads(1); }
+  ~OneThread() { omp_set_num_threads(before_); }
+  OneThread(const OneThread&) = delete;
+  OneThread& operator=(const OneThread&) = delete;
 
-   private:
-    const int before_ = omp_get_max_threads();
-  };
-  const OneThread one_thread;
+ private:
+  const int before_ = omp_get_max_threads();
+};
+
+/// Errors of `action` become gpu::DeviceError.
+template <class Action>
+void with_device_errors(const Action& action) {
   try {
     action();
   } catch (const dnnl::error& error) {
@@ -179,18 +196,38 @@ struct HostConvolution::Impl {
 };
 
 HostConvolution::HostConvolution(const Layer& layer, int upsampled_inputs, int width) {
-  on_one_thread([&] { impl_ = std::make_unique<Impl>(layer, upsampled_inputs, width); });
+  const OneThread one_thread;
+  with_device_errors([&] { impl_ = std::make_unique<Impl>(layer, upsampled_inputs, width); });
 }
 
 HostConvolution::~HostConvolution() = default;
 
-void HostConvolution::make_row(int y, const float* source, const float* coarse, float* result) const {
-  const int framed_row = y + 1;
-  on_one_thread([&] {
-    if (impl_->upsampled[0]) {
-      impl_->upsampled[framed_row % 2]->run(coarse + framed_row / 2 * impl_->coarse_row, result);
+struct HostConvolution::Rows::Impl {
+  explicit Impl(const HostConvolution::Impl& of) : of(of), direct(of.direct) {
+    for (std::size_t i = 0; i < upsampled.size(); ++i) {
+      if (of.upsampled[i]) upsampled[i].emplace(*of.upsampled[i]);
     }
-    impl_->direct.run(source + y * impl_->source_row, result + impl_->outputs);
+  }
+
+  const OneThread one_thread;
+  const HostConvolution::Impl& of;
+  RowConvolution::Run direct;
+  std::array<std::optional<RowConvolution::Run>, 2> upsampled;
+};
+
+HostConvolution::Rows::Rows(const HostConvolution& convolution) {
+  with_device_errors([&] { impl_ = std::make_unique<Impl>(*convolution.impl_); });
+}
+
+HostConvolution::Rows::~Rows() = default;
+
+void HostConvolution::Rows::make(int y, const float* source, const float* coarse, float* result) {
+  const HostConvolution::Impl& of = impl_->of;
+  const int framed_row = y + 1;
+  with_device_errors([&] {
+    if (auto& upsampled = impl_->upsampled[framed_row % 2])
+      upsampled->row(coarse + framed_row / 2 * of.coarse_row, result);
+    impl_->direct.row(source + y * of.source_row, result + of.outputs);
   });
 }
 

@@ -18,10 +18,22 @@ class HostConvolution {
   HostConvolution(const Layer& layer, int upsampled_inputs, int width);
   ~HostConvolution();
 
-  /// Computes row `y`, counted from 0. `source` and `coarse` begin with the framed row above row 0; `coarse`
-  /// is the image of half the size. `result` is a framed row; its first and last pixel are undefined. May be
-  /// called by several threads at once. Throws gpu::DeviceError if oneDNN fails.
-  void make_row(int y, const float* source, const float* coarse, float* result) const;
+  /// Computes rows on one thread, which makes what oneDNN needs besides the pixels only once. Other threads
+  /// may have others of the same convolution, which must outlive them.
+  class Rows {
+   public:
+    explicit Rows(const HostConvolution& convolution);
+    ~Rows();
+
+    /// Computes row `y`, counted from 0. `source` and `coarse` begin with the framed row above row 0;
+    /// `coarse` is the image of half the size. `result` is a framed row; its first and last pixel are
+    /// undefined. Throws gpu::DeviceError if oneDNN fails.
+    void make(int y, const float* source, const float* coarse, float* result);
+
+   private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+  };
 
  private:
   struct Impl;

@@ -137,14 +137,15 @@ void add_layer(Chain& chain, const std::shared_ptr<const HostWeights>& weights, 
     const int outputs = layer_of(weights->network()).outputs;
     const std::ptrdiff_t row_floats = std::ptrdiff_t{size.width + 2} * outputs;
     for_rows(size.height, [&](int begin, int end) {
+      HostConvolution::Rows rows(convolution);
       std::vector<float> row(framed ? 0 : row_floats);
       for (int y = begin; y < end; ++y) {
         if (framed) {
           float* const framed_row = to.data() + (y + 1) * row_floats;
-          convolution.make_row(y, from, half, framed_row);
+          rows.make(y, from, half, framed_row);
           frame_row(*framed, y, framed_row);
         } else {
-          convolution.make_row(y, from, half, row.data());
+          rows.make(y, from, half, row.data());
           row_to_planes(row.data(), size, outputs, y, to);
         }
       }
@@ -165,6 +166,7 @@ void add_first_layer(Chain& chain, const std::shared_ptr<const HostWeights>& wei
     const std::span<float> to = images.write<float>(result.image);
     const std::ptrdiff_t row_floats = std::ptrdiff_t{size.width + 2} * kNetworkInputs;
     for_rows(size.height, [&](int begin, int end) {
+      HostConvolution::Rows convolved(convolution);
       thread_local std::vector<float> packed;
       packed.resize((most_rows + 2) * row_floats);
       for (int first = begin; first < end; first += most_rows) {
@@ -176,7 +178,7 @@ void add_first_layer(Chain& chain, const std::shared_ptr<const HostWeights>& wei
         }
         for (int i = 0; i < rows; ++i) {
           float* const framed_row = to.data() + (first + i + 1) * result.row_floats();
-          convolution.make_row(i, packed.data(), nullptr, framed_row);
+          convolved.make(i, packed.data(), nullptr, framed_row);
           frame_row(result, first + i, framed_row);
         }
       }

@@ -57,8 +57,9 @@ void expect_matches(int upsampled, int direct, int outputs, int width, int heigh
   const HostConvolution convolution(layer, upsampled, width);
   std::vector<float> row(static_cast<std::size_t>((width + 2) * outputs));
   double worst = 0.0;
+  HostConvolution::Rows rows(convolution);
   for (int y = 0; y < height; ++y) {
-    convolution.make_row(y, source.values.data(), coarse.values.data(), row.data());
+    rows.make(y, source.values.data(), coarse.values.data(), row.data());
     for (int x = 0; x < width; ++x) {
       for (int o = 0; o < outputs; ++o) {
         double sum = layer.bias[static_cast<std::size_t>(o)];
@@ -102,7 +103,7 @@ TEST(HostConvolution, LeavesTheCallersNumberOfThreads) {
   EXPECT_EQ(omp_get_max_threads(), 3);
   const FramedImage source(8, 5, 1, 3);
   std::vector<float> row(7 * 8);
-  convolution.make_row(0, source.values.data(), nullptr, row.data());
+  HostConvolution::Rows(convolution).make(0, source.values.data(), nullptr, row.data());
   EXPECT_EQ(omp_get_max_threads(), 3);
 }
 
@@ -115,8 +116,9 @@ TEST(HostConvolution, MakesTheSameRowsByManyThreads) {
   const HostConvolution convolution(random_layer(40, 16), 24, kWidth);
   using Rows = std::vector<std::vector<float>>;
   const auto make_rows = [&](int first, int step, Rows& rows) {
+    HostConvolution::Rows made(convolution);
     for (int y = first; y < kHeight; y += step) {
-      convolution.make_row(y, source.values.data(), coarse.values.data(), rows[y].data());
+      made.make(y, source.values.data(), coarse.values.data(), rows[y].data());
     }
   };
   Rows expected(kHeight, std::vector<float>((kWidth + 2) * 16));
