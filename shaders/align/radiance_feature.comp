@@ -50,7 +50,8 @@ void main() {
   const float e = texelFetch(exposure, 0).x;
   [[unroll]] for (int k = 0; k < side * side; ++k) {
     const ivec2 from = first + ivec2(k % side, k / side);
-    const vec4 c = texelFetch(color, from.y * color_size.x + from.x);
+    const ivec2 tap = clamp(from, ivec2(0), color_size - 1);
+    const vec4 c = texelFetch(color, tap.y * color_size.x + tap.x);
     light[k] = is_inside(from) ? exposed(luminance(c.r, c.g, c.b), e) : 0.0;
   }
   float sum = 0.0;
