@@ -87,11 +87,15 @@ constexpr int kMostWithout = 8;
 
 const ChannelLayer* find_layer(const std::vector<ChannelLayer>& layers, std::string_view name,
                                const Imath::Box2i& window, const std::vector<PartChannels>& parts) {
-  for (const bool whole : {true, false}) {
-    for (const ChannelLayer& layer : layers) {
-      const std::optional<std::string_view> scope = scope_before(layer.name(), name);
-      const bool matches = scope && (scope->empty() || !whole) && parts[layer.part].data_window == window;
-      if (matches && channels_as(layer, Aov::direct)) return &layer;
+  const std::string lower_name = lower(name);
+  for (const bool exact : {true, false}) {  // names may differ in case alone
+    for (const bool whole : {true, false}) {
+      for (const ChannelLayer& layer : layers) {
+        const std::optional<std::string_view> scope = scope_before(layer.name(), lower_name);
+        const bool matches = scope && (scope->empty() || !whole) && (!exact || layer.title.ends_with(name));
+        if (matches && parts[layer.part].data_window == window && channels_as(layer, Aov::direct))
+          return &layer;
+      }
     }
   }
   return nullptr;
@@ -328,7 +332,7 @@ std::optional<LightSource> find_additive_layer(const std::vector<PartChannels>& 
                                                const std::string& view, const std::string& name) {
   const Imath::Box2i& window = parts[part].data_window;
   const std::vector<ChannelLayer> layers = collect_layers(parts, view);
-  const ChannelLayer* layer = find_layer(layers, lower(name), window, parts);
+  const ChannelLayer* layer = find_layer(layers, name, window, parts);
   if (layer == nullptr) return std::nullopt;
   LightSource light{*channels_as(*layer, Aov::direct)};
   const std::string_view end = end_of(layer->name());

@@ -97,7 +97,8 @@ struct LightSource {
 struct ViewLayers {
   std::string view;  ///< empty in a file without named views
   LayerMap layers;
-  /// Layers and parts `light.NAME`, by NAME, and those of LayerOptions::additive.
+  /// Layers and parts `light.NAME`, by NAME or, where LayerOptions::additive has that name, by the whole; and
+  /// those of LayerOptions::additive.
   std::map<std::string, LightSource> lights;
 };
 

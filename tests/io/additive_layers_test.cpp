@@ -328,6 +328,14 @@ TEST_F(AdditiveLayers, ALightGroupMayHaveTheNameOfALobe) {
   EXPECT_TRUE(sets().empty()) << "they are denoised anyway";
 }
 
+TEST_F(AdditiveLayers, NamesThatDifferInCaseAloneAreTwoLayers) {
+  write({{"", both}, {"RGBA_Key", first}, {"RGBA_key", second}});
+  EXPECT_EQ(choose_additive("auto", sets()), (Names{"RGBA_Key", "RGBA_key"}));
+  denoise();
+  EXPECT_EQ(result("RGBA_Key.G", 9), 2.0f * Imath::half(first(9)));
+  EXPECT_EQ(result("RGBA_key.G", 9), 2.0f * Imath::half(second(9)));
+}
+
 TEST_F(AdditiveLayers, ACroppedLayerDecidesNothing) {
   const auto black = [](int) { return 0.0f; };
   write_parts(
