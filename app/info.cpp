@@ -142,7 +142,12 @@ std::vector<FrameFinding> audit_of(const io::SequencePattern& pattern, const std
     paths.push_back(pattern.path(frame));
     if (other_half) paths.push_back(other_half->path(frame));
   }
-  const Imath::Box2i window = find_window(paths, layers).window;  // as denoise sees them
+  std::optional<Imath::Box2i> window;  // as denoise sees them; each frame's own where it would refuse them
+  try {
+    window = find_window(paths, layers).window;
+  } catch (const Error& error) {
+    if (error.status() != ExitStatus::bad_input) throw;
+  }
   const auto read = [&](const std::string& path, int frame) {
     return io::read_exr(path, frame, AovSet().set(), layers, io::LightGroups::leave, window);
   };

@@ -168,7 +168,8 @@ double Progress::share_done() const {
   };
   const double made = share(frames_done_, options_.work);
   if (options_.steps == 0) return made;
-  return 0.5 * (made + share(static_cast<double>(steps_done_), options_.steps));
+  const double filtered = share(static_cast<double>(steps_done_), options_.steps);
+  return options_.work == 0 ? filtered : 0.5 * (made + filtered);
 }
 
 /// Infinite while nothing is known. A filter that has not begun does not count.

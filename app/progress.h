@@ -12,7 +12,7 @@ namespace becalm::app {
 struct ProgressOptions {
   std::size_t total = 0;        ///< frames asked for
   std::size_t existing = 0;     ///< of them, those whose files are there already
-  std::size_t work = 0;         ///< frames to go through, written or not
+  std::size_t work = 0;         ///< frames to go through, written or not; with `steps`, those to be made
   std::size_t steps = 0;        ///< of a filter that works on these frames beside what makes them; 0: none
   std::string unit = "frames";  ///< what the rate counts: "samples" or "frames"
   double units_per_frame = 1.0;

@@ -9,8 +9,8 @@
 namespace becalm::app {
 namespace {
 
-/// The distance of the frames asked for, such as 2 of a sequence on twos. Frames here and there, such as
-/// those that a farm lost, are part of the whole sequence.
+/// The distance of the frames asked for, such as 2 of a sequence on twos: three or more at one distance are
+/// taken for a sequence. Others, such as those that a farm lost, are part of the whole one.
 int step_of(const std::vector<int>& asked) {
   const int step = usual_step(asked);
   const bool is_even = std::ranges::adjacent_find(asked, [step](int a, int b) {
@@ -45,7 +45,8 @@ RenderSchedule::RenderSchedule(const FilterStage& filter, const std::vector<int>
       readable_(
           filter.readable(asked, renderable(asked, filter.context_frames(), first, last, step_of(asked)))),
       step_(usual_step(readable_)) {
-  if (filter.has_segments()) step_ = std::min(step_, step_of(asked));
+  // Frames that --context names have a distance of their own.
+  if (filter.has_segments() && filter.context_frames().empty()) step_ = std::min(step_, step_of(asked));
 }
 
 std::vector<filter::Segment> RenderSchedule::segments(const std::vector<int>& work) const {

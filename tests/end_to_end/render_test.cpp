@@ -82,6 +82,20 @@ TEST_F(Render, FramesHereAndThereAreThoseOfTheWholeSequence) {
     expect_same_beauty(folder_ / "whole.####.exr", folder_ / "some.####.exr", frame, frame);
 }
 
+TEST_F(Render, FramesThatContextNamesMayBeFartherApart) {
+  const std::vector<std::string> named{"--frames", "3", "--context", "1-5x2"};
+  std::vector<std::string> rendered{"--float", "--spp", "1", "--denoise"};
+  rendered.insert(rendered.end(), named.begin(), named.end());
+  render("both.####.exr", rendered);
+  render("noisy.####.exr",
+         {"--float", "--spp", "1", "--frames", "1-5", "--aovs", "albedo,normal,depth,motion,variance"});
+  std::vector<std::string> denoised{"denoise", folder_ / "noisy.####.exr", "-o", folder_ / "then.####.exr",
+                                    "--quiet"};
+  denoised.insert(denoised.end(), named.begin(), named.end());
+  becalm_done(denoised);
+  expect_same_beauty(folder_ / "both.####.exr", folder_ / "then.####.exr", 3, 3);
+}
+
 TEST_F(Render, NoisyFramesThatAStoppedRunLeftAreGoneWhenAllIsThere) {
   const std::vector<std::string> options{"--spp", "1", "--denoise", "--frames", "1-2", "--context", "none"};
   const auto with = [&](const std::string& option) {
