@@ -107,7 +107,7 @@ void scale_radiance(Frame& frame, float scale) {
 
 void scale_radiance_back(Frame& made, float scale, const Frame& source) {
   scale_others(made, 1.0f / scale);
-  // A variance of 0 is one: nothing was lost.
+  // Unlike scale_radiance, keeps a variance of 0: in a result it means that no noise is left.
   for (int i = 0; i < 2; ++i) multiply(made.image(Aov::variance).data(), 1.0f / scale);
   restore_faulty_pixels(source.image(Aov::beauty), made.image(Aov::beauty));
   for (const Aov aov : kRadiance) restore_faulty_pixels(source.image(aov), made.image(aov));

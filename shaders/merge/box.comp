@@ -1,7 +1,7 @@
 // Reads an image of patch statistics; writes its box sums along one direction; two passes sum a square patch.
 // The pass along y leaves out the pixel's own row. The kernels that read the sums add the rest of that row,
 // so that a pixel is never part of its own sums (subtracting it afterwards would leave the rounding error of
-// a firefly's square). Patches are small (radius 1 to 8), so each sum is computed afresh and no rounding
+// a firefly's square). Patches are small (radius 2 to 8), so each sum is computed afresh and no rounding
 // error travels along a row.
 #version 460
 #extension GL_GOOGLE_include_directive : require

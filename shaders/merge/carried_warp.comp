@@ -7,7 +7,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 
-layout(constant_id = 0) const int resample = 1;     // as in lib/resample.glsl
+layout(constant_id = 0) const int resample = 1;      // as in lib/resample.glsl
 layout(constant_id = 1) const int in_range = 0;      // 1: finds the image's own share
 layout(constant_id = 2) const int writes_share = 0;  // 1: writes it
 

@@ -65,7 +65,7 @@ TEST(PackedEstimate, ComesBackToAThousandth) {
 TEST(HalfImage, ManyValuesThatNoHalfStandsForStayFloats) {
   // A component of a plane's normal that rounding left: far below the least half that is exact to a
   // thousandth.
-  Image normals(64, 9, 3, 1.0f);
+  Image normals(64, 9, 3, 0.1f);  // no half is 0.1, but one is near enough to stand for it
   for (std::size_t i = 0; i < normals.data().size(); i += 3) normals.data()[i] = -4.37e-8f;
   normals.data()[4] = std::numeric_limits<float>::quiet_NaN();
   const Image found = HalfImage(normals, {1.0f, 1.0f, 1.0f}).image();

@@ -177,12 +177,14 @@ Scatter read_scatter(const JsonValue& json) {
 bool changes(const Geometry& shape) {
   const auto* procedural = std::get_if<ProceduralDescription>(&shape);
   if (procedural == nullptr) return false;
-  if (const auto* terrain = std::get_if<TerrainDescription>(procedural))
-    return terrain->height.animated() || terrain->erosion.animated();
-  if (const auto* ocean = std::get_if<OceanDescription>(procedural))
-    return ocean->wave_height.animated() || ocean->time_s.animated();
-  const auto& blobs = std::get<BlobsDescription>(*procedural);
-  return blobs.radius.animated() || blobs.time_s.animated();
+  struct Changes {
+    bool operator()(const TerrainDescription& t) const { return t.height.animated() || t.erosion.animated(); }
+    bool operator()(const OceanDescription& o) const {
+      return o.wave_height.animated() || o.time_s.animated();
+    }
+    bool operator()(const BlobsDescription& b) const { return b.radius.animated() || b.time_s.animated(); }
+  };
+  return std::visit(Changes(), *procedural);
 }
 
 /// The earlier object of that name, with all parts of its mesh.
