@@ -158,6 +158,8 @@ double Progress::elapsed_s() const {
 }
 
 std::string Progress::rate() const {
+  if (options_.work == 0)  // nothing but the filter's
+    return format_rate(static_cast<double>(steps_done_) / std::max(1e-6, elapsed_s()), "steps");
   const double seconds = options_.steps > 0 && made_s_ > 0.0 ? made_s_ : elapsed_s();
   return format_rate(frames_done_ * options_.units_per_frame / std::max(1e-6, seconds), options_.unit);
 }

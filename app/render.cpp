@@ -47,10 +47,10 @@ namespace becalm::app {
 namespace {
 
 constexpr FileMark kMark{.command = "render", .attribute = "becalm:version"};
+constexpr FileMark kNoisyMark{.command = "render --keep-noisy", .attribute = "becalm:version"};
+
 /// The attribute of a denoised frame that tells the frames it is made from.
 constexpr const char* kMadeFrom = "becalm:made_from";
-
-constexpr FileMark kNoisyMark{.command = "render --keep-noisy", .attribute = "becalm:version"};
 
 /// Share of --memory for the filters of all eyes' pilots, which have a quarter of a frame's pixels.
 constexpr double kPilotsMemory = 0.2;

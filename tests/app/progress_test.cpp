@@ -39,5 +39,14 @@ TEST(Progress, TheTimeThatAFilterStillTakesIsTold) {
   EXPECT_TRUE(said(3).ends_with(" left\n"));
 }
 
+TEST(Progress, AFilterAloneTellsItsOwnRate) {
+  Progress progress({.total = 2, .steps = 4, .say_every = std::chrono::milliseconds(0)});
+  testing::internal::CaptureStderr();
+  progress.update_filter(1, 2);
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_NE(said.find("steps/s"), std::string::npos) << said;
+  EXPECT_EQ(said.find("nan"), std::string::npos) << said;
+}
+
 }  // namespace
 }  // namespace becalm::app
