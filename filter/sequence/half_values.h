@@ -13,7 +13,7 @@ inline constexpr std::size_t kHalfBlock = 24;
 /// One factor per channel, repeated over a block.
 class ChannelFactors {
  public:
-  /// One to four.
+  /// `of_channels` has one to four.
   explicit ChannelFactors(const std::vector<float>& of_channels) {
     for (std::size_t i = 0; i < kHalfBlock; ++i) factors_[i] = of_channels[i % of_channels.size()];
   }

@@ -11,7 +11,7 @@
 namespace becalm::filter {
 
 /// An image stored as half floats. Values whose relative error would exceed 2^-10 are stored as floats
-/// besides; if they are many, all are.
+/// besides; if they are many, all values are.
 class HalfImage {
  public:
   HalfImage() = default;

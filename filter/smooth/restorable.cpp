@@ -40,7 +40,7 @@ Squares squares_of(const NewFrame& frame, const Estimate& estimate, std::size_t 
   return squares;
 }
 
-/// Of whole rows.
+/// Squares of the pixels of some rows, each computed once.
 class RowsOfSquares {
  public:
   RowsOfSquares(const NewFrame& frame, const Estimate& estimate, int first, int end)

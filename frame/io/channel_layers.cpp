@@ -126,7 +126,7 @@ std::vector<ChannelLayer> collect_layers(const std::vector<PartChannels>& parts,
       const ChannelName name = split_channel(viewed.name);
       const std::string own_name = lower(name.title);
       const auto is_same = [&](const ChannelLayer& other) {
-        // Searched for in any case, but names that differ in it are of two layers.
+        // Searches ignore case, but names that differ in case alone are two layers.
         return other.part == static_cast<int>(i) && other.own_name == own_name &&
                (own_name.empty() || other.title == name.title);
       };

@@ -12,7 +12,7 @@
 const float kFirefly = 4.0;
 
 layout(constant_id = 0) const int downsample = 1;
-/// Of the pixels that are read: those of the feature, and one around them.
+/// Of the square of pixels that are read: those of the feature, and one around them.
 const int side = downsample + 2;
 
 layout(local_size_x = 64, local_size_y = 1) in;

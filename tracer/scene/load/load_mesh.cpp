@@ -95,7 +95,7 @@ void read_meshes(const JsonValue& json, SceneNames& names, SceneDescription& sce
       return std::ranges::find(scene.warnings, warning) == scene.warnings.end();
     });
     for (std::size_t part = 0; part < materials.size(); ++part) {
-      // Without uvs it has no place on a mask.
+      // An image cannot mask a mesh without uvs.
       if (mesh.parts->parts[part].mesh.uvs.empty()) materials[part].material.opacity_mask.reset();
       parts.push_back({static_cast<std::uint32_t>(scene.meshes.size()),
                        static_cast<std::uint32_t>(scene.materials.size()), materials[part].emission});
