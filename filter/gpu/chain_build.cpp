@@ -1,6 +1,12 @@
 // Steps, memory, pipelines and descriptors of a chain whose declarations have been checked.
 
 #include <algorithm>
+#include <functional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include <tbb/parallel_for.h>
 
 #include "filter/gpu/chain_impl.h"
 #include "filter/gpu/memory_plan.h"
@@ -225,14 +231,26 @@ void Chain::Impl::create_staging() {
 
 void Chain::Impl::create_pipelines() {
   pipelines.resize(passes.size());
+  std::set<std::pair<const Kernel*, SpecValues>> seen;
+  std::vector<std::size_t> first_uses;
+  std::vector<std::size_t> other_uses;
   for (std::size_t i = 0; i < passes.size(); ++i) {
     if (passes[i].kind != PassKind::kernel) continue;
+    (seen.emplace(passes[i].kernel, spec_values(passes[i])).second ? first_uses : other_uses).push_back(i);
+  }
+  const auto create = [&](std::size_t i) {
     guarded(label(i), [&] {
       const Kernel& kernel = *passes[i].kernel;
       pipelines[i] = {device.programs->pipeline(kernel, spec_values(passes[i])),
                       *device.programs->layout(kernel).pipeline};
     });
-  }
+  };
+  // A driver compiles a pipeline on the calling thread. The largest kernels come first: one of them can take
+  // as long as all others.
+  std::ranges::sort(first_uses, std::greater(),
+                    [&](std::size_t i) { return passes[i].kernel->spirv.size(); });
+  tbb::parallel_for(std::size_t{0}, first_uses.size(), [&](std::size_t k) { create(first_uses[k]); });
+  std::ranges::for_each(other_uses, create);
 }
 
 void Chain::Impl::create_nothing() {

@@ -48,7 +48,9 @@ VKAPI_ATTR VkBool32 VKAPI_CALL collect_message(VkDebugUtilsMessageSeverityFlagBi
                                                void* messages) {
   std::string line = data->pMessage;
   std::ranges::replace(line, '\n', ' ');
-  static_cast<std::vector<std::string>*>(messages)->push_back(std::move(line));
+  auto& said = *static_cast<ValidationMessages*>(messages);
+  const std::scoped_lock lock(said.mutex);
+  said.lines.push_back(std::move(line));
   return VK_FALSE;
 }
 
@@ -58,7 +60,7 @@ bool has_extension(const Properties& properties, std::string_view name) {
 }
 
 /// The messenger appends to `messages`, which is null without validation.
-vk::raii::Instance create_instance(const vk::raii::Context& context, std::vector<std::string>* messages,
+vk::raii::Instance create_instance(const vk::raii::Context& context, ValidationMessages* messages,
                                    bool& has_debug_utils) {
   if (context.enumerateInstanceVersion() < VK_API_VERSION_1_3) {
     throw DeviceError("the Vulkan loader is older than 1.3; install a newer libvulkan1");
@@ -95,7 +97,7 @@ vk::raii::Instance create_instance(const vk::raii::Context& context, std::vector
 }
 
 vk::raii::DebugUtilsMessengerEXT create_messenger(const vk::raii::Instance& instance,
-                                                  std::vector<std::string>* messages) {
+                                                  ValidationMessages* messages) {
   using Severity = vk::DebugUtilsMessageSeverityFlagBitsEXT;
   using Type = vk::DebugUtilsMessageTypeFlagBitsEXT;
   const vk::DebugUtilsMessengerCreateInfoEXT create({}, Severity::eWarning | Severity::eError,
@@ -290,9 +292,9 @@ HostBuffer Device::Impl::create_host_buffer(std::uint64_t bytes, vk::BufferUsage
 }
 
 void Device::Impl::check_validation(std::string_view what) {
-  if (messages.size() == messages_checked) return;
-  const std::string& first = messages[messages_checked];
-  messages_checked = messages.size();
+  if (messages.lines.size() == messages_checked) return;
+  const std::string& first = messages.lines[messages_checked];
+  messages_checked = messages.lines.size();
   throw DeviceError(std::string(what) + ": validation: " + first);
 }
 
@@ -305,7 +307,7 @@ const DeviceInfo& Device::info() const {
 }
 
 const std::vector<std::string>& Device::validation_messages() const {
-  return impl_->messages;
+  return impl_->messages.lines;
 }
 
 }  // namespace becalm::gpu

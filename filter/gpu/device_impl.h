@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -33,6 +34,12 @@ decltype(auto) guarded(std::string_view what, Action&& action) {
     throw DeviceError(std::string(what) + ": " + error.what());
   }
 }
+
+/// What validation said. Threads that create objects side by side add to it.
+struct ValidationMessages {
+  std::mutex mutex;
+  std::vector<std::string> lines;
+};
 
 /// Bytes as MiB with one decimal, for messages.
 std::string format_mib(std::uint64_t bytes);
@@ -68,7 +75,7 @@ struct Device::Impl {
 
   // The order matters: each member needs those before it.
   vk::raii::Context context;
-  std::vector<std::string> messages;
+  ValidationMessages messages;
   std::size_t messages_checked = 0;
   bool has_debug_utils = false;
   vk::raii::Instance instance = nullptr;

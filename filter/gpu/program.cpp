@@ -8,6 +8,7 @@
 namespace becalm::gpu {
 
 const ProgramLayout& Programs::layout(const Kernel& kernel) {
+  const std::scoped_lock lock(mutex_);
   if (const auto found = layouts_.find(&kernel); found != layouts_.end()) return found->second;
   ProgramLayout result;
   result.module = {device_.device,
@@ -26,8 +27,10 @@ const ProgramLayout& Programs::layout(const Kernel& kernel) {
 
 vk::Pipeline Programs::pipeline(const Kernel& kernel, const SpecValues& values) {
   const auto key = std::pair(&kernel, values);
-  if (const auto found = pipelines_.find(key); found != pipelines_.end()) return *found->second;
-
+  {
+    const std::scoped_lock lock(mutex_);
+    if (const auto found = pipelines_.find(key); found != pipelines_.end()) return *found->second;
+  }
   std::vector<vk::SpecializationMapEntry> entries;
   std::vector<std::int32_t> data;
   std::string label(kernel.name);
@@ -44,6 +47,7 @@ vk::Pipeline Programs::pipeline(const Kernel& kernel, const SpecValues& values) 
   vk::raii::Pipeline pipeline(device_.device, nullptr,
                               vk::ComputePipelineCreateInfo({}, stage, *shared.pipeline));
   device_.set_name(pipeline, label);
+  const std::scoped_lock lock(mutex_);
   return *pipelines_.emplace(key, std::move(pipeline)).first->second;
 }
 

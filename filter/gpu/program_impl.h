@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <map>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -30,8 +31,8 @@ struct ProgramLayout {
 };
 
 /// The device's layouts and pipelines. Each is created once and shared by all passes of all chains, since a
-/// pipeline can take a second to compile. References stay valid as long as the device. Kernels must come from
-/// embedded tables, which are never freed.
+/// pipeline can take a second to compile. Several threads may call it. References stay valid as long as the
+/// device. Kernels must come from embedded tables, which are never freed.
 class Programs {
  public:
   explicit Programs(const Device::Impl& device) : device_(device) {}
@@ -40,6 +41,7 @@ class Programs {
 
  private:
   const Device::Impl& device_;
+  std::mutex mutex_;  // of the maps; not held while a pipeline is compiled
   std::map<const Kernel*, ProgramLayout> layouts_;
   std::map<std::pair<const Kernel*, SpecValues>, vk::raii::Pipeline> pipelines_;
 };
