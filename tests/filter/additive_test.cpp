@@ -16,7 +16,7 @@
 #include "tests/filter/guided_frame.h"
 #include "tests/filter/pattern.h"
 
-namespace becalm::filter {
+namespace becalm::filter::additive_test {
 namespace {
 
 constexpr int kWidth = 64;
@@ -257,4 +257,4 @@ TEST_F(AdditiveTest, FramesThatLackAGroupOrHaveAnotherAreRefused) {
 }
 
 }  // namespace
-}  // namespace becalm::filter
+}  // namespace becalm::filter::additive_test

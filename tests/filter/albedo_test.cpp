@@ -16,7 +16,7 @@
 #include "tests/filter/guided_frame.h"
 #include "tests/filter/pattern.h"
 
-namespace becalm::filter {
+namespace becalm::filter::albedo_test {
 namespace {
 
 constexpr int kWidth = 64;
@@ -253,4 +253,4 @@ TEST(PackAlbedo, FillsWhatIsNotFiniteFromItsNeighboursAndClamps) {
 }
 
 }  // namespace
-}  // namespace becalm::filter
+}  // namespace becalm::filter::albedo_test

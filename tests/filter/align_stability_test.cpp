@@ -9,7 +9,7 @@
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/pattern.h"
 
-namespace becalm::filter {
+namespace becalm::filter::align_stability_test {
 namespace {
 
 constexpr int kWidth = 96;
@@ -239,4 +239,4 @@ TEST_F(AlignStability, ExtremeImagesGiveFiniteOffsetsWithinReach) {
 }
 
 }  // namespace
-}  // namespace becalm::filter
+}  // namespace becalm::filter::align_stability_test

@@ -10,7 +10,7 @@
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/pattern.h"
 
-namespace becalm::filter {
+namespace becalm::filter::antialias_bands_test {
 namespace {
 
 /// Of results: three bands, the last of which is a part of one.
@@ -83,4 +83,4 @@ TEST(AntialiasBandsTest, ChangeNoBitOfTheResults) {
 }
 
 }  // namespace
-}  // namespace becalm::filter
+}  // namespace becalm::filter::antialias_bands_test

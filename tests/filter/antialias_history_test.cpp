@@ -9,7 +9,7 @@
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/pattern.h"
 
-namespace becalm::filter {
+namespace becalm::filter::antialias_history_test {
 namespace {
 
 constexpr int kWidth = 61;
@@ -287,4 +287,4 @@ TEST_F(AntialiasHistoryTest, AScaledWindowReadsOffsetsAtItsPlace) {
 }
 
 }  // namespace
-}  // namespace becalm::filter
+}  // namespace becalm::filter::antialias_history_test

@@ -11,7 +11,7 @@
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/reference/antialias.h"
 
-namespace becalm::filter {
+namespace becalm::filter::antialias_test {
 namespace {
 
 using reference::Antialiased;
@@ -423,4 +423,4 @@ TEST_F(AntialiasTest, TakesEveryKindOfFrame) {
 }
 
 }  // namespace
-}  // namespace becalm::filter
+}  // namespace becalm::filter::antialias_test

@@ -9,7 +9,7 @@
 
 #include "tests/filter/device_fixture.h"
 
-namespace becalm::filter {
+namespace becalm::filter::combine_test {
 namespace {
 
 constexpr int kWidth = 37;
@@ -188,4 +188,4 @@ INSTANTIATE_TEST_SUITE_P(Of, CombineTest, testing::Values(Smooth::none, Smooth::
                          });
 
 }  // namespace
-}  // namespace becalm::filter
+}  // namespace becalm::filter::combine_test

@@ -11,7 +11,7 @@
 #include "tests/filter/guided_frame.h"
 #include "tests/filter/pattern.h"
 
-namespace becalm::filter {
+namespace becalm::filter::environment_test {
 namespace {
 
 constexpr int kWidth = 72;
@@ -165,4 +165,4 @@ TEST_F(EnvironmentTest, TheSunLeavesNothingOfItBesideIt) {
 }
 
 }  // namespace
-}  // namespace becalm::filter
+}  // namespace becalm::filter::environment_test

@@ -13,7 +13,7 @@
 #include "tests/filter/denoised.h"
 #include "tests/filter/device_fixture.h"
 
-namespace becalm::filter {
+namespace becalm::filter::frame_mixer_test {
 namespace {
 
 constexpr std::uint64_t kUnlimited = std::numeric_limits<std::uint64_t>::max();
@@ -194,4 +194,4 @@ TEST_F(FrameMixerTest, DraftMixesNearlyCleanFramesOfUnknownNoise) {
 }
 
 }  // namespace
-}  // namespace becalm::filter
+}  // namespace becalm::filter::frame_mixer_test

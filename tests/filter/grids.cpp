@@ -4,12 +4,8 @@
 
 namespace becalm::filter {
 
-using reference::Estimate;
-using reference::Grid;
-using reference::Vec2;
-
 void upload_estimate(gpu::Chain& chain, gpu::ImageId color, gpu::ImageId stats,
-                     const Grid<Estimate>& estimate) {
+                     const reference::Grid<reference::Estimate>& estimate) {
   const auto colors = chain.upload<float>(color);
   const auto pairs = chain.upload<float>(stats);
   for (std::size_t i = 0; i < estimate.data.size(); ++i) {
@@ -19,7 +15,7 @@ void upload_estimate(gpu::Chain& chain, gpu::ImageId color, gpu::ImageId stats,
   }
 }
 
-void upload_offset(gpu::Chain& chain, gpu::ImageId image, const Grid<Vec2>& offset) {
+void upload_offset(gpu::Chain& chain, gpu::ImageId image, const reference::Grid<reference::Vec2>& offset) {
   const auto offsets = chain.upload<float>(image);
   for (std::size_t i = 0; i < offset.data.size(); ++i) {
     offsets[2 * i] = static_cast<float>(offset.data[i].x);
@@ -27,13 +23,13 @@ void upload_offset(gpu::Chain& chain, gpu::ImageId image, const Grid<Vec2>& offs
   }
 }
 
-Grid<Estimate> download_estimate(const gpu::Chain& chain, gpu::ImageId color, gpu::ImageId stats,
-                                 gpu::Extent extent) {
+reference::Grid<reference::Estimate> download_estimate(const gpu::Chain& chain, gpu::ImageId color,
+                                                       gpu::ImageId stats, gpu::Extent extent) {
   const auto colors = chain.download<float>(color);
   const auto pairs = chain.download<float>(stats);
-  Grid<Estimate> estimate(extent.width, extent.height);
+  reference::Grid<reference::Estimate> estimate(extent.width, extent.height);
   for (std::size_t i = 0; i < estimate.data.size(); ++i) {
-    Estimate& e = estimate.data[i];
+    reference::Estimate& e = estimate.data[i];
     std::copy_n(colors.begin() + 4 * i, 4, e.color.begin());
     e.variance = pairs[2 * i];
     e.count = pairs[2 * i + 1];

@@ -16,7 +16,7 @@
 extern "C" void omp_set_num_threads(int threads);
 extern "C" int omp_get_max_threads();
 
-namespace becalm::filter {
+namespace becalm::filter::host_convolution_test {
 namespace {
 
 /// Random pixels in a frame that repeats the border.
@@ -131,4 +131,4 @@ TEST(HostConvolution, MakesTheSameRowsByManyThreads) {
 }
 
 }  // namespace
-}  // namespace becalm::filter
+}  // namespace becalm::filter::host_convolution_test

@@ -6,7 +6,7 @@
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/pattern.h"
 
-namespace becalm::filter {
+namespace becalm::filter::known_motion_test {
 namespace {
 
 constexpr int kWidth = 192;
@@ -103,4 +103,4 @@ TEST_F(KnownMotion, WithoutTheAovChangesNothing) {
 }
 
 }  // namespace
-}  // namespace becalm::filter
+}  // namespace becalm::filter::known_motion_test

@@ -10,7 +10,7 @@
 #include "tests/filter/reference/merge.h"
 #include "tests/filter/task.h"
 
-namespace becalm::filter {
+namespace becalm::filter::known_noise_test {
 namespace {
 
 using reference::Estimate;
@@ -161,4 +161,4 @@ TEST_F(KnownNoiseTest, AFireflyAmongCalmPixelsKeepsItsVariance) {
 }
 
 }  // namespace
-}  // namespace becalm::filter
+}  // namespace becalm::filter::known_noise_test

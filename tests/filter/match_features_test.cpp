@@ -9,7 +9,7 @@
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/pattern.h"
 
-namespace becalm::filter {
+namespace becalm::filter::match_features_test {
 namespace {
 
 constexpr int kWidth = 13;
@@ -251,4 +251,4 @@ TEST(HostImages, GuidesTellTheSixAxesApart) {
 }
 
 }  // namespace
-}  // namespace becalm::filter
+}  // namespace becalm::filter::match_features_test

@@ -10,7 +10,7 @@
 #include "tests/filter/reference/merge.h"
 #include "tests/filter/task.h"
 
-namespace becalm::filter {
+namespace becalm::filter::merge_test {
 namespace {
 
 using reference::Estimate;
@@ -281,4 +281,4 @@ TEST_F(MergeTest, AnUnrelatedImageIsRejectedEverywhere) {
 }
 
 }  // namespace
-}  // namespace becalm::filter
+}  // namespace becalm::filter::merge_test

@@ -12,7 +12,7 @@
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/pattern.h"
 
-namespace becalm::filter {
+namespace becalm::filter::merged_smoother_test {
 namespace {
 
 constexpr int kWidth = 96;
@@ -180,4 +180,4 @@ TEST_F(MergedSmootherTest, PixelsThatAreNotFiniteComeOutAsTheyCameAndReachNoOthe
 }
 
 }  // namespace
-}  // namespace becalm::filter
+}  // namespace becalm::filter::merged_smoother_test

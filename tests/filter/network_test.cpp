@@ -15,7 +15,7 @@
 #include "tests/filter/reference/network.h"
 #include "tests/filter/task.h"
 
-namespace becalm::filter {
+namespace becalm::filter::network_test {
 namespace {
 
 using reference::Estimate;
@@ -425,4 +425,4 @@ TEST_F(NetworkTest, RadianceAtTheEndsOfFloatComesOutFinite) {
 }
 
 }  // namespace
-}  // namespace becalm::filter
+}  // namespace becalm::filter::network_test

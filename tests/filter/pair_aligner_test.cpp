@@ -11,7 +11,7 @@
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/pattern.h"
 
-namespace becalm::filter {
+namespace becalm::filter::pair_aligner_test {
 namespace {
 
 constexpr int kWidth = 160;
@@ -164,4 +164,4 @@ TEST_F(PairAlignerTest, RefusesFramesThatDiffer) {
 }
 
 }  // namespace
-}  // namespace becalm::filter
+}  // namespace becalm::filter::pair_aligner_test

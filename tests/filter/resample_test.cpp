@@ -8,7 +8,7 @@
 #include "tests/filter/pattern.h"
 #include "tests/filter/reference/merge.h"
 
-namespace becalm::filter {
+namespace becalm::filter::resample_test {
 namespace {
 
 using reference::Estimate;
@@ -228,4 +228,4 @@ TEST_F(ResampleTest, AFireflyNeitherRingsNorMakesNegativeRadiance) {
 }
 
 }  // namespace
-}  // namespace becalm::filter
+}  // namespace becalm::filter::resample_test

@@ -12,7 +12,7 @@
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/moving_pattern.h"
 
-namespace becalm::filter {
+namespace becalm::filter::sequence_filter_test {
 namespace {
 
 using namespace moving_pattern;
@@ -243,4 +243,4 @@ TEST_F(SequenceFilterTest, NothingDriftsOverThousandsOfFrames) {
 }
 
 }  // namespace
-}  // namespace becalm::filter
+}  // namespace becalm::filter::sequence_filter_test

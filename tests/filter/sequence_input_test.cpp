@@ -13,7 +13,7 @@
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/moving_pattern.h"
 
-namespace becalm::filter {
+namespace becalm::filter::sequence_input_test {
 namespace {
 
 using namespace moving_pattern;
@@ -223,4 +223,4 @@ TEST_F(SequenceInputTest, SizesFromOnePixelUp) {
 }
 
 }  // namespace
-}  // namespace becalm::filter
+}  // namespace becalm::filter::sequence_input_test

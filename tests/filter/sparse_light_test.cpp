@@ -10,7 +10,7 @@
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/guided_frame.h"
 
-namespace becalm::filter {
+namespace becalm::filter::sparse_light_test {
 namespace {
 
 constexpr int kWidth = 96;
@@ -79,4 +79,4 @@ TEST_F(SparseLightTest, LeavesNoHolesWhereThereIsNoSurface) {
 }
 
 }  // namespace
-}  // namespace becalm::filter
+}  // namespace becalm::filter::sparse_light_test

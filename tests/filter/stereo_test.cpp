@@ -16,7 +16,7 @@
 #include "tests/filter/pattern.h"
 #include "tests/filter/reference/stereo.h"
 
-namespace becalm::filter {
+namespace becalm::filter::stereo_test {
 namespace {
 
 using reference::Estimate;
@@ -411,4 +411,4 @@ TEST(Disparity, OffsetsOfOneEyeTellThoseOfTheOther) {
 }
 
 }  // namespace
-}  // namespace becalm::filter
+}  // namespace becalm::filter::stereo_test

@@ -11,7 +11,7 @@
 #include "tests/filter/device_fixture.h"
 #include "tests/filter/reference/antialias.h"
 
-namespace becalm::filter {
+namespace becalm::filter::upsample_test {
 namespace {
 
 using reference::Grid;
@@ -408,4 +408,4 @@ TEST(NearestSampleTest, FindsTheSampleNextToAPixel) {
 }
 
 }  // namespace
-}  // namespace becalm::filter
+}  // namespace becalm::filter::upsample_test

@@ -10,7 +10,7 @@
 #include "frame/judge/block_sums.h"
 #include "tests/judge/simulated.h"
 
-namespace becalm::judge {
+namespace becalm::judge::statistical_test {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -303,4 +303,4 @@ TEST(Statistical, RefusesWhatItCannotJudge) {
 }
 
 }  // namespace
-}  // namespace becalm::judge
+}  // namespace becalm::judge::statistical_test

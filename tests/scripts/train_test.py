@@ -26,6 +26,7 @@ import shots
 import train
 from network import CHANNELS, Network
 
+torch.set_num_threads(1)  # other tests run beside this one, and torch's threads wait by spinning
 SIZE = 32
 PROJECT = Path(__file__).resolve().parents[2]
 

@@ -11,7 +11,7 @@
 #include "tests/tracer/test_scenes.h"
 #include "tracer/camera.h"
 
-namespace becalm::tracer::test {
+namespace becalm::tracer::test::aov_test {
 namespace {
 
 constexpr int kWidth = 40, kHeight = 30;
@@ -375,4 +375,4 @@ TEST(AovSamples, OutOfRangeIsAUsageError) {
 }
 
 }  // namespace
-}  // namespace becalm::tracer::test
+}  // namespace becalm::tracer::test::aov_test

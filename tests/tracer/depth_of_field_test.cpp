@@ -8,7 +8,7 @@
 #include "tests/tracer/test_scenes.h"
 #include "tracer/camera.h"
 
-namespace becalm::tracer::test {
+namespace becalm::tracer::test::depth_of_field_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -167,4 +167,4 @@ TEST(Aperture, StaysWithinTheUnitCircle) {
 }
 
 }  // namespace
-}  // namespace becalm::tracer::test
+}  // namespace becalm::tracer::test::depth_of_field_test

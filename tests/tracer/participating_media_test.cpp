@@ -8,7 +8,7 @@
 #include "tests/tracer/shading/statistics.h"
 #include "tracer/snapshot/snapshot.h"
 
-namespace becalm::tracer::test {
+namespace becalm::tracer::test::participating_media_test {
 namespace {
 
 std::string scene(const std::string& integrator, const std::string& look_at, const std::string& media,
@@ -166,7 +166,7 @@ TEST(Media, ScatterAsASlabOfLayersDoes) {
     for (const bool reflected : {true, false}) {
       const auto [truth, error] = SlabReference(2.0, 0.9, g, reflected).estimate(200000);
       // The sun straight above, with a width that the view along it does not see: 0 degrees.
-      Scene scene = load_text(test::scene(
+      Scene scene = load_text(participating_media_test::scene(
           "'max_depth': 200",
           reflected ? "'eye': [0,9,0], 'target': [0,0,0], 'up': [1,0,0]"
                     : "'eye': [0,-9,0], 'target': [0,0,0], 'up': [1,0,0]",
@@ -245,10 +245,10 @@ TEST(Media, LightIsFoundEitherWayThroughRoughGlass) {
 
 TEST(Media, CopiesOfACloudShareItsVoxels) {
   const auto bytes_of = [](const std::string& scatter) {
-    const Scene scene = load_text(
-        test::scene("'max_depth': 4", kAlongZ,
-                    "'cloud': {'type': 'cloud', 'extinction': 6, 'albedo': 0.8, 'resolution': [16,16,16]}",
-                    "{'mesh': 'box', 'interior': 'cloud', 'material': 'air'" + scatter + "}"));
+    const Scene scene = load_text(participating_media_test::scene(
+        "'max_depth': 4", kAlongZ,
+        "'cloud': {'type': 'cloud', 'extinction': 6, 'albedo': 0.8, 'resolution': [16,16,16]}",
+        "{'mesh': 'box', 'interior': 'cloud', 'material': 'air'" + scatter + "}"));
     return Snapshot(scene.description(), 1).media_bytes();
   };
   const std::size_t of_one = bytes_of("");
@@ -258,17 +258,17 @@ TEST(Media, CopiesOfACloudShareItsVoxels) {
 
 TEST(Media, HideWhatIsBehindWithTheirGuides) {
   // A dense black cloud is a surface to the eye: it covers, and its albedo is 0.
-  Scene scene =
-      load_text(test::scene("'max_depth': 4", kAlongZ,
-                            "'soot': {'type': 'homogeneous', 'extinction': [1e4,2e4,3e4], 'albedo': 1e-3}",
-                            "{'mesh': 'box', 'interior': 'soot', 'material': 'air', " + kSlab + "}", ""));
+  Scene scene = load_text(participating_media_test::scene(
+      "'max_depth': 4", kAlongZ,
+      "'soot': {'type': 'homogeneous', 'extinction': [1e4,2e4,3e4], 'albedo': 1e-3}",
+      "{'mesh': 'box', 'interior': 'soot', 'material': 'air', " + kSlab + "}", ""));
   const Frame frame = render_frame(scene, 1, options(16, {Aov::albedo, Aov::depth, Aov::object_id})).value();
   EXPECT_EQ(frame.image(Aov::beauty).at(1, 1, 3), 1.0f);
   EXPECT_NEAR(frame.image(Aov::depth).at(1, 1, 0), 20.0f - 0.75f, 1e-2f);
   EXPECT_LT(frame.image(Aov::albedo).at(1, 1, 1), 0.01f);
   EXPECT_EQ(frame.image(Aov::object_id).at(1, 1, 0), 1.0f);
   // Likewise one that never scatters.
-  Scene black = load_text(test::scene(
+  Scene black = load_text(participating_media_test::scene(
       "'max_depth': 4", kAlongZ, "'soot': {'type': 'homogeneous', 'extinction': 200, 'albedo': 0}",
       "{'mesh': 'box', 'interior': 'soot', 'material': 'air', " + kSlab + "}", ""));
   const Frame of_black = render_frame(black, 1, options(16, {Aov::albedo})).value();
@@ -277,4 +277,4 @@ TEST(Media, HideWhatIsBehindWithTheirGuides) {
 }
 
 }  // namespace
-}  // namespace becalm::tracer::test
+}  // namespace becalm::tracer::test::participating_media_test

@@ -15,7 +15,7 @@ using filter::Bounds;
 using filter::Rectify;
 
 /// That a history counts as.
-constexpr double kMostFrames = 64.0;
+constexpr double kLongestHistory = 64.0;
 
 Rgb operator-(const Rgb& a, const Rgb& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
@@ -179,7 +179,7 @@ Grid<Antialiased> accumulate(const Grid<Rgb>& samples, const Grid<Antialiased>& 
         continue;
       }
       const Rgb h = rectified(samples, x, y, before.color, settings);
-      const double even = 1.0 / (std::min(before.count, kMostFrames - 1.0) + 1.0);
+      const double even = 1.0 / (std::min(before.count, kLongestHistory - 1.0) + 1.0);
       double alpha = 0.0;
       double bias = 0.0;
       switch (settings.accumulate) {
@@ -196,14 +196,14 @@ Grid<Antialiased> accumulate(const Grid<Rgb>& samples, const Grid<Antialiased>& 
           bias = found.bias_squared;
           const double old_error = found.variance / before.count + bias;
           alpha = old_error > 0.0 ? old_error / (old_error + found.variance) : even;
-          alpha = std::max(alpha, 1.0 / kMostFrames);
+          alpha = std::max(alpha, 1.0 / kLongestHistory);
           break;
         }
       }
       for (int c = 0; c < 3; ++c) result.color[c] = h[c] + alpha * (now.color[c] - h[c]);
       const double rest = 1.0 - alpha;
       result.variance = rest * rest * (before.variance + bias) + alpha * alpha * now.variance;
-      result.count = std::min(before.count / (alpha * alpha * before.count + rest * rest), kMostFrames);
+      result.count = std::min(before.count / (alpha * alpha * before.count + rest * rest), kLongestHistory);
     }
   }
   return next;
