@@ -20,8 +20,10 @@ namespace {
 constexpr int kFinestBlock = 16;
 constexpr int kSteadyBlock = 128;
 constexpr double kSignificance = 4.0;
-/// Limit of the factor by which one level changes a block.
-constexpr double kLargestFactor = 2.0;
+/// Limits of the factors by which the level of the whole frame and each finer one change a pixel of the mean
+/// brightness.
+constexpr double kLargestOfFrame = 2.0;
+constexpr double kLargestOfBlock = 1.25;
 
 using Channels = std::array<double, 3>;
 
@@ -86,12 +88,13 @@ BlockGrid finest_level(const NewFrame& frame, const FilterTask& task, const Esti
     restorable.for_row(y, [&](std::size_t x, const Allowance& allowed) {
       const std::size_t i = static_cast<std::size_t>(y) * width + x;
       if (!both_have_data(frame, estimate, i)) return;
+      const double share = allowed.share * restorable.weight(color.subspan(4 * i, 3));
       Block& block = level.at(static_cast<int>(x) / kFinestBlock, y / kFinestBlock);
       for (std::size_t c = 0; c < 3; ++c) {
         const double e = exposure * color[4 * i + c];
         block.frame[c] += exposure * beauty[4 * i + c];
         block.estimate[c] += e;
-        block.restorable[c] += allowed.share * e;
+        block.restorable[c] += share * e;
       }
       block.noise += exposure * exposure * pixel_noise(frame, task, estimate, i);
       ++block.pixels;
@@ -157,7 +160,8 @@ void find_factors(BlockGrid& level, const BlockGrid* coarse) {
         const Block& around = coarse->at(x / 2, y / 2);
         noise = std::max(noise, around.noise * block.pixels / around.pixels);
       }
-      bring_to_frame(block, steady ? noise : kSignificance * noise, kLargestFactor);
+      bring_to_frame(block, steady ? noise : kSignificance * noise,
+                     coarse ? kLargestOfBlock : kLargestOfFrame);
     }
   }
 }
@@ -185,9 +189,10 @@ void apply(const BlockGrid& grid, const Restorable& restorable, Estimate& estima
     restorable.for_row(y, [&](std::size_t x, const Allowance& allowed) {
       const std::size_t i = static_cast<std::size_t>(y) * width + x;
       const Between& column = columns[x];
+      const double weight = restorable.weight(estimate.color.data().subspan(4 * i, 3));
       for (std::size_t c = 0; c < 3; ++c) {
         const double of_block = mix(along[column.low][c], along[column.high][c], column.share);
-        const auto factor = static_cast<float>(allowed.factor(of_block));
+        const auto factor = static_cast<float>(allowed.factor(of_block, weight));
         multiply(estimate.color.data()[4 * i + c], factor);
         for (Image& image : estimate.carried) multiply(image.data()[4 * i + c], factor);
       }
@@ -228,14 +233,14 @@ struct Remainder {
   double residual = 0.0;  ///< squared difference from the frame, averaged over channels
 };
 
-void add_pixel(const NewFrame& frame, const Estimate& estimate, std::size_t i, const Allowance& allowed,
-               Remainder& sum) {
+/// `share`: of the pixel that a factor applies to.
+void add_pixel(const NewFrame& frame, const Estimate& estimate, std::size_t i, double share, Remainder& sum) {
   if (!both_have_data(frame, estimate, i)) return;
   const double exposure = frame.exposure;
   for (std::size_t c = 0; c < 3; ++c) {
     const double e = exposure * estimate.color.data()[4 * i + c];
     sum.estimate[c] += e;
-    sum.restorable[c] += allowed.share * e;
+    sum.restorable[c] += share * e;
     sum.residual += exposure * exposure * residual_square(frame, estimate, i, c) / 3.0;
   }
 }
@@ -272,7 +277,8 @@ void restore_energy(const NewFrame& frame, const FilterTask& task, Estimate& est
   }
   std::vector<Remainder> rows(static_cast<std::size_t>(estimate.color.height()));
   apply(levels.front(), restorable, estimate, [&](int y, std::size_t i, const Allowance& allowed) {
-    add_pixel(frame, estimate, i, allowed, rows[static_cast<std::size_t>(y)]);
+    const double share = allowed.share * restorable.weight(estimate.color.data().subspan(4 * i, 3));
+    add_pixel(frame, estimate, i, share, rows[static_cast<std::size_t>(y)]);
   });
   Remainder left;
   for (const Remainder& row : rows) left += row;

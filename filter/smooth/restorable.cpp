@@ -115,6 +115,30 @@ Restorable::Restorable(const NewFrame& frame, const Estimate& estimate)
     }
   });
   for (int x = 0; x < columns; ++x) columns_.emplace_back(in_cells(x), width_);
+  mean_brightness_ = mean_of_noisy(frame, estimate);
+}
+
+double Restorable::mean_of_noisy(const NewFrame& frame, const Estimate& estimate) const {
+  struct Sum {
+    double light = 0.0;
+    double share = 0.0;
+  };
+  const std::size_t width = columns_.size();
+  std::vector<Sum> rows(share_of_pixel_.size() / width);
+  for_each_in_parallel(static_cast<int>(rows.size()), [&](int y) {
+    Sum& row = rows[static_cast<std::size_t>(y)];
+    for (std::size_t i = y * width; i < (y + 1) * width; ++i) {
+      if (!both_have_data(frame, estimate, i)) continue;
+      row.light += share_of_pixel_[i] * brightness(estimate.color.data().subspan(4 * i, 3));
+      row.share += share_of_pixel_[i];
+    }
+  });
+  Sum sum;
+  for (const Sum& row : rows) {
+    sum.light += row.light;
+    sum.share += row.share;
+  }
+  return sum.share > 0.0 ? sum.light / sum.share : 0.0;
 }
 
 }  // namespace becalm::filter

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "filter/estimate.h"
@@ -32,8 +33,9 @@ struct Allowance {
   double darker = 0.0;    ///< largest relative change
   double brighter = 0.0;  ///< likewise
 
-  double factor(double of_block) const {
-    return 1.0 + std::clamp(std::min(share, of_pixel) * (of_block - 1.0), -darker, brighter);
+  /// `weight`: Restorable::weight of the pixel.
+  double factor(double of_block, double weight) const {
+    return 1.0 + std::clamp(std::min(share, of_pixel) * weight * (of_block - 1.0), -darker, brighter);
   }
 };
 
@@ -47,9 +49,18 @@ struct Allowance {
 ///
 /// R and L are those of cells, interpolated. The share is also limited by that of the pixel's 3x3 pixels, for
 /// clean sky beside an object. Light that these limits keep back is not restored elsewhere.
+///
+/// Within a block the relative change grows with a pixel's brightness. Where in the block light was lost is
+/// not known, and of all changes with one sum those in proportion to the squared brightness have the least
+/// relative squared error; smoothing also loses most of it in bright places.
 class Restorable {
  public:
   Restorable(const NewFrame& frame, const Estimate& estimate);
+
+  /// How much a pixel of that colour is changed, relative to one as bright as noisy pixels are on average.
+  double weight(std::span<const float> rgb) const {
+    return mean_brightness_ > 0.0 ? std::min(brightness(rgb) / mean_brightness_, kLargestWeight) : 1.0;
+  }
 
   /// Calls set(x, allowed) for the pixels of a row.
   template <class Set>
@@ -71,6 +82,15 @@ class Restorable {
  private:
   /// Side of the cells that clean and noisy are told apart by, in px.
   static constexpr int kCell = 16;
+  static constexpr double kLargestWeight = 64.0;
+
+  /// Without negative values and NaN.
+  static double brightness(std::span<const float> rgb) {
+    double sum = 0.0;
+    for (const float value : rgb) sum += std::max(0.0, double(value));
+    return sum / 3.0;
+  }
+  double mean_of_noisy(const NewFrame& frame, const Estimate& estimate) const;
 
   /// A pixel's position between the centres of cells.
   static double in_cells(int pixel) { return (pixel + 0.5) / kCell - 0.5; }
@@ -84,6 +104,7 @@ class Restorable {
   std::vector<Allowance> cells_;  ///< row by row
   std::vector<Between> columns_;  ///< of pixels
   std::vector<float> share_of_pixel_;
+  double mean_brightness_;  ///< of noisy pixels, each as far as it is noisy
 };
 
 }  // namespace becalm::filter

@@ -121,7 +121,8 @@ def scenes_part(becalm, *comparison):
 
 384x216, with every feature, variance and half-buffers; two references of 64 samples, whose noise is
 taken out. The network did not learn from these scenes, but two things were decided after looks at
-`penumbra`: affinities, and that single pixels are restored from 16 deviations on.
+`penumbra`: affinities, and that single pixels are restored from 16 deviations on; and one after a
+look at `crossing`: that lost light returns to bright pixels.
 
 {overview}
 
