@@ -22,6 +22,14 @@ def wrapped(text):
     return "\n\n".join(textwrap.fill(part, COLUMNS, break_on_hyphens=False) for part in text.split("\n\n")) + "\n"
 
 
+def within_columns(text):
+    """The text with every paragraph filled anew that has too long a line; tables, headings and lists stay as they are."""
+    def too_long(paragraph):
+        return not paragraph.startswith(("|", "#", "- ", "```")) and any(len(line) > COLUMNS for line in paragraph.split("\n"))
+
+    return "\n\n".join(wrapped(part).rstrip("\n") if too_long(part) else part for part in text.split("\n\n"))
+
+
 def items(lines):
     return "".join(textwrap.fill(line, COLUMNS, break_on_hyphens=False, initial_indent="- ", subsequent_indent="  ") + "\n" for line in lines)
 

@@ -14,7 +14,7 @@ import sys
 from pathlib import Path
 
 from benches.at_a_glance import at_a_glance
-from benches.markdown_report import wrapped
+from benches.markdown_report import within_columns, wrapped
 from benches.timed import timed
 from whole_file import write_whole
 
@@ -311,7 +311,7 @@ def main():
             failed.append(name)
             continue
         parts = parts_of(results.read_text() if results.exists() else "") | {name: part}
-        text = "".join(parts[name].strip() + "\n\n" for name in PARTS if name in parts)
+        text = "".join(within_columns(parts[name].strip()) + "\n\n" for name in PARTS if name in parts)
         write_whole(results, f"# Results\n\nWritten by `scripts/bench report`.\n\n{at_a_glance(parts)}\n{contents(text)}\n{text.strip()}\n")
         print(f"RESULTS.md: {name}")
     if failed:

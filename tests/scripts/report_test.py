@@ -11,6 +11,7 @@ import numpy as np
 import OpenImageIO as oiio
 
 from benches.at_a_glance import at_a_glance
+from benches.markdown_report import within_columns
 from benches.quality.oidn import PerceptualRange, exposure, from_srgb, to_srgb
 
 
@@ -21,6 +22,17 @@ class AtAGlance(unittest.TestCase):
         rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in at_a_glance(parts).strip().splitlines()[2:]]
         self.assertEqual(rows, [["`draft`", "1/9", "1/11", "1/8", "1/30", "1.5", "1400"],
                                 ["OIDN, each frame alone", "1/12", "1/13", "-", "-", "-", "-"]])
+
+
+class WithinColumns(unittest.TestCase):
+    def test_prose_is_wrapped_and_tables_stay(self):
+        row, prose = "| a |" + " b" * 60 + " |", "word " * 30 + "end"
+        filled = within_columns(f"## {'title ' * 20}\n\n{prose}\n\n{row}\n\nshort\nlines")
+        title, paragraph, table, short = filled.split("\n\n")
+        self.assertEqual(title, f"## {'title ' * 20}")
+        self.assertLessEqual(max(map(len, paragraph.split("\n"))), 100)
+        self.assertEqual(paragraph.split(), prose.split())
+        self.assertEqual((table, short), (row, "short\nlines"))
 
 
 def write_network(path):
