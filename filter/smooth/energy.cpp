@@ -179,6 +179,7 @@ template <class Use>
 void apply(const BlockGrid& grid, const Restorable& restorable, Estimate& estimate, const Use& use) {
   const int width = estimate.color.width();
   std::vector<Between> columns;
+  columns.reserve(static_cast<std::size_t>(width));
   for (int x = 0; x < width; ++x) columns.emplace_back((x + 0.5) / grid.block_px - 0.5, grid.width);
   const auto scale_row = [&](int y) {
     const Between row((y + 0.5) / grid.block_px - 0.5, grid.height);
