@@ -82,6 +82,7 @@ class Restorable {
  private:
   /// Side of the cells that clean and noisy are told apart by, in px.
   static constexpr int kCell = 16;
+  /// Keeps products finite where a lamp is brighter than all else by any factor.
   static constexpr double kLargestWeight = 64.0;
 
   /// Without negative values and NaN.

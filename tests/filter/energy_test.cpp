@@ -96,8 +96,9 @@ TEST(RestoreEnergy, LightReturnsToWhereItIsMissing) {
         if (outside > blurred) {
           ASSERT_NEAR(green, 1.0f, 0.03f) << x << "," << y;
         }
-        if (outside < -10) {
-          ASSERT_NEAR(green, 1.0f, 0.15f) << x << "," << y;
+        if (outside < -8) {
+          // Near the edge light goes to its bright side first.
+          ASSERT_NEAR(green, 1.0f, outside < -10 ? 0.15f : 0.175f) << x << "," << y;
         }
       }
     }
