@@ -14,16 +14,15 @@
 namespace becalm::filter {
 namespace {
 
-/// Sides of the finest blocks, and of those from which single bright samples no longer rule a block. Smaller
-/// ones would make smooth light uneven, so there only a squared difference counts that exceeds its variance
-/// so many times.
+/// Sides of the finest blocks, and of those from which single bright samples no longer rule a block.
 constexpr int kFinestBlock = 16;
 constexpr int kSteadyBlock = 128;
+/// Only a squared difference counts that exceeds its variance so many times.
 constexpr double kSignificance = 4.0;
-/// Limits of the factors by which the level of the whole frame and each finer one change a pixel of the mean
-/// brightness.
-constexpr double kLargestOfFrame = 2.0;
-constexpr double kLargestOfBlock = 1.25;
+/// Limits of the relative change by one level of a pixel of the mean brightness: for each time that the
+/// difference exceeds what noise explains, so that light of a few samples is hardly restored; and in all.
+constexpr double kChangeBeyondNoise = 1.0 / 24.0;
+constexpr double kLargestOfLevel = 1.0;
 
 using Channels = std::array<double, 3>;
 
@@ -76,6 +75,18 @@ double pixel_noise(const NewFrame& frame, const FilterTask& task, const Estimate
   return sum;
 }
 
+/// Where the squared difference stands for the noise: without that of the means, which light that is missing
+/// causes.
+void leave_out_bias(Block& block) {
+  if (block.pixels == 0) return;
+  double squares = 0.0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double difference = block.frame[c] - block.estimate[c];
+    squares += difference * difference / 3.0;
+  }
+  block.noise = std::max(0.0, block.noise - squares / block.pixels);
+}
+
 BlockGrid finest_level(const NewFrame& frame, const FilterTask& task, const Estimate& estimate,
                        const Restorable& restorable) {
   const int width = estimate.color.width();
@@ -102,6 +113,8 @@ BlockGrid finest_level(const NewFrame& frame, const FilterTask& task, const Esti
   };
   for_each_in_parallel(level.height, [&](int row) {
     for (int y = row * kFinestBlock; y < std::min((row + 1) * kFinestBlock, height); ++y) add_row(y);
+    if (contains(task.used, Aov::variance) || task.has_halves()) return;
+    for (int x = 0; x < level.width; ++x) leave_out_bias(level.at(x, row));
   });
   return level;
 }
@@ -125,7 +138,7 @@ BlockGrid coarser(const BlockGrid& fine) {
 }
 
 /// Changes the block's factor towards the one that gives the estimate the frame's mean: by the share of the
-/// difference that exceeds `noise`, and at most by a factor of `largest` or 1 / `largest`.
+/// squared difference that exceeds `noise`, relatively by `largest` at most.
 void bring_to_frame(Block& block, double noise, double largest) {
   Channels difference{};
   double squares = 0.0;
@@ -136,10 +149,11 @@ void bring_to_frame(Block& block, double noise, double largest) {
   }
   if (!(squares > noise) || !std::isfinite(squares)) return;
   const double share = 1.0 - noise / squares;
+  const double most = 1.0 + std::min(largest, kChangeBeyondNoise * std::sqrt(squares / noise));
   for (std::size_t c = 0; c < 3; ++c) {
     const double base = block.factor[c] * block.restorable[c];
     if (!(base > 0.0)) continue;
-    block.factor[c] *= std::clamp(1.0 + share * difference[c] / base, 1.0 / largest, largest);
+    block.factor[c] *= std::clamp(1.0 + share * difference[c] / base, 1.0 / most, most);
   }
 }
 
@@ -160,8 +174,7 @@ void find_factors(BlockGrid& level, const BlockGrid* coarse) {
         const Block& around = coarse->at(x / 2, y / 2);
         noise = std::max(noise, around.noise * block.pixels / around.pixels);
       }
-      bring_to_frame(block, steady ? noise : kSignificance * noise,
-                     coarse ? kLargestOfBlock : kLargestOfFrame);
+      bring_to_frame(block, kSignificance * noise, kLargestOfLevel);
     }
   }
 }
@@ -260,7 +273,7 @@ void restore_whole(Block whole, const Remainder& left, const Restorable& restora
   const double mean = (whole.estimate[0] + whole.estimate[1] + whole.estimate[2]) / 3.0;
   const double noise = std::min(whole.noise, left.residual);
   const double unseen = kUnseen * mean * kUnseen * mean;
-  bring_to_frame(whole, noise > 0.0 ? noise * (noise / (noise + unseen)) : 0.0, 1.0 + kUnseen);
+  bring_to_frame(whole, noise > 0.0 ? noise * (noise / (noise + unseen)) : 0.0, kUnseen);
   BlockGrid one(1, 1, kFinestBlock);
   one.blocks = {whole};
   apply(one, restorable, estimate, [](int, std::size_t, const Allowance&) {});

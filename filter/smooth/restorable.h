@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -50,16 +51,19 @@ struct Allowance {
 /// R and L are those of cells, interpolated. The share is also limited by that of the pixel's 3x3 pixels, for
 /// clean sky beside an object. Light that these limits keep back is not restored elsewhere.
 ///
-/// Within a block the relative change grows with a pixel's brightness. Where in the block light was lost is
-/// not known, and of all changes with one sum those in proportion to the squared brightness have the least
-/// relative squared error; smoothing also loses most of it in bright places.
+/// Within a block the relative change grows with the brightness B of a pixel, as B^(3/4). Where in the block
+/// light was lost is not known, and of all changes with one sum those of B (1 + x B) have the least relative
+/// squared error; smoothing also loses most of it in bright places. But that much of a block's uncertain
+/// light in few pixels flickers, so held-out shots chose a smaller power.
 class Restorable {
  public:
   Restorable(const NewFrame& frame, const Estimate& estimate);
 
   /// How much a pixel of that colour is changed, relative to one as bright as noisy pixels are on average.
   double weight(std::span<const float> rgb) const {
-    return mean_brightness_ > 0.0 ? std::min(brightness(rgb) / mean_brightness_, kLargestWeight) : 1.0;
+    if (!(mean_brightness_ > 0.0)) return 1.0;
+    const double root = std::sqrt(std::min(brightness(rgb) / mean_brightness_, kBrightest));
+    return root * std::sqrt(root);
   }
 
   /// Calls set(x, allowed) for the pixels of a row.
@@ -83,7 +87,7 @@ class Restorable {
   /// Side of the cells that clean and noisy are told apart by, in px.
   static constexpr int kCell = 16;
   /// Keeps products finite where a lamp is brighter than all else by any factor.
-  static constexpr double kLargestWeight = 64.0;
+  static constexpr double kBrightest = 256.0;
 
   /// Without negative values and NaN.
   static double brightness(std::span<const float> rgb) {
