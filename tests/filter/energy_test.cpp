@@ -98,7 +98,7 @@ TEST(RestoreEnergy, LightReturnsToWhereItIsMissing) {
         }
         if (outside < -8) {
           // Near the edge light goes to its bright side first.
-          ASSERT_NEAR(green, 1.0f, outside < -10 ? 0.15f : 0.16f) << x << "," << y;
+          ASSERT_NEAR(green, 1.0f, outside < -10 ? 0.15f : 0.165f) << x << "," << y;
         }
       }
     }
