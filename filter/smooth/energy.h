@@ -7,8 +7,8 @@ namespace becalm::filter {
 
 /// Restores light that smoothing removed with bright samples. Scales the estimate's colour in blocks, from
 /// the whole frame down to 16 px: each block's mean moves towards the noisy frame's by the share of the
-/// difference that the frame's noise does not explain; below 128 px, that twice the noise's deviation does
-/// not. Bright pixels get most of it (Restorable). Pixels around which the frame is within 1 % of the
+/// difference that twice the deviation of the frame's noise does not explain, and the further, the more it
+/// exceeds that. Bright pixels get most of it (Restorable). Pixels around which the frame is within 1 % of the
 /// estimate, such as a clean sky, are scaled by little or nothing, and none are brightened by more than the
 /// bright samples that may have been removed around them. Then scales the whole frame once more, by 1 % at
 /// most, since blocks with a bright sample are noisier than others and are corrected by a smaller share.

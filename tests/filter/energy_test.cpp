@@ -296,6 +296,21 @@ TEST(RestoreEnergy, AnEqualEstimateStaysBitForBit) {
   }
 }
 
+TEST(RestoreEnergy, LightOfAFewSamplesHardlyBrightensTheirBlock) {
+  // Nine samples of a block have twice the light of all its others together.
+  constexpr int block = 16;
+  Frame frame = noisy_frame(128, 128, Told::nothing, 0.05f);
+  for (int i = 0; i < 9; ++i) std::fill_n(frame.image(Aov::beauty).pixel(66 + i, 70).begin(), 3, 64.0f);
+  Estimate estimate = even_estimate(frame, 1.0f);
+  restore(frame, estimate);
+  double light = 0.0;
+  for (int y = 64; y < 64 + block; ++y) {
+    for (int x = 64; x < 64 + block; ++x) light += estimate.color.pixel(x, y)[1];
+  }
+  EXPECT_GT(light / (block * block), 1.02);
+  EXPECT_LT(light / (block * block), 1.25);
+}
+
 TEST(RestoreEnergy, AFrameWithoutBrightnessIsLeft) {
   Frame frame(1, 300, 200);
   Image& beauty = frame.add(Aov::beauty);
