@@ -17,12 +17,13 @@ namespace {
 /// Sides of the finest blocks, and of those from which single bright samples no longer rule a block.
 constexpr int kFinestBlock = 16;
 constexpr int kSteadyBlock = 128;
-/// A squared difference counts as far as it exceeds so many times its variance, so from 2 deviations.
+/// How many times its variance a squared difference must exceed to count, and only the excess does.
 constexpr double kSignificance = 4.0;
-/// Limits of the relative change of a block's factor by one level: for each 2 deviations that the difference
-/// has, since that of a few bright samples has few (held-out shots: 1/32 is 1 % better, but restores less
-/// of what is certainly missing); and in all.
+/// Largest relative change of a block's factor by one level, for each 2 deviations of noise in the
+/// difference: what a few bright samples add to a block is few deviations. 1/32 has 1 % less error on
+/// held-out shots, but restores less of what is certainly missing.
 constexpr double kChangeBeyondNoise = 1.0 / 24.0;
+/// Largest relative change by one level, whatever the difference.
 constexpr double kLargestOfLevel = 1.0;
 
 using Channels = std::array<double, 3>;
