@@ -162,9 +162,10 @@ void add_first_layer(Chain& chain, const std::shared_ptr<const HostWeights>& wei
   pass.read(inputs, gpu::reach(1)).write(result.image);
   pass.run([=, layer = CurrentConvolution(encoder(0), 0, size.width)](const HostImages& images) mutable {
     const HostConvolution& convolution = layer.get(*weights);
+    const int channels = encoder(0)(weights->network()).inputs;
     const auto planes = images.read<float>(inputs);
     const std::span<float> to = images.write<float>(result.image);
-    const std::ptrdiff_t row_floats = std::ptrdiff_t{size.width + 2} * kNetworkInputs;
+    const std::ptrdiff_t row_floats = std::ptrdiff_t{size.width + 2} * channels;
     for_rows(size.height, [&](int begin, int end) {
       HostConvolution::Rows convolved(convolution);
       thread_local std::vector<float> packed;
@@ -173,8 +174,8 @@ void add_first_layer(Chain& chain, const std::shared_ptr<const HostWeights>& wei
         const int rows = std::min(most_rows, end - first);
         for (int i = 0; i < rows + 2; ++i) {
           float* const row = &packed[i * row_floats];
-          row_from_planes(planes, size, kNetworkInputs, std::clamp(first + i - 1, 0, size.height - 1), row);
-          repeat_ends(row, row_floats, kNetworkInputs);
+          row_from_planes(planes, size, channels, std::clamp(first + i - 1, 0, size.height - 1), row);
+          repeat_ends(row, row_floats, channels);
         }
         for (int i = 0; i < rows; ++i) {
           float* const framed_row = to.data() + (first + i + 1) * result.row_floats();

@@ -63,7 +63,12 @@ ImageId NetworkPasses::weights_image(Chain& chain, const std::string& name, cons
   return image;
 }
 
-void NetworkPasses::upload_weights(Chain& chain, const NetworkWeights& network) const {
+NetworkWeights NetworkPasses::used(const NetworkWeights& network) const {
+  return merged_ ? network : of_single_frame(network);
+}
+
+void NetworkPasses::upload_weights(Chain& chain, const NetworkWeights& trained) const {
+  const NetworkWeights network = used(trained);
   for (const auto& [image, pack] : weights_) {
     std::ranges::copy(pack(network), chain.upload<float>(image).begin());
   }
@@ -76,8 +81,9 @@ NetworkPasses::NetworkPasses(Chain& chain, const Weights& trained, Extent full, 
     : full_(full),
       padded_{padded_px(full.width), padded_px(full.height)},
       strip_(strip),
-      host_weights_(std::make_shared<HostWeights>(trained.network)) {
-  const NetworkWeights& weights = trained.network;
+      merged_(frame.own_color != frame.color),
+      host_weights_(std::make_shared<HostWeights>(used(trained.network))) {
+  const NetworkWeights& weights = host_weights_->network();
   const Demodulated beauty = add_demodulate(chain, frame, "beauty", {frame.color, frame.own_color});
   const ImageId inputs = add_inputs(chain, frame, beauty, variance_known);
   features_ = convolver == Convolver::host
@@ -105,7 +111,7 @@ NetworkPasses::NetworkPasses(Chain& chain, const Weights& trained, Extent full, 
   smoothed_.stats = remaining;
   smoothed_.color = add_restore(chain, full_, "smoothed.color", frame.color, color, share);
   std::optional<ImageId> own_share;
-  if (frame.own_color != frame.color) {
+  if (merged_) {
     const OwnShare own = add_own_share(chain, full_, frame, {smoothed_.color, smoothed_.stats, share, {}},
                                        weights_image(chain, "own_share", weights,
                                                      [packed = pack_own_share(*trained.own_share)](
@@ -150,8 +156,9 @@ NetworkPasses::Demodulated NetworkPasses::add_demodulate(Chain& chain, const Noi
 
 ImageId NetworkPasses::add_inputs(Chain& chain, const NoisyInputs& frame, const Demodulated& demodulated,
                                   bool variance_known) const {
+  const int count = merged_ ? kNetworkInputs : kSingleFrameInputs;
   const ImageId inputs =
-      chain.image("network.inputs", Format::f32x4, padded_.with_planes(kNetworkInputs / kPlane));
+      chain.image("network.inputs", Format::f32x4, padded_.with_planes(count / kPlane));
   // Plane by plane: the inputs of 1920x1080 pixels are more than some devices can bind at once.
   chain.pass("smooth/inputs")
       .read("irradiance", demodulated.irradiance.merged)
@@ -165,6 +172,7 @@ ImageId NetworkPasses::add_inputs(Chain& chain, const NoisyInputs& frame, const 
       .write_plane("noise_inputs", inputs, 2)
       .specialize("variance_known", variance_known ? 1 : 0)
       .dispatch(padded_);
+  if (!merged_) return inputs;
   chain.pass("smooth/own_inputs")
       .read("own_grey", demodulated.grey.own)
       .read("own_albedo_depth", frame.own_features->albedo_depth)

@@ -56,7 +56,7 @@ class NetworkPasses {
                 std::optional<int> strip = std::nullopt);
   /// Uploads weights of the same shape, for the runs that follow; call it once at least, after the chain is
   /// built.
-  void upload_weights(gpu::Chain& chain, const NetworkWeights& network) const;
+  void upload_weights(gpu::Chain& chain, const NetworkWeights& trained) const;
 
   const Smoothed& smoothed() const { return smoothed_; }
 
@@ -70,6 +70,7 @@ class NetworkPasses {
   using Coarse = std::optional<CoarseFeatures>;
 
   gpu::Extent extent(std::size_t scale) const;
+  NetworkWeights used(const NetworkWeights& network) const;
   using Pack = std::function<std::vector<float>(const NetworkWeights&)>;
   struct PackedWeights {
     gpu::ImageId image;
@@ -97,6 +98,7 @@ class NetworkPasses {
   gpu::Extent full_;
   gpu::Extent padded_;
   std::optional<int> strip_;
+  bool merged_;
   std::vector<PackedWeights> weights_;
   std::shared_ptr<HostWeights> host_weights_;
   Scales features_;

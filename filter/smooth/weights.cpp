@@ -122,7 +122,35 @@ std::vector<Layer*> layers_of(NetworkWeights& weights) {
   return layers;
 }
 
+/// Moves the weights of inputs that repeat others to those. Inputs 12 to 18 repeat 3 to 9 (albedo, normal,
+/// depth); input 19, the grey value, is the mean of 0 to 2 (shaders/smooth/inputs.comp, own_inputs.comp).
+Layer without_repeated_inputs(const Layer& layer) {
+  assert(layer.inputs == kNetworkInputs);
+  constexpr int grey = kNetworkInputs - 1;
+  constexpr int first_feature = 3;
+  Layer result{
+      .inputs = kSingleFrameInputs, .outputs = layer.outputs, .side = layer.side, .weight = {}, .bias = layer.bias};
+  for (int o = 0; o < layer.outputs; ++o) {
+    for (int i = 0; i < kSingleFrameInputs; ++i) {
+      const int repeated = i - first_feature + kSingleFrameInputs;
+      for (int t = 0; t < layer.side * layer.side; ++t) {
+        const auto weight = [&](int input) { return layer.at(o, input, t / layer.side, t % layer.side); };
+        float sum = weight(i);
+        if (i < first_feature) sum += weight(grey) / first_feature;
+        if (i >= first_feature && repeated < grey) sum += weight(repeated);
+        result.weight.push_back(sum);
+      }
+    }
+  }
+  return result;
+}
+
 }  // namespace
+
+NetworkWeights of_single_frame(NetworkWeights weights) {
+  weights.encode[0] = without_repeated_inputs(weights.encode[0]);
+  return weights;
+}
 
 const NetworkWeights& embedded_weights() {
   static const NetworkWeights weights = parse_weights({becalm_standard_weights, becalm_standard_weights_end});

@@ -10,6 +10,9 @@ namespace becalm::filter {
 constexpr std::size_t kScales = 5;
 /// Number of input channels of the network; shaders/smooth/inputs.comp computes them.
 constexpr int kNetworkInputs = 20;
+/// Number of those that differ if the frame is not a merged one. The others are the unmerged frame's features
+/// and grey value: in a single frame they repeat its own.
+constexpr int kSingleFrameInputs = 12;
 /// Number of pixels whose weights the network predicts: of a window, of the coarser scale's result and, at
 /// the finest scale, of 3x3 pixels of the unmerged frame.
 constexpr int kWindowTaps = 25;
@@ -54,6 +57,9 @@ struct NetworkWeights {
 constexpr int kOwnShareInputs = 5;
 constexpr int kOwnShareHidden = 16;
 using OwnShareWeights = std::array<Layer, 3>;
+
+/// The same function of a single frame, whose first layer reads the first kSingleFrameInputs alone.
+NetworkWeights of_single_frame(NetworkWeights weights);
 
 /// What is embedded in the program: for noise that is independent from pixel to pixel, and the same network
 /// trained further on noise that neighbouring pixels share.
