@@ -25,6 +25,7 @@ void run_pipeline(std::size_t steps, const Stages& stages) {
   };
   try {
     if (steps > 0) start_source(0);
+    if (stages.prepare) stages.prepare();
     for (std::size_t step = 0; step < steps; ++step) {
       std::optional<io::LoadedFrame> noisy = made.get();
       if (!noisy || stop_requested()) break;

@@ -22,6 +22,9 @@ struct FinishedFrame {
 
 /// What a command does with frames. Each stage is called in the order of the steps.
 struct Stages {
+  /// Optional: what must be done once before the first frame is filtered, while the source makes that. On the
+  /// caller's thread.
+  std::function<void()> prepare = {};
   /// The noisy frame of a step, rendered or read; nothing if a stop was requested. On threads of its own.
   std::function<std::optional<io::LoadedFrame>(std::size_t step)> source;
   /// Nothing where a step makes no frame. On the caller's thread.

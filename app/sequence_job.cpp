@@ -139,15 +139,21 @@ ExitStatus SequenceJob::run() {
   }
   progress_->detail(fmt::format("{}x{} px of {}", window_.width(), window_.height(),
                                 fingerprints_.layers_of(*needed.begin())));
+  const auto prepare = [&] {
+    build_filter(views);
+    tell_what_is_taken(needed, wanted);
+  };
+  filter_all(steps, static_cast<double>(work) / static_cast<double>(steps.size()), prepare);
+  return conclude(*progress_, asked, command_.running.profile ? &profile_ : nullptr);
+}
+
+void SequenceJob::build_filter(const std::vector<InputLayout>& views) {
   std::vector<FilteredView> filtered;
   filtered.reserve(views.size());
   for (const InputLayout& view : views) {
     filtered.push_back({.name = view.view, .available = view.aovs, .light_groups = view.light_groups});
   }
   filter_.build(window_.width(), window_.height(), filtered, window_.window.min);
-  tell_what_is_taken(needed, wanted);
-  filter_all(steps, static_cast<double>(work) / static_cast<double>(steps.size()));
-  return conclude(*progress_, asked, command_.running.profile ? &profile_ : nullptr);
 }
 
 std::vector<InputLayout> SequenceJob::checked_inputs(const std::set<int>& needed) {
@@ -183,9 +189,11 @@ void SequenceJob::tell_what_is_taken(const std::set<int>& needed, const std::set
   }
 }
 
-void SequenceJob::filter_all(const std::vector<filter::Step>& steps, double work_per_step) {
+void SequenceJob::filter_all(const std::vector<filter::Step>& steps, double work_per_step,
+                             const std::function<void()>& prepare) {
   FrameSink sink(outputs_, existing_, *progress_, profile_);
-  run_pipeline(steps.size(), {.source = [&](std::size_t step) { return std::optional(read(steps[step])); },
+  run_pipeline(steps.size(), {.prepare = prepare,
+                              .source = [&](std::size_t step) { return std::optional(read(steps[step])); },
                               .filter =
                                   [&](std::size_t step, io::LoadedFrame noisy) {
                                     progress_->update(steps[step].frame,

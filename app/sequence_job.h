@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <set>
 #include <string>
@@ -42,7 +43,9 @@ class SequenceJob {
   std::vector<InputLayout> checked_inputs(const std::set<int>& needed);
   void tell_what_is_taken(const std::set<int>& needed, const std::set<int>& wanted);
   void tell_other_beauties(const std::string& path);
-  void filter_all(const std::vector<filter::Step>& steps, double work_per_step);
+  void build_filter(const std::vector<InputLayout>& views);
+  void filter_all(const std::vector<filter::Step>& steps, double work_per_step,
+                  const std::function<void()>& prepare);
   io::LoadedFrame read(const filter::Step& step);
   void require_sound_input(const std::vector<int>& frames) const;
   std::string halves_text() const;
