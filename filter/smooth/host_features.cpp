@@ -7,7 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <variant>
+#include <string_view>
 #include <vector>
 
 #include "filter/for_rows.h"
@@ -29,7 +29,7 @@ struct Framed {
   Framed(Chain& chain, const std::string& name, Extent size, int channels)
       : size(size),
         channels(channels),
-        image(chain.image(name, Format::f32, {(size.width + 2) * channels, size.height + 2})) {}
+        image(chain.image(name, Format::f32x4, {(size.width + 2) * (channels / kPlane), size.height + 2})) {}
 
   std::ptrdiff_t row_floats() const { return std::ptrdiff_t{size.width + 2} * channels; }
 
@@ -55,15 +55,7 @@ void frame_row(const Framed& framed, int y, float* row) {
   if (y == framed.size.height - 1) std::copy(row, end, end);
 }
 
-/// Copies a framed row to row y of the planes of four channels that kernels read.
-void row_to_planes(const float* row, Extent size, int channels, int y, std::span<float> planes) {
-  for (int plane = 0; plane < channels / kPlane; ++plane) {
-    float* to = planes.data() + (std::ptrdiff_t{plane} * size.height + y) * size.width * kPlane;
-    const float* from = row + channels + plane * kPlane;
-    for (int x = 0; x < size.width; ++x) std::copy_n(from + x * channels, kPlane, to + x * kPlane);
-  }
-}
-
+/// Copies row y of planes of four channels to a framed row.
 void row_from_planes(std::span<const float> planes, Extent size, int channels, int y, float* row) {
   for (int plane = 0; plane < channels / kPlane; ++plane) {
     const float* from = planes.data() + (std::ptrdiff_t{plane} * size.height + y) * size.width * kPlane;
@@ -113,41 +105,30 @@ class CurrentConvolution {
 struct HostLayer {
   LayerOf layer_of;
   Framed source;
-  std::optional<Framed> coarse;          ///< its channels come before the source's
-  std::variant<Framed, ImageId> result;  ///< framed, or planes
+  std::optional<Framed> coarse;  ///< its channels come before the source's
+  Framed result;
 };
 
 void add_layer(Chain& chain, const std::shared_ptr<const HostWeights>& weights, const HostLayer& declared) {
-  const Extent size = declared.source.size;
+  const int width = declared.source.size.width;
   auto pass = chain.host_pass("smooth/host_convolve");
   pass.read(declared.source.image, gpu::reach(1));
   if (declared.coarse) pass.read(declared.coarse->image, gpu::coarser(2, 1));
-  const Framed* const declared_frame = std::get_if<Framed>(&declared.result);
-  const ImageId result_image = declared_frame ? declared_frame->image : std::get<ImageId>(declared.result);
-  pass.write(result_image);
+  pass.write(declared.result.image);
   const int upsampled_inputs = declared.coarse ? declared.coarse->channels : 0;
-  pass.run([=, current = CurrentConvolution(declared.layer_of, upsampled_inputs, size.width)](
+  pass.run([=, current = CurrentConvolution(declared.layer_of, upsampled_inputs, width)](
                const HostImages& images) mutable {
     const auto& [layer_of, source, coarse, result] = declared;
     const HostConvolution& convolution = current.get(*weights);
     const float* const from = images.read<float>(source.image).data();
     const float* const half = coarse ? images.read<float>(coarse->image).data() : nullptr;
-    const std::span<float> to = images.write<float>(result_image);
-    const Framed* const framed = std::get_if<Framed>(&result);
-    const int outputs = layer_of(weights->network()).outputs;
-    const std::ptrdiff_t row_floats = std::ptrdiff_t{size.width + 2} * outputs;
-    for_rows(size.height, [&](int begin, int end) {
+    float* const to = images.write<float>(result.image).data();
+    for_rows(result.size.height, [&](int begin, int end) {
       HostConvolution::Rows rows(convolution);
-      std::vector<float> row(framed ? 0 : row_floats);
       for (int y = begin; y < end; ++y) {
-        if (framed) {
-          float* const framed_row = to.data() + (y + 1) * row_floats;
-          rows.make(y, from, half, framed_row);
-          frame_row(*framed, y, framed_row);
-        } else {
-          rows.make(y, from, half, row.data());
-          row_to_planes(row.data(), size, outputs, y, to);
-        }
+        float* const row = to + (y + 1) * result.row_floats();
+        rows.make(y, from, half, row);
+        frame_row(result, y, row);
       }
     });
   });
@@ -207,18 +188,6 @@ Framed add_pool(Chain& chain, const std::string& name, const Framed& fine) {
   return pooled;
 }
 
-void add_planes(Chain& chain, const Framed& framed, ImageId planes) {
-  chain.host_pass("smooth/host_planes").read(framed.image).write(planes).run([=](const HostImages& images) {
-    const float* const first = images.read<float>(framed.image).data() + framed.row_floats();
-    const std::span<float> to = images.write<float>(planes);
-    for_rows(framed.size.height, [&](int begin, int end) {
-      for (int y = begin; y < end; ++y) {
-        row_to_planes(first + y * framed.row_floats(), framed.size, framed.channels, y, to);
-      }
-    });
-  });
-}
-
 }  // namespace
 
 LayerOf encoder(std::size_t scale) {
@@ -236,32 +205,32 @@ LayerOf finisher() {
 std::array<ImageId, kScales> add_host_features(Chain& chain, const std::array<int, kScales>& channels,
                                                const std::shared_ptr<const HostWeights>& weights, Extent size,
                                                ImageId inputs) {
-  std::array<ImageId, kScales> features;
-  const auto extent = [&](std::size_t scale) { return Extent{size.width >> scale, size.height >> scale}; };
+  const auto image = [&](std::string_view name, std::size_t scale) {
+    return Framed(chain, fmt::format("network.{}.L{}", name, scale),
+                  {size.width >> scale, size.height >> scale}, channels[scale]);
+  };
+  std::vector<Framed> features;
   for (std::size_t i = 0; i < kScales; ++i) {
-    features[i] = chain.image(fmt::format("network.features.L{}", i), Format::f32x4,
-                              extent(i).with_planes(channels[i] / kPlane));
-  }
-  std::vector<Framed> framed;
-  for (std::size_t i = 0; i < kScales; ++i) {
-    std::optional<Framed> pooled;
-    if (i > 0) pooled = add_pool(chain, fmt::format("network.framed.pooled.L{}", i), framed.back());
-    framed.emplace_back(chain, fmt::format("network.framed.encode.L{}", i), extent(i), channels[i]);
-    if (pooled) {
-      add_layer(chain, weights, {encoder(i), *pooled, std::nullopt, framed.back()});
+    const Framed encoded = image("encode", i);
+    if (i == 0) {
+      add_first_layer(chain, weights, size, inputs, encoded);
     } else {
-      add_first_layer(chain, weights, size, inputs, framed.back());
+      const Framed pooled = add_pool(chain, fmt::format("network.pooled.L{}", i), features.back());
+      add_layer(chain, weights, {encoder(i), pooled, std::nullopt, encoded});
     }
+    features.push_back(encoded);
   }
   for (std::size_t i = kScales - 1; i-- > 0;) {
-    const Framed decoded(chain, fmt::format("network.framed.decode.L{}", i), extent(i), channels[i]);
-    add_layer(chain, weights, {decoder(i), framed[i], framed[i + 1], decoded});
-    framed[i] = decoded;
+    const Framed decoded = image("decode", i);
+    add_layer(chain, weights, {decoder(i), features[i], features[i + 1], decoded});
+    features[i] = decoded;
   }
-  // Planes are written after the last decoder: earlier, each scale would take its memory twice until then.
-  for (std::size_t i = 1; i < kScales; ++i) add_planes(chain, framed[i], features[i]);
-  add_layer(chain, weights, {finisher(), framed[0], std::nullopt, features[0]});
-  return features;
+  const Framed finished = image("finish", 0);
+  add_layer(chain, weights, {finisher(), features[0], std::nullopt, finished});
+  features[0] = finished;
+  std::array<ImageId, kScales> images;
+  std::ranges::transform(features, images.begin(), &Framed::image);
+  return images;
 }
 
 }  // namespace becalm::filter

@@ -36,7 +36,7 @@ LayerOf finisher();
 
 /// Declares the host passes that compute the network's features of every scale by oneDNN, on devices that are
 /// processors. On other devices shaders/smooth/convolve*.comp and pool.comp compute them. `inputs` has the
-/// size `size`, a multiple of 2^(kScales - 1).
+/// size `size`, a multiple of 2^(kScales - 1). The features are framed (shaders/lib/head.glsl).
 std::array<gpu::ImageId, kScales> add_host_features(gpu::Chain& chain,
                                                     const std::array<int, kScales>& channels,
                                                     const std::shared_ptr<const HostWeights>& weights,

@@ -82,6 +82,7 @@ NetworkPasses::NetworkPasses(Chain& chain, const Weights& trained, Extent full, 
       padded_{padded_px(full.width), padded_px(full.height)},
       strip_(strip),
       merged_(frame.own_color != frame.color),
+      framed_(convolver == Convolver::host ? 1 : 0),
       host_weights_(std::make_shared<HostWeights>(used(trained.network))) {
   const NetworkWeights& weights = host_weights_->network();
   const Demodulated beauty = add_demodulate(chain, frame, "beauty", {frame.color, frame.own_color});
@@ -157,8 +158,7 @@ NetworkPasses::Demodulated NetworkPasses::add_demodulate(Chain& chain, const Noi
 ImageId NetworkPasses::add_inputs(Chain& chain, const NoisyInputs& frame, const Demodulated& demodulated,
                                   bool variance_known) const {
   const int count = merged_ ? kNetworkInputs : kSingleFrameInputs;
-  const ImageId inputs =
-      chain.image("network.inputs", Format::f32x4, padded_.with_planes(count / kPlane));
+  const ImageId inputs = chain.image("network.inputs", Format::f32x4, padded_.with_planes(count / kPlane));
   // Plane by plane: the inputs of 1920x1080 pixels are more than some devices can bind at once.
   chain.pass("smooth/inputs")
       .read("irradiance", demodulated.irradiance.merged)
@@ -244,6 +244,7 @@ void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, con
         .write("irradiance_confidence", irradiance_confidence[i])
         .write("affinities", affinities[i])
         .specialize("planes", planes(i))
+        .specialize("framed", framed_)
         .dispatch(extent(i));
   }
   std::optional<ImageId> coarse;
@@ -260,6 +261,7 @@ void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, con
               gpu::reach(1))
         .write("result", result)
         .specialize("planes", planes(i))
+        .specialize("framed", framed_)
         .specialize("has_coarse", coarse ? 1 : 0)
         .specialize("has_own", i == 0 ? 1 : 0)
         .specialize("strip", strip)
@@ -281,6 +283,7 @@ void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, con
       .write("smoothed", smoothed)
       .write("stats", stats)
       .specialize("planes", planes(0))
+      .specialize("framed", framed_)
       .specialize("albedos", !frame.has_albedo                      ? 0
                              : frame.own_features == frame.features ? 1
                                                                     : 2)

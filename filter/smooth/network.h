@@ -99,6 +99,7 @@ class NetworkPasses {
   gpu::Extent padded_;
   std::optional<int> strip_;
   bool merged_;
+  int framed_;  ///< features are as add_host_features() makes them
   std::vector<PackedWeights> weights_;
   std::shared_ptr<HostWeights> host_weights_;
   Scales features_;

@@ -128,8 +128,11 @@ Layer without_repeated_inputs(const Layer& layer) {
   assert(layer.inputs == kNetworkInputs);
   constexpr int grey = kNetworkInputs - 1;
   constexpr int first_feature = 3;
-  Layer result{
-      .inputs = kSingleFrameInputs, .outputs = layer.outputs, .side = layer.side, .weight = {}, .bias = layer.bias};
+  Layer result{.inputs = kSingleFrameInputs,
+               .outputs = layer.outputs,
+               .side = layer.side,
+               .weight = {},
+               .bias = layer.bias};
   for (int o = 0; o < layer.outputs; ++o) {
     for (int i = 0; i < kSingleFrameInputs; ++i) {
       const int repeated = i - first_feature + kSingleFrameInputs;

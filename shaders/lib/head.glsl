@@ -1,6 +1,7 @@
 // A 1x1 layer on the features of the `strip` pixels, below one another, that an invocation computes. The
-// including kernel defines the constants `planes` (of four features each) and `strip`, the texel buffers
-// `features` and `weights`, and kMostOutputs, the largest number of outputs. `weights` holds for each output
+// including kernel defines the constants `planes` (of four features each), `strip` and `framed`, the texel
+// buffers `features` and `weights`, and kMostOutputs, the largest number of outputs. `features` are planes or, if
+// `framed`, pixels with all their features and a pixel more on each side. `weights` holds for each output
 // one vector per plane, then all biases, four in a vector. They are copied to shared memory and read there at
 // literal offsets, outside of all branches (lib/convolution_weights.glsl says why).
 
@@ -14,6 +15,11 @@ void load_head(int outputs) {
   barrier();
 }
 
+int index_of_features(int plane, ivec2 at, ivec2 image_size) {
+  const int in_frame = ((at.y + 1) * (image_size.x + 2) + at.x + 1) * planes + plane;
+  return framed != 0 ? in_frame : (plane * image_size.y + at.y) * image_size.x + at.x;
+}
+
 /// Output o of pixel s is head[s * kMostOutputs + o]. A global, since an array of specialized size cannot be a
 /// parameter.
 float head[strip * kMostOutputs];
@@ -24,7 +30,7 @@ void apply_head(int outputs, ivec2 first, ivec2 image_size) {
   [[unroll]] for (int s = 0; s < strip; ++s) {
     const int row = min(first.y + s, image_size.y - 1);
     [[unroll]] for (int g = 0; g < planes; ++g) {
-      f[s * planes + g] = texelFetch(features, (g * image_size.y + row) * image_size.x + first.x);
+      f[s * planes + g] = texelFetch(features, index_of_features(g, ivec2(first.x, row), image_size));
     }
   }
   [[unroll]] for (int o = 0; o < outputs; ++o) {

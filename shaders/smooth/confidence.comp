@@ -9,6 +9,7 @@
 #include "lib/network.glsl"
 
 layout(constant_id = 0) const int planes = 4;  // of four features each
+layout(constant_id = 1) const int framed = 0;  // as lib/head.glsl has it
 
 layout(local_size_x = 128, local_size_y = 1) in;
 layout(set = 0, binding = 0) uniform samplerBuffer features;

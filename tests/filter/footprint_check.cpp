@@ -36,18 +36,18 @@ int floor_div(int a, int b) {
   return static_cast<int>(std::floor(static_cast<double>(a) / b));
 }
 
-/// How the elements of an image lie. Images of scalars that host passes use have an extra pixel around them
-/// and the channels of a pixel side by side (smooth/host_features.cpp); others are planes.
+/// How the elements of an image lie. Framed images have an extra pixel around them and the channels of a
+/// pixel side by side (smooth/host_features.cpp); they are wide, since frames are square. Others are planes.
 struct Layout {
-  Layout(const Chain& chain, const DeclaredPass& pass, ImageId image) {
+  Layout(const Chain& chain, ImageId image) {
     const gpu::Extent extent = chain.extent(image);
     const gpu::Format format = chain.format(image);
     channels = static_cast<int>(gpu::bytes_per_element(format) / sizeof(float));
-    const bool framed = pass.name.starts_with("smooth/host_") && format == gpu::Format::f32;
+    const bool framed = extent.height > 1 && extent.width > extent.height;
     frame = framed ? 1 : 0;
     stride = framed ? extent.height : extent.width;
     side = stride - 2 * frame;
-    if (framed) channels = extent.width / extent.height;
+    if (framed) channels *= extent.width / extent.height;
     planes = extent.planes;
   }
 
@@ -79,9 +79,9 @@ class Check {
  public:
   Check(const Chain& chain, std::size_t pass, const TileSizes& sizes)
       : declared_(chain.declared_passes()[pass]), single_(chain.single_pass(pass)) {
-    for (const ImageId image : declared_.writes) written_.emplace_back(chain, declared_, image);
+    for (const ImageId image : declared_.writes) written_.emplace_back(chain, image);
     for (const auto& [image, footprint] : declared_.reads) {
-      layouts_.emplace_back(chain, declared_, image);
+      layouts_.emplace_back(chain, image);
       if (footprint.kind != Footprint::Kind::gathered) continue;
       const int pixel_px = sizes.target / written_.front().side;
       origin_ = sizes.origin / pixel_px;

@@ -20,6 +20,8 @@ inline std::set<LayerShape> convolution_shapes() {
   for (const filter::NetworkWeights* network :
        {&filter::embedded_weights(), &filter::embedded_albedo_weights()}) {
     for (const filter::Layer& layer : network->encode) shapes.insert({0, layer.inputs, layer.outputs});
+    const filter::Layer of_single = filter::of_single_frame(*network).encode[0];
+    shapes.insert({0, of_single.inputs, of_single.outputs});
     for (std::size_t scale = 0; scale < network->decode.size(); ++scale) {
       const filter::Layer& layer = network->decode[scale];
       const int coarse = network->channels[scale + 1];

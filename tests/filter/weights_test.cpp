@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cstddef>
+#include <vector>
+
+#include "tests/filter/random_values.h"
 
 namespace becalm::filter {
 namespace {
@@ -29,6 +32,26 @@ TEST(Weights, BetweenTwoNetworksLieTheirMeans) {
   expect_between(independent.finish, shared.finish, middle.finish);
   expect_between(independent.albedo, shared.albedo, middle.albedo);
   expect_between(independent.error, shared.error, middle.error);
+}
+
+TEST(Weights, OfASingleFrameMakeTheSameOfInputsThatRepeatOthers) {
+  std::vector<float> inputs = random_values(kSingleFrameInputs, 1);
+  const float grey = (inputs[0] + inputs[1] + inputs[2]) / 3.0f;
+  for (int feature = 3; feature < 10; ++feature) inputs.push_back(inputs[feature]);
+  inputs.push_back(grey);
+  ASSERT_EQ(inputs.size(), std::size_t{kNetworkInputs});
+  const Layer& all = embedded_weights().encode[0];
+  const Layer single = of_single_frame(embedded_weights()).encode[0];
+  ASSERT_EQ(single.inputs, kSingleFrameInputs);
+  EXPECT_EQ(single.bias, all.bias);
+  const auto sum = [&](const Layer& layer, int output, int tap) {
+    double total = 0.0;
+    for (int i = 0; i < layer.inputs; ++i) total += layer.at(output, i, tap / 3, tap % 3) * inputs[i];
+    return total;
+  };
+  for (int output = 0; output < all.outputs; ++output) {
+    for (int tap = 0; tap < 9; ++tap) ASSERT_NEAR(sum(single, output, tap), sum(all, output, tap), 1e-5);
+  }
 }
 
 }  // namespace
