@@ -1,6 +1,8 @@
 // Steps, memory, pipelines and descriptors of a chain whose declarations have been checked.
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 #include <functional>
 #include <set>
 #include <utility>
@@ -32,10 +34,19 @@ vk::Format texel_format(Format format) {
   return vk::Format::eUndefined;
 }
 
+/// llvmpipe (Mesa 22.3) compiles a kernel again for texel buffers whose size in bytes is a power of two or
+/// has zeros in bits 8 to 15, which it takes for the sizes and mipmap levels of textures. Such buffers are
+/// larger than their images.
+std::uint64_t buffer_bytes(std::uint64_t image_bytes) {
+  std::uint64_t bytes = image_bytes;
+  while (std::has_single_bit(bytes) || (bytes >> 8 & 0xff) == 0) bytes += 256;
+  return bytes;
+}
+
 vk::BufferCreateInfo buffer_of(const ImageDeclaration& image) {
   using Usage = vk::BufferUsageFlagBits;
   return {{},
-          image.bytes(),
+          buffer_bytes(image.bytes()),
           Usage::eStorageBuffer | Usage::eUniformTexelBuffer | Usage::eTransferSrc | Usage::eTransferDst};
 }
 

@@ -261,7 +261,7 @@ ImageId add_six_passes(Chain& chain, ImageId input, Extent extent) {
 }
 
 TEST_F(ChainTest, SaysWhatMemoryItHolds) {
-  constexpr Extent extent{1024, 64};
+  constexpr Extent extent{1000, 64};  // whose buffers are as large as the images
   constexpr std::uint64_t bytes = extent.elements() * 4;
   for (const bool alias : {true, false}) {
     ChainOptions options = test_options(alias);
@@ -284,7 +284,7 @@ TEST_F(ChainTest, SaysWhatMemoryItHolds) {
 TEST_F(ChainTest, UsesInputsAndOutputsInPlaceOnAProcessor) {
   if (!validated_device().info().is_processor)
     GTEST_SKIP() << "hardware has memory of its own: nothing is in place";
-  constexpr Extent extent{1024, 64};
+  constexpr Extent extent{1000, 64};  // whose buffers are as large as the images
   Chain chain(validated_device(), "in place", test_options());
   const ImageId unused = chain.input("unused", Format::f32, extent);
   const ImageId input = chain.input("input", Format::f32, extent);
