@@ -118,10 +118,10 @@ void add_layer(Chain& chain, const std::shared_ptr<const HostWeights>& weights, 
   const int upsampled_inputs = declared.coarse ? declared.coarse->channels : 0;
   pass.run([=, current = CurrentConvolution(declared.layer_of, upsampled_inputs, width)](
                const HostImages& images) mutable {
-    const auto& [layer_of, source, coarse, result] = declared;
+    const Framed& result = declared.result;
     const HostConvolution& convolution = current.get(*weights);
-    const float* const from = images.read<float>(source.image).data();
-    const float* const half = coarse ? images.read<float>(coarse->image).data() : nullptr;
+    const float* const from = images.read<float>(declared.source.image).data();
+    const float* const half = declared.coarse ? images.read<float>(declared.coarse->image).data() : nullptr;
     float* const to = images.write<float>(result.image).data();
     for_rows(result.size.height, [&](int begin, int end) {
       HostConvolution::Rows rows(convolution);
