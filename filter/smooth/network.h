@@ -70,6 +70,7 @@ class NetworkPasses {
   using Coarse = std::optional<CoarseFeatures>;
 
   gpu::Extent extent(std::size_t scale) const;
+  /// The weights as the passes read them: of_single_frame() unless the frame is merged.
   NetworkWeights used(const NetworkWeights& network) const;
   using Pack = std::function<std::vector<float>(const NetworkWeights&)>;
   struct PackedWeights {

@@ -58,7 +58,7 @@ constexpr int kOwnShareInputs = 5;
 constexpr int kOwnShareHidden = 16;
 using OwnShareWeights = std::array<Layer, 3>;
 
-/// The same function of a single frame, whose first layer reads the first kSingleFrameInputs alone.
+/// The network for single frames: computes the same from the first kSingleFrameInputs of its inputs.
 NetworkWeights of_single_frame(NetworkWeights weights);
 
 /// What is embedded in the program: for noise that is independent from pixel to pixel, and the same network

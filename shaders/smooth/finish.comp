@@ -12,7 +12,7 @@
 layout(constant_id = 0) const int planes = 4;  // of four features each
 // 0: all albedos are 1; 1: the albedo of the frame itself is `albedo_depth`; 2: it is `own_albedo_depth`
 layout(constant_id = 1) const int albedos = 2;
-layout(constant_id = 2) const int strip = 1;  // rows of pixels that one invocation computes
+layout(constant_id = 2) const int strip = 1;   // rows of pixels that one invocation computes
 layout(constant_id = 3) const int framed = 0;  // as lib/head.glsl has it
 
 layout(local_size_x = 128, local_size_y = 1) in;

@@ -12,7 +12,7 @@ layout(constant_id = 0) const int planes = 4;      // of four features each
 layout(constant_id = 1) const int has_coarse = 1;  // 0: this is the coarsest scale
 layout(constant_id = 2) const int has_own = 1;     // 1: this is the finest scale
 layout(constant_id = 3) const int strip = 1;       // rows of pixels that one invocation computes
-layout(constant_id = 4) const int framed = 0;       // as lib/head.glsl has it
+layout(constant_id = 4) const int framed = 0;      // as lib/head.glsl has it
 
 layout(local_size_x = 128, local_size_y = 1) in;
 layout(push_constant) uniform Sizes { ivec2 affinities_size; };
